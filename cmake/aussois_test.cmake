@@ -1,0 +1,15 @@
+# aussois_test(<name> LABEL <label> SOURCES ... USES ...): one GoogleTest executable, its tests discovered.
+# Tests read AUSSOIS_DATA_DIR from the environment (empty: skip) and AUSSOIS_SOURCE_DIR for their small inputs.
+include(GoogleTest)
+function(aussois_test name)
+  cmake_parse_arguments(arg "" "LABEL;TIMEOUT" "SOURCES;USES" ${ARGN})
+  if(NOT arg_TIMEOUT)
+    set(arg_TIMEOUT 300)
+  endif()
+  add_executable(${name} ${arg_SOURCES})
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_link_libraries(${name} PRIVATE ${arg_USES} aussois_warnings GTest::gtest_main)
+  target_compile_definitions(${name} PRIVATE AUSSOIS_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  gtest_discover_tests(${name} TEST_PREFIX "${arg_LABEL}." DISCOVERY_TIMEOUT 60
+    PROPERTIES LABELS "${arg_LABEL}" TIMEOUT ${arg_TIMEOUT} ENVIRONMENT "AUSSOIS_DATA_DIR=${AUSSOIS_DATA_DIR}")
+endfunction()

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// The two kinds of wrong: the caller's (an exception at the door) and our own (an assertion).
+#pragma once
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+namespace aussois {
+
+/// Throws std::invalid_argument with `text` unless `condition` holds.
+inline void require(bool condition, const std::string& text) {
+  if (!condition) throw std::invalid_argument(text);
+}
+
+/// Throws std::invalid_argument "field = value must ..." unless `condition` holds; `bound` names the bound.
+template <class Value>
+void require_field(bool condition, const char* field, const Value& value, const char* bound) {
+  if (condition) return;
+  std::ostringstream text;
+  text.precision(17);
+  text << field << " = " << value << " must " << bound;
+  throw std::invalid_argument(text.str());
+}
+
+}  // namespace aussois
+
+/// Our own mistake, not the caller's: on unless NDEBUG is set.
+#ifdef NDEBUG
+#define AUSSOIS_ASSERT(condition) ((void)0)
+#else
+#define AUSSOIS_ASSERT(condition)                                                              \
+  ((condition) ? (void)0                                                                       \
+               : (std::fprintf(stderr, "%s:%d: broken: %s\n", __FILE__, __LINE__, #condition), \
+                  std::abort()))
+#endif

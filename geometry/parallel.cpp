@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "geometry/parallel.hpp"
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+namespace aussois {
+
+void parallel_for(int n, int threads, const std::function<void(int)>& f) {
+  if (threads <= 1 || n <= 1) {
+    for (int i = 0; i < n; ++i) f(i);
+    return;
+  }
+  tbb::task_arena arena(threads);
+  arena.execute([&] { tbb::parallel_for(0, n, f, tbb::simple_partitioner{}); });
+}
+
+}  // namespace aussois

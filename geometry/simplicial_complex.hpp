@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// The simplicial complex: points, edges and triangles of mixed dimension with their incidences (CPX-1), (CPX-2).
+// |K| is the disjoint union of the open simplices. A *solid* is a closed oriented triangle surface.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "geometry/se3.hpp"
+
+namespace aussois {
+
+/// Compressed rows: the items of row i are items[begin[i]] ... items[begin[i + 1] - 1], ascending.
+struct Incidence {
+  std::vector<int> begin{};
+  std::vector<int> items{};
+  std::span<const int> operator[](int row) const {
+    return {items.data() + begin[std::size_t(row)], items.data() + begin[std::size_t(row) + 1]};
+  }
+};
+
+struct SimplicialComplex {
+  std::vector<Vec3> vertices{};                 // [m], in the frame of the mesh
+  std::vector<std::array<int, 2>> edges{};      // all edges, those of triangles included; ascending indices, sorted
+  std::vector<std::array<int, 3>> triangles{};  // counter-clockwise seen from outside, in the order given
+  std::vector<std::array<int, 3>> triangle_edges{};  // edge k of a triangle joins its corners k and k + 1
+  Incidence edge_triangles{};                   // 0, 1, 2 or more triangles on an edge
+  Incidence vertex_edges{};
+  Incidence vertex_triangles{};
+  bool solid = false;  // the triangles bound a volume and face outwards; otherwise they are two-sided sheets
+};
+
+/// Builds edges and incidences from triangles, wires (edges without triangles) and points (vertices alone).
+/// Throws std::invalid_argument naming the first simplex with an index out of range, a repeated vertex, or a
+/// coordinate that is not finite. `solid` is set by the caller's word and checked: every edge must have two
+/// triangles with opposite orientation, otherwise std::invalid_argument (the message counts the offending edges).
+SimplicialComplex make_complex(std::vector<Vec3> vertices, std::vector<std::array<int, 3>> triangles,
+                               std::vector<std::array<int, 2>> wires = {}, bool solid = false);
+
+/// True if every edge has exactly two triangles, traversed in opposite directions.
+bool is_closed_oriented(const SimplicialComplex& complex);
+
+/// Largest distance of a vertex from `centre` [m].
+double radius_about(const SimplicialComplex& complex, const Vec3& centre);
+
+struct Box {
+  Vec3 lo = Vec3::Constant(kInf), hi = Vec3::Constant(-kInf);  // [m]
+  double diagonal() const { return (hi - lo).norm(); }
+};
+Box bounding_box(const SimplicialComplex& complex);
+
+/// The same complex with vertices g * (scale * x).
+SimplicialComplex transformed(const SimplicialComplex& complex, const SE3& g, double scale = 1.0);
+
+}  // namespace aussois

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// Rotations: exponential, logarithm and their differentials on SO(3), equations (SO3-1) to (SO3-6).
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "geometry/types.hpp"
+
+namespace aussois {
+
+using Quat = Eigen::Quaterniond;
+
+/// skew(a) b = a x b.
+Mat3 skew(const Vec3& a);
+
+/// Unit quaternion of the rotation by |phi| [rad] about phi (SO3-1); series below 1e-4 rad.
+Quat exp_so3(const Vec3& phi);
+
+/// Rotation vector [rad] with |log| <= pi (SO3-2). At pi the axis is the one whose first nonzero entry is positive.
+Vec3 log_so3(const Quat& R);
+
+/// Left differential: d/de exp(phi + e dphi) = skew(dexp_left(phi) dphi) exp(phi) (SO3-3).
+Mat3 dexp_left(const Vec3& phi);
+/// Right differential: d/de exp(phi + e dphi) = exp(phi) skew(dexp_right(phi) dphi) (SO3-4).
+Mat3 dexp_right(const Vec3& phi);
+/// Inverses of the two (SO3-5), (SO3-6); defined for |phi| < 2 pi.
+Mat3 dexp_left_inverse(const Vec3& phi);
+Mat3 dexp_right_inverse(const Vec3& phi);
+
+/// Angle of the rotation that takes a to b, in [0, pi] [rad], from the quaternion without acos.
+double angle_between(const Quat& a, const Quat& b);
+
+}  // namespace aussois
