@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// What contact determination finds: local minima of the distance between two dilated complexes (LMD-3).
+#pragma once
+
+#include <array>
+#include <compare>
+#include <cstdint>
+#include <vector>
+
+#include "geometry/types.hpp"
+
+namespace aussois {
+
+/// The open simplex that carries a proximal point.
+struct Feature {
+  int body = -1;                 // index of the posed shape
+  int dim = 0;                   // 0 vertex, 1 edge, 2 face
+  int simplex = 0;               // index among the simplices of that dimension
+  int region = 0;                // what the simplex is part of after idealisation: the vertex itself, the straight
+                                 // chain of an edge, the planar region of a face; does not depend on the triangulation
+  std::array<double, 3> bary{};  // barycentric coordinates of the proximal point on the simplex
+};
+
+/// What tells one contact from another from step to step: (body, dim, region) of both sides.
+struct ContactKey {
+  std::array<std::int32_t, 6> value{};
+  auto operator<=>(const ContactKey&) const = default;
+};
+
+struct ContactPoint {
+  Feature a{}, b{};
+  Vec3 x_a = Vec3::Zero();      // proximal point on the dilated surface of A, world [m]
+  Vec3 x_b = Vec3::Zero();      // the same on B
+  Vec3 normal = Vec3::UnitZ();  // unit, world, points from B to A
+  double gap = 0;               // normal . (x_a - x_b) [m]; negative where the dilated shapes overlap
+  double angle_margin = 0;      // how far the normal is inside the enlarged cones [rad], >= 0; never negative
+};
+
+ContactKey key_of(const ContactPoint& contact);
+
+/// Sorted by (a.body, b.body, a.dim, a.simplex, b.dim, b.simplex): the order is part of the result.
+struct ContactSet {
+  std::vector<ContactPoint> points{};
+};
+
+/// Smallest gap of the set [m]; kInf if it is empty.
+double smallest_gap(const ContactSet& contacts);
+
+}  // namespace aussois

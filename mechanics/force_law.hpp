@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// The one open door of mechanics: anything that adds a generalised force (MEC-5).
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "geometry/types.hpp"
+
+namespace aussois {
+
+struct Model;
+struct State;
+
+/// Forces and their derivatives in the velocity coordinates: six rows per body of the model (fixed ones too),
+/// force in the world at the centre of mass [N], torque in the body [N m].
+struct GeneralisedForce {
+  VecX f{};                   // 6 x bodies
+  std::vector<Triplet> K{};   // -df/dq along the twist coordinates [N/m, N, N m]
+  std::vector<Triplet> C{};   // -df/dv [N s/m, N s, N m s]
+};
+
+struct ForceLaw {
+  std::string name{};
+  /// Adds the force at time t, at the poses and velocities of the state (whose own t is the start of the step).
+  std::function<void(const Model&, const State&, double t, GeneralisedForce&)> add_to{};
+  /// Potential energy [J] at the state; empty: none (dissipative or not conservative).
+  std::function<double(const Model&, const State&, double t)> potential{};
+};
+
+}  // namespace aussois

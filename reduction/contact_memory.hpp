@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// The contacts of the last step with their impulses, matched to the present ones by feature keys (RED-5), (RED-6).
+#pragma once
+
+#include <vector>
+
+#include "lmd/contact_point.hpp"
+
+namespace aussois {
+
+struct RememberedContact {
+  ContactKey key{};
+  Vec3 normal = Vec3::UnitZ();  // world, from B to A
+  Vec3 point_a = Vec3::Zero();  // proximal point in world coordinates when it was remembered [m]
+  Vec3 impulse = Vec3::Zero();  // on A, world [N s]
+};
+
+/// Part of the State: a plain value, sorted by key.
+struct ContactMemory {
+  std::vector<RememberedContact> contacts{};
+};
+
+struct WarmStart {
+  std::vector<Vec3> impulse{};  // on A, world [N s], one per contact; zero where nothing matches
+  int matched = 0;
+};
+
+/// Impulses to start the solver with (RED-5): matched by key, turned from the old to the new normal by the smallest
+/// rotation; `scale` is h_new / h_old.
+WarmStart warm_start(const ContactMemory& memory, const ContactSet& contacts, double scale = 1.0);
+
+/// `impulses[i]` acts on A of contact i, world [N s]. Of two contacts with one key the first (in set order) is kept.
+ContactMemory remember(const ContactSet& contacts, const std::vector<Vec3>& impulses);
+
+}  // namespace aussois
