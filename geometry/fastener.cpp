@@ -230,10 +230,10 @@ double thread_radius(const FastenerOptions& options, double s) {
 
 double thread_gap(const FastenerOptions& options) {
   validate(options);
-  // (CPX-6): F = r - radius(s) grows from at most 0 to at least `clearance`, with slope at most |grad F| at
-  // the root
+  // A segment from bolt to nut shorter than the clearance stays outside of this radius.
   const double root = options.diameter / 2 - options.clearance - thread_depth(options);
-  const double slope = std::sqrt(3.0), lead = options.pitch / (2 * kPi * root);
+  const double radius = root * std::cos(kPi / options.facets) - options.clearance / 2;
+  const double lead = options.pitch / (2 * kPi * radius), slope = std::sqrt(3.0);
   return options.clearance / std::sqrt(1 + slope * slope * (1 + lead * lead));
 }
 

@@ -9,7 +9,7 @@
 namespace aussois {
 namespace {
 
-// Upper right block of the left differential (SE3-7), after [Barfoot2017, (7.86)]: the derivative of
+// Upper right block of the left differential (SE3-7), after [Barfoot2017, ch. 7]: the derivative of
 // dexp_left along the translation, written with Stumpff functions so that it is smooth at zero.
 Mat3 coupling_block(const Vec3& v, const Vec3& omega) {
   const double x = omega.squaredNorm();
