@@ -23,8 +23,7 @@ struct ContactMemory {
 };
 
 struct WarmStart {
-  std::vector<Vec3>
-      impulse{};  // on A, world [N s], one per contact in the order of the set; zero where nothing matches
+  std::vector<Vec3> impulse{};  // on A, world [N s], one per contact of the set; zero where nothing matches
   int matched = 0;
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fewer contacts that can still carry the same loads (RED-1) to (RED-4): contacts of one body pair are
-// clustered by normal, and of each cluster the extreme points and the deepest one are kept. Sources:
-// [Moravanszky2004] for the extremes; the tie rule and the layer are ours.
+// clustered by normal, and of each cluster the extreme points and the deepest one are kept.
+// Source of the extremes: [Moravanszky2004]; the tie rule and the layer are ours.
 #pragma once
 
 #include <vector>
@@ -17,11 +17,10 @@ enum class Reducer {
 
 struct ReductionOptions {
   Reducer reducer = Reducer::extreme_points;
-  double cluster_angle =
-      0.1;  // contacts whose normals differ from the seed's by at most this [rad], in (0, pi/2]
-  int min_per_cluster = 4;  // sets of at most this size are kept whole, >= 1
-  double tie = 1e-3;  // extremes within this fraction of the cluster's extent are tied, in [0, 0.1]; larger
-                      // than the flatness of real meshes, or noise chooses the corners
+  double cluster_angle = 0.1;  // largest angle of a normal to that of its seed [rad], in (0, pi/2]; taste
+  int min_per_cluster = 4;     // sets of at most this size are kept whole, >= 1
+  double tie = 1e-3;    // extremes within this fraction of the cluster's extent are tied, in [0, 0.1]; larger
+                        // than the flatness of real meshes, or noise chooses the corners
   double layer = 1e-5;  // contacts within this of the deepest keep extremes of their own [m], >= 0; taste
 };
 void validate(const ReductionOptions& options);  // throws std::invalid_argument: field, value, bound

@@ -2,21 +2,16 @@
 // doc/theory/reduction.md, memory and warm start.
 #include "reduction/contact_memory.hpp"
 
+#include <algorithm>
 #include <cmath>
-#include <random>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "tests/support/random.hpp"
+
 namespace aussois {
 namespace {
-
-double uniform(std::mt19937_64& random, double lo, double hi) {
-  return lo + (hi - lo) * double(random() >> 11) * 0x1p-53;
-}
-Vec3 random_vector(std::mt19937_64& random) {
-  return {uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1)};
-}
 
 ContactPoint contact(int region_a, int region_b, const Vec3& x_a = Vec3::Zero(),
                      const Vec3& normal = Vec3::UnitZ()) {
@@ -61,17 +56,17 @@ TEST(WarmStart, TurnsTheImpulseWithTheNormal) {
 
 // Against Eigen's own two-vector rotation; so an impulse in the cone stays in the cone.
 TEST(WarmStart, KeepsTheAngleToTheNormal) {
-  std::mt19937_64 random(11);
+  Random random(11);
   int matched = 0;
   for (int trial = 0; trial < 200; ++trial) {
-    const Vec3 old_normal = random_vector(random).normalized(), normal = random_vector(random).normalized();
-    const Vec3 old_r = random_vector(random);
+    const Vec3 old_normal = random.direction(), normal = random.direction();
+    const Vec3 old_r = random.vector();
     const ContactMemory memory = remember({{contact(1, 1, Vec3::Zero(), old_normal)}}, {old_r});
     const WarmStart start = warm_start(memory, {{contact(1, 1, Vec3::Zero(), normal)}});
     EXPECT_EQ(start.matched, normal.dot(old_normal) > 0 ? 1 : 0) << "trial " << trial;
     if (start.matched == 0) continue;
     ++matched;
-    const Vec3 expected = Eigen::Quaterniond::FromTwoVectors(old_normal, normal) * old_r;
+    const Vec3 expected = Quat::FromTwoVectors(old_normal, normal) * old_r;
     EXPECT_LT((start.impulse[0] - expected).norm(), 1e-14) << "trial " << trial;
     EXPECT_NEAR(start.impulse[0].dot(normal), old_r.dot(old_normal), 1e-14);
     EXPECT_NEAR(start.impulse[0].norm(), old_r.norm(), 1e-14);
@@ -105,19 +100,19 @@ TEST(WarmStart, MatchesTheNearestOfEqualKeys) {
 }
 
 TEST(WarmStart, DoesNotDependOnTheOrderOfTheSets) {
-  std::mt19937_64 random(5);
+  Random random(5);
   for (int trial = 0; trial < 50; ++trial) {
     ContactSet old, now;
     std::vector<Vec3> r;
     for (int i = 0; i < 30; ++i) {  // 9 keys for 30 contacts
-      old.points.push_back(contact(int(random() % 3), int(random() % 3), random_vector(random)));
-      now.points.push_back(contact(int(random() % 3), int(random() % 3), random_vector(random)));
-      r.push_back(random_vector(random));
+      old.points.push_back(contact(random.index(3), random.index(3), random.vector()));
+      now.points.push_back(contact(random.index(3), random.index(3), random.vector()));
+      r.push_back(random.vector());
     }
     const WarmStart start = warm_start(remember(old, r), now);
     EXPECT_GT(start.matched, 10);
     for (std::size_t i = 29; i > 0; --i) {
-      const std::size_t j = random() % (i + 1);
+      const std::size_t j = std::size_t(random.index(int(i) + 1));
       std::swap(old.points[i], old.points[j]);
       std::swap(r[i], r[j]);
     }

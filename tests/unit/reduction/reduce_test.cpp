@@ -4,26 +4,14 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
-#include <random>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "tests/support/random.hpp"
+
 namespace aussois {
 namespace {
-
-double uniform(std::mt19937_64& random, double lo, double hi) {
-  return lo + (hi - lo) * double(random() >> 11) * 0x1p-53;
-}
-
-Eigen::Quaterniond random_rotation(std::mt19937_64& random) {
-  Eigen::Vector4d q;
-  do {
-    for (double& x : q) x = uniform(random, -1, 1);
-  } while (q.norm() > 1 || q.norm() < 0.1);
-  return Eigen::Quaterniond(q.normalized());
-}
 
 void add(ContactSet& set, const Vec3& point, const Vec3& normal, double gap = 0) {
   ContactPoint c;
@@ -55,7 +43,7 @@ std::vector<Vec2> rotated(std::vector<Vec2> points, double angle) {
   return points;
 }
 
-ContactSet moved(ContactSet set, const Eigen::Quaterniond& R, const Vec3& p) {
+ContactSet moved(ContactSet set, const Quat& R, const Vec3& p) {
   for (ContactPoint& c : set.points) {
     c.x_a = R * c.x_a + p;
     c.x_b = R * c.x_b + p;
@@ -85,11 +73,11 @@ TEST(Reduce, KeepsTheCornersOfARotatedRectangle) {
 // A mesh that is flat and straight only within 1e-5 of its size. With ties resolved to rounding only, noise
 // chooses the corners and mostly loses one: that is why the default tie is what it is.
 TEST(Reduce, KeepsTheCornersOfANoisyRectangle) {
-  std::mt19937_64 random(7);
+  Random random(7);
   int lost_with_a_tight_tie = 0;
   for (int trial = 0; trial < 200; ++trial) {
     std::vector<Vec2> points = grid(6, 4, 0.3, 0.1);
-    for (Vec2& p : points) p += 3e-6 * Vec2(uniform(random, -1, 1), uniform(random, -1, 1));
+    for (Vec2& p : points) p += 3e-6 * Vec2(random.uniform(-1, 1), random.uniform(-1, 1));
     const ContactSet set = flat(points);
     EXPECT_EQ(reduce(set).kept, kGridCorners) << "trial " << trial;
     lost_with_a_tight_tie += measure_loss(set, reduce(set, {.tie = 1e-9})).margin < 0.9;
@@ -100,9 +88,9 @@ TEST(Reduce, KeepsTheCornersOfANoisyRectangle) {
 std::vector<Vec2> disc(int rim, int inside, std::uint64_t seed) {
   std::vector<Vec2> points;
   for (int i = 0; i < rim; ++i) points.push_back({std::cos(2 * kPi * i / rim), std::sin(2 * kPi * i / rim)});
-  std::mt19937_64 random(seed);
+  Random random(seed);
   while (int(points.size()) < rim + inside) {
-    const Vec2 p(uniform(random, -1, 1), uniform(random, -1, 1));
+    const Vec2 p(random.uniform(-1, 1), random.uniform(-1, 1));
     if (p.norm() < 0.95) points.push_back(p);
   }
   return points;
@@ -215,14 +203,14 @@ TEST(Reduce, KeepsClosedFeetUnderOpenCorners) {
 }
 
 // Random clusters with several normals, gaps and body pairs.
-ContactSet random_set(std::mt19937_64& random, int n) {
+ContactSet random_set(Random& random, int n) {
   ContactSet set;
   const Vec3 normals[] = {Vec3::UnitX(), Vec3(0, 0.6, 0.8), -Vec3::UnitX()};
   for (int i = 0; i < n; ++i) {
-    const Vec3 normal = normals[random() % 3];
-    const Vec3 point(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1));
-    add(set, point, normal, uniform(random, -1e-4, 1e-4));
-    set.points.back().b.body = 1 + int(random() % 2);
+    const Vec3 normal = normals[random.index(3)];
+    const Vec3 point(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+    add(set, point, normal, random.uniform(-1e-4, 1e-4));
+    set.points.back().b.body = 1 + random.index(2);
   }
   return set;
 }
@@ -237,12 +225,12 @@ std::vector<int> simplices_of(const ContactSet& set, const std::vector<int>& kep
 class ReduceRandom : public ::testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(ReduceRandom, DoesNotDependOnTheOrderOfTheSet) {
-  std::mt19937_64 random(GetParam());
+  Random random(GetParam());
   ContactSet set = random_set(random, 60);
   for (std::size_t i = 0; i < set.points.size(); i += 3) set.points[i].gap = 0;  // ties in depth
   ContactSet shuffled = set;
   for (std::size_t i = shuffled.points.size() - 1; i > 0; --i)
-    std::swap(shuffled.points[i], shuffled.points[random() % (i + 1)]);
+    std::swap(shuffled.points[i], shuffled.points[std::size_t(random.index(int(i) + 1))]);
   const Selection a = reduce(set), b = reduce(shuffled);
   EXPECT_EQ(simplices_of(set, a.kept), simplices_of(shuffled, b.kept));
   for (std::size_t i = 0; i < set.points.size(); ++i)
@@ -251,16 +239,16 @@ TEST_P(ReduceRandom, DoesNotDependOnTheOrderOfTheSet) {
 }
 
 TEST_P(ReduceRandom, MovesWithTheBodies) {
-  std::mt19937_64 random(GetParam());
+  Random random(GetParam());
   const ContactSet set = random_set(random, 60);
-  const Vec3 p(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1));
-  const Selection a = reduce(set), b = reduce(moved(set, random_rotation(random), p));
+  const Vec3 p(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+  const Selection a = reduce(set), b = reduce(moved(set, random.rotation(), p));
   EXPECT_EQ(a.kept, b.kept);
   EXPECT_EQ(a.cluster, b.cluster);
 }
 
 TEST_P(ReduceRandom, AlwaysKeepsTheDeepest) {
-  std::mt19937_64 random(GetParam());
+  Random random(GetParam());
   const ContactSet set = random_set(random, 60);
   const Selection selection = reduce(set);
   for (int k = 0; k < selection.cluster_count; ++k) {
@@ -275,9 +263,9 @@ TEST_P(ReduceRandom, AlwaysKeepsTheDeepest) {
 
 // The exact margin of (RED-7) against a scan of directions, which can only be larger, and not by much.
 TEST_P(ReduceRandom, MarginIsThatOfAScanOfDirections) {
-  std::mt19937_64 random(GetParam());
+  Random random(GetParam());
   std::vector<Vec2> points;
-  for (int i = 0; i < 12; ++i) points.push_back({uniform(random, -1, 1), uniform(random, -1, 1)});
+  for (int i = 0; i < 12; ++i) points.push_back({random.uniform(-1, 1), random.uniform(-1, 1)});
   points.insert(points.end(),
                 {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}});  // the hull is a square with the centroid at zero
   const ContactSet set = flat(points);
@@ -329,14 +317,14 @@ TEST(MeasureLoss, OfAnLIsTheOneByHand) {
 // A prototype with fixed axes gave 0.74, 0.53 and 3.9 for its family of 40 random points; principal axes do a
 // little better.
 TEST(MeasureLoss, OfRandomPatchesIsThatOfThePrototype) {
-  std::mt19937_64 random(1);
+  Random random(1);
   double area = 0, margin = 0, kept = 0;
   const int trials = 1000;
   for (int trial = 0; trial < trials; ++trial) {
     std::vector<Vec2> points;
     for (int i = 0; i < 40; ++i) {  // normal distribution by Box and Muller
-      const double radius = std::sqrt(-2 * std::log(1 - uniform(random, 0, 1)));
-      const double angle = uniform(random, 0, 2 * kPi);
+      const double radius = std::sqrt(-2 * std::log(1 - random.uniform(0, 1)));
+      const double angle = random.uniform(0, 2 * kPi);
       points.push_back({radius * std::cos(angle), radius * std::sin(angle)});
     }
     ContactSet set = flat(points);
