@@ -23,6 +23,7 @@ foreach(library IN LISTS libraries)
   endif()
   string(PREPEND ${unit}_libs " -laussois_${library}")   # users before the used
   get_property(heavy GLOBAL PROPERTY AUSSOIS_HEAVY_${library})
+  list(FILTER heavy EXCLUDE REGEX "^\\$<BUILD_INTERFACE:")
   list(TRANSFORM heavy REPLACE "::.*" "")
   foreach(package IN LISTS heavy)
     if(package STREQUAL "CGAL")

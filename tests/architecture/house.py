@@ -54,22 +54,40 @@ def includes(root):
     return bad
 
 
-def light_headers(root):
-    """Headers of the rooms include the standard library and Eigen; heavy libraries stay in .cpp files."""
-    return [f"{place}: a header may not include <{match[1]}>"
-            for place, match in lines(root, sources(root, ".hpp"), r"^\s*#\s*include\s*<([^>]+)>")
-            if not re.fullmatch(r"[a-z0-9_]+|Eigen/\w+", match[1])]
+def plan(root, room):
+    """{"SOURCES": [...], "HEADERS": [...], ...} of the aussois_library call in a room's CMakeLists.txt."""
+    path = root / room / "CMakeLists.txt"
+    call = re.search(r"aussois_library\(([^)]*)\)", path.read_text(encoding="utf-8")) if path.is_file() else None
+    lists, words = {}, []
+    for word in call[1].split() if call else ():
+        if word.isupper():
+            words = lists.setdefault(word, [])
+        else:
+            words.append(word)
+    return lists
+
+
+def public_headers(root):
+    """What users include needs the standard library, Eigen and other public headers; heavy libraries stay inside."""
+    public = [root / room / name for room in MAY_INCLUDE for name in plan(root, room).get("HEADERS", ())]
+    public = [path for path in public if path.is_file()]
+    bad = []
+    for place, match in lines(root, public, r'^\s*#\s*include\s*([<"])([^>"]+)[>"]'):
+        light = re.fullmatch(r"[a-z0-9_]+|Eigen/\w+", match[2]) if match[1] == "<" else root / match[2] in public
+        if not light:
+            bad.append(f"{place}: a public header may not include {match[2]}")
+    return bad
 
 
 def listed(root):
-    """Every source and header of a room stands in its CMakeLists.txt: none is forgotten by build and install."""
+    """Every source of a room stands in its CMakeLists.txt, and every header does: public ones as HEADERS, others as
+    SOURCES. None is forgotten by build and install."""
     bad = []
     for path in sources(root, ".hpp", ".cpp"):
-        room = root / path.relative_to(root).parts[0]
-        name = path.relative_to(room).as_posix()
-        plan = room / "CMakeLists.txt"
-        if not plan.is_file() or name not in re.split(r"[\s()]+", plan.read_text(encoding="utf-8")):
-            bad.append(f"{path.relative_to(root)}:1: not listed in {plan.relative_to(root)}")
+        room, _, name = path.relative_to(root).as_posix().partition("/")
+        lists = plan(root, room)
+        if name not in lists.get("SOURCES", []) + lists.get("HEADERS", []):
+            bad.append(f"{room}/{name}:1: not listed in {room}/CMakeLists.txt")
     return bad
 
 
@@ -120,7 +138,7 @@ def links(root):
     return bad
 
 
-RULES = {rule.__name__: rule for rule in (includes, light_headers, listed, equations, licence, links)}
+RULES = {rule.__name__: rule for rule in (includes, public_headers, listed, equations, licence, links)}
 
 
 def main():

@@ -40,12 +40,13 @@ class House(unittest.TestCase):
         self.assertEqual(self.offences(house.includes, tree),
                          ['lmd/cone.cpp:1: there is no "cone.hpp" seen from the root'])
 
-    def test_heavy_libraries_stay_out_of_headers(self):
-        tree = {"io/a.hpp": "#include <Eigen/Core>\n#include <vector>\n#include <hdf5.h>\n",
-                "geometry/b.hpp": "#include <CGAL/version.h>\n", "geometry/b.cpp": "#include <CGAL/version.h>\n"}
-        self.assertEqual(self.offences(house.light_headers, tree),
-                         ["geometry/b.hpp:1: a header may not include <CGAL/version.h>",
-                          "io/a.hpp:3: a header may not include <hdf5.h>"])
+    def test_public_headers_include_nothing_heavy_and_nothing_private(self):
+        tree = {"io/CMakeLists.txt": "aussois_library(io\n  SOURCES a.cpp file.hpp\n  HEADERS a.hpp\n  HEAVY hdf5::hdf5)\n",
+                "io/a.hpp": '#include <Eigen/Core>\n#include <vector>\n#include <hdf5.h>\n#include "io/file.hpp"\n',
+                "io/a.cpp": "#include <hdf5.h>\n", "io/file.hpp": "#include <hdf5.h>\n"}
+        self.assertEqual(self.offences(house.public_headers, tree),
+                         ["io/a.hpp:3: a public header may not include hdf5.h",
+                          "io/a.hpp:4: a public header may not include io/file.hpp"])
 
     def test_every_source_of_a_room_is_listed(self):
         tree = {"nsgs/CMakeLists.txt": "aussois_library(nsgs SOURCES cone.cpp\n  HEADERS cone.hpp)\n",
