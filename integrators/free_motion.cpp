@@ -8,12 +8,6 @@
 namespace aussois {
 namespace {
 
-void add_block(std::vector<Triplet>& out, int row, int col, const Mat3& block) {
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      if (block(i, j) != 0) out.emplace_back(row + i, col + j, block(i, j));
-}
-
 SparseMatrix matrix_of(int n, const std::vector<Triplet>& entries) {
   SparseMatrix out(n, n);
   out.setFromTriplets(entries.begin(), entries.end());

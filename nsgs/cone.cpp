@@ -7,7 +7,7 @@ namespace aussois {
 
 Vec3 project_cone(const Vec3& r, double mu) {
   const double t = r.tail<2>().norm();
-  if (t <= mu * r[0]) return r;
+  if (r[0] >= 0 && t <= mu * r[0]) return r;
   if (mu * t <= -r[0]) return Vec3::Zero();  // in the polar cone
   const double normal = (r[0] + mu * t) / (1 + mu * mu);
   Vec3 p;

@@ -81,5 +81,12 @@ TEST(Cone, CoulombDerivativeIsThatOfCentralDifferences) {
   EXPECT_GT(std::min({open, stick, slip}), 50);
 }
 
+// -0.0 = 0 * (-5): an open frictionless contact is outside the ray, not on it.
+TEST(Cone, WithoutFrictionIsTheRayOfPositiveNormals) {
+  EXPECT_EQ(project_cone({-5, 0, 0}, 0), Vec3(0, 0, 0));
+  EXPECT_EQ(project_cone({5, 0, 0}, 0), Vec3(5, 0, 0));
+  EXPECT_EQ(project_cone({5, 3, 4}, 0), Vec3(5, 0, 0));
+}
+
 }  // namespace
 }  // namespace aussois

@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "integrators/moreau_jean.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "geometry/primitives.hpp"
+#include "tests/support/random.hpp"
+
+namespace aussois {
+namespace {
+
+constexpr double kSide = 0.1, kRadius = 1e-3, kGravity = 9.81, kDensity = 1000;
+
+struct Scene {
+  Model model{};
+  int ground = -1, block = -1;
+  State state{};
+};
+
+// A block at rest on a plate inclined by `slope` about y; gravity is tilted, not the plate.
+Scene block_on_plate(double mu, double restitution, double slope, double height = 0) {
+  Scene s;
+  s.model.gravity = kGravity * Vec3(std::sin(slope), 0, -std::cos(slope));
+  s.model.contact_law = {.mu = mu, .restitution = restitution};
+  const SimplicialComplex box = make_box(kSide, kSide, kSide);
+  const int plate = add(s.model, prepare(dilate(make_plate(6, 6), kRadius)));
+  const int cube = add(s.model, prepare(dilate(box, kRadius)));
+  s.ground = add(s.model, fixed_body("ground", plate));
+  s.block = add(s.model, solid_body("block", cube, mass_properties(box, kDensity)));
+  s.state = rest_state(s.model);
+  pose(s.state, s.block).p.z() = kSide / 2 + 2 * kRadius + height;
+  return s;
+}
+
+StepReport run(const MoreauJean& scheme, State& state, double t_end) {
+  StepReport report;
+  while (state.t < t_end - 1e-12) {
+    report = scheme.step(state, t_end - state.t);
+    EXPECT_TRUE(report.ok()) << report.reason << " at t = " << state.t;
+    if (!report.ok()) break;
+  }
+  return report;
+}
+
+TEST(MoreauJean, ABlockAtRestCarriesItsWeightOnFourContacts) {
+  Scene s = block_on_plate(0.3, 0, 0);
+  const MoreauJean scheme(s.model, {.h = 1e-3, .nsgs = {.tolerance = 1e-12}});
+  const StepReport report = run(scheme, s.state, 0.1);
+  ASSERT_EQ(report.contacts.size(), 4U);
+  Vec3 total = Vec3::Zero();
+  for (const StepContact& c : report.contacts) total += c.impulse;  // on A, the ground
+  const double weight = kDensity * std::pow(kSide, 3) * kGravity;
+  EXPECT_LT((total / report.h + Vec3(0, 0, weight)).norm(), 1e-9 * weight);
+  EXPECT_LT(twist(s.state, s.block).norm(), 1e-10);
+  EXPECT_GE(report.contacts_matched, 4);
+}
+
+TEST(MoreauJean, ABlockBelowTheFrictionAngleDoesNotCreep) {
+  Scene s = block_on_plate(0.5, 0, std::atan(0.45));
+  const Vec3 start = pose(s.state, s.block).p;
+  const MoreauJean scheme(s.model, {.h = 5e-3, .nsgs = {.tolerance = 1e-10}});
+  run(scheme, s.state, 10);
+  EXPECT_LT((pose(s.state, s.block).p - start).norm(), 1e-10);
+}
+
+TEST(MoreauJean, ABlockAboveTheFrictionAngleSlidesAsCoulombSays) {
+  const double slope = 30 * kPi / 180, mu = 0.5;
+  Scene s = block_on_plate(mu, 0, slope);
+  const MoreauJean scheme(s.model, {.h = 1e-3});
+  run(scheme, s.state, 0.5);
+  const double a = kGravity * (std::sin(slope) - mu * std::cos(slope));
+  EXPECT_NEAR(twist(s.state, s.block)[0], a * 0.5, 1e-6);
+}
+
+TEST(MoreauJean, ABallLandsWithoutOverlapOrBounce) {
+  Scene s = block_on_plate(0.3, 0, 0, 0.05);
+  const MoreauJean scheme(s.model, {.h = 1e-2});
+  double least = kInf;
+  while (s.state.t < 0.3) {
+    const StepReport report = scheme.step(s.state);
+    ASSERT_TRUE(report.ok()) << report.reason;
+    least = std::min(least, report.min_gap);
+  }
+  EXPECT_GT(least, -1e-9);
+  EXPECT_LT(twist(s.state, s.block).norm(), 1e-7);  // solver tolerance 1e-8 of 1 m/s and more
+  EXPECT_NEAR(pose(s.state, s.block).p.z(), kSide / 2 + 2 * kRadius, 1e-8);
+}
+
+// A point mass with a dilation is a ball; drop from 1 m, e = 1/2: rest at t1 (1 + e) / (1 - e).
+double bouncing_ball_error(double h) {
+  Model model;
+  model.contact_law = {.mu = 0, .restitution = 0.5};
+  const int plate = add(model, prepare(dilate(make_plate(2, 2), 0.05)));
+  const int point = add(model, prepare(dilate(make_point(), 0.05)));
+  add(model, fixed_body("ground", plate));
+  const int ball =
+      add(model, RigidBody{.name = "ball", .shape = point, .mass = 1, .inertia = 1e-3 * Mat3::Identity()});
+  State state = rest_state(model);
+  pose(state, ball).p = Vec3(0.03, 0.02, 1.1);
+  const MoreauJean scheme(model, {.h = h, .theta = 0.5});
+  const double e = 0.5, t1 = std::sqrt(2 / 9.81), v1 = 9.81 * t1;
+  double error = 0;
+  while (state.t < 1.5 - 1e-9) {
+    const StepReport report = scheme.step(state, 1.5 - state.t);
+    EXPECT_TRUE(report.ok()) << report.reason;
+    double z = 0;  // exact height above the plate
+    if (state.t < t1) {
+      z = 1 - 9.81 * state.t * state.t / 2;
+    } else {
+      double begin = t1, speed = e * v1;
+      while (speed > 1e-9 && state.t > begin + 2 * speed / 9.81) begin += 2 * speed / 9.81, speed *= e;
+      const double s = state.t - begin;
+      z = std::max(0.0, speed * s - 9.81 * s * s / 2);
+    }
+    error = std::max(error, std::abs(pose(state, ball).p.z() - 0.1 - z));
+  }
+  return error;
+}
+
+TEST(MoreauJean, ABouncingBallFollowsTheExactImpacts) {
+  // Steps that are not powers of two of each other: the phase of an impact in its step scatters single
+  // errors.
+  double sx = 0, sy = 0, sxx = 0, sxy = 0;
+  const double steps[] = {1.03e-2, 5.7e-3, 3.1e-3, 1.7e-3, 9.1e-4, 5.3e-4};
+  for (const double h : steps) {
+    const double x = std::log(h), y = std::log(bouncing_ball_error(h));
+    sx += x, sy += y, sxx += x * x, sxy += x * y;
+  }
+  const double order = (6 * sxy - sx * sy) / (6 * sxx - sx * sx);
+  EXPECT_GT(order, 0.85);
+  EXPECT_LT(bouncing_ball_error(5.3e-4), 5e-3);
+}
+
+TEST(MoreauJean, AnIsolatedPairKeepsItsMomenta) {
+  Random random(4);
+  Model model;
+  model.gravity = Vec3::Zero();
+  model.contact_law = {.mu = 0.4, .restitution = 0};
+  const SimplicialComplex box = make_box(kSide, 0.8 * kSide, 0.6 * kSide);
+  const int shape = add(model, prepare(dilate(box, kRadius)));
+  for (const char* name : {"a", "b"}) add(model, solid_body(name, shape, mass_properties(box, kDensity)));
+  State state = rest_state(model);
+  pose(state, 0) = {random.rotation(), Vec3(0, 0, 0)};
+  pose(state, 1) = {random.rotation(), Vec3(0.02, 0.01, 0.2)};
+  twist(state, 1) << 0.1, 0, -1, 3, -2, 1;
+  const auto momenta = [&] {
+    Vec6 sum = Vec6::Zero();
+    for (int b = 0; b < 2; ++b) {
+      const RigidBody& body = model.bodies[std::size_t(b)];
+      const Vec3 p = body.mass * twist(state, b).head<3>();
+      sum.head<3>() += p;
+      sum.tail<3>() +=
+          pose(state, b).p.cross(p) + pose(state, b).R * (body.inertia * twist(state, b).tail<3>());
+    }
+    return sum;
+  };
+  const Vec6 before = momenta();
+  const MoreauJean scheme(model, {.h = 1e-4, .theta = 0.5});
+  int touching = 0;
+  while (state.t < 0.2) {
+    const StepReport report = scheme.step(state);
+    ASSERT_TRUE(report.ok()) << report.reason;
+    for (const StepContact& c : report.contacts) touching += c.impulse.norm() > 0;
+    EXPECT_LT(std::abs(report.energy.residual()), 1e-12);
+    EXPECT_LE(report.energy.contact_work, 1e-12);
+  }
+  EXPECT_GT(touching, 0);
+  EXPECT_LT((momenta() - before).head<3>().norm(), 1e-12);
+  EXPECT_LT((momenta() - before).tail<3>().norm(), 1e-4);  // gyroscopic term: second order in h
+}
+
+TEST(MoreauJean, DoesNotTunnel) {
+  for (int phase = 0; phase < 20; ++phase) {
+    Model model;
+    model.gravity = Vec3::Zero();
+    const SimplicialComplex paper = make_plate(0.1, 0.1);
+    const int sheet = add(model, prepare(dilate(paper, 5e-5)));
+    const int point = add(model, prepare(dilate(make_point(), 5e-3)));
+    add(model,
+        RigidBody{
+            .name = "paper", .shape = sheet, .mass = 1e-3, .inertia = Vec3(8e-7, 8e-7, 1.6e-6).asDiagonal()});
+    add(model, RigidBody{.name = "bullet", .shape = point, .mass = 8e-3, .inertia = 8e-8 * Mat3::Identity()});
+    State state = rest_state(model);
+    pose(state, 1).p.z() = 0.3 + 5.05e-3 + 0.04 * phase;
+    twist(state, 1)[2] = -800;
+    const MoreauJean scheme(model, {.h = 1e-3});
+    while (state.t < 5e-3) {
+      const StepReport report = scheme.step(state);
+      ASSERT_TRUE(report.ok()) << report.reason;
+    }
+    EXPECT_NEAR(twist(state, 0)[2], -800.0 * 8 / 9, 1e-6) << phase;  // plastic: one momentum, two masses
+    EXPECT_NEAR(twist(state, 1)[2], -800.0 * 8 / 9, 1e-6) << phase;
+    EXPECT_GT(pose(state, 1).p.z(), pose(state, 0).p.z());
+  }
+}
+
+TEST(MoreauJean, HasTheSameBitsForAnyNumberOfThreadsAndFromACopy) {
+  const auto hash_after = [](int threads, bool fresh_scheme, int pause) {
+    Scene s = block_on_plate(0.3, 0, 0.2, 0.03);
+    pose(s.state, s.block).R = exp_so3(Vec3(0.3, 0.2, 0.1));
+    twist(s.state, s.block) << 1, 0.5, 0, 3, 1, 2;
+    const MoreauJeanOptions options{.h = 2e-3, .threads = threads};
+    const MoreauJean scheme(s.model, options);
+    for (int i = 0; i < 200; ++i) {
+      if (fresh_scheme)
+        MoreauJean(s.model, options).step(s.state);
+      else
+        scheme.step(s.state);
+      if (i == pause) {  // rewind and go again
+        const State copy = s.state;
+        scheme.step(s.state);
+        s.state = copy;
+      }
+    }
+    return hash(s.state);
+  };
+  const std::uint64_t reference = hash_after(1, false, -1);
+  EXPECT_EQ(hash_after(2, false, -1), reference);
+  EXPECT_EQ(hash_after(1, true, -1), reference);
+  EXPECT_EQ(hash_after(1, false, 77), reference);
+}
+
+TEST(MoreauJean, RefusesAStepThatStartsInOverlapAndLeavesTheState) {
+  Scene s = block_on_plate(0.3, 0, 0);
+  pose(s.state, s.block).p.z() = kSide / 2 + 0.5 * kRadius;
+  const MoreauJean scheme(s.model, {.h = 1e-3});
+  const std::uint64_t before = hash(s.state);
+  const StepReport report = scheme.step(s.state);
+  EXPECT_EQ(report.status, StepStatus::refused);
+  EXPECT_NE(report.reason.find("bodies 0 and 1"), std::string::npos) << report.reason;
+  EXPECT_EQ(hash(s.state), before);
+}
+
+TEST(MoreauJean, TurnsANumberThatIsNoneIntoAStatusInTheSameStep) {
+  Scene s = block_on_plate(0.3, 0, 0);
+  add(s.model, ForceLaw{.name = "bad",
+                        .add_to = [](const Model&, const State&, double,
+                                     GeneralisedForce& out) { out.f[6] = std::nan(""); },
+                        .potential = {}});
+  const MoreauJean scheme(s.model, {.h = 1e-3});
+  EXPECT_EQ(scheme.step(s.state).status, StepStatus::not_finite);
+}
+
+TEST(MoreauJean, NamesBadOptions) {
+  const Scene s = block_on_plate(0.3, 0, 0);
+  EXPECT_THROW(MoreauJean(s.model, {.h = -1}), std::invalid_argument);
+  EXPECT_THROW(MoreauJean(s.model, {.theta = 0.3}), std::invalid_argument);
+  EXPECT_THROW(MoreauJean(s.model, {.advancement = {.max_overlap = 1}}), std::invalid_argument);
+  Model bare;
+  const int plate = add(bare, prepare(dilate(make_plate(1, 1), 0)));
+  add(bare, RigidBody{.name = "a", .shape = plate, .mass = 1, .inertia = Vec3(1, 1, 2).asDiagonal()});
+  add(bare, RigidBody{.name = "b", .shape = plate, .mass = 1, .inertia = Vec3(1, 1, 2).asDiagonal()});
+  EXPECT_THROW(MoreauJean(bare, {}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace aussois
