@@ -8,12 +8,16 @@
 namespace aussois {
 
 SimplicialComplex make_point();
-SimplicialComplex make_segment(double length);                       // along x
-SimplicialComplex make_polyline(const std::vector<Vec3>& points);    // at least two points
-SimplicialComplex make_plate(double x, double y, int nx = 1, int ny = 1);  // a sheet in the plane z = 0
-SimplicialComplex make_box(double x, double y, double z, int subdivisions = 1);  // a solid
-SimplicialComplex make_cylinder(double radius, double height, int facets);       // a solid, axis z
-SimplicialComplex make_sphere(double radius, int subdivisions);      // a solid: icosphere, vertices on the sphere
-SimplicialComplex make_torus(double major, double minor, int n_major, int n_minor);  // a solid, axis z
+SimplicialComplex make_segment(double length);                     // along x
+SimplicialComplex make_polyline(const std::vector<Vec3>& points);  // two or more, neighbours distinct
+
+/// A sheet in the plane z = 0, of nx times ny rectangles, two triangles each.
+SimplicialComplex make_plate(double x, double y, int nx = 1, int ny = 1);
+
+// Solids: closed and oriented outwards.
+SimplicialComplex make_box(double x, double y, double z, int subdivisions = 1);  // per edge, in [1, 256]
+SimplicialComplex make_cylinder(double radius, double height, int facets);       // axis z, inscribed
+SimplicialComplex make_sphere(double radius, int subdivisions);  // icosphere, 20 * 4^subdivisions, in [0, 8]
+SimplicialComplex make_torus(double major, double minor, int n_major, int n_minor);  // axis z, inscribed
 
 }  // namespace aussois

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The simplicial complex: points, edges and triangles of mixed dimension with their incidences (CPX-1), (CPX-2).
-// |K| is the disjoint union of the open simplices. A *solid* is a closed oriented triangle surface.
+// The simplicial complex: points, edges and triangles of mixed dimension with their incidences (CPX-1),
+// (CPX-2). |K| is the disjoint union of the open simplices. A *solid* is a closed oriented triangle surface.
 #pragma once
 
 #include <array>
@@ -21,11 +21,12 @@ struct Incidence {
 };
 
 struct SimplicialComplex {
-  std::vector<Vec3> vertices{};                 // [m], in the frame of the mesh
-  std::vector<std::array<int, 2>> edges{};      // all edges, those of triangles included; ascending indices, sorted
+  std::vector<Vec3> vertices{};  // [m], in the frame of the mesh
+  std::vector<std::array<int, 2>>
+      edges{};  // all edges, those of triangles included; ascending indices, sorted
   std::vector<std::array<int, 3>> triangles{};  // counter-clockwise seen from outside, in the order given
   std::vector<std::array<int, 3>> triangle_edges{};  // edge k of a triangle joins its corners k and k + 1
-  Incidence edge_triangles{};                   // 0, 1, 2 or more triangles on an edge
+  Incidence edge_triangles{};                        // 0, 1, 2 or more triangles on an edge
   Incidence vertex_edges{};
   Incidence vertex_triangles{};
   bool solid = false;  // the triangles bound a volume and face outwards; otherwise they are two-sided sheets
@@ -34,12 +35,18 @@ struct SimplicialComplex {
 /// Builds edges and incidences from triangles, wires (edges without triangles) and points (vertices alone).
 /// Throws std::invalid_argument naming the first simplex with an index out of range, a repeated vertex, or a
 /// coordinate that is not finite. `solid` is set by the caller's word and checked: every edge must have two
-/// triangles with opposite orientation, otherwise std::invalid_argument (the message counts the offending edges).
+/// triangles with opposite orientation (the message counts the offending edges), and the enclosed volume must
+/// be positive; otherwise std::invalid_argument. A wire given twice, or along a triangle, is one edge;
+/// triangles and vertices are kept as given, in order. O(n log n).
 SimplicialComplex make_complex(std::vector<Vec3> vertices, std::vector<std::array<int, 3>> triangles,
                                std::vector<std::array<int, 2>> wires = {}, bool solid = false);
 
-/// True if every edge has exactly two triangles, traversed in opposite directions.
+/// True if there are triangles and every edge has exactly two of them, traversed in opposite directions.
 bool is_closed_oriented(const SimplicialComplex& complex);
+
+/// Sum of the signed tetrahedra between the triangles and the first vertex (CPX-4) [m^3]: the enclosed volume
+/// if the triangles are closed and oriented, positive when they face outwards; without meaning otherwise.
+double signed_volume(const SimplicialComplex& complex);
 
 /// Largest distance of a vertex from `centre` [m].
 double radius_about(const SimplicialComplex& complex, const Vec3& centre);
@@ -50,7 +57,8 @@ struct Box {
 };
 Box bounding_box(const SimplicialComplex& complex);
 
-/// The same complex with vertices g * (scale * x).
+/// The same complex with vertices g * (scale * x). Throws std::invalid_argument unless scale is finite and >
+/// 0.
 SimplicialComplex transformed(const SimplicialComplex& complex, const SE3& g, double scale = 1.0);
 
 }  // namespace aussois

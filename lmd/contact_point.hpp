@@ -13,11 +13,11 @@ namespace aussois {
 
 /// The open simplex that carries a proximal point.
 struct Feature {
-  int body = -1;                 // index of the posed shape
-  int dim = 0;                   // 0 vertex, 1 edge, 2 face
-  int simplex = 0;               // index among the simplices of that dimension
-  int region = 0;                // what the simplex is part of after idealisation: the vertex itself, the straight
-                                 // chain of an edge, the planar region of a face; does not depend on the triangulation
+  int body = -1;    // index of the posed shape
+  int dim = 0;      // 0 vertex, 1 edge, 2 face
+  int simplex = 0;  // index among the simplices of that dimension
+  int region = 0;   // what the simplex is part of after idealisation: the vertex itself, the straight
+                    // chain of an edge, the planar region of a face; does not depend on the triangulation
   std::array<double, 3> bary{};  // barycentric coordinates of the proximal point on the simplex
 };
 

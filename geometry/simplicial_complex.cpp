@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "geometry/simplicial_complex.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include "geometry/check.hpp"
+
+namespace aussois {
+namespace {
+
+// Throws unless each of the `simplices` has distinct vertices that exist.
+template <std::size_t N>
+void check_simplices(const char* kind, const std::vector<std::array<int, N>>& simplices,
+                     std::size_t vertex_count) {
+  for (std::size_t i = 0; i < simplices.size(); ++i) {
+    for (std::size_t k = 0; k < N; ++k) {
+      const int vertex = simplices[i][k];
+      if (vertex >= 0 && std::size_t(vertex) < vertex_count) continue;
+      std::ostringstream text;
+      text << kind << " " << i << ": vertex index = " << vertex << " must lie in [0, " << vertex_count << ")";
+      throw std::invalid_argument(text.str());
+    }
+    for (std::size_t k = 0; k < N; ++k) {
+      require(
+          simplices[i][k] != simplices[i][(k + 1) % N],
+          std::string(kind) + " " + std::to_string(i) + " repeats vertex " + std::to_string(simplices[i][k]));
+    }
+  }
+}
+
+void check_vertices(const std::vector<Vec3>& vertices) {
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    if (vertices[i].allFinite()) continue;
+    std::ostringstream text;
+    text << "vertex " << i << " = ("
+         << vertices[i].transpose().format(Eigen::IOFormat(Eigen::StreamPrecision, Eigen::DontAlignCols))
+         << ") must be finite";
+    throw std::invalid_argument(text.str());
+  }
+}
+
+// Row r of the result lists, in ascending order, the items whose corners contain r.
+template <std::size_t N>
+Incidence incidence(std::size_t row_count, const std::vector<std::array<int, N>>& corners) {
+  Incidence result;
+  result.begin.assign(row_count + 1, 0);
+  for (const auto& item : corners)
+    for (const int row : item) ++result.begin[std::size_t(row) + 1];
+  for (std::size_t r = 0; r < row_count; ++r) result.begin[r + 1] += result.begin[r];
+  result.items.resize(corners.size() * N);
+  std::vector<int> next = result.begin;
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    for (const int row : corners[i]) result.items[std::size_t(next[std::size_t(row)]++)] = int(i);
+  return result;
+}
+
+struct HalfEdge {
+  std::array<int, 2> ends{};  // ascending
+  int triangle = -1;          // -1: a wire
+  int side = 0;
+  auto operator<=>(const HalfEdge&) const = default;
+};
+
+std::vector<HalfEdge> sorted_half_edges(const std::vector<std::array<int, 3>>& triangles,
+                                        const std::vector<std::array<int, 2>>& wires) {
+  std::vector<HalfEdge> half_edges;
+  half_edges.reserve(3 * triangles.size() + wires.size());
+  const auto add = [&](int a, int b, int triangle, int side) {
+    half_edges.push_back({{std::min(a, b), std::max(a, b)}, triangle, side});
+  };
+  for (const auto& [a, b] : wires) add(a, b, -1, 0);
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k) add(triangles[t][k], triangles[t][(k + 1) % 3], int(t), int(k));
+  std::sort(half_edges.begin(), half_edges.end());
+  return half_edges;
+}
+
+// True if triangle t runs through edge e from its lower to its higher vertex.
+bool runs_upwards(const SimplicialComplex& complex, int t, int e) {
+  const auto& sides = complex.triangle_edges[std::size_t(t)];
+  const auto side = std::size_t(std::find(sides.begin(), sides.end(), e) - sides.begin());
+  return complex.triangles[std::size_t(t)][side] == complex.edges[std::size_t(e)][0];
+}
+
+// Edges without exactly two triangles of opposite direction.
+int count_open_or_twisted_edges(const SimplicialComplex& complex) {
+  int count = 0;
+  for (int e = 0; e < int(complex.edges.size()); ++e) {
+    const std::span<const int> around = complex.edge_triangles[e];
+    count += around.size() != 2 || runs_upwards(complex, around[0], e) == runs_upwards(complex, around[1], e);
+  }
+  return count;
+}
+
+void check_solid(const SimplicialComplex& complex) {
+  require(!complex.triangles.empty(), "a solid must have triangles, this complex has none");
+  const int bad = count_open_or_twisted_edges(complex);
+  require(bad == 0, "a solid must be closed and oriented: " + std::to_string(bad) + " of " +
+                        std::to_string(complex.edges.size()) +
+                        " edges lack two triangles that run through them in opposite directions");
+  const double volume = signed_volume(complex);
+  require_field(volume > 0, "enclosed volume [m^3]", volume, "be > 0 (do the triangles face inwards?)");
+}
+
+}  // namespace
+
+SimplicialComplex make_complex(std::vector<Vec3> vertices, std::vector<std::array<int, 3>> triangles,
+                               std::vector<std::array<int, 2>> wires, bool solid) {
+  check_vertices(vertices);
+  check_simplices("triangle", triangles, vertices.size());
+  check_simplices("wire", wires, vertices.size());
+
+  SimplicialComplex complex;
+  complex.vertices = std::move(vertices);
+  complex.triangles = std::move(triangles);
+  complex.triangle_edges.resize(complex.triangles.size());
+  complex.edge_triangles.begin.push_back(0);
+  for (const HalfEdge& half : sorted_half_edges(complex.triangles, wires)) {
+    if (complex.edges.empty() || complex.edges.back() != half.ends) {
+      complex.edges.push_back(half.ends);
+      complex.edge_triangles.begin.push_back(complex.edge_triangles.begin.back());
+    }
+    if (half.triangle < 0) continue;
+    complex.triangle_edges[std::size_t(half.triangle)][std::size_t(half.side)] =
+        int(complex.edges.size()) - 1;
+    complex.edge_triangles.items.push_back(half.triangle);
+    ++complex.edge_triangles.begin.back();
+  }
+  complex.vertex_edges = incidence(complex.vertices.size(), complex.edges);
+  complex.vertex_triangles = incidence(complex.vertices.size(), complex.triangles);
+  if (solid) check_solid(complex);
+  complex.solid = solid;
+  return complex;
+}
+
+bool is_closed_oriented(const SimplicialComplex& complex) {
+  return !complex.triangles.empty() && count_open_or_twisted_edges(complex) == 0;
+}
+
+double signed_volume(const SimplicialComplex& complex) {
+  double six_volumes = 0;
+  for (const auto& [a, b, c] : complex.triangles) {
+    const Vec3& origin = complex.vertices[0];  // near the part, so that a far frame costs no digits
+    const Vec3 to_a = complex.vertices[std::size_t(a)] - origin;
+    const Vec3 to_b = complex.vertices[std::size_t(b)] - origin;
+    const Vec3 to_c = complex.vertices[std::size_t(c)] - origin;
+    six_volumes += to_a.dot(to_b.cross(to_c));
+  }
+  return six_volumes / 6;
+}
+
+double radius_about(const SimplicialComplex& complex, const Vec3& centre) {
+  double radius = 0;
+  for (const Vec3& x : complex.vertices) radius = std::max(radius, (x - centre).norm());
+  return radius;
+}
+
+Box bounding_box(const SimplicialComplex& complex) {
+  Box box;
+  for (const Vec3& x : complex.vertices) {
+    box.lo = box.lo.cwiseMin(x);
+    box.hi = box.hi.cwiseMax(x);
+  }
+  return box;
+}
+
+SimplicialComplex transformed(const SimplicialComplex& complex, const SE3& g, double scale) {
+  require_field(scale > 0 && std::isfinite(scale), "scale", scale, "be finite and > 0");
+  SimplicialComplex result = complex;
+  for (Vec3& x : result.vertices) x = g * Vec3(scale * x);
+  return result;
+}
+
+}  // namespace aussois

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// Proof that two base complexes keep their distance along a whole step (CA-6) to (CA-8): every pair of
+// simplices that could come near is separated by a plane for all times of the step. No normal cones, no
+// classes: all pairs count.
+#pragma once
+
+#include "lmd/lmd_shape.hpp"
+#include "lmd/motion_bound.hpp"
+
+namespace aussois {
+
+struct MovingShape {
+  const LmdShape* shape = nullptr;
+  SE3 g_bs{};  // shape frame in the body frame
+  RigidMotion motion{};
+};
+
+struct CertificateOptions {
+  double required = 0;    // distance that must never be undercut [m], > 0
+  double wanted = 0;      // pairs that surely stay farther apart are not looked at closer [m], >= required
+  int max_halvings = 12;  // of the time of a pair of simplices before it counts as failed
+  int threads = 1;
+};
+
+struct Certificate {
+  bool certified = false;
+  double min_distance = kInf;  // lower bound over the step if certified, at most `wanted` [m]
+  long simplex_pairs = 0;      // looked at
+  long rounds = 0;             // intervals of time that pairs were looked at
+};
+
+Certificate certify(const MovingShape& a, const MovingShape& b, double dt, const CertificateOptions& options);
+
+/// Smallest distance of the base complexes at s = 0 [m], if it is below `cutoff`; otherwise `cutoff`.
+double base_distance(const MovingShape& a, const MovingShape& b, double cutoff, int threads = 1);
+
+}  // namespace aussois

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// All quasi-local minima of the distance between two posed shapes, as a function of the pose alone (LMD-3),
+// (LMD-10).
+#pragma once
+
+#include "lmd/contact_point.hpp"
+#include "lmd/posed_shape.hpp"
+
+namespace aussois {
+
+struct LmdOptions {
+  double threshold = 1e-3;           // report contacts with gap <= threshold [m], >= 0
+  double alpha = 2 * kPi / 180;      // small rotations forgiven by the quasi-LMD rule [rad], in [0, 0.5]
+  double alpha_ee = 10 * kPi / 180;  // the same for the direction of edge against edge [rad], in [alpha, 1]
+  int threads = 1;                   // the result does not depend on it
+};
+void validate(const LmdOptions& options);  // throws std::invalid_argument: field, value, bound
+
+/// What a query looked at.
+struct LmdStatistics {
+  long node_pairs = 0, leaf_pairs = 0, minima = 0;  // minima: before merging
+};
+
+/// The contacts of one pair, sorted as ContactSet says. Shapes whose base simplices touch have no defined
+/// direction there: such pairs of simplices are left out (the certificate is what forbids them).
+ContactSet find_contacts(const PosedShape& a, const PosedShape& b, const LmdOptions& options = {},
+                         LmdStatistics* statistics = nullptr);
+
+/// The same by looking at every pair of leaves: the oracle.
+ContactSet find_contacts_exhaustive(const PosedShape& a, const PosedShape& b, const LmdOptions& options = {});
+
+}  // namespace aussois

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lmd/idealisation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <Eigen/Geometry>
+
+namespace aussois {
+namespace {
+
+Vec3 area_vector(const SimplicialComplex& k, int t) {
+  const auto& [a, b, c] = k.triangles[std::size_t(t)];
+  const Vec3 &x = k.vertices[std::size_t(a)], &y = k.vertices[std::size_t(b)],
+             &z = k.vertices[std::size_t(c)];
+  return (y - x).cross(z - x) / 2;
+}
+
+double longest_side(const SimplicialComplex& k, int t) {
+  const auto& v = k.triangles[std::size_t(t)];
+  double longest = 0;
+  for (std::size_t i = 0; i < 3; ++i)
+    longest =
+        std::max(longest, (k.vertices[std::size_t(v[i])] - k.vertices[std::size_t(v[(i + 1) % 3])]).norm());
+  return longest;
+}
+
+// +1 if triangle t runs through the edge from its smaller to its larger vertex, -1 the other way.
+int sense(const SimplicialComplex& k, int t, int edge) {
+  const auto& v = k.triangles[std::size_t(t)];
+  const auto& e = k.edges[std::size_t(edge)];
+  for (std::size_t i = 0; i < 3; ++i)
+    if (v[i] == e[0] && v[(i + 1) % 3] == e[1]) return 1;
+  return -1;
+}
+
+void grow_regions(const SimplicialComplex& k, Idealisation& out) {
+  const int n = int(k.triangles.size());
+  std::vector<double> area(static_cast<std::size_t>(n)), height(static_cast<std::size_t>(n));
+  std::vector<Vec3> normal(static_cast<std::size_t>(n), Vec3::UnitZ());
+  for (int t = 0; t < n; ++t) {
+    const Vec3 a = area_vector(k, t);
+    const auto i = std::size_t(t);
+    area[i] = a.norm();
+    height[i] = area[i] > 0 ? 2 * area[i] / longest_side(k, t) : 0;
+    if (area[i] > 0) normal[i] = a / area[i];
+  }
+  std::vector<int> order(static_cast<std::size_t>(n));
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_sort(order, [&](int a, int b) { return area[std::size_t(a)] > area[std::size_t(b)]; });
+
+  constexpr double kCosOneDegree = 0.99984769515639127;
+  out.triangle_region.assign(std::size_t(n), -1);
+  out.triangle_sign.assign(std::size_t(n), 1);
+  for (int seed : order) {
+    if (out.triangle_region[std::size_t(seed)] >= 0) continue;
+    const int region = int(out.region_normal.size());
+    const Vec3 plane = normal[std::size_t(seed)];
+    const double offset = plane.dot(k.vertices[std::size_t(k.triangles[std::size_t(seed)][0])]);
+    out.region_normal.push_back(plane);
+    out.region_offset.push_back(offset);
+    out.triangle_region[std::size_t(seed)] = region;
+    std::vector<int> front{seed};
+    while (!front.empty()) {
+      const int t = front.back();
+      front.pop_back();
+      for (int edge : k.triangle_edges[std::size_t(t)]) {
+        const auto both = k.edge_triangles[edge];
+        if (both.size() != 2) continue;
+        const int other = both[0] == t ? both[1] : both[0];
+        const auto o = std::size_t(other);
+        if (other == t || out.triangle_region[o] >= 0) continue;
+        const bool coherent = sense(k, t, edge) != sense(k, other, edge);
+        if (k.solid && !coherent) continue;
+        const double sign = coherent ? out.triangle_sign[std::size_t(t)] : -out.triangle_sign[std::size_t(t)];
+        const bool sliver = height[o] < 10 * out.tolerance;
+        if (!sliver && sign * normal[o].dot(plane) < kCosOneDegree) continue;
+        const bool flat = std::ranges::all_of(k.triangles[o], [&](int v) {
+          return std::abs(plane.dot(k.vertices[std::size_t(v)]) - offset) <= out.tolerance;
+        });
+        if (!flat) continue;
+        out.triangle_region[o] = region;
+        out.triangle_sign[o] = sign;
+        front.push_back(other);
+      }
+    }
+  }
+}
+
+// The regions on an edge, sorted; two edges with the same list may belong to one chain.
+std::vector<int> regions_of(const SimplicialComplex& k, const Idealisation& ideal, int edge) {
+  std::vector<int> regions;
+  for (int t : k.edge_triangles[edge]) regions.push_back(ideal.triangle_region[std::size_t(t)]);
+  std::ranges::sort(regions);
+  return regions;
+}
+
+// Cuts a polyline where it leaves the chord by more than the tolerance (Douglas and Peucker).
+void split_straight(const SimplicialComplex& k, const std::vector<int>& vertices,
+                    const std::vector<int>& edges, std::size_t first, std::size_t last, double tolerance,
+                    std::vector<Chain>& out) {
+  const Vec3& a = k.vertices[std::size_t(vertices[first])];
+  const Vec3 chord = k.vertices[std::size_t(vertices[last])] - a;
+  const double length = chord.norm();
+  std::size_t worst = first;
+  double distance = tolerance;
+  for (std::size_t i = first + 1; i < last; ++i) {
+    const Vec3 d = k.vertices[std::size_t(vertices[i])] - a;
+    const double along = length > 0 ? std::clamp(d.dot(chord) / (length * length), 0.0, 1.0) : 0;
+    const double off = (d - along * chord).norm();
+    if (off > distance) distance = off, worst = i;
+  }
+  if (worst != first) {
+    split_straight(k, vertices, edges, first, worst, tolerance, out);
+    split_straight(k, vertices, edges, worst, last, tolerance, out);
+    return;
+  }
+  if (length == 0) return;
+  Chain chain;
+  chain.first = vertices[first];
+  chain.last = vertices[last];
+  chain.vertices.assign(vertices.begin() + long(first), vertices.begin() + long(last) + 1);
+  chain.edges.assign(edges.begin() + long(first), edges.begin() + long(last));
+  chain.direction = chord / length;
+  out.push_back(std::move(chain));
+}
+
+void trace_chains(const SimplicialComplex& k, Idealisation& out) {
+  const auto edge_count = k.edges.size();
+  std::vector<std::vector<int>> regions(edge_count);
+  std::vector<char> border(edge_count, 0);
+  std::vector<std::vector<int>> at(k.vertices.size());  // border edges at a vertex
+  for (std::size_t e = 0; e < edge_count; ++e) {
+    regions[e] = regions_of(k, out, int(e));
+    border[e] = !(regions[e].size() == 2 && regions[e][0] == regions[e][1]);
+    if (border[e])
+      for (int v : k.edges[e]) at[std::size_t(v)].push_back(int(e));
+  }
+  const auto passes = [&](int v) {
+    const auto& e = at[std::size_t(v)];
+    return e.size() == 2 && regions[std::size_t(e[0])] == regions[std::size_t(e[1])];
+  };
+  std::vector<char> done(edge_count, 0);
+  const auto trace = [&](int edge, int from) {
+    std::vector<int> vertices{from}, edges;
+    for (int e = edge, v = from;;) {
+      done[std::size_t(e)] = 1;
+      edges.push_back(e);
+      const auto& ends = k.edges[std::size_t(e)];
+      v = ends[0] == v ? ends[1] : ends[0];
+      vertices.push_back(v);
+      if (!passes(v)) break;
+      const auto& two = at[std::size_t(v)];
+      e = two[0] == e ? two[1] : two[0];
+      if (done[std::size_t(e)]) break;
+    }
+    split_straight(k, vertices, edges, 0, vertices.size() - 1, out.tolerance, out.chains);
+  };
+  for (std::size_t e = 0; e < edge_count; ++e)  // first the open ones, from their ends
+    if (border[e] && !done[e])
+      for (int v : k.edges[e])
+        if (!done[e] && !passes(v)) trace(int(e), v);
+  for (std::size_t e = 0; e < edge_count; ++e)  // then the loops
+    if (border[e] && !done[e]) trace(int(e), k.edges[e][0]);
+
+  out.edge_chain.assign(edge_count, -1);
+  std::vector<std::vector<int>> ends(k.vertices.size());
+  for (std::size_t c = 0; c < out.chains.size(); ++c) {
+    for (int e : out.chains[c].edges) out.edge_chain[std::size_t(e)] = int(c);
+    ends[std::size_t(out.chains[c].first)].push_back(int(c));
+    if (out.chains[c].last != out.chains[c].first) ends[std::size_t(out.chains[c].last)].push_back(int(c));
+  }
+  out.vertex_chains.begin.assign(1, 0);
+  for (const auto& list : ends) {
+    out.vertex_chains.items.insert(out.vertex_chains.items.end(), list.begin(), list.end());
+    out.vertex_chains.begin.push_back(int(out.vertex_chains.items.size()));
+  }
+}
+
+}  // namespace
+
+Idealisation idealise(const SimplicialComplex& complex, double tolerance) {
+  Idealisation out;
+  out.tolerance = tolerance;
+  grow_regions(complex, out);
+  trace_chains(complex, out);
+  return out;
+}
+
+}  // namespace aussois

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a CAD mesh means: planar regions of triangles and straight chains of edges between them (LMD-4),
+// (LMD-5). Normal cones, feet and keys are taken from regions and chains, so contacts do not depend on the
+// triangulation.
+#pragma once
+
+#include <vector>
+
+#include "geometry/simplicial_complex.hpp"
+
+namespace aussois {
+
+/// A straight piece of the border between regions, a border of a sheet, or a straight piece of wire.
+struct Chain {
+  int first = 0, last = 0;         // its end vertices
+  std::vector<int> vertices{};     // from first to last
+  std::vector<int> edges{};        // edge k joins vertices k and k + 1
+  Vec3 direction = Vec3::UnitX();  // unit, from first to last
+};
+
+struct Idealisation {
+  double tolerance = 0;  // tau_f [m]
+  std::vector<int> triangle_region{};
+  std::vector<double>
+      triangle_sign{};  // +1 if the triangle faces as its region does, -1 otherwise (sheets only)
+  std::vector<Vec3> region_normal{};    // unit
+  std::vector<double> region_offset{};  // the region's plane is { x : normal . x = offset } [m]
+  std::vector<Chain> chains{};
+  std::vector<int> edge_chain{};  // -1: inside a region, silent
+  Incidence vertex_chains{};      // chains that end at a vertex
+};
+
+/// Regions grow from the largest triangle over manifold edges while all vertices stay within `tolerance` of
+/// the seed's plane and the normal within 1 degree (slivers excepted); chains are split where they leave a
+/// straight line by more.
+Idealisation idealise(const SimplicialComplex& complex, double tolerance);
+
+}  // namespace aussois

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lmd/minimum_test.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+namespace aussois {
+namespace {
+
+// Angle margin of u in the cone enlarged by alpha; negative: outside.
+double margin(const NormalCone& cone, const Vec3& u, double alpha) {
+  if (!may_contain(cone, u, std::sin(alpha) + 1e-12)) return -1;
+  return alpha - angle_to(cone, u);
+}
+
+// Is a displacement d of length `distance` in N? The test g . d <= tolerance is the foot test of the
+// neighbouring simplex with the opposite sign, so the tests partition space up to the tolerance.
+bool in_polar(const NormalCone& cone, const Vec3& d, double tolerance) {
+  if (cone.lineality == 3) return false;
+  for (int k = 0; k < cone.lineality; ++k)
+    if (std::abs(cone.lin.col(k).dot(d)) > tolerance) return false;
+  return std::ranges::all_of(cone.rays, [&](const Vec3& g) { return g.dot(d) <= tolerance; });
+}
+
+std::optional<Vec3> foot_on_face(const Leaf& face, const Vec3& p, double tolerance) {
+  const double h = face.direction.dot(p) - face.extent;
+  if (h <= 0) return std::nullopt;  // behind this side
+  for (int k = 0; k < 3; ++k)
+    if (face.conormal[k].dot(p - face.x[k]) < -tolerance) return std::nullopt;
+  return p - h * face.direction;
+}
+
+std::optional<Vec3> foot_on_chain(const Leaf& chain, const Vec3& p, double tolerance) {
+  const double s = chain.direction.dot(p - chain.x[0]);
+  if (s < -tolerance || s > chain.extent + tolerance) return std::nullopt;
+  const Vec3 foot = chain.x[0] + s * chain.direction;
+  for (const Vec3& g : chain.cone.rays)
+    if (g.dot(p - foot) > tolerance) return std::nullopt;
+  return foot;
+}
+
+// V | B: x2 is an exact local minimiser of |p - .| on the simplex `on`, and the direction is in N_V enlarged
+// by alpha. All in the frame of `on`; `to_v` turns directions into the vertex' frame.
+std::optional<LocalMinimum> vertex_against(const Leaf& vertex, const Vec3& p, const Mat3& to_v,
+                                           const Leaf& on, const MinimumCriteria& c) {
+  std::optional<Vec3> foot;
+  if (on.dim == 2)
+    foot = foot_on_face(on, p, c.tolerance);
+  else if (on.dim == 1)
+    foot = foot_on_chain(on, p, c.tolerance);
+  else if (in_polar(on.cone, p - on.x[0], c.tolerance))
+    foot = on.x[0];
+  if (!foot) return std::nullopt;
+  const Vec3 d = *foot - p;
+  const double distance = d.norm();
+  if (distance > c.max_distance || distance <= 0) return std::nullopt;
+  const Vec3 u = on.dim == 2 ? Vec3(-on.direction) : Vec3(d / distance);
+  const double slack = margin(vertex.cone, to_v * u, c.alpha);
+  if (slack < 0) return std::nullopt;
+  return LocalMinimum{.x_a = p, .x_b = *foot, .direction = u, .distance = distance, .angle_margin = slack};
+}
+
+// Angle between the arcs N_E and -N_E' (smallest relative rotation that makes a common normal); all in one
+// frame.
+double arc_distance(const NormalCone& e, const NormalCone& f, const Mat3& R, const Vec3& u) {
+  const Vec3 u_e = R.transpose() * u;  // `e` is given in another frame
+  const double off_e = angle_to(e, u_e), off_f = angle_to(f, -u);
+  if (off_e <= 0 && off_f <= 0) return 0;
+  if (angle_to(e, -u_e) <= 0 && angle_to(f, u) <= 0) return 0;  // the great circles meet at both +-u
+  double rho = kInf;
+  for (const Vec3& end : arc_ends(e)) rho = std::min(rho, angle_to(f, -(R * end)));
+  for (const Vec3& end : arc_ends(f)) rho = std::min(rho, angle_to(e, R.transpose() * (-end)));
+  return rho;
+}
+
+std::optional<LocalMinimum> edge_against_edge(const Leaf& a, const Leaf& b, const Mat3& R, const Vec3& t,
+                                              const MinimumCriteria& c) {
+  const Vec3 p = R * a.x[0] + t, e = R * a.direction;
+  const double cos_psi = e.dot(b.direction);
+  const double sin2 = e.cross(b.direction).squaredNorm();
+  if (sin2 <= 1e-16)
+    return std::nullopt;  // parallel: the ends of the overlap are V-E pairs of the same distance
+  const Vec3 w = p - b.x[0];
+  const double s = (cos_psi * b.direction.dot(w) - e.dot(w)) / sin2;
+  const double r = (b.direction.dot(w) - cos_psi * e.dot(w)) / sin2;
+  if (s < -c.tolerance || s > a.extent + c.tolerance || r < -c.tolerance || r > b.extent + c.tolerance)
+    return std::nullopt;
+  const Vec3 x_a = p + s * e, x_b = b.x[0] + r * b.direction;
+  const double distance = (x_b - x_a).norm();
+  if (distance > c.max_distance || distance <= 0) return std::nullopt;
+  Vec3 u = e.cross(b.direction).normalized();  // the common perpendicular, better conditioned than x_b - x_a
+  if (u.dot(x_b - x_a) < 0) u = -u;
+  const double slack_a = margin(a.cone, R.transpose() * u, c.alpha_ee);
+  if (slack_a < 0) return std::nullopt;
+  const double slack_b = margin(b.cone, -u, c.alpha_ee);
+  if (slack_b < 0) return std::nullopt;
+  const double slack_rho = c.alpha - arc_distance(a.cone, b.cone, R, u);
+  if (slack_rho < 0) return std::nullopt;
+  return LocalMinimum{.x_a = x_a,
+                      .x_b = x_b,
+                      .direction = u,
+                      .distance = distance,
+                      .angle_margin = std::min({slack_a, slack_b, slack_rho})};
+}
+
+LocalMinimum swapped(const LocalMinimum& m, const Mat3& R,
+                     const Vec3& t) {  // found in A's frame, wanted in B's
+  return {.x_a = R * m.x_b + t,
+          .x_b = R * m.x_a + t,
+          .direction = -(R * m.direction),
+          .distance = m.distance,
+          .angle_margin = m.angle_margin};
+}
+
+}  // namespace
+
+bool are_partners(SimplexClass a, SimplexClass b) {
+  const auto rank = [](SimplexClass c) {
+    return c <= SimplexClass::v_node ? 0 : c <= SimplexClass::e_soft ? 1 : c == SimplexClass::face ? 2 : 3;
+  };
+  return rank(a) + rank(b) <= 2;
+}
+
+std::optional<LocalMinimum> test_minimum(const Leaf& a, const Leaf& b, const Mat3& R, const Vec3& t,
+                                         const MinimumCriteria& criteria) {
+  if (a.dim == 1 && b.dim == 1) return edge_against_edge(a, b, R, t, criteria);
+  std::optional<LocalMinimum> found;
+  if (a.dim == 0) found = vertex_against(a, R * a.x[0] + t, R.transpose(), b, criteria);
+  if (b.dim == 0 && !found) {  // A | V', and of two vertices the other one's exact test
+    const std::optional<LocalMinimum> m = vertex_against(b, R.transpose() * (b.x[0] - t), R, a, criteria);
+    if (m) found = swapped(*m, R, t);
+  }
+  return found;
+}
+
+}  // namespace aussois

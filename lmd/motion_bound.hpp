@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// How far bodies can come towards each other in a step (CA-1) to (CA-3).
+#pragma once
+
+#include "geometry/se3.hpp"
+
+namespace aussois {
+
+/// A rigid body on the path that the integrator defines: the reference point (the centre of mass) moves on a
+/// straight line, the rotation is R exp(s omega): constant angular velocity in space and in the body.
+struct RigidMotion {
+  SE3 g{};                    // body frame in the world at s = 0
+  Vec3 v = Vec3::Zero();      // of the reference point, world [m/s]
+  Vec3 omega = Vec3::Zero();  // body frame [rad/s]
+};
+
+SE3 pose_at(const RigidMotion& motion, double s);
+
+/// Largest displacement of any point within `radius` of the reference point during dt, for all intermediate
+/// times (CA-1) [m].
+double displacement_bound(const RigidMotion& motion, double radius, double dt);
+
+/// Largest displacement of a point of one body seen from the other, at all times in [0, dt]: the smallest of
+/// the sum of the two and the relative bounds with either body as the observer (CA-2) [m].
+double relative_displacement_bound(const RigidMotion& a, double radius_a, const RigidMotion& b,
+                                   double radius_b, double dt);
+
+/// Bound of the angle of the relative rotation during dt (CA-3) [rad].
+double relative_rotation_bound(const RigidMotion& a, const RigidMotion& b, double dt);
+
+}  // namespace aussois

@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lmd/normal_cone.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "geometry/check.hpp"
+
+namespace aussois {
+namespace {
+
+constexpr double kMerge = 1e-7;      // directions closer than this are one [rad]
+constexpr double kLineality = 1e-8;  // a hull this close to the origin contains it
+constexpr double kWeight =
+    1e-9;  // convex weights below this do not support; without it l is wrong on degenerate stars
+
+struct MinNorm {
+  Vec3 point = Vec3::Zero();
+  std::vector<int> support{};  // directions with a weight above kWeight
+};
+
+// Affine minimal-norm point of up to four points; false if a weight is negative or the points are dependent.
+bool affine_min_norm(const std::vector<Vec3>& g, const std::vector<int>& pick, Eigen::VectorXd& weight,
+                     Vec3& point) {
+  const int n = int(pick.size());
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n + 1, n + 1);
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j)
+      A(i, j) = g[std::size_t(pick[std::size_t(i)])].dot(g[std::size_t(pick[std::size_t(j)])]);
+    A(i, n) = A(n, i) = 1;
+  }
+  Eigen::VectorXd rhs = Eigen::VectorXd::Zero(n + 1);
+  rhs(n) = 1;
+  const Eigen::FullPivLU<Eigen::MatrixXd> lu(A);
+  if (lu.rank() <= n && n > 1) return false;
+  weight = lu.solve(rhs).head(n);
+  point = Vec3::Zero();
+  for (int i = 0; i < n; ++i) point += weight(i) * g[std::size_t(pick[std::size_t(i)])];
+  return weight.minCoeff() >= 0;
+}
+
+// Smallest point of the hull of a small subset, by looking at all its faces.
+MinNorm min_norm_of_subset(const std::vector<Vec3>& g, const std::vector<int>& subset) {
+  MinNorm best;
+  double best_norm = kInf;
+  const int n = int(subset.size());
+  for (int mask = 1; mask < (1 << n); ++mask) {
+    std::vector<int> pick;
+    for (int i = 0; i < n; ++i)
+      if (mask & (1 << i)) pick.push_back(subset[std::size_t(i)]);
+    if (pick.size() > 4) continue;
+    Eigen::VectorXd weight;
+    Vec3 point;
+    if (!affine_min_norm(g, pick, weight, point) || point.norm() >= best_norm - 1e-15) continue;
+    best_norm = point.norm();
+    best.point = point;
+    best.support.clear();
+    for (std::size_t i = 0; i < pick.size(); ++i)
+      if (weight(Eigen::Index(i)) > kWeight) best.support.push_back(pick[i]);
+  }
+  return best;
+}
+
+// Point of conv{g} nearest to the origin: support points are added until none improves (Wolfe;
+// Gilbert-Johnson-Keerthi).
+MinNorm min_norm_point(const std::vector<Vec3>& g) {
+  MinNorm best = min_norm_of_subset(g, {0});
+  for (std::size_t round = 0; round < 8 * g.size() + 8; ++round) {
+    int next = 0;
+    for (int i = 1; i < int(g.size()); ++i)
+      if (best.point.dot(g[std::size_t(i)]) < best.point.dot(g[std::size_t(next)])) next = i;
+    if (best.point.norm() <= kLineality) break;
+    const double gain = best.point.squaredNorm() - best.point.dot(g[std::size_t(next)]);
+    if (gain <= 1e-14 || std::ranges::count(best.support, next)) break;
+    std::vector<int> subset = best.support;
+    subset.push_back(next);
+    const MinNorm better = min_norm_of_subset(g, subset);
+    if (better.point.norm() >= best.point.norm()) break;
+    best = better;
+  }
+  return best;
+}
+
+void merge_close(std::vector<Vec3>& g) {
+  std::vector<Vec3> kept;
+  for (const Vec3& a : g)
+    if (std::ranges::none_of(kept, [&](const Vec3& b) { return (a - b).norm() < kMerge; })) kept.push_back(a);
+  g = std::move(kept);
+}
+
+// Two extreme rays of a pointed cone in a plane: the pair with the largest angle.
+std::vector<Vec3> extremes_in_plane(const std::vector<Vec3>& g) {
+  std::pair<std::size_t, std::size_t> widest{0, 0};
+  double least = 2;
+  for (std::size_t i = 0; i < g.size(); ++i)
+    for (std::size_t j = i + 1; j < g.size(); ++j)
+      if (g[i].dot(g[j]) < least) least = g[i].dot(g[j]), widest = {i, j};
+  return {g[widest.first], g[widest.second]};
+}
+
+// Gift wrapping on the unit sphere: the extreme rays of a pointed 3D cone in cyclic order about `inside`.
+std::vector<Vec3> wrap(const std::vector<Vec3>& g, const Vec3& inside) {
+  std::size_t start = 0;
+  for (std::size_t i = 1; i < g.size(); ++i)
+    if (g[i].dot(inside) < g[start].dot(inside)) start = i;
+  std::vector<Vec3> rays{g[start]};
+  std::size_t at = start;
+  for (std::size_t turn = 0; turn < g.size(); ++turn) {
+    std::size_t next = at;
+    for (std::size_t j = 0; j < g.size(); ++j) {
+      if (j == at) continue;
+      if (next == at) {
+        next = j;
+        continue;
+      }
+      const double side = g[at].cross(g[next]).dot(g[j]);  // negative: j lies outside the arc at -> next
+      const bool tie = std::abs(side) <= kMerge;
+      const bool farther = g[at].dot(g[j]) < g[at].dot(g[next]);
+      if ((!tie && side < 0) || (tie && farther)) next = j;
+    }
+    if (next == start) break;
+    rays.push_back(g[next]);
+    at = next;
+  }
+  return rays;
+}
+
+// A cap around N: exact smallest is not needed, every direction of N must lie inside.
+void bound_polar(NormalCone& cone, const Vec3& inside) {
+  const auto& rays = cone.rays;
+  if (cone.lineality == 3) {
+    cone.half_angle = 0;
+    return;
+  }
+  if (cone.lineality == 2) {  // N: a ray, or both ends of a line
+    cone.axis = rays.empty() ? Vec3(cone.lin.col(0).cross(cone.lin.col(1)).normalized()) : Vec3(-rays[0]);
+    cone.half_angle = rays.empty() ? kPi : 0;
+    return;
+  }
+  if (cone.lineality == 1 && rays.empty()) {  // N: a plane
+    cone.axis = cone.lin.col(0);
+    cone.half_angle = kPi / 2;
+    return;
+  }
+  if (cone.lineality == 0 && rays.empty()) {  // N: everything
+    cone.half_angle = kPi;
+    return;
+  }
+  if (rays.size() == 1) {  // N: a half-plane or a half-space
+    cone.axis = -rays[0];
+    cone.half_angle = kPi / 2;
+    return;
+  }
+  std::vector<Vec3> corners;  // unit vectors whose spherical hull is N
+  if (cone.lineality == 1) {
+    corners = arc_ends(cone);
+  } else if (rays.size() == 2) {  // planar sector: N contains the line across the sector's plane
+    cone.axis = -(rays[0] + rays[1]).normalized();
+    cone.half_angle = kPi / 2;
+    return;
+  } else {
+    Vec3 middle = Vec3::Zero();  // strictly inside C; the minimal-norm point may lie on its border
+    for (const Vec3& g : rays) middle += g;
+    for (std::size_t k = 0; k < rays.size(); ++k) {
+      Vec3 n = rays[k].cross(rays[(k + 1) % rays.size()]).normalized();
+      if (n.dot(middle) > 0) n = -n;
+      corners.push_back(n);
+    }
+  }
+  Vec3 axis = Vec3::Zero();
+  for (const Vec3& n : corners) axis += n;
+  if (axis.norm() < 1e-3) axis = -inside;
+  cone.axis = axis.normalized();
+  for (const Vec3& n : corners)
+    cone.half_angle = std::max(cone.half_angle, std::atan2(n.cross(cone.axis).norm(), n.dot(cone.axis)));
+  cone.half_angle += 1e-9;  // rounding of the corners
+  if (cone.half_angle >
+      kPi / 2) {  // such a cap is not convex; q in C bounds all of N by the half-space n . q <= 0
+    cone.axis = -inside;
+    cone.half_angle = kPi / 2;
+  }
+}
+
+}  // namespace
+
+NormalCone make_normal_cone(const std::vector<Vec3>& directions) {
+  std::vector<Vec3> rest;
+  for (const Vec3& d : directions)
+    if (d.norm() > 0) rest.push_back(d.normalized());
+  merge_close(rest);
+
+  NormalCone cone;
+  cone.lineality = 0;
+  Vec3 inside = Vec3::UnitZ();
+  for (int round = 0; round < 3 && !rest.empty() && cone.lineality < 3; ++round) {
+    const MinNorm nearest = min_norm_point(rest);
+    if (nearest.point.norm() > kLineality) {
+      inside = nearest.point.normalized();
+      break;
+    }
+    for (int i : nearest.support) {  // these span a part of Lin
+      Vec3 d = rest[std::size_t(i)];
+      for (int k = 0; k < cone.lineality; ++k) d -= cone.lin.col(k).dot(d) * cone.lin.col(k);
+      if (d.norm() > 1e-6 && cone.lineality < 3) cone.lin.col(cone.lineality++) = d.normalized();
+    }
+    std::vector<Vec3> projected;
+    for (Vec3 d : rest) {
+      for (int k = 0; k < cone.lineality; ++k) d -= cone.lin.col(k).dot(d) * cone.lin.col(k);
+      if (d.norm() > 10 * kMerge) projected.push_back(d.normalized());
+    }
+    rest = std::move(projected);
+    merge_close(rest);
+  }
+  if (cone.lineality == 3) rest.clear();
+  if (cone.lineality == 2 && rest.size() > 1) {  // rays on both sides of a plane would be lineality 3
+    const bool one_side = std::ranges::all_of(rest, [&](const Vec3& d) { return d.dot(rest[0]) > 0; });
+    if (!one_side)
+      cone.lineality = 3, cone.lin.setIdentity(), rest.clear();
+    else
+      rest.resize(1);
+  }
+  if (rest.size() >= 2) {
+    Vec3 normal = Vec3::Zero();  // of the plane of the rays, if they lie in one
+    for (const Vec3& d : rest)
+      if (rest[0].cross(d).norm() > normal.norm()) normal = rest[0].cross(d);
+    normal.normalize();
+    const bool planar =
+        std::ranges::all_of(rest, [&](const Vec3& d) { return std::abs(d.dot(normal)) <= kMerge; });
+    cone.rays = planar ? extremes_in_plane(rest) : wrap(rest, inside);
+  } else {
+    cone.rays = rest;
+  }
+  bound_polar(cone, inside);
+  return cone;
+}
+
+NormalCone face_cone(const Vec3& n) {
+  NormalCone cone;
+  cone.lineality = 2;
+  cone.lin.col(0) = n.unitOrthogonal();
+  cone.lin.col(1) = n.cross(cone.lin.col(0));
+  cone.lin.col(2) = n;
+  cone.rays = {-n};
+  cone.axis = n;
+  cone.half_angle = 0;
+  return cone;
+}
+
+bool may_contain(const NormalCone& cone, const Vec3& u, double sin_alpha) {
+  if (cone.lineality == 3) return false;
+  double along = 0;
+  for (int k = 0; k < cone.lineality; ++k) along += cone.lin.col(k).dot(u) * cone.lin.col(k).dot(u);
+  if (along > sin_alpha * sin_alpha) return false;
+  for (const Vec3& g : cone.rays)
+    if (g.dot(u) > sin_alpha) return false;
+  return true;
+}
+
+double angle_to(const NormalCone& cone, const Vec3& u) {
+  if (cone.lineality == 3) return kInf;
+  Vec3 v = u;
+  for (int k = 0; k < cone.lineality; ++k) v -= cone.lin.col(k).dot(u) * cone.lin.col(k);
+  const auto& g = cone.rays;
+  const std::size_t m = g.size();
+  const auto feasible = [&](const Vec3& p, std::size_t a, std::size_t b) {
+    for (std::size_t k = 0; k < m; ++k)
+      if (k != a && k != b && g[k].dot(p) > 1e-14) return false;
+    return true;
+  };
+  Vec3 projection = Vec3::Zero();
+  const auto take = [&](const Vec3& p) {
+    if (p.squaredNorm() > projection.squaredNorm()) projection = p;
+  };
+  if (feasible(v, m, m)) {
+    projection = v;
+  } else {
+    for (std::size_t k = 0; k < m; ++k) {  // on the facet of N across g_k
+      const double excess = g[k].dot(v);
+      if (excess <= 0) continue;
+      const Vec3 p = v - excess * g[k];
+      if (feasible(p, k, k)) take(p);
+    }
+    if (cone.lineality == 0 && m >= 2)
+      for (std::size_t k = 0; k < m; ++k) {  // on the ray of N between two facets
+        const std::size_t next = (k + 1) % m;
+        const Vec3 n = g[k].cross(g[next]).normalized();
+        const Vec3 p = n.dot(v) * n;
+        if (feasible(p, k, next)) take(p);
+      }
+  }
+  if (projection.squaredNorm() == 0) return kPi / 2;
+  const double off = (u - projection).norm();
+  return off <= 1e-15 ? 0 : std::min(kPi / 2, std::atan2(off, projection.norm()));
+}
+
+std::vector<Vec3> arc_ends(const NormalCone& cone) {
+  AUSSOIS_ASSERT(cone.lineality == 1);
+  const Vec3 e = cone.lin.col(0);
+  if (cone.rays.empty()) return {};
+  if (cone.rays.size() == 1) return {e.cross(cone.rays[0]), -e.cross(cone.rays[0])};
+  std::vector<Vec3> ends;
+  for (std::size_t k = 0; k < 2; ++k) {
+    Vec3 n = e.cross(cone.rays[k]).normalized();
+    if (n.dot(cone.rays[1 - k]) > 0) n = -n;
+    ends.push_back(n);
+  }
+  return ends;
+}
+
+}  // namespace aussois

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// What contact determination sees of a body: geometry and where it stands, no mass, no material.
+#pragma once
+
+#include "geometry/se3.hpp"
+#include "lmd/lmd_shape.hpp"
+
+namespace aussois {
+
+struct PosedShape {
+  const LmdShape* shape = nullptr;
+  SE3 g_ws{};     // shape frame in the world
+  int body = -1;  // copied into the features
+};
+
+}  // namespace aussois
