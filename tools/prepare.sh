@@ -29,10 +29,12 @@ run() {
   return "$(cat "$log.status")"
 }
 
-# Lines of apt-get as "[done/all] what": every package is unpacked once and set up once.
+# Lines of apt-get as "[done/all] what": every package is fetched, unpacked and set up once.
 apt_steps() {
-  awk '/newly installed/ { all = 2 * ($1 + $3); print "[0/0]"; fflush() }
-       /^(Unpacking|Setting up)/ { printf "[%d/%d] %s\n", ++done, all, $0; fflush() }'
+  awk '/newly installed/ { all = 3 * ($1 + $3) }
+       all && /^Get:/ { printf "[%d/%d] fetching %s\n", ++done, all, $5 }
+       all && /^(Unpacking|Setting up)/ { sub(/ \(.*/, ""); printf "[%d/%d] %s\n", ++done, all, tolower($0) }
+       { fflush() }'
 }
 
 # install_missing FILE...: the packages named in the files, installed if they are not there. Exit 3 if it may not.
