@@ -2,7 +2,10 @@
 #include "geometry/parallel.hpp"
 
 #include <tbb/parallel_for.h>
+#include <tbb/info.h>
 #include <tbb/task_arena.h>
+
+#include <algorithm>
 
 namespace aussois {
 
@@ -11,7 +14,7 @@ void parallel_for(int n, int threads, const std::function<void(int)>& f) {
     for (int i = 0; i < n; ++i) f(i);
     return;
   }
-  tbb::task_arena arena(threads);
+  tbb::task_arena arena(std::min(threads, tbb::info::default_concurrency()));
   arena.execute([&] { tbb::parallel_for(0, n, f, tbb::simple_partitioner{}); });
 }
 

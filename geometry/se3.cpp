@@ -78,8 +78,9 @@ Mat6 dexp_right_se3(const Vec6& twist) {
 }
 
 SE3 checked_pose(const SE3& g, const char* field) {
+  static const Eigen::IOFormat kOneLine(Eigen::StreamPrecision, Eigen::DontAlignCols);
   const std::string name = field;
-  require_field(g.p.allFinite(), (name + ".p").c_str(), g.p.transpose(), "be finite");
+  require_field(g.p.allFinite(), (name + ".p").c_str(), g.p.transpose().format(kOneLine), "be finite");
   const double norm = g.R.norm();
   require_field(std::abs(norm - 1) <= 1e-6, ("|" + name + ".R|").c_str(), norm, "be 1 within 1e-6");
   return {g.R.normalized(), g.p};

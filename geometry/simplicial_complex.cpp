@@ -36,7 +36,9 @@ void check_vertices(const std::vector<Vec3>& vertices) {
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     if (vertices[i].allFinite()) continue;
     std::ostringstream text;
-    text << "vertex " << i << " = (" << vertices[i].transpose() << ") must be finite";
+    text << "vertex " << i << " = ("
+         << vertices[i].transpose().format(Eigen::IOFormat(Eigen::StreamPrecision, Eigen::DontAlignCols))
+         << ") must be finite";
     throw std::invalid_argument(text.str());
   }
 }

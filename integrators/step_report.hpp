@@ -28,25 +28,25 @@ struct StepContact {
 struct EnergyLedger {
   double kinetic_change = 0;  // of the dynamic bodies
   double gravity_work = 0;
-  double law_work = 0;        // of the force laws, the virtual coupling for example
-  double contact_work = 0;    // of the contact impulses; never positive for e = 0 and no bias
-  double gyroscopic_work = 0; // of the gyroscopic term as discretised
-  double residual() const {   // zero to rounding: the balance of (MJ-9)
+  double law_work = 0;         // of the force laws, the virtual coupling for example
+  double contact_work = 0;     // of the contact impulses; never positive for e = 0 and no bias
+  double gyroscopic_work = 0;  // of the gyroscopic term as discretised
+  double residual() const {    // zero to rounding: the balance of (MJ-9)
     return kinetic_change - gravity_work - law_work - contact_work - gyroscopic_work;
   }
 };
 
 struct StepReport {
   StepStatus status = StepStatus::ok;
-  std::string reason{};              // why refused: the pair, its gap and the bound
-  double t = 0, h = 0;               // time reached and step taken [s]
-  int contacts_found = 0;            // local minima within the threshold
-  int contacts_kept = 0;             // of them in the problem that was solved
-  int contacts_matched = 0;          // with an impulse from the last step
-  int attempts = 1;                  // times the step was tried (threshold enlarged or step halved)
-  double threshold = 0;              // largest distance within which contacts were looked for, beyond the dilations [m]
-  double min_gap = kInf;             // smallest gap at the end of the step [m]
-  double min_base_distance = kInf;   // lower bound of the distance of the base complexes over the step [m]
+  std::string reason{};      // why refused: the pair, its gap and the bound
+  double t = 0, h = 0;       // time reached and step taken [s]
+  int contacts_found = 0;    // local minima within the threshold
+  int contacts_kept = 0;     // of them in the problem that was solved
+  int contacts_matched = 0;  // with an impulse from the last step
+  int attempts = 1;          // times the step was tried (threshold enlarged or step halved)
+  double threshold = 0;   // largest distance within which contacts were looked for, beyond the dilations [m]
+  double min_gap = kInf;  // smallest gap at the end of the step [m]
+  double min_base_distance = kInf;  // lower bound of the distance of the base complexes over the step [m]
   int certificate_rounds = 0;
   SolveReport solve{};
   PhysicalResidual physical{};

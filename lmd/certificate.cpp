@@ -65,6 +65,24 @@ double separation(const MovingSimplex& a, const MovingSimplex& b, const Vec3& n,
   return std::min(b_now - a_now, b_end - a_end - (a.bend + b.bend) * dt * dt / 2);
 }
 
+// Edges that slide across each other are parted by their common perpendicular, coplanar triangles by a normal
+// of an edge in their plane. True if `try_direction` says that nothing better is wanted.
+template <class TryDirection>
+bool try_edge_directions(const MovingSimplex& p, const MovingSimplex& q, const TryDirection& try_direction) {
+  const auto edge = [](const MovingSimplex& s, int i) { return Vec3(s.x[(i + 1) % s.count] - s.x[i]); };
+  const auto both_ways = [&](const Vec3& n) {
+    return n.norm() > 0 && (try_direction(n.normalized()) || try_direction(-n.normalized()));
+  };
+  for (int e = 0; e < p.count; ++e)
+    for (int f = 0; f < q.count; ++f)
+      if (both_ways(edge(p, e).cross(edge(q, f)))) return true;
+  for (const MovingSimplex* s : {&p, &q})
+    if (s->count == 3)
+      for (int e = 0; e < 3; ++e)
+        if (both_ways(edge(*s, 0).cross(edge(*s, 1)).cross(edge(*s, e)))) return true;
+  return false;
+}
+
 struct Part {
   bool failed = false;
   double min_distance = kInf;
@@ -117,6 +135,7 @@ class PairCheck {
       return;
     }
     if (try_direction((closest.x_b - closest.x_a) / closest.distance)) return;
+    if (bound < options_.required && try_edge_directions(p, q, try_direction)) return;
     if (bound >= options_.required) {
       part.min_distance = std::min(part.min_distance, bound);
       return;

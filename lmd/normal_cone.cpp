@@ -163,9 +163,11 @@ void bound_polar(NormalCone& cone, const Vec3& inside) {
     cone.half_angle = kPi / 2;
     return;
   } else {
+    Vec3 middle = Vec3::Zero();  // strictly inside C; the minimal-norm point may lie on its border
+    for (const Vec3& g : rays) middle += g;
     for (std::size_t k = 0; k < rays.size(); ++k) {
       Vec3 n = rays[k].cross(rays[(k + 1) % rays.size()]).normalized();
-      if (n.dot(inside) > 0) n = -n;
+      if (n.dot(middle) > 0) n = -n;
       corners.push_back(n);
     }
   }
@@ -175,7 +177,12 @@ void bound_polar(NormalCone& cone, const Vec3& inside) {
   cone.axis = axis.normalized();
   for (const Vec3& n : corners)
     cone.half_angle = std::max(cone.half_angle, std::atan2(n.cross(cone.axis).norm(), n.dot(cone.axis)));
-  cone.half_angle = std::min(kPi, cone.half_angle + 1e-9);  // rounding of the corners
+  cone.half_angle += 1e-9;  // rounding of the corners
+  if (cone.half_angle >
+      kPi / 2) {  // such a cap is not convex; q in C bounds all of N by the half-space n . q <= 0
+    cone.axis = -inside;
+    cone.half_angle = kPi / 2;
+  }
 }
 
 }  // namespace

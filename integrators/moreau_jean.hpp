@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// The Moreau-Jean theta scheme with conservative advancement: one step, in the order of
+// doc/theory/moreau_jean.md. Sources: Moreau 1988, Jean 1999, Acary and Brogliato 2008, ch. 10; (MJ-1) to
+// (MJ-9), (CA-1) to (CA-8).
+#pragma once
+
+#include "integrators/contact_problem.hpp"
+#include "integrators/step_report.hpp"
+#include "lmd/find_contacts.hpp"
+#include "reduction/reduce.hpp"
+
+namespace aussois {
+
+/// Conservative advancement: contacts are looked for within a bound of the step's displacement, and a step is
+/// accepted only if it kept within the bound and the base complexes provably kept apart.
+struct AdvancementOptions {
+  bool certify = true;        // false: no proof, no refusal for overlap (for comparison only)
+  double enlargement = 1.25;  // beta: the estimate of the speeds is enlarged by this [-], in [1, 4]
+  double floor = 0.1;         // smallest search distance, of the sum of the dilations [-], in (0, 1]
+  double max_overlap =
+      0.04;  // dilated shapes may overlap by this part of the sum of the dilations [-], in [0, 0.99]
+  double min_h = 1e-7;    // a step that needs less is refused [s], > 0
+  double growth = 1.5;    // of the step after an accepted one [-], in [1, 4]
+  int max_attempts = 60;  // >= 1
+};
+
+struct MoreauJeanOptions {
+  double h = 1e-3;     // largest step [s], > 0
+  double theta = 1.0;  // of the smooth forces and of the position update [-], in [1/2, 1]
+  NormalLawOptions normal{};
+  LmdOptions lmd{};  // its threshold is set in each step by the displacement bound
+  ReductionOptions reduction{};
+  NsgsOptions nsgs{};
+  AdvancementOptions advancement{};
+  int threads = 1;  // the result does not depend on it
+};
+void validate(const MoreauJeanOptions& options);  // throws std::invalid_argument: field, value, bound
+
+class MoreauJean {
+ public:
+  /// Throws std::invalid_argument for a bad option or model, or if two bodies that can touch have no dilation
+  /// at all.
+  MoreauJean(const Model& model, const MoreauJeanOptions& options);
+  MoreauJean(Model&&, const MoreauJeanOptions&) = delete;  // the model must outlive the scheme
+
+  /// Advances by at most min(options.h, h_limit); shorter if the advancement needs it. The state is unchanged
+  /// unless the report's status is ok. Never throws for numerical trouble.
+  StepReport step(State& state, double h_limit = kInf) const;
+
+  /// Contacts of all pairs of bodies at the state with gap <= threshold [m], as a step would find them.
+  ContactSet contacts(const State& state, double threshold) const;
+  /// Smallest distance of the base complexes of bodies that can touch [m], or `cutoff`.
+  double min_base_distance(const State& state, double cutoff) const;
+
+ private:
+  struct Pair;
+  struct Attempt;
+  std::vector<Pair> near_pairs(const State& state, const VecX& v_estimate, double h) const;
+  ContactSet contacts_of(const State& state, const std::vector<Pair>& pairs) const;
+  Attempt attempt(const State& state, const VecX& v_estimate, double h) const;
+
+  const Model& model_;
+  MoreauJeanOptions options_;
+  DofMap dofs_;
+  std::vector<double> radius_;  // of each body's base complex about its centre of mass [m]
+};
+
+}  // namespace aussois

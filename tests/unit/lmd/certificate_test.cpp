@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lmd/certificate.hpp"
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "geometry/primitives.hpp"
+#include "lmd/simplex_distance.hpp"
+#include "tests/support/random.hpp"
+
+namespace aussois {
+namespace {
+
+TEST(ClosestPoints, AgreeWithDenseSampling) {
+  Random random(3);
+  for (int sample = 0; sample < 300; ++sample) {
+    std::vector<Vec3> a, b;
+    const int n = 1 + random.index(3), m = 1 + random.index(3);
+    const Vec3 shift = random.vector(1.5);
+    for (int i = 0; i < n; ++i) a.push_back(random.vector());
+    for (int i = 0; i < m; ++i) b.push_back(random.vector() + shift);
+    const ClosestPoints closest = closest_points(a, b);
+    EXPECT_NEAR((closest.x_a - closest.x_b).norm(), closest.distance, 1e-12);
+    const auto point_of = [&](const std::vector<Vec3>& k) {
+      Vec3 x = Vec3::Zero();
+      double sum = 0;
+      for (const Vec3& p : k) {
+        const double w = random.uniform();
+        x += w * p;
+        sum += w;
+      }
+      return Vec3(x / sum);
+    };
+    for (int probe = 0; probe < 200; ++probe)
+      EXPECT_GE((point_of(a) - point_of(b)).norm(), closest.distance - 1e-12);
+    // Optimality: no vertex lies beyond the planes through the closest points (convexity makes this
+    // sufficient).
+    if (closest.distance > 1e-9) {
+      const Vec3 u = (closest.x_b - closest.x_a) / closest.distance;
+      for (const Vec3& p : a) EXPECT_LE(u.dot(p - closest.x_a), 1e-9) << sample;
+      for (const Vec3& p : b) EXPECT_GE(u.dot(p - closest.x_b), -1e-9) << sample;
+    }
+  }
+}
+
+TEST(ClosestPoints, OfCrossingTrianglesAreAtDistanceZero) {
+  const std::vector<Vec3> a{{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}}, b{{0, 0, -1}, {0, 0.1, 1}, {0.1, 0, 1}};
+  EXPECT_EQ(closest_points(a, b).distance, 0);
+}
+
+TEST(MotionBound, HoldsAtAllTimesAndIsAttained) {
+  Random random(11);
+  double tightest = kInf;
+  for (int sample = 0; sample < 2000; ++sample) {
+    const RigidMotion a{random.pose(1), random.vector(2), random.vector(4)},
+        b{random.pose(1), random.vector(2), random.vector(4)};
+    const double dt = random.uniform(0, 1), radius_a = random.uniform(0, 1), radius_b = random.uniform(0, 1);
+    const double bound = relative_displacement_bound(a, radius_a, b, radius_b, dt);
+    const double bound_a = displacement_bound(a, radius_a, dt), turn = relative_rotation_bound(a, b, dt);
+    for (int probe = 0; probe < 20; ++probe) {
+      const double s = probe == 0 ? dt : random.uniform(0, dt);
+      const SE3 ga = pose_at(a, s), gb = pose_at(b, s);
+      const Vec3 x = radius_a * random.direction(), y = radius_b * random.direction();
+      EXPECT_LE((ga * x - a.g * x).norm(), bound_a + 1e-12);
+      tightest = std::min(tightest, bound_a - (ga * x - a.g * x).norm());
+      // The distance of two body points changes by no more than the relative displacement.
+      EXPECT_LE(std::abs((ga * x - gb * y).norm() - (a.g * x - b.g * y).norm()), bound + 1e-12) << sample;
+      EXPECT_LE(
+          angle_between((a.g.R.conjugate() * b.g.R).normalized(), (ga.R.conjugate() * gb.R).normalized()),
+          turn + 1e-9);
+    }
+  }
+  EXPECT_LT(tightest, 1e-3);
+}
+
+LmdShape prepared(SimplicialComplex complex) {
+  return prepare({.complex = std::move(complex), .radius = 1e-3});
+}
+
+double sampled_distance(const MovingShape& a, const MovingShape& b, double dt, int samples) {
+  double least = kInf;
+  for (int i = 0; i <= samples; ++i) {
+    const double s = dt * i / samples;
+    MovingShape now_a = a, now_b = b;
+    now_a.motion.g = pose_at(a.motion, s);
+    now_b.motion.g = pose_at(b.motion, s);
+    least = std::min(least, base_distance(now_a, now_b, 0.1));
+  }
+  return least;
+}
+
+// What is certified is true on a dense replay; what is refused comes near, or nearly so.
+TEST(Certificate, IsNeverGivenWhenThePathUndercutsTheDistance) {
+  Random random(5);
+  const LmdShape shapes[] = {prepared(make_box(0.3, 0.2, 0.1)), prepared(make_torus(0.2, 0.05, 9, 5)),
+                             prepared(make_plate(0.4, 0.4)),
+                             prepared(make_polyline({{-0.2, 0, 0}, {0, 0.1, 0}, {0.2, 0, 0.1}}))};
+  int certified = 0, refused = 0;
+  for (int sample = 0; sample < 400; ++sample) {
+    const MovingShape a{
+        &shapes[random.index(4)], random.pose(0.05), {random.pose(0.5), random.vector(1), random.vector(3)}};
+    const MovingShape b{
+        &shapes[random.index(4)], {}, {random.pose(0.2), random.vector(0.5), random.vector(2)}};
+    const double dt = 0.3, required = 2e-3;
+    if (base_distance(a, b, 1) < 0.01) continue;
+    const Certificate c = certify(a, b, dt, {.required = required, .wanted = 0.05});
+    const double truth = sampled_distance(a, b, dt, 100);
+    if (c.certified) {
+      ++certified;
+      EXPECT_GE(truth, c.min_distance - 1e-12) << sample;
+      EXPECT_GE(c.min_distance, required);
+    } else {
+      ++refused;
+      EXPECT_LT(truth, required + 2e-2) << sample;  // refused only when it truly comes near
+    }
+  }
+  EXPECT_GT(certified, 50);
+  EXPECT_GT(refused, 30);
+}
+
+TEST(Certificate, SeesABulletThatPassesThroughPaperWithinOneStep) {
+  const LmdShape paper = prepared(make_plate(0.1, 0.1)), bullet = prepared(make_sphere(5e-3, 1));
+  const MovingShape target{&paper, {}, {}};
+  for (int phase = 0; phase < 100; ++phase) {
+    const MovingShape shot{
+        &bullet, {}, {.g = translation(0.003, 0.002, 0.3 + 0.008 * phase), .v = {0, 0, -800}}};
+    EXPECT_FALSE(certify(shot, target, 2e-3, {.required = 1e-6, .wanted = 1e-3}).certified) << phase;
+    EXPECT_TRUE(certify(shot, target, 0.29 / 800, {.required = 1e-6, .wanted = 1e-3}).certified) << phase;
+  }
+}
+
+TEST(Certificate, LetsAPartSlideFarInOneStep) {
+  const LmdShape rail = prepared(make_box(1, 0.1, 0.1, 20)), slider = prepared(make_box(0.1, 0.1, 0.1, 4));
+  const MovingShape still{&rail, {}, {}};
+  const MovingShape moving{&slider, {}, {.g = translation(-0.3, 0, 0.1 + 1e-4), .v = {1, 0, 0}}};
+  const Certificate c = certify(moving, still, 0.5, {.required = 9e-5, .wanted = 2e-4});  // 5000 gaps long
+  EXPECT_TRUE(c.certified);
+  EXPECT_NEAR(c.min_distance, 1e-4, 1e-6);  // a bound: one per cent below the truth
+}
+
+}  // namespace
+}  // namespace aussois

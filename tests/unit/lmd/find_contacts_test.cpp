@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lmd/find_contacts.hpp"
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "geometry/primitives.hpp"
+#include "lmd/certificate.hpp"
+#include "lmd/simplex_distance.hpp"
+#include "tests/support/random.hpp"
+
+namespace aussois {
+namespace {
+
+constexpr double kAlpha = 2 * kPi / 180;
+
+LmdShape prepared(SimplicialComplex complex, double radius) {
+  return prepare({.complex = std::move(complex), .radius = radius});
+}
+
+ContactSet contacts_of(const LmdShape& a, const SE3& g_a, const LmdShape& b, const SE3& g_b, double threshold,
+                       int threads = 1) {
+  return find_contacts({&a, g_a, 0}, {&b, g_b, 1}, {.threshold = threshold, .threads = threads});
+}
+
+// One of the shapes that the random tests draw: solids convex and not, sheets, wires, points.
+SimplicialComplex random_complex(Random& random) {
+  switch (random.index(8)) {
+    case 0:
+      return make_box(random.uniform(0.5, 1), random.uniform(0.5, 1), random.uniform(0.5, 1),
+                      1 + random.index(3));
+    case 1:
+      return make_cylinder(random.uniform(0.2, 0.6), random.uniform(0.3, 1), 3 + random.index(14));
+    case 2:
+      return make_sphere(0.6, random.index(3));
+    case 3:
+      return make_torus(0.6, 0.2, 5 + random.index(10), 3 + random.index(6));
+    case 4:
+      return make_plate(1, 0.7, 1 + random.index(3), 1 + random.index(3));
+    case 5:
+      return make_polyline({random.vector(0.6), random.vector(0.6), random.vector(0.6), random.vector(0.6)});
+    case 6:
+      return make_segment(random.uniform(0.5, 1));
+    default:
+      return make_point();
+  }
+}
+
+struct Scene {
+  LmdShape a, b;
+  SE3 g_a{}, g_b{};
+};
+
+// Two shapes moved towards each other from afar until their bases are `gap` apart. Odd seeds: nearly aligned,
+// so that faces and edges are nearly parallel.
+Scene random_scene(std::uint64_t seed, double gap) {
+  Random random(seed);
+  Scene scene{prepared(random_complex(random), 0.01), prepared(random_complex(random), 0.02), random.pose(1),
+              random.pose(0)};
+  Vec3 away = random.direction();
+  if (seed % 2 == 1) {
+    const Quat tilt = exp_so3(random.uniform(0, 0.9 * kAlpha) * random.direction());
+    const Quat quarter = exp_so3(kPi / 2 * random.index(2) * Vec3::UnitX());
+    scene.g_a.R = (scene.g_b.R * quarter * tilt).normalized();
+    away = scene.g_b.R * Vec3(random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), 1).normalized();
+  }
+  for (double s = 4, distance = kInf; distance > gap + 1e-4; s -= distance - gap) {
+    scene.g_a.p = s * away;
+    distance = base_distance({&scene.a, {}, {.g = scene.g_a}}, {&scene.b, {}, {.g = scene.g_b}}, 10);
+    if (s < -4) break;
+  }
+  return scene;
+}
+
+class LocalMinima : public ::testing::TestWithParam<unsigned> {};
+
+TEST_P(LocalMinima, AreThoseOfTheExhaustiveSearch) {
+  const Scene s = random_scene(GetParam(), 0.05);
+  const LmdOptions options{.threshold = 0.3, .alpha = GetParam() % 2 ? kAlpha : 0.2, .alpha_ee = 0.3};
+  const ContactSet fast = find_contacts({&s.a, s.g_a, 0}, {&s.b, s.g_b, 1}, options);
+  const ContactSet slow = find_contacts_exhaustive({&s.a, s.g_a, 0}, {&s.b, s.g_b, 1}, options);
+  ASSERT_EQ(fast.points.size(), slow.points.size()) << "seed " << GetParam();
+  for (std::size_t i = 0; i < slow.points.size(); ++i) {
+    EXPECT_EQ(key_of(fast.points[i]), key_of(slow.points[i]));
+    EXPECT_EQ(fast.points[i].gap, slow.points[i].gap);
+  }
+}
+
+TEST_P(LocalMinima, ContainTheGlobalDistance) {
+  const Scene s = random_scene(GetParam(), 0.05);
+  const double distance = base_distance({&s.a, {}, {.g = s.g_a}}, {&s.b, {}, {.g = s.g_b}}, 10);
+  for (const double alpha : {0.0, kAlpha}) {
+    const ContactSet found = find_contacts({&s.a, s.g_a, 0}, {&s.b, s.g_b, 1},
+                                           {.threshold = 0.3, .alpha = alpha, .alpha_ee = alpha});
+    if (distance > 0.33) continue;  // the line of approach missed
+    ASSERT_FALSE(found.points.empty()) << "seed " << GetParam();
+    EXPECT_NEAR(smallest_gap(found) + 0.03, distance, 1e-9) << "seed " << GetParam();
+  }
+}
+
+TEST_P(LocalMinima, DependOnTheRelativePoseAlone) {
+  const Scene s = random_scene(GetParam(), 0.05);
+  Random random(GetParam() + 1000);
+  const SE3 g = random.pose(3);
+  const ContactSet here = contacts_of(s.a, s.g_a, s.b, s.g_b, 0.2);
+  const ContactSet there = contacts_of(s.a, g * s.g_a, s.b, g * s.g_b, 0.2);
+  const ContactSet swapped = contacts_of(s.b, s.g_b, s.a, s.g_a, 0.2);
+  ASSERT_EQ(here.points.size(), there.points.size()) << "seed " << GetParam();
+  ASSERT_EQ(here.points.size(), swapped.points.size()) << "seed " << GetParam();
+  double sum = 0, sum_swapped = 0;
+  for (std::size_t i = 0; i < here.points.size(); ++i) {
+    EXPECT_EQ(key_of(here.points[i]), key_of(there.points[i]));
+    EXPECT_NEAR(here.points[i].gap, there.points[i].gap, 1e-12);
+    EXPECT_LT((g * here.points[i].x_a - there.points[i].x_a).norm(), 1e-9);
+    sum += here.points[i].gap;
+    sum_swapped += swapped.points[i].gap;
+  }
+  EXPECT_NEAR(sum, sum_swapped, 1e-10);
+}
+
+TEST_P(LocalMinima, AreConsistentPoints) {
+  const Scene s = random_scene(GetParam(), 0.05);
+  for (const ContactPoint& c : contacts_of(s.a, s.g_a, s.b, s.g_b, 0.2).points) {
+    EXPECT_NEAR(c.normal.norm(), 1, 1e-12);
+    EXPECT_NEAR(c.normal.dot(c.x_a - c.x_b), c.gap, 1e-9);
+    EXPECT_LT((c.x_a - c.x_b - c.gap * c.normal).norm(), 1e-8);
+    EXPECT_GE(c.angle_margin, 0);
+    for (const Feature* f : {&c.a, &c.b}) {  // the barycentric coordinates give the foot on the base simplex
+      const LmdShape& shape = f == &c.a ? s.a : s.b;
+      const SimplicialComplex& k = shape.complex;
+      Vec3 x = Vec3::Zero();
+      for (int i = 0; i <= f->dim; ++i) {
+        const int v = f->dim == 0   ? f->simplex
+                      : f->dim == 1 ? k.edges[std::size_t(f->simplex)][std::size_t(i)]
+                                    : k.triangles[std::size_t(f->simplex)][std::size_t(i)];
+        x += f->bary[std::size_t(i)] * k.vertices[std::size_t(v)];
+      }
+      const Vec3 foot =
+          f == &c.a ? Vec3(c.x_a + shape.radius * c.normal) : Vec3(c.x_b - shape.radius * c.normal);
+      EXPECT_LT(((f == &c.a ? s.g_a : s.g_b) * x - foot).norm(), 1e-6);
+    }
+  }
+}
+
+TEST_P(LocalMinima, HaveTheSameBitsForAnyNumberOfThreads) {
+  const Scene s = random_scene(GetParam(), 0.05);
+  const ContactSet one = contacts_of(s.a, s.g_a, s.b, s.g_b, 0.2, 1),
+                   three = contacts_of(s.a, s.g_a, s.b, s.g_b, 0.2, 3);
+  ASSERT_EQ(one.points.size(), three.points.size());
+  for (std::size_t i = 0; i < one.points.size(); ++i) {
+    EXPECT_EQ(one.points[i].gap, three.points[i].gap);
+    EXPECT_EQ(one.points[i].x_a, three.points[i].x_a);
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Seeds, LocalMinima, ::testing::Range(0U, 200U));
+
+// The random scenes must not be hollow: enough of them have several contacts.
+TEST(LocalMinimaSample, IsRepresentative) {
+  int with_contacts = 0, several = 0;  // far apart: the line of approach missed
+  for (unsigned seed = 0; seed < 200; ++seed) {
+    const Scene s = random_scene(seed, 0.05);
+    const std::size_t n = contacts_of(s.a, s.g_a, s.b, s.g_b, 0.2).points.size();
+    with_contacts += n > 0;
+    several += n > 2;
+  }
+  EXPECT_GT(with_contacts, 150);
+  EXPECT_GT(several, 30);
+}
+
+// A box on a plate: four contacts for any tilt below alpha, any yaw, any triangulation of either.
+TEST(BoxOnPlate, HasFourContacts) {
+  Random random(7);
+  const double radius = 1e-3;
+  for (const int cuts : {1, 2, 5}) {
+    const LmdShape box = prepared(make_box(0.1, 0.07, 0.05, cuts), radius);
+    for (const int plate_cuts : {1, 3, 8}) {
+      const LmdShape plate = prepared(make_plate(1, 1, plate_cuts, 2 * plate_cuts), radius);
+      for (int sample = 0; sample < 60; ++sample) {
+        const double tilt = sample == 0 ? 0 : random.uniform(0, 0.999) * kAlpha,
+                     at = random.uniform(0, 2 * kPi);
+        const Quat yaw = sample % 5 == 1 ? Quat::Identity() : exp_so3(Vec3(0, 0, random.uniform(-kPi, kPi)));
+        const SE3 g{exp_so3(tilt * Vec3(std::cos(at), std::sin(at), 0)) * yaw,
+                    Vec3(random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), 0.025 + 2 * radius + 0.004)};
+        const SE3 world = random.pose(2);
+        EXPECT_EQ(contacts_of(box, world * g, plate, world, 0.02).points.size(), 4U)
+            << "cuts " << cuts << " " << plate_cuts << " tilt " << tilt << " sample " << sample;
+      }
+    }
+  }
+}
+
+TEST(BoxOnPlate, LosesTheRaisedCornersBeyondAlpha) {
+  const LmdShape box = prepared(make_box(0.1, 0.1, 0.1), 1e-3), plate = prepared(make_plate(1, 1), 1e-3);
+  const SE3 g{exp_so3(Vec3(1.01 * kAlpha, 0, 0)), Vec3(0.013, 0.007, 0.06)};
+  EXPECT_EQ(contacts_of(box, g, plate, {}, 0.02).points.size(), 2U);
+}
+
+TEST(Contacts, OfAStandingCylinderAreItsRim) {
+  const LmdShape cylinder = prepared(make_cylinder(0.05, 0.1, 24), 1e-3),
+                 plate = prepared(make_plate(1, 1, 4, 4), 1e-3);
+  EXPECT_EQ(contacts_of(cylinder, translation(0.011, 0.023, 0.055), plate, {}, 0.01).points.size(), 24U);
+}
+
+TEST(Contacts, OfABallOnAPlateIsOne) {
+  const LmdShape ball = prepared(make_point(), 0.1), plate = prepared(make_plate(1, 1, 3, 3), 1e-3);
+  const ContactSet found = contacts_of(ball, translation(0.1, 0.2, 0.105), plate, {}, 0.02);
+  ASSERT_EQ(found.points.size(), 1U);
+  EXPECT_NEAR(found.points[0].gap, 0.004, 1e-15);
+  EXPECT_EQ(found.points[0].normal, Vec3(0, 0, 1));
+}
+
+TEST(Contacts, OfCrossingRodsIsOneAndOfParallelRodsTwo) {
+  const LmdShape rod = prepared(make_segment(1), 0.01);
+  EXPECT_EQ(contacts_of(rod, translation(0, 0, 0.03), rod, rotation(Vec3::UnitZ(), 0.5), 0.05).points.size(),
+            1U);
+  EXPECT_EQ(contacts_of(rod, translation(0.2, 0, 0.03), rod, {}, 0.05).points.size(), 2U);
+}
+
+TEST(Contacts, InAConcaveCornerAreOnBothWallsAndNotOnTheCrease) {
+  // An L-shaped step made of one solid: x from 0 to 2, height 1 for x > 1, otherwise 0; y from -1 to 1.
+  std::vector<Vec3> v;
+  for (const double y : {-1.0, 1.0})
+    for (const auto& [x, z] :
+         std::vector<std::pair<double, double>>{{0, -1}, {2, -1}, {2, 1}, {1, 1}, {1, 0}, {0, 0}})
+      v.push_back({x, y, z});
+  std::vector<std::array<int, 3>> t;
+  for (int i = 0; i < 6; ++i) {
+    const int j = (i + 1) % 6;
+    t.push_back({i, j, j + 6});
+    t.push_back({i, j + 6, i + 6});
+  }
+  for (auto& f : t) std::swap(f[1], f[2]);  // outwards
+  for (const auto& f : std::vector<std::array<int, 3>>{{0, 1, 4}, {0, 4, 5}, {1, 2, 4}, {2, 3, 4}}) {
+    t.push_back(f);
+    t.push_back({f[0] + 6, f[2] + 6, f[1] + 6});
+  }
+  const LmdShape step = prepared(make_complex(v, t, {}, true), 1e-3);
+  const LmdShape ball = prepared(make_point(), 0.1);
+  const ContactSet found = contacts_of(ball, translation(0.88, 0, 0.12), step, {}, 0.1);
+  ASSERT_EQ(found.points.size(), 2U);
+  EXPECT_NEAR(found.points[0].gap, 0.12 - 0.101, 1e-12);
+  EXPECT_NEAR(found.points[1].gap, 0.12 - 0.101, 1e-12);
+}
+
+TEST(Contacts, OptionsOutOfRangeAreNamed) {
+  try {
+    validate(LmdOptions{.alpha = -0.1});
+    FAIL();
+  } catch (const std::invalid_argument& e) {
+    EXPECT_STREQ(e.what(), "LmdOptions::alpha = -0.10000000000000001 must lie in [0, 0.5] rad");
+  }
+  EXPECT_THROW(prepare({.complex = make_point(), .radius = -1}), std::invalid_argument);
+  EXPECT_THROW(prepare({.complex = {}, .radius = 1}), std::invalid_argument);
+}
+
+// The simplices of the base complex that hold a point, in the world: its star.
+std::vector<std::vector<Vec3>> star(const LmdShape& shape, const SE3& g, const Vec3& foot) {
+  std::vector<std::vector<Vec3>> out;
+  for (const BaseSimplex& simplex : shape.simplices) {
+    std::vector<Vec3> corners;
+    for (int i = 0; i <= simplex.dim; ++i)
+      corners.push_back(g * shape.complex.vertices[std::size_t(simplex.vertex[std::size_t(i)])]);
+    const std::vector<Vec3> point{foot};
+    if (closest_points(corners, point).distance < 1e-9) out.push_back(corners);
+  }
+  return out;
+}
+
+// The theorem without cones: a pair of points is a local minimum iff no two points of the two stars are
+// nearer.
+TEST(Contacts, AreLocalMinimaBetweenTheStars) {
+  int checked = 0;
+  for (unsigned seed = 0; seed < 200; ++seed) {
+    const Scene s = random_scene(seed, 0.05);
+    for (const ContactPoint& c :
+         find_contacts({&s.a, s.g_a, 0}, {&s.b, s.g_b, 1}, {.threshold = 0.3, .alpha = 0, .alpha_ee = 0})
+             .points) {
+      const double d = c.gap + s.a.radius + s.b.radius;
+      for (const auto& p : star(s.a, s.g_a, c.x_a + s.a.radius * c.normal))
+        for (const auto& q : star(s.b, s.g_b, c.x_b - s.b.radius * c.normal)) {
+          EXPECT_GE(closest_points(p, q).distance, d - 1e-9) << "seed " << seed;
+          ++checked;
+        }
+    }
+  }
+  EXPECT_GT(checked, 1000);
+}
+
+}  // namespace
+}  // namespace aussois
