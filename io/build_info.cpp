@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/build_info.hpp"
 
-#include <CGAL/version.h>
 #include <H5public.h>
 #include <zlib.h>
 
+#include <CGAL/version.h>
 #include <Eigen/Core>
 
 namespace aussois {
@@ -27,7 +27,8 @@ std::string compiler() {
 std::string build_info() {
   return "aussois " AUSSOIS_VERSION "; " + compiler() + " " AUSSOIS_BUILD_FLAGS "; Eigen " +
          dotted(EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION) + "; HDF5 " +
-         dotted(H5_VERS_MAJOR, H5_VERS_MINOR, H5_VERS_RELEASE) + "; CGAL " CGAL_VERSION_STR "; zlib " ZLIB_VERSION
+         dotted(H5_VERS_MAJOR, H5_VERS_MINOR, H5_VERS_RELEASE) +
+         "; CGAL " CGAL_VERSION_STR "; zlib " ZLIB_VERSION
          "; licence of this binary: " AUSSOIS_BINARY_LICENCE;
 }
 

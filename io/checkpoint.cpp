@@ -63,15 +63,20 @@ void write_state(hid_t file, const State& state) {
   write_rows(file, "/state/t", std::vector<double>{state.t});
   write_rows(file, "/state/h", std::vector<double>{state.h});
   std::vector<PoseRow> pose;
-  for (const SE3& g : state.g) pose.push_back({g.p.x(), g.p.y(), g.p.z(), g.R.x(), g.R.y(), g.R.z(), g.R.w()});
+  for (const SE3& g : state.g)
+    pose.push_back({g.p.x(), g.p.y(), g.p.z(), g.R.x(), g.R.y(), g.R.z(), g.R.w()});
   write_rows(file, "/state/pose", pose);
   write_rows(file, "/state/velocity", std::vector<double>(state.v.begin(), state.v.end()));
   using Key = std::array<int, 6>;
   const ContactMemory& memory = state.memory;
-  write_rows(file, "/memory/key", gathered<Key>(memory, [](const auto& contact) { return contact.key.value; }));
-  write_rows(file, "/memory/normal", gathered<Vec3>(memory, [](const auto& contact) { return contact.normal; }));
-  write_rows(file, "/memory/point_a", gathered<Vec3>(memory, [](const auto& contact) { return contact.point_a; }));
-  write_rows(file, "/memory/impulse", gathered<Vec3>(memory, [](const auto& contact) { return contact.impulse; }));
+  write_rows(file, "/memory/key",
+             gathered<Key>(memory, [](const auto& contact) { return contact.key.value; }));
+  write_rows(file, "/memory/normal",
+             gathered<Vec3>(memory, [](const auto& contact) { return contact.normal; }));
+  write_rows(file, "/memory/point_a",
+             gathered<Vec3>(memory, [](const auto& contact) { return contact.point_a; }));
+  write_rows(file, "/memory/impulse",
+             gathered<Vec3>(memory, [](const auto& contact) { return contact.impulse; }));
   write_rows(file, "/state/hash", std::vector<std::uint64_t>{hash(state)});
 }
 
@@ -84,7 +89,8 @@ State read_state(hid_t file) {
   const std::vector<double> velocity = read_rows<double>(file, "/state/velocity");
   state.v = Eigen::Map<const VecX>(velocity.data(), Eigen::Index(velocity.size()));
   const auto key = read_rows<std::array<int, 6>>(file, "/memory/key");
-  const auto normal = read_rows<Vec3>(file, "/memory/normal"), point_a = read_rows<Vec3>(file, "/memory/point_a"),
+  const auto normal = read_rows<Vec3>(file, "/memory/normal"),
+             point_a = read_rows<Vec3>(file, "/memory/point_a"),
              impulse = read_rows<Vec3>(file, "/memory/impulse");
   if (normal.size() != key.size() || point_a.size() != key.size() || impulse.size() != key.size())
     fail_hdf5(file, "/memory", "has columns of different length");
@@ -121,8 +127,9 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, std::uint64_t fing
   Checkpoint checkpoint;
   checkpoint.fingerprint = read_one<std::uint64_t>(file, "/fingerprint");
   if (checkpoint.fingerprint != fingerprint)
-    fail_hdf5(file, "/fingerprint", "the checkpoint was made with model and options " + hex(checkpoint.fingerprint) +
-                                        ", this run has " + hex(fingerprint));
+    fail_hdf5(file, "/fingerprint",
+              "the checkpoint was made with model and options " + hex(checkpoint.fingerprint) +
+                  ", this run has " + hex(fingerprint));
   checkpoint.step = read_one<std::int64_t>(file, "/step");
   checkpoint.state = read_state(file);
   checkpoint.numbers = read_named<double>(file, "/numbers");

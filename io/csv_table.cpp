@@ -29,7 +29,8 @@ void append_value(std::string& line, double value) {
 }
 
 /// Bytes of the header and the first `rows` rows.
-std::uintmax_t size_of_rows(const std::filesystem::path& temporary, const std::string& header, std::size_t rows) {
+std::uintmax_t size_of_rows(const std::filesystem::path& temporary, const std::string& header,
+                            std::size_t rows) {
   std::ifstream file(temporary, std::ios::binary);
   if (!file) throw std::runtime_error(temporary.string() + ": cannot be opened to resume the table");
   std::string line;
@@ -86,7 +87,8 @@ void CsvTable::write(const std::string& text) {
 }
 
 void CsvTable::flush() {
-  if (file_ && std::fflush(file_.get()) != 0) throw std::runtime_error(path_.string() + ": cannot be written");
+  if (file_ && std::fflush(file_.get()) != 0)
+    throw std::runtime_error(path_.string() + ": cannot be written");
 }
 
 void CsvTable::close() {

@@ -13,13 +13,13 @@
 
 namespace aussois {
 
-/// Rows go to PATH.tmp, which becomes PATH at close(). Doubles are written in the shortest form that reads back as
-/// the same bits; whole numbers without a point; nan and inf as these words.
-/// Without close() (an error, an interruption) the rows stay in PATH.tmp for `resume`.
+/// Rows go to PATH.tmp, which becomes PATH at close(). Doubles are written in the shortest form that reads
+/// back as the same bits; whole numbers without a point; nan and inf as these words. Without close() (an
+/// error, an interruption) the rows stay in PATH.tmp for `resume`.
 class CsvTable {
  public:
-  /// Throws std::invalid_argument for no columns or a name with a comma, quote or line end; std::runtime_error if the
-  /// file cannot be created.
+  /// Throws std::invalid_argument for no columns or a name with a comma, quote or line end;
+  /// std::runtime_error if the file cannot be created.
   CsvTable(std::filesystem::path path, std::vector<std::string> columns);
 
   /// Reopens PATH.tmp, keeps its first `rows` rows and cuts off the rest, even half a line. Throws

@@ -51,7 +51,9 @@ Hdf5Silence::Hdf5Silence() {
   H5Eget_auto2(H5E_DEFAULT, &print_, &data_);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
-Hdf5Silence::~Hdf5Silence() { H5Eset_auto2(H5E_DEFAULT, print_, data_); }
+Hdf5Silence::~Hdf5Silence() {
+  H5Eset_auto2(H5E_DEFAULT, print_, data_);
+}
 
 void fail_hdf5(hid_t file, const std::string& name, const std::string& what) {
   throw std::runtime_error(file_name(file) + ": " + name + ": " + what);
@@ -66,8 +68,11 @@ Hdf5Id create_hdf5(const std::filesystem::path& path) {
 Hdf5Id open_hdf5(const std::filesystem::path& path, Hdf5Access access) {
   if (!std::filesystem::is_regular_file(path)) throw std::runtime_error(path.string() + ": no such file");
   const unsigned flags = access == Hdf5Access::read ? H5F_ACC_RDONLY : H5F_ACC_RDWR;
-  Hdf5Id file(H5Fopen(path.c_str(), flags, H5P_DEFAULT), H5Fclose);
-  if (file < 0) throw std::runtime_error(path.string() + ": not an HDF5 file, truncated or damaged, or not permitted");
+  const Hdf5Id access_list(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_fclose_degree(access_list, H5F_CLOSE_STRONG);  // a damaged file leaves objects open inside HDF5
+  Hdf5Id file(H5Fopen(path.c_str(), flags, access_list), H5Fclose);
+  if (file < 0)
+    throw std::runtime_error(path.string() + ": not an HDF5 file, truncated or damaged, or not permitted");
   return file;
 }
 
@@ -75,17 +80,19 @@ void flush_hdf5(hid_t file) {
   if (H5Fflush(file, H5F_SCOPE_LOCAL) < 0) fail_hdf5(file, "/", "cannot be flushed");
 }
 
-void write_text(hid_t file, const std::string& object, const std::string& attribute, const std::string& text) {
+void write_text(hid_t file, const std::string& object, const std::string& attribute,
+                const std::string& text) {
   const Hdf5Id type = text_type(text.size()), space(H5Screate(H5S_SCALAR), H5Sclose);
-  const Hdf5Id id(H5Acreate_by_name(file, object.c_str(), attribute.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT,
-                                    H5P_DEFAULT),
+  const Hdf5Id id(H5Acreate_by_name(file, object.c_str(), attribute.c_str(), type, space, H5P_DEFAULT,
+                                    H5P_DEFAULT, H5P_DEFAULT),
                   H5Aclose);
   if (id < 0 || H5Awrite(id, type, text.c_str()) < 0)
     fail_hdf5(file, object + "@" + attribute, "cannot be written (attributes hold at most 64 KiB)");
 }
 
 std::string read_text(hid_t file, const std::string& object, const std::string& attribute) {
-  const Hdf5Id id(H5Aopen_by_name(file, object.c_str(), attribute.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  const Hdf5Id id(H5Aopen_by_name(file, object.c_str(), attribute.c_str(), H5P_DEFAULT, H5P_DEFAULT),
+                  H5Aclose);
   if (id < 0) fail_hdf5(file, object + "@" + attribute, "is missing");
   const Hdf5Id type(H5Aget_type(id), H5Tclose);
   if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0)
@@ -121,11 +128,13 @@ std::vector<std::string> read_texts(hid_t file, const std::string& name) {
   const Hdf5Id id(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
   if (id < 0) fail_hdf5(file, name, "is missing");
   const Hdf5Id type(H5Dget_type(id), H5Tclose), space(H5Dget_space(id), H5Sclose);
-  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0 || H5Sget_simple_extent_ndims(space) != 1)
+  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0 ||
+      H5Sget_simple_extent_ndims(space) != 1)
     fail_hdf5(file, name, "is not a list of texts of fixed length");
   const std::size_t length = H5Tget_size(type), rows = std::size_t(H5Sget_simple_extent_npoints(space));
   std::string padded(length * rows, '\0');
-  if (H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0) fail_hdf5(file, name, "cannot be read");
+  if (H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0)
+    fail_hdf5(file, name, "cannot be read");
   std::vector<std::string> texts;
   for (std::size_t i = 0; i < rows; ++i) texts.push_back(without_padding(padded.data() + i * length, length));
   return texts;
@@ -153,11 +162,12 @@ std::vector<std::string> group_names(hid_t file, const std::string& group) {
   return names;
 }
 
-Hdf5Column::Hdf5Column(hid_t file, std::string name, hid_t type, std::vector<hsize_t> row_shape, hsize_t chunk_rows,
-                       const std::string& unit)
+Hdf5Column::Hdf5Column(hid_t file, std::string name, hid_t type, std::vector<hsize_t> row_shape,
+                       hsize_t chunk_rows, const std::string& unit)
     : file_(file), name_(std::move(name)), type_(type), row_shape_(std::move(row_shape)) {
   std::vector<hsize_t> chunk = extent(chunk_rows), none = extent(0), endless = extent(H5S_UNLIMITED);
-  for (hsize_t& side : chunk) side = std::max<hsize_t>(side, 1);  // a run without bodies has rows of no values
+  for (hsize_t& side : chunk)
+    side = std::max<hsize_t>(side, 1);  // a run without bodies has rows of no values
   const Hdf5Id space(H5Screate_simple(int(none.size()), none.data(), endless.data()), H5Sclose);
   const Hdf5Id layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose), links = parent_groups_on_demand();
   H5Pset_chunk(layout, int(chunk.size()), chunk.data());
@@ -180,7 +190,8 @@ Hdf5Column Hdf5Column::open(hid_t file, std::string name, hid_t type, std::vecto
   std::vector<hsize_t> found(std::size_t(std::max(H5Sget_simple_extent_ndims(space), 0)));
   H5Sget_simple_extent_dims(space, found.data(), nullptr);
   if (!found.empty()) column.rows_ = found[0];
-  if (found != column.extent(column.rows_)) fail_hdf5(file, column.name_, "has another shape than [rows, ...] of the format");
+  if (found != column.extent(column.rows_))
+    fail_hdf5(file, column.name_, "has another shape than [rows, ...] of the format");
   if (column.rows_ > hsize_t{1} << 32) fail_hdf5(file, column.name_, "claims more than 2^32 rows");
   return column;
 }
@@ -214,7 +225,8 @@ void Hdf5Column::append(const void* data, hsize_t rows) {
 
 void Hdf5Column::truncate(hsize_t rows) {
   if (rows_ < rows)
-    fail_hdf5(file_, name_, "has " + std::to_string(rows_) + " rows, " + std::to_string(rows) + " are needed to resume");
+    fail_hdf5(file_, name_,
+              "has " + std::to_string(rows_) + " rows, " + std::to_string(rows) + " are needed to resume");
   const std::vector<hsize_t> kept = extent(rows);
   if (H5Dset_extent(dataset_, kept.data()) < 0) fail_hdf5(file_, name_, "cannot be cut");
   rows_ = rows;
@@ -222,7 +234,8 @@ void Hdf5Column::truncate(hsize_t rows) {
 
 void Hdf5Column::read(void* data) const {
   if (values() == 0) return;
-  if (H5Dread(dataset_, type_, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0) fail_hdf5(file_, name_, "cannot be read");
+  if (H5Dread(dataset_, type_, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
+    fail_hdf5(file_, name_, "cannot be read");
 }
 
 }  // namespace aussois

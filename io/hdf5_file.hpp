@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// What io/*.cpp needs of the HDF5 C API: handles that close themselves, whole datasets as vectors, and columns that
-// grow by blocks of rows. Private to io: not installed, never included by a header.
-// Every failure is a std::runtime_error "FILE: /dataset: what".
+// What io/*.cpp needs of the HDF5 C API: handles that close themselves, whole datasets as vectors, and
+// columns that grow by blocks of rows. Private to io: not installed, never included by a header. Every
+// failure is a std::runtime_error "FILE: /dataset: what".
 #pragma once
-
-#include <hdf5.h>
 
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <hdf5.h>
 #include <string>
 #include <utility>
 #include <vector>
@@ -139,8 +138,10 @@ class Hdf5Column {
 inline constexpr hsize_t kHdf5ChunkRows = 1024;  // of scalar and three-vector columns: 8 to 24 KiB per chunk
 
 template <class T>
-void write_rows(hid_t file, const std::string& name, const std::vector<T>& rows, const std::string& unit = {}) {
-  Hdf5Column(file, name, Hdf5Row<T>::type(), Hdf5Row<T>::shape(), kHdf5ChunkRows, unit).append(rows.data(), rows.size());
+void write_rows(hid_t file, const std::string& name, const std::vector<T>& rows,
+                const std::string& unit = {}) {
+  Hdf5Column(file, name, Hdf5Row<T>::type(), Hdf5Row<T>::shape(), kHdf5ChunkRows, unit)
+      .append(rows.data(), rows.size());
 }
 
 template <class T>

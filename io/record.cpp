@@ -21,7 +21,8 @@ RunHeader run_header(const Model& model) {
   RunHeader header;
   std::map<int, std::string> mesh_of_shape;
   for (const RigidBody& body : model.bodies) {
-    RunBody row{body.name, {}, body.g_bs, std::holds_alternative<Fixed>(body.motion), 0, body.mass, body.inertia};
+    RunBody row{body.name, {},        body.g_bs,   std::holds_alternative<Fixed>(body.motion),
+                0,         body.mass, body.inertia};
     if (body.shape >= 0) {
       const LmdShape& shape = *model.shapes[std::size_t(body.shape)];
       const bool first = mesh_of_shape.emplace(body.shape, body.name).second;
@@ -56,7 +57,8 @@ RunStep run_step(std::int64_t step, const Model& model, const State& state, cons
 RunStep run_step(std::int64_t step, const Model& model, const State& state, const StepReport& report,
                  const CouplingWrench& coupling) {
   RunStep row = run_step(step, model, state, coupling);
-  for (const StepContact& contact : report.contacts) row.contacts.push_back(run_contact(contact.point, contact.impulse));
+  for (const StepContact& contact : report.contacts)
+    row.contacts.push_back(run_contact(contact.point, contact.impulse));
   row.status = int(report.status);
   row.h = report.h;
   row.attempts = report.attempts;
@@ -86,7 +88,8 @@ RunStep run_step(std::int64_t step, const Model& model, const State& state, cons
 
 RunContact run_contact(const ContactPoint& contact, const Vec3& impulse) {
   return {{contact.a.body, contact.b.body},
-          {{{contact.a.dim, contact.a.simplex, contact.a.region}, {contact.b.dim, contact.b.simplex, contact.b.region}}},
+          {{{contact.a.dim, contact.a.simplex, contact.a.region},
+            {contact.b.dim, contact.b.simplex, contact.b.region}}},
           contact.x_a,
           contact.x_b,
           contact.normal,

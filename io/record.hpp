@@ -11,12 +11,15 @@
 
 namespace aussois {
 
-/// Bodies and shapes of the model; shapes that bodies share become one mesh. Body names must be unique and without
-/// '/': meshes are named after the first body that carries them. Title, command line, build and notes are the driver's.
+/// Bodies and shapes of the model; shapes that bodies share become one mesh. Body names must be unique and
+/// without
+/// '/': meshes are named after the first body that carries them. Title, command line, build and notes are the
+/// driver's.
 RunHeader run_header(const Model& model);
 
 /// The row of a state without a step: the first row of a run.
-RunStep run_step(std::int64_t step, const Model& model, const State& state, const CouplingWrench& coupling = {});
+RunStep run_step(std::int64_t step, const Model& model, const State& state,
+                 const CouplingWrench& coupling = {});
 
 /// The row of a step that led to `state`; `coupling` is the pull at its end.
 RunStep run_step(std::int64_t step, const Model& model, const State& state, const StepReport& report,

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page is io/viewer/template.html with one blob pasted in: base64(gzip(u32 n, JSON of n bytes, arrays)). The JSON
-// names the arrays, all of four-byte little-endian numbers, in the order in which they follow.
+// The page is io/viewer/template.html with one blob pasted in: base64(gzip(u32 n, JSON of n bytes, arrays)).
+// The JSON names the arrays, all of four-byte little-endian numbers, in the order in which they follow.
 #include "io/replay_html.hpp"
-
-#include <zlib.h>
 
 #include <algorithm>
 #include <bit>
@@ -12,6 +10,7 @@
 #include <limits>
 #include <stdexcept>
 #include <string_view>
+#include <zlib.h>
 
 #include "geometry/check.hpp"
 #include "geometry/simplicial_complex.hpp"
@@ -29,7 +28,8 @@ static_assert(std::endian::native == std::endian::little, "the page reads little
 
 std::string gzipped(const std::string& bytes) {
   z_stream stream{};
-  constexpr int kGzip = 15 + 16;  // largest window, gzip instead of zlib framing: what DecompressionStream reads
+  constexpr int kGzip =
+      15 + 16;  // largest window, gzip instead of zlib framing: what DecompressionStream reads
   if (deflateInit2(&stream, 6, Z_DEFLATED, kGzip, 8, Z_DEFAULT_STRATEGY) != Z_OK)
     throw std::runtime_error("zlib: deflateInit2 failed");
   std::string packed(deflateBound(&stream, bytes.size()), '\0');
@@ -51,7 +51,8 @@ std::string base64(const std::string& bytes) {
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
     const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
     unsigned bits = 0;
-    for (std::size_t k = 0; k < 3; ++k) bits = bits << 8 | (k < count ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+    for (std::size_t k = 0; k < 3; ++k)
+      bits = bits << 8 | (k < count ? static_cast<unsigned char>(bytes[i + k]) : 0u);
     for (std::size_t k = 0; k < 4; ++k) text += k <= count ? kDigits[bits >> (18 - 6 * k) & 63] : '=';
   }
   return text;
@@ -63,7 +64,8 @@ class Arrays {
   template <class T>
   void add(const std::string& name, const std::vector<T>& values) {
     static_assert(sizeof(T) == 4);
-    names_.push_back(name + (std::is_floating_point_v<T> ? ":f32:" : ":i32:") + std::to_string(values.size()));
+    names_.push_back(name + (std::is_floating_point_v<T> ? ":f32:" : ":i32:") +
+                     std::to_string(values.size()));
     bytes_.append(reinterpret_cast<const char*>(values.data()), 4 * values.size());
   }
   std::string packed(Summary header) const {
@@ -105,7 +107,9 @@ struct ShownContact {
   Vec3 point, normal, force;
 };
 ShownContact shown(const RunHeader& header, const RunStep& step, const RunContact& contact) {
-  const auto fixed = [&](int side) { return header.bodies[std::size_t(contact.pair[std::size_t(side)])].fixed; };
+  const auto fixed = [&](int side) {
+    return header.bodies[std::size_t(contact.pair[std::size_t(side)])].fixed;
+  };
   const Vec3 force = step.h > 0 ? Vec3(contact.impulse / step.h) : Vec3::Zero();
   if (fixed(0) && !fixed(1)) return {contact.point_b, -contact.normal, -force};
   return {contact.point, contact.normal, force};
@@ -142,7 +146,8 @@ void add_poses(Arrays& arrays, const RunData& run, const std::vector<std::size_t
   arrays.add("pose", pose);
 }
 
-void add_contacts(Arrays& arrays, const RunData& run, const std::vector<std::size_t>& rows, const Vec3& origin) {
+void add_contacts(Arrays& arrays, const RunData& run, const std::vector<std::size_t>& rows,
+                  const Vec3& origin) {
   std::vector<std::int32_t> offset{0};
   std::vector<float> point, normal, force, gap;
   for (const std::size_t row : rows) {
@@ -174,10 +179,18 @@ struct Quantity {
   std::function<double(const RunHeader&, const RunStep&)> value;
   double (*worse)(double, double);
 };
-double last(double, double next) { return next; }
-double smaller(double a, double b) { return std::fmin(a, b); }
-double larger(double a, double b) { return std::fmax(a, b); }
-double number_or_nan(double x) { return std::isfinite(x) ? x : std::numeric_limits<double>::quiet_NaN(); }
+double last(double, double next) {
+  return next;
+}
+double smaller(double a, double b) {
+  return std::fmin(a, b);
+}
+double larger(double a, double b) {
+  return std::fmax(a, b);
+}
+double number_or_nan(double x) {
+  return std::isfinite(x) ? x : std::numeric_limits<double>::quiet_NaN();
+}
 
 const std::vector<Quantity>& quantities() {
   using H = RunHeader;
@@ -197,7 +210,8 @@ const std::vector<Quantity>& quantities() {
   return list;
 }
 
-void add_quantities(Arrays& arrays, const RunData& run, const std::vector<std::size_t>& rows, int max_points) {
+void add_quantities(Arrays& arrays, const RunData& run, const std::vector<std::size_t>& rows,
+                    int max_points) {
   const std::size_t steps = run.steps.size(), points = std::min(steps, std::size_t(max_points));
   for (const Quantity& quantity : quantities()) {
     std::vector<float> at_frames, curve;
@@ -260,7 +274,8 @@ Vec3 origin_of(const RunData& run) {
 
 void write_replay_html(const std::filesystem::path& html, const RunData& run, const ReplayOptions& options) {
   require_field(options.max_frames >= 2, "ReplayOptions::max_frames", options.max_frames, "be at least 2");
-  require_field(options.max_plot_points >= 2, "ReplayOptions::max_plot_points", options.max_plot_points, "be at least 2");
+  require_field(options.max_plot_points >= 2, "ReplayOptions::max_plot_points", options.max_plot_points,
+                "be at least 2");
   require(!run.steps.empty(), "write_replay_html: the run has no steps");
   validate(run.header);
   for (const RunStep& step : run.steps) validate(run.header, step);

@@ -13,8 +13,10 @@ struct ReplayOptions {
   int max_plot_points = 4000;  // of a curve; beyond, each keeps the worst value of its bucket; >= 2
 };
 
-/// Writes the page at once (see write_whole_file). Coordinates are moved near the origin before they become float32.
-/// Throws std::invalid_argument for a run without steps or a bad option, std::runtime_error if it cannot be written.
-void write_replay_html(const std::filesystem::path& html, const RunData& run, const ReplayOptions& options = {});
+/// Writes the page at once (see write_whole_file). Coordinates are moved near the origin before they become
+/// float32. Throws std::invalid_argument for a run without steps or a bad option, std::runtime_error if it
+/// cannot be written.
+void write_replay_html(const std::filesystem::path& html, const RunData& run,
+                       const ReplayOptions& options = {});
 
 }  // namespace aussois

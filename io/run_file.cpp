@@ -79,8 +79,12 @@ void for_each_field(const Fields& fields, const F& f) {
 }
 
 using PoseRow = std::array<double, 7>;  // x y z qx qy qz qw
-PoseRow to_row(const SE3& g) { return {g.p.x(), g.p.y(), g.p.z(), g.R.x(), g.R.y(), g.R.z(), g.R.w()}; }
-SE3 from_row(const PoseRow& row) { return {Quat(row[6], row[3], row[4], row[5]), Vec3(row[0], row[1], row[2])}; }
+PoseRow to_row(const SE3& g) {
+  return {g.p.x(), g.p.y(), g.p.z(), g.R.x(), g.R.y(), g.R.z(), g.R.w()};
+}
+SE3 from_row(const PoseRow& row) {
+  return {Quat(row[6], row[3], row[4], row[5]), Vec3(row[0], row[1], row[2])};
+}
 
 void write_header(hid_t file, const RunHeader& header) {
   write_text(file, "/", "format", kFormat);
@@ -129,7 +133,8 @@ template <class T>
 std::vector<T> read_exactly(hid_t file, const std::string& name, std::size_t rows) {
   std::vector<T> values = read_rows<T>(file, name);
   if (values.size() != rows)
-    fail_hdf5(file, name, "has " + std::to_string(values.size()) + " rows instead of " + std::to_string(rows));
+    fail_hdf5(file, name,
+              "has " + std::to_string(values.size()) + " rows instead of " + std::to_string(rows));
   return values;
 }
 
@@ -139,13 +144,15 @@ RunHeader read_header(hid_t file) {
   header.title = read_text(file, "/", "title");
   header.command_line = read_text(file, "/", "command_line");
   header.build = read_text(file, "/", "build");
-  for (const std::string& name : attribute_names(file, "/notes")) header.notes[name] = read_text(file, "/notes", name);
+  for (const std::string& name : attribute_names(file, "/notes"))
+    header.notes[name] = read_text(file, "/notes", name);
   for (const std::string& name : group_names(file, "/mesh"))
     header.meshes[name] = {read_rows<Vec3>(file, "/mesh/" + name + "/vertices"),
                            read_rows<std::array<int, 3>>(file, "/mesh/" + name + "/faces"),
                            read_rows<std::array<int, 2>>(file, "/mesh/" + name + "/wires")};
 
-  const std::vector<std::string> names = read_texts(file, "/body/name"), meshes = read_texts(file, "/body/mesh");
+  const std::vector<std::string> names = read_texts(file, "/body/name"),
+                                 meshes = read_texts(file, "/body/mesh");
   if (meshes.size() != names.size()) fail_hdf5(file, "/body/mesh", "has not one row per body");
   const auto mesh_pose = read_exactly<PoseRow>(file, "/body/mesh_pose", names.size());
   const auto fixed = read_exactly<int>(file, "/body/fixed", names.size());
@@ -168,9 +175,9 @@ void validate(const RunHeader& header) {
     const auto check = [&name = name, count](const auto& simplices, const char* kind) {
       for (std::size_t i = 0; i < simplices.size(); ++i)
         for (const int vertex : simplices[i])
-          require(vertex >= 0 && vertex < count, "RunHeader: mesh " + name + ", " + kind + " " + std::to_string(i) +
-                                                     ": vertex " + std::to_string(vertex) + " must lie in [0, " +
-                                                     std::to_string(count) + ")");
+          require(vertex >= 0 && vertex < count,
+                  "RunHeader: mesh " + name + ", " + kind + " " + std::to_string(i) + ": vertex " +
+                      std::to_string(vertex) + " must lie in [0, " + std::to_string(count) + ")");
     };
     check(mesh.faces, "face");
     check(mesh.wires, "wire");
@@ -182,7 +189,8 @@ void validate(const RunHeader& header) {
 
 void validate(const RunHeader& header, const RunStep& step) {
   const int bodies = int(header.bodies.size());
-  require_field(int(step.pose.size()) == bodies, "RunStep::pose: size", step.pose.size(), "be the number of bodies");
+  require_field(int(step.pose.size()) == bodies, "RunStep::pose: size", step.pose.size(),
+                "be the number of bodies");
   require_field(step.velocity.size() == 6 * bodies, "RunStep::velocity: size", step.velocity.size(),
                 "be six times the number of bodies");
   for (const RunContact& contact : step.contacts)
@@ -321,7 +329,8 @@ void RunWriter::append(RunStep step) {
   require(impl_->file >= 0, "RunWriter::append: the run is closed");
   validate(impl_->header, step);
   require_field(step.step > impl_->last_step, "RunStep::step", step.step, "be larger than the one before");
-  require_field(step.time >= impl_->last_time, "RunStep::time", step.time, "not be smaller than the one before");
+  require_field(step.time >= impl_->last_time, "RunStep::time", step.time,
+                "not be smaller than the one before");
   impl_->last_step = step.step;
   impl_->last_time = step.time;
   impl_->pending.push_back(std::move(step));
@@ -343,7 +352,9 @@ void RunWriter::close() {
   publish(temporary_name(impl_->path), impl_->path);
 }
 
-std::size_t RunWriter::rows() const { return impl_->rows + impl_->pending.size(); }
+std::size_t RunWriter::rows() const {
+  return impl_->rows + impl_->pending.size();
+}
 
 namespace {
 
@@ -354,7 +365,8 @@ void read_into(hid_t file, const Field<Row, T>& field, std::vector<Row>& rows) {
 }
 
 /// The rows of /state/pose or /state/velocity, one after the other.
-std::vector<double> read_body_rows(hid_t file, const char* name, std::size_t steps, std::size_t bodies, hsize_t width) {
+std::vector<double> read_body_rows(hid_t file, const char* name, std::size_t steps, std::size_t bodies,
+                                   hsize_t width) {
   const Hdf5Column column = Hdf5Column::open(file, name, H5T_NATIVE_DOUBLE, {bodies, width});
   if (column.rows() != steps) fail_hdf5(file, name, "has not one row per step");
   std::vector<double> values(column.values());
@@ -390,7 +402,8 @@ RunData read_run(const std::filesystem::path& path) {
       step.pose.push_back(from_row(row));
     }
     step.velocity = Eigen::Map<const VecX>(velocity.data() + 6 * k * bodies, Eigen::Index(6 * bodies));
-    step.contacts.assign(contacts.begin() + std::ptrdiff_t(offset[k]), contacts.begin() + std::ptrdiff_t(offset[k + 1]));
+    step.contacts.assign(contacts.begin() + std::ptrdiff_t(offset[k]),
+                         contacts.begin() + std::ptrdiff_t(offset[k + 1]));
   }
   try {
     validate(run.header);

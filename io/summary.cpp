@@ -2,6 +2,7 @@
 #include "io/summary.hpp"
 
 #include <algorithm>
+
 #include <nlohmann/json.hpp>
 
 #include "geometry/check.hpp"

@@ -2,19 +2,23 @@
 // The one translation unit that knows CLI11 (seven seconds of compile time).
 #include "examples/common/driver.hpp"
 
-#include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 
-#include "geometry/check.hpp"
+#include <CLI/CLI.hpp>
+
 #include "io/build_info.hpp"
 
 namespace aussois {
 namespace {
 
 volatile std::sig_atomic_t stop_requested = 0;
-extern "C" void request_stop(int) { stop_requested = 1; }
+extern "C" void request_stop(int) {
+  stop_requested = 1;
+}
 
 void watch_signals() {
   struct sigaction action {};
@@ -29,9 +33,15 @@ std::string text_of(Number value) {
   char text[32];
   return {text, std::to_chars(text, text + sizeof text, value).ptr};
 }
-std::string text_of(const std::string& value) { return value; }
-std::string text_of(const std::filesystem::path& value) { return value.string(); }
-std::string text_of(bool value) { return value ? "yes" : "no"; }
+std::string text_of(const std::string& value) {
+  return value;
+}
+std::string text_of(const std::filesystem::path& value) {
+  return value.string();
+}
+std::string text_of(bool value) {
+  return value ? "yes" : "no";
+}
 
 /// "in [0, 10]", ">= 0", "<= 1" or "".
 std::string bound_text(const Range& range) {
@@ -67,16 +77,19 @@ struct Cli::Impl {
   template <class T>
   CLI::Option* add(const std::string& flag, T& value, const std::string& placeholder, const std::string& text,
                    const std::string& unit, const std::string& bound) {
-    entries.push_back({group, flag, placeholder, text, unit, bound, text_of(value), [&value] { return text_of(value); }});
+    entries.push_back(
+        {group, flag, placeholder, text, unit, bound, text_of(value), [&value] { return text_of(value); }});
     return app.add_option(flag, value);
   }
   template <class Number>
-  void add_number(const std::string& flag, Number& value, const std::string& text, const std::string& unit, const Range& range) {
+  void add_number(const std::string& flag, Number& value, const std::string& text, const std::string& unit,
+                  const Range& range) {
     add(flag, value, "NUMBER", text, unit, bound_text(range))->check([range](const std::string& word) {
       double number = 0;
-      if (!CLI::detail::lexical_cast(word, number)) return std::string("is not a number");
+      if (!CLI::detail::lexical_cast(word, number) || std::isnan(number))
+        return "'" + word + "' is not a number";
       if (number >= range.lowest && number <= range.highest) return std::string();
-      return std::isnan(number) ? std::string("must be a number") : "must be " + bound_text(range);
+      return word + " must be " + bound_text(range);
     });
   }
 };
@@ -90,15 +103,20 @@ Cli::Cli(std::string name, std::string what) : impl_(std::make_unique<Impl>()) {
 }
 Cli::~Cli() = default;
 
-void Cli::group(std::string heading) { impl_->group = std::move(heading); }
+void Cli::group(std::string heading) {
+  impl_->group = std::move(heading);
+}
 
-void Cli::option(const std::string& flag, double& value, const std::string& what, const std::string& unit, Range range) {
+void Cli::option(const std::string& flag, double& value, const std::string& what, const std::string& unit,
+                 Range range) {
   impl_->add_number(flag, value, what, unit, range);
 }
-void Cli::option(const std::string& flag, int& value, const std::string& what, const std::string& unit, Range range) {
+void Cli::option(const std::string& flag, int& value, const std::string& what, const std::string& unit,
+                 Range range) {
   impl_->add_number(flag, value, what, unit, range);
 }
-void Cli::option(const std::string& flag, std::uint64_t& value, const std::string& what, const std::string& unit) {
+void Cli::option(const std::string& flag, std::uint64_t& value, const std::string& what,
+                 const std::string& unit) {
   impl_->add_number(flag, value, what, unit, {0, std::numeric_limits<double>::infinity()});
 }
 void Cli::option(const std::string& flag, std::string& value, const std::string& what) {
@@ -111,13 +129,15 @@ void Cli::flag(const std::string& flag, bool& value, const std::string& what) {
   impl_->entries.push_back({impl_->group, flag, "", what, "", "", "", [&value] { return text_of(value); }});
   impl_->app.add_flag(flag, value);
 }
-void Cli::choice(const std::string& flag, std::string& value, const std::string& what, std::vector<std::string> choices) {
+void Cli::choice(const std::string& flag, std::string& value, const std::string& what,
+                 std::vector<std::string> choices) {
   std::string list;
   for (const std::string& choice : choices) list += (list.empty() ? "" : ", ") + choice;
-  impl_->add(flag, value, "NAME", what, "", "one of " + list)->check([choices, list](const std::string& word) {
-    const bool known = std::find(choices.begin(), choices.end(), word) != choices.end();
-    return known ? std::string() : "must be one of " + list;
-  });
+  impl_->add(flag, value, "NAME", what, "", "one of " + list)
+      ->check([choices, list](const std::string& word) {
+        const bool known = std::find(choices.begin(), choices.end(), word) != choices.end();
+        return known ? std::string() : "'" + word + "' must be one of " + list;
+      });
 }
 void Cli::input(const std::string& flag, std::filesystem::path& value, const std::string& what) {
   option(flag, value, what);
@@ -158,8 +178,10 @@ std::string Cli::help() const {
   text += "\n  -h, --help  this text\n  --version   versions, compiler, flags and licence of this binary\n";
   if (!impl_->examples.empty()) text += "\nexamples\n";
   for (const auto& [command, shows] : impl_->examples) text += "  " + command + "\n      " + shows + "\n";
-  text += "\nexit codes: 0 ok, 1 an acceptance failed, 2 usage, 3 missing or unreadable file, 4 numerical failure, "
-          "130 interrupted\n";
+  text +=
+      "\nexit codes: 0 ok, 1 an acceptance failed, 2 usage, 3 missing or unreadable file, 4 numerical "
+      "failure, "
+      "130 interrupted\n";
   return text;
 }
 
@@ -188,7 +210,9 @@ std::string Cli::values() const {
   return text;
 }
 
-const std::string& Cli::name() const { return impl_->name; }
+const std::string& Cli::name() const {
+  return impl_->name;
+}
 
 int run_driver(Cli& cli, int argc, const char* const* argv, const std::function<ExitCode()>& body) {
   ExitCode code = ExitCode::ok;
@@ -208,14 +232,17 @@ int run_driver(Cli& cli, int argc, const char* const* argv, const std::function<
   }
 }
 
-bool interrupted() { return stop_requested != 0; }
+bool interrupted() {
+  return stop_requested != 0;
+}
 
 std::string command_line(int argc, const char* const* argv) {
   std::string line;
   for (int i = 0; i < argc; ++i) {
     std::string word = i == 0 ? std::filesystem::path(argv[i]).filename().string() : argv[i];
     if (needs_quotes(word)) {
-      for (std::size_t at = 0; (at = word.find('\'', at)) != std::string::npos; at += 4) word.replace(at, 1, "'\\''");
+      for (std::size_t at = 0; (at = word.find('\'', at)) != std::string::npos; at += 4)
+        word.replace(at, 1, "'\\''");
       word = "'" + word + "'";
     }
     line += (i == 0 ? "" : " ") + word;

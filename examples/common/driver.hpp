@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every driver shares: a command line that explains itself, exit codes, one clear line when something is wrong.
+// What every driver shares: a command line that explains itself, exit codes, one clear line when something is
+// wrong.
 //
 //   int main(int argc, char** argv) {
 //     double mu = 0.3, angle = 20;
@@ -29,11 +30,11 @@ namespace aussois {
 /// What the shell sees.
 enum class ExitCode : int {
   ok = 0,
-  not_accepted = 1,  // it ran, but an acceptance failed: not converged, penetration, energy gain
-  usage = 2,         // the command line, or a value in it or in an input
-  missing = 3,       // a file or a dependency is missing, unreadable, or cannot be written
-  numerical = 4,     // not a number, singular, out of memory, our own mistake
-  interrupted = 130, // SIGINT or SIGTERM, after a checkpoint
+  not_accepted = 1,   // it ran, but an acceptance failed: not converged, penetration, energy gain
+  usage = 2,          // the command line, or a value in it or in an input
+  missing = 3,        // a file or a dependency is missing, unreadable, or cannot be written
+  numerical = 4,      // not a number, singular, out of memory, our own mistake
+  interrupted = 130,  // SIGINT or SIGTERM, after a checkpoint
 };
 
 /// The numbers failed in a way that ends the run: exit code 4.
@@ -49,13 +50,13 @@ struct Range {
 
 /// The options that mean the same in every driver.
 struct CommonOptions {
-  std::filesystem::path out = "out";   // folder of all results, made if missing
-  std::filesystem::path summary{};     // JSON file, none if empty
+  std::filesystem::path out = "out";  // folder of all results, made if missing
+  std::filesystem::path summary{};    // JSON file, none if empty
   int threads = 1;
-  int every = 1;                       // record each n-th step
+  int every = 1;  // record each n-th step
   bool quiet = false;
-  bool resume = false;                 // continue from the checkpoint in `out`
-  double checkpoint_every = 60;        // wall time between checkpoints [s]
+  bool resume = false;           // continue from the checkpoint in `out`
+  double checkpoint_every = 60;  // wall time between checkpoints [s]
 };
 
 class Cli {
@@ -69,27 +70,35 @@ class Cli {
   /// Options that follow stand under this heading of --help: scene, stepping, solver, output.
   void group(std::string heading);
 
-  /// `value` holds the default, shown in --help, and receives what the user says. `unit` is "-" for a pure number and
-  /// "" for none. NaN and values outside `range` are refused with one line that names option, value and bound.
-  void option(const std::string& flag, double& value, const std::string& what, const std::string& unit, Range range = {});
-  void option(const std::string& flag, int& value, const std::string& what, const std::string& unit = "", Range range = {});
-  void option(const std::string& flag, std::uint64_t& value, const std::string& what, const std::string& unit = "");
+  /// `value` holds the default, shown in --help, and receives what the user says. `unit` is "-" for a pure
+  /// number and
+  /// "" for none. NaN and values outside `range` are refused with one line that names option, value and
+  /// bound.
+  void option(const std::string& flag, double& value, const std::string& what, const std::string& unit,
+              Range range = {});
+  void option(const std::string& flag, int& value, const std::string& what, const std::string& unit = "",
+              Range range = {});
+  void option(const std::string& flag, std::uint64_t& value, const std::string& what,
+              const std::string& unit = "");
   void option(const std::string& flag, std::string& value, const std::string& what);
   void option(const std::string& flag, std::filesystem::path& value, const std::string& what);
   void flag(const std::string& flag, bool& value, const std::string& what);
   /// One of `choices`.
-  void choice(const std::string& flag, std::string& value, const std::string& what, std::vector<std::string> choices);
-  /// A path that must exist: otherwise exit code 3 before anything runs. Not looked at if the user leaves it empty.
+  void choice(const std::string& flag, std::string& value, const std::string& what,
+              std::vector<std::string> choices);
+  /// A path that must exist: otherwise exit code 3 before anything runs. Not looked at if the user leaves it
+  /// empty.
   void input(const std::string& flag, std::filesystem::path& value, const std::string& what);
   /// The group "output" with -o, --summary, --threads, --every, --quiet, --resume, --checkpoint-every.
   void common(CommonOptions& options);
   /// A command line that works and what it shows; --help prints them all.
   void example(std::string command, std::string shows);
 
-  /// Fills the values. True: run. False: nothing to run (--help, --version, or something is wrong), `code` says why.
+  /// Fills the values. True: run. False: nothing to run (--help, --version, or something is wrong), `code`
+  /// says why.
   bool parse(int argc, const char* const* argv, ExitCode& code);
-  /// All options with their values in order, one "--flag value" per line: what a fingerprint and the notes of a run
-  /// are made of.
+  /// All options with their values in order, one "--flag value" per line: what a fingerprint and the notes of
+  /// a run are made of.
   std::string values() const;
   std::string help() const;
   const std::string& name() const;
@@ -99,8 +108,9 @@ class Cli {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Parses, watches for SIGINT and SIGTERM, runs `body` and turns what it throws into an exit code and one line on
-/// stderr: std::invalid_argument 2, NumericalFailure 4, other std::runtime_error (ours are files) 3, anything else 4.
+/// Parses, watches for SIGINT and SIGTERM, runs `body` and turns what it throws into an exit code and one
+/// line on stderr: std::invalid_argument 2, NumericalFailure 4, other std::runtime_error (ours are files) 3,
+/// anything else 4.
 int run_driver(Cli& cli, int argc, const char* const* argv, const std::function<ExitCode()>& body);
 
 /// True since SIGINT or SIGTERM: write a checkpoint and return ExitCode::interrupted. A second signal kills.

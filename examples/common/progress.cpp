@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "examples/common/progress.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <unistd.h>
 
 namespace aussois {
 

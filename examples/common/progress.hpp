@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far a run has come, on stderr: a line that is rewritten at most ten times a second on a terminal, with the time
-// left; elsewhere (a log file) a line every ten percent.
+// How far a run has come, on stderr: a line that is rewritten at most ten times a second on a terminal, with
+// the time left; elsewhere (a log file) a line every ten percent.
 #pragma once
 
 #include <chrono>
@@ -34,8 +34,8 @@ class Progress {
   double total_ = 1;
   Style style_ = Style::none;
   Clock::time_point start_ = Clock::now(), shown_{};
-  int tenths_ = 0;          // the last tenth that the log has seen
-  std::size_t width_ = 0;   // of the line on the terminal
+  int tenths_ = 0;         // the last tenth that the log has seen
+  std::size_t width_ = 0;  // of the line on the terminal
 };
 
 }  // namespace aussois

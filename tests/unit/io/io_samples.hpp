@@ -2,13 +2,13 @@
 // What the tests of io write and read: a made-up run, whole files, a folder that is empty at the start.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
+
+#include <gtest/gtest.h>
 
 #include "io/run_file.hpp"
 
@@ -58,7 +58,8 @@ inline RunMesh tube_mesh(double inner, double outer, double bottom, double top, 
     mesh.faces.push_back({a, c, d});
   };
   for (int i = 0; i < sides; ++i) {
-    const int here = 4 * i, next = 4 * ((i + 1) % sides);  // +0 inner bottom, +1 inner top, +2 outer bottom, +3 outer top
+    const int here = 4 * i,
+              next = 4 * ((i + 1) % sides);  // +0 inner bottom, +1 inner top, +2 outer bottom, +3 outer top
     quad(here + 2, next + 2, next + 3, here + 3);
     quad(here + 1, here + 3, next + 3, next + 1);
     quad(here + 0, next + 0, next + 2, here + 2);
@@ -87,7 +88,8 @@ inline RunStep peg_step(int k, int last) {
   RunStep step;
   step.step = k;
   step.time = h * k;
-  step.pose = {SE3{}, translation(0.0001 * std::sin(12 * s), 0, 0.022 - 0.034 * s) * rotation(Vec3::UnitY(), tilt)};
+  step.pose = {SE3{},
+               translation(0.0001 * std::sin(12 * s), 0, 0.022 - 0.034 * s) * rotation(Vec3::UnitY(), tilt)};
   step.velocity = VecX::LinSpaced(12, -s, 1 + s);
   for (int i = 0; i < k % 6; ++i) {
     const double angle = 1.3 * i + 2 * s;

@@ -11,7 +11,9 @@
 namespace aussois {
 namespace {
 
-bool same_bits(const double* a, const double* b, std::size_t count) { return std::memcmp(a, b, count * sizeof *a) == 0; }
+bool same_bits(const double* a, const double* b, std::size_t count) {
+  return std::memcmp(a, b, count * sizeof *a) == 0;
+}
 
 /// Numbers that a careless format loses: -0.0, subnormal, largest, one unit in the last place.
 Checkpoint nasty_checkpoint() {
@@ -26,9 +28,10 @@ Checkpoint nasty_checkpoint() {
   state.v = VecX::LinSpaced(12, -1.0 / 7, 1.0 / 3);
   state.v[3] = -0.0;
   for (int i = 0; i < 3; ++i)
-    state.memory.contacts.push_back({ContactKey{{i, 1, 2, 3, 4, -5 - i}}, Vec3(0.6, -0.0, 0.8), Vec3(i, 1e-320, 0.1),
-                                     Vec3(-0.0, 1.0 / 3, i)});
-  checkpoint.numbers = {{"peak_force", 12.345}, {"least", -std::numeric_limits<double>::denorm_min()}, {"none", kInf}};
+    state.memory.contacts.push_back({ContactKey{{i, 1, 2, 3, 4, -5 - i}}, Vec3(0.6, -0.0, 0.8),
+                                     Vec3(i, 1e-320, 0.1), Vec3(-0.0, 1.0 / 3, i)});
+  checkpoint.numbers = {
+      {"peak_force", 12.345}, {"least", -std::numeric_limits<double>::denorm_min()}, {"none", kInf}};
   checkpoint.counts = {{"rows", 12345678901}, {"refused", 0}};
   return checkpoint;
 }
@@ -46,20 +49,23 @@ TEST(Checkpoint, GivesTheStateBackBitForBit) {
   EXPECT_EQ(back.step, written.step);
   EXPECT_EQ(back.counts, written.counts);
   ASSERT_EQ(back.numbers.size(), written.numbers.size());
-  for (const auto& [name, value] : written.numbers) EXPECT_TRUE(same_bits(&back.numbers.at(name), &value, 1)) << name;
+  for (const auto& [name, value] : written.numbers)
+    EXPECT_TRUE(same_bits(&back.numbers.at(name), &value, 1)) << name;
 
   const State &a = back.state, &b = written.state;
   EXPECT_TRUE(same_bits(&a.t, &b.t, 1) && same_bits(&a.h, &b.h, 1));
   ASSERT_EQ(a.g.size(), b.g.size());
   for (std::size_t i = 0; i < b.g.size(); ++i)
-    EXPECT_TRUE(same_bits(a.g[i].p.data(), b.g[i].p.data(), 3) && same_bits(a.g[i].R.coeffs().data(), b.g[i].R.coeffs().data(), 4));
+    EXPECT_TRUE(same_bits(a.g[i].p.data(), b.g[i].p.data(), 3) &&
+                same_bits(a.g[i].R.coeffs().data(), b.g[i].R.coeffs().data(), 4));
   ASSERT_EQ(a.v.size(), b.v.size());
   EXPECT_TRUE(same_bits(a.v.data(), b.v.data(), 12));
   ASSERT_EQ(a.memory.contacts.size(), b.memory.contacts.size());
   for (std::size_t i = 0; i < b.memory.contacts.size(); ++i) {
     const RememberedContact &x = a.memory.contacts[i], &y = b.memory.contacts[i];
     EXPECT_TRUE(x.key == y.key);
-    EXPECT_TRUE(same_bits(x.normal.data(), y.normal.data(), 3) && same_bits(x.point_a.data(), y.point_a.data(), 3) &&
+    EXPECT_TRUE(same_bits(x.normal.data(), y.normal.data(), 3) &&
+                same_bits(x.point_a.data(), y.point_a.data(), 3) &&
                 same_bits(x.impulse.data(), y.impulse.data(), 3));
   }
 }
@@ -68,7 +74,8 @@ TEST(Checkpoint, OfAnEmptyStateIsFine) {
   const auto path = fresh_folder() / "checkpoint.h5";
   write_checkpoint(path, {});
   const Checkpoint back = read_checkpoint(path, 0);
-  EXPECT_TRUE(back.state.g.empty() && back.state.memory.contacts.empty() && back.numbers.empty() && back.counts.empty());
+  EXPECT_TRUE(back.state.g.empty() && back.state.memory.contacts.empty() && back.numbers.empty() &&
+              back.counts.empty());
   EXPECT_EQ(back.state.v.size(), 0);
 }
 
@@ -88,9 +95,12 @@ TEST(Checkpoint, TruncatedAnywhereIsAnErrorThatNamesTheFile) {
     write_bytes(folder / "cut.h5", whole.substr(0, whole.size() * std::size_t(part) / 20));
     const std::string message =
         message_of<std::runtime_error>([&] { read_checkpoint(folder / "cut.h5", 0xfedcba9876543210u); });
-    EXPECT_NE(message.find("cut.h5: not an HDF5 file, truncated or damaged"), std::string::npos) << part << message;
+    EXPECT_NE(message.find("cut.h5: not an HDF5 file, truncated or damaged"), std::string::npos)
+        << part << message;
   }
-  EXPECT_NE(message_of<std::runtime_error>([&] { read_checkpoint(folder / "none.h5", 0); }).find("none.h5: no such file"),
+  EXPECT_NE(message_of<std::runtime_error>([&] {
+              read_checkpoint(folder / "none.h5", 0);
+            }).find("none.h5: no such file"),
             std::string::npos);
 }
 
@@ -105,7 +115,8 @@ TEST(Checkpoint, WithAnotherNumberInsideIsDamaged) {
     const double other = std::nextafter(checkpoint.state.t, 1);
     t.append(&other, 1);
   }
-  const std::string message = message_of<std::runtime_error>([&] { read_checkpoint(path, checkpoint.fingerprint); });
+  const std::string message =
+      message_of<std::runtime_error>([&] { read_checkpoint(path, checkpoint.fingerprint); });
   EXPECT_NE(message.find("/state/hash: is not the hash of the state"), std::string::npos) << message;
 }
 
@@ -119,8 +130,8 @@ TEST(Checkpoint, ThatCannotBeWrittenLeavesTheOldOne) {
 }
 
 TEST(Checkpoint, FingerprintsDifferByOneCharacter) {
-  EXPECT_EQ(fingerprint_of(""), 0xcbf29ce484222325u);        // the offset basis of FNV-1a
-  EXPECT_EQ(fingerprint_of("a"), 0xaf63dc4c8601ec8cu);       // its published test vector
+  EXPECT_EQ(fingerprint_of(""), 0xcbf29ce484222325u);   // the offset basis of FNV-1a
+  EXPECT_EQ(fingerprint_of("a"), 0xaf63dc4c8601ec8cu);  // its published test vector
   EXPECT_NE(fingerprint_of("--mu 0.3\n"), fingerprint_of("--mu 0.4\n"));
 }
 

@@ -58,7 +58,7 @@ TEST(CsvTable, ResumedIsTheSameAsNeverInterrupted) {
   {
     CsvTable table(folder / "parts.csv", {"k", "k2"});
     for (int k = 0; k < 7; ++k) table.add({double(k), double(k * k)});
-  }  // interrupted: no close
+  }                                                                             // interrupted: no close
   std::ofstream(temporary_name(folder / "parts.csv"), std::ios::app) << "7,4";  // and half a line
   CsvTable table = CsvTable::resume(folder / "parts.csv", {"k", "k2"}, 5);
   EXPECT_EQ(table.rows(), 5u);
@@ -72,9 +72,13 @@ TEST(CsvTable, RefusesToResumeWhatDoesNotFit) {
   EXPECT_THROW(CsvTable::resume(path, {"a"}, 0), std::runtime_error);
   { CsvTable(path, {"a", "b"}).add({1, 2}); }
   std::ofstream(temporary_name(path), std::ios::app) << "3,4";  // a row without its line end is not whole
-  EXPECT_NE(message_of<std::runtime_error>([&] { CsvTable::resume(path, {"a", "b"}, 2); }).find("has 1 whole rows, 2"),
+  EXPECT_NE(message_of<std::runtime_error>([&] {
+              CsvTable::resume(path, {"a", "b"}, 2);
+            }).find("has 1 whole rows, 2"),
             std::string::npos);
-  EXPECT_NE(message_of<std::runtime_error>([&] { CsvTable::resume(path, {"a", "c"}, 1); }).find("'a,b', not 'a,c'"),
+  EXPECT_NE(message_of<std::runtime_error>([&] {
+              CsvTable::resume(path, {"a", "c"}, 1);
+            }).find("'a,b', not 'a,c'"),
             std::string::npos);
 }
 

@@ -58,8 +58,8 @@ struct SampleDriver {
 
 TEST(Driver, FillsTheValuesAndRunsTheBody) {
   SampleDriver driver;
-  EXPECT_EQ(driver.run({"--mu", "0.25", "--steps=3", "--mode", "kinematic", "-o", "there", "--quiet", "--seed",
-                        "18446744073709551615"}),
+  EXPECT_EQ(driver.run({"--mu", "0.25", "--steps=3", "--mode", "kinematic", "-o", "there", "--quiet",
+                        "--seed", "18446744073709551615"}),
             0);
   EXPECT_TRUE(driver.ran);
   EXPECT_EQ(driver.mu, 0.25);
@@ -76,25 +76,27 @@ TEST(Driver, HelpNamesDefaultUnitRangeAndExamples) {
   SampleDriver driver;
   EXPECT_EQ(driver.run({"--help"}), 0);
   EXPECT_FALSE(driver.ran);
-  for (const char* piece : {"usage: sample [options]", "friction coefficient [-], in [0, 10], default 0.3", "\nstepping\n",
-                            "one of dynamic, kinematic, default dynamic", "\noutput\n", "sample --mu 0.2\n      little friction",
-                            "130 interrupted"})
+  for (const char* piece : {"usage: sample [options]", "friction coefficient [-], in [0, 10], default 0.3",
+                            "\nstepping\n", "one of dynamic, kinematic, default dynamic", "\noutput\n",
+                            "sample --mu 0.2\n      little friction", "130 interrupted"})
     EXPECT_NE(driver.out.find(piece), std::string::npos) << piece << "\n" << driver.out;
 }
 
 TEST(Driver, VersionNamesLibrariesFlagsAndLicence) {
   SampleDriver driver;
   EXPECT_EQ(driver.run({"--version"}), 0);
-  for (const char* piece : {"aussois 0.", "Eigen 3.", "HDF5 1.", "CGAL 5.", "licence of this binary: ", "++ "})
+  for (const char* piece :
+       {"aussois 0.", "Eigen 3.", "HDF5 1.", "CGAL 5.", "licence of this binary: ", "++ "})
     EXPECT_NE(driver.out.find(piece), std::string::npos) << piece << "\n" << driver.out;
 }
 
 TEST(Driver, RefusesWhatIsNotAllowedWithOneLineThatNamesIt) {
   const std::vector<std::pair<std::vector<const char*>, std::string>> cases = {
-      {{"--mu", "11"}, "--mu"},          {{"--mu", "nan"}, "--mu"},   {{"--mu", "much"}, "--mu"},
-      {{"--mu"}, "--mu"},                {{"--steps", "0"}, "--steps"}, {{"--steps", "2.5"}, "--steps"},
-      {{"--seed", "-1"}, "--seed"},      {{"--mode", "fast"}, "one of dynamic, kinematic"},
-      {{"--nonsense"}, "--nonsense"},    {{"stray"}, "stray"},
+      {{"--mu", "11"}, "--mu"},       {{"--mu", "nan"}, "--mu"},
+      {{"--mu", "much"}, "--mu"},     {{"--mu"}, "--mu"},
+      {{"--steps", "0"}, "--steps"},  {{"--steps", "2.5"}, "--steps"},
+      {{"--seed", "-1"}, "--seed"},   {{"--mode", "fast"}, "one of dynamic, kinematic"},
+      {{"--nonsense"}, "--nonsense"}, {{"stray"}, "stray"},
   };
   for (const auto& [arguments, named] : cases) {
     SampleDriver driver;
@@ -181,7 +183,8 @@ TEST(Progress, OnATerminalRewritesOneLineAtMostTenTimesASecond) {
   }
   const std::string shown = ::testing::internal::GetCapturedStderr();
   EXPECT_EQ(std::count(shown.begin(), shown.end(), '\n'), 1);
-  EXPECT_LT(std::count(shown.begin(), shown.end(), '\r'), 30);  // 0.1 s apart; the loop takes far less than 3 s
+  EXPECT_LT(std::count(shown.begin(), shown.end(), '\r'),
+            30);  // 0.1 s apart; the loop takes far less than 3 s
   EXPECT_NE(shown.find("\rdrop  100 %"), std::string::npos);
 }
 

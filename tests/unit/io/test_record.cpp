@@ -44,7 +44,8 @@ TEST(Record, TakesBodiesAndSharedShapesFromTheModel) {
 
 TEST(Record, KeepsWiresAndRefusesTwoShapesOfOneName) {
   Model model;
-  const int wire = add(model, prepare(dilate(make_complex({{0, 0, 0}, {1, 0, 0}, {2, 1, 0}}, {}, {{0, 1}, {1, 2}}), 0.01)));
+  const int wire = add(
+      model, prepare(dilate(make_complex({{0, 0, 0}, {1, 0, 0}, {2, 1, 0}}, {}, {{0, 1}, {1, 2}}), 0.01)));
   add(model, fixed_body("cable", wire));
   EXPECT_EQ(run_header(model).meshes.at("cable").wires.size(), 2u);
   const int other = add(model, prepare(dilate(make_complex({Vec3::Zero()}, {}), 0.01)));

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <zlib.h>
-
 #include <cstdint>
 #include <cstring>
-#include <nlohmann/json.hpp>
 #include <regex>
 #include <stdexcept>
+#include <zlib.h>
+
+#include <nlohmann/json.hpp>
 
 #include "io/replay_html.hpp"
 #include "tests/unit/io/io_samples.hpp"
@@ -86,7 +86,8 @@ Vec3 drawn(const Page& page, int bodies, int k, int body, const std::vector<floa
   const std::vector<float> pose = page.floats("pose");
   const float* g = pose.data() + 7 * (k * bodies + body);
   const Quat R(g[6], g[3], g[4], g[5]);
-  return R * Vec3(vertices[std::size_t(3 * v)], vertices[std::size_t(3 * v + 1)], vertices[std::size_t(3 * v + 2)]) +
+  return R * Vec3(vertices[std::size_t(3 * v)], vertices[std::size_t(3 * v + 1)],
+                  vertices[std::size_t(3 * v + 2)]) +
          Vec3(g[0], g[1], g[2]);
 }
 
@@ -97,7 +98,8 @@ TEST(ReplayHtml, NeedsNothingButItself) {
   write_replay_html(path, peg_run(120));
   const std::string html = content_of(path);
   // Whatever makes a browser fetch: src, href, imports, url(), fetch, XMLHttpRequest with a literal address.
-  const std::regex fetched(R"((src|href)\s*=\s*["']?(https?:)?//|@import|url\(\s*["']?https?:|fetch\(\s*["'`]https?:|import\s*\(?\s*["'`]https?:)");
+  const std::regex fetched(
+      R"((src|href)\s*=\s*["']?(https?:)?//|@import|url\(\s*["']?https?:|fetch\(\s*["'`]https?:|import\s*\(?\s*["'`]https?:)");
   std::string before_run = html.substr(0, html.find("id=\"run\""));
   EXPECT_EQ(html.find("<link"), std::string::npos);
   EXPECT_EQ(html.find("<img"), std::string::npos);
@@ -121,7 +123,8 @@ TEST(ReplayHtml, HoldsTheRun) {
   EXPECT_EQ(page.header["body_fixed"], (std::vector<int>{1, 0}));
   EXPECT_EQ(page.header["body_mesh"], (std::vector<int>{0, 1}));
   EXPECT_EQ(page.floats("frame.time").size(), 120u);
-  EXPECT_EQ(page.floats("frame.min_gap")[0] == page.floats("frame.min_gap")[0], false) << "no gap: not a number";
+  EXPECT_EQ(page.floats("frame.min_gap")[0] == page.floats("frame.min_gap")[0], false)
+      << "no gap: not a number";
   const auto offset = page.ints("contact.offset");
   ASSERT_EQ(offset.size(), 121u);
   for (int k = 0; k < 120; ++k) EXPECT_EQ(offset[std::size_t(k + 1)] - offset[std::size_t(k)], k % 6);
@@ -154,7 +157,8 @@ TEST(ReplayHtml, DrawsEveryVertexWhereTheBodyIs) {
       const std::vector<float> vertices = page.floats("mesh" + std::to_string(body) + ".vertices");
       ASSERT_EQ(vertices.size(), 3 * mesh.vertices.size());
       for (const int v : {0, 17, 200}) {
-        const Vec3 x = run.steps[std::size_t(k)].pose[std::size_t(body)] * (row.g_bs * mesh.vertices[std::size_t(v)]);
+        const Vec3 x =
+            run.steps[std::size_t(k)].pose[std::size_t(body)] * (row.g_bs * mesh.vertices[std::size_t(v)]);
         EXPECT_LT((drawn(page, 2, k, body, vertices, v) - (x - origin)).norm(), 2e-8);  // float32 of 0.05 m
       }
     }

@@ -15,7 +15,9 @@ void write_run(const std::filesystem::path& path, const RunData& run) {
   writer.close();
 }
 
-bool same(const SE3& a, const SE3& b) { return a.p == b.p && a.R.coeffs() == b.R.coeffs(); }
+bool same(const SE3& a, const SE3& b) {
+  return a.p == b.p && a.R.coeffs() == b.R.coeffs();
+}
 
 void expect_same(const RunContact& a, const RunContact& b) {
   EXPECT_EQ(a.pair, b.pair);
@@ -37,14 +39,31 @@ void expect_same(const RunStep& a, const RunStep& b) {
   EXPECT_EQ(a.coupling_force, b.coupling_force);
   EXPECT_EQ(a.coupling_torque, b.coupling_torque);
   const auto counts = [](const RunStep& s) {
-    return std::vector<std::int64_t>{s.step, s.status, s.attempts, s.contacts_found, s.contacts_kept, s.contacts_matched,
-                                     s.certificate_rounds, s.solver_status, s.iterations, s.local_failures, s.local_fail_safes};
+    return std::vector<std::int64_t>{
+        s.step,          s.status,           s.attempts,           s.contacts_found,
+        s.contacts_kept, s.contacts_matched, s.certificate_rounds, s.solver_status,
+        s.iterations,    s.local_failures,   s.local_fail_safes};
   };
   EXPECT_EQ(counts(a), counts(b));
   const auto numbers = [](const RunStep& s) {
-    return std::vector<double>{s.time, s.h, s.threshold, s.min_gap, s.min_base_distance, s.residual, s.kinetic, s.gravity,
-                               s.laws, s.gravity_work, s.law_work, s.contact_work, s.gyroscopic_work, s.energy_residual,
-                               s.seconds_contact, s.seconds_solve, s.seconds_certificate, s.seconds_total};
+    return std::vector<double>{s.time,
+                               s.h,
+                               s.threshold,
+                               s.min_gap,
+                               s.min_base_distance,
+                               s.residual,
+                               s.kinetic,
+                               s.gravity,
+                               s.laws,
+                               s.gravity_work,
+                               s.law_work,
+                               s.contact_work,
+                               s.gyroscopic_work,
+                               s.energy_residual,
+                               s.seconds_contact,
+                               s.seconds_solve,
+                               s.seconds_certificate,
+                               s.seconds_total};
   };
   EXPECT_EQ(numbers(a), numbers(b));
 }
@@ -107,7 +126,8 @@ TEST(RunFile, GivesBackEverythingThatWasWritten) {
   const auto path = fresh_folder() / "run.h5";
   RunData run = peg_run(150);  // two whole blocks and a part
   run.header.meshes["cable"] = {{Vec3(0, 0, 0), Vec3(1, 0, 0)}, {}, {{0, 1}}};
-  run.header.bodies.push_back({"frame without shape", "", translation(1, 2, 3), false, 0, 2.5, Mat3::Identity()});
+  run.header.bodies.push_back(
+      {"frame without shape", "", translation(1, 2, 3), false, 0, 2.5, Mat3::Identity()});
   for (RunStep& step : run.steps) {
     step.pose.push_back(rotation(Vec3(1, 2, 3), 0.4));
     step.velocity = VecX::LinSpaced(18, -1, 1);
@@ -138,7 +158,8 @@ TEST(RunFile, OfARunWithoutStepsOrBodiesIsReadable) {
   EXPECT_EQ(read_run(folder / "no_bodies.h5").steps.size(), 3u);
 }
 
-// What is resumed at any step, early or late, inside a block or at its end, has the datasets of the uninterrupted run.
+// What is resumed at any step, early or late, inside a block or at its end, has the datasets of the
+// uninterrupted run.
 class ResumedRunFile : public ::testing::TestWithParam<int> {};
 TEST_P(ResumedRunFile, HasTheSameDataAsOneThatWasNeverInterrupted) {
   const auto folder = fresh_folder();
@@ -150,7 +171,8 @@ TEST_P(ResumedRunFile, HasTheSameDataAsOneThatWasNeverInterrupted) {
     for (int k = 0; k < checkpoint; ++k) writer.append(run.steps[std::size_t(k)]);
     writer.flush();
     for (int k = checkpoint; k < killed; ++k) {
-      RunStep lost = run.steps[std::size_t(k)];  // what the killed process wrote after its checkpoint, and must not stay
+      RunStep lost =
+          run.steps[std::size_t(k)];  // what the killed process wrote after its checkpoint, and must not stay
       lost.kinetic = 1e9;
       if (!lost.contacts.empty()) lost.contacts.pop_back();
       writer.append(lost);
@@ -168,8 +190,9 @@ INSTANTIATE_TEST_SUITE_P(Steps, ResumedRunFile, ::testing::Values(0, 1, 63, 64, 
 
 TEST(RunFile, RefusesToResumeWhatIsNotThereOrTooShort) {
   const auto path = fresh_folder() / "run.h5";
-  EXPECT_NE(message_of<std::runtime_error>([&] { RunWriter::resume(path, 0); }).find("run.h5.tmp: no such file"),
-            std::string::npos);
+  EXPECT_NE(
+      message_of<std::runtime_error>([&] { RunWriter::resume(path, 0); }).find("run.h5.tmp: no such file"),
+      std::string::npos);
   {
     RunWriter writer(path, peg_header());
     for (int k = 0; k < 5; ++k) writer.append(peg_step(k, 10));
@@ -267,7 +290,8 @@ TEST(RunFile, NeverCrashesOnADamagedFile) {
 TEST(RunFile, IsReadByThePythonExampleOfItsPage) {
   std::string python;
   for (const char* candidate : {"python3", "/usr/bin/python3"})
-    if (python.empty() && std::system((std::string(candidate) + " -c 'import h5py' 2>/dev/null").c_str()) == 0)
+    if (python.empty() &&
+        std::system((std::string(candidate) + " -c 'import h5py' 2>/dev/null").c_str()) == 0)
       python = candidate;
   if (python.empty()) GTEST_SKIP() << "no python3 with h5py";
   const std::string page = content_of(std::string(AUSSOIS_SOURCE_DIR) + "/doc/run_file.md");
@@ -277,12 +301,15 @@ TEST(RunFile, IsReadByThePythonExampleOfItsPage) {
   write_bytes(folder / "example.py", page.substr(begin + 10, end - begin - 10));
   write_run(folder / "run.h5", peg_run(100));
   const std::string output = (folder / "output.txt").string();
-  ASSERT_EQ(std::system((python + " " + (folder / "example.py").string() + " " + (folder / "run.h5").string() + " > " +
-                         output + " 2>&1").c_str()), 0)
+  ASSERT_EQ(std::system((python + " " + (folder / "example.py").string() + " " +
+                         (folder / "run.h5").string() + " > " + output + " 2>&1")
+                            .c_str()),
+            0)
       << content_of(output);
   // peg_run by hand: 100 rows, k % 6 contacts each; the deepest contact of any row has gap -1e-6 (i = 0).
-  EXPECT_EQ(content_of(output), "100 steps, 2 bodies (bush, peg), 246 contacts, smallest gap -1.00e-06 m\n"
-                                "step 98: 2 contacts, largest normal force 6.84 N between bush and peg\n");
+  EXPECT_EQ(content_of(output),
+            "100 steps, 2 bodies (bush, peg), 246 contacts, smallest gap -1.00e-06 m\n"
+            "step 98: 2 contacts, largest normal force 6.84 N between bush and peg\n");
 }
 
 }  // namespace aussois

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstring>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
+
+#include <nlohmann/json.hpp>
 
 #include "io/summary.hpp"
 #include "tests/unit/io/io_samples.hpp"
@@ -16,11 +17,13 @@ TEST(Summary, KeepsTheOrderAndReplacesInPlace) {
   summary.set("ok", false);
   summary.set("min_gap", -1.5e-7);
   summary.set("ok", true);
-  EXPECT_EQ(to_json(summary), "{\n  \"pair\": \"own_tslot\",\n  \"steps\": 12,\n  \"ok\": true,\n  \"min_gap\": -1.5e-07\n}\n");
+  EXPECT_EQ(to_json(summary),
+            "{\n  \"pair\": \"own_tslot\",\n  \"steps\": 12,\n  \"ok\": true,\n  \"min_gap\": -1.5e-07\n}\n");
 }
 
 TEST(Summary, GivesDoublesBackBitForBit) {
-  const std::vector<double> values = {0.1, 1.0 / 3, -0.0, 5e-324, 2.2250738585072011e-308, 1.7976931348623157e308};
+  const std::vector<double> values = {
+      0.1, 1.0 / 3, -0.0, 5e-324, 2.2250738585072011e-308, 1.7976931348623157e308};
   Summary summary;
   summary.set("values", values);
   const auto back = nlohmann::json::parse(to_json(summary))["values"].get<std::vector<double>>();
