@@ -1,5 +1,9 @@
+# SPDX-License-Identifier: Apache-2.0
 # aussois_library(<folder> SOURCES ... HEADERS ... USES ... HEAVY ...): the library of one folder.
-# USES are seen by users of the folder; HEAVY ones stay inside its .cpp files.
+# USES are seen by users of the folder; HEAVY ones stay inside its .cpp files. Of the heavy ones, users of an
+# installed static library must find those that are libraries again (aussois_install.cmake), not those of headers only.
+set(AUSSOIS_HEADER_ONLY CGAL Boost nlohmann_json CLI11)
+
 function(aussois_library name)
   cmake_parse_arguments(arg "" "" "SOURCES;HEADERS;USES;HEAVY" ${ARGN})
   add_library(aussois_${name})
@@ -9,7 +13,18 @@ function(aussois_library name)
   target_sources(aussois_${name} PRIVATE ${arg_SOURCES}
     PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${arg_HEADERS})
   target_link_libraries(aussois_${name} PUBLIC aussois_options Eigen3::Eigen ${arg_USES}
-    PRIVATE $<BUILD_INTERFACE:aussois_warnings> ${arg_HEAVY})
-  install(TARGETS aussois_${name} EXPORT aussoisTargets
-    FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/aussois)
+    PRIVATE $<BUILD_INTERFACE:aussois_warnings>)
+  foreach(library IN LISTS arg_HEAVY)
+    string(REGEX REPLACE "::.*" "" package ${library})
+    if(package IN_LIST AUSSOIS_HEADER_ONLY)
+      target_link_libraries(aussois_${name} PRIVATE $<BUILD_INTERFACE:${library}>)
+      if(package STREQUAL "CGAL")   # its headers call these two
+        target_link_libraries(aussois_${name} PRIVATE $<INSTALL_INTERFACE:gmp> $<INSTALL_INTERFACE:mpfr>)
+      endif()
+    else()
+      target_link_libraries(aussois_${name} PRIVATE ${library})
+    endif()
+  endforeach()
+  set_property(GLOBAL APPEND PROPERTY AUSSOIS_LIBRARIES ${name})
+  set_property(GLOBAL PROPERTY AUSSOIS_HEAVY_${name} ${arg_HEAVY})
 endfunction()

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # aussois_test(<name> LABEL <label> SOURCES ... USES ...): one GoogleTest executable, its tests discovered.
 # Tests read AUSSOIS_DATA_DIR from the environment (empty: skip) and AUSSOIS_SOURCE_DIR for their small inputs.
 include(GoogleTest)

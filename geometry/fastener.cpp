@@ -94,8 +94,8 @@ enum class Thread { bolt, nut };
 // The facetted helicoid (CPX-5) for z in [0, turns * pitch], facing away from the material.
 Surface thread_surface(const FastenerOptions& options, Thread thread, int turns) {
   const int n = options.facets;
-  const int row_count =
-      (turns + 4) * kCorners;  // from turn -2 to turn turns + 1: enough to cut off at both ends
+  // From two turns below to two above, to cut off what is too much.
+  const int row_count = (turns + 4) * kCorners;
   const double depth = thread_depth(options), circumscribe = 1 / std::cos(kPi / n);
   Surface surface;
   for (int column = 0; column < n; ++column) {
@@ -103,8 +103,8 @@ Surface thread_surface(const FastenerOptions& options, Thread thread, int turns)
       const ProfileCorner corner = kProfile[std::size_t(row % kCorners)];
       const double basic = options.diameter / 2 - corner.depth * depth;
       const double r = thread == Thread::bolt ? basic - options.clearance : basic * circumscribe;
-      const double z =
-          thread_phase(options) + options.pitch * (row / kCorners - 2 + corner.s + double(column) / n);
+      const int turn = row / kCorners - 2;
+      const double z = thread_phase(options) + options.pitch * (turn + corner.s + double(column) / n);
       surface.vertices.push_back(cylindrical(r, 2 * kPi * column / n, z));
     }
   }
@@ -158,7 +158,8 @@ std::vector<int> add_hexagon(Surface& surface, const FastenerOptions& options, d
 // opposite.
 void add_ring(Surface& surface, const std::vector<int>& inner, const std::vector<int>& outer, bool faces_up) {
   const auto angle = [&](const std::vector<int>& loop, std::size_t k) {
-    return angle_of(surface.vertices[std::size_t(loop[k % loop.size()])]) + 2 * kPi * double(k / loop.size());
+    const double full_turn = k < loop.size() ? 0 : 2 * kPi;
+    return angle_of(surface.vertices[std::size_t(loop[k % loop.size()])]) + full_turn;
   };
   std::size_t i = 0, j = 0;
   while (i < inner.size() || j < outer.size()) {
@@ -219,6 +220,7 @@ SimplicialComplex make_nut(const FastenerOptions& options) {
 }
 
 double thread_radius(const FastenerOptions& options, double s) {
+  validate(options);
   const double turns = (s - thread_phase(options)) / options.pitch;
   const double at = turns - std::floor(turns);
   const auto next =
@@ -230,10 +232,10 @@ double thread_radius(const FastenerOptions& options, double s) {
 
 double thread_gap(const FastenerOptions& options) {
   validate(options);
-  // (CPX-6): F = r - radius(s) grows from at most 0 to at least `clearance`, with slope at most |grad F| at
-  // the root
+  // A segment from bolt to nut shorter than the clearance stays outside of this radius.
   const double root = options.diameter / 2 - options.clearance - thread_depth(options);
-  const double slope = std::sqrt(3.0), lead = options.pitch / (2 * kPi * root);
+  const double radius = root * std::cos(kPi / options.facets) - options.clearance / 2;
+  const double lead = options.pitch / (2 * kPi * radius), slope = std::sqrt(3.0);
   return options.clearance / std::sqrt(1 + slope * slope * (1 + lead * lead));
 }
 

@@ -17,7 +17,7 @@ struct MassProperties {
 /// oriented with a positive volume, and density > 0 [kg/m^3].
 MassProperties mass_properties(const SimplicialComplex& complex, double density);
 
-/// The same for the convex hull of the vertices (CGAL): the stand-in for meshes that bound no volume.
+/// The same for the convex hull of the vertices: the stand-in for meshes that bound no volume (an upper bound of it).
 /// Throws std::invalid_argument if the vertices are coplanar.
 MassProperties convex_hull_mass_properties(const SimplicialComplex& complex, double density);
 

@@ -13,20 +13,26 @@ struct MeshReport {
   int isolated_vertices = 0, wire_edges = 0;
   int border_edges = 0;            // edges with one triangle
   int non_manifold_edges = 0;      // edges with three or more triangles
+  int non_manifold_vertices = 0;   // vertices whose triangles form more than one fan
   int misoriented_edges = 0;       // edges whose two triangles run through them in the same direction
   int degenerate_triangles = 0;    // height below 1e-12 of the bounding box diagonal
   int duplicate_vertices = 0;      // vertices at exactly the place of an earlier one
   int duplicate_triangles = 0;     // same three vertices as an earlier one
-  int self_intersections = -1;     // intersecting triangle pairs; -1: not computed (built without GPL parts)
-  double min_height_ratio = 0;     // smallest triangle height over the bounding box diagonal
+  int self_intersections = 0;      // pairs of triangles that meet elsewhere than in what they share (self_intersections)
+  double min_height_ratio = 0;     // smallest triangle height over the bounding box diagonal; 0 without triangles
   Box box{};
-  double volume = 0;               // signed, of the closed oriented surface [m^3]; 0 if not closed
-  bool closed = false, oriented = false, manifold = false;
+  double volume = 0;               // signed, of the closed oriented surface [m^3]; 0 if not closed and oriented
+  bool closed = false;             // there are triangles, and every edge has two of them
+  bool oriented = false;           // there are triangles, and no edge is misoriented or non-manifold
+  bool manifold = false;           // nothing but triangles, no non-manifold edge or vertex; a border is allowed
   bool solid() const { return closed && oriented && volume > 0; }
 };
 
 MeshReport report_mesh(const SimplicialComplex& complex);
 /// Several lines for people; lengths in metres and the box in millimetres, so that a wrong unit is seen.
 std::string to_string(const MeshReport& report);
+
+/// For each vertex the first one with equal coordinates (its own index if there is none before it).
+std::vector<int> first_at_same_place(const std::vector<Vec3>& vertices);
 
 }  // namespace aussois

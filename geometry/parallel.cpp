@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "geometry/parallel.hpp"
 
-#include <tbb/parallel_for.h>
-#include <tbb/info.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
+
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 namespace aussois {
 

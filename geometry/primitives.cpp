@@ -58,7 +58,7 @@ SimplicialComplex make_polyline(const std::vector<Vec3>& points) {
             "point " + std::to_string(i + 1) + " of a polyline repeats the one before");
     wires.push_back({int(i), int(i + 1)});
   }
-  return make_complex(points, {}, std::move(wires));
+  return make_complex(points, {}, wires);
 }
 
 SimplicialComplex make_plate(double x, double y, int nx, int ny) {
@@ -88,10 +88,12 @@ SimplicialComplex make_box(double x, double y, double z, int subdivisions) {
   require_field(subdivisions >= 1 && subdivisions <= 256, "subdivisions", subdivisions, "lie in [1, 256]");
   const int n = subdivisions;
   std::vector<Vec3> vertices;
-  std::vector<int> index_of(std::size_t((n + 1) * (n + 1) * (n + 1)),
+  const std::size_t side_count = std::size_t(n) + 1;
+  std::vector<int> index_of(side_count * side_count * side_count,
                             -1);  // of the lattice points on the surface
   const auto vertex = [&](const Eigen::Vector3i& at) {
-    int& index = index_of[std::size_t((at.z() * (n + 1) + at.y()) * (n + 1) + at.x())];
+    const int place = (at.z() * (n + 1) + at.y()) * (n + 1) + at.x();
+    int& index = index_of[std::size_t(place)];
     if (index < 0) {
       index = int(vertices.size());
       vertices.push_back(size.cwiseProduct(at.cast<double>() / n - Vec3::Constant(0.5)));

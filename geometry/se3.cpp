@@ -9,7 +9,7 @@
 namespace aussois {
 namespace {
 
-// Upper right block of the left differential (SE3-7), after [Barfoot2017, (7.86)]: the derivative of
+// Upper right block of the left differential (SE3-7), after [Barfoot2017, ch. 7]: the derivative of
 // dexp_left along the translation, written with Stumpff functions so that it is smooth at zero.
 Mat3 coupling_block(const Vec3& v, const Vec3& omega) {
   const double x = omega.squaredNorm();
@@ -78,9 +78,9 @@ Mat6 dexp_right_se3(const Vec6& twist) {
 }
 
 SE3 checked_pose(const SE3& g, const char* field) {
-  static const Eigen::IOFormat kOneLine(Eigen::StreamPrecision, Eigen::DontAlignCols);
+  static const Eigen::IOFormat one_line(Eigen::StreamPrecision, Eigen::DontAlignCols);
   const std::string name = field;
-  require_field(g.p.allFinite(), (name + ".p").c_str(), g.p.transpose().format(kOneLine), "be finite");
+  require_field(g.p.allFinite(), (name + ".p").c_str(), g.p.transpose().format(one_line), "be finite");
   const double norm = g.R.norm();
   require_field(std::abs(norm - 1) <= 1e-6, ("|" + name + ".R|").c_str(), norm, "be 1 within 1e-6");
   return {g.R.normalized(), g.p};

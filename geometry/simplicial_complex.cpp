@@ -62,7 +62,7 @@ struct HalfEdge {
   std::array<int, 2> ends{};  // ascending
   int triangle = -1;          // -1: a wire
   int side = 0;
-  auto operator<=>(const HalfEdge&) const = default;
+  auto operator<=>(const HalfEdge&) const = default;  // NOLINT(modernize-use-nullptr): false alarm
 };
 
 std::vector<HalfEdge> sorted_half_edges(const std::vector<std::array<int, 3>>& triangles,
@@ -109,7 +109,7 @@ void check_solid(const SimplicialComplex& complex) {
 }  // namespace
 
 SimplicialComplex make_complex(std::vector<Vec3> vertices, std::vector<std::array<int, 3>> triangles,
-                               std::vector<std::array<int, 2>> wires, bool solid) {
+                               const std::vector<std::array<int, 2>>& wires, bool solid) {
   check_vertices(vertices);
   check_simplices("triangle", triangles, vertices.size());
   check_simplices("wire", wires, vertices.size());

@@ -39,7 +39,7 @@ struct SimplicialComplex {
 /// be positive; otherwise std::invalid_argument. A wire given twice, or along a triangle, is one edge;
 /// triangles and vertices are kept as given, in order. O(n log n).
 SimplicialComplex make_complex(std::vector<Vec3> vertices, std::vector<std::array<int, 3>> triangles,
-                               std::vector<std::array<int, 2>> wires = {}, bool solid = false);
+                               const std::vector<std::array<int, 2>>& wires = {}, bool solid = false);
 
 /// True if there are triangles and every edge has exactly two of them, traversed in opposite directions.
 bool is_closed_oriented(const SimplicialComplex& complex);

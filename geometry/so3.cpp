@@ -19,7 +19,7 @@ double stumpff(int m, double x) {
   AUSSOIS_ASSERT(m >= 0 && m <= 5);
   if (x < 1) {  // c_m = 1/m! (1 - x/((m+1)(m+2)) (1 - x/((m+3)(m+4)) (...)))
     double sum = 1;
-    for (int k = m + 16; k > m; k -= 2) sum = 1 - x / (k * (k - 1)) * sum;
+    for (int k = m + 18; k > m; k -= 2) sum = 1 - x / (k * (k - 1)) * sum;
     return kInverseFactorial[std::size_t(m)] * sum;
   }
   const double angle = std::sqrt(x);

@@ -16,7 +16,7 @@ Mat3 skew(const Vec3& a);
 
 /// Stumpff function c_m(x) = sum over k >= 0 of (-x)^k / (2k + m)!, for m in 0 ... 5 and x >= 0 (SO3-7):
 /// c_0(t^2) = cos t, c_1 = sin t / t, c_2 = (1 - cos t) / t^2, c_3 = (t - sin t) / t^3, and so on.
-/// Series of nine terms below x = 1 (truncated at less than 1e-16), closed form from there on; both within
+/// Series of ten terms below x = 1 (truncated at less than 1e-18), closed form from there on; both within
 /// 1e-13 / m! of the true value.
 double stumpff(int m, double x);
 

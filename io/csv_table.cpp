@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/csv_table.hpp"
 
-#include <charconv>
 #include <fstream>
 #include <stdexcept>
 #include <system_error>
 
 #include "geometry/check.hpp"
 #include "io/atomic_file.hpp"
+#include "io/text.hpp"
 
 namespace aussois {
 namespace {
@@ -21,11 +21,6 @@ std::string header_line(const std::vector<std::string>& columns) {
     line += (line.empty() ? "" : ",") + name;
   }
   return line + '\n';
-}
-
-void append_value(std::string& line, double value) {
-  char text[32];
-  line.append(text, std::to_chars(text, text + sizeof text, value).ptr);
 }
 
 /// Bytes of the header and the first `rows` rows.
@@ -74,7 +69,7 @@ void CsvTable::add(std::span<const double> values) {
   std::string line;
   for (const double value : values) {
     if (!line.empty()) line += ',';
-    append_value(line, value);
+    append_number(line, value);
   }
   write(line + '\n');
   ++rows_;

@@ -18,16 +18,16 @@ struct ContactLaw {
 };
 
 struct Model {
-  Vec3 gravity = {0, 0, -9.81};  // [m/s^2]
-  ContactLaw contact_law{};      // of every pair that is not named below
+  Vec3 gravity = {0, 0, -9.81};                           // [m/s^2]
+  ContactLaw contact_law{};                               // of every pair that is not named below
   std::map<std::pair<int, int>, ContactLaw> pair_laws{};  // by body indices, the smaller first
   std::vector<std::shared_ptr<const LmdShape>> shapes{};  // immutable, shared between bodies
   std::vector<RigidBody> bodies{};
   std::vector<ForceLaw> forces{};
 };
 
-int add(Model& model, LmdShape shape);      // returns its index
-int add(Model& model, RigidBody body);      // returns its index; throws like validate
+int add(Model& model, LmdShape shape);  // returns its index
+int add(Model& model, RigidBody body);  // returns its index; throws like validate
 void add(Model& model, ForceLaw law);
 const ContactLaw& contact_law(const Model& model, int body_a, int body_b);
 

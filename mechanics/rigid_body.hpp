@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rigid bodies (MEC-1): the body frame sits at the centre of mass; a body's twist is (v_G in the world, omega in the body).
+// Rigid bodies (MEC-1): the body frame sits at the centre of mass; the twist of a body is (v_G in the world,
+// omega in the body).
 #pragma once
 
 #include <string>
@@ -22,11 +23,13 @@ struct RigidBody {
   int shape = -1;               // index into Model::shapes, -1: no shape
   SE3 g_bs{};                   // shape frame seen from the body frame
   double mass = 0;              // [kg], > 0 if dynamic
-  Mat3 inertia = Mat3::Zero();  // about the centre of mass, body frame [kg m^2], symmetric positive definite if dynamic
+  Mat3 inertia = Mat3::Zero();  // about the centre of mass, body frame [kg m^2]; see (MEC-3)
   Motion motion = Dynamic{};
 };
 
-inline bool is_dynamic(const RigidBody& body) { return std::holds_alternative<Dynamic>(body.motion); }
+inline bool is_dynamic(const RigidBody& body) {
+  return std::holds_alternative<Dynamic>(body.motion);
+}
 
 /// A dynamic body whose frame has the axes of the shape and sits at the centre of mass.
 RigidBody solid_body(std::string name, int shape, const MassProperties& mass);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A recorded motion on SE(3) (TRJ-1): between two poses the position moves on a straight line and the rotation on a
-// geodesic, both at constant speed.
+// A recorded motion on SE(3) (TRJ-1): between two poses the position moves on a straight line and the
+// rotation on a geodesic, both at constant speed.
 #pragma once
 
 #include <vector>
@@ -10,21 +10,25 @@
 namespace aussois {
 
 struct Trajectory {
-  std::vector<double> t{};   // ascending [s]
-  std::vector<SE3> pose{};   // of the body's frame, in the world
+  std::vector<double> t{};  // ascending [s]
+  std::vector<SE3> pose{};  // of the body's frame, in the world
 };
 
-/// Throws std::invalid_argument naming the row unless there are at least two rows, times ascend strictly and poses are valid.
+/// Throws std::invalid_argument naming the row unless there are at least two rows, times ascend strictly and
+/// poses are valid.
 void validate(const Trajectory& path);
 
 struct TrajectoryPoint {
   SE3 pose{};
-  Vec6 twist = Vec6::Zero();  // velocity of the frame's origin in the world [m/s], rotation speed in the body [rad/s]
+  Vec6 twist = Vec6::Zero();  // of the origin, in the world [m/s]; rotation speed in the body [rad/s]
 };
-/// At times outside [t.front(), t.back()] the end pose with zero twist.
+/// At times outside [t.front(), t.back()] the end pose with zero twist. At the time of a row the segment that
+/// it begins counts, at the last row the one that it ends. The path must be valid.
 TrajectoryPoint evaluate(const Trajectory& path, double t);
 
-/// The same path for the frame g_old_new attached to the moving frame: pose * g_old_new, interpolated there again.
+/// The same path for the frame g_old_new attached to the moving frame: pose * g_old_new, interpolated there
+/// again: exact at the rows, between them off by at most |g_old_new.p| phi^2 / 8 for a rotation by phi from
+/// row to row (TRJ-2).
 Trajectory attached(const Trajectory& path, const SE3& g_old_new);
 
 }  // namespace aussois

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A six-axis spring and damper that pulls a body along a recorded path (VC-1) to (VC-4).
+// A six-axis spring and damper that pulls a body along a recorded path (VC-1) to (VC-6). The damper sees the
+// velocity relative to the path, so there is no lag in free motion at constant speed [Colgate1995].
 #pragma once
 
 #include "mechanics/force_law.hpp"
@@ -8,11 +9,12 @@
 namespace aussois {
 
 struct VirtualCouplingOptions {
-  double stiffness = 1e4;            // [N/m], > 0
-  double rotation_stiffness = 10;    // [N m/rad], > 0
-  double damping_ratio = 1.0;        // of the critical damping of the coupled body alone [-], >= 0
-  double force_limit = kInf;         // largest pull [N], > 0
-  double torque_limit = kInf;        // largest torque [N m], > 0
+  double stiffness = 1e4;          // [N/m], > 0
+  double rotation_stiffness = 10;  // [N m/rad], > 0
+  double damping_ratio = 1.0;      // of the critical damping of the coupled body alone [-], >= 0; for the
+                                   // rotation with the mean of its principal moments of inertia (VC-3)
+  double force_limit = kInf;       // largest pull [N], > 0
+  double torque_limit = kInf;      // largest torque [N m], > 0
 };
 void validate(const VirtualCouplingOptions& options);  // throws std::invalid_argument: field, value, bound
 
@@ -21,11 +23,15 @@ struct CouplingWrench {
   Vec3 torque = Vec3::Zero();  // on the body, body frame [N m]
   bool saturated = false;      // a limit was reached
 };
-/// Pull on `body` at time t; `path` is the path of the body frame. Force and torque are scaled back to their limits.
+/// Pull on `body` at time t; `path` is the path of the body frame. Force and torque are scaled back to their
+/// limits, each as a whole vector (VC-4).
 CouplingWrench coupling_wrench(const Model& model, const State& state, int body, const Trajectory& path,
                                const VirtualCouplingOptions& options, double t);
 
-/// The force law, with its stiffness and damping matrices (zero along a saturated part). The path is validated.
-ForceLaw virtual_coupling(const Model& model, int body, Trajectory path, const VirtualCouplingOptions& options = {});
+/// The force law with its potential, stiffness and damping (VC-5); the blocks of a saturated part are zero. K
+/// is not symmetric for large rotation errors. Throws std::invalid_argument unless the body is dynamic and
+/// path and options are valid.
+ForceLaw virtual_coupling(const Model& model, int body, Trajectory path,
+                          const VirtualCouplingOptions& options = {});
 
 }  // namespace aussois

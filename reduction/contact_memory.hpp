@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The contacts of the last step with their impulses, matched to the present ones by feature keys (RED-5), (RED-6).
+// The contacts of the last step with their impulses, matched to the present ones by feature keys (RED-5),
+// (RED-6).
 #pragma once
 
 #include <vector>
@@ -11,25 +12,28 @@ namespace aussois {
 struct RememberedContact {
   ContactKey key{};
   Vec3 normal = Vec3::UnitZ();  // world, from B to A
-  Vec3 point_a = Vec3::Zero();  // proximal point in world coordinates when it was remembered [m]
+  Vec3 point_a = Vec3::Zero();  // proximal point on A in world coordinates when it was remembered [m]
   Vec3 impulse = Vec3::Zero();  // on A, world [N s]
 };
 
-/// Part of the State: a plain value, sorted by key.
+/// Part of the State: a plain value, sorted by key, then by the coordinates of point_a. Keys may repeat: two
+/// crossings of the same two edge chains.
 struct ContactMemory {
   std::vector<RememberedContact> contacts{};
 };
 
 struct WarmStart {
-  std::vector<Vec3> impulse{};  // on A, world [N s], one per contact; zero where nothing matches
+  std::vector<Vec3> impulse{};  // on A, world [N s], one per contact of the set; zero where nothing matches
   int matched = 0;
 };
 
-/// Impulses to start the solver with (RED-5): matched by key, turned from the old to the new normal by the smallest
-/// rotation; `scale` is h_new / h_old.
+/// Impulses to start the solver with (RED-5): matched by key, among equal keys the nearest by point_a
+/// (RED-6), turned from the old to the new normal by the smallest rotation; `scale` is h_new / h_old. Each
+/// remembered contact is used at most once; one whose normal turned by a right angle or more is not used.
 WarmStart warm_start(const ContactMemory& memory, const ContactSet& contacts, double scale = 1.0);
 
-/// `impulses[i]` acts on A of contact i, world [N s]. Of two contacts with one key the first (in set order) is kept.
+/// `impulses[i]` acts on A of contact i, world [N s]. Keeps every contact. Throws std::invalid_argument
+/// unless there is one impulse per contact.
 ContactMemory remember(const ContactSet& contacts, const std::vector<Vec3>& impulses);
 
 }  // namespace aussois

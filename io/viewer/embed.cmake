@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # cmake -DFROM=template.html -DTO=replay_template.cpp -P embed.cmake: the page as an array of string literals.
 # Pieces stay below the 65536 characters that every compiler takes; the page is plain ASCII, so they may be cut anywhere.
 cmake_minimum_required(VERSION 3.25)

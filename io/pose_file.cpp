@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/pose_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "geometry/check.hpp"
+#include "io/text.hpp"
+
+namespace aussois {
+namespace {
+
+constexpr double kUnitTolerance =
+    1e-6;  // that of checked_pose: seven printed digits pass, an unscaled axis does not
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t begin = std::min(text.find_first_not_of(" \t"), text.size());
+  const std::size_t end = text.find_last_not_of(" \t") + 1;
+  return text.substr(begin, begin < end ? end - begin : 0);
+}
+
+class PoseReader {
+ public:
+  PoseReader(const std::filesystem::path& path, std::string_view text) : in_(path, text) {}
+
+  PoseFile read(double scale) {
+    if (!next_row()) in_.fail("file must have a header line that names the columns");
+    read_header();
+    while (next_row()) {
+      check_field_count();
+      add_time();
+      add_pose(scale);
+    }
+    if (poses_.pose.size() < 2)
+      in_.fail("rows = " + std::to_string(poses_.pose.size()) + " must be at least 2 for a path");
+    return std::move(poses_);
+  }
+
+ private:
+  static constexpr const char* kNames[] = {"x", "y", "z", "qw", "qx", "qy", "qz"};
+
+  bool next_row() {
+    while (!in_.at_end()) {
+      std::string_view line = trimmed(in_.rest_of_line());
+      if (line.empty() || line[0] == '#') continue;
+      fields_.clear();
+      for (std::size_t comma = line.find(','); comma != line.npos; comma = line.find(',')) {
+        fields_.push_back(trimmed(line.substr(0, comma)));
+        line.remove_prefix(comma + 1);
+      }
+      fields_.push_back(trimmed(line));
+      return true;
+    }
+    return false;
+  }
+
+  void read_header() {
+    for (const char* name : kNames) columns_.push_back(column(name));
+    if (std::find(fields_.begin(), fields_.end(), "t") != fields_.end()) time_column_ = column("t");
+    field_count_ = fields_.size();
+  }
+
+  std::size_t column(const char* name) const {
+    const auto count = std::count(fields_.begin(), fields_.end(), name);
+    if (count != 1)
+      in_.fail("column '" + std::string(name) + "' must stand once in the header, stands " +
+               std::to_string(count) + " times");
+    return std::size_t(std::find(fields_.begin(), fields_.end(), name) - fields_.begin());
+  }
+
+  void check_field_count() const {
+    if (fields_.size() != field_count_)
+      in_.fail("fields = " + std::to_string(fields_.size()) + " must be " + std::to_string(field_count_) +
+               ", as in the header");
+  }
+
+  void add_time() {
+    if (time_column_ == kNone) return;
+    const double t = in_.number(fields_[time_column_], "t");
+    if (!poses_.t.empty() && t <= poses_.t.back())
+      in_.fail("t = " + std::string(fields_[time_column_]) + " must be > the time of the row before");
+    poses_.t.push_back(t);
+  }
+
+  void add_pose(double scale) {
+    double value[7];
+    for (std::size_t k = 0; k < 7; ++k) value[k] = in_.number(fields_[columns_[k]], kNames[k]);
+    SE3 g{Quat(value[3], value[4], value[5], value[6]), scale * Vec3(value[0], value[1], value[2])};
+    if (!g.p.allFinite()) in_.fail("position times scale must be finite");
+    const double norm = g.R.norm();
+    if (!(std::abs(norm - 1) <= kUnitTolerance)) {
+      std::string text = "|(qw, qx, qy, qz)| = ";
+      append_number(text, norm);
+      in_.fail(text + " must lie within 1e-6 of 1");
+    }
+    g.R.coeffs() /= norm;
+    // q and -q are one rotation; the nearer one keeps interpolation and differences on the short way.
+    if (!poses_.pose.empty() && g.R.dot(poses_.pose.back().R) < 0) g.R.coeffs() = -g.R.coeffs();
+    poses_.pose.push_back(g);
+  }
+
+  static constexpr std::size_t kNone = std::size_t(-1);
+
+  TextReader in_;
+  std::vector<std::string_view> fields_{};
+  std::vector<std::size_t> columns_{};  // of x, y, z, qw, qx, qy, qz
+  std::size_t time_column_ = kNone;
+  std::size_t field_count_ = 0;
+  PoseFile poses_{};
+};
+
+}  // namespace
+
+PoseFile read_poses(const std::filesystem::path& path, double scale) {
+  require_field(std::isfinite(scale) && scale > 0, "scale", scale, "be finite and > 0");
+  const std::string text = read_file(path);
+  return PoseReader(path, text).read(scale);
+}
+
+void write_poses(const std::filesystem::path& path, const PoseFile& poses, double scale) {
+  require_field(std::isfinite(scale) && scale > 0, "scale", scale, "be finite and > 0");
+  const bool timed = !poses.t.empty();
+  require_field(!timed || poses.t.size() == poses.pose.size(), "PoseFile::t.size()", poses.t.size(),
+                "be 0 or the number of poses");
+  std::string text = timed ? "index,t,x,y,z,qw,qx,qy,qz\n" : "index,x,y,z,qw,qx,qy,qz\n";
+  for (std::size_t i = 0; i < poses.pose.size(); ++i) {
+    text += std::to_string(i);
+    if (timed) append_number(text += ',', poses.t[i]);
+    const SE3& g = poses.pose[i];
+    for (int k = 0; k < 3; ++k) append_number(text += ',', g.p[k] / scale);
+    for (const double part : {g.R.w(), g.R.x(), g.R.y(), g.R.z()}) append_number(text += ',', part);
+    text += '\n';
+  }
+  write_file(path, text);
+}
+
+}  // namespace aussois

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// Recorded poses as CSV: a header that names the columns x, y, z, qw, qx, qy, qz, and t if the poses have
+// times, in any order; other columns (index, remarks) are skipped; lines that are empty or begin with # as
+// well. A row is the pose g_ab of a moving frame b seen from a: x_a = R(q) x_b + p, quaternion scalar part
+// qw.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "geometry/se3.hpp"
+
+namespace aussois {
+
+struct PoseFile {
+  std::vector<double> t{};  // ascending [s]; empty if the file has no column t
+  std::vector<SE3> pose{};  // [m] if `scale` was metres per unit of the file; R is unit and keeps to one
+                            // hemisphere: no quaternion has a negative dot product with the one before
+};
+
+/// Reads at least two poses and multiplies positions by `scale`. Throws std::runtime_error "path:line: what"
+/// for a missing file or column, a field that is no finite number, | |q| - 1 | > 1e-6, times that do not
+/// ascend strictly; std::invalid_argument unless scale is finite and > 0.
+PoseFile read_poses(const std::filesystem::path& path, double scale);
+
+/// Writes index, t (if there are times), x, ..., qz with positions divided by `scale`, under a temporary name
+/// that is then renamed. Throws std::invalid_argument if times are given but not for every pose.
+void write_poses(const std::filesystem::path& path, const PoseFile& poses, double scale);
+
+}  // namespace aussois

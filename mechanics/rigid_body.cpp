@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mechanics/rigid_body.hpp"
+
+namespace aussois {
+
+RigidBody solid_body(std::string name, int shape, const MassProperties& mass) {
+  const Vec3 to_shape = -mass.centre;
+  return {.name = std::move(name),
+          .shape = shape,
+          .g_bs = translation(to_shape.x(), to_shape.y(), to_shape.z()),
+          .mass = mass.mass,
+          .inertia = mass.inertia};
+}
+
+RigidBody fixed_body(std::string name, int shape) {
+  return {.name = std::move(name), .shape = shape, .motion = Fixed{}};
+}
+
+RigidBody prescribed_body(std::string name, int shape, Trajectory path) {
+  return {.name = std::move(name), .shape = shape, .motion = Prescribed{std::move(path)}};
+}
+
+}  // namespace aussois

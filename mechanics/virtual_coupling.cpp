@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mechanics/virtual_coupling.hpp"
+
+#include <cmath>
+
+#include "geometry/check.hpp"
+#include "mechanics/model.hpp"
+#include "mechanics/state.hpp"
+
+namespace aussois {
+namespace {
+
+// What is missing to the target (VC-1).
+struct CouplingError {
+  Vec3 d = Vec3::Zero(), d_dot = Vec3::Zero();  // position and velocity, world [m], [m/s]
+  Vec3 phi = Vec3::Zero(), a = Vec3::Zero();  // rotation and the target's rotation speed, body [rad], [rad/s]
+  Vec3 phi_dot = Vec3::Zero();                // rotation speed, body [rad/s]
+};
+
+CouplingError coupling_error(const State& state, int body, const Trajectory& path, double t) {
+  const TrajectoryPoint target = evaluate(path, t);
+  const SE3& g = pose(state, body);
+  const Vec6 v = twist(state, body);
+  const Quat R_error = g.R.conjugate() * target.pose.R;
+  CouplingError error;
+  error.d = target.pose.p - g.p;
+  error.d_dot = target.twist.head<3>() - v.head<3>();
+  error.phi = log_so3(R_error);
+  error.a = R_error * target.twist.tail<3>();
+  error.phi_dot = error.a - v.tail<3>();
+  return error;
+}
+
+struct Damping {
+  double c = 0;    // [N s/m]
+  double c_R = 0;  // [N m s]
+};
+Damping damping(const RigidBody& body, const VirtualCouplingOptions& options) {  // (VC-3)
+  return {
+      .c = 2 * options.damping_ratio * std::sqrt(options.stiffness * body.mass),
+      .c_R = 2 * options.damping_ratio * std::sqrt(options.rotation_stiffness * body.inertia.trace() / 3)};
+}
+
+// A pull before and after its limit (VC-4).
+struct Limited {
+  Vec3 pull = Vec3::Zero();
+  bool saturated = false;
+};
+Limited limited(const Vec3& pull, double limit) {
+  const double size = pull.norm();
+  return size > limit ? Limited{pull * (limit / size), true} : Limited{pull, false};
+}
+
+struct Pull {
+  Limited force{}, torque{};
+};
+Pull pull_of(const CouplingError& error, const Damping& gain,
+             const VirtualCouplingOptions& options) {  // (VC-2)
+  return {.force = limited(options.stiffness * error.d + gain.c * error.d_dot, options.force_limit),
+          .torque = limited(options.rotation_stiffness * error.phi + gain.c_R * error.phi_dot,
+                            options.torque_limit)};
+}
+
+// Energy of a spring whose force stops growing at `limit` (VC-6).
+double spring_energy(double x, double k, double limit) {
+  return k * x <= limit ? 0.5 * k * x * x : limit * (x - 0.5 * limit / k);
+}
+
+}  // namespace
+
+void validate(const VirtualCouplingOptions& options) {
+  const auto positive = [](double x) { return x > 0 && std::isfinite(x); };
+  require_field(positive(options.stiffness), "VirtualCouplingOptions::stiffness", options.stiffness,
+                "be positive and finite [N/m]");
+  require_field(positive(options.rotation_stiffness), "VirtualCouplingOptions::rotation_stiffness",
+                options.rotation_stiffness, "be positive and finite [N m/rad]");
+  require_field(options.damping_ratio >= 0 && std::isfinite(options.damping_ratio),
+                "VirtualCouplingOptions::damping_ratio", options.damping_ratio, "be at least 0 and finite");
+  require_field(options.force_limit > 0, "VirtualCouplingOptions::force_limit", options.force_limit,
+                "be positive [N]");
+  require_field(options.torque_limit > 0, "VirtualCouplingOptions::torque_limit", options.torque_limit,
+                "be positive [N m]");
+}
+
+CouplingWrench coupling_wrench(const Model& model, const State& state, int body, const Trajectory& path,
+                               const VirtualCouplingOptions& options, double t) {
+  const Damping gain = damping(model.bodies.at(std::size_t(body)), options);
+  const Pull pull = pull_of(coupling_error(state, body, path, t), gain, options);
+  return {.force = pull.force.pull,
+          .torque = pull.torque.pull,
+          .saturated = pull.force.saturated || pull.torque.saturated};
+}
+
+ForceLaw virtual_coupling(const Model& model, int body, Trajectory path,
+                          const VirtualCouplingOptions& options) {
+  require_field(body >= 0 && body < int(model.bodies.size()), "virtual_coupling: body", body,
+                ("lie in [0, " + std::to_string(model.bodies.size()) + ")").c_str());
+  const RigidBody& pulled = model.bodies[std::size_t(body)];
+  require(is_dynamic(pulled),
+          "virtual_coupling: body " + std::to_string(body) + " (" + pulled.name + ") must be dynamic");
+  validate(options);
+  validate(path);
+
+  ForceLaw law;
+  law.name = "virtual coupling of " + pulled.name;
+  law.potential = [body, path, options](const Model&, const State& state, double t) {
+    const CouplingError error = coupling_error(state, body, path, t);
+    return spring_energy(error.d.norm(), options.stiffness, options.force_limit) +
+           spring_energy(error.phi.norm(), options.rotation_stiffness, options.torque_limit);
+  };
+  law.add_to = [body, path = std::move(path), options](const Model& m, const State& state, double t,
+                                                       GeneralisedForce& sum) {
+    const CouplingError error = coupling_error(state, body, path, t);
+    const Damping gain = damping(m.bodies[std::size_t(body)], options);
+    const Pull pull = pull_of(error, gain, options);
+    const int force = 6 * body, torque = 6 * body + 3;  // first rows
+    sum.f.segment<3>(force) += pull.force.pull;
+    sum.f.segment<3>(torque) += pull.torque.pull;
+    if (!pull.force.saturated) {  // (VC-5)
+      add_block(sum.K, force, force, options.stiffness * Mat3::Identity());
+      add_block(sum.C, force, force, gain.c * Mat3::Identity());
+    }
+    if (!pull.torque.saturated) {
+      add_block(sum.K, torque, torque,
+                options.rotation_stiffness * dexp_left_inverse(error.phi) - gain.c_R * skew(error.a));
+      add_block(sum.C, torque, torque, gain.c_R * Mat3::Identity());
+    }
+  };
+  return law;
+}
+
+}  // namespace aussois

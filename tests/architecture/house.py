@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The rules of the house that a compiler does not know. Each rule takes the root of a checkout and returns what breaks
+it, as lines "file:line: what"; the order of the rooms is the one of doc/architecture.md.
+
+    python3 house.py ROOT RULE        prints the offences of one rule; exit code 1 if there are any
+"""
+
+import os
+import re
+import sys
+from pathlib import Path
+
+ROOMS = ["geometry", "lmd", "reduction", "mechanics", "integrators", "io"]
+MAY_INCLUDE = {room: set(ROOMS[: i + 1]) for i, room in enumerate(ROOMS)}
+MAY_INCLUDE["nsgs"] = {"nsgs"}
+for room in ("integrators", "io"):
+    MAY_INCLUDE[room].add("nsgs")
+# The solver knows numbers and errors, but nothing that has a shape (doc/decisions/0003).
+ALSO = {"nsgs": {"geometry/types.hpp", "geometry/check.hpp"}}
+
+NOT_EQUATIONS = {"UTF-8"}
+
+
+def files(root, *suffixes):
+    """Files below `root` whose names end so, without hidden folders, build trees and results; sorted."""
+    found = []
+    for folder, subfolders, names in os.walk(root):
+        subfolders[:] = sorted(s for s in subfolders if s not in ("build", "out", "node_modules") and s[0] != ".")
+        found += [Path(folder, name) for name in sorted(names) if name.endswith(suffixes)]
+    return found
+
+
+def lines(root, paths, pattern):
+    """(place, match) for every match of `pattern`, line by line; place is "file:line", relative to the root."""
+    for path in paths:
+        for number, text in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
+            for match in re.finditer(pattern, text):
+                yield f"{path.relative_to(root)}:{number}", match
+
+
+def sources(root, *suffixes):
+    return [path for path in files(root, *suffixes) if path.relative_to(root).parts[0] in MAY_INCLUDE]
+
+
+def includes(root):
+    """A room includes itself and rooms further left, spelled from the root."""
+    bad = []
+    for place, match in lines(root, sources(root, ".hpp", ".cpp"), r'^\s*#\s*include\s*"([^"]+)"'):
+        header, room = match[1], place.split("/")[0]
+        if not (root / header).is_file():
+            bad.append(f'{place}: there is no "{header}" seen from the root')
+        elif header.split("/")[0] not in MAY_INCLUDE[room] and header not in ALSO.get(room, ()):
+            bad.append(f'{place}: {room} may not include "{header}"')
+    return bad
+
+
+def plan(root, room):
+    """{"SOURCES": [...], "HEADERS": [...], ...} of the aussois_library call in a room's CMakeLists.txt."""
+    path = root / room / "CMakeLists.txt"
+    call = re.search(r"aussois_library\(([^)]*)\)", path.read_text(encoding="utf-8")) if path.is_file() else None
+    lists, words = {}, []
+    for word in call[1].split() if call else ():
+        if word.isupper():
+            words = lists.setdefault(word, [])
+        else:
+            words.append(word)
+    return lists
+
+
+def public_headers(root):
+    """What users include needs the standard library, Eigen and other public headers; heavy libraries stay inside."""
+    public = [root / room / name for room in MAY_INCLUDE for name in plan(root, room).get("HEADERS", ())]
+    public = [path for path in public if path.is_file()]
+    bad = []
+    for place, match in lines(root, public, r'^\s*#\s*include\s*([<"])([^>"]+)[>"]'):
+        light = re.fullmatch(r"[a-z0-9_]+|Eigen/\w+", match[2]) if match[1] == "<" else root / match[2] in public
+        if not light:
+            bad.append(f"{place}: a public header may not include {match[2]}")
+    return bad
+
+
+def listed(root):
+    """Every source of a room stands in its CMakeLists.txt, and every header does: public ones as HEADERS, others as
+    SOURCES. None is forgotten by build and install."""
+    bad = []
+    for path in sources(root, ".hpp", ".cpp"):
+        room, _, name = path.relative_to(root).as_posix().partition("/")
+        lists = plan(root, room)
+        if name not in lists.get("SOURCES", []) + lists.get("HEADERS", []):
+            bad.append(f"{room}/{name}:1: not listed in {room}/CMakeLists.txt")
+    return bad
+
+
+def equations(root):
+    r"""Every equation cited in code, such as (MJ-4), stands in the manual as \tag{MJ-4}, and stands there once."""
+    bad, home = [], {}
+    for place, match in lines(root, files(root / "doc", ".md"), r"\\tag\{([A-Z]+-\d+[a-z]?)\}"):
+        if match[1] in home:
+            bad.append(f"{place}: ({match[1]}) stands already in {home[match[1]]}")
+        home[match[1]] = place
+    cited = lines(root, files(root, ".hpp", ".cpp"), r"\(([A-Z]+-\d+[a-z]?)\)")
+    bad += [f"{place}: ({match[1]}) stands nowhere in the manual"
+            for place, match in cited if match[1] not in home and match[1] not in NOT_EQUATIONS]
+    return bad
+
+
+def licence(root):
+    """Every source starts with its licence (a script: after the line that names its interpreter)."""
+    def is_script(path):
+        return "." not in path.name and path.stat().st_mode & 0o100 and path.read_bytes()[:2] == b"#!"
+
+    line = re.compile(r"(#![^\n]*\n)?(//|#|%) SPDX-License-Identifier: Apache-2\.0\n")
+    code = files(root, ".hpp", ".cpp", ".py", ".js", ".mjs", ".sh", ".cmake", "CMakeLists.txt")
+    return [f"{path.relative_to(root)}:1: no line SPDX-License-Identifier: Apache-2.0"
+            for path in code + [p for p in files(root, "") if is_script(p)]
+            if not line.match(path.read_text(encoding="utf-8"))]
+
+
+def anchor(heading):
+    """The fragment that a heading gets: lower case, no punctuation, hyphens for spaces."""
+    return re.sub(r"[^\w\- ]", "", heading.strip().lower()).replace(" ", "-")
+
+
+def links(root):
+    """Every relative link and picture of the Markdown pages leads to a file, and to a heading where it names one."""
+    bad = []
+    for place, match in lines(root, files(root, ".md"), r"\]\(([^)\s]*[./#][^)\s]*)\)"):
+        target, _, fragment = match[1].partition("#")
+        if re.match(r"[a-z]+:", target):
+            continue
+        page = root / place.rpartition(":")[0]
+        goal = (page.parent / target) if target else page
+        if not goal.exists():
+            bad.append(f"{place}: {target} does not exist")
+        elif fragment and goal.suffix == ".md" and fragment not in map(
+                anchor, re.findall(r"^#+ (.*)$", goal.read_text(encoding="utf-8"), re.MULTILINE)):
+            bad.append(f"{place}: {goal.name} has no heading #{fragment}")
+    return bad
+
+
+RULES = {rule.__name__: rule for rule in (includes, public_headers, listed, equations, licence, links)}
+
+
+def main():
+    bad = RULES[sys.argv[2]](Path(sys.argv[1]).resolve())
+    print("\n".join(bad) or "nothing to say")
+    return 1 if bad else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The rules of house.py on small trees: each is silent on what is right and names what is wrong."""
+
+import tempfile
+import unittest
+from pathlib import Path
+
+import house
+
+SPDX = "// SPDX-License-Identifier: Apache-2.0\n"
+
+
+class House(unittest.TestCase):
+    def offences(self, rule, tree):
+        with tempfile.TemporaryDirectory() as folder:
+            for name, text in tree.items():
+                path = Path(folder, name)
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_text(text, encoding="utf-8")
+            return rule(Path(folder))
+
+    def test_a_room_includes_rooms_further_left_only(self):
+        tree = {"geometry/types.hpp": "", "nsgs/nsgs.hpp": '#include "geometry/types.hpp"\n',
+                "integrators/moreau_jean.cpp": '#include "nsgs/nsgs.hpp"\n#include "geometry/types.hpp"\n'}
+        self.assertEqual(self.offences(house.includes, tree), [])
+        tree["geometry/types.hpp"] = '\n#  include "nsgs/nsgs.hpp"\n'
+        self.assertEqual(self.offences(house.includes, tree),
+                         ['geometry/types.hpp:2: geometry may not include "nsgs/nsgs.hpp"'])
+
+    def test_the_solver_knows_no_shape(self):
+        tree = {"geometry/check.hpp": "", "geometry/se3.hpp": "", "mechanics/state.hpp": "",
+                "nsgs/a.cpp": '#include "geometry/check.hpp"\n#include "geometry/se3.hpp"\n',
+                "mechanics/b.cpp": '#include "nsgs/a.cpp"\n'}
+        self.assertEqual(self.offences(house.includes, tree),
+                         ['mechanics/b.cpp:1: mechanics may not include "nsgs/a.cpp"',
+                          'nsgs/a.cpp:2: nsgs may not include "geometry/se3.hpp"'])
+
+    def test_includes_are_spelled_from_the_root(self):
+        tree = {"lmd/cone.hpp": "", "lmd/cone.cpp": '#include "cone.hpp"\n'}
+        self.assertEqual(self.offences(house.includes, tree),
+                         ['lmd/cone.cpp:1: there is no "cone.hpp" seen from the root'])
+
+    def test_public_headers_include_nothing_heavy_and_nothing_private(self):
+        tree = {"io/CMakeLists.txt": "aussois_library(io\n  SOURCES a.cpp file.hpp\n  HEADERS a.hpp\n  HEAVY hdf5::hdf5)\n",
+                "io/a.hpp": '#include <Eigen/Core>\n#include <vector>\n#include <hdf5.h>\n#include "io/file.hpp"\n',
+                "io/a.cpp": "#include <hdf5.h>\n", "io/file.hpp": "#include <hdf5.h>\n"}
+        self.assertEqual(self.offences(house.public_headers, tree),
+                         ["io/a.hpp:3: a public header may not include hdf5.h",
+                          "io/a.hpp:4: a public header may not include io/file.hpp"])
+
+    def test_every_source_of_a_room_is_listed(self):
+        tree = {"nsgs/CMakeLists.txt": "aussois_library(nsgs SOURCES cone.cpp\n  HEADERS cone.hpp)\n",
+                "nsgs/cone.cpp": "", "nsgs/cone.hpp": "", "nsgs/one.hpp": ""}
+        self.assertEqual(self.offences(house.listed, tree), ["nsgs/one.hpp:1: not listed in nsgs/CMakeLists.txt"])
+
+    def test_cited_equations_stand_once_in_the_manual(self):
+        tree = {"doc/theory/nsgs.md": "$$ a = b \\tag{NSGS-1} $$\n", "nsgs/a.hpp": "// (NSGS-1), in UTF-8 (UTF-8)\n"}
+        self.assertEqual(self.offences(house.equations, tree), [])
+        tree["nsgs/a.hpp"] += "// (NSGS-1) to (NSGS-3)\n"
+        tree["doc/theory/other.md"] = "\\tag{NSGS-1}\n"
+        self.assertEqual(self.offences(house.equations, tree),
+                         ["doc/theory/other.md:1: (NSGS-1) stands already in doc/theory/nsgs.md:1",
+                          "nsgs/a.hpp:2: (NSGS-3) stands nowhere in the manual"])
+
+    def test_sources_start_with_their_licence(self):
+        tree = {"a.hpp": SPDX, "b.py": "#!/usr/bin/env python3\n# SPDX-License-Identifier: Apache-2.0\n",
+                "c.cpp": "\n" + SPDX, "build/d.cpp": "", ".e/f.cpp": "", "CMakeLists.txt": "project(x)\n"}
+        self.assertEqual(self.offences(house.licence, tree),
+                         ["CMakeLists.txt:1: no line SPDX-License-Identifier: Apache-2.0",
+                          "c.cpp:1: no line SPDX-License-Identifier: Apache-2.0"])
+
+    def test_links_lead_somewhere(self):
+        tree = {"README.md": "[a](doc/a.md) [b](doc/a.md#the-time-step) [c](https://example.org/x.md) $W[i](q)$\n",
+                "doc/a.md": "# The *time* step!\n[up](../README.md)\n"}
+        self.assertEqual(self.offences(house.links, tree), [])
+        tree["doc/a.md"] += "[x](b.md)\n![y](#nowhere)\n"
+        self.assertEqual(self.offences(house.links, tree),
+                         ["doc/a.md:3: b.md does not exist", "doc/a.md:4: a.md has no heading #nowhere"])
+
+
+if __name__ == "__main__":
+    unittest.main()
