@@ -32,15 +32,23 @@ struct BlockMatrix {
   VecX operator*(const VecX& r) const;
 };
 
+/// `A` (3c x 3c) by blocks; blocks without any entry are left out, except on the diagonal.
+BlockMatrix block_matrix(const SparseMatrix& A);
+SparseMatrix sparse_matrix(const BlockMatrix& W);
+
 /// The same problem seen from the contacts (NSGS-2): u = W r + q, W = H^T M^-1 H, q = H^T M^-1 f + w.
 struct LocalProblem {
-  BlockMatrix W{};           // Delassus operator [1/kg]
-  VecX q{};                  // relative velocity without contact impulses [m/s]
+  BlockMatrix W{};  // Delassus operator [1/kg]
+  VecX q{};         // relative velocity without contact impulses [m/s]
   std::vector<double> mu{};
   int contact_count() const { return int(mu.size()); }
 };
 
-/// Throws std::invalid_argument for inconsistent sizes, std::runtime_error if M is singular.
+/// Throws std::invalid_argument naming the field unless sizes and the structure of W agree and mu is finite
+/// and >= 0.
+void validate(const LocalProblem& problem);
+
+/// Throws std::invalid_argument for inconsistent sizes, std::runtime_error if M is singular or not finite.
 LocalProblem condense(const FrictionProblem& problem);
 
 }  // namespace aussois

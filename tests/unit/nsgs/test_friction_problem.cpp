@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <functional>
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include "nsgs/friction_problem.hpp"
+#include "nsgs/mass_inverse.hpp"
+#include "tests/unit/nsgs/random_problems.hpp"
+
+namespace aussois {
+namespace {
+
+std::string message_of(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return "";
+}
+
+SparseMatrix random_band_matrix(Random& random, int n) {  // diagonally dominant, unsymmetric, one component
+  std::vector<Triplet> entries;
+  for (int i = 0; i < n; ++i) {
+    entries.emplace_back(i, i, uniform(random, 3, 4));
+    if (i > 0) entries.emplace_back(i, i - 1, uniform(random, -1, 1));
+    if (i + 1 < n) entries.emplace_back(i, i + 1, uniform(random, -1, 1));
+  }
+  SparseMatrix M(n, n);
+  M.setFromTriplets(entries.begin(), entries.end());
+  return M;
+}
+
+TEST(FrictionProblem, NamesTheFieldThatIsWrong) {
+  Random random(1);
+  const FrictionProblem good = random_peg_in_hole(random, 1, 5, 0.2);
+  EXPECT_NO_THROW(validate(good));
+  FrictionProblem bad = good;
+  bad.w.conservativeResize(14);
+  EXPECT_NE(message_of([&] { validate(bad); }).find("FrictionProblem::w.size() = 14"), std::string::npos);
+  bad = good;
+  bad.f.conservativeResize(5);
+  EXPECT_NE(message_of([&] { validate(bad); }).find("FrictionProblem::M.rows() = 6"), std::string::npos);
+  bad = good;
+  bad.mu[3] = -0.1;
+  EXPECT_NE(message_of([&] { validate(bad); }).find("mu[3] = -0.1"), std::string::npos);
+  bad.mu[3] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(validate(bad), std::invalid_argument);
+  bad = good;
+  bad.H = SparseMatrix(7, 15);
+  EXPECT_NE(message_of([&] { validate(bad); }).find("FrictionProblem::H.rows() = 7"), std::string::npos);
+}
+
+TEST(FrictionProblem, LocalFormNeedsItsDiagonalBlocksAndAscendingColumns) {
+  Random random(2);
+  const LocalProblem good = condense(random_peg_in_hole(random, 1, 3, 0.2));
+  EXPECT_NO_THROW(validate(good));
+  LocalProblem bad = good;
+  std::swap(bad.W.column[0], bad.W.column[1]);
+  EXPECT_NE(message_of([&] { validate(bad); }).find("LocalProblem::W.column"), std::string::npos);
+  bad = good;
+  bad.W.begin = {0, 2, 5, 8};
+  bad.W.column = {1, 2, 0, 1, 2, 0, 1, 2};
+  bad.W.block.pop_back();
+  EXPECT_NE(message_of([&] { validate(bad); }).find("diagonal"), std::string::npos);
+}
+
+TEST(FrictionProblem, CondensesLikeDenseAlgebra) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    Random random(seed);
+    const FrictionProblem problem = random_peg_in_hole(random, 1 + int(seed % 2), 12, 0.2);
+    const LocalProblem local = condense(problem);
+    const MatX inverse = MatX(problem.M).inverse(), H = problem.H;
+    const MatX W = H.transpose() * inverse * H;
+    const VecX q = H.transpose() * (inverse * problem.f) + problem.w;
+    EXPECT_LT((MatX(sparse_matrix(local.W)) - W).norm(), 1e-12 * W.norm()) << "seed " << seed;
+    EXPECT_LT((local.q - q).norm(), 1e-12 * q.norm()) << "seed " << seed;
+    const VecX r = uniform_vector(random, 36, -1, 1);
+    EXPECT_LT((local.W * r - W * r).norm(), 1e-12 * W.norm() * r.norm());
+    EXPECT_GT((W - W.transpose()).norm(), 1e-9 * W.norm());  // the sample is unsymmetric indeed
+    for (int i = 0; i < 12; ++i)
+      EXPECT_LT((local.W.diagonal(i) - W.block<3, 3>(3 * i, 3 * i)).norm(), 1e-12 * W.norm());
+  }
+}
+
+TEST(FrictionProblem, CondensesACoupledMassMatrixToo) {
+  Random random(3);
+  FrictionProblem problem = random_peg_in_hole(random, 2, 4, 0.2);
+  const int n = kLargestMassBlock + 36;
+  problem.M = random_band_matrix(random, n);
+  problem.f = uniform_vector(random, n, -1, 1);
+  problem.H = MatX(MatX::Random(n, 12)).sparseView();
+  const MatX H = problem.H, W = H.transpose() * MatX(problem.M).inverse() * H;
+  EXPECT_LT((MatX(sparse_matrix(condense(problem).W)) - W).norm(), 1e-13 * W.norm());
+}
+
+TEST(FrictionProblem, WithASingularMassIsRefused) {
+  Random random(4);
+  FrictionProblem problem = random_peg_in_hole(random, 1, 4, 0.2);
+  problem.M.coeffRef(2, 2) = 0;
+  EXPECT_THROW(condense(problem), std::runtime_error);
+  problem.M.coeffRef(2, 2) = std::numeric_limits<double>::infinity();
+  EXPECT_THROW(condense(problem), std::runtime_error);
+}
+
+TEST(FrictionProblem, BlocksThatDoNotMeetAreNotStored) {
+  // Three bodies, one contact each with the ground: W is block diagonal.
+  const FrictionProblem apart{.M = block_diagonal({MatX(MatX::Identity(18, 18))}),
+                              .H = contact_directions(3, {{.a = 0}, {.a = 1}, {.a = 2}}),
+                              .f = VecX::Zero(18),
+                              .w = VecX::Zero(9),
+                              .mu = {0.1, 0.2, 0.3}};
+  const LocalProblem local = condense(apart);
+  EXPECT_EQ(local.W.column, (std::vector<int>{0, 1, 2}));
+  EXPECT_EQ(local.W.begin, (std::vector<int>{0, 1, 2, 3}));
+}
+
+TEST(MassInverse, FindsTheRowsThatBelongTogether) {
+  SparseMatrix M(5, 5);
+  M.insert(0, 0) = 2;
+  M.insert(1, 1) = 3;
+  M.insert(1, 4) = 1;  // one direction is enough
+  M.insert(2, 2) = 4;
+  M.insert(3, 3) = 5;
+  M.insert(4, 4) = 6;
+  const std::optional<MassInverse> inverse = invert_mass(M);
+  ASSERT_TRUE(inverse);
+  ASSERT_EQ(inverse->blocks.size(), 4u);
+  EXPECT_EQ(inverse->blocks[1].rows, (std::vector<int>{1, 4}));
+  EXPECT_EQ(inverse->block_of, (std::vector<int>{0, 1, 2, 3, 1}));
+  const VecX x = VecX::LinSpaced(5, 1, 5);
+  EXPECT_LT((M * (*inverse * x) - x).norm(), 1e-14);
+}
+
+TEST(MassInverse, KilogramsBesideGramSquareMillimetresAreNotSingular) {
+  const VecX unit = Vec6(1, 1, 1, 1e-8, 1e-8, 1e-8);  // M = unit (1 + 0.1) unit, one block
+  const MatX M = unit.asDiagonal() * MatX(MatX::Identity(6, 6) + 0.1 * MatX::Ones(6, 6)) * unit.asDiagonal();
+  const SparseMatrix S = M.sparseView(1, 0);
+  const std::optional<MassInverse> inverse = invert_mass(S);
+  ASSERT_TRUE(inverse);
+  ASSERT_EQ(inverse->blocks.size(), 1u);
+  const VecX x = VecX::Ones(6);
+  EXPECT_LT((S * (*inverse * VecX(unit.asDiagonal() * x)) - unit.asDiagonal() * x).cwiseQuotient(unit).norm(),
+            1e-13);
+}
+
+}  // namespace
+}  // namespace aussois
