@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: Apache-2.0
+// The one translation unit that knows CLI11 (seven seconds of compile time).
+#include "examples/common/driver.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+
+#include <CLI/CLI.hpp>
+
+#include "io/build_info.hpp"
+
+namespace aussois {
+namespace {
+
+volatile std::sig_atomic_t stop_requested = 0;
+extern "C" void request_stop(int) {
+  stop_requested = 1;
+}
+
+void watch_signals() {
+  struct sigaction action {};
+  action.sa_handler = request_stop;
+  action.sa_flags = static_cast<int>(SA_RESETHAND);  // the second signal kills
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+template <class Number>
+std::string text_of(Number value) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, value).ptr};
+}
+std::string text_of(const std::string& value) {
+  return value;
+}
+std::string text_of(const std::filesystem::path& value) {
+  return value.string();
+}
+std::string text_of(bool value) {
+  return value ? "yes" : "no";
+}
+
+/// "in [0, 10]", ">= 0", "<= 1" or "".
+std::string bound_text(const Range& range) {
+  const bool below = std::isfinite(range.lowest), above = std::isfinite(range.highest);
+  if (below && above) return "in [" + text_of(range.lowest) + ", " + text_of(range.highest) + "]";
+  if (below) return ">= " + text_of(range.lowest);
+  return above ? "<= " + text_of(range.highest) : "";
+}
+
+bool needs_quotes(const std::string& word) {
+  return word.empty() || word.find_first_of(" \t\n\"'\\$*?;&|<>()#`") != std::string::npos;
+}
+
+int fail(const std::string& name, const std::string& what, ExitCode code) {
+  std::fprintf(stderr, "%s: %s\n", name.c_str(), what.c_str());
+  return static_cast<int>(code);
+}
+
+}  // namespace
+
+struct Cli::Impl {
+  struct Entry {
+    std::string group{}, flag{}, placeholder{}, what{}, unit{}, bound{}, initial{};
+    std::function<std::string()> value{};
+  };
+  std::string name{}, what{}, group = "scene";
+  std::vector<Entry> entries{};
+  std::vector<std::pair<std::string, std::string>> examples{};
+  std::vector<std::pair<std::string, const std::filesystem::path*>> inputs{};
+  CLI::App app{};
+  bool show_help = false, show_version = false;
+
+  template <class T>
+  CLI::Option* add(const std::string& flag, T& value, const std::string& placeholder, const std::string& text,
+                   const std::string& unit, const std::string& bound) {
+    entries.push_back(
+        {group, flag, placeholder, text, unit, bound, text_of(value), [&value] { return text_of(value); }});
+    return app.add_option(flag, value);
+  }
+  template <class Number>
+  void add_number(const std::string& flag, Number& value, const std::string& text, const std::string& unit,
+                  const Range& range) {
+    add(flag, value, "NUMBER", text, unit, bound_text(range))->check([range](const std::string& word) {
+      double number = 0;
+      if (!CLI::detail::lexical_cast(word, number) || std::isnan(number))
+        return "'" + word + "' is not a number";
+      if (number >= range.lowest && number <= range.highest) return std::string();
+      return word + " must be " + bound_text(range);
+    });
+  }
+};
+
+Cli::Cli(std::string name, std::string what) : impl_(std::make_unique<Impl>()) {
+  impl_->name = std::move(name);
+  impl_->what = std::move(what);
+  impl_->app.set_help_flag();
+  impl_->app.add_flag("-h,--help", impl_->show_help);
+  impl_->app.add_flag("--version", impl_->show_version);
+}
+Cli::~Cli() = default;
+
+void Cli::group(std::string heading) {
+  impl_->group = std::move(heading);
+}
+
+void Cli::option(const std::string& flag, double& value, const std::string& what, const std::string& unit,
+                 Range range) {
+  impl_->add_number(flag, value, what, unit, range);
+}
+void Cli::option(const std::string& flag, int& value, const std::string& what, const std::string& unit,
+                 Range range) {
+  impl_->add_number(flag, value, what, unit, range);
+}
+void Cli::option(const std::string& flag, std::uint64_t& value, const std::string& what,
+                 const std::string& unit) {
+  impl_->add_number(flag, value, what, unit, {0, std::numeric_limits<double>::infinity()});
+}
+void Cli::option(const std::string& flag, std::string& value, const std::string& what) {
+  impl_->add(flag, value, "TEXT", what, "", "");
+}
+void Cli::option(const std::string& flag, std::filesystem::path& value, const std::string& what) {
+  impl_->add(flag, value, "PATH", what, "", "");
+}
+void Cli::flag(const std::string& flag, bool& value, const std::string& what) {
+  impl_->entries.push_back({impl_->group, flag, "", what, "", "", "", [&value] { return text_of(value); }});
+  impl_->app.add_flag(flag, value);
+}
+void Cli::choice(const std::string& flag, std::string& value, const std::string& what,
+                 std::vector<std::string> choices) {
+  std::string list;
+  for (const std::string& choice : choices) list += (list.empty() ? "" : ", ") + choice;
+  impl_->add(flag, value, "NAME", what, "", "one of " + list)
+      ->check([choices, list](const std::string& word) {
+        const bool known = std::find(choices.begin(), choices.end(), word) != choices.end();
+        return known ? std::string() : "'" + word + "' must be one of " + list;
+      });
+}
+void Cli::input(const std::string& flag, std::filesystem::path& value, const std::string& what) {
+  option(flag, value, what);
+  impl_->inputs.emplace_back(flag, &value);
+}
+void Cli::common(CommonOptions& options) {
+  group("output");
+  option("-o,--out", options.out, "folder of the results, made if missing");
+  option("--summary", options.summary, "also write the key numbers as JSON to this file");
+  option("--threads", options.threads, "threads; the results do not depend on it", "", {1, 256});
+  option("--every", options.every, "record each n-th step", "", {1, 1e9});
+  option("--checkpoint-every", options.checkpoint_every, "wall time between checkpoints", "s", {0, 1e9});
+  flag("--resume", options.resume, "continue from the checkpoint in the folder of the results");
+  flag("--quiet", options.quiet, "no progress");
+}
+void Cli::example(std::string command, std::string shows) {
+  impl_->examples.emplace_back(std::move(command), std::move(shows));
+}
+
+std::string Cli::help() const {
+  std::string text = impl_->what + "\n\nusage: " + impl_->name + " [options]\n";
+  std::vector<std::string> left;
+  std::size_t width = 0;
+  for (const Impl::Entry& entry : impl_->entries) {
+    left.push_back("  " + entry.flag + (entry.placeholder.empty() ? "" : " " + entry.placeholder));
+    width = std::max(width, left.back().size());
+  }
+  std::string heading;
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    const Impl::Entry& entry = impl_->entries[i];
+    if (entry.group != heading) text += "\n" + (heading = entry.group) + "\n";
+    text += left[i] + std::string(width + 2 - left[i].size(), ' ') + entry.what;
+    if (!entry.unit.empty()) text += " [" + entry.unit + "]";
+    if (!entry.bound.empty()) text += ", " + entry.bound;
+    if (!entry.initial.empty()) text += ", default " + entry.initial;
+    text += '\n';
+  }
+  text += "\n  -h, --help  this text\n  --version   versions, compiler, flags and licence of this binary\n";
+  if (!impl_->examples.empty()) text += "\nexamples\n";
+  for (const auto& [command, shows] : impl_->examples) text += "  " + command + "\n      " + shows + "\n";
+  text +=
+      "\nexit codes: 0 ok, 1 an acceptance failed, 2 usage, 3 missing or unreadable file, 4 numerical "
+      "failure, "
+      "130 interrupted\n";
+  return text;
+}
+
+bool Cli::parse(int argc, const char* const* argv, ExitCode& code) {
+  code = ExitCode::ok;
+  try {
+    impl_->app.parse(argc, argv);
+  } catch (const CLI::ParseError& wrong) {
+    fail(impl_->name, std::string(wrong.what()) + " (try --help)", code = ExitCode::usage);
+    return false;
+  }
+  if (impl_->show_help) std::fputs(help().c_str(), stdout);
+  if (impl_->show_version) std::printf("%s\n%s\n", impl_->name.c_str(), build_info().c_str());
+  if (impl_->show_help || impl_->show_version) return false;
+  for (const auto& [flag, path] : impl_->inputs)
+    if (!path->empty() && !std::filesystem::exists(*path)) {
+      fail(impl_->name, flag + " " + path->string() + ": no such file or folder", code = ExitCode::missing);
+      return false;
+    }
+  return true;
+}
+
+std::string Cli::values() const {
+  std::string text;
+  for (const Impl::Entry& entry : impl_->entries) text += entry.flag + " " + entry.value() + "\n";
+  return text;
+}
+
+const std::string& Cli::name() const {
+  return impl_->name;
+}
+
+int run_driver(Cli& cli, int argc, const char* const* argv, const std::function<ExitCode()>& body) {
+  ExitCode code = ExitCode::ok;
+  if (!cli.parse(argc, argv, code)) return static_cast<int>(code);
+  stop_requested = 0;
+  watch_signals();
+  try {
+    return static_cast<int>(body());
+  } catch (const std::invalid_argument& wrong) {
+    return fail(cli.name(), wrong.what(), ExitCode::usage);
+  } catch (const NumericalFailure& wrong) {
+    return fail(cli.name(), wrong.what(), ExitCode::numerical);
+  } catch (const std::runtime_error& wrong) {
+    return fail(cli.name(), wrong.what(), ExitCode::missing);
+  } catch (const std::exception& wrong) {
+    return fail(cli.name(), wrong.what(), ExitCode::numerical);
+  }
+}
+
+bool interrupted() {
+  return stop_requested != 0;
+}
+
+std::string command_line(int argc, const char* const* argv) {
+  std::string line;
+  for (int i = 0; i < argc; ++i) {
+    std::string word = i == 0 ? std::filesystem::path(argv[i]).filename().string() : argv[i];
+    if (needs_quotes(word)) {
+      for (std::size_t at = 0; (at = word.find('\'', at)) != std::string::npos; at += 4)
+        word.replace(at, 1, "'\\''");
+      word = "'" + word + "'";
+    }
+    line += (i == 0 ? "" : " ") + word;
+  }
+  return line;
+}
+
+}  // namespace aussois

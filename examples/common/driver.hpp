@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// What every driver shares: a command line that explains itself, exit codes, one clear line when something is
+// wrong.
+//
+//   int main(int argc, char** argv) {
+//     double mu = 0.3, angle = 20;
+//     CommonOptions common;
+//     Cli cli("sliding_block", "A block slides down an incline; prints the observed order of convergence.");
+//     cli.group("scene");
+//     cli.option("--mu", mu, "friction coefficient", "-", {0, 10});
+//     cli.option("--angle", angle, "slope", "deg", {0, 89});
+//     cli.common(common);
+//     cli.example("sliding_block --mu 0.2", "a slippery block");
+//     cli.example("sliding_block --angle 10 --summary s.json", "a block at rest");
+//     return run_driver(cli, argc, argv, [&] { return slide(mu, angle, common); });   // returns an ExitCode
+//   }
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace aussois {
+
+/// What the shell sees.
+enum class ExitCode : int {
+  ok = 0,
+  not_accepted = 1,   // it ran, but an acceptance failed: not converged, penetration, energy gain
+  usage = 2,          // the command line, or a value in it or in an input
+  missing = 3,        // a file or a dependency is missing, unreadable, or cannot be written
+  numerical = 4,      // not a number, singular, out of memory, our own mistake
+  interrupted = 130,  // SIGINT or SIGTERM, after a checkpoint
+};
+
+/// The numbers failed in a way that ends the run: exit code 4.
+struct NumericalFailure : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Closed interval of allowed values.
+struct Range {
+  double lowest = -std::numeric_limits<double>::infinity();
+  double highest = std::numeric_limits<double>::infinity();
+};
+
+/// The options that mean the same in every driver.
+struct CommonOptions {
+  std::filesystem::path out = "out";  // folder of all results, made if missing
+  std::filesystem::path summary{};    // JSON file, none if empty
+  int threads = 1;
+  int every = 1;  // record each n-th step
+  bool quiet = false;
+  bool resume = false;           // continue from the checkpoint in `out`
+  double checkpoint_every = 60;  // wall time between checkpoints [s]
+};
+
+class Cli {
+ public:
+  /// `name` of the program and one sentence on what it does.
+  Cli(std::string name, std::string what);
+  ~Cli();
+  Cli(const Cli&) = delete;
+  Cli& operator=(const Cli&) = delete;
+
+  /// Options that follow stand under this heading of --help: scene, stepping, solver, output.
+  void group(std::string heading);
+
+  /// `value` holds the default, shown in --help, and receives what the user says. `unit` is "-" for a pure
+  /// number and
+  /// "" for none. NaN and values outside `range` are refused with one line that names option, value and
+  /// bound.
+  void option(const std::string& flag, double& value, const std::string& what, const std::string& unit,
+              Range range = {});
+  void option(const std::string& flag, int& value, const std::string& what, const std::string& unit = "",
+              Range range = {});
+  void option(const std::string& flag, std::uint64_t& value, const std::string& what,
+              const std::string& unit = "");
+  void option(const std::string& flag, std::string& value, const std::string& what);
+  void option(const std::string& flag, std::filesystem::path& value, const std::string& what);
+  void flag(const std::string& flag, bool& value, const std::string& what);
+  /// One of `choices`.
+  void choice(const std::string& flag, std::string& value, const std::string& what,
+              std::vector<std::string> choices);
+  /// A path that must exist: otherwise exit code 3 before anything runs. Not looked at if the user leaves it
+  /// empty.
+  void input(const std::string& flag, std::filesystem::path& value, const std::string& what);
+  /// The group "output" with -o, --summary, --threads, --every, --quiet, --resume, --checkpoint-every.
+  void common(CommonOptions& options);
+  /// A command line that works and what it shows; --help prints them all.
+  void example(std::string command, std::string shows);
+
+  /// Fills the values. True: run. False: nothing to run (--help, --version, or something is wrong), `code`
+  /// says why.
+  bool parse(int argc, const char* const* argv, ExitCode& code);
+  /// All options with their values in order, one "--flag value" per line: what a fingerprint and the notes of
+  /// a run are made of.
+  std::string values() const;
+  std::string help() const;
+  const std::string& name() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Parses, watches for SIGINT and SIGTERM, runs `body` and turns what it throws into an exit code and one
+/// line on stderr: std::invalid_argument 2, NumericalFailure 4, other std::runtime_error (ours are files) 3,
+/// anything else 4.
+int run_driver(Cli& cli, int argc, const char* const* argv, const std::function<ExitCode()>& body);
+
+/// True since SIGINT or SIGTERM: write a checkpoint and return ExitCode::interrupted. A second signal kills.
+bool interrupted();
+
+/// The command line as one would type it again.
+std::string command_line(int argc, const char* const* argv);
+
+}  // namespace aussois

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/checkpoint.hpp"
+
+#include <cstdio>
+#include <stdexcept>
+
+#include "io/atomic_file.hpp"
+#include "io/hdf5_file.hpp"
+
+namespace aussois {
+namespace {
+
+constexpr const char* kFormat = "aussois-checkpoint";
+constexpr const char* kVersion = "1";
+
+std::string hex(std::uint64_t value) {
+  char text[24];
+  std::snprintf(text, sizeof text, "0x%016llx", static_cast<unsigned long long>(value));
+  return text;
+}
+
+/// Rows of a column of the contact memory.
+template <class T, class Get>
+std::vector<T> gathered(const ContactMemory& memory, const Get& get) {
+  std::vector<T> values;
+  values.reserve(memory.contacts.size());
+  for (const RememberedContact& contact : memory.contacts) values.push_back(get(contact));
+  return values;
+}
+
+template <class T>
+void write_named(hid_t file, const std::string& group, const std::map<std::string, T>& values) {
+  std::vector<std::string> names;
+  std::vector<T> rows;
+  for (const auto& [name, value] : values) {
+    names.push_back(name);
+    rows.push_back(value);
+  }
+  write_texts(file, group + "/name", names);
+  write_rows(file, group + "/value", rows);
+}
+
+template <class T>
+std::map<std::string, T> read_named(hid_t file, const std::string& group) {
+  const std::vector<std::string> names = read_texts(file, group + "/name");
+  const std::vector<T> rows = read_rows<T>(file, group + "/value");
+  if (names.size() != rows.size()) fail_hdf5(file, group, "has not one value per name");
+  std::map<std::string, T> values;
+  for (std::size_t i = 0; i < names.size(); ++i) values[names[i]] = rows[i];
+  return values;
+}
+
+template <class T>
+T read_one(hid_t file, const std::string& name) {
+  const std::vector<T> rows = read_rows<T>(file, name);
+  if (rows.size() != 1) fail_hdf5(file, name, "has " + std::to_string(rows.size()) + " rows instead of 1");
+  return rows[0];
+}
+
+using PoseRow = std::array<double, 7>;  // x y z qx qy qz qw, as in run.h5
+
+void write_state(hid_t file, const State& state) {
+  write_rows(file, "/state/t", std::vector<double>{state.t});
+  write_rows(file, "/state/h", std::vector<double>{state.h});
+  std::vector<PoseRow> pose;
+  for (const SE3& g : state.g)
+    pose.push_back({g.p.x(), g.p.y(), g.p.z(), g.R.x(), g.R.y(), g.R.z(), g.R.w()});
+  write_rows(file, "/state/pose", pose);
+  write_rows(file, "/state/velocity", std::vector<double>(state.v.begin(), state.v.end()));
+  using Key = std::array<int, 6>;
+  const ContactMemory& memory = state.memory;
+  write_rows(file, "/memory/key",
+             gathered<Key>(memory, [](const auto& contact) { return contact.key.value; }));
+  write_rows(file, "/memory/normal",
+             gathered<Vec3>(memory, [](const auto& contact) { return contact.normal; }));
+  write_rows(file, "/memory/point_a",
+             gathered<Vec3>(memory, [](const auto& contact) { return contact.point_a; }));
+  write_rows(file, "/memory/impulse",
+             gathered<Vec3>(memory, [](const auto& contact) { return contact.impulse; }));
+  write_rows(file, "/state/hash", std::vector<std::uint64_t>{hash(state)});
+}
+
+State read_state(hid_t file) {
+  State state;
+  state.t = read_one<double>(file, "/state/t");
+  state.h = read_one<double>(file, "/state/h");
+  for (const PoseRow& row : read_rows<PoseRow>(file, "/state/pose"))
+    state.g.push_back({Quat(row[6], row[3], row[4], row[5]), Vec3(row[0], row[1], row[2])});
+  const std::vector<double> velocity = read_rows<double>(file, "/state/velocity");
+  state.v = Eigen::Map<const VecX>(velocity.data(), Eigen::Index(velocity.size()));
+  const auto key = read_rows<std::array<int, 6>>(file, "/memory/key");
+  const auto normal = read_rows<Vec3>(file, "/memory/normal"),
+             point_a = read_rows<Vec3>(file, "/memory/point_a"),
+             impulse = read_rows<Vec3>(file, "/memory/impulse");
+  if (normal.size() != key.size() || point_a.size() != key.size() || impulse.size() != key.size())
+    fail_hdf5(file, "/memory", "has columns of different length");
+  for (std::size_t i = 0; i < key.size(); ++i)
+    state.memory.contacts.push_back({ContactKey{key[i]}, normal[i], point_a[i], impulse[i]});
+  if (hash(state) != read_one<std::uint64_t>(file, "/state/hash"))
+    fail_hdf5(file, "/state/hash", "is not the hash of the state: the file is damaged");
+  return state;
+}
+
+}  // namespace
+
+void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint) {
+  const Hdf5Silence silence;
+  const std::filesystem::path temporary = temporary_name(path);
+  {
+    const Hdf5Id file = create_hdf5(temporary);
+    write_text(file, "/", "format", kFormat);
+    write_text(file, "/", "version", kVersion);
+    write_rows(file, "/fingerprint", std::vector<std::uint64_t>{checkpoint.fingerprint});
+    write_rows(file, "/step", std::vector<std::int64_t>{checkpoint.step});
+    write_state(file, checkpoint.state);
+    write_named(file, "/numbers", checkpoint.numbers);
+    write_named(file, "/counts", checkpoint.counts);
+    flush_hdf5(file);
+  }
+  publish(temporary, path);
+}
+
+Checkpoint read_checkpoint(const std::filesystem::path& path, std::uint64_t fingerprint) {
+  const Hdf5Silence silence;
+  const Hdf5Id file = open_hdf5(path, Hdf5Access::read);
+  check_format(file, kFormat, kVersion);
+  Checkpoint checkpoint;
+  checkpoint.fingerprint = read_one<std::uint64_t>(file, "/fingerprint");
+  if (checkpoint.fingerprint != fingerprint)
+    fail_hdf5(file, "/fingerprint",
+              "the checkpoint was made with model and options " + hex(checkpoint.fingerprint) +
+                  ", this run has " + hex(fingerprint));
+  checkpoint.step = read_one<std::int64_t>(file, "/step");
+  checkpoint.state = read_state(file);
+  checkpoint.numbers = read_named<double>(file, "/numbers");
+  checkpoint.counts = read_named<std::int64_t>(file, "/counts");
+  return checkpoint;
+}
+
+std::uint64_t fingerprint_of(const std::string& text) {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+  return hash;
+}
+
+}  // namespace aussois

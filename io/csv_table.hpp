@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// A table of numbers as text: one header line, one line per row, comma separated, no locale.
+#pragma once
+
+#include <cstddef>
+#include <cstdio>
+#include <filesystem>
+#include <initializer_list>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace aussois {
+
+/// Rows go to PATH.tmp, which becomes PATH at close(). Doubles are written in the shortest form that reads
+/// back as the same bits; whole numbers without a point; nan and inf as these words. Without close() (an
+/// error, an interruption) the rows stay in PATH.tmp for `resume`.
+class CsvTable {
+ public:
+  /// Throws std::invalid_argument for no columns or a name with a comma, quote or line end;
+  /// std::runtime_error if the file cannot be created.
+  CsvTable(std::filesystem::path path, std::vector<std::string> columns);
+
+  /// Reopens PATH.tmp, keeps its first `rows` rows and cuts off the rest, even half a line. Throws
+  /// std::runtime_error if the file is missing, has other columns, or fewer rows.
+  static CsvTable resume(std::filesystem::path path, std::vector<std::string> columns, std::size_t rows);
+
+  /// Throws std::invalid_argument unless there is one value per column.
+  void add(std::span<const double> values);
+  void add(std::initializer_list<double> values) { add(std::span(values.begin(), values.size())); }
+
+  void flush();  // to the operating system; call it before a checkpoint counts the rows
+  void close();  // flush and rename; further rows are refused
+  std::size_t rows() const { return rows_; }
+
+ private:
+  struct CloseFile {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  CsvTable() = default;
+  void write(const std::string& text);
+
+  std::filesystem::path path_{};
+  std::size_t columns_ = 0;
+  std::size_t rows_ = 0;
+  std::unique_ptr<std::FILE, CloseFile> file_{};
+};
+
+}  // namespace aussois

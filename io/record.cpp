@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/record.hpp"
+
+#include <map>
+
+#include "geometry/check.hpp"
+
+namespace aussois {
+namespace {
+
+RunMesh run_mesh(const SimplicialComplex& complex) {
+  RunMesh mesh{complex.vertices, complex.triangles, {}};
+  for (std::size_t i = 0; i < complex.edges.size(); ++i)
+    if (complex.edge_triangles[int(i)].empty()) mesh.wires.push_back(complex.edges[i]);
+  return mesh;
+}
+
+}  // namespace
+
+RunHeader run_header(const Model& model) {
+  RunHeader header;
+  std::map<int, std::string> mesh_of_shape;
+  for (const RigidBody& body : model.bodies) {
+    RunBody row{body.name, {},        body.g_bs,   std::holds_alternative<Fixed>(body.motion),
+                0,         body.mass, body.inertia};
+    if (body.shape >= 0) {
+      const LmdShape& shape = *model.shapes[std::size_t(body.shape)];
+      const bool first = mesh_of_shape.emplace(body.shape, body.name).second;
+      if (first) {
+        require(header.meshes.count(body.name) == 0, "run_header: two bodies are named '" + body.name + "'");
+        header.meshes[body.name] = run_mesh(shape.complex);
+      }
+      row.mesh = mesh_of_shape[body.shape];
+      row.dilation = shape.radius;
+    }
+    header.bodies.push_back(std::move(row));
+  }
+  validate(header);
+  return header;
+}
+
+RunStep run_step(std::int64_t step, const Model& model, const State& state, const CouplingWrench& coupling) {
+  RunStep row;
+  row.step = step;
+  row.time = state.t;
+  row.pose = state.g;
+  row.velocity = state.v;
+  const Energy now = energy(model, state);
+  row.kinetic = now.kinetic;
+  row.gravity = now.gravity;
+  row.laws = now.laws;
+  row.coupling_force = coupling.force;
+  row.coupling_torque = coupling.torque;
+  return row;
+}
+
+RunStep run_step(std::int64_t step, const Model& model, const State& state, const StepReport& report,
+                 const CouplingWrench& coupling) {
+  RunStep row = run_step(step, model, state, coupling);
+  for (const StepContact& contact : report.contacts)
+    row.contacts.push_back(run_contact(contact.point, contact.impulse));
+  row.status = int(report.status);
+  row.h = report.h;
+  row.attempts = report.attempts;
+  row.contacts_found = report.contacts_found;
+  row.contacts_kept = report.contacts_kept;
+  row.contacts_matched = report.contacts_matched;
+  row.certificate_rounds = report.certificate_rounds;
+  row.threshold = report.threshold;
+  row.min_gap = report.min_gap;
+  row.min_base_distance = report.min_base_distance;
+  row.solver_status = int(report.solve.status);
+  row.iterations = report.solve.iterations;
+  row.local_failures = report.solve.local_failures;
+  row.local_fail_safes = report.solve.local_fail_safes;
+  row.residual = report.solve.residual;
+  row.gravity_work = report.energy.gravity_work;
+  row.law_work = report.energy.law_work;
+  row.contact_work = report.energy.contact_work;
+  row.gyroscopic_work = report.energy.gyroscopic_work;
+  row.energy_residual = report.energy.residual();
+  row.seconds_contact = report.seconds_contact;
+  row.seconds_solve = report.seconds_solve;
+  row.seconds_certificate = report.seconds_certificate;
+  row.seconds_total = report.seconds_total;
+  return row;
+}
+
+RunContact run_contact(const ContactPoint& contact, const Vec3& impulse) {
+  return {{contact.a.body, contact.b.body},
+          {{{contact.a.dim, contact.a.simplex, contact.a.region},
+            {contact.b.dim, contact.b.simplex, contact.b.region}}},
+          contact.x_a,
+          contact.x_b,
+          contact.normal,
+          impulse,
+          contact.gap};
+}
+
+}  // namespace aussois

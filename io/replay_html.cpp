@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: Apache-2.0
+// The page is io/viewer/template.html with one blob pasted in: base64(gzip(u32 n, JSON of n bytes, arrays)).
+// The JSON names the arrays, all of four-byte little-endian numbers, in the order in which they follow.
+#include "io/replay_html.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <stdexcept>
+#include <string_view>
+#include <zlib.h>
+
+#include "geometry/check.hpp"
+#include "geometry/simplicial_complex.hpp"
+#include "io/atomic_file.hpp"
+#include "io/summary.hpp"
+
+namespace aussois {
+
+extern const std::string_view kReplayTemplate[];  // made from viewer/template.html by viewer/embed.cmake
+extern const int kReplayTemplatePieces;
+
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "the page reads little-endian arrays");
+
+std::string gzipped(const std::string& bytes) {
+  z_stream stream{};
+  constexpr int kGzip =
+      15 + 16;  // largest window, gzip instead of zlib framing: what DecompressionStream reads
+  if (deflateInit2(&stream, 6, Z_DEFLATED, kGzip, 8, Z_DEFAULT_STRATEGY) != Z_OK)
+    throw std::runtime_error("zlib: deflateInit2 failed");
+  std::string packed(deflateBound(&stream, bytes.size()), '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+  stream.avail_in = uInt(bytes.size());
+  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
+  stream.avail_out = uInt(packed.size());
+  const int status = deflate(&stream, Z_FINISH);
+  packed.resize(stream.total_out);
+  deflateEnd(&stream);
+  if (status != Z_STREAM_END) throw std::runtime_error("zlib: deflate failed");
+  return packed;
+}
+
+std::string base64(const std::string& bytes) {
+  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
+    unsigned bits = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      bits = bits << 8 | (k < count ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+    for (std::size_t k = 0; k < 4; ++k) text += k <= count ? kDigits[bits >> (18 - 6 * k) & 63] : '=';
+  }
+  return text;
+}
+
+/// The arrays of the page, one after the other, and their names.
+class Arrays {
+ public:
+  template <class T>
+  void add(const std::string& name, const std::vector<T>& values) {
+    static_assert(sizeof(T) == 4);
+    names_.push_back(name + (std::is_floating_point_v<T> ? ":f32:" : ":i32:") +
+                     std::to_string(values.size()));
+    bytes_.append(reinterpret_cast<const char*>(values.data()), 4 * values.size());
+  }
+  std::string packed(Summary header) const {
+    header.set("arrays", names_);
+    std::string json = to_json(header);
+    json.resize((json.size() + 3) / 4 * 4, ' ');
+    const std::uint32_t length = std::uint32_t(json.size());
+    return std::string(reinterpret_cast<const char*>(&length), 4) + json + bytes_;
+  }
+
+ private:
+  std::vector<std::string> names_{};
+  std::string bytes_{};
+};
+
+void append(std::vector<float>& values, const Vec3& x) {
+  for (const double coordinate : x) values.push_back(float(coordinate));
+}
+
+Vec3 centre_of(const RunMesh& mesh) {
+  Box box;
+  for (const Vec3& vertex : mesh.vertices) {
+    box.lo = box.lo.cwiseMin(vertex);
+    box.hi = box.hi.cwiseMax(vertex);
+  }
+  return mesh.vertices.empty() ? Vec3::Zero() : Vec3(0.5 * (box.lo + box.hi));
+}
+
+/// Rows shown: the first, the last, and evenly between them.
+std::vector<std::size_t> frame_rows(std::size_t rows, int max_frames) {
+  const std::size_t count = std::min(rows, std::size_t(max_frames));
+  std::vector<std::size_t> shown;
+  for (std::size_t i = 0; i < count; ++i) shown.push_back(count == 1 ? 0 : i * (rows - 1) / (count - 1));
+  return shown;
+}
+
+/// A contact as seen by the body that moves: where it touches, the normal towards it, the force on it.
+struct ShownContact {
+  Vec3 point, normal, force;
+};
+ShownContact shown(const RunHeader& header, const RunStep& step, const RunContact& contact) {
+  const auto fixed = [&](int side) {
+    return header.bodies[std::size_t(contact.pair[std::size_t(side)])].fixed;
+  };
+  const Vec3 force = step.h > 0 ? Vec3(contact.impulse / step.h) : Vec3::Zero();
+  if (fixed(0) && !fixed(1)) return {contact.point_b, -contact.normal, -force};
+  return {contact.point, contact.normal, force};
+}
+
+/// Meshes around their own centre, so that float32 keeps eight digits of the shape and not of its place.
+void add_meshes(Arrays& arrays, const RunHeader& header) {
+  int index = 0;
+  for (const auto& [name, mesh] : header.meshes) {
+    const Vec3 centre = centre_of(mesh);
+    std::vector<float> vertices;
+    std::vector<std::int32_t> faces, wires;
+    for (const Vec3& vertex : mesh.vertices) append(vertices, vertex - centre);
+    for (const auto& face : mesh.faces) faces.insert(faces.end(), face.begin(), face.end());
+    for (const auto& wire : mesh.wires) wires.insert(wires.end(), wire.begin(), wire.end());
+    const std::string prefix = "mesh" + std::to_string(index++) + ".";
+    arrays.add(prefix + "vertices", vertices);
+    arrays.add(prefix + "faces", faces);
+    arrays.add(prefix + "wires", wires);
+  }
+}
+
+/// Poses of the centred meshes, relative to `origin`.
+void add_poses(Arrays& arrays, const RunData& run, const std::vector<std::size_t>& rows, const Vec3& origin) {
+  std::vector<float> pose;
+  for (const std::size_t row : rows)
+    for (std::size_t i = 0; i < run.header.bodies.size(); ++i) {
+      const RunBody& body = run.header.bodies[i];
+      SE3 g = run.steps[row].pose[i] * body.g_bs;
+      if (!body.mesh.empty()) g.p = g * centre_of(run.header.meshes.at(body.mesh));
+      append(pose, g.p - origin);
+      for (const double q : {g.R.x(), g.R.y(), g.R.z(), g.R.w()}) pose.push_back(float(q));
+    }
+  arrays.add("pose", pose);
+}
+
+void add_contacts(Arrays& arrays, const RunData& run, const std::vector<std::size_t>& rows,
+                  const Vec3& origin) {
+  std::vector<std::int32_t> offset{0};
+  std::vector<float> point, normal, force, gap;
+  for (const std::size_t row : rows) {
+    for (const RunContact& contact : run.steps[row].contacts) {
+      const ShownContact c = shown(run.header, run.steps[row], contact);
+      append(point, c.point - origin);
+      append(normal, c.normal);
+      append(force, c.force);
+      gap.push_back(float(contact.gap));
+    }
+    offset.push_back(std::int32_t(gap.size()));
+  }
+  arrays.add("contact.offset", offset);
+  arrays.add("contact.point", point);
+  arrays.add("contact.normal", normal);
+  arrays.add("contact.force", force);
+  arrays.add("contact.gap", gap);
+}
+
+double contact_force(const RunHeader& header, const RunStep& step) {
+  Vec3 sum = Vec3::Zero();
+  for (const RunContact& contact : step.contacts) sum += shown(header, step, contact).force;
+  return sum.norm();
+}
+
+/// The numbers of a step that the page shows, each with what survives when a curve is thinned.
+struct Quantity {
+  const char* name;
+  std::function<double(const RunHeader&, const RunStep&)> value;
+  double (*worse)(double, double);
+};
+double last(double, double next) {
+  return next;
+}
+double smaller(double a, double b) {
+  return std::fmin(a, b);
+}
+double larger(double a, double b) {
+  return std::fmax(a, b);
+}
+double number_or_nan(double x) {
+  return std::isfinite(x) ? x : std::numeric_limits<double>::quiet_NaN();
+}
+
+const std::vector<Quantity>& quantities() {
+  using H = RunHeader;
+  using S = RunStep;
+  static const std::vector<Quantity> list = {
+      {"time", [](const H&, const S& s) { return s.time; }, last},
+      {"h", [](const H&, const S& s) { return s.h; }, smaller},
+      {"kinetic", [](const H&, const S& s) { return s.kinetic; }, last},
+      {"total", [](const H&, const S& s) { return s.kinetic + s.gravity + s.laws; }, last},
+      {"min_gap", [](const H&, const S& s) { return number_or_nan(s.min_gap); }, smaller},
+      {"residual", [](const H&, const S& s) { return s.residual; }, larger},
+      {"iterations", [](const H&, const S& s) { return double(s.iterations); }, larger},
+      {"contacts", [](const H&, const S& s) { return double(s.contacts.size()); }, larger},
+      {"coupling", [](const H&, const S& s) { return s.coupling_force.norm(); }, larger},
+      {"contact_force", contact_force, larger},
+  };
+  return list;
+}
+
+void add_quantities(Arrays& arrays, const RunData& run, const std::vector<std::size_t>& rows,
+                    int max_points) {
+  const std::size_t steps = run.steps.size(), points = std::min(steps, std::size_t(max_points));
+  for (const Quantity& quantity : quantities()) {
+    std::vector<float> at_frames, curve;
+    for (const std::size_t row : rows) at_frames.push_back(float(quantity.value(run.header, run.steps[row])));
+    for (std::size_t i = 0; i < points; ++i) {
+      const std::size_t begin = i * steps / points, end = (i + 1) * steps / points;
+      double kept = quantity.value(run.header, run.steps[begin]);
+      for (std::size_t row = begin + 1; row < end; ++row)
+        kept = quantity.worse(kept, quantity.value(run.header, run.steps[row]));
+      curve.push_back(float(kept));
+    }
+    arrays.add(std::string("frame.") + quantity.name, at_frames);
+    arrays.add(std::string("curve.") + quantity.name, curve);
+  }
+}
+
+Summary page_header(const RunData& run, const std::vector<std::size_t>& rows) {
+  const RunHeader& header = run.header;
+  std::vector<std::string> mesh_names, body_names;
+  for (const auto& named : header.meshes) mesh_names.push_back(named.first);
+  std::vector<std::int64_t> mesh, fixed, steps;
+  std::vector<double> dilation;
+  for (const RunBody& body : header.bodies) {
+    const auto found = std::find(mesh_names.begin(), mesh_names.end(), body.mesh);
+    mesh.push_back(found == mesh_names.end() ? -1 : found - mesh_names.begin());
+    body_names.push_back(body.name);
+    fixed.push_back(body.fixed ? 1 : 0);
+    dilation.push_back(body.dilation);
+  }
+  for (const std::size_t row : rows) steps.push_back(run.steps[row].step);
+  Summary page;
+  page.set("title", header.title);
+  page.set("command_line", header.command_line);
+  page.set("build", header.build);
+  page.set("recorded", run.steps.size());
+  page.set("step", steps);
+  page.set("mesh_name", mesh_names);
+  page.set("body_name", body_names);
+  page.set("body_mesh", mesh);
+  page.set("body_fixed", fixed);
+  page.set("body_dilation", dilation);
+  return page;
+}
+
+/// Where the moving bodies (or, without any, all) begin: a near origin for float32.
+Vec3 origin_of(const RunData& run) {
+  Vec3 moving = Vec3::Zero(), all = Vec3::Zero();
+  double moving_count = 0;
+  for (std::size_t i = 0; i < run.header.bodies.size(); ++i) {
+    all += run.steps[0].pose[i].p;
+    if (run.header.bodies[i].fixed) continue;
+    moving += run.steps[0].pose[i].p;
+    ++moving_count;
+  }
+  if (moving_count > 0) return moving / moving_count;
+  return run.header.bodies.empty() ? Vec3::Zero() : Vec3(all / double(run.header.bodies.size()));
+}
+
+}  // namespace
+
+void write_replay_html(const std::filesystem::path& html, const RunData& run, const ReplayOptions& options) {
+  require_field(options.max_frames >= 2, "ReplayOptions::max_frames", options.max_frames, "be at least 2");
+  require_field(options.max_plot_points >= 2, "ReplayOptions::max_plot_points", options.max_plot_points,
+                "be at least 2");
+  require(!run.steps.empty(), "write_replay_html: the run has no steps");
+  validate(run.header);
+  for (const RunStep& step : run.steps) validate(run.header, step);
+
+  const std::vector<std::size_t> rows = frame_rows(run.steps.size(), options.max_frames);
+  const Vec3 origin = origin_of(run);
+  Arrays arrays;
+  add_meshes(arrays, run.header);
+  add_poses(arrays, run, rows, origin);
+  add_contacts(arrays, run, rows, origin);
+  add_quantities(arrays, run, rows, options.max_plot_points);
+
+  std::string page;
+  for (int i = 0; i < kReplayTemplatePieces; ++i) page += kReplayTemplate[i];
+  constexpr std::string_view kMark = "<!--RUN-->";
+  const std::size_t mark = page.find(kMark);
+  if (mark == std::string::npos) throw std::logic_error("viewer/template.html has no <!--RUN--> mark");
+  page.replace(mark, kMark.size(), base64(gzipped(arrays.packed(page_header(run, rows)))));
+  write_whole_file(html, page);
+}
+
+}  // namespace aussois

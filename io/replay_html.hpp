@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// replay.html: a run as one self-contained page that any browser plays, from a disk and without a network.
+#pragma once
+
+#include <filesystem>
+
+#include "io/run_file.hpp"
+
+namespace aussois {
+
+struct ReplayOptions {
+  int max_frames = 600;        // poses and contacts shown; more are thinned evenly, which the page says; >= 2
+  int max_plot_points = 4000;  // of a curve; beyond, each keeps the worst value of its bucket; >= 2
+};
+
+/// Writes the page at once (see write_whole_file). Coordinates are moved near the origin before they become
+/// float32. Throws std::invalid_argument for a run without steps or a bad option, std::runtime_error if it
+/// cannot be written.
+void write_replay_html(const std::filesystem::path& html, const RunData& run,
+                       const ReplayOptions& options = {});
+
+}  // namespace aussois

@@ -1,0 +1,417 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/run_file.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <tuple>
+#include <unordered_map>
+
+#include "geometry/check.hpp"
+#include "io/atomic_file.hpp"
+#include "io/hdf5_file.hpp"
+
+namespace aussois {
+namespace {
+
+constexpr const char* kFormat = "aussois-run";
+constexpr const char* kVersion = "1";
+
+/// One dataset and the member it holds.
+template <class Row, class T>
+struct Field {
+  const char* name;
+  T Row::*member;
+  const char* unit;
+};
+template <class Row, class T>
+Field(const char*, T Row::*, const char*) -> Field<Row, T>;
+
+// The layout of the file, apart from poses and velocities, whose rows depend on the number of bodies.
+const auto kStepFields = std::tuple{
+    Field{"/state/time", &RunStep::time, "s"},
+    Field{"/state/step", &RunStep::step, ""},
+    Field{"/step/status", &RunStep::status, ""},
+    Field{"/step/h", &RunStep::h, "s"},
+    Field{"/step/attempts", &RunStep::attempts, ""},
+    Field{"/step/contacts_found", &RunStep::contacts_found, ""},
+    Field{"/step/contacts_kept", &RunStep::contacts_kept, ""},
+    Field{"/step/contacts_matched", &RunStep::contacts_matched, ""},
+    Field{"/step/certificate_rounds", &RunStep::certificate_rounds, ""},
+    Field{"/step/threshold", &RunStep::threshold, "m"},
+    Field{"/step/min_gap", &RunStep::min_gap, "m"},
+    Field{"/step/min_base_distance", &RunStep::min_base_distance, "m"},
+    Field{"/solver/status", &RunStep::solver_status, ""},
+    Field{"/solver/iterations", &RunStep::iterations, ""},
+    Field{"/solver/local_failures", &RunStep::local_failures, ""},
+    Field{"/solver/local_fail_safes", &RunStep::local_fail_safes, ""},
+    Field{"/solver/residual", &RunStep::residual, "1"},
+    Field{"/energy/kinetic", &RunStep::kinetic, "J"},
+    Field{"/energy/gravity", &RunStep::gravity, "J"},
+    Field{"/energy/laws", &RunStep::laws, "J"},
+    Field{"/energy/gravity_work", &RunStep::gravity_work, "J"},
+    Field{"/energy/law_work", &RunStep::law_work, "J"},
+    Field{"/energy/contact_work", &RunStep::contact_work, "J"},
+    Field{"/energy/gyroscopic_work", &RunStep::gyroscopic_work, "J"},
+    Field{"/energy/residual", &RunStep::energy_residual, "J"},
+    Field{"/coupling/force", &RunStep::coupling_force, "N"},
+    Field{"/coupling/torque", &RunStep::coupling_torque, "N m"},
+    Field{"/timing/contact", &RunStep::seconds_contact, "s"},
+    Field{"/timing/solve", &RunStep::seconds_solve, "s"},
+    Field{"/timing/certificate", &RunStep::seconds_certificate, "s"},
+    Field{"/timing/total", &RunStep::seconds_total, "s"},
+};
+const auto kContactFields = std::tuple{
+    Field{"/contact/pair", &RunContact::pair, ""},
+    Field{"/contact/feature", &RunContact::feature, ""},
+    Field{"/contact/point", &RunContact::point, "m"},
+    Field{"/contact/point_b", &RunContact::point_b, "m"},
+    Field{"/contact/normal", &RunContact::normal, "1"},
+    Field{"/contact/impulse", &RunContact::impulse, "N s"},
+    Field{"/contact/gap", &RunContact::gap, "m"},
+};
+constexpr const char* kPose = "/state/pose";
+constexpr const char* kVelocity = "/state/velocity";
+constexpr const char* kOffset = "/contact/offset";
+
+template <class Fields, class F>
+void for_each_field(const Fields& fields, const F& f) {
+  std::apply([&f](const auto&... field) { (f(field), ...); }, fields);
+}
+
+using PoseRow = std::array<double, 7>;  // x y z qx qy qz qw
+PoseRow to_row(const SE3& g) {
+  return {g.p.x(), g.p.y(), g.p.z(), g.R.x(), g.R.y(), g.R.z(), g.R.w()};
+}
+SE3 from_row(const PoseRow& row) {
+  return {Quat(row[6], row[3], row[4], row[5]), Vec3(row[0], row[1], row[2])};
+}
+
+void write_header(hid_t file, const RunHeader& header) {
+  write_text(file, "/", "format", kFormat);
+  write_text(file, "/", "version", kVersion);
+  write_text(file, "/", "units", "SI: m, kg, s, N, J, rad; impulses in N s");
+  write_text(file, "/", "pose", "x y z qx qy qz qw: body frame seen from the world");
+  write_text(file, "/", "velocity", "v_G in the world, omega in the body");
+  write_text(file, "/", "title", header.title);
+  write_text(file, "/", "command_line", header.command_line);
+  write_text(file, "/", "build", header.build);
+  make_group(file, "/notes");
+  for (const auto& [name, text] : header.notes) write_text(file, "/notes", name, text);
+
+  make_group(file, "/mesh");
+  for (const auto& [name, mesh] : header.meshes) {
+    write_rows(file, "/mesh/" + name + "/vertices", mesh.vertices, "m");
+    write_rows(file, "/mesh/" + name + "/faces", mesh.faces);
+    write_rows(file, "/mesh/" + name + "/wires", mesh.wires);
+  }
+
+  std::vector<std::string> names, meshes;
+  std::vector<PoseRow> mesh_pose;
+  std::vector<int> fixed;
+  std::vector<double> dilation, mass;
+  std::vector<Mat3> inertia;
+  for (const RunBody& body : header.bodies) {
+    names.push_back(body.name);
+    meshes.push_back(body.mesh);
+    mesh_pose.push_back(to_row(body.g_bs));
+    fixed.push_back(body.fixed ? 1 : 0);
+    dilation.push_back(body.dilation);
+    mass.push_back(body.mass);
+    inertia.push_back(body.inertia);
+  }
+  write_texts(file, "/body/name", names);
+  write_texts(file, "/body/mesh", meshes);
+  write_rows(file, "/body/mesh_pose", mesh_pose, "m");
+  write_rows(file, "/body/fixed", fixed);
+  write_rows(file, "/body/dilation", dilation, "m");
+  write_rows(file, "/body/mass", mass, "kg");
+  write_rows(file, "/body/inertia", inertia, "kg m^2");
+}
+
+/// The rows of a dataset that must have as many as there are bodies, steps or contacts.
+template <class T>
+std::vector<T> read_exactly(hid_t file, const std::string& name, std::size_t rows) {
+  std::vector<T> values = read_rows<T>(file, name);
+  if (values.size() != rows)
+    fail_hdf5(file, name,
+              "has " + std::to_string(values.size()) + " rows instead of " + std::to_string(rows));
+  return values;
+}
+
+RunHeader read_header(hid_t file) {
+  check_format(file, kFormat, kVersion);
+  RunHeader header;
+  header.title = read_text(file, "/", "title");
+  header.command_line = read_text(file, "/", "command_line");
+  header.build = read_text(file, "/", "build");
+  for (const std::string& name : attribute_names(file, "/notes"))
+    header.notes[name] = read_text(file, "/notes", name);
+  for (const std::string& name : group_names(file, "/mesh"))
+    header.meshes[name] = {read_rows<Vec3>(file, "/mesh/" + name + "/vertices"),
+                           read_rows<std::array<int, 3>>(file, "/mesh/" + name + "/faces"),
+                           read_rows<std::array<int, 2>>(file, "/mesh/" + name + "/wires")};
+
+  const std::vector<std::string> names = read_texts(file, "/body/name"),
+                                 meshes = read_texts(file, "/body/mesh");
+  if (meshes.size() != names.size()) fail_hdf5(file, "/body/mesh", "has not one row per body");
+  const auto mesh_pose = read_exactly<PoseRow>(file, "/body/mesh_pose", names.size());
+  const auto fixed = read_exactly<int>(file, "/body/fixed", names.size());
+  const auto dilation = read_exactly<double>(file, "/body/dilation", names.size());
+  const auto mass = read_exactly<double>(file, "/body/mass", names.size());
+  const auto inertia = read_exactly<Mat3>(file, "/body/inertia", names.size());
+  for (std::size_t i = 0; i < names.size(); ++i)
+    header.bodies.push_back(
+        {names[i], meshes[i], from_row(mesh_pose[i]), fixed[i] != 0, dilation[i], mass[i], inertia[i]});
+  return header;
+}
+
+}  // namespace
+
+void validate(const RunHeader& header) {
+  for (const auto& [name, mesh] : header.meshes) {
+    require(!name.empty() && name != "." && name.find('/') == std::string::npos,
+            "RunHeader::meshes: name '" + name + "' must be non-empty, without '/', and not '.'");
+    const int count = int(mesh.vertices.size());
+    const auto check = [&name = name, count](const auto& simplices, const char* kind) {
+      for (std::size_t i = 0; i < simplices.size(); ++i)
+        for (const int vertex : simplices[i])
+          require(vertex >= 0 && vertex < count,
+                  "RunHeader: mesh " + name + ", " + kind + " " + std::to_string(i) + ": vertex " +
+                      std::to_string(vertex) + " must lie in [0, " + std::to_string(count) + ")");
+    };
+    check(mesh.faces, "face");
+    check(mesh.wires, "wire");
+  }
+  for (const RunBody& body : header.bodies)
+    require(body.mesh.empty() || header.meshes.count(body.mesh) == 1,
+            "RunHeader: body " + body.name + ": there is no mesh '" + body.mesh + "'");
+}
+
+void validate(const RunHeader& header, const RunStep& step) {
+  const int bodies = int(header.bodies.size());
+  require_field(int(step.pose.size()) == bodies, "RunStep::pose: size", step.pose.size(),
+                "be the number of bodies");
+  require_field(step.velocity.size() == 6 * bodies, "RunStep::velocity: size", step.velocity.size(),
+                "be six times the number of bodies");
+  for (const RunContact& contact : step.contacts)
+    for (const int body : contact.pair)
+      require_field(body >= 0 && body < bodies, "RunContact::pair", body, "be the index of a body");
+}
+
+namespace {
+
+struct ColumnPlan {
+  std::string name{};
+  hid_t type = -1;
+  std::vector<hsize_t> row_shape{};
+  hsize_t chunk_rows = kHdf5ChunkRows;
+  std::string unit{};
+};
+
+template <class Row, class T>
+ColumnPlan plan_of(const Field<Row, T>& field) {
+  return {field.name, Hdf5Row<T>::type(), Hdf5Row<T>::shape(), kHdf5ChunkRows, field.unit};
+}
+
+std::vector<ColumnPlan> step_columns(std::size_t bodies) {
+  std::vector<ColumnPlan> plans;
+  for_each_field(kStepFields, [&](const auto& field) { plans.push_back(plan_of(field)); });
+  plans.push_back({kPose, H5T_NATIVE_DOUBLE, {bodies, 7}, RunWriter::kBlock, "m"});
+  plans.push_back({kVelocity, H5T_NATIVE_DOUBLE, {bodies, 6}, RunWriter::kBlock, "m/s, rad/s"});
+  return plans;
+}
+
+std::vector<ColumnPlan> contact_columns() {
+  std::vector<ColumnPlan> plans;
+  for_each_field(kContactFields, [&](const auto& field) { plans.push_back(plan_of(field)); });
+  return plans;
+}
+
+const ColumnPlan kOffsetColumn = {kOffset, H5T_NATIVE_UINT64, {}, kHdf5ChunkRows, ""};
+
+}  // namespace
+
+struct RunWriter::Impl {
+  std::filesystem::path path{};
+  RunHeader header{};  // its bodies, for the checks of append
+  Hdf5Id file{};
+  std::unordered_map<std::string, Hdf5Column> columns{};  // looked up by name, never iterated
+  std::vector<RunStep> pending{};
+  std::size_t rows = 0;  // written
+  std::uint64_t contacts = 0;
+  std::int64_t last_step = -1;
+  double last_time = -kInf;
+
+  void create(const ColumnPlan& plan) {
+    columns[plan.name] = Hdf5Column(file, plan.name, plan.type, plan.row_shape, plan.chunk_rows, plan.unit);
+  }
+  void reopen(const ColumnPlan& plan, hsize_t kept) {
+    columns[plan.name] = Hdf5Column::open(file, plan.name, plan.type, plan.row_shape);
+    columns[plan.name].truncate(kept);
+  }
+
+  template <class Row, class T>
+  void append(const Field<Row, T>& field, const std::vector<Row>& block) {
+    std::vector<T> values;
+    values.reserve(block.size());
+    for (const Row& row : block) values.push_back(row.*field.member);
+    columns.at(field.name).append(values.data(), values.size());
+  }
+
+  void write_pending() {
+    std::vector<PoseRow> pose;
+    std::vector<double> velocity;
+    std::vector<RunContact> contact;
+    std::vector<std::uint64_t> offset;
+    for (const RunStep& step : pending) {
+      for (const SE3& g : step.pose) pose.push_back(to_row(g));
+      velocity.insert(velocity.end(), step.velocity.begin(), step.velocity.end());
+      contact.insert(contact.end(), step.contacts.begin(), step.contacts.end());
+      offset.push_back(contacts + contact.size());
+    }
+    for_each_field(kContactFields, [&](const auto& field) { append(field, contact); });
+    for_each_field(kStepFields, [&](const auto& field) { append(field, pending); });
+    columns.at(kPose).append(pose.data(), pending.size());
+    columns.at(kVelocity).append(velocity.data(), pending.size());
+    columns.at(kOffset).append(offset.data(), offset.size());
+    rows += pending.size();
+    contacts += contact.size();
+    pending.clear();
+  }
+};
+
+RunWriter::RunWriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+RunWriter::RunWriter(RunWriter&&) noexcept = default;
+RunWriter& RunWriter::operator=(RunWriter&&) noexcept = default;
+
+RunWriter::RunWriter(std::filesystem::path path, const RunHeader& header) : impl_(std::make_unique<Impl>()) {
+  validate(header);
+  const Hdf5Silence silence;
+  impl_->path = std::move(path);
+  impl_->header.bodies = header.bodies;
+  impl_->file = create_hdf5(temporary_name(impl_->path));
+  write_header(impl_->file, header);
+  for (const ColumnPlan& plan : step_columns(header.bodies.size())) impl_->create(plan);
+  for (const ColumnPlan& plan : contact_columns()) impl_->create(plan);
+  impl_->create(kOffsetColumn);
+  const std::uint64_t none = 0;
+  impl_->columns.at(kOffset).append(&none, 1);
+  flush_hdf5(impl_->file);
+}
+
+RunWriter RunWriter::resume(std::filesystem::path path, std::size_t rows) {
+  const Hdf5Silence silence;
+  auto impl = std::make_unique<Impl>();
+  impl->path = std::move(path);
+  impl->file = open_hdf5(temporary_name(impl->path), Hdf5Access::write);
+  impl->header.bodies = read_header(impl->file).bodies;
+  impl->rows = rows;
+  impl->reopen(kOffsetColumn, rows + 1);
+  impl->contacts = read_rows<std::uint64_t>(impl->file, kOffset).back();
+  for (const ColumnPlan& plan : step_columns(impl->header.bodies.size())) impl->reopen(plan, rows);
+  for (const ColumnPlan& plan : contact_columns()) impl->reopen(plan, impl->contacts);
+  if (rows > 0) {
+    impl->last_step = read_rows<std::int64_t>(impl->file, "/state/step").back();
+    impl->last_time = read_rows<double>(impl->file, "/state/time").back();
+  }
+  return RunWriter(std::move(impl));
+}
+
+RunWriter::~RunWriter() {
+  if (!impl_ || impl_->file < 0) return;
+  try {
+    flush();
+  } catch (const std::runtime_error&) {  // nobody left to tell: what was flushed before is still there
+  }
+}
+
+void RunWriter::append(RunStep step) {
+  require(impl_->file >= 0, "RunWriter::append: the run is closed");
+  validate(impl_->header, step);
+  require_field(step.step > impl_->last_step, "RunStep::step", step.step, "be larger than the one before");
+  require_field(step.time >= impl_->last_time, "RunStep::time", step.time,
+                "not be smaller than the one before");
+  impl_->last_step = step.step;
+  impl_->last_time = step.time;
+  impl_->pending.push_back(std::move(step));
+  if (impl_->pending.size() >= std::size_t(kBlock)) flush();
+}
+
+void RunWriter::flush() {
+  if (impl_->file < 0) return;
+  const Hdf5Silence silence;
+  impl_->write_pending();
+  flush_hdf5(impl_->file);
+}
+
+void RunWriter::close() {
+  if (impl_->file < 0) return;
+  flush();
+  impl_->columns.clear();  // datasets first: an open one keeps the file open
+  impl_->file = Hdf5Id();
+  publish(temporary_name(impl_->path), impl_->path);
+}
+
+std::size_t RunWriter::rows() const {
+  return impl_->rows + impl_->pending.size();
+}
+
+namespace {
+
+template <class Row, class T>
+void read_into(hid_t file, const Field<Row, T>& field, std::vector<Row>& rows) {
+  const std::vector<T> values = read_exactly<T>(file, field.name, rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i].*field.member = values[i];
+}
+
+/// The rows of /state/pose or /state/velocity, one after the other.
+std::vector<double> read_body_rows(hid_t file, const char* name, std::size_t steps, std::size_t bodies,
+                                   hsize_t width) {
+  const Hdf5Column column = Hdf5Column::open(file, name, H5T_NATIVE_DOUBLE, {bodies, width});
+  if (column.rows() != steps) fail_hdf5(file, name, "has not one row per step");
+  std::vector<double> values(column.values());
+  column.read(values.data());
+  return values;
+}
+
+}  // namespace
+
+RunData read_run(const std::filesystem::path& path) {
+  const Hdf5Silence silence;
+  const Hdf5Id file = open_hdf5(path, Hdf5Access::read);
+  RunData run{read_header(file), {}};
+  const std::size_t bodies = run.header.bodies.size();
+
+  const std::vector<std::uint64_t> offset = read_rows<std::uint64_t>(file, kOffset);
+  if (offset.empty() || offset.front() != 0) fail_hdf5(file, kOffset, "does not begin with 0");
+  const std::size_t steps = offset.size() - 1;
+  std::vector<RunContact> contacts(read_rows<double>(file, "/contact/gap").size());
+  if (offset.back() != contacts.size()) fail_hdf5(file, kOffset, "does not end with the number of contacts");
+  for_each_field(kContactFields, [&](const auto& field) { read_into(file, field, contacts); });
+
+  run.steps.resize(steps);
+  for_each_field(kStepFields, [&](const auto& field) { read_into(file, field, run.steps); });
+  const std::vector<double> pose = read_body_rows(file, kPose, steps, bodies, 7);
+  const std::vector<double> velocity = read_body_rows(file, kVelocity, steps, bodies, 6);
+  for (std::size_t k = 0; k < steps; ++k) {
+    if (offset[k] > offset[k + 1]) fail_hdf5(file, kOffset, "does not ascend at row " + std::to_string(k));
+    RunStep& step = run.steps[k];
+    for (std::size_t i = 0; i < bodies; ++i) {
+      PoseRow row{};
+      std::copy_n(pose.data() + 7 * (k * bodies + i), 7, row.begin());
+      step.pose.push_back(from_row(row));
+    }
+    step.velocity = Eigen::Map<const VecX>(velocity.data() + 6 * k * bodies, Eigen::Index(6 * bodies));
+    step.contacts.assign(contacts.begin() + std::ptrdiff_t(offset[k]),
+                         contacts.begin() + std::ptrdiff_t(offset[k + 1]));
+  }
+  try {
+    validate(run.header);
+    for (const RunStep& step : run.steps) validate(run.header, step);
+  } catch (const std::invalid_argument& wrong) {
+    throw std::runtime_error(path.string() + ": " + wrong.what());
+  }
+  return run;
+}
+
+}  // namespace aussois

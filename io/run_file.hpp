@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+// run.h5: everything that happened in a run, one row per recorded step. The layout is in doc/run_file.md;
+// here it is plain data, without a model or a scheme (io/record.hpp makes it from theirs).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "geometry/se3.hpp"
+
+namespace aussois {
+
+struct RunMesh {
+  std::vector<Vec3> vertices{};             // frame of the mesh [m]
+  std::vector<std::array<int, 3>> faces{};  // counter-clockwise seen from outside
+  std::vector<std::array<int, 2>> wires{};  // edges that belong to no face; vertices in neither are points
+};
+
+struct RunBody {
+  std::string name{};
+  std::string mesh{};  // key of RunHeader::meshes, or empty
+  SE3 g_bs{};          // mesh frame seen from the body frame
+  bool fixed = false;
+  double dilation = 0;          // of the mesh [m]
+  double mass = 0;              // [kg]; 0 where it has no meaning
+  Mat3 inertia = Mat3::Zero();  // about the centre of mass, body frame [kg m^2]
+};
+
+/// What does not change during the run.
+struct RunHeader {
+  std::string title{};  // of the replay: the driver and its case
+  std::string command_line{};
+  std::string build{};                         // build_info() of the program
+  std::map<std::string, std::string> notes{};  // anything else: options, seed, names of input files
+  std::map<std::string, RunMesh> meshes{};     // by name
+  std::vector<RunBody> bodies{};
+};
+
+/// A contact that took part in the step, as it stood when it was found.
+struct RunContact {
+  std::array<int, 2> pair{-1, -1};              // bodies A and B
+  std::array<std::array<int, 3>, 2> feature{};  // (dim, simplex, region) on A and on B
+  Vec3 point = Vec3::Zero();                    // proximal point on A's dilated surface, world [m]
+  Vec3 point_b = Vec3::Zero();                  // the same on B
+  Vec3 normal = Vec3::UnitZ();                  // unit, world, from B to A
+  Vec3 impulse = Vec3::Zero();                  // on A, world [N s]
+  double gap = 0;                               // [m], negative where the dilated shapes overlap
+};
+
+/// One recorded step; the first row of a run is usually its initial state with step = 0 and h = 0.
+struct RunStep {
+  std::int64_t step = 0;
+  double time = 0;          // reached [s]
+  std::vector<SE3> pose{};  // g_wb of every body at that time
+  VecX velocity{};          // six per body: v_G in the world [m/s], omega in the body [rad/s]
+  std::vector<RunContact> contacts{};
+
+  int status = 0;  // 0 ok, 1 refused, 2 not finite
+  double h = 0;    // length of the step [s]
+  int attempts = 0, contacts_found = 0, contacts_kept = 0, contacts_matched = 0, certificate_rounds = 0;
+  double threshold = 0;             // within which contacts were looked for [m]
+  double min_gap = kInf;            // at the end of the step [m]
+  double min_base_distance = kInf;  // lower bound over the step [m]
+
+  int solver_status = 0;  // 0 converged, 1 stagnated, 2 max_iterations, 3 not finite
+  int iterations = 0, local_failures = 0, local_fail_safes = 0;
+  double residual = 0;  // scaled [-]
+
+  double kinetic = 0, gravity = 0, laws = 0;                // energies at the end of the step [J]
+  double gravity_work = 0, law_work = 0, contact_work = 0;  // done in the step [J]
+  double gyroscopic_work = 0, energy_residual = 0;          // of the discrete balance [J]
+
+  Vec3 coupling_force = Vec3::Zero();   // of the virtual coupling, on its body, world [N]
+  Vec3 coupling_torque = Vec3::Zero();  // the same, body frame [N m]
+
+  double seconds_contact = 0, seconds_solve = 0, seconds_certificate = 0, seconds_total = 0;  // CPU [s]
+};
+
+struct RunData {
+  RunHeader header{};
+  std::vector<RunStep> steps{};
+};
+
+/// Appends steps to PATH.tmp in blocks, each flushed, and renames it to PATH at close(). A killed process
+/// leaves PATH.tmp readable up to the last flushed block.
+class RunWriter {
+ public:
+  static constexpr int kBlock =
+      64;  // steps per write: one by one is fifty times slower (2000 frames, 3 bodies)
+
+  /// Throws std::invalid_argument for a header that does not fit together (a mesh that is missing, an index
+  /// out of range, a mesh name with '/'), std::runtime_error if the file cannot be created.
+  RunWriter(std::filesystem::path path, const RunHeader& header);
+
+  /// Reopens PATH.tmp, keeps its first `rows` steps and forgets the rest: what is appended then makes the
+  /// same data as a run that was never interrupted. Throws std::runtime_error if PATH.tmp is missing, damaged
+  /// or shorter.
+  static RunWriter resume(std::filesystem::path path, std::size_t rows);
+
+  RunWriter(RunWriter&&) noexcept;
+  RunWriter& operator=(RunWriter&&) noexcept;
+  ~RunWriter();  // without close(): what was flushed stays in PATH.tmp
+
+  /// Throws std::invalid_argument unless sizes fit the bodies, and step and time ascend.
+  void append(RunStep step);
+  void flush();  // call it before a checkpoint counts the rows
+  void close();
+  std::size_t rows() const;  // appended so far, flushed or not
+
+ private:
+  struct Impl;
+  explicit RunWriter(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Reads a whole run. Throws std::runtime_error "FILE: /dataset: what" for a file that is missing, truncated,
+/// not a run, of another version, or inconsistent.
+RunData read_run(const std::filesystem::path& path);
+
+/// Throws std::invalid_argument naming what does not fit together.
+void validate(const RunHeader& header);
+void validate(const RunHeader& header, const RunStep& step);
+
+}  // namespace aussois

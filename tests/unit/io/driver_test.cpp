@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <csignal>
+#include <new>
+
+#include "examples/common/driver.hpp"
+#include "examples/common/progress.hpp"
+#include "io/build_info.hpp"
+#include "tests/unit/io/io_samples.hpp"
+
+namespace aussois {
+namespace {
+
+/// A driver with one option of each kind, run with `arguments`.
+struct SampleDriver {
+  double mu = 0.3;
+  int steps = 10;
+  std::uint64_t seed = 7;
+  std::string mode = "dynamic";
+  std::filesystem::path mesh{};
+  CommonOptions common{};
+  Cli cli{"sample", "Does nothing, with care."};
+  std::function<ExitCode()> body = [] { return ExitCode::ok; };
+  bool ran = false;
+  std::string out{}, err{};
+
+  SampleDriver() {
+    cli.group("scene");
+    cli.option("--mu", mu, "friction coefficient", "-", {0, 10});
+    cli.input("--mesh", mesh, "surface of the part");
+    cli.choice("--mode", mode, "what is computed", {"dynamic", "kinematic"});
+    cli.group("stepping");
+    cli.option("--steps", steps, "steps", "", {1, 1e6});
+    cli.option("--seed", seed, "of the random numbers");
+    cli.common(common);
+    cli.example("sample --mu 0.2", "little friction");
+    cli.example("sample --steps 3 --quiet", "a short run");
+  }
+  int run(std::vector<const char*> arguments) {
+    arguments.insert(arguments.begin(), "build/sample");
+    ::testing::internal::CaptureStdout();
+    ::testing::internal::CaptureStderr();
+    const int code = run_driver(cli, int(arguments.size()), arguments.data(), [this] {
+      ran = true;
+      return body();
+    });
+    out = ::testing::internal::GetCapturedStdout();
+    err = ::testing::internal::GetCapturedStderr();
+    return code;
+  }
+  template <class Error>
+  int run_throwing(const Error& error) {
+    body = [&error]() -> ExitCode { throw error; };
+    return run({});
+  }
+};
+
+}  // namespace
+
+TEST(Driver, FillsTheValuesAndRunsTheBody) {
+  SampleDriver driver;
+  EXPECT_EQ(driver.run({"--mu", "0.25", "--steps=3", "--mode", "kinematic", "-o", "there", "--quiet",
+                        "--seed", "18446744073709551615"}),
+            0);
+  EXPECT_TRUE(driver.ran);
+  EXPECT_EQ(driver.mu, 0.25);
+  EXPECT_EQ(driver.steps, 3);
+  EXPECT_EQ(driver.mode, "kinematic");
+  EXPECT_EQ(driver.seed, 18446744073709551615u);
+  EXPECT_EQ(driver.common.out, "there");
+  EXPECT_TRUE(driver.common.quiet);
+  EXPECT_FALSE(driver.common.resume);
+  EXPECT_EQ(driver.out + driver.err, "");
+}
+
+TEST(Driver, HelpNamesDefaultUnitRangeAndExamples) {
+  SampleDriver driver;
+  EXPECT_EQ(driver.run({"--help"}), 0);
+  EXPECT_FALSE(driver.ran);
+  for (const char* piece : {"usage: sample [options]", "friction coefficient [-], in [0, 10], default 0.3",
+                            "\nstepping\n", "one of dynamic, kinematic, default dynamic", "\noutput\n",
+                            "sample --mu 0.2\n      little friction", "130 interrupted"})
+    EXPECT_NE(driver.out.find(piece), std::string::npos) << piece << "\n" << driver.out;
+}
+
+TEST(Driver, VersionNamesLibrariesFlagsAndLicence) {
+  SampleDriver driver;
+  EXPECT_EQ(driver.run({"--version"}), 0);
+  for (const char* piece :
+       {"aussois 0.", "Eigen 3.", "HDF5 1.", "CGAL 5.", "licence of this binary: ", "++ "})
+    EXPECT_NE(driver.out.find(piece), std::string::npos) << piece << "\n" << driver.out;
+}
+
+TEST(Driver, RefusesWhatIsNotAllowedWithOneLineThatNamesIt) {
+  const std::vector<std::pair<std::vector<const char*>, std::string>> cases = {
+      {{"--mu", "11"}, "--mu"},       {{"--mu", "nan"}, "--mu"},
+      {{"--mu", "much"}, "--mu"},     {{"--mu"}, "--mu"},
+      {{"--steps", "0"}, "--steps"},  {{"--steps", "2.5"}, "--steps"},
+      {{"--seed", "-1"}, "--seed"},   {{"--mode", "fast"}, "one of dynamic, kinematic"},
+      {{"--nonsense"}, "--nonsense"}, {{"stray"}, "stray"},
+  };
+  for (const auto& [arguments, named] : cases) {
+    SampleDriver driver;
+    EXPECT_EQ(driver.run(arguments), 2) << arguments[0];
+    EXPECT_FALSE(driver.ran);
+    EXPECT_NE(driver.err.find(named), std::string::npos) << driver.err;
+    EXPECT_EQ(std::count(driver.err.begin(), driver.err.end(), '\n'), 1) << driver.err;
+  }
+  SampleDriver driver;
+  driver.run({"--mu", "11"});
+  EXPECT_EQ(driver.err, "sample: --mu: 11 must be in [0, 10] (try --help)\n");
+}
+
+TEST(Driver, RefusesAnInputThatIsNotThere) {
+  SampleDriver driver;
+  EXPECT_EQ(driver.run({"--mesh", "no/such.obj"}), 3);
+  EXPECT_EQ(driver.err, "sample: --mesh no/such.obj: no such file or folder\n");
+  EXPECT_FALSE(driver.ran);
+}
+
+TEST(Driver, TurnsWhatIsThrownIntoAnExitCodeAndOneLine) {
+  SampleDriver driver;
+  EXPECT_EQ(driver.run_throwing(std::invalid_argument("mu = -1 must be >= 0")), 2);
+  EXPECT_EQ(driver.err, "sample: mu = -1 must be >= 0\n");
+  EXPECT_EQ(driver.run_throwing(std::runtime_error("a.obj:3: bad")), 3);
+  EXPECT_EQ(driver.err, "sample: a.obj:3: bad\n");
+  EXPECT_EQ(driver.run_throwing(NumericalFailure("not finite at t = 1 s")), 4);
+  EXPECT_EQ(driver.run_throwing(std::bad_alloc()), 4);
+  driver.body = [] { return ExitCode::not_accepted; };
+  EXPECT_EQ(driver.run({}), 1);
+}
+
+TEST(Driver, SeesTheFirstSignal) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    SampleDriver driver;
+    driver.body = [signal] {
+      EXPECT_FALSE(interrupted());
+      std::raise(signal);
+      return interrupted() ? ExitCode::interrupted : ExitCode::ok;
+    };
+    EXPECT_EQ(driver.run({}), 130);
+  }
+  std::signal(SIGINT, SIG_DFL);
+  std::signal(SIGTERM, SIG_DFL);
+}
+
+TEST(Driver, ValuesTellRunsApart) {
+  SampleDriver a, b;
+  EXPECT_EQ(a.cli.values(), b.cli.values());
+  b.run({"--mu", "0.30000000000000004"});
+  EXPECT_NE(a.cli.values(), b.cli.values());
+  EXPECT_EQ(a.cli.values().substr(0, a.cli.values().find('\n')), "--mu 0.3");
+}
+
+TEST(Driver, WritesTheCommandLineAsOneWouldTypeIt) {
+  const char* const argv[] = {"/usr/bin/drop part", "--out", "my folder", "it's", "-x=1", ""};
+  EXPECT_EQ(command_line(6, argv), "'drop part' --out 'my folder' 'it'\\''s' -x=1 ''");
+}
+
+TEST(Progress, EstimatesTheTimeLeftFromTheRate) {
+  const Progress progress("drop", 20, Progress::Style::none);
+  EXPECT_EQ(progress.line(0, 0, ""), "drop    0 %");
+  EXPECT_EQ(progress.line(5, 25, "7 contacts"), "drop   25 %  1 min 15 s left  7 contacts");
+  EXPECT_EQ(progress.line(20, 3700, ""), "drop  100 %  1 h 01 min");
+  EXPECT_EQ(duration_text(59.4), "59 s");
+}
+
+TEST(Progress, InALogIsALineEveryTenPercent) {
+  ::testing::internal::CaptureStderr();
+  {
+    Progress progress("drop", 1000, Progress::Style::log);
+    for (int k = 0; k <= 1000; ++k) progress.at(k);
+  }
+  const std::string log = ::testing::internal::GetCapturedStderr();
+  EXPECT_EQ(std::count(log.begin(), log.end(), '\n'), 10) << log;
+  EXPECT_NE(log.find("drop  100 %"), std::string::npos);
+}
+
+TEST(Progress, OnATerminalRewritesOneLineAtMostTenTimesASecond) {
+  ::testing::internal::CaptureStderr();
+  {
+    Progress progress("drop", 1e6, Progress::Style::terminal);
+    for (int k = 0; k <= 100000; ++k) progress.at(10 * k);
+  }
+  const std::string shown = ::testing::internal::GetCapturedStderr();
+  EXPECT_EQ(std::count(shown.begin(), shown.end(), '\n'), 1);
+  EXPECT_LT(std::count(shown.begin(), shown.end(), '\r'),
+            30);  // 0.1 s apart; the loop takes far less than 3 s
+  EXPECT_NE(shown.find("\rdrop  100 %"), std::string::npos);
+}
+
+TEST(Progress, CanBeSilent) {
+  ::testing::internal::CaptureStderr();
+  Progress(std::string("drop"), 1, Progress::style_of_stderr(true)).at(1);
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+}
+
+}  // namespace aussois

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <stdexcept>
+
+#include "geometry/primitives.hpp"
+#include "io/record.hpp"
+#include "tests/unit/io/io_samples.hpp"
+
+namespace aussois {
+namespace {
+
+/// A fixed plate and two balls that share a shape, one above the other.
+Model two_balls_on_a_plate() {
+  Model model;
+  const int plate = add(model, prepare(dilate(make_box(1, 1, 0.1), 1e-3)));
+  const int ball = add(model, prepare(dilate(make_complex({Vec3::Zero()}, {}), 0.05)));
+  add(model, fixed_body("plate", plate));
+  for (const char* name : {"low", "high"}) {
+    RigidBody body;
+    body.name = name;
+    body.shape = ball;
+    body.mass = 2;
+    body.inertia = Mat3::Identity() * 0.002;
+    add(model, body);
+  }
+  return model;
+}
+
+}  // namespace
+
+TEST(Record, TakesBodiesAndSharedShapesFromTheModel) {
+  const RunHeader header = run_header(two_balls_on_a_plate());
+  ASSERT_EQ(header.bodies.size(), 3u);
+  EXPECT_EQ(header.meshes.size(), 2u) << "the balls share one mesh";
+  EXPECT_EQ(header.bodies[2].name, "high");
+  EXPECT_EQ(header.bodies[2].mesh, "low");
+  EXPECT_EQ(header.bodies[2].dilation, 0.05);
+  EXPECT_EQ(header.bodies[2].mass, 2);
+  EXPECT_TRUE(header.bodies[0].fixed);
+  EXPECT_FALSE(header.bodies[1].fixed);
+  EXPECT_EQ(header.meshes.at("plate").faces.size(), 12u);
+  EXPECT_TRUE(header.meshes.at("plate").wires.empty()) << "edges of triangles are no wires";
+  EXPECT_EQ(header.meshes.at("low").vertices.size(), 1u);
+}
+
+TEST(Record, KeepsWiresAndRefusesTwoShapesOfOneName) {
+  Model model;
+  const int wire = add(
+      model, prepare(dilate(make_complex({{0, 0, 0}, {1, 0, 0}, {2, 1, 0}}, {}, {{0, 1}, {1, 2}}), 0.01)));
+  add(model, fixed_body("cable", wire));
+  EXPECT_EQ(run_header(model).meshes.at("cable").wires.size(), 2u);
+  const int other = add(model, prepare(dilate(make_complex({Vec3::Zero()}, {}), 0.01)));
+  add(model, fixed_body("cable", other));
+  EXPECT_THROW(run_header(model), std::invalid_argument);
+}
+
+TEST(Record, PutsAStepIntoARow) {
+  const Model model = two_balls_on_a_plate();
+  State state = rest_state(model);
+  state.t = 0.5;
+  state.g[2].p = Vec3(0, 0, 1);
+  state.v[6 + 2] = -3;  // the low ball falls at 3 m/s
+  StepReport report;
+  report.status = StepStatus::refused;
+  report.h = 1e-3;
+  report.min_gap = -1e-6;
+  report.contacts_found = 9;
+  report.solve.status = SolveStatus::max_iterations;
+  report.solve.iterations = 77;
+  report.solve.residual = 1e-5;
+  report.energy.kinetic_change = 1;
+  report.energy.contact_work = -0.25;
+  StepContact contact;
+  contact.point.a = {1, 0, 0, 4, {}};
+  contact.point.b = {0, 2, 7, 3, {}};
+  contact.point.x_a = Vec3(1, 2, 3);
+  contact.point.x_b = Vec3(1, 2, 4);
+  contact.point.gap = -1;
+  contact.impulse = Vec3(0, 0, 5);
+  report.contacts = {contact};
+
+  const RunStep row = run_step(42, model, state, report, {Vec3(1, 0, 0), Vec3(0, 2, 0), false});
+  validate(run_header(model), row);
+  EXPECT_EQ(row.step, 42);
+  EXPECT_EQ(row.time, 0.5);
+  EXPECT_EQ(row.h, 1e-3);
+  EXPECT_EQ(row.status, 1);
+  EXPECT_EQ(row.solver_status, 2);
+  EXPECT_EQ(row.iterations, 77);
+  EXPECT_EQ(row.contacts_found, 9);
+  EXPECT_NEAR(row.kinetic, 0.5 * 2 * 9, 1e-14);
+  EXPECT_NEAR(row.gravity, 2 * 9.81 * 1, 1e-12);  // the high ball, one metre above the origin
+  EXPECT_EQ(row.energy_residual, 1.25);
+  EXPECT_EQ(row.coupling_force, Vec3(1, 0, 0));
+  EXPECT_EQ(row.coupling_torque, Vec3(0, 2, 0));
+  ASSERT_EQ(row.contacts.size(), 1u);
+  EXPECT_EQ(row.contacts[0].pair, (std::array<int, 2>{1, 0}));
+  EXPECT_EQ(row.contacts[0].feature, (std::array<std::array<int, 3>, 2>{{{0, 0, 4}, {2, 7, 3}}}));
+  EXPECT_EQ(row.contacts[0].point_b, Vec3(1, 2, 4));
+  EXPECT_EQ(row.contacts[0].impulse, Vec3(0, 0, 5));
+}
+
+}  // namespace aussois
