@@ -30,7 +30,7 @@ void require_field(bool condition, const char* field, const Value& value, const 
 
 /// Our own mistake, not the caller's: on unless NDEBUG is set.
 #ifdef NDEBUG
-#define AUSSOIS_ASSERT(condition) ((void)0)
+#define AUSSOIS_ASSERT(condition) ((void)sizeof((condition) ? 1 : 0))
 #else
 #define AUSSOIS_ASSERT(condition)                                                              \
   ((condition) ? (void)0                                                                       \

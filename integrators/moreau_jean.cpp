@@ -50,8 +50,7 @@ struct Solved {
 
 // The reduced problem first; a contact that was left out and would close too far re-enters, the worst of each
 // cluster at a time, until none does: what is returned satisfies every contact that was found (RED-4).
-Solved solve_with_reduction(const FreeMotion& free, const DofMap& dofs, const std::vector<ContactRow>& rows,
-                            const ContactSet& found, const Selection& selection,
+Solved solve_with_reduction(const FreeMotion& free, const DofMap& dofs, const std::vector<ContactRow>& rows, const Selection& selection,
                             const std::vector<Vec3>& warm, const std::vector<double>& allowed_speed,
                             const NsgsOptions& options) {
   Solved out;
@@ -91,7 +90,6 @@ Solved solve_with_reduction(const FreeMotion& free, const DofMap& dofs, const st
       if (i >= 0) in[std::size_t(i)] = 1, again = true;
     if (!again) break;
   }
-  AUSSOIS_ASSERT(found.points.size() == rows.size());
   const SolveReport last = out.solution.report;
   out.solution.report = total;
   out.solution.report.status = last.status;
@@ -250,7 +248,7 @@ MoreauJean::Attempt MoreauJean::attempt(const State& state, const VecX& v_estima
                             model_.shapes[std::size_t(model_.bodies[std::size_t(c.b.body)].shape)]->radius;
     allowed.push_back(0.01 * dilation / h);
   }
-  const Solved solved = solve_with_reduction(free, dofs_, rows, found, selection, warm.impulse, allowed,
+  const Solved solved = solve_with_reduction(free, dofs_, rows, selection, warm.impulse, allowed,
                                              options_.nsgs);  // (NSGS-1)
   report.solve = solved.solution.report;
   report.contacts_kept = int(solved.kept.size());

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// Two parts and a recorded path of one in the frame of the other: from a data folder, from files, or of our
+// own making.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "geometry/mass_properties.hpp"
+#include "geometry/mesh_report.hpp"
+
+namespace aussois {
+
+struct AssemblyPart {
+  std::string name{};
+  SimplicialComplex complex{};  // [m]
+  MeshReport report{};
+  std::vector<std::string> notes{};  // what a user must know: welded vertices, open surface, ...
+};
+
+struct AssemblyInput {
+  std::string name{};
+  AssemblyPart fixed{}, moving{};
+  std::vector<SE3> poses{};   // of the moving part's mesh in the frame of the fixed part's
+  std::string fingerprint{};  // of the content of all files, as text
+};
+
+/// Reads a mesh; a closed, oriented surface without self-intersections becomes a solid, anything else is used
+/// as it is, as two-sided sheets, with a note. Errors as of read_mesh.
+AssemblyPart read_part(const std::filesystem::path& path, double scale);
+
+/// DIR/assembly/pairs.csv names the meshes (DIR/meshes/NAME.obj) and the path (DIR/assembly/FILE). Throws
+/// std::invalid_argument with the known names if `pair` is none of them.
+AssemblyInput read_assembly_pair(const std::filesystem::path& data, const std::string& pair, double scale);
+
+AssemblyInput read_assembly_files(const std::filesystem::path& fixed, const std::filesystem::path& moving,
+                                  const std::filesystem::path& path, double scale);
+
+/// Shapes of our own: "bolt_nut", a nut unscrewed from its bolt by a turn and a half.
+AssemblyInput builtin_assembly(const std::string& name);
+
+/// Mass of a part: of its volume if it is a solid, otherwise of its convex hull; `mass` > 0 replaces the
+/// total [kg].
+struct PartMass {
+  MassProperties properties{};
+  std::string source{};  // "solid", "convex hull", with ", given mass" if it was
+};
+PartMass part_mass(const AssemblyPart& part, double density, double mass);
+
+}  // namespace aussois

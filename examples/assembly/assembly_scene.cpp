@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "examples/assembly/assembly_scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/check.hpp"
+#include "lmd/certificate.hpp"
+
+namespace aussois {
+namespace {
+
+void validate(const AssemblyOptions& o) {
+  require_field(o.dilation >= 0, "--dilation", o.dilation, "not be negative [m]");
+  require_field(o.speed > 0, "--speed", o.speed, "be positive [m/s]");
+  require_field(o.stride > 0, "--stride", o.stride, "be positive");
+  require_field(o.h >= 0, "--h", o.h, "not be negative [s]");
+  require_field(o.frequency > 0, "--frequency", o.frequency, "be positive [Hz]");
+  require_field(o.density > 0, "--density", o.density, "be positive [kg/m^3]");
+  require_field(o.mass >= 0, "--mass", o.mass, "not be negative [kg]");
+  require_field(std::isfinite(o.misalignment), "--misalignment", o.misalignment, "be finite");
+  require_field(o.hold >= 0, "--hold", o.hold, "not be negative [s]");
+}
+
+double smallest_clearance(const AssemblyInput& input, int threads,
+                          const std::function<void(int, int)>& progress) {
+  const LmdShape fixed = prepare({.complex = input.fixed.complex, .radius = 0});
+  const LmdShape moving = prepare({.complex = input.moving.complex, .radius = 0});
+  double clearance = input.moving.report.box.diagonal();  // farther apart is no fit
+  for (std::size_t i = 0; i < input.poses.size(); ++i) {
+    if (progress) progress(int(i), int(input.poses.size()));
+    clearance = base_distance({&moving, {}, {.g = input.poses[i]}}, {&fixed, {}, {}}, clearance, threads);
+    require(clearance > 0, "pose " + std::to_string(i) + " of the path has the two parts in contact");
+  }
+  return clearance;
+}
+
+// Poses in time such that no point of the part moves faster than `speed`.
+Trajectory timed(const std::vector<SE3>& poses, double radius, double speed) {
+  Trajectory path;
+  double t = 0;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (i > 0) {
+      const double length =
+          (poses[i].p - poses[i - 1].p).norm() + radius * angle_between(poses[i - 1].R, poses[i].R);
+      if (length < 1e-9 * radius) continue;  // the same pose again
+      t += length / speed;
+    }
+    path.t.push_back(t);
+    path.pose.push_back(poses[i]);
+  }
+  require(path.t.size() >= 2, "the path has no two different poses");
+  return path;
+}
+
+}  // namespace
+
+AssemblyScene make_assembly_scene(const AssemblyInput& input, const AssemblyOptions& options, int threads,
+                                  const std::function<void(int, int)>& progress) {
+  validate(options);
+  AssemblyScene scene;
+  scene.clearance = smallest_clearance(input, threads, progress);
+  scene.dilation = options.dilation > 0 ? options.dilation : 0.3 * scene.clearance;
+  require_field(
+      2 * scene.dilation < scene.clearance, "--dilation", scene.dilation,
+      ("be less than half of the smallest clearance, " + std::to_string(1e6 * scene.clearance) + " um")
+          .c_str());
+
+  Model& model = scene.model;
+  model.gravity = options.gravity;
+  model.contact_law = {.mu = options.mu, .restitution = options.restitution};
+  const int fixed = add(model, prepare({.complex = input.fixed.complex, .radius = scene.dilation}));
+  const int moving = add(model, prepare({.complex = input.moving.complex, .radius = scene.dilation}));
+  const PartMass mass = part_mass(input.moving, options.density, options.mass);
+  scene.mass_source = mass.source;
+  scene.fixed = add(model, fixed_body(input.fixed.name, fixed));
+  scene.moving = add(model, solid_body(input.moving.name, moving, mass.properties));
+
+  const SE3 body_in_mesh = inverse(model.bodies[std::size_t(scene.moving)].g_bs);
+  for (const SE3& pose : input.poses) scene.poses.push_back(pose * body_in_mesh);
+  const double radius = radius_about(input.moving.complex, mass.properties.centre);
+  scene.path = timed(scene.poses, radius, options.speed);
+  scene.h = options.h > 0 ? options.h : options.stride * 2 * scene.dilation / options.speed;
+
+  scene.target = scene.path;
+  for (SE3& pose : scene.target.pose)
+    pose.p += options.misalignment * scene.clearance * Vec3(1, 1, 1).normalized();
+  const double omega = 2 * kPi * options.frequency;
+  scene.coupling = {.stiffness = mass.properties.mass * omega * omega,
+                    .rotation_stiffness = mass.properties.inertia.trace() / 3 * omega * omega,
+                    .damping_ratio = options.damping_ratio,
+                    .force_limit = options.force_limit,
+                    .torque_limit = options.torque_limit};
+  add(model, virtual_coupling(model, scene.moving, scene.target, scene.coupling));
+  return scene;
+}
+
+State start_of(const AssemblyScene& scene) {
+  State state = rest_state(scene.model);
+  pose(state, scene.moving) = scene.path.pose.front();
+  return state;
+}
+
+}  // namespace aussois
