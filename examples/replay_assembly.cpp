@@ -32,7 +32,7 @@ namespace {
 
 struct Arguments {
   std::filesystem::path data{}, fixed{}, moving{}, path{};
-  std::string pair{}, builtin{}, mode = "dynamic", gravity = "0,0,-9.81";
+  std::string pair{}, builtin{}, mode = "dynamic", gravity = "-5.66,-5.66,-5.66";
   double scale = 1e-3;
   double threshold = 0;  // kinematic
   AssemblyOptions scene{};
@@ -374,7 +374,8 @@ int main(int argc, char** argv) {
   cli.option("--restitution", a.scene.restitution, "restitution coefficient", "-", {0, 1});
   cli.option("--density", a.scene.density, "of the moving part", "kg/m^3", {1e-3, 1e5});
   cli.option("--mass", a.scene.mass, "of the moving part; 0: from density and volume", "kg", {0, 1e6});
-  cli.option("--gravity", a.gravity, "x,y,z in the frame of the fixed part, m/s^2");
+  cli.option("--gravity", a.gravity,
+             "x,y,z in the frame of the fixed part, m/s^2; oblique by default, so that the part leans on it");
   cli.group("path");
   cli.option("--speed", a.scene.speed, "of the farthest point of the part along the path", "m/s",
              {1e-6, 1e3});

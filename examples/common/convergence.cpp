@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "examples/common/convergence.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <sstream>
+
+#include "geometry/check.hpp"
+#include "io/atomic_file.hpp"
+#include "io/csv_table.hpp"
+
+namespace aussois {
+namespace {
+
+double pairwise(const Convergence& s, std::size_t i) {
+  if (i == 0) return std::numeric_limits<double>::quiet_NaN();
+  return std::log(s.error[i] / s.error[i - 1]) / std::log(s.h[i] / s.h[i - 1]);
+}
+
+}  // namespace
+
+std::vector<double> step_sizes(double h0, int levels) {
+  std::vector<double> steps;
+  for (int k = 0; k < levels; ++k) {
+    const double turn = std::fmod(0.6180339887498949 * k, 1.0);  // golden ratio: spread evenly
+    steps.push_back(h0 * std::pow(0.5, k) * (1 - 0.07 * turn));
+  }
+  return steps;
+}
+
+Convergence convergence_study(const std::vector<double>& steps,
+                              const std::function<double(double)>& error_of) {
+  require(steps.size() >= 3, "a convergence study needs at least three steps");
+  Convergence out{.h = steps};
+  double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+  for (const double h : steps) {
+    const double error = error_of(h);
+    require_field(std::isfinite(error) && error > 0, "error", error, "be positive and finite");
+    out.error.push_back(error);
+    const double x = std::log(h), y = std::log(error);
+    n += 1, sx += x, sy += y, sxx += x * x, sxy += x * y;
+  }
+  out.order = (n * sxy - sx * sy) / (n * sxx - sx * sx);
+  return out;
+}
+
+std::string to_string(const Convergence& s, const std::string& quantity) {
+  std::ostringstream out;
+  char line[120];
+  std::snprintf(line, sizeof line, "%12s %16s %8s\n", "h [s]", quantity.c_str(), "order");
+  out << line;
+  for (std::size_t i = 0; i < s.h.size(); ++i) {
+    if (i == 0)
+      std::snprintf(line, sizeof line, "%12.5e %16.5e %8s\n", s.h[i], s.error[i], "-");
+    else
+      std::snprintf(line, sizeof line, "%12.5e %16.5e %8.3f\n", s.h[i], s.error[i], pairwise(s, i));
+    out << line;
+  }
+  std::snprintf(line, sizeof line, "fitted order %.4f\n", s.order);
+  out << line;
+  return out.str();
+}
+
+void write_convergence(const std::filesystem::path& dir, const std::string& name, const Convergence& s,
+                       const std::string& quantity) {
+  std::filesystem::create_directories(dir);
+  CsvTable csv(dir / (name + ".csv"), {"h", "error", "order"});
+  for (std::size_t i = 0; i < s.h.size(); ++i) csv.add({s.h[i], s.error[i], pairwise(s, i)});
+  csv.close();
+  std::ostringstream gp;
+  gp << "# draws " << name << ".png: gnuplot " << name << ".gp\n"
+     << "set terminal pngcairo size 800,600; set output '" << name << ".png'\n"
+     << "set datafile separator ','; set logscale xy; set format '10^{%L}'; set key left top; set grid\n"
+     << "set xlabel 'step h [s]'; set ylabel '" << quantity << "'\n"
+     << "plot '" << name
+     << ".csv' every ::1 using 1:2 with linespoints pt 7 title sprintf('observed order %.3f', " << s.order
+     << "), \\\n"
+     << "     " << s.error.back() / s.h.back() << "*x with lines dt 2 title 'order 1'\n";
+  write_whole_file(dir / (name + ".gp"), gp.str());
+}
+
+}  // namespace aussois

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// Observed order of convergence: errors at several steps, a fitted slope, a table and a gnuplot script.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace aussois {
+
+struct Convergence {
+  std::vector<double> h{};      // [s], descending
+  std::vector<double> error{};  // in the unit of the quantity
+  double order = 0;             // slope of the least-squares line through (log h, log error)
+};
+
+/// h0 and its halvings, each turned a little (by up to 7 %), so that no event falls into the same place of
+/// every step: steps that are powers of two of each other fake orders.
+std::vector<double> step_sizes(double h0, int levels);
+
+/// Throws std::invalid_argument for fewer than three steps or an error that is not positive and finite.
+Convergence convergence_study(const std::vector<double>& steps,
+                              const std::function<double(double)>& error_of);
+
+std::string to_string(const Convergence& study, const std::string& quantity);
+
+/// DIR/NAME.csv (h, error, pairwise order) and DIR/NAME.gp, which draws DIR/NAME.png: gnuplot NAME.gp.
+void write_convergence(const std::filesystem::path& dir, const std::string& name, const Convergence& study,
+                       const std::string& quantity);
+
+}  // namespace aussois

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// A block slides on an incline and comes to rest: the order of the scheme across the change from slip to
+// stick.
+//
+// Theory   doc/theory/moreau_jean.md (MJ-2), (MJ-8): order one at theta = 1. At theta = 1/2 the error is far
+// smaller but
+//          jumps with the phase of the last step, so it tells no order: the driver then only prints.
+// Run      sliding_block
+//          sliding_block --angle 10 --speed 0.5
+// Expect   observed order of at least 0.95 at theta = 1; the exit code says whether
+#include <cmath>
+#include <cstdio>
+
+#include "examples/common/convergence.hpp"
+#include "examples/common/driver.hpp"
+#include "examples/common/progress.hpp"
+#include "geometry/check.hpp"
+#include "geometry/primitives.hpp"
+#include "integrators/moreau_jean.hpp"
+#include "io/summary.hpp"
+
+using namespace aussois;
+
+namespace {
+
+constexpr double kGravity = 9.81, kSide = 0.1, kRadius = 1e-3, kDensity = 1000;  // SI units
+
+struct Arguments {
+  double mu = 0.3, angle = 0, speed = 1, theta = 1, h0 = 1e-2;
+  int levels = 7;
+  CommonOptions common{};
+};
+
+double deceleration(const Arguments& a) {
+  const double slope = a.angle * kPi / 180;
+  return kGravity * (a.mu * std::cos(slope) - std::sin(slope));
+}
+
+/// Distance slid down the slope until well after the stop [m].
+double simulated_travel(const Arguments& a, double h) {
+  // 1. The scene: a plate in the plane of the slope, a block on it, gravity tilted.
+  const double slope = a.angle * kPi / 180;
+  Model model;
+  model.gravity = kGravity * Vec3(std::sin(slope), 0, -std::cos(slope));
+  model.contact_law = {.mu = a.mu, .restitution = 0};
+  const SimplicialComplex box = make_box(kSide, kSide, kSide);
+  const int plate = add(model, prepare(dilate(make_plate(40, 40), kRadius)));
+  const int cube = add(model, prepare(dilate(box, kRadius)));
+  add(model, fixed_body("slope", plate));
+  const int block = add(model, solid_body("block", cube, mass_properties(box, kDensity)));
+
+  // 2. The start: the dilated surfaces just touch, the block slides down.
+  State state = rest_state(model);
+  pose(state, block).p.z() = kSide / 2 + 2 * kRadius;
+  twist(state, block)[0] = a.speed;
+
+  // 3. Until it has rested for a while.
+  const MoreauJean scheme(
+      model, {.h = h, .theta = a.theta, .nsgs = {.tolerance = 1e-12}, .threads = a.common.threads});
+  const double t_end = 1.5 * a.speed / deceleration(a);
+  while (state.t < t_end) {
+    const StepReport report = scheme.step(state);
+    if (!report.ok()) throw NumericalFailure("t = " + std::to_string(state.t) + " s: " + report.reason);
+  }
+  return pose(state, block).p.x();
+}
+
+ExitCode slide(const Arguments& a) {
+  require_field(deceleration(a) > 0, "--angle", a.angle,
+                "be below the friction angle [deg], or the block never stops");
+  const double exact = a.speed * a.speed / (2 * deceleration(a));
+  Progress progress("sliding_block", a.levels, Progress::style_of_stderr(a.common.quiet));
+  int done = 0;
+  const Convergence study = convergence_study(step_sizes(a.h0, a.levels), [&](double h) {
+    const double error = std::abs(simulated_travel(a, h) - exact);
+    progress.at(++done);
+    return error;
+  });
+  if (!a.common.quiet) std::printf("%s", to_string(study, "travel error [m]").c_str());
+  write_convergence(a.common.out, "sliding_block", study, "error of the distance slid [m]");
+  if (!a.common.summary.empty()) {
+    Summary summary;
+    summary.set("order", study.order);
+    summary.set("exact_travel", exact);
+    summary.set("smallest_error", study.error.back());
+    write_summary(a.common.summary, summary);
+  }
+  std::printf("sliding_block: exact travel %.6g m, observed order %.4f at theta = %g\n", exact, study.order,
+              a.theta);
+  return a.theta < 1 || study.order >= 0.95 ? ExitCode::ok : ExitCode::not_accepted;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments a;
+  Cli cli("sliding_block",
+          "Measures the order of convergence on a block that slides to rest under Coulomb friction.");
+  cli.group("scene");
+  cli.option("--mu", a.mu, "friction coefficient", "-", {1e-3, 10});
+  cli.option("--angle", a.angle, "slope of the plate", "deg", {0, 80});
+  cli.option("--speed", a.speed, "at the start, down the slope", "m/s", {1e-3, 10});
+  cli.group("stepping");
+  cli.option("--theta", a.theta, "of the Moreau-Jean scheme", "-", {0.5, 1});
+  cli.option("--h0", a.h0, "largest step", "s", {1e-5, 0.1});
+  cli.option("--levels", a.levels, "number of steps, each half of the one before", "", {3, 16});
+  cli.common(a.common);
+  cli.example("sliding_block -o out", "a table of errors and orders; out/sliding_block.csv and .gp");
+  cli.example("sliding_block --angle 10 --speed 0.5", "on a slope");
+  return run_driver(cli, argc, argv, [&] { return slide(a); });
+}
