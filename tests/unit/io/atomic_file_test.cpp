@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "io/atomic_file.hpp"
+
 #include <stdexcept>
 
-#include "io/atomic_file.hpp"
 #include "tests/unit/io/io_samples.hpp"
 
 namespace aussois {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "io/checkpoint.hpp"
+
 #include <cstring>
 #include <limits>
 #include <stdexcept>
 
 #include "io/atomic_file.hpp"
-#include "io/checkpoint.hpp"
 #include "io/hdf5_file.hpp"
 #include "tests/unit/io/io_samples.hpp"
 

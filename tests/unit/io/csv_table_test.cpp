@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "io/csv_table.hpp"
+
 #include <charconv>
 #include <cstring>
 #include <limits>
@@ -6,7 +8,6 @@
 #include <stdexcept>
 
 #include "io/atomic_file.hpp"
-#include "io/csv_table.hpp"
 #include "tests/unit/io/io_samples.hpp"
 
 namespace aussois {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "examples/common/driver.hpp"
+
 #include <csignal>
 #include <new>
 
-#include "examples/common/driver.hpp"
 #include "examples/common/progress.hpp"
 #include "io/build_info.hpp"
 #include "tests/unit/io/io_samples.hpp"

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "io/record.hpp"
+
 #include <stdexcept>
 
 #include "geometry/primitives.hpp"
-#include "io/record.hpp"
 #include "tests/unit/io/io_samples.hpp"
 
 namespace aussois {

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#ifdef __SANITIZE_ADDRESS__
+#include <sanitizer/lsan_interface.h>
+#endif
+
 #include <cstdlib>
 #include <stdexcept>
 
@@ -270,8 +274,13 @@ TEST(RunFile, SaysWhatIsWrongWithAFile) {
   EXPECT_NE(wrong("uneven.h5").find("/solver/residual: has 99 rows instead of 100"), std::string::npos);
 }
 
-// Any single wrong byte may be harmless or an error, but never a crash (run under the sanitizers).
+// Any single wrong byte may be harmless or an error, but never a crash (run under the sanitizers). HDF5 1.10
+// itself loses a few kilobytes over some damaged files and then says "infinite loop closing library" as the
+// process ends.
 TEST(RunFile, NeverCrashesOnADamagedFile) {
+#ifdef __SANITIZE_ADDRESS__
+  const __lsan::ScopedDisabler leaks_of_hdf5;
+#endif
   const auto folder = fresh_folder();
   write_run(folder / "run.h5", peg_run(20));
   const std::string whole = content_of(folder / "run.h5");

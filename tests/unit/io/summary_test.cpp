@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "io/summary.hpp"
+
 #include <cstring>
 #include <limits>
 #include <stdexcept>
 
 #include <nlohmann/json.hpp>
 
-#include "io/summary.hpp"
 #include "tests/unit/io/io_samples.hpp"
 
 namespace aussois {
