@@ -48,6 +48,25 @@ MovingSimplex moving(const LmdShape& shape, int item, const Instant& now) {
   return out;
 }
 
+// All simplices and nodes at the start of the step, once each and not once per pair.
+struct Snapshot {
+  Snapshot(const MovingShape& m) : now(at_time(m, 0)), nodes(m.shape->base.nodes.data()) {
+    for (int i = 0; i < int(m.shape->simplices.size()); ++i) simplices.push_back(moving(*m.shape, i, now));
+    for (const BvhNode& node : m.shape->base.nodes) {
+      const Vec3 x = now.R * node.centre + now.t, arm = x - now.centre;
+      centre.push_back(x);
+      velocity.push_back(now.v + now.w.cross(arm));
+      bend.push_back(now.w.squaredNorm() * arm.norm());
+    }
+  }
+  std::size_t index(const BvhNode& node) const { return std::size_t(&node - nodes); }
+  Instant now;
+  const BvhNode* nodes;
+  std::vector<MovingSimplex> simplices{};
+  std::vector<Vec3> centre{}, velocity{};  // of the nodes' balls
+  std::vector<double> bend{};
+};
+
 // Lower bound of the separation along n (from a to b) during [0, dt]: linear in time at each vertex, so
 // concave, so smallest at an end; what the linear path misses is at most half the bends times dt^2 (CA-7).
 double separation(const MovingSimplex& a, const MovingSimplex& b, const Vec3& n, double dt) {
@@ -92,31 +111,31 @@ struct Part {
 class PairCheck {
  public:
   PairCheck(const MovingShape& a, const MovingShape& b, double dt, const CertificateOptions& options)
-      : a_(a), b_(b), dt_(dt), options_(options), a0_(at_time(a, 0)), b0_(at_time(b, 0)) {}
+      : a_(a), b_(b), dt_(dt), options_(options), a0_(a), b0_(b) {}
 
-  // Balls around body-fixed points: only their centres move.
+  // Balls around body-fixed points: only their centres move (CA-8).
   bool far(const BvhNode& n, const BvhNode& m, Part& part) const {
     if (part.failed) return true;
-    const Vec3 x = a0_.R * n.centre + a0_.t, y = b0_.R * m.centre + b0_.t;
-    const double distance = (y - x).norm(), reach = n.radius + m.radius + options_.wanted;
-    if (distance <= reach) return false;
-    const Vec3 u = (y - x) / distance, rx = x - a0_.centre, ry = y - b0_.centre;
-    const double closing = std::min(0.0, u.dot(b0_.v + b0_.w.cross(ry) - a0_.v - a0_.w.cross(rx)));
-    const double bend = a0_.w.squaredNorm() * rx.norm() + b0_.w.squaredNorm() * ry.norm();
-    return distance + dt_ * closing - bend * dt_ * dt_ / 2 > reach;
+    const std::size_t i = a0_.index(n), j = b0_.index(m);
+    const Vec3 c = b0_.centre[j] - a0_.centre[i];
+    const double square = c.squaredNorm(), reach = n.radius + m.radius + options_.wanted;
+    if (square <= reach * reach) return false;
+    const double distance = std::sqrt(square);
+    const double closing = std::min(0.0, c.dot(b0_.velocity[j] - a0_.velocity[i]) / distance);
+    return distance + dt_ * closing - (a0_.bend[i] + b0_.bend[j]) * dt_ * dt_ / 2 > reach;
   }
 
   void check(int i, int j, Part& part) const {
     if (part.failed) return;
     ++part.simplex_pairs;
-    check_interval(i, j, 0, dt_, options_.max_halvings, a0_, b0_, part);
+    check_interval(i, j, 0, dt_, options_.max_halvings, a0_.simplices[std::size_t(i)],
+                   b0_.simplices[std::size_t(j)], part);
   }
 
  private:
-  void check_interval(int i, int j, double s0, double s1, int halvings, const Instant& now_a,
-                      const Instant& now_b, Part& part) const {
+  void check_interval(int i, int j, double s0, double s1, int halvings, const MovingSimplex& p,
+                      const MovingSimplex& q, Part& part) const {
     ++part.rounds;
-    const MovingSimplex p = moving(*a_.shape, i, now_a), q = moving(*b_.shape, j, now_b);
     const double dt = s1 - s0;
     double bound = -kInf;
     const auto try_direction = [&](const Vec3& n) {
@@ -146,15 +165,16 @@ class PairCheck {
       return;
     }
     const double middle = (s0 + s1) / 2;
-    check_interval(i, j, s0, middle, halvings - 1, now_a, now_b, part);
+    check_interval(i, j, s0, middle, halvings - 1, p, q, part);
     if (!part.failed)
-      check_interval(i, j, middle, s1, halvings - 1, at_time(a_, middle), at_time(b_, middle), part);
+      check_interval(i, j, middle, s1, halvings - 1, moving(*a_.shape, i, at_time(a_, middle)),
+                     moving(*b_.shape, j, at_time(b_, middle)), part);
   }
 
   const MovingShape &a_, &b_;
   double dt_;
   const CertificateOptions& options_;
-  Instant a0_, b0_;
+  Snapshot a0_, b0_;
 };
 
 }  // namespace

@@ -42,42 +42,70 @@ struct Found {
   LocalMinimum minimum{};
 };
 
-std::uint32_t partners_of(std::uint32_t classes) {
-  std::uint32_t out = 0;
-  for (unsigned i = 0; i < 8; ++i)
-    if (classes & (1U << i))
-      for (unsigned j = 0; j < 7; ++j)
-        if (are_partners(SimplexClass(i), SimplexClass(j))) out |= 1U << j;
-  return out;
+// cos and sin of an angle in [0, pi]; sums keep `past_pi` once they leave it, since then nothing is outside.
+struct Angle {
+  double cos = 1, sin = 0;
+  bool past_pi = false;
+};
+
+Angle operator+(const Angle& a, const Angle& b) {
+  const double sin = a.sin * b.cos + a.cos * b.sin;
+  return {a.cos * b.cos - a.sin * b.sin, sin, a.past_pi || b.past_pi || sin < 0};
 }
 
-constexpr std::uint32_t kVertices = 0b111, kEdges = 0b111000;
-
-// The enlargement that the direction cone of a node needs against a set of partners.
-double enlargement(std::uint32_t own, std::uint32_t other, const MinimumCriteria& c) {
-  if (own & kVertices) return (own & kEdges) && (other & kEdges) ? std::max(c.alpha, c.alpha_ee) : c.alpha;
-  return (own & kEdges) && (other & kEdges) ? c.alpha_ee : 0;
+Angle angle_of(double value) {
+  return {std::cos(value), std::sin(value), value >= kPi};
 }
 
-bool outside(const Vec3& axis, const Vec3& direction, double angle) {  // is the angle between them larger?
-  return angle + kAngleSlack < kPi && axis.dot(direction) < std::cos(angle + kAngleSlack);
+Angle cap_of(const BvhNode& node) {
+  return {node.cos_half_angle, node.sin_half_angle, node.half_angle >= kPi};
+}
+
+// Everything of a traversal that is the same for all pairs of nodes.
+struct NodeTests {
+  explicit NodeTests(const Pair& pair)
+      : a_nodes(pair.a->bvh.nodes.data()),
+        reach(pair.criteria.max_distance * (1 + 1e-12)),
+        alpha(angle_of(pair.criteria.alpha + kAngleSlack)),
+        alpha_ee(angle_of(std::max(pair.criteria.alpha, pair.criteria.alpha_ee) + kAngleSlack)),
+        none(angle_of(kAngleSlack)) {
+    for (const BvhNode& node : pair.a->bvh.nodes) {  // once each, not once per pair
+      centre.push_back(pair.R * node.centre + pair.t);
+      axis.push_back(pair.R * node.axis);
+    }
+  }
+  // The enlargement that a node's direction cone needs against a set of partners.
+  const Angle& enlargement(std::uint32_t own, std::uint32_t other) const {
+    if ((own & kEdgeClasses) && (other & kEdgeClasses)) return alpha_ee;
+    return own & kVertexClasses ? alpha : none;
+  }
+  const BvhNode* a_nodes;
+  double reach;
+  Angle alpha, alpha_ee, none;
+  std::vector<Vec3> centre{}, axis{};  // of A's nodes in B's frame
+};
+
+// Is the angle between the two unit vectors larger?
+bool outside(const Vec3& axis, const Vec3& direction, const Angle& angle) {
+  return !angle.past_pi && axis.dot(direction) < angle.cos;
 }
 
 // The tests of (LMD-9), cheap to dear: classes, balls, opposing cones, direction against each cone.
-bool can_meet(const Pair& pair, const BvhNode& n, const BvhNode& m) {
+bool can_meet(const NodeTests& tests, const BvhNode& n, const BvhNode& m) {
   if ((partners_of(n.classes) & m.classes) == 0) return false;
-  const Vec3 c = m.centre - (pair.R * n.centre + pair.t);
-  const double reach = n.radius + m.radius, distance = c.norm();
-  if (distance - reach > pair.criteria.max_distance * (1 + 1e-12)) return false;
-  const Vec3 axis = pair.R * n.axis;
-  if (n.half_angle < kPi && m.half_angle < kPi &&
-      outside(axis, -m.axis, n.half_angle + m.half_angle + pair.criteria.alpha))
-    return false;
-  if (distance <= reach) return true;
-  const double phi = std::asin(reach / distance);
+  const auto i = std::size_t(&n - tests.a_nodes);
+  const Vec3 c = m.centre - tests.centre[i];
+  const double both = n.radius + m.radius, limit = both + tests.reach, square = c.squaredNorm();
+  if (square > limit * limit) return false;
+  const Angle cap_n = cap_of(n), cap_m = cap_of(m);
+  const Vec3& axis = tests.axis[i];
+  if (outside(axis, -m.axis, cap_n + cap_m + tests.alpha)) return false;
+  if (square <= both * both) return true;
+  const double distance = std::sqrt(square), sin_phi = both / distance;
+  const Angle phi{std::sqrt(1 - sin_phi * sin_phi), sin_phi};
   const Vec3 u = c / distance;
-  return !outside(axis, u, n.half_angle + phi + enlargement(n.classes, m.classes, pair.criteria)) &&
-         !outside(m.axis, -u, m.half_angle + phi + enlargement(m.classes, n.classes, pair.criteria));
+  return !outside(axis, u, cap_n + phi + tests.enlargement(n.classes, m.classes)) &&
+         !outside(m.axis, -u, cap_m + phi + tests.enlargement(m.classes, n.classes));
 }
 
 // What one part of the traversal collects.
@@ -88,7 +116,7 @@ struct Part {
 
 void test_leaves(const Pair& pair, int a, int b, Part& part) {
   const Leaf &leaf_a = pair.a->leaves[std::size_t(a)], &leaf_b = pair.b->leaves[std::size_t(b)];
-  if (!are_partners(leaf_a.simplex_class, leaf_b.simplex_class)) return;
+  if ((partners_of(bit_of(leaf_a.simplex_class)) & bit_of(leaf_b.simplex_class)) == 0) return;
   ++part.count.leaf_pairs;
   if (const auto minimum = test_minimum(leaf_a, leaf_b, pair.R, pair.t, pair.criteria))
     part.found.push_back({a, b, *minimum});
@@ -198,9 +226,10 @@ void validate(const LmdOptions& options) {
 ContactSet find_contacts(const PosedShape& a, const PosedShape& b, const LmdOptions& options,
                          LmdStatistics* statistics) {
   const Pair pair = make_pair_of(a, b, options);
+  const NodeTests tests(pair);
   const auto prune = [&](const BvhNode& n, const BvhNode& m, Part& part) {
     ++part.count.node_pairs;
-    return !can_meet(pair, n, m);
+    return !can_meet(tests, n, m);
   };
   const auto leaf = [&](int i, int j, Part& part) { test_leaves(pair, i, j, part); };
   Part all = joined(traverse_pairs<Part>(a.shape->bvh, b.shape->bvh, options.threads, prune, leaf));

@@ -172,7 +172,7 @@ void add_base(LmdShape& shape) {
     for (int i = 0; i <= s.dim; ++i) item.points[i] = at(k, s.vertex[std::size_t(i)]);
     items.push_back(item);
   }
-  shape.base = build_bvh(items, 1);  // 1.6 times faster certificates than leaves of four, on threads and hinges
+  shape.base = build_bvh(items);
 }
 
 }  // namespace

@@ -116,13 +116,6 @@ LocalMinimum swapped(const LocalMinimum& m, const Mat3& R,
 
 }  // namespace
 
-bool are_partners(SimplexClass a, SimplexClass b) {
-  const auto rank = [](SimplexClass c) {
-    return c <= SimplexClass::v_node ? 0 : c <= SimplexClass::e_soft ? 1 : c == SimplexClass::face ? 2 : 3;
-  };
-  return rank(a) + rank(b) <= 2;
-}
-
 std::optional<LocalMinimum> test_minimum(const Leaf& a, const Leaf& b, const Mat3& R, const Vec3& t,
                                          const MinimumCriteria& criteria) {
   if (a.dim == 1 && b.dim == 1) return edge_against_edge(a, b, R, t, criteria);

@@ -25,8 +25,16 @@ struct LocalMinimum {
   double angle_margin = 0;                      // [rad]
 };
 
-/// May two classes touch at all? V x {V, E, F}, E x {V, E}, F x {V}.
-bool are_partners(SimplexClass a, SimplexClass b);
+/// Bits of the classes that can touch a class: V x {V, E, F}, E x {V, E}, F x {V} (LMD-7).
+inline constexpr std::uint32_t kVertexClasses = 0b0000111, kEdgeClasses = 0b0111000, kFaceClass = 0b1000000;
+constexpr std::uint32_t partners_of(std::uint32_t classes) {
+  return (classes & kVertexClasses ? kVertexClasses | kEdgeClasses | kFaceClass : 0) |
+         (classes & kEdgeClasses ? kVertexClasses | kEdgeClasses : 0) |
+         (classes & kFaceClass ? kVertexClasses : 0);
+}
+constexpr std::uint32_t bit_of(SimplexClass c) {
+  return 1U << unsigned(c);
+}
 
 /// `R`, `t` take points of A's frame to B's. Empty if the pair is no (quasi-)local minimum within the
 /// distance, or if the simplices touch (their direction is then undefined).

@@ -49,6 +49,8 @@ class Builder {
         merge_caps(node.axis, node.half_angle, item.axis, item.half_angle);
       node.classes |= item.classes;
     }
+    node.cos_half_angle = std::cos(node.half_angle);
+    node.sin_half_angle = std::sin(node.half_angle);
     node.radius *= 1 + 1e-14;  // rounding of centre and distance
   }
 

@@ -15,9 +15,10 @@ struct BvhNode {
   double radius = 0;           // [m]
   Vec3 axis = Vec3::UnitZ();   // of a cap around the normal cones, unit
   double half_angle = 0;       // of that cap [rad]; pi: any direction
-  std::uint32_t classes = 0;   // bit c: a simplex of class c lies below
-  int first = 0;               // leaf: its first item; branch: its first child, the second follows
-  int count = 0;               // leaf: number of items; branch: 0
+  double cos_half_angle = 1, sin_half_angle = 0;
+  std::uint32_t classes = 0;  // bit c: a simplex of class c lies below
+  int first = 0;              // leaf: its first item; branch: its first child, the second follows
+  int count = 0;              // leaf: number of items; branch: 0
 };
 
 struct NormalConeBvh {
@@ -36,7 +37,7 @@ struct BvhItem {
 
 /// Median split along the longest side in the space (position, lambda times axis); balls around points, not
 /// around balls.
-NormalConeBvh build_bvh(const std::vector<BvhItem>& items, int leaf_size = 4);
+NormalConeBvh build_bvh(const std::vector<BvhItem>& items, int leaf_size = 1);
 
 /// The smallest cap found around two caps.
 void merge_caps(Vec3& axis, double& half_angle, const Vec3& other_axis, double other_half_angle);
