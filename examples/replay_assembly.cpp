@@ -153,7 +153,7 @@ ExitCode replay_kinematic(const AssemblyInput& input, const AssemblyScene& scene
     const double begin = cpu_seconds();
     const ContactSet found = scheme.contacts(state, threshold);
     ms.push_back(1e3 * (cpu_seconds() - begin));
-    const double distance = scheme.min_base_distance(state, threshold + 2 * scene.dilation);
+    const double distance = min_base_distance(scene.model, state, threshold + 2 * scene.dilation, a.common.threads);
     RunStep row = run_step(s.steps, scene.model, state);
     for (const ContactPoint& c : found.points) row.contacts.push_back(run_contact(c));
     row.contacts_found = int(found.points.size());

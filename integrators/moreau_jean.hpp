@@ -4,25 +4,12 @@
 // (MJ-9), (CA-1) to (CA-8).
 #pragma once
 
+#include "integrators/advancement.hpp"
 #include "integrators/contact_problem.hpp"
 #include "integrators/step_report.hpp"
-#include "lmd/find_contacts.hpp"
 #include "reduction/reduce.hpp"
 
 namespace aussois {
-
-/// Conservative advancement: contacts are looked for within a bound of the step's displacement, and a step is
-/// accepted only if it kept within the bound and the base complexes provably kept apart.
-struct AdvancementOptions {
-  bool certify = true;        // false: no proof, no refusal for overlap (for comparison only)
-  double enlargement = 1.25;  // beta: the estimate of the speeds is enlarged by this [-], in [1, 4]
-  double floor = 0.1;         // smallest search distance, of the sum of the dilations [-], in (0, 1]
-  double max_overlap =
-      0.04;  // dilated shapes may overlap by this part of the sum of the dilations [-], in [0, 0.99]
-  double min_h = 1e-7;    // a step that needs less is refused [s], > 0
-  double growth = 1.5;    // of the step after an accepted one [-], in [1, 4]
-  int max_attempts = 60;  // >= 1
-};
 
 struct MoreauJeanOptions {
   double h = 1e-3;     // largest step [s], > 0
@@ -49,20 +36,15 @@ class MoreauJean {
 
   /// Contacts of all pairs of bodies at the state with gap <= threshold [m], as a step would find them.
   ContactSet contacts(const State& state, double threshold) const;
-  /// Smallest distance of the base complexes of bodies that can touch [m], or `cutoff`.
-  double min_base_distance(const State& state, double cutoff) const;
 
  private:
-  struct Pair;
   struct Attempt;
-  std::vector<Pair> near_pairs(const State& state, const VecX& v_estimate, double h) const;
-  ContactSet contacts_of(const State& state, const std::vector<Pair>& pairs) const;
   Attempt attempt(const State& state, const VecX& v_estimate, double h) const;
 
   const Model& model_;
   MoreauJeanOptions options_;
   DofMap dofs_;
-  std::vector<double> radius_;  // of each body's base complex about its centre of mass [m]
+  std::vector<double> radii_;
 };
 
 }  // namespace aussois

@@ -45,7 +45,7 @@ struct StepReport {
   int contacts_matched = 0;  // with an impulse from the last step
   int attempts = 1;          // times the step was tried (threshold enlarged or step halved)
   double threshold = 0;   // largest distance within which contacts were looked for, beyond the dilations [m]
-  double min_gap = kInf;  // smallest gap at the end of the step [m]
+  double min_gap = kInf;  // smallest gap of the contacts found, at the start of the step [m]
   double min_base_distance = kInf;  // lower bound of the distance of the base complexes over the step [m]
   int certificate_rounds = 0;
   SolveReport solve{};

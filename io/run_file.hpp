@@ -64,7 +64,7 @@ struct RunStep {
   double h = 0;    // length of the step [s]
   int attempts = 0, contacts_found = 0, contacts_kept = 0, contacts_matched = 0, certificate_rounds = 0;
   double threshold = 0;             // within which contacts were looked for [m]
-  double min_gap = kInf;            // at the end of the step [m]
+  double min_gap = kInf;            // of the contacts found, at the start of the step [m]
   double min_base_distance = kInf;  // lower bound over the step [m]
 
   int solver_status = 0;  // 0 converged, 1 stagnated, 2 max_iterations, 3 not finite

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// The peer for one number: FCL's smallest distance of two triangle meshes (OBBRSS trees, double).
+#pragma once
+
+#include <memory>
+
+#include "geometry/simplicial_complex.hpp"
+
+namespace aussois {
+
+class FclPair {
+ public:
+  FclPair(const SimplicialComplex& a, const SimplicialComplex& b);
+  ~FclPair();
+  double distance(const SE3& g_a, const SE3& g_b) const;  // [m]; <= 0 if they touch
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace aussois

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// Conservative advancement: which pairs can touch within a step, did the step keep its word, and is it proven
+// that the base complexes stayed apart? (CA-4) to (CA-6)
+#pragma once
+
+#include <string>
+
+#include "lmd/find_contacts.hpp"
+#include "mechanics/state.hpp"
+
+namespace aussois {
+
+/// Contacts are looked for within a bound of the step's displacement, and a step is accepted only if it kept
+/// within the bound and the base complexes provably kept apart.
+struct AdvancementOptions {
+  bool certify = true;        // false: no proof, no refusal for overlap (for comparison only)
+  double enlargement = 1.25;  // beta: the estimate of the speeds is enlarged by this [-], in [1, 4]
+  double floor = 0.1;         // smallest search distance, of the sum of the dilations [-], in (0, 1]
+  double max_overlap =
+      0.04;  // dilated shapes may overlap by this part of the sum of the dilations [-], in [0, 0.99]
+  double min_h = 1e-7;    // a step that needs less is refused [s], > 0
+  double growth = 1.5;    // of the step after an accepted one [-], in [1, 4]
+  int max_attempts = 60;  // >= 1
+};
+void validate(const AdvancementOptions& options);  // throws std::invalid_argument: field, value, bound
+
+/// Two bodies with shapes, at least one of them dynamic, that can touch in a step.
+struct StepPair {
+  int a = 0, b = 0;
+  double dilation = 0;   // sum of the two [m]
+  double threshold = 0;  // contacts are looked for up to this gap [m]
+  double rotation = 0;   // bound of the relative rotation [rad]
+};
+
+/// A step that is tried: all six velocities of every body of the model, constant on the path of the step, and
+/// its length.
+struct StepMotion {
+  const Model& model;
+  const State& state;
+  const VecX& v;
+  double h = 0;
+};
+
+/// Radius of each body's base complex about its centre of mass [m]; 0 without a shape.
+std::vector<double> body_radii(const Model& model);
+
+/// Pairs whose shapes come nearer than the sum of their `reach` [m], one per body; thresholds are left at 0.
+std::vector<StepPair> pairs_within(const Model& model, const State& state, const std::vector<double>& reach);
+
+/// Pairs that can touch if the bodies move at most as in `estimate`, enlarged; with thresholds (CA-4).
+std::vector<StepPair> step_pairs(const StepMotion& estimate, const std::vector<double>& radii,
+                                 const AdvancementOptions& options);
+
+/// Contacts of the pairs within their thresholds, cones enlarged by their rotations; sorted by pair.
+ContactSet contacts_of(const Model& model, const State& state, const std::vector<StepPair>& pairs,
+                       const LmdOptions& options);
+
+/// Empty if the step kept the bounds that its contacts were found within (CA-5), otherwise what broke them.
+std::string broken_bound(const StepMotion& step, const StepMotion& estimate,
+                         const std::vector<StepPair>& pairs, const std::vector<double>& radii, double alpha,
+                         const AdvancementOptions& options);
+
+struct StepCertificate {
+  double min_distance = kInf;  // of the base complexes, a lower bound over the step [m]
+  long rounds = 0;
+  std::string failure{};  // empty: certified
+};
+/// Do all pairs keep their distance along the whole path? (CA-6)
+StepCertificate certify_step(const StepMotion& step, const std::vector<StepPair>& pairs,
+                             const AdvancementOptions& options, int threads);
+
+/// Smallest distance of the base complexes of bodies that can touch [m], or `cutoff`.
+double min_base_distance(const Model& model, const State& state, double cutoff, int threads);
+
+}  // namespace aussois

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "integrators/reduced_solve.hpp"
+
+namespace aussois {
+namespace {
+
+// Of each cluster the row that is left out and closes most beyond what is allowed; none: empty.
+std::vector<int> rows_to_add(const std::vector<ContactRow>& rows, const std::vector<char>& in,
+                             const Selection& selection, const DofMap& dofs, const VecX& v,
+                             const std::vector<double>& allowed_speed) {
+  std::vector<int> worst(std::size_t(selection.cluster_count), -1);
+  std::vector<double> excess(worst.size(), 0);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (in[i] || !rows[i].active) continue;
+    const auto cluster = std::size_t(selection.cluster[i]);
+    const double closing = -relative_velocity(rows[i], dofs, v).x() - allowed_speed[i];
+    if (closing > excess[cluster]) excess[cluster] = closing, worst[cluster] = int(i);
+  }
+  std::erase(worst, -1);
+  return worst;
+}
+
+void add_up(SolveReport& total, const SolveReport& round) {
+  total.iterations += round.iterations;
+  total.newton_iterations += round.newton_iterations;
+  total.local_failures += round.local_failures;
+  total.local_fail_safes += round.local_fail_safes;
+  total.status = round.status;
+  total.residual = round.residual;
+  total.finished_by_newton = round.finished_by_newton;
+}
+
+}  // namespace
+
+ReducedSolution solve_reduced(const FreeMotion& free, const DofMap& dofs, const std::vector<ContactRow>& rows,
+                              const Selection& selection, const std::vector<Vec3>& warm,
+                              const std::vector<double>& allowed_speed, const NsgsOptions& options) {
+  ReducedSolution out;
+  SolveReport total;
+  std::vector<char> in(rows.size(), 0);
+  for (int i : selection.kept) in[std::size_t(i)] = rows[std::size_t(i)].active;
+  std::vector<Vec3> r(rows.size(), Vec3::Zero());
+  for (std::size_t i = 0; i < rows.size(); ++i) r[i] = rows[i].frame.transpose() * warm[i];
+  for (;;) {
+    out.kept.clear();
+    for (int i = 0; i < int(rows.size()); ++i)
+      if (in[std::size_t(i)]) out.kept.push_back(i);
+    VecX start(3 * Eigen::Index(out.kept.size()));
+    for (std::size_t k = 0; k < out.kept.size(); ++k)
+      start.segment<3>(3 * Eigen::Index(k)) = r[std::size_t(out.kept[k])];
+    out.problem = contact_problem(free, dofs, rows, out.kept);
+    out.solution = solve_nsgs(out.problem, start, options);
+    add_up(total, out.solution.report);
+    if (!out.solution.v.allFinite()) break;
+    for (std::size_t k = 0; k < out.kept.size(); ++k)
+      r[std::size_t(out.kept[k])] = out.solution.r.segment<3>(3 * Eigen::Index(k));
+    const std::vector<int> more = rows_to_add(rows, in, selection, dofs, out.solution.v, allowed_speed);
+    if (more.empty()) break;
+    for (int i : more) in[std::size_t(i)] = 1;
+  }
+  out.solution.report = total;
+  return out;
+}
+
+}  // namespace aussois

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// The problem of the kept contacts, grown until it satisfies all contacts that were found (decision record
+// 0007).
+#pragma once
+
+#include "integrators/contact_problem.hpp"
+#include "nsgs/nsgs.hpp"
+#include "reduction/reduce.hpp"
+
+namespace aussois {
+
+struct ReducedSolution {
+  std::vector<int> kept{};  // rows in the problem, ascending
+  FrictionProblem problem{};
+  FrictionSolution solution{};  // its report sums up the rounds
+};
+
+/// `warm[i]` is the impulse on A that row i starts with, world [N s]; a row that was left out re-enters when
+/// it closes faster than `allowed_speed[i]` [m/s], the worst of each cluster per round.
+ReducedSolution solve_reduced(const FreeMotion& free, const DofMap& dofs, const std::vector<ContactRow>& rows,
+                              const Selection& selection, const std::vector<Vec3>& warm,
+                              const std::vector<double>& allowed_speed, const NsgsOptions& options);
+
+}  // namespace aussois
