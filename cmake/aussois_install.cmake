@@ -7,7 +7,6 @@ include(CMakePackageConfigHelpers)
 set(AUSSOIS_PACKAGE_TBB TBB tbb libtbb-dev)
 set(AUSSOIS_PACKAGE_hdf5 HDF5 hdf5 libhdf5-dev)
 set(AUSSOIS_PACKAGE_ZLIB ZLIB zlib zlib1g-dev)
-set(AUSSOIS_PACKAGE_fmt fmt fmt libfmt-dev)
 
 get_property(libraries GLOBAL PROPERTY AUSSOIS_LIBRARIES)
 set(AUSSOIS_FIND "")      # find_package names

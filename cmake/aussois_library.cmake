@@ -18,7 +18,8 @@ function(aussois_library name)
     string(REGEX REPLACE "::.*" "" package ${library})
     if(package IN_LIST AUSSOIS_HEADER_ONLY)
       target_link_libraries(aussois_${name} PRIVATE $<BUILD_INTERFACE:${library}>)
-      if(package STREQUAL "CGAL")   # its headers call these two
+      if(package STREQUAL "CGAL")   # no GPL parts of it (doc/decisions/0008); its headers call these two libraries
+        target_compile_definitions(aussois_${name} PRIVATE CGAL_LICENSE_ERROR)
         target_link_libraries(aussois_${name} PRIVATE $<INSTALL_INTERFACE:gmp> $<INSTALL_INTERFACE:mpfr>)
       endif()
     else()

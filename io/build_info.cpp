@@ -29,7 +29,7 @@ std::string build_info() {
          dotted(EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION) + "; HDF5 " +
          dotted(H5_VERS_MAJOR, H5_VERS_MINOR, H5_VERS_RELEASE) +
          "; CGAL " CGAL_VERSION_STR "; zlib " ZLIB_VERSION
-         "; licence of this binary: " AUSSOIS_BINARY_LICENCE;
+         "; licence of this binary: Apache-2.0, with LGPL-3.0-or-later parts of CGAL";
 }
 
 }  // namespace aussois

@@ -7,6 +7,7 @@
 
 #include "geometry/check.hpp"
 #include "geometry/mesh_report.hpp"
+#include "io/atomic_file.hpp"
 #include "io/mesh_formats.hpp"
 #include "io/text.hpp"
 
@@ -153,7 +154,7 @@ void write_obj(const std::filesystem::path& path, const MeshFile& mesh, double s
   for (const auto& triangle : mesh.triangles) append_indices("f", triangle);
   for (const auto& wire : mesh.wires) append_indices("l", wire);
   for (const int point : mesh.points) append_indices("p", std::span(&point, 1));
-  write_file(path, text);
+  write_whole_file(path, text);
 }
 
 }  // namespace aussois

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "geometry/check.hpp"
+#include "io/atomic_file.hpp"
 #include "io/text.hpp"
 
 namespace aussois {
@@ -132,7 +133,7 @@ void write_poses(const std::filesystem::path& path, const PoseFile& poses, doubl
     for (const double part : {g.R.w(), g.R.x(), g.R.y(), g.R.z()}) append_number(text += ',', part);
     text += '\n';
   }
-  write_file(path, text);
+  write_whole_file(path, text);
 }
 
 }  // namespace aussois

@@ -8,7 +8,6 @@
 #include <fstream>
 #include <stdexcept>
 #include <system_error>
-#include <unistd.h>
 #include <utility>
 
 namespace aussois {
@@ -41,22 +40,6 @@ std::string read_file(const std::filesystem::path& path) {
   if (file.bad()) throw std::runtime_error(path.string() + ": cannot be read");
   if (content.empty()) throw std::runtime_error(path.string() + ": is empty");
   return content;
-}
-
-void write_file(const std::filesystem::path& path, std::string_view content) {
-  std::filesystem::path temporary = path;
-  temporary += ".tmp";
-  std::ofstream file(temporary, std::ios::binary);
-  file.write(content.data(), std::streamsize(content.size()));
-  file.close();
-  std::error_code error;
-  if (file) std::filesystem::rename(temporary, path, error);
-  if (file && !error) return;
-  std::error_code ignored;
-  std::filesystem::remove(temporary, ignored);
-  std::string message = path.string() + ": cannot be written";
-  if (error) message.append(" (").append(error.message()).append(")");
-  throw std::runtime_error(message);
 }
 
 void append_number(std::string& text, double value) {

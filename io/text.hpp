@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files in and out: whole files read at once, tokens that know their line, files that appear only when
-// complete. Every complaint about a file is a std::runtime_error "path:line: what, value, bound".
+// Text in and out: whole files read at once, tokens that know their line, numbers that read back. Every complaint
+// about a file is a std::runtime_error "path:line: what, value, bound".
 #pragma once
 
 #include <cstdint>
@@ -13,10 +13,6 @@ namespace aussois {
 
 /// The bytes of a file. Throws std::runtime_error if it is missing, a directory, empty or not readable.
 std::string read_file(const std::filesystem::path& path);
-
-/// Writes `content` beside `path` under a temporary name and renames it, so that `path` is never half
-/// written. Throws std::runtime_error (and leaves no temporary file) if that fails.
-void write_file(const std::filesystem::path& path, std::string_view content);
 
 /// Appends the shortest decimal form that reads back as the same double, whatever the locale.
 void append_number(std::string& text, double value);

@@ -138,7 +138,23 @@ def links(root):
     return bad
 
 
-RULES = {rule.__name__: rule for rule in (includes, public_headers, listed, equations, licence, links)}
+def pages(root):
+    """Every page below doc can be found from doc/index.md."""
+    index = (root / "doc/index.md").read_text(encoding="utf-8")
+    return [f"{path.relative_to(root)}:1: doc/index.md has no link to it" for path in files(root / "doc", ".md")
+            if path.name != "index.md" and f"({path.relative_to(root / 'doc').as_posix()})" not in index]
+
+
+def references(root):
+    """Every work cited by its key, such as [Acary2008] or [Acary2008, ch. 10], stands in doc/references.bib."""
+    bibliography = (root / "doc/references.bib").read_text(encoding="utf-8")
+    known = set(re.findall(r"^@\w+\{(\w+),", bibliography, re.MULTILINE))
+    cited = lines(root, files(root, ".md", ".hpp", ".cpp"), r"\[([A-Z]\w+(?:19|20)\d\d[a-z]?)(?:, [^\]]*)?\]")
+    return [f"{place}: {match[1]} does not stand in doc/references.bib" for place, match in cited if match[1] not in known]
+
+
+RULES = {rule.__name__: rule for rule in (includes, public_headers, listed, equations, licence, links, pages,
+                                      references)}
 
 
 def main():

@@ -77,6 +77,19 @@ class House(unittest.TestCase):
         self.assertEqual(self.offences(house.links, tree),
                          ["doc/a.md:3: b.md does not exist", "doc/a.md:4: a.md has no heading #nowhere"])
 
+    def test_every_page_is_found_from_the_index(self):
+        tree = {"doc/index.md": "[a](theory/a.md)\n", "doc/theory/a.md": "", "README.md": ""}
+        self.assertEqual(self.offences(house.pages, tree), [])
+        tree["doc/theory/b.md"] = ""
+        self.assertEqual(self.offences(house.pages, tree), ["doc/theory/b.md:1: doc/index.md has no link to it"])
+
+    def test_cited_works_stand_in_the_bibliography(self):
+        tree = {"doc/references.bib": "@book{Acary2008, title = {x}}\n",
+                "doc/a.md": "[Acary2008] [Acary2008, ch. 10] [Moreau1988a]\n", "nsgs/a.hpp": "// x[i], [Jean1999]\n"}
+        self.assertEqual(self.offences(house.references, tree),
+                         ["doc/a.md:1: Moreau1988a does not stand in doc/references.bib",
+                          "nsgs/a.hpp:1: Jean1999 does not stand in doc/references.bib"])
+
 
 if __name__ == "__main__":
     unittest.main()

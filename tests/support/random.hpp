@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Random numbers that are the same everywhere: a seeded engine and our own maps (standard distributions
-// differ).
+// differ between libraries). Tests print the seed.
 #pragma once
 
+#include <cmath>
+#include <cstdint>
 #include <random>
 
 #include "geometry/se3.hpp"
@@ -12,8 +14,10 @@ namespace aussois {
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}
-  double uniform(double lo = 0, double hi = 1) { return lo + (hi - lo) * double(engine_() >> 11) * 0x1p-53; }
-  int index(int n) { return int(engine_() % std::uint64_t(n)); }
+  std::uint64_t bits() { return engine_(); }
+  double uniform(double lo = 0, double hi = 1) { return lo + (hi - lo) * double(bits() >> 11) * 0x1p-53; }
+  double log_uniform(double lo, double hi) { return std::exp(uniform(std::log(lo), std::log(hi))); }  // lo > 0
+  int index(int n) { return int(bits() % std::uint64_t(n)); }
   Vec3 vector(double half = 1) {
     const double x = uniform(-half, half), y = uniform(-half, half), z = uniform(-half, half);
     return {x, y, z};

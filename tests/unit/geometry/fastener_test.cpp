@@ -9,6 +9,8 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/message_of.hpp"
+
 #ifdef AUSSOIS_WITH_GPL
 #include <CGAL/Polygon_mesh_processing/orientation.h>
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
@@ -327,14 +329,7 @@ TEST(Fastener, DoesNotIntersectItself) {
 #endif
 
 TEST(Fastener, NamesTheOptionThatIsWrong) {
-  const auto message = [](const FastenerOptions& options) -> std::string {
-    try {
-      make_nut(options);
-    } catch (const std::invalid_argument& error) {
-      return error.what();
-    }
-    return "";
-  };
+  const auto message = [](const FastenerOptions& options) { return message_of([&] { make_nut(options); }); };
   EXPECT_EQ(message({.diameter = -1}), "diameter = -1 must be finite and > 0 [m]");
   EXPECT_EQ(message({.diameter = 1, .pitch = 0.5}), "pitch = 0.5 must lie in (0, diameter / 4] [m]");
   EXPECT_EQ(message({.clearance = 0}), "clearance = 0 must lie in (0, pitch / 4] [m]");

@@ -1,27 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "geometry/mass_properties.hpp"
 
-#include <random>
-
 #include <gtest/gtest.h>
 
 #include "geometry/convex_hull.hpp"
 #include "geometry/primitives.hpp"
+#include "tests/support/random.hpp"
 
 namespace aussois {
 namespace {
 
 // Rounding of a sum of n terms of the size of the result; 100 is generous for meshes of some 10^3 triangles.
 constexpr double kRounding = 100 * std::numeric_limits<double>::epsilon();
-
-double uniform(std::mt19937_64& random, double lo, double hi) {
-  return lo + (hi - lo) * (double(random() >> 11) * 0x1p-53);
-}
-
-Vec3 random_point(std::mt19937_64& random) {
-  const double x = uniform(random, -1, 1), y = uniform(random, -1, 1);
-  return {x, y, uniform(random, -1, 1)};
-}
 
 SimplicialComplex flipped(const SimplicialComplex& complex) {
   auto triangles = complex.triangles;
@@ -158,12 +148,12 @@ class ConvexHull : public ::testing::TestWithParam<unsigned> {};
 
 // Brute force: a closed oriented surface that no point lies outside of is the hull.
 TEST_P(ConvexHull, OfAnyPointsIsClosedAndNoPointIsOutside) {
-  std::mt19937_64 random(GetParam());
+  Random random(GetParam());
   SCOPED_TRACE("seed " + std::to_string(GetParam()));
   const int kind = int(GetParam() % 4);
   std::vector<Vec3> points;
   for (int i = 0; i < 4 + int(GetParam()); ++i) {
-    Vec3 x = random_point(random);
+    Vec3 x = random.vector();
     if (kind == 1) x.normalize();                // all on the hull
     if (kind == 2) x = (2 * x).array().round();  // few places: many equal, collinear, coplanar
     if (kind == 3) x.z() *= 1e-15;               // flat to rounding

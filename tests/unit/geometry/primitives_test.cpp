@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/message_of.hpp"
+
 namespace aussois {
 namespace {
 
@@ -105,16 +107,6 @@ TEST(Primitives, PointSegmentAndPolylineAreComplexesWithoutTriangles) {
       {0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 0}};  // may come back to an old place
   EXPECT_EQ(make_polyline(points).vertices, points);
   EXPECT_EQ(make_polyline(points).edges, (std::vector<std::array<int, 2>>{{0, 1}, {1, 2}, {2, 3}}));
-}
-
-template <class Make>
-std::string message_of(Make make) {
-  try {
-    make();
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
 }
 
 TEST(Primitives, NameTheArgumentThatIsWrong) {

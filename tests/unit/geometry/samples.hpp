@@ -1,30 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Seeded random vectors and the angles at which rotations are delicate.
+// The angles at which rotations are delicate.
 #pragma once
 
-#include <random>
 #include <vector>
 
-#include "geometry/types.hpp"
+#include "tests/support/random.hpp"
 
 namespace aussois {
-
-/// Uniform in [lo, hi), the same on every platform.
-inline double uniform(std::mt19937_64& random, double lo, double hi) {
-  return lo + (hi - lo) * (double(random() >> 11) / 9007199254740992.0);
-}
-
-inline Vec3 random_vector(std::mt19937_64& random, double size) {
-  return {uniform(random, -size, size), uniform(random, -size, size), uniform(random, -size, size)};
-}
-
-inline Vec3 random_direction(std::mt19937_64& random) {
-  Vec3 x;
-  do {
-    x = random_vector(random, 1);
-  } while (x.norm() > 1 || x.norm() < 0.1);
-  return x.normalized();
-}
 
 /// Zero, tiny, around the switch of the logarithm (2e-4) and of the Stumpff functions (1 and 2), ordinary,
 /// near pi.

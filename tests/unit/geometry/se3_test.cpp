@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/message_of.hpp"
 #include "tests/unit/geometry/samples.hpp"
 
 namespace aussois {
@@ -18,24 +19,24 @@ constexpr double kStep =
 // f(twist) for translations up to 2 m with the delicate angles, 10 each.
 template <class F>
 void for_each_twist(F f) {
-  std::mt19937_64 random(kSeed);
+  Random random(kSeed);
   for (const double angle : kAngles) {
     for (int i = 0; i < 10; ++i) {
       Vec6 twist;
-      twist << random_vector(random, 2), angle * random_direction(random);
+      twist << random.vector(2), angle * random.direction();
       SCOPED_TRACE(::testing::Message() << "seed " << kSeed << ", angle " << angle << ", sample " << i);
       f(twist, random);
     }
   }
 }
 
-SE3 random_pose(std::mt19937_64& random) {
-  return {exp_so3(random_vector(random, 1.8)), random_vector(random, 2)};
+SE3 random_pose(Random& random) {
+  return {exp_so3(random.vector(1.8)), random.vector(2)};
 }
 
-Vec6 random_twist(std::mt19937_64& random) {
+Vec6 random_twist(Random& random) {
   Vec6 twist;
-  twist << random_vector(random, 1), random_vector(random, 1);
+  twist << random.vector(1), random.vector(1);
   return twist;
 }
 
@@ -63,10 +64,10 @@ double distance(const SE3& a, const SE3& b) {
 }
 
 TEST(SE3, ProductAndInverseAreThoseOfMatrices) {
-  std::mt19937_64 random(kSeed);
+  Random random(kSeed);
   for (int i = 0; i < 200; ++i) {
     const SE3 a = random_pose(random), b = random_pose(random), c = random_pose(random);
-    const Vec3 x = random_vector(random, 1);
+    const Vec3 x = random.vector(1);
     EXPECT_LT((matrix(a * b) - matrix(a) * matrix(b)).norm(), 1e-14) << "seed " << kSeed;
     EXPECT_LT(distance((a * b) * c, a * (b * c)), 1e-14) << "seed " << kSeed;
     EXPECT_LT(distance(a * inverse(a), SE3{}), 1e-14) << "seed " << kSeed;
@@ -103,7 +104,7 @@ TEST(SE3, LogarithmUndoesTheExponential) {
 }
 
 TEST(SE3, AdjointCarriesTwistsThroughAPose) {
-  std::mt19937_64 random(kSeed);
+  Random random(kSeed);
   for (int i = 0; i < 200; ++i) {
     const SE3 g = random_pose(random);
     const Vec6 twist = random_twist(random);
@@ -150,23 +151,15 @@ TEST(SE3, TranslationMovesWithoutTurning) {
   EXPECT_EQ(translation(1, 2, 3) * Vec3(10, 20, 30), Vec3(11, 22, 33));
 }
 
-std::string message_of_checked_pose(const SE3& g) {
-  try {
-    checked_pose(g, "pose 7");
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
-}
-
 TEST(SE3, CheckedPoseNormalisesAndNamesWhatIsWrong) {
+  const auto refusal = [](const SE3& g) { return message_of([&] { checked_pose(g, "pose 7"); }); };
   const SE3 almost{Quat(1 + 5e-7, 0, 0, 0), {1, 2, 3}};
   EXPECT_NEAR(checked_pose(almost, "pose").R.norm(), 1, 1e-16);
   EXPECT_EQ(checked_pose(almost, "pose").p, almost.p);
-  EXPECT_EQ(message_of_checked_pose({Quat(1.25, 0, 0, 0), Vec3::Zero()}),
+  EXPECT_EQ(refusal({Quat(1.25, 0, 0, 0), Vec3::Zero()}),
             "|pose 7.R| = 1.25 must be 1 within 1e-6");
-  EXPECT_NE(message_of_checked_pose({Quat(std::nan(""), 0, 0, 0), Vec3::Zero()}), "");
-  EXPECT_NE(message_of_checked_pose({Quat::Identity(), {0, kInf, 0}}).find("pose 7.p = 0 inf 0 must"),
+  EXPECT_NE(refusal({Quat(std::nan(""), 0, 0, 0), Vec3::Zero()}), "");
+  EXPECT_NE(refusal({Quat::Identity(), {0, kInf, 0}}).find("pose 7.p = 0 inf 0 must"),
             std::string::npos);
 }
 

@@ -10,7 +10,8 @@
 
 #include "geometry/dilated_shape.hpp"
 #include "geometry/primitives.hpp"
-#include "tests/unit/geometry/samples.hpp"
+#include "tests/support/message_of.hpp"
+#include "tests/support/random.hpp"
 
 namespace aussois {
 namespace {
@@ -25,14 +26,9 @@ std::vector<int> items(const Incidence& incidence, int row) {
   return {incidence[row].begin(), incidence[row].end()};
 }
 
-std::string message_of(std::vector<Vec3> vertices, std::vector<Triangle> triangles,
-                       std::vector<Edge> wires = {}, bool solid = false) {
-  try {
-    make_complex(std::move(vertices), std::move(triangles), std::move(wires), solid);
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
+std::string refusal(std::vector<Vec3> vertices, std::vector<Triangle> triangles,
+                    std::vector<Edge> wires = {}, bool solid = false) {
+  return message_of([&] { make_complex(vertices, triangles, wires, solid); });
 }
 
 TEST(SimplicialComplex, OfATetrahedronListsItsSimplicesInOrder) {
@@ -70,11 +66,11 @@ TEST(SimplicialComplex, MayBeEmptyOrASinglePointButIsThenNotClosed) {
 TEST(SimplicialComplex, IncidencesAreThoseOfTheDefinition) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
-    std::mt19937_64 random(seed);
-    const int n = 4 + int(random() % 12);
+    Random random(seed);
+    const int n = 4 + random.index(12);
     std::vector<Vec3> vertices;
-    for (int i = 0; i < n; ++i) vertices.push_back(random_vector(random, 1));
-    const auto pick = [&] { return int(random() % unsigned(n)); };
+    for (int i = 0; i < n; ++i) vertices.push_back(random.vector(1));
+    const auto pick = [&] { return random.index(n); };
     std::vector<Triangle> triangles;
     std::vector<Edge> wires;
     for (int i = 0; i < 2 * n; ++i) {
@@ -122,8 +118,8 @@ TEST(SimplicialComplex, IncidencesAreThoseOfTheDefinition) {
 TEST(SimplicialComplex, EdgesDoNotDependOnTheOrderOfTheTriangles) {
   const SimplicialComplex torus = make_torus(1, 0.3, 12, 9);
   std::vector<Triangle> shuffled = torus.triangles;
-  std::mt19937_64 random(5);
-  for (std::size_t i = shuffled.size() - 1; i > 0; --i) std::swap(shuffled[i], shuffled[random() % (i + 1)]);
+  Random random(5);
+  for (std::size_t i = shuffled.size() - 1; i > 0; --i) std::swap(shuffled[i], shuffled[random.bits() % (i + 1)]);
   ASSERT_NE(shuffled, torus.triangles);
   const SimplicialComplex again = make_complex(torus.vertices, shuffled, {}, true);
   EXPECT_EQ(again.edges, torus.edges);
@@ -138,35 +134,35 @@ TEST(SimplicialComplex, OfMoreThanAHundredThousandTrianglesIsBuilt) {  // 0.04 s
 }
 
 TEST(SimplicialComplex, NamesTheFirstBadSimplex) {
-  EXPECT_EQ(message_of(kCorners, {{0, 1, 2}, {0, 1, 4}}), "triangle 1: vertex index = 4 must lie in [0, 4)");
-  EXPECT_EQ(message_of(kCorners, {{0, -1, 2}}), "triangle 0: vertex index = -1 must lie in [0, 4)");
-  EXPECT_EQ(message_of(kCorners, {{0, 1, 0}}), "triangle 0 repeats vertex 0");
-  EXPECT_EQ(message_of(kCorners, {{0, 1, 1}}), "triangle 0 repeats vertex 1");
-  EXPECT_EQ(message_of(kCorners, {}, {{0, 1}, {2, 2}}), "wire 1 repeats vertex 2");
-  EXPECT_EQ(message_of(kCorners, {}, {{0, 9}}), "wire 0: vertex index = 9 must lie in [0, 4)");
-  EXPECT_EQ(message_of({{0, 0, 0}, {0, kInf, 1}}, {}), "vertex 1 = (0 inf 1) must be finite");
-  EXPECT_NE(message_of({{std::nan(""), 0, 0}}, {}), "");
+  EXPECT_EQ(refusal(kCorners, {{0, 1, 2}, {0, 1, 4}}), "triangle 1: vertex index = 4 must lie in [0, 4)");
+  EXPECT_EQ(refusal(kCorners, {{0, -1, 2}}), "triangle 0: vertex index = -1 must lie in [0, 4)");
+  EXPECT_EQ(refusal(kCorners, {{0, 1, 0}}), "triangle 0 repeats vertex 0");
+  EXPECT_EQ(refusal(kCorners, {{0, 1, 1}}), "triangle 0 repeats vertex 1");
+  EXPECT_EQ(refusal(kCorners, {}, {{0, 1}, {2, 2}}), "wire 1 repeats vertex 2");
+  EXPECT_EQ(refusal(kCorners, {}, {{0, 9}}), "wire 0: vertex index = 9 must lie in [0, 4)");
+  EXPECT_EQ(refusal({{0, 0, 0}, {0, kInf, 1}}, {}), "vertex 1 = (0 inf 1) must be finite");
+  EXPECT_NE(refusal({{std::nan(""), 0, 0}}, {}), "");
 }
 
 TEST(SimplicialComplex, TakesTheWordSolidOnlyFromClosedSurfacesFacingOutwards) {
   std::vector<Triangle> open = kTetrahedron;
   open.pop_back();
-  EXPECT_NE(message_of(kCorners, open, {}, true).find("3 of 6 edges"), std::string::npos);
+  EXPECT_NE(refusal(kCorners, open, {}, true).find("3 of 6 edges"), std::string::npos);
   std::vector<Triangle> twisted = kTetrahedron;
   std::swap(twisted[0][0], twisted[0][1]);
-  EXPECT_NE(message_of(kCorners, twisted, {}, true).find("3 of 6 edges"), std::string::npos);
+  EXPECT_NE(refusal(kCorners, twisted, {}, true).find("3 of 6 edges"), std::string::npos);
   std::vector<Triangle> tripled = kTetrahedron;
   tripled.push_back(tripled[0]);
-  EXPECT_NE(message_of(kCorners, tripled, {}, true).find("3 of 6 edges"), std::string::npos);
+  EXPECT_NE(refusal(kCorners, tripled, {}, true).find("3 of 6 edges"), std::string::npos);
   std::vector<Vec3> with_antenna = kCorners;
   with_antenna.push_back({0, 0, 2});
-  EXPECT_NE(message_of(with_antenna, kTetrahedron, {{3, 4}}, true).find("1 of 7 edges"), std::string::npos);
+  EXPECT_NE(refusal(with_antenna, kTetrahedron, {{3, 4}}, true).find("1 of 7 edges"), std::string::npos);
   std::vector<Triangle> inside_out = kTetrahedron;
   for (Triangle& t : inside_out) std::swap(t[0], t[1]);
-  EXPECT_NE(message_of(kCorners, inside_out, {}, true).find("face inwards"), std::string::npos);
-  EXPECT_NE(message_of(kCorners, {}, {}, true), "");
-  EXPECT_EQ(message_of(kCorners, open), "");
-  EXPECT_EQ(message_of(kCorners, inside_out), "");
+  EXPECT_NE(refusal(kCorners, inside_out, {}, true).find("face inwards"), std::string::npos);
+  EXPECT_NE(refusal(kCorners, {}, {}, true), "");
+  EXPECT_EQ(refusal(kCorners, open), "");
+  EXPECT_EQ(refusal(kCorners, inside_out), "");
 }
 
 TEST(SimplicialComplex, VolumeDoesNotSufferFarFromTheOrigin) {

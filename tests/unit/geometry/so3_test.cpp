@@ -17,10 +17,10 @@ constexpr double kStep =
 // f(phi) for the delicate angles about 20 random axes each.
 template <class F>
 void for_each_rotation_vector(F f) {
-  std::mt19937_64 random(kSeed);
+  Random random(kSeed);
   for (const double angle : kAngles) {
     for (int i = 0; i < 20; ++i) {
-      const Vec3 phi = angle * random_direction(random);
+      const Vec3 phi = angle * random.direction();
       SCOPED_TRACE(::testing::Message() << "seed " << kSeed << ", angle " << angle << ", sample " << i);
       f(phi, random);
     }
@@ -78,7 +78,7 @@ TEST(SO3, ExponentialIsThatOfTheSkewMatrix) {
 
 TEST(SO3, RotationsAboutOneAxisAdd) {
   for_each_rotation_vector([](const Vec3& phi, auto& random) {
-    const double a = uniform(random, -1, 1), b = uniform(random, -1, 1);
+    const double a = random.uniform(-1, 1), b = random.uniform(-1, 1);
     const Quat ab = exp_so3(a * phi) * exp_so3(b * phi);
     EXPECT_LT((ab.coeffs() - exp_so3((a + b) * phi).coeffs()).norm(), 1e-15);
   });
@@ -90,10 +90,10 @@ TEST(SO3, LogarithmUndoesTheExponential) {
 }
 
 TEST(SO3, ExponentialUndoesTheLogarithmOfAnyQuaternion) {
-  std::mt19937_64 random(kSeed);
+  Random random(kSeed);
   int beyond_half_a_turn = 0;
   for (int i = 0; i < 200; ++i) {
-    Quat R(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1));
+    Quat R(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
     R.normalize();
     beyond_half_a_turn += R.w() < 0;
     const Vec3 phi = log_so3(R);
@@ -122,7 +122,7 @@ TEST(SO3, LogarithmOfHalfATurnHasItsFirstNonzeroEntryPositive) {
 
 TEST(SO3, DifferentialsAgreeWithCentralDifferences) {
   for_each_rotation_vector([](const Vec3& phi, auto& random) {
-    const Vec3 direction = random_direction(random);
+    const Vec3 direction = random.direction();
     const Quat ahead = exp_so3(phi + kStep * direction), behind = exp_so3(phi - kStep * direction);
     EXPECT_LT((dexp_left(phi) * direction - log_so3(ahead * behind.conjugate()) / (2 * kStep)).norm(), 1e-10);
     EXPECT_LT((dexp_right(phi) * direction - log_so3(behind.conjugate() * ahead) / (2 * kStep)).norm(),
@@ -150,7 +150,7 @@ TEST(SO3, InverseDifferentialsAreInverses) {
 
 TEST(SO3, AngleBetweenSeesTheSmallestAngles) {
   for_each_rotation_vector([](const Vec3& phi, auto& random) {
-    const Quat a = exp_so3(random_vector(random, 3));
+    const Quat a = exp_so3(random.vector(3));
     const double rounding = 1e-15;  // of the unit quaternions
     EXPECT_NEAR(angle_between(a, a * exp_so3(phi)), phi.norm(), rounding);
     EXPECT_NEAR(angle_between(a, Quat(Eigen::Vector4d(-(a * exp_so3(phi)).coeffs()))), phi.norm(), rounding);

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "io/atomic_file.hpp"
+#include "tests/support/random.hpp"
 #include "tests/unit/io/io_samples.hpp"
 
 namespace aussois {
@@ -26,10 +27,10 @@ TEST(CsvTable, IsThePlainTextOneExpects) {
 TEST(CsvTable, ReadsBackAsTheSameBits) {
   constexpr std::uint64_t seed = 20250101;
   SCOPED_TRACE("seed " + std::to_string(seed));
-  std::mt19937_64 random(seed);
+  Random random(seed);
   std::vector<double> values = {-0.0, 5e-324, 1.7976931348623157e308, 0.1};
   while (values.size() < 2000) {
-    const std::uint64_t bits = random();
+    const std::uint64_t bits = random.bits();
     double value;
     std::memcpy(&value, &bits, sizeof value);
     if (std::isfinite(value)) values.push_back(value);

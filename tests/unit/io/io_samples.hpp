@@ -1,48 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the tests of io write and read: a made-up run, whole files, a folder that is empty at the start.
+// What the tests of io write and read: a made-up run.
 #pragma once
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <string>
-
-#include <gtest/gtest.h>
 
 #include "io/run_file.hpp"
+#include "tests/support/files.hpp"
+#include "tests/support/message_of.hpp"
 
 namespace aussois {
-
-/// A folder of this test alone, below the folder in which the tests run; what it holds stays for the curious.
-inline std::filesystem::path fresh_folder() {
-  const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-  const std::filesystem::path folder =
-      std::filesystem::path("test_output") / test->test_suite_name() / test->name();
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
-  return folder;
-}
-
-inline std::string content_of(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-inline void write_bytes(const std::filesystem::path& path, const std::string& bytes) {
-  std::ofstream(path, std::ios::binary) << bytes;
-}
-
-/// What `f` throws as an Error, or "" if it does not.
-template <class Error, class F>
-std::string message_of(const F& f) {
-  try {
-    f();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
 
 /// A tube of `sides` around z between two radii; with inner = 0 a solid cylinder [m].
 inline RunMesh tube_mesh(double inner, double outer, double bottom, double top, int sides) {

@@ -9,7 +9,9 @@
 
 #include "geometry/mesh_report.hpp"
 #include "geometry/primitives.hpp"
-#include "tests/unit/io/temporary_folder.hpp"
+#include "tests/support/files.hpp"
+#include "tests/support/message_of.hpp"
+#include "tests/support/random.hpp"
 
 namespace aussois {
 namespace {
@@ -18,8 +20,8 @@ using Triangles = std::vector<std::array<int, 3>>;
 using Wires = std::vector<std::array<int, 2>>;
 
 MeshFile read_text(const std::string& name, const std::string& content, double scale = 1) {
-  const TemporaryFolder folder;
-  return read_mesh(folder.with(name, content), scale);
+  const auto folder = fresh_folder();
+  return read_mesh(write_bytes(folder / name, content), scale);
 }
 
 template <class T>
@@ -140,8 +142,8 @@ TEST(ReadMesh, ScalesCoordinates) {
 }
 
 TEST(ReadMesh, RefusesAScaleThatIsNone) {
-  const TemporaryFolder folder;
-  const auto path = folder.with("a.obj", "v 1e300 0 0\n");
+  const auto folder = fresh_folder();
+  const auto path = write_bytes(folder / "a.obj", "v 1e300 0 0\n");
   for (const double scale : {0.0, -1.0, std::nan(""), kInf})
     EXPECT_THROW(read_mesh(path, scale), std::invalid_argument);
   EXPECT_EQ(message_of<std::runtime_error>([&] { read_mesh(path, 1e10); }),
@@ -224,19 +226,19 @@ TEST(ReadOff, SkipsCommentsColoursAndNormals) {
 // -----------------------------------------------------------------------------------------------------------
 
 TEST(WriteObj, ReadsBackAsTheSameBits) {
-  std::mt19937_64 random(7);
+  Random random(7);
   MeshFile mesh;
   for (int i = 0; i < 300; ++i) {  // any finite doubles at all
     Vec3 x;
     for (int k = 0; k < 3; ++k) do
-        x[k] = std::bit_cast<double>(random());
+        x[k] = std::bit_cast<double>(random.bits());
       while (!std::isnormal(x[k]));
     mesh.vertices.push_back(x);
   }
   for (int i = 0; i + 2 < 200; ++i) mesh.triangles.push_back({i, i + 1, i + 2});
   for (int i = 200; i + 1 < 280; ++i) mesh.wires.push_back({i, i + 1});
   for (int i = 280; i < 300; ++i) mesh.points.push_back(i);
-  const TemporaryFolder folder;
+  const auto folder = fresh_folder();
   write_obj(folder / "a.obj", mesh, 1);
   const MeshFile back = read_mesh(folder / "a.obj", 1);
   EXPECT_EQ(back.vertices, mesh.vertices);
@@ -246,19 +248,19 @@ TEST(WriteObj, ReadsBackAsTheSameBits) {
 }
 
 TEST(WriteObj, LeavesNothingBehindButTheFile) {
-  const TemporaryFolder folder;
+  const auto folder = fresh_folder();
   MeshFile mesh;
   mesh.vertices = {Vec3(1e-3, 0, 0)};
   mesh.points = {0};
-  folder.with("a.obj", "old");
+  write_bytes(folder / "a.obj", "old");
   write_obj(folder / "a.obj", mesh, 1e-3);
   EXPECT_EQ(content_of(folder / "a.obj"), "v 1 0 0\np 1\n");
   EXPECT_THROW(write_obj(folder / "missing" / "a.obj", mesh, 1), std::runtime_error);
   std::filesystem::create_directory(folder / "taken.obj");
-  folder.with("taken.obj/file", "x");
+  write_bytes(folder / "taken.obj/file", "x");
   EXPECT_THROW(write_obj(folder / "taken.obj", mesh, 1), std::runtime_error);
   int entries = 0;
-  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder.path())) ++entries;
+  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder)) ++entries;
   EXPECT_EQ(entries, 2) << "a.obj and taken.obj, no temporary file";
 }
 
@@ -372,7 +374,7 @@ TEST(BrokenMeshes, AreAllInTheTable) {
 // Nothing but a message or a mesh may come out, whatever the bytes; a crash, a hang or a sanitizer would fail
 // here.
 TEST(ReadMesh, SurvivesFilesCutAnywhereAndChangedAnywhere) {
-  const TemporaryFolder folder;
+  const auto folder = fresh_folder();
   const SimplicialComplex box = make_box(1, 2, 3);
   MeshFile mesh;
   mesh.vertices = box.vertices;
@@ -385,16 +387,16 @@ TEST(ReadMesh, SurvivesFilesCutAnywhereAndChangedAnywhere) {
                                                         {"d.ply", ply("binary_little_endian", box)},
                                                         {"e.ply", ply("binary_big_endian", box)},
                                                         {"f.off", off}};
-  std::mt19937_64 random(11);
+  Random random(11);
   SCOPED_TRACE("seed 11");
   for (const auto& [name, whole] : wholes) {
     int refused = 0, accepted = 0;
     for (int trial = 0; trial < 200; ++trial) {
       std::string bytes = whole;
-      if (trial % 2) bytes.resize(1 + random() % (bytes.size() - 1));
+      if (trial % 2) bytes.resize(1 + random.bits() % (bytes.size() - 1));
       for (int change = 0; change < trial % 5; ++change)
-        bytes[random() % bytes.size()] = char(random() % 256);
-      const auto path = folder.with(name, bytes);
+        bytes[random.bits() % bytes.size()] = char(random.bits() % 256);
+      const auto path = write_bytes(folder / name, bytes);
       const bool bad =
           !message_of<std::runtime_error>([&] {
              const MeshFile read = read_mesh(path, 1);

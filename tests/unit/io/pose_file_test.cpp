@@ -5,14 +5,16 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/unit/io/temporary_folder.hpp"
+#include "tests/support/files.hpp"
+#include "tests/support/message_of.hpp"
+#include "tests/support/random.hpp"
 
 namespace aussois {
 namespace {
 
 PoseFile read_text(const std::string& content, double scale = 1) {
-  const TemporaryFolder folder;
-  return read_poses(folder.with("a.csv", content), scale);
+  const auto folder = fresh_folder();
+  return read_poses(write_bytes(folder / "a.csv", content), scale);
 }
 
 TEST(ReadPoses, FindsColumnsByNameInAnyOrder) {
@@ -54,19 +56,18 @@ TEST(ReadPoses, StayOnOneHemisphere) {
 }
 
 TEST(WritePoses, ReadBackAsTheSameRotationsAndBits) {
-  std::mt19937_64 random(3);
-  const auto uniform = [&] { return double(random() >> 11) * 0x1p-52 - 1; };
+  Random random(3);
   PoseFile poses;
   for (int i = 0; i < 100; ++i) {
     SE3 g;
-    for (int k = 0; k < 3; ++k) g.p[k] = uniform();
-    for (int k = 0; k < 4; ++k) g.R.coeffs()[k] = uniform();
+    for (int k = 0; k < 3; ++k) g.p[k] = random.uniform(-1, 1);
+    for (int k = 0; k < 4; ++k) g.R.coeffs()[k] = random.uniform(-1, 1);
     g.R.normalize();
     if (i > 0 && g.R.dot(poses.pose.back().R) < 0) g.R.coeffs() *= -1;
     poses.pose.push_back(g);
     poses.t.push_back(0.1 * i);
   }
-  const TemporaryFolder folder;
+  const auto folder = fresh_folder();
   write_poses(folder / "a.csv", poses, 1);
   const PoseFile back = read_poses(folder / "a.csv", 1);
   ASSERT_EQ(back.pose.size(), poses.pose.size());

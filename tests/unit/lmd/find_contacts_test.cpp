@@ -7,6 +7,7 @@
 #include "geometry/primitives.hpp"
 #include "lmd/certificate.hpp"
 #include "lmd/simplex_distance.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/random.hpp"
 
 namespace aussois {
@@ -243,12 +244,8 @@ TEST(Contacts, InAConcaveCornerAreOnBothWallsAndNotOnTheCrease) {
 }
 
 TEST(Contacts, OptionsOutOfRangeAreNamed) {
-  try {
-    validate(LmdOptions{.alpha = -0.1});
-    FAIL();
-  } catch (const std::invalid_argument& e) {
-    EXPECT_STREQ(e.what(), "LmdOptions::alpha = -0.10000000000000001 must lie in [0, 0.5] rad");
-  }
+  EXPECT_EQ(message_of([] { validate(LmdOptions{.alpha = -0.1}); }),
+            "LmdOptions::alpha = -0.10000000000000001 must lie in [0, 0.5] rad");
   EXPECT_THROW(prepare({.complex = make_point(), .radius = -1}), std::invalid_argument);
   EXPECT_THROW(prepare({.complex = {}, .radius = 1}), std::invalid_argument);
 }

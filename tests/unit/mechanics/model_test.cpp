@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "geometry/primitives.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/random.hpp"
 
 namespace aussois {
@@ -21,22 +22,13 @@ RigidBody part() {
 std::string refusal(const RigidBody& body) {
   Model model;
   add(model, fixed_body("ground", -1));
-  try {
-    add(model, body);
-  } catch (const std::invalid_argument& error) {
-    EXPECT_EQ(model.bodies.size(), 1u);  // nothing was added
-    return error.what();
-  }
-  return "accepted";
+  const std::string message = message_of([&] { add(model, body); });
+  EXPECT_EQ(model.bodies.size(), message.empty() ? 2u : 1u);  // a refused body is not added
+  return message;
 }
 
 std::string refusal(const Model& model) {
-  try {
-    validate(model);
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "accepted";
+  return message_of([&] { validate(model); });
 }
 
 void expect_names(const std::string& message, const std::string& part_of_it) {
@@ -50,11 +42,11 @@ TEST(Model, CountsWhatIsAdded) {
   EXPECT_EQ(add(model, fixed_body("ground", 1)), 0);
   EXPECT_EQ(add(model, solid_body("part", 0, {.mass = 1, .inertia = Mat3::Identity()})), 1);
   EXPECT_EQ(model.shapes[0]->radius, 1e-3);
-  EXPECT_EQ(refusal(model), "accepted");
+  EXPECT_EQ(refusal(model), "");
 }
 
 TEST(Model, RefusesWhatIsNoBody) {
-  EXPECT_EQ(refusal(part()), "accepted");
+  EXPECT_EQ(refusal(part()), "");
   RigidBody body = part();
   for (const double mass : {0.0, -1.0, kInf, kNan}) {
     body.mass = mass;
@@ -93,13 +85,13 @@ TEST(Model, AcceptsAFlatPlateInAnyAxes) {
     const double a = random.uniform(0.1, 1), b = random.uniform(0.1, 1);
     RigidBody body = part();
     body.inertia = R * Vec3(a, b, a + b).asDiagonal() * R.transpose();
-    EXPECT_EQ(refusal(body), "accepted") << "seed " << seed;
+    EXPECT_EQ(refusal(body), "") << "seed " << seed;
   }
 }
 
 TEST(Model, NeedsNoMassForWhatIsNotDynamic) {
-  EXPECT_EQ(refusal(fixed_body("wall", -1)), "accepted");
-  EXPECT_EQ(refusal(prescribed_body("hand", -1, {{0, 1}, {SE3{}, SE3{}}})), "accepted");
+  EXPECT_EQ(refusal(fixed_body("wall", -1)), "");
+  EXPECT_EQ(refusal(prescribed_body("hand", -1, {{0, 1}, {SE3{}, SE3{}}})), "");
   expect_names(refusal(prescribed_body("hand", -1, {{0, 0}, {SE3{}, SE3{}}})),
                "body 1 (hand): path row 1: t = 0");
 }

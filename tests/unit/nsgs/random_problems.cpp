@@ -7,23 +7,15 @@
 
 namespace aussois {
 
-double uniform(Random& random, double low, double high) {
-  return low + (high - low) * double(random() >> 11) * 0x1p-53;
-}
-
-double log_uniform(Random& random, double low, double high) {
-  return std::exp(uniform(random, std::log(low), std::log(high)));
-}
-
 VecX uniform_vector(Random& random, int size, double low, double high) {
   VecX x(size);
-  for (int i = 0; i < size; ++i) x[i] = uniform(random, low, high);
+  for (int i = 0; i < size; ++i) x[i] = random.uniform(low, high);
   return x;
 }
 
 Mat3 random_rotation(Random& random) {
   const Vec3 axis = Vec3(uniform_vector(random, 3, -1, 1)).normalized();
-  return Eigen::AngleAxisd(uniform(random, -kPi, kPi), axis).toRotationMatrix();
+  return Eigen::AngleAxisd(random.uniform(-kPi, kPi), axis).toRotationMatrix();
 }
 
 SparseMatrix contact_directions(int bodies, const std::vector<ContactSpec>& contacts) {
@@ -62,12 +54,12 @@ SparseMatrix block_diagonal(const std::vector<MatX>& blocks) {
 }
 
 FrictionProblem random_peg_in_hole(Random& random, int bodies, int contacts, double mu) {
-  const double radius = log_uniform(random, 1e-3, 0.05), length = radius * uniform(random, 1, 6), h = 5e-4;
-  const double tilt = uniform(random, 0, 1) < 0.5 ? 0 : kPi / 6;  // flank of a thread
+  const double radius = random.log_uniform(1e-3, 0.05), length = radius * random.uniform(1, 6), h = 5e-4;
+  const double tilt = random.uniform(0, 1) < 0.5 ? 0 : kPi / 6;  // flank of a thread
   const Mat3 R = random_rotation(random);
   std::vector<MatX> mass;
   for (int b = 0; b < bodies; ++b) {
-    const double m = log_uniform(random, 0.01, 1), across = m * (3 * radius * radius + length * length) / 12;
+    const double m = random.log_uniform(0.01, 1), across = m * (3 * radius * radius + length * length) / 12;
     const Vec3 principal(across, across, m * radius * radius / 2);
     const Vec3 spin = uniform_vector(random, 3, -1e-3, 1e-3);
     Mat3 gyroscopic;
@@ -79,15 +71,15 @@ FrictionProblem random_peg_in_hole(Random& random, int bodies, int contacts, dou
   problem.M = block_diagonal(mass);
   problem.mu.assign(std::size_t(contacts), mu);
   problem.w = VecX::Zero(3 * contacts);
-  const double clearance = radius * log_uniform(random, 1e-5, 1e-2);
+  const double clearance = radius * random.log_uniform(1e-5, 1e-2);
   const Vec3 offset = bodies == 1 ? Vec3::Zero() : Vec3(radius * uniform_vector(random, 3, -1, 1));
   std::vector<ContactSpec> specs;
   for (int c = 0; c < contacts; ++c) {
-    const double angle = uniform(random, -kPi, kPi), place = uniform(random, 0, 1);
+    const double angle = random.uniform(-kPi, kPi), place = random.uniform(0, 1);
     const Vec3 out(std::cos(angle), std::sin(angle), 0);
     ContactSpec spec{.a = 0, .b = bodies == 1 ? -1 : 1};
     if (place < 0.2) {  // end face
-      spec.x_a = radius * std::sqrt(uniform(random, 0, 1)) * out - length / 2 * Vec3::UnitZ();
+      spec.x_a = radius * std::sqrt(random.uniform(0, 1)) * out - length / 2 * Vec3::UnitZ();
       spec.normal = Vec3::UnitZ();
     } else {  // rings
       const double side = place < 0.6 ? 1 : -1;
@@ -98,11 +90,11 @@ FrictionProblem random_peg_in_hole(Random& random, int bodies, int contacts, dou
     spec.x_b = spec.x_a + offset;
     spec.normal = R * spec.normal;
     specs.push_back(spec);
-    if (uniform(random, 0, 1) > 0.3) problem.w[3 * c] = clearance * uniform(random, 0, 1) / h;
+    if (random.uniform(0, 1) > 0.3) problem.w[3 * c] = clearance * random.uniform(0, 1) / h;
   }
   problem.H = contact_directions(bodies, specs);
   VecX v(6 * bodies);
-  const double speed = log_uniform(random, 1e-3, 1);
+  const double speed = random.log_uniform(1e-3, 1);
   for (int b = 0; b < bodies; ++b) {
     v.segment<3>(6 * b) = speed * uniform_vector(random, 3, -1, 1);
     v.segment<3>(6 * b + 3) = speed / radius * uniform_vector(random, 3, -1, 1);

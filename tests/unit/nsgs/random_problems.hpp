@@ -3,16 +3,11 @@
 // answer is known by hand.
 #pragma once
 
-#include <random>
-
 #include "nsgs/friction_problem.hpp"
+#include "tests/support/random.hpp"
 
 namespace aussois {
 
-using Random = std::mt19937_64;
-
-double uniform(Random& random, double low, double high);      // the same numbers with every standard library
-double log_uniform(Random& random, double low, double high);  // low > 0
 VecX uniform_vector(Random& random, int size, double low, double high);
 Mat3 random_rotation(Random& random);
 

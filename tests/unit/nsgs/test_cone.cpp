@@ -19,13 +19,13 @@ TEST(Cone, ProjectionIsTheNearestPoint) {
   Random random(1);
   int outside = 0;
   for (int i = 0; i < 1000; ++i) {
-    const double mu = uniform(random, 0, 2);
+    const double mu = random.uniform(0, 2);
     const Vec3 x = random_vector(random), p = project_cone(x, mu);
     ASSERT_TRUE(in_cone(p, mu));
     outside += p != x;
     for (int k = 0; k < 50; ++k) {  // obtuse angle to every point of the cone: the projection and no other
-      const double normal = uniform(random, 0, 3), angle = uniform(random, -kPi, kPi);
-      const double t = mu * normal * uniform(random, 0, 1);
+      const double normal = random.uniform(0, 3), angle = random.uniform(-kPi, kPi);
+      const double t = mu * normal * random.uniform(0, 1);
       const Vec3 y(normal, t * std::cos(angle), t * std::sin(angle));
       ASSERT_LE((x - p).dot(y - p), 1e-13) << "seed 1, case " << i;
     }
@@ -37,7 +37,7 @@ TEST(Cone, ProjectionIsTheNearestPoint) {
 TEST(Cone, DecomposesEveryVectorIntoAConeAndItsPolar) {
   Random random(2);
   for (int i = 0; i < 1000; ++i) {
-    const double mu = uniform(random, 0, 2);
+    const double mu = random.uniform(0, 2);
     const Vec3 x = random_vector(random), r = project_cone(x, mu), u = project_dual_cone(-x, mu);
     EXPECT_LE((x - (r - u)).norm(), 1e-15);  // Moreau
     EXPECT_NEAR(r.dot(u), 0, 1e-15);
@@ -65,7 +65,7 @@ TEST(Cone, CoulombDerivativeIsThatOfCentralDifferences) {
   int open = 0, stick = 0, slip = 0;
   const double step = 1e-6;
   for (int i = 0; i < 1000; ++i) {
-    const double mu = uniform(random, 0.1, 1.5);
+    const double mu = random.uniform(0.1, 1.5);
     const Vec3 x = random_vector(random);
     const double to_kink = std::min(std::abs(x[0]), std::abs(x.tail<2>().norm() - mu * x[0]));
     if (to_kink < 1e-2 || x.tail<2>().norm() < 1e-1) continue;

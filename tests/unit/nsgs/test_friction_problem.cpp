@@ -1,31 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <functional>
 
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include "nsgs/friction_problem.hpp"
 #include "nsgs/mass_inverse.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/unit/nsgs/random_problems.hpp"
 
 namespace aussois {
 namespace {
 
-std::string message_of(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const std::exception& error) {
-    return error.what();
-  }
-  return "";
-}
-
 SparseMatrix random_band_matrix(Random& random, int n) {  // diagonally dominant, unsymmetric, one component
   std::vector<Triplet> entries;
   for (int i = 0; i < n; ++i) {
-    entries.emplace_back(i, i, uniform(random, 3, 4));
-    if (i > 0) entries.emplace_back(i, i - 1, uniform(random, -1, 1));
-    if (i + 1 < n) entries.emplace_back(i, i + 1, uniform(random, -1, 1));
+    entries.emplace_back(i, i, random.uniform(3, 4));
+    if (i > 0) entries.emplace_back(i, i - 1, random.uniform(-1, 1));
+    if (i + 1 < n) entries.emplace_back(i, i + 1, random.uniform(-1, 1));
   }
   SparseMatrix M(n, n);
   M.setFromTriplets(entries.begin(), entries.end());
@@ -90,7 +81,7 @@ TEST(FrictionProblem, CondensesACoupledMassMatrixToo) {
   const int n = kLargestMassBlock + 36;
   problem.M = random_band_matrix(random, n);
   problem.f = uniform_vector(random, n, -1, 1);
-  problem.H = MatX(MatX::Random(n, 12)).sparseView();
+  problem.H = MatX(uniform_vector(random, 12 * n, -1, 1).reshaped(n, 12)).sparseView();
   const MatX H = problem.H, W = H.transpose() * MatX(problem.M).inverse() * H;
   EXPECT_LT((MatX(sparse_matrix(condense(problem).W)) - W).norm(), 1e-13 * W.norm());
 }

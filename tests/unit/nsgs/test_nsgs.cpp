@@ -14,24 +14,24 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 // Impulses and velocities that satisfy the law by construction; q is what makes them the solution.
 LocalProblem planted_problem(Random& random, int contacts, VecX& u) {
   const int n = 3 * contacts;
-  const MatX factor = MatX::NullaryExpr(n, n, [&] { return uniform(random, -1, 1); });
+  const MatX factor = MatX::NullaryExpr(n, n, [&] { return random.uniform(-1, 1); });
   const MatX W = factor * factor.transpose() / n + 0.1 * MatX::Identity(n, n);
   LocalProblem problem;
   problem.W = block_matrix(W.sparseView());
   VecX r = VecX::Zero(n);
   u = VecX::Zero(n);
   for (int c = 0; c < contacts; ++c) {
-    const double mu = uniform(random, 0, 0.3), kind = uniform(random, 0, 3);
-    const double angle = uniform(random, -kPi, kPi), size = uniform(random, 0.1, 1);
+    const double mu = random.uniform(0, 0.3), kind = random.uniform(0, 3);
+    const double angle = random.uniform(-kPi, kPi), size = random.uniform(0.1, 1);
     const Vec3 t(0, std::cos(angle), std::sin(angle));
     problem.mu.push_back(mu);
     if (kind < 1) {  // open
-      u.segment<3>(3 * c) = size * Vec3::UnitX() + uniform(random, -1, 1) * t;
+      u.segment<3>(3 * c) = size * Vec3::UnitX() + random.uniform(-1, 1) * t;
     } else if (kind < 2) {  // sticking
       r.segment<3>(3 * c) = size * (Vec3::UnitX() + 0.5 * mu * t);
     } else {  // slipping
       r.segment<3>(3 * c) = size * (Vec3::UnitX() - mu * t);
-      u.segment<3>(3 * c) = uniform(random, 0.1, 1) * t;
+      u.segment<3>(3 * c) = random.uniform(0.1, 1) * t;
     }
   }
   problem.q = u - W * r;

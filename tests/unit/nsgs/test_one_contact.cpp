@@ -100,16 +100,16 @@ Sample random_sample(Random& random, double decades) {
   const Vec3 logs = uniform_vector(random, 3, -decades, 0);
   const Vec3 eigenvalues(std::pow(10, logs[0]), std::pow(10, logs[1]), std::pow(10, logs[2]));
   Mat3 W = R * eigenvalues.asDiagonal() * R.transpose();
-  if (uniform(random, 0, 1) < 0.5) {
+  if (random.uniform(0, 1) < 0.5) {
     const Vec3 s = 0.3 * eigenvalues.minCoeff() * Vec3(uniform_vector(random, 3, -1, 1));
     Mat3 skew;
     skew << 0, -s[2], s[1], s[2], 0, -s[0], -s[1], s[0], 0;
     W += skew;
   }
-  const double choice = uniform(random, 0, 1);
-  const double mu = choice < 0.1 ? 0 : choice < 0.2 ? 10 : uniform(random, 0, 1.2);
-  const double scale = log_uniform(random, 1e-6, 1e6);
-  return {W * scale, uniform_vector(random, 3, -1, 1) * log_uniform(random, 1e-6, 1e6), mu};
+  const double choice = random.uniform(0, 1);
+  const double mu = choice < 0.1 ? 0 : choice < 0.2 ? 10 : random.uniform(0, 1.2);
+  const double scale = random.log_uniform(1e-6, 1e6);
+  return {W * scale, uniform_vector(random, 3, -1, 1) * random.log_uniform(1e-6, 1e6), mu};
 }
 
 double distance(const Vec3& r, const std::vector<Real3>& solutions) {

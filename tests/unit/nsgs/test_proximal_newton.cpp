@@ -66,7 +66,7 @@ TEST_P(PegInHole, IsSolvedEveryTime) {
   std::vector<int> sweeps, newton;
   for (unsigned seed = 0; seed < 2000; ++seed) {
     Random random(seed);
-    const int bodies = 1 + int(seed % 2), contacts = 4 + int(uniform(random, 0, 147));
+    const int bodies = 1 + int(seed % 2), contacts = 4 + int(random.uniform(0, 147));
     const FrictionProblem problem = random_peg_in_hole(random, bodies, contacts, 0.2);
     const FrictionSolution s = solve_nsgs(problem, {}, {.tolerance = tolerance});
     ASSERT_EQ(s.report.status, SolveStatus::converged)
