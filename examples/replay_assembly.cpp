@@ -78,11 +78,11 @@ AssemblyInput read_input(const Arguments& a) {
 }
 
 void print_parts(const AssemblyInput& input, const AssemblyScene& scene, const Arguments& a) {
-  if (a.common.quiet) return;
-  for (const AssemblyPart* part : {&input.fixed, &input.moving}) {
-    std::printf("%s\n%s", part->name.c_str(), to_string(part->report).c_str());
+  for (const AssemblyPart* part : {&input.fixed, &input.moving})
     for (const std::string& note : part->notes) std::fprintf(stderr, "warning: %s\n", note.c_str());
-  }
+  if (a.common.quiet) return;
+  for (const AssemblyPart* part : {&input.fixed, &input.moving})
+    std::printf("%s\n%s", part->name.c_str(), to_string(part->report).c_str());
   std::printf(
       "clearance %.4g um along %zu poses, dilation %.4g um each, moving part %.4g kg (%s), largest step %.4g "
       "ms, path %.4g s\n",

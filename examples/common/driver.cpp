@@ -151,7 +151,7 @@ void Cli::common(CommonOptions& options) {
   option("--every", options.every, "record each n-th step", "", {1, 1e9});
   option("--checkpoint-every", options.checkpoint_every, "wall time between checkpoints", "s", {0, 1e9});
   flag("--resume", options.resume, "continue from the checkpoint in the folder of the results");
-  flag("--quiet", options.quiet, "no progress");
+  flag("--quiet", options.quiet, "no progress; warnings stay");
 }
 void Cli::example(std::string command, std::string shows) {
   impl_->examples.emplace_back(std::move(command), std::move(shows));
