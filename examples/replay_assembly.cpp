@@ -348,7 +348,7 @@ ExitCode replay(Arguments& a) {
     scene = make_assembly_scene(input, a.scene, a.common.threads, [&](int i, int) { progress.at(i); });
   }
   print_parts(input, scene, a);
-  std::filesystem::create_directories(a.common.out);
+  make_folders(a.common);
   return a.mode == "kinematic" ? replay_kinematic(input, scene, a) : replay_dynamic(input, scene, a);
 }
 

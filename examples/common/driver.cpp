@@ -232,6 +232,11 @@ int run_driver(Cli& cli, int argc, const char* const* argv, const std::function<
   }
 }
 
+void make_folders(const CommonOptions& options) {
+  for (const std::filesystem::path& folder : {options.summary.parent_path(), options.out})
+    if (!folder.empty()) std::filesystem::create_directories(folder);
+}
+
 bool interrupted() {
   return stop_requested != 0;
 }

@@ -113,6 +113,10 @@ class Cli {
 /// anything else 4.
 int run_driver(Cli& cli, int argc, const char* const* argv, const std::function<ExitCode()>& body);
 
+/// Makes the folder of the results and that of the summary, before anything is computed for them. Throws
+/// std::runtime_error with the path.
+void make_folders(const CommonOptions& options);
+
 /// True since SIGINT or SIGTERM: write a checkpoint and return ExitCode::interrupted. A second signal kills.
 bool interrupted();
 
