@@ -340,6 +340,8 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
 }
 
 ExitCode replay(Arguments& a) {
+  require(a.mode == "dynamic" || (!a.common.resume && a.stop_after == 0),
+          "--resume and --stop-after belong to --mode dynamic: a kinematic replay writes no checkpoint");
   a.scene.gravity = parse_vector(a.gravity, "--gravity");
   const AssemblyInput input = read_input(a);
   AssemblyScene scene;
@@ -397,7 +399,7 @@ int main(int argc, char** argv) {
              {0, 1e9});
   cli.group("solver");
   cli.option("--tolerance", a.tolerance, "on the scaled residual", "-", {1e-15, 0.1});
-  cli.common(a.common);
+  cli.common(a.common, Cli::Restart::yes);
   cli.example("replay_assembly --builtin bolt_nut -o out", "a nut turned off its bolt; open out/replay.html");
   cli.example(
       "replay_assembly --fixed rail.obj --moving slider.obj --path out.csv --scale 1e-3 -o out --summary "
