@@ -19,6 +19,10 @@ double cpu_seconds() {
   return double(std::clock()) / CLOCKS_PER_SEC;
 }
 
+bool all_finite(const std::vector<SE3>& poses) {
+  return std::ranges::all_of(poses, [](const SE3& g) { return g.p.allFinite() && g.R.coeffs().allFinite(); });
+}
+
 const Model& checked(const Model& model) {
   validate(model);
   return model;
@@ -150,7 +154,7 @@ MoreauJean::Attempt MoreauJean::attempt(const State& state, const VecX& v_estima
   report.contacts_matched = warm.matched;
   const double solved_at = cpu_seconds();
   report.seconds_solve = solved_at - found_at;
-  if (!solution.v.allFinite()) {
+  if (report.solve.status == SolveStatus::not_finite || !solution.v.allFinite()) {
     out.outcome = Attempt::Outcome::not_finite;
     report.reason = "a force or velocity is not finite";
     return out;
@@ -185,6 +189,11 @@ MoreauJean::Attempt MoreauJean::attempt(const State& state, const VecX& v_estima
 
   // 9: the new state
   out.next = moved(step, all_velocities(dofs_, solution.v, v_prescribed));
+  if (!all_finite(out.next.g)) {
+    out.outcome = Attempt::Outcome::not_finite;
+    report.reason = "a pose is not finite";
+    return out;
+  }
   const ContactSet kept = select(found, solved.kept);
   std::vector<Vec3> impulses;
   for (std::size_t k = 0; k < solved.kept.size(); ++k) {
@@ -201,6 +210,7 @@ MoreauJean::Attempt MoreauJean::attempt(const State& state, const VecX& v_estima
 
 StepReport MoreauJean::step(State& state, double h_limit) const {
   const AdvancementOptions& o = options_.advancement;
+  require_field(h_limit > 0, "h_limit", h_limit, "be positive [s]");
   const double begin = cpu_seconds();
   const double h_control = state.h_next > 0 ? std::min(options_.h, state.h_next) : options_.h;
   double h = std::min(h_control, h_limit);
@@ -216,8 +226,8 @@ StepReport MoreauJean::step(State& state, double h_limit) const {
     if (status != StepStatus::ok) report.t = state.t, report.h = 0;
     return report;
   };
-  if (!v_estimate.allFinite()) {
-    report.reason = "a force or velocity is not finite";
+  if (!v_estimate.allFinite() || !all_finite(state.g)) {
+    report.reason = "a force, velocity or pose is not finite";
     return ended(StepStatus::not_finite);
   }
   int unsolved = 0, enlarged = 0;
