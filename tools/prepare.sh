@@ -33,6 +33,7 @@ run() {
 apt_steps() {
   step=0
   all=0
+  # shellcheck disable=SC2034  # the words of a line, some of them in the way
   while read -r first second third fourth fifth rest; do
     case "$first $second" in
       [0-9]*' upgraded,') all=$((3 * (first + third))); continue ;;
