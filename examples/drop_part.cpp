@@ -66,7 +66,7 @@ ExitCode drop(const Arguments& a) {
   pose(state, body).p.z() = a.height + 2 * a.dilation - lowest;
 
   // 3. Motion; every step reports what happened.
-  std::filesystem::create_directories(a.common.out);
+  make_folders(a.common);
   const MoreauJean scheme(
       model, {.h = a.h, .theta = a.theta, .nsgs = {.tolerance = a.tolerance}, .threads = a.common.threads});
   RunHeader header = run_header(model);

@@ -78,11 +78,11 @@ AssemblyInput read_input(const Arguments& a) {
 }
 
 void print_parts(const AssemblyInput& input, const AssemblyScene& scene, const Arguments& a) {
-  if (a.common.quiet) return;
-  for (const AssemblyPart* part : {&input.fixed, &input.moving}) {
-    std::printf("%s\n%s", part->name.c_str(), to_string(part->report).c_str());
+  for (const AssemblyPart* part : {&input.fixed, &input.moving})
     for (const std::string& note : part->notes) std::fprintf(stderr, "warning: %s\n", note.c_str());
-  }
+  if (a.common.quiet) return;
+  for (const AssemblyPart* part : {&input.fixed, &input.moving})
+    std::printf("%s\n%s", part->name.c_str(), to_string(part->report).c_str());
   std::printf(
       "clearance %.4g um along %zu poses, dilation %.4g um each, moving part %.4g kg (%s), largest step %.4g "
       "ms, path %.4g s\n",
@@ -340,6 +340,8 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
 }
 
 ExitCode replay(Arguments& a) {
+  require(a.mode == "dynamic" || (!a.common.resume && a.stop_after == 0),
+          "--resume and --stop-after belong to --mode dynamic: a kinematic replay writes no checkpoint");
   a.scene.gravity = parse_vector(a.gravity, "--gravity");
   const AssemblyInput input = read_input(a);
   AssemblyScene scene;
@@ -348,7 +350,7 @@ ExitCode replay(Arguments& a) {
     scene = make_assembly_scene(input, a.scene, a.common.threads, [&](int i, int) { progress.at(i); });
   }
   print_parts(input, scene, a);
-  std::filesystem::create_directories(a.common.out);
+  make_folders(a.common);
   return a.mode == "kinematic" ? replay_kinematic(input, scene, a) : replay_dynamic(input, scene, a);
 }
 
@@ -397,7 +399,7 @@ int main(int argc, char** argv) {
              {0, 1e9});
   cli.group("solver");
   cli.option("--tolerance", a.tolerance, "on the scaled residual", "-", {1e-15, 0.1});
-  cli.common(a.common);
+  cli.common(a.common, Cli::Restart::yes);
   cli.example("replay_assembly --builtin bolt_nut -o out", "a nut turned off its bolt; open out/replay.html");
   cli.example(
       "replay_assembly --fixed rail.obj --moving slider.obj --path out.csv --scale 1e-3 -o out --summary "

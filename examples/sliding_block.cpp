@@ -69,6 +69,7 @@ ExitCode slide(const Arguments& a) {
   require_field(deceleration(a) > 0, "--angle", a.angle,
                 "be below the friction angle [deg], or the block never stops");
   const double exact = a.speed * a.speed / (2 * deceleration(a));
+  make_folders(a.common);
   Progress progress("sliding_block", a.levels, Progress::style_of_stderr(a.common.quiet));
   int done = 0;
   const Convergence study = convergence_study(step_sizes(a.h0, a.levels), [&](double h) {

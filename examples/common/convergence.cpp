@@ -64,7 +64,6 @@ std::string to_string(const Convergence& s, const std::string& quantity) {
 
 void write_convergence(const std::filesystem::path& dir, const std::string& name, const Convergence& s,
                        const std::string& quantity) {
-  std::filesystem::create_directories(dir);
   CsvTable csv(dir / (name + ".csv"), {"h", "error", "order"});
   for (std::size_t i = 0; i < s.h.size(); ++i) csv.add({s.h[i], s.error[i], pairwise(s, i)});
   csv.close();

@@ -25,7 +25,8 @@ Convergence convergence_study(const std::vector<double>& steps,
 
 std::string to_string(const Convergence& study, const std::string& quantity);
 
-/// DIR/NAME.csv (h, error, pairwise order) and DIR/NAME.gp, which draws DIR/NAME.png: gnuplot NAME.gp.
+/// DIR/NAME.csv (h, error, pairwise order) and DIR/NAME.gp, which draws DIR/NAME.png: gnuplot NAME.gp. DIR
+/// exists.
 void write_convergence(const std::filesystem::path& dir, const std::string& name, const Convergence& study,
                        const std::string& quantity);
 

@@ -143,15 +143,16 @@ void Cli::input(const std::string& flag, std::filesystem::path& value, const std
   option(flag, value, what);
   impl_->inputs.emplace_back(flag, &value);
 }
-void Cli::common(CommonOptions& options) {
+void Cli::common(CommonOptions& options, Restart restart) {
   group("output");
   option("-o,--out", options.out, "folder of the results, made if missing");
   option("--summary", options.summary, "also write the key numbers as JSON to this file");
   option("--threads", options.threads, "threads; the results do not depend on it", "", {1, 256});
   option("--every", options.every, "record each n-th step", "", {1, 1e9});
+  flag("--quiet", options.quiet, "no progress; warnings stay");
+  if (restart == Restart::no) return;
   option("--checkpoint-every", options.checkpoint_every, "wall time between checkpoints", "s", {0, 1e9});
   flag("--resume", options.resume, "continue from the checkpoint in the folder of the results");
-  flag("--quiet", options.quiet, "no progress");
 }
 void Cli::example(std::string command, std::string shows) {
   impl_->examples.emplace_back(std::move(command), std::move(shows));
@@ -230,6 +231,11 @@ int run_driver(Cli& cli, int argc, const char* const* argv, const std::function<
   } catch (const std::exception& wrong) {
     return fail(cli.name(), wrong.what(), ExitCode::numerical);
   }
+}
+
+void make_folders(const CommonOptions& options) {
+  for (const std::filesystem::path& folder : {options.summary.parent_path(), options.out})
+    if (!folder.empty()) std::filesystem::create_directories(folder);
 }
 
 bool interrupted() {

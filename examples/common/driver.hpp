@@ -89,8 +89,10 @@ class Cli {
   /// A path that must exist: otherwise exit code 3 before anything runs. Not looked at if the user leaves it
   /// empty.
   void input(const std::string& flag, std::filesystem::path& value, const std::string& what);
-  /// The group "output" with -o, --summary, --threads, --every, --quiet, --resume, --checkpoint-every.
-  void common(CommonOptions& options);
+  /// The group "output" with -o, --summary, --threads, --every, --quiet; in drivers whose runs can be
+  /// continued also --resume and --checkpoint-every.
+  enum class Restart { no, yes };
+  void common(CommonOptions& options, Restart restart = Restart::no);
   /// A command line that works and what it shows; --help prints them all.
   void example(std::string command, std::string shows);
 
@@ -112,6 +114,10 @@ class Cli {
 /// line on stderr: std::invalid_argument 2, NumericalFailure 4, other std::runtime_error (ours are files) 3,
 /// anything else 4.
 int run_driver(Cli& cli, int argc, const char* const* argv, const std::function<ExitCode()>& body);
+
+/// Makes the folder of the results and that of the summary, before anything is computed for them. Throws
+/// std::runtime_error with the path.
+void make_folders(const CommonOptions& options);
 
 /// True since SIGINT or SIGTERM: write a checkpoint and return ExitCode::interrupted. A second signal kills.
 bool interrupted();

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: Apache-2.0
+# Tests that run the drivers as a user does. They are written in Python: processes, files, h5py.
+find_package(Python3 3.8 REQUIRED COMPONENTS Interpreter)
+set(AUSSOIS_TEST_PYTHON ${Python3_EXECUTABLE})
+foreach(python IN ITEMS ${Python3_EXECUTABLE} /usr/bin/python3)   # the first in PATH may not be the one with h5py
+  execute_process(COMMAND ${python} -c "import h5py" RESULT_VARIABLE failed OUTPUT_QUIET ERROR_QUIET)
+  if(failed STREQUAL "0")
+    set(AUSSOIS_TEST_PYTHON ${python})
+    break()
+  endif()
+endforeach()
+
+# aussois_set_driver_test(<test> LABEL <label> [SLOW] [LONG]): slow is over ten seconds in release, long is many minutes.
+function(aussois_set_driver_test test)
+  cmake_parse_arguments(arg "SLOW;LONG" "LABEL" "" ${ARGN})
+  set(labels ${arg_LABEL})
+  set(timeout 600)
+  if(arg_SLOW OR arg_LONG)
+    list(APPEND labels slow)
+    set(timeout 1800)
+  endif()
+  if(arg_LONG)
+    list(APPEND labels long)
+    set(timeout 14400)
+    if(NOT AUSSOIS_LONG_TESTS)
+      set_tests_properties(${test} PROPERTIES DISABLED ON)
+    endif()
+  endif()
+  set_tests_properties(${test} PROPERTIES LABELS "${labels}" TIMEOUT ${timeout}
+    SKIP_REGULAR_EXPRESSION "OK \\(skipped="
+    ENVIRONMENT "AUSSOIS_DRIVERS=$<TARGET_FILE_DIR:replay_assembly>;AUSSOIS_DATA_DIR=${AUSSOIS_DATA_DIR}")
+endfunction()
+
+# aussois_driver_test(<file.py> LABEL <label> [SLOW test...] [LONG test...]): one test for each method test_* of the
+# unittest classes in the file.
+function(aussois_driver_test file)
+  cmake_parse_arguments(arg "" "LABEL" "SLOW;LONG" ${ARGN})
+  cmake_path(GET file STEM stem)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})
+  file(STRINGS ${file} lines REGEX "^class |^    def test_")
+  foreach(line IN LISTS lines)
+    if(line MATCHES "^class ([A-Za-z]+)")
+      set(class ${CMAKE_MATCH_1})
+    elseif(line MATCHES "def (test_[a-z0-9_]+)")
+      set(method ${CMAKE_MATCH_1})
+      string(REGEX REPLACE "^test_" "" name ${method})
+      set(test ${arg_LABEL}.${class}.${name})
+      add_test(NAME ${test} COMMAND ${AUSSOIS_TEST_PYTHON} -B ${CMAKE_CURRENT_SOURCE_DIR}/${file} ${class}.${method})
+      set(weight "")
+      if(name IN_LIST arg_SLOW)
+        set(weight SLOW)
+      elseif(name IN_LIST arg_LONG)
+        set(weight LONG)
+      endif()
+      aussois_set_driver_test(${test} LABEL ${arg_LABEL} ${weight})
+    endif()
+  endforeach()
+endfunction()

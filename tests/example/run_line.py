@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Executes one documented run in an empty folder: it succeeds and leaves just the results that examples/README.md
+promises, whole.
+
+    python3 run_line.py DRIVER [argument...]
+"""
+
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from drivers import DriverTest
+
+COMMAND = sys.argv[1:]
+RESULTS = {
+    "sliding_block": {"sliding_block.csv", "sliding_block.gp"},
+    "drop_part": {"replay.html", "run.h5", "steps.csv"},
+    "replay_assembly": {"replay.html", "run.h5", "poses.csv" if "kinematic" in COMMAND else "steps.csv"},
+}
+
+
+class RunLine(DriverTest):
+    def test_runs_as_documented(self):
+        run = self.drive(*COMMAND)
+        self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
+        self.assertTrue(run.stdout.splitlines()[-1].strip(), "ends with one clear line")
+        files = self.files()
+        self.assertEqual(set(files), {f"out/{name}" for name in RESULTS[COMMAND[0]]})
+        for name, content in files.items():
+            self.assertGreater(len(content), 100, name)
+        if "out/replay.html" in files:
+            self.assertTrue(files["out/replay.html"].rstrip().endswith(b"</html>"))
+        if "out/run.h5" in files:
+            self.assertTrue(files["out/run.h5"].startswith(b"\x89HDF\r\n\x1a\n"))
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])

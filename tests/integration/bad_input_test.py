@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Bad input ends with one line that names file and line, or field, value and bound; with the exit code of its kind
+(2 usage, 3 files); and without a trace in the folder."""
+
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from drivers import PARTS, PEG, SOURCE, DriverTest
+
+USAGE, FILES, INTERRUPTED = 2, 3, 130
+
+
+class BadInput(DriverTest):
+    def refused(self, code, words, driver, *arguments):
+        before = self.files()
+        run = self.drive(driver, *arguments, timeout=120)
+        self.assertEqual(run.returncode, code, run.stderr)
+        self.assertRegex(run.stderr, rf"\A{driver}: [^\n]*\n\Z", "one line, from the program")
+        for word in words:
+            self.assertIn(word, run.stderr)
+        self.assertEqual(self.files(), before)
+
+    def refused_replay(self, code, words, *arguments):
+        self.refused(code, words, "replay_assembly", *arguments)
+
+    def changed(self, name, old, new):
+        """A copy of one of our own input files with `old`, which stands there once, replaced."""
+        text = (PARTS / name).read_text()
+        self.assertEqual(text.count(old), 1)
+        path = self.folder / name
+        path.write_text(text.replace(old, new))
+        return path
+
+    def with_peg(self, *arguments):
+        """Our own pair, quietly, with some of its files or options replaced (the last word counts)."""
+        words = list(map(str, PEG))
+        for flag, value in zip(arguments[::2], arguments[1::2]):
+            if flag in words:
+                words[words.index(flag) + 1] = str(value)
+            else:
+                words += [flag, str(value)]
+        return [*words, "--quiet"]
+
+    # files
+
+    def test_missing_mesh(self):
+        self.refused_replay(FILES, ["--moving nowhere.obj: no such file"], *self.with_peg("--moving", "nowhere.obj"))
+        self.refused(FILES, ["--mesh nowhere.obj: no such file"], "drop_part", "--mesh", "nowhere.obj")
+
+    def test_missing_path(self):
+        self.refused_replay(FILES, ["--path nowhere.csv: no such file"], *self.with_peg("--path", "nowhere.csv"))
+
+    def test_a_folder_is_no_mesh(self):
+        self.refused(FILES, [str(self.folder)], "drop_part", "--mesh", self.folder)
+
+    def test_face_index_out_of_range(self):
+        peg = self.changed("peg.obj", "f 9 11 12", "f 9 11 13")
+        line = peg.read_text().splitlines().index("f 9 11 13") + 1
+        words = [f"{peg}:{line}: ", "13", "12"]  # the index, and the number of vertices
+        self.refused_replay(FILES, words, *self.with_peg("--moving", peg))
+        self.refused(FILES, words, "drop_part", "--mesh", peg)
+
+    def test_coordinate_that_is_not_a_number(self):
+        socket = self.changed("socket.obj", "v 15 15 20", "v 15 nan 20")
+        line = socket.read_text().splitlines().index("v 15 nan 20") + 1
+        self.refused_replay(FILES, [f"{socket}:{line}: ", "nan", "finite"], *self.with_peg("--fixed", socket))
+
+    def test_quaternion_that_is_not_unit(self):
+        path = self.changed("peg_out.csv", "0,0,0,0.5,1,0,0,0", "0,0,0,0.5,1.1,0,0,0")
+        line = path.read_text().splitlines().index("0,0,0,0.5,1.1,0,0,0") + 1
+        self.refused_replay(FILES, [f"{path}:{line}: |(qw, qx, qy, qz)| = 1.1", "must lie within 1e-6 of 1"],
+                            *self.with_peg("--path", path))
+
+    def test_path_through_the_partner(self):
+        path = self.changed("peg_out.csv", "0,0,0,0.5,1,0,0,0", "0,3,0,0.5,1,0,0,0")
+        self.refused_replay(USAGE, ["pose 0 of the path", "in contact"], *self.with_peg("--path", path))
+
+    def test_every_broken_mesh_of_ours(self):
+        """What the unit tests of the readers refuse, a driver refuses with the same line."""
+        meshes = [path for path in sorted((SOURCE / "tests/data/broken").iterdir()) if path.suffix != ".csv"]
+        self.assertGreater(len(meshes), 40)
+        for mesh in meshes:
+            with self.subTest(mesh=mesh.name):
+                self.refused(FILES, [str(mesh)], "drop_part", "--mesh", mesh, "--time", "0.01")
+
+    def test_every_broken_path_of_ours(self):
+        paths = sorted((SOURCE / "tests/data/broken").glob("*.csv"))
+        self.assertGreater(len(paths), 8)
+        for path in paths:
+            with self.subTest(path=path.name):
+                self.refused_replay(FILES, [f"{path}:"], *self.with_peg("--path", path))
+
+    def test_broken_meshes_of_the_shared_data(self):
+        """They are read or refused: no crash, no hang, no sanitizer. What is refused leaves no trace."""
+        meshes = sorted((self.data() / "meshes/broken").iterdir())
+        self.assertGreater(len(meshes), 0)
+        for mesh in meshes:
+            with self.subTest(mesh=mesh.name):
+                run = self.drive("drop_part", "--mesh", mesh, "--scale", "1e-3", "--time", "0.01", "-o", mesh.name,
+                                 "--quiet", timeout=120)
+                if run.returncode in (0, 1):  # 1: after 10 ms it still falls
+                    self.assertTrue((self.folder / mesh.name / "replay.html").exists())
+                else:
+                    self.assertIn(run.returncode, (USAGE, FILES), run.stderr)
+                    self.assertRegex(run.stderr, r"drop_part: [^\n]*\n\Z")
+                    self.assertFalse((self.folder / mesh.name).exists())
+
+    # options
+
+    def test_negative_dilation(self):
+        for driver in ("replay_assembly", "drop_part"):
+            self.refused(USAGE, ["--dilation", "-1e-5", "must be in ["], driver, "--dilation", "-1e-5")
+
+    def test_dilation_that_does_not_fit(self):
+        self.refused_replay(USAGE, ["--dilation = 0.001", "half of the smallest clearance"],
+                            *self.with_peg("--dilation", "1e-3"))
+
+    def test_number_that_is_none(self):
+        self.refused_replay(USAGE, ["--mu", "'nan' is not a number"], "--mu", "nan")
+        self.refused_replay(USAGE, ["--gravity = 0,0,nan", "three numbers"], *self.with_peg("--gravity", "0,0,nan"))
+
+    def test_unknown_option(self):
+        for driver in ("replay_assembly", "drop_part", "sliding_block"):
+            self.refused(USAGE, ["--no-such-option", "--help"], driver, "--no-such-option")
+
+    def test_unknown_pair(self):
+        (self.folder / "assembly").mkdir()
+        (self.folder / "assembly/pairs.csv").write_text("name,fixed,moving,trajectory\npeg,socket,peg,peg_out.csv\n")
+        self.refused_replay(USAGE, ["--pair = no_such_pair must be one of peg"], "--data", ".", "--pair", "no_such_pair")
+
+    def test_unknown_builtin(self):
+        self.refused_replay(USAGE, ["--builtin = no_such_part must be bolt_nut"], "--builtin", "no_such_part")
+        self.refused(USAGE, ["--builtin", "'no_such_part' must be one of box, bolt"], "drop_part", "--builtin", "no_such_part")
+
+    def test_no_scene_or_two(self):
+        self.refused_replay(USAGE, ["give one of"])
+        self.refused_replay(USAGE, ["give one of"], *self.with_peg("--builtin", "bolt_nut"))
+
+    def test_slope_on_which_the_block_never_stops(self):
+        self.refused(USAGE, ["--angle = ", "below the friction angle"], "sliding_block", "--angle", "30", "--mu", "0.3")
+
+    # output
+
+    def test_unwritable_output(self):
+        (self.folder / "taken").write_text("a file, not a folder\n")
+        for driver, scene in (("replay_assembly", self.with_peg()), ("drop_part", []), ("sliding_block", ["--levels", "3"])):
+            self.refused(FILES, ["taken"], driver, *scene, "--quiet", "-o", "taken/out")
+
+    def test_unwritable_summary(self):
+        (self.folder / "taken").write_text("a file, not a folder\n")
+        for driver, scene in (("replay_assembly", self.with_peg()), ("drop_part", []), ("sliding_block", ["--levels", "3"])):
+            self.refused(FILES, ["taken"], driver, *scene, "--quiet", "--summary", "taken/s.json")
+
+    # restart
+
+    def test_resume_without_checkpoint(self):
+        self.refused_replay(FILES, ["out/checkpoint.h5"], *self.with_peg("-o", "out"), "--resume")
+
+    def test_resume_with_other_options(self):
+        stopped = self.drive("replay_assembly", *self.with_peg("--stop-after", "20"))
+        self.assertEqual(stopped.returncode, INTERRUPTED, stopped.stderr)
+        self.assertEqual(set(self.files()), {"out/checkpoint.h5", "out/run.h5.tmp", "out/steps.csv.tmp"})
+        self.refused_replay(FILES, ["out/checkpoint.h5", "fingerprint"], *self.with_peg("--mu", "0.3"), "--resume")
+        whole = self.drive("replay_assembly", *self.with_peg(), "--resume")  # the refusal has spoilt nothing
+        self.assertEqual(whole.returncode, 0, whole.stderr)
+
+    def test_resume_where_nothing_can_be_resumed(self):
+        self.refused_replay(USAGE, ["--resume"], *self.with_peg("--mode", "kinematic"), "--resume")
+        for driver in ("drop_part", "sliding_block"):
+            self.refused(USAGE, ["--resume"], driver, "--resume")
+
+
+class OpenMesh(DriverTest):
+    def test_is_used_as_sheets_with_a_warning(self):
+        """A peg with a hole in its lid bounds no volume: its surface is used as it is, its mass is that of its hull."""
+        text = (PARTS / "peg.obj").read_text()
+        (self.folder / "open.obj").write_text(text.replace("f 9 11 12\n", ""))
+        closed = self.replay("closed", *PEG)
+        opened = self.replay("open", *PEG[:2], "--moving", "open.obj", *PEG[4:])
+        sheets = "used as sheets, both sides, because it is no solid: 3 border edges"
+        self.assertNotIn(sheets, closed.stderr)
+        self.assertIn(f"warning: open: {sheets}", opened.stderr)
+        self.assertEqual(self.summary("closed")["mass_source"], "solid")
+        self.assertEqual(self.summary("open")["mass_source"], "convex hull")
+        self.assertAlmostEqual(self.summary("open")["mass"] / self.summary("closed")["mass"], 1, 12)  # convex anyway
+
+
+if __name__ == "__main__":
+    unittest.main()

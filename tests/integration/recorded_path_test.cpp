@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// On every pose of recorded assembly paths the hierarchical search finds what looking at every pair of leaves
+// finds: the same features, the same bits.
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+
+#include "examples/assembly/assembly_scene.hpp"
+#include "lmd/find_contacts.hpp"
+
+namespace aussois {
+namespace {
+
+const std::filesystem::path kOwn = std::filesystem::path(AUSSOIS_SOURCE_DIR) / "examples/data";
+
+class RecordedPath : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(RecordedPath, HasTheContactsOfTheExhaustiveSearchAtEveryPose) {
+  const std::string pair = GetParam();
+  const char* data = std::getenv("AUSSOIS_DATA_DIR");
+  if (pair != "peg_in_socket" && (!data || !*data)) GTEST_SKIP() << "AUSSOIS_DATA_DIR names no folder";
+  const AssemblyInput input =
+      pair == "peg_in_socket"
+          ? read_assembly_files(kOwn / "socket.obj", kOwn / "peg.obj", kOwn / "peg_out.csv", 1e-3)
+          : read_assembly_pair(data, pair, 1e-3);
+  const AssemblyScene scene = make_assembly_scene(input, {}, 2);
+  const auto posed = [&](int body, const SE3& g_wb) {
+    const RigidBody& b = scene.model.bodies[std::size_t(body)];
+    return PosedShape{scene.model.shapes[std::size_t(b.shape)].get(), g_wb * b.g_bs, body};
+  };
+  const LmdOptions options{.threshold = 2 * scene.clearance, .threads = 2};
+  std::size_t poses_in_contact = 0;
+  for (std::size_t k = 0; k < scene.poses.size(); ++k) {
+    const PosedShape fixed = posed(scene.fixed, {}), moving = posed(scene.moving, scene.poses[k]);
+    const ContactSet fast = find_contacts(fixed, moving, options);
+    const ContactSet slow = find_contacts_exhaustive(fixed, moving, options);
+    ASSERT_EQ(fast.points.size(), slow.points.size()) << "pose " << k;
+    for (std::size_t i = 0; i < slow.points.size(); ++i) {
+      ASSERT_EQ(key_of(fast.points[i]), key_of(slow.points[i])) << "pose " << k << " contact " << i;
+      ASSERT_EQ(fast.points[i].gap, slow.points[i].gap) << "pose " << k << " contact " << i;
+      ASSERT_EQ(fast.points[i].x_a, slow.points[i].x_a) << "pose " << k << " contact " << i;
+      ASSERT_EQ(fast.points[i].normal, slow.points[i].normal) << "pose " << k << " contact " << i;
+    }
+    poses_in_contact += !slow.points.empty();
+  }
+  // The clearance is that of some pose, so contacts within twice of it are there; and not only once.
+  EXPECT_GT(poses_in_contact, 2U);
+}
+INSTANTIATE_TEST_SUITE_P(Pairs, RecordedPath,
+                         ::testing::Values("peg_in_socket", "own_tslot", "press_p1p2", "gear_mesh",
+                                           "box_finger", "piston_crank"),
+                         [](const auto& instance) { return std::string(instance.param); });
+
+}  // namespace
+}  // namespace aussois

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A run repeats: the same bits in summary, steps.csv and run.h5 when it is run again, with two threads, and when it was
+stopped half way and resumed. Only times of the clock and the command line may differ."""
+
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from drivers import PEG, DriverTest
+
+INTERRUPTED = 130
+
+
+class Repeat(DriverTest):
+    def content(self, out):
+        """{name: bits} of everything that a run has computed."""
+        h5py, found = self.hdf5(), {}
+
+        def keep(name, item):
+            if isinstance(item, h5py.Dataset) and not name.startswith("timing/"):
+                found[name] = (item.shape, str(item.dtype), item[()].tobytes() if item.dtype != object else list(item[()]))
+            for key, value in item.attrs.items():
+                if key != "command_line":
+                    found[f"{name}@{key}"] = value
+
+        with h5py.File(self.folder / out / "run.h5") as run:
+            keep("", run)
+            run.visititems(keep)
+        found["summary.json"] = {key: value for key, value in self.summary(out).items() if key != "cpu_s"}
+        found.update({f"steps.csv {name}": values for name, values in self.columns(out).items() if name[:3] != "ms_"})
+        return found
+
+    def same(self, expected, out):
+        found = self.content(out)
+        self.assertEqual([], [name for name in expected.keys() | found.keys() if expected.get(name) != found.get(name)], out)
+
+    def repeats(self, *scene):
+        self.replay("once", *scene)
+        once, steps = self.content("once"), self.summary("once")["steps"]
+        self.assertGreater(steps, 50)
+        self.assertGreater(once["contact/gap"][0][0], 100, "a run without contacts proves nothing")
+        self.replay("again", *scene)
+        self.same(once, "again")
+        self.replay("threads", *scene, "--threads", 2)
+        self.same(once, "threads")
+        self.replay("resumed", *scene, "--stop-after", steps // 2, code=INTERRUPTED)
+        self.assertEqual(set(path.name for path in (self.folder / "resumed").iterdir()),
+                         {"checkpoint.h5", "run.h5.tmp", "steps.csv.tmp"})
+        self.replay("resumed", *scene, "--resume", "--threads", 2)
+        self.same(once, "resumed")
+        self.assertFalse((self.folder / "resumed/checkpoint.h5").exists())
+
+    def test_peg_in_socket(self):
+        self.repeats(*PEG)
+
+    def test_every_third_step_recorded(self):
+        self.repeats(*PEG, "--every", 3)
+
+    def test_bolt_nut(self):
+        self.repeats("--builtin", "bolt_nut", "--stride", 40, "--speed", 0.5, "--hold", 0)
+
+    def test_own_tslot(self):
+        self.repeats("--data", self.data(), "--pair", "own_tslot")
+
+    def test_press_p1p2(self):
+        self.repeats("--data", self.data(), "--pair", "press_p1p2")
+
+    def test_alpha20(self):
+        self.repeats("--data", self.data(), "--pair", "alpha20")
+
+    def test_factory_peg_round_loose(self):
+        self.repeats("--data", self.data(), "--pair", "factory_peg_round_loose")
+
+    def test_factory_m16_loose(self):
+        self.repeats("--data", self.data(), "--pair", "factory_m16_loose")
+
+    def test_other_options_give_other_bits(self):
+        """The comparison is able to fail."""
+        self.replay("once", *PEG)
+        self.replay("other", *PEG, "--mu", 0.21)
+        with self.assertRaises(AssertionError):
+            self.same(self.content("once"), "other")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The main job: replays end at the end of their path, without a refused step, a failed solve or an overlap."""
+
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from drivers import PEG, DriverTest
+
+HOLD = 0.1  # the default of --hold [s]
+
+
+class Replay(DriverTest):
+    def ends_well(self, *scene):
+        self.replay("out", *scene)
+        summary, steps = self.summary("out"), self.columns("out")
+        numbers = {name: list(map(float, values)) for name, values in steps.items()}
+        self.assertEqual(summary["refused_steps"], 0)
+        self.assertEqual(summary["solver_failures"], 0)
+        self.assertAlmostEqual(numbers["t"][-1], summary["path_time"] + HOLD, 9)
+        self.assertEqual(len(numbers["t"]), summary["steps"])
+        self.assertGreater(summary["min_base_distance"], 0)
+        self.assertGreater(min(numbers["min_base_distance"]), 0)
+        allowed = -0.05 * 2 * summary["dilation"]
+        self.assertGreaterEqual(summary["min_gap"], allowed)
+        self.assertGreaterEqual(min(numbers["min_gap"]), allowed)
+        self.assertLessEqual(2 * summary["dilation"], 2 / 3 * summary["clearance"] * (1 + 1e-12))
+        self.assertGreater(summary["max_contacts"], 0)
+        self.assertLess(summary["energy_residual"], 1e-9)
+        self.assertFalse(list((self.folder / "out").glob("*.tmp")))
+
+    def ends_well_on(self, pair):
+        self.ends_well("--data", self.data(), "--pair", pair)
+        self.assertEqual(self.summary("out")["pair"], pair)
+
+    def test_peg_in_socket(self):
+        self.ends_well(*PEG)
+
+    def test_own_tslot(self):
+        self.ends_well_on("own_tslot")
+
+    def test_press_p1p2(self):
+        self.ends_well_on("press_p1p2")
+
+    def test_alpha20(self):
+        self.ends_well_on("alpha20")
+
+    def test_factory_peg_round_loose(self):
+        self.ends_well_on("factory_peg_round_loose")
+
+    def test_factory_m16_loose(self):
+        self.ends_well_on("factory_m16_loose")
+
+    def test_kinematic_gaps_are_the_clearances_of_the_recorded_poses(self):
+        """At a recorded pose the smallest gap is the distance of the base complexes less the two dilations."""
+        self.replay("out", *PEG, "--mode", "kinematic")
+        summary, poses = self.summary("out"), self.columns("out", "poses.csv")
+        near = 0
+        for gap, distance in zip(map(float, poses["min_gap"]), map(float, poses["base_distance"])):
+            if distance < 2 * summary["clearance"]:
+                self.assertAlmostEqual(gap + 2 * summary["dilation"], distance, 9)
+                near += 1
+        self.assertGreater(near, 10)
+        self.assertAlmostEqual(summary["min_base_distance"], summary["clearance"], 12)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the tests of the drivers share: run one as a user does, in a folder of its own, and look at what it leaves.
+
+Environment: AUSSOIS_DRIVERS, the folder of the programs; AUSSOIS_DATA_DIR, shared meshes and paths, or empty.
+"""
+
+import json
+import os
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+SOURCE = Path(__file__).resolve().parents[2]
+PARTS = SOURCE / "examples" / "data"
+PEG = ("--fixed", PARTS / "socket.obj", "--moving", PARTS / "peg.obj", "--path", PARTS / "peg_out.csv")
+
+
+class DriverTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="aussois-")
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def drive(self, driver, *arguments, timeout=None):
+        """The finished process of `driver`, run in the folder of the test. Sanitizers have nothing to say."""
+        run = subprocess.run([Path(os.environ["AUSSOIS_DRIVERS"], driver), *map(str, arguments)], cwd=self.folder,
+                             stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace", timeout=timeout)
+        self.assertNotRegex(run.stderr, "Sanitizer|runtime error:")
+        return run
+
+    def replay(self, out, *arguments, code=0):
+        """Runs replay_assembly into the folder `out` with its summary."""
+        run = self.drive("replay_assembly", *arguments, "--quiet", "-o", out, "--summary", f"{out}/summary.json")
+        self.assertEqual(run.returncode, code, run.stderr + run.stdout)
+        return run
+
+    def files(self):
+        """{name: content} of all files in the folder of the test."""
+        return {str(path.relative_to(self.folder)): path.read_bytes()
+                for path in sorted(self.folder.rglob("*")) if path.is_file()}
+
+    def summary(self, out):
+        return json.loads((self.folder / out / "summary.json").read_text())
+
+    def columns(self, out, table="steps.csv"):
+        """{column: its numbers as text}; the text tells doubles apart to the last bit."""
+        rows = [line.split(",") for line in (self.folder / out / table).read_text().splitlines()]
+        return {name: list(values) for name, *values in zip(*rows)}
+
+    def data(self):
+        """The folder of shared data; without it the test is skipped."""
+        if not os.environ.get("AUSSOIS_DATA_DIR"):
+            self.skipTest("AUSSOIS_DATA_DIR names no folder of shared data")
+        return Path(os.environ["AUSSOIS_DATA_DIR"])
+
+    def hdf5(self):
+        """The module h5py; without it the test is skipped."""
+        try:
+            import h5py
+        except ImportError:
+            self.skipTest("no h5py")
+        return h5py
