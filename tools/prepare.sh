@@ -11,10 +11,9 @@ progress() {
   last=-1
   while IFS= read -r line; do
     case "$line" in '['[0-9]*/[0-9]*']'*) ;; *) continue ;; esac
-    count=${line#'['}; count=${count%%']'*}; step=${count%/*}; all=${count#*/}
-    case "$step$all" in *[!0-9]*) continue ;; esac
-    [ "$step" -gt 0 ] && [ "$all" -gt 0 ] || continue
-    tenth=$((10 * step / all))
+    count=${line#'['}; count=${count%%']'*}
+    case "$count" in 0/* | */0 | *[!0-9/]*) continue ;; esac
+    tenth=$((10 * ${count%/*} / ${count#*/}))
     if [ -t 1 ]; then printf '\r\033[K%.78s' "$line"
     elif [ "$tenth" -gt "$last" ]; then printf '%.110s\n' "$line"
     fi
