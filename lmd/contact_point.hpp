@@ -24,8 +24,7 @@ struct Feature {
 /// What tells one contact from another from step to step: (body, dim, region) of both sides.
 struct ContactKey {
   std::array<std::int32_t, 6> value{};
-  // clang-tidy 14 takes the 0 of a generated comparison for a pointer.
-  auto operator<=>(const ContactKey&) const = default;  // NOLINT(modernize-use-nullptr)
+  auto operator<=>(const ContactKey&) const = default;
 };
 
 struct ContactPoint {
