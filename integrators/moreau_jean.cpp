@@ -202,8 +202,10 @@ MoreauJean::Attempt MoreauJean::attempt(const State& state, const VecX& v_estima
 StepReport MoreauJean::step(State& state, double h_limit) const {
   const AdvancementOptions& o = options_.advancement;
   const double begin = cpu_seconds();
-  double h = std::min(options_.h, h_limit);
-  if (state.h > 0) h = std::min(h, o.growth * state.h);
+  const double h_control = state.h_next > 0 ? std::min(options_.h, state.h_next) : options_.h;
+  double h = std::min(h_control, h_limit);
+  const double h_asked = h,
+               min_h = std::min(o.min_h, h);  // what is left of a run may be shorter than any minimum
   const FreeMotion free = free_motion(model_, state, dofs_, h, options_.theta);
   VecX v_estimate = all_velocities(dofs_, free.v_free, prescribed_velocity(model_, state, h));
 
@@ -219,7 +221,7 @@ StepReport MoreauJean::step(State& state, double h_limit) const {
     return ended(StepStatus::not_finite);
   }
   int unsolved = 0, enlarged = 0;
-  for (int k = 1; k <= o.max_attempts && h >= o.min_h; ++k) {
+  for (int k = 1; k <= o.max_attempts && h >= min_h; ++k) {
     Attempt trial = attempt(state, v_estimate, h);
     report = std::move(trial.report);
     report.attempts = k;
@@ -227,13 +229,15 @@ StepReport MoreauJean::step(State& state, double h_limit) const {
       case Attempt::Outcome::not_finite:
         return ended(StepStatus::not_finite);
       case Attempt::Outcome::not_solved:  // a shorter step is an easier problem; after that the report tells
-        if (++unsolved <= 3 && h / 2 >= o.min_h) {
+        if (++unsolved <= 3 && h / 2 >= min_h) {
           h /= 2;
           break;
         }
         [[fallthrough]];
       case Attempt::Outcome::accepted:
         state = std::move(trial.next);
+        state.h_next = h < h_asked ? o.growth * h
+                                   : std::max(h_control, o.growth * h);  // only a cut step makes it smaller
         return ended(StepStatus::ok);
       case Attempt::Outcome::bound_exceeded:
         v_estimate = trial.v_position;
@@ -245,7 +249,7 @@ StepReport MoreauJean::step(State& state, double h_limit) const {
     }
   }
   std::ostringstream text;
-  text << "no step of at least " << o.min_h << " s was accepted: " << report.reason;
+  text << "no step of at least " << min_h << " s was accepted: " << report.reason;
   report.reason = text.str();
   return ended(StepStatus::refused);
 }

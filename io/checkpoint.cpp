@@ -62,6 +62,7 @@ using PoseRow = std::array<double, 7>;  // x y z qx qy qz qw, as in run.h5
 void write_state(hid_t file, const State& state) {
   write_rows(file, "/state/t", std::vector<double>{state.t});
   write_rows(file, "/state/h", std::vector<double>{state.h});
+  write_rows(file, "/state/h_next", std::vector<double>{state.h_next});
   std::vector<PoseRow> pose;
   for (const SE3& g : state.g)
     pose.push_back({g.p.x(), g.p.y(), g.p.z(), g.R.x(), g.R.y(), g.R.z(), g.R.w()});
@@ -84,6 +85,7 @@ State read_state(hid_t file) {
   State state;
   state.t = read_one<double>(file, "/state/t");
   state.h = read_one<double>(file, "/state/h");
+  state.h_next = read_one<double>(file, "/state/h_next");
   for (const PoseRow& row : read_rows<PoseRow>(file, "/state/pose"))
     state.g.push_back({Quat(row[6], row[3], row[4], row[5]), Vec3(row[0], row[1], row[2])});
   const std::vector<double> velocity = read_rows<double>(file, "/state/velocity");

@@ -45,6 +45,8 @@ void validate(const Model& model, const State& state) {
   const std::size_t count = model.bodies.size();
   require_field(std::isfinite(state.t), "State::t", state.t, "be finite [s]");
   require_field(state.h >= 0 && std::isfinite(state.h), "State::h", state.h, "be at least 0 and finite [s]");
+  require_field(state.h_next >= 0 && std::isfinite(state.h_next), "State::h_next", state.h_next,
+                "be at least 0 and finite [s]");
   require_field(state.g.size() == count, "size of State::g", state.g.size(),
                 ("be the number of bodies, " + std::to_string(count)).c_str());
   require_field(state.v.size() == Eigen::Index(6 * count), "size of State::v", state.v.size(),
@@ -82,6 +84,7 @@ std::uint64_t hash(const State& state) {
   Digest digest;
   digest.add(state.t);
   digest.add(state.h);
+  digest.add(state.h_next);
   digest.add(std::uint64_t(state.g.size()));
   for (const SE3& g : state.g) {
     for (const double component : g.R.coeffs()) digest.add(component);

@@ -12,8 +12,9 @@
 namespace aussois {
 
 struct State {
-  double t = 0;  // [s]
-  double h = 0;  // length of the last accepted step [s], 0 before the first; the step control starts from it
+  double t = 0;          // [s]
+  double h = 0;          // length of the last accepted step [s], 0 before the first: impulses scale with it
+  double h_next = 0;     // the step that the control would try next [s]; 0: as large as the scheme allows
   std::vector<SE3> g{};  // g_wb of every body
   VecX v{};              // six per body: v_G in the world [m/s], omega in the body [rad/s]
   ContactMemory memory{};

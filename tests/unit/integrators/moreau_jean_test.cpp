@@ -222,6 +222,14 @@ TEST(MoreauJean, HasTheSameBitsForAnyNumberOfThreadsAndFromACopy) {
   EXPECT_EQ(hash_after(1, false, 77), reference);
 }
 
+TEST(MoreauJean, TakesARestShorterThanTheSmallestStepAndGoesOnWithTheLargest) {
+  Scene s = block_on_plate(0.3, 0, 0, 0.05);
+  const MoreauJean scheme(s.model, {.h = 1e-3});
+  EXPECT_EQ(scheme.step(s.state).h, 1e-3);
+  EXPECT_EQ(scheme.step(s.state, 1e-12).h, 1e-12);
+  EXPECT_EQ(scheme.step(s.state).h, 1e-3);
+}
+
 TEST(MoreauJean, RefusesAStepThatStartsInOverlapAndLeavesTheState) {
   Scene s = block_on_plate(0.3, 0, 0);
   pose(s.state, s.block).p.z() = kSide / 2 + 0.5 * kRadius;

@@ -24,6 +24,7 @@ Checkpoint nasty_checkpoint() {
   State& state = checkpoint.state;
   state.t = 0.1 + 0.2;
   state.h = 5e-324;
+  state.h_next = -0.0;
   state.g = {{Quat(0.5, -0.5, 0.5, -0.5), Vec3(-0.0, 1e-310, 1.7976931348623157e308)},
              {Quat(1, -0.0, 0, 1e-17), Vec3(1.0 / 3, -2.0 / 3, 1 + 2.220446049250313e-16)}};
   state.v = VecX::LinSpaced(12, -1.0 / 7, 1.0 / 3);
@@ -54,7 +55,7 @@ TEST(Checkpoint, GivesTheStateBackBitForBit) {
     EXPECT_TRUE(same_bits(&back.numbers.at(name), &value, 1)) << name;
 
   const State &a = back.state, &b = written.state;
-  EXPECT_TRUE(same_bits(&a.t, &b.t, 1) && same_bits(&a.h, &b.h, 1));
+  EXPECT_TRUE(same_bits(&a.t, &b.t, 1) && same_bits(&a.h, &b.h, 1) && same_bits(&a.h_next, &b.h_next, 1));
   ASSERT_EQ(a.g.size(), b.g.size());
   for (std::size_t i = 0; i < b.g.size(); ++i)
     EXPECT_TRUE(same_bits(a.g[i].p.data(), b.g[i].p.data(), 3) &&

@@ -24,6 +24,7 @@ Model two_bodies() {
 State some_state(const Model& model) {
   State state = rest_state(model);
   state.h = 1e-3;
+  state.h_next = 2e-3;
   state.memory.contacts.resize(2);
   state.memory.contacts[1].key.value[5] = 7;
   return state;
@@ -60,7 +61,7 @@ TEST(State, HashSeesEveryNumber) {
 
   const auto bump = [](double& x) { x = std::nextafter(x, kInf); };
   std::vector<std::function<void(State&)>> changes = {[&](State& s) { bump(s.t); },
-                                                      [&](State& s) { bump(s.h); }};
+                                                      [&](State& s) { bump(s.h); }, [&](State& s) { bump(s.h_next); }};
   for (std::size_t i = 0; i < 2; ++i) {
     for (int k = 0; k < 4; ++k) changes.push_back([=](State& s) { bump(s.g[i].R.coeffs()[k]); });
     for (int k = 0; k < 3; ++k) {
@@ -100,6 +101,7 @@ TEST(State, IsRefusedUnlessItFitsTheModel) {
   const std::vector<std::pair<std::function<void(State&)>, std::string>> cases = {
       {[&](State& s) { s.t = nan; }, "State::t = nan"},
       {[](State& s) { s.h = -1; }, "State::h = -1"},
+      {[](State& s) { s.h_next = -1; }, "State::h_next = -1"},
       {[](State& s) { s.g.pop_back(); }, "State::g = 1 must be the number of bodies, 2"},
       {[](State& s) { s.v.conservativeResize(6); },
        "State::v = 6 must be six times the number of bodies, 12"},
