@@ -103,6 +103,7 @@ std::vector<StepPair> pairs_within(const Model& model, const State& state, const
 std::vector<StepPair> step_pairs(const StepMotion& estimate, const std::vector<double>& radii,
                                  const AdvancementOptions& o) {
   std::vector<double> reach;
+  reach.reserve(radii.size());
   for (int b = 0; b < int(radii.size()); ++b) reach.push_back(reach_of(estimate, b, radii, o));
   std::vector<StepPair> pairs = pairs_within(estimate.model, estimate.state, reach);
   for (StepPair& pair : pairs) {

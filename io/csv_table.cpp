@@ -42,7 +42,7 @@ std::uintmax_t size_of_rows(const std::filesystem::path& temporary, const std::s
 
 }  // namespace
 
-CsvTable::CsvTable(std::filesystem::path path, std::vector<std::string> columns)
+CsvTable::CsvTable(std::filesystem::path path, const std::vector<std::string>& columns)
     : path_(std::move(path)), columns_(columns.size()) {
   const std::string header = header_line(columns);
   file_.reset(std::fopen(temporary_name(path_).c_str(), "wb"));
@@ -50,7 +50,7 @@ CsvTable::CsvTable(std::filesystem::path path, std::vector<std::string> columns)
   write(header);
 }
 
-CsvTable CsvTable::resume(std::filesystem::path path, std::vector<std::string> columns, std::size_t rows) {
+CsvTable CsvTable::resume(std::filesystem::path path, const std::vector<std::string>& columns, std::size_t rows) {
   const std::filesystem::path temporary = temporary_name(path);
   const std::uintmax_t size = size_of_rows(temporary, header_line(columns), rows);
   std::error_code failed;

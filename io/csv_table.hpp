@@ -20,11 +20,11 @@ class CsvTable {
  public:
   /// Throws std::invalid_argument for no columns or a name with a comma, quote or line end;
   /// std::runtime_error if the file cannot be created.
-  CsvTable(std::filesystem::path path, std::vector<std::string> columns);
+  CsvTable(std::filesystem::path path, const std::vector<std::string>& columns);
 
   /// Reopens PATH.tmp, keeps its first `rows` rows and cuts off the rest, even half a line. Throws
   /// std::runtime_error if the file is missing, has other columns, or fewer rows.
-  static CsvTable resume(std::filesystem::path path, std::vector<std::string> columns, std::size_t rows);
+  static CsvTable resume(std::filesystem::path path, const std::vector<std::string>& columns, std::size_t rows);
 
   /// Throws std::invalid_argument unless there is one value per column.
   void add(std::span<const double> values);

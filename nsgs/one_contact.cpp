@@ -177,7 +177,7 @@ Candidate slip(const Block& block) {
 // Separation is dealt with before; stick, slip, and the better of the two polished by Newton.
 Candidate enumerate(const Block& block) {
   const Eigen::FullPivLU<Mat3> lu(block.W);
-  const Candidate stick = block.judged(lu.solve(-block.q));
+  Candidate stick = block.judged(lu.solve(-block.q));
   if (good(stick)) return stick;
   const Candidate best = better(stick, slip(block));
   return good(best) || !std::isfinite(best.wrong) ? best : better(best, newton(block, best.r));

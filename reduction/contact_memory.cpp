@@ -81,6 +81,7 @@ WarmStart warm_start(const ContactMemory& memory, const ContactSet& contacts, do
     return before(seen(points[i], Vec3::Zero()), seen(points[j], Vec3::Zero()));
   });
   std::vector<RememberedContact> now;
+  now.reserve(place.size());
   for (const std::size_t i : place) now.push_back(seen(points[i], Vec3::Zero()));
   const std::vector<RememberedContact>& old = memory.contacts;
 

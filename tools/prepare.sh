@@ -5,21 +5,21 @@
 say() { printf '%s: %s\n' "$(basename "$0")" "$*"; }
 fail() { code=$1; shift; printf '%s: %s\n' "$(basename "$0")" "$*" >&2; exit "$code"; }
 
-# Reads a log and keeps its lines "[done/all] what": one moving line on a terminal, else a line for each tenth of the way.
+# Reads a log and keeps its lines "[step/all] what": one moving line on a terminal, else a line for each tenth of the way.
+# In the shell itself, since the awk of a bare Debian reads a pipe in blocks and would say nothing for minutes.
 progress() {
-  terminal=0
-  [ -t 1 ] && terminal=1
-  awk -v terminal="$terminal" '
-    match($0, /^\[[0-9]+\/[0-9]+\]/) {
-      split(substr($0, 2, RLENGTH - 2), count, "/")
-      if (count[2] == 0) next
-      tenth = int(10 * count[1] / count[2])
-      if (terminal) printf "\r\033[K%s", substr($0, 1, 78)
-      else if (tenth > last || count[1] == 1) print substr($0, 1, 110)
-      last = tenth
-      fflush()
-    }
-    END { if (terminal && NR) printf "\r\033[K" }'
+  last=-1
+  while IFS= read -r line; do
+    case "$line" in '['[0-9]*/[0-9]*']'*) ;; *) continue ;; esac
+    count=${line#'['}; count=${count%%']'*}
+    case "$count" in 0/* | */0 | *[!0-9/]*) continue ;; esac
+    tenth=$((10 * ${count%/*} / ${count#*/}))
+    if [ -t 1 ]; then printf '\r\033[K%.78s' "$line"
+    elif [ "$tenth" -gt "$last" ]; then printf '%.110s\n' "$line"
+    fi
+    last=$tenth
+  done
+  if [ -t 1 ]; then printf '\r\033[K'; fi
 }
 
 # run LOG FILTER COMMAND...: the command with all it says in LOG, and only its progress on the screen.
@@ -29,12 +29,23 @@ run() {
   return "$(cat "$log.status")"
 }
 
-# Lines of apt-get as "[done/all] what": every package is fetched, unpacked and set up once.
+# Lines of apt-get as "[step/all] what": every package is fetched, unpacked and set up once.
 apt_steps() {
-  awk '/newly installed/ { all = 3 * ($1 + $3) }
-       all && /^Get:/ { printf "[%d/%d] fetching %s\n", ++done, all, $5 }
-       all && /^(Unpacking|Setting up)/ { sub(/ \(.*/, ""); printf "[%d/%d] %s\n", ++done, all, tolower($0) }
-       { fflush() }'
+  step=0
+  all=0
+  # shellcheck disable=SC2034  # the words of a line, some of them in the way
+  while read -r first second third fourth fifth rest; do
+    case "$first $second" in
+      [0-9]*' upgraded,') all=$((3 * (first + third))); continue ;;
+      Get:*) what="fetching $fifth" ;;
+      Unpacking*) what="unpacking $second" ;;
+      'Setting up') what="setting up $third" ;;
+      *) continue ;;
+    esac
+    [ "$all" -gt 0 ] || continue   # still fetching lists
+    step=$((step + 1))
+    echo "[$step/$all] $what"
+  done
 }
 
 # install_missing FILE...: the packages named in the files, installed if they are not there. Exit 3 if it may not.

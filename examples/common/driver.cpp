@@ -130,7 +130,7 @@ void Cli::flag(const std::string& flag, bool& value, const std::string& what) {
   impl_->app.add_flag(flag, value);
 }
 void Cli::choice(const std::string& flag, std::string& value, const std::string& what,
-                 std::vector<std::string> choices) {
+                 const std::vector<std::string>& choices) {
   std::string list;
   for (const std::string& choice : choices) list += (list.empty() ? "" : ", ") + choice;
   impl_->add(flag, value, "NAME", what, "", "one of " + list)

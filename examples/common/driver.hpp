@@ -85,7 +85,7 @@ class Cli {
   void flag(const std::string& flag, bool& value, const std::string& what);
   /// One of `choices`.
   void choice(const std::string& flag, std::string& value, const std::string& what,
-              std::vector<std::string> choices);
+              const std::vector<std::string>& choices);
   /// A path that must exist: otherwise exit code 3 before anything runs. Not looked at if the user leaves it
   /// empty.
   void input(const std::string& flag, std::filesystem::path& value, const std::string& what);
