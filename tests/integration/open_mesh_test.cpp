@@ -4,7 +4,8 @@
 
 #include "examples/assembly/assembly_input.hpp"
 #include "io/mesh_file.hpp"
-#include "tests/unit/io/temporary_folder.hpp"
+#include "tests/support/files.hpp"
+#include "tests/support/message_of.hpp"
 
 namespace aussois {
 namespace {
@@ -33,7 +34,7 @@ TEST(OpenMesh, HasNoMassProperties) {
 }
 
 TEST(OpenMesh, BecomesAPartOfSheetsWithTheMassOfItsHull) {
-  const TemporaryFolder folder;
+  const std::filesystem::path folder = fresh_folder();
   write_obj(folder / "open.obj", open_peg(), 1e-3);
   const AssemblyPart whole = read_part(kPeg, 1e-3), open = read_part(folder / "open.obj", 1e-3);
   EXPECT_TRUE(whole.complex.solid);
