@@ -28,7 +28,7 @@ namespace {
 
 struct Arguments {
   std::filesystem::path mesh{};
-  std::string builtin = "box";
+  std::string builtin = "box", normal_law = "combined";
   double scale = 1e-3, height = 0.05, tilt = 25, density = 7850, mass = 0, mu = 0.3, restitution = 0.2,
          dilation = 2e-4;
   double h = 1e-3, theta = 1, time = 1.5, tolerance = 1e-8;
@@ -67,8 +67,11 @@ ExitCode drop(const Arguments& a) {
 
   // 3. Motion; every step reports what happened.
   make_folders(a.common);
-  const MoreauJean scheme(
-      model, {.h = a.h, .theta = a.theta, .nsgs = {.tolerance = a.tolerance}, .threads = a.common.threads});
+  const MoreauJean scheme(model, {.h = a.h,
+                                  .theta = a.theta,
+                                  .normal = {.law = normal_law(a.normal_law)},
+                                  .nsgs = {.tolerance = a.tolerance},
+                                  .threads = a.common.threads});
   RunHeader header = run_header(model);
   header.title = "drop_part " + part.name;
   header.command_line = a.command_line;
@@ -78,7 +81,8 @@ ExitCode drop(const Arguments& a) {
   CsvTable csv(a.common.out / "steps.csv", {"step", "t", "h", "contacts", "min_gap", "energy", "residual"});
   run.append(run_step(0, model, state));
   Progress progress("drop_part", a.time, Progress::style_of_stderr(a.common.quiet));
-  const double energy_scale = energy(model, state).total() - mass.properties.mass * 9.81 * lowest;
+  const double energy_scale =
+      mass.properties.mass * 9.81 * (a.height + size);  // of the fall and of tipping over
   double energy_before = energy(model, state).total(), energy_rise = 0, min_gap = kInf;
   std::int64_t steps = 0, failures = 0;
   while (state.t < a.time * (1 - 1e-12)) {
@@ -117,9 +121,9 @@ ExitCode drop(const Arguments& a) {
   std::printf(
       "drop_part: %lld steps, smallest gap %.3g um, speed at the end %.3g m/s, largest rise of energy %.3g J "
       "of %.3g J\n",
-      static_cast<long long>(steps), 1e6 * min_gap, speed, energy_rise, std::abs(energy_scale));
-  const bool accepted = failures == 0 && speed < 1e-3 && min_gap > -0.05 * 2 * a.dilation &&
-                        energy_rise < 1e-4 * std::abs(energy_scale);
+      static_cast<long long>(steps), 1e6 * min_gap, speed, energy_rise, energy_scale);
+  const bool accepted =
+      failures == 0 && speed < 1e-3 && min_gap > -0.05 * 2 * a.dilation && energy_rise < 1e-4 * energy_scale;
   return accepted ? ExitCode::ok : ExitCode::not_accepted;
 }
 
@@ -144,6 +148,8 @@ int main(int argc, char** argv) {
   cli.option("--time", a.time, "to simulate", "s", {1e-6, 1e4});
   cli.option("--h", a.h, "largest step", "s", {1e-7, 0.1});
   cli.option("--theta", a.theta, "of the Moreau-Jean scheme", "-", {0.5, 1});
+  cli.choice("--normal-law", a.normal_law, "what the normal rows of a step say (doc/theory/moreau_jean.md)",
+             {"combined", "gap_over_step", "moreau"});
   cli.group("solver");
   cli.option("--tolerance", a.tolerance, "on the scaled residual", "-", {1e-15, 0.1});
   cli.common(a.common);

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <map>
 #include <sstream>
 
 #include "examples/assembly/assembly_scene.hpp"
@@ -30,12 +31,16 @@ using namespace aussois;
 
 namespace {
 
+constexpr double kArrival =
+    0.1;  // of the part's radius: a part that ends farther from the end of its path is stuck
+
 struct Arguments {
   std::filesystem::path data{}, fixed{}, moving{}, path{};
   std::string pair{}, builtin{}, mode = "dynamic", gravity = "-5.66,-5.66,-5.66";
   double scale = 1e-3;
   double threshold = 0;  // kinematic
   AssemblyOptions scene{};
+  std::string normal_law = "combined";
   double theta = 1, tolerance = 1e-8;
   int stop_after = 0;
   CommonOptions common{};
@@ -46,7 +51,7 @@ struct Arguments {
 struct Statistics {
   std::int64_t steps = 0, refused_steps = 0, solver_failures = 0, max_contacts = 0, rows = 0;
   double min_gap = kInf, min_base_distance = kInf, peak_force = 0, peak_torque = 0, peak_contact_force = 0,
-         max_lag = 0;
+         max_lag = 0, final_lag = 0;
   double energy_error = 0, energy_scale = 0, cpu_s = 0;
   double energy_residual() const { return energy_scale > 0 ? energy_error / energy_scale : 0; }
 };
@@ -118,6 +123,7 @@ Summary summary_of(const AssemblyInput& input, const AssemblyScene& scene, const
   out.set("max_contacts", s.max_contacts);
   out.set("energy_residual", s.energy_residual());
   out.set("cpu_s", s.cpu_s);
+  out.set("final_lag", s.final_lag);
   out.set("peak_torque", s.peak_torque);
   out.set("peak_contact_force", s.peak_contact_force);
   out.set("dilation", scene.dilation);
@@ -140,7 +146,7 @@ void finish(const AssemblyInput& input, const AssemblyScene& scene, const Argume
 
 ExitCode replay_kinematic(const AssemblyInput& input, const AssemblyScene& scene, const Arguments& a) {
   const double threshold = a.threshold > 0 ? a.threshold : 2 * scene.clearance;
-  const MoreauJean scheme(scene.model, {.h = scene.h, .threads = a.common.threads});
+  const MoreauJean scheme(scene.model, {.threads = a.common.threads});
   RunWriter run(a.common.out / "run.h5", header_of(input, scene, a));
   CsvTable csv(a.common.out / "poses.csv", {"pose", "contacts", "min_gap", "base_distance", "ms_query"});
   Progress progress("replay_assembly", double(scene.poses.size()), Progress::style_of_stderr(a.common.quiet));
@@ -153,7 +159,8 @@ ExitCode replay_kinematic(const AssemblyInput& input, const AssemblyScene& scene
     const double begin = cpu_seconds();
     const ContactSet found = scheme.contacts(state, threshold);
     ms.push_back(1e3 * (cpu_seconds() - begin));
-    const double distance = min_base_distance(scene.model, state, threshold + 2 * scene.dilation, a.common.threads);
+    const double distance =
+        min_base_distance(scene.model, state, threshold + 2 * scene.dilation, a.common.threads);
     RunStep row = run_step(s.steps, scene.model, state);
     for (const ContactPoint& c : found.points) row.contacts.push_back(run_contact(c));
     row.contacts_found = int(found.points.size());
@@ -187,6 +194,12 @@ const std::vector<std::string> kColumns{
     "torque",  "lag",      "attempts", "ms_contact",        "ms_solve", "ms_certificate",
     "ms_total"};
 
+// How far behind the path the part is: its centre of mass, and its farthest point by rotation [m].
+double lag_of(const AssemblyScene& scene, const State& state) {
+  const SE3 on_path = evaluate(scene.path, state.t).pose, is = pose(state, scene.moving);
+  return (on_path.p - is.p).norm() + scene.radius * angle_between(on_path.R, is.R);
+}
+
 // What the bits of a run depend on, as text. Threads, output and interruptions do not belong here.
 std::uint64_t fingerprint(const AssemblyInput& input, const Arguments& a) {
   const AssemblyOptions& o = a.scene;
@@ -195,7 +208,7 @@ std::uint64_t fingerprint(const AssemblyInput& input, const Arguments& a) {
        << ' ' << o.density << ' ' << o.mass << ' ' << o.speed << ' ' << o.stride << ' ' << o.h << ' '
        << o.frequency << ' ' << o.damping_ratio << ' ' << o.force_limit << ' ' << o.torque_limit << ' '
        << o.hold << ' ' << o.gravity.transpose() << ' ' << o.misalignment << ' ' << a.theta << ' '
-       << a.tolerance << ' ' << a.common.every;
+       << a.normal_law << ' ' << a.tolerance << ' ' << a.common.every;
   return fingerprint_of(text.str());
 }
 
@@ -219,11 +232,18 @@ Checkpoint checkpoint_of(std::uint64_t print, const State& state, const Statisti
                      {"run_rows", std::int64_t(run_rows)}}};
 }
 
+template <class Value>
+Value entry(const std::map<std::string, Value>& values, const std::string& key) {
+  const auto found = values.find(key);
+  if (found == values.end()) throw std::runtime_error("checkpoint.h5: " + key + " is missing");
+  return found->second;
+}
+
 Statistics statistics_of(const Checkpoint& c) {
-  const auto number = [&](const char* key) { return c.numbers.at(key); };
+  const auto number = [&](const char* key) { return entry(c.numbers, key); };
   return {.steps = c.step,
-          .solver_failures = c.counts.at("solver_failures"),
-          .max_contacts = c.counts.at("max_contacts"),
+          .solver_failures = entry(c.counts, "solver_failures"),
+          .max_contacts = entry(c.counts, "max_contacts"),
           .min_gap = number("min_gap"),
           .min_base_distance = number("min_base_distance"),
           .peak_force = number("peak_force"),
@@ -248,8 +268,7 @@ void account(Statistics& s, const AssemblyScene& scene, const State& state, cons
   for (const StepContact& c : report.contacts)
     contact += (c.point.a.body == scene.moving ? 1.0 : -1.0) * c.impulse;
   s.peak_contact_force = std::max(s.peak_contact_force, contact.norm() / report.h);
-  s.max_lag =
-      std::max(s.max_lag, (evaluate(scene.path, state.t).pose.p - pose(state, scene.moving).p).norm());
+  s.max_lag = std::max(s.max_lag, lag_of(scene, state));
   s.energy_error += std::abs(report.energy.residual());
   s.energy_scale += std::abs(report.energy.law_work) + std::abs(report.energy.contact_work) +
                     std::abs(report.energy.kinetic_change);
@@ -257,9 +276,12 @@ void account(Statistics& s, const AssemblyScene& scene, const State& state, cons
 }
 
 ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, const Arguments& a) {
-  const MoreauJean scheme(
-      scene.model,
-      {.h = scene.h, .theta = a.theta, .nsgs = {.tolerance = a.tolerance}, .threads = a.common.threads});
+  const MoreauJean scheme(scene.model, {.h = scene.h,
+                                        .theta = a.theta,
+                                        .normal = {.law = normal_law(a.normal_law)},
+                                        .nsgs = {.tolerance = a.tolerance},
+                                        .advancement = {.min_h = std::min(1e-7, scene.h)},
+                                        .threads = a.common.threads});
   const std::uint64_t print = fingerprint(input, a);
   const std::filesystem::path checkpoint_file = a.common.out / "checkpoint.h5";
   const double t_end = scene.path.t.back() + a.scene.hold;
@@ -272,8 +294,8 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
     validate(scene.model, c.state);
     state = c.state;
     s = statistics_of(c);
-    csv_rows = std::size_t(c.counts.at("csv_rows"));
-    run_rows = std::size_t(c.counts.at("run_rows"));
+    csv_rows = std::size_t(entry(c.counts, "csv_rows"));
+    run_rows = std::size_t(entry(c.counts, "run_rows"));
   }
   RunWriter run = a.common.resume ? RunWriter::resume(a.common.out / "run.h5", run_rows)
                                   : RunWriter(a.common.out / "run.h5", header_of(input, scene, a));
@@ -296,11 +318,10 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
         coupling_wrench(scene.model, state, scene.moving, scene.target, scene.coupling, state.t);
     account(s, scene, state, report, pull);
     if (s.steps % a.common.every == 0) run.append(run_step(s.steps, scene.model, state, report, pull));
-    const double lag = (evaluate(scene.path, state.t).pose.p - pose(state, scene.moving).p).norm();
     csv.add({double(s.steps), report.t, report.h, double(report.contacts_found), double(report.contacts_kept),
              double(report.solve.iterations), double(report.solve.newton_iterations), report.solve.residual,
              report.min_gap, report.min_base_distance, energy(scene.model, state).total(), pull.force.norm(),
-             pull.torque.norm(), lag, double(report.attempts), 1e3 * report.seconds_contact,
+             pull.torque.norm(), lag_of(scene, state), double(report.attempts), 1e3 * report.seconds_contact,
              1e3 * report.seconds_solve, 1e3 * report.seconds_certificate, 1e3 * report.seconds_total});
     char note[80];
     std::snprintf(note, sizeof note, "step %lld, %d contacts", static_cast<long long>(s.steps),
@@ -318,8 +339,8 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
     }
   }
   s.refused_steps += report.status == StepStatus::refused;
-  if (!scheme.contacts(state, 2 * scene.clearance).points.empty())
-    s.min_gap = std::min(s.min_gap, smallest_gap(scheme.contacts(state, 2 * scene.clearance)));
+  s.min_gap = std::min(s.min_gap, smallest_gap(scheme.contacts(state, 2 * scene.clearance)));
+  s.final_lag = lag_of(scene, state);
   csv.close();
   finish(input, scene, a, s, run);
   std::filesystem::remove(checkpoint_file);
@@ -334,8 +355,12 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
       s.peak_force, s.peak_torque, 1e3 * s.max_lag, static_cast<long long>(s.max_contacts), s.cpu_s);
   if (report.status == StepStatus::refused)
     std::fprintf(stderr, "refused at t = %.6g s: %s\n", state.t, report.reason.c_str());
-  const bool accepted = s.refused_steps == 0 && s.solver_failures == 0 && s.min_base_distance > 0 &&
-                        s.min_gap >= -0.05 * 2 * scene.dilation;
+  const bool arrived = s.final_lag <= kArrival * scene.radius;
+  if (!arrived)
+    std::fprintf(stderr, "the part did not arrive: %.4g mm behind the end of its path, more than %.4g mm\n",
+                 1e3 * s.final_lag, 1e3 * kArrival * scene.radius);
+  const bool accepted = arrived && s.refused_steps == 0 && s.solver_failures == 0 &&
+                        s.min_base_distance > 0 && s.min_gap >= -0.05 * 2 * scene.dilation;
   return accepted ? ExitCode::ok : ExitCode::not_accepted;
 }
 
@@ -393,6 +418,8 @@ int main(int argc, char** argv) {
              {1e-3, 1e4});
   cli.option("--h", a.scene.h, "largest step; 0: from stride and speed", "s", {0, 1});
   cli.option("--theta", a.theta, "of the Moreau-Jean scheme", "-", {0.5, 1});
+  cli.choice("--normal-law", a.normal_law, "what the normal rows of a step say (doc/theory/moreau_jean.md)",
+             {"combined", "gap_over_step", "moreau"});
   cli.option("--threshold", a.threshold, "kinematic: largest gap of a contact; 0: twice the clearance", "m",
              {0, 1});
   cli.option("--stop-after", a.stop_after, "stop with a checkpoint after this many steps; 0: never", "",

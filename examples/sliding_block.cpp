@@ -40,11 +40,12 @@ double deceleration(const Arguments& a) {
 double simulated_travel(const Arguments& a, double h) {
   // 1. The scene: a plate in the plane of the slope, a block on it, gravity tilted.
   const double slope = a.angle * kPi / 180;
+  const double plate_side = 4 * (kSide + a.speed * a.speed / (2 * deceleration(a)));
   Model model;
   model.gravity = kGravity * Vec3(std::sin(slope), 0, -std::cos(slope));
   model.contact_law = {.mu = a.mu, .restitution = 0};
   const SimplicialComplex box = make_box(kSide, kSide, kSide);
-  const int plate = add(model, prepare(dilate(make_plate(40, 40), kRadius)));
+  const int plate = add(model, prepare(dilate(make_plate(plate_side, plate_side), kRadius)));
   const int cube = add(model, prepare(dilate(box, kRadius)));
   add(model, fixed_body("slope", plate));
   const int block = add(model, solid_body("block", cube, mass_properties(box, kDensity)));

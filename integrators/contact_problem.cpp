@@ -50,6 +50,12 @@ const char* to_string(NormalLaw law) {
   return "?";
 }
 
+NormalLaw normal_law(const std::string& name) {
+  for (const NormalLaw law : {NormalLaw::moreau, NormalLaw::gap_over_step, NormalLaw::combined})
+    if (name == to_string(law)) return law;
+  throw std::invalid_argument("normal law = " + name + " must be moreau, gap_over_step or combined");
+}
+
 std::vector<ContactRow> contact_rows(const Model& model, const State& state, const ContactSet& contacts,
                                      const VecX& v_prescribed, double h, const NormalLawOptions& options) {
   std::vector<ContactRow> rows;
@@ -64,7 +70,8 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
     row.w =
         row.J_a * v_prescribed.segment<6>(6 * row.body_a) + row.J_b * v_prescribed.segment<6>(6 * row.body_b);
     const auto twist_before = [&](int body) {  // of a moved body: that of its path on this step
-      return is_dynamic(model.bodies[std::size_t(body)]) ? twist(state, body) : Vec6(v_prescribed.segment<6>(6 * body));
+      return is_dynamic(model.bodies[std::size_t(body)]) ? twist(state, body)
+                                                         : Vec6(v_prescribed.segment<6>(6 * body));
     };
     const double u_before = (row.J_a * twist_before(row.body_a) + row.J_b * twist_before(row.body_b)).x();
     row.w.x() += normal_bias(c.gap, u_before, law.restitution, h, options, row.active);

@@ -2,6 +2,8 @@
 // From contacts to the one-step problem: directions, bias, friction (MJ-3), (MJ-6).
 #pragma once
 
+#include <string>
+
 #include "integrators/free_motion.hpp"
 #include "nsgs/friction_problem.hpp"
 
@@ -14,6 +16,8 @@ enum class NormalLaw {
   combined,       // impact law where a contact with e > 0 closes within the step, gap over step elsewhere
 };
 const char* to_string(NormalLaw law);
+/// By its name; throws std::invalid_argument naming the three.
+NormalLaw normal_law(const std::string& name);
 
 /// One contact as the dynamics sees it.
 struct ContactRow {

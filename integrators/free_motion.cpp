@@ -25,8 +25,8 @@ std::vector<Triplet> dynamic_entries(const std::vector<Triplet>& entries, const 
 }
 
 // What the laws between a dynamic and a moved body change because the latter moves on during the step.
-void subtract_moved_anchors(const GeneralisedForce& force, const DofMap& dofs, const VecX& v_prescribed, const VecX& v_before,
-                            double h, double theta, VecX& laws) {
+void subtract_moved_anchors(const GeneralisedForce& force, const DofMap& dofs, const VecX& v_prescribed,
+                            const VecX& v_before, double h, double theta, VecX& laws) {
   const auto couples = [&](const Triplet& e) {
     return dofs.first[std::size_t(e.row() / 6)] >= 0 && dofs.first[std::size_t(e.col() / 6)] < 0;
   };

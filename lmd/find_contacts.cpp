@@ -40,9 +40,11 @@ struct Found {
   LocalMinimum minimum{};
 };
 
-// Kernels accept feet that are off by a length, nodes prune by angles: at a distance d the length is worth tau / d.
+// Kernels accept feet that are off by a length, nodes prune by angles: at a distance d the length is worth
+// tau / d.
 double angle_slack(const MinimumCriteria& c, double dilation, double size) {
-  return 1e-6 + c.tolerance / std::max(dilation / 2, 1e-3 * size);  // [rad]; 1e-6 for rounding of cones and poses
+  return 1e-6 +
+         c.tolerance / std::max(dilation / 2, 1e-3 * size);  // [rad]; 1e-6 for rounding of cones and poses
 }
 
 // cos and sin of an angle in [0, pi]; sums keep `past_pi` once they leave it, since then nothing is outside.

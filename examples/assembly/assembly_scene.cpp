@@ -28,7 +28,7 @@ double smallest_clearance(const AssemblyInput& input, int threads,
   const LmdShape moving = prepare({.complex = input.moving.complex, .radius = 0});
   double clearance = input.moving.report.box.diagonal();  // farther apart is no fit
   for (std::size_t i = 0; i < input.poses.size(); ++i) {
-    if (progress) progress(int(i), int(input.poses.size()));
+    if (progress) progress(int(i) + 1, int(input.poses.size()));
     clearance = base_distance({&moving, {}, {.g = input.poses[i]}}, {&fixed, {}, {}}, clearance, threads);
     require(clearance > 0, "pose " + std::to_string(i) + " of the path has the two parts in contact");
   }
@@ -78,8 +78,8 @@ AssemblyScene make_assembly_scene(const AssemblyInput& input, const AssemblyOpti
 
   const SE3 body_in_mesh = inverse(model.bodies[std::size_t(scene.moving)].g_bs);
   for (const SE3& pose : input.poses) scene.poses.push_back(pose * body_in_mesh);
-  const double radius = radius_about(input.moving.complex, mass.properties.centre);
-  scene.path = timed(scene.poses, radius, options.speed);
+  scene.radius = radius_about(input.moving.complex, mass.properties.centre);
+  scene.path = timed(scene.poses, scene.radius, options.speed);
   scene.h = options.h > 0 ? options.h : options.stride * 2 * scene.dilation / options.speed;
 
   scene.target = scene.path;

@@ -13,20 +13,21 @@ namespace aussois {
 
 /// Zero means: derived from the parts and their path; what was chosen stands in AssemblyScene.
 struct AssemblyOptions {
-  double dilation = 0;           // of each part [m]; 0: three tenths of the smallest clearance along the path
-  double mu = 0.2;               // friction [-]
-  double restitution = 0;        // [-]
-  double density = 7850;         // steel [kg/m^3]
-  double mass = 0;               // of the moving part [kg]; 0: from density and volume
-  double speed = 0.05;           // of the farthest point of the moving part along the path [m/s]
-  double stride = 4;             // largest motion per step, in sums of the dilations [-]
-  double h = 0;                  // largest step [s]; 0: from stride and speed
-  double frequency = 20;         // of the part on its coupling alone [Hz]
-  double damping_ratio = 1;      // of the coupling [-]
-  double force_limit = kInf;     // [N]
-  double torque_limit = kInf;    // [N m]
-  double hold = 0.1;             // time at the end of the path, for the part to arrive [s]
-  Vec3 gravity = {0, 0, -9.81};  // in the frame of the fixed part [m/s^2]
+  double dilation = 0;         // of each part [m]; 0: three tenths of the smallest clearance along the path
+  double mu = 0.2;             // friction [-]
+  double restitution = 0;      // [-]
+  double density = 7850;       // steel [kg/m^3]
+  double mass = 0;             // of the moving part [kg]; 0: from density and volume
+  double speed = 0.05;         // of the farthest point of the moving part along the path [m/s]
+  double stride = 4;           // largest motion per step, in sums of the dilations [-]
+  double h = 0;                // largest step [s]; 0: from stride and speed
+  double frequency = 20;       // of the part on its coupling alone [Hz]
+  double damping_ratio = 1;    // of the coupling [-]
+  double force_limit = kInf;   // [N]
+  double torque_limit = kInf;  // [N m]
+  double hold = 0.1;           // time at the end of the path, for the part to arrive [s]
+  Vec3 gravity = {-5.66, -5.66,
+                  -5.66};  // in the frame of the fixed part: oblique, so that the part leans on it [m/s^2]
   double misalignment =
       1;  // the coupling pulls towards the path displaced along (1, 1, 1), in clearances [-]
 };
@@ -38,6 +39,7 @@ struct AssemblyScene {
   Trajectory target{};        // what the coupling pulls towards: the path, misaligned
   std::vector<SE3> poses{};   // the recorded poses, of that frame
   VirtualCouplingOptions coupling{};
+  double radius = 0;     // of the moving part about its centre of mass [m]
   double clearance = 0;  // smallest distance of the base complexes at the recorded poses [m]
   double dilation = 0;   // of each part [m]
   double h = 0;          // largest step [s]
