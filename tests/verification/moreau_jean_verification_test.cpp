@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+// The Moreau-Jean scheme against exact solutions.
+#include <gtest/gtest.h>
+
+#include "integrators/moreau_jean.hpp"
+#include "tests/support/block_scene.hpp"
+
+namespace aussois {
+namespace {
+
+TEST(Incline, ABlockBelowTheFrictionAngleDoesNotCreep) {
+  Scene s = block_on_plate(0.5, 0, std::atan(0.45));
+  const Vec3 start = pose(s.state, s.block).p;
+  const MoreauJean scheme(s.model, {.h = 5e-3, .nsgs = {.tolerance = 1e-10}});
+  run(scheme, s.state, 10);
+  EXPECT_LT((pose(s.state, s.block).p - start).norm(), 1e-10);
+}
+
+TEST(Incline, ABlockAboveTheFrictionAngleSlidesAsCoulombSays) {
+  const double slope = 30 * kPi / 180, mu = 0.5;
+  Scene s = block_on_plate(mu, 0, slope);
+  const MoreauJean scheme(s.model, {.h = 1e-3});
+  run(scheme, s.state, 0.5);
+  const double a = kGravity * (std::sin(slope) - mu * std::cos(slope));
+  EXPECT_NEAR(twist(s.state, s.block)[0], a * 0.5, 1e-6);
+}
+
+// A point mass with a dilation is a ball; drop from 1 m, e = 1/2: rest at t1 (1 + e) / (1 - e).
+double bouncing_ball_error(double h, NormalLaw law) {
+  Model model;
+  model.contact_law = {.mu = 0, .restitution = 0.5};
+  const int plate = add(model, prepare(dilate(make_plate(2, 2), 0.05)));
+  const int point = add(model, prepare(dilate(make_point(), 0.05)));
+  add(model, fixed_body("ground", plate));
+  const int ball =
+      add(model, RigidBody{.name = "ball", .shape = point, .mass = 1, .inertia = 1e-3 * Mat3::Identity()});
+  State state = rest_state(model);
+  pose(state, ball).p = Vec3(0.03, 0.02, 1.1);
+  const MoreauJean scheme(model, {.h = h, .theta = 0.5, .normal = {.law = law}});
+  const double e = 0.5, t1 = std::sqrt(2 / 9.81), v1 = 9.81 * t1;
+  double error = 0;
+  while (state.t < 1.5 - 1e-9) {
+    const StepReport report = scheme.step(state, 1.5 - state.t);
+    EXPECT_TRUE(report.ok()) << report.reason;
+    double z = 0;  // exact height above the plate
+    if (state.t < t1) {
+      z = 1 - 9.81 * state.t * state.t / 2;
+    } else {
+      double begin = t1, speed = e * v1;
+      while (speed > 1e-9 && state.t > begin + 2 * speed / 9.81) begin += 2 * speed / 9.81, speed *= e;
+      const double s = state.t - begin;
+      z = std::max(0.0, speed * s - 9.81 * s * s / 2);
+    }
+    error = std::max(error, std::abs(pose(state, ball).p.z() - 0.1 - z));
+  }
+  return error;
+}
+
+class RestitutionLaw : public ::testing::TestWithParam<NormalLaw> {};
+
+TEST_P(RestitutionLaw, LetsABallFollowTheExactImpacts) {
+  // Steps that are not powers of two of each other: the phase of an impact in its step scatters single
+  // errors.
+  double sx = 0, sy = 0, sxx = 0, sxy = 0;
+  const double steps[] = {1.03e-2, 5.7e-3, 3.1e-3, 1.7e-3, 9.1e-4, 5.3e-4};
+  for (const double h : steps) {
+    const double x = std::log(h), y = std::log(bouncing_ball_error(h, GetParam()));
+    sx += x, sy += y, sxx += x * x, sxy += x * y;
+  }
+  const double order = (6 * sxy - sx * sy) / (6 * sxx - sx * sx);
+  EXPECT_GT(order, 0.85);
+  EXPECT_LT(bouncing_ball_error(5.3e-4, GetParam()), 5e-3);
+}
+INSTANTIATE_TEST_SUITE_P(Laws, RestitutionLaw, ::testing::Values(NormalLaw::moreau, NormalLaw::combined),
+                         [](const auto& law) { return to_string(law.param); });
+
+// The gap at the end of the step is closed exactly, whatever the law is called where nothing bounces.
+TEST(PlasticLaw, LetsABlockLandOnTheSurface) {
+  for (const NormalLaw law : {NormalLaw::gap_over_step, NormalLaw::combined}) {
+    Scene s = block_on_plate(0.3, 0, 0, 0.05);
+    run(MoreauJean(s.model, {.h = 1e-2, .normal = {.law = law}}), s.state, 0.3);
+    EXPECT_NEAR(pose(s.state, s.block).p.z(), kSide / 2 + 2 * kRadius, 1e-8) << to_string(law);
+  }
+}
+
+// Moreau's law acts on velocities alone: what the block sinks in while it lands stays, at most half a step of
+// motion.
+TEST(PlasticLaw, OfMoreauKeepsTheOverlapOfTheImpactStep) {
+  Scene s = block_on_plate(0.3, 0, 0, 0.05);
+  run(MoreauJean(s.model, {.h = 1e-4, .normal = {.law = NormalLaw::moreau}}), s.state, 0.3);
+  EXPECT_NEAR(pose(s.state, s.block).p.z(), kSide / 2 + 2 * kRadius, 1e-4);
+  EXPECT_LT(twist(s.state, s.block).norm(), 1e-7);
+}
+
+// A plate that rises at 0.1 m/s lifts the block: same speed, force m g, gap closed.
+TEST(PrescribedBody, LiftsABlockWithItsWeight) {
+  Scene s = block_on_plate(0.3, 0, 0);
+  s.model.bodies[std::size_t(s.ground)].motion =
+      Prescribed{.path = {.t = {0, 10}, .pose = {SE3{}, translation(0, 0, 1)}}};
+  s.state = rest_state(s.model);
+  pose(s.state, s.block).p.z() = kSide / 2 + 2 * kRadius;
+  const StepReport report = run(MoreauJean(s.model, {.h = 1e-3, .nsgs = {.tolerance = 1e-12}}), s.state, 0.5);
+  EXPECT_NEAR(pose(s.state, s.block).p.z(), kSide / 2 + 2 * kRadius + 0.05, 1e-8);
+  EXPECT_NEAR(twist(s.state, s.block)[2], 0.1, 1e-9);
+  double push = 0;
+  for (const StepContact& c : report.contacts) push -= c.impulse.z() / report.h;
+  EXPECT_NEAR(push, kDensity * std::pow(kSide, 3) * kGravity, 1e-6);
+}
+
+// With e = 1/2 a block at rest that is hit from below by a plate at 1 m/s leaves at 1.5 m/s, in the very
+// first step too.
+TEST(PrescribedBody, HitsWithTheSpeedOfItsPath) {
+  Scene s = block_on_plate(0, 0.5, 0, 1e-4);
+  s.model.gravity = Vec3::Zero();
+  s.model.bodies[std::size_t(s.ground)].motion =
+      Prescribed{.path = {.t = {0, 1}, .pose = {SE3{}, translation(0, 0, 1)}}};
+  const MoreauJean scheme(s.model, {.h = 1e-3});
+  ASSERT_TRUE(scheme.step(s.state).ok());
+  EXPECT_NEAR(twist(s.state, s.block)[2], 1.5, 1e-6);
+}
+
+// Three blocks on each other: each contact plane carries the weight above it.
+TEST(Stack, CarriesTheWeightAboveEachContact) {
+  Scene s = block_on_plate(0.5, 0, 0);
+  const RigidBody block = s.model.bodies[std::size_t(s.block)];
+  for (int i = 1; i < 3; ++i) {
+    RigidBody next = block;
+    next.name += std::to_string(i);
+    add(s.model, next);
+  }
+  s.state = rest_state(s.model);
+  for (int i = 0; i < 3; ++i)
+    pose(s.state, s.block + i).p.z() = kSide / 2 + 2 * kRadius + i * (kSide + 2 * kRadius);
+  const StepReport report = run(MoreauJean(s.model, {.h = 5e-3, .nsgs = {.tolerance = 1e-12}}), s.state, 0.1);
+  std::vector<double> carried(3, 0);
+  for (const StepContact& c : report.contacts)
+    carried[std::size_t(std::min(c.point.a.body, c.point.b.body))] += std::abs(c.impulse.z()) / report.h;
+  const double weight = kDensity * std::pow(kSide, 3) * kGravity;
+  for (int i = 0; i < 3; ++i)
+    EXPECT_NEAR(carried[std::size_t(i)], (3 - i) * weight, 1e-6 * weight) << "below block " << i;
+}
+
+}  // namespace
+}  // namespace aussois
