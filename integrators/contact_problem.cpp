@@ -64,7 +64,8 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
     row.w =
         row.J_a * v_prescribed.segment<6>(6 * row.body_a) + row.J_b * v_prescribed.segment<6>(6 * row.body_b);
     const auto twist_before = [&](int body) {  // of a moved body: that of its path on this step
-      return is_dynamic(model.bodies[std::size_t(body)]) ? twist(state, body) : Vec6(v_prescribed.segment<6>(6 * body));
+      return is_dynamic(model.bodies[std::size_t(body)]) ? twist(state, body)
+                                                         : Vec6(v_prescribed.segment<6>(6 * body));
     };
     const double u_before = (row.J_a * twist_before(row.body_a) + row.J_b * twist_before(row.body_b)).x();
     row.w.x() += normal_bias(c.gap, u_before, law.restitution, h, options, row.active);
