@@ -18,10 +18,10 @@ struct MeshReport {
   int degenerate_triangles = 0;   // height below 1e-12 of the bounding box diagonal
   int duplicate_vertices = 0;     // vertices at exactly the place of an earlier one
   int duplicate_triangles = 0;    // same three vertices as an earlier one
-  int self_intersections =
-      0;  // pairs of triangles that meet elsewhere than in what they share (self_intersections)
-  double min_height_ratio =
-      0;  // smallest triangle height over the bounding box diagonal; 0 without triangles
+  // Pairs of triangles that meet elsewhere than in what they share (self_intersections)
+  int self_intersections = 0;
+  // Smallest triangle height over the bounding box diagonal; 0 without triangles
+  double min_height_ratio = 0;
   Box box{};
   double volume = 0;      // signed, of the closed oriented surface [m^3]; 0 if not closed and oriented
   bool closed = false;    // there are triangles, and every edge has two of them

@@ -27,8 +27,8 @@ struct AssemblyOptions {
   double torque_limit = kInf;    // [N m]
   double hold = 0.1;             // time at the end of the path, for the part to arrive [s]
   Vec3 gravity = {0, 0, -9.81};  // in the frame of the fixed part [m/s^2]
-  double misalignment =
-      1;  // the coupling pulls towards the path displaced along (1, 1, 1), in clearances [-]
+  // The coupling pulls towards the path displaced along (1, 1, 1), in clearances [-]
+  double misalignment = 1;
 };
 
 struct AssemblyScene {

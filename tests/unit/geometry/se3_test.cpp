@@ -13,8 +13,8 @@ namespace aussois {
 namespace {
 
 constexpr unsigned kSeed = 20122;
-constexpr double kStep =
-    1e-5;  // of central differences: truncation and rounding both near 1e-10 for twists of size 4
+// Of central differences: truncation and rounding both near 1e-10 for twists of size 4
+constexpr double kStep = 1e-5;
 
 // f(twist) for translations up to 2 m with the delicate angles, 10 each.
 template <class F>
