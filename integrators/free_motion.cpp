@@ -24,6 +24,19 @@ std::vector<Triplet> dynamic_entries(const std::vector<Triplet>& entries, const 
   return out;
 }
 
+// What the laws between a dynamic and a moved body change because the latter moves on during the step.
+void subtract_moved_anchors(const GeneralisedForce& force, const DofMap& dofs, const VecX& v_prescribed, const VecX& v_before,
+                            double h, double theta, VecX& laws) {
+  const auto couples = [&](const Triplet& e) {
+    return dofs.first[std::size_t(e.row() / 6)] >= 0 && dofs.first[std::size_t(e.col() / 6)] < 0;
+  };
+  const auto row = [&](const Triplet& e) { return dofs.first[std::size_t(e.row() / 6)] + e.row() % 6; };
+  for (const Triplet& e : force.K)
+    if (couples(e)) laws[row(e)] -= h * h * theta * e.value() * v_prescribed[e.col()];
+  for (const Triplet& e : force.C)
+    if (couples(e)) laws[row(e)] -= h * theta * e.value() * (v_prescribed[e.col()] - v_before[e.col()]);
+}
+
 }  // namespace
 
 DofMap dof_map(const Model& model) {
@@ -74,6 +87,7 @@ FreeMotion free_motion(const Model& model, const State& state, const DofMap& dof
   const SparseMatrix C = matrix_of(dofs.rows, dynamic_entries(force.C, dofs));
   out.law_D = h * theta * C + h * h * theta * theta * K;
   out.laws -= h * h * theta * (K * out.v);
+  subtract_moved_anchors(force, dofs, prescribed_velocity(model, state, h), state.v, h, theta, out.laws);
   out.M = out.mass + out.gyroscopic_D + out.law_D;                  // (MJ-4)
   out.f = out.M * out.v + out.laws + out.gravity + out.gyroscopic;  // (MJ-5)
   out.v_free = out.v;

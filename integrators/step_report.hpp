@@ -29,7 +29,7 @@ struct EnergyLedger {
   double kinetic_change = 0;  // of the dynamic bodies
   double gravity_work = 0;
   double law_work = 0;         // of the force laws, the virtual coupling for example
-  double contact_work = 0;     // of the contact impulses; never positive for e = 0 and no bias
+  double contact_work = 0;     // of the contact impulses; never positive for e = 0 against bodies at rest
   double gyroscopic_work = 0;  // of the gyroscopic term as discretised
   double residual() const {    // zero to rounding: the balance of (MJ-9)
     return kinetic_change - gravity_work - law_work - contact_work - gyroscopic_work;

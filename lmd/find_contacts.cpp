@@ -14,8 +14,6 @@
 namespace aussois {
 namespace {
 
-constexpr double kAngleSlack = 1e-6;  // [rad], rounding of cones and poses
-
 // The pair as the tests see it: A's frame mapped to B's.
 struct Pair {
   const LmdShape *a, *b;
@@ -42,6 +40,11 @@ struct Found {
   LocalMinimum minimum{};
 };
 
+// Kernels accept feet that are off by a length, nodes prune by angles: at a distance d the length is worth tau / d.
+double angle_slack(const MinimumCriteria& c, double dilation, double size) {
+  return 1e-6 + c.tolerance / std::max(dilation / 2, 1e-3 * size);  // [rad]; 1e-6 for rounding of cones and poses
+}
+
 // cos and sin of an angle in [0, pi]; sums keep `past_pi` once they leave it, since then nothing is outside.
 struct Angle {
   double cos = 1, sin = 0;
@@ -64,11 +67,14 @@ Angle cap_of(const BvhNode& node) {
 // Everything of a traversal that is the same for all pairs of nodes.
 struct NodeTests {
   explicit NodeTests(const Pair& pair)
+      : NodeTests(pair, angle_slack(pair.criteria, pair.a->radius + pair.b->radius,
+                                    std::max(pair.a->bounding_radius, pair.b->bounding_radius))) {}
+  NodeTests(const Pair& pair, double slack)
       : a_nodes(pair.a->bvh.nodes.data()),
         reach(pair.criteria.max_distance * (1 + 1e-12)),
-        alpha(angle_of(pair.criteria.alpha + kAngleSlack)),
-        alpha_ee(angle_of(std::max(pair.criteria.alpha, pair.criteria.alpha_ee) + kAngleSlack)),
-        none(angle_of(kAngleSlack)) {
+        alpha(angle_of(pair.criteria.alpha + slack)),
+        alpha_ee(angle_of(std::max(pair.criteria.alpha, pair.criteria.alpha_ee) + slack)),
+        none(angle_of(slack)) {
     for (const BvhNode& node : pair.a->bvh.nodes) {  // once each, not once per pair
       centre.push_back(pair.R * node.centre + pair.t);
       axis.push_back(pair.R * node.axis);

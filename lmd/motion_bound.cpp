@@ -31,7 +31,7 @@ double relative_displacement_bound(const RigidMotion& a, double radius_a, const 
 }
 
 double relative_rotation_bound(const RigidMotion& a, const RigidMotion& b, double dt) {
-  return std::min(dt * (a.g.R * a.omega - b.g.R * b.omega).norm(), dt * (a.omega.norm() + b.omega.norm()));
+  return dt * (a.g.R * a.omega - b.g.R * b.omega).norm();
 }
 
 }  // namespace aussois

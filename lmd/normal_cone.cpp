@@ -129,6 +129,18 @@ std::vector<Vec3> wrap(const std::vector<Vec3>& g, const Vec3& inside) {
   return rays;
 }
 
+// Post-condition of the wrapping: no direction lies outside a facet of the cone that the rays span.
+bool holds(const std::vector<Vec3>& rays, const std::vector<Vec3>& directions) {
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& g : rays) middle += g;
+  for (std::size_t k = 0; k < rays.size(); ++k) {
+    Vec3 n = rays[k].cross(rays[(k + 1) % rays.size()]).normalized();
+    if (n.dot(middle) > 0) n = -n;
+    if (std::ranges::any_of(directions, [&](const Vec3& g) { return g.dot(n) > 10 * kMerge; })) return false;
+  }
+  return rays.size() >= 3;
+}
+
 // A cap around N: exact smallest is not needed, every direction of N must lie inside.
 void bound_polar(NormalCone& cone, const Vec3& inside) {
   const auto& rays = cone.rays;
@@ -171,6 +183,7 @@ void bound_polar(NormalCone& cone, const Vec3& inside) {
       corners.push_back(n);
     }
   }
+  if (!cone.cyclic) corners.clear();  // the half-space of q below
   Vec3 axis = Vec3::Zero();
   for (const Vec3& n : corners) axis += n;
   if (axis.norm() < 1e-3) axis = -inside;
@@ -231,6 +244,10 @@ NormalCone make_normal_cone(const std::vector<Vec3>& directions) {
     const bool planar =
         std::ranges::all_of(rest, [&](const Vec3& d) { return std::abs(d.dot(normal)) <= kMerge; });
     cone.rays = planar ? extremes_in_plane(rest) : wrap(rest, inside);
+    if (!planar && !holds(cone.rays, rest)) {
+      cone.rays = rest;
+      cone.cyclic = false;
+    }
   } else {
     cone.rays = rest;
   }
@@ -285,12 +302,14 @@ double angle_to(const NormalCone& cone, const Vec3& u) {
       if (feasible(p, k, k)) take(p);
     }
     if (cone.lineality == 0 && m >= 2)
-      for (std::size_t k = 0; k < m; ++k) {  // on the ray of N between two facets
-        const std::size_t next = (k + 1) % m;
-        const Vec3 n = g[k].cross(g[next]).normalized();
-        const Vec3 p = n.dot(v) * n;
-        if (feasible(p, k, next)) take(p);
-      }
+      for (std::size_t k = 0; k < m; ++k)  // on the ray of N between two facets
+        for (std::size_t j = cone.cyclic ? k + 1 : 0; j < (cone.cyclic ? k + 2 : m); ++j) {
+          const std::size_t next = j % m;
+          const Vec3 cross = g[k].cross(g[next]);
+          if (cross.norm() < kMerge) continue;
+          const Vec3 n = cross.normalized(), p = n.dot(v) * n;
+          if (feasible(p, k, next)) take(p);
+        }
   }
   if (projection.squaredNorm() == 0) return kPi / 2;
   const double off = (u - projection).norm();

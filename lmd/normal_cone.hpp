@@ -13,8 +13,8 @@ namespace aussois {
 struct NormalCone {
   int lineality = 3;            // dimension of Lin, 0 to 3; 3: C is everything and N = {0}
   Mat3 lin = Mat3::Identity();  // orthonormal; its first `lineality` columns span Lin
-  std::vector<Vec3>
-      rays{};  // extreme rays of the pointed part, unit; cyclic (counter-clockwise about -axis of N) in 3D
+  std::vector<Vec3> rays{};  // extreme rays of the pointed part, unit; in 3D in cyclic order
+  bool cyclic = true;  // false: wrapping failed on a degenerate star, all rays are kept, in no order
   Vec3 axis = Vec3::UnitZ();  // of a cap around N, unit
   double half_angle = 0;      // of that cap [rad]; pi: any direction
 };
