@@ -32,8 +32,8 @@ void require_field(bool condition, const char* field, const Value& value, const 
 #ifdef NDEBUG
 #define AUSSOIS_ASSERT(condition) ((void)sizeof((condition) ? 1 : 0))
 #else
-#define AUSSOIS_ASSERT(condition)                                                              \
-  ((condition) ? (void)0                                                                       \
-               : (std::fprintf(stderr, "%s:%d: broken: %s\n", __FILE__, __LINE__, #condition), \
-                  std::abort()))
+#define AUSSOIS_ASSERT(condition) \
+  ((condition)                    \
+       ? (void)0                  \
+       : (std::fprintf(stderr, "%s:%d: broken: %s\n", __FILE__, __LINE__, #condition), std::abort()))
 #endif

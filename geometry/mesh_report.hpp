@@ -11,20 +11,22 @@ namespace aussois {
 struct MeshReport {
   int vertices = 0, edges = 0, triangles = 0, components = 0;
   int isolated_vertices = 0, wire_edges = 0;
-  int border_edges = 0;            // edges with one triangle
-  int non_manifold_edges = 0;      // edges with three or more triangles
-  int non_manifold_vertices = 0;   // vertices whose triangles form more than one fan
-  int misoriented_edges = 0;       // edges whose two triangles run through them in the same direction
-  int degenerate_triangles = 0;    // height below 1e-12 of the bounding box diagonal
-  int duplicate_vertices = 0;      // vertices at exactly the place of an earlier one
-  int duplicate_triangles = 0;     // same three vertices as an earlier one
-  int self_intersections = 0;      // pairs of triangles that meet elsewhere than in what they share (self_intersections)
-  double min_height_ratio = 0;     // smallest triangle height over the bounding box diagonal; 0 without triangles
+  int border_edges = 0;           // edges with one triangle
+  int non_manifold_edges = 0;     // edges with three or more triangles
+  int non_manifold_vertices = 0;  // vertices whose triangles form more than one fan
+  int misoriented_edges = 0;      // edges whose two triangles run through them in the same direction
+  int degenerate_triangles = 0;   // height below 1e-12 of the bounding box diagonal
+  int duplicate_vertices = 0;     // vertices at exactly the place of an earlier one
+  int duplicate_triangles = 0;    // same three vertices as an earlier one
+  // Pairs of triangles that meet elsewhere than in what they share (self_intersections)
+  int self_intersections = 0;
+  // Smallest triangle height over the bounding box diagonal; 0 without triangles
+  double min_height_ratio = 0;
   Box box{};
-  double volume = 0;               // signed, of the closed oriented surface [m^3]; 0 if not closed and oriented
-  bool closed = false;             // there are triangles, and every edge has two of them
-  bool oriented = false;           // there are triangles, and no edge is misoriented or non-manifold
-  bool manifold = false;           // nothing but triangles, no non-manifold edge or vertex; a border is allowed
+  double volume = 0;      // signed, of the closed oriented surface [m^3]; 0 if not closed and oriented
+  bool closed = false;    // there are triangles, and every edge has two of them
+  bool oriented = false;  // there are triangles, and no edge is misoriented or non-manifold
+  bool manifold = false;  // nothing but triangles, no non-manifold edge or vertex; a border is allowed
   bool solid() const { return closed && oriented && volume > 0; }
 };
 

@@ -2,10 +2,10 @@
 // The numbers everything is made of. SI units and double throughout.
 #pragma once
 
+#include <limits>
+
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
-
-#include <limits>
 
 namespace aussois {
 

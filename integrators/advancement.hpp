@@ -16,8 +16,8 @@ struct AdvancementOptions {
   bool certify = true;        // false: no proof, no refusal for overlap (for comparison only)
   double enlargement = 1.25;  // beta: the estimate of the speeds is enlarged by this [-], in [1, 4]
   double floor = 0.1;         // smallest search distance, of the sum of the dilations [-], in (0, 1]
-  double max_overlap =
-      0.04;  // dilated shapes may overlap by this part of the sum of the dilations [-], in [0, 0.99]
+  // Dilated shapes may overlap by this part of the sum of the dilations [-], in [0, 0.99]
+  double max_overlap = 0.04;
   double min_h = 1e-7;    // a step that needs less is refused [s], > 0
   double growth = 1.5;    // of the step after an accepted one [-], in [1, 4]
   int max_attempts = 60;  // >= 1

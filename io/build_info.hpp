@@ -6,7 +6,8 @@
 
 namespace aussois {
 
-/// "aussois 0.1.0; g++ 12.2.0 (Release: -O3 -DNDEBUG); Eigen 3.4.0; HDF5 1.10.8; CGAL 5.5.1; zlib 1.2.13; licence of this binary: ...".
+/// "aussois 0.1.0; g++ 12.2.0 (Release: -O3 -DNDEBUG); Eigen 3.4.0; HDF5 1.10.8; CGAL 5.5.1; zlib 1.2.13;
+/// licence of this binary: ...".
 std::string build_info();
 
 }  // namespace aussois

@@ -50,7 +50,8 @@ CsvTable::CsvTable(std::filesystem::path path, const std::vector<std::string>& c
   write(header);
 }
 
-CsvTable CsvTable::resume(std::filesystem::path path, const std::vector<std::string>& columns, std::size_t rows) {
+CsvTable CsvTable::resume(std::filesystem::path path, const std::vector<std::string>& columns,
+                          std::size_t rows) {
   const std::filesystem::path temporary = temporary_name(path);
   const std::uintmax_t size = size_of_rows(temporary, header_line(columns), rows);
   std::error_code failed;

@@ -24,7 +24,8 @@ class CsvTable {
 
   /// Reopens PATH.tmp, keeps its first `rows` rows and cuts off the rest, even half a line. Throws
   /// std::runtime_error if the file is missing, has other columns, or fewer rows.
-  static CsvTable resume(std::filesystem::path path, const std::vector<std::string>& columns, std::size_t rows);
+  static CsvTable resume(std::filesystem::path path, const std::vector<std::string>& columns,
+                         std::size_t rows);
 
   /// Throws std::invalid_argument unless there is one value per column.
   void add(std::span<const double> values);

@@ -12,8 +12,8 @@
 namespace aussois {
 namespace {
 
-constexpr double kUnitTolerance =
-    1e-6;  // that of checked_pose: seven printed digits pass, an unscaled axis does not
+// That of checked_pose: seven printed digits pass, an unscaled axis does not
+constexpr double kUnitTolerance = 1e-6;
 
 std::string_view trimmed(std::string_view text) {
   const std::size_t begin = std::min(text.find_first_not_of(" \t"), text.size());

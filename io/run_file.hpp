@@ -90,8 +90,8 @@ struct RunData {
 /// leaves PATH.tmp readable up to the last flushed block.
 class RunWriter {
  public:
-  static constexpr int kBlock =
-      64;  // steps per write: one by one is fifty times slower (2000 frames, 3 bodies)
+  // Steps per write: one by one is fifty times slower (2000 frames, 3 bodies)
+  static constexpr int kBlock = 64;
 
   /// Throws std::invalid_argument for a header that does not fit together (a mesh that is missing, an index
   /// out of range, a mesh name with '/'), std::runtime_error if the file cannot be created.

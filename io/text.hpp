@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Text in and out: whole files read at once, tokens that know their line, numbers that read back. Every complaint
-// about a file is a std::runtime_error "path:line: what, value, bound".
+// Text in and out: whole files read at once, tokens that know their line, numbers that read back. Every
+// complaint about a file is a std::runtime_error "path:line: what, value, bound".
 #pragma once
 
 #include <cstdint>

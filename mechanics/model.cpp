@@ -10,8 +10,8 @@
 namespace aussois {
 namespace {
 
-constexpr double kRounding =
-    1e-9;  // allowed asymmetry and violation of (MEC-3), relative to the largest moment
+// Allowed asymmetry and violation of (MEC-3), relative to the largest moment
+constexpr double kRounding = 1e-9;
 constexpr double kLeastMoment = 1e-12;  // smallest principal moment, relative to the largest
 
 void check_inertia(const Mat3& J, const std::string& who) {

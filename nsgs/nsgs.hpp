@@ -33,8 +33,8 @@ struct NsgsOptions {
   double relaxation = 1.0;     // in (0, 1]
   int check_every = 1;         // sweeps between two evaluations of the residual, >= 1
   LocalSolver local = LocalSolver::hybrid;
-  int handover_after =
-      5;  // sweeps until their contraction is judged and Newton may take over, >= 0; 0: never
+  // Sweeps until their contraction is judged and Newton may take over, >= 0; 0: never
+  int handover_after = 5;
 };
 void validate(const NsgsOptions& options);  // throws std::invalid_argument: field, value, bound
 

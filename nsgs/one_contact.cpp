@@ -18,8 +18,8 @@ namespace {
 // W would excuse anything.
 constexpr double kLocalTolerance = 3e-14;
 constexpr double kLocalBound = 1e-6;
-constexpr int kNewtonSteps =
-    20;  // quadratic near the answer; more only where it cycles, and then enumeration is quicker
+// Quadratic near the answer; more only where it cycles, and then enumeration is quicker
+constexpr int kNewtonSteps = 20;
 
 struct Candidate {
   Vec3 r = Vec3::Zero();

@@ -16,8 +16,8 @@ namespace {
 
 constexpr int kDenseSize = 150;   // velocities; above, sparse LU, which gains from open contacts
 constexpr int kNewtonSteps = 30;  // a step that needs more has too small an alpha
-constexpr double kAccuracy =
-    1e-9;  // of F relative to the change of momentum; Newton's last step goes far below
+// Of F relative to the change of momentum; Newton's last step goes far below
+constexpr double kAccuracy = 1e-9;
 constexpr double kRounding = 1e-15;
 constexpr double kSmallestDamping = 1e-3;
 

@@ -26,10 +26,10 @@ struct AssemblyOptions {
   double force_limit = kInf;   // [N]
   double torque_limit = kInf;  // [N m]
   double hold = 0.1;           // time at the end of the path, for the part to arrive [s]
-  Vec3 gravity = {-5.66, -5.66,
-                  -5.66};  // in the frame of the fixed part: oblique, so that the part leans on it [m/s^2]
-  double misalignment =
-      1;  // the coupling pulls towards the path displaced along (1, 1, 1), in clearances [-]
+  // In the frame of the fixed part [m/s^2]: oblique, so that the part leans on it
+  Vec3 gravity = {-5.66, -5.66, -5.66};
+  // The coupling pulls towards the path displaced along (1, 1, 1), in clearances [-]
+  double misalignment = 1;
 };
 
 struct AssemblyScene {

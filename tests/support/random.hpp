@@ -16,7 +16,9 @@ class Random {
   explicit Random(std::uint64_t seed) : engine_(seed) {}
   std::uint64_t bits() { return engine_(); }
   double uniform(double lo = 0, double hi = 1) { return lo + (hi - lo) * double(bits() >> 11) * 0x1p-53; }
-  double log_uniform(double lo, double hi) { return std::exp(uniform(std::log(lo), std::log(hi))); }  // lo > 0
+  double log_uniform(double lo, double hi) {
+    return std::exp(uniform(std::log(lo), std::log(hi)));
+  }  // lo > 0
   int index(int n) { return int(bits() % std::uint64_t(n)); }
   Vec3 vector(double half = 1) {
     const double x = uniform(-half, half), y = uniform(-half, half), z = uniform(-half, half);

@@ -13,8 +13,8 @@ namespace aussois {
 namespace {
 
 constexpr unsigned kSeed = 20122;
-constexpr double kStep =
-    1e-5;  // of central differences: truncation and rounding both near 1e-10 for twists of size 4
+// Of central differences: truncation and rounding both near 1e-10 for twists of size 4
+constexpr double kStep = 1e-5;
 
 // f(twist) for translations up to 2 m with the delicate angles, 10 each.
 template <class F>
@@ -156,11 +156,9 @@ TEST(SE3, CheckedPoseNormalisesAndNamesWhatIsWrong) {
   const SE3 almost{Quat(1 + 5e-7, 0, 0, 0), {1, 2, 3}};
   EXPECT_NEAR(checked_pose(almost, "pose").R.norm(), 1, 1e-16);
   EXPECT_EQ(checked_pose(almost, "pose").p, almost.p);
-  EXPECT_EQ(refusal({Quat(1.25, 0, 0, 0), Vec3::Zero()}),
-            "|pose 7.R| = 1.25 must be 1 within 1e-6");
+  EXPECT_EQ(refusal({Quat(1.25, 0, 0, 0), Vec3::Zero()}), "|pose 7.R| = 1.25 must be 1 within 1e-6");
   EXPECT_NE(refusal({Quat(std::nan(""), 0, 0, 0), Vec3::Zero()}), "");
-  EXPECT_NE(refusal({Quat::Identity(), {0, kInf, 0}}).find("pose 7.p = 0 inf 0 must"),
-            std::string::npos);
+  EXPECT_NE(refusal({Quat::Identity(), {0, kInf, 0}}).find("pose 7.p = 0 inf 0 must"), std::string::npos);
 }
 
 }  // namespace

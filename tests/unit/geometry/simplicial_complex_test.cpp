@@ -26,8 +26,8 @@ std::vector<int> items(const Incidence& incidence, int row) {
   return {incidence[row].begin(), incidence[row].end()};
 }
 
-std::string refusal(std::vector<Vec3> vertices, std::vector<Triangle> triangles,
-                    std::vector<Edge> wires = {}, bool solid = false) {
+std::string refusal(std::vector<Vec3> vertices, std::vector<Triangle> triangles, std::vector<Edge> wires = {},
+                    bool solid = false) {
   return message_of([&] { make_complex(vertices, triangles, wires, solid); });
 }
 
@@ -119,7 +119,8 @@ TEST(SimplicialComplex, EdgesDoNotDependOnTheOrderOfTheTriangles) {
   const SimplicialComplex torus = make_torus(1, 0.3, 12, 9);
   std::vector<Triangle> shuffled = torus.triangles;
   Random random(5);
-  for (std::size_t i = shuffled.size() - 1; i > 0; --i) std::swap(shuffled[i], shuffled[random.bits() % (i + 1)]);
+  for (std::size_t i = shuffled.size() - 1; i > 0; --i)
+    std::swap(shuffled[i], shuffled[random.bits() % (i + 1)]);
   ASSERT_NE(shuffled, torus.triangles);
   const SimplicialComplex again = make_complex(torus.vertices, shuffled, {}, true);
   EXPECT_EQ(again.edges, torus.edges);

@@ -11,8 +11,8 @@ namespace aussois {
 namespace {
 
 constexpr unsigned kSeed = 20121;
-constexpr double kStep =
-    1e-5;  // of central differences: truncation step^2 / 6, rounding 1e-16 / step: both near 1e-11
+// Of central differences: truncation step^2 / 6, rounding 1e-16 / step: both near 1e-11
+constexpr double kStep = 1e-5;
 
 // f(phi) for the delicate angles about 20 random axes each.
 template <class F>

@@ -60,8 +60,8 @@ TEST(State, HashSeesEveryNumber) {
   EXPECT_EQ(hash(copy), hash(state));
 
   const auto bump = [](double& x) { x = std::nextafter(x, kInf); };
-  std::vector<std::function<void(State&)>> changes = {[&](State& s) { bump(s.t); },
-                                                      [&](State& s) { bump(s.h); }, [&](State& s) { bump(s.h_next); }};
+  std::vector<std::function<void(State&)>> changes = {
+      [&](State& s) { bump(s.t); }, [&](State& s) { bump(s.h); }, [&](State& s) { bump(s.h_next); }};
   for (std::size_t i = 0; i < 2; ++i) {
     for (int k = 0; k < 4; ++k) changes.push_back([=](State& s) { bump(s.g[i].R.coeffs()[k]); });
     for (int k = 0; k < 3; ++k) {

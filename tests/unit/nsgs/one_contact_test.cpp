@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "nsgs/one_contact.hpp"
+
 #include <array>
 #include <cmath>
 #include <vector>
@@ -6,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include "nsgs/cone.hpp"
-#include "nsgs/one_contact.hpp"
 #include "tests/unit/nsgs/random_problems.hpp"
 
 namespace aussois {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 
+#include "nsgs/friction_problem.hpp"
+
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
-#include "nsgs/friction_problem.hpp"
 #include "nsgs/mass_inverse.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/unit/nsgs/random_problems.hpp"

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "nsgs/proximal_newton.hpp"
+
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
 #include "nsgs/nsgs.hpp"
-#include "nsgs/proximal_newton.hpp"
 #include "nsgs/residual.hpp"
 #include "tests/unit/nsgs/random_problems.hpp"
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "nsgs/cone.hpp"
+
 #include <gtest/gtest.h>
 
-#include "nsgs/cone.hpp"
 #include "tests/unit/nsgs/random_problems.hpp"
 
 namespace aussois {

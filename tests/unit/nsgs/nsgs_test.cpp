@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "nsgs/nsgs.hpp"
+
 #include <gtest/gtest.h>
 
 #include "nsgs/cone.hpp"
-#include "nsgs/nsgs.hpp"
 #include "nsgs/residual.hpp"
 #include "tests/unit/nsgs/random_problems.hpp"
 
