@@ -26,7 +26,7 @@ TEST(Incline, ABlockAboveTheFrictionAngleSlidesAsCoulombSays) {
 }
 
 // A point mass with a dilation is a ball; drop from 1 m, e = 1/2: rest at t1 (1 + e) / (1 - e).
-double bouncing_ball_error(double h, NormalLaw law) {
+double bouncing_ball_error(double h, NormalLaw law, double phase) {
   Model model;
   model.contact_law = {.mu = 0, .restitution = 0.5};
   const int plate = add(model, prepare(dilate(make_plate(2, 2), 0.05)));
@@ -36,11 +36,12 @@ double bouncing_ball_error(double h, NormalLaw law) {
       add(model, RigidBody{.name = "ball", .shape = point, .mass = 1, .inertia = 1e-3 * Mat3::Identity()});
   State state = rest_state(model);
   pose(state, ball).p = Vec3(0.03, 0.02, 1.1);
-  const MoreauJean scheme(model, {.h = h, .theta = 0.5, .normal = {.law = law}});
+  const MoreauJean scheme(model,
+                          {.h = h, .theta = 0.5, .normal = {.law = law}, .advancement = {.certify = false}});
   const double e = 0.5, t1 = std::sqrt(2 / 9.81), v1 = 9.81 * t1;
   double error = 0;
   while (state.t < 1.5 - 1e-9) {
-    const StepReport report = scheme.step(state, 1.5 - state.t);
+    const StepReport report = scheme.step(state, state.t == 0 ? phase * h : 1.5 - state.t);
     EXPECT_TRUE(report.ok()) << report.reason;
     double z = 0;  // exact height above the plate
     if (state.t < t1) {
@@ -56,20 +57,28 @@ double bouncing_ball_error(double h, NormalLaw law) {
   return error;
 }
 
+// Without certificates, which would shorten the long steps and hide the order. The phase of an impact in its
+// step scatters single errors: the mean over the length of the first step.
+double mean_error(double h, NormalLaw law) {
+  double sum = 0;
+  for (int k = 0; k < 8; ++k) sum += bouncing_ball_error(h, law, (k + 0.5) / 8);
+  return sum / 8;
+}
+
 class RestitutionLaw : public ::testing::TestWithParam<NormalLaw> {};
 
 TEST_P(RestitutionLaw, LetsABallFollowTheExactImpacts) {
-  // Steps that are not powers of two of each other: the phase of an impact in its step scatters single
+  // Steps that are not powers of two of each other.
   // errors.
   double sx = 0, sy = 0, sxx = 0, sxy = 0;
   const double steps[] = {1.03e-2, 5.7e-3, 3.1e-3, 1.7e-3, 9.1e-4, 5.3e-4};
   for (const double h : steps) {
-    const double x = std::log(h), y = std::log(bouncing_ball_error(h, GetParam()));
+    const double x = std::log(h), y = std::log(mean_error(h, GetParam()));
     sx += x, sy += y, sxx += x * x, sxy += x * y;
   }
   const double order = (6 * sxy - sx * sy) / (6 * sxx - sx * sx);
   EXPECT_GT(order, 0.85);
-  EXPECT_LT(bouncing_ball_error(5.3e-4, GetParam()), 5e-3);
+  EXPECT_LT(mean_error(5.3e-4, GetParam()), 5e-3);
 }
 INSTANTIATE_TEST_SUITE_P(Laws, RestitutionLaw, ::testing::Values(NormalLaw::moreau, NormalLaw::combined),
                          [](const auto& law) { return to_string(law.param); });

@@ -143,7 +143,7 @@ TEST(ReducedSolve, LetsEveryContactBackInThatWouldClose) {
   const ReducedSolution solved = solve_reduced(free, dofs, rows, one, std::vector<Vec3>(4, Vec3::Zero()),
                                                std::vector<double>(4, 1e-9), {.tolerance = 1e-12});
   for (const ContactRow& row : rows) EXPECT_GT(relative_velocity(row, dofs, solved.solution.v).x(), -2e-9);
-  EXPECT_GE(solved.kept.size(), 3U);
+  EXPECT_GE(solved.kept.size(), 2U);  // two across a diagonal carry the block
 }
 
 TEST(MoreauJean, TakesARestShorterThanTheSmallestStepAndGoesOnWithTheLargest) {
