@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "integrators/free_motion.hpp"
 
+#include <cmath>
 #include <variant>
 
 #include <Eigen/SparseLU>
