@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "integrators/contact_frame.hpp"
+#include "geometry/frame.hpp"
 
 namespace aussois {
 namespace {
@@ -64,7 +64,7 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
     ContactRow row{.body_a = c.a.body, .body_b = c.b.body};
     const ContactLaw& law = contact_law(model, row.body_a, row.body_b);
     const Vec3 p = (c.x_a + c.x_b) / 2;
-    row.frame = contact_frame(c.normal);
+    row.frame = frame_of(c.normal);
     row.J_a = point_jacobian(state, row.body_a, p, row.frame);
     row.J_b = -point_jacobian(state, row.body_b, p, row.frame);
     row.w =

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "geometry/check.hpp"
+#include "geometry/frame.hpp"
 
 namespace aussois {
 namespace {
@@ -69,14 +70,6 @@ std::vector<std::vector<int>> clusters_of(const ContactSet& found, double angle)
   return clusters;
 }
 
-// Orthonormal (b1, b2, n) without a branch that could flip with rounding [Duff2017].
-std::pair<Vec3, Vec3> plane_basis(const Vec3& n) {
-  const double sign = std::copysign(1.0, n.z());
-  const double a = -1 / (sign + n.z());
-  const double b = n.x() * n.y() * a;
-  return {{1 + sign * n.x() * n.x() * a, sign * b, -sign * n.x()}, {b, sign + n.y() * n.y() * a, -n.y()}};
-}
-
 // The members seen along their mean normal, about their mean point, first coordinate along the principal
 // direction.
 std::vector<Vec2> in_plane(const ContactSet& found, std::span<const int> members) {
@@ -88,12 +81,12 @@ std::vector<Vec2> in_plane(const ContactSet& found, std::span<const int> members
   n.normalize();
   mean /= double(members.size());
 
-  const auto [b1, b2] = plane_basis(n);
+  const Mat3 frame = frame_of(n);
   std::vector<Vec2> x;
   Mat2 S = Mat2::Zero();
   for (const int i : members) {
     const Vec3 d = mid_point(found.points[std::size_t(i)]) - mean;
-    x.push_back({b1.dot(d), b2.dot(d)});
+    x.push_back((frame.transpose() * d).tail<2>());
     S += x.back() * x.back().transpose();
   }
   const double difference = 0.5 * (S(0, 0) - S(1, 1));

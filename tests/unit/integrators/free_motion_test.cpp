@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "integrators/contact_frame.hpp"
 #include "integrators/moreau_jean.hpp"
 #include "tests/support/random.hpp"
 
@@ -71,17 +70,6 @@ TEST(FreeMotion, OfATopKeepsItsAngularMomentumToSecondOrder) {
   };
   EXPECT_LT(drift(1e-2), 1e-2);
   EXPECT_GT(std::log2(drift(1e-2) / drift(5e-3)), 1.9);
-}
-
-TEST(ContactFrame, IsRightHandedForAnyNormal) {
-  Random random(1);
-  for (int i = 0; i < 1000; ++i) {
-    const Vec3 n = i == 0 ? Vec3(0, 0, -1) : i == 1 ? Vec3(0, 0, 1) : random.direction();
-    const Mat3 frame = contact_frame(n);
-    EXPECT_LT((frame.transpose() * frame - Mat3::Identity()).norm(), 1e-14);
-    EXPECT_NEAR(frame.determinant(), 1, 1e-14);
-    EXPECT_EQ(frame.col(0), n);
-  }
 }
 
 }  // namespace

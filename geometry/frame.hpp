@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Local frame of a contact: normal first, the same for the same normal (MJ-3); Duff et al. 2017.
+// The frame that a direction determines, the same for the same direction (MJ-3); Duff et al. 2017.
 #pragma once
 
 #include <cmath>
@@ -9,7 +9,7 @@
 namespace aussois {
 
 /// Columns n, t1, t2: orthonormal, right-handed; n must be unit.
-inline Mat3 contact_frame(const Vec3& n) {
+inline Mat3 frame_of(const Vec3& n) {
   const double sign = std::copysign(1.0, n.z());
   const double a = -1 / (sign + n.z()), b = n.x() * n.y() * a;
   Mat3 frame;
