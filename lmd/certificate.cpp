@@ -7,7 +7,8 @@
 #include <Eigen/Geometry>
 
 #include "geometry/check.hpp"
-#include "lmd/dual_traversal.hpp"
+#include "geometry/parallel.hpp"
+#include "lmd/dual_descent.hpp"
 #include "lmd/simplex_distance.hpp"
 
 namespace aussois {
@@ -29,12 +30,14 @@ Instant at_time(const MovingShape& m, double s) {
 struct MovingSimplex {
   Vec3 x[3], v[3];  // vertices and their velocities, world
   int count = 0;
-  double bend = 0;  // bound of |d^2 x / ds^2|
+  double bend = 0;                                   // bound of |d^2 x / ds^2|
+  Vec3 centre = Vec3::Zero(), drift = Vec3::Zero();  // mean of the vertices, its velocity
+  double radius = 0;                                 // of the simplex about its centre
   std::span<const Vec3> points() const { return {x, std::size_t(count)}; }
 };
 
 MovingSimplex moving(const LmdShape& shape, int item, const Instant& now) {
-  const BaseSimplex& s = shape.simplices[std::size_t(item)];
+  const BaseSimplex s = base_simplex(shape, item);
   MovingSimplex out;
   out.count = s.dim + 1;
   double reach = 0;
@@ -43,29 +46,14 @@ MovingSimplex moving(const LmdShape& shape, int item, const Instant& now) {
     const Vec3 arm = out.x[i] - now.centre;
     out.v[i] = now.v + now.w.cross(arm);
     reach = std::max(reach, arm.squaredNorm());
+    out.centre += out.x[i] / out.count;
+    out.drift += out.v[i] / out.count;
   }
+  for (int i = 0; i <= s.dim; ++i) out.radius = std::max(out.radius, (out.x[i] - out.centre).squaredNorm());
+  out.radius = std::sqrt(out.radius) * (1 + 1e-12);
   out.bend = now.w.squaredNorm() * std::sqrt(reach);
   return out;
 }
-
-// All simplices and nodes at the start of the step, once each and not once per pair.
-struct Snapshot {
-  Snapshot(const MovingShape& m) : now(at_time(m, 0)), nodes(m.shape->base.nodes.data()) {
-    for (int i = 0; i < int(m.shape->simplices.size()); ++i) simplices.push_back(moving(*m.shape, i, now));
-    for (const BvhNode& node : m.shape->base.nodes) {
-      const Vec3 x = now.R * node.centre + now.t, arm = x - now.centre;
-      centre.push_back(x);
-      velocity.push_back(now.v + now.w.cross(arm));
-      bend.push_back(now.w.squaredNorm() * arm.norm());
-    }
-  }
-  std::size_t index(const BvhNode& node) const { return std::size_t(&node - nodes); }
-  Instant now;
-  const BvhNode* nodes;
-  std::vector<MovingSimplex> simplices{};
-  std::vector<Vec3> centre{}, velocity{};  // of the nodes' balls
-  std::vector<double> bend{};
-};
 
 // Lower bound of the separation along n (from a to b) during [0, dt]: linear in time at each vertex, so
 // concave, so smallest at an end; what the linear path misses is at most half the bends times dt^2 (CA-7).
@@ -102,6 +90,7 @@ bool try_edge_directions(const MovingSimplex& p, const MovingSimplex& q, const T
   return false;
 }
 
+// What one part of the descent finds.
 struct Part {
   bool failed = false;
   double min_distance = kInf;
@@ -111,26 +100,29 @@ struct Part {
 class PairCheck {
  public:
   PairCheck(const MovingShape& a, const MovingShape& b, double dt, const CertificateOptions& options)
-      : a_(a), b_(b), dt_(dt), options_(options), a0_(a), b0_(b) {}
+      : a_(a), b_(b), dt_(dt), options_(options), a0_(at_time(a, 0)), b0_(at_time(b, 0)) {}
 
   // Balls around body-fixed points: only their centres move (CA-8).
-  bool far(const BvhNode& n, const BvhNode& m, Part& part) const {
-    if (part.failed) return true;
-    const std::size_t i = a0_.index(n), j = b0_.index(m);
-    const Vec3 c = b0_.centre[j] - a0_.centre[i];
-    const double square = c.squaredNorm(), reach = n.radius + m.radius + options_.wanted;
+  bool far(const MovingSimplex& p, const MovingSimplex& q) const {
+    const Vec3 c = q.centre - p.centre;
+    const double square = c.squaredNorm(), reach = p.radius + q.radius + options_.wanted;
     if (square <= reach * reach) return false;
     const double distance = std::sqrt(square);
-    const double closing = std::min(0.0, c.dot(b0_.velocity[j] - a0_.velocity[i]) / distance);
-    return distance + dt_ * closing - (a0_.bend[i] + b0_.bend[j]) * dt_ * dt_ / 2 > reach;
+    const double closing = std::min(0.0, c.dot(q.drift - p.drift) / distance);
+    return distance + dt_ * closing - (p.bend + q.bend) * dt_ * dt_ / 2 > reach;
   }
 
-  void check(int i, int j, Part& part) const {
-    if (part.failed) return;
+  void check(int i, int j, const MovingSimplex& p, const MovingSimplex& q, Part& part) const {
     ++part.simplex_pairs;
-    check_interval(i, j, 0, dt_, options_.max_halvings, a0_.simplices[std::size_t(i)],
-                   b0_.simplices[std::size_t(j)], part);
+    check_interval(i, j, 0, dt_, options_.max_halvings, p, q, part);
   }
+
+  MovingSimplex start_a(int i) const { return moving(*a_.shape, i, a0_); }
+  MovingSimplex start_b(int j) const { return moving(*b_.shape, j, b0_); }
+  const Instant& now_a() const { return a0_; }
+  const Instant& now_b() const { return b0_; }
+  double dt() const { return dt_; }
+  double wanted() const { return options_.wanted; }
 
  private:
   void check_interval(int i, int j, double s0, double s1, int halvings, const MovingSimplex& p,
@@ -174,8 +166,161 @@ class PairCheck {
   const MovingShape &a_, &b_;
   double dt_;
   const CertificateOptions& options_;
-  Snapshot a0_, b0_;
+  Instant a0_, b0_;
 };
+
+// B's base frame: its shape frame moved to its centre. Everything that nodes need, in it.
+struct BaseFrames {
+  BaseFrames(const MovingShape& a, const MovingShape& b, const Instant& now_a, const Instant& now_b) {
+    const Mat3 R = now_b.R.transpose() * now_a.R;
+    const Vec3 origin = now_b.R * b.shape->centre + now_b.t;
+    const auto local = [&](const Vec3& x) -> Vec3 { return now_b.R.transpose() * (x - origin); };
+    const Vec3 t = local(now_a.R * a.shape->centre + now_a.t);
+    for (int i = 0; i < 3; ++i) {
+      motion.t[i] = float(t[i]);
+      for (int j = 0; j < 3; ++j) motion.R[3 * i + j] = float(R(i, j));
+    }
+    scale = a.shape->bounding_radius + b.shape->bounding_radius + t.norm();
+  }
+  NodeMotion motion{};
+  double scale = 0;  // [m]
+};
+
+// The velocity field of a body in B's base frame, in single precision.
+struct NodeVelocity {
+  NodeVelocity(const Instant& body, const Instant& frame, const Vec3& frame_centre) {
+    const Mat3 to = frame.R.transpose();
+    const Vec3 origin = frame.R * frame_centre + frame.t;
+    const Vec3 v0 = to * (body.v + body.w.cross(origin - body.centre)), w0 = to * body.w;
+    const Vec3 c0 = to * (body.centre - origin);
+    v = v0.cast<float>(), w = w0.cast<float>(), centre = c0.cast<float>();
+    spin = float(w0.norm());
+  }
+  V4 at(const V4& x) const {
+    return {v[0] + (w[1] * x.z - w[2] * x.y), v[1] + (w[2] * x.x - w[0] * x.z),
+            v[2] + (w[0] * x.y - w[1] * x.x)};
+  }
+  F4 bend(const V4& x) const {
+    const V4 arm{x.x - centre[0], x.y - centre[1], x.z - centre[2]};
+    return spin * spin * sqrt4(dot(arm, arm));
+  }
+  Eigen::Vector3f v, w, centre;
+  float spin = 0;
+};
+
+// The descent of the base trees: balls whose centres move (CA-8), then boxes enlarged by what their points
+// can move.
+class CertificateDescent {
+ public:
+  CertificateDescent(const PairCheck& check, const BaseFrames& frames, const NodeVelocity& a,
+                     const NodeVelocity& b, int first_a, int first_b, Part& part)
+      : check_(check), a_(a), b_(b), first_a_(first_a), first_b_(first_b), part_(part) {
+    dt_ = float(check.dt());
+    wanted_ = float(check.wanted() + 4e-6 * (frames.scale + check.wanted()));
+  }
+
+  int near(const ConeNode& four, const ConeSlot& one, bool one_is_a) {
+    if (part_.failed) return 0;
+    const NodeVelocity &of_one = one_is_a ? a_ : b_, &of_four = one_is_a ? b_ : a_;
+    const V4 x = load4(four.c), y = spread(one.node->c, one.lane), d = x - y;
+    const F4 r_four = load4(four.r), r_one = splat(one.node->r[one.lane]);
+    const F4 square = dot(d, d), reach = r_four + r_one + wanted_;
+    const V4 drift = of_four.at(x) - of_one.at(y);
+    const F4 bend = (of_four.bend(x) + of_one.bend(y)) * (0.5F * dt_ * dt_);
+    const F4 distance = sqrt4(square), closing = dt_ * dot(d, drift);
+    const F4 left = distance + (closing < 0 ? closing / distance : splat(0)) - bend;
+    const I4 still = (square <= reach * reach) | (left * (1 - 1e-6F) <= reach);
+    if (!bits(still)) return 0;
+    const F4 spin = r_four * of_four.spin + r_one * of_one.spin;
+    const F4 more =
+        (r_four * of_four.spin * of_four.spin + r_one * of_one.spin * of_one.spin) * (0.5F * dt_ * dt_);
+    const F4 moved = dt_ * (sqrt4(dot(drift, drift)) + spin) + bend + more;
+    return bits(boxes_near(four, one, d, wanted_ + 1.0001F * moved, still));
+  }
+
+  void open(const ConeSlot& a) {
+    for (int i = 0; i < a.count(); ++i) p_[i] = check_.start_a(first_a_ + a.first() + i);
+  }
+
+  void buckets(const ConeSlot& a, const ConeSlot& b) {
+    if (part_.failed) return;
+    for (int j = 0; j < b.count(); ++j) {
+      const int item_b = first_b_ + b.first() + j;
+      const MovingSimplex q = check_.start_b(item_b);
+      for (int i = 0; i < a.count() && !part_.failed; ++i)
+        if (!check_.far(p_[i], q)) check_.check(first_a_ + a.first() + i, item_b, p_[i], q, part_);
+    }
+  }
+
+ private:
+  const PairCheck& check_;
+  const NodeVelocity &a_, &b_;
+  int first_a_, first_b_;
+  Part& part_;
+  float dt_ = 0, wanted_ = 0;
+  MovingSimplex p_[kBucket];
+};
+
+// The same descent for the smallest distance at the start.
+struct Nearest {
+  double distance = kInf;
+};
+
+class DistanceDescent {
+ public:
+  DistanceDescent(const MovingShape& a, const MovingShape& b, const Instant& now_a, const Instant& now_b,
+                  double rounding, int first_a, int first_b, Nearest& part)
+      : a_(a),
+        b_(b),
+        now_a_(now_a),
+        now_b_(now_b),
+        rounding_(rounding),
+        first_a_(first_a),
+        first_b_(first_b),
+        part_(part) {}
+  int near(const ConeNode& four, const ConeSlot& one, bool) {
+    const V4 d = load4(four.c) - spread(one.node->c, one.lane);
+    const F4 limit = splat(float(part_.distance + rounding_));
+    const F4 reach = load4(four.r) + one.node->r[one.lane] + limit;
+    const I4 still = dot(d, d) <= reach * reach;
+    return bits(still) ? bits(boxes_near(four, one, d, limit, still)) : 0;
+  }
+  void open(const ConeSlot&) {}
+  void buckets(const ConeSlot& a, const ConeSlot& b) {
+    for (int i = 0; i < a.count(); ++i)
+      for (int j = 0; j < b.count(); ++j) {
+        const MovingSimplex p = moving(*a_.shape, first_a_ + a.first() + i, now_a_);
+        const MovingSimplex q = moving(*b_.shape, first_b_ + b.first() + j, now_b_);
+        part_.distance = std::min(part_.distance, closest_points(p.points(), q.points()).distance);
+      }
+  }
+
+ private:
+  const MovingShape &a_, &b_;
+  const Instant &now_a_, &now_b_;
+  double rounding_;
+  int first_a_, first_b_;
+  Nearest& part_;
+};
+
+// Calls descend(tree_a, tree_b, first_a, first_b, part) for all pairs of base trees and parts of their
+// descent.
+template <class Result, class Descend>
+std::vector<Result> over_base_trees(const LmdShape& a, const LmdShape& b, int threads, const Result& start,
+                                    const Descend& descend) {
+  const auto trees = [](const LmdShape& s) {
+    return std::vector<std::pair<const ConeTree*, int>>{{&s.face_tree, 0},
+                                                        {&s.rest_tree, int(s.faces.size())}};
+  };
+  std::vector<Result> parts(4 * kDescentParts, start);
+  parallel_for(int(parts.size()), threads, [&](int i) {
+    const auto [tree_a, first_a] = trees(a)[std::size_t(i / kDescentParts / 2)];
+    const auto [tree_b, first_b] = trees(b)[std::size_t(i / kDescentParts % 2)];
+    if (tree_a->nodes.empty() || tree_b->nodes.empty()) return;
+    descend(*tree_a, *tree_b, first_a, first_b, i % kDescentParts, parts[std::size_t(i)]);
+  });
+  return parts;
+}
 
 }  // namespace
 
@@ -185,10 +330,16 @@ Certificate certify(const MovingShape& a, const MovingShape& b, double dt,
   require_field(options.wanted >= options.required, "CertificateOptions::wanted", options.wanted,
                 "be at least `required`");
   const PairCheck check(a, b, dt, options);
-  const auto prune = [&](const BvhNode& n, const BvhNode& m, Part& part) { return check.far(n, m, part); };
-  const auto leaf = [&](int i, int j, Part& part) { check.check(i, j, part); };
+  const BaseFrames frames(a, b, check.now_a(), check.now_b());
+  const NodeVelocity of_a(check.now_a(), check.now_b(), b.shape->centre);
+  const NodeVelocity of_b(check.now_b(), check.now_b(), b.shape->centre);
+  const auto descend = [&](const ConeTree& tree_a, const ConeTree& tree_b, int first_a, int first_b, int cut,
+                           Part& part) {
+    CertificateDescent tests(check, frames, of_a, of_b, first_a, first_b, part);
+    DualDescent<CertificateDescent>(tree_a, tree_b, frames.motion, tests).run(cut);
+  };
   Certificate out{.certified = true, .min_distance = options.wanted};
-  for (const Part& part : traverse_pairs<Part>(a.shape->base, b.shape->base, options.threads, prune, leaf)) {
+  for (const Part& part : over_base_trees<Part>(*a.shape, *b.shape, options.threads, {}, descend)) {
     out.certified = out.certified && !part.failed;
     out.min_distance = std::min(out.min_distance, part.min_distance);
     out.simplex_pairs += part.simplex_pairs;
@@ -199,19 +350,14 @@ Certificate certify(const MovingShape& a, const MovingShape& b, double dt,
 
 double base_distance(const MovingShape& a, const MovingShape& b, double cutoff, int threads) {
   const Instant now_a = at_time(a, 0), now_b = at_time(b, 0);
-  struct Nearest {
-    double distance = kInf;
-  };
-  const auto prune = [&](const BvhNode& n, const BvhNode& m, Nearest& part) {
-    const double centres = ((now_b.R * m.centre + now_b.t) - (now_a.R * n.centre + now_a.t)).norm();
-    return centres - n.radius - m.radius >= std::min(cutoff, part.distance);
-  };
-  const auto leaf = [&](int i, int j, Nearest& part) {
-    const MovingSimplex p = moving(*a.shape, i, now_a), q = moving(*b.shape, j, now_b);
-    part.distance = std::min(part.distance, closest_points(p.points(), q.points()).distance);
+  const BaseFrames frames(a, b, now_a, now_b);
+  const auto descend = [&](const ConeTree& tree_a, const ConeTree& tree_b, int first_a, int first_b, int cut,
+                           Nearest& part) {
+    DistanceDescent tests(a, b, now_a, now_b, 4e-6 * frames.scale, first_a, first_b, part);
+    DualDescent<DistanceDescent>(tree_a, tree_b, frames.motion, tests).run(cut);
   };
   double distance = cutoff;
-  for (const Nearest& part : traverse_pairs<Nearest>(a.shape->base, b.shape->base, threads, prune, leaf))
+  for (const Nearest& part : over_base_trees<Nearest>(*a.shape, *b.shape, threads, {cutoff}, descend))
     distance = std::min(distance, part.distance);
   return distance;
 }

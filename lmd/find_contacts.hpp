@@ -16,9 +16,9 @@ struct LmdOptions {
 };
 void validate(const LmdOptions& options);  // throws std::invalid_argument: field, value, bound
 
-/// What a query looked at.
+/// What a query looked at: pairs of nodes, of leaves in single precision, and of those in double precision.
 struct LmdStatistics {
-  long node_pairs = 0, leaf_pairs = 0, minima = 0;  // minima: before merging
+  long node_pairs = 0, leaf_pairs = 0, exact_tests = 0, minima = 0;  // minima: before merging
 };
 
 /// The contacts of one pair, sorted as ContactSet says. Shapes whose base simplices touch have no defined

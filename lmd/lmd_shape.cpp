@@ -6,6 +6,8 @@
 #include <optional>
 
 #include "geometry/check.hpp"
+#include "lmd/idealisation.hpp"
+#include "lmd/normal_cone.hpp"
 
 namespace aussois {
 namespace {
@@ -18,42 +20,57 @@ Vec3 in_plane(const Vec3& d, const Vec3& n) {
   return d - n.dot(d) * n;
 }
 
-// In-plane direction from edge (a, b) into triangle t, by the normal of its region.
-Vec3 conormal_into(const SimplicialComplex& k, const Idealisation& ideal, int t, const Vec3& direction, int a,
-                   int b) {
-  const auto& v = k.triangles[std::size_t(t)];
-  double sense = -1;
-  for (std::size_t i = 0; i < 3; ++i)
-    if (v[i] == a && v[(i + 1) % 3] == b) sense = 1;
-  const Vec3& n = ideal.region_normal[std::size_t(ideal.triangle_region[std::size_t(t)])];
-  const Vec3 c = sense * ideal.triangle_sign[std::size_t(t)] * n.cross(direction);
-  return c.normalized();
-}
-
 enum class Crease { convex, concave, other };
 
 struct ChainCone {
   Crease crease = Crease::other;
-  NormalCone cone{};
+  std::optional<SimplexClass> simplex_class{};  // none: silent
+  std::array<int, 2> conormals{};
+  Vec3 axis = Vec3::UnitZ();  // of a cap around the normal cone
+  double half_angle = 0;
 };
 
-ChainCone chain_cone(const SimplicialComplex& k, const Idealisation& ideal, const Chain& chain) {
-  const int edge = chain.edges.front();
+// Signed regions of the triangles on the first edge of a chain, and their conormals.
+void conormals_of(const SimplicialComplex& k, const Idealisation& ideal, const Chain& chain,
+                  std::vector<int>& signed_regions, std::vector<Vec3>& conormals) {
   const int a = chain.vertices[0], b = chain.vertices[1];
-  std::vector<Vec3> generators{chain.direction, -chain.direction};
+  for (int t : k.edge_triangles[chain.edges.front()]) {
+    const auto& v = k.triangles[std::size_t(t)];
+    double sense = -ideal.triangle_sign[std::size_t(t)];
+    for (std::size_t i = 0; i < 3; ++i)
+      if (v[i] == a && v[(i + 1) % 3] == b) sense = -sense;
+    const int region = ideal.triangle_region[std::size_t(t)];
+    signed_regions.push_back(sense > 0 ? region + 1 : -(region + 1));
+    conormals.push_back(sense * ideal.region_normal[std::size_t(region)].cross(chain.direction).normalized());
+  }
+}
+
+ChainCone chain_cone(const SimplicialComplex& k, const Idealisation& ideal, const Chain& chain) {
+  std::vector<int> sides;
   std::vector<Vec3> conormals;
-  for (int t : k.edge_triangles[edge]) conormals.push_back(conormal_into(k, ideal, t, chain.direction, a, b));
+  conormals_of(k, ideal, chain, sides, conormals);
   ChainCone out;
   if (k.solid) {  // interior side: a concave crease has the whole space as tangent cone's hull
-    const int t = k.edge_triangles[edge][0];
+    const int t = k.edge_triangles[chain.edges.front()][0];
     const Vec3 n = ideal.triangle_sign[std::size_t(t)] *
                    ideal.region_normal[std::size_t(ideal.triangle_region[std::size_t(t)])];
     const double rise = n.dot(conormals[1]);
     out.crease = rise < 0 ? Crease::convex : Crease::concave;
-    if (rise >= -1e-12) return out;  // concave or flat: the default cone has N = {0}
+    if (rise >= -1e-12) return out;  // concave or flat: N = {0}
   }
+  std::vector<Vec3> generators{chain.direction, -chain.direction};
   generators.insert(generators.end(), conormals.begin(), conormals.end());
-  out.cone = make_normal_cone(generators);
+  const NormalCone cone = make_normal_cone(generators);
+  if (cone.lineality != 1) return out;
+  out.simplex_class = cone.rays.size() == 2 ? SimplexClass::e_crease : SimplexClass::e_wide;
+  out.axis = cone.axis;
+  out.half_angle = cone.half_angle;
+  for (std::size_t i = 0; i < cone.rays.size(); ++i) {  // the conormal that each extreme ray is
+    std::size_t nearest = 0;
+    for (std::size_t j = 1; j < conormals.size(); ++j)
+      if (cone.rays[i].dot(conormals[j]) > cone.rays[i].dot(conormals[nearest])) nearest = j;
+    out.conormals[i] = sides[nearest];
+  }
   return out;
 }
 
@@ -79,32 +96,14 @@ std::vector<Vec3> vertex_directions(const SimplicialComplex& k, const Idealisati
 
 // A pointed hull is a corner of a solid, or the complement of a pit: a concave crease on an extreme ray
 // tells.
-bool is_pit(const Idealisation& ideal, const std::vector<Crease>& crease, const NormalCone& cone, int v) {
+bool is_pit(const Idealisation& ideal, const std::vector<ChainCone>& cones, const NormalCone& cone, int v) {
   for (int c : ideal.vertex_chains[v]) {
     const Chain& chain = ideal.chains[std::size_t(c)];
     const Vec3 d = chain.first == v ? chain.direction : Vec3(-chain.direction);
     const bool extreme = std::ranges::any_of(cone.rays, [&](const Vec3& g) { return (g - d).norm() < 1e-6; });
-    if (extreme && crease[std::size_t(c)] == Crease::concave) return true;
+    if (extreme && cones[std::size_t(c)].crease == Crease::concave) return true;
   }
   return false;
-}
-
-Leaf face_leaf(const SimplicialComplex& k, const Idealisation& ideal, int t, double side) {
-  const auto i = std::size_t(t);
-  Leaf leaf;
-  leaf.simplex_class = SimplexClass::face;
-  leaf.dim = 2;
-  leaf.simplex = t;
-  leaf.region = ideal.triangle_region[i];
-  const double sign = side * ideal.triangle_sign[i];
-  leaf.direction = sign * ideal.region_normal[std::size_t(leaf.region)];
-  leaf.extent = sign * ideal.region_offset[std::size_t(leaf.region)];
-  for (std::size_t c = 0; c < 3; ++c) leaf.x[c] = at(k, k.triangles[i][c]);
-  const Vec3 facing = side * leaf.direction;  // as the triangle is wound
-  for (std::size_t c = 0; c < 3; ++c)
-    leaf.conormal[c] = facing.cross(leaf.x[(c + 1) % 3] - leaf.x[c]).normalized();
-  leaf.cone = face_cone(leaf.direction);
-  return leaf;
 }
 
 double height(const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -112,67 +111,118 @@ double height(const Vec3& a, const Vec3& b, const Vec3& c) {
   return longest > 0 ? (b - a).cross(c - a).norm() / longest : 0;
 }
 
-void add_leaves(LmdShape& shape, double flat) {
-  const SimplicialComplex& k = shape.complex;
-  const Idealisation& ideal = shape.ideal;
-  std::vector<Crease> crease(ideal.chains.size(), Crease::other);
-  std::vector<ChainCone> cones;
-  for (std::size_t c = 0; c < ideal.chains.size(); ++c) {
-    cones.push_back(chain_cone(k, ideal, ideal.chains[c]));
-    crease[c] = cones.back().crease;
-  }
-  for (int v = 0; v < int(k.vertices.size()); ++v) {
-    if (ideal.vertex_chains[v].empty() && !k.vertex_edges[v].empty()) continue;  // inside a region or a chain
-    NormalCone cone = make_normal_cone(vertex_directions(k, ideal, v));
-    if (cone.lineality != 0 || (k.solid && is_pit(ideal, crease, cone, v))) continue;
-    Leaf leaf;
-    leaf.simplex_class = cone.rays.size() >= 3 ? SimplexClass::v_corner : SimplexClass::v_wide;
-    leaf.simplex = leaf.region = v;
-    leaf.x[0] = at(k, v);
-    leaf.cone = std::move(cone);
-    shape.leaves.push_back(std::move(leaf));
-  }
-  for (std::size_t c = 0; c < ideal.chains.size(); ++c) {
-    if (cones[c].cone.lineality != 1) continue;
-    const Chain& chain = ideal.chains[c];
-    Leaf leaf;
-    leaf.simplex_class = cones[c].cone.rays.size() == 2 ? SimplexClass::e_crease : SimplexClass::e_wide;
-    leaf.dim = 1;
-    leaf.simplex = leaf.region = int(c);
-    leaf.x[0] = at(k, chain.first);
-    leaf.x[1] = at(k, chain.last);
-    leaf.direction = chain.direction;
-    leaf.extent = (leaf.x[1] - leaf.x[0]).norm();
-    leaf.cone = std::move(cones[c].cone);
-    shape.leaves.push_back(std::move(leaf));
-  }
-  for (int t = 0; t < int(k.triangles.size()); ++t) {
-    const auto& v = k.triangles[std::size_t(t)];
-    if (height(at(k, v[0]), at(k, v[1]), at(k, v[2])) <= flat) {
-      ++shape.flat_triangles;
-      continue;
-    }
-    shape.leaves.push_back(face_leaf(k, ideal, t, 1));
-    if (!k.solid) shape.leaves.push_back(face_leaf(k, ideal, t, -1));
-  }
+ConeTreeItem tree_item(std::initializer_list<Vec3> points, const Vec3& axis = Vec3::UnitZ(),
+                       double half_angle = kPi) {
+  ConeTreeItem item;
+  item.point_count = 0;
+  for (const Vec3& x : points) item.points[item.point_count++] = x;
+  item.axis = axis;
+  item.half_angle = half_angle;
+  return item;
 }
 
-void add_base(LmdShape& shape) {
+// Puts `leaves` in the order of a tree over `items`.
+template <class Leaf>
+ConeTree make_tree(const std::vector<ConeTreeItem>& items, const Vec3& centre, std::vector<Leaf>& leaves) {
+  std::vector<int> order;
+  ConeTree tree = build_cone_tree(items, centre, order);
+  std::vector<Leaf> sorted;
+  sorted.reserve(leaves.size());
+  for (int i : order) sorted.push_back(leaves[std::size_t(i)]);
+  leaves = std::move(sorted);
+  return tree;
+}
+
+void add_vertices(LmdShape& shape, const Idealisation& ideal, const std::vector<ChainCone>& cones) {
   const SimplicialComplex& k = shape.complex;
-  for (const auto& t : k.triangles) shape.simplices.push_back({2, t});
-  for (int e = 0; e < int(k.edges.size()); ++e)
-    if (k.edge_triangles[e].empty())
-      shape.simplices.push_back({1, {k.edges[std::size_t(e)][0], k.edges[std::size_t(e)][1], -1}});
-  for (int v = 0; v < int(k.vertices.size()); ++v)
-    if (k.vertex_edges[v].empty()) shape.simplices.push_back({0, {v, -1, -1}});
-  std::vector<BvhItem> items;
-  for (const BaseSimplex& s : shape.simplices) {
-    BvhItem item;
-    item.point_count = s.dim + 1;
-    for (int i = 0; i <= s.dim; ++i) item.points[i] = at(k, s.vertex[std::size_t(i)]);
+  std::vector<VertexLeaf> narrow, wide;
+  std::vector<ConeTreeItem> narrow_items, wide_items;
+  for (int v = 0; v < int(k.vertices.size()); ++v) {
+    if (ideal.vertex_chains[v].empty() && !k.vertex_edges[v].empty()) continue;  // inside a region or a chain
+    const NormalCone cone = make_normal_cone(vertex_directions(k, ideal, v));
+    if (cone.lineality != 0 || (k.solid && is_pit(ideal, cones, cone, v))) continue;
+    VertexLeaf leaf{.vertex = v,
+                    .first_ray = int(shape.rays.size()),
+                    .ray_count = std::int16_t(cone.rays.size()),
+                    .cyclic = cone.cyclic};
+    leaf.simplex_class = cone.rays.size() >= 3 ? SimplexClass::v_corner : SimplexClass::v_wide;
+    shape.rays.insert(shape.rays.end(), cone.rays.begin(), cone.rays.end());
+    const ConeTreeItem item = tree_item({at(k, v)}, cone.axis, cone.half_angle);
+    const bool is_wide = leaf.simplex_class == SimplexClass::v_wide;
+    (is_wide ? wide : narrow).push_back(leaf);
+    (is_wide ? wide_items : narrow_items).push_back(item);
+  }
+  shape.vertex_tree = make_tree(narrow_items, shape.centre, narrow);
+  shape.wide_vertex_tree = make_tree(wide_items, shape.centre, wide);
+  shape.narrow_vertices = int(narrow.size());
+  shape.vertices = std::move(narrow);
+  shape.vertices.insert(shape.vertices.end(), wide.begin(), wide.end());
+}
+
+void add_edges(LmdShape& shape, const Idealisation& ideal, const std::vector<ChainCone>& cones) {
+  const SimplicialComplex& k = shape.complex;
+  std::vector<EdgeLeaf> narrow, wide;
+  std::vector<ConeTreeItem> narrow_items, wide_items;
+  for (std::size_t c = 0; c < ideal.chains.size(); ++c) {
+    if (!cones[c].simplex_class) continue;
+    const Chain& chain = ideal.chains[c];
+    const EdgeLeaf leaf{.first = chain.first,
+                        .last = chain.last,
+                        .conormals = cones[c].conormals,
+                        .path = int(shape.paths.size()),
+                        .path_length = int(chain.edges.size()),
+                        .simplex_class = *cones[c].simplex_class};
+    shape.paths.insert(shape.paths.end(), chain.edges.begin(), chain.edges.end());
+    const ConeTreeItem item =
+        tree_item({at(k, chain.first), at(k, chain.last)}, cones[c].axis, cones[c].half_angle);
+    const bool is_wide = leaf.simplex_class == SimplexClass::e_wide;
+    (is_wide ? wide : narrow).push_back(leaf);
+    (is_wide ? wide_items : narrow_items).push_back(item);
+  }
+  shape.edge_tree = make_tree(narrow_items, shape.centre, narrow);
+  shape.wide_edge_tree = make_tree(wide_items, shape.centre, wide);
+  shape.narrow_edges = int(narrow.size());
+  shape.edges = std::move(narrow);
+  shape.edges.insert(shape.edges.end(), wide.begin(), wide.end());
+}
+
+// Triangles are faces of contacts and simplices of the base complex; the latter has wires and points as well.
+void add_faces(LmdShape& shape, const Idealisation& ideal, double flat) {
+  const SimplicialComplex& k = shape.complex;
+  std::vector<ConeTreeItem> items, rest_items;
+  for (int t = 0; t < int(k.triangles.size()); ++t) {
+    const auto& v = k.triangles[std::size_t(t)];
+    ConeTreeItem item = tree_item({at(k, v[0]), at(k, v[1]), at(k, v[2])});
+    if (height(item.points[0], item.points[1], item.points[2]) <= flat) {
+      ++shape.flat_triangles;
+      shape.rest.push_back({2, v});
+      rest_items.push_back(item);
+      continue;
+    }
+    item.axis = ideal.triangle_sign[std::size_t(t)] *
+                ideal.region_normal[std::size_t(ideal.triangle_region[std::size_t(t)])];
+    item.half_angle = 0;
+    shape.faces.push_back(t);
     items.push_back(item);
   }
-  shape.base = build_bvh(items);
+  for (int e = 0; e < int(k.edges.size()); ++e)
+    if (k.edge_triangles[e].empty()) {
+      const auto& [a, b] = k.edges[std::size_t(e)];
+      shape.rest.push_back({1, {a, b, -1}});
+      rest_items.push_back(tree_item({at(k, a), at(k, b)}));
+    }
+  for (int v = 0; v < int(k.vertices.size()); ++v)
+    if (k.vertex_edges[v].empty()) {
+      shape.rest.push_back({0, {v, -1, -1}});
+      rest_items.push_back(tree_item({at(k, v)}));
+    }
+  shape.face_tree = make_tree(items, shape.centre, shape.faces);
+  shape.rest_tree = make_tree(rest_items, shape.centre, shape.rest);
+}
+
+template <class T>
+std::size_t bytes(const std::vector<T>& v) {
+  return v.size() * sizeof(T);
 }
 
 }  // namespace
@@ -188,27 +238,43 @@ LmdShape prepare(DilatedShape dilated, const LmdShapeOptions& options) {
   shape.complex = std::move(dilated.complex);
   shape.radius = dilated.radius;
   const Box box = bounding_box(shape.complex);
-  double tolerance = options.planarity * box.diagonal();
-  if (shape.radius > 0)
-    tolerance = std::min(tolerance, 1e-3 * shape.radius);  // far below what contacts can feel
-  shape.ideal = idealise(shape.complex, tolerance);
-  add_leaves(shape, 1e-9 * box.diagonal());
-  add_base(shape);
-
-  std::vector<BvhItem> items;
-  for (const Leaf& leaf : shape.leaves) {
-    BvhItem item;
-    item.point_count = leaf.dim + 1;
-    for (int i = 0; i <= leaf.dim; ++i) item.points[i] = leaf.x[i];
-    item.axis = leaf.cone.axis;
-    item.half_angle = leaf.cone.half_angle;
-    item.classes = 1U << unsigned(leaf.simplex_class);
-    items.push_back(item);
-  }
-  shape.bvh = build_bvh(items);
   shape.centre = (box.lo + box.hi) / 2;
   shape.bounding_radius = radius_about(shape.complex, shape.centre);
+  shape.tolerance = options.planarity * box.diagonal();
+  if (shape.radius > 0)
+    shape.tolerance = std::min(shape.tolerance, 1e-3 * shape.radius);  // far below what contacts can feel
+
+  const Idealisation ideal = idealise(shape.complex, shape.tolerance);
+  for (std::size_t r = 0; r < ideal.region_normal.size(); ++r)
+    shape.regions.push_back({ideal.region_normal[r], ideal.region_offset[r]});
+  shape.triangle_region = ideal.triangle_region;
+  for (double sign : ideal.triangle_sign) shape.triangle_sign.push_back(std::int8_t(sign));
+  std::vector<ChainCone> cones;
+  for (const Chain& chain : ideal.chains) cones.push_back(chain_cone(shape.complex, ideal, chain));
+  add_vertices(shape, ideal, cones);
+  add_edges(shape, ideal, cones);
+  add_faces(shape, ideal, 1e-9 * box.diagonal());
   return shape;
+}
+
+std::size_t search_bytes(const LmdShape& s) {
+  std::size_t total = bytes(s.complex.vertices) + bytes(s.complex.triangles) + bytes(s.regions) +
+                      bytes(s.triangle_region) + bytes(s.triangle_sign) + bytes(s.rays) + bytes(s.paths) +
+                      bytes(s.vertices) + bytes(s.edges) + bytes(s.faces) + bytes(s.rest);
+  for (const ConeTree* tree :
+       {&s.vertex_tree, &s.wide_vertex_tree, &s.edge_tree, &s.wide_edge_tree, &s.face_tree, &s.rest_tree})
+    total += bytes(tree->nodes);
+  return total;
+}
+
+int base_count(const LmdShape& shape) {
+  return int(shape.faces.size() + shape.rest.size());
+}
+
+BaseSimplex base_simplex(const LmdShape& shape, int i) {
+  const auto at = std::size_t(i);
+  if (at < shape.faces.size()) return {2, shape.complex.triangles[std::size_t(shape.faces[at])]};
+  return shape.rest[at - shape.faces.size()];
 }
 
 }  // namespace aussois

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // A dilated complex prepared for contact determination: regions, chains, normal cones, classes and the
-// hierarchy over its essential simplices. Immutable; shared between bodies.
+// hierarchies over its essential simplices. Immutable; shared between bodies.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <vector>
 
 #include "geometry/dilated_shape.hpp"
-#include "lmd/idealisation.hpp"
-#include "lmd/normal_cone.hpp"
-#include "lmd/normal_cone_bvh.hpp"
+#include "lmd/cone_tree.hpp"
 
 namespace aussois {
 
@@ -29,42 +29,66 @@ enum class SimplexClass : std::uint8_t {
   silent,  // can never carry a contact; not in the hierarchy
 };
 
-/// An essential open simplex of the idealised complex: a corner, a chain, or one side of a triangle of a
-/// region.
-struct Leaf {
-  SimplexClass simplex_class = SimplexClass::silent;
-  int dim = 0;
-  int simplex = 0;                                         // vertex, chain or triangle
-  int region = 0;                                          // vertex, chain or planar region
-  Vec3 x[3] = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  // its corners [m]; chains: the two ends
-  Vec3 direction =
-      Vec3::UnitZ();  // chains: unit, from x[0] to x[1]; faces: outward normal of the region, on this side
-  double extent = 0;  // chains: length [m]; faces: offset of the region's plane along `direction` [m]
-  Vec3 conormal[3] = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  // faces: unit, into the triangle, in the
-                                                                  // plane, at the side from x[k] to x[k + 1]
-  NormalCone cone{};
+/// A corner: an essential vertex.
+struct VertexLeaf {
+  int vertex = 0;
+  int first_ray = 0;           // in LmdShape::rays
+  std::int16_t ray_count = 0;  // extreme rays of its tangent cone, which has no lineality
+  bool cyclic = true;          // see ConeView
+  SimplexClass simplex_class = SimplexClass::v_corner;
 };
 
-/// Which vertices, edges and triangles of a complex the items of the base hierarchy are.
+/// A chain: a straight piece of the border between regions, of a sheet's border, or of wire.
+struct EdgeLeaf {
+  int first = 0, last = 0;         // its end vertices
+  std::array<int, 2> conormals{};  // signed regions: k > 0: region k - 1 turned into the complex along the
+                                   // chain, k < 0: against it, 0: none
+  int path = 0, path_length = 1;   // in LmdShape::paths: its edges in the complex, from first to last
+  SimplexClass simplex_class = SimplexClass::e_crease;
+};
+
+/// A plane { x : normal . x = offset }; solids and sheets: where the triangles of a region lie.
+struct RegionPlane {
+  Vec3 normal = Vec3::UnitZ();  // unit
+  double offset = 0;            // [m]
+};
+
+/// A top simplex of the base complex: an isolated vertex, an edge without triangles, or a triangle.
 struct BaseSimplex {
-  int dim = 0;  // 0 isolated vertex, 1 wire, 2 triangle
+  int dim = 0;
   std::array<int, 3> vertex{};
 };
 
 struct LmdShape {
   SimplicialComplex complex{};
-  double radius = 0;                     // dilation [m]
-  Idealisation ideal{};                  // planar regions and straight chains
-  std::vector<Leaf> leaves{};            // the essential simplices with what their tests need
-  NormalConeBvh bvh{};                   // over the leaves
-  std::vector<BaseSimplex> simplices{};  // the top simplices of the base complex
-  NormalConeBvh base{};                  // over them, for distances and the certificate
-  Vec3 centre = Vec3::Zero();            // of a small ball around the vertices, frame of the shape [m]
-  double bounding_radius = 0;            // of that ball, without dilation [m]
+  double radius = 0;           // dilation [m]
+  Vec3 centre = Vec3::Zero();  // of a small ball around the vertices, frame of the shape [m]
+  double bounding_radius = 0;  // of that ball, without dilation [m]
+  double tolerance = 0;        // of regions and chains, tau_f [m]
+
+  std::vector<RegionPlane> regions{};
+  std::vector<int> triangle_region{};        // of each triangle
+  std::vector<std::int8_t> triangle_sign{};  // +1 if the triangle faces as its region does, otherwise -1
+  std::vector<Vec3> rays{};
+  std::vector<int> paths{};
+  std::vector<VertexLeaf> vertices{};
+  std::vector<EdgeLeaf> edges{};
+  std::vector<int> faces{};         // triangles; those of sheets have two sides
+  std::vector<BaseSimplex> rest{};  // base simplices that are no faces: too flat for a normal, wires, points
+  // The hierarchies (LMD-9). The class set of a node is that of its tree.
+  ConeTree vertex_tree{}, wide_vertex_tree{}, edge_tree{}, wide_edge_tree{}, face_tree{}, rest_tree{};
+  int narrow_vertices = 0, narrow_edges = 0;  // the wide ones follow
   int flat_triangles = 0;  // triangles too flat to be faces of their own; their edges still count
 };
 
 /// Throws std::invalid_argument for an empty complex, a dilation that is no length or a bad option.
 LmdShape prepare(DilatedShape shape, const LmdShapeOptions& options = {});
+
+/// Bytes of what a search reads: vertices, triangles, leaves and trees.
+std::size_t search_bytes(const LmdShape& shape);
+
+/// The top simplices of the base complex are the faces, then the rest.
+int base_count(const LmdShape& shape);
+BaseSimplex base_simplex(const LmdShape& shape, int i);
 
 }  // namespace aussois

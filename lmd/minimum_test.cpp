@@ -10,25 +10,25 @@ namespace aussois {
 namespace {
 
 // Angle margin of u in the cone enlarged by alpha; negative: outside.
-double margin(const NormalCone& cone, const Vec3& u, double alpha) {
-  if (!may_contain(cone, u, std::sin(alpha) + 1e-12)) return -1;
+double margin(const ConeView& cone, const Vec3& u, double alpha, double sin_alpha) {
+  if (!may_contain(cone, u, sin_alpha + 1e-12)) return -1;
   return alpha - angle_to(cone, u);
 }
 
 // Is a displacement d of length `distance` in N? The test g . d <= tolerance is the foot test of the
 // neighbouring simplex with the opposite sign, so the tests partition space up to the tolerance.
-bool in_polar(const NormalCone& cone, const Vec3& d, double tolerance) {
-  if (cone.lineality == 3) return false;
-  for (int k = 0; k < cone.lineality; ++k)
-    if (std::abs(cone.lin.col(k).dot(d)) > tolerance) return false;
-  return std::ranges::all_of(cone.rays, [&](const Vec3& g) { return g.dot(d) <= tolerance; });
+bool in_polar(std::span<const Vec3> rays, const Vec3& d, double tolerance) {
+  return std::ranges::all_of(rays, [&](const Vec3& g) { return g.dot(d) <= tolerance; });
 }
 
 std::optional<Vec3> foot_on_face(const Leaf& face, const Vec3& p, double tolerance) {
   const double h = face.direction.dot(p) - face.extent;
   if (h <= 0) return std::nullopt;  // behind this side
-  for (int k = 0; k < 3; ++k)
-    if (face.conormal[k].dot(p - face.x[k]) < -tolerance) return std::nullopt;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3 inward = face.turn * face.direction.cross(face.x[(k + 1) % 3] - face.x[k]);
+    const double inside = inward.dot(p - face.x[k]);
+    if (inside < 0 && inside < -tolerance * inward.norm()) return std::nullopt;
+  }
   return p - h * face.direction;
 }
 
@@ -36,8 +36,7 @@ std::optional<Vec3> foot_on_chain(const Leaf& chain, const Vec3& p, double toler
   const double s = chain.direction.dot(p - chain.x[0]);
   if (s < -tolerance || s > chain.extent + tolerance) return std::nullopt;
   const Vec3 foot = chain.x[0] + s * chain.direction;
-  for (const Vec3& g : chain.cone.rays)
-    if (g.dot(p - foot) > tolerance) return std::nullopt;
+  if (!in_polar(cone_of(chain).rays, p - foot, tolerance)) return std::nullopt;
   return foot;
 }
 
@@ -50,28 +49,29 @@ std::optional<LocalMinimum> vertex_against(const Leaf& vertex, const Vec3& p, co
     foot = foot_on_face(on, p, c.tolerance);
   else if (on.dim == 1)
     foot = foot_on_chain(on, p, c.tolerance);
-  else if (in_polar(on.cone, p - on.x[0], c.tolerance))
+  else if (in_polar(on.rays, p - on.x[0], c.tolerance))
     foot = on.x[0];
   if (!foot) return std::nullopt;
   const Vec3 d = *foot - p;
   const double distance = d.norm();
   if (distance > c.max_distance || distance <= 0) return std::nullopt;
   const Vec3 u = on.dim == 2 ? Vec3(-on.direction) : Vec3(d / distance);
-  const double slack = margin(vertex.cone, to_v * u, c.alpha);
+  const double slack = margin(cone_of(vertex), to_v * u, c.alpha, c.sin_alpha);
   if (slack < 0) return std::nullopt;
   return LocalMinimum{.x_a = p, .x_b = *foot, .direction = u, .distance = distance, .angle_margin = slack};
 }
 
 // Angle between the arcs N_E and -N_E' (smallest relative rotation that makes a common normal); all in one
 // frame.
-double arc_distance(const NormalCone& e, const NormalCone& f, const Mat3& R, const Vec3& u) {
+double arc_distance(const ConeView& e, const ConeView& f, const Mat3& R, const Vec3& u) {
   const Vec3 u_e = R.transpose() * u;  // `e` is given in another frame
   const double off_e = angle_to(e, u_e), off_f = angle_to(f, -u);
   if (off_e <= 0 && off_f <= 0) return 0;
   if (angle_to(e, -u_e) <= 0 && angle_to(f, u) <= 0) return 0;  // the great circles meet at both +-u
   double rho = kInf;
-  for (const Vec3& end : arc_ends(e)) rho = std::min(rho, angle_to(f, -(R * end)));
-  for (const Vec3& end : arc_ends(f)) rho = std::min(rho, angle_to(e, R.transpose() * (-end)));
+  const ArcEnds ends_e = arc_ends(e), ends_f = arc_ends(f);
+  for (const Vec3& end : ends_e.span()) rho = std::min(rho, angle_to(f, -(R * end)));
+  for (const Vec3& end : ends_f.span()) rho = std::min(rho, angle_to(e, R.transpose() * (-end)));
   return rho;
 }
 
@@ -92,11 +92,11 @@ std::optional<LocalMinimum> edge_against_edge(const Leaf& a, const Leaf& b, cons
   if (distance > c.max_distance || distance <= 0) return std::nullopt;
   Vec3 u = e.cross(b.direction).normalized();  // the common perpendicular, better conditioned than x_b - x_a
   if (u.dot(x_b - x_a) < 0) u = -u;
-  const double slack_a = margin(a.cone, R.transpose() * u, c.alpha_ee);
+  const double slack_a = margin(cone_of(a), R.transpose() * u, c.alpha_ee, c.sin_alpha_ee);
   if (slack_a < 0) return std::nullopt;
-  const double slack_b = margin(b.cone, -u, c.alpha_ee);
+  const double slack_b = margin(cone_of(b), -u, c.alpha_ee, c.sin_alpha_ee);
   if (slack_b < 0) return std::nullopt;
-  const double slack_rho = c.alpha - arc_distance(a.cone, b.cone, R, u);
+  const double slack_rho = c.alpha - arc_distance(cone_of(a), cone_of(b), R, u);
   if (slack_rho < 0) return std::nullopt;
   return LocalMinimum{.x_a = x_a,
                       .x_b = x_b,

@@ -5,7 +5,7 @@
 
 #include <optional>
 
-#include "lmd/lmd_shape.hpp"
+#include "lmd/leaf.hpp"
 
 namespace aussois {
 
@@ -15,6 +15,7 @@ struct MinimumCriteria {
   double alpha = 0;         // enlargement of a vertex' cone, and of edge against edge [rad]
   double alpha_ee = 0;      // how far the direction may leave the arcs of two edges [rad]
   double tolerance = 0;     // inclusive tolerance of foot and cone tests [m]
+  double sin_alpha = 0, sin_alpha_ee = 0;
 };
 
 /// A local minimum in the frame of B.
@@ -24,17 +25,6 @@ struct LocalMinimum {
   double distance = 0;                          // [m]
   double angle_margin = 0;                      // [rad]
 };
-
-/// Bits of the classes that can touch a class: V x {V, E, F}, E x {V, E}, F x {V} (LMD-7).
-inline constexpr std::uint32_t kVertexClasses = 0b0000111, kEdgeClasses = 0b0111000, kFaceClass = 0b1000000;
-constexpr std::uint32_t partners_of(std::uint32_t classes) {
-  return (classes & kVertexClasses ? kVertexClasses | kEdgeClasses | kFaceClass : 0) |
-         (classes & kEdgeClasses ? kVertexClasses | kEdgeClasses : 0) |
-         (classes & kFaceClass ? kVertexClasses : 0);
-}
-constexpr std::uint32_t bit_of(SimplexClass c) {
-  return 1U << unsigned(c);
-}
 
 /// `R`, `t` take points of A's frame to B's. Empty if the pair is no (quasi-)local minimum within the
 /// distance, or if the simplices touch (their direction is then undefined).

@@ -149,12 +149,12 @@ void bound_polar(NormalCone& cone, const Vec3& inside) {
     return;
   }
   if (cone.lineality == 2) {  // N: a ray, or both ends of a line
-    cone.axis = rays.empty() ? Vec3(cone.lin.col(0).cross(cone.lin.col(1)).normalized()) : Vec3(-rays[0]);
+    cone.axis = rays.empty() ? Vec3(cone.lin[0].cross(cone.lin[1]).normalized()) : Vec3(-rays[0]);
     cone.half_angle = rays.empty() ? kPi : 0;
     return;
   }
   if (cone.lineality == 1 && rays.empty()) {  // N: a plane
-    cone.axis = cone.lin.col(0);
+    cone.axis = cone.lin[0];
     cone.half_angle = kPi / 2;
     return;
   }
@@ -169,7 +169,8 @@ void bound_polar(NormalCone& cone, const Vec3& inside) {
   }
   std::vector<Vec3> corners;  // unit vectors whose spherical hull is N
   if (cone.lineality == 1) {
-    corners = arc_ends(cone);
+    const ArcEnds arc = arc_ends(cone);
+    corners.assign(arc.span().begin(), arc.span().end());
   } else if (rays.size() == 2) {  // planar sector: N contains the line across the sector's plane
     cone.axis = -(rays[0] + rays[1]).normalized();
     cone.half_angle = kPi / 2;
@@ -217,12 +218,14 @@ NormalCone make_normal_cone(const std::vector<Vec3>& directions) {
     }
     for (int i : nearest.support) {  // these span a part of Lin
       Vec3 d = rest[std::size_t(i)];
-      for (int k = 0; k < cone.lineality; ++k) d -= cone.lin.col(k).dot(d) * cone.lin.col(k);
-      if (d.norm() > 1e-6 && cone.lineality < 3) cone.lin.col(cone.lineality++) = d.normalized();
+      for (int k = 0; k < cone.lineality; ++k)
+        d -= cone.lin[std::size_t(k)].dot(d) * cone.lin[std::size_t(k)];
+      if (d.norm() > 1e-6 && cone.lineality < 3) cone.lin[std::size_t(cone.lineality++)] = d.normalized();
     }
     std::vector<Vec3> projected;
     for (Vec3 d : rest) {
-      for (int k = 0; k < cone.lineality; ++k) d -= cone.lin.col(k).dot(d) * cone.lin.col(k);
+      for (int k = 0; k < cone.lineality; ++k)
+        d -= cone.lin[std::size_t(k)].dot(d) * cone.lin[std::size_t(k)];
       if (d.norm() > 10 * kMerge) projected.push_back(d.normalized());
     }
     rest = std::move(projected);
@@ -232,7 +235,7 @@ NormalCone make_normal_cone(const std::vector<Vec3>& directions) {
   if (cone.lineality == 2 && rest.size() > 1) {  // rays on both sides of a plane would be lineality 3
     const bool one_side = std::ranges::all_of(rest, [&](const Vec3& d) { return d.dot(rest[0]) > 0; });
     if (!one_side)
-      cone.lineality = 3, cone.lin.setIdentity(), rest.clear();
+      cone = NormalCone{}, rest.clear();
     else
       rest.resize(1);
   }
@@ -258,29 +261,29 @@ NormalCone make_normal_cone(const std::vector<Vec3>& directions) {
 NormalCone face_cone(const Vec3& n) {
   NormalCone cone;
   cone.lineality = 2;
-  cone.lin.col(0) = n.unitOrthogonal();
-  cone.lin.col(1) = n.cross(cone.lin.col(0));
-  cone.lin.col(2) = n;
+  cone.lin[0] = n.unitOrthogonal();
+  cone.lin[1] = n.cross(cone.lin[0]);
+  cone.lin[2] = n;
   cone.rays = {-n};
   cone.axis = n;
   cone.half_angle = 0;
   return cone;
 }
 
-bool may_contain(const NormalCone& cone, const Vec3& u, double sin_alpha) {
-  if (cone.lineality == 3) return false;
+bool may_contain(const ConeView& cone, const Vec3& u, double sin_alpha) {
+  if (cone.lin.size() == 3) return false;
   double along = 0;
-  for (int k = 0; k < cone.lineality; ++k) along += cone.lin.col(k).dot(u) * cone.lin.col(k).dot(u);
+  for (const Vec3& e : cone.lin) along += e.dot(u) * e.dot(u);
   if (along > sin_alpha * sin_alpha) return false;
   for (const Vec3& g : cone.rays)
     if (g.dot(u) > sin_alpha) return false;
   return true;
 }
 
-double angle_to(const NormalCone& cone, const Vec3& u) {
-  if (cone.lineality == 3) return kInf;
+double angle_to(const ConeView& cone, const Vec3& u) {
+  if (cone.lin.size() == 3) return kInf;
   Vec3 v = u;
-  for (int k = 0; k < cone.lineality; ++k) v -= cone.lin.col(k).dot(u) * cone.lin.col(k);
+  for (const Vec3& e : cone.lin) v -= e.dot(u) * e;
   const auto& g = cone.rays;
   const std::size_t m = g.size();
   const auto feasible = [&](const Vec3& p, std::size_t a, std::size_t b) {
@@ -301,7 +304,7 @@ double angle_to(const NormalCone& cone, const Vec3& u) {
       const Vec3 p = v - excess * g[k];
       if (feasible(p, k, k)) take(p);
     }
-    if (cone.lineality == 0 && m >= 2)
+    if (cone.lin.empty() && m >= 2)
       for (std::size_t k = 0; k < m; ++k)  // on the ray of N between two facets
         for (std::size_t j = cone.cyclic ? k + 1 : 0; j < (cone.cyclic ? k + 2 : m); ++j) {
           const std::size_t next = j % m;
@@ -316,18 +319,17 @@ double angle_to(const NormalCone& cone, const Vec3& u) {
   return off <= 1e-15 ? 0 : std::min(kPi / 2, std::atan2(off, projection.norm()));
 }
 
-std::vector<Vec3> arc_ends(const NormalCone& cone) {
-  AUSSOIS_ASSERT(cone.lineality == 1);
-  const Vec3 e = cone.lin.col(0);
+ArcEnds arc_ends(const ConeView& cone) {
+  AUSSOIS_ASSERT(cone.lin.size() == 1);
+  const Vec3& e = cone.lin[0];
   if (cone.rays.empty()) return {};
-  if (cone.rays.size() == 1) return {e.cross(cone.rays[0]), -e.cross(cone.rays[0])};
-  std::vector<Vec3> ends;
+  if (cone.rays.size() == 1) return {{e.cross(cone.rays[0]), -e.cross(cone.rays[0])}, 2};
+  ArcEnds out{.count = 2};
   for (std::size_t k = 0; k < 2; ++k) {
-    Vec3 n = e.cross(cone.rays[k]).normalized();
-    if (n.dot(cone.rays[1 - k]) > 0) n = -n;
-    ends.push_back(n);
+    const Vec3 n = e.cross(cone.rays[k]).normalized();
+    out.ends[k] = n.dot(cone.rays[1 - k]) > 0 ? Vec3(-n) : n;
   }
-  return ends;
+  return out;
 }
 
 }  // namespace aussois

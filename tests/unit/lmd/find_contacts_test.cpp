@@ -253,7 +253,8 @@ TEST(Contacts, OptionsOutOfRangeAreNamed) {
 // The simplices of the base complex that hold a point, in the world: its star.
 std::vector<std::vector<Vec3>> star(const LmdShape& shape, const SE3& g, const Vec3& foot) {
   std::vector<std::vector<Vec3>> out;
-  for (const BaseSimplex& simplex : shape.simplices) {
+  for (int s = 0; s < base_count(shape); ++s) {
+    const BaseSimplex simplex = base_simplex(shape, s);
     std::vector<Vec3> corners;
     for (int i = 0; i <= simplex.dim; ++i)
       corners.push_back(g * shape.complex.vertices[std::size_t(simplex.vertex[std::size_t(i)])]);

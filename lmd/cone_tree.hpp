@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// The 5D+1 hierarchy (LMD-9): around the simplices of each class a ball, an oriented box and a cap of the
+// normal cones. Four children per node, side by side in single precision, rounded outwards, so that one
+// instruction tests four.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "geometry/types.hpp"
+
+namespace aussois {
+
+/// Four children; lengths in the frame of the shape moved to its centre [m].
+struct alignas(64) ConeNode {
+  float c[3][4];           // centres of balls and boxes
+  float r[4];              // of the balls; -1 for a child that is not there
+  float axis[3][4];        // of the caps, unit
+  float cos[4], sin[4];    // of their half angles; (-1, 0): any direction
+  float u[3][3][4];        // axes of the boxes: u[k][i] is coordinate i of axis k
+  float h[3][4];           // their half sides
+  std::uint32_t child[4];  // a node, or the first simplex of a bucket
+  std::uint32_t count[4];  // simplices in the bucket; 0: a node
+};
+
+/// What the builder needs of a simplex: up to three points and the cap around its normal cone.
+struct ConeTreeItem {
+  Vec3 points[3] = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+  int point_count = 1;
+  Vec3 axis = Vec3::UnitZ();
+  double half_angle = kPi;
+};
+
+/// Simplices of a bucket at most.
+inline constexpr int kBucket = 4;
+
+/// A tree over simplices of one class; it owns the order of its simplices.
+struct ConeTree {
+  std::vector<ConeNode> nodes{};  // the root first; empty without simplices
+};
+
+/// Median splits along the longest side in the space (position, lambda times axis of the cone). `order`
+/// receives the items in the order of the buckets.
+ConeTree build_cone_tree(const std::vector<ConeTreeItem>& items, const Vec3& centre, std::vector<int>& order);
+
+}  // namespace aussois

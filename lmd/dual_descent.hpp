@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+// Descends two trees at once: for every node of A, moved to B's frame once, the list of the nodes of B that
+// can matter to it. The work is cut into the same parts for any number of threads.
+#pragma once
+
+#include <vector>
+
+#include "geometry/se3.hpp"
+#include "lmd/cone_tree.hpp"
+#include "lmd/simd.hpp"
+
+namespace aussois {
+
+/// Points of A's shape frame, moved to A's centre, to B's frame moved to B's centre.
+struct NodeMotion {
+  float R[9];  // row by row
+  float t[3];
+  ConeNode moved(const ConeNode& node) const {
+    ConeNode out = node;
+    const auto turn = [&](const float(&v)[3][4], float(&w)[3][4], bool shift) {
+      const V4 x = load4(v);
+      for (int i = 0; i < 3; ++i) {
+        const F4 y = R[3 * i] * x.x + R[3 * i + 1] * x.y + R[3 * i + 2] * x.z + (shift ? t[i] : 0.0F);
+        for (int k = 0; k < 4; ++k) w[i][k] = y[k];
+      }
+    };
+    turn(node.c, out.c, true);
+    turn(node.axis, out.axis, false);
+    for (int k = 0; k < 3; ++k) turn(node.u[k], out.u[k], false);
+    return out;
+  }
+};
+
+inline int children_of(const ConeNode& node) {  // bits of the lanes in use
+  return bits(load4(node.r) >= 0);
+}
+inline bool is_bucket(const ConeNode& node, int lane) {
+  return node.count[lane] > 0;
+}
+
+/// One child of a node.
+struct ConeSlot {
+  const ConeNode* node;
+  int lane;
+  int first() const { return int(node->child[lane]); }
+  int count() const { return int(node->count[lane]); }
+};
+
+/// Parts that the descent of a pair of trees is cut into.
+inline constexpr int kDescentParts = 16;
+
+/// Test: near(four children, slot, slot_is_a) -> bits of the children that can matter to the slot; A's side
+/// comes in B's frame. open(bucket of A), then buckets(bucket of A, bucket of B) for each that is left.
+template <class Test>
+class DualDescent {
+ public:
+  DualDescent(const ConeTree& a, const ConeTree& b, const NodeMotion& motion, Test& test)
+      : a_(a), b_(b), motion_(motion), test_(test) {}
+
+  /// Parts 0 to kDescentParts - 1 are the grandchildren of A's root.
+  void run(int part) {
+    if (a_.nodes.empty() || b_.nodes.empty()) return;
+    const ConeNode root = motion_.moved(a_.nodes[0]);
+    const int lane = part / 4;
+    if (!(children_of(root) >> lane & 1)) return;
+    if (is_bucket(root, lane)) {
+      if (part % 4 == 0) start(root, lane);
+      return;
+    }
+    const ConeNode child = motion_.moved(a_.nodes[root.child[lane]]);
+    if (children_of(child) >> (part % 4) & 1) start(child, part % 4);
+  }
+
+ private:
+  using Entry = std::uint32_t;  // node and lane of B
+  ConeSlot slot(Entry e) const { return {&b_.nodes[e / 4], int(e % 4)}; }
+
+  int near_b(std::uint32_t node, const ConeSlot& a) {
+    const ConeNode& four = b_.nodes[node];
+    return children_of(four) & test_.near(four, a, true);
+  }
+
+  void start(const ConeNode& a, int lane) {
+    list_.clear();
+    push(0, near_b(0, {&a, lane}));
+    visit(a, lane, 0);
+  }
+
+  void push(std::uint32_t node, int lanes) {
+    for (std::uint32_t k = 0; k < 4; ++k)
+      if (lanes >> k & 1) list_.push_back(4 * node + k);
+  }
+
+  // The list from `begin` on holds the nodes of B that matter to A's slot; it is taken off.
+  void visit(const ConeNode& a, int lane, std::size_t begin) {
+    const bool at_bucket = is_bucket(a, lane);
+    for (std::size_t i = begin; i < list_.size();) {  // open those of B that are larger than A's
+      const ConeSlot b = slot(list_[i]);
+      if (b.count() > 0 || (!at_bucket && b.node->r[b.lane] < a.r[lane])) {
+        ++i;
+        continue;
+      }
+      const std::uint32_t node = b.node->child[b.lane];
+      list_[i] = list_.back();
+      list_.pop_back();
+      push(node, near_b(node, {&a, lane}));
+    }
+    if (at_bucket) {
+      if (list_.size() > begin) test_.open(ConeSlot{&a, lane});
+      for (std::size_t i = begin; i < list_.size(); ++i) test_.buckets({&a, lane}, slot(list_[i]));
+    } else if (list_.size() > begin) {
+      const ConeNode below = motion_.moved(a_.nodes[a.child[lane]]);
+      const std::size_t end = list_.size();
+      const std::size_t mask_begin = masks_.size();
+      const int there = children_of(below);
+      for (std::size_t i = begin; i < end; ++i)
+        masks_.push_back(char(there & test_.near(below, slot(list_[i]), false)));
+      for (int k = 0; k < 4; ++k) {
+        for (std::size_t i = begin; i < end; ++i)
+          if (masks_[mask_begin + i - begin] >> k & 1) list_.push_back(list_[i]);
+        if (list_.size() > end) visit(below, k, end);
+      }
+      masks_.resize(mask_begin);
+    }
+    list_.resize(begin);
+  }
+
+  const ConeTree &a_, &b_;
+  const NodeMotion& motion_;
+  Test& test_;
+  std::vector<Entry> list_{};
+  std::vector<char> masks_{};
+};
+
+/// Do the boxes of the children stay farther apart from that of the slot than `reach`? Separating axes: the
+/// three of each box and, dearer, the nine products. Bits of those that may be nearer.
+inline I4 boxes_near(const ConeNode& four, const ConeSlot& one, const V4& d, F4 reach, I4 still) {
+  V4 u[3], w[3];
+  F4 hu[3], hw[3];
+  for (int k = 0; k < 3; ++k) {
+    u[k] = spread(one.node->u[k], one.lane);
+    w[k] = load4(four.u[k]);
+    hu[k] = splat(one.node->h[k][one.lane]);
+    hw[k] = load4(four.h[k]);
+  }
+  F4 R[3][3], Q[3][3];
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) R[i][j] = dot(u[i], w[j]), Q[i][j] = abs4(R[i][j]);
+  F4 t[3];
+  for (int i = 0; i < 3; ++i) {
+    t[i] = dot(d, u[i]);
+    still &= abs4(t[i]) - hu[i] - hw[0] * Q[i][0] - hw[1] * Q[i][1] - hw[2] * Q[i][2] <= reach;
+  }
+  for (int j = 0; j < 3; ++j)
+    still &= abs4(dot(d, w[j])) - hw[j] - hu[0] * Q[0][j] - hu[1] * Q[1][j] - hu[2] * Q[2][j] <= reach;
+  if (!bits(still)) return still;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+      const F4 apart = abs4(t[i2] * R[i1][j] - t[i1] * R[i2][j]) - hu[i1] * Q[i2][j] - hu[i2] * Q[i1][j] -
+                       hw[j1] * Q[i][j2] - hw[j2] * Q[i][j1];
+      still &= apart <= reach;  // the axis is at most a unit vector: this errs to the safe side
+    }
+  return still;
+}
+
+}  // namespace aussois

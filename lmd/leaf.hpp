@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// An essential open simplex as the tests of a query see it, put together from the tables of its shape.
+#pragma once
+
+#include <compare>
+
+#include "lmd/lmd_shape.hpp"
+#include "lmd/normal_cone.hpp"
+
+namespace aussois {
+
+/// Which one: a corner, a chain, or one side of a triangle.
+struct LeafId {
+  std::int32_t index = 0;  // in LmdShape::vertices, edges or faces
+  std::int8_t dim = 0;
+  std::int8_t side = 1;  // faces of sheets: +1 or -1
+  auto operator<=>(const LeafId&) const = default;
+};
+
+struct Leaf {
+  int dim = 0;
+  Vec3 x[3] = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  // its corners [m]; chains: the two ends
+  Vec3 direction = Vec3::UnitZ();  // chains: unit, from x[0] to x[1]; faces: normal of the region, this side
+  double extent = 0;  // chains: length [m]; faces: offset of the region's plane along `direction` [m]
+  double turn = 1;    // faces: +1 if the corners run counter-clockwise seen along -direction
+  std::array<Vec3, 2> conormals{};  // chains: unit, into the triangles
+  std::size_t conormal_count = 0;
+  std::span<const Vec3> rays{};  // corners: of the tangent cone
+  bool cyclic = true;
+};
+
+Leaf leaf_of(const LmdShape& shape, LeafId id);
+
+/// Not for faces. Valid as long as the leaf.
+inline ConeView cone_of(const Leaf& leaf) {
+  if (leaf.dim == 0) return {{}, leaf.rays, leaf.cyclic};
+  return {{&leaf.direction, 1}, {leaf.conormals.data(), leaf.conormal_count}, true};
+}
+
+/// V x {V, E, F}, E x {V, E}, F x {V}: everything else is never a strict minimum (LMD-7).
+constexpr bool can_touch(int dim_a, int dim_b) {
+  return dim_a + dim_b <= 2;
+}
+
+}  // namespace aussois

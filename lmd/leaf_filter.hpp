@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+// Quick rejects of leaf pairs, four at a time in single precision, by pair of dimensions. They forgive more
+// than rounding, so whatever they reject the tests of minimum_test.hpp reject as well.
+#pragma once
+
+#include "lmd/cone_tree.hpp"
+#include "lmd/leaf.hpp"
+#include "lmd/simd.hpp"
+
+namespace aussois {
+
+static_assert(kBucket == 4, "a bucket is one vector");
+
+/// From the frame of a shape to that in which the pair is looked at.
+struct LeafFrame {
+  const LmdShape* shape = nullptr;
+  Eigen::Matrix3f R = Eigen::Matrix3f::Identity();
+  Vec3 centre = Vec3::Zero();  // taken off first [m]
+  Eigen::Vector3f t = Eigen::Vector3f::Zero();
+  Eigen::Vector3f point(const Vec3& x) const { return R * (x - centre).cast<float>() + t; }
+  Eigen::Vector3f direction(const Vec3& d) const { return R * d.cast<float>(); }
+};
+
+struct FilterLimits {
+  float reach = 0;       // largest distance [m]
+  float foot = 0;        // how far a foot may lie outside [m]
+  float sin_vertex = 0;  // of the enlargement of a vertex' cone
+  float sin_edges = 0;   // of the enlargement of the arcs of two edges
+  float still = 1;       // 0: the pair may move; then the feet of two edges are not tested
+};
+
+struct VertexLanes {
+  V4 p;
+};
+struct EdgeLanes {
+  V4 p, e;            // first end, chord
+  V4 g[2];            // conormals; zero: none
+  F4 square, length;  // of the chord
+};
+struct FaceLanes {
+  V4 x[3], n;    // corners, normal
+  V4 inward[3];  // across the sides, not unit
+  F4 side[3];    // lengths of the sides
+};
+
+inline void set(V4& v, int lane, const Eigen::Vector3f& x) {
+  v.x[lane] = x[0], v.y[lane] = x[1], v.z[lane] = x[2];
+}
+
+/// The `count` leaves from `first` on; lanes beyond repeat the last.
+inline VertexLanes vertex_lanes(const LeafFrame& f, int first, int count) {
+  VertexLanes out{};
+  for (int k = 0; k < 4; ++k) {
+    const VertexLeaf& v = f.shape->vertices[std::size_t(first + std::min(k, count - 1))];
+    set(out.p, k, f.point(f.shape->complex.vertices[std::size_t(v.vertex)]));
+  }
+  return out;
+}
+
+inline EdgeLanes edge_lanes(const LeafFrame& f, int first, int count) {
+  EdgeLanes out{};
+  V4 n[2];
+  for (int k = 0; k < 4; ++k) {
+    const EdgeLeaf& e = f.shape->edges[std::size_t(first + std::min(k, count - 1))];
+    const Eigen::Vector3f p = f.point(f.shape->complex.vertices[std::size_t(e.first)]);
+    const Eigen::Vector3f q = f.point(f.shape->complex.vertices[std::size_t(e.last)]);
+    set(out.p, k, p);
+    set(out.e, k, q - p);
+    for (int c = 0; c < 2; ++c) {
+      const int region = e.conormals[std::size_t(c)];
+      const Eigen::Vector3f normal =
+          region == 0 ? Eigen::Vector3f::Zero()
+                      : f.direction(f.shape->regions[std::size_t(std::abs(region) - 1)].normal);
+      set(n[c], k, region > 0 ? normal : Eigen::Vector3f(-normal));
+    }
+  }
+  out.square = dot(out.e, out.e);
+  out.length = sqrt4(out.square);
+  for (int c = 0; c < 2; ++c) out.g[c] = (1.0F / out.length) * cross(n[c], out.e);
+  return out;
+}
+
+inline FaceLanes face_lanes(const LeafFrame& f, int first, int count, int side) {
+  FaceLanes out{};
+  F4 turn{};
+  for (int k = 0; k < 4; ++k) {
+    const auto t = std::size_t(f.shape->faces[std::size_t(first + std::min(k, count - 1))]);
+    const float sign = float(side * f.shape->triangle_sign[t]);
+    const RegionPlane& plane = f.shape->regions[std::size_t(f.shape->triangle_region[t])];
+    set(out.n, k, sign * f.direction(plane.normal));
+    for (std::size_t c = 0; c < 3; ++c)
+      set(out.x[c], k, f.point(f.shape->complex.vertices[std::size_t(f.shape->complex.triangles[t][c])]));
+    turn[k] = float(side);
+  }
+  for (int c = 0; c < 3; ++c) {
+    const V4 e = out.x[(c + 1) % 3] - out.x[c];
+    out.inward[c] = turn * cross(out.n, e);
+    out.side[c] = sqrt4(dot(e, e));
+  }
+  return out;
+}
+
+/// Is the direction d (four of them, not unit, of the given lengths), seen from the vertex, in its enlarged
+/// cone?
+inline I4 in_vertex_cone(const LeafFrame& frame, const VertexLeaf& v, const V4& d, F4 limit) {
+  const Eigen::Matrix3f& R = frame.R;  // turns back into the vertex' frame
+  const V4 local{R(0, 0) * d.x + R(1, 0) * d.y + R(2, 0) * d.z, R(0, 1) * d.x + R(1, 1) * d.y + R(2, 1) * d.z,
+                 R(0, 2) * d.x + R(1, 2) * d.y + R(2, 2) * d.z};
+  I4 in = {-1, -1, -1, -1};
+  const Vec3* g = frame.shape->rays.data() + v.first_ray;
+  for (int k = 0; k < v.ray_count; ++k)
+    in &= float(g[k].x()) * local.x + float(g[k].y()) * local.y + float(g[k].z()) * local.z <= limit;
+  return in;
+}
+
+inline int vertex_face(const LeafFrame& frame, const VertexLeaf& v, const V4& p, const FaceLanes& f,
+                       const FilterLimits& limits) {
+  const F4 h = dot(f.n, p - f.x[0]);
+  I4 in = (h <= limits.reach) & (h >= -limits.foot);
+  for (int c = 0; c < 3; ++c) in &= dot(f.inward[c], p - f.x[c]) >= -limits.foot * f.side[c];
+  if (!bits(in)) return 0;
+  return bits(in & in_vertex_cone(frame, v, V4{-f.n.x, -f.n.y, -f.n.z}, splat(limits.sin_vertex)));
+}
+
+inline int vertex_edge(const LeafFrame& frame, const VertexLeaf& v, const V4& p, const EdgeLanes& e,
+                       const FilterLimits& limits) {
+  const V4 w = p - e.p;
+  const F4 s = dot(e.e, w) / e.square;
+  const F4 slack = limits.foot / e.length;
+  const V4 d = w - s * e.e;  // from the foot to the vertex
+  const F4 square = dot(d, d);
+  I4 in = (s >= -slack) & (s <= 1.0F + slack) & (square <= limits.reach * limits.reach);
+  for (const V4& g : e.g) in &= dot(g, d) <= limits.foot;
+  if (!bits(in)) return 0;
+  return bits(
+      in & in_vertex_cone(frame, v, V4{-d.x, -d.y, -d.z}, limits.sin_vertex * sqrt4(square) + limits.foot));
+}
+
+inline int vertex_vertex(const LeafFrame& frame, const VertexLeaf& v, const V4& p, const VertexLanes& other,
+                         const FilterLimits& limits) {
+  const V4 d = other.p - p;
+  const F4 square = dot(d, d);
+  const I4 in = square <= limits.reach * limits.reach;
+  if (!bits(in)) return 0;
+  return bits(in & in_vertex_cone(frame, v, d, limits.sin_vertex * sqrt4(square) + limits.foot));
+}
+
+/// The edge in lane `k` of `a`, which is the side that u points away from, against four.
+inline int edge_edge(const EdgeLanes& a, int k, const EdgeLanes& b, const FilterLimits& limits) {
+  const V4 e = spread(a.e, k), w = b.p - spread(a.p, k);
+  const F4 aa = splat(a.square[k]), length = splat(a.length[k]);
+  const F4 ab = dot(e, b.e), aw = dot(e, w), bw = dot(b.e, w);
+  const V4 n = cross(e, b.e);
+  const F4 det = dot(n, n), sin2 = det / (aa * b.square);
+  // Nearly parallel: single precision cannot tell where they cross, only how far the lines are apart.
+  const V4 off = w - (bw / b.square) * b.e;
+  const F4 near = limits.reach + 0.01F * length;
+  const I4 parallel = (sin2 < 1e-4F) & (dot(off, off) <= near * near);
+  const F4 s = (b.square * aw - ab * bw) / det, r = (ab * aw - aa * bw) / det;
+  const F4 fuzz = limits.foot + 2e-6F * (sqrt4(dot(w, w)) + length + b.length) / sin2;
+  const F4 slack_a = fuzz / length, slack_b = fuzz / b.length;
+  const V4 d = w + r * b.e - s * e;
+  const F4 reach = limits.reach + fuzz;
+  I4 in = (sin2 >= 1e-4F) & (dot(d, d) <= reach * reach);
+  if (limits.still > 0)
+    in &= (s >= -slack_a) & (s <= 1.0F + slack_a) & (r >= -slack_b) & (r <= 1.0F + slack_b);
+  const F4 size = sqrt4(det), along = dot(n, w);
+  const F4 limit = limits.sin_edges * size;
+  I4 out = {0, 0, 0, 0};
+  for (const float sign : {1.0F, -1.0F}) {  // u = n or -n; both where the lines nearly meet
+    I4 ok = sign * along >= -fuzz * size;
+    for (const V4& g : a.g) ok &= sign * dot(spread(g, k), n) <= limit;
+    for (const V4& g : b.g) ok &= -sign * dot(g, n) <= limit;
+    out |= ok;
+  }
+  return bits(parallel | (in & out));
+}
+
+}  // namespace aussois

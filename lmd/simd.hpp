@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// Four floats side by side: vectors of the compiler, and the two operations it has no sign for.
+#pragma once
+
+#ifdef __SSE2__
+#include <emmintrin.h>
+#else
+#include <cmath>
+#endif
+
+namespace aussois {
+
+using F4 = float __attribute__((vector_size(16)));
+using I4 = int __attribute__((vector_size(16)));  // what comparisons give: -1 or 0 per lane
+
+inline F4 splat(float x) {
+  return F4{x, x, x, x};
+}
+
+inline F4 load4(const float* x) {
+#ifdef __SSE2__
+  return _mm_load_ps(x);  // aligned
+#else
+  return F4{x[0], x[1], x[2], x[3]};
+#endif
+}
+
+inline F4 sqrt4(F4 x) {
+#ifdef __SSE2__
+  return _mm_sqrt_ps(x);
+#else
+  return F4{std::sqrt(x[0]), std::sqrt(x[1]), std::sqrt(x[2]), std::sqrt(x[3])};
+#endif
+}
+
+/// Bit i: lane i is true.
+inline int bits(I4 m) {
+#ifdef __SSE2__
+  return _mm_movemask_ps(__m128(m));
+#else
+  return (m[0] & 1) | (m[1] & 2) | (m[2] & 4) | (m[3] & 8);
+#endif
+}
+
+inline F4 abs4(F4 x) {
+  return x < 0 ? -x : x;
+}
+
+struct V4 {  // four vectors
+  F4 x, y, z;
+};
+
+inline V4 operator-(const V4& a, const V4& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+inline V4 operator+(const V4& a, const V4& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+inline V4 operator*(F4 s, const V4& a) {
+  return {s * a.x, s * a.y, s * a.z};
+}
+inline F4 dot(const V4& a, const V4& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+inline V4 cross(const V4& a, const V4& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+/// The vector of one lane, in all lanes.
+inline V4 spread(const V4& a, int lane) {
+  return {splat(a.x[lane]), splat(a.y[lane]), splat(a.z[lane])};
+}
+inline V4 load4(const float (&v)[3][4]) {
+  return {load4(v[0]), load4(v[1]), load4(v[2])};
+}
+inline V4 spread(const float (&v)[3][4], int lane) {
+  return {splat(v[0][lane]), splat(v[1][lane]), splat(v[2][lane])};
+}
+
+}  // namespace aussois
