@@ -133,7 +133,8 @@ class Builder {
     n.count[lane] = std::uint32_t(end - begin);
   }
 
-  int split(int begin, int end) {
+  // Sorts the range about its `middle` along its longest side.
+  void split(int begin, int middle, int end) {
     Eigen::Matrix<double, 6, 1> lo = Eigen::Matrix<double, 6, 1>::Constant(kInf), hi = -lo;
     for (int i = begin; i < end; ++i) {
       const Vec3& c = centroid_[std::size_t(order_[std::size_t(i)])];
@@ -151,28 +152,23 @@ class Builder {
       const auto at = std::size_t(order_[std::size_t(i)]);
       key_[at] = longest < 3 ? centroid_[at][longest] : items_[at].axis[longest - 3];
     }
-    const int middle = (begin + end) / 2;
     std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
                      [&](int a, int b) {
                        const double ka = key_[std::size_t(a)], kb = key_[std::size_t(b)];
                        return ka != kb ? ka < kb : a < b;
                      });
-    return middle;
   }
 
   void fill(std::size_t node, int begin, int end) {
-    int bounds[5] = {begin, begin, begin, begin, end}, count = 1;
-    if (end - begin > kBucket) {  // two binary splits make four children
-      const int middle = split(begin, end);
-      count = 0;
-      bounds[0] = begin;
-      for (const auto& [b, e] : {std::pair(begin, middle), std::pair(middle, end)}) {
-        if (e - b > kBucket) bounds[++count] = split(b, e);
-        bounds[++count] = e;
-      }
-    } else {
-      bounds[1] = end;
-    }
+    int full = kBucket;  // simplices of a child: all but the last are full, so no space is lost
+    while (4 * full < end - begin) full *= 4;
+    const int count = (end - begin + full - 1) / full;
+    int bounds[5];
+    for (int k = 0; k <= count; ++k) bounds[k] = std::min(begin + k * full, end);
+    const int half = (count + 1) / 2;  // binary splits
+    if (count > 1) split(begin, bounds[half], end);
+    if (half > 1) split(begin, bounds[1], bounds[half]);
+    if (count - half > 1) split(bounds[half], bounds[half + 1], end);
     for (int lane = 0; lane < 4; ++lane) {
       if (lane < count) {
         set_child(node, lane, bounds[lane], bounds[lane + 1]);

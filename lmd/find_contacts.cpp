@@ -79,6 +79,7 @@ struct TreePair {
 // What one part of the search collects.
 struct Part {
   std::vector<Found> found{};
+  std::vector<std::pair<LeafId, LeafId>> candidates{};  // instead, of a search for a window
   LmdStatistics count{};
 };
 
@@ -106,27 +107,35 @@ Frames frames_of(const Pair& pair) {
 // The tests of (LMD-9) on nodes, then the quick rejects on buckets, then the exact ones.
 class Search {
  public:
-  Search(const Pair& pair, const Frames& frames, const TreePair& trees, Part& part)
-      : pair_(pair), frames_(frames), trees_(trees), part_(part) {
+  Search(const Pair& pair, const Frames& frames, const TreePair& trees, const MotionWindow* window,
+         Part& part)
+      : pair_(pair), frames_(frames), trees_(trees), window_(window), part_(part) {
     const MinimumCriteria& c = pair.criteria;
     const double slack = angle_slack(pair);
-    reach_ = float(c.max_distance) + frames.rounding;
-    opposing_ = angle_of(c.alpha + slack);
+    const double turn = window ? window->rotation : 0, shift = window ? window->displacement : 0;
+    shift_ = float(shift * (1 + 1e-6));
+    reach_ = float(c.max_distance) + shift_ + frames.rounding;
+    opposing_ = angle_of(c.alpha + slack + turn);
     const bool edges = trees.first_a.dim == 1 && trees.first_b.dim == 1;
     const double more = edges ? std::max(c.alpha, c.alpha_ee) : 0;
-    enlarged_a_ = angle_of(slack + (trees.first_a.dim == 0 ? c.alpha : more));
+    enlarged_a_ =
+        angle_of(slack + turn + (trees.first_a.dim == 0 ? c.alpha : more));  // B's frame stands still
     enlarged_b_ = angle_of(slack + (trees.first_b.dim == 0 ? c.alpha : more));
     side_ = float(trees.first_a.side * trees.first_b.side);
+    // seen from A, points of B near A move by at most `shift` and what the rotation adds over the distance
+    const double foot = 2 * (shift + turn * (c.max_distance + shift));
     limits_ = {.reach = reach_,
-               .foot = frames.rounding + float(c.tolerance),
-               .sin_vertex = float(c.sin_alpha + slack) + 1e-5F,
-               .sin_edges = float(c.sin_alpha_ee + slack) + 1e-4F};
+               .foot = frames.rounding + float(c.tolerance + foot),
+               .sin_vertex = float(c.sin_alpha + slack + turn) + 1e-5F,
+               .sin_edges = float(c.sin_alpha_ee + slack) + 1e-4F,
+               .moving = window != nullptr};
   }
 
   int near(const ConeNode& four, const ConeSlot& one, bool one_is_a) {
     part_.count.node_pairs += 4;
     const V4 d = load4(four.c) - spread(one.node->c, one.lane);
-    const F4 both = load4(four.r) + one.node->r[one.lane], square = dot(d, d), limit = both + reach_;
+    const F4 both = load4(four.r) + (one.node->r[one.lane] + shift_);
+    const F4 square = dot(d, d), limit = both + reach_;
     I4 still = square <= limit * limit;
     if (!bits(still)) return 0;
     const V4 axis = load4(four.axis), own = spread(one.node->axis, one.lane);
@@ -212,10 +221,14 @@ class Search {
     if (lanes == 0) return;
     LeafId id_a = trees_.first_a, id_b = trees_.first_b;
     id_a.index += a.first() + i;
-    const Leaf leaf_a = leaf_of(*pair_.a, id_a);
+    const Leaf leaf_a = window_ ? Leaf{} : leaf_of(*pair_.a, id_a);
     for (int j = 0; j < b.count(); ++j) {
       if (!(lanes >> j & 1)) continue;
       id_b.index = trees_.first_b.index + b.first() + j;
+      if (window_) {
+        part_.candidates.emplace_back(id_a, id_b);
+        continue;
+      }
       ++part_.count.exact_tests;
       const auto minimum = test_minimum(leaf_a, leaf_of(*pair_.b, id_b), pair_.R, pair_.t, pair_.criteria);
       if (minimum) part_.found.push_back({id_a, id_b, *minimum});
@@ -225,8 +238,9 @@ class Search {
   const Pair& pair_;
   const Frames& frames_;
   const TreePair& trees_;
+  const MotionWindow* window_;
   Part& part_;
-  float reach_ = 0, side_ = 1;
+  float shift_ = 0, reach_ = 0, side_ = 1;
   Angle opposing_{}, enlarged_a_{}, enlarged_b_{};
   FilterLimits limits_{};
   VertexLanes vertices_{};
@@ -254,6 +268,7 @@ Part joined(std::vector<Part> parts) {
   Part all;
   for (const Part& part : parts) {
     all.found.insert(all.found.end(), part.found.begin(), part.found.end());
+    all.candidates.insert(all.candidates.end(), part.candidates.begin(), part.candidates.end());
     all.count.node_pairs += part.count.node_pairs;
     all.count.leaf_pairs += part.count.leaf_pairs;
     all.count.exact_tests += part.count.exact_tests;
@@ -262,7 +277,8 @@ Part joined(std::vector<Part> parts) {
   return all;
 }
 
-Part search(const Pair& pair, int threads) {
+// With a window: the candidates of all its poses.
+Part search(const Pair& pair, const MotionWindow* window, int threads) {
   const Frames frames = frames_of(pair);
   std::vector<TreePair> trees;
   for (const TreeOfLeaves& a : trees_of(*pair.a))
@@ -271,7 +287,7 @@ Part search(const Pair& pair, int threads) {
   std::vector<Part> parts(trees.size() * kDescentParts);
   parallel_for(int(parts.size()), threads, [&](int i) {
     const TreePair& pair_of_trees = trees[std::size_t(i) / kDescentParts];
-    Search tests(pair, frames, pair_of_trees, parts[std::size_t(i)]);
+    Search tests(pair, frames, pair_of_trees, window, parts[std::size_t(i)]);
     DualDescent<Search>(*pair_of_trees.a, *pair_of_trees.b, frames.motion, tests).run(i % kDescentParts);
   });
   return joined(std::move(parts));
@@ -322,9 +338,10 @@ Feature edge_of_chain(const LmdShape& shape, int chain, const Vec3& x, int body)
   const EdgeLeaf& leaf = shape.edges[std::size_t(chain)];
   const Vec3 &begin = k.vertices[std::size_t(leaf.first)], &end = k.vertices[std::size_t(leaf.last)];
   const double s = (end - begin).dot(x - begin);
-  int at = leaf.first, i = 0;
-  for (;; ++i) {
-    const auto& edge = k.edges[std::size_t(shape.paths[std::size_t(leaf.path + i)])];
+  int at = leaf.first;
+  for (int i = 0;; ++i) {
+    const int id = leaf.path_length == 1 ? leaf.path : shape.paths[std::size_t(leaf.path + i)];
+    const auto& edge = k.edges[std::size_t(id)];
     const int next = edge[0] == at ? edge[1] : edge[0];
     const double low = (end - begin).dot(k.vertices[std::size_t(at)] - begin);
     const double high = (end - begin).dot(k.vertices[std::size_t(next)] - begin);
@@ -333,7 +350,7 @@ Feature edge_of_chain(const LmdShape& shape, int chain, const Vec3& x, int body)
       continue;
     }
     const double r = high > low ? std::clamp((s - low) / (high - low), 0.0, 1.0) : 0;
-    Feature f{.body = body, .dim = 1, .simplex = shape.paths[std::size_t(leaf.path + i)], .region = chain};
+    Feature f{.body = body, .dim = 1, .simplex = id, .region = chain};
     f.bary = edge[0] == at ? std::array<double, 3>{1 - r, r, 0} : std::array<double, 3>{r, 1 - r, 0};
     return f;
   }
@@ -388,12 +405,49 @@ void validate(const LmdOptions& options) {
   require_field(options.threads >= 1, "LmdOptions::threads", options.threads, "be at least 1");
 }
 
+void validate(const MotionWindow& window) {
+  require_field(window.displacement >= 0, "MotionWindow::displacement", window.displacement,
+                "not be negative [m]");
+  require_field(window.rotation >= 0, "MotionWindow::rotation", window.rotation, "not be negative [rad]");
+}
+
 ContactSet find_contacts(const PosedShape& a, const PosedShape& b, const LmdOptions& options,
                          LmdStatistics* statistics) {
   const Pair pair = make_pair_of(a, b, options);
-  Part all = search(pair, options.threads);
+  Part all = search(pair, nullptr, options.threads);
   if (statistics) *statistics = all.count;
   return to_contacts(a, b, pair, std::move(all.found));
+}
+
+Candidates find_candidates(const PosedShape& a, const PosedShape& b, const LmdOptions& options,
+                           const MotionWindow& window, LmdStatistics* statistics) {
+  validate(window);
+  const Pair pair = make_pair_of(a, b, options);
+  Part all = search(pair, &window, options.threads);
+  if (statistics) *statistics = all.count;
+  std::ranges::sort(all.candidates);
+  return {a.shape, b.shape, inverse(b.g_ws) * a.g_ws, window, options, std::move(all.candidates)};
+}
+
+ContactSet find_contacts(const Candidates& candidates, const PosedShape& a, const PosedShape& b) {
+  require(a.shape == candidates.a && b.shape == candidates.b, "the candidates are of other shapes");
+  const SE3 moved = inverse(b.g_ws) * a.g_ws;
+  const double rotation = log_so3((candidates.g_ba.R.conjugate() * moved.R).normalized()).norm();
+  const Vec3& centre = a.shape->centre;
+  const double displacement = (moved * centre - candidates.g_ba * centre).norm() +
+                              2 * std::sin(std::min(rotation, kPi) / 2) * a.shape->bounding_radius;
+  const double size = a.shape->bounding_radius + b.shape->bounding_radius;
+  require_field(rotation <= candidates.window.rotation + 1e-12, "rotation since the search", rotation,
+                "stay within the window [rad]");
+  require_field(displacement <= candidates.window.displacement + 1e-12 * size,
+                "displacement since the search", displacement, "stay within the window [m]");
+  const Pair pair = make_pair_of(a, b, candidates.options);
+  std::vector<Found> found;
+  for (const auto& [id_a, id_b] : candidates.pairs)
+    if (const auto minimum =
+            test_minimum(leaf_of(*a.shape, id_a), leaf_of(*b.shape, id_b), pair.R, pair.t, pair.criteria))
+      found.push_back({id_a, id_b, *minimum});
+  return to_contacts(a, b, pair, std::move(found));
 }
 
 ContactSet find_contacts_exhaustive(const PosedShape& a, const PosedShape& b, const LmdOptions& options) {

@@ -3,7 +3,11 @@
 // (LMD-10).
 #pragma once
 
+#include <utility>
+#include <vector>
+
 #include "lmd/contact_point.hpp"
+#include "lmd/leaf.hpp"
 #include "lmd/posed_shape.hpp"
 
 namespace aussois {
@@ -20,6 +24,30 @@ void validate(const LmdOptions& options);  // throws std::invalid_argument: fiel
 struct LmdStatistics {
   long node_pairs = 0, leaf_pairs = 0, exact_tests = 0, minima = 0;  // minima: before merging
 };
+
+/// How far the two shapes may move against each other from the pose of a search.
+struct MotionWindow {
+  double displacement = 0;  // of any point of A seen from B [m], >= 0
+  double rotation = 0;      // of A seen from B [rad], >= 0
+};
+void validate(const MotionWindow& window);
+
+/// Pairs of leaves among which all contacts of all poses in a window are: one descent serves all iterates of
+/// a step. Refers to the shapes.
+struct Candidates {
+  const LmdShape *a = nullptr, *b = nullptr;
+  SE3 g_ba{};  // A's frame in B's at the search
+  MotionWindow window{};
+  LmdOptions options{};
+  std::vector<std::pair<LeafId, LeafId>> pairs{};  // sorted
+};
+
+Candidates find_candidates(const PosedShape& a, const PosedShape& b, const LmdOptions& options,
+                           const MotionWindow& window, LmdStatistics* statistics = nullptr);
+
+/// The contacts at the poses of `a` and `b`: those of find_contacts there. Throws std::invalid_argument if
+/// the poses are outside the window or the shapes are others.
+ContactSet find_contacts(const Candidates& candidates, const PosedShape& a, const PosedShape& b);
 
 /// The contacts of one pair, sorted as ContactSet says. Shapes whose base simplices touch have no defined
 /// direction there: such pairs of simplices are left out (the certificate is what forbids them).

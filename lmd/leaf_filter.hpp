@@ -26,7 +26,7 @@ struct FilterLimits {
   float foot = 0;        // how far a foot may lie outside [m]
   float sin_vertex = 0;  // of the enlargement of a vertex' cone
   float sin_edges = 0;   // of the enlargement of the arcs of two edges
-  float still = 1;       // 0: the pair may move; then the feet of two edges are not tested
+  bool moving = false;   // the pair may move: where edges cross, and how, is then not tested
 };
 
 struct VertexLanes {
@@ -108,7 +108,7 @@ inline I4 in_vertex_cone(const LeafFrame& frame, const VertexLeaf& v, const V4& 
                  R(0, 2) * d.x + R(1, 2) * d.y + R(2, 2) * d.z};
   I4 in = {-1, -1, -1, -1};
   const Vec3* g = frame.shape->rays.data() + v.first_ray;
-  for (int k = 0; k < v.ray_count; ++k)
+  for (std::uint32_t k = 0; k < v.ray_count; ++k)
     in &= float(g[k].x()) * local.x + float(g[k].y()) * local.y + float(g[k].z()) * local.z <= limit;
   return in;
 }
@@ -162,8 +162,12 @@ inline int edge_edge(const EdgeLanes& a, int k, const EdgeLanes& b, const Filter
   const V4 d = w + r * b.e - s * e;
   const F4 reach = limits.reach + fuzz;
   I4 in = (sin2 >= 1e-4F) & (dot(d, d) <= reach * reach);
-  if (limits.still > 0)
-    in &= (s >= -slack_a) & (s <= 1.0F + slack_a) & (r >= -slack_b) & (r <= 1.0F + slack_b);
+  if (limits.moving) {
+    const V4 middles = w + splat(0.5F) * (b.e - e);
+    const F4 apart = limits.reach + 0.5F * (length + b.length);
+    return bits((parallel | in) & (dot(middles, middles) <= apart * apart));
+  }
+  in &= (s >= -slack_a) & (s <= 1.0F + slack_a) & (r >= -slack_b) & (r <= 1.0F + slack_b);
   const F4 size = sqrt4(det), along = dot(n, w);
   const F4 limit = limits.sin_edges * size;
   I4 out = {0, 0, 0, 0};

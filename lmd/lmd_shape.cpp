@@ -58,9 +58,7 @@ ChainCone chain_cone(const SimplicialComplex& k, const Idealisation& ideal, cons
     out.crease = rise < 0 ? Crease::convex : Crease::concave;
     if (rise >= -1e-12) return out;  // concave or flat: N = {0}
   }
-  std::vector<Vec3> generators{chain.direction, -chain.direction};
-  generators.insert(generators.end(), conormals.begin(), conormals.end());
-  const NormalCone cone = make_normal_cone(generators);
+  const NormalCone cone = edge_cone(chain.direction, conormals);
   if (cone.lineality != 1) return out;
   out.simplex_class = cone.rays.size() == 2 ? SimplexClass::e_crease : SimplexClass::e_wide;
   out.axis = cone.axis;
@@ -141,14 +139,14 @@ void add_vertices(LmdShape& shape, const Idealisation& ideal, const std::vector<
     if (ideal.vertex_chains[v].empty() && !k.vertex_edges[v].empty()) continue;  // inside a region or a chain
     const NormalCone cone = make_normal_cone(vertex_directions(k, ideal, v));
     if (cone.lineality != 0 || (k.solid && is_pit(ideal, cones, cone, v))) continue;
-    VertexLeaf leaf{.vertex = v,
-                    .first_ray = int(shape.rays.size()),
-                    .ray_count = std::int16_t(cone.rays.size()),
-                    .cyclic = cone.cyclic};
-    leaf.simplex_class = cone.rays.size() >= 3 ? SimplexClass::v_corner : SimplexClass::v_wide;
+    const bool is_wide = cone.rays.size() < 3;
+    const VertexLeaf leaf{.vertex = v,
+                          .first_ray = int(shape.rays.size()),
+                          .ray_count = std::uint32_t(cone.rays.size()) & 0x7ffffffU,
+                          .cyclic = cone.cyclic,
+                          .is_wide = is_wide};
     shape.rays.insert(shape.rays.end(), cone.rays.begin(), cone.rays.end());
     const ConeTreeItem item = tree_item({at(k, v)}, cone.axis, cone.half_angle);
-    const bool is_wide = leaf.simplex_class == SimplexClass::v_wide;
     (is_wide ? wide : narrow).push_back(leaf);
     (is_wide ? wide_items : narrow_items).push_back(item);
   }
@@ -169,15 +167,14 @@ void add_edges(LmdShape& shape, const Idealisation& ideal, const std::vector<Cha
     const EdgeLeaf leaf{.first = chain.first,
                         .last = chain.last,
                         .conormals = cones[c].conormals,
-                        .path = int(shape.paths.size()),
-                        .path_length = int(chain.edges.size()),
-                        .simplex_class = *cones[c].simplex_class};
-    shape.paths.insert(shape.paths.end(), chain.edges.begin(), chain.edges.end());
+                        .path = chain.edges.size() == 1 ? chain.edges[0] : int(shape.paths.size()),
+                        .path_length = std::uint32_t(chain.edges.size()) & 0x7fffffffU,
+                        .is_wide = *cones[c].simplex_class == SimplexClass::e_wide};
+    if (chain.edges.size() > 1) shape.paths.insert(shape.paths.end(), chain.edges.begin(), chain.edges.end());
     const ConeTreeItem item =
         tree_item({at(k, chain.first), at(k, chain.last)}, cones[c].axis, cones[c].half_angle);
-    const bool is_wide = leaf.simplex_class == SimplexClass::e_wide;
-    (is_wide ? wide : narrow).push_back(leaf);
-    (is_wide ? wide_items : narrow_items).push_back(item);
+    (leaf.is_wide ? wide : narrow).push_back(leaf);
+    (leaf.is_wide ? wide_items : narrow_items).push_back(item);
   }
   shape.edge_tree = make_tree(narrow_items, shape.centre, narrow);
   shape.wide_edge_tree = make_tree(wide_items, shape.centre, wide);
@@ -255,6 +252,14 @@ LmdShape prepare(DilatedShape dilated, const LmdShapeOptions& options) {
   add_edges(shape, ideal, cones);
   add_faces(shape, ideal, 1e-9 * box.diagonal());
   return shape;
+}
+
+SimplexClass class_of(const VertexLeaf& leaf) {
+  return leaf.is_wide ? SimplexClass::v_wide : SimplexClass::v_corner;
+}
+
+SimplexClass class_of(const EdgeLeaf& leaf) {
+  return leaf.is_wide ? SimplexClass::e_wide : SimplexClass::e_crease;
 }
 
 std::size_t search_bytes(const LmdShape& s) {

@@ -32,10 +32,10 @@ enum class SimplexClass : std::uint8_t {
 /// A corner: an essential vertex.
 struct VertexLeaf {
   int vertex = 0;
-  int first_ray = 0;           // in LmdShape::rays
-  std::int16_t ray_count = 0;  // extreme rays of its tangent cone, which has no lineality
-  bool cyclic = true;          // see ConeView
-  SimplexClass simplex_class = SimplexClass::v_corner;
+  int first_ray = 0;                 // in LmdShape::rays
+  std::uint32_t ray_count : 27 = 0;  // extreme rays of its tangent cone, which has no lineality
+  std::uint32_t cyclic : 1 = 1;      // see ConeView
+  std::uint32_t is_wide : 1 = 0;     // the normal cone contains a line or more
 };
 
 /// A chain: a straight piece of the border between regions, of a sheet's border, or of wire.
@@ -43,9 +43,14 @@ struct EdgeLeaf {
   int first = 0, last = 0;         // its end vertices
   std::array<int, 2> conormals{};  // signed regions: k > 0: region k - 1 turned into the complex along the
                                    // chain, k < 0: against it, 0: none
-  int path = 0, path_length = 1;   // in LmdShape::paths: its edges in the complex, from first to last
-  SimplexClass simplex_class = SimplexClass::e_crease;
+  int path = 0;                    // its edges from first to last: from here on in LmdShape::paths; a single
+                                   // edge is named here itself
+  std::uint32_t path_length : 31 = 1;
+  std::uint32_t is_wide : 1 = 0;  // wire or border
 };
+
+SimplexClass class_of(const VertexLeaf& leaf);
+SimplexClass class_of(const EdgeLeaf& leaf);
 
 /// A plane { x : normal . x = offset }; solids and sheets: where the triangles of a region lie.
 struct RegionPlane {

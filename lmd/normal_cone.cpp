@@ -23,23 +23,32 @@ struct MinNorm {
   std::vector<int> support{};  // directions with a weight above kWeight
 };
 
-// Affine minimal-norm point of up to four points; false if a weight is negative or the points are dependent.
-bool affine_min_norm(const std::vector<Vec3>& g, const std::vector<int>& pick, Eigen::VectorXd& weight,
+// Up to five numbers, without memory of their own.
+using Small = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 5, 1>;
+using SmallSquare = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 5, 5>;
+
+// Affine minimal-norm point of the first `n` <= 4 picked points; false if a weight is negative or the points
+// are dependent.
+bool affine_min_norm(const std::vector<Vec3>& g, const std::array<int, 4>& pick, int n, Small& weight,
                      Vec3& point) {
-  const int n = int(pick.size());
-  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n + 1, n + 1);
+  const auto at = [&](int i) -> const Vec3& { return g[std::size_t(pick[std::size_t(i)])]; };
+  if (n == 1) {
+    weight = Small::Ones(1);
+    point = at(0);
+    return true;
+  }
+  SmallSquare A = SmallSquare::Zero(n + 1, n + 1);
   for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n; ++j)
-      A(i, j) = g[std::size_t(pick[std::size_t(i)])].dot(g[std::size_t(pick[std::size_t(j)])]);
+    for (int j = 0; j < n; ++j) A(i, j) = at(i).dot(at(j));
     A(i, n) = A(n, i) = 1;
   }
-  Eigen::VectorXd rhs = Eigen::VectorXd::Zero(n + 1);
+  Small rhs = Small::Zero(n + 1);
   rhs(n) = 1;
-  const Eigen::FullPivLU<Eigen::MatrixXd> lu(A);
-  if (lu.rank() <= n && n > 1) return false;
+  const Eigen::FullPivLU<SmallSquare> lu(A);
+  if (lu.rank() <= n) return false;
   weight = lu.solve(rhs).head(n);
   point = Vec3::Zero();
-  for (int i = 0; i < n; ++i) point += weight(i) * g[std::size_t(pick[std::size_t(i)])];
+  for (int i = 0; i < n; ++i) point += weight(i) * at(i);
   return weight.minCoeff() >= 0;
 }
 
@@ -49,18 +58,22 @@ MinNorm min_norm_of_subset(const std::vector<Vec3>& g, const std::vector<int>& s
   double best_norm = kInf;
   const int n = int(subset.size());
   for (int mask = 1; mask < (1 << n); ++mask) {
-    std::vector<int> pick;
-    for (int i = 0; i < n; ++i)
-      if (mask & (1 << i)) pick.push_back(subset[std::size_t(i)]);
-    if (pick.size() > 4) continue;
-    Eigen::VectorXd weight;
+    std::array<int, 4> pick{};
+    int picked = 0;
+    for (int i = 0; i < n && picked <= 4; ++i)
+      if (mask & (1 << i)) {
+        if (picked < 4) pick[std::size_t(picked)] = subset[std::size_t(i)];
+        ++picked;
+      }
+    if (picked > 4) continue;
+    Small weight;
     Vec3 point;
-    if (!affine_min_norm(g, pick, weight, point) || point.norm() >= best_norm - 1e-15) continue;
+    if (!affine_min_norm(g, pick, picked, weight, point) || point.norm() >= best_norm - 1e-15) continue;
     best_norm = point.norm();
     best.point = point;
     best.support.clear();
-    for (std::size_t i = 0; i < pick.size(); ++i)
-      if (weight(Eigen::Index(i)) > kWeight) best.support.push_back(pick[i]);
+    for (int i = 0; i < picked; ++i)
+      if (weight(i) > kWeight) best.support.push_back(pick[std::size_t(i)]);
   }
   return best;
 }
@@ -255,6 +268,24 @@ NormalCone make_normal_cone(const std::vector<Vec3>& directions) {
     cone.rays = rest;
   }
   bound_polar(cone, inside);
+  return cone;
+}
+
+NormalCone edge_cone(const Vec3& e, std::span<const Vec3> conormals) {
+  const bool opposite = conormals.size() == 2 && (conormals[0] + conormals[1]).norm() <= 2 * kLineality;
+  if (conormals.size() > 2 || opposite) {
+    std::vector<Vec3> generators{e, -e};
+    generators.insert(generators.end(), conormals.begin(), conormals.end());
+    return make_normal_cone(generators);
+  }
+  NormalCone cone;
+  cone.lineality = 1;
+  cone.lin[0] = e;
+  cone.rays.assign(conormals.begin(), conormals.end());
+  merge_close(cone.rays);
+  Vec3 inside = Vec3::Zero();
+  for (const Vec3& g : cone.rays) inside += g;
+  bound_polar(cone, inside.normalized());
   return cone;
 }
 

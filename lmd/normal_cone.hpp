@@ -33,6 +33,9 @@ struct NormalCone {
 /// ones are left out. No direction at all: C = {0}, N is everything.
 NormalCone make_normal_cone(const std::vector<Vec3>& directions);
 
+/// The same for an edge along the unit vector e and the unit conormals of its triangles, perpendicular to e.
+NormalCone edge_cone(const Vec3& e, std::span<const Vec3> conormals);
+
 /// Cone of a face with outward unit normal n: C the half-space below, N the ray n.
 NormalCone face_cone(const Vec3& n);
 

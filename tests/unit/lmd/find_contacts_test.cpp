@@ -153,6 +153,36 @@ TEST_P(LocalMinima, HaveTheSameBitsForAnyNumberOfThreads) {
     EXPECT_EQ(one.points[i].x_a, three.points[i].x_a);
   }
 }
+// Test 9 of the checklist: one search serves every pose within its window.
+TEST_P(LocalMinima, OfAllPosesInAWindowAreAmongTheCandidates) {
+  const Scene s = random_scene(GetParam(), 0.05);
+  Random random(1000 + GetParam());
+  const MotionWindow window{.displacement = random.uniform(1e-4, 0.1), .rotation = random.uniform(1e-3, 0.1)};
+  const LmdOptions options{.threshold = random.uniform(0.01, 0.1)};
+  const PosedShape b{&s.b, s.g_b, 1};
+  const Candidates candidates = find_candidates({&s.a, s.g_a, 0}, b, options, window);
+  for (int i = 0; i < 10; ++i) {
+    SE3 g = s.g_a;  // about the centre, so that the two bounds are spent one after the other
+    const double radius = s.a.bounding_radius;
+    const double angle = std::min({window.rotation, radius > 0 ? 0.5 * window.displacement / radius : kPi}) *
+                         (i % 2 ? 0.999 : random.uniform(0, 1));
+    const Vec3 turn = angle * random.direction(), centre = g * s.a.centre;
+    const double left = window.displacement - 2 * std::sin(angle / 2) * radius;
+    g.R = (exp_so3(turn) * g.R).normalized();
+    g.p = centre - g.R * s.a.centre + 0.999 * left * random.direction();
+    const ContactSet fresh = find_contacts({&s.a, g, 0}, b, options);
+    const ContactSet reused = find_contacts(candidates, {&s.a, g, 0}, b);
+    ASSERT_EQ(fresh.points.size(), reused.points.size()) << "seed " << GetParam() << " pose " << i;
+    for (std::size_t k = 0; k < fresh.points.size(); ++k) {
+      EXPECT_EQ(key_of(fresh.points[k]), key_of(reused.points[k]));
+      EXPECT_EQ(fresh.points[k].gap, reused.points[k].gap);
+    }
+  }
+  SE3 away = s.g_a;
+  away.p.x() += 2 * window.displacement;
+  EXPECT_THROW(find_contacts(candidates, {&s.a, away, 0}, b), std::invalid_argument);
+}
+
 INSTANTIATE_TEST_SUITE_P(Seeds, LocalMinima, ::testing::Range(0U, 200U));
 
 // The random scenes must not be hollow: enough of them have several contacts.
