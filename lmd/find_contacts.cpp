@@ -105,6 +105,23 @@ Frames frames_of(const Pair& pair) {
 }
 
 // The tests of (LMD-9) on nodes, then the quick rejects on buckets, then the exact ones.
+// Lanes of the buckets of B last used: neighbouring buckets of A ask for the same ones.
+template <class Lanes>
+class RecentLanes {
+ public:
+  template <class Load>
+  const Lanes& get(int first, const Load& load) {
+    const std::size_t at = std::size_t(first / kBucket) % kSize;
+    if (first_[at] != first) first_[at] = first, lanes_[at] = load();
+    return lanes_[at];
+  }
+
+ private:
+  static constexpr std::size_t kSize = 64;
+  std::vector<Lanes> lanes_ = std::vector<Lanes>(kSize);
+  std::vector<int> first_ = std::vector<int>(kSize, -1);
+};
+
 class Search {
  public:
   Search(const Pair& pair, const Frames& frames, const TreePair& trees, const MotionWindow* window,
@@ -174,19 +191,24 @@ class Search {
   }
 
   void buckets(const ConeSlot& a, const ConeSlot& b) {
-    const int dims = 3 * trees_.first_a.dim + trees_.first_b.dim, first_b = trees_.first_b.index + b.first();
-    switch (dims) {
+    const int first_b = trees_.first_b.index + b.first(), side_b = trees_.first_b.side;
+    const auto edges_of_b = [&]() -> const EdgeLanes& {
+      return recent_edges_.get(first_b, [&] { return edge_lanes(frames_.b, first_b, b.count()); });
+    };
+    const auto faces_of_b = [&]() -> const FaceLanes& {
+      return recent_faces_.get(first_b, [&] { return face_lanes(frames_.b, first_b, b.count(), side_b); });
+    };
+    switch (3 * trees_.first_a.dim + trees_.first_b.dim) {
       case 0:
         return vertices_of_a(a, b, vertex_lanes(frames_.b, first_b, b.count()), vertex_vertex);
       case 1:
-        return vertices_of_a(a, b, edge_lanes(frames_.b, first_b, b.count()), vertex_edge);
+        return vertices_of_a(a, b, edges_of_b(), vertex_edge);
       case 2:
-        return vertices_of_a(a, b, face_lanes(frames_.b, first_b, b.count(), trees_.first_b.side),
-                             vertex_face);
+        return vertices_of_a(a, b, faces_of_b(), vertex_face);
       case 3:
         return vertices_of_b(a, b, edges_, vertex_edge);
       case 4: {
-        const EdgeLanes lanes = edge_lanes(frames_.b, first_b, b.count());
+        const EdgeLanes& lanes = edges_of_b();
         for (int i = 0; i < a.count(); ++i) test(a, i, b, edge_edge(edges_, i, lanes, limits_));
         return;
       }
@@ -243,9 +265,11 @@ class Search {
   float shift_ = 0, reach_ = 0, side_ = 1;
   Angle opposing_{}, enlarged_a_{}, enlarged_b_{};
   FilterLimits limits_{};
-  VertexLanes vertices_{};
+  VertexLanes vertices_{};  // of A's open bucket
   EdgeLanes edges_{};
   FaceLanes faces_{};
+  RecentLanes<EdgeLanes> recent_edges_{};
+  RecentLanes<FaceLanes> recent_faces_{};
 };
 
 struct TreeOfLeaves {
