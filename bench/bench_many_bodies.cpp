@@ -28,6 +28,7 @@ constexpr double kSize = 0.01;     // of a body [m]
 constexpr double kDensity = 1000;  // [kg/m^3]
 constexpr int kLayers = 10;        // the height of every scene in bodies
 constexpr double kStep = 1e-3;     // [s]
+constexpr double kSpeed = 0.3;     // all fall, the lowest layer hits the ground within the step [m/s]
 
 struct Arguments {
   std::string scene = "both";
@@ -51,14 +52,14 @@ struct Scene {
 };
 
 void add_box(Model& model, int columns, double pitch, double floor) {  // open at the top; sheets of two triangles
-  const double wide = columns * pitch, high = kLayers * pitch + kSize;
+  const double wide = columns * pitch + 4e-4, high = kLayers * pitch + kSize;
   const int ground = add(model, prepare(dilate(make_plate(wide, wide), 1e-4)));
   const int wall = add(model, prepare(dilate(make_plate(high, wide), 1e-4)));
   RigidBody body = fixed_body("ground", ground);
-  body.g_bs = translation(wide / 2, wide / 2, floor);
+  body.g_bs = translation(columns * pitch / 2, columns * pitch / 2, floor);
   add(model, body);
   for (int side = 0; side < 4; ++side) {
-    const SE3 around = translation(wide / 2, wide / 2, 0) * rotation(Vec3::UnitZ(), side * kPi / 2);
+    const SE3 around = translation(columns * pitch / 2, columns * pitch / 2, 0) * rotation(Vec3::UnitZ(), side * kPi / 2);
     body = fixed_body("wall", wall);
     body.g_bs = around * translation(wide / 2, 0, floor + high / 2) * rotation(Vec3::UnitY(), kPi / 2);
     add(model, body);
@@ -72,7 +73,7 @@ Scene lattice(int n, const std::vector<DilatedShape>& shapes, const std::vector<
   const int columns = int(std::ceil(std::sqrt(double(n) / kLayers)));
   std::vector<int> index;
   for (const DilatedShape& shape : shapes) index.push_back(add(s.model, prepare(shape)));
-  add_box(s.model, columns, pitch, -1e-4);
+  add_box(s.model, columns, pitch, -2e-4);
   const int first = int(s.model.bodies.size());
   Random jitter;
   for (int i = 0; i < n; ++i) {
@@ -82,6 +83,7 @@ Scene lattice(int n, const std::vector<DilatedShape>& shapes, const std::vector<
   s.state = rest_state(s.model);
   for (int i = 0; i < n; ++i) {
     const int layer = i / (columns * columns), row = i / columns % columns, column = i % columns;
+    twist(s.state, first + i)[2] = -kSpeed;
     SE3& g = pose(s.state, first + i);
     g.p = pitch * Vec3(column + 0.5, row + 0.5, layer + 0.5);
     for (double& x : g.p) x += jitter(shift);
@@ -145,7 +147,7 @@ Row measure(const Scene& scene, int n, const Arguments& a) {
   const std::vector<BodyBounds> bounds = body_bounds(scene.model);
   VecX v = VecX::Zero(scene.state.v.size());
   for (Eigen::Index b = 0; b < Eigen::Index(scene.model.bodies.size()); ++b)
-    if (is_dynamic(scene.model.bodies[std::size_t(b)])) v[6 * b + 2] = -9.81 * kStep;
+    if (is_dynamic(scene.model.bodies[std::size_t(b)])) v[6 * b + 2] = -kSpeed - 9.81 * kStep;
   const StepMotion estimate{scene.model, scene.state, v, kStep};
   std::vector<StepPair> pairs;
   ContactSet found;

@@ -156,7 +156,10 @@ ContactSet contacts_of(const Model& model, const State& state, const std::vector
       points.insert(points.end(), of_pair.points.begin(), of_pair.points.end());
     }
   });
+  std::size_t count = 0;
+  for (const ContactSet& some : found) count += some.points.size();
   ContactSet all;
+  all.points.reserve(count);
   for (const ContactSet& some : found)
     all.points.insert(all.points.end(), some.points.begin(), some.points.end());
   return all;  // pairs are sorted, so the whole set is

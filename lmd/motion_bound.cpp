@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Geometry>
+
 namespace aussois {
 namespace {
 
@@ -32,6 +34,28 @@ double relative_displacement_bound(const RigidMotion& a, double radius_a, const 
 
 double relative_rotation_bound(const RigidMotion& a, const RigidMotion& b, double dt) {
   return dt * (a.g.R * a.omega - b.g.R * b.omega).norm();
+}
+
+Approach approach_of(const RigidMotion& a, double radius_a, const RigidMotion& b, double dt) {
+  const Vec3 w_a = a.g.R * a.omega, w_b = b.g.R * b.omega;
+  const double rate_a = w_a.norm(), rate_b = w_b.norm(), v_ab = (a.v - b.v).norm();
+  const double farthest = (a.g.p - b.g.p).norm() + dt * v_ab + radius_a;  // from B's reference point
+  const double acceleration =
+      rate_a * rate_a * radius_a + 2 * rate_b * (v_ab + rate_a * radius_a) + rate_b * rate_b * farthest;
+  return {.v = a.v - b.v - w_a.cross(a.g.p) + w_b.cross(b.g.p),
+          .omega = w_a - w_b,
+          .bend = dt * dt / 2 * acceleration,
+          .dt = dt};
+}
+
+double approach_bound(const Approach& approach, const Vec3& centre, double radius, const Vec3& axis,
+                      double half_angle) {
+  const Vec3 v = approach.v + approach.omega.cross(centre);
+  const double speed = v.norm(), along = axis.dot(v), across = axis.cross(v).norm();
+  // The largest u . v of the cap: v's own direction if it lies inside, else that of the rim below it.
+  const double turn = std::atan2(across, along);
+  const double fastest = turn <= half_angle ? speed : speed * std::cos(turn - half_angle);
+  return std::max(0.0, approach.dt * (fastest + approach.omega.norm() * radius) + approach.bend);
 }
 
 }  // namespace aussois

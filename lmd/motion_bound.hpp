@@ -28,4 +28,22 @@ double relative_displacement_bound(const RigidMotion& a, double radius_a, const 
 /// Bound of the angle of the relative rotation during dt (CA-3) [rad].
 double relative_rotation_bound(const RigidMotion& a, const RigidMotion& b, double dt);
 
+/// How far points of A can move towards B along a direction that B carries with it (CA-13): what a slide does
+/// not do, however fast.
+struct Approach {
+  Vec3 v = Vec3::Zero();      // of A's points seen from B at the start: v + omega x p, world [m/s]
+  Vec3 omega = Vec3::Zero();  // world [rad/s]
+  double bend = 0;            // what the acceleration of any of them, seen from B, adds during dt [m]
+  double dt = 0;              // [s]
+};
+
+/// A's points within `radius_a` of its reference point, for all times in [0, dt].
+Approach approach_of(const RigidMotion& a, double radius_a, const RigidMotion& b, double dt);
+
+/// Bound for the points of A that start in the ball (world, at the start) and all unit directions from A to B
+/// within `half_angle` of `axis` [m], >= 0. Simplices whose distance along their direction exceeds it by d stay
+/// farther apart than d during the whole step.
+double approach_bound(const Approach& approach, const Vec3& centre, double radius, const Vec3& axis,
+                      double half_angle);
+
 }  // namespace aussois

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lmd/motion_bound.hpp"
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "tests/support/random.hpp"
@@ -69,6 +70,47 @@ TEST(MotionBound, OfBodiesThatMoveAsOneIsOfSecondOrder) {
     const double bound = relative_displacement_bound(a, 1, b, 1, dt);
     EXPECT_LT(bound, 2 * dt * dt);
     EXPECT_GT(displacement_bound(a, 1, dt) + displacement_bound(b, 1, dt), 5 * dt);
+  }
+}
+
+// Any point of the ball, any direction of the cap, any time: seen from B the point does not move farther.
+TEST(ApproachBound, HoldsForAllPointsOfABallAndAllDirectionsOfACap) {
+  Random random(22);
+  double tightest = 0;
+  for (int sample = 0; sample < 2000; ++sample) {
+    const double dt = random.log_uniform(1e-4, 0.3), radius_a = random.uniform(0.1, 1);
+    const RigidMotion a{random.pose(1), random.vector(2), random.vector(3)},
+        b{random.pose(1), random.vector(2), random.vector(sample % 2 ? 3 : 0)};
+    const Approach approach = approach_of(a, radius_a, b, dt);
+    const double radius = random.uniform(0, 0.3) * radius_a, half_angle = random.uniform(0, sample % 3 ? 0.3 : kPi);
+    const Vec3 centre = a.g * ((radius_a - radius) * random.uniform() * random.direction()), axis = random.direction();
+    const double bound = approach_bound(approach, centre, radius, axis, half_angle);
+    for (int probe = 0; probe < 60; ++probe) {
+      const Vec3 x = centre + radius * (probe % 2 ? 1 : random.uniform()) * random.direction();
+      const Vec3 side = axis.cross(random.direction()).normalized();
+      const Vec3 u = exp_so3((probe % 3 ? 1 : random.uniform()) * half_angle * side) * axis;
+      const double s = probe % 4 ? dt : random.uniform(0, dt);
+      const auto seen_from_b = [&](double t) { return Vec3(inverse(pose_at(b, t)) * (pose_at(a, t) * (inverse(a.g) * x))); };
+      const double moved = (b.g.R.conjugate() * u).dot(seen_from_b(s) - seen_from_b(0));
+      ASSERT_LE(moved, bound + 1e-12) << sample;
+      if (bound > 0) tightest = std::max(tightest, moved / bound);
+    }
+  }
+  EXPECT_GT(tightest, 0.9);
+}
+
+// A nut that is screwed: every point of a flank moves along the flank, so contacts at a flank do not approach, while
+// the isotropic bound is the whole displacement.
+TEST(ApproachBound, OfAScrewMotionAlongItsThreadIsOfSecondOrder) {
+  const double pitch = 2e-3, turns = 5;  // [m] per turn, [turns/s]
+  const RigidMotion nut{{}, Vec3(0, 0, pitch * turns), Vec3(0, 0, 2 * kPi * turns)}, bolt{};
+  const Vec3 flank(6e-3, 0, 0);  // the flank's normal is across the helix direction and, roughly, along the axis
+  const Vec3 along = nut.v + nut.omega.cross(flank), normal = along.cross(Vec3::UnitX()).normalized();
+  for (const double dt : {1e-3, 1e-4}) {
+    const Approach approach = approach_of(nut, 6e-3, bolt, dt);
+    for (const Vec3& u : {normal, Vec3(-normal)})
+      EXPECT_NEAR(approach_bound(approach, flank, 0, u, 0), approach.bend, 1e-15);
+    EXPECT_LT(approach.bend, 0.02 * relative_displacement_bound(nut, 6e-3, bolt, 6e-3, dt));
   }
 }
 
