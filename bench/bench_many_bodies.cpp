@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What many bodies cost per body: pairs, contacts and a whole step, at the same packing from 1e3 to 1e5 bodies.
-// Read the ratios to the smallest size: 1 is linear.
+// What many bodies cost per body: pairs, contacts and a whole step, at the same packing from 1e3 to 1e5
+// bodies. Read the ratios to the smallest size: 1 is linear.
 //
 // Theory   doc/theory/conservative_advancement.md (CA-11), (CA-12); doc/decisions/0009
 // Run      bench_many_bodies
@@ -51,7 +51,8 @@ struct Scene {
   State state{};
 };
 
-void add_box(Model& model, int columns, double pitch, double floor) {  // open at the top; sheets of two triangles
+void add_box(Model& model, int columns, double pitch,
+             double floor) {  // open at the top; sheets of two triangles
   const double wide = columns * pitch + 4e-4, high = kLayers * pitch + kSize;
   const int ground = add(model, prepare(dilate(make_plate(wide, wide), 1e-4)));
   const int wall = add(model, prepare(dilate(make_plate(high, wide), 1e-4)));
@@ -59,7 +60,8 @@ void add_box(Model& model, int columns, double pitch, double floor) {  // open a
   body.g_bs = translation(columns * pitch / 2, columns * pitch / 2, floor);
   add(model, body);
   for (int side = 0; side < 4; ++side) {
-    const SE3 around = translation(columns * pitch / 2, columns * pitch / 2, 0) * rotation(Vec3::UnitZ(), side * kPi / 2);
+    const SE3 around =
+        translation(columns * pitch / 2, columns * pitch / 2, 0) * rotation(Vec3::UnitZ(), side * kPi / 2);
     body = fixed_body("wall", wall);
     body.g_bs = around * translation(wide / 2, 0, floor + high / 2) * rotation(Vec3::UnitY(), kPi / 2);
     add(model, body);
@@ -67,8 +69,8 @@ void add_box(Model& model, int columns, double pitch, double floor) {  // open a
 }
 
 // Bodies on a lattice that is ten high, each a little off its place.
-Scene lattice(int n, const std::vector<DilatedShape>& shapes, const std::vector<MassProperties>& mass, double pitch,
-              double shift, double tilt) {
+Scene lattice(int n, const std::vector<DilatedShape>& shapes, const std::vector<MassProperties>& mass,
+              double pitch, double shift, double tilt) {
   Scene s;
   const int columns = int(std::ceil(std::sqrt(double(n) / kLayers)));
   std::vector<int> index;
@@ -95,25 +97,29 @@ Scene lattice(int n, const std::vector<DilatedShape>& shapes, const std::vector<
 
 Scene spheres(int n) {  // dilated points: as close as 0.2 % of their size
   const double radius = kSize / 2, mass = kDensity * 4 / 3 * kPi * std::pow(radius, 3);
-  return lattice(n, {dilate(make_point(), radius)},
-                 {{.mass = mass, .centre = Vec3::Zero(), .inertia = 0.4 * mass * radius * radius * Mat3::Identity()}},
-                 1.012 * kSize, 0.005 * kSize, 0);
+  return lattice(
+      n, {dilate(make_point(), radius)},
+      {{.mass = mass, .centre = Vec3::Zero(), .inertia = 0.4 * mass * radius * radius * Mat3::Identity()}},
+      1.012 * kSize, 0.005 * kSize, 0);
 }
 
-Scene mixed_parts(int n) {  // 12 to 188 triangles; they stand on each other within the small rotations forgiven
+Scene mixed_parts(
+    int n) {  // 12 to 188 triangles; they stand on each other within the small rotations forgiven
   const double radius = 2.5e-4, side = kSize - 2 * radius;
   std::vector<DilatedShape> shapes;
   std::vector<MassProperties> mass;
-  for (const SimplicialComplex& part :
-       {make_box(side, side, side), make_cylinder(side / 2, side, 16), make_box(0.8 * side, 0.9 * side, side, 2),
-        make_cylinder(0.45 * side, side, 48), make_sphere(side / 2, 1)}) {
+  for (const SimplicialComplex& part : {make_box(side, side, side), make_cylinder(side / 2, side, 16),
+                                        make_box(0.8 * side, 0.9 * side, side, 2),
+                                        make_cylinder(0.45 * side, side, 48), make_sphere(side / 2, 1)}) {
     shapes.push_back(dilate(part, radius));
     mass.push_back(mass_properties(part, kDensity));
   }
   return lattice(n, shapes, mass, 1.004 * kSize, 2e-4 * kSize, 1e-3);
 }
 
-double cpu_seconds() { return double(std::clock()) / CLOCKS_PER_SEC; }
+double cpu_seconds() {
+  return double(std::clock()) / CLOCKS_PER_SEC;
+}
 
 double fastest(int repeats, const std::function<void()>& work) {  // [s]
   double best = kInf;
@@ -127,13 +133,14 @@ double fastest(int repeats, const std::function<void()>& work) {  // [s]
 
 struct Row {
   double bodies = 0, triangles = 0, pairs = 0, contacts = 0;
-  double us_pairs = 0, us_contacts = 0, ratio_query = 0;  // per body; broad phase; with contacts, to the first row
-  double us_step = std::nan(""), us_solve = std::nan(""), us_certificate = std::nan(""), ratio_step = std::nan(""),
-         sweeps = std::nan("");
+  double us_pairs = 0, us_contacts = 0,
+         ratio_query = 0;  // per body; broad phase; with contacts, to the first row
+  double us_step = std::nan(""), us_solve = std::nan(""), us_certificate = std::nan(""),
+         ratio_step = std::nan(""), sweeps = std::nan("");
 };
-const std::vector<std::string> kColumns{"bodies",      "triangles",   "pairs",       "contacts",
-                                        "us_pairs",    "us_contacts", "ratio_query", "us_step",
-                                        "us_solve",    "us_certificate", "ratio_step", "sweeps"};
+const std::vector<std::string> kColumns{"bodies",   "triangles",      "pairs",       "contacts",
+                                        "us_pairs", "us_contacts",    "ratio_query", "us_step",
+                                        "us_solve", "us_certificate", "ratio_step",  "sweeps"};
 std::vector<double> values(const Row& r) {
   return {r.bodies,      r.triangles, r.pairs,    r.contacts,       r.us_pairs,   r.us_contacts,
           r.ratio_query, r.us_step,   r.us_solve, r.us_certificate, r.ratio_step, r.sweeps};
@@ -151,19 +158,25 @@ Row measure(const Scene& scene, int n, const Arguments& a) {
   const StepMotion estimate{scene.model, scene.state, v, kStep};
   std::vector<StepPair> pairs;
   ContactSet found;
-  row.us_pairs =
-      1e6 / n * fastest(a.repeats, [&] { pairs = step_pairs(estimate, bounds, advancement, a.common.threads); });
+  row.us_pairs = 1e6 / n * fastest(a.repeats, [&] {
+                   pairs = step_pairs(estimate, bounds, advancement, a.common.threads);
+                 });
   row.us_contacts = 1e6 / n * fastest(a.repeats, [&] {
-    found = contacts_of(scene.model, scene.state, pairs, {.threads = a.common.threads});
-  });
+                      found = contacts_of(scene.model, scene.state, pairs, {.threads = a.common.threads});
+                    });
   row.pairs = double(pairs.size());
   row.contacts = double(found.points.size());
   if (n > a.largest_step) return row;
-  State state = scene.state;
-  const MoreauJean scheme(scene.model, {.h = kStep,
-                                        .nsgs = {.tolerance = 1e-4, .max_iterations = a.max_sweeps, .handover_after = 0},
-                                        .threads = a.common.threads});
-  const StepReport report = scheme.step(state);
+  const MoreauJean scheme(scene.model,
+                          {.h = kStep,
+                           .nsgs = {.tolerance = 1e-4, .max_iterations = a.max_sweeps, .handover_after = 0},
+                           .threads = a.common.threads});
+  StepReport report;
+  for (int i = 0; i < a.repeats; ++i) {
+    State state = scene.state;
+    const StepReport again = scheme.step(state);
+    if (i == 0 || again.seconds_total < report.seconds_total) report = again;
+  }
   row.us_step = 1e6 / n * report.seconds_total / report.attempts;
   row.us_solve = 1e6 / n * report.seconds_solve;
   row.us_certificate = 1e6 / n * report.seconds_certificate;
@@ -190,9 +203,9 @@ ExitCode bench(const Arguments& a) {
       row.ratio_query = (row.us_pairs + row.us_contacts) / (first.us_pairs + first.us_contacts);
       row.ratio_step = row.us_step / first.us_step;
       linear = linear && row.ratio_query <= 1.5;
-      std::printf("%8.0f %9.0f %9.0f %8.3f %9.3f %6.2f %9.2f %9.2f %9.2f %6.2f %7.0f\n", row.bodies, row.pairs,
-                  row.contacts, row.us_pairs, row.us_contacts, row.ratio_query, row.us_step, row.us_solve,
-                  row.us_certificate, row.ratio_step, row.sweeps);
+      std::printf("%8.0f %9.0f %9.0f %8.3f %9.3f %6.2f %9.2f %9.2f %9.2f %6.2f %7.0f\n", row.bodies,
+                  row.pairs, row.contacts, row.us_pairs, row.us_contacts, row.ratio_query, row.us_step,
+                  row.us_solve, row.us_certificate, row.ratio_step, row.sweeps);
       std::fflush(stdout);
       csv.add(values(row));
       for (std::size_t i = 0; i < columns.size(); ++i) columns[i].push_back(values(row)[i]);

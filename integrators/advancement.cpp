@@ -221,7 +221,8 @@ StepCertificate certify_pairs(const StepMotion& step, std::span<const StepPair> 
 }  // namespace
 
 StepCertificate certify_step(const StepMotion& step, const std::vector<StepPair>& pairs,
-                             const std::vector<BodyBounds>& bounds, const AdvancementOptions& o, int threads) {
+                             const std::vector<BodyBounds>& bounds, const AdvancementOptions& o,
+                             int threads) {
   std::vector<StepCertificate> of_part(std::size_t(count_of_parts(pairs)));
   for_each_part(pairs, threads, [&](int part, std::span<const StepPair> some, int threads_each) {
     of_part[std::size_t(part)] = certify_pairs(step, some, bounds, o, threads_each);

@@ -131,8 +131,9 @@ MoreauJean::Attempt MoreauJean::attempt(const State& state, const VecX& v_estima
 
   // 1 and 2: contacts within the displacement bound
   const StepMotion estimate{model_, state, v_estimate, h};
-  const std::vector<StepPair> pairs = step_pairs(estimate, bounds_, options_.advancement, options_.threads);  // (CA-4)
-  const ContactSet found = contacts_of(model_, state, pairs, options_.lmd);                // (LMD-3)
+  const std::vector<StepPair> pairs =
+      step_pairs(estimate, bounds_, options_.advancement, options_.threads);  // (CA-4)
+  const ContactSet found = contacts_of(model_, state, pairs, options_.lmd);   // (LMD-3)
   for (const StepPair& pair : pairs) report.threshold = std::max(report.threshold, pair.threshold);
   report.contacts_found = int(found.points.size());
   report.min_gap = smallest_gap(found);
@@ -265,8 +266,8 @@ StepReport MoreauJean::step(State& state, double h_limit) const {
 }
 
 ContactSet MoreauJean::contacts(const State& state, double threshold) const {
-  std::vector<StepPair> pairs =
-      pairs_within(model_, state, bounds_, std::vector<double>(model_.bodies.size(), threshold / 2), options_.threads);
+  std::vector<StepPair> pairs = pairs_within(
+      model_, state, bounds_, std::vector<double>(model_.bodies.size(), threshold / 2), options_.threads);
   for (StepPair& pair : pairs) pair.threshold = threshold;
   return contacts_of(model_, state, pairs, options_.lmd);
 }

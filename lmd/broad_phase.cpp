@@ -21,7 +21,9 @@ struct Bounds {
   Vec3 lo = Vec3::Constant(kInf), hi = Vec3::Constant(-kInf);
   void add(const Vec3& a, const Vec3& b) { lo = lo.cwiseMin(a), hi = hi.cwiseMax(b); }
   double width() const { return (hi - lo).maxCoeff(); }
-  bool meets(const Bounds& b) const { return (lo.array() <= b.hi.array()).all() && (b.lo.array() <= hi.array()).all(); }
+  bool meets(const Bounds& b) const {
+    return (lo.array() <= b.hi.array()).all() && (b.lo.array() <= hi.array()).all();
+  }
 };
 
 Bounds bounds_of(const DilatedBox& box) {
@@ -32,8 +34,9 @@ Bounds bounds_of(const DilatedBox& box) {
 
 struct Node {
   Bounds bounds{};
-  int first = 0, count = 0;  // leaf: places first .. first + count - 1; otherwise count = 0, children first, first + 1
-  bool moves = false;        // something below is not fixed
+  int first = 0,
+      count = 0;  // leaf: places first .. first + count - 1; otherwise count = 0, children first, first + 1
+  bool moves = false;  // something below is not fixed
 };
 
 // Places are the boxes in the order of the leaves.
@@ -194,7 +197,8 @@ double separation(const DilatedBox& a, const DilatedBox& b) {
   if (a.half.isZero(0) && b.half.isZero(0)) return distance - radii - slack;
   double widest = -kInf;
   const auto along = [&](const Vec3& n) {
-    const double reach = a.half.dot((a.axes.transpose() * n).cwiseAbs()) + b.half.dot((b.axes.transpose() * n).cwiseAbs());
+    const double reach =
+        a.half.dot((a.axes.transpose() * n).cwiseAbs()) + b.half.dot((b.axes.transpose() * n).cwiseAbs());
     widest = std::max(widest, std::abs(c.dot(n)) - reach);
   };
   if (distance > 0) along(c / distance);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which of many bodies can be near each other (CA-11), (CA-12): pairs of dilated oriented boxes that meet, from a
-// tree of axis-aligned boxes descended against itself. O(n log n + pairs) for bodies of all sizes; decision
-// record 0009.
+// Which of many bodies can be near each other (CA-11), (CA-12): pairs of dilated oriented boxes that meet,
+// from a tree of axis-aligned boxes descended against itself. O(n log n + pairs) for bodies of all sizes;
+// decision record 0009.
 #pragma once
 
 #include <utility>
@@ -20,7 +20,8 @@ struct DilatedBox {
   bool fixed = false;            // two fixed ones are no pair
 };
 
-/// A small box around the points: along the coordinate axes or the principal axes, whichever has less surface.
+/// A small box around the points: along the coordinate axes or the principal axes, whichever has less
+/// surface.
 DilatedBox box_around(const std::vector<Vec3>& points);
 DilatedBox operator*(const SE3& g, const DilatedBox& box);
 

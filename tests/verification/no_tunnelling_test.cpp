@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Nothing passes through anything, however fast (checklist of contact determination, item 11): what is certified,
-// and what the scheme accepts, keeps its distance when the motion is replayed without hierarchy, cones or bounds
-// of the library.
+// Nothing passes through anything, however fast (checklist of contact determination, item 11): what is
+// certified, and what the scheme accepts, keeps its distance when the motion is replayed without hierarchy,
+// cones or bounds of the library.
 #include <algorithm>
 #include <cmath>
 
@@ -37,8 +37,8 @@ Path standing(const SE3& g) {
   return {.p = g.p, .R = g.R.toRotationMatrix()};
 }
 
-double distance_at(const SimplicialComplex& a, const Path& path_a, const SimplicialComplex& b, const Path& path_b,
-                   double s) {
+double distance_at(const SimplicialComplex& a, const Path& path_a, const SimplicialComplex& b,
+                   const Path& path_b, double s) {
   const auto placed = [&](const SimplicialComplex& k, const Path& path) {
     std::vector<Vec3> x;
     for (const Vec3& vertex : k.vertices) x.push_back(path.at(vertex, s));
@@ -55,10 +55,10 @@ double distance_at(const SimplicialComplex& a, const Path& path_a, const Simplic
   return least;
 }
 
-// Smallest distance along the path, replayed so densely that nothing below `resolution` hides between two looks:
-// no point closes faster than `speed`, so half of the distance can be walked at once.
-double least_distance(const SimplicialComplex& a, const Path& path_a, const SimplicialComplex& b, const Path& path_b,
-                      double dt, double resolution) {
+// Smallest distance along the path, replayed so densely that nothing below `resolution` hides between two
+// looks: no point closes faster than `speed`, so half of the distance can be walked at once.
+double least_distance(const SimplicialComplex& a, const Path& path_a, const SimplicialComplex& b,
+                      const Path& path_b, double dt, double resolution) {
   const double speed = (path_a.v - path_b.v).norm() + path_a.omega.norm() * radius_about(a, Vec3::Zero()) +
                        path_b.omega.norm() * radius_about(b, Vec3::Zero());
   double least = kInf;
@@ -75,8 +75,8 @@ struct Verdicts {
 };
 
 // One path, judged by the certificate and by the replay. False certificates fail.
-void judge(const LmdShape& a, const RigidMotion& motion_a, const LmdShape& b, const RigidMotion& motion_b, double dt,
-           double required, Verdicts& verdicts) {
+void judge(const LmdShape& a, const RigidMotion& motion_a, const LmdShape& b, const RigidMotion& motion_b,
+           double dt, double required, Verdicts& verdicts) {
   const Certificate c =
       certify({&a, {}, motion_a}, {&b, {}, motion_b}, dt, {.required = required, .wanted = 4 * required});
   const double truth = least_distance(a.complex, path_of(motion_a.g, motion_a.v, motion_a.omega), b.complex,
@@ -93,12 +93,15 @@ void judge(const LmdShape& a, const RigidMotion& motion_a, const LmdShape& b, co
 
 TEST(NoTunnelling, ABulletThroughPaperIsNeverCertified) {
   Random random(31);
-  const LmdShape paper = prepare(dilate(make_plate(0.2, 0.2), 5e-5)), bullet = prepare(dilate(make_sphere(5e-3, 0), 5e-5));
+  const LmdShape paper = prepare(dilate(make_plate(0.2, 0.2), 5e-5)),
+                 bullet = prepare(dilate(make_sphere(5e-3, 0), 5e-5));
   Verdicts verdicts;
   for (int sample = 0; sample < 120; ++sample) {  // 1000 m/s, from both sides, straight and oblique, tumbling
     const Vec3 aim(random.uniform(-0.12, 0.12), random.uniform(-0.12, 0.12), 0);
     const Vec3 direction = (Vec3(0, 0, sample % 2 ? 1 : -1) + random.vector(0.5)).normalized();
-    const RigidMotion shot{{random.rotation(), aim - random.uniform(0.01, 2.2) * direction}, 1000 * direction, random.vector(200)};
+    const RigidMotion shot{{random.rotation(), aim - random.uniform(0.01, 2.2) * direction},
+                           1000 * direction,
+                           random.vector(200)};
     judge(bullet, shot, paper, RigidMotion{}, 2e-3, 9.6e-5, verdicts);
   }
   EXPECT_GT(verdicts.hits, 30);
@@ -109,12 +112,15 @@ TEST(NoTunnelling, ABulletThroughPaperIsNeverCertified) {
 // More than a whole turn per step: where the rod ends says nothing about what it swept.
 TEST(NoTunnelling, ASpinningRodThroughAPostIsNeverCertified) {
   Random random(32);
-  const LmdShape rod = prepare(dilate(make_box(0.2, 2e-3, 2e-3), 1e-4)), post = prepare(dilate(make_box(2e-3, 2e-3, 0.1), 1e-4));
+  const LmdShape rod = prepare(dilate(make_box(0.2, 2e-3, 2e-3), 1e-4)),
+                 post = prepare(dilate(make_box(2e-3, 2e-3, 0.1), 1e-4));
   Verdicts verdicts;
   for (int sample = 0; sample < 250; ++sample) {
     const double at = random.uniform(0.05, 0.2), spin = random.uniform(100, 2000);
-    const RigidMotion turning{{exp_so3(Vec3(0, 0, random.uniform(0, kPi))), {0, 0, random.uniform(-0.06, 0.06)}},
-                              random.vector(1), Vec3(0, 0, spin) + random.vector(5)};
+    const RigidMotion turning{
+        {exp_so3(Vec3(0, 0, random.uniform(0, kPi))), {0, 0, random.uniform(-0.06, 0.06)}},
+        random.vector(1),
+        Vec3(0, 0, spin) + random.vector(5)};
     const RigidMotion still{translation(at, 0, 0)};
     if (distance_at(rod.complex, standing(turning.g), post.complex, standing(still.g), 0) < 1e-3) continue;
     judge(rod, turning, post, still, random.uniform(1e-4, 7e-3), 1.92e-4, verdicts);
@@ -123,7 +129,7 @@ TEST(NoTunnelling, ASpinningRodThroughAPostIsNeverCertified) {
   EXPECT_GT(verdicts.certified, 25);
 }
 
-constexpr double kEps = 1e-4;      // dilation of each part of the washboard scene [m]
+constexpr double kEps = 1e-4;        // dilation of each part of the washboard scene [m]
 constexpr double kWave = 60 * kEps;  // its wave length; a slide of 100 eps crosses several
 constexpr double kHeight = 10 * kEps;
 
@@ -143,13 +149,16 @@ SimplicialComplex washboard(int waves) {
 
 TEST(NoTunnelling, SlidingAHundredDilationsAlongAWashboardIsCertifiedOnlyAboveTheCrests) {
   Random random(33);
-  const LmdShape board = prepare(dilate(washboard(12), kEps)), slider = prepare(dilate(make_box(20 * kEps, 0.01, 0.004), kEps));
+  const LmdShape board = prepare(dilate(washboard(12), kEps)),
+                 slider = prepare(dilate(make_box(20 * kEps, 0.01, 0.004), kEps));
   Verdicts verdicts;
-  for (int sample = 0; sample < 250; ++sample) {  // the slider's lowest edge a little above or below the crests
+  for (int sample = 0; sample < 250;
+       ++sample) {  // the slider's lowest edge a little above or below the crests
     const double clearance = random.uniform(-5, 4) * kEps, dt = 1e-3;
     const RigidMotion sliding{{exp_so3(Vec3(0, random.uniform(-0.02, 0.02), 0)),
                                {kWave * random.uniform(2, 6), 0, 0.002 + 2 * kEps + clearance}},
-                              {100 * kEps / dt * (sample % 2 ? 1 : -1), 0, random.uniform(-1, 1) * kEps / dt}, {0, random.uniform(-10, 10), 0}};
+                              {100 * kEps / dt * (sample % 2 ? 1 : -1), 0, random.uniform(-1, 1) * kEps / dt},
+                              {0, random.uniform(-10, 10), 0}};
     if (distance_at(slider.complex, standing(sliding.g), board.complex, standing({}), 0) < 2 * kEps) continue;
     judge(slider, sliding, board, RigidMotion{}, dt, 1.92 * kEps, verdicts);
   }
@@ -169,7 +178,8 @@ void replay_steps(Model& model, State state, int fixed, int moving, double h, do
     const StepReport report = scheme.step(state, t_end - state.t);
     ASSERT_EQ(report.status, StepStatus::ok) << report.reason;
     const SE3 &g = pose(before, moving), &next = pose(state, moving);
-    const Path path = path_of(g, (next.p - g.p) / report.h, log_so3((g.R.conjugate() * next.R).normalized()) / report.h);
+    const Path path =
+        path_of(g, (next.p - g.p) / report.h, log_so3((g.R.conjugate() * next.R).normalized()) / report.h);
     const double truth = least_distance(a, standing({}), b, path, report.h, required / 4);
     ASSERT_GE(truth, required - 1e-9) << "at t = " << before.t;
     if (std::isfinite(report.min_base_distance)) {  // otherwise nothing was near

@@ -66,10 +66,12 @@ TEST(BoxAround, HoldsItsPointsAndFollowsASlantedRod) {
     const SE3 g = random.pose(1);
     std::vector<Vec3> points;
     for (int i = 0; i < 30; ++i)
-      points.push_back(g * Vec3(random.uniform(-1, 1), random.uniform(-0.05, 0.05), random.uniform(-0.05, 0.05)));
+      points.push_back(g *
+                       Vec3(random.uniform(-1, 1), random.uniform(-0.05, 0.05), random.uniform(-0.05, 0.05)));
     const DilatedBox box = box_around(points);
     for (const Vec3& x : points)
-      EXPECT_TRUE(((box.axes.transpose() * (x - box.centre)).cwiseAbs().array() <= box.half.array() + 1e-12).all());
+      EXPECT_TRUE(
+          ((box.axes.transpose() * (x - box.centre)).cwiseAbs().array() <= box.half.array() + 1e-12).all());
     EXPECT_LT(box.half.minCoeff(), 0.1) << sample;
     EXPECT_LT((box.axes.transpose() * box.axes - Mat3::Identity()).norm(), 1e-12);
   }
@@ -99,7 +101,8 @@ Boxes scene(const std::string& name, int n, Random& random) {
     }
   if (name == "pebbles on a plate") {
     for (int i = 0; i < n; ++i)
-      boxes.push_back(ball({random.uniform(0, side), random.uniform(0, side), random.uniform(0.4, side)}, 0.5));
+      boxes.push_back(
+          ball({random.uniform(0, side), random.uniform(0, side), random.uniform(0.4, side)}, 0.5));
     boxes[std::size_t(n / 3)] = {.half = {2 * side, 2 * side, 0}, .radius = 1e-3, .fixed = true};
   }
   if (name == "shelves")  // plates as wide as the scene, pebbles between them
@@ -118,7 +121,8 @@ Boxes scene(const std::string& name, int n, Random& random) {
   if (name == "one place")
     for (int i = 0; i < n; ++i) boxes.push_back(random_box(random, 0, {1, 1, 1}, 0));
   if (name == "everywhere")
-    for (int i = 0; i < n; ++i) boxes.push_back(ball(random.log_uniform(1e-100, 1e100) * random.direction(), 1));
+    for (int i = 0; i < n; ++i)
+      boxes.push_back(ball(random.log_uniform(1e-100, 1e100) * random.direction(), 1));
   if (name == "mostly fixed") {
     for (int i = 0; i < n; ++i) boxes.push_back(random_box(random, 1, {0.5, 0.5, 0.5}, 0));
     for (int i = 3; i < n; ++i) boxes[std::size_t(i)].fixed = true;
@@ -153,7 +157,8 @@ TEST_P(BroadPhaseGrowth, HasNoQuadraticStep) {
     const Boxes boxes = scene(name, n, random);
     BroadPhaseStatistics count;
     const IndexPairs pairs = broad_phase(boxes, 2, &count);
-    const double work = double(count.node_pairs + count.box_pairs) / (n * std::log2(n) + double(pairs.size()));
+    const double work =
+        double(count.node_pairs + count.box_pairs) / (n * std::log2(n) + double(pairs.size()));
     std::printf("%s, %d: %.1f pairs per body, work %.2f\n", name.c_str(), n, double(pairs.size()) / n, work);
     if (first == 0) first = work;
     EXPECT_LT(work, 1.5 * first + 0.5) << n;
@@ -167,13 +172,14 @@ std::string without_spaces(std::string name) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, BroadPhaseScene,
-                         ::testing::Values("balls", "all sizes", "pebbles on a plate", "shelves", "slanted rods",
-                                           "clump", "one place", "everywhere", "mostly fixed", "line"),
+                         ::testing::Values("balls", "all sizes", "pebbles on a plate", "shelves",
+                                           "slanted rods", "clump", "one place", "everywhere", "mostly fixed",
+                                           "line"),
                          [](const auto& scene_of) { return without_spaces(scene_of.param); });
 // Without those where a constant part of all pairs meet.
 INSTANTIATE_TEST_SUITE_P(Scenes, BroadPhaseGrowth,
-                         ::testing::Values("balls", "all sizes", "pebbles on a plate", "shelves", "slanted rods",
-                                           "clump", "line"),
+                         ::testing::Values("balls", "all sizes", "pebbles on a plate", "shelves",
+                                           "slanted rods", "clump", "line"),
                          [](const auto& scene_of) { return without_spaces(scene_of.param); });
 
 TEST(BroadPhase, TakesWhatIsDegenerate) {
