@@ -2,15 +2,18 @@
 #include "integrators/advancement.hpp"
 
 #include <algorithm>
+#include <functional>
+#include <span>
 #include <sstream>
 
 #include "geometry/check.hpp"
-#include "lmd/broad_phase.hpp"
+#include "geometry/parallel.hpp"
 #include "lmd/certificate.hpp"
 
 namespace aussois {
 namespace {
 
+constexpr int kPairsOfAPart = 16;  // of a piece of work; so many pairs or fewer get all threads each instead
 constexpr double kLargestRotation = 0.2;  // [rad]; cones enlarged by more say nothing, the certificate has to
 
 RigidMotion motion_of(const StepMotion& step, int body, double scale = 1) {
@@ -41,20 +44,35 @@ struct PairBounds {
   double rotation = 0;      // [rad]
 };
 
-PairBounds bounds_of(const StepMotion& step, const StepPair& pair, const std::vector<double>& radii,
+PairBounds bounds_of(const StepMotion& step, const StepPair& pair, const std::vector<BodyBounds>& bounds,
                      double scale = 1) {
   const RigidMotion a = motion_of(step, pair.a, scale), b = motion_of(step, pair.b, scale);
-  return {relative_displacement_bound(a, radii[std::size_t(pair.a)], b, radii[std::size_t(pair.b)], step.h),
+  return {relative_displacement_bound(a, bounds[std::size_t(pair.a)].radius, b,
+                                      bounds[std::size_t(pair.b)].radius, step.h),
           std::min(relative_rotation_bound(a, b, step.h), kLargestRotation)};
 }
 
 // How far a body reaches: what broad phase inflates it by, and what a step may not exceed.
-double reach_of(const StepMotion& estimate, int body, const std::vector<double>& radii,
+double reach_of(const StepMotion& estimate, int body, const std::vector<BodyBounds>& bounds,
                 const AdvancementOptions& o) {
   const LmdShape* shape = shape_of(estimate.model, body);
-  const double moved =
-      displacement_bound(motion_of(estimate, body, o.enlargement), radii[std::size_t(body)], estimate.h);
+  const double moved = displacement_bound(motion_of(estimate, body, o.enlargement),
+                                          bounds[std::size_t(body)].radius, estimate.h);
   return shape ? moved + o.floor * shape->radius : 0;
+}
+
+int count_of_parts(const std::vector<StepPair>& pairs) {
+  return int((pairs.size() + kPairsOfAPart - 1) / kPairsOfAPart);
+}
+// Pieces of work do not depend on the threads; each calls f once, with the threads that it may use itself.
+void for_each_part(const std::vector<StepPair>& pairs, int threads,
+                   const std::function<void(int part, std::span<const StepPair>, int threads)>& f) {
+  const int parts = count_of_parts(pairs);
+  parallel_for(parts, threads, [&](int k) {
+    const std::size_t first = std::size_t(k) * kPairsOfAPart;
+    const std::size_t count = std::min(pairs.size() - first, std::size_t(kPairsOfAPart));
+    f(k, std::span(pairs).subspan(first, count), parts > 1 ? 1 : threads);
+  });
 }
 
 }  // namespace
@@ -70,81 +88,98 @@ void validate(const AdvancementOptions& o) {
   require_field(o.max_attempts >= 1, "AdvancementOptions::max_attempts", o.max_attempts, "be at least 1");
 }
 
-std::vector<double> body_radii(const Model& model) {
-  std::vector<double> radii;
-  for (int b = 0; b < int(model.bodies.size()); ++b) {
-    const LmdShape* shape = shape_of(model, b);
-    radii.push_back(
-        shape ? radius_about(transformed(shape->complex, model.bodies[std::size_t(b)].g_bs), Vec3::Zero())
-              : 0);
+std::vector<BodyBounds> body_bounds(const Model& model) {
+  std::vector<DilatedBox> box_of_shape;
+  for (const auto& shape : model.shapes) {
+    box_of_shape.push_back(box_around(shape->complex.vertices));
+    box_of_shape.back().radius = shape->radius;
   }
-  return radii;
+  std::vector<BodyBounds> bounds(model.bodies.size());
+  for (std::size_t b = 0; b < bounds.size(); ++b) {
+    const RigidBody& body = model.bodies[b];
+    if (body.shape < 0) continue;
+    bounds[b].box = body.g_bs * box_of_shape[std::size_t(body.shape)];
+    bounds[b].box.fixed = !is_dynamic(body);
+    for (const Vec3& x : model.shapes[std::size_t(body.shape)]->complex.vertices)
+      bounds[b].radius = std::max(bounds[b].radius, (body.g_bs * x).norm());
+  }
+  return bounds;
 }
 
-std::vector<StepPair> pairs_within(const Model& model, const State& state, const std::vector<double>& reach) {
+std::vector<StepPair> pairs_within(const Model& model, const State& state,
+                                   const std::vector<BodyBounds>& bounds, const std::vector<double>& reach,
+                                   int threads) {
   std::vector<int> body_of;
-  std::vector<Ball> balls;
+  std::vector<DilatedBox> boxes;
   for (int b = 0; b < int(model.bodies.size()); ++b) {
-    const LmdShape* shape = shape_of(model, b);
-    if (!shape) continue;
-    balls.push_back({pose(state, b) * (model.bodies[std::size_t(b)].g_bs * shape->centre),
-                     shape->bounding_radius + shape->radius + reach[std::size_t(b)]});
+    if (!shape_of(model, b)) continue;
+    boxes.push_back(pose(state, b) * bounds[std::size_t(b)].box);
+    boxes.back().radius += reach[std::size_t(b)];
     body_of.push_back(b);
   }
   std::vector<StepPair> pairs;
-  for (const auto& [i, j] : broad_phase(balls)) {
+  for (const auto& [i, j] : broad_phase(boxes, threads)) {  // (CA-12)
     const int a = body_of[std::size_t(i)], b = body_of[std::size_t(j)];
-    if (!is_dynamic(model.bodies[std::size_t(a)]) && !is_dynamic(model.bodies[std::size_t(b)])) continue;
     pairs.push_back({.a = a, .b = b, .dilation = shape_of(model, a)->radius + shape_of(model, b)->radius});
   }
   return pairs;
 }
 
-std::vector<StepPair> step_pairs(const StepMotion& estimate, const std::vector<double>& radii,
-                                 const AdvancementOptions& o) {
+std::vector<StepPair> step_pairs(const StepMotion& estimate, const std::vector<BodyBounds>& bounds,
+                                 const AdvancementOptions& o, int threads) {
   std::vector<double> reach;
-  reach.reserve(radii.size());
-  for (int b = 0; b < int(radii.size()); ++b) reach.push_back(reach_of(estimate, b, radii, o));
-  std::vector<StepPair> pairs = pairs_within(estimate.model, estimate.state, reach);
+  reach.reserve(bounds.size());
+  for (int b = 0; b < int(bounds.size()); ++b) reach.push_back(reach_of(estimate, b, bounds, o));
+  std::vector<StepPair> pairs = pairs_within(estimate.model, estimate.state, bounds, reach, threads);
   for (StepPair& pair : pairs) {
-    const PairBounds bounds = bounds_of(estimate, pair, radii, o.enlargement);
-    pair.threshold = std::max(o.floor * pair.dilation, bounds.displacement);
-    pair.rotation = bounds.rotation;
+    const PairBounds bound = bounds_of(estimate, pair, bounds, o.enlargement);
+    pair.threshold = std::max(o.floor * pair.dilation, bound.displacement);
+    pair.rotation = bound.rotation;
   }
   return pairs;
 }
 
 ContactSet contacts_of(const Model& model, const State& state, const std::vector<StepPair>& pairs,
                        const LmdOptions& options) {
+  std::vector<ContactSet> found(std::size_t(count_of_parts(pairs)));
+  for_each_part(pairs, options.threads, [&](int part, std::span<const StepPair> some, int threads) {
+    for (const StepPair& pair : some) {
+      LmdOptions lmd = options;
+      lmd.threads = threads;
+      lmd.threshold = pair.threshold;
+      lmd.alpha =
+          std::min(0.5, lmd.alpha + pair.rotation);  // contacts that the step's rotation can bring about
+      lmd.alpha_ee = std::max(lmd.alpha_ee, lmd.alpha);
+      const ContactSet of_pair =
+          find_contacts(posed_shape(model, state, pair.a), posed_shape(model, state, pair.b), lmd);
+      std::vector<ContactPoint>& points = found[std::size_t(part)].points;
+      points.insert(points.end(), of_pair.points.begin(), of_pair.points.end());
+    }
+  });
+  std::size_t count = 0;
+  for (const ContactSet& some : found) count += some.points.size();
   ContactSet all;
-  for (const StepPair& pair : pairs) {
-    LmdOptions lmd = options;
-    lmd.threshold = pair.threshold;
-    lmd.alpha =
-        std::min(0.5, lmd.alpha + pair.rotation);  // contacts that the step's rotation can bring about
-    lmd.alpha_ee = std::max(lmd.alpha_ee, lmd.alpha);
-    const ContactSet found =
-        find_contacts(posed_shape(model, state, pair.a), posed_shape(model, state, pair.b), lmd);
-    all.points.insert(all.points.end(), found.points.begin(), found.points.end());
-  }
+  all.points.reserve(count);
+  for (const ContactSet& some : found)
+    all.points.insert(all.points.end(), some.points.begin(), some.points.end());
   return all;  // pairs are sorted, so the whole set is
 }
 
 std::string broken_bound(const StepMotion& step, const StepMotion& estimate,
-                         const std::vector<StepPair>& pairs, const std::vector<double>& radii, double alpha,
-                         const AdvancementOptions& o) {
+                         const std::vector<StepPair>& pairs, const std::vector<BodyBounds>& bounds,
+                         double alpha, const AdvancementOptions& o) {
   std::ostringstream text;
   for (const StepPair& pair : pairs) {
-    const PairBounds bounds = bounds_of(step, pair, radii);
-    if (bounds.displacement <= pair.threshold && bounds.rotation <= pair.rotation + alpha) continue;
-    text << "bodies " << pair.a << " and " << pair.b << " may move by " << bounds.displacement << " m and "
-         << bounds.rotation << " rad, their contacts were found within " << pair.threshold << " m and "
+    const PairBounds bound = bounds_of(step, pair, bounds);
+    if (bound.displacement <= pair.threshold && bound.rotation <= pair.rotation + alpha) continue;
+    text << "bodies " << pair.a << " and " << pair.b << " may move by " << bound.displacement << " m and "
+         << bound.rotation << " rad, their contacts were found within " << pair.threshold << " m and "
          << pair.rotation << " rad";
     return text.str();
   }
-  for (int b = 0; b < int(radii.size()); ++b) {  // pairs that were not even near
-    const double moved = displacement_bound(motion_of(step, b), radii[std::size_t(b)], step.h);
-    const double reach = reach_of(estimate, b, radii, o);
+  for (int b = 0; b < int(bounds.size()); ++b) {  // pairs that were not even near
+    const double moved = displacement_bound(motion_of(step, b), bounds[std::size_t(b)].radius, step.h);
+    const double reach = reach_of(estimate, b, bounds, o);
     if (!shape_of(step.model, b) || moved <= reach) continue;
     text << "body " << b << " may move by " << moved << " m, its neighbours were looked for within " << reach
          << " m";
@@ -153,14 +188,24 @@ std::string broken_bound(const StepMotion& step, const StepMotion& estimate,
   return {};
 }
 
-StepCertificate certify_step(const StepMotion& step, const std::vector<StepPair>& pairs,
-                             const AdvancementOptions& o, int threads) {
+namespace {
+
+// Of some pairs, up to the first that is not certified.
+StepCertificate certify_pairs(const StepMotion& step, std::span<const StepPair> pairs,
+                              const std::vector<BodyBounds>& bounds, const AdvancementOptions& o,
+                              int threads) {
   StepCertificate out;
   for (const StepPair& pair : pairs) {
     const double required = std::max(1e-3, 1 - o.max_overlap) * pair.dilation;
-    const Certificate c =
-        certify(moving_shape(step, pair.a), moving_shape(step, pair.b), step.h,
-                {.required = required, .wanted = std::max(pair.dilation, required), .threads = threads});
+    const double wanted = std::max(pair.dilation, required);
+    const double apart = separation(pose(step.state, pair.a) * bounds[std::size_t(pair.a)].box,
+                                    pose(step.state, pair.b) * bounds[std::size_t(pair.b)].box);
+    if (apart > bounds_of(step, pair, bounds).displacement) {  // the dilated shapes cannot even touch
+      out.min_distance = std::min(out.min_distance, wanted);
+      continue;
+    }
+    const Certificate c = certify(moving_shape(step, pair.a), moving_shape(step, pair.b), step.h,
+                                  {.required = required, .wanted = wanted, .threads = threads});
     out.rounds += c.rounds;
     out.min_distance = std::min(out.min_distance, c.min_distance);
     if (c.certified) continue;
@@ -173,12 +218,31 @@ StepCertificate certify_step(const StepMotion& step, const std::vector<StepPair>
   return out;
 }
 
+}  // namespace
+
+StepCertificate certify_step(const StepMotion& step, const std::vector<StepPair>& pairs,
+                             const std::vector<BodyBounds>& bounds, const AdvancementOptions& o,
+                             int threads) {
+  std::vector<StepCertificate> of_part(std::size_t(count_of_parts(pairs)));
+  for_each_part(pairs, threads, [&](int part, std::span<const StepPair> some, int threads_each) {
+    of_part[std::size_t(part)] = certify_pairs(step, some, bounds, o, threads_each);
+  });
+  StepCertificate out;
+  for (const StepCertificate& part : of_part) {
+    out.rounds += part.rounds;
+    out.min_distance = std::min(out.min_distance, part.min_distance);
+    out.failure = part.failure;
+    if (!out.failure.empty()) break;
+  }
+  return out;
+}
+
 double min_base_distance(const Model& model, const State& state, double cutoff, int threads) {
   double distance = cutoff;
   const VecX rest = VecX::Zero(state.v.size());
   const StepMotion still{model, state, rest, 0};
-  for (const StepPair& pair :
-       pairs_within(model, state, std::vector<double>(model.bodies.size(), cutoff / 2)))
+  for (const StepPair& pair : pairs_within(model, state, body_bounds(model),
+                                           std::vector<double>(model.bodies.size(), cutoff / 2), threads))
     distance = base_distance(moving_shape(still, pair.a), moving_shape(still, pair.b), distance, threads);
   return distance;
 }

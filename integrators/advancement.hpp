@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "lmd/broad_phase.hpp"
 #include "lmd/find_contacts.hpp"
 #include "mechanics/state.hpp"
 
@@ -41,33 +42,43 @@ struct StepMotion {
   double h = 0;
 };
 
-/// Radius of each body's base complex about its centre of mass [m]; 0 without a shape.
-std::vector<double> body_radii(const Model& model);
+/// What a body's shape fits into, seen from the body frame; nothing for a body without a shape.
+struct BodyBounds {
+  double radius = 0;  // of the base complex about the centre of mass [m]
+  DilatedBox box{};   // around the dilated shape
+};
+std::vector<BodyBounds> body_bounds(const Model& model);
 
-/// Pairs whose shapes come nearer than the sum of their `reach` [m], one per body; thresholds are left at 0.
-std::vector<StepPair> pairs_within(const Model& model, const State& state, const std::vector<double>& reach);
+/// Pairs whose boxes come nearer than the sum of their `reach` [m], one per body; thresholds are left at 0.
+/// Sorted by (a, b).
+std::vector<StepPair> pairs_within(const Model& model, const State& state,
+                                   const std::vector<BodyBounds>& bounds, const std::vector<double>& reach,
+                                   int threads);
 
 /// Pairs that can touch if the bodies move at most as in `estimate`, enlarged; with thresholds (CA-4).
-std::vector<StepPair> step_pairs(const StepMotion& estimate, const std::vector<double>& radii,
-                                 const AdvancementOptions& options);
+std::vector<StepPair> step_pairs(const StepMotion& estimate, const std::vector<BodyBounds>& bounds,
+                                 const AdvancementOptions& options, int threads);
 
-/// Contacts of the pairs within their thresholds, cones enlarged by their rotations; sorted by pair.
+/// Contacts of the pairs within their thresholds, cones enlarged by their rotations; sorted by pair. Many
+/// pairs share the threads, few pairs get them all.
 ContactSet contacts_of(const Model& model, const State& state, const std::vector<StepPair>& pairs,
                        const LmdOptions& options);
 
 /// Empty if the step kept the bounds that its contacts were found within (CA-5), otherwise what broke them.
 std::string broken_bound(const StepMotion& step, const StepMotion& estimate,
-                         const std::vector<StepPair>& pairs, const std::vector<double>& radii, double alpha,
-                         const AdvancementOptions& options);
+                         const std::vector<StepPair>& pairs, const std::vector<BodyBounds>& bounds,
+                         double alpha, const AdvancementOptions& options);
 
 struct StepCertificate {
   double min_distance = kInf;  // of the base complexes, a lower bound over the step [m]
   long rounds = 0;
   std::string failure{};  // empty: certified
 };
-/// Do all pairs keep their distance along the whole path? (CA-6)
+/// Do all pairs keep their distance along the whole path? (CA-6) Pairs whose boxes are farther apart than
+/// they can move do without a look at their simplices.
 StepCertificate certify_step(const StepMotion& step, const std::vector<StepPair>& pairs,
-                             const AdvancementOptions& options, int threads);
+                             const std::vector<BodyBounds>& bounds, const AdvancementOptions& options,
+                             int threads);
 
 /// Smallest distance of the base complexes of bodies that can touch [m], or `cutoff`.
 double min_base_distance(const Model& model, const State& state, double cutoff, int threads);

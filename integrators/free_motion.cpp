@@ -4,7 +4,7 @@
 #include <cmath>
 #include <variant>
 
-#include <Eigen/SparseLU>
+#include "nsgs/mass_inverse.hpp"
 
 namespace aussois {
 namespace {
@@ -94,9 +94,8 @@ FreeMotion free_motion(const Model& model, const State& state, const DofMap& dof
   out.v_free = out.v;
   if (dofs.rows > 0) {
     out.M.makeCompressed();
-    const Eigen::SparseLU<SparseMatrix> lu(out.M);
-    if (lu.info() == Eigen::Success)
-      out.v_free = lu.solve(out.f);
+    if (const std::optional<MassInverse> inverse = invert_mass(out.M))
+      out.v_free = *inverse * out.f;
     else
       out.v_free.setConstant(std::nan(""));  // ends as not_finite in this very step
   }

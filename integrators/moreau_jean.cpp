@@ -110,7 +110,7 @@ struct MoreauJean::Attempt {
 };
 
 MoreauJean::MoreauJean(const Model& model, const MoreauJeanOptions& options)
-    : model_(checked(model)), options_(options), dofs_(dof_map(model)), radii_(body_radii(model)) {
+    : model_(checked(model)), options_(options), dofs_(dof_map(model)), bounds_(body_bounds(model)) {
   validate(options);
   options_.lmd.threads = options.threads;
   int undilated = 0;
@@ -131,8 +131,9 @@ MoreauJean::Attempt MoreauJean::attempt(const State& state, const VecX& v_estima
 
   // 1 and 2: contacts within the displacement bound
   const StepMotion estimate{model_, state, v_estimate, h};
-  const std::vector<StepPair> pairs = step_pairs(estimate, radii_, options_.advancement);  // (CA-4)
-  const ContactSet found = contacts_of(model_, state, pairs, options_.lmd);                // (LMD-3)
+  const std::vector<StepPair> pairs =
+      step_pairs(estimate, bounds_, options_.advancement, options_.threads);  // (CA-4)
+  const ContactSet found = contacts_of(model_, state, pairs, options_.lmd);   // (LMD-3)
   for (const StepPair& pair : pairs) report.threshold = std::max(report.threshold, pair.threshold);
   report.contacts_found = int(found.points.size());
   report.min_gap = smallest_gap(found);
@@ -165,14 +166,14 @@ MoreauJean::Attempt MoreauJean::attempt(const State& state, const VecX& v_estima
                                   v_prescribed);  // (MJ-7)
   const StepMotion step{model_, state, out.v_position, h};
   report.reason =
-      broken_bound(step, estimate, pairs, radii_, options_.lmd.alpha, options_.advancement);  // (CA-5)
+      broken_bound(step, estimate, pairs, bounds_, options_.lmd.alpha, options_.advancement);  // (CA-5)
   if (!report.reason.empty()) {
     out.outcome = Attempt::Outcome::bound_exceeded;
     return out;
   }
   if (options_.advancement.certify) {
     const StepCertificate certificate =
-        certify_step(step, pairs, options_.advancement, options_.threads);  // (CA-6)
+        certify_step(step, pairs, bounds_, options_.advancement, options_.threads);  // (CA-6)
     report.certificate_rounds = int(certificate.rounds);
     report.min_base_distance = certificate.min_distance;
     report.reason = certificate.failure;
@@ -265,8 +266,8 @@ StepReport MoreauJean::step(State& state, double h_limit) const {
 }
 
 ContactSet MoreauJean::contacts(const State& state, double threshold) const {
-  std::vector<StepPair> pairs =
-      pairs_within(model_, state, std::vector<double>(model_.bodies.size(), threshold / 2));
+  std::vector<StepPair> pairs = pairs_within(
+      model_, state, bounds_, std::vector<double>(model_.bodies.size(), threshold / 2), options_.threads);
   for (StepPair& pair : pairs) pair.threshold = threshold;
   return contacts_of(model_, state, pairs, options_.lmd);
 }

@@ -44,7 +44,7 @@ class MoreauJean {
   const Model& model_;
   MoreauJeanOptions options_;
   DofMap dofs_;
-  std::vector<double> radii_;
+  std::vector<BodyBounds> bounds_;
 };
 
 }  // namespace aussois

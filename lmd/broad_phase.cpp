@@ -4,32 +4,242 @@
 #include <algorithm>
 #include <numeric>
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+
+#include "geometry/check.hpp"
+#include "geometry/parallel.hpp"
+
 namespace aussois {
+namespace {
 
-std::vector<std::pair<int, int>> broad_phase(const std::vector<Ball>& balls) {
+constexpr int kLeafSize = 4;         // 2 to 12 are within 15 % (decision record 0009)
+constexpr int kParts = 256;          // pieces of work that threads share
+constexpr double kRounding = 1e-14;  // of the coordinates: some ulps of the sums below
+
+struct Bounds {
   Vec3 lo = Vec3::Constant(kInf), hi = Vec3::Constant(-kInf);
-  for (const Ball& ball : balls) lo = lo.cwiseMin(ball.centre), hi = hi.cwiseMax(ball.centre);
-  Eigen::Index axis = 0;
-  if (!balls.empty()) (hi - lo).maxCoeff(&axis);
-
-  std::vector<int> order(balls.size());
-  std::iota(order.begin(), order.end(), 0);
-  const auto begin = [&](int i) { return balls[std::size_t(i)].centre[axis] - balls[std::size_t(i)].radius; };
-  const auto end = [&](int i) { return balls[std::size_t(i)].centre[axis] + balls[std::size_t(i)].radius; };
-  std::ranges::sort(order, [&](int i, int j) { return begin(i) != begin(j) ? begin(i) < begin(j) : i < j; });
-
-  std::vector<std::pair<int, int>> pairs;
-  std::vector<int> open;
-  for (int i : order) {
-    std::erase_if(open, [&](int j) { return end(j) < begin(i); });
-    for (int j : open) {
-      const Ball &a = balls[std::size_t(i)], &b = balls[std::size_t(j)];
-      if ((a.centre - b.centre).norm() <= a.radius + b.radius) pairs.push_back(std::minmax(i, j));
-    }
-    open.push_back(i);
+  void add(const Vec3& a, const Vec3& b) { lo = lo.cwiseMin(a), hi = hi.cwiseMax(b); }
+  double width() const { return (hi - lo).maxCoeff(); }
+  bool meets(const Bounds& b) const {
+    return (lo.array() <= b.hi.array()).all() && (b.lo.array() <= hi.array()).all();
   }
-  std::ranges::sort(pairs);
-  return pairs;
+};
+
+Bounds bounds_of(const DilatedBox& box) {
+  const Vec3 reach = box.axes.cwiseAbs() * box.half + Vec3::Constant(box.radius);
+  const Vec3 slack = Vec3::Constant(kRounding * (box.centre.norm() + reach.sum()));
+  return {box.centre - reach - slack, box.centre + reach + slack};
+}
+
+struct Node {
+  Bounds bounds{};
+  int first = 0,
+      count = 0;  // leaf: places first .. first + count - 1; otherwise count = 0, children first, first + 1
+  bool moves = false;  // something below is not fixed
+};
+
+// Places are the boxes in the order of the leaves.
+struct Tree {
+  std::vector<Node> nodes{};
+  std::vector<int> order{};      // box at a place
+  std::vector<Bounds> bounds{};  // of the boxes, by place
+};
+
+// Halves at the median of the centres along the axis of their largest spread.
+class Builder {
+ public:
+  explicit Builder(const std::vector<DilatedBox>& boxes) : boxes_(boxes) {
+    tree_.order.resize(boxes.size());
+    std::iota(tree_.order.begin(), tree_.order.end(), 0);
+    for (const DilatedBox& box : boxes) {
+      AUSSOIS_ASSERT(box.centre.allFinite());
+      bounds_.push_back(bounds_of(box));
+    }
+    tree_.nodes.emplace_back();
+    if (!boxes.empty()) fill(0, 0, int(boxes.size()));
+    for (int i : tree_.order) tree_.bounds.push_back(bounds_[std::size_t(i)]);
+  }
+  Tree tree() && { return std::move(tree_); }
+
+ private:
+  void fill(int node, int begin, int end) {
+    Node out{.first = begin, .count = end - begin};
+    Bounds centres;
+    for (int k = begin; k < end; ++k) {
+      const DilatedBox& box = boxes_[std::size_t(tree_.order[std::size_t(k)])];
+      const Bounds& b = bounds_[std::size_t(tree_.order[std::size_t(k)])];
+      out.bounds.add(b.lo, b.hi);
+      centres.add(box.centre, box.centre);
+      out.moves = out.moves || !box.fixed;
+    }
+    if (out.count > kLeafSize) {
+      const int middle = split_at_median(begin, end, centres);
+      out.first = int(tree_.nodes.size());
+      out.count = 0;
+      tree_.nodes.resize(tree_.nodes.size() + 2);
+      fill(out.first, begin, middle);
+      fill(out.first + 1, middle, end);
+    }
+    tree_.nodes[std::size_t(node)] = out;
+  }
+
+  int split_at_median(int begin, int end, const Bounds& centres) {
+    Eigen::Index axis = 0;
+    (centres.hi - centres.lo).maxCoeff(&axis);
+    const auto first = tree_.order.begin();
+    const int middle = begin + (end - begin) / 2;
+    std::nth_element(first + begin, first + middle, first + end, [&](int i, int j) {
+      const double x = boxes_[std::size_t(i)].centre[axis], y = boxes_[std::size_t(j)].centre[axis];
+      return x != y ? x < y : i < j;
+    });
+    return middle;
+  }
+
+  const std::vector<DilatedBox>& boxes_;
+  std::vector<Bounds> bounds_{};
+  Tree tree_{};
+};
+
+using IndexPair = std::pair<int, int>;
+
+// What one part of the descent collects.
+struct Part {
+  std::vector<IndexPair> found{};
+  BroadPhaseStatistics count{};
+};
+
+class Descent {
+ public:
+  Descent(const std::vector<DilatedBox>& boxes, const Tree& tree) : boxes_(boxes), tree_(tree) {}
+
+  // One pair of nodes: pairs of boxes if both are leaves, otherwise what is to be looked at next.
+  void open(IndexPair at, std::vector<IndexPair>& next, Part& part) const {
+    ++part.count.node_pairs;
+    const auto [i, j] = at;
+    const Node &n = tree_.nodes[std::size_t(i)], &m = tree_.nodes[std::size_t(j)];
+    if ((!n.moves && !m.moves) || !n.bounds.meets(m.bounds)) return;
+    if (i == j && n.count == 0) {
+      next.insert(next.end(), {{n.first, n.first}, {n.first + 1, n.first + 1}, {n.first, n.first + 1}});
+    } else if (n.count > 0 && m.count > 0) {
+      for (int p = n.first; p < n.first + n.count; ++p)
+        for (int q = i == j ? p + 1 : m.first; q < m.first + m.count; ++q) test(p, q, part);
+    } else if (m.count > 0 || (n.count == 0 && n.bounds.width() >= m.bounds.width())) {
+      next.insert(next.end(), {{n.first, j}, {n.first + 1, j}});
+    } else {
+      next.insert(next.end(), {{i, m.first}, {i, m.first + 1}});
+    }
+  }
+
+ private:
+  void test(int p, int q, Part& part) const {
+    ++part.count.box_pairs;
+    if (!tree_.bounds[std::size_t(p)].meets(tree_.bounds[std::size_t(q)])) return;
+    const int i = tree_.order[std::size_t(p)], j = tree_.order[std::size_t(q)];
+    const DilatedBox &a = boxes_[std::size_t(i)], &b = boxes_[std::size_t(j)];
+    if ((a.fixed && b.fixed) || separation(a, b) > 0) return;
+    part.found.push_back(std::minmax(i, j));
+  }
+
+  const std::vector<DilatedBox>& boxes_;
+  const Tree& tree_;
+};
+
+// By counting the pairs of each first index, then sorting its few partners.
+std::vector<IndexPair> sorted(const std::vector<Part>& parts, std::size_t boxes) {
+  std::vector<std::size_t> begin(boxes + 1, 0);
+  for (const Part& part : parts)
+    for (const IndexPair& pair : part.found) ++begin[std::size_t(pair.first) + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<IndexPair> all(begin.back());
+  std::vector<std::size_t> place(begin.begin(), begin.end() - 1);
+  for (const Part& part : parts)
+    for (const IndexPair& pair : part.found) all[place[std::size_t(pair.first)]++] = pair;
+  for (std::size_t i = 0; i < boxes; ++i)
+    std::sort(all.begin() + std::ptrdiff_t(begin[i]), all.begin() + std::ptrdiff_t(begin[i + 1]));
+  return all;
+}
+
+DilatedBox box_along(const Mat3& axes, const std::vector<Vec3>& points) {
+  Bounds b;
+  for (const Vec3& x : points) b.add(axes.transpose() * x, axes.transpose() * x);
+  return {.centre = axes * (b.lo + b.hi) / 2, .axes = axes, .half = (b.hi - b.lo) / 2};
+}
+
+}  // namespace
+
+DilatedBox box_around(const std::vector<Vec3>& points) {
+  require(!points.empty(), "box_around: there must be a point");
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& x : points) mean += x / double(points.size());
+  Mat3 spread = Mat3::Zero();
+  for (const Vec3& x : points) spread += (x - mean) * (x - mean).transpose();
+  const auto surface = [](const DilatedBox& box) {
+    return box.half.x() * box.half.y() + box.half.y() * box.half.z() + box.half.z() * box.half.x();
+  };
+  const DilatedBox straight = box_along(Mat3::Identity(), points),
+                   turned = box_along(Eigen::SelfAdjointEigenSolver<Mat3>(spread).eigenvectors(), points);
+  // One per cent: where both are equally good rounding must not choose.
+  return surface(turned) < 0.99 * surface(straight) ? turned : straight;
+}
+
+DilatedBox operator*(const SE3& g, const DilatedBox& box) {
+  DilatedBox out = box;
+  out.centre = g * box.centre;
+  out.axes = g.R.toRotationMatrix() * box.axes;
+  return out;
+}
+
+double separation(const DilatedBox& a, const DilatedBox& b) {
+  const Vec3 c = b.centre - a.centre;
+  const double distance = c.norm(), radii = a.radius + b.radius;
+  const double slack = kRounding * (a.centre.norm() + b.centre.norm() + a.half.sum() + b.half.sum() + radii);
+  if (a.half.isZero(0) && b.half.isZero(0)) return distance - radii - slack;
+  double widest = -kInf;
+  const auto along = [&](const Vec3& n) {
+    const double reach =
+        a.half.dot((a.axes.transpose() * n).cwiseAbs()) + b.half.dot((b.axes.transpose() * n).cwiseAbs());
+    widest = std::max(widest, std::abs(c.dot(n)) - reach);
+  };
+  if (distance > 0) along(c / distance);
+  for (int i = 0; i < 3; ++i) along(a.axes.col(i)), along(b.axes.col(i));
+  if (widest - radii - slack > 0) return widest - radii - slack;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      const Vec3 n = a.axes.col(i).cross(b.axes.col(j));
+      if (const double length = n.norm(); length > 1e-6) along(n / length);  // parallel edges add no axis
+    }
+  return widest - radii - slack;
+}
+
+std::vector<std::pair<int, int>> broad_phase(const std::vector<DilatedBox>& boxes, int threads,
+                                             BroadPhaseStatistics* statistics) {
+  const Tree tree = Builder(boxes).tree();
+  const Descent descent(boxes, tree);
+  std::vector<Part> parts(1);
+  std::vector<IndexPair> front{{0, 0}};
+  while (!front.empty() && int(front.size()) < kParts) {  // breadth first until there is enough to share
+    std::vector<IndexPair> next;
+    for (const IndexPair& at : front) descent.open(at, next, parts[0]);
+    front = std::move(next);
+  }
+  parts.resize(1 + front.size());
+  parallel_for(int(front.size()), threads, [&](int k) {
+    std::vector<IndexPair> stack{front[std::size_t(k)]};
+    while (!stack.empty()) {
+      const IndexPair at = stack.back();
+      stack.pop_back();
+      descent.open(at, stack, parts[std::size_t(k) + 1]);
+    }
+  });
+  if (statistics) {
+    *statistics = {};
+    for (const Part& part : parts) {
+      statistics->node_pairs += part.count.node_pairs;
+      statistics->box_pairs += part.count.box_pairs;
+    }
+  }
+  return sorted(parts, boxes.size());
 }
 
 }  // namespace aussois

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Geometry>
+
 namespace aussois {
 namespace {
 
@@ -32,6 +34,29 @@ double relative_displacement_bound(const RigidMotion& a, double radius_a, const 
 
 double relative_rotation_bound(const RigidMotion& a, const RigidMotion& b, double dt) {
   return dt * (a.g.R * a.omega - b.g.R * b.omega).norm();
+}
+
+Approach approach_of(const RigidMotion& a, const RigidMotion& b, double dt) {
+  return {.o_a = a.g.p,
+          .o_b = b.g.p,
+          .v_ab = a.v - b.v,
+          .w_a = a.g.R * a.omega,
+          .w_b = b.g.R * b.omega,
+          .dt = dt};
+}
+
+double approach_bound(const Approach& m, const Vec3& centre, double radius, const Vec3& axis,
+                      double half_angle) {
+  const Vec3 turn_a = m.w_a.cross(centre - m.o_a), turn_b = m.w_b.cross(centre - m.o_b);
+  const Vec3 v = m.v_ab + turn_a - turn_b;  // of the centre seen from B
+  // The largest u . v of the cap: v's own direction if it lies inside, else that of the rim next to it.
+  const double angle = std::atan2(axis.cross(v).norm(), axis.dot(v));
+  const double along = v.norm() * std::cos(std::max(0.0, angle - half_angle));
+  const double rate_a = m.w_a.norm(), rate_b = m.w_b.norm();
+  const double spin_a = turn_a.norm() + rate_a * radius, spin_b = turn_b.norm() + rate_b * radius;
+  const double speed = m.v_ab.norm() + spin_a;
+  const double acceleration = rate_a * spin_a + rate_b * (2 * speed + spin_b + rate_b * m.dt * speed);
+  return std::max(0.0, m.dt * (along + (m.w_a - m.w_b).norm() * radius) + m.dt * m.dt / 2 * acceleration);
 }
 
 }  // namespace aussois

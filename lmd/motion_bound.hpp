@@ -28,4 +28,20 @@ double relative_displacement_bound(const RigidMotion& a, double radius_a, const 
 /// Bound of the angle of the relative rotation during dt (CA-3) [rad].
 double relative_rotation_bound(const RigidMotion& a, const RigidMotion& b, double dt);
 
+/// How far points of A can move towards B along a direction that B carries with it (CA-13): what a slide does
+/// not do, however fast. Everything in the world at the start of the step.
+struct Approach {
+  Vec3 o_a = Vec3::Zero(), o_b = Vec3::Zero();  // reference points [m]
+  Vec3 v_ab = Vec3::Zero();                     // v_a - v_b [m/s]
+  Vec3 w_a = Vec3::Zero(), w_b = Vec3::Zero();  // [rad/s]
+  double dt = 0;                                // [s]
+};
+Approach approach_of(const RigidMotion& a, const RigidMotion& b, double dt);
+
+/// Bound for the points of A that start in the ball, for all unit directions from A to B that start within
+/// `half_angle` of `axis`, and for all times of the step [m], >= 0. Simplices whose distance exceeds it by d
+/// stay farther apart than d. The tightest observer B is the one that turns less.
+double approach_bound(const Approach& approach, const Vec3& centre, double radius, const Vec3& axis,
+                      double half_angle);
+
 }  // namespace aussois

@@ -47,25 +47,27 @@ bool before(const ContactPoint& c, const ContactPoint& d) {
 // Clusters as lists of indices, the deepest first (RED-2).
 std::vector<std::vector<int>> clusters_of(const ContactSet& found, double angle) {
   const std::vector<ContactPoint>& c = found.points;
-  std::vector<int> free(c.size());
-  std::iota(free.begin(), free.end(), 0);
-  std::sort(free.begin(), free.end(),
+  std::vector<int> order(c.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(),
             [&](int i, int j) { return before(c[std::size_t(i)], c[std::size_t(j)]); });
 
   const double chord = 2 * std::sin(angle / 2);
   std::vector<std::vector<int>> clusters;
-  while (!free.empty()) {
-    const ContactPoint& seed = c[std::size_t(free.front())];
-    const auto apart = [&](int i) {
+  for (auto begin = order.begin(); begin != order.end();) {  // one body pair after the other
+    const ContactPoint& first = c[std::size_t(*begin)];
+    const auto end = std::find_if(begin, order.end(), [&](int i) {
       const ContactPoint& x = c[std::size_t(i)];
-      return x.a.body != seed.a.body || x.b.body != seed.b.body ||
-             !((x.normal - seed.normal).norm() <= chord);
-    };
-    std::vector<int> members, rest;
-    std::partition_copy(free.begin(), free.end(), std::back_inserter(rest), std::back_inserter(members),
-                        apart);
-    clusters.push_back(members);
-    free.swap(rest);
+      return x.a.body != first.a.body || x.b.body != first.b.body;
+    });
+    for (auto seed = begin; seed != end;) {
+      const Vec3 normal = c[std::size_t(*seed)].normal;
+      const auto rest = std::stable_partition(
+          seed, end, [&](int i) { return (c[std::size_t(i)].normal - normal).norm() <= chord; });
+      clusters.emplace_back(seed, rest);
+      seed = rest;
+    }
+    begin = end;
   }
   return clusters;
 }
