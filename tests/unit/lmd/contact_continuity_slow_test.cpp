@@ -5,7 +5,7 @@ namespace aussois {
 namespace {
 
 TEST(ContactContinuity, EveryComingAndGoingOfALongAuditIsExplained) {
-  const ContinuityAudit audit = audit_continuity(1000, 800, 500);
+  const ContinuityAudit audit = audit_continuity(1000, 800, 300);
   EXPECT_EQ(audit.unexplained, 0);
   EXPECT_GT(audit.handovers, 1000);
   EXPECT_LT(audit.handover_gap, 1e-7);

@@ -6,7 +6,7 @@ namespace aussois {
 namespace {
 
 TEST(ContactContinuity, EveryComingAndGoingIsExplained) {
-  const ContinuityAudit audit = audit_continuity(0, 40, 250);
+  const ContinuityAudit audit = audit_continuity(0, 40, 300);
   EXPECT_EQ(audit.unexplained, 0);
   EXPECT_GT(audit.at_threshold + audit.at_angle, 50);  // the sample is not hollow
   EXPECT_GT(audit.handovers, 30);
