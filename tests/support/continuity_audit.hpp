@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "lmd/contact_kinematics.hpp"
+#include "lmd/normal_cone.hpp"
 #include "tests/support/random_pair.hpp"
 
 namespace aussois {
@@ -127,14 +128,15 @@ class ContinuityAuditor {
         return;
       }
     const double nearest = smallest_gap(without) + pair_.a.radius + pair_.b.radius;
-    // The vertex that carries a foot, a little later: is the other foot still nearest to it?
+    // A foot has reached a vertex. A little later, would the pair of that vertex be a contact by the rule?
     const double later = gone + std::copysign(1e-6, gone - there);
     const PosedShape a{&pair_.a, motion_.at(later), 0}, b = pair_.posed_b();
     const Vec3 foot_a = a.g_ws * (inverse(motion_.at(there)) * Vec3(c.x_a + pair_.a.radius * c.normal)),
                foot_b = c.x_b - pair_.b.radius * c.normal;
-    const bool leaves = is_vertex(a, foot_a) && !is_nearest_around(foot_a, b, foot_b),
-               is_left = is_vertex(b, foot_b) && !is_nearest_around(foot_b, a, foot_a);
-    if (nearest <= d * std::cos(options_.alpha) + 1e-9 || (nearest < d && (leaves || is_left))) {
+    const double angle_a = angle_at_vertex(a, foot_a, -c.normal), angle_b = angle_at_vertex(b, foot_b, c.normal);
+    const bool heir_due = (angle_a <= options_.alpha && is_nearest_around(foot_a, b, foot_b)) ||
+                          (angle_b <= options_.alpha && is_nearest_around(foot_b, a, foot_a));
+    if (nearest < d && (angle_a >= 0 || angle_b >= 0) && !heir_due) {
       ++audit.dominated;
       return;
     }
@@ -144,9 +146,22 @@ class ContinuityAuditor {
                   << ", " << c.angle_margin << " rad inside its cones; the nearest stays at " << nearest;
   }
 
-  static bool is_vertex(const PosedShape& posed, const Vec3& foot) {
-    return std::ranges::any_of(posed.shape->complex.vertices,
-                               [&](const Vec3& x) { return (posed.g_ws * x - foot).norm() < 1e-6; });
+  // Angle between u and the normal cone of the vertex at `foot`, infinite if the vertex is silent; -1 if there
+  // is none. From the edges that meet there: no vertex of our shapes is a pit.
+  static double angle_at_vertex(const PosedShape& posed, const Vec3& foot, const Vec3& u) {
+    const SimplicialComplex& k = posed.shape->complex;
+    for (int v = 0; v < int(k.vertices.size()); ++v) {
+      const Vec3& x = k.vertices[std::size_t(v)];
+      if ((posed.g_ws * x - foot).norm() > 1e-6) continue;
+      std::vector<Vec3> directions;
+      for (const int e : k.vertex_edges[v]) {
+        const auto& ends = k.edges[std::size_t(e)];
+        directions.push_back(k.vertices[std::size_t(ends[0] == v ? ends[1] : ends[0])] - x);
+      }
+      const NormalCone cone = make_normal_cone(directions);
+      return cone.lineality == 0 || directions.size() < 3 ? angle_to(cone, posed.g_ws.R.conjugate() * u) : kInf;
+    }
+    return -1;
   }
   // Is `foot` a local minimum of the distance from the point p to the body, exactly?
   bool is_nearest_around(const Vec3& p, const PosedShape& body, const Vec3& foot) const {
