@@ -134,8 +134,9 @@ class ContinuityAuditor {
     const Vec3 foot_a = a.g_ws * (inverse(motion_.at(there)) * Vec3(c.x_a + pair_.a.radius * c.normal)),
                foot_b = c.x_b - pair_.b.radius * c.normal;
     const double angle_a = angle_at_vertex(a, foot_a, -c.normal), angle_b = angle_at_vertex(b, foot_b, c.normal);
-    const bool heir_due = (angle_a <= options_.alpha && is_nearest_around(foot_a, b, foot_b)) ||
-                          (angle_b <= options_.alpha && is_nearest_around(foot_b, a, foot_a));
+    const auto within = [&](double angle) { return angle >= 0 && angle <= options_.alpha; };
+    const bool heir_due = (within(angle_a) && is_nearest_around(foot_a, b, foot_b)) ||
+                          (within(angle_b) && is_nearest_around(foot_b, a, foot_a));
     if (nearest < d && (angle_a >= 0 || angle_b >= 0) && !heir_due) {
       ++audit.dominated;
       return;
