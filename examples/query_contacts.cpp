@@ -4,8 +4,7 @@
 // Theory   doc/theory/lmd.md (LMD-1) to (LMD-10), (KIN-1) to (KIN-3)
 // Run      query_contacts --builtin box_on_plate --json out/contacts.json
 //          query_contacts --builtin gear --threads 2 --picture out/gear.html
-//          query_contacts --a data/peg.obj --b data/socket.obj --path data/peg_out.csv --threshold 2e-4 --csv
-//          out/poses.csv
+//          query_contacts --builtin bolt_nut --threshold 1e-4 --csv out/poses.csv --json out/poses.json
 // Expect   four contacts of a box on a plate; no pose at which the bases touch
 #include <algorithm>
 #include <cstdio>
@@ -49,11 +48,7 @@ ContactPair read_parts(const Arguments& a) {
     return pair;
   }
   require(!a.data.empty(), "--pair needs --data, the folder with meshes/ and assembly/");
-  AssemblyInput input = read_assembly_pair(a.data, a.pair, a.scale);
-  return {.name = input.name,
-          .a = std::move(input.moving),
-          .b = std::move(input.fixed),
-          .poses = std::move(input.poses)};
+  return contact_pair(read_assembly_pair(a.data, a.pair, a.scale));
 }
 
 ContactPair read_pair(const Arguments& a) {
@@ -78,8 +73,8 @@ ContactQuery ask(const ContactReport& report, const SE3& pose, int repeat) {
   }
   query.ms = spread_of(ms).median;
   const double touching = 1e-9 * report.a->bounding_radius;
-  query.bases_touch =
-      base_distance({report.a, {}, {.g = pose}}, {report.b, {}, {}}, touching, report.options.threads) < touching;
+  query.bases_touch = base_distance({report.a, {}, {.g = pose}}, {report.b, {}, {}}, touching,
+                                    report.options.threads) < touching;
   return query;
 }
 
@@ -129,9 +124,10 @@ ExitCode query(const Arguments& a) {
                 1e6 * report.options.threshold);
   } else {
     if (a.rows > 0) std::printf("%s", contact_table(report, first, a.rows).c_str());
-    std::printf("%s: %zu contacts within %.4g um, smallest gap %.6g um, %.3g ms, %ld node pairs, %ld leaf pairs\n",
-                pair.name.c_str(), first.contacts.points.size(), 1e6 * report.options.threshold,
-                1e6 * smallest_gap(first.contacts), first.ms, first.count.node_pairs, first.count.leaf_pairs);
+    std::printf(
+        "%s: %zu contacts within %.4g um, smallest gap %.6g um, %.3g ms, %ld node pairs, %ld leaf pairs\n",
+        pair.name.c_str(), first.contacts.points.size(), 1e6 * report.options.threshold,
+        1e6 * smallest_gap(first.contacts), first.ms, first.count.node_pairs, first.count.leaf_pairs);
   }
   if (!a.csv.empty()) {
     CsvTable csv(a.csv, {"pose", "contacts", "min_gap", "ms", "node_pairs", "leaf_pairs"});
@@ -145,9 +141,10 @@ ExitCode query(const Arguments& a) {
   if (!a.json.empty()) write_contact_json(a.json, report);
   if (!a.picture.empty()) write_contact_page(a.picture, report);
   if (touching == 0) return ExitCode::ok;
-  std::fprintf(stderr,
-               "the bases of %s and %s touch at %zu of %zu poses, first at pose %zu: contacts are missing there\n",
-               pair.a.name.c_str(), pair.b.name.c_str(), touching, pair.poses.size(), first_touching);
+  std::fprintf(
+      stderr,
+      "the bases of %s and %s touch at %zu of %zu poses, first at pose %zu: contacts are missing there\n",
+      pair.a.name.c_str(), pair.b.name.c_str(), touching, pair.poses.size(), first_touching);
   return ExitCode::not_accepted;
 }
 
@@ -161,7 +158,8 @@ int main(int argc, char** argv) {
   cli.input("--a", a.a, "mesh of part A (OBJ, STL, PLY, OFF)");
   cli.input("--b", a.b, "mesh of part B, which stands at the origin");
   cli.input("--data", a.data, "folder with meshes/ and assembly/");
-  cli.option("--pair", a.pair, "name of a pair in assembly/pairs.csv: its moving part is A, its path is asked");
+  cli.option("--pair", a.pair,
+             "name of a pair in assembly/pairs.csv: its moving part is A, its path is asked");
   std::string names;
   for (const std::string& name : kBuiltinPairs) names += (names.empty() ? "" : ", ") + name;
   cli.option("--builtin", a.builtin, "a pair of our own: " + names);
@@ -171,7 +169,8 @@ int main(int argc, char** argv) {
   cli.option("--dilation-a", a.dilation_a, "of A; negative: none, or that of the builtin", "m", {-1, 1});
   cli.option("--dilation-b", a.dilation_b, "of B; negative: none, or that of the builtin", "m", {-1, 1});
   cli.group("search");
-  cli.option("--threshold", a.threshold, "largest gap of a contact; 0: a hundredth of A's radius", "m", {0, 1e3});
+  cli.option("--threshold", a.threshold, "largest gap of a contact; 0: a hundredth of A's radius", "m",
+             {0, 1e3});
   cli.option("--alpha", a.alpha, "rotation forgiven to a local minimum", "deg", {0, 28});
   cli.option("--alpha-ee", a.alpha_ee, "the same for edge against edge, at least alpha", "deg", {0, 57});
   cli.option("--threads", a.threads, "threads; the contacts do not depend on it", "", {1, 256});
@@ -183,7 +182,8 @@ int main(int argc, char** argv) {
   cli.option("--picture", a.picture, "write a page with both parts and their contacts to this file (HTML)");
   cli.flag("--quiet", a.quiet, "no progress, no lines about the parts; warnings stay");
   cli.example("query_contacts --builtin peg --picture out/peg.html", "a peg in its hole; open out/peg.html");
-  cli.example("query_contacts --a nut.obj --b bolt.obj --pose 0,0,2,1,0,0,0 --threshold 1e-4 --json out/nut.json",
-              "files in millimetres, one pose");
+  cli.example(
+      "query_contacts --a nut.obj --b bolt.obj --pose 0,0,2,1,0,0,0 --threshold 1e-4 --json out/nut.json",
+      "files in millimetres, one pose");
   return run_driver(cli, argc, argv, [&] { return query(a); });
 }

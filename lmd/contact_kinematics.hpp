@@ -30,12 +30,12 @@ struct ContactKinematics {
   double distance = 0;                                // of the feet: gap + both dilations [m]
   double sin_psi = 1;                                 // sine of the angle of two crossing edges; 1 otherwise
   Row12 gap_rate = Row12::Zero();                     // gap' = gap_rate xi: the wrench of a unit normal force
-  Mat12 gap_hessian = Mat12::Zero();       // gap'' = xi^T gap_hessian xi for constant twists; symmetric
-  Mat3x12 normal_rate = Mat3x12::Zero();   // n' = normal_rate xi, world [1/s]
-  Mat3x12 slide_a = Mat3x12::Zero();       // velocity of the foot of A relative to A's material, world [m/s]
-  Mat3x12 slide_b = Mat3x12::Zero();       // the same on B
-  Mat3x12 slip = Mat3x12::Zero();          // tangential velocity of A's material at contact.x_a relative to
-                                           // that of B at contact.x_b, world [m/s]
+  Mat12 gap_hessian = Mat12::Zero();      // gap'' = xi^T gap_hessian xi for constant twists; symmetric
+  Mat3x12 normal_rate = Mat3x12::Zero();  // n' = normal_rate xi, world [1/s]
+  Mat3x12 slide_a = Mat3x12::Zero();      // velocity of the foot of A relative to A's material, world [m/s]
+  Mat3x12 slide_b = Mat3x12::Zero();      // the same on B
+  Mat3x12 slip = Mat3x12::Zero();         // tangential velocity of A's material at contact.x_a relative to
+                                          // that of B at contact.x_b, world [m/s]
 };
 
 /// `contact` as find_contacts gave it for `a` and `b`; g_a and g_b are the poses of the two bodies whose

@@ -9,7 +9,8 @@
 namespace aussois {
 
 void validate(const GapFade& fade) {
-  require_field(fade.alpha0 >= 0 && fade.alpha0 <= 0.5, "GapFade::alpha0", fade.alpha0, "lie in [0, 0.5] rad");
+  require_field(fade.alpha0 >= 0 && fade.alpha0 <= 0.5, "GapFade::alpha0", fade.alpha0,
+                "lie in [0, 0.5] rad");
   require_field(fade.alpha_query > fade.alpha0 && fade.alpha_query <= 0.5, "GapFade::alpha_query",
                 fade.alpha_query, "lie in (alpha0, 0.5] rad");
   require_field(fade.delta >= 0 && std::isfinite(fade.delta), "GapFade::delta", fade.delta,

@@ -140,10 +140,21 @@ ContactPair builtin_pair(const std::string& name) {
                                          36));
     pair.poses = {translation(0, 0, 3e-4) * rotation(Vec3::UnitX(), kTilt / 3)};
     pair.threshold = 5e-4;
+  } else if (name == "bolt_nut") {
+    return contact_pair(builtin_assembly(name));
   } else {
-    throw std::invalid_argument("--builtin = " + name + " is not a pair of ours");
+    std::string known;
+    for (const std::string& one : kBuiltinPairs) known += " " + one;
+    throw std::invalid_argument("--builtin = " + name + " must be one of" + known);
   }
   return pair;
+}
+
+ContactPair contact_pair(AssemblyInput input) {
+  return {.name = input.name,
+          .a = std::move(input.moving),
+          .b = std::move(input.fixed),
+          .poses = std::move(input.poses)};
 }
 
 }  // namespace aussois

@@ -49,13 +49,10 @@ Json pose_json(const SE3& g) {
 }
 
 Json part_json(const AssemblyPart& part, const LmdShape& shape) {
-  return {{"name", part.name},
-          {"vertices", part.report.vertices},
-          {"triangles", part.report.triangles},
-          {"solid", part.complex.solid},
-          {"dilation", shape.radius},
-          {"radius", shape.bounding_radius},
-          {"notes", part.notes}};
+  return {
+      {"name", part.name},           {"vertices", part.report.vertices}, {"triangles", part.report.triangles},
+      {"solid", part.complex.solid}, {"dilation", shape.radius},         {"radius", shape.bounding_radius},
+      {"notes", part.notes}};
 }
 
 Json feature_json(const Feature& f) {
@@ -126,16 +123,16 @@ std::string type_of(const ContactPoint& contact) {
 std::string contact_table(const ContactReport& report, const ContactQuery& query, int rows) {
   const std::vector<ContactPoint>& points = query.contacts.points;
   std::string out = text("%5s  %-4s %10s  %-29s  %-23s %8s  %-18s %s\n", "", "type", "gap [um]",
-                         "point on A [mm]", "normal from B to A", "margin", ("on " + report.pair->a.name).c_str(),
-                         ("on " + report.pair->b.name).c_str());
+                         "point on A [mm]", "normal from B to A", "margin",
+                         ("on " + report.pair->a.name).c_str(), ("on " + report.pair->b.name).c_str());
   const std::size_t shown = std::min(points.size(), std::size_t(rows));
   for (std::size_t i = 0; i < shown; ++i) {
     const ContactPoint& c = points[i];
     out += text("%5zu  %-4s %10.3f  %9.4f %9.4f %9.4f  %7.4f %7.4f %7.4f %7.3f\xC2\xB0  %-18s %s\n", i,
                 type_of(c).c_str(), 1e6 * c.gap, without_noise(1e3 * c.x_a.x()),
-                without_noise(1e3 * c.x_a.y()), without_noise(1e3 * c.x_a.z()),
-                without_noise(c.normal.x()), without_noise(c.normal.y()), without_noise(c.normal.z()), c.angle_margin / kDegree, feature_text(c.a).c_str(),
-                feature_text(c.b).c_str());
+                without_noise(1e3 * c.x_a.y()), without_noise(1e3 * c.x_a.z()), without_noise(c.normal.x()),
+                without_noise(c.normal.y()), without_noise(c.normal.z()), c.angle_margin / kDegree,
+                feature_text(c.a).c_str(), feature_text(c.b).c_str());
   }
   if (shown < points.size()) out += text("       and %zu more\n", points.size() - shown);
   return out;
@@ -147,7 +144,9 @@ Spread spread_of(std::vector<double> values) {
     return {nan, nan, nan, nan};
   }
   std::ranges::sort(values);
-  const auto rank = [&](double part) { return values[std::size_t(std::ceil(part * double(values.size()))) - 1]; };
+  const auto rank = [&](double part) {
+    return values[std::size_t(std::ceil(part * double(values.size()))) - 1];
+  };
   return {values.front(), rank(0.5), rank(0.95), values.back()};
 }
 
@@ -164,13 +163,14 @@ std::string statistics_table(const ContactReport& report) {
 
 void write_contact_json(const std::filesystem::path& path, const ContactReport& report) {
   const LmdOptions& o = report.options;
-  Json json = {{"pair", report.pair->name},
-               {"command_line", report.command_line},
-               {"build", build_info()},
-               {"a", part_json(report.pair->a, *report.a)},
-               {"b", part_json(report.pair->b, *report.b)},
-               {"options",
-                {{"threshold", o.threshold}, {"alpha", o.alpha}, {"alpha_ee", o.alpha_ee}, {"threads", o.threads}}}};
+  Json json = {
+      {"pair", report.pair->name},
+      {"command_line", report.command_line},
+      {"build", build_info()},
+      {"a", part_json(report.pair->a, *report.a)},
+      {"b", part_json(report.pair->b, *report.b)},
+      {"options",
+       {{"threshold", o.threshold}, {"alpha", o.alpha}, {"alpha_ee", o.alpha_ee}, {"threads", o.threads}}}};
   Json poses = Json::array();
   for (const ContactQuery& query : report.queries) {
     Json row = {{"pose", pose_json(query.pose)}, {"bases_touch", query.bases_touch}};

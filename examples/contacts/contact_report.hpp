@@ -16,7 +16,7 @@ struct ContactQuery {
   SE3 pose{};  // of A in the frame of B
   ContactSet contacts{};
   LmdStatistics count{};
-  double ms = 0;           // CPU
+  double ms = 0;             // CPU
   bool bases_touch = false;  // then contacts are missing: where bases touch a normal is not defined
 };
 

@@ -95,8 +95,8 @@ class ContinuityAuditor {
     const ContactKinematics k = contact_kinematics(c, {&pair_.a, g, 0}, g, pair_.posed_b(), pair_.g_b);
     if (k.sin_psi < 0.3 || k.distance < 0.05) return;
     const double mean = (kept.gap - c.gap) / (t1 - t0);
-    audit.track_rate = std::max(audit.track_rate, std::abs(mean - (rate(c, t0) + rate(kept, t1)) / 2) /
-                                                      ((t1 - t0) * (t1 - t0)));
+    audit.track_rate = std::max(
+        audit.track_rate, std::abs(mean - (rate(c, t0) + rate(kept, t1)) / 2) / ((t1 - t0) * (t1 - t0)));
   }
 
   // The contact is there at `there` and not at `gone`, before or after it.
@@ -133,7 +133,8 @@ class ContinuityAuditor {
     const PosedShape a{&pair_.a, motion_.at(later), 0}, b = pair_.posed_b();
     const Vec3 foot_a = a.g_ws * (inverse(motion_.at(there)) * Vec3(c.x_a + pair_.a.radius * c.normal)),
                foot_b = c.x_b - pair_.b.radius * c.normal;
-    const double angle_a = angle_at_vertex(a, foot_a, -c.normal), angle_b = angle_at_vertex(b, foot_b, c.normal);
+    const double angle_a = angle_at_vertex(a, foot_a, -c.normal),
+                 angle_b = angle_at_vertex(b, foot_b, c.normal);
     const auto within = [&](double angle) { return angle >= 0 && angle <= options_.alpha; };
     const bool heir_due = (within(angle_a) && is_nearest_around(foot_a, b, foot_b)) ||
                           (within(angle_b) && is_nearest_around(foot_b, a, foot_a));
@@ -143,12 +144,12 @@ class ContinuityAuditor {
     }
     ++audit.unexplained;
     ADD_FAILURE() << "contact " << c.a.dim << '.' << c.a.region << " - " << c.b.dim << '.' << c.b.region
-                  << (gone > there ? " vanishes" : " appears") << " at t = " << there << " at a distance of " << d
-                  << ", " << c.angle_margin << " rad inside its cones; the nearest stays at " << nearest;
+                  << (gone > there ? " vanishes" : " appears") << " at t = " << there << " at a distance of "
+                  << d << ", " << c.angle_margin << " rad inside its cones; the nearest stays at " << nearest;
   }
 
-  // Angle between u and the normal cone of the vertex at `foot`, infinite if the vertex is silent; -1 if there
-  // is none. From the edges that meet there: no vertex of our shapes is a pit.
+  // Angle between u and the normal cone of the vertex at `foot`, infinite if the vertex is silent; -1 if
+  // there is none. From the edges that meet there: no vertex of our shapes is a pit.
   static double angle_at_vertex(const PosedShape& posed, const Vec3& foot, const Vec3& u) {
     const SimplicialComplex& k = posed.shape->complex;
     for (int v = 0; v < int(k.vertices.size()); ++v) {
@@ -160,7 +161,8 @@ class ContinuityAuditor {
         directions.push_back(k.vertices[std::size_t(ends[0] == v ? ends[1] : ends[0])] - x);
       }
       const NormalCone cone = make_normal_cone(directions);
-      return cone.lineality == 0 || directions.size() < 3 ? angle_to(cone, posed.g_ws.R.conjugate() * u) : kInf;
+      return cone.lineality == 0 || directions.size() < 3 ? angle_to(cone, posed.g_ws.R.conjugate() * u)
+                                                          : kInf;
     }
     return -1;
   }
@@ -179,7 +181,8 @@ class ContinuityAuditor {
   const LmdOptions& options_;
 };
 
-/// `motions` random motions of convex and L-shaped pairs, `steps` poses each. Prints the seed of each failure.
+/// `motions` random motions of convex and L-shaped pairs, `steps` poses each. Prints the seed of each
+/// failure.
 inline ContinuityAudit audit_continuity(unsigned first_seed, int motions, int steps) {
   ContinuityAudit audit;
   for (unsigned seed = first_seed; seed < first_seed + unsigned(motions); ++seed) {
@@ -193,11 +196,12 @@ inline ContinuityAudit audit_continuity(unsigned first_seed, int motions, int st
     const LmdOptions options{.threshold = random.uniform(0.1, 0.25)};
     ContinuityAuditor(pair, motion, options).run(6, steps, audit);
   }
-  std::printf("%ld poses, %ld contacts; events: %ld at the threshold, %ld at the angle, %ld handovers (jump of "
-              "the gap %.1e m, of its rate %.1e), %ld dominated, %ld unexplained; rate along tracks off by "
-              "%.1e step^2\n",
-              audit.poses, audit.contacts, audit.at_threshold, audit.at_angle, audit.handovers,
-              audit.handover_gap, audit.handover_rate, audit.dominated, audit.unexplained, audit.track_rate);
+  std::printf(
+      "%ld poses, %ld contacts; events: %ld at the threshold, %ld at the angle, %ld handovers (jump of "
+      "the gap %.1e m, of its rate %.1e), %ld dominated, %ld unexplained; rate along tracks off by "
+      "%.1e step^2\n",
+      audit.poses, audit.contacts, audit.at_threshold, audit.at_angle, audit.handovers, audit.handover_gap,
+      audit.handover_rate, audit.dominated, audit.unexplained, audit.track_rate);
   return audit;
 }
 

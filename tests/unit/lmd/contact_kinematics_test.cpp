@@ -145,7 +145,8 @@ TEST(ContactKinematics, IsTheDerivativeOfWhatIsFound) {
     }
   }
   EXPECT_GT(kept, 20 * lost);
-  for (const auto& [a, b] : std::vector<std::pair<int, int>>{{0, 0}, {0, 1}, {1, 0}, {0, 2}, {2, 0}, {1, 1}}) {
+  for (const auto& [a, b] :
+       std::vector<std::pair<int, int>>{{0, 0}, {0, 1}, {1, 0}, {0, 2}, {2, 0}, {1, 1}}) {
     const Errors& e = by_type[{a, b}];
     const std::string type = std::to_string(a) + std::to_string(b);
     EXPECT_GT(e.samples, a + b == 0 ? 30 : 100) << type;  // corners face corners more rarely
@@ -238,7 +239,8 @@ TEST(ContactKinematics, OfABallOnAPlateIsRegularWhereTheBasesNearlyTouch) {
     ASSERT_EQ(found.points.size(), 1U);
     const ContactKinematics k = contact_kinematics(found.points[0], a, a.g_ws, b, axis);
     Vec12 xi = Vec12::Zero();
-    xi[10] = 2;  // the plate turns about y: its far side goes down at 2 * 1.3, the gap is 1.3 sin 2t + d cos 2t
+    xi[10] =
+        2;  // the plate turns about y: its far side goes down at 2 * 1.3, the gap is 1.3 sin 2t + d cos 2t
     EXPECT_NEAR(k.gap_rate * xi, 2.6, 1e-12);
     EXPECT_NEAR(xi.dot(k.gap_hessian * xi), -4 * d, 1e-11);
     EXPECT_LT(k.gap_hessian.norm(), 20);
@@ -273,10 +275,9 @@ ContactPoint with_margin(double gap, double margin) {
 
 TEST(GapFade, LeavesContactsInsideAloneAndLiftsEnteringOnesByDelta) {
   const GapFade fade{.alpha0 = 0.03, .alpha_query = 0.05, .delta = 0.002};
-  const auto faded = faded_gaps(
-      {.points = {with_margin(-0.001, 0.03), with_margin(0.001, 0.02), with_margin(0.001, 0.01),
-                  with_margin(0.001, 0)}},
-      fade);
+  const auto faded = faded_gaps({.points = {with_margin(-0.001, 0.03), with_margin(0.001, 0.02),
+                                            with_margin(0.001, 0.01), with_margin(0.001, 0)}},
+                                fade);
   EXPECT_EQ(faded[0].gap, -0.001);
   EXPECT_NEAR(faded[1].gap, 0.001, 1e-15);
   EXPECT_NEAR(faded[2].gap, 0.002, 1e-15);  // half way through the band

@@ -38,8 +38,7 @@ class Objectivity : public ::testing::TestWithParam<unsigned> {
 TEST_P(Objectivity, MovingThePairMovesItsContacts) {
   Random random(GetParam() + 40000);
   const SE3 g = random.pose(1);
-  const ContactSet there =
-      find_contacts({&pair.a, g * pair.g_a, 0}, {&pair.b, g * pair.g_b, 1}, kOptions);
+  const ContactSet there = find_contacts({&pair.a, g * pair.g_a, 0}, {&pair.b, g * pair.g_b, 1}, kOptions);
   for (const ContactPoint& c : here.points) {
     if (!is_clear(c)) continue;
     const ContactPoint* d = partner(there, key_of(c));
@@ -111,7 +110,8 @@ bool same_bits(const Feature& a, const Feature& b) {
 bool same_bits(const ContactSet& a, const ContactSet& b) {
   return std::ranges::equal(a.points, b.points, [](const ContactPoint& c, const ContactPoint& d) {
     return same_bits(c.a, d.a) && same_bits(c.b, d.b) && same_bits(c.x_a, d.x_a) && same_bits(c.x_b, d.x_b) &&
-           same_bits(c.normal, d.normal) && same_bits(c.gap, d.gap) && same_bits(c.angle_margin, d.angle_margin);
+           same_bits(c.normal, d.normal) && same_bits(c.gap, d.gap) &&
+           same_bits(c.angle_margin, d.angle_margin);
   });
 }
 
@@ -132,7 +132,8 @@ TEST_P(Objectivity, HistoryAndThreadsLeaveNoTrace) {
   for (const int threads : {1, 2, 3, 5}) {
     LmdOptions options = kOptions;
     options.threads = threads;
-    EXPECT_TRUE(same_bits(at_end, find_contacts({&a, g, 0}, {&b, pair.g_b, 1}, options))) << threads << " threads";
+    EXPECT_TRUE(same_bits(at_end, find_contacts({&a, g, 0}, {&b, pair.g_b, 1}, options)))
+        << threads << " threads";
   }
 }
 INSTANTIATE_TEST_SUITE_P(Seeds, Objectivity, ::testing::Range(0U, 200U));
