@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
+#include <limits>
 
 #include <nlohmann/json.hpp>
 
@@ -173,7 +174,8 @@ void write_contact_json(const std::filesystem::path& path, const ContactReport& 
        {{"threshold", o.threshold}, {"alpha", o.alpha}, {"alpha_ee", o.alpha_ee}, {"threads", o.threads}}}};
   Json poses = Json::array();
   for (const ContactQuery& query : report.queries) {
-    Json row = {{"pose", pose_json(query.pose)}, {"bases_touch", query.bases_touch}};
+    Json row = {{"pose", pose_json(query.pose)}};
+    row["bases_touch"] = query.bases_touch ? Json(*query.bases_touch) : Json(nullptr);
     for (const Column& column : kColumns) row[column.name] = number(column.value(query));
     poses.push_back(std::move(row));
   }

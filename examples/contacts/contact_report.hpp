@@ -3,7 +3,7 @@
 #pragma once
 
 #include <filesystem>
-#include <limits>
+#include <optional>
 
 #include "examples/contacts/contact_pair.hpp"
 #include "lmd/contact_kinematics.hpp"
@@ -16,8 +16,9 @@ struct ContactQuery {
   SE3 pose{};  // of A in the frame of B
   ContactSet contacts{};
   LmdStatistics count{};
-  double ms = 0;             // CPU
-  bool bases_touch = false;  // then contacts are missing: where bases touch a normal is not defined
+  double ms = 0;                      // CPU
+  std::optional<bool> bases_touch{};  // then contacts are missing: there a normal is not defined;
+                                      // empty: nobody looked
 };
 
 struct ContactReport {

@@ -105,6 +105,10 @@ class QueryContacts(DriverTest):
         run = self.drive("query_contacts", *PARTS_OF_PEG, "--pose", "1,0,0.5,1,0,0,0")
         self.assertEqual(run.returncode, NOT_ACCEPTED)
         self.assertIn("the bases of peg and socket touch", run.stderr)
+        _, result = self.ask(*PARTS_OF_PEG, "--pose", "1,0,0.5,1,0,0,0", code=NOT_ACCEPTED)
+        self.assertIs(result["bases_touch"], True)
+        _, result = self.ask(*PARTS_OF_PEG, "--pose", "1,0,0.5,1,0,0,0", "--unchecked")
+        self.assertIsNone(result["bases_touch"])
 
     def test_bad_input_is_named(self):
         at = (*PARTS_OF_PEG, "--pose")
