@@ -72,6 +72,8 @@ ContactQuery ask(const ContactReport& report, const SE3& pose, const Arguments& 
     ms.push_back(cpu_ms(begin, std::clock()));
   }
   query.ms = spread_of(ms).median;
+  query.contact_count = query.contacts.points.size();
+  query.min_gap = smallest_gap(query.contacts);
   if (a.unchecked) return query;
   const double touching = 1e-9 * report.a->bounding_radius;
   query.bases_touch = base_distance({report.a, {}, {.g = pose}}, {report.b, {}, {}}, touching,
@@ -112,6 +114,7 @@ ExitCode query(const Arguments& a) {
   std::size_t touching = 0, first_touching = 0;
   for (const SE3& pose : pair.poses) {
     report.queries.push_back(ask(report, pose, a));
+    if (pair.poses.size() > 1 && a.picture.empty()) report.queries.back().contacts = {};
     if (report.queries.back().bases_touch.value_or(false) && ++touching == 1)
       first_touching = report.queries.size() - 1;
     progress.at(double(report.queries.size()));
@@ -128,15 +131,15 @@ ExitCode query(const Arguments& a) {
     if (a.rows > 0) std::printf("%s", contact_table(report, first, a.rows).c_str());
     std::printf(
         "%s: %zu contacts within %.4g um, smallest gap %.6g um, %.3g ms, %ld node pairs, %ld leaf pairs\n",
-        pair.name.c_str(), first.contacts.points.size(), 1e6 * report.options.threshold,
-        1e6 * smallest_gap(first.contacts), first.ms, first.count.node_pairs, first.count.leaf_pairs);
+        pair.name.c_str(), first.contact_count, 1e6 * report.options.threshold, 1e6 * first.min_gap, first.ms,
+        first.count.node_pairs, first.count.leaf_pairs);
   }
   if (!a.csv.empty()) {
     CsvTable csv(a.csv, {"pose", "contacts", "min_gap", "ms", "node_pairs", "leaf_pairs"});
     for (std::size_t i = 0; i < report.queries.size(); ++i) {
       const ContactQuery& q = report.queries[i];
-      csv.add({double(i), double(q.contacts.points.size()), smallest_gap(q.contacts), q.ms,
-               double(q.count.node_pairs), double(q.count.leaf_pairs)});
+      csv.add({double(i), double(q.contact_count), q.min_gap, q.ms, double(q.count.node_pairs),
+               double(q.count.leaf_pairs)});
     }
     csv.close();
   }

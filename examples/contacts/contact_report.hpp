@@ -13,8 +13,10 @@ namespace aussois {
 
 /// One pose asked.
 struct ContactQuery {
-  SE3 pose{};  // of A in the frame of B
-  ContactSet contacts{};
+  SE3 pose{};             // of A in the frame of B
+  ContactSet contacts{};  // of a path they are kept for a page only
+  std::size_t contact_count = 0;
+  double min_gap = kInf;  // [m]
   LmdStatistics count{};
   double ms = 0;                      // CPU
   std::optional<bool> bases_touch{};  // then contacts are missing: there a normal is not defined;

@@ -283,7 +283,7 @@ TEST(GapFade, LeavesContactsInsideAloneAndLiftsEnteringOnesByDelta) {
   EXPECT_NEAR(faded[2].gap, 0.002, 1e-15);  // half way through the band
   EXPECT_NEAR(faded[3].gap, 0.003, 1e-15);
   EXPECT_NEAR(faded[2].margin_slope, -1.5 * 0.002 / 0.02, 1e-12);
-  for (const std::size_t i : {0, 3}) EXPECT_EQ(faded[i].margin_slope, 0);
+  for (const std::size_t i : {0UL, 3UL}) EXPECT_EQ(faded[i].margin_slope, 0);
   for (double margin = -0.001; margin < 0.03; margin += 0.00097) {  // the slope is the derivative
     const double e = 1e-7;
     const auto f = faded_gaps(
