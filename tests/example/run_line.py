@@ -13,10 +13,12 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from drivers import DriverTest
 
 COMMAND = sys.argv[1:]
+WRITES = [Path(word).name for flag, word in zip(COMMAND, COMMAND[1:]) if flag in ("--json", "--csv", "--picture")]
 RESULTS = {
     "sliding_block": {"sliding_block.csv", "sliding_block.gp"},
     "drop_part": {"replay.html", "run.h5", "steps.csv"},
     "replay_assembly": {"replay.html", "run.h5", "poses.csv" if "kinematic" in COMMAND else "steps.csv"},
+    "query_contacts": set(WRITES),
 }
 
 
@@ -29,8 +31,8 @@ class RunLine(DriverTest):
         self.assertEqual(set(files), {f"out/{name}" for name in RESULTS[COMMAND[0]]})
         for name, content in files.items():
             self.assertGreater(len(content), 100, name)
-        if "out/replay.html" in files:
-            self.assertTrue(files["out/replay.html"].rstrip().endswith(b"</html>"))
+            if name.endswith(".html"):
+                self.assertTrue(content.rstrip().endswith(b"</html>"))
         if "out/run.h5" in files:
             self.assertTrue(files["out/run.h5"].startswith(b"\x89HDF\r\n\x1a\n"))
 

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where do two parts touch, or nearly touch? All contacts at one pose, or along a path of poses.
+//
+// Theory   doc/theory/lmd.md (LMD-1) to (LMD-10), (KIN-1) to (KIN-3)
+// Run      query_contacts --builtin box_on_plate --json out/contacts.json
+//          query_contacts --builtin gear --threads 2 --picture out/gear.html
+//          query_contacts --builtin bolt_nut --threshold 1e-4 --csv out/poses.csv --json out/poses.json
+// Expect   four contacts of a box on a plate; no pose at which the bases touch
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
+
+#include "examples/common/driver.hpp"
+#include "examples/common/progress.hpp"
+#include "examples/contacts/contact_report.hpp"
+#include "geometry/check.hpp"
+#include "io/csv_table.hpp"
+#include "io/pose_file.hpp"
+#include "lmd/certificate.hpp"
+
+using namespace aussois;
+
+namespace {
+
+struct Arguments {
+  std::filesystem::path a{}, b{}, data{}, path{}, json{}, csv{}, picture{};
+  std::string pair{}, builtin{}, pose{};
+  double scale = 1e-3, dilation_a = -1, dilation_b = -1, threshold = 0, alpha = 2, alpha_ee = 10;
+  int threads = 1, rows = 40, repeat = 1;
+  bool unchecked = false, quiet = false;
+  std::string command_line{};
+};
+
+double cpu_ms(std::clock_t begin, std::clock_t end) {
+  return 1e3 * double(end - begin) / CLOCKS_PER_SEC;
+}
+
+ContactPair read_parts(const Arguments& a) {
+  const bool files = !a.a.empty() || !a.b.empty();
+  require(int(files) + int(!a.pair.empty()) + int(!a.builtin.empty()) == 1,
+          "give one of: --a with --b; --data with --pair; --builtin");
+  if (!a.builtin.empty()) return builtin_pair(a.builtin);
+  if (files) {
+    require(!a.a.empty() && !a.b.empty(), "--a and --b belong together");
+    ContactPair pair{.a = read_part(a.a, a.scale), .b = read_part(a.b, a.scale)};
+    if (pair.a.name == pair.b.name) pair.a.name += "_a";
+    pair.name = pair.a.name + "_on_" + pair.b.name;
+    return pair;
+  }
+  require(!a.data.empty(), "--pair needs --data, the folder with meshes/ and assembly/");
+  return contact_pair(read_assembly_pair(a.data, a.pair, a.scale));
+}
+
+ContactPair read_pair(const Arguments& a) {
+  require(a.pose.empty() || a.path.empty(), "give --pose or --path, not both");
+  ContactPair pair = read_parts(a);
+  if (!a.pose.empty()) pair.poses = {parse_pose(a.pose, a.scale)};
+  if (!a.path.empty()) pair.poses = read_poses(a.path, a.scale).pose;
+  require(!pair.poses.empty(), "give --pose, or --path with a file of poses");
+  if (a.dilation_a >= 0) pair.dilation_a = a.dilation_a;
+  if (a.dilation_b >= 0) pair.dilation_b = a.dilation_b;
+  if (a.threshold > 0) pair.threshold = a.threshold;
+  return pair;
+}
+
+ContactQuery ask(const ContactReport& report, const SE3& pose, const Arguments& a) {
+  ContactQuery query{.pose = pose};
+  std::vector<double> ms;
+  for (int i = 0; i < a.repeat; ++i) {
+    const std::clock_t begin = std::clock();
+    query.contacts = find_contacts({report.a, pose, 0}, {report.b, {}, 1}, report.options, &query.count);
+    ms.push_back(cpu_ms(begin, std::clock()));
+  }
+  query.ms = spread_of(ms).median;
+  query.contact_count = query.contacts.points.size();
+  query.min_gap = smallest_gap(query.contacts);
+  if (a.unchecked) return query;
+  const double touching = 1e-9 * report.a->bounding_radius;
+  query.bases_touch = base_distance({report.a, {}, {.g = pose}}, {report.b, {}, {}}, touching,
+                                    report.options.threads) < touching;
+  return query;
+}
+
+void print_parts(const ContactReport& report, bool quiet) {
+  for (const AssemblyPart* part : {&report.pair->a, &report.pair->b})
+    for (const std::string& note : part->notes) std::fprintf(stderr, "warning: %s\n", note.c_str());
+  if (quiet) return;
+  for (const auto& [letter, part, shape] :
+       {std::tuple{'A', &report.pair->a, report.a}, std::tuple{'B', &report.pair->b, report.b}})
+    std::printf("%c  %s: %d triangles, %s, box %.4g x %.4g x %.4g mm, dilation %.4g um\n", letter,
+                part->name.c_str(), part->report.triangles, part->complex.solid ? "solid" : "sheets",
+                1e3 * (part->report.box.hi - part->report.box.lo).x(),
+                1e3 * (part->report.box.hi - part->report.box.lo).y(),
+                1e3 * (part->report.box.hi - part->report.box.lo).z(), 1e6 * shape->radius);
+}
+
+ExitCode query(const Arguments& a) {
+  const ContactPair pair = read_pair(a);
+  const LmdShape shape_a = prepare(dilate(pair.a.complex, pair.dilation_a)),
+                 shape_b = prepare(dilate(pair.b.complex, pair.dilation_b));
+  ContactReport report{.pair = &pair, .a = &shape_a, .b = &shape_b, .command_line = a.command_line};
+  report.options = {.threshold = pair.threshold > 0 ? pair.threshold : 0.01 * shape_a.bounding_radius,
+                    .alpha = a.alpha * kPi / 180,
+                    .alpha_ee = a.alpha_ee * kPi / 180,
+                    .threads = a.threads};
+  validate(report.options);
+  for (const std::filesystem::path& file : {a.json, a.csv, a.picture})
+    if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path());
+  print_parts(report, a.quiet);
+
+  // 1. Ask.
+  Progress progress("query_contacts", double(pair.poses.size()),
+                    Progress::style_of_stderr(a.quiet || pair.poses.size() == 1));
+  std::size_t touching = 0, first_touching = 0;
+  for (const SE3& pose : pair.poses) {
+    report.queries.push_back(ask(report, pose, a));
+    if (pair.poses.size() > 1 && a.picture.empty()) report.queries.back().contacts = {};
+    if (report.queries.back().bases_touch.value_or(false) && ++touching == 1)
+      first_touching = report.queries.size() - 1;
+    progress.at(double(report.queries.size()));
+    if (interrupted()) return ExitCode::interrupted;
+  }
+
+  // 2. Tell.
+  const ContactQuery& first = report.queries.front();
+  if (pair.poses.size() > 1) {
+    std::printf("%s", statistics_table(report).c_str());
+    std::printf("%s: %zu poses, contacts within %.4g um\n", pair.name.c_str(), pair.poses.size(),
+                1e6 * report.options.threshold);
+  } else {
+    if (a.rows > 0) std::printf("%s", contact_table(report, first, a.rows).c_str());
+    std::printf(
+        "%s: %zu contacts within %.4g um, smallest gap %.6g um, %.3g ms, %ld node pairs, %ld leaf pairs\n",
+        pair.name.c_str(), first.contact_count, 1e6 * report.options.threshold, 1e6 * first.min_gap, first.ms,
+        first.count.node_pairs, first.count.leaf_pairs);
+  }
+  if (!a.csv.empty()) {
+    CsvTable csv(a.csv, {"pose", "contacts", "min_gap", "ms", "node_pairs", "leaf_pairs"});
+    for (std::size_t i = 0; i < report.queries.size(); ++i) {
+      const ContactQuery& q = report.queries[i];
+      csv.add({double(i), double(q.contact_count), q.min_gap, q.ms, double(q.count.node_pairs),
+               double(q.count.leaf_pairs)});
+    }
+    csv.close();
+  }
+  if (!a.json.empty()) write_contact_json(a.json, report);
+  if (!a.picture.empty()) write_contact_page(a.picture, report);
+  if (touching == 0) return ExitCode::ok;
+  std::fprintf(
+      stderr,
+      "the bases of %s and %s touch at %zu of %zu poses, first at pose %zu: contacts are missing there\n",
+      pair.a.name.c_str(), pair.b.name.c_str(), touching, pair.poses.size(), first_touching);
+  return ExitCode::not_accepted;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments a;
+  a.command_line = command_line(argc, argv);
+  Cli cli("query_contacts", "Finds all contacts of two parts at a pose, or along a path of poses.");
+  cli.group("scene");
+  cli.input("--a", a.a, "mesh of part A (OBJ, STL, PLY, OFF)");
+  cli.input("--b", a.b, "mesh of part B, which stands at the origin");
+  cli.input("--data", a.data, "folder with meshes/ and assembly/");
+  cli.option("--pair", a.pair,
+             "name of a pair in assembly/pairs.csv: its moving part is A, its path is asked");
+  std::string names;
+  for (const std::string& name : kBuiltinPairs) names += (names.empty() ? "" : ", ") + name;
+  cli.option("--builtin", a.builtin, "a pair of our own: " + names);
+  cli.option("--pose", a.pose, "of A in the frame of B: x,y,z,qw,qx,qy,qz, positions in units of the files");
+  cli.input("--path", a.path, "many such poses: CSV with a header x,y,z,qw,qx,qy,qz");
+  cli.option("--scale", a.scale, "metres per unit of the files", "m", {1e-12, 1e12});
+  cli.option("--dilation-a", a.dilation_a, "of A; negative: none, or that of the builtin", "m", {-1, 1});
+  cli.option("--dilation-b", a.dilation_b, "of B; negative: none, or that of the builtin", "m", {-1, 1});
+  cli.group("search");
+  cli.option("--threshold", a.threshold, "largest gap of a contact; 0: a hundredth of A's radius", "m",
+             {0, 1e3});
+  cli.option("--alpha", a.alpha, "rotation forgiven to a local minimum", "deg", {0, 28});
+  cli.option("--alpha-ee", a.alpha_ee, "the same for edge against edge, at least alpha", "deg", {0, 57});
+  cli.option("--threads", a.threads, "threads; the contacts do not depend on it", "", {1, 256});
+  cli.option("--repeat", a.repeat, "ask each pose so often; the median time counts", "", {1, 1e6});
+  cli.flag("--unchecked", a.unchecked,
+           "do not look whether the bases are apart, which may take longer than the query");
+  cli.group("output");
+  cli.option("--rows", a.rows, "most contacts in the table of one pose", "", {0, 1e9});
+  cli.option("--json", a.json, "write all contacts of one pose, or the numbers of all poses, to this file");
+  cli.option("--csv", a.csv, "write a row of numbers per pose to this file");
+  cli.option("--picture", a.picture, "write a page with both parts and their contacts to this file (HTML)");
+  cli.flag("--quiet", a.quiet, "no progress, no lines about the parts; warnings stay");
+  cli.example("query_contacts --builtin peg --picture out/peg.html", "a peg in its hole; open out/peg.html");
+  cli.example(
+      "query_contacts --a nut.obj --b bolt.obj --pose 0,0,2,1,0,0,0 --threshold 1e-4 --json out/nut.json",
+      "files in millimetres, one pose");
+  return run_driver(cli, argc, argv, [&] { return query(a); });
+}
