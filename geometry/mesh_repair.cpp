@@ -20,7 +20,8 @@ void append(RepairStep& sum, const RepairStep& step) {
   sum.count += step.count;
 }
 
-// Empty for a solid.
+// Empty for a solid. Several fans of triangles at a vertex, as where two boxes touch in a corner, are none
+// against it: every edge parts inside from outside.
 std::string reason_against(const MeshReport& mesh, const Oriented& oriented) {
   std::string text;
   const auto say = [&](int count, const char* what) {
@@ -30,7 +31,6 @@ std::string reason_against(const MeshReport& mesh, const Oriented& oriented) {
   say(mesh.border_edges, "border edges");
   say(mesh.wire_edges, "edges without a triangle");
   say(mesh.non_manifold_edges, "edges with three or more triangles");
-  say(mesh.non_manifold_vertices, "vertices with more than one fan of triangles");
   say(oriented.one_sided, "pieces without an orientation");
   say(oriented.flat_shells, "shells without a volume");
   say(mesh.self_intersections, "self-intersecting pairs of triangles");
@@ -139,7 +139,7 @@ std::string to_string(const RepairReport& report) {
   say(report.collapsed_wires, "wires with welded ends dropped");
   say(report.duplicate_triangles, "duplicate triangles dropped");
   say(report.flipped_slivers, "triangles without area flipped away");
-  say(report.dropped_slivers, "triangles without area at a border dropped");
+  say(report.dropped_slivers, "triangles without area at an open edge dropped");
   say(report.split_edges, "vertices inserted into open edges");
   say(report.turned_triangles, "triangles turned to agree with their neighbours");
   say(report.turned_shells, "shells turned inside out");

@@ -35,7 +35,7 @@ struct RepairReport {
   RepairStep collapsed_wires{};      // the same for wires
   RepairStep duplicate_triangles{};  // the same three vertices as an earlier one, in either winding: dropped
   RepairStep flipped_slivers{};      // triangles of no area, their long edge flipped away
-  RepairStep dropped_slivers{};      // the same at a border, where two edges of other triangles replace them
+  RepairStep dropped_slivers{};      // the same at an open edge, among triangles with area
   RepairStep split_edges{};          // vertices inserted into an open edge that they lie on (T-junctions)
   RepairStep turned_triangles{};     // to agree with their neighbours
   RepairStep turned_shells{};        // closed shells that faced inwards, or cavities that faced outwards
@@ -47,7 +47,7 @@ struct RepairReport {
 };
 
 struct RepairedMesh {
-  // `solid` if it is closed, manifold, oriented outwards and free of self-intersections
+  // `solid` if every edge has two triangles, all face outwards, and none intersects another
   SimplicialComplex complex{};
   std::vector<int> vertex{};  // where each vertex of the input went
   RepairReport report{};

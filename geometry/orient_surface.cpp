@@ -148,8 +148,8 @@ class Orientation {
       const auto [i, j, k] = corners(t);
       const Vec3 a = x(i) - place, b = x(j) - place, c = x(k) - place;
       const double la = a.norm(), lb = b.norm(), lc = c.norm();
-      angle += 2 * std::atan2(a.dot(b.cross(c)),
-                              la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+      angle +=
+          2 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
     }
     return std::abs(angle) > 2 * kPi;
   }

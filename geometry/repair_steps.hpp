@@ -46,8 +46,8 @@ Split split_t_junctions(const SimplicialComplex& complex, double tolerance);
 struct Oriented {
   SimplicialComplex complex{};
   RepairStep turned_triangles{}, turned_shells{};
-  int shells = 0;      // closed and orientable
-  int one_sided = 0;   // pieces that have no orientation, left as they were
+  int shells = 0;       // closed and orientable
+  int one_sided = 0;    // pieces that have no orientation, left as they were
   int flat_shells = 0;  // closed, with a volume that rounding cannot tell from zero
 };
 /// Makes the triangles of each piece agree, fewest of them turned, and closed shells face outwards, those at

@@ -150,7 +150,8 @@ void cut(const Triangle& corners, const Inserted& on, std::vector<Triangle>& pie
   for (std::size_t i = 0; i <= on[k].size(); ++i) {
     const bool first = i == 0, last = i == on[k].size();
     const int to = last ? corners[(k + 1) % 3] : on[k][i];
-    cut({from, to, apex}, {{{}, last ? on[(k + 1) % 3] : std::vector<int>{}, first ? on[(k + 2) % 3] : std::vector<int>{}}},
+    cut({from, to, apex},
+        {{{}, last ? on[(k + 1) % 3] : std::vector<int>{}, first ? on[(k + 2) % 3] : std::vector<int>{}}},
         pieces);
     from = to;
   }

@@ -88,8 +88,7 @@ Welded weld_vertices(const SimplicialComplex& complex, double tolerance) {
   for (std::size_t i = 0; i < leader.size(); ++i) {
     const auto stands = std::size_t(leader[i]);
     const Vec3& x = complex.vertices[stands];
-    if (number[stands] < 0)
-      number[stands] = int(kept.size()), kept.push_back(x);
+    if (number[stands] < 0) number[stands] = int(kept.size()), kept.push_back(x);
     if (stands != i) out.vertices.add(complex.vertices[i], (complex.vertices[i] - x).norm());
     out.vertex.push_back(number[stands]);
   }
@@ -121,9 +120,8 @@ Distinct drop_duplicate_triangles(const SimplicialComplex& complex) {
       out.dropped.add(centre(complex.vertices, complex.triangles[t]), 0);
     else
       kept.push_back(complex.triangles[t]);
-  out.complex = out.dropped.count == 0
-                    ? complex
-                    : make_complex(complex.vertices, std::move(kept), wires_of(complex));
+  out.complex =
+      out.dropped.count == 0 ? complex : make_complex(complex.vertices, std::move(kept), wires_of(complex));
   return out;
 }
 

@@ -30,8 +30,8 @@ void settle(AssemblyPart& part, const SimplicialComplex& complex, const RepairOp
   std::istringstream lines(to_string(part.repair));
   for (std::string line; std::getline(lines, line);) part.notes.push_back(part.name + ": " + line);
   if (!part.complex.solid)
-    part.notes.push_back(part.name + ": used as sheets, both sides, because it is no solid: " +
-                         part.repair.reason);
+    part.notes.push_back(part.name +
+                         ": used as sheets, both sides, because it is no solid: " + part.repair.reason);
 }
 
 struct PairFiles {
@@ -104,9 +104,7 @@ AssemblyInput read_assembly_pair(const std::filesystem::path& data, const std::s
 AssemblyInput builtin_assembly(const std::string& name) {
   require(name == "bolt_nut", "--builtin = " + name + " must be bolt_nut");
   const FastenerOptions options;
-  AssemblyInput input{.name = name,
-                      .fixed = {.name = "bolt"},
-                      .moving = {.name = "nut"}};
+  AssemblyInput input{.name = name, .fixed = {.name = "bolt"}, .moving = {.name = "nut"}};
   settle(input.fixed, make_bolt(options), {});
   settle(input.moving, make_nut(options), {});
   for (int i = 0; i <= 108; ++i) {  // every five degrees, from a twelfth of a turn above the head

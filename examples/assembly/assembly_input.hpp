@@ -14,9 +14,9 @@ namespace aussois {
 
 struct AssemblyPart {
   std::string name{};
-  SimplicialComplex complex{};  // [m]
-  MeshReport report{};          // of the complex as it is used
-  RepairReport repair{};        // what was done to the mesh of the file
+  SimplicialComplex complex{};       // [m]
+  MeshReport report{};               // of the complex as it is used
+  RepairReport repair{};             // what was done to the mesh of the file
   std::vector<std::string> notes{};  // what a user must know: each repair, open surface, ...
 };
 
