@@ -21,6 +21,17 @@ struct Corners {
   std::array<Point, 3> point{};
 };
 
+// Are the corners q(first), ..., q(2) of another triangle strictly on one side of the plane of this one?
+template <class Corner>
+bool beside(const Corners& triangle, const Corner& q, std::size_t first) {
+  const auto& [a, b, c] = triangle.point;
+  const CGAL::Orientation side = CGAL::orientation(a, b, c, q(2));
+  if (side == CGAL::COPLANAR) return false;
+  for (std::size_t k = first; k < 2; ++k)
+    if (CGAL::orientation(a, b, c, q(k)) != side) return false;
+  return true;
+}
+
 // Elsewhere than in what they share; the cases are those of CGAL's PMP::self_intersections.
 bool meet(const Corners& s, const Corners& t) {
   std::array<std::size_t, 3> in_s{}, in_t{};  // shared corners first, then the others
@@ -45,6 +56,7 @@ bool meet(const Corners& s, const Corners& t) {
   if (shared == 2)  // folded flat onto each other
     return CGAL::coplanar(p(0), p(1), p(2), q(2)) &&
            CGAL::coplanar_orientation(p(0), p(1), p(2), q(2)) == CGAL::POSITIVE;
+  if (beside(s, q, shared) || beside(t, p, shared)) return false;  // nearly all pairs end here
   const Triangle triangle_s(p(0), p(1), p(2)), triangle_t(q(0), q(1), q(2));
   if (shared == 1)  // the side opposite to the shared corner
     return CGAL::do_intersect(triangle_s, Segment(q(1), q(2))) ||
