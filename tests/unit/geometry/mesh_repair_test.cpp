@@ -11,8 +11,8 @@
 #include "geometry/fastener.hpp"
 #include "geometry/primitives.hpp"
 #include "geometry/repair_steps.hpp"
+#include "tests/support/mesh_damage.hpp"
 #include "tests/support/message_of.hpp"
-#include "tests/support/random.hpp"
 
 namespace aussois {
 namespace {
@@ -41,17 +41,8 @@ Places places_of(const SimplicialComplex& complex) {
   return places;
 }
 
-// Every triangle with three vertices of its own, as in an STL file, each moved by up to `jiggle`.
 SimplicialComplex soup_of(const SimplicialComplex& complex, double jiggle, Random& random) {
-  std::vector<Vec3> vertices;
-  Triangles triangles;
-  for (const Triangle& triangle : complex.triangles) {
-    const int n = int(vertices.size());
-    triangles.push_back({n, n + 1, n + 2});
-    for (const int v : triangle)
-      vertices.push_back(complex.vertices[std::size_t(v)] + random.uniform(0, jiggle) * random.direction());
-  }
-  return make_complex(vertices, triangles);
+  return complex_of(soup_of(loose(complex), jiggle, random));
 }
 
 SimplicialComplex merged(const std::vector<SimplicialComplex>& parts) {
@@ -75,8 +66,8 @@ SimplicialComplex moved(const SimplicialComplex& complex, double x, double y, do
   return transformed(complex, translation(x, y, z));
 }
 
-// The box [-1, 1]^3 whose face x = 1 has all `levels` of bisection of its edge y = 1, z in [-1, 1] as a
-// neighbour: the face y = 1 keeps that edge whole, so the mesh is open by T-junctions only.
+// The box [-1, 1]^3 whose face x = 1 has the edge y = 1 in `pieces`, while the face y = 1 keeps it whole: open
+// by T-junctions only.
 SimplicialComplex box_with_t_junctions(int pieces) {
   SimplicialComplex box = make_box(2, 2, 2);
   std::vector<Vec3> vertices = box.vertices;
@@ -132,7 +123,7 @@ TEST(MeshRepair, GivesBackWhatNeedsNoneBitForBit) {
   }
 }
 
-TEST(MeshRepair, RejectsATolerancesOutOfRange) {
+TEST(MeshRepair, RejectsAToleranceOutOfRange) {
   const SimplicialComplex box = make_box(1, 1, 1);
   EXPECT_NE(message_of([&] { repair_mesh(box, {.relative_tolerance = 0.1}); }).find("0.1"),
             std::string::npos);
@@ -456,22 +447,6 @@ TEST(MeshRepair, SaysWhatItDidAndWhere) {
   EXPECT_EQ(to_string(repaired.report), "1 vertices inserted into open edges, first at (1000, 1000, 0) mm\n");
 }
 
-// Cuts the side of a random triangle, and of that triangle alone, at a random point: a T-junction, or with
-// a triangle of no area over the old side one that is plugged.
-void cut_a_side(std::vector<Vec3>& x, Triangles& triangles, double jiggle, bool plug, Random& random) {
-  const auto t = std::size_t(random.index(int(triangles.size())));
-  const auto k = std::size_t(random.index(3));
-  const int a = triangles[t][k], b = triangles[t][(k + 1) % 3], apex = triangles[t][(k + 2) % 3];
-  const Vec3 &p = x[std::size_t(a)], &q = x[std::size_t(b)];
-  if (triangle_height(p, q, x[std::size_t(apex)]) < 0.02 || (q - p).norm() < 0.02) return;
-  const Vec3 cut = p + random.uniform(0.3, 0.7) * (q - p) + jiggle * random.direction();
-  const int v = int(x.size());
-  x.push_back(cut);
-  triangles[t] = {a, v, apex};
-  triangles.push_back({v, b, apex});
-  if (plug) triangles.push_back({a, b, v});
-}
-
 TEST(MeshRepair, RestoresASolidFromRandomDamage) {
   int split = 0, flipped = 0, dropped = 0;
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
@@ -479,16 +454,16 @@ TEST(MeshRepair, RestoresASolidFromRandomDamage) {
     Random random(seed);
     const SimplicialComplex box = make_box(1, 1, 1, 1 + random.index(3));
     const double jiggle = seed % 2 == 0 ? 0 : 1e-7;
-    std::vector<Vec3> x = box.vertices;
-    Triangles triangles = box.triangles;
-    for (int i = 0; i < 30; ++i) cut_a_side(x, triangles, jiggle, random.uniform() < 0.5, random);
+    LooseMesh mesh = loose(box);
+    for (int i = 0; i < 30; ++i)
+      cut_a_side(mesh, random.uniform() < 0.5 ? Cut::plugged : Cut::t_junction, 0.02, jiggle, random);
     for (int i = 0; i < 10; ++i) {
-      Triangle& t = triangles[std::size_t(random.index(int(triangles.size())))];
-      if (random.uniform() < 0.3) std::swap(t[0], t[1]);
-      if (random.uniform() < 0.3) triangles.push_back({t[1], t[2], t[0]});
+      const auto k = std::size_t(random.index(int(mesh.triangles.size())));
+      const Triangle t = mesh.triangles[k];
+      if (random.uniform() < 0.3) mesh.triangles[k] = {t[0], t[2], t[1]};
+      if (random.uniform() < 0.3) mesh.triangles.push_back({t[1], t[2], t[0]});
     }
-    Random jiggler(seed);
-    const RepairedMesh repaired = repair_mesh(soup_of(make_complex(x, triangles), jiggle, jiggler));
+    const RepairedMesh repaired = repair_mesh(complex_of(soup_of(mesh, jiggle, random)));
     const RepairReport& report = repaired.report;
     EXPECT_TRUE(repaired.complex.solid) << report.reason << '\n' << to_string(report);
     EXPECT_NEAR(signed_volume(repaired.complex), 1, jiggle > 0 ? 6e-6 : 1e-12);  // six faces moved by tau
