@@ -75,7 +75,7 @@ inline void flip_a_flat_edge(LooseMesh& mesh, Random& random) {
   const int e = random.index(int(complex.edges.size()));
   const auto around = complex.edge_triangles[e];
   if (around.size() != 2) return;
-  const auto [a, b] = complex.edges[std::size_t(e)];
+  const int a = complex.edges[std::size_t(e)][0], b = complex.edges[std::size_t(e)][1];
   const auto apex = [&](int t) {
     for (const int v : complex.triangles[std::size_t(t)])
       if (v != a && v != b) return v;

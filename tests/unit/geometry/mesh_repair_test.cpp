@@ -34,7 +34,7 @@ Places places_of(const SimplicialComplex& complex) {
       const Vec3& x = complex.vertices[std::size_t(triangle[k])];
       corners[k] = {x.x(), x.y(), x.z()};
     }
-    std::ranges::rotate(corners, std::ranges::min_element(corners));
+    std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
     places.push_back(corners);
   }
   std::ranges::sort(places);
@@ -66,8 +66,8 @@ SimplicialComplex moved(const SimplicialComplex& complex, double x, double y, do
   return transformed(complex, translation(x, y, z));
 }
 
-// The box [-1, 1]^3 whose face x = 1 has the edge y = 1 in `pieces`, while the face y = 1 keeps it whole: open
-// by T-junctions only.
+// The box [-1, 1]^3 whose face x = 1 has the edge y = 1 in `pieces`, while the face y = 1 keeps it whole:
+// open by T-junctions only.
 SimplicialComplex box_with_t_junctions(int pieces) {
   SimplicialComplex box = make_box(2, 2, 2);
   std::vector<Vec3> vertices = box.vertices;
