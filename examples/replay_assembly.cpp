@@ -113,6 +113,10 @@ Summary summary_of(const AssemblyInput& input, const AssemblyScene& scene, const
   Summary out;
   out.set("pair", input.name);
   out.set("mode", a.mode);
+  std::vector<std::string> notes;  // repairs of the meshes, and why a part is no solid
+  for (const AssemblyPart* part : {&input.fixed, &input.moving})
+    notes.insert(notes.end(), part->notes.begin(), part->notes.end());
+  out.set("notes", notes);
   out.set("steps", s.steps);
   out.set("refused_steps", s.refused_steps);
   out.set("solver_failures", s.solver_failures);

@@ -12,33 +12,16 @@ namespace {
 
 constexpr double kDegenerate = 1e-12;  // of the diagonal: some 10^4 roundings of a coordinate
 
-// Height over the longest side [m]; the sides are divided by it first, so that no size under- or overflows.
-double height(const SimplicialComplex& complex, const std::array<int, 3>& triangle) {
-  const auto corner = [&](std::size_t k) -> const Vec3& {
-    return complex.vertices[std::size_t(triangle[k])];
-  };
-  const Vec3 u = corner(1) - corner(0), v = corner(2) - corner(0), w = corner(2) - corner(1);
-  const double longest = std::max({u.stableNorm(), v.stableNorm(), w.stableNorm()});
-  return longest > 0 ? longest * (u / longest).cross(v / longest).norm() : 0;
-}
-
 void measure_triangles(const SimplicialComplex& complex, MeshReport& report) {
   const double diagonal = report.box.diagonal();
   double smallest = kInf;
-  for (const auto& triangle : complex.triangles) {
-    const double h = height(complex, triangle);
+  for (const auto& [a, b, c] : complex.triangles) {
+    const double h = triangle_height(complex.vertices[std::size_t(a)], complex.vertices[std::size_t(b)],
+                                     complex.vertices[std::size_t(c)]);
     report.degenerate_triangles += h <= kDegenerate * diagonal;
     smallest = std::min(smallest, h);
   }
   report.min_height_ratio = smallest < kInf && diagonal > 0 ? smallest / diagonal : 0;
-}
-
-// True if triangle t runs through edge e from its lower to its higher vertex.
-bool runs_upwards(const SimplicialComplex& complex, int t, int e) {
-  const auto& corners = complex.triangles[std::size_t(t)];
-  const auto k = std::size_t(std::find(corners.begin(), corners.end(), complex.edges[std::size_t(e)][0]) -
-                             corners.begin());
-  return corners[(k + 1) % 3] == complex.edges[std::size_t(e)][1];
 }
 
 void count_edges(const SimplicialComplex& complex, MeshReport& report) {
@@ -115,6 +98,13 @@ int count_duplicate_triangles(const SimplicialComplex& complex) {
 }
 
 }  // namespace
+
+double triangle_height(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 u = b - a, v = c - a, w = c - b;
+  const double longest = std::max({u.stableNorm(), v.stableNorm(), w.stableNorm()});
+  // The sides are divided by the longest first, so that no size under- or overflows.
+  return longest > 0 ? longest * (u / longest).cross(v / longest).norm() : 0;
+}
 
 std::vector<int> first_at_same_place(const std::vector<Vec3>& vertices) {
   const auto at = [&](int i) -> const Vec3& { return vertices[std::size_t(i)]; };

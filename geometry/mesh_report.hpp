@@ -34,6 +34,9 @@ MeshReport report_mesh(const SimplicialComplex& complex);
 /// Several lines for people; lengths in metres and the box in millimetres, so that a wrong unit is seen.
 std::string to_string(const MeshReport& report);
 
+/// Height over the longest side [m].
+double triangle_height(const Vec3& a, const Vec3& b, const Vec3& c);
+
 /// For each vertex the first one with equal coordinates (its own index if there is none before it).
 std::vector<int> first_at_same_place(const std::vector<Vec3>& vertices);
 

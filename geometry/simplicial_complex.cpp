@@ -79,13 +79,6 @@ std::vector<HalfEdge> sorted_half_edges(const std::vector<std::array<int, 3>>& t
   return half_edges;
 }
 
-// True if triangle t runs through edge e from its lower to its higher vertex.
-bool runs_upwards(const SimplicialComplex& complex, int t, int e) {
-  const auto& sides = complex.triangle_edges[std::size_t(t)];
-  const auto side = std::size_t(std::find(sides.begin(), sides.end(), e) - sides.begin());
-  return complex.triangles[std::size_t(t)][side] == complex.edges[std::size_t(e)][0];
-}
-
 // Edges without exactly two triangles of opposite direction.
 int count_open_or_twisted_edges(const SimplicialComplex& complex) {
   int count = 0;
@@ -135,6 +128,12 @@ SimplicialComplex make_complex(std::vector<Vec3> vertices, std::vector<std::arra
   if (solid) check_solid(complex);
   complex.solid = solid;
   return complex;
+}
+
+bool runs_upwards(const SimplicialComplex& complex, int t, int e) {
+  const auto& sides = complex.triangle_edges[std::size_t(t)];
+  const auto side = std::size_t(std::find(sides.begin(), sides.end(), e) - sides.begin());
+  return complex.triangles[std::size_t(t)][side] == complex.edges[std::size_t(e)][0];
 }
 
 bool is_closed_oriented(const SimplicialComplex& complex) {

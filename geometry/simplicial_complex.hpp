@@ -41,6 +41,9 @@ struct SimplicialComplex {
 SimplicialComplex make_complex(std::vector<Vec3> vertices, std::vector<std::array<int, 3>> triangles,
                                const std::vector<std::array<int, 2>>& wires = {}, bool solid = false);
 
+/// True if triangle t runs through its edge e from the lower to the higher vertex.
+bool runs_upwards(const SimplicialComplex& complex, int t, int e);
+
 /// True if there are triangles and every edge has exactly two of them, traversed in opposite directions.
 bool is_closed_oriented(const SimplicialComplex& complex);
 

@@ -3,6 +3,7 @@
 
 #include "geometry/check.hpp"
 #include "geometry/frame.hpp"
+#include "lmd/leaf.hpp"
 
 namespace aussois {
 namespace {
@@ -11,7 +12,7 @@ using Mat3x2 = Eigen::Matrix<double, 3, 2>;
 using Mat2x12 = Eigen::Matrix<double, 2, 12>;
 
 Vec3 chain_direction(const LmdShape& shape, int chain) {
-  return shape.ideal.chains[std::size_t(chain)].direction;
+  return leaf_of(shape, {.index = chain, .dim = 1, .side = 1}).direction;
 }
 
 // The directions in which the foot may slide on its simplex, orthonormal, world.

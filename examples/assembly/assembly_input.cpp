@@ -21,17 +21,17 @@ std::string content_of(const std::filesystem::path& path) {
   return text.str();
 }
 
-void judge(AssemblyPart& part) {
-  part.report = report_mesh(part.complex);
-  const MeshReport& r = part.report;
-  part.complex.solid = r.solid() && r.self_intersections == 0;
-  if (part.complex.solid) return;
-  std::ostringstream text;
-  text << part.name << ": used as sheets, both sides, because it is no solid: " << r.border_edges
-       << " border edges, " << r.non_manifold_edges << " with three or more triangles, "
-       << r.misoriented_edges << " misoriented, " << r.self_intersections
-       << " self-intersecting pairs of triangles";
-  part.notes.push_back(text.str());
+// Takes the repaired mesh as the part's complex; every repair becomes a note.
+void settle(AssemblyPart& part, const SimplicialComplex& complex, const RepairOptions& options) {
+  RepairedMesh repaired = repair_mesh(complex, options);
+  part.complex = std::move(repaired.complex);
+  part.repair = std::move(repaired.report);
+  part.report = part.repair.after;
+  std::istringstream lines(to_string(part.repair));
+  for (std::string line; std::getline(lines, line);) part.notes.push_back(part.name + ": " + line);
+  if (!part.complex.solid)
+    part.notes.push_back(part.name +
+                         ": used as sheets, both sides, because it is no solid: " + part.repair.reason);
 }
 
 struct PairFiles {
@@ -62,18 +62,19 @@ PairFiles find_pair(const std::filesystem::path& table, const std::string& pair)
 
 }  // namespace
 
-AssemblyPart read_part(const std::filesystem::path& path, double scale) {
+AssemblyPart read_part(const std::filesystem::path& path, double scale, const RepairOptions& options) {
   MeshFile mesh = read_mesh(path, scale);
   weld(mesh);
   AssemblyPart part{.name = path.stem().string()};
   if (const std::string notes = to_string(mesh.notes); !notes.empty())
     part.notes.push_back(part.name + ": " + notes);
+  SimplicialComplex complex;
   try {
-    part.complex = make_complex(std::move(mesh.vertices), std::move(mesh.triangles), mesh.wires);
+    complex = make_complex(std::move(mesh.vertices), std::move(mesh.triangles), mesh.wires);
   } catch (const std::invalid_argument& e) {
     throw std::runtime_error(path.string() + ": " + e.what());
   }
-  judge(part);
+  settle(part, complex, options);
   return part;
 }
 
@@ -103,11 +104,9 @@ AssemblyInput read_assembly_pair(const std::filesystem::path& data, const std::s
 AssemblyInput builtin_assembly(const std::string& name) {
   require(name == "bolt_nut", "--builtin = " + name + " must be bolt_nut");
   const FastenerOptions options;
-  AssemblyInput input{.name = name,
-                      .fixed = {.name = "bolt", .complex = make_bolt(options)},
-                      .moving = {.name = "nut", .complex = make_nut(options)}};
-  judge(input.fixed);
-  judge(input.moving);
+  AssemblyInput input{.name = name, .fixed = {.name = "bolt"}, .moving = {.name = "nut"}};
+  settle(input.fixed, make_bolt(options), {});
+  settle(input.moving, make_nut(options), {});
   for (int i = 0; i <= 108; ++i) {  // every five degrees, from a twelfth of a turn above the head
     const double angle = kPi / 6 + i * kPi / 36;
     input.poses.push_back(rotation(Vec3::UnitZ(), angle) *

@@ -8,15 +8,16 @@
 #include <vector>
 
 #include "geometry/mass_properties.hpp"
-#include "geometry/mesh_report.hpp"
+#include "geometry/mesh_repair.hpp"
 
 namespace aussois {
 
 struct AssemblyPart {
   std::string name{};
-  SimplicialComplex complex{};  // [m]
-  MeshReport report{};
-  std::vector<std::string> notes{};  // what a user must know: welded vertices, open surface, ...
+  SimplicialComplex complex{};       // [m]
+  MeshReport report{};               // of the complex as it is used
+  RepairReport repair{};             // what was done to the mesh of the file
+  std::vector<std::string> notes{};  // what a user must know: each repair, open surface, ...
 };
 
 struct AssemblyInput {
@@ -26,9 +27,9 @@ struct AssemblyInput {
   std::string fingerprint{};  // of the content of all files, as text
 };
 
-/// Reads a mesh; a closed, oriented surface without self-intersections becomes a solid, anything else is used
-/// as it is, as two-sided sheets, with a note. Errors as of read_mesh.
-AssemblyPart read_part(const std::filesystem::path& path, double scale);
+/// Reads a mesh and repairs it (repair_mesh), with a note for each kind of repair. What is no solid then is
+/// used as two-sided sheets, with a note that says why. Errors as of read_mesh.
+AssemblyPart read_part(const std::filesystem::path& path, double scale, const RepairOptions& options = {});
 
 /// DIR/assembly/pairs.csv names the meshes (DIR/meshes/NAME.obj) and the path (DIR/assembly/FILE). Throws
 /// std::invalid_argument with the known names if `pair` is none of them.

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "geometry/mesh_repair.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "geometry/check.hpp"
+#include "geometry/repair_steps.hpp"
+
+namespace aussois {
+namespace {
+
+// Flips open T-junctions and splits make triangles that flips improve. Two rounds settled every mesh seen;
+// what is left after these is reported.
+constexpr int kRounds = 4;
+
+void append(RepairStep& sum, const RepairStep& step) {
+  const bool worse = step.count > 0 && (sum.count == 0 || step.distance > sum.distance);
+  if (worse) sum.place = step.place, sum.distance = step.distance;
+  sum.count += step.count;
+}
+
+// Empty for a solid. Several fans of triangles at a vertex, as where two boxes touch in a corner, are none
+// against it: every edge parts inside from outside.
+std::string reason_against(const MeshReport& mesh, const Oriented& oriented) {
+  std::string text;
+  const auto say = [&](int count, const char* what) {
+    if (count > 0) text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + what;
+  };
+  if (mesh.triangles == 0) return "no triangles";
+  say(mesh.border_edges, "border edges");
+  say(mesh.wire_edges, "edges without a triangle");
+  say(mesh.non_manifold_edges, "edges with three or more triangles");
+  say(oriented.one_sided, "pieces without an orientation");
+  say(oriented.flat_shells, "shells without a volume");
+  say(mesh.self_intersections, "self-intersecting pairs of triangles");
+  if (text.empty() && !mesh.solid()) text = "no volume";
+  return text;
+}
+
+void settle(RepairedMesh& out, Oriented oriented, MeshReport mesh) {
+  RepairReport& report = out.report;
+  report.shells = oriented.shells;
+  report.reason = reason_against(mesh, oriented);
+  report.after = std::move(mesh);
+  out.complex = std::move(oriented.complex);
+  out.complex.solid = report.reason.empty();
+}
+
+}  // namespace
+
+void validate(const RepairOptions& options) {
+  require_field(options.relative_tolerance >= 0 && options.relative_tolerance <= 1e-2,
+                "RepairOptions::relative_tolerance", options.relative_tolerance, "lie in [0, 1e-2]");
+  require_field(options.largest_tolerance >= 0, "RepairOptions::largest_tolerance", options.largest_tolerance,
+                "be >= 0 [m]");
+}
+
+void RepairStep::add(const Vec3& x, double moved) {
+  if (count == 0 || moved > distance) place = x, distance = moved;
+  ++count;
+}
+
+bool RepairReport::changed() const {
+  for (const RepairStep* step :
+       {&welded_same, &welded_near, &collapsed_triangles, &collapsed_wires, &duplicate_triangles,
+        &flipped_slivers, &dropped_slivers, &split_edges, &turned_triangles, &turned_shells})
+    if (step->count > 0) return true;
+  return false;
+}
+
+RepairedMesh repair_mesh(const SimplicialComplex& complex, const RepairOptions& options) {
+  validate(options);
+  RepairedMesh out;
+  RepairReport& report = out.report;
+  report.before = report_mesh(complex);
+  report.tolerance =
+      std::min(options.relative_tolerance * report.before.box.diagonal(), options.largest_tolerance);
+
+  Oriented as_given = orient_surface(complex);
+  if (as_given.turned_shells.count == 0 && reason_against(report.before, as_given).empty()) {
+    out.vertex.resize(complex.vertices.size());
+    for (std::size_t i = 0; i < out.vertex.size(); ++i) out.vertex[i] = int(i);
+    settle(out, std::move(as_given), report.before);
+    return out;
+  }
+
+  Welded same = weld_vertices(complex, 0);
+  Welded near = weld_vertices(same.complex, report.tolerance);
+  for (const int v : same.vertex) out.vertex.push_back(near.vertex[std::size_t(v)]);
+  report.welded_same = same.vertices;
+  report.welded_near = near.vertices;
+  for (const Welded* welded : {&same, &near}) {
+    append(report.collapsed_triangles, welded->collapsed_triangles);
+    append(report.collapsed_wires, welded->collapsed_wires);
+  }
+  Distinct distinct = drop_duplicate_triangles(near.complex);
+  report.duplicate_triangles = distinct.dropped;
+
+  SimplicialComplex mended = std::move(distinct.complex);
+  for (int round = 0; round < kRounds; ++round) {
+    Flipped flips = flip_slivers(mended, report.tolerance);
+    Split splits = split_t_junctions(flips.complex, report.tolerance);
+    append(report.flipped_slivers, flips.flipped);
+    append(report.dropped_slivers, flips.dropped);
+    append(report.split_edges, splits.inserted);
+    report.slivers_left = flips.left;
+    mended = std::move(splits.complex);
+    if (splits.inserted.count == 0) break;
+  }
+
+  Oriented oriented = orient_surface(mended);
+  report.turned_triangles = oriented.turned_triangles;
+  report.turned_shells = oriented.turned_shells;
+  MeshReport mesh = report_mesh(oriented.complex);
+  settle(out, std::move(oriented), std::move(mesh));
+  return out;
+}
+
+std::string to_string(const RepairReport& report) {
+  std::string text;
+  char line[256];
+  const auto say = [&](const RepairStep& step, const char* what) {
+    if (step.count == 0) return;
+    const Vec3 mm = 1e3 * step.place;
+    std::snprintf(line, sizeof line, "%d %s, %s (%.6g, %.6g, %.6g) mm", step.count, what,
+                  step.distance > 0 ? "worst at" : "first at", mm.x(), mm.y(), mm.z());
+    text += line;
+    if (step.distance > 0) {
+      std::snprintf(line, sizeof line, " by %.3g um", 1e6 * step.distance);
+      text += line;
+    }
+    text += '\n';
+  };
+  say(report.welded_same, "vertices at the place of another merged");
+  std::snprintf(line, sizeof line, "vertices nearer than %.3g um to another merged", 1e6 * report.tolerance);
+  say(report.welded_near, std::string(line).c_str());
+  say(report.collapsed_triangles, "triangles with welded corners dropped");
+  say(report.collapsed_wires, "wires with welded ends dropped");
+  say(report.duplicate_triangles, "duplicate triangles dropped");
+  say(report.flipped_slivers, "triangles without area flipped away");
+  say(report.dropped_slivers, "triangles without area at an open edge dropped");
+  say(report.split_edges, "vertices inserted into open edges");
+  say(report.turned_triangles, "triangles turned to agree with their neighbours");
+  say(report.turned_shells, "shells turned inside out");
+  return text;
+}
+
+}  // namespace aussois
