@@ -21,6 +21,7 @@ struct ErosionOptions {
                             // depths [-], in [0, 0.1]; 0: exact or refused. Used deviations are counted.
   bool split = true;        // a vertex of more than three planes may become several; without, smooth surfaces
                             // keep their triangles and lose up to `deviation`
+  bool contract = true;     // edges that would turn around may vanish; without, the solid is refused
   double max_rounding = kInf;  // refused if the solid loses more than this anywhere [m], > 0
   int samples = 100'000;       // of each surface, about; every triangle has at least seven; in [1, 1e8]
 };
@@ -52,6 +53,7 @@ struct ErosionMeasures {
   double deviation = 0;       // largest distance of a vertex from a plane of its own, as accepted
   int regions = 0, chains = 0, convex_chains = 0, concave_chains = 0;
   int split_vertices = 0;      // vertices that became several
+  int merged_vertices = 0;     // vertices that became one or several together with others
   int deviating_vertices = 0;  // vertices whose planes miss the one point by more than `meet`
   int samples = 0;             // of both surfaces
 };

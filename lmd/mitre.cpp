@@ -13,7 +13,9 @@ using Triples = std::vector<std::array<int, 3>>;
 
 constexpr int kMostPlanes = 10;        // 1430 ways to split
 constexpr double kLongestMitre = 1e3;  // three planes that meet farther away are taken as parallel to a line
-constexpr double kRank = 1e-9;         // singular values below this are rounding
+constexpr double kReach = 2;  // a split that goes farther than this times the one point is the worse choice:
+                              // of the facets of a thread, planes that differ by 1e-3 meet 40 depths away
+constexpr double kRank = 1e-9;  // singular values below this are rounding
 
 struct MeetingPoint {
   Vec3 x = Vec3::Zero();
@@ -24,9 +26,12 @@ struct MeetingPoint {
 // Directions in which the planes hardly say anything are used only if they are needed.
 MeetingPoint meeting_point(std::span<const VertexPlane> planes, double tolerance) {
   MatX n(Eigen::Index(planes.size()), 3);
-  for (std::size_t k = 0; k < planes.size(); ++k) n.row(Eigen::Index(k)) = planes[k].normal;
+  VecX wanted(n.rows());
+  for (std::size_t k = 0; k < planes.size(); ++k) {
+    n.row(Eigen::Index(k)) = planes[k].normal;
+    wanted[Eigen::Index(k)] = planes[k].offset;
+  }
   const Eigen::JacobiSVD<MatX> svd(n, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const VecX wanted = VecX::Constant(n.rows(), -1);
   const VecX along = svd.matrixU().transpose() * wanted;
   MeetingPoint best;
   for (Eigen::Index r = 0; r < svd.singularValues().size(); ++r) {
@@ -117,25 +122,29 @@ Split split_by(const Triples& triples, const std::vector<MeetingPoint>& of_tripl
   return out;
 }
 
-bool is_embedded(const Split& split, std::span<const VertexPlane> planes) {
+// Six times the volume below the parts of the planes within `reach` of the vertex along the spokes, up to a
+// constant; none unless the border of each part is simple.
+std::optional<double> volume_below(const Split& split, std::span<const VertexPlane> planes, double reach) {
+  double volume = 0;
   for (std::size_t i = 0; i < planes.size(); ++i) {
+    const VertexPlane &plane = planes[i], &after = planes[(i + 1) % planes.size()];
     const std::vector<int>& path = split.mitre.of_plane[i];
-    if (path.size() < 2) continue;
-    const Vec3 u = planes[i].normal.unitOrthogonal(), v = planes[i].normal.cross(u);
-    const auto flat = [&](const Vec3& x) { return Vec2(u.dot(x), v.dot(x)); };
-    const double far = 10 * split.length + 10;
+    const Vec3 u = plane.normal.unitOrthogonal(), v = plane.normal.cross(u);
     std::vector<Vec2> line;
-    const Vec3 &first = split.mitre.points[std::size_t(path.front())],
-               &last = split.mitre.points[std::size_t(path.back())];
-    line.push_back(flat(first + far * planes[i].spoke));
-    for (int p : path) line.push_back(flat(split.mitre.points[std::size_t(p)]));
-    line.push_back(flat(last + far * planes[(i + 1) % planes.size()].spoke));
-    if (!is_simple(line)) return false;
+    const auto add = [&](const Vec3& x) { line.emplace_back(u.dot(x), v.dot(x)); };
+    const auto far = [&](const Vec3& x, const Vec3& spoke) { add(x + (reach - spoke.dot(x)) * spoke); };
+    far(split.mitre.points[std::size_t(path.back())], after.spoke);
+    for (auto p = path.rbegin(); p != path.rend(); ++p) add(split.mitre.points[std::size_t(*p)]);
+    far(split.mitre.points[std::size_t(path.front())], plane.spoke);
+    if (path.size() > 1 && !is_simple(line)) return std::nullopt;
+    double area = 0;
+    for (std::size_t k = 0; k < line.size(); ++k) area += cross(line[k], line[(k + 1) % line.size()]);
+    volume += plane.offset * area;
   }
-  return true;
+  return volume;
 }
 
-// The most compact of the ways that leave each plane a simple border (ERO-4).
+// The largest of the solids whose planes all have a simple border (ERO-4).
 std::optional<Mitre> split_vertex(std::span<const VertexPlane> planes, double meet) {
   const int d = int(planes.size());
   const auto place = [&](const std::array<int, 3>& t) { return std::size_t((t[0] * d + t[1]) * d + t[2]); };
@@ -153,9 +162,16 @@ std::optional<Mitre> split_vertex(std::span<const VertexPlane> planes, double me
     if (std::ranges::none_of(points, far))
       candidates.push_back(split_by(triples, points, planes.size(), meet));
   }
-  std::ranges::stable_sort(candidates, {}, &Split::length);
-  const auto good = std::ranges::find_if(candidates, [&](const Split& s) { return is_embedded(s, planes); });
-  return good == candidates.end() ? std::nullopt : std::optional(good->mitre);
+  double reach = 10;
+  for (const Split& split : candidates) reach = std::max(reach, 10 * split.length);
+  std::optional<Mitre> best;
+  double most = -kInf;
+  for (const Split& split : candidates)
+    if (const std::optional<double> volume = volume_below(split, planes, reach); volume && *volume > most) {
+      most = *volume;
+      best = split.mitre;
+    }
+  return best;
 }
 
 }  // namespace
@@ -168,11 +184,14 @@ std::optional<Mitre> mitre(std::span<const VertexPlane> planes, const MitreOptio
   };
   const MeetingPoint exact = meeting_point(planes, options.meet);
   if (exact.residual <= options.meet) return at_one_point(exact);
-  if (options.split && int(planes.size()) <= kMostPlanes)
-    if (std::optional<Mitre> split = split_vertex(planes, options.meet)) return split;
   const MeetingPoint near = meeting_point(planes, options.deviation);
-  if (near.residual <= options.deviation) return at_one_point(near);
-  return std::nullopt;
+  const bool near_enough = near.residual <= options.deviation;
+  if (options.split && int(planes.size()) <= kMostPlanes)
+    if (std::optional<Mitre> split = split_vertex(planes, options.meet)) {
+      const auto in_reach = [&](const Vec3& p) { return p.norm() <= kReach * near.x.norm(); };
+      if (!near_enough || std::ranges::all_of(split->points, in_reach)) return split;
+    }
+  return near_enough ? std::optional(at_one_point(near)) : std::nullopt;
 }
 
 }  // namespace aussois

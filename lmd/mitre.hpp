@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a vertex goes when the planes around it all move inwards by one unit (ERO-2) to (ERO-4): to one point
-// if the planes meet in one, otherwise to several, joined by new edges.
+// Where a vertex goes when the planes around it all move inwards (ERO-2) to (ERO-4): to one point if the
+// planes meet in one, otherwise to several, joined by new edges.
 #pragma once
 
 #include <optional>
@@ -16,6 +16,7 @@ namespace aussois {
 struct VertexPlane {
   Vec3 normal = Vec3::UnitZ();  // unit, outwards
   Vec3 spoke = Vec3::UnitX();   // along the edge to the plane before, away from the vertex
+  double offset = -1;           // of the moved plane { x : normal . x = offset } from the vertex
 };
 
 struct MitreOptions {
