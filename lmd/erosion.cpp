@@ -574,17 +574,6 @@ int bend(const SimplicialComplex& k, const SurfaceTree& tree, int edge) {
   return sine > 1e-6 ? 1 : sine < -1e-6 ? -1 : 0;
 }
 
-/// Interior dihedral angle of a chain, psi in (ERO-5).
-double interior_angle(const SimplicialComplex& k, const Idealisation& ideal, const Chain& chain) {
-  const int edge = chain.edges.front();
-  const auto both = k.edge_triangles[edge];
-  const Vec3 &n = ideal.region_normal[std::size_t(ideal.triangle_region[std::size_t(both[0])])],
-             &m = ideal.region_normal[std::size_t(ideal.triangle_region[std::size_t(both[1])])];
-  const auto corner = corner_at(k, both[0], chain.vertices[0]);
-  const bool along = k.triangle_edges[std::size_t(both[0])][corner] == edge;
-  return kPi - std::atan2(n.cross(m).dot(chain.direction) * (along ? 1 : -1), n.dot(m));
-}
-
 void predict(const SimplicialComplex& solid, const Idealisation& ideal, const Erosion& made,
              const SurfaceTree& eroded, const ErosionOptions& options, ErosionMeasures& out) {
   const double eps = options.depth;
@@ -678,6 +667,16 @@ const char* to_string(ErosionStatus status) {
       return "too_round";
   }
   return "unknown";
+}
+
+double interior_angle(const SimplicialComplex& k, const Idealisation& ideal, const Chain& chain) {
+  const int edge = chain.edges.front();
+  const auto both = k.edge_triangles[edge];
+  const Vec3 &n = ideal.region_normal[std::size_t(ideal.triangle_region[std::size_t(both[0])])],
+             &m = ideal.region_normal[std::size_t(ideal.triangle_region[std::size_t(both[1])])];
+  const auto corner = corner_at(k, both[0], chain.vertices[0]);
+  const bool along = k.triangle_edges[std::size_t(both[0])][corner] == edge;
+  return kPi - std::atan2(n.cross(m).dot(chain.direction) * (along ? 1 : -1), n.dot(m));
 }
 
 ErosionMeasures measure_erosion(const SimplicialComplex& solid, const SimplicialComplex& eroded, double depth,

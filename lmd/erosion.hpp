@@ -73,6 +73,9 @@ struct ErosionResult {
 /// Throws std::invalid_argument for a bad option only; whatever the geometry does is a status.
 ErosionResult erode(const SimplicialComplex& solid, const ErosionOptions& options);
 
+/// Interior angle between the two regions of a chain with two triangles, psi in (ERO-5), in (0, 2 pi) [rad].
+double interior_angle(const SimplicialComplex& complex, const Idealisation& ideal, const Chain& chain);
+
 /// Measures any pair of a solid and an eroded one (ERO-6), (ERO-7): fills shallow, face_error, rounding,
 /// hausdorff, thickness and samples. Both must have triangles.
 ErosionMeasures measure_erosion(const SimplicialComplex& solid, const SimplicialComplex& eroded, double depth,

@@ -15,6 +15,7 @@ from drivers import DriverTest
 COMMAND = sys.argv[1:]
 RESULTS = {
     "sliding_block": {"sliding_block.csv", "sliding_block.gp"},
+    "prepare_part": {"part.html", "eroded.obj"},
     "drop_part": {"replay.html", "run.h5", "steps.csv"},
     "replay_assembly": {"replay.html", "run.h5", "poses.csv" if "kinematic" in COMMAND else "steps.csv"},
 }
@@ -29,8 +30,8 @@ class RunLine(DriverTest):
         self.assertEqual(set(files), {f"out/{name}" for name in RESULTS[COMMAND[0]]})
         for name, content in files.items():
             self.assertGreater(len(content), 100, name)
-        if "out/replay.html" in files:
-            self.assertTrue(files["out/replay.html"].rstrip().endswith(b"</html>"))
+        for page in {"out/replay.html", "out/part.html"} & set(files):
+            self.assertTrue(files[page].rstrip().endswith(b"</html>"))
         if "out/run.h5" in files:
             self.assertTrue(files["out/run.h5"].startswith(b"\x89HDF\r\n\x1a\n"))
 
