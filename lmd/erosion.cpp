@@ -574,6 +574,94 @@ int bend(const SimplicialComplex& k, const SurfaceTree& tree, int edge) {
   return sine > 1e-6 ? 1 : sine < -1e-6 ? -1 : 0;
 }
 
+struct ConvexParts {
+  std::vector<char> edges{}, vertices{};
+};
+
+ConvexParts convex_parts(const SimplicialComplex& k, const SurfaceTree& tree) {
+  ConvexParts out{std::vector<char>(k.edges.size(), 0), std::vector<char>(k.vertices.size(), 0)};
+  for (std::size_t e = 0; e < k.edges.size(); ++e)
+    if (k.edge_triangles[int(e)].size() == 2 && bend(k, tree, int(e)) > 0) {
+      out.edges[e] = 1;
+      for (int v : k.edges[e]) out.vertices[std::size_t(v)] = 1;
+    }
+  return out;
+}
+
+/// restored(triangle, x, foot): the dilation is to give this sample of the solid back.
+template <class Restored>
+ErosionMeasures measure(const SimplicialComplex& solid, const SimplicialComplex& eroded,
+                        const SurfaceTree& inner, double depth, int samples, const Restored& restored) {
+  const SurfaceTree outer(solid);
+  ErosionMeasures out;
+  out.rounding = -kInf;
+  out.samples += for_samples(solid, samples, [&](int t, const Vec3& x) {
+    const SurfacePoint foot = inner.nearest(x);
+    const double off = foot.distance - depth;
+    out.rounding = std::max(out.rounding, off);
+    out.face_error = std::max(out.face_error, restored(t, x, foot) ? std::abs(off) : -off);
+  });
+  out.samples += for_samples(eroded, samples, [&](int, const Vec3& x) {
+    out.shallow = std::max(out.shallow, depth + outer.signed_distance(x));
+  });
+  const ConvexParts convex = convex_parts(eroded, inner);
+  for (std::size_t e = 0; e < eroded.edges.size(); ++e)  // the middle of the round of each convex edge
+    if (convex.edges[e]) {
+      const auto both = eroded.edge_triangles[int(e)];
+      const auto& [a, b] = eroded.edges[e];
+      const Vec3 middle = 0.5 * (eroded.vertices[std::size_t(a)] + eroded.vertices[std::size_t(b)]);
+      const Vec3 way = (inner.normal(both[0]) + inner.normal(both[1])).stableNormalized();
+      out.hausdorff = std::max(out.hausdorff, outer.nearest(middle + depth * way).distance);
+    }
+  out.hausdorff = std::max(out.hausdorff, out.rounding);
+  out.thickness = smallest_thickness(eroded, inner, 1).value;
+  return out;
+}
+
+/// What convex chains and corners round off a region: everything within `reach` of a segment.
+struct Rounded {
+  Vec3 from = Vec3::Zero(), to = Vec3::Zero();
+  double reach = 0;
+};
+
+std::vector<std::vector<Rounded>> rounded_parts(const SimplicialComplex& solid, const Idealisation& ideal,
+                                                const Erosion& made, double depth) {
+  std::vector<double> way(solid.vertices.size(), 0);  // farthest that a vertex moves
+  for (const Cluster& c : made.clusters())
+    for (int f : c.fans)
+      for (const Vec3& p : c.mitre.points) {
+        const auto v = std::size_t(made.fan(f).vertex);
+        way[v] = std::max(way[v], (c.origin + depth * p - solid.vertices[v]).norm());
+      }
+  std::vector<std::vector<Rounded>> parts(ideal.region_normal.size());
+  for (const Chain& chain : ideal.chains) {
+    const double psi = interior_angle(solid, ideal, chain);
+    if (!(psi < kPi)) continue;
+    const Vec3 &a = solid.vertices[std::size_t(chain.first)], &b = solid.vertices[std::size_t(chain.last)];
+    for (int t : solid.edge_triangles[chain.edges.front()]) {
+      auto& list = parts[std::size_t(ideal.triangle_region[std::size_t(t)])];
+      list.push_back({a, b, depth / std::tan(psi / 2)});
+      list.push_back({a, a, way[std::size_t(chain.first)]});
+      list.push_back({b, b, way[std::size_t(chain.last)]});
+    }
+  }
+  for (const Cluster& c : made.clusters())  // new edges between split and merged vertices may be convex
+    if (c.mitre.points.size() > 1 || c.fans.size() > 1)
+      for (int f : c.fans) {
+        const Fan& fan = made.fan(f);
+        const Vec3& x = solid.vertices[std::size_t(fan.vertex)];
+        for (int r : fan.regions) parts[std::size_t(r)].push_back({x, x, way[std::size_t(fan.vertex)]});
+      }
+  return parts;
+}
+
+bool within(const Rounded& part, const Vec3& x) {
+  const Vec3 along = part.to - part.from;
+  const double length2 = along.squaredNorm();
+  const double share = length2 > 0 ? std::clamp(along.dot(x - part.from) / length2, 0.0, 1.0) : 0;
+  return (x - part.from - share * along).norm() <= part.reach * (1 + 1e-9);
+}
+
 void predict(const SimplicialComplex& solid, const Idealisation& ideal, const Erosion& made,
              const SurfaceTree& eroded, const ErosionOptions& options, ErosionMeasures& out) {
   const double eps = options.depth;
@@ -681,39 +769,12 @@ double interior_angle(const SimplicialComplex& k, const Idealisation& ideal, con
 
 ErosionMeasures measure_erosion(const SimplicialComplex& solid, const SimplicialComplex& eroded, double depth,
                                 int samples) {
-  const SurfaceTree outer(solid), inner(eroded);
-  ErosionMeasures out;
-  std::vector<char> round_edge(eroded.edges.size(), 0), round_vertex(eroded.vertices.size(), 0);
-  for (std::size_t e = 0; e < eroded.edges.size(); ++e)
-    if (eroded.edge_triangles[int(e)].size() == 2 && bend(eroded, inner, int(e)) > 0) {
-      round_edge[e] = 1;
-      for (int v : eroded.edges[e]) round_vertex[std::size_t(v)] = 1;
-    }
-  out.rounding = -kInf;
-  out.samples += for_samples(solid, samples, [&](int, const Vec3& x) {
-    const SurfacePoint foot = inner.nearest(x);
-    const double off = foot.distance - depth;
-    out.rounding = std::max(out.rounding, off);
-    const bool round = (foot.dim == 1 && round_edge[std::size_t(foot.simplex)]) ||
-                       (foot.dim == 0 && round_vertex[std::size_t(foot.simplex)]);
-    out.face_error = std::max(out.face_error, round ? -off : std::abs(off));
+  const SurfaceTree inner(eroded);
+  const auto [round_edge, round_vertex] = convex_parts(eroded, inner);
+  return measure(solid, eroded, inner, depth, samples, [&](int, const Vec3&, const SurfacePoint& foot) {
+    return !(foot.dim == 1 && round_edge[std::size_t(foot.simplex)]) &&
+           !(foot.dim == 0 && round_vertex[std::size_t(foot.simplex)]);
   });
-  const auto dilated_to_solid = [&](const Vec3& x, const Vec3& direction) {
-    out.hausdorff = std::max(out.hausdorff, outer.nearest(x + depth * direction).distance);
-  };
-  out.samples += for_samples(eroded, samples, [&](int, const Vec3& x) {
-    out.shallow = std::max(out.shallow, depth + outer.signed_distance(x));
-  });
-  for (std::size_t e = 0; e < eroded.edges.size(); ++e)  // the middle of the round of each convex edge
-    if (round_edge[e]) {
-      const auto both = eroded.edge_triangles[int(e)];
-      const auto& [a, b] = eroded.edges[e];
-      dilated_to_solid(0.5 * (eroded.vertices[std::size_t(a)] + eroded.vertices[std::size_t(b)]),
-                       (inner.normal(both[0]) + inner.normal(both[1])).stableNormalized());
-    }
-  out.hausdorff = std::max(out.hausdorff, out.rounding);
-  out.thickness = smallest_thickness(eroded, inner, 1).value;
-  return out;
 }
 
 ErosionResult erode(const SimplicialComplex& solid, const ErosionOptions& options) {
@@ -757,8 +818,15 @@ ErosionResult erode(const SimplicialComplex& solid, const ErosionOptions& option
     return result;
   }
   result.triangle_region = erosion.triangle_region;
-  result.measures = measure_erosion(solid, result.complex, options.depth, options.samples);
-  predict(solid, result.ideal, erosion, SurfaceTree(result.complex), options, result.measures);
+  const SurfaceTree inner(result.complex);
+  const auto rounded = rounded_parts(solid, result.ideal, erosion, options.depth);
+  result.measures = measure(solid, result.complex, inner, options.depth, options.samples,
+                            [&](int t, const Vec3& x, const SurfacePoint&) {
+                              const auto region = result.ideal.triangle_region[std::size_t(t)];
+                              return std::ranges::none_of(rounded[std::size_t(region)],
+                                                          [&](const Rounded& r) { return within(r, x); });
+                            });
+  predict(solid, result.ideal, erosion, inner, options, result.measures);
   if (result.measures.rounding > options.max_rounding) {
     std::ostringstream text;
     text << "convex edges or corners would be rounded by " << result.measures.rounding << " m, more than "

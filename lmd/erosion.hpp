@@ -77,7 +77,8 @@ ErosionResult erode(const SimplicialComplex& solid, const ErosionOptions& option
 double interior_angle(const SimplicialComplex& complex, const Idealisation& ideal, const Chain& chain);
 
 /// Measures any pair of a solid and an eroded one (ERO-6), (ERO-7): fills shallow, face_error, rounding,
-/// hausdorff, thickness and samples. Both must have triangles.
+/// hausdorff, thickness and samples. Nothing being known about edges, a face is here what is nearest to
+/// neither a convex edge of the eroded solid nor its ends. Both must have triangles.
 ErosionMeasures measure_erosion(const SimplicialComplex& solid, const SimplicialComplex& eroded, double depth,
                                 int samples);
 
