@@ -135,6 +135,7 @@ void report_erosion(Report& report, const ErosionResult& eroded) {
   report.add("merged_vertices", m.merged_vertices);
   report.add("deviating_vertices", m.deviating_vertices);
   report.add("samples", m.samples);
+  report.add("face_samples", m.face_samples);
   report.show("split, merged, deviating vertices", std::to_string(m.split_vertices) + ", " +
                                                        std::to_string(m.merged_vertices) + ", " +
                                                        std::to_string(m.deviating_vertices));

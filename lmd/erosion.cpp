@@ -285,8 +285,8 @@ class Erosion {
       text << "around " << c.fans.size() << " vertices that would merge, near ";
     else
       text << "at ";
-    text << "vertex " << stars_.fans[std::size_t(c.fans[0])].vertex
-         << ", do not meet when moved, and no split is simple";
+    text << "vertex " << stars_.fans[std::size_t(c.fans[0])].vertex << (c.fans.size() > 1 ? "," : "")
+         << " do not meet when moved, and no split is simple";
     Failure failure{ErosionStatus::unsettled_vertex, c.origin, text.str(), {}};
     for (int f : c.fans)
       failure.regions.insert(failure.regions.end(), stars_.fans[std::size_t(f)].regions.begin(),
@@ -599,7 +599,9 @@ ErosionMeasures measure(const SimplicialComplex& solid, const SimplicialComplex&
     const SurfacePoint foot = inner.nearest(x);
     const double off = foot.distance - depth;
     out.rounding = std::max(out.rounding, off);
-    out.face_error = std::max(out.face_error, restored(t, x, foot) ? std::abs(off) : -off);
+    const bool face = restored(t, x, foot);
+    out.face_samples += face;
+    out.face_error = std::max(out.face_error, face ? std::abs(off) : -off);
   });
   out.samples += for_samples(eroded, samples, [&](int, const Vec3& x) {
     out.shallow = std::max(out.shallow, depth + outer.signed_distance(x));

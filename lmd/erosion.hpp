@@ -56,6 +56,7 @@ struct ErosionMeasures {
   int merged_vertices = 0;     // vertices that became one or several together with others
   int deviating_vertices = 0;  // vertices whose planes miss the one point by more than `meet`
   int samples = 0;             // of both surfaces
+  int face_samples = 0;        // those of the solid's surface that face_error speaks of
 };
 
 struct ErosionResult {

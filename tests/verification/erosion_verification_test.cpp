@@ -28,6 +28,7 @@ void expect_restored(const SimplicialComplex& solid, double depth, const std::st
   EXPECT_LE(m.rounding, m.rounding_bound + 1e-12 * size);
   EXPECT_EQ(m.deviating_vertices, 0);
   EXPECT_GT(m.samples, 20'000);
+  EXPECT_GT(m.face_samples, m.samples / 20) << "the faces are judged";
 }
 
 SimplicialComplex shared_mesh(const std::string& name) {
