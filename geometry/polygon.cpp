@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Holes are joined to the outer loop by bridges to a visible corner, ears are cut from the result, and inner
-// edges flipped until they are Delaunay [Ericson 2005; Eberly 2002; Lawson 1977].
+// edges flipped until they are Delaunay [Ericson2005, ch. 12].
 #include "geometry/polygon.hpp"
 
 #include <algorithm>
