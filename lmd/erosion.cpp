@@ -772,10 +772,10 @@ double interior_angle(const SimplicialComplex& k, const Idealisation& ideal, con
 ErosionMeasures measure_erosion(const SimplicialComplex& solid, const SimplicialComplex& eroded, double depth,
                                 int samples) {
   const SurfaceTree inner(eroded);
-  const auto [round_edge, round_vertex] = convex_parts(eroded, inner);
+  const ConvexParts convex = convex_parts(eroded, inner);
   return measure(solid, eroded, inner, depth, samples, [&](int, const Vec3&, const SurfacePoint& foot) {
-    return !(foot.dim == 1 && round_edge[std::size_t(foot.simplex)]) &&
-           !(foot.dim == 0 && round_vertex[std::size_t(foot.simplex)]);
+    return !(foot.dim == 1 && convex.edges[std::size_t(foot.simplex)]) &&
+           !(foot.dim == 0 && convex.vertices[std::size_t(foot.simplex)]);
   });
 }
 
