@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "geometry/check.hpp"
+#include "geometry/polygon.hpp"
 
 namespace aussois {
 namespace {
@@ -172,6 +173,28 @@ SimplicialComplex make_sphere(double radius, int subdivisions) {
   return make_complex(std::move(sphere.vertices), std::move(sphere.triangles), {}, true);
 }
 
+SimplicialComplex make_extrusion(const std::vector<Vec2>& profile, double height) {
+  require_length("height", height);
+  require_field(profile.size() >= 3, "number of points of a profile", profile.size(), "be at least 3");
+  const int n = int(profile.size());
+  std::vector<int> loop;
+  std::vector<Vec3> vertices;  // i below, n + i above
+  for (int i = 0; i < n; ++i) loop.push_back(i);
+  for (const double z : {-height / 2, height / 2})
+    for (const Vec2& x : profile) vertices.emplace_back(x.x(), x.y(), z);
+  const double area = twice_area(profile, loop) / 2;
+  require_field(area > 0, "area of a profile", area, "be > 0 (does it run clockwise?)");
+  const auto cap = triangulate(profile, {loop});
+  require(cap.has_value(), "a profile must not cross itself");
+  Triangles triangles;
+  for (const auto& [a, b, c] : *cap) {
+    triangles.push_back({a, c, b});
+    triangles.push_back({n + a, n + b, n + c});
+  }
+  for (int i = 0; i < n; ++i) add_quad(triangles, i, (i + 1) % n, n + (i + 1) % n, n + i);
+  return make_complex(std::move(vertices), std::move(triangles), {}, true);
+}
+
 SimplicialComplex make_torus(double major, double minor, int n_major, int n_minor) {
   require_length("major", major);
   require_length("minor", minor);
@@ -194,6 +217,19 @@ SimplicialComplex make_torus(double major, double minor, int n_major, int n_mino
     }
   }
   return make_complex(std::move(vertices), std::move(triangles), {}, true);
+}
+
+std::vector<Vec2> gear_profile(int teeth, double root_radius, double tip_radius) {
+  require_field(teeth >= 3, "teeth", teeth, "be at least 3");
+  require_length("root_radius", root_radius);
+  require_length("tip_radius", tip_radius);
+  require_field(root_radius < tip_radius, "root_radius", root_radius, "be smaller than tip_radius");
+  std::vector<Vec2> profile;
+  for (int i = 0; i < 4 * teeth; ++i) {
+    const double angle = kPi * i / (2 * teeth), r = i % 4 < 2 ? root_radius : tip_radius;
+    profile.emplace_back(r * std::cos(angle), r * std::sin(angle));
+  }
+  return profile;
 }
 
 }  // namespace aussois

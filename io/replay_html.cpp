@@ -1,85 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page is io/viewer/template.html with one blob pasted in: base64(gzip(u32 n, JSON of n bytes, arrays)).
-// The JSON names the arrays, all of four-byte little-endian numbers, in the order in which they follow.
 #include "io/replay_html.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <stdexcept>
-#include <string_view>
-#include <zlib.h>
 
 #include "geometry/check.hpp"
 #include "geometry/simplicial_complex.hpp"
-#include "io/atomic_file.hpp"
-#include "io/summary.hpp"
+#include "io/html_page.hpp"
 
 namespace aussois {
 
-extern const std::string_view kReplayTemplate[];  // made from viewer/template.html by viewer/embed.cmake
-extern const int kReplayTemplatePieces;
-
 namespace {
-
-static_assert(std::endian::native == std::endian::little, "the page reads little-endian arrays");
-
-std::string gzipped(const std::string& bytes) {
-  z_stream stream{};
-  constexpr int kGzip =
-      15 + 16;  // largest window, gzip instead of zlib framing: what DecompressionStream reads
-  if (deflateInit2(&stream, 6, Z_DEFLATED, kGzip, 8, Z_DEFAULT_STRATEGY) != Z_OK)
-    throw std::runtime_error("zlib: deflateInit2 failed");
-  std::string packed(deflateBound(&stream, bytes.size()), '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-  stream.avail_in = uInt(bytes.size());
-  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
-  stream.avail_out = uInt(packed.size());
-  const int status = deflate(&stream, Z_FINISH);
-  packed.resize(stream.total_out);
-  deflateEnd(&stream);
-  if (status != Z_STREAM_END) throw std::runtime_error("zlib: deflate failed");
-  return packed;
-}
-
-std::string base64(const std::string& bytes) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
-    unsigned bits = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      bits = bits << 8 | (k < count ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-    for (std::size_t k = 0; k < 4; ++k) text += k <= count ? kDigits[bits >> (18 - 6 * k) & 63] : '=';
-  }
-  return text;
-}
-
-/// The arrays of the page, one after the other, and their names.
-class Arrays {
- public:
-  template <class T>
-  void add(const std::string& name, const std::vector<T>& values) {
-    static_assert(sizeof(T) == 4);
-    names_.push_back(name + (std::is_floating_point_v<T> ? ":f32:" : ":i32:") +
-                     std::to_string(values.size()));
-    bytes_.append(reinterpret_cast<const char*>(values.data()), 4 * values.size());
-  }
-  std::string packed(Summary header) const {
-    header.set("arrays", names_);
-    std::string json = to_json(header);
-    json.resize((json.size() + 3) / 4 * 4, ' ');
-    const std::uint32_t length = std::uint32_t(json.size());
-    return std::string(reinterpret_cast<const char*>(&length), 4) + json + bytes_;
-  }
-
- private:
-  std::vector<std::string> names_{};
-  std::string bytes_{};
-};
 
 void append(std::vector<float>& values, const Vec3& x) {
   for (const double coordinate : x) values.push_back(float(coordinate));
@@ -116,7 +49,7 @@ ShownContact shown(const RunHeader& header, const RunStep& step, const RunContac
 }
 
 /// Meshes around their own centre, so that float32 keeps eight digits of the shape and not of its place.
-void add_meshes(Arrays& arrays, const RunHeader& header) {
+void add_meshes(PageArrays& arrays, const RunHeader& header) {
   int index = 0;
   for (const auto& [name, mesh] : header.meshes) {
     const Vec3 centre = centre_of(mesh);
@@ -133,7 +66,8 @@ void add_meshes(Arrays& arrays, const RunHeader& header) {
 }
 
 /// Poses of the centred meshes, relative to `origin`.
-void add_poses(Arrays& arrays, const RunData& run, const std::vector<std::size_t>& rows, const Vec3& origin) {
+void add_poses(PageArrays& arrays, const RunData& run, const std::vector<std::size_t>& rows,
+               const Vec3& origin) {
   std::vector<float> pose;
   for (const std::size_t row : rows)
     for (std::size_t i = 0; i < run.header.bodies.size(); ++i) {
@@ -146,7 +80,7 @@ void add_poses(Arrays& arrays, const RunData& run, const std::vector<std::size_t
   arrays.add("pose", pose);
 }
 
-void add_contacts(Arrays& arrays, const RunData& run, const std::vector<std::size_t>& rows,
+void add_contacts(PageArrays& arrays, const RunData& run, const std::vector<std::size_t>& rows,
                   const Vec3& origin) {
   std::vector<std::int32_t> offset{0};
   std::vector<float> point, normal, force, gap;
@@ -210,7 +144,7 @@ const std::vector<Quantity>& quantities() {
   return list;
 }
 
-void add_quantities(Arrays& arrays, const RunData& run, const std::vector<std::size_t>& rows,
+void add_quantities(PageArrays& arrays, const RunData& run, const std::vector<std::size_t>& rows,
                     int max_points) {
   const std::size_t steps = run.steps.size(), points = std::min(steps, std::size_t(max_points));
   for (const Quantity& quantity : quantities()) {
@@ -282,19 +216,13 @@ void write_replay_html(const std::filesystem::path& html, const RunData& run, co
 
   const std::vector<std::size_t> rows = frame_rows(run.steps.size(), options.max_frames);
   const Vec3 origin = origin_of(run);
-  Arrays arrays;
+  PageArrays arrays;
   add_meshes(arrays, run.header);
   add_poses(arrays, run, rows, origin);
   add_contacts(arrays, run, rows, origin);
   add_quantities(arrays, run, rows, options.max_plot_points);
 
-  std::string page;
-  for (int i = 0; i < kReplayTemplatePieces; ++i) page += kReplayTemplate[i];
-  constexpr std::string_view kMark = "<!--RUN-->";
-  const std::size_t mark = page.find(kMark);
-  if (mark == std::string::npos) throw std::logic_error("viewer/template.html has no <!--RUN--> mark");
-  page.replace(mark, kMark.size(), base64(gzipped(arrays.packed(page_header(run, rows)))));
-  write_whole_file(html, page);
+  write_page(html, page_header(run, rows), arrays);
 }
 
 }  // namespace aussois

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The blob that io/replay_html.cpp pastes into the page: base64(gzip(u32 n, JSON of n bytes, arrays of 4-byte numbers)).
+// The blob that io/html_page.cpp pastes into the page: base64(gzip(u32 n, JSON of n bytes, arrays of 4-byte numbers)).
 
 /** Returns the JSON header with `array(name)`, a Float32Array or Int32Array. */
 export async function readRun(element) {
@@ -16,5 +16,5 @@ export async function readRun(element) {
     arrays.set(name, new (type === 'f32' ? Float32Array : Int32Array)(bytes, at, +count));
     at += 4 * count;
   }
-  return { ...run, frames: run.step.length, array: name => arrays.get(name) };
+  return { ...run, frames: run.step?.length ?? 0, array: name => arrays.get(name) };
 }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The replay page: decode the run, build scene and plots, connect the controls.
+// The replay page: decode the run, build scene and plots, connect the controls. A picture of a part (part.js) comes in the
+// same page.
 import { readRun } from './data.js';
 import { power, si } from './format.js';
+import { startPart } from './part.js';
 import { Plots } from './plots.js';
 import { Scene, colours } from './scene.js';
 
@@ -116,9 +118,10 @@ function start(run) {
 
 try {
   const run = await readRun($('run'));
-  start(run);
+  if (run.kind === 'part') startPart(run);
+  else start(run);
   $('message').textContent = '';
-  document.title = `${run.title || 'run'} \u2013 Aussois replay`;
+  document.title = run.kind === 'part' ? `${run.title} \u2013 Aussois` : `${run.title || 'run'} \u2013 Aussois replay`;
   document.body.dataset.ready = 'yes';
 } catch (error) {
   $('message').textContent = `This page cannot be shown: ${error.message}. It needs a browser of 2023 or later with WebGL 2.`;

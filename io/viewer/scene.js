@@ -103,9 +103,9 @@ function makeTriad() {
   return scene;
 }
 
-export class Scene {
-  constructor(canvas, run) {
-    this.run = run;
+/** Renderer, camera, lamp and triad; what stands in it says `wholeBox`. */
+export class Stage {
+  constructor(canvas) {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
     this.renderer.localClippingEnabled = true;
     this.renderer.autoClear = false;
@@ -121,6 +121,58 @@ export class Scene {
     this.triadCamera = new THREE.OrthographicCamera(-1.4, 1.4, 1.4, -1.4, 0.1, 10);
     this.triadCamera.up.set(0, 0, 1);
     this.plane = new THREE.Plane();
+    this.wholeBox = new THREE.Box3();
+  }
+
+  /** Looks from `view` so that the box fills the canvas. */
+  aim(view, box) {
+    const radius = 0.5 * box.getSize(new THREE.Vector3()).length();
+    const direction = { iso: [0.62, -0.86, 0.55], x: [1, 0, 0], y: [0, -1, 0], z: [0, -1e-4, 1] }[view];
+    const narrow = Math.min(1, this.camera.aspect);
+    box.getCenter(this.orbit.target);
+    const distance = 1.02 * radius / Math.sin(0.5 * this.camera.fov * Math.PI / 180) / narrow;
+    this.camera.position.fromArray(direction).normalize().multiplyScalar(distance).add(this.orbit.target);
+    this.orbit.update();
+  }
+
+  /** The section plane across axis "+x" ... "-z" at a share of the whole box. */
+  cutAt(axis, depth) {
+    const normal = new THREE.Vector3().setComponent('xyz'.indexOf(axis[1]), axis[0] === '+' ? -1 : 1);
+    const { min, max } = this.wholeBox, lo = min.dot(normal), hi = max.dot(normal);
+    this.plane.set(normal, -(lo + depth * (hi - lo)));
+  }
+
+  resize() {
+    const { clientWidth, clientHeight } = this.renderer.domElement;
+    this.renderer.setPixelRatio(devicePixelRatio);
+    this.renderer.setSize(clientWidth, clientHeight, false);
+    this.camera.aspect = clientWidth / Math.max(1, clientHeight);
+    this.camera.updateProjectionMatrix();
+  }
+
+  render() {
+    this.orbit.update();
+    const distance = this.camera.position.distanceTo(this.orbit.target), reach = this.wholeBox.getSize(new THREE.Vector3()).length();
+    this.camera.near = Math.max(1e-3 * distance, distance - 4 * reach);
+    this.camera.far = distance + 4 * reach;
+    this.camera.updateProjectionMatrix();
+    this.renderer.clear();
+    this.renderer.render(this.scene, this.camera);
+
+    const side = 84;
+    this.triadCamera.position.copy(this.camera.position).sub(this.orbit.target).setLength(4);
+    this.triadCamera.lookAt(0, 0, 0);
+    this.renderer.setViewport(6, 6, side, side);
+    this.renderer.clearDepth();
+    this.renderer.render(this.triad, this.triadCamera);
+    this.renderer.setViewport(0, 0, this.renderer.domElement.clientWidth, this.renderer.domElement.clientHeight);
+  }
+}
+
+export class Scene extends Stage {
+  constructor(canvas, run) {
+    super(canvas);
+    this.run = run;
 
     const counts = { moving: 0 };
     this.bodies = run.body_mesh.map((_, i) => {
@@ -165,7 +217,6 @@ export class Scene {
   /** Boxes of the moving bodies over the whole run and of everything. */
   measure() {
     this.movingBox = new THREE.Box3();
-    this.wholeBox = new THREE.Box3();
     const local = this.bodies.map(group => new THREE.Box3().setFromObject(group)), here = new THREE.Box3();
     for (let k = 0; k < this.run.frames; k += Math.max(1, Math.floor(this.run.frames / 60)))
       this.bodies.forEach((group, i) => {
@@ -194,31 +245,13 @@ export class Scene {
   /** Looks from `view` at the moving part's way, or at everything; a huge fixed part does not shrink the moving one. */
   look(view = 'iso', fit = 'moving') {
     const box = fit === 'all' ? this.wholeBox : this.movingBox.clone().expandByScalar(0.15 * this.size).intersect(this.wholeBox);
-    const radius = 0.5 * box.getSize(new THREE.Vector3()).length();
-    const direction = { iso: [0.62, -0.86, 0.55], x: [1, 0, 0], y: [0, -1, 0], z: [0, -1e-4, 1] }[view];
-    const narrow = Math.min(1, this.camera.aspect);
-    box.getCenter(this.orbit.target);
-    const distance = 1.02 * radius / Math.sin(0.5 * this.camera.fov * Math.PI / 180) / narrow;
-    this.camera.position.fromArray(direction).normalize().multiplyScalar(distance).add(this.orbit.target);
-    this.orbit.update();
-  }
-
-  resize() {
-    const { clientWidth, clientHeight } = this.renderer.domElement;
-    this.renderer.setPixelRatio(devicePixelRatio);
-    this.renderer.setSize(clientWidth, clientHeight, false);
-    this.camera.aspect = clientWidth / Math.max(1, clientHeight);
-    this.camera.updateProjectionMatrix();
+    this.aim(view, box);
   }
 
   /** Applies opacity of the fixed bodies, edge lines and the section plane. */
   dress({ opacity, edges, path, axis, cut, depth }) {
     this.paths.visible = path;
-    if (axis) {
-      const normal = new THREE.Vector3().setComponent('xyz'.indexOf(axis[1]), axis[0] === '+' ? -1 : 1);
-      const { min, max } = this.wholeBox, lo = min.dot(normal), hi = max.dot(normal);
-      this.plane.set(normal, -(lo + depth * (hi - lo)));
-    }
+    if (axis) this.cutAt(axis, depth);
     this.bodies.forEach((group, i) => {
       const fixed = this.run.body_fixed[i] === 1, sectioned = axis && (cut === 'all' || fixed);
       const ghost = fixed && opacity < 1;
@@ -272,23 +305,5 @@ export class Scene {
   followed() {
     const i = this.run.body_fixed.indexOf(0);
     return i < 0 ? new THREE.Vector3() : this.bodies[i].position.clone();
-  }
-
-  render() {
-    this.orbit.update();
-    const distance = this.camera.position.distanceTo(this.orbit.target), reach = this.wholeBox.getSize(new THREE.Vector3()).length();
-    this.camera.near = Math.max(1e-3 * distance, distance - 4 * reach);
-    this.camera.far = distance + 4 * reach;
-    this.camera.updateProjectionMatrix();
-    this.renderer.clear();
-    this.renderer.render(this.scene, this.camera);
-
-    const side = 84;
-    this.triadCamera.position.copy(this.camera.position).sub(this.orbit.target).setLength(4);
-    this.triadCamera.lookAt(0, 0, 0);
-    this.renderer.setViewport(6, 6, side, side);
-    this.renderer.clearDepth();
-    this.renderer.render(this.triad, this.triadCamera);
-    this.renderer.setViewport(0, 0, this.renderer.domElement.clientWidth, this.renderer.domElement.clientHeight);
   }
 }

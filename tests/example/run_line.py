@@ -16,6 +16,7 @@ COMMAND = sys.argv[1:]
 WRITES = [Path(word).name for flag, word in zip(COMMAND, COMMAND[1:]) if flag in ("--json", "--csv", "--picture")]
 RESULTS = {
     "sliding_block": {"sliding_block.csv", "sliding_block.gp"},
+    "prepare_part": {"part.html", "eroded.obj"},
     "drop_part": {"replay.html", "run.h5", "steps.csv"},
     "replay_assembly": {"replay.html", "run.h5", "poses.csv" if "kinematic" in COMMAND else "steps.csv"},
     "query_contacts": set(WRITES),

@@ -71,6 +71,23 @@ TEST(Primitives, SphereHasItsVerticesOnTheSphereAndConvergesToTheBallAtSecondOrd
 // Its facets are planar trapezoids. In the half plane at the angle t from the middle of a facet the profile
 // is that of the ring scaled in r by cos(d) / cos(t), d = pi / n: the volume is area * major * 2 sin(d)
 // cos(d) per facet.
+TEST(Primitives, ExtrusionHasTheAreaOfItsProfileTimesItsHeight) {
+  const std::vector<Vec2> l = {{0, 0}, {3, 0}, {3, 1}, {1, 1}, {1, 3}, {0, 3}};
+  EXPECT_NEAR(signed_volume(make_extrusion(l, 2)), 5 * 2, 1e-13);
+  EXPECT_THROW(make_extrusion({{0, 0}, {0, 1}, {1, 1}}, 1), std::invalid_argument) << "clockwise";
+  EXPECT_THROW(make_extrusion({{0, 0}, {1, 0}}, 1), std::invalid_argument);
+  EXPECT_THROW(make_extrusion(l, 0), std::invalid_argument);
+}
+
+TEST(Primitives, GearHasTheVolumeOfItsSectors) {
+  const double root = 2, tip = 2.5, quarter = kPi / (2 * 12);  // four sectors of this angle per tooth
+  const SimplicialComplex gear = make_extrusion(gear_profile(12, root, tip), 1);
+  EXPECT_NEAR(signed_volume(gear), 12 * 0.5 * std::sin(quarter) * (root * root + 2 * root * tip + tip * tip),
+              1e-12);
+  EXPECT_THROW(gear_profile(12, 2, 2), std::invalid_argument);
+  EXPECT_THROW(gear_profile(2, 1, 2), std::invalid_argument);
+}
+
 TEST(Primitives, TorusHasTheVolumeOfItsFrusta) {
   for (const int n : {3, 8, 50}) {
     for (const int m : {3, 5, 40}) {

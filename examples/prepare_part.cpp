@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+// What contact determination makes of a part: regions, chains and classes of its mesh, and the part eroded by
+// the dilation that it will get, so that the dilated part has the size of the drawing.
+//
+// Theory   doc/theory/erosion.md (ERO-1) to (ERO-9), doc/theory/lmd.md (LMD-4), (LMD-5), (LMD-7)
+// Run      prepare_part --builtin l --erode --dilation 1e-3
+//          prepare_part --builtin gear --dilation 5e-4 --erode
+// Expect   faces and concave edges restored to rounding, convex edges of 90 degrees rounded by 0.414
+// dilations
+#include <cstdio>
+
+#include "examples/assembly/assembly_input.hpp"
+#include "examples/common/driver.hpp"
+#include "examples/part/part_picture.hpp"
+#include "geometry/check.hpp"
+#include "geometry/fastener.hpp"
+#include "geometry/primitives.hpp"
+#include "io/build_info.hpp"
+#include "io/mesh_file.hpp"
+#include "io/summary.hpp"
+
+using namespace aussois;
+
+namespace {
+
+struct Arguments {
+  std::filesystem::path mesh{}, json{};
+  std::string builtin = "box", fallback = "refuse";
+  double scale = 1e-3, dilation = 2e-4, alpha = 2, planarity = 1e-6, deviation = 1e-3, max_rounding = 0;
+  int samples = 100'000;
+  bool erode = false, no_split = false;
+  CommonOptions common{};
+  std::string command_line{};
+};
+
+AssemblyPart part_of(const Arguments& a) {
+  if (!a.mesh.empty()) return read_part(a.mesh, a.scale);
+  const std::vector<Vec2> l = {{0, 0}, {0.03, 0}, {0.03, 0.01}, {0.01, 0.01}, {0.01, 0.03}, {0, 0.03}};
+  AssemblyPart part{.name = a.builtin};
+  if (a.builtin == "box") part.complex = make_box(0.04, 0.03, 0.02);
+  if (a.builtin == "l") part.complex = make_extrusion(l, 0.01);
+  if (a.builtin == "gear") part.complex = make_extrusion(gear_profile(20, 0.02, 0.024), 0.01);
+  if (a.builtin == "peg") part.complex = make_cylinder(0.004, 0.05, 64);
+  if (a.builtin == "ball") part.complex = make_sphere(0.01, 3);
+  if (a.builtin == "bolt") part.complex = make_bolt();
+  if (a.builtin == "nut") part.complex = make_nut();
+  part.report = report_mesh(part.complex);
+  return part;
+}
+
+std::string micrometres(double x) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.4g um", 1e6 * x);
+  return text;
+}
+
+/// Every number goes to the JSON, and what a person asks first also to the page and the terminal.
+class Report {
+ public:
+  template <class Value>
+  void add(const std::string& key, const Value& value) {
+    summary.set(key, value);
+  }
+  void show(const std::string& name, const std::string& text) { facts.emplace_back(name, text); }
+  Summary summary{};
+  std::vector<std::pair<std::string, std::string>> facts{};
+};
+
+void report_mesh_and_classes(Report& report, const AssemblyPart& part, const Idealisation& ideal,
+                             const Arguments& a) {
+  const MeshReport& mesh = part.report;
+  report.add("part", part.name);
+  report.add("triangles", mesh.triangles);
+  report.add("vertices", mesh.vertices);
+  report.add("components", mesh.components);
+  report.add("solid", part.complex.solid);
+  report.add("border_edges", mesh.border_edges);
+  report.add("non_manifold_edges", mesh.non_manifold_edges);
+  report.add("misoriented_edges", mesh.misoriented_edges);
+  report.add("degenerate_triangles", mesh.degenerate_triangles);
+  report.add("duplicate_triangles", mesh.duplicate_triangles);
+  report.add("self_intersections", mesh.self_intersections);
+  report.add("size", mesh.box.diagonal());
+  report.add("dilation", a.dilation);
+  report.add("bytes", bytes_of(part.complex));
+  report.show("triangles", std::to_string(mesh.triangles));
+  report.show("solid", part.complex.solid ? "yes" : "no, two-sided sheets");
+
+  const ClassCounts counts = count_classes(part.complex, ideal);
+  report.add("regions", ideal.region_normal.size());
+  report.add("chains", ideal.chains.size());
+  report.show("planar regions", std::to_string(ideal.region_normal.size()));
+  report.show("straight chains", std::to_string(ideal.chains.size()));
+  const std::pair<const char*, int> classes[] = {{"v_corner", counts.v_corner}, {"v_wide", counts.v_wide},
+                                                 {"v_node", counts.v_node},     {"e_crease", counts.e_crease},
+                                                 {"e_wide", counts.e_wide},     {"e_soft", counts.e_soft},
+                                                 {"face", counts.face},         {"silent", counts.silent}};
+  for (const auto& [name, count] : classes) {
+    report.add(name, count);
+    report.show(name, std::to_string(count));
+  }
+  const double bend = 180 / kPi * median_bend(part.complex, ideal);
+  report.add("median_bend_degrees", bend);
+  char text[40];
+  std::snprintf(text, sizeof text, "%.3g deg", bend);
+  report.show("median bend of chains", text);
+  if (bend > 0 && bend < a.alpha / 3)
+    std::fprintf(
+        stderr,
+        "warning: half of the chains bend by less than %.3g degrees, a third of alpha: round surfaces "
+        "are finer than the contacts need\n",
+        a.alpha / 3);
+}
+
+void report_erosion(Report& report, const ErosionResult& eroded) {
+  const ErosionMeasures& m = eroded.measures;
+  report.add("erosion", to_string(eroded.status));
+  report.add("erosion_reason", eroded.reason);
+  report.show("erosion", to_string(eroded.status));
+  if (!eroded.ok()) return;
+  report.add("eroded_triangles", eroded.complex.triangles.size());
+  report.add("eroded_bytes", bytes_of(eroded.complex));
+  const std::pair<const char*, double> lengths[] = {
+      {"shallow", m.shallow},     {"face_error", m.face_error},       {"edge_error", m.edge_error},
+      {"rounding", m.rounding},   {"edge_rounding", m.edge_rounding}, {"rounding_bound", m.rounding_bound},
+      {"hausdorff", m.hausdorff}, {"thickness", m.thickness},         {"deviation", m.deviation}};
+  for (const auto& [name, length] : lengths) {
+    report.add(name, length);
+    report.show(name, micrometres(length));
+  }
+  report.add("volume_lost", m.volume_lost);
+  report.add("convex_chains", m.convex_chains);
+  report.add("concave_chains", m.concave_chains);
+  report.add("split_vertices", m.split_vertices);
+  report.add("merged_vertices", m.merged_vertices);
+  report.add("deviating_vertices", m.deviating_vertices);
+  report.add("samples", m.samples);
+  report.add("face_samples", m.face_samples);
+  report.show("split, merged, deviating vertices", std::to_string(m.split_vertices) + ", " +
+                                                       std::to_string(m.merged_vertices) + ", " +
+                                                       std::to_string(m.deviating_vertices));
+}
+
+ExitCode prepare(const Arguments& a) {
+  // 1. The part as it is.
+  const AssemblyPart part = part_of(a);
+  for (const std::string& note : part.notes) std::fprintf(stderr, "warning: %s\n", note.c_str());
+  require(!part.complex.triangles.empty(), "the part has no triangles");
+  const double size = part.report.box.diagonal();
+  const Idealisation ideal =
+      idealise(part.complex, std::min(a.planarity * size, a.dilation > 0 ? 1e-3 * a.dilation : kInf));
+  Report report;
+  report_mesh_and_classes(report, part, ideal, a);
+
+  // 2. The part made smaller by the dilation to come.
+  make_folders(a.common);
+  ErosionResult eroded;
+  if (a.erode) {
+    eroded = erode(part.complex, {.depth = a.dilation,
+                                  .planarity = a.planarity,
+                                  .deviation = a.deviation,
+                                  .split = !a.no_split,
+                                  .max_rounding = a.max_rounding > 0 ? a.max_rounding : kInf,
+                                  .samples = a.samples});
+    report_erosion(report, eroded);
+    if (eroded.ok())
+      write_obj(a.common.out / "eroded.obj",
+                {.vertices = eroded.complex.vertices, .triangles = eroded.complex.triangles}, a.scale);
+    else
+      std::fprintf(stderr, "%s: %s%s\n", a.fallback == "none" ? "warning: not eroded" : "refused",
+                   eroded.reason.c_str(), a.fallback == "none" ? "; the dilation adds to its size" : "");
+  }
+
+  // 3. The picture and the numbers.
+  PartPicture picture = part_picture(part.complex, ideal, eroded.complex, eroded.triangle_region, a.dilation);
+  picture.title = "prepare_part " + part.name;
+  picture.command_line = a.command_line;
+  picture.build = build_info();
+  picture.facts = report.facts;
+  write_part_html(a.common.out / "part.html", picture);
+  for (const auto& file : {a.json, a.common.summary})
+    if (!file.empty()) write_summary(file, report.summary);
+
+  if (!a.common.quiet) std::fputs(to_string(part.report).c_str(), stdout);
+  if (!a.common.quiet)
+    for (const auto& [name, text] : report.facts) std::printf("%-36s %s\n", name.c_str(), text.c_str());
+  if (!a.erode) {
+    std::printf("prepare_part: %zu regions, %zu chains\n", ideal.region_normal.size(), ideal.chains.size());
+    return ExitCode::ok;
+  }
+  if (!eroded.ok()) {
+    std::printf("prepare_part: not eroded (%s)\n", to_string(eroded.status));
+    return a.fallback == "none" ? ExitCode::ok : ExitCode::not_accepted;
+  }
+  std::printf("prepare_part: eroded by %s; dilation gives faces back to %.1e of the size and rounds by %s\n",
+              micrometres(a.dilation).c_str(), eroded.measures.face_error / size,
+              micrometres(eroded.measures.rounding).c_str());
+  return ExitCode::ok;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments a;
+  a.command_line = command_line(argc, argv);
+  Cli cli("prepare_part", "Shows what contact determination makes of a part, and erodes it by its dilation.");
+  cli.group("part");
+  cli.input("--mesh", a.mesh, "OBJ, STL, PLY or OFF");
+  cli.choice("--builtin", a.builtin, "a part of our own, if no mesh is given",
+             {"box", "l", "gear", "peg", "ball", "bolt", "nut"});
+  cli.option("--scale", a.scale, "metres per unit of the file", "m", {1e-12, 1e12});
+  cli.option("--planarity", a.planarity, "of regions and chains, relative to the size", "-", {0, 1e-2});
+  cli.option("--alpha", a.alpha, "enlargement of normal cones, for the warning on fine meshes", "deg",
+             {0, 45});
+  cli.group("erosion");
+  cli.option("--dilation", a.dilation, "of the part, and depth of the erosion", "m", {1e-9, 1});
+  cli.flag("--erode", a.erode, "make the part smaller by the dilation first");
+  cli.choice("--fallback", a.fallback,
+             "if it cannot be eroded: refuse (exit code 1), or none: take it as it is", {"refuse", "none"});
+  cli.option("--deviation", a.deviation, "of planes from a vertex that cannot be split well, in dilations",
+             "-", {0, 0.1});
+  cli.flag("--no-split", a.no_split,
+           "never split a vertex: fewer triangles on round surfaces, with deviation");
+  cli.option("--max-rounding", a.max_rounding, "refused beyond; 0: no bound", "m", {0, 1});
+  cli.option("--samples", a.samples, "of each surface, for the measures", "", {1, 1e8});
+  cli.group("output");
+  cli.option("--json", a.json, "file for all numbers of the report");
+  cli.common(a.common);
+  cli.example("prepare_part --builtin gear --erode --dilation 2e-4", "open out/part.html; out/eroded.obj");
+  cli.example("prepare_part --mesh bracket.obj --scale 1e-3 --dilation 1e-4 --erode --json part.json",
+              "your own part, in millimetres");
+  return run_driver(cli, argc, argv, [&] { return prepare(a); });
+}

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Plane polygons with holes, cut into triangles. Orientations are decided by exact arithmetic on the given
+// doubles.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "geometry/types.hpp"
+
+namespace aussois {
+
+/// Twice the signed area of a loop of points, positive if it runs counter-clockwise.
+double twice_area(const std::vector<Vec2>& points, const std::vector<int>& loop);
+
+/// Triangles, counter-clockwise, between `loops` of indices into `points`: the first is the outer one and
+/// runs counter-clockwise, the others are holes and run clockwise. All given points are used and none is
+/// added; inner edges are Delaunay where the borders allow it, so that points along a straight border make no
+/// flat triangles. None if the loops cross themselves or each other in a way that leaves no ear to cut; loops
+/// that do not cross always have an answer. O(n^2).
+std::optional<std::vector<std::array<int, 3>>> triangulate(const std::vector<Vec2>& points,
+                                                           const std::vector<std::vector<int>>& loops);
+
+}  // namespace aussois
