@@ -66,8 +66,8 @@ class Report {
   std::vector<std::pair<std::string, std::string>> facts{};
 };
 
-void report_mesh_and_classes(Report& report, const AssemblyPart& part, const Idealisation& ideal,
-                             const Arguments& a) {
+void report_mesh_and_classes(Report& report, const AssemblyPart& part, const LmdShape& shape,
+                             const Idealisation& ideal, const Arguments& a) {
   const MeshReport& mesh = part.report;
   report.add("part", part.name);
   report.add("triangles", mesh.triangles);
@@ -82,11 +82,11 @@ void report_mesh_and_classes(Report& report, const AssemblyPart& part, const Ide
   report.add("self_intersections", mesh.self_intersections);
   report.add("size", mesh.box.diagonal());
   report.add("dilation", a.dilation);
-  report.add("bytes", bytes_of(part.complex));
+  report.add("search_bytes", search_bytes(shape));
   report.show("triangles", std::to_string(mesh.triangles));
   report.show("solid", part.complex.solid ? "yes" : "no, two-sided sheets");
 
-  const ClassCounts counts = count_classes(part.complex, ideal);
+  const ClassCounts counts = count_classes(shape, ideal);
   report.add("regions", ideal.region_normal.size());
   report.add("chains", ideal.chains.size());
   report.show("planar regions", std::to_string(ideal.region_normal.size()));
@@ -119,7 +119,6 @@ void report_erosion(Report& report, const ErosionResult& eroded) {
   report.show("erosion", to_string(eroded.status));
   if (!eroded.ok()) return;
   report.add("eroded_triangles", eroded.complex.triangles.size());
-  report.add("eroded_bytes", bytes_of(eroded.complex));
   const std::pair<const char*, double> lengths[] = {
       {"shallow", m.shallow},     {"face_error", m.face_error},       {"edge_error", m.edge_error},
       {"rounding", m.rounding},   {"edge_rounding", m.edge_rounding}, {"rounding_bound", m.rounding_bound},
@@ -141,16 +140,15 @@ void report_erosion(Report& report, const ErosionResult& eroded) {
                                                        std::to_string(m.deviating_vertices));
 }
 
-ExitCode prepare(const Arguments& a) {
+ExitCode prepare_part(const Arguments& a) {
   // 1. The part as it is.
   const AssemblyPart part = part_of(a);
   for (const std::string& note : part.notes) std::fprintf(stderr, "warning: %s\n", note.c_str());
   require(!part.complex.triangles.empty(), "the part has no triangles");
-  const double size = part.report.box.diagonal();
-  const Idealisation ideal =
-      idealise(part.complex, std::min(a.planarity * size, a.dilation > 0 ? 1e-3 * a.dilation : kInf));
+  const LmdShape shape = prepare({.complex = part.complex, .radius = a.dilation}, {.planarity = a.planarity});
+  const Idealisation ideal = idealise(part.complex, shape.tolerance);
   Report report;
-  report_mesh_and_classes(report, part, ideal, a);
+  report_mesh_and_classes(report, part, shape, ideal, a);
 
   // 2. The part made smaller by the dilation to come.
   make_folders(a.common);
@@ -172,7 +170,7 @@ ExitCode prepare(const Arguments& a) {
   }
 
   // 3. The picture and the numbers.
-  PartPicture picture = part_picture(part.complex, ideal, eroded.complex, eroded.triangle_region, a.dilation);
+  PartPicture picture = part_picture(shape, ideal, eroded.complex, eroded.triangle_region);
   picture.title = "prepare_part " + part.name;
   picture.command_line = a.command_line;
   picture.build = build_info();
@@ -193,7 +191,7 @@ ExitCode prepare(const Arguments& a) {
     return a.fallback == "none" ? ExitCode::ok : ExitCode::not_accepted;
   }
   std::printf("prepare_part: eroded by %s; dilation gives faces back to %.1e of the size and rounds by %s\n",
-              micrometres(a.dilation).c_str(), eroded.measures.face_error / size,
+              micrometres(a.dilation).c_str(), eroded.measures.face_error / part.report.box.diagonal(),
               micrometres(eroded.measures.rounding).c_str());
   return ExitCode::ok;
 }
@@ -229,5 +227,5 @@ int main(int argc, char** argv) {
   cli.example("prepare_part --builtin gear --erode --dilation 2e-4", "open out/part.html; out/eroded.obj");
   cli.example("prepare_part --mesh bracket.obj --scale 1e-3 --dilation 1e-4 --erode --json part.json",
               "your own part, in millimetres");
-  return run_driver(cli, argc, argv, [&] { return prepare(a); });
+  return run_driver(cli, argc, argv, [&] { return prepare_part(a); });
 }

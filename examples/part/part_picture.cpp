@@ -12,22 +12,19 @@ namespace {
 constexpr Colour kCrease = 0x1769d2, kSilent = 0xd4261c, kWide = 0xc77700, kCorner = 0x1c2430,
                  kDilated = 0xe3a12f;
 
-SimplexClass class_of(const SimplicialComplex& k, const Idealisation& ideal, const Chain& chain) {
-  if (k.edge_triangles[chain.edges.front()].size() != 2) return SimplexClass::e_wide;
-  return !k.solid || interior_angle(k, ideal, chain) < kPi ? SimplexClass::e_crease : SimplexClass::silent;
-}
-
-SimplexClass class_of(const SimplicialComplex& k, int vertex) {
-  std::vector<Vec3> directions;
-  const Vec3& x = k.vertices[std::size_t(vertex)];
-  for (int e : k.vertex_edges[vertex]) {
-    const auto& [a, b] = k.edges[std::size_t(e)];
-    directions.push_back(k.vertices[std::size_t(a == vertex ? b : a)] - x);
+// What the chains and the vertices of the idealised complex are to a contact.
+struct Classes {
+  Classes(const LmdShape& shape, const Idealisation& ideal)
+      : chain(ideal.chains.size(), SimplexClass::silent),
+        vertex(shape.complex.vertices.size(), SimplexClass::silent) {
+    for (const EdgeLeaf& leaf : shape.edges) {
+      const int edge = leaf.path_length == 1 ? leaf.path : shape.paths[std::size_t(leaf.path)];
+      chain[std::size_t(ideal.edge_chain[std::size_t(edge)])] = class_of(leaf);
+    }
+    for (const VertexLeaf& leaf : shape.vertices) vertex[std::size_t(leaf.vertex)] = class_of(leaf);
   }
-  const NormalCone cone = make_normal_cone(directions);
-  if (cone.lineality > 0) return SimplexClass::silent;
-  return cone.rays.size() > 2 ? SimplexClass::v_corner : SimplexClass::v_wide;
-}
+  std::vector<SimplexClass> chain, vertex;
+};
 
 // Vertices of the idealised complex: ends of chains, and points.
 std::vector<int> essential_vertices(const SimplicialComplex& k, const Idealisation& ideal) {
@@ -159,17 +156,17 @@ class DilatedSurface {
 
 }  // namespace
 
-ClassCounts count_classes(const SimplicialComplex& complex, const Idealisation& ideal) {
+ClassCounts count_classes(const LmdShape& shape, const Idealisation& ideal) {
+  const Classes classes(shape, ideal);
   ClassCounts counts;
-  counts.face = int(complex.triangles.size());
-  for (const Chain& chain : ideal.chains) {
-    const SimplexClass c = class_of(complex, ideal, chain);
+  counts.face = int(shape.faces.size());
+  for (const SimplexClass c : classes.chain) {
     counts.e_crease += c == SimplexClass::e_crease;
     counts.e_wide += c == SimplexClass::e_wide;
     counts.silent += c == SimplexClass::silent;
   }
-  for (int v : essential_vertices(complex, ideal)) {
-    const SimplexClass c = class_of(complex, v);
+  for (int v : essential_vertices(shape.complex, ideal)) {
+    const SimplexClass c = classes.vertex[std::size_t(v)];
     counts.v_corner += c == SimplexClass::v_corner;
     counts.v_wide += c == SimplexClass::v_wide;
     counts.silent += c == SimplexClass::silent;
@@ -187,22 +184,15 @@ double median_bend(const SimplicialComplex& complex, const Idealisation& ideal) 
   return bends[bends.size() / 2];
 }
 
-std::size_t bytes_of(const SimplicialComplex& complex) {
-  const auto bytes = [](const auto& list) { return list.size() * sizeof(list[0]); };
-  std::size_t sum = bytes(complex.vertices) + bytes(complex.edges) + bytes(complex.triangles) +
-                    bytes(complex.triangle_edges);
-  for (const Incidence* rows : {&complex.edge_triangles, &complex.vertex_edges, &complex.vertex_triangles})
-    sum += bytes(rows->begin) + bytes(rows->items);
-  return sum;
-}
-
 SurfaceLayer dilated_surface(const SimplicialComplex& solid, double radius) {
   return DilatedSurface(solid, radius).take();
 }
 
-PartPicture part_picture(const SimplicialComplex& part, const Idealisation& ideal,
-                         const SimplicialComplex& eroded, const std::vector<int>& eroded_region,
-                         double dilation) {
+PartPicture part_picture(const LmdShape& shape, const Idealisation& ideal, const SimplicialComplex& eroded,
+                         const std::vector<int>& eroded_region) {
+  const SimplicialComplex& part = shape.complex;
+  const double dilation = shape.radius;
+  const Classes classes(shape, ideal);
   PartPicture picture;
   const bool has_eroded = !eroded.triangles.empty();
   picture.surfaces.push_back(coloured("part, regions in colours", part, ideal.triangle_region));
@@ -217,8 +207,9 @@ PartPicture part_picture(const SimplicialComplex& part, const Idealisation& idea
   }
   LineLayer convex{.name = "creases (convex chains)"}, silent{.name = "silent (concave chains)"},
       wide{.name = "wide edges (borders, wires)"};
-  for (const Chain& chain : ideal.chains) {
-    const SimplexClass c = class_of(part, ideal, chain);
+  for (std::size_t i = 0; i < ideal.chains.size(); ++i) {
+    const Chain& chain = ideal.chains[i];
+    const SimplexClass c = classes.chain[i];
     LineLayer& layer = c == SimplexClass::e_wide ? wide : c == SimplexClass::silent ? silent : convex;
     layer.lines.push_back({part.vertices[std::size_t(chain.first)], part.vertices[std::size_t(chain.last)]});
     layer.colour.push_back(c == SimplexClass::e_wide ? kWide : c == SimplexClass::silent ? kSilent : kCrease);
@@ -226,7 +217,7 @@ PartPicture part_picture(const SimplicialComplex& part, const Idealisation& idea
   PointLayer corners{.name = "corners"}, wide_points{.name = "wide vertices"},
       silent_points{.name = "silent vertices", .shown = false};
   for (int v : essential_vertices(part, ideal)) {
-    const SimplexClass c = class_of(part, v);
+    const SimplexClass c = classes.vertex[std::size_t(v)];
     PointLayer& layer = c == SimplexClass::v_corner ? corners
                         : c == SimplexClass::v_wide ? wide_points
                                                     : silent_points;

@@ -13,21 +13,17 @@ namespace aussois {
 struct ClassCounts {
   int v_corner = 0, v_wide = 0, v_node = 0, e_crease = 0, e_wide = 0, e_soft = 0, face = 0, silent = 0;
 };
-ClassCounts count_classes(const SimplicialComplex& complex, const Idealisation& ideal);
+ClassCounts count_classes(const LmdShape& shape, const Idealisation& ideal);
 
 /// Median over the chains with two regions of the angle by which the surface bends there, 0 for none [rad].
 double median_bend(const SimplicialComplex& complex, const Idealisation& ideal);
-
-/// Memory of the arrays of a complex [byte].
-std::size_t bytes_of(const SimplicialComplex& complex);
 
 /// The boundary of a dilated solid for pictures: faces moved outwards, convex edges and corners rounded with
 /// a few strips. Where concave edges end in a corner, its ball is left out.
 SurfaceLayer dilated_surface(const SimplicialComplex& solid, double radius);
 
 /// Layers of the part, of the eroded part (if there is one) and of what the dilation makes of it.
-PartPicture part_picture(const SimplicialComplex& part, const Idealisation& ideal,
-                         const SimplicialComplex& eroded, const std::vector<int>& eroded_region,
-                         double dilation);
+PartPicture part_picture(const LmdShape& shape, const Idealisation& ideal, const SimplicialComplex& eroded,
+                         const std::vector<int>& eroded_region);
 
 }  // namespace aussois
