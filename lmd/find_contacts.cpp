@@ -111,6 +111,7 @@ class RecentLanes {
  public:
   template <class Load>
   const Lanes& get(int first, const Load& load) {
+    if (lanes_.empty()) lanes_.resize(kSize), first_.resize(kSize, -1);
     const std::size_t at = std::size_t(first / kBucket) % kSize;
     if (first_[at] != first) first_[at] = first, lanes_[at] = load();
     return lanes_[at];
@@ -118,8 +119,8 @@ class RecentLanes {
 
  private:
   static constexpr std::size_t kSize = 64;
-  std::vector<Lanes> lanes_ = std::vector<Lanes>(kSize);
-  std::vector<int> first_ = std::vector<int>(kSize, -1);
+  std::vector<Lanes> lanes_{};
+  std::vector<int> first_{};
 };
 
 class Search {
