@@ -16,6 +16,7 @@
 #include "geometry/check.hpp"
 #include "io/csv_table.hpp"
 #include "io/pose_file.hpp"
+#include "io/shape_cache.hpp"
 #include "lmd/certificate.hpp"
 
 using namespace aussois;
@@ -23,7 +24,7 @@ using namespace aussois;
 namespace {
 
 struct Arguments {
-  std::filesystem::path a{}, b{}, data{}, path{}, json{}, csv{}, picture{};
+  std::filesystem::path a{}, b{}, data{}, path{}, cache{}, json{}, csv{}, picture{};
   std::string pair{}, builtin{}, pose{};
   double scale = 1e-3, dilation_a = -1, dilation_b = -1, threshold = 0, alpha = 2, alpha_ee = 10;
   int threads = 1, rows = 40, repeat = 1;
@@ -94,10 +95,16 @@ void print_parts(const ContactReport& report, bool quiet) {
                 1e3 * (part->report.box.hi - part->report.box.lo).z(), 1e6 * shape->radius);
 }
 
+void print_cache(const std::string& name, const CachedShape& cached, bool quiet) {
+  if (!cached.warning.empty()) std::fprintf(stderr, "warning: %s\n", cached.warning.c_str());
+  if (!quiet) std::printf("cache: %s: %s\n", name.c_str(), to_string(cached).c_str());
+}
+
 ExitCode query(const Arguments& a) {
   const ContactPair pair = read_pair(a);
-  const LmdShape shape_a = prepare(dilate(pair.a.complex, pair.dilation_a)),
-                 shape_b = prepare(dilate(pair.b.complex, pair.dilation_b));
+  const CachedShape cached_a = prepare_cached(dilate(pair.a.complex, pair.dilation_a), {}, a.cache),
+                    cached_b = prepare_cached(dilate(pair.b.complex, pair.dilation_b), {}, a.cache);
+  const LmdShape &shape_a = *cached_a.shape, &shape_b = *cached_b.shape;
   ContactReport report{.pair = &pair, .a = &shape_a, .b = &shape_b, .command_line = a.command_line};
   report.options = {.threshold = pair.threshold > 0 ? pair.threshold : 0.01 * shape_a.bounding_radius,
                     .alpha = a.alpha * kPi / 180,
@@ -107,6 +114,10 @@ ExitCode query(const Arguments& a) {
   for (const std::filesystem::path& file : {a.json, a.csv, a.picture})
     if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path());
   print_parts(report, a.quiet);
+  if (!a.cache.empty()) {
+    print_cache(pair.a.name, cached_a, a.quiet);
+    print_cache(pair.b.name, cached_b, a.quiet);
+  }
 
   // 1. Ask.
   Progress progress("query_contacts", double(pair.poses.size()),
@@ -173,6 +184,7 @@ int main(int argc, char** argv) {
   cli.option("--scale", a.scale, "metres per unit of the files", "m", {1e-12, 1e12});
   cli.option("--dilation-a", a.dilation_a, "of A; negative: none, or that of the builtin", "m", {-1, 1});
   cli.option("--dilation-b", a.dilation_b, "of B; negative: none, or that of the builtin", "m", {-1, 1});
+  cli.option("--cache", a.cache, "folder that keeps prepared shapes for the next run; made if missing");
   cli.group("search");
   cli.option("--threshold", a.threshold, "largest gap of a contact; 0: a hundredth of A's radius", "m",
              {0, 1e3});

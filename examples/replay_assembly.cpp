@@ -85,9 +85,12 @@ AssemblyInput read_input(const Arguments& a) {
 void print_parts(const AssemblyInput& input, const AssemblyScene& scene, const Arguments& a) {
   for (const AssemblyPart* part : {&input.fixed, &input.moving})
     for (const std::string& note : part->notes) std::fprintf(stderr, "warning: %s\n", note.c_str());
+  for (const std::string& warning : scene.cache_warnings)
+    std::fprintf(stderr, "warning: %s\n", warning.c_str());
   if (a.common.quiet) return;
   for (const AssemblyPart* part : {&input.fixed, &input.moving})
     std::printf("%s\n%s", part->name.c_str(), to_string(part->report).c_str());
+  for (const std::string& line : scene.cache) std::printf("cache: %s\n", line.c_str());
   std::printf(
       "clearance %.4g um along %zu poses, dilation %.4g um each, moving part %.4g kg (%s), largest step %.4g "
       "ms, path %.4g s\n",
@@ -117,6 +120,7 @@ Summary summary_of(const AssemblyInput& input, const AssemblyScene& scene, const
   for (const AssemblyPart* part : {&input.fixed, &input.moving})
     notes.insert(notes.end(), part->notes.begin(), part->notes.end());
   out.set("notes", notes);
+  if (!scene.cache.empty()) out.set("cache", scene.cache);
   out.set("steps", s.steps);
   out.set("refused_steps", s.refused_steps);
   out.set("solver_failures", s.solver_failures);
@@ -398,6 +402,7 @@ int main(int argc, char** argv) {
             "poses of the moving part in the frame of the fixed one: CSV x,y,z,qw,qx,qy,qz");
   cli.option("--builtin", a.builtin, "a pair of our own: bolt_nut");
   cli.option("--scale", a.scale, "metres per unit of the files", "m", {1e-12, 1e12});
+  cli.option("--cache", a.scene.cache, "folder that keeps prepared shapes for the next run; made if missing");
   cli.choice("--mode", a.mode, "kinematic: contacts at the recorded poses; dynamic: the part is pulled along",
              {"dynamic", "kinematic"});
   cli.option("--dilation", a.scene.dilation, "of each part; 0: three tenths of the clearance", "m", {0, 1});

@@ -59,8 +59,18 @@ struct Hdf5Row<double> {
   static std::vector<hsize_t> shape() { return {}; }
 };
 template <>
+struct Hdf5Row<std::int8_t> {
+  static hid_t type() { return H5T_NATIVE_INT8; }
+  static std::vector<hsize_t> shape() { return {}; }
+};
+template <>
 struct Hdf5Row<int> {
   static hid_t type() { return H5T_NATIVE_INT32; }
+  static std::vector<hsize_t> shape() { return {}; }
+};
+template <>
+struct Hdf5Row<std::uint32_t> {
+  static hid_t type() { return H5T_NATIVE_UINT32; }
   static std::vector<hsize_t> shape() { return {}; }
 };
 template <>

@@ -2,27 +2,12 @@
 #include "mechanics/state.hpp"
 
 #include <algorithm>
-#include <bit>
 
 #include "geometry/check.hpp"
+#include "geometry/digest.hpp"
 
 namespace aussois {
 namespace {
-
-// Order-dependent mix of 64-bit words: the finaliser of splitmix64 after each.
-struct Digest {
-  std::uint64_t value = 0;
-  void add(std::uint64_t word) {
-    std::uint64_t z = (value ^ word) + 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    value = z ^ (z >> 31);
-  }
-  void add(double x) { add(std::bit_cast<std::uint64_t>(x)); }
-  void add(const Vec3& x) {
-    for (const double component : x) add(component);
-  }
-};
 
 bool sorted_by_key(const ContactMemory& memory) {
   return std::is_sorted(memory.contacts.begin(), memory.contacts.end(),

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "geometry/check.hpp"
+#include "io/shape_cache.hpp"
 #include "lmd/certificate.hpp"
 
 namespace aussois {
@@ -22,10 +23,17 @@ void validate(const AssemblyOptions& o) {
   require_field(o.hold >= 0, "--hold", o.hold, "not be negative [s]");
 }
 
-double smallest_clearance(const AssemblyInput& input, int threads,
-                          const std::function<void(int, int)>& progress) {
-  const LmdShape fixed = prepare({.complex = input.fixed.complex, .radius = 0});
-  const LmdShape moving = prepare({.complex = input.moving.complex, .radius = 0});
+std::shared_ptr<const LmdShape> prepared(AssemblyScene& scene, const AssemblyPart& part, double dilation,
+                                         const std::filesystem::path& cache) {
+  const CachedShape cached = prepare_cached({.complex = part.complex, .radius = dilation}, {}, cache);
+  if (!cached.warning.empty()) scene.cache_warnings.push_back(cached.warning);
+  if (!cache.empty())
+    scene.cache.push_back(part.name + (dilation > 0 ? ", dilated: " : ": ") + to_string(cached));
+  return cached.shape;
+}
+
+double smallest_clearance(const AssemblyInput& input, const LmdShape& fixed, const LmdShape& moving,
+                          int threads, const std::function<void(int, int)>& progress) {
   double clearance = input.moving.report.box.diagonal();  // farther apart is no fit
   for (std::size_t i = 0; i < input.poses.size(); ++i) {
     if (progress) progress(int(i) + 1, int(input.poses.size()));
@@ -59,7 +67,13 @@ AssemblyScene make_assembly_scene(const AssemblyInput& input, const AssemblyOpti
                                   const std::function<void(int, int)>& progress) {
   validate(options);
   AssemblyScene scene;
-  scene.clearance = smallest_clearance(input, threads, progress);
+  const auto shape = [&](const AssemblyPart& part, double dilation) {
+    return prepared(scene, part, dilation, options.cache);
+  };
+  {
+    const auto fixed = shape(input.fixed, 0), moving = shape(input.moving, 0);
+    scene.clearance = smallest_clearance(input, *fixed, *moving, threads, progress);
+  }
   scene.dilation = options.dilation > 0 ? options.dilation : 0.3 * scene.clearance;
   require_field(
       2 * scene.dilation < scene.clearance, "--dilation", scene.dilation,
@@ -69,12 +83,12 @@ AssemblyScene make_assembly_scene(const AssemblyInput& input, const AssemblyOpti
   Model& model = scene.model;
   model.gravity = options.gravity;
   model.contact_law = {.mu = options.mu, .restitution = options.restitution};
-  const int fixed = add(model, prepare({.complex = input.fixed.complex, .radius = scene.dilation}));
-  const int moving = add(model, prepare({.complex = input.moving.complex, .radius = scene.dilation}));
+  model.shapes.push_back(shape(input.fixed, scene.dilation));
+  model.shapes.push_back(shape(input.moving, scene.dilation));
   const PartMass mass = part_mass(input.moving, options.density, options.mass);
   scene.mass_source = mass.source;
-  scene.fixed = add(model, fixed_body(input.fixed.name, fixed));
-  scene.moving = add(model, solid_body(input.moving.name, moving, mass.properties));
+  scene.fixed = add(model, fixed_body(input.fixed.name, 0));
+  scene.moving = add(model, solid_body(input.moving.name, 1, mass.properties));
 
   const SE3 body_in_mesh = inverse(model.bodies[std::size_t(scene.moving)].g_bs);
   for (const SE3& pose : input.poses) scene.poses.push_back(pose * body_in_mesh);

@@ -30,6 +30,7 @@ struct AssemblyOptions {
   Vec3 gravity = {-5.66, -5.66, -5.66};
   // The coupling pulls towards the path displaced along (1, 1, 1), in clearances [-]
   double misalignment = 1;
+  std::filesystem::path cache{};  // folder of prepared shapes, see prepare_cached; empty: none
 };
 
 struct AssemblyScene {
@@ -44,6 +45,8 @@ struct AssemblyScene {
   double dilation = 0;   // of each part [m]
   double h = 0;          // largest step [s]
   std::string mass_source{};
+  // A line per shape on what the cache did, and what it could not use or write; empty without a cache
+  std::vector<std::string> cache{}, cache_warnings{};
 };
 
 /// `progress(i, n)` is called while the clearance is measured. Throws std::invalid_argument if a recorded
