@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Geometry>
 
@@ -322,6 +323,12 @@ std::vector<Result> over_base_trees(const LmdShape& a, const LmdShape& b, int th
   return parts;
 }
 
+// Comparisons with what is no number are false, as if all were far apart: ask before.
+bool is_finite(const RigidMotion& motion) {
+  return motion.g.p.allFinite() && motion.g.R.coeffs().allFinite() && motion.v.allFinite() &&
+         motion.omega.allFinite();
+}
+
 }  // namespace
 
 Certificate certify(const MovingShape& a, const MovingShape& b, double dt,
@@ -329,6 +336,7 @@ Certificate certify(const MovingShape& a, const MovingShape& b, double dt,
   require_field(options.required > 0, "CertificateOptions::required", options.required, "be positive [m]");
   require_field(options.wanted >= options.required, "CertificateOptions::wanted", options.wanted,
                 "be at least `required`");
+  if (!is_finite(a.motion) || !is_finite(b.motion)) return {.certified = false, .min_distance = 0};
   const PairCheck check(a, b, dt, options);
   const BaseFrames frames(a, b, check.now_a(), check.now_b());
   const NodeVelocity of_a(check.now_a(), check.now_b(), b.shape->centre);
@@ -349,6 +357,7 @@ Certificate certify(const MovingShape& a, const MovingShape& b, double dt,
 }
 
 double base_distance(const MovingShape& a, const MovingShape& b, double cutoff, int threads) {
+  if (!is_finite(a.motion) || !is_finite(b.motion)) return std::numeric_limits<double>::quiet_NaN();
   const Instant now_a = at_time(a, 0), now_b = at_time(b, 0);
   const BaseFrames frames(a, b, now_a, now_b);
   const auto descend = [&](const ConeTree& tree_a, const ConeTree& tree_b, int first_a, int first_b, int cut,

@@ -180,6 +180,11 @@ void bound_polar(NormalCone& cone, const Vec3& inside) {
     cone.half_angle = kPi / 2;
     return;
   }
+  if (!cone.cyclic) {  // no order, no corners: q in C bounds all of N by the half-space n . q <= 0
+    cone.axis = -inside;
+    cone.half_angle = kPi / 2;
+    return;
+  }
   std::vector<Vec3> corners;  // unit vectors whose spherical hull is N
   if (cone.lineality == 1) {
     const ArcEnds arc = arc_ends(cone);
@@ -197,16 +202,14 @@ void bound_polar(NormalCone& cone, const Vec3& inside) {
       corners.push_back(n);
     }
   }
-  if (!cone.cyclic) corners.clear();  // the half-space of q below
   Vec3 axis = Vec3::Zero();
   for (const Vec3& n : corners) axis += n;
   if (axis.norm() < 1e-3) axis = -inside;
   cone.axis = axis.normalized();
   for (const Vec3& n : corners)
     cone.half_angle = std::max(cone.half_angle, std::atan2(n.cross(cone.axis).norm(), n.dot(cone.axis)));
-  cone.half_angle += 1e-9;  // rounding of the corners
-  if (cone.half_angle >
-      kPi / 2) {  // such a cap is not convex; q in C bounds all of N by the half-space n . q <= 0
+  cone.half_angle += 1e-9;          // rounding of the corners
+  if (cone.half_angle > kPi / 2) {  // such a cap is not convex
     cone.axis = -inside;
     cone.half_angle = kPi / 2;
   }

@@ -126,6 +126,29 @@ class QueryContacts(DriverTest):
         self.refused(FILES, ["--a nowhere.obj: no such file"], "--a", "nowhere.obj", "--b", PARTS / "socket.obj")
         self.refused(FILES, ["--path nowhere.csv"], *PARTS_OF_PEG, "--path", "nowhere.csv")
 
+    def test_a_cache_gives_the_same_contacts_and_says_what_it_did(self):
+        pose = (*PARTS_OF_PEG, "--pose", "0,0,0.5,1,0,0,0", "--threshold", 2e-4)
+        cache = ("--cache", "shapes")
+        _, bare = self.ask(*pose)
+        first, prepared = self.ask(*pose, *cache)
+        self.assertRegex(first, r"cache: peg: prepared, kept in shapes/[0-9a-f]{16}\.h5\n")
+        second, loaded = self.ask(*pose, *cache)
+        self.assertRegex(second, r"cache: peg: loaded from .*\ncache: socket: loaded from ")
+        self.assertEqual(bare["contacts"], prepared["contacts"])
+        self.assertEqual(bare["contacts"], loaded["contacts"])
+        for file in (self.folder / "shapes").iterdir():
+            file.write_bytes(file.read_bytes()[:-1])
+        run = self.drive("query_contacts", *pose, *cache, "--quiet")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertEqual(run.stderr.count("damaged: its checksum does not fit; prepared again"), 2, run.stderr)
+        self.assertIn("loaded from", self.ask(*pose, *cache)[0])
+
+    def test_a_cache_that_cannot_be_is_a_warning(self):
+        run = self.drive("query_contacts", "--builtin", "peg", "--cache", PARTS / "peg.obj")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertIn("warning: ", run.stderr)
+        self.assertIn("not kept", run.stderr)
+
     def test_pairs_of_the_data(self):
         _, result = self.ask("--data", self.data(), "--pair", "own_tslot", "--quiet")
         self.assertGreater(result["summary"]["contacts"]["max"], 10)

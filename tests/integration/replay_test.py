@@ -64,6 +64,20 @@ class Replay(DriverTest):
         self.assertGreater(near, 10)
         self.assertAlmostEqual(summary["min_base_distance"], summary["clearance"], 12)
 
+    def test_a_cache_changes_nothing_but_what_the_summary_says_of_it(self):
+        runs = []
+        for out in ("first", "second"):
+            self.replay(out, *PEG, "--mode", "kinematic", "--cache", "shapes")
+            poses = self.columns(out, "poses.csv")
+            del poses["ms_query"]
+            runs.append(poses)
+        self.assertEqual(*runs)
+        for word, out in (("prepared, kept in shapes/", "first"), ("loaded from shapes/", "second")):
+            lines = self.summary(out)["cache"]
+            self.assertEqual(len(lines), 4)  # both parts, as they are for the clearance and dilated
+            for line in lines:
+                self.assertIn(word, line)
+
 
 if __name__ == "__main__":
     unittest.main()
