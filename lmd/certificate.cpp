@@ -122,6 +122,8 @@ class PairCheck {
   MovingSimplex start_b(int j) const { return moving(*b_.shape, j, b0_); }
   const Instant& now_a() const { return a0_; }
   const Instant& now_b() const { return b0_; }
+  const LmdShape& shape_a() const { return *a_.shape; }
+  const LmdShape& shape_b() const { return *b_.shape; }
   double dt() const { return dt_; }
   double wanted() const { return options_.wanted; }
 
@@ -140,6 +142,14 @@ class PairCheck {
         const Vec3 n = (s->x[1] - s->x[0]).cross(s->x[2] - s->x[0]).normalized();
         if (try_direction(n) || try_direction(-n)) return;
       }
+    Vec3 n =
+        q.centre - p.centre;  // then from one support point to the other, along where they are nearest so far
+    for (int k = 0; k < 4 && n.squaredNorm() > 0; ++k) {
+      n.normalize();
+      if (try_direction(n)) return;
+      n = *std::ranges::min_element(q.points(), {}, [&](const Vec3& x) { return n.dot(x); }) -
+          *std::ranges::max_element(p.points(), {}, [&](const Vec3& x) { return n.dot(x); });
+    }
     const ClosestPoints closest = closest_points(p.points(), q.points());
     if (closest.distance < options_.required) {
       part.failed = true;
@@ -173,16 +183,19 @@ class PairCheck {
 // B's base frame: its shape frame moved to its centre. Everything that nodes need, in it.
 struct BaseFrames {
   BaseFrames(const MovingShape& a, const MovingShape& b, const Instant& now_a, const Instant& now_b) {
-    const Mat3 R = now_b.R.transpose() * now_a.R;
+    R = now_b.R.transpose() * now_a.R;
     const Vec3 origin = now_b.R * b.shape->centre + now_b.t;
     const auto local = [&](const Vec3& x) -> Vec3 { return now_b.R.transpose() * (x - origin); };
-    const Vec3 t = local(now_a.R * a.shape->centre + now_a.t);
+    t = local(now_a.t);
+    const Vec3 centre = local(now_a.R * a.shape->centre + now_a.t);
     for (int i = 0; i < 3; ++i) {
-      motion.t[i] = float(t[i]);
+      motion.t[i] = float(centre[i]);
       for (int j = 0; j < 3; ++j) motion.R[3 * i + j] = float(R(i, j));
     }
-    scale = a.shape->bounding_radius + b.shape->bounding_radius + t.norm();
+    scale = a.shape->bounding_radius + b.shape->bounding_radius + centre.norm();
   }
+  Mat3 R = Mat3::Identity();  // of A's shape frame
+  Vec3 t = Vec3::Zero();
   NodeMotion motion{};
   double scale = 0;  // [m]
 };
@@ -209,13 +222,69 @@ struct NodeVelocity {
   float spin = 0;
 };
 
+// Four simplices in single precision: corners now and at the end of the step, were they to move on straight.
+struct SimplexLanes {
+  V4 now[3], end[3];
+  V4 normal;  // unit; zero for edges and points
+  V4 centre;
+  F4 bend;  // how far straight paths may be off at the end [m]
+};
+
+SimplexLanes simplex_lanes(const LmdShape& shape, const Mat3& R, const Vec3& t, const NodeVelocity& velocity,
+                           float dt, int first, int count) {
+  SimplexLanes out{};
+  for (int k = 0; k < 4; ++k) {  // lanes beyond repeat the last, edges and points a corner
+    const BaseSimplex s = base_simplex(shape, first + std::min(k, count - 1));
+    for (int i = 0; i < 3; ++i) {
+      const Vec3 x = R * shape.complex.vertices[std::size_t(s.vertex[std::size_t(std::min(i, s.dim))])] + t;
+      out.now[i].x[k] = float(x.x()), out.now[i].y[k] = float(x.y()), out.now[i].z[k] = float(x.z());
+    }
+  }
+  for (int i = 0; i < 3; ++i) {
+    out.end[i] = out.now[i] + splat(dt) * velocity.at(out.now[i]);
+    out.centre = out.centre + splat(1.0F / 3) * out.now[i];
+    const F4 bend = (0.5F * dt * dt) * velocity.bend(out.now[i]);
+    out.bend = bend > out.bend ? bend : out.bend;
+  }
+  const V4 n = cross(out.now[1] - out.now[0], out.now[2] - out.now[0]);
+  const F4 square = dot(n, n);
+  out.normal = (square > 0 ? 1.0F / sqrt4(square) : splat(0)) * n;
+  return out;
+}
+
+// Lanes of q that one of three directions parts from simplex `k` of p by `wanted` all the time: the normals
+// and from centre to centre. As `separation`, with room for rounding in `wanted`.
+int parted(const SimplexLanes& p, int k, const SimplexLanes& q, float wanted) {
+  V4 now[3], end[3];
+  for (int i = 0; i < 3; ++i) now[i] = spread(p.now[i], k), end[i] = spread(p.end[i], k);
+  const V4 between = q.centre - spread(p.centre, k);
+  const F4 size = sqrt4(dot(between, between));
+  const F4 bend = q.bend + p.bend[k];
+  I4 apart = {0, 0, 0, 0};
+  for (const V4& n : {spread(p.normal, k), q.normal, (1.0F / (size > 0 ? size : splat(1))) * between}) {
+    const auto lowest = [&](const V4(&x)[3]) {
+      const F4 a = dot(n, x[0]), b = dot(n, x[1]), c = dot(n, x[2]);
+      const F4 ab = a < b ? a : b;
+      return ab < c ? ab : c;
+    };
+    const auto highest = [&](const V4(&x)[3]) {
+      const F4 a = dot(n, x[0]), b = dot(n, x[1]), c = dot(n, x[2]);
+      const F4 ab = a > b ? a : b;
+      return ab > c ? ab : c;
+    };
+    apart |= (lowest(q.now) - highest(now) >= wanted) & (lowest(q.end) - highest(end) - bend >= wanted);
+    apart |= (lowest(now) - highest(q.now) >= wanted) & (lowest(end) - highest(q.end) - bend >= wanted);
+  }
+  return bits(apart);
+}
+
 // The descent of the base trees: balls whose centres move (CA-8), then boxes enlarged by what their points
 // can move.
 class CertificateDescent {
  public:
   CertificateDescent(const PairCheck& check, const BaseFrames& frames, const NodeVelocity& a,
                      const NodeVelocity& b, int first_a, int first_b, Part& part)
-      : check_(check), a_(a), b_(b), first_a_(first_a), first_b_(first_b), part_(part) {
+      : check_(check), frames_(frames), a_(a), b_(b), first_a_(first_a), first_b_(first_b), part_(part) {
     dt_ = float(check.dt());
     wanted_ = float(check.wanted() + 4e-6 * (frames.scale + check.wanted()));
   }
@@ -241,25 +310,34 @@ class CertificateDescent {
 
   void open(const ConeSlot& a) {
     for (int i = 0; i < a.count(); ++i) p_[i] = check_.start_a(first_a_ + a.first() + i);
+    lanes_ = simplex_lanes(check_.shape_a(), frames_.R, frames_.t, a_, dt_, first_a_ + a.first(), a.count());
   }
 
   void buckets(const ConeSlot& a, const ConeSlot& b) {
     if (part_.failed) return;
+    const int first = first_b_ + b.first();
+    const SimplexLanes lanes = simplex_lanes(check_.shape_b(), Mat3::Identity(), -check_.shape_b().centre, b_,
+                                             dt_, first, b.count());
+    int left[kBucket] = {}, any = 0;
+    for (int i = 0; i < a.count(); ++i) any |= left[i] = ~parted(lanes_, i, lanes, wanted_);
     for (int j = 0; j < b.count(); ++j) {
-      const int item_b = first_b_ + b.first() + j;
-      const MovingSimplex q = check_.start_b(item_b);
+      if (!(any >> j & 1)) continue;
+      const MovingSimplex q = check_.start_b(first + j);
       for (int i = 0; i < a.count() && !part_.failed; ++i)
-        if (!check_.far(p_[i], q)) check_.check(first_a_ + a.first() + i, item_b, p_[i], q, part_);
+        if (left[i] >> j & 1 && !check_.far(p_[i], q))
+          check_.check(first_a_ + a.first() + i, first + j, p_[i], q, part_);
     }
   }
 
  private:
   const PairCheck& check_;
+  const BaseFrames& frames_;
   const NodeVelocity &a_, &b_;
   int first_a_, first_b_;
   Part& part_;
   float dt_ = 0, wanted_ = 0;
-  MovingSimplex p_[kBucket];
+  MovingSimplex p_[kBucket];  // of A's open bucket
+  SimplexLanes lanes_{};
 };
 
 // The same descent for the smallest distance at the start.

@@ -3,6 +3,7 @@
 // can matter to it. The work is cut into the same parts for any number of threads.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "geometry/se3.hpp"
@@ -15,7 +16,7 @@ namespace aussois {
 struct NodeMotion {
   float R[9];  // row by row
   float t[3];
-  ConeNode moved(const ConeNode& node) const {
+  AUSSOIS_INLINE ConeNode moved(const ConeNode& node) const {
     ConeNode out = node;
     const auto turn = [&](const float(&v)[3][4], float(&w)[3][4], bool shift) {
       const V4 x = load4(v);
@@ -31,10 +32,10 @@ struct NodeMotion {
   }
 };
 
-inline int children_of(const ConeNode& node) {  // bits of the lanes in use
+AUSSOIS_INLINE int children_of(const ConeNode& node) {  // bits of the lanes in use
   return bits(load4(node.r) >= 0);
 }
-inline bool is_bucket(const ConeNode& node, int lane) {
+AUSSOIS_INLINE bool is_bucket(const ConeNode& node, int lane) {
   return node.count[lane] > 0;
 }
 
@@ -57,72 +58,105 @@ class DualDescent {
   DualDescent(const ConeTree& a, const ConeTree& b, const NodeMotion& motion, Test& test)
       : a_(a), b_(b), motion_(motion), test_(test) {}
 
-  /// Parts 0 to kDescentParts - 1 are the grandchildren of A's root.
-  void run(int part) {
+  /// Parts 0 to kDescentParts - 1 are the grandchildren of A's root. `any_machine`: without instructions that
+  /// not every machine has; the result is the same.
+  void run(int part, bool any_machine = false) {
     if (a_.nodes.empty() || b_.nodes.empty()) return;
-    const ConeNode root = motion_.moved(a_.nodes[0]);
-    const int lane = part / 4;
-    if (!(children_of(root) >> lane & 1)) return;
-    if (is_bucket(root, lane)) {
-      if (part % 4 == 0) start(root, lane);
-      return;
-    }
-    const ConeNode child = motion_.moved(a_.nodes[root.child[lane]]);
-    if (children_of(child) >> (part % 4) & 1) start(child, part % 4);
+    if (has_avx2() && !any_machine)
+      run_avx2(part);
+    else
+      run_here(part);
   }
 
  private:
   using Entry = std::uint32_t;  // node and lane of B
-  ConeSlot slot(Entry e) const { return {&b_.nodes[e / 4], int(e % 4)}; }
 
-  int near_b(std::uint32_t node, const ConeSlot& a) {
+  // A node of A in B's frame, and the part of the list that matters to it, with the lanes it matters to.
+  struct Level {
+    ConeNode node;
+    std::size_t begin, end, masks;
+    int next;  // lane
+  };
+
+  AUSSOIS_AVX2 void run_avx2(int part) { run_here(part); }
+
+  AUSSOIS_INLINE void run_here(int part) {
+    const ConeNode root = motion_.moved(a_.nodes[0]);
+    const int lane = part / 4;
+    if (!(children_of(root) >> lane & 1)) return;
+    if (is_bucket(root, lane)) {
+      if (part % 4 == 0) descend({&root, lane});
+      return;
+    }
+    const ConeNode child = motion_.moved(a_.nodes[root.child[lane]]);
+    if (children_of(child) >> (part % 4) & 1) descend({&child, part % 4});
+  }
+
+  AUSSOIS_INLINE ConeSlot slot(Entry e) const { return {&b_.nodes[e / 4], int(e % 4)}; }
+
+  AUSSOIS_INLINE void push(std::uint32_t node, const ConeSlot& a) {
     const ConeNode& four = b_.nodes[node];
-    return children_of(four) & test_.near(four, a, true);
-  }
-
-  void start(const ConeNode& a, int lane) {
-    list_.clear();
-    push(0, near_b(0, {&a, lane}));
-    visit(a, lane, 0);
-  }
-
-  void push(std::uint32_t node, int lanes) {
+    const int lanes = children_of(four) & test_.near(four, a, true);
     for (std::uint32_t k = 0; k < 4; ++k)
       if (lanes >> k & 1) list_.push_back(4 * node + k);
   }
 
-  // The list from `begin` on holds the nodes of B that matter to A's slot; it is taken off.
-  void visit(const ConeNode& a, int lane, std::size_t begin) {
-    const bool at_bucket = is_bucket(a, lane);
-    for (std::size_t i = begin; i < list_.size();) {  // open those of B that are larger than A's
+  AUSSOIS_INLINE void descend(const ConeSlot& top) {
+    list_.clear();
+    masks_.clear();
+    depth_ = 0;
+    push(0, top);
+    ConeSlot a = top;
+    std::size_t begin = 0;  // the list from here on holds the nodes of B that matter to `a`
+    for (;;) {
+      enter(a, begin);
+      for (;;) {  // to the next child with something in its list
+        if (depth_ == 0) return;
+        Level& level = levels_[depth_ - 1];
+        list_.resize(level.end);
+        if (level.next == 4) {
+          list_.resize(level.begin);
+          masks_.resize(level.masks);
+          --depth_;
+          continue;
+        }
+        const int lane = level.next++;
+        for (std::size_t i = level.begin; i < level.end; ++i)
+          if (masks_[level.masks + i - level.begin] >> lane & 1) list_.push_back(list_[i]);
+        if (list_.size() == level.end) continue;
+        a = {&level.node, lane};
+        begin = level.end;
+        break;
+      }
+    }
+  }
+
+  // Opens the nodes of B that are larger than A's slot; then looks at the buckets, or opens the slot.
+  AUSSOIS_INLINE void enter(const ConeSlot& a, std::size_t begin) {
+    const bool at_bucket = a.count() > 0;
+    for (std::size_t i = begin; i < list_.size();) {
       const ConeSlot b = slot(list_[i]);
-      if (b.count() > 0 || (!at_bucket && b.node->r[b.lane] < a.r[lane])) {
+      if (b.count() > 0 || (!at_bucket && b.node->r[b.lane] < a.node->r[a.lane])) {
         ++i;
         continue;
       }
       const std::uint32_t node = b.node->child[b.lane];
       list_[i] = list_.back();
       list_.pop_back();
-      push(node, near_b(node, {&a, lane}));
+      push(node, a);
     }
+    if (list_.size() == begin) return;
     if (at_bucket) {
-      if (list_.size() > begin) test_.open(ConeSlot{&a, lane});
-      for (std::size_t i = begin; i < list_.size(); ++i) test_.buckets({&a, lane}, slot(list_[i]));
-    } else if (list_.size() > begin) {
-      const ConeNode below = motion_.moved(a_.nodes[a.child[lane]]);
-      const std::size_t end = list_.size();
-      const std::size_t mask_begin = masks_.size();
-      const int there = children_of(below);
-      for (std::size_t i = begin; i < end; ++i)
-        masks_.push_back(char(there & test_.near(below, slot(list_[i]), false)));
-      for (int k = 0; k < 4; ++k) {
-        for (std::size_t i = begin; i < end; ++i)
-          if (masks_[mask_begin + i - begin] >> k & 1) list_.push_back(list_[i]);
-        if (list_.size() > end) visit(below, k, end);
-      }
-      masks_.resize(mask_begin);
+      test_.open(a);
+      for (std::size_t i = begin; i < list_.size(); ++i) test_.buckets(a, slot(list_[i]));
+      return;
     }
-    list_.resize(begin);
+    Level& level = levels_[depth_++];
+    level = {motion_.moved(a_.nodes[std::size_t(a.first())]), begin, list_.size(), masks_.size(), 0};
+    const ConeNode& node = level.node;
+    const int there = children_of(node);
+    for (std::size_t i = begin; i < list_.size(); ++i)
+      masks_.push_back(char(there & test_.near(node, slot(list_[i]), false)));
   }
 
   const ConeTree &a_, &b_;
@@ -130,11 +164,14 @@ class DualDescent {
   Test& test_;
   std::vector<Entry> list_{};
   std::vector<char> masks_{};
+  std::array<Level, 17>
+      levels_;  // all children but the last are full: 4^16 buckets are more than an int counts
+  std::size_t depth_ = 0;
 };
 
 /// Do the boxes of the children stay farther apart from that of the slot than `reach`? Separating axes: the
 /// three of each box and, dearer, the nine products. Bits of those that may be nearer.
-inline I4 boxes_near(const ConeNode& four, const ConeSlot& one, const V4& d, F4 reach, I4 still) {
+AUSSOIS_INLINE I4 boxes_near(const ConeNode& four, const ConeSlot& one, const V4& d, F4 reach, I4 still) {
   V4 u[3], w[3];
   F4 hu[3], hw[3];
   for (int k = 0; k < 3; ++k) {

@@ -3,34 +3,13 @@
 // (LMD-10).
 #pragma once
 
-#include <utility>
 #include <vector>
 
 #include "lmd/contact_point.hpp"
-#include "lmd/leaf.hpp"
+#include "lmd/lmd_options.hpp"
 #include "lmd/posed_shape.hpp"
 
 namespace aussois {
-
-struct LmdOptions {
-  double threshold = 1e-3;           // report contacts with gap <= threshold [m], >= 0
-  double alpha = 2 * kPi / 180;      // small rotations forgiven by the quasi-LMD rule [rad], in [0, 0.5]
-  double alpha_ee = 10 * kPi / 180;  // the same for the direction of edge against edge [rad], in [alpha, 1]
-  int threads = 1;                   // the result does not depend on it
-};
-void validate(const LmdOptions& options);  // throws std::invalid_argument: field, value, bound
-
-/// What a query looked at: pairs of nodes, of leaves in single precision, and of those in double precision.
-struct LmdStatistics {
-  long node_pairs = 0, leaf_pairs = 0, exact_tests = 0, minima = 0;  // minima: before merging
-};
-
-/// How far the two shapes may move against each other from the pose of a search.
-struct MotionWindow {
-  double displacement = 0;  // of any point of A seen from B [m], >= 0
-  double rotation = 0;      // of A seen from B [rad], >= 0
-};
-void validate(const MotionWindow& window);
 
 /// Pairs of leaves among which all contacts of all poses in a window are: one descent serves all iterates of
 /// a step. Refers to the shapes.
@@ -39,7 +18,7 @@ struct Candidates {
   SE3 g_ba{};  // A's frame in B's at the search
   MotionWindow window{};
   LmdOptions options{};
-  std::vector<std::pair<LeafId, LeafId>> pairs{};  // sorted
+  std::vector<LeafPair> pairs{};  // sorted
 };
 
 Candidates find_candidates(const PosedShape& a, const PosedShape& b, const LmdOptions& options,

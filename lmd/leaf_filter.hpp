@@ -43,12 +43,12 @@ struct FaceLanes {
   F4 side[3];    // lengths of the sides
 };
 
-inline void set(V4& v, int lane, const Eigen::Vector3f& x) {
+AUSSOIS_INLINE void set(V4& v, int lane, const Eigen::Vector3f& x) {
   v.x[lane] = x[0], v.y[lane] = x[1], v.z[lane] = x[2];
 }
 
 /// The `count` leaves from `first` on; lanes beyond repeat the last.
-inline VertexLanes vertex_lanes(const LeafFrame& f, int first, int count) {
+AUSSOIS_INLINE VertexLanes vertex_lanes(const LeafFrame& f, int first, int count) {
   VertexLanes out{};
   for (int k = 0; k < 4; ++k) {
     const VertexLeaf& v = f.shape->vertices[std::size_t(first + std::min(k, count - 1))];
@@ -57,7 +57,7 @@ inline VertexLanes vertex_lanes(const LeafFrame& f, int first, int count) {
   return out;
 }
 
-inline EdgeLanes edge_lanes(const LeafFrame& f, int first, int count) {
+AUSSOIS_INLINE EdgeLanes edge_lanes(const LeafFrame& f, int first, int count) {
   EdgeLanes out{};
   V4 n[2];
   for (int k = 0; k < 4; ++k) {
@@ -80,7 +80,7 @@ inline EdgeLanes edge_lanes(const LeafFrame& f, int first, int count) {
   return out;
 }
 
-inline FaceLanes face_lanes(const LeafFrame& f, int first, int count, int side) {
+AUSSOIS_INLINE FaceLanes face_lanes(const LeafFrame& f, int first, int count, int side) {
   FaceLanes out{};
   F4 turn{};
   for (int k = 0; k < 4; ++k) {
@@ -102,7 +102,7 @@ inline FaceLanes face_lanes(const LeafFrame& f, int first, int count, int side) 
 
 /// Is the direction d (four of them, not unit, of the given lengths), seen from the vertex, in its enlarged
 /// cone?
-inline I4 in_vertex_cone(const LeafFrame& frame, const VertexLeaf& v, const V4& d, F4 limit) {
+AUSSOIS_INLINE I4 in_vertex_cone(const LeafFrame& frame, const VertexLeaf& v, const V4& d, F4 limit) {
   const Eigen::Matrix3f& R = frame.R;  // turns back into the vertex' frame
   const V4 local{R(0, 0) * d.x + R(1, 0) * d.y + R(2, 0) * d.z, R(0, 1) * d.x + R(1, 1) * d.y + R(2, 1) * d.z,
                  R(0, 2) * d.x + R(1, 2) * d.y + R(2, 2) * d.z};
@@ -113,8 +113,9 @@ inline I4 in_vertex_cone(const LeafFrame& frame, const VertexLeaf& v, const V4& 
   return in;
 }
 
-inline int vertex_face(const LeafFrame& frame, const VertexLeaf& v, const V4& p, const FaceLanes& f,
-                       const FilterLimits& limits) {
+/// A corner at p against four simplices: the bits of those that it may touch.
+AUSSOIS_INLINE int may_touch(const LeafFrame& frame, const VertexLeaf& v, const V4& p, const FaceLanes& f,
+                             const FilterLimits& limits) {
   const F4 h = dot(f.n, p - f.x[0]);
   I4 in = (h <= limits.reach) & (h >= -limits.foot);
   for (int c = 0; c < 3; ++c) in &= dot(f.inward[c], p - f.x[c]) >= -limits.foot * f.side[c];
@@ -122,8 +123,8 @@ inline int vertex_face(const LeafFrame& frame, const VertexLeaf& v, const V4& p,
   return bits(in & in_vertex_cone(frame, v, V4{-f.n.x, -f.n.y, -f.n.z}, splat(limits.sin_vertex)));
 }
 
-inline int vertex_edge(const LeafFrame& frame, const VertexLeaf& v, const V4& p, const EdgeLanes& e,
-                       const FilterLimits& limits) {
+AUSSOIS_INLINE int may_touch(const LeafFrame& frame, const VertexLeaf& v, const V4& p, const EdgeLanes& e,
+                             const FilterLimits& limits) {
   const V4 w = p - e.p;
   const F4 s = dot(e.e, w) / e.square;
   const F4 slack = limits.foot / e.length;
@@ -136,8 +137,8 @@ inline int vertex_edge(const LeafFrame& frame, const VertexLeaf& v, const V4& p,
       in & in_vertex_cone(frame, v, V4{-d.x, -d.y, -d.z}, limits.sin_vertex * sqrt4(square) + limits.foot));
 }
 
-inline int vertex_vertex(const LeafFrame& frame, const VertexLeaf& v, const V4& p, const VertexLanes& other,
-                         const FilterLimits& limits) {
+AUSSOIS_INLINE int may_touch(const LeafFrame& frame, const VertexLeaf& v, const V4& p,
+                             const VertexLanes& other, const FilterLimits& limits) {
   const V4 d = other.p - p;
   const F4 square = dot(d, d);
   const I4 in = square <= limits.reach * limits.reach;
@@ -145,8 +146,8 @@ inline int vertex_vertex(const LeafFrame& frame, const VertexLeaf& v, const V4& 
   return bits(in & in_vertex_cone(frame, v, d, limits.sin_vertex * sqrt4(square) + limits.foot));
 }
 
-/// The edge in lane `k` of `a`, which is the side that u points away from, against four.
-inline int edge_edge(const EdgeLanes& a, int k, const EdgeLanes& b, const FilterLimits& limits) {
+/// The edge in lane `k` of `a`, which is the side that u points away from, against four of B.
+AUSSOIS_INLINE int may_touch(const EdgeLanes& a, int k, const EdgeLanes& b, const FilterLimits& limits) {
   const V4 e = spread(a.e, k), w = b.p - spread(a.p, k);
   const F4 aa = splat(a.square[k]), length = splat(a.length[k]);
   const F4 ab = dot(e, b.e), aw = dot(e, w), bw = dot(b.e, w);

@@ -8,16 +8,26 @@
 #include <cmath>
 #endif
 
+// Compiled into its caller, so with the instructions that the caller may use.
+#define AUSSOIS_INLINE inline __attribute__((always_inline))
+
+// A second version of a function for machines that have more than SSE2, chosen when it is called.
+#if defined(__x86_64__)
+#define AUSSOIS_AVX2 __attribute__((target("avx2")))
+#else
+#define AUSSOIS_AVX2
+#endif
+
 namespace aussois {
 
 using F4 = float __attribute__((vector_size(16)));
 using I4 = int __attribute__((vector_size(16)));  // what comparisons give: -1 or 0 per lane
 
-inline F4 splat(float x) {
+AUSSOIS_INLINE F4 splat(float x) {
   return F4{x, x, x, x};
 }
 
-inline F4 load4(const float* x) {
+AUSSOIS_INLINE F4 load4(const float* x) {
 #ifdef __SSE2__
   return _mm_load_ps(x);  // aligned
 #else
@@ -25,7 +35,7 @@ inline F4 load4(const float* x) {
 #endif
 }
 
-inline F4 sqrt4(F4 x) {
+AUSSOIS_INLINE F4 sqrt4(F4 x) {
 #ifdef __SSE2__
   return _mm_sqrt_ps(x);
 #else
@@ -34,7 +44,7 @@ inline F4 sqrt4(F4 x) {
 }
 
 /// Bit i: lane i is true.
-inline int bits(I4 m) {
+AUSSOIS_INLINE int bits(I4 m) {
 #ifdef __SSE2__
   return _mm_movemask_ps(__m128(m));
 #else
@@ -42,37 +52,47 @@ inline int bits(I4 m) {
 #endif
 }
 
-inline F4 abs4(F4 x) {
+AUSSOIS_INLINE F4 abs4(F4 x) {
   return x < 0 ? -x : x;
+}
+
+/// Has this machine AVX2?
+inline bool has_avx2() {
+#if defined(__x86_64__)
+  static const bool has = __builtin_cpu_supports("avx2") != 0;
+  return has;
+#else
+  return false;
+#endif
 }
 
 struct V4 {  // four vectors
   F4 x, y, z;
 };
 
-inline V4 operator-(const V4& a, const V4& b) {
+AUSSOIS_INLINE V4 operator-(const V4& a, const V4& b) {
   return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
-inline V4 operator+(const V4& a, const V4& b) {
+AUSSOIS_INLINE V4 operator+(const V4& a, const V4& b) {
   return {a.x + b.x, a.y + b.y, a.z + b.z};
 }
-inline V4 operator*(F4 s, const V4& a) {
+AUSSOIS_INLINE V4 operator*(F4 s, const V4& a) {
   return {s * a.x, s * a.y, s * a.z};
 }
-inline F4 dot(const V4& a, const V4& b) {
+AUSSOIS_INLINE F4 dot(const V4& a, const V4& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
-inline V4 cross(const V4& a, const V4& b) {
+AUSSOIS_INLINE V4 cross(const V4& a, const V4& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 /// The vector of one lane, in all lanes.
-inline V4 spread(const V4& a, int lane) {
+AUSSOIS_INLINE V4 spread(const V4& a, int lane) {
   return {splat(a.x[lane]), splat(a.y[lane]), splat(a.z[lane])};
 }
-inline V4 load4(const float (&v)[3][4]) {
+AUSSOIS_INLINE V4 load4(const float (&v)[3][4]) {
   return {load4(v[0]), load4(v[1]), load4(v[2])};
 }
-inline V4 spread(const float (&v)[3][4], int lane) {
+AUSSOIS_INLINE V4 spread(const float (&v)[3][4], int lane) {
   return {splat(v[0][lane]), splat(v[1][lane]), splat(v[2][lane])};
 }
 

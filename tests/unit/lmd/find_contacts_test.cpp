@@ -153,6 +153,24 @@ TEST_P(LocalMinima, HaveTheSameBitsForAnyNumberOfThreads) {
     EXPECT_EQ(one.points[i].x_a, three.points[i].x_a);
   }
 }
+TEST_P(LocalMinima, DoNotDependOnTheQuickTests) {
+  const Scene s = random_scene(GetParam(), 0.05);
+  const PosedShape a{&s.a, s.g_a, 0}, b{&s.b, s.g_b, 1};
+  LmdOptions options{.threshold = 0.06};
+  const ContactSet expected = find_contacts(a, b, options);
+  for (bool SearchTests::*off : {&SearchTests::cones, &SearchTests::directions, &SearchTests::boxes,
+                                 &SearchTests::quick, &SearchTests::instructions}) {
+    options.tests = {};
+    options.tests.*off = false;
+    const ContactSet found = find_contacts(a, b, options);
+    ASSERT_EQ(found.points.size(), expected.points.size());
+    for (std::size_t i = 0; i < found.points.size(); ++i) {
+      EXPECT_EQ(key_of(found.points[i]), key_of(expected.points[i]));
+      EXPECT_EQ(found.points[i].x_a, expected.points[i].x_a);
+    }
+  }
+}
+
 // Test 9 of the checklist: one search serves every pose within its window.
 TEST_P(LocalMinima, OfAllPosesInAWindowAreAmongTheCandidates) {
   const Scene s = random_scene(GetParam(), 0.05);

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// The descent of two shapes' trees for the minima of one pose, or for the candidates of all poses in a window
+// (LMD-9), (LMD-12).
+#pragma once
+
+#include "lmd/lmd_options.hpp"
+#include "lmd/minimum_test.hpp"
+#include "lmd/posed_shape.hpp"
+
+namespace aussois {
+
+/// A pair of shapes as the tests see it: A's frame mapped to B's.
+struct RelativePair {
+  const LmdShape *a = nullptr, *b = nullptr;
+  Mat3 R = Mat3::Identity();
+  Vec3 t = Vec3::Zero();  // [m]
+  MinimumCriteria criteria{};
+};
+RelativePair relative_pair(const PosedShape& a, const PosedShape& b, const LmdOptions& options);
+
+struct FoundMinimum {
+  LeafId a{}, b{};
+  LocalMinimum minimum{};
+};
+
+struct SearchResult {
+  std::vector<FoundMinimum> found{};
+  std::vector<LeafPair> candidates{};  // instead, if there is a window
+  LmdStatistics count{};
+};
+
+/// In an order that depends on the shapes alone. Minima may be found twice.
+SearchResult search_pair(const RelativePair& pair, const MotionWindow* window, const LmdOptions& options);
+
+}  // namespace aussois
