@@ -2,6 +2,7 @@
 #include "geometry/parallel.hpp"
 
 #include <algorithm>
+#include <atomic>
 
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
@@ -15,7 +16,16 @@ void parallel_for(int n, int threads, const std::function<void(int)>& f) {
     return;
   }
   tbb::task_arena arena(std::min(threads, tbb::info::default_concurrency()));
-  arena.execute([&] { tbb::parallel_for(0, n, f, tbb::simple_partitioner{}); });
+  // oneTBB hands tasks over and back in order; saying so once more lets the thread sanitizer know.
+  std::atomic<int> order{0};
+  const auto task = [&](int i) {
+    order.load(std::memory_order_acquire);
+    f(i);
+    order.fetch_add(1, std::memory_order_release);
+  };
+  order.store(1, std::memory_order_release);
+  arena.execute([&] { tbb::parallel_for(0, n, task, tbb::simple_partitioner{}); });
+  order.load(std::memory_order_acquire);
 }
 
 }  // namespace aussois
