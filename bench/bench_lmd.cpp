@@ -75,7 +75,6 @@ ExitCode bench(const Arguments& a) {
   if (a.json.has_parent_path()) std::filesystem::create_directories(a.json.parent_path());
 
   // 1. Measure.
-  std::printf("%s", header_line().c_str());
   std::vector<PairCost> pairs;
   Progress progress("bench_lmd", double(names.size()), Progress::style_of_stderr(a.common.quiet));
   for (const std::string& name : names) {
@@ -89,11 +88,11 @@ ExitCode bench(const Arguments& a) {
       return !interrupted();
     }));
     if (interrupted()) return ExitCode::interrupted;
-    std::printf("%s", lines_of(pairs.back()).c_str());
-    std::fflush(stdout);
   }
 
   // 2. Tell.
+  std::printf("\n%s", header_line().c_str());
+  for (const PairCost& p : pairs) std::printf("%s", lines_of(p).c_str());
   if (a.ablation) {
     std::printf("\nWithout one of the tests, at 1 %%, in ratios to the query with all of them\n");
     std::printf("%-24s %-12s %10s%10s%10s%10s\n", "pair", "without", "time", "nodes", "leaves", "exact");

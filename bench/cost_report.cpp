@@ -178,6 +178,7 @@ bool write_cost_plot(const std::filesystem::path& dir, const std::vector<PairCos
     }
     csv += '\n';
   }
+  const std::string last = std::to_string(pairs.size()) + " - 0.5";
   write_whole_file(dir / "bench_lmd.csv", csv);
   write_whole_file(
       dir / "bench_lmd.gp",
@@ -185,13 +186,15 @@ bool write_cost_plot(const std::filesystem::path& dir, const std::vector<PairCos
       "set terminal pngcairo size 1200,700 font ',11'; set output 'bench_lmd.png'\n"
       "set datafile separator ','; set datafile missing 'nan'; set logscale y; set format y '10^{%L}'\n"
       "set grid y; set xtics rotate by -40 noenhanced; set rmargin 12; set key above\n"
-      "set ylabel 'CPU time on one thread [ms]'; set offsets 0.5, 0.5, 0, 0\n"
-      "plot 'bench_lmd.csv' every ::1 using 0:3:xtic(1) with points pt 5 ps 1.6 lc rgb '#c0702a' "
-      "title 'FCL: one distance', \\\n"
-      "     '' every ::1 using 0:4 with points pt 9 ps 1.6 lc rgb '#888888' "
-      "title 'CGAL: pairs of triangles near each other, no distance computed', \\\n"
-      "     '' every ::1 using 0:2 with points pt 7 ps 1.6 lc rgb '#1f5fa8' "
-      "title 'all contacts within 1 %'\n");
+      "set ylabel 'CPU time on one thread [ms]'; set xrange [-0.5:" +
+          last +
+          "]\n"
+          "plot 'bench_lmd.csv' every ::1 using 0:3:xtic(1) with points pt 5 ps 1.6 lc rgb '#c0702a' "
+          "title 'FCL: one distance', \\\n"
+          "     '' every ::1 using 0:4 with points pt 9 ps 1.6 lc rgb '#888888' "
+          "title 'CGAL: pairs of triangles near each other, no distance computed', \\\n"
+          "     '' every ::1 using 0:2 with points pt 7 ps 1.6 lc rgb '#1f5fa8' "
+          "title 'all contacts within 1 %'\n");
   return gnuplot(dir, "bench_lmd.gp");
 }
 
