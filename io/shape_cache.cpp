@@ -2,6 +2,7 @@
 #include "io/shape_cache.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -20,7 +21,7 @@ namespace aussois {
 namespace {
 
 constexpr const char* kFormat = "aussois-lmd-shape";
-constexpr const char* kVersion = "1";  // raise it when a table, or what prepare() puts into one, changes
+constexpr const char* kVersion = "2";  // raise it when a table, or what prepare() puts into one, changes
 
 std::string hex(std::uint64_t value) {
   char text[24];
@@ -92,10 +93,10 @@ struct Row<BaseSimplex> {
 
 template <>
 struct Row<ConeNode> {  // its 32-bit words, floats and integers, in the order of the struct
-  using type = std::array<std::uint32_t, 92>;
+  using type = std::array<std::uint32_t, 80>;
   static type of(const ConeNode& node) {
-    static_assert(offsetof(ConeNode, count) + sizeof node.count == sizeof(type));
-    static_assert(sizeof node == 384, "a field was added: raise kVersion");
+    static_assert(offsetof(ConeNode, h) + sizeof node.h == sizeof(type));
+    static_assert(sizeof node == 320, "a field was added: raise kVersion");
     type row;
     std::memcpy(row.data(), &node, sizeof row);
     return row;
@@ -342,9 +343,11 @@ class Check {
     expect(nodes == tree.nodes.size() && found == simplices, name, "does not reach every node and simplex");
   }
   static bool finite(const ConeNode& node) {
-    const float* x = &node.c[0][0];  // the floats come first
-    return std::all_of(x, x + offsetof(ConeNode, child) / sizeof *x,
-                       [](float v) { return std::isfinite(v); });
+    const auto row = Row<ConeNode>::of(node);
+    constexpr std::size_t kFirst = offsetof(ConeNode, child) / 4, kLast = offsetof(ConeNode, u) / 4;
+    for (std::size_t i = 0; i < row.size(); ++i)  // all words but the counts
+      if ((i < kFirst || i >= kLast) && !std::isfinite(std::bit_cast<float>(row[i]))) return false;
+    return true;
   }
 
   hid_t file_;

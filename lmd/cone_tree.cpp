@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 
 namespace aussois {
 namespace {
@@ -61,7 +62,8 @@ class Builder {
     solver.computeDirect(S);
     double smallest = kInf;
     for (const Mat3& axes : {Mat3(Mat3::Identity()), solver.eigenvectors()}) {
-      const Eigen::Matrix3f rounded = axes.cast<float>();
+      Eigen::Matrix3f rounded = axes.cast<float>();
+      rounded.col(2) = rounded.col(0).cross(rounded.col(1));
       if (!(rounded.transpose() * rounded - Eigen::Matrix3f::Identity()).isZero(1e-5F)) continue;
       const Mat3 u = rounded.cast<double>();
       Vec3 lo = Vec3::Constant(kInf), hi = Vec3::Constant(-kInf);
@@ -124,7 +126,7 @@ class Builder {
       n.c[i][lane] = b.c[i];
       n.axis[i][lane] = b.axis[i];
       n.h[i][lane] = b.h[i];
-      for (int k = 0; k < 3; ++k) n.u[k][i][lane] = b.u(i, k);
+      for (int k = 0; k < 2; ++k) n.u[k][i][lane] = b.u(i, k);
     }
     n.r[lane] = b.r;
     n.cos[lane] = b.cos;

@@ -13,14 +13,16 @@ namespace aussois {
 
 /// Four children; lengths in the frame of the shape moved to its centre [m].
 struct alignas(64) ConeNode {
+  // What every test reads.
   float c[3][4];           // centres of balls and boxes
   float r[4];              // of the balls; -1 for a child that is not there
   float axis[3][4];        // of the caps, unit
   float cos[4], sin[4];    // of their half angles; (-1, 0): any direction
-  float u[3][3][4];        // axes of the boxes: u[k][i] is coordinate i of axis k
-  float h[3][4];           // their half sides
   std::uint32_t child[4];  // a node, or the first simplex of a bucket
   std::uint32_t count[4];  // simplices in the bucket; 0: a node
+  // What is read where balls and caps say yes.
+  float u[2][3][4];  // two axes of the boxes, the third is their product; u[k][i]: coordinate i of axis k
+  float h[3][4];     // their half sides
 };
 
 /// What the builder needs of a simplex: up to three points and the cap around its normal cone.

@@ -27,7 +27,7 @@ struct NodeMotion {
     };
     turn(node.c, out.c, true);
     turn(node.axis, out.axis, false);
-    for (int k = 0; k < 3; ++k) turn(node.u[k], out.u[k], false);
+    for (int k = 0; k < 2; ++k) turn(node.u[k], out.u[k], false);
     return out;
   }
 };
@@ -174,9 +174,13 @@ class DualDescent {
 AUSSOIS_INLINE I4 boxes_near(const ConeNode& four, const ConeSlot& one, const V4& d, F4 reach, I4 still) {
   V4 u[3], w[3];
   F4 hu[3], hw[3];
-  for (int k = 0; k < 3; ++k) {
+  for (int k = 0; k < 2; ++k) {
     u[k] = spread(one.node->u[k], one.lane);
     w[k] = load4(four.u[k]);
+  }
+  u[2] = cross(u[0], u[1]);
+  w[2] = cross(w[0], w[1]);
+  for (int k = 0; k < 3; ++k) {
     hu[k] = splat(one.node->h[k][one.lane]);
     hw[k] = load4(four.h[k]);
   }

@@ -248,7 +248,7 @@ TEST(ShapeCache, TablesThatNoSearchCouldWalkAreRefusedByName) {
   refused("/tree/edge", [&](LmdShape& s) { s.edge_tree.nodes.back().child[0] = 0xffffffffU; });
   refused("/tree/face", [&](LmdShape& s) { s.face_tree.nodes.back().child[0] = 0; });  // twice
   refused("/tree/face", [&](LmdShape& s) { s.face_tree.nodes[0].r[1] = -1; });         // a branch is lost
-  refused("/tree/rest", [&](LmdShape& s) { s.rest_tree.nodes[0].u[2][2][3] = float(nan); });
+  refused("/tree/rest", [&](LmdShape& s) { s.rest_tree.nodes[0].u[1][2][3] = float(nan); });
 }
 
 TEST(ShapeCache, RefusesAFileWithAnyBitChanged) {
