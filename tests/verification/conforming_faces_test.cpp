@@ -54,7 +54,7 @@ BoxOnSlab box_on_slab(double tilt, bool aligned, Random& random) {
   return {{(lean * yaw).normalized(), at}, random.pose(2)};
 }
 
-// The slab's top is z = 0 in its frame.
+// Its top is z = 0 in its frame.
 LmdShape random_slab(Random& random) {
   return prepared(
       transformed(cut_up(make_box(1, 1, 0.1), random.index(40), random), translation(0, 0, -0.05)));
@@ -62,9 +62,12 @@ LmdShape random_slab(Random& random) {
 
 TEST(ChecklistItem3, ABoxOnASlabHasFourContactsBelowItsCorners) {
   Random random(3);
-  for (int mesh = 0; mesh < 40; ++mesh) {
-    const LmdShape box = prepared(cut_up(make_box(kBox.x(), kBox.y(), kBox.z()), random.index(60), random)),
-                   slab = random_slab(random);
+  for (int mesh = 0; mesh < 40; ++mesh) {  // on solids and on sheets
+    const LmdShape box = prepared(cut_up(make_box(kBox.x(), kBox.y(), kBox.z(), 1 + mesh % 3),
+                                         random.index(60), random)),
+                   slab = mesh % 2 == 0
+                              ? random_slab(random)
+                              : prepared(make_plate(1, 1, 1 + random.index(9), 1 + random.index(9)));
     for (int sample = 0; sample < 40; ++sample) {
       const double tilt = sample < 2 ? 0 : random.uniform(0, 0.999) * kDefault.alpha;
       const BoxOnSlab s = box_on_slab(tilt, sample == 0, random);

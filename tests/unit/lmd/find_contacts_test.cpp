@@ -216,40 +216,6 @@ TEST(LocalMinimaSample, IsRepresentative) {
   EXPECT_GT(several, 30);
 }
 
-// A box on a plate: four contacts for any tilt below alpha, any yaw, any triangulation of either.
-TEST(BoxOnPlate, HasFourContacts) {
-  Random random(7);
-  const double radius = 1e-3;
-  for (const int cuts : {1, 2, 5}) {
-    const LmdShape box = prepared(make_box(0.1, 0.07, 0.05, cuts), radius);
-    for (const int plate_cuts : {1, 3, 8}) {
-      const LmdShape plate = prepared(make_plate(1, 1, plate_cuts, 2 * plate_cuts), radius);
-      for (int sample = 0; sample < 60; ++sample) {
-        const double tilt = sample == 0 ? 0 : random.uniform(0, 0.999) * kAlpha,
-                     at = random.uniform(0, 2 * kPi);
-        const Quat yaw = sample % 5 == 1 ? Quat::Identity() : exp_so3(Vec3(0, 0, random.uniform(-kPi, kPi)));
-        const SE3 g{exp_so3(tilt * Vec3(std::cos(at), std::sin(at), 0)) * yaw,
-                    Vec3(random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), 0.025 + 2 * radius + 0.004)};
-        const SE3 world = random.pose(2);
-        EXPECT_EQ(contacts_of(box, world * g, plate, world, 0.02).points.size(), 4U)
-            << "cuts " << cuts << " " << plate_cuts << " tilt " << tilt << " sample " << sample;
-      }
-    }
-  }
-}
-
-TEST(BoxOnPlate, LosesTheRaisedCornersBeyondAlpha) {
-  const LmdShape box = prepared(make_box(0.1, 0.1, 0.1), 1e-3), plate = prepared(make_plate(1, 1), 1e-3);
-  const SE3 g{exp_so3(Vec3(1.01 * kAlpha, 0, 0)), Vec3(0.013, 0.007, 0.06)};
-  EXPECT_EQ(contacts_of(box, g, plate, {}, 0.02).points.size(), 2U);
-}
-
-TEST(Contacts, OfAStandingCylinderAreItsRim) {
-  const LmdShape cylinder = prepared(make_cylinder(0.05, 0.1, 24), 1e-3),
-                 plate = prepared(make_plate(1, 1, 4, 4), 1e-3);
-  EXPECT_EQ(contacts_of(cylinder, translation(0.011, 0.023, 0.055), plate, {}, 0.01).points.size(), 24U);
-}
-
 TEST(Contacts, OfABallOnAPlateIsOne) {
   const LmdShape ball = prepared(make_point(), 0.1), plate = prepared(make_plate(1, 1, 3, 3), 1e-3);
   const ContactSet found = contacts_of(ball, translation(0.1, 0.2, 0.105), plate, {}, 0.02);
