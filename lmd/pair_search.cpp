@@ -37,12 +37,6 @@ AUSSOIS_INLINE I4 within(F4 cos_between, F4 cos_a, F4 sin_a, F4 cos_b, F4 sin_b)
   return (sin <= 0) | (cos_between + kRounding >= cos);
 }
 
-// Two trees to be descended: their classes decide by how much caps are enlarged (LMD-9).
-struct TreePair {
-  const ConeTree *a, *b;
-  LeafId first_a{}, first_b{};  // of their leaves
-};
-
 struct Frames {
   NodeMotion motion{};
   LeafFrame a{}, b{};
@@ -61,6 +55,45 @@ Frames frames_of(const RelativePair& pair) {
   }
   out.rounding = float(
       2e-6 * (pair.a->bounding_radius + pair.b->bounding_radius + t.norm() + pair.criteria.max_distance));
+  return out;
+}
+
+struct TreeOfLeaves {
+  const ConeTree* tree;
+  LeafId first;
+};
+
+// Two trees to be descended: their classes decide by how much caps are enlarged (LMD-9), (LMD-12).
+struct TreePair {
+  const ConeTree *a = nullptr, *b = nullptr;
+  LeafId first_a{}, first_b{};  // of their leaves
+  float shift = 0, reach = 0;   // of the window, of the search [m]
+  float side = 1;               // -1: just one of the two looks at the back of its faces
+  Angle opposing{}, enlarged_a{}, enlarged_b{};
+  FilterLimits limits{};
+};
+
+TreePair tree_pair(const RelativePair& pair, const Frames& frames, const MotionWindow* window,
+                   const TreeOfLeaves& a, const TreeOfLeaves& b) {
+  const MinimumCriteria& c = pair.criteria;
+  const double slack = angle_slack(pair);
+  const double turn = window ? window->rotation : 0, shift = window ? window->displacement : 0;
+  const bool edges = a.first.dim == 1 && b.first.dim == 1;
+  const double more = edges ? std::max(c.alpha, c.alpha_ee) : 0;
+  // seen from A, points of B near A move by at most `shift` and what the rotation adds over the distance
+  const double foot = 2 * (shift + turn * (c.max_distance + shift));
+  TreePair out{.a = a.tree, .b = b.tree, .first_a = a.first, .first_b = b.first};
+  out.shift = float(shift * (1 + 1e-6));
+  out.reach = float(c.max_distance) + out.shift + frames.rounding;
+  out.side = float(a.first.side * b.first.side);
+  out.opposing = angle_of(c.alpha + slack + turn);
+  out.enlarged_a = angle_of(slack + turn + (a.first.dim == 0 ? c.alpha : more));  // B's frame stands still
+  out.enlarged_b = angle_of(slack + (b.first.dim == 0 ? c.alpha : more));
+  out.limits = {.reach = out.reach,
+                .foot = frames.rounding + float(c.tolerance + foot),
+                .sin_vertex = float(c.sin_alpha + slack + turn) + 1e-5F,
+                .sin_edges = float(c.sin_alpha_ee + slack) + 1e-4F,
+                .moving = window != nullptr};
   return out;
 }
 
@@ -87,46 +120,27 @@ class Search {
  public:
   Search(const RelativePair& pair, const Frames& frames, const TreePair& trees, const MotionWindow* window,
          const SearchTests& tests, SearchResult& part)
-      : pair_(pair), frames_(frames), trees_(trees), window_(window), tests_(tests), part_(part) {
-    const MinimumCriteria& c = pair.criteria;
-    const double slack = angle_slack(pair);
-    const double turn = window ? window->rotation : 0, shift = window ? window->displacement : 0;
-    shift_ = float(shift * (1 + 1e-6));
-    reach_ = float(c.max_distance) + shift_ + frames.rounding;
-    opposing_ = angle_of(c.alpha + slack + turn);
-    const bool edges = trees.first_a.dim == 1 && trees.first_b.dim == 1;
-    const double more = edges ? std::max(c.alpha, c.alpha_ee) : 0;
-    enlarged_a_ =
-        angle_of(slack + turn + (trees.first_a.dim == 0 ? c.alpha : more));  // B's frame stands still
-    enlarged_b_ = angle_of(slack + (trees.first_b.dim == 0 ? c.alpha : more));
-    side_ = float(trees.first_a.side * trees.first_b.side);
-    // seen from A, points of B near A move by at most `shift` and what the rotation adds over the distance
-    const double foot = 2 * (shift + turn * (c.max_distance + shift));
-    limits_ = {.reach = reach_,
-               .foot = frames.rounding + float(c.tolerance + foot),
-               .sin_vertex = float(c.sin_alpha + slack + turn) + 1e-5F,
-               .sin_edges = float(c.sin_alpha_ee + slack) + 1e-4F,
-               .moving = window != nullptr};
-  }
+      : pair_(pair), frames_(frames), trees_(trees), window_(window), tests_(tests), part_(part) {}
 
   AUSSOIS_INLINE int near(const ConeNode& four, const ConeSlot& one, bool one_is_a) {
     part_.count.node_pairs += 4;
     const V4 d = load4(four.c) - spread(one.node->c, one.lane);
-    const F4 both = load4(four.r) + (one.node->r[one.lane] + shift_);
-    const F4 square = dot(d, d), limit = both + reach_;
+    const F4 both = load4(four.r) + (one.node->r[one.lane] + trees_.shift);
+    const F4 square = dot(d, d), limit = both + trees_.reach;
     I4 still = square <= limit * limit;
     if (!bits(still)) return 0;
     const V4 axis = load4(four.axis), own = spread(one.node->axis, one.lane);
     const F4 cos = load4(four.cos), sin = load4(four.sin);
     const float own_cos = one.node->cos[one.lane], own_sin = one.node->sin[one.lane];
-    // caps enlarged by the half angle of the slot: opposing_ may carry it past pi, then nothing is outside
-    const float c = own_cos * opposing_.cos - own_sin * opposing_.sin;
-    const float s = own_sin * opposing_.cos + own_cos * opposing_.sin;
-    if (s > 0 && tests_.cones) still &= within(-side_ * dot(axis, own), cos, sin, splat(c), splat(s));
+    // caps enlarged by the half angle of the slot: trees_.opposing may carry it past pi, then nothing is
+    // outside
+    const float c = own_cos * trees_.opposing.cos - own_sin * trees_.opposing.sin;
+    const float s = own_sin * trees_.opposing.cos + own_cos * trees_.opposing.sin;
+    if (s > 0 && tests_.cones) still &= within(-trees_.side * dot(axis, own), cos, sin, splat(c), splat(s));
     if (!bits(still)) return 0;
     if (tests_.directions) still &= directions_meet(four, one, one_is_a, d, both, square);
     if (!bits(still)) return 0;
-    return tests_.boxes ? bits(boxes_near(four, one, d, splat(reach_), still)) : bits(still);
+    return tests_.boxes ? bits(boxes_near(four, one, d, splat(trees_.reach), still)) : bits(still);
   }
 
   AUSSOIS_INLINE void open(const ConeSlot& a) {
@@ -156,7 +170,7 @@ class Search {
         return vertices_of_b(a, b, edges_);
       case 4: {
         const EdgeLanes& lanes = edges_of_b();
-        for (int i = 0; i < a.count(); ++i) test(a, i, b, may_touch(edges_, i, lanes, limits_));
+        for (int i = 0; i < a.count(); ++i) test(a, i, b, may_touch(edges_, i, lanes, trees_.limits));
         return;
       }
       default:
@@ -169,7 +183,7 @@ class Search {
   AUSSOIS_INLINE void vertices_of_a(const ConeSlot& a, const ConeSlot& b, const Lanes& lanes) {
     for (int i = 0; i < a.count(); ++i) {
       const VertexLeaf& v = pair_.a->vertices[std::size_t(trees_.first_a.index + a.first() + i)];
-      test(a, i, b, may_touch(frames_.a, v, spread(vertices_.p, i), lanes, limits_));
+      test(a, i, b, may_touch(frames_.a, v, spread(vertices_.p, i), lanes, trees_.limits));
     }
   }
 
@@ -178,7 +192,7 @@ class Search {
     const VertexLanes corners = vertex_lanes(frames_.b, trees_.first_b.index + b.first(), b.count());
     for (int j = 0; j < b.count(); ++j) {
       const VertexLeaf& v = pair_.b->vertices[std::size_t(trees_.first_b.index + b.first() + j)];
-      const int left = may_touch(frames_.b, v, spread(corners.p, j), lanes, limits_);
+      const int left = may_touch(frames_.b, v, spread(corners.p, j), lanes, trees_.limits);
       for (int i = 0; i < a.count(); ++i)
         if (!tests_.quick || left >> i & 1) test_exactly(a, i, b, 1 << j);
     }
@@ -193,8 +207,8 @@ class Search {
     const I4 meeting = ~(sin_phi < 0.999F);  // also where both are points at one place
     const F4 room = 1.0F - sin_phi * sin_phi;
     const F4 cos_phi = sqrt4(room > 0 ? room : splat(0));
-    const Angle& e_one = one_is_a ? enlarged_a_ : enlarged_b_;
-    const Angle& e_four = one_is_a ? enlarged_b_ : enlarged_a_;
+    const Angle& e_one = one_is_a ? trees_.enlarged_a : trees_.enlarged_b;
+    const Angle& e_four = one_is_a ? trees_.enlarged_b : trees_.enlarged_a;
     const float side_one = one_is_a ? float(trees_.first_a.side) : float(trees_.first_b.side);
     const float own_cos = one.node->cos[one.lane], own_sin = one.node->sin[one.lane];
     const float c = own_cos * e_one.cos - own_sin * e_one.sin, s = own_sin * e_one.cos + own_cos * e_one.sin;
@@ -204,7 +218,7 @@ class Search {
                     cos_phi, sin_phi);
     const F4 cos = load4(four.cos), sin = load4(four.sin);
     const F4 cf = cos * e_four.cos - sin * e_four.sin, sf = sin * e_four.cos + cos * e_four.sin;
-    const float side_four = side_ * side_one;
+    const float side_four = trees_.side * side_one;
     meet &= (sf <= 0) | within(-side_four * dot(load4(four.axis), d) * inverse, cf, sf, cos_phi, sin_phi);
     return meet | meeting;
   }
@@ -238,19 +252,11 @@ class Search {
   const MotionWindow* window_;
   const SearchTests& tests_;
   SearchResult& part_;
-  float shift_ = 0, reach_ = 0, side_ = 1;
-  Angle opposing_{}, enlarged_a_{}, enlarged_b_{};
-  FilterLimits limits_{};
   VertexLanes vertices_{};  // of A's open bucket
   EdgeLanes edges_{};
   FaceLanes faces_{};
   RecentLanes<EdgeLanes> recent_edges_{};
   RecentLanes<FaceLanes> recent_faces_{};
-};
-
-struct TreeOfLeaves {
-  const ConeTree* tree;
-  LeafId first;
 };
 
 std::vector<TreeOfLeaves> trees_of(const LmdShape& s) {
@@ -299,7 +305,7 @@ SearchResult search_pair(const RelativePair& pair, const MotionWindow* window, c
   std::vector<TreePair> trees;
   for (const TreeOfLeaves& a : trees_of(*pair.a))
     for (const TreeOfLeaves& b : trees_of(*pair.b))
-      if (can_touch(a.first.dim, b.first.dim)) trees.push_back({a.tree, b.tree, a.first, b.first});
+      if (can_touch(a.first.dim, b.first.dim)) trees.push_back(tree_pair(pair, frames, window, a, b));
   std::vector<SearchResult> parts(trees.size() * kDescentParts);
   parallel_for(int(parts.size()), options.threads, [&](int i) {
     const TreePair& pair_of_trees = trees[std::size_t(i) / kDescentParts];
