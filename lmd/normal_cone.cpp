@@ -15,8 +15,7 @@ namespace {
 
 constexpr double kMerge = 1e-7;      // directions closer than this are one [rad]
 constexpr double kLineality = 1e-8;  // a hull this close to the origin contains it
-constexpr double kWeight =
-    1e-9;  // convex weights below this do not support; without it l is wrong on degenerate stars
+constexpr double kWeight = 1e-9;     // convex weights below this are rounding and do not support
 
 struct MinNorm {
   Vec3 point = Vec3::Zero();
