@@ -182,23 +182,19 @@ class PairCheck {
 
 // B's base frame: its shape frame moved to its centre. Everything that nodes need, in it.
 struct BaseFrames {
-  BaseFrames(const MovingShape& a, const MovingShape& b, const Instant& now_a, const Instant& now_b) {
-    R = now_b.R.transpose() * now_a.R;
-    const Vec3 origin = now_b.R * b.shape->centre + now_b.t;
-    const auto local = [&](const Vec3& x) -> Vec3 { return now_b.R.transpose() * (x - origin); };
-    t = local(now_a.t);
-    const Vec3 centre = local(now_a.R * a.shape->centre + now_a.t);
-    for (int i = 0; i < 3; ++i) {
-      motion.t[i] = float(centre[i]);
-      for (int j = 0; j < 3; ++j) motion.R[3 * i + j] = float(R(i, j));
-    }
-    scale = a.shape->bounding_radius + b.shape->bounding_radius + centre.norm();
-  }
-  Mat3 R = Mat3::Identity();  // of A's shape frame
-  Vec3 t = Vec3::Zero();
-  NodeMotion motion{};
-  double scale = 0;  // [m]
+  Mat3 R;  // of A's shape frame
+  Vec3 t;
+  NodeMotion motion;
+  double scale;  // of positions [m]
 };
+
+BaseFrames base_frames(const MovingShape& a, const MovingShape& b, const Instant& now_a,
+                       const Instant& now_b) {
+  const Mat3 R = now_b.R.transpose() * now_a.R;
+  const Vec3 t = now_b.R.transpose() * (now_a.t - now_b.t) - b.shape->centre;
+  const Vec3 centre = R * a.shape->centre + t;
+  return {R, t, NodeMotion(R, centre), a.shape->bounding_radius + b.shape->bounding_radius + centre.norm()};
+}
 
 // The velocity field of a body in B's base frame, in single precision.
 struct NodeVelocity {
@@ -286,7 +282,10 @@ class CertificateDescent {
                      const NodeVelocity& b, int first_a, int first_b, Part& part)
       : check_(check), frames_(frames), a_(a), b_(b), first_a_(first_a), first_b_(first_b), part_(part) {
     dt_ = float(check.dt());
-    wanted_ = float(check.wanted() + 4e-6 * (frames.scale + check.wanted()));
+    // fast bodies: what they travel is rounded as well
+    const double travel =
+        check.dt() * (double(a.v.norm()) + double(b.v.norm()) + double(a.spin + b.spin) * frames.scale);
+    wanted_ = float(check.wanted() + 4e-6 * (frames.scale + travel + check.wanted()));
   }
 
   int near(const ConeNode& four, const ConeSlot& one, bool one_is_a) {
@@ -416,7 +415,7 @@ Certificate certify(const MovingShape& a, const MovingShape& b, double dt,
                 "be at least `required`");
   if (!is_finite(a.motion) || !is_finite(b.motion)) return {.certified = false, .min_distance = 0};
   const PairCheck check(a, b, dt, options);
-  const BaseFrames frames(a, b, check.now_a(), check.now_b());
+  const BaseFrames frames = base_frames(a, b, check.now_a(), check.now_b());
   const NodeVelocity of_a(check.now_a(), check.now_b(), b.shape->centre);
   const NodeVelocity of_b(check.now_b(), check.now_b(), b.shape->centre);
   const auto descend = [&](const ConeTree& tree_a, const ConeTree& tree_b, int first_a, int first_b, int cut,
@@ -437,7 +436,7 @@ Certificate certify(const MovingShape& a, const MovingShape& b, double dt,
 double base_distance(const MovingShape& a, const MovingShape& b, double cutoff, int threads) {
   if (!is_finite(a.motion) || !is_finite(b.motion)) return std::numeric_limits<double>::quiet_NaN();
   const Instant now_a = at_time(a, 0), now_b = at_time(b, 0);
-  const BaseFrames frames(a, b, now_a, now_b);
+  const BaseFrames frames = base_frames(a, b, now_a, now_b);
   const auto descend = [&](const ConeTree& tree_a, const ConeTree& tree_b, int first_a, int first_b, int cut,
                            Nearest& part) {
     DistanceDescent tests(a, b, now_a, now_b, 4e-6 * frames.scale, first_a, first_b, part);

@@ -16,6 +16,12 @@ namespace aussois {
 struct NodeMotion {
   float R[9];  // row by row
   float t[3];
+  NodeMotion(const Mat3& rotation, const Vec3& translation) {
+    for (int i = 0; i < 3; ++i) {
+      t[i] = float(translation[i]);
+      for (int j = 0; j < 3; ++j) R[3 * i + j] = float(rotation(i, j));
+    }
+  }
   AUSSOIS_INLINE ConeNode moved(const ConeNode& node) const {
     ConeNode out = node;
     const auto turn = [&](const float(&v)[3][4], float(&w)[3][4], bool shift) {
@@ -34,9 +40,6 @@ struct NodeMotion {
 
 AUSSOIS_INLINE int children_of(const ConeNode& node) {  // bits of the lanes in use
   return bits(load4(node.r) >= 0);
-}
-AUSSOIS_INLINE bool is_bucket(const ConeNode& node, int lane) {
-  return node.count[lane] > 0;
 }
 
 /// One child of a node.
@@ -84,7 +87,7 @@ class DualDescent {
     const ConeNode root = motion_.moved(a_.nodes[0]);
     const int lane = part / 4;
     if (!(children_of(root) >> lane & 1)) return;
-    if (is_bucket(root, lane)) {
+    if (root.count[lane] > 0) {  // a bucket
       if (part % 4 == 0) descend({&root, lane});
       return;
     }

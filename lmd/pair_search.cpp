@@ -38,24 +38,19 @@ AUSSOIS_INLINE I4 within(F4 cos_between, F4 cos_a, F4 sin_a, F4 cos_b, F4 sin_b)
 }
 
 struct Frames {
-  NodeMotion motion{};
+  NodeMotion motion;
   LeafFrame a{}, b{};
   float rounding = 0;  // of lengths in single precision [m]
 };
 
 Frames frames_of(const RelativePair& pair) {
-  Frames out;
-  const Eigen::Matrix3f R = pair.R.cast<float>();
   const Vec3 t = pair.R * pair.a->centre + pair.t - pair.b->centre;
-  out.a = {pair.a, R, pair.a->centre, t.cast<float>()};
-  out.b = {pair.b, Eigen::Matrix3f::Identity(), pair.b->centre, Eigen::Vector3f::Zero()};
-  for (int i = 0; i < 3; ++i) {
-    out.motion.t[i] = float(t[i]);
-    for (int j = 0; j < 3; ++j) out.motion.R[3 * i + j] = R(i, j);
-  }
-  out.rounding = float(
-      2e-6 * (pair.a->bounding_radius + pair.b->bounding_radius + t.norm() + pair.criteria.max_distance));
-  return out;
+  const double size =
+      pair.a->bounding_radius + pair.b->bounding_radius + t.norm() + pair.criteria.max_distance;
+  return {.motion = NodeMotion(pair.R, t),
+          .a = {pair.a, pair.R.cast<float>(), pair.a->centre, t.cast<float>()},
+          .b = {pair.b, Eigen::Matrix3f::Identity(), pair.b->centre, Eigen::Vector3f::Zero()},
+          .rounding = float(2e-6 * size)};
 }
 
 struct TreeOfLeaves {
