@@ -291,18 +291,6 @@ NormalCone edge_cone(const Vec3& e, std::span<const Vec3> conormals) {
   return cone;
 }
 
-NormalCone face_cone(const Vec3& n) {
-  NormalCone cone;
-  cone.lineality = 2;
-  cone.lin[0] = n.unitOrthogonal();
-  cone.lin[1] = n.cross(cone.lin[0]);
-  cone.lin[2] = n;
-  cone.rays = {-n};
-  cone.axis = n;
-  cone.half_angle = 0;
-  return cone;
-}
-
 bool may_contain(const ConeView& cone, const Vec3& u, double sin_alpha) {
   if (cone.lin.size() == 3) return false;
   double along = 0;

@@ -36,9 +36,6 @@ NormalCone make_normal_cone(const std::vector<Vec3>& directions);
 /// The same for an edge along the unit vector e and the unit conormals of its triangles, perpendicular to e.
 NormalCone edge_cone(const Vec3& e, std::span<const Vec3> conormals);
 
-/// Cone of a face with outward unit normal n: C the half-space below, N the ray n.
-NormalCone face_cone(const Vec3& n);
-
 /// Quick and necessary test of angle_to(cone, u) <= alpha: the mitred enlargement of N (LMD-6).
 bool may_contain(const ConeView& cone, const Vec3& u, double sin_alpha);
 
