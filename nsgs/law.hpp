@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 #include "geometry/types.hpp"
@@ -98,11 +99,22 @@ inline bool has_normal(const Law& law) {  // r_0 >= 0
   return law.kind != LawKind::bilateral && law.kind != LawKind::dry_friction;
 }
 
+template <int R>
+double length_in(const Ball& ball, const Rows<R>& y) {
+  double sum = 0;
+  for (int i = ball.first; i < ball.first + ball.rows; ++i) sum += y[i] * y[i];
+  return std::sqrt(sum);
+}
+template <int R>
+void stretch_in(const Ball& ball, double factor, Rows<R>& y) {
+  for (int i = ball.first; i < ball.first + ball.rows; ++i) y[i] *= factor;
+}
+
 /// De Saxce's modified velocity (LAW-4): u_N grows by mu |u_T| for every ball.
 template <int R>
 Rows<R> modified_velocity(const Law& law, Rows<R> u) {
   for (const Ball& ball : balls(law))
-    if (ball.mu > 0) u[0] += ball.mu * u.segment(ball.first, ball.rows).norm();
+    if (ball.mu > 0) u[0] += ball.mu * length_in<R>(ball, u);
   return u;
 }
 
@@ -112,8 +124,8 @@ Rows<R> project(const Law& law, Rows<R> r) {
   const Balls all = balls(law);
   if (!has_normal(law)) {
     for (const Ball& ball : all) {
-      const double length = r.segment(ball.first, ball.rows).norm();
-      if (length > ball.limit) r.segment(ball.first, ball.rows) *= ball.limit / length;
+      const double length = length_in<R>(ball, r);
+      if (length > ball.limit) stretch_in<R>(ball, ball.limit / length, r);
     }
     return r;
   }
@@ -121,7 +133,7 @@ Rows<R> project(const Law& law, Rows<R> r) {
   double length[2] = {0, 0}, normal = 0;
   bool exceeded[2] = {false, false};
   for (int g = 0; g < all.count; ++g) {
-    length[g] = r.segment(all.ball[std::size_t(g)].first, all.ball[std::size_t(g)].rows).norm();
+    length[g] = length_in<R>(all.ball[std::size_t(g)], r);
     exceeded[g] = true;
   }
   for (bool again = true; again;) {
@@ -143,7 +155,7 @@ Rows<R> project(const Law& law, Rows<R> r) {
   r[0] = normal;
   for (int g = 0; g < all.count; ++g) {
     const Ball& ball = all.ball[std::size_t(g)];
-    if (exceeded[g]) r.segment(ball.first, ball.rows) *= ball.mu * normal / length[g];
+    if (exceeded[g]) stretch_in<R>(ball, ball.mu * normal / length[g], r);
   }
   return r;
 }
@@ -156,8 +168,8 @@ Rows<R> answer(const Law& law, Rows<R> y) {
   if (has_normal(law) && !(y[0] > 0)) return Rows<R>::Zero(y.size());
   for (const Ball& ball : balls(law)) {
     const double radius = ball.mu * y[0] + ball.limit,
-                 length = y.segment(ball.first, ball.rows).norm();
-    if (length > radius) y.segment(ball.first, ball.rows) *= radius / length;
+                 length = length_in<R>(ball, y);
+    if (length > radius) stretch_in<R>(ball, radius / length, y);
   }
   return y;
 }
@@ -169,7 +181,7 @@ RowBlock<R> answer_derivative(const Law& law, const Rows<R>& y) {
   RowBlock<R> D = RowBlock<R>::Identity(y.size(), y.size());
   for (const Ball& ball : balls(law)) {
     const double radius = ball.mu * y[0] + ball.limit,
-                 length = y.segment(ball.first, ball.rows).norm();
+                 length = length_in<R>(ball, y);
     if (length <= radius) continue;
     for (int i = ball.first; i < ball.first + ball.rows; ++i) {
       const double along = y[i] / length;

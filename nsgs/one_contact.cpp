@@ -8,7 +8,7 @@
 
 #include <Eigen/LU>
 
-#include "nsgs/cone.hpp"
+#include "nsgs/law.hpp"
 
 namespace aussois {
 
@@ -35,7 +35,7 @@ struct Block {
 
   Candidate judged(const Vec3& r) const {
     const Vec3 u = W * r + q;
-    const double wrong = (r - project_cone(r - de_saxce(u, mu), mu)).norm();
+    const double wrong = (r - project<3>(coulomb(mu), r - modified_velocity<3>(coulomb(mu), u))).norm();
     const double allowed = std::min(kLocalTolerance * (1 + W.norm() * r.norm()), kLocalBound);
     return {r, std::isfinite(wrong) ? wrong : kInf, allowed};
   }
@@ -63,12 +63,12 @@ Candidate newton(const Block& block, const Vec3& r_start) {
   Vec3 r = r_start;
   for (int step = 0; step < kNewtonSteps && !good(best); ++step) {
     const Vec3 y = I_minus_rho_W * r - rho.cwiseProduct(block.q);
-    const Mat3 J = Mat3::Identity() - project_coulomb_derivative(y, block.mu) * I_minus_rho_W;
+    const Mat3 J = Mat3::Identity() - answer_derivative<3>(coulomb(block.mu), y) * I_minus_rho_W;
     Mat3 inverse;
     bool regular = false;
     J.computeInverseWithCheck(inverse, regular, 1e-300);
     if (!regular) break;
-    r -= inverse * (r - project_coulomb(y, block.mu));
+    r -= inverse * (r - answer<3>(coulomb(block.mu), y));
     if (!r.allFinite()) break;
     best = better(best, block.judged(r));
   }
@@ -192,11 +192,12 @@ LocalSolution solve_one_contact(const Mat3& W, const Vec3& q, double mu, const V
   if (q[0] >= 0) return {};  // separation (ONE-1)
   const Block block{W / w, q / size, mu};
   const double unit = size / w;
-  const Vec3 start = r_start.allFinite() ? Vec3(project_coulomb(r_start / unit, mu)) : Vec3(Vec3::Zero());
+  const Law law = coulomb(mu);
+  const Vec3 start = r_start.allFinite() ? answer<3>(law, Vec3(r_start / unit)) : Vec3(Vec3::Zero());
 
   if (solver == LocalSolver::projection) {
     const double rho = 1 / std::max(block.W(0, 0), largest_eigenvalue(block.W.bottomRightCorner<2, 2>()));
-    const Vec3 r = project_cone(start - rho * de_saxce(block.W * start + block.q, mu), mu);
+    const Vec3 r = project<3>(law, start - rho * modified_velocity<3>(law, Vec3(block.W * start + block.q)));
     return {.r = r * unit, .solved = good(block.judged(r))};
   }
   Candidate answer;

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <Eigen/SparseLU>
+
+#include "nsgs/block_solver.hpp"
+#include "nsgs/delassus.hpp"
+
+namespace aussois {
+
+namespace {
+
+// Blocks in compressed rows, or in compressed columns; ascending, the diagonal always there.
+template <int R>
+struct Blocks {
+  std::vector<int> begin{}, other{};
+  std::vector<RowBlock<R>> block{};
+};
+
+// Rows of blocks of the scaled W. Columns are visited in ascending order, so rows come out sorted.
+template <int R>
+Blocks<R> block_rows(const SparseMatrix& W, const Scaling& scaled, const std::vector<int>& first) {
+  const int count = int(scaled.laws.size());
+  std::vector<int> block_of(std::size_t(W.rows()));
+  for (int c = 0; c < count; ++c)
+    for (int i = first[std::size_t(c)]; i < first[std::size_t(c) + 1]; ++i) block_of[std::size_t(i)] = c;
+  const auto visit = [&](auto&& entry_of_block) {  // (block row, block column) once per block, then entries
+    std::vector<int> seen(std::size_t(count), -1);
+    for (int c = 0; c < count; ++c) {
+      seen[std::size_t(c)] = c;
+      entry_of_block(c, c);
+      for (int j = first[std::size_t(c)]; j < first[std::size_t(c) + 1]; ++j)
+        for (SparseMatrix::InnerIterator it(W, j); it; ++it) {
+          const int i = block_of[std::size_t(it.row())];
+          if (seen[std::size_t(i)] == c) continue;
+          seen[std::size_t(i)] = c;
+          entry_of_block(i, c);
+        }
+    }
+  };
+  Blocks<R> out;
+  out.begin.assign(std::size_t(count) + 1, 0);
+  visit([&](int i, int) { ++out.begin[std::size_t(i) + 1]; });
+  for (std::size_t i = 0; i < std::size_t(count); ++i) out.begin[i + 1] += out.begin[i];
+  out.other.resize(std::size_t(out.begin.back()));
+  out.block.resize(out.other.size());
+  std::vector<int> next(out.begin.begin(), out.begin.end() - 1);
+  visit([&](int i, int c) {
+    const auto place = std::size_t(next[std::size_t(i)]++);
+    out.other[place] = c;
+    out.block[place] = RowBlock<R>::Zero(scaled.laws[std::size_t(i)].rows, scaled.laws[std::size_t(c)].rows);
+  });
+  std::copy(out.begin.begin(), out.begin.end() - 1, next.begin());
+  for (int c = 0; c < count; ++c) {
+    for (int j = first[std::size_t(c)]; j < first[std::size_t(c) + 1]; ++j)
+      for (SparseMatrix::InnerIterator it(W, j); it; ++it) {
+        const auto i = std::size_t(block_of[std::size_t(it.row())]);
+        auto place = std::size_t(next[i]);
+        while (out.other[place] != c) ++place;  // the one block of this column, at or just after the cursor
+        next[i] = int(place);
+        out.block[place](it.row() - first[i], j - first[std::size_t(c)]) =
+            it.value() * scaled.s[it.row()] * scaled.s[j];
+      }
+  }
+  return out;
+}
+
+template <int R>
+Blocks<R> transposed(const Blocks<R>& rows) {  // the same blocks by columns
+  Blocks<R> out;
+  const std::size_t count = rows.begin.size() - 1;
+  out.begin.assign(count + 1, 0);
+  for (const int c : rows.other) ++out.begin[std::size_t(c) + 1];
+  for (std::size_t i = 0; i < count; ++i) out.begin[i + 1] += out.begin[i];
+  out.other.resize(rows.other.size());
+  out.block.resize(rows.block.size());
+  std::vector<int> next(out.begin.begin(), out.begin.end() - 1);
+  for (std::size_t i = 0; i < count; ++i)
+    for (int k = rows.begin[i]; k < rows.begin[i + 1]; ++k) {
+      const auto place = std::size_t(next[std::size_t(rows.other[std::size_t(k)])]++);
+      out.other[place] = int(i);
+      out.block[place] = rows.block[std::size_t(k)];
+    }
+  return out;
+}
+
+template <int R>
+class LocalDelassus final : public Delassus {
+ public:
+  explicit LocalDelassus(const LocalProblem& problem) {
+    first = first_rows(problem.laws);
+    scaled = scaling(problem.W.diagonal(), problem.q, problem.laws);
+    if (!scaled.finite) return;
+    rows_ = block_rows<R>(problem.W, scaled, first);
+    for (int c = 0; c < count(); ++c) {
+      const auto row = std::size_t(c);
+      auto k = std::size_t(rows_.begin[row]);
+      while (rows_.other[k] != c) ++k;
+      diagonal_.push_back(prepare_block<R>(rows_.block[k], scaled.laws[row]));
+      scaled.finite = scaled.finite && diagonal_.back().W.allFinite();
+    }
+  }
+
+  VecX velocity(const VecX& r) override {
+    VecX u(r.size());
+    for (int c = 0; c < count(); ++c) u.segment<R>(at(c), rows(c)) = velocity(c, r);
+    return u;
+  }
+
+  double sweep(VecX& r, const SweepOptions& options, SweepCounts& counts) override {
+    double change = 0;
+    for (int c = 0; c < count(); ++c) {
+      const Law& law = scaled.laws[std::size_t(c)];
+      const Rows<R> r_old = r.segment<R>(at(c), rows(c)), u = velocity(c, r);
+      if (has_normal(law) && u[0] >= 0 && r_old[0] == 0) continue;  // stays open (NSGS-6)
+      const Block<R>& block = diagonal_[std::size_t(c)];
+      const BlockSolution<R> found = solve_block<R>(block, u - block.W * r_old, law, r_old, options.local);
+      counts.failures += !found.solved;
+      counts.fail_safes += found.fail_safe;
+      const Rows<R> dr = options.relaxation * (found.r - r_old);
+      r.segment<R>(at(c), rows(c)) += dr;
+      change += dr.squaredNorm();
+    }
+    return std::sqrt(change);
+  }
+
+  Eigen::Index unknowns() const override { return scaled.q.size(); }
+  VecX A(const VecX& d) const override { return d; }
+  VecX C(const VecX& d) const override { return d; }
+  VecX B(const VecX& dr) const override {
+    VecX y(dr.size());
+    for (int c = 0; c < count(); ++c) y.segment<R>(at(c), rows(c)) = times(c, dr);
+    return y;
+  }
+  double size(const VecX& row) const override { return row.norm(); }
+  double newton_cost() const override { return 20; }
+
+  // Blocks with D = 0 do not act on the others: they are left out of the system and follow from it.
+  std::optional<VecX> direction(const std::vector<AnyBlock>& D, const VecX& F) override {
+    if (columns_.begin.empty()) columns_ = transposed(rows_);
+    std::vector<int> place(std::size_t(count()), -1);
+    int size = 0;
+    for (int c = 0; c < count(); ++c)
+      if (!D[std::size_t(c)].isZero(0)) {
+        place[std::size_t(c)] = size;
+        size += rows(c);
+      }
+    std::vector<int> begin{0}, inner;
+    std::vector<double> value;
+    VecX rhs(size);
+    for (int c = 0; c < count(); ++c) {
+      const auto column = std::size_t(c);
+      if (place[column] < 0) continue;
+      rhs.segment<R>(place[column], rows(c)) = F.segment<R>(at(c), rows(c));
+      const RowBlock<R> D_c = D[column];
+      const std::size_t from = value.size();
+      std::size_t height = 0;
+      for (int k = columns_.begin[column]; k < columns_.begin[column + 1]; ++k)
+        if (const int i = columns_.other[std::size_t(k)]; place[std::size_t(i)] >= 0) height += std::size_t(rows(i));
+      value.resize(from + height * std::size_t(rows(c)));
+      inner.resize(value.size());
+      std::size_t top = 0;
+      for (int k = columns_.begin[column]; k < columns_.begin[column + 1]; ++k) {
+        const int i = columns_.other[std::size_t(k)];
+        if (place[std::size_t(i)] < 0) continue;
+        RowBlock<R> J = columns_.block[std::size_t(k)] * D_c;
+        if (i == c) J += RowBlock<R>::Identity(rows(c), rows(c));
+        for (int b = 0; b < rows(c); ++b)
+          for (int a = 0; a < rows(i); ++a) {
+            const std::size_t slot = from + std::size_t(b) * height + top + std::size_t(a);
+            value[slot] = J(a, b);
+            inner[slot] = place[std::size_t(i)] + a;
+          }
+        top += std::size_t(rows(i));
+      }
+      for (int b = 1; b <= rows(c); ++b) begin.push_back(int(from + std::size_t(b) * height));
+    }
+    const Eigen::Map<const SparseMatrix> J(size, size, Eigen::Index(value.size()), begin.data(), inner.data(),
+                                           value.data());
+    Eigen::SparseLU<SparseMatrix> lu;
+    lu.compute(J);
+    if (lu.info() != Eigen::Success) return std::nullopt;
+    const VecX closed = lu.solve(rhs);
+    VecX dr = VecX::Zero(F.size());
+    for (int c = 0; c < count(); ++c)
+      if (place[std::size_t(c)] >= 0)
+        dr.segment<R>(at(c), rows(c)) =
+            RowBlock<R>(D[std::size_t(c)]) * closed.segment<R>(place[std::size_t(c)], rows(c));
+    VecX d = F - B(dr);
+    for (int c = 0; c < count(); ++c)
+      if (place[std::size_t(c)] >= 0)
+        d.segment<R>(at(c), rows(c)) = closed.segment<R>(place[std::size_t(c)], rows(c));
+    return d.allFinite() ? std::optional<VecX>(d) : std::nullopt;
+  }
+
+ private:
+  Eigen::Index at(int c) const { return first[std::size_t(c)]; }
+  int rows(int c) const { return R == Eigen::Dynamic ? scaled.laws[std::size_t(c)].rows : R; }
+  Rows<R> times(int c, const VecX& r) const {
+    Rows<R> sum = Rows<R>::Zero(rows(c));
+    for (int k = rows_.begin[std::size_t(c)]; k < rows_.begin[std::size_t(c) + 1]; ++k) {
+      const int d = rows_.other[std::size_t(k)];
+      sum.noalias() += rows_.block[std::size_t(k)] * r.segment<R>(at(d), rows(d));
+    }
+    return sum;
+  }
+  Rows<R> velocity(int c, const VecX& r) const { return times(c, r) + scaled.q.segment<R>(at(c), rows(c)); }
+
+  Blocks<R> rows_{}, columns_{};  // the columns are made when Newton first asks
+  std::vector<Block<R>> diagonal_{};
+};
+
+}  // namespace
+
+std::unique_ptr<Delassus> make_delassus(const LocalProblem& problem) {
+  return with_rows(problem.laws, [&]<int R>() -> std::unique_ptr<Delassus> {
+    return std::make_unique<LocalDelassus<R>>(problem);
+  });
+}
+
+}  // namespace aussois
