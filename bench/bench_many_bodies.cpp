@@ -169,7 +169,7 @@ Row measure(const Scene& scene, int n, const Arguments& a) {
   if (n > a.largest_step) return row;
   const MoreauJean scheme(scene.model,
                           {.h = kStep,
-                           .nsgs = {.tolerance = 1e-4, .max_iterations = a.max_sweeps, .handover_after = 0},
+                           .solver = {.method = Method::nsgs, .tolerance = 1e-4, .max_iterations = a.max_sweeps},
                            .threads = a.common.threads});
   StepReport report;
   for (int i = 0; i < a.repeats; ++i) {

@@ -70,7 +70,7 @@ ExitCode drop(const Arguments& a) {
   const MoreauJean scheme(model, {.h = a.h,
                                   .theta = a.theta,
                                   .normal = {.law = normal_law(a.normal_law)},
-                                  .nsgs = {.tolerance = a.tolerance},
+                                  .solver = {.tolerance = a.tolerance},
                                   .threads = a.common.threads});
   RunHeader header = run_header(model);
   header.title = "drop_part " + part.name;

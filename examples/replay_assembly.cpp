@@ -287,7 +287,7 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
   const MoreauJean scheme(scene.model, {.h = scene.h,
                                         .theta = a.theta,
                                         .normal = {.law = normal_law(a.normal_law)},
-                                        .nsgs = {.tolerance = a.tolerance},
+                                        .solver = {.tolerance = a.tolerance},
                                         .advancement = {.min_h = std::min(1e-7, scene.h)},
                                         .threads = a.common.threads});
   const std::uint64_t print = fingerprint(input, a);

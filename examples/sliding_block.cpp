@@ -57,7 +57,7 @@ double simulated_travel(const Arguments& a, double h) {
 
   // 3. Until it has rested for a while.
   const MoreauJean scheme(
-      model, {.h = h, .theta = a.theta, .nsgs = {.tolerance = 1e-12}, .threads = a.common.threads});
+      model, {.h = h, .theta = a.theta, .solver = {.tolerance = 1e-12}, .threads = a.common.threads});
   const double t_end = 1.5 * a.speed / deceleration(a);
   while (state.t < t_end) {
     const StepReport report = scheme.step(state);

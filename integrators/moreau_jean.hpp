@@ -17,7 +17,7 @@ struct MoreauJeanOptions {
   NormalLawOptions normal{};
   LmdOptions lmd{};  // its threshold is set in each step by the displacement bound
   ReductionOptions reduction{};
-  NsgsOptions nsgs{};
+  SolverOptions solver{};
   AdvancementOptions advancement{};
   int threads = 1;  // the result does not depend on it
 };

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lmd/contact_point.hpp"
-#include "nsgs/nsgs.hpp"
+#include "nsgs/solve.hpp"
 #include "nsgs/residual.hpp"
 
 namespace aussois {

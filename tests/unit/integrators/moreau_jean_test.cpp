@@ -15,7 +15,7 @@ namespace {
 
 TEST(MoreauJean, ABlockAtRestCarriesItsWeightOnFourContacts) {
   Scene s = block_on_plate(0.3, 0, 0);
-  const MoreauJean scheme(s.model, {.h = 1e-3, .nsgs = {.tolerance = 1e-12}});
+  const MoreauJean scheme(s.model, {.h = 1e-3, .solver = {.tolerance = 1e-12}});
   const StepReport report = run(scheme, s.state, 0.1);
   ASSERT_EQ(report.contacts.size(), 4U);
   Vec3 total = Vec3::Zero();
