@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "nsgs/block_solver.hpp"
 #include "nsgs/delassus.hpp"
+#include "nsgs/factorised.hpp"
 #include "nsgs/sparse_lu.hpp"
 
 namespace aussois {
@@ -119,6 +120,36 @@ class LocalDelassus final : public Delassus {
       change += dr.squaredNorm();
     }
     return std::sqrt(change);
+  }
+
+  double sweep(VecX& r, const BlockRule& rule) override {
+    double change = 0;
+    for (int c = 0; c < count(); ++c) {
+      const AnyRows r_old = r.segment(at(c), rows(c)), r_new = rule(c, velocity(c, r), r_old);
+      r.segment(at(c), rows(c)) = r_new;
+      change += (r_new - r_old).squaredNorm();
+    }
+    return std::sqrt(change);
+  }
+
+  AnyBlock block(int c) const override { return diagonal_[std::size_t(c)].W; }
+  SparseMatrix matrix() const override {
+    std::vector<Triplet> entries;
+    for (int c = 0; c < count(); ++c)
+      for (int k = rows_.begin[std::size_t(c)]; k < rows_.begin[std::size_t(c) + 1]; ++k) {
+        const int d = rows_.other[std::size_t(k)];
+        for (int i = 0; i < rows(c); ++i)
+          for (int j = 0; j < rows(d); ++j)
+            entries.emplace_back(at(c) + i, at(d) + j, rows_.block[std::size_t(k)](i, j));
+      }
+    SparseMatrix W(scaled.q.size(), scaled.q.size());
+    W.setFromTriplets(entries.begin(), entries.end());
+    return W;
+  }
+  LinearSolve shifted_inverse(double shift) const override {
+    SparseMatrix W = matrix();
+    for (Eigen::Index i = 0; i < W.rows(); ++i) W.coeffRef(i, i) += shift;
+    return factorised(W);
   }
 
   Eigen::Index unknowns() const override { return scaled.q.size(); }
