@@ -8,6 +8,7 @@
 #include "geometry/check.hpp"
 #include "io/atomic_file.hpp"
 #include "io/hdf5_file.hpp"
+#include "io/text.hpp"
 
 namespace aussois {
 namespace {
@@ -49,8 +50,11 @@ void write_integer(hid_t file, const std::string& name, Eigen::Index value) {
 
 // ---- sparse matrices
 
+std::string entry(std::size_t k, const std::string& value) {
+  return std::string("[").append(std::to_string(k)).append("] = ").append(value);
+}
 std::string entry(std::size_t k, int value) {
-  return "[" + std::to_string(k) + "] = " + std::to_string(value);
+  return entry(k, std::to_string(value));
 }
 
 /// The first `count` indices; each must lie in [0, bound).
@@ -185,8 +189,8 @@ LawKind read_kind(hid_t file, const std::string& name, std::size_t i, const std:
   for (const LawKind kind : kKinds)
     if (text == to_string(kind)) return kind;
   fail_hdf5(file, name,
-            "[" + std::to_string(i) + "] = '" + text +
-                "' must be coulomb, rolling, contensou, unilateral, bilateral or dry_friction");
+            entry(i, aussois::quoted(text)) +
+                " must be coulomb, rolling, contensou, unilateral, bilateral or dry_friction");
 }
 
 std::vector<Law> read_law_table(hid_t file, const std::string& name) {
