@@ -29,7 +29,7 @@ VecX read_vector(hid_t file, const std::string& name, Eigen::Index size) {
 }
 
 void write_vector(hid_t file, const std::string& name, const VecX& vector) {
-  write_rows(file, name, std::vector<double>(vector.data(), vector.data() + vector.size()));
+  write_fixed(file, name, std::vector<double>(vector.data(), vector.data() + vector.size()));
 }
 
 std::vector<int> read_integers(hid_t file, const std::string& name) {
@@ -45,7 +45,7 @@ int read_integer(hid_t file, const std::string& name) {
 }
 
 void write_integer(hid_t file, const std::string& name, Eigen::Index value) {
-  write_rows<int>(file, name, {int(value)});
+  write_fixed<int>(file, name, {int(value)});
 }
 
 // ---- sparse matrices
@@ -131,9 +131,9 @@ void write_matrix(hid_t file, const std::string& name, SparseMatrix A) {
   write_integer(file, name + "/m", A.rows());
   write_integer(file, name + "/n", A.cols());
   write_integer(file, name + "/nz", -1);
-  write_rows(file, name + "/p", std::vector<int>(A.outerIndexPtr(), A.outerIndexPtr() + A.outerSize() + 1));
-  write_rows(file, name + "/i", std::vector<int>(A.innerIndexPtr(), A.innerIndexPtr() + count));
-  write_rows(file, name + "/x", std::vector<double>(A.valuePtr(), A.valuePtr() + count));
+  write_fixed(file, name + "/p", std::vector<int>(A.outerIndexPtr(), A.outerIndexPtr() + A.outerSize() + 1));
+  write_fixed(file, name + "/i", std::vector<int>(A.innerIndexPtr(), A.innerIndexPtr() + count));
+  write_fixed(file, name + "/x", std::vector<double>(A.valuePtr(), A.valuePtr() + count));
 }
 
 // ---- laws
@@ -225,7 +225,7 @@ void write_law_table(hid_t file, const std::string& name, const std::vector<Law>
     rows.push_back(law.rows);
   }
   write_texts(file, name + "/kind", kinds);
-  write_rows(file, name + "/rows", rows);
+  write_fixed(file, name + "/rows", rows);
   write_vector(file, name + "/mu", column_of(laws, &Law::mu));
   write_vector(file, name + "/mu_r", column_of(laws, &Law::mu_r));
   write_vector(file, name + "/radius", column_of(laws, &Law::radius));

@@ -15,6 +15,13 @@ std::string file_name(hid_t file) {
   return name;
 }
 
+/// A damaged size must not ask for all memory: deflate makes at most 1032 bytes from one.
+void check_claim(hid_t file, const std::string& name, hsize_t values) {
+  hsize_t bytes = 0;
+  if (H5Fget_filesize(file, &bytes) < 0 || values / 1032 > bytes)
+    fail_hdf5(file, name, "claims " + std::to_string(values) + " values, more than the file can hold");
+}
+
 /// Fixed length, padded with zeros, UTF-8: readable by everything that reads HDF5.
 Hdf5Id text_type(std::size_t length) {
   Hdf5Id type(H5Tcopy(H5T_C_S1), H5Tclose);
@@ -139,6 +146,7 @@ std::vector<std::string> read_texts(hid_t file, const std::string& name) {
       H5Sget_simple_extent_ndims(space) != 1)
     fail_hdf5(file, name, "is not a list of texts of fixed length");
   const std::size_t length = H5Tget_size(type), rows = std::size_t(H5Sget_simple_extent_npoints(space));
+  check_claim(file, name, hsize_t{length} * rows);
   std::string padded(length * rows, '\0');
   if (H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0)
     fail_hdf5(file, name, "cannot be read");
@@ -171,6 +179,7 @@ std::string read_text_dataset(hid_t file, const std::string& name) {
     H5Dvlen_reclaim(type, space, H5P_DEFAULT, &text);
     return copy;
   }
+  check_claim(file, name, H5Tget_size(type));
   std::string text(H5Tget_size(type), '\0');
   if (H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) < 0)
     fail_hdf5(file, name, "cannot be read");
@@ -226,6 +235,22 @@ Hdf5Column::Hdf5Column(hid_t file, std::string name, hid_t type, std::vector<hsi
   if (!unit.empty()) write_text(file, name_, "unit", unit);
 }
 
+void write_fixed(hid_t file, const std::string& name, hid_t type, const void* data, hsize_t count) {
+  constexpr hsize_t kInHeader = 4096, kChunk = 8192;  // bytes, values
+  const Hdf5Id space(H5Screate_simple(1, &count, nullptr), H5Sclose), layout = without_times(),
+                                                                      links = parent_groups_on_demand();
+  if (count > kChunk) {
+    H5Pset_chunk(layout, 1, &kChunk);
+    H5Pset_shuffle(layout);
+    H5Pset_deflate(layout, 1);
+  } else if (count > 0 && count * H5Tget_size(type) <= kInHeader) {
+    H5Pset_layout(layout, H5D_COMPACT);
+  }
+  const Hdf5Id id(H5Dcreate2(file, name.c_str(), type, space, links, layout, H5P_DEFAULT), H5Dclose);
+  if (id < 0 || (count > 0 && H5Dwrite(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0))
+    fail_hdf5(file, name, "cannot be written (is the disk full?)");
+}
+
 Hdf5Column Hdf5Column::open(hid_t file, std::string name, hid_t type, std::vector<hsize_t> row_shape) {
   Hdf5Column column;
   column.file_ = file;
@@ -241,6 +266,7 @@ Hdf5Column Hdf5Column::open(hid_t file, std::string name, hid_t type, std::vecto
   if (found != column.extent(column.rows_))
     fail_hdf5(file, column.name_, "has another shape than [rows, ...] of the format");
   if (column.rows_ > hsize_t{1} << 32) fail_hdf5(file, column.name_, "claims more than 2^32 rows");
+  check_claim(file, column.name_, column.values());
   return column;
 }
 
