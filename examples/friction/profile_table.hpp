@@ -62,7 +62,7 @@ class ProfileTable {
 std::string to_line(const ProfileKey& key, const ProfileResult& result);
 std::pair<ProfileKey, ProfileResult> from_line(const std::string& line);
 
-/// run_problem in a process of its own that the system ends after `time_limit` seconds of CPU time, reading
+/// run_problem in a process of its own that is ended after `time_limit` seconds of CPU time, reading
 /// and judging included: status time_limit. A solver that crashes costs its problem only: status crashed.
 /// Returns status interrupted after SIGINT or SIGTERM.
 ProfileResult run_limited(const std::filesystem::path& path, const RunOptions& options, double time_limit);

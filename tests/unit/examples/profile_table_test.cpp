@@ -111,6 +111,8 @@ TEST(RunLimited, GivesWhatRunProblemGives) {
   EXPECT_EQ(there.scaled_residual, here.scaled_residual);
   EXPECT_EQ(there.iterations, here.report.iterations);
   EXPECT_EQ(there.problem, "rest");
+  EXPECT_GT(there.cpu_s, 0);  // a microsecond: its clock is fine
+  EXPECT_LT(there.cpu_s, 0.01);
   EXPECT_EQ(run_limited("nowhere.hdf5", {}, 10).status, "unreadable");
 }
 
