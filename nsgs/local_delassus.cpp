@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <Eigen/SparseLU>
-
 #include "nsgs/block_solver.hpp"
 #include "nsgs/delassus.hpp"
+#include "nsgs/sparse_lu.hpp"
 
 namespace aussois {
 
@@ -143,51 +142,46 @@ class LocalDelassus final : public Delassus {
         place[std::size_t(c)] = size;
         size += rows(c);
       }
-    std::vector<int> begin{0}, inner;
-    std::vector<double> value;
+    CompressedColumns J;
     VecX rhs(size);
     for (int c = 0; c < count(); ++c) {
       const auto column = std::size_t(c);
       if (place[column] < 0) continue;
       rhs.segment<R>(place[column], rows(c)) = F.segment<R>(at(c), rows(c));
       const RowBlock<R> D_c = D[column];
-      const std::size_t from = value.size();
+      const std::size_t from = J.value.size();
       std::size_t height = 0;
       for (int k = columns_.begin[column]; k < columns_.begin[column + 1]; ++k)
         if (const int i = columns_.other[std::size_t(k)]; place[std::size_t(i)] >= 0) height += std::size_t(rows(i));
-      value.resize(from + height * std::size_t(rows(c)));
-      inner.resize(value.size());
+      J.value.resize(from + height * std::size_t(rows(c)));
+      J.row.resize(J.value.size());
       std::size_t top = 0;
       for (int k = columns_.begin[column]; k < columns_.begin[column + 1]; ++k) {
         const int i = columns_.other[std::size_t(k)];
         if (place[std::size_t(i)] < 0) continue;
-        RowBlock<R> J = columns_.block[std::size_t(k)] * D_c;
-        if (i == c) J += RowBlock<R>::Identity(rows(c), rows(c));
+        RowBlock<R> J_ic = columns_.block[std::size_t(k)] * D_c;
+        if (i == c) J_ic += RowBlock<R>::Identity(rows(c), rows(c));
         for (int b = 0; b < rows(c); ++b)
           for (int a = 0; a < rows(i); ++a) {
             const std::size_t slot = from + std::size_t(b) * height + top + std::size_t(a);
-            value[slot] = J(a, b);
-            inner[slot] = place[std::size_t(i)] + a;
+            J.value[slot] = J_ic(a, b);
+            J.row[slot] = place[std::size_t(i)] + a;
           }
         top += std::size_t(rows(i));
       }
-      for (int b = 1; b <= rows(c); ++b) begin.push_back(int(from + std::size_t(b) * height));
+      for (int b = 1; b <= rows(c); ++b) J.begin.push_back(int(from + std::size_t(b) * height));
     }
-    const Eigen::Map<const SparseMatrix> J(size, size, Eigen::Index(value.size()), begin.data(), inner.data(),
-                                           value.data());
-    Eigen::SparseLU<SparseMatrix> lu;
-    lu.compute(J);
-    if (lu.info() != Eigen::Success) return std::nullopt;
-    const VecX closed = lu.solve(rhs);
+    const std::optional<VecX> closed = solve_once(J, rhs);
+    if (!closed) return std::nullopt;
     VecX dr = VecX::Zero(F.size());
     for (int c = 0; c < count(); ++c)
       if (place[std::size_t(c)] >= 0)
         dr.segment<R>(at(c), rows(c)) =
-            RowBlock<R>(D[std::size_t(c)]) * closed.segment<R>(place[std::size_t(c)], rows(c));
+            RowBlock<R>(D[std::size_t(c)]) * closed->segment<R>(place[std::size_t(c)], rows(c));
     VecX d = F - B(dr);
     for (int c = 0; c < count(); ++c)
       if (place[std::size_t(c)] >= 0)
-        d.segment<R>(at(c), rows(c)) = closed.segment<R>(place[std::size_t(c)], rows(c));
+        d.segment<R>(at(c), rows(c)) = closed->segment<R>(place[std::size_t(c)], rows(c));
     return d.allFinite() ? std::optional<VecX>(d) : std::nullopt;
   }
 

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "nsgs/sparse_lu.hpp"
+
+#include <memory>
+
+#include <Eigen/LU>
+#include <klu.h>
+
+namespace aussois {
+
+namespace {
+
+constexpr int kDenseSize = 64;
+
+}  // namespace
+
+std::optional<VecX> solve_once(CompressedColumns& J, const VecX& b) {
+  const int n = J.size();
+  VecX x = b;
+  if (n == 0) return x;
+  if (n <= kDenseSize) {
+    MatX dense = MatX::Zero(n, n);
+    for (int j = 0; j < n; ++j)
+      for (int k = J.begin[std::size_t(j)]; k < J.begin[std::size_t(j) + 1]; ++k)
+        dense(J.row[std::size_t(k)], j) = J.value[std::size_t(k)];
+    x = dense.partialPivLu().solve(b);
+    return x.allFinite() ? std::optional<VecX>(x) : std::nullopt;
+  }
+  klu_common common;
+  klu_defaults(&common);
+  common.scale = 0;  // the rows of the scaled problem are of one size
+  const auto free_symbolic = [&](klu_symbolic* s) { klu_free_symbolic(&s, &common); };
+  const auto free_numeric = [&](klu_numeric* s) { klu_free_numeric(&s, &common); };
+  const std::unique_ptr<klu_symbolic, decltype(free_symbolic)> symbolic(
+      klu_analyze(n, J.begin.data(), J.row.data(), &common), free_symbolic);
+  if (!symbolic) return std::nullopt;
+  const std::unique_ptr<klu_numeric, decltype(free_numeric)> numeric(
+      klu_factor(J.begin.data(), J.row.data(), J.value.data(), symbolic.get(), &common), free_numeric);
+  if (!numeric || klu_solve(symbolic.get(), numeric.get(), n, 1, x.data(), &common) == 0) return std::nullopt;
+  return x.allFinite() ? std::optional<VecX>(x) : std::nullopt;
+}
+
+}  // namespace aussois
