@@ -59,8 +59,9 @@ Number parsed(std::string_view text, const char* field, Base... base) {
   return value;
 }
 
-/// The child of run_limited: everything that it has to say is one line.
-[[noreturn]] void run_and_tell(const std::filesystem::path& path, const RunOptions& options, int pipe_end) {
+/// The child of run_limited: everything that it has to say is one line. What it throws ends it.
+[[noreturn]] void run_and_tell(const std::filesystem::path& path, const RunOptions& options,
+                               int pipe_end) noexcept {
   const std::string line = to_line({}, result_of(run_problem(path, options)));
   const bool told = write(pipe_end, line.data(), line.size()) == ssize_t(line.size());
   _exit(told ? 0 : 1);

@@ -116,6 +116,17 @@ TEST(RunLimited, GivesWhatRunProblemGives) {
   EXPECT_EQ(run_limited("nowhere.hdf5", {}, 10).status, "unreadable");
 }
 
+TEST(RunLimited, SurvivesACrash) {
+  const std::filesystem::path folder = fresh_folder();
+  ::testing::internal::CaptureStderr();  // "terminate called after throwing ..."
+  const ProfileResult result =
+      run_limited(two_bodies_at_rest(folder), {.save = folder / "no such folder"}, 10);
+  ::testing::internal::GetCapturedStderr();
+  EXPECT_EQ(result.status, "crashed");
+  EXPECT_FALSE(result.solved);
+  EXPECT_EQ(result.problem, "rest");
+}
+
 TEST(RunLimited, EndsAtItsLimit) {
   const std::filesystem::path path = two_bodies_at_rest(fresh_folder());
   const ProfileResult result = run_limited(path, {.repeat = 1000000000}, 0.05);
