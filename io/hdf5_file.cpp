@@ -15,11 +15,18 @@ std::string file_name(hid_t file) {
   return name;
 }
 
-/// A damaged size must not ask for all memory: deflate makes at most 1032 bytes from one.
-void check_claim(hid_t file, const std::string& name, hsize_t values) {
+/// A dataset's size may be damaged: it must not ask for all memory, and HDF5 reads over the end of one that
+/// lies in its header. Elsewhere deflate makes at most 1032 bytes from one; zeros may not be stored at all.
+void check_size(hid_t file, const std::string& name, hid_t dataset) {
+  const Hdf5Id space(H5Dget_space(dataset), H5Sclose), type(H5Dget_type(dataset), H5Tclose),
+      list(H5Dget_create_plist(dataset), H5Pclose);
+  const hssize_t points = H5Sget_simple_extent_npoints(space);
+  const hsize_t values = hsize_t(std::max<hssize_t>(points, 0)), size = H5Tget_size(type);
   hsize_t bytes = 0;
-  if (H5Fget_filesize(file, &bytes) < 0 || values / 1032 > bytes)
-    fail_hdf5(file, name, "claims " + std::to_string(values) + " values, more than the file can hold");
+  H5Fget_filesize(file, &bytes);
+  bytes = H5Pget_layout(list) == H5D_COMPACT ? H5Dget_storage_size(dataset) : 1032 * bytes;
+  if (points < 0 || (values > 0 && size > bytes / values))
+    fail_hdf5(file, name, "claims " + std::to_string(values) + " values, more than its bytes can hold");
 }
 
 /// Fixed length, padded with zeros, UTF-8: readable by everything that reads HDF5.
@@ -146,7 +153,7 @@ std::vector<std::string> read_texts(hid_t file, const std::string& name) {
       H5Sget_simple_extent_ndims(space) != 1)
     fail_hdf5(file, name, "is not a list of texts of fixed length");
   const std::size_t length = H5Tget_size(type), rows = std::size_t(H5Sget_simple_extent_npoints(space));
-  check_claim(file, name, hsize_t{length} * rows);
+  check_size(file, name, id);
   std::string padded(length * rows, '\0');
   if (H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0)
     fail_hdf5(file, name, "cannot be read");
@@ -171,6 +178,7 @@ std::string read_text_dataset(hid_t file, const std::string& name) {
   const Hdf5Id type(H5Dget_type(id), H5Tclose), space(H5Dget_space(id), H5Sclose);
   if (H5Tget_class(type) != H5T_STRING || H5Sget_simple_extent_npoints(space) != 1)
     fail_hdf5(file, name, "is not one text");
+  check_size(file, name, id);
   if (H5Tis_variable_str(type) > 0) {
     char* text = nullptr;
     if (H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, &text) < 0 || text == nullptr)
@@ -179,7 +187,6 @@ std::string read_text_dataset(hid_t file, const std::string& name) {
     H5Dvlen_reclaim(type, space, H5P_DEFAULT, &text);
     return copy;
   }
-  check_claim(file, name, H5Tget_size(type));
   std::string text(H5Tget_size(type), '\0');
   if (H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) < 0)
     fail_hdf5(file, name, "cannot be read");
@@ -266,7 +273,7 @@ Hdf5Column Hdf5Column::open(hid_t file, std::string name, hid_t type, std::vecto
   if (found != column.extent(column.rows_))
     fail_hdf5(file, column.name_, "has another shape than [rows, ...] of the format");
   if (column.rows_ > hsize_t{1} << 32) fail_hdf5(file, column.name_, "claims more than 2^32 rows");
-  check_claim(file, column.name_, column.values());
+  check_size(file, column.name_, column.dataset_);
   return column;
 }
 
