@@ -54,7 +54,7 @@ Iterate automatic(Delassus& W, const Iterate& start, const SolverOptions& option
     }
     if (!at_window) continue;
     const double left = sweeps_left(window_residual, swept.residual, window, options.tolerance);
-    if (left > kNewtonIterations * W.newton_cost()) {
+    if (left > kNewtonIterations * W.newton_cost(swept.r)) {
       Iterate found = proximal_steps(W, swept, alpha, options.tolerance, kProximalSteps, report);
       if (found.residual < best.residual) best = std::move(found);
       // Where Newton fails, the sweeps go on from where they were and get more room before it is asked again:

@@ -3,10 +3,10 @@
 #include <cmath>
 
 #include <Eigen/LU>
-#include <Eigen/SparseLU>
 
 #include "nsgs/block_solver.hpp"
 #include "nsgs/delassus.hpp"
+#include "nsgs/sparse_lu.hpp"
 
 namespace aussois {
 
@@ -102,7 +102,15 @@ class BodyDelassus final : public Delassus {
     return du;
   }
   double size(const VecX& row) const override { return std::sqrt(row.cwiseAbs2().dot(weight_)); }
-  double newton_cost() const override { return is_dense() ? 2 : 20; }
+  double newton_cost(const VecX&) override {
+    const double n = double(v_.size()), sweep = 4 * double(scaled.q.size()) / count() * double(arms_.size());
+    if (is_dense()) return 2 * n * n * n / 3 / sweep + 2;
+    if (!sparse_cost_) {
+      CompressedColumns J = newton_matrix(std::vector<AnyBlock>(std::size_t(count()), AnyBlock()));
+      sparse_cost_ = factor_cost(J);
+    }
+    return *sparse_cost_ / sweep + 2;
+  }
 
   std::optional<VecX> direction(const std::vector<AnyBlock>& D, const VecX& F) override {
     const VecX d = is_dense() ? dense_direction(D, F) : sparse_direction(D, F);
@@ -164,18 +172,35 @@ class BodyDelassus final : public Delassus {
     return scale.asDiagonal() * J.partialPivLu().solve(scale.asDiagonal() * F);
   }
 
-  VecX sparse_direction(const std::vector<AnyBlock>& D, const VecX& F) const {
+  // Compressed columns of M + H D H^T, equilibrated; with empty D the pattern alone, with all blocks closed.
+  CompressedColumns newton_matrix(const std::vector<AnyBlock>& D) const {
     std::vector<Triplet> entries;
     for (int j = 0; j < M_.outerSize(); ++j)
-      for (SparseMatrix::InnerIterator it(M_, j); it; ++it) entries.emplace_back(it.row(), j, it.value());
-    add_compliance(D, [&](int i, int j, double value) { entries.emplace_back(i, j, value); });
+      for (SparseMatrix::InnerIterator it(M_, j); it; ++it)
+        entries.emplace_back(it.row(), j, it.value());
+    if (D.front().size() > 0)
+      add_compliance(D, [&](int i, int j, double value) { entries.emplace_back(i, j, value); });
+    else
+      for (std::size_t c = 0; c + 1 < begin_.size(); ++c)
+        for (std::size_t i = begin_[c]; i < begin_[c + 1]; ++i)
+          for (std::size_t j = begin_[c]; j < begin_[c + 1]; ++j)
+            entries.emplace_back(arms_[i].row, arms_[j].row, 0);
     SparseMatrix J(M_.rows(), M_.cols());
     J.setFromTriplets(entries.begin(), entries.end());
     const VecX scale = weight_.cwiseSqrt();
     J = scale.asDiagonal() * J * scale.asDiagonal();
-    Eigen::SparseLU<SparseMatrix> lu(J);
-    if (lu.info() != Eigen::Success) return {};
-    return scale.asDiagonal() * VecX(lu.solve(scale.asDiagonal() * F));
+    CompressedColumns out;
+    out.begin.assign(J.outerIndexPtr(), J.outerIndexPtr() + J.cols() + 1);
+    out.row.assign(J.innerIndexPtr(), J.innerIndexPtr() + J.nonZeros());
+    out.value.assign(J.valuePtr(), J.valuePtr() + J.nonZeros());
+    return out;
+  }
+
+  VecX sparse_direction(const std::vector<AnyBlock>& D, const VecX& F) const {
+    const VecX scale = weight_.cwiseSqrt();
+    CompressedColumns J = newton_matrix(D);
+    const std::optional<VecX> d = solve_once(J, scale.asDiagonal() * F);
+    return d ? VecX(scale.asDiagonal() * *d) : VecX();
   }
 
   SparseMatrix M_{};
@@ -183,6 +208,7 @@ class BodyDelassus final : public Delassus {
   std::vector<std::size_t> begin_{};
   std::vector<Block<R>> diagonal_{};
   VecX v_free_{}, v_{}, w_{}, weight_{};
+  std::optional<double> sparse_cost_{};
 };
 
 }  // namespace

@@ -45,8 +45,8 @@ class Delassus {
   virtual double size(const VecX& row_of_A) const = 0;  // free of units
   /// (A + B D C) d = F with D block diagonal; nothing if that is singular.
   virtual std::optional<VecX> direction(const std::vector<AnyBlock>& D, const VecX& F) = 0;
-  /// An iteration of Newton costs about as many sweeps as this.
-  virtual double newton_cost() const = 0;
+  /// An iteration of Newton costs about as many sweeps as this, if the blocks with r = 0 stay open.
+  virtual double newton_cost(const VecX& r) = 0;
 };
 
 std::unique_ptr<Delassus> make_delassus(const LocalProblem& problem);

@@ -130,29 +130,63 @@ class LocalDelassus final : public Delassus {
     return y;
   }
   double size(const VecX& row) const override { return row.norm(); }
-  double newton_cost() const override { return 20; }
+  double newton_cost(const VecX& r) override {
+    double sweep = 300.0 * count();  // the blocks' own solves
+    for (const RowBlock<R>& block : rows_.block) sweep += 2 * double(block.size());
+    CompressedColumns J = newton_matrix(closed_blocks([&](int c) { return !r.segment<R>(at(c), rows(c)).isZero(0); }),
+                                        [&](int c) { return RowBlock<R>::Identity(rows(c), rows(c)); });
+    return factor_cost(J) / sweep + 2;
+  }
 
   // Blocks with D = 0 do not act on the others: they are left out of the system and follow from it.
   std::optional<VecX> direction(const std::vector<AnyBlock>& D, const VecX& F) override {
-    if (columns_.begin.empty()) columns_ = transposed(rows_);
+    const std::vector<int> place = closed_blocks([&](int c) { return !D[std::size_t(c)].isZero(0); });
+    CompressedColumns J = newton_matrix(place, [&](int c) { return RowBlock<R>(D[std::size_t(c)]); });
+    VecX rhs(J.size());
+    for (int c = 0; c < count(); ++c)
+      if (place[std::size_t(c)] >= 0) rhs.segment<R>(place[std::size_t(c)], rows(c)) = F.segment<R>(at(c), rows(c));
+    const std::optional<VecX> closed = solve_once(J, rhs);
+    if (!closed) return std::nullopt;
+    VecX dr = VecX::Zero(F.size());
+    for (int c = 0; c < count(); ++c)
+      if (place[std::size_t(c)] >= 0)
+        dr.segment<R>(at(c), rows(c)) =
+            RowBlock<R>(D[std::size_t(c)]) * closed->segment<R>(place[std::size_t(c)], rows(c));
+    VecX d = F - B(dr);
+    for (int c = 0; c < count(); ++c)
+      if (place[std::size_t(c)] >= 0)
+        d.segment<R>(at(c), rows(c)) = closed->segment<R>(place[std::size_t(c)], rows(c));
+    return d.allFinite() ? std::optional<VecX>(d) : std::nullopt;
+  }
+
+ private:
+  // The first row of every closed block in a system of these alone, -1 of the others.
+  template <class IsClosed>
+  std::vector<int> closed_blocks(IsClosed is_closed) const {
     std::vector<int> place(std::size_t(count()), -1);
     int size = 0;
     for (int c = 0; c < count(); ++c)
-      if (!D[std::size_t(c)].isZero(0)) {
+      if (is_closed(c)) {
         place[std::size_t(c)] = size;
         size += rows(c);
       }
+    return place;
+  }
+
+  // 1 + W D of the blocks that have a place.
+  template <class BlockOfD>
+  CompressedColumns newton_matrix(const std::vector<int>& place, BlockOfD block_of_D) {
+    if (columns_.begin.empty()) columns_ = transposed(rows_);
     CompressedColumns J;
-    VecX rhs(size);
     for (int c = 0; c < count(); ++c) {
       const auto column = std::size_t(c);
       if (place[column] < 0) continue;
-      rhs.segment<R>(place[column], rows(c)) = F.segment<R>(at(c), rows(c));
-      const RowBlock<R> D_c = D[column];
+      const RowBlock<R> D_c = block_of_D(c);
       const std::size_t from = J.value.size();
       std::size_t height = 0;
       for (int k = columns_.begin[column]; k < columns_.begin[column + 1]; ++k)
-        if (const int i = columns_.other[std::size_t(k)]; place[std::size_t(i)] >= 0) height += std::size_t(rows(i));
+        if (const int i = columns_.other[std::size_t(k)]; place[std::size_t(i)] >= 0)
+          height += std::size_t(rows(i));
       J.value.resize(from + height * std::size_t(rows(c)));
       J.row.resize(J.value.size());
       std::size_t top = 0;
@@ -171,21 +205,9 @@ class LocalDelassus final : public Delassus {
       }
       for (int b = 1; b <= rows(c); ++b) J.begin.push_back(int(from + std::size_t(b) * height));
     }
-    const std::optional<VecX> closed = solve_once(J, rhs);
-    if (!closed) return std::nullopt;
-    VecX dr = VecX::Zero(F.size());
-    for (int c = 0; c < count(); ++c)
-      if (place[std::size_t(c)] >= 0)
-        dr.segment<R>(at(c), rows(c)) =
-            RowBlock<R>(D[std::size_t(c)]) * closed->segment<R>(place[std::size_t(c)], rows(c));
-    VecX d = F - B(dr);
-    for (int c = 0; c < count(); ++c)
-      if (place[std::size_t(c)] >= 0)
-        d.segment<R>(at(c), rows(c)) = closed->segment<R>(place[std::size_t(c)], rows(c));
-    return d.allFinite() ? std::optional<VecX>(d) : std::nullopt;
+    return J;
   }
 
- private:
   Eigen::Index at(int c) const { return first[std::size_t(c)]; }
   int rows(int c) const { return R == Eigen::Dynamic ? scaled.laws[std::size_t(c)].rows : R; }
   Rows<R> times(int c, const VecX& r) const {

@@ -14,6 +14,17 @@ constexpr int kDenseSize = 64;
 
 }  // namespace
 
+double factor_cost(CompressedColumns& J) {
+  const double n = J.size();
+  if (n <= kDenseSize) return 2 * n * n * n / 3;
+  klu_common common;
+  klu_defaults(&common);
+  klu_symbolic* symbolic = klu_analyze(J.size(), J.begin.data(), J.row.data(), &common);
+  const double flops = symbolic ? symbolic->est_flops : kInf;
+  klu_free_symbolic(&symbolic, &common);
+  return flops;
+}
+
 std::optional<VecX> solve_once(CompressedColumns& J, const VecX& b) {
   const int n = J.size();
   VecX x = b;

@@ -17,6 +17,9 @@ struct CompressedColumns {
   int size() const { return int(begin.size()) - 1; }
 };
 
+/// Multiplications and additions of a factorisation, about; from the pattern alone.
+double factor_cost(CompressedColumns& J);
+
 /// Nothing if J is singular to working precision.
 std::optional<VecX> solve_once(CompressedColumns& J, const VecX& b);
 
