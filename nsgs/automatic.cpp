@@ -3,6 +3,7 @@
 // (AUTO-3).
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "nsgs/proximal_newton.hpp"
 
@@ -12,9 +13,13 @@ namespace {
 
 constexpr int kPatience = 1000;       // sweeps without halving the best residual
 constexpr int kFirstWindow = 5;       // sweeps until their contraction is judged
-constexpr double kFirstAlpha = 1e-3;  // compliance of the first proximal step
-constexpr int kProximalSteps = 60;
-constexpr double kNewtonIterations = 8;  // about, of a second phase
+// Where Newton fails it is asked again later, from elsewhere and another way, in turn.
+constexpr ProximalOptions kWays[]{{.alpha = 0.1, .accuracy = 1e-2},
+                                  {.alpha = 1e-3, .accuracy = 1e-9},
+                                  {.alpha = 1, .accuracy = 1e-9},
+                                  {.alpha = 1e-2, .accuracy = 1e-4}};
+constexpr double kLongestWait = 300;  // sweeps before Newton may take over, at most
+constexpr double kNewtonIterations = 30;  // about, of a second phase
 
 // Sweeps until the tolerance, at the rate of the last ones.
 double sweeps_left(double before, double now, int sweeps, double tolerance) {
@@ -29,8 +34,10 @@ Iterate automatic(Delassus& W, const Iterate& start, const SolverOptions& option
   Iterate best = start, swept = start;
   SweepCounts counts;
   JudgeSchedule schedule;
-  double alpha = kFirstAlpha, halved = best.residual, window_residual = best.residual;
-  int halved_at = 0, window = kFirstWindow, window_start = 0;
+  double halved = best.residual, window_residual = best.residual;
+  int halved_at = 0, window = kFirstWindow, window_start = 0, start_of_sweeps = 0, attempts = 0,
+      weighed_at = 0;
+  double newton = kInf;  // cost of a second phase in sweeps
   W.velocity(swept.r);
   report.status = SolveStatus::max_iterations;
   while (best.residual > options.tolerance && report.iterations < options.max_iterations) {
@@ -54,14 +61,19 @@ Iterate automatic(Delassus& W, const Iterate& start, const SolverOptions& option
     }
     if (!at_window) continue;
     const double left = sweeps_left(window_residual, swept.residual, window, options.tolerance);
-    if (left > kNewtonIterations * W.newton_cost(swept.r)) {
-      Iterate found = proximal_steps(W, swept, alpha, options.tolerance, kProximalSteps, report);
+    if (report.iterations - start_of_sweeps >= 2 * weighed_at) {  // it takes a sweep or two itself
+      weighed_at = report.iterations - start_of_sweeps;
+      newton = kNewtonIterations * W.newton_cost(swept.r);
+    }
+    if (left > newton && report.iterations - start_of_sweeps >= std::min(newton / 10, kLongestWait)) {
+      ProximalOptions way = kWays[std::size_t(attempts++) % std::size(kWays)];
+      way.tolerance = options.tolerance;
+      Iterate found = proximal_steps(W, swept, way, report);
       if (found.residual < best.residual) best = std::move(found);
-      // Where Newton fails, the sweeps go on from where they were and get more room before it is asked again:
-      // it then starts elsewhere, and more cautiously.
-      W.velocity(swept.r);
+      W.velocity(swept.r);  // where Newton fails, the sweeps go on from where they were, with more room
       window *= 2;
-      alpha = std::min(10 * alpha, 1.0);
+      start_of_sweeps = report.iterations;
+      weighed_at = 0;
     }
     window_start = report.iterations;
     window_residual = swept.residual;

@@ -6,6 +6,7 @@
 
 #include "nsgs/block_solver.hpp"
 #include "nsgs/delassus.hpp"
+#include "nsgs/factorised.hpp"
 #include "nsgs/sparse_lu.hpp"
 
 namespace aussois {
@@ -80,6 +81,52 @@ class BodyDelassus final : public Delassus {
     return std::sqrt(change);
   }
 
+  double sweep(VecX& r, const BlockRule& rule) override {
+    double change = 0;
+    for (int c = 0; c < count(); ++c) {
+      const AnyRows r_old = r.segment(at(c), rows(c)), r_new = rule(c, velocity(c), r_old);
+      r.segment(at(c), rows(c)) = r_new;
+      const Rows<R> dr = r_new - r_old;
+      add(c, dr);
+      change += dr.squaredNorm();
+    }
+    return std::sqrt(change);
+  }
+
+  AnyBlock block(int c) const override { return diagonal_[std::size_t(c)].W; }
+  SparseMatrix matrix() const override {
+    std::vector<Triplet> directions, motions;  // H^T and (M^-1 H), scaled
+    for (int c = 0; c < count(); ++c)
+      for (std::size_t k = begin_[std::size_t(c)]; k < begin_[std::size_t(c) + 1]; ++k)
+        for (int i = 0; i < rows(c); ++i) {
+          directions.emplace_back(at(c) + i, arms_[k].row, arms_[k].H[i]);
+          motions.emplace_back(arms_[k].row, at(c) + i, arms_[k].Y[i]);
+        }
+    SparseMatrix Ht(scaled.q.size(), v_.size()), Y(v_.size(), scaled.q.size());
+    Ht.setFromTriplets(directions.begin(), directions.end());
+    Y.setFromTriplets(motions.begin(), motions.end());
+    return Ht * Y;
+  }
+  // (W + s)^-1 b = (b - H^T d) / s with (M + H H^T / s) d = H b / s: of the size of the bodies.
+  LinearSolve shifted_inverse(double shift) const override {
+    std::vector<Triplet> entries;
+    for (int j = 0; j < M_.outerSize(); ++j)
+      for (SparseMatrix::InnerIterator it(M_, j); it; ++it) entries.emplace_back(it.row(), j, it.value());
+    std::vector<AnyBlock> D;
+    for (int c = 0; c < count(); ++c) D.emplace_back(AnyBlock::Identity(rows(c), rows(c)) / shift);
+    add_compliance(D, [&](int i, int j, double value) { entries.emplace_back(i, j, value); });
+    SparseMatrix J(M_.rows(), M_.cols());
+    J.setFromTriplets(entries.begin(), entries.end());
+    const VecX scale = weight_.cwiseSqrt();
+    J = scale.asDiagonal() * J * scale.asDiagonal();
+    const LinearSolve solve = factorised(J);
+    if (!solve) return {};
+    return [this, solve, scale, shift](const VecX& b) -> VecX {
+      const VecX d = scale.cwiseProduct(solve(scale.cwiseProduct(B(b / shift))));
+      return (b - C(d)) / shift;
+    };
+  }
+
   Eigen::Index unknowns() const override { return v_.size(); }
   VecX A(const VecX& d) const override { return M_ * d; }
   VecX B(const VecX& dr) const override {
@@ -103,13 +150,15 @@ class BodyDelassus final : public Delassus {
   }
   double size(const VecX& row) const override { return std::sqrt(row.cwiseAbs2().dot(weight_)); }
   double newton_cost(const VecX&) override {
-    const double n = double(v_.size()), sweep = 4 * double(scaled.q.size()) / count() * double(arms_.size());
-    if (is_dense()) return 2 * n * n * n / 3 / sweep + 2;
+    const double n = double(v_.size()), arms = double(arms_.size()), contacts = count(),
+                 sweep = contacts * 300 + 12 * arms,  // the blocks' own solves, and velocities
+        assembly = 6 * arms * arms / contacts;
+    if (is_dense()) return (2 * n * n * n / 3 + assembly) / sweep + 1;
     if (!sparse_cost_) {
       CompressedColumns J = newton_matrix(std::vector<AnyBlock>(std::size_t(count()), AnyBlock()));
       sparse_cost_ = factor_cost(J);
     }
-    return *sparse_cost_ / sweep + 2;
+    return (*sparse_cost_ + assembly) / sweep + 2;
   }
 
   std::optional<VecX> direction(const std::vector<AnyBlock>& D, const VecX& F) override {

@@ -4,6 +4,7 @@
 // Private to nsgs.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -21,6 +22,10 @@ struct SweepOptions {
 struct SweepCounts {
   int failures = 0, fail_safes = 0;
 };
+/// The new impulses of block c from its velocities and impulses of the moment.
+using BlockRule = std::function<AnyRows(int c, const AnyRows& u, const AnyRows& r)>;
+/// x of A x = b for one A, factorised; empty if A is singular.
+using LinearSolve = std::function<VecX(const VecX&)>;
 
 class Delassus {
  public:
@@ -35,6 +40,14 @@ class Delassus {
   /// One pass over the blocks in their order, from the r of the last velocity() or sweep(). Returns the size
   /// of the change of r.
   virtual double sweep(VecX& r, const SweepOptions& options, SweepCounts& counts) = 0;
+
+  /// The same pass with another rule; open blocks are asked too.
+  virtual double sweep(VecX& r, const BlockRule& rule) = 0;
+
+  virtual AnyBlock block(int c) const = 0;   // of the diagonal of W
+  virtual SparseMatrix matrix() const = 0;   // W
+  /// (W + shift)^-1 with shift > 0, factorised once, in the form that W has.
+  virtual LinearSolve shifted_inverse(double shift) const = 0;
 
   // Newton's unknowns d: changes of the velocities of the bodies, A d = B dr, du = C d; of the contacts where
   // there are no bodies: A = C = 1, B = W.

@@ -28,6 +28,9 @@ class JudgeSchedule {
 };
 
 Iterate nsgs(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
+Iterate sor_prox(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
+Iterate jor_prox(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
+Iterate coulomb_pgs(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
 Iterate proximal_newton(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
 Iterate automatic(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
 

@@ -66,16 +66,20 @@ double natural_map(const VecX& u, const VecX& r, const std::vector<Law>& laws) {
   });
 }
 
-VecX scaled_start(const Scaling& scaling, const VecX& r0) {
-  VecX r = VecX::Zero(scaling.s.size());
-  if (r0.size() == 0) return r;
-  r = (r0.array() / scaling.s.array() / scaling.size).matrix();
-  Eigen::Index k = 0;
-  for (const Law& law : scaling.laws) {
-    r.segment(k, law.rows) = project<Eigen::Dynamic>(law, r.segment(k, law.rows));
-    k += law.rows;
-  }
+VecX projected(VecX r, const std::vector<Law>& laws) {
+  with_rows(laws, [&]<int R>() {
+    Eigen::Index k = 0;
+    for (const Law& law : laws) {
+      r.segment<R>(k, law.rows) = project<R>(law, r.segment<R>(k, law.rows));
+      k += law.rows;
+    }
+  });
   return r;
+}
+
+VecX scaled_start(const Scaling& scaling, const VecX& r0) {
+  if (r0.size() == 0) return VecX::Zero(scaling.s.size());
+  return projected(r0.cwiseQuotient(scaling.s) / scaling.size, scaling.laws);
 }
 
 }  // namespace aussois

@@ -20,6 +20,8 @@ Scaling scaling(const VecX& diagonal, const VecX& q, const std::vector<Law>& law
 
 /// |r - P(r - modified velocity)| of scaled quantities.
 double natural_map(const VecX& u, const VecX& r, const std::vector<Law>& laws);
+/// Every block projected on the set of its law.
+VecX projected(VecX r, const std::vector<Law>& laws);
 /// The start, scaled, in the sets of the laws; zero if `r0` is empty.
 VecX scaled_start(const Scaling& scaling, const VecX& r0);
 

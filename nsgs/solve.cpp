@@ -22,6 +22,9 @@ struct MethodEntry {
 constexpr std::array kMethods{
     MethodEntry{Method::automatic, "auto", automatic},
     MethodEntry{Method::nsgs, "nsgs", nsgs},
+    MethodEntry{Method::sor_prox, "sor_prox", sor_prox},
+    MethodEntry{Method::jor_prox, "jor_prox", jor_prox},
+    MethodEntry{Method::coulomb_pgs, "coulomb_pgs", coulomb_pgs},
     MethodEntry{Method::proximal_newton, "proximal_newton", proximal_newton},
 };
 

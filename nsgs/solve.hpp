@@ -14,6 +14,7 @@ enum class Method {
   nsgs,             // nonsmooth Gauss-Seidel, one block after the other solved exactly (nsgs.md)
   sor_prox,         // one projection per block in Gauss-Seidel order (prox.md)
   jor_prox,         // the same in Jacobi order
+  coulomb_pgs,      // sor_prox with one step size per block and part, as engines do it (prox.md)
   proximal_newton,  // semismooth Newton inside proximal steps (proximal_newton.md)
   admm,             // splitting with a spectral penalty (admm.md)
   projected_gradient,  // accelerated, of the convex cone model (projected_gradient.md)
@@ -22,6 +23,13 @@ enum class Method {
 const char* to_string(Method method);
 /// By its name; throws std::invalid_argument naming all.
 Method method_named(const std::string& name);
+
+/// R of the prox methods, from the blocks of W (SORP-3).
+enum class ProxMetric {
+  blocks,    // inverses of the normal and of the tangential blocks: prox on ellipsoids
+  split,     // 1 / largest eigenvalue of each of them: prox on disks
+  spectral,  // 1 / largest eigenvalue of the whole block
+};
 
 enum class SolveStatus {
   converged,       // the residual is within the tolerance
@@ -37,6 +45,7 @@ struct SolverOptions {
   int max_iterations = 10000;  // sweeps or steps of the method, >= 1
   double relaxation = 1.0;     // of nsgs, sor_prox, jor_prox, in (0, 2)
   LocalSolver local = LocalSolver::hybrid;  // of nsgs
+  ProxMetric prox = ProxMetric::blocks;     // of sor_prox, jor_prox
   int anderson = 0;         // iterates that Anderson acceleration of nsgs, sor_prox, jor_prox, admm combines, in [0, 20]
 };
 void validate(const SolverOptions& options);  // throws std::invalid_argument: field, value, bound
