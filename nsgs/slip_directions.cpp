@@ -71,7 +71,8 @@ SlipCondition slip_condition(const Mat3& W, const Vec3& q, double mu) {
 // The slip of direction t (ONE-5): r_N from u_N = 0, r_T against t. Nothing if the wall would have to pull.
 void add_slip(const Mat3& W, const Vec3& q, double mu, const Vec2& t, SlipCandidates& out) {
   const double r_n = -q[0] / (W(0, 0) - mu * W.block<1, 2>(0, 1).dot(t));
-  if (r_n >= 0 && std::isfinite(r_n)) out.r[std::size_t(out.count++)] = {r_n, -mu * r_n * t[0], -mu * r_n * t[1]};
+  if (r_n >= 0 && std::isfinite(r_n))
+    out.r[std::size_t(out.count++)] = {r_n, -mu * r_n * t[0], -mu * r_n * t[1]};
 }
 
 }  // namespace
@@ -97,7 +98,7 @@ SlipCandidates slip_candidates(const Mat3& W, const Vec3& q, double mu) {
     add_slip(W, q, mu, -far, out);
     return out;
   }
-  double bound = 0;                                        // Cauchy's
+  double bound = 0;  // Cauchy's
   for (int i = 0; i < 4; ++i) bound = std::max(bound, 1 + std::abs(quartic[std::size_t(i)]) / leading);
   const Abscissae roots = real_roots(quartic, 4, bound, true);
   for (int i = 0; i < roots.count; ++i) {

@@ -13,8 +13,8 @@ struct SlipCandidates {
   int count = 0;
 };
 
-/// Impulses with u_N = 0, r_N >= 0, r_T against a direction that u_T = (W r + q)_T may have or nearly has: the
-/// caller judges them. Roots are found to neighbouring numbers.
+/// Impulses with u_N = 0, r_N >= 0, r_T against a direction that u_T = (W r + q)_T may have or nearly has:
+/// the caller judges them. Roots are found to neighbouring numbers.
 SlipCandidates slip_candidates(const Mat3& W, const Vec3& q, double mu);
 
 }  // namespace aussois

@@ -27,8 +27,7 @@ TEST(JointElimination, CondensesLikeDenseAlgebra) {
     const MatX P = inverse - inverse * G * S.inverse() * G.transpose() * inverse;
     const LocalProblem local = condense(problem);
     const MatX W = H.transpose() * P * H;
-    const VecX q =
-        H.transpose() * (P * problem.f - inverse * G * S.inverse() * problem.b) + problem.w;
+    const VecX q = H.transpose() * (P * problem.f - inverse * G * S.inverse() * problem.b) + problem.w;
     EXPECT_LT((MatX(local.W) - W).norm(), 1e-9 * W.norm()) << "seed " << seed;
     EXPECT_LT((local.q - q).norm(), 1e-9 * q.norm()) << "seed " << seed;
   }

@@ -79,8 +79,8 @@ TEST(Law, CoulombDerivativeIsThatOfCentralDifferences) {
   EXPECT_GT(std::min({open, stick, slip}), 50);
 }
 
-const Law kKinds[]{coulomb(0.4), coulomb_2d(0.7), rolling(0.5, 0.2), rolling(0.3, 0), contensou(0.6, 1),
-                   unilateral(), bilateral(3), dry_friction(0.8)};
+const Law kKinds[]{coulomb(0.4),      coulomb_2d(0.7), rolling(0.5, 0.2), rolling(0.3, 0),
+                   contensou(0.6, 1), unilateral(),    bilateral(3),      dry_friction(0.8)};
 
 // A point of the set: every ball filled by a random share.
 AnyRows random_member(Random& random, const Law& law) {
@@ -101,7 +101,8 @@ TEST(Law, EveryKindProjectsOnTheNearestPoint) {
       const AnyRows x = uniform_vector(random, law.rows, -2, 2), p = project<Eigen::Dynamic>(law, x);
       EXPECT_LT((project<Eigen::Dynamic>(law, p) - p).norm(), 1e-15) << to_string(law.kind);
       for (int k = 0; k < 20; ++k)
-        ASSERT_LE((x - p).dot(random_member(random, law) - p), 1e-13) << to_string(law.kind) << ", case " << i;
+        ASSERT_LE((x - p).dot(random_member(random, law) - p), 1e-13)
+            << to_string(law.kind) << ", case " << i;
     }
   }
 }
@@ -112,7 +113,8 @@ TEST(Law, EveryKindAnswersWithMaximalDissipation) {
     Random random(5);
     for (int i = 0; i < 500; ++i) {
       const AnyRows y = uniform_vector(random, law.rows, -2, 2), r = answer<Eigen::Dynamic>(law, y);
-      const AnyRows u = r - y, wrong = r - project<Eigen::Dynamic>(law, r - modified_velocity<Eigen::Dynamic>(law, u));
+      const AnyRows u = r - y,
+                    wrong = r - project<Eigen::Dynamic>(law, r - modified_velocity<Eigen::Dynamic>(law, u));
       EXPECT_LT(wrong.norm(), 1e-14) << to_string(law.kind) << ", case " << i;
     }
   }
