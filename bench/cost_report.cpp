@@ -3,11 +3,10 @@
 
 #include <cmath>
 #include <cstdio>
-#include <unistd.h>
 
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
 
+#include "examples/common/gnuplot.hpp"
 #include "io/atomic_file.hpp"
 #include "io/text.hpp"
 
@@ -80,18 +79,6 @@ nlohmann::ordered_json json_of(const PairCost& p) {
   for (const QueryCost& q : p.queries) out["thresholds"].push_back(json_of(q, p.ms_fcl));
   for (const AblationCost& a : p.ablation) out["without"][a.without] = json_of(a.cost, p.ms_fcl);
   return out;
-}
-
-// Runs `gnuplot SCRIPT` in `dir`; false if it is not installed or fails.
-bool gnuplot(const std::filesystem::path& dir, const char* script) {
-  const pid_t child = fork();
-  if (child < 0) return false;
-  if (child == 0) {
-    if (chdir(dir.c_str()) == 0) execlp("gnuplot", "gnuplot", script, static_cast<char*>(nullptr));
-    _exit(127);
-  }
-  int status = 0;
-  return waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
 }  // namespace
@@ -195,7 +182,7 @@ bool write_cost_plot(const std::filesystem::path& dir, const std::vector<PairCos
           "title 'CGAL: pairs of triangles near each other, no distance computed', \\\n"
           "     '' every ::1 using 0:2 with points pt 7 ps 1.6 lc rgb '#1f5fa8' "
           "title 'all contacts within 1 %'\n");
-  return gnuplot(dir, "bench_lmd.gp");
+  return run_gnuplot(dir, "bench_lmd.gp");
 }
 
 }  // namespace aussois

@@ -91,7 +91,7 @@ FrictionProblem contact_problem(const FreeMotion& free, const DofMap& dofs,
   for (int k = 0; k < int(kept.size()); ++k) {
     const ContactRow& row = rows[std::size_t(kept[std::size_t(k)])];
     problem.w.segment<3>(3 * k) = row.w;
-    problem.mu.push_back(row.mu);
+    problem.laws.push_back(coulomb(row.mu));
     for (const auto& [body, J] : {std::pair{row.body_a, &row.J_a}, std::pair{row.body_b, &row.J_b}}) {
       const int first = dofs.first[std::size_t(body)];
       if (first < 0) continue;

@@ -98,7 +98,7 @@ void validate(const MoreauJeanOptions& o) {
                 "not exceed h [s]");
   validate(o.lmd);
   validate(o.reduction);
-  validate(o.nsgs);
+  validate(o.solver);
 }
 
 struct MoreauJean::Attempt {
@@ -148,9 +148,10 @@ MoreauJean::Attempt MoreauJean::attempt(const State& state, const VecX& v_estima
   const std::vector<ContactRow> rows =
       contact_rows(model_, state, found, v_prescribed, h, options_.normal);  // (MJ-6)
   const ReducedSolution solved = solve_reduced(free, dofs_, rows, selection, warm.impulse,
-                                               allowed_speeds(found, pairs, h), options_.nsgs);  // (NSGS-1)
+                                               allowed_speeds(found, pairs, h), options_.solver);  // (NSGS-1)
   const FrictionSolution& solution = solved.solution;
   report.solve = solution.report;
+  if (options_.keep_problem) report.problem = StepProblem{solved.problem, solved.start, solution};
   report.contacts_kept = int(solved.kept.size());
   report.contacts_matched = warm.matched;
   const double solved_at = cpu_seconds();
@@ -204,7 +205,7 @@ MoreauJean::Attempt MoreauJean::attempt(const State& state, const VecX& v_estima
   out.next.memory = remember(kept, impulses);
   report.t = out.next.t;
   report.h = h;
-  report.physical = physical_residual(solution.u, solution.r, solved.problem.mu);
+  report.physical = physical_residual(solution.u, solution.r, solved.problem.laws);
   report.energy = ledger(free, solved.problem.H * solution.r, solution.v);  // (MJ-9)
   return out;
 }

@@ -17,9 +17,10 @@ struct MoreauJeanOptions {
   NormalLawOptions normal{};
   LmdOptions lmd{};  // its threshold is set in each step by the displacement bound
   ReductionOptions reduction{};
-  NsgsOptions nsgs{};
+  SolverOptions solver{};
   AdvancementOptions advancement{};
-  int threads = 1;  // the result does not depend on it
+  int threads = 1;            // the result does not depend on it
+  bool keep_problem = false;  // StepReport::problem holds what was solved, to save and replay it
 };
 void validate(const MoreauJeanOptions& options);  // throws std::invalid_argument: field, value, bound
 

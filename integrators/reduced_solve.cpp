@@ -27,14 +27,14 @@ void add_up(SolveReport& total, const SolveReport& round) {
   total.local_fail_safes += round.local_fail_safes;
   total.status = round.status;
   total.residual = round.residual;
-  total.finished_by_newton = round.finished_by_newton;
+  total.found_by = round.found_by;
 }
 
 }  // namespace
 
 ReducedSolution solve_reduced(const FreeMotion& free, const DofMap& dofs, const std::vector<ContactRow>& rows,
                               const Selection& selection, const std::vector<Vec3>& warm,
-                              const std::vector<double>& allowed_speed, const NsgsOptions& options) {
+                              const std::vector<double>& allowed_speed, const SolverOptions& options) {
   ReducedSolution out;
   SolveReport total;
   std::vector<char> in(rows.size(), 0);
@@ -45,11 +45,11 @@ ReducedSolution solve_reduced(const FreeMotion& free, const DofMap& dofs, const 
     out.kept.clear();
     for (int i = 0; i < int(rows.size()); ++i)
       if (in[std::size_t(i)]) out.kept.push_back(i);
-    VecX start(3 * Eigen::Index(out.kept.size()));
+    out.start.resize(3 * Eigen::Index(out.kept.size()));
     for (std::size_t k = 0; k < out.kept.size(); ++k)
-      start.segment<3>(3 * Eigen::Index(k)) = r[std::size_t(out.kept[k])];
+      out.start.segment<3>(3 * Eigen::Index(k)) = r[std::size_t(out.kept[k])];
     out.problem = contact_problem(free, dofs, rows, out.kept);
-    out.solution = solve_nsgs(out.problem, start, options);
+    out.solution = solve(out.problem, out.start, options);
     add_up(total, out.solution.report);
     if (!out.solution.v.allFinite()) break;
     for (std::size_t k = 0; k < out.kept.size(); ++k)

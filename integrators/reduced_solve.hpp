@@ -4,7 +4,7 @@
 #pragma once
 
 #include "integrators/contact_problem.hpp"
-#include "nsgs/nsgs.hpp"
+#include "nsgs/solve.hpp"
 #include "reduction/reduce.hpp"
 
 namespace aussois {
@@ -12,6 +12,7 @@ namespace aussois {
 struct ReducedSolution {
   std::vector<int> kept{};  // rows in the problem, ascending
   FrictionProblem problem{};
+  VecX start{};                 // impulses that the last round started with
   FrictionSolution solution{};  // its report sums up the rounds
 };
 
@@ -19,6 +20,6 @@ struct ReducedSolution {
 /// it closes faster than `allowed_speed[i]` [m/s], the worst of each cluster per round.
 ReducedSolution solve_reduced(const FreeMotion& free, const DofMap& dofs, const std::vector<ContactRow>& rows,
                               const Selection& selection, const std::vector<Vec3>& warm,
-                              const std::vector<double>& allowed_speed, const NsgsOptions& options);
+                              const std::vector<double>& allowed_speed, const SolverOptions& options);
 
 }  // namespace aussois

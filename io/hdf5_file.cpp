@@ -15,6 +15,20 @@ std::string file_name(hid_t file) {
   return name;
 }
 
+/// A dataset's size may be damaged: it must not ask for all memory, and HDF5 reads over the end of one that
+/// lies in its header. Elsewhere deflate makes at most 1032 bytes from one; zeros may not be stored at all.
+void check_size(hid_t file, const std::string& name, hid_t dataset) {
+  const Hdf5Id space(H5Dget_space(dataset), H5Sclose), type(H5Dget_type(dataset), H5Tclose),
+      list(H5Dget_create_plist(dataset), H5Pclose);
+  const hssize_t points = H5Sget_simple_extent_npoints(space);
+  const hsize_t values = hsize_t(std::max<hssize_t>(points, 0)), size = H5Tget_size(type);
+  hsize_t bytes = 0;
+  H5Fget_filesize(file, &bytes);
+  bytes = H5Pget_layout(list) == H5D_COMPACT ? H5Dget_storage_size(dataset) : 1032 * bytes;
+  if (points < 0 || (values > 0 && size > bytes / values))
+    fail_hdf5(file, name, "claims " + std::to_string(values) + " values, more than its bytes can hold");
+}
+
 /// Fixed length, padded with zeros, UTF-8: readable by everything that reads HDF5.
 Hdf5Id text_type(std::size_t length) {
   Hdf5Id type(H5Tcopy(H5T_C_S1), H5Tclose);
@@ -32,6 +46,13 @@ std::string without_padding(const char* text, std::size_t length) {
 Hdf5Id parent_groups_on_demand() {
   Hdf5Id list(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
   H5Pset_create_intermediate_group(list, 1);
+  return list;
+}
+
+/// Datasets that do not remember when they were written: the same data make the same bytes.
+Hdf5Id without_times() {
+  Hdf5Id list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_obj_track_times(list, false);
   return list;
 }
 
@@ -117,9 +138,9 @@ void write_texts(hid_t file, const std::string& name, const std::vector<std::str
   std::string padded;
   for (const std::string& text : texts) padded += text + std::string(length - text.size(), '\0');
   const hsize_t rows = texts.size();
-  const Hdf5Id type = text_type(length), links = parent_groups_on_demand();
+  const Hdf5Id type = text_type(length), links = parent_groups_on_demand(), layout = without_times();
   const Hdf5Id space(H5Screate_simple(1, &rows, nullptr), H5Sclose);
-  const Hdf5Id id(H5Dcreate2(file, name.c_str(), type, space, links, H5P_DEFAULT, H5P_DEFAULT), H5Dclose);
+  const Hdf5Id id(H5Dcreate2(file, name.c_str(), type, space, links, layout, H5P_DEFAULT), H5Dclose);
   if (id < 0 || H5Dwrite(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0)
     fail_hdf5(file, name, "cannot be written");
 }
@@ -132,12 +153,44 @@ std::vector<std::string> read_texts(hid_t file, const std::string& name) {
       H5Sget_simple_extent_ndims(space) != 1)
     fail_hdf5(file, name, "is not a list of texts of fixed length");
   const std::size_t length = H5Tget_size(type), rows = std::size_t(H5Sget_simple_extent_npoints(space));
+  check_size(file, name, id);
   std::string padded(length * rows, '\0');
   if (H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0)
     fail_hdf5(file, name, "cannot be read");
   std::vector<std::string> texts;
   for (std::size_t i = 0; i < rows; ++i) texts.push_back(without_padding(padded.data() + i * length, length));
   return texts;
+}
+
+void write_text_dataset(hid_t file, const std::string& name, const std::string& text) {
+  const Hdf5Id type(H5Tcopy(H5T_C_S1), H5Tclose), space(H5Screate(H5S_SCALAR), H5Sclose),
+      links = parent_groups_on_demand(), layout = without_times();
+  H5Tset_size(type, text.size() + 1);
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  const Hdf5Id id(H5Dcreate2(file, name.c_str(), type, space, links, layout, H5P_DEFAULT), H5Dclose);
+  if (id < 0 || H5Dwrite(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.c_str()) < 0)
+    fail_hdf5(file, name, "cannot be written");
+}
+
+std::string read_text_dataset(hid_t file, const std::string& name) {
+  const Hdf5Id id(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
+  if (id < 0) fail_hdf5(file, name, "is missing");
+  const Hdf5Id type(H5Dget_type(id), H5Tclose), space(H5Dget_space(id), H5Sclose);
+  if (H5Tget_class(type) != H5T_STRING || H5Sget_simple_extent_npoints(space) != 1)
+    fail_hdf5(file, name, "is not one text");
+  check_size(file, name, id);
+  if (H5Tis_variable_str(type) > 0) {
+    char* text = nullptr;
+    if (H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, &text) < 0 || text == nullptr)
+      fail_hdf5(file, name, "cannot be read");
+    const std::string copy = text;
+    H5Dvlen_reclaim(type, space, H5P_DEFAULT, &text);
+    return copy;
+  }
+  std::string text(H5Tget_size(type), '\0');
+  if (H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) < 0)
+    fail_hdf5(file, name, "cannot be read");
+  return without_padding(text.data(), text.size());
 }
 
 void check_format(hid_t file, const std::string& format, const std::string& version) {
@@ -162,6 +215,17 @@ std::vector<std::string> group_names(hid_t file, const std::string& group) {
   return names;
 }
 
+bool has_link(hid_t file, const std::string& name) {
+  return H5Lexists(file, name.c_str(), H5P_DEFAULT) > 0;
+}
+
+void check_integers(hid_t file, const std::string& name) {
+  const Hdf5Id id(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
+  if (id < 0) fail_hdf5(file, name, "is missing");
+  const Hdf5Id type(H5Dget_type(id), H5Tclose);
+  if (H5Tget_class(type) != H5T_INTEGER) fail_hdf5(file, name, "does not hold integers");
+}
+
 Hdf5Column::Hdf5Column(hid_t file, std::string name, hid_t type, std::vector<hsize_t> row_shape,
                        hsize_t chunk_rows, const std::string& unit)
     : file_(file), name_(std::move(name)), type_(type), row_shape_(std::move(row_shape)) {
@@ -169,13 +233,29 @@ Hdf5Column::Hdf5Column(hid_t file, std::string name, hid_t type, std::vector<hsi
   for (hsize_t& side : chunk)
     side = std::max<hsize_t>(side, 1);  // a run without bodies has rows of no values
   const Hdf5Id space(H5Screate_simple(int(none.size()), none.data(), endless.data()), H5Sclose);
-  const Hdf5Id layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose), links = parent_groups_on_demand();
+  const Hdf5Id layout = without_times(), links = parent_groups_on_demand();
   H5Pset_chunk(layout, int(chunk.size()), chunk.data());
   H5Pset_shuffle(layout);
   H5Pset_deflate(layout, 1);
   dataset_ = Hdf5Id(H5Dcreate2(file, name_.c_str(), type, space, links, layout, H5P_DEFAULT), H5Dclose);
   if (dataset_ < 0) fail_hdf5(file, name_, "cannot be created");
   if (!unit.empty()) write_text(file, name_, "unit", unit);
+}
+
+void write_fixed(hid_t file, const std::string& name, hid_t type, const void* data, hsize_t count) {
+  constexpr hsize_t kInHeader = 4096, kChunk = 8192;  // bytes, values
+  const Hdf5Id space(H5Screate_simple(1, &count, nullptr), H5Sclose), layout = without_times(),
+                                                                      links = parent_groups_on_demand();
+  if (count > kChunk) {
+    H5Pset_chunk(layout, 1, &kChunk);
+    H5Pset_shuffle(layout);
+    H5Pset_deflate(layout, 1);
+  } else if (count > 0 && count * H5Tget_size(type) <= kInHeader) {
+    H5Pset_layout(layout, H5D_COMPACT);
+  }
+  const Hdf5Id id(H5Dcreate2(file, name.c_str(), type, space, links, layout, H5P_DEFAULT), H5Dclose);
+  if (id < 0 || (count > 0 && H5Dwrite(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0))
+    fail_hdf5(file, name, "cannot be written (is the disk full?)");
 }
 
 Hdf5Column Hdf5Column::open(hid_t file, std::string name, hid_t type, std::vector<hsize_t> row_shape) {
@@ -193,6 +273,7 @@ Hdf5Column Hdf5Column::open(hid_t file, std::string name, hid_t type, std::vecto
   if (found != column.extent(column.rows_))
     fail_hdf5(file, column.name_, "has another shape than [rows, ...] of the format");
   if (column.rows_ > hsize_t{1} << 32) fail_hdf5(file, column.name_, "claims more than 2^32 rows");
+  check_size(file, column.name_, column.dataset_);
   return column;
 }
 

@@ -112,12 +112,19 @@ std::string read_text(hid_t file, const std::string& object, const std::string& 
 std::vector<std::string> attribute_names(hid_t file, const std::string& object);  // sorted
 void write_texts(hid_t file, const std::string& name, const std::vector<std::string>& texts);
 std::vector<std::string> read_texts(hid_t file, const std::string& name);
+/// One text as a dataset without extent, closed by a zero, as H5LTmake_dataset_string writes it.
+void write_text_dataset(hid_t file, const std::string& name, const std::string& text);
+/// Of fixed or variable length.
+std::string read_text_dataset(hid_t file, const std::string& name);
 
 /// Fails unless the root carries these attributes `format` and `version`.
 void check_format(hid_t file, const std::string& format, const std::string& version);
 
 void make_group(hid_t file, const std::string& name);
 std::vector<std::string> group_names(hid_t file, const std::string& group);  // sorted
+bool has_link(hid_t file, const std::string& name);                          // its parent must exist
+/// Fails unless the dataset holds integers: HDF5 would cut other numbers silently.
+void check_integers(hid_t file, const std::string& name);
 
 /// A dataset of shape [rows, row_shape...] that grows at its end.
 class Hdf5Column {
@@ -152,6 +159,14 @@ void write_rows(hid_t file, const std::string& name, const std::vector<T>& rows,
                 const std::string& unit = {}) {
   Hdf5Column(file, name, Hdf5Row<T>::type(), Hdf5Row<T>::shape(), kHdf5ChunkRows, unit)
       .append(rows.data(), rows.size());
+}
+
+/// A dataset that will not grow: small ones inside their header, large ones compressed. Seventy bytes more
+/// than its values where a column that can grow takes three thousand.
+void write_fixed(hid_t file, const std::string& name, hid_t type, const void* data, hsize_t count);
+template <class T>
+void write_fixed(hid_t file, const std::string& name, const std::vector<T>& values) {
+  write_fixed(file, name, Hdf5Row<T>::type(), values.data(), values.size());
 }
 
 template <class T>

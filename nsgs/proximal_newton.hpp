@@ -1,45 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
-// The second phase of the solver, doc/theory/proximal_newton.md: the friction problem with a compliance alpha
-// w_c added to each contact, its impulses measured from a centre (PROX-1), by semismooth Newton in the few
-// velocities (PROX-4) to (PROX-6). With the compliance isotropic every contact answers in closed form,
-// however many there are. Sources: Alart and Curnier 1991 (augmented Lagrangian); Acary, Bremond and Huber
-// 2018 (proximal point around Newton).
+// The second phase of the solver, doc/theory/proximal_newton.md: the problem with a compliance alpha added to
+// each row, its impulses measured from a centre (PROX-1), by semismooth Newton in the few velocities (PROX-4)
+// to (PROX-6). With the compliance isotropic every block answers in closed form, however many there are.
+// Sources: Alart and Curnier 1991 (augmented Lagrangian); Acary, Bremond and Huber 2018 (proximal point
+// around Newton). Private to nsgs.
 #pragma once
 
-#include <memory>
-#include <vector>
-
-#include "nsgs/friction_problem.hpp"
+#include "nsgs/method.hpp"
 
 namespace aussois {
 
+struct ProximalOptions {
+  double tolerance = 1e-8;
+  int max_steps = 60;
+  double alpha = 0.1;      // compliance of the first step
+  double accuracy = 1e-2;  // of the steps: what is left of (PROX-4) is less than what alpha leaves
+};
+
 struct ProximalStep {
-  VecX r{};             // in the cones [N s]
+  VecX r{};             // in the sets of the laws
   int iterations = 0;   // Newton iterations: linear solves
   bool solved = false;  // the equations (PROX-4) hold to their tolerance
 };
 
-class ProximalNewton {
- public:
-  /// Newton's unknowns are the changes of the generalised velocities v (n). M must not have a zero on its
-  /// diagonal.
-  ProximalNewton(const FrictionProblem& problem, const std::vector<double>& w_c);
-  /// Newton's unknowns are the changes of the relative velocities u (3c).
-  ProximalNewton(const LocalProblem& problem, const std::vector<double>& w_c);
-  ProximalNewton(ProximalNewton&& other) noexcept;
-  ~ProximalNewton();
+/// Around the impulses and velocities of `center`; alpha > 0. Everything is computed as a change from there,
+/// so that small alpha does not magnify the rounding of velocities (PROX-4). `accuracy` of (PROX-4) is
+/// relative to the change of momentum.
+ProximalStep proximal_step(Delassus& W, const Iterate& center, double alpha, double accuracy);
 
-  /// Velocities few enough for dense algebra: an iteration then costs about as much as a sweep.
-  static bool is_cheap(Eigen::Index velocity_count);
-
-  /// Around the impulses r_center, whose relative velocities are u_center; alpha > 0 [-]. Everything is
-  /// computed as a change from there, so that small alpha does not magnify the rounding of velocities
-  /// (PROX-4).
-  ProximalStep step(const VecX& r_center, const VecX& u_center, double alpha) const;
-
- private:
-  struct System;
-  std::unique_ptr<System> system_;
-};
+/// Proximal steps (PROX-7) until the tolerance. The centre walks on while Newton solves the steps, even where
+/// the residual rests on a plateau; what is returned is the best iterate met.
+Iterate proximal_steps(Delassus& W, const Iterate& start, const ProximalOptions& options,
+                       SolveReport& report);
 
 }  // namespace aussois

@@ -39,6 +39,11 @@ std::string text_of(const std::string& value) {
 std::string text_of(const std::filesystem::path& value) {
   return value.string();
 }
+std::string text_of(const std::vector<std::filesystem::path>& value) {
+  std::string text;
+  for (const std::filesystem::path& path : value) text += (text.empty() ? "" : " ") + path.string();
+  return text;
+}
 std::string text_of(bool value) {
   return value ? "yes" : "no";
 }
@@ -71,6 +76,7 @@ struct Cli::Impl {
   std::vector<Entry> entries{};
   std::vector<std::pair<std::string, std::string>> examples{};
   std::vector<std::pair<std::string, const std::filesystem::path*>> inputs{};
+  const std::vector<std::filesystem::path>* files = nullptr;
   CLI::App app{};
   bool show_help = false, show_version = false;
 
@@ -143,6 +149,10 @@ void Cli::input(const std::string& flag, std::filesystem::path& value, const std
   option(flag, value, what);
   impl_->inputs.emplace_back(flag, &value);
 }
+void Cli::files(std::vector<std::filesystem::path>& value, const std::string& what) {
+  impl_->add("FILE", value, "...", what, "", "");
+  impl_->files = &value;
+}
 void Cli::common(CommonOptions& options, Restart restart) {
   group("output");
   option("-o,--out", options.out, "folder of the results, made if missing");
@@ -159,7 +169,8 @@ void Cli::example(std::string command, std::string shows) {
 }
 
 std::string Cli::help() const {
-  std::string text = impl_->what + "\n\nusage: " + impl_->name + " [options]\n";
+  std::string text =
+      impl_->what + "\n\nusage: " + impl_->name + " [options]" + (impl_->files ? " FILE...\n" : "\n");
   std::vector<std::string> left;
   std::size_t width = 0;
   for (const Impl::Entry& entry : impl_->entries) {
@@ -197,6 +208,10 @@ bool Cli::parse(int argc, const char* const* argv, ExitCode& code) {
   if (impl_->show_help) std::fputs(help().c_str(), stdout);
   if (impl_->show_version) std::printf("%s\n%s\n", impl_->name.c_str(), build_info().c_str());
   if (impl_->show_help || impl_->show_version) return false;
+  if (impl_->files != nullptr && impl_->files->empty()) {
+    fail(impl_->name, "give at least one FILE (try --help)", code = ExitCode::usage);
+    return false;
+  }
   for (const auto& [flag, path] : impl_->inputs)
     if (!path->empty() && !std::filesystem::exists(*path)) {
       fail(impl_->name, flag + " " + path->string() + ": no such file or folder", code = ExitCode::missing);

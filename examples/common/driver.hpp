@@ -89,6 +89,9 @@ class Cli {
   /// A path that must exist: otherwise exit code 3 before anything runs. Not looked at if the user leaves it
   /// empty.
   void input(const std::string& flag, std::filesystem::path& value, const std::string& what);
+  /// What stands without a flag: one or more files. They are not looked at: a driver that takes many says
+  /// which of them are bad and does the others. A command line without any is refused.
+  void files(std::vector<std::filesystem::path>& value, const std::string& what);
   /// The group "output" with -o, --summary, --threads, --every, --quiet; in drivers whose runs can be
   /// continued also --resume and --checkpoint-every.
   enum class Restart { no, yes };

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "nsgs/cone.hpp"
+#include "nsgs/law.hpp"
 #include "tests/unit/nsgs/random_problems.hpp"
 
 namespace aussois {
@@ -83,7 +83,8 @@ struct Oracle {
                size = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
     const Real3 u = velocity({r[0], r[1], r[2]});
     const Vec3 r_c = r * double(w / size), u_c(double(u[0] / size), double(u[1] / size), double(u[2] / size));
-    const double map = (r_c - project_cone(r_c - de_saxce(u_c, double(mu)), double(mu))).norm();
+    const Law law = coulomb(double(mu));
+    const double map = (r_c - project<3>(law, r_c - modified_velocity<3>(law, u_c))).norm();
     return map / (1 + 3 * r_c.norm());
   }
 };

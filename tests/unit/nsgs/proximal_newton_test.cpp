@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "nsgs/nsgs.hpp"
 #include "nsgs/residual.hpp"
 #include "tests/unit/nsgs/random_problems.hpp"
 
@@ -13,48 +12,47 @@ namespace aussois {
 namespace {
 
 TEST(ProximalNewton, SolvesTheCompliantProblem) {
-  // (PROX-1) is a friction problem of its own, with W + alpha w_c on the diagonal: solved by sweeps to
+  // From r = 0 a step solves the problem with alpha on the diagonal of the scaled W: solved by sweeps to
   // compare.
   for (unsigned seed = 0; seed < 50; ++seed) {
     Random random(seed);
     const FrictionProblem problem = random_peg_in_hole(random, 1 + int(seed % 2), 10, 0.2);
     const LocalProblem local = condense(problem);
-    const std::vector<double> w_c = contact_scales(local.W);
     const double alpha = 0.1;
     LocalProblem compliant = local;
-    for (int c = 0; c < 10; ++c)
-      for (int k = compliant.W.begin[std::size_t(c)]; k < compliant.W.begin[std::size_t(c) + 1]; ++k)
-        if (compliant.W.column[std::size_t(k)] == c)
-          compliant.W.block[std::size_t(k)] += alpha * w_c[std::size_t(c)] * Mat3::Identity();
-    const FrictionSolution reference = solve_nsgs(compliant, {}, {.tolerance = 1e-12, .handover_after = 0});
+    const VecX w = row_scales(local.W.diagonal(), local.laws);
+    compliant.W += SparseMatrix((alpha * w).asDiagonal());
+    const FrictionSolution reference = solve(compliant, {}, {.method = Method::nsgs, .tolerance = 1e-12});
     ASSERT_EQ(reference.report.status, SolveStatus::converged) << "seed " << seed;
-    const VecX zero = VecX::Zero(30);
-    const ProximalStep global = ProximalNewton(problem, w_c).step(zero, local.q, alpha);
-    const ProximalStep condensed = ProximalNewton(local, w_c).step(zero, local.q, alpha);
-    EXPECT_TRUE(global.solved && condensed.solved) << "seed " << seed;
-    const double size = reference.r.norm();
-    EXPECT_LE((global.r - reference.r).norm(), 1e-8 * size) << "seed " << seed;
-    EXPECT_LE((condensed.r - reference.r).norm(), 1e-8 * size) << "seed " << seed;
+    const auto inverse = invert_mass(problem.M);
+    const auto bodies = make_delassus(problem, *inverse), contacts = make_delassus(local);
+    for (Delassus* W : {bodies.get(), contacts.get()}) {
+      const ProximalStep step = proximal_step(*W, judged(*W, VecX::Zero(30), Method::automatic), alpha, 1e-9);
+      EXPECT_TRUE(step.solved) << "seed " << seed;
+      const VecX r = W->scaled.size * W->scaled.s.cwiseProduct(step.r);
+      EXPECT_LE((r - reference.r).norm(), 1e-8 * reference.r.norm()) << "seed " << seed;
+    }
   }
 }
 
 TEST(ProximalNewton, LeavesASolutionWhereItIs) {
   Random random(3);
   const FrictionProblem problem = random_peg_in_hole(random, 1, 20, 0.2);
-  const FrictionSolution s = solve_nsgs(problem, {}, {.tolerance = 1e-13});
+  const FrictionSolution s = solve(problem, {}, {.tolerance = 1e-13});
   ASSERT_EQ(s.report.status, SolveStatus::converged);
-  const LocalProblem local = condense(problem);
-  const ProximalNewton newton(problem, contact_scales(local.W));
+  const auto inverse = invert_mass(problem.M);
+  const auto W = make_delassus(problem, *inverse);
+  const Iterate solution = judged(*W, scaled_start(W->scaled, s.r), Method::automatic);
   for (const double alpha : {1e-3, 1.0, 1e3})
-    EXPECT_LT((newton.step(s.r, s.u, alpha).r - s.r).norm(), 1e-8 * s.r.norm()) << "alpha " << alpha;
+    EXPECT_LT((proximal_step(*W, solution, alpha, 1e-9).r - solution.r).norm(), 1e-8 * solution.r.norm())
+        << "alpha " << alpha;
 }
 
 TEST(ProximalNewton, WorksOnManyVelocities) {
   const FrictionProblem problem = cube_stack(40, 1.0, 0.5);  // 240 velocities: the sparse branch
-  ASSERT_FALSE(ProximalNewton::is_cheap(problem.f.size()));
-  const FrictionSolution s = solve_nsgs(problem, {}, {.tolerance = 1e-10});
+  const FrictionSolution s = solve(problem, {}, {.method = Method::proximal_newton, .tolerance = 1e-10});
   EXPECT_EQ(s.report.status, SolveStatus::converged);
-  EXPECT_TRUE(s.report.finished_by_newton);
+  EXPECT_EQ(s.report.found_by, Method::proximal_newton);
   EXPECT_NEAR(s.r[0] + s.r[3] + s.r[6] + s.r[9], 40 * 9.81e-3, 1e-6 * 40 * 9.81e-3);
 }
 
@@ -69,10 +67,10 @@ TEST_P(PegInHole, IsSolvedEveryTime) {
     Random random(seed);
     const int bodies = 1 + int(seed % 2), contacts = 4 + int(random.uniform(0, 147));
     const FrictionProblem problem = random_peg_in_hole(random, bodies, contacts, 0.2);
-    const FrictionSolution s = solve_nsgs(problem, {}, {.tolerance = tolerance});
+    const FrictionSolution s = solve(problem, {}, {.tolerance = tolerance});
     ASSERT_EQ(s.report.status, SolveStatus::converged)
         << "seed " << seed << ", " << contacts << " contacts, residual " << s.report.residual;
-    by_newton += s.report.finished_by_newton;
+    by_newton += s.report.found_by == Method::proximal_newton;
     sweeps.push_back(s.report.iterations);
     newton.push_back(s.report.newton_iterations);
     if (seed % 20 == 0) {
@@ -84,7 +82,7 @@ TEST_P(PegInHole, IsSolvedEveryTime) {
     return x[1980];
   };
   EXPECT_GT(by_newton, 1500);  // the sample is hyperstatic indeed
-  EXPECT_LE(percentile_99(sweeps), 20);
+  EXPECT_LE(percentile_99(sweeps), 100);
   EXPECT_LE(percentile_99(newton), 100);
 }
 INSTANTIATE_TEST_SUITE_P(Tolerances, PegInHole, ::testing::Values(1e-8, 1e-12));
@@ -94,7 +92,7 @@ TEST(PegInHole, NeedsTheSecondPhase) {
   for (unsigned seed = 0; seed < 40; ++seed) {
     Random random(seed);
     const FrictionProblem problem = random_peg_in_hole(random, 1, 50, 0.2);
-    const FrictionSolution s = solve_nsgs(problem, {}, {.max_iterations = 300, .handover_after = 0});
+    const FrictionSolution s = solve(problem, {}, {.method = Method::nsgs, .max_iterations = 300});
     stuck += s.report.status != SolveStatus::converged;
   }
   EXPECT_GT(stuck, 10);

@@ -69,7 +69,7 @@ FrictionProblem random_peg_in_hole(Random& random, int bodies, int contacts, dou
   }
   FrictionProblem problem;
   problem.M = block_diagonal(mass);
-  problem.mu.assign(std::size_t(contacts), mu);
+  problem.laws.assign(std::size_t(contacts), coulomb(mu));
   problem.w = VecX::Zero(3 * contacts);
   const double clearance = radius * random.log_uniform(1e-5, 1e-2);
   const Vec3 offset = bodies == 1 ? Vec3::Zero() : Vec3(radius * uniform_vector(random, 3, -1, 1));
@@ -121,7 +121,7 @@ FrictionProblem cube_stack(int n, double m, double mu) {
   problem.f = VecX::Zero(6 * n);
   for (int b = 0; b < n; ++b) problem.f[6 * b + 2] = -h * m * gravity;
   problem.w = VecX::Zero(3 * Eigen::Index(specs.size()));
-  problem.mu.assign(specs.size(), mu);
+  problem.laws.assign(specs.size(), coulomb(mu));
   return problem;
 }
 

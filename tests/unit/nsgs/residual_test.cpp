@@ -3,14 +3,14 @@
 
 #include <gtest/gtest.h>
 
-#include "nsgs/nsgs.hpp"
+#include "nsgs/solve.hpp"
 #include "tests/unit/nsgs/random_problems.hpp"
 
 namespace aussois {
 namespace {
 
 LocalProblem one_contact(const Mat3& W, const Vec3& q, double mu) {
-  return {.W = block_matrix(SparseMatrix(MatX(W).sparseView())), .q = q, .mu = {mu}};
+  return {.W = MatX(W).sparseView(), .q = q, .laws = {coulomb(mu)}};
 }
 
 TEST(Residual, OfNoImpulseIsThatOfTheFreeVelocity) {
@@ -34,7 +34,7 @@ TEST(Residual, DoesNotDependOnUnitsWhenScaled) {
   const LocalProblem problem = condense(random_peg_in_hole(random, 2, 10, 0.2));
   const VecX r = uniform_vector(random, 30, 0, 1e-3);
   LocalProblem other = problem;  // masses times 1e6, velocities times 1e-3: W / 1e6, q / 1e3, r times 1e3
-  for (Mat3& block : other.W.block) block /= 1e6;
+  other.W /= 1e6;
   other.q /= 1e3;
   const double scaled = scaled_residual(problem, r);
   EXPECT_NEAR(scaled_residual(other, 1e3 * r), scaled, 1e-12 * scaled);
@@ -53,7 +53,7 @@ TEST(Residual, InUnitsThatPeopleKnow) {
   // Contact 0 approaches with 2 m/s; contact 1 leaves its cone by 0.4 - 0.5 * 0.2 and slips at right angles
   // to it.
   const Vec6 u(-2, 0, 0, 0.5, 1, 0), r(3, 0, 0, 0.2, 0, 0.4);
-  const PhysicalResidual wrong = physical_residual(u, r, {0.5, 0.5});
+  const PhysicalResidual wrong = physical_residual(u, r, {coulomb(0.5), coulomb(0.5)});
   EXPECT_DOUBLE_EQ(wrong.worst_normal_approach, 2);
   EXPECT_DOUBLE_EQ(wrong.worst_cone_violation, 0.3);
   EXPECT_DOUBLE_EQ(wrong.worst_complementarity, 6);

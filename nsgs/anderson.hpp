@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Anderson acceleration of a fixed-point map g(x) (AA-1) to (AA-3): what the last steps together point to.
+// Whether to go there is the caller's to decide. Private to nsgs. Source: Anderson 1965; Walker and Ni 2011.
+#pragma once
+
+#include <deque>
+
+#include "geometry/types.hpp"
+
+namespace aussois {
+
+class Anderson {
+ public:
+  /// `memory` differences of steps are combined; 0: never proposes.
+  explicit Anderson(int memory) : memory_(std::size_t(memory)) {}
+
+  /// From the step x -> g and those before: (AA-2). Empty after the first step.
+  VecX propose(const VecX& x, const VecX& g);
+  void forget() { *this = Anderson(int(memory_)); }
+
+ private:
+  std::size_t memory_;
+  VecX f_{}, g_{};
+  std::deque<VecX> df_{}, dg_{};  // differences of steps f = g - x and of images, newest last
+};
+
+}  // namespace aussois

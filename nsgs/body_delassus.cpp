@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/LU>
+
+#include "nsgs/block_solver.hpp"
+#include "nsgs/delassus.hpp"
+#include "nsgs/factorised.hpp"
+#include "nsgs/sparse_lu.hpp"
+
+namespace aussois {
+
+namespace {
+
+constexpr Eigen::Index kDenseSize = 150;  // velocities; above, sparse LU
+
+// One row of the columns of a block, in H and in M^-1 H, scaled.
+template <int R>
+struct Arm {
+  Rows<R> H{}, Y{};
+  int row = 0;
+};
+
+template <int R>
+class BodyDelassus final : public Delassus {
+ public:
+  BodyDelassus(const FrictionProblem& problem, const MassInverse& inverse) : M_(problem.M) {
+    first = first_rows(problem.laws);
+    const SparseMatrix Y = inverse * problem.H;
+    begin_.push_back(0);
+    VecX diagonal = VecX::Zero(problem.w.size());
+    for (std::size_t c = 0; c < problem.laws.size(); ++c) {
+      append(problem.H, Y, first[c], problem.laws[c].rows);
+      for (std::size_t k = begin_[c]; k < begin_.back(); ++k)
+        diagonal.segment(first[c], problem.laws[c].rows) += arms_[k].H.cwiseProduct(arms_[k].Y);
+    }
+    const VecX v_free = inverse * problem.f;
+    scaled = scaling(diagonal, problem.H.transpose() * v_free + problem.w, problem.laws);
+    if (!scaled.finite) return;
+    v_free_ = v_free / scaled.size;
+    w_ = problem.w.cwiseProduct(scaled.s) / scaled.size;
+    v_ = v_free_;
+    weight_ = VecX(problem.M.diagonal()).cwiseAbs().cwiseInverse();
+    for (int c = 0; c < count(); ++c) {
+      const Rows<R> s = scaled.s.segment<R>(at(c), rows(c));
+      RowBlock<R> W = RowBlock<R>::Zero(rows(c), rows(c));
+      for (std::size_t k = begin_[std::size_t(c)]; k < begin_[std::size_t(c) + 1]; ++k) {
+        arms_[k].H.array() *= s.array();
+        arms_[k].Y.array() *= s.array();
+        W += arms_[k].H * arms_[k].Y.transpose();
+      }
+      diagonal_.push_back(prepare_block<R>(W, scaled.laws[std::size_t(c)]));
+      scaled.finite = scaled.finite && W.allFinite();
+    }
+  }
+
+  VecX velocity(const VecX& r) override {
+    v_ = v_free_;
+    for (int c = 0; c < count(); ++c) add(c, r.segment<R>(at(c), rows(c)));
+    VecX u(r.size());
+    for (int c = 0; c < count(); ++c) u.segment<R>(at(c), rows(c)) = velocity(c);
+    return u;
+  }
+
+  double sweep(VecX& r, const SweepOptions& options, SweepCounts& counts) override {
+    double change = 0;
+    for (int c = 0; c < count(); ++c) {
+      const Law& law = scaled.laws[std::size_t(c)];
+      const Rows<R> r_old = r.segment<R>(at(c), rows(c)), u = velocity(c);
+      if (has_normal(law) && u[0] >= 0 && r_old[0] == 0) continue;  // stays open (NSGS-6)
+      const Block<R>& block = diagonal_[std::size_t(c)];
+      const BlockSolution<R> found = solve_block<R>(block, u - block.W * r_old, law, r_old, options.local);
+      counts.failures += !found.solved;
+      counts.fail_safes += found.fail_safe;
+      const Rows<R> dr = options.relaxation * (found.r - r_old);
+      r.segment<R>(at(c), rows(c)) += dr;
+      add(c, dr);
+      change += dr.squaredNorm();
+    }
+    return std::sqrt(change);
+  }
+
+  double sweep(VecX& r, const BlockRule& rule) override {
+    double change = 0;
+    for (int c = 0; c < count(); ++c) {
+      const AnyRows r_old = r.segment(at(c), rows(c)), r_new = rule(c, velocity(c), r_old);
+      r.segment(at(c), rows(c)) = r_new;
+      const Rows<R> dr = r_new - r_old;
+      add(c, dr);
+      change += dr.squaredNorm();
+    }
+    return std::sqrt(change);
+  }
+
+  AnyBlock block(int c) const override { return diagonal_[std::size_t(c)].W; }
+  SparseMatrix matrix() const override {
+    std::vector<Triplet> directions, motions;  // H^T and (M^-1 H), scaled
+    for (int c = 0; c < count(); ++c)
+      for (std::size_t k = begin_[std::size_t(c)]; k < begin_[std::size_t(c) + 1]; ++k)
+        for (int i = 0; i < rows(c); ++i) {
+          directions.emplace_back(at(c) + i, arms_[k].row, arms_[k].H[i]);
+          motions.emplace_back(arms_[k].row, at(c) + i, arms_[k].Y[i]);
+        }
+    SparseMatrix Ht(scaled.q.size(), v_.size()), Y(v_.size(), scaled.q.size());
+    Ht.setFromTriplets(directions.begin(), directions.end());
+    Y.setFromTriplets(motions.begin(), motions.end());
+    return Ht * Y;
+  }
+  // (W + s)^-1 b = (b - H^T d) / s with (M + H H^T / s) d = H b / s: of the size of the bodies.
+  LinearSolve shifted_inverse(double shift) const override {
+    std::vector<Triplet> entries;
+    for (int j = 0; j < M_.outerSize(); ++j)
+      for (SparseMatrix::InnerIterator it(M_, j); it; ++it) entries.emplace_back(it.row(), j, it.value());
+    std::vector<AnyBlock> D;
+    for (int c = 0; c < count(); ++c) D.emplace_back(AnyBlock::Identity(rows(c), rows(c)) / shift);
+    add_compliance(D, [&](int i, int j, double value) { entries.emplace_back(i, j, value); });
+    SparseMatrix J(M_.rows(), M_.cols());
+    J.setFromTriplets(entries.begin(), entries.end());
+    const VecX scale = weight_.cwiseSqrt();
+    J = scale.asDiagonal() * J * scale.asDiagonal();
+    const LinearSolve solve = factorised(J);
+    if (!solve) return {};
+    return [this, solve, scale, shift](const VecX& b) -> VecX {
+      const VecX d = scale.cwiseProduct(solve(scale.cwiseProduct(B(b / shift))));
+      return (b - C(d)) / shift;
+    };
+  }
+
+  Eigen::Index unknowns() const override { return v_.size(); }
+  VecX A(const VecX& d) const override { return M_ * d; }
+  VecX B(const VecX& dr) const override {
+    VecX momentum = VecX::Zero(v_.size());
+    for (int c = 0; c < count(); ++c) {
+      const Rows<R> dr_c = dr.segment<R>(at(c), rows(c));
+      for (std::size_t k = begin_[std::size_t(c)]; k < begin_[std::size_t(c) + 1]; ++k)
+        momentum[arms_[k].row] += arms_[k].H.dot(dr_c);
+    }
+    return momentum;
+  }
+  VecX C(const VecX& d) const override {
+    VecX du(scaled.q.size());
+    for (int c = 0; c < count(); ++c) {
+      Rows<R> sum = Rows<R>::Zero(rows(c));
+      for (std::size_t k = begin_[std::size_t(c)]; k < begin_[std::size_t(c) + 1]; ++k)
+        sum += arms_[k].H * d[arms_[k].row];
+      du.segment<R>(at(c), rows(c)) = sum;
+    }
+    return du;
+  }
+  double size(const VecX& row) const override { return std::sqrt(row.cwiseAbs2().dot(weight_)); }
+  double newton_cost(const VecX&) override {
+    const double n = double(v_.size()), arms = double(arms_.size()), contacts = count(),
+                 sweep = contacts * 300 + 12 * arms,  // the blocks' own solves, and velocities
+        assembly = 6 * arms * arms / contacts;
+    if (is_dense()) return (2 * n * n * n / 3 + assembly) / sweep + 1;
+    if (!sparse_cost_) {
+      CompressedColumns J = newton_matrix(std::vector<AnyBlock>(std::size_t(count()), AnyBlock()));
+      sparse_cost_ = factor_cost(J);
+    }
+    return (*sparse_cost_ + assembly) / sweep + 2;
+  }
+
+  std::optional<VecX> direction(const std::vector<AnyBlock>& D, const VecX& F) override {
+    const VecX d = is_dense() ? dense_direction(D, F) : sparse_direction(D, F);
+    return d.size() > 0 && d.allFinite() ? std::optional<VecX>(d) : std::nullopt;
+  }
+
+ private:
+  Eigen::Index at(int c) const { return first[std::size_t(c)]; }
+  int rows(int c) const { return R == Eigen::Dynamic ? scaled.laws[std::size_t(c)].rows : R; }
+  bool is_dense() const { return v_.size() <= kDenseSize; }
+
+  Rows<R> velocity(int c) const {
+    Rows<R> u = w_.segment<R>(at(c), rows(c));
+    for (std::size_t k = begin_[std::size_t(c)]; k < begin_[std::size_t(c) + 1]; ++k)
+      u += arms_[k].H * v_[arms_[k].row];
+    return u;
+  }
+  void add(int c, const Rows<R>& dr) {
+    for (std::size_t k = begin_[std::size_t(c)]; k < begin_[std::size_t(c) + 1]; ++k)
+      v_[arms_[k].row] += arms_[k].Y.dot(dr);
+  }
+
+  void append(const SparseMatrix& H, const SparseMatrix& Y, int column, int columns) {
+    const std::size_t from = arms_.size();
+    const auto arm = [&](Eigen::Index row) -> Arm<R>& {
+      for (std::size_t k = from; k < arms_.size(); ++k)
+        if (arms_[k].row == int(row)) return arms_[k];
+      arms_.push_back({Rows<R>::Zero(columns), Rows<R>::Zero(columns), int(row)});
+      return arms_.back();
+    };
+    for (int j = 0; j < columns; ++j) {
+      for (SparseMatrix::InnerIterator it(H, column + j); it; ++it) arm(it.row()).H[j] = it.value();
+      for (SparseMatrix::InnerIterator it(Y, column + j); it; ++it) arm(it.row()).Y[j] = it.value();
+    }
+    std::sort(arms_.begin() + long(from), arms_.end(),
+              [](const Arm<R>& a, const Arm<R>& b) { return a.row < b.row; });
+    begin_.push_back(arms_.size());
+  }
+
+  // H_c D_c H_c^T of all blocks, entry by entry.
+  template <class Add>
+  void add_compliance(const std::vector<AnyBlock>& D, Add add_entry) const {
+    for (int c = 0; c < count(); ++c) {
+      if (D[std::size_t(c)].isZero(0)) continue;
+      const RowBlock<R> D_c = D[std::size_t(c)];
+      for (std::size_t j = begin_[std::size_t(c)]; j < begin_[std::size_t(c) + 1]; ++j) {
+        const Rows<R> column = D_c * arms_[j].H;
+        for (std::size_t i = begin_[std::size_t(c)]; i < begin_[std::size_t(c) + 1]; ++i)
+          add_entry(arms_[i].row, arms_[j].row, arms_[i].H.dot(column));
+      }
+    }
+  }
+
+  VecX dense_direction(const std::vector<AnyBlock>& D, const VecX& F) const {
+    MatX J = M_;
+    add_compliance(D, [&](int i, int j, double value) { J(i, j) += value; });
+    const VecX scale = weight_.cwiseSqrt();  // equilibrated: translations beside rotations
+    J = scale.asDiagonal() * J * scale.asDiagonal();
+    return scale.asDiagonal() * J.partialPivLu().solve(scale.asDiagonal() * F);
+  }
+
+  // Compressed columns of M + H D H^T, equilibrated; with empty D the pattern alone, with all blocks closed.
+  CompressedColumns newton_matrix(const std::vector<AnyBlock>& D) const {
+    std::vector<Triplet> entries;
+    for (int j = 0; j < M_.outerSize(); ++j)
+      for (SparseMatrix::InnerIterator it(M_, j); it; ++it) entries.emplace_back(it.row(), j, it.value());
+    if (D.front().size() > 0)
+      add_compliance(D, [&](int i, int j, double value) { entries.emplace_back(i, j, value); });
+    else
+      for (std::size_t c = 0; c + 1 < begin_.size(); ++c)
+        for (std::size_t i = begin_[c]; i < begin_[c + 1]; ++i)
+          for (std::size_t j = begin_[c]; j < begin_[c + 1]; ++j)
+            entries.emplace_back(arms_[i].row, arms_[j].row, 0);
+    SparseMatrix J(M_.rows(), M_.cols());
+    J.setFromTriplets(entries.begin(), entries.end());
+    const VecX scale = weight_.cwiseSqrt();
+    J = scale.asDiagonal() * J * scale.asDiagonal();
+    CompressedColumns out;
+    out.begin.assign(J.outerIndexPtr(), J.outerIndexPtr() + J.cols() + 1);
+    out.row.assign(J.innerIndexPtr(), J.innerIndexPtr() + J.nonZeros());
+    out.value.assign(J.valuePtr(), J.valuePtr() + J.nonZeros());
+    return out;
+  }
+
+  VecX sparse_direction(const std::vector<AnyBlock>& D, const VecX& F) const {
+    const VecX scale = weight_.cwiseSqrt();
+    CompressedColumns J = newton_matrix(D);
+    const std::optional<VecX> d = solve_once(J, scale.asDiagonal() * F);
+    return d ? VecX(scale.asDiagonal() * *d) : VecX();
+  }
+
+  SparseMatrix M_{};
+  std::vector<Arm<R>> arms_{};
+  std::vector<std::size_t> begin_{};
+  std::vector<Block<R>> diagonal_{};
+  VecX v_free_{}, v_{}, w_{}, weight_{};
+  std::optional<double> sparse_cost_{};
+};
+
+}  // namespace
+
+std::unique_ptr<Delassus> make_delassus(const FrictionProblem& problem, const MassInverse& inverse) {
+  return with_rows(problem.laws, [&]<int R>() -> std::unique_ptr<Delassus> {
+    return std::make_unique<BodyDelassus<R>>(problem, inverse);
+  });
+}
+
+}  // namespace aussois

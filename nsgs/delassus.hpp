@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// W~ of the scaled problem as the methods need it: velocities, one sweep, and the linear systems of Newton.
+// Two forms: the matrix itself, and bodies with their contacts, for which it is never formed (NSGS-5).
+// Private to nsgs.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "nsgs/joint_elimination.hpp"
+#include "nsgs/one_contact.hpp"
+#include "nsgs/scaled_problem.hpp"
+
+namespace aussois {
+
+struct SweepOptions {
+  LocalSolver local = LocalSolver::hybrid;
+  double relaxation = 1;
+};
+struct SweepCounts {
+  int failures = 0, fail_safes = 0;
+};
+/// The new impulses of block c from its velocities and impulses of the moment.
+using BlockRule = std::function<AnyRows(int c, const AnyRows& u, const AnyRows& r)>;
+/// x of A x = b for one A, factorised; empty if A is singular.
+using LinearSolve = std::function<VecX(const VecX&)>;
+
+class Delassus {
+ public:
+  virtual ~Delassus() = default;
+
+  Scaling scaled{};
+  std::vector<int> first{};  // rows of the blocks
+  int count() const { return int(scaled.laws.size()); }
+
+  /// u = W r + q, afresh: rounding does not pile up. The sweeps that follow start from here.
+  virtual VecX velocity(const VecX& r) = 0;
+  /// One pass over the blocks in their order, from the r of the last velocity() or sweep(). Returns the size
+  /// of the change of r.
+  virtual double sweep(VecX& r, const SweepOptions& options, SweepCounts& counts) = 0;
+
+  /// The same pass with another rule; open blocks are asked too.
+  virtual double sweep(VecX& r, const BlockRule& rule) = 0;
+
+  virtual AnyBlock block(int c) const = 0;  // of the diagonal of W
+  virtual SparseMatrix matrix() const = 0;  // W
+  /// (W + shift)^-1 with shift > 0, factorised once, in the form that W has.
+  virtual LinearSolve shifted_inverse(double shift) const = 0;
+
+  // Newton's unknowns d: changes of the velocities of the bodies, A d = B dr, du = C d; of the contacts where
+  // there are no bodies: A = C = 1, B = W.
+  virtual Eigen::Index unknowns() const = 0;
+  virtual VecX A(const VecX& d) const = 0;
+  virtual VecX B(const VecX& dr) const = 0;
+  virtual VecX C(const VecX& d) const = 0;
+  virtual double size(const VecX& row_of_A) const = 0;  // free of units
+  /// (A + B D C) d = F with D block diagonal; nothing if that is singular.
+  virtual std::optional<VecX> direction(const std::vector<AnyBlock>& D, const VecX& F) = 0;
+  /// An iteration of Newton costs about as many sweeps as this, if the blocks with r = 0 stay open.
+  virtual double newton_cost(const VecX& r) = 0;
+};
+
+std::unique_ptr<Delassus> make_delassus(const LocalProblem& problem);
+/// M must consist of small blocks, and there must be neither joints nor compliance.
+std::unique_ptr<Delassus> make_delassus(const FrictionProblem& problem, const MassInverse& inverse);
+
+}  // namespace aussois

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// What joints leave of M^-1 (JNT-1) to (JNT-4): the velocities that obey G^T v + b = 0, and the multipliers
+// of smallest norm. Redundant joints are the normal case.
+#pragma once
+
+#include "nsgs/friction_problem.hpp"
+#include "nsgs/mass_inverse.hpp"
+
+namespace aussois {
+
+struct JointFactor;  // of G^T M^-1 G, regularised
+
+struct MotionInverse {
+  MassInverse mass{};
+  SparseMatrix Gt{};  // G^T, p x n; empty without joints
+  SparseMatrix Y{};   // M^-1 G
+  std::shared_ptr<JointFactor> joints{};
+
+  VecX operator*(const VecX& x) const;                  // the velocity that the momentum x gives
+  SparseMatrix operator*(const SparseMatrix& X) const;  // column by column
+};
+
+/// Nothing if M is not finite, or singular to working precision, or G not finite.
+std::optional<MotionInverse> invert_motion(const SparseMatrix& M, const SparseMatrix& G);
+
+/// v without impulses of the contacts: M v = f + G lambda, G^T v + b = 0.
+VecX free_velocity(const FrictionProblem& problem, const MotionInverse& inverse);
+
+/// v and lambda for the contacts' impulses r.
+struct JointedMotion {
+  VecX v{}, lambda{};
+};
+JointedMotion motion(const FrictionProblem& problem, const MotionInverse& inverse, const VecX& r);
+
+LocalProblem condense(const FrictionProblem& problem, const MotionInverse& inverse);
+
+}  // namespace aussois

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "nsgs/law.hpp"
+
+#include <cmath>
+#include <string>
+
+#include "geometry/check.hpp"
+
+namespace aussois {
+
+const char* to_string(LawKind kind) {
+  switch (kind) {
+    case LawKind::coulomb:
+      return "coulomb";
+    case LawKind::rolling:
+      return "rolling";
+    case LawKind::contensou:
+      return "contensou";
+    case LawKind::unilateral:
+      return "unilateral";
+    case LawKind::bilateral:
+      return "bilateral";
+    case LawKind::dry_friction:
+      return "dry_friction";
+  }
+  return "unknown";
+}
+
+void validate(const Law& law, std::size_t index) {
+  const auto field = [&](const char* name) { return "laws[" + std::to_string(index) + "]." + name; };
+  const auto non_negative = [&](const char* name, double value) {
+    require_field(std::isfinite(value) && value >= 0, field(name).c_str(), value, "be finite and >= 0");
+  };
+  const auto rows = [&](int low, int high, const char* bound) {
+    require_field(law.rows >= low && law.rows <= high, field("rows").c_str(), law.rows, bound);
+  };
+  switch (law.kind) {
+    case LawKind::coulomb:
+      rows(2, 3, "be 2 or 3 of a coulomb law");
+      break;
+    case LawKind::rolling:
+      rows(5, 5, "be 5 of a rolling law");
+      break;
+    case LawKind::contensou:
+      rows(4, 4, "be 4 of a contensou law");
+      break;
+    case LawKind::bilateral:
+      rows(1, kMaxRows, "lie in [1, 6] of a bilateral law");
+      break;
+    case LawKind::unilateral:
+    case LawKind::dry_friction:
+      rows(1, 1, "be 1 of this law");
+      break;
+  }
+  non_negative("mu", law.mu);
+  non_negative("mu_r", law.mu_r);
+  non_negative("limit", law.limit);
+  require_field(std::isfinite(law.radius) && law.radius > 0, field("radius").c_str(), law.radius,
+                "be finite and > 0");
+}
+
+}  // namespace aussois

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+// What one block of rows may do (LAW-1) to (LAW-9): which impulses it allows and which velocities it asks
+// for. Rows of a block: normal first, then tangents, then moments. All functions are Euclidean: they assume
+// rows of one size, as those of ScaledProblem are.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "geometry/types.hpp"
+
+namespace aussois {
+
+enum class LawKind : std::uint8_t {
+  coulomb,       // 2 or 3 rows (N, T) or (N, T, T): 0 <= u_N perp r_N >= 0, |r_T| <= mu r_N against u_T
+  rolling,       // 5 rows (N, T, T, R, R): coulomb, and |r_R| <= mu_r r_N against u_R
+  contensou,     // 4 rows (N, T, T, drilling): |(r_T, r_D / radius)| <= mu r_N against (u_T, radius u_D)
+  unilateral,    // 1 row: 0 <= u perp r >= 0, a frictionless contact or the stop of a joint
+  bilateral,     // 1 to 6 rows: u = 0
+  dry_friction,  // 1 row: |r| <= limit against u
+};
+const char* to_string(LawKind kind);
+
+struct Law {
+  LawKind kind = LawKind::coulomb;
+  int rows = 3;
+  double mu = 0;      // coulomb, rolling, contensou [-], >= 0
+  double mu_r = 0;    // rolling [m], >= 0
+  double radius = 1;  // contensou: friction moment / (mu r_N) [m], > 0
+  double limit = 0;   // dry_friction [N s or N m s], >= 0
+};
+
+inline Law coulomb(double mu) {
+  return {.mu = mu};
+}
+inline Law coulomb_2d(double mu) {
+  return {.rows = 2, .mu = mu};
+}
+inline Law rolling(double mu, double mu_r) {
+  return {.kind = LawKind::rolling, .rows = 5, .mu = mu, .mu_r = mu_r};
+}
+inline Law contensou(double mu, double radius) {
+  return {.kind = LawKind::contensou, .rows = 4, .mu = mu, .radius = radius};
+}
+inline Law unilateral() {
+  return {.kind = LawKind::unilateral, .rows = 1};
+}
+inline Law bilateral(int rows) {
+  return {.kind = LawKind::bilateral, .rows = rows};
+}
+inline Law dry_friction(double limit) {
+  return {.kind = LawKind::dry_friction, .rows = 1, .limit = limit};
+}
+
+/// Throws std::invalid_argument naming laws[index] and its field unless rows fit the kind and numbers their
+/// bounds.
+void validate(const Law& law, std::size_t index);
+
+inline constexpr int kMaxRows = 6;
+/// The rows of one block; R = Eigen::Dynamic: as many as the law has.
+template <int R>
+using Rows = Eigen::Matrix<double, R, 1, 0, R == Eigen::Dynamic ? kMaxRows : R, 1>;
+template <int R>
+using RowBlock =
+    Eigen::Matrix<double, R, R, 0, R == Eigen::Dynamic ? kMaxRows : R, R == Eigen::Dynamic ? kMaxRows : R>;
+using AnyRows = Rows<Eigen::Dynamic>;
+using AnyBlock = RowBlock<Eigen::Dynamic>;
+
+/// The rows first .. first + rows - 1 of a block lie in a ball of radius mu r_N + limit (LAW-2).
+struct Ball {
+  int first = 0, rows = 0;
+  double mu = 0, limit = 0;
+};
+struct Balls {
+  std::array<Ball, 2> ball{};
+  int count = 0;
+  const Ball* begin() const { return ball.data(); }
+  const Ball* end() const { return ball.data() + count; }
+};
+inline Balls balls(const Law& law) {
+  switch (law.kind) {
+    case LawKind::coulomb:
+      return {{Ball{1, law.rows - 1, law.mu, 0}}, 1};
+    case LawKind::rolling:
+      return {{Ball{1, 2, law.mu, 0}, Ball{3, 2, law.mu_r, 0}}, 2};
+    case LawKind::contensou:
+      return {{Ball{1, 3, law.mu, 0}}, 1};
+    case LawKind::dry_friction:
+      return {{Ball{0, 1, 0, law.limit}}, 1};
+    case LawKind::unilateral:
+    case LawKind::bilateral:
+      break;
+  }
+  return {};
+}
+inline bool has_normal(const Law& law) {  // r_0 >= 0
+  return law.kind != LawKind::bilateral && law.kind != LawKind::dry_friction;
+}
+
+template <int R>
+double length_in(const Ball& ball, const Rows<R>& y) {
+  double sum = 0;
+  for (int i = ball.first; i < ball.first + ball.rows; ++i) sum += y[i] * y[i];
+  return std::sqrt(sum);
+}
+template <int R>
+void stretch_in(const Ball& ball, double factor, Rows<R>& y) {
+  for (int i = ball.first; i < ball.first + ball.rows; ++i) y[i] *= factor;
+}
+
+/// De Saxce's modified velocity (LAW-4): u_N grows by mu |u_T| for every ball.
+template <int R>
+Rows<R> modified_velocity(const Law& law, Rows<R> u) {
+  for (const Ball& ball : balls(law))
+    if (ball.mu > 0) u[0] += ball.mu * length_in<R>(ball, u);
+  return u;
+}
+
+/// The nearest impulse that the law allows (LAW-5).
+template <int R>
+Rows<R> project(const Law& law, Rows<R> r) {
+  const Balls all = balls(law);
+  if (!has_normal(law)) {
+    for (const Ball& ball : all) {
+      const double length = length_in<R>(ball, r);
+      if (length > ball.limit) stretch_in<R>(ball, ball.limit / length, r);
+    }
+    return r;
+  }
+  // r_N of the projection, first as if every ball were exceeded; those that turn out not to be never are
+  double length[2] = {0, 0}, normal = 0;
+  bool exceeded[2] = {false, false};
+  for (int g = 0; g < all.count; ++g) {
+    length[g] = length_in<R>(all.ball[std::size_t(g)], r);
+    exceeded[g] = true;
+  }
+  for (bool again = true; again;) {
+    again = false;
+    double sum = r[0], weight = 1;
+    for (int g = 0; g < all.count; ++g)
+      if (exceeded[g]) {
+        const double mu = all.ball[std::size_t(g)].mu;
+        sum += mu * length[g];
+        weight += mu * mu;
+      }
+    normal = std::max(sum / weight, 0.0);
+    for (int g = 0; g < all.count; ++g)
+      if (exceeded[g] && length[g] <= all.ball[std::size_t(g)].mu * normal) {
+        exceeded[g] = false;
+        again = true;
+      }
+  }
+  r[0] = normal;
+  for (int g = 0; g < all.count; ++g) {
+    const Ball& ball = all.ball[std::size_t(g)];
+    if (exceeded[g]) stretch_in<R>(ball, ball.mu * normal / length[g], r);
+  }
+  return r;
+}
+
+/// (LAW-6): the normal part alone made non-negative, then every ball shortened to its radius. The answer of a
+/// block whose compliance is the same in every row. Not the nearest point of the set: friction does not push
+/// back on the normal.
+template <int R>
+Rows<R> answer(const Law& law, Rows<R> y) {
+  if (has_normal(law) && !(y[0] > 0)) return Rows<R>::Zero(y.size());
+  for (const Ball& ball : balls(law)) {
+    const double radius = ball.mu * y[0] + ball.limit, length = length_in<R>(ball, y);
+    if (length > radius) stretch_in<R>(ball, radius / length, y);
+  }
+  return y;
+}
+
+/// One element of the generalised derivative of `answer` (LAW-7).
+template <int R>
+RowBlock<R> answer_derivative(const Law& law, const Rows<R>& y) {
+  if (has_normal(law) && !(y[0] > 0)) return RowBlock<R>::Zero(y.size(), y.size());
+  RowBlock<R> D = RowBlock<R>::Identity(y.size(), y.size());
+  for (const Ball& ball : balls(law)) {
+    const double radius = ball.mu * y[0] + ball.limit, length = length_in<R>(ball, y);
+    if (length <= radius) continue;
+    for (int i = ball.first; i < ball.first + ball.rows; ++i) {
+      const double along = y[i] / length;
+      for (int j = ball.first; j < ball.first + ball.rows; ++j)
+        D(i, j) = radius / length * ((i == j) - along * y[j] / length);
+      if (ball.mu > 0) D(i, 0) = ball.mu * along;
+    }
+  }
+  return D;
+}
+
+}  // namespace aussois

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the methods hand to each other: an iterate with what the judge says of it. Private to nsgs. Every
+// method takes the start, keeps the best iterate that it meets, returns it, and tells its status.
+#pragma once
+
+#include "nsgs/delassus.hpp"
+#include "nsgs/solve.hpp"
+
+namespace aussois {
+
+struct Iterate {
+  VecX r{}, u{};  // scaled
+  double residual = kInf;
+  Method by = Method::automatic;
+};
+
+/// Velocities of r afresh, and the judge. A residual that is not a number becomes infinite.
+Iterate judged(Delassus& W, VecX r, Method by);
+
+/// When the judge is asked: a product with W costs as much as a sweep. At each of the first sweeps, then at
+/// steps that grow, and when the change of r says that it may be time.
+class JudgeSchedule {
+ public:
+  bool due(int iteration, double change, double tolerance);
+
+ private:
+  int next_ = 1;
+};
+
+Iterate nsgs(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
+Iterate sor_prox(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
+Iterate jor_prox(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
+Iterate coulomb_pgs(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
+Iterate proximal_newton(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
+Iterate automatic(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
+
+}  // namespace aussois

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// The problem without units (SOL-2): r = size s r~, u = size u~ / s row by row, so that every block of the
+// diagonal of W~ has unit size, |q~| = 1, and the natural map of (u~, r~) is the scaled residual (NSGS-9).
+#pragma once
+
+#include "nsgs/friction_problem.hpp"
+
+namespace aussois {
+
+struct Scaling {
+  VecX s{};                 // of the rows, sqrt of an inverse mass's inverse
+  double size = 1;          // |q / sqrt(w)|; 1 if that is 0
+  std::vector<Law> laws{};  // with the radii that the scaled rows have
+  VecX q{};                 // scaled
+  bool finite = true;       // false: nothing of it may be used
+};
+
+/// From the diagonal of W, q and the laws.
+Scaling scaling(const VecX& diagonal, const VecX& q, const std::vector<Law>& laws);
+
+/// |r - P(r - modified velocity)| of scaled quantities.
+double natural_map(const VecX& u, const VecX& r, const std::vector<Law>& laws);
+/// Every block projected on the set of its law.
+VecX projected(VecX r, const std::vector<Law>& laws);
+/// The start, scaled, in the sets of the laws; zero if `r0` is empty.
+VecX scaled_start(const Scaling& scaling, const VecX& r0);
+
+/// Calls f.operator()<R>() with the number of rows that all blocks have, or Eigen::Dynamic.
+template <class F>
+decltype(auto) with_rows(const std::vector<Law>& laws, F&& f) {
+  int rows = laws.empty() ? 3 : laws.front().rows;
+  for (const Law& law : laws)
+    if (law.rows != rows) rows = Eigen::Dynamic;
+  switch (rows) {
+    case 2:
+      return f.template operator()<2>();
+    case 3:
+      return f.template operator()<3>();
+    case 5:
+      return f.template operator()<5>();
+    default:
+      return f.template operator()<Eigen::Dynamic>();
+  }
+}
+
+}  // namespace aussois

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// One entry to all solvers (SOL-1): options choose the method, residuals outside of all methods judge it.
+#pragma once
+
+#include <string>
+
+#include "nsgs/friction_problem.hpp"
+#include "nsgs/one_contact.hpp"
+
+namespace aussois {
+
+enum class Method {
+  automatic,           // the default: NSGS while it contracts, then Newton (automatic.md)
+  nsgs,                // nonsmooth Gauss-Seidel, one block after the other solved exactly (nsgs.md)
+  sor_prox,            // one projection per block in Gauss-Seidel order (prox.md)
+  jor_prox,            // the same in Jacobi order
+  coulomb_pgs,         // sor_prox with one step size per block and part, as engines do it (prox.md)
+  proximal_newton,     // semismooth Newton inside proximal steps (proximal_newton.md)
+  admm,                // splitting with a spectral penalty (admm.md)
+  projected_gradient,  // accelerated, of the convex cone model (projected_gradient.md)
+  interior_point,      // with Nesterov-Todd scaling (interior_point.md)
+};
+const char* to_string(Method method);
+/// By its name; throws std::invalid_argument naming all.
+Method method_named(const std::string& name);
+
+/// R of the prox methods, from the blocks of W (SORP-3).
+enum class ProxMetric {
+  blocks,    // inverses of the normal and of the tangential blocks: prox on ellipsoids
+  split,     // 1 / largest eigenvalue of each of them: prox on disks
+  spectral,  // 1 / largest eigenvalue of the whole block
+};
+
+enum class SolveStatus {
+  converged,       // the residual is within the tolerance
+  stagnated,       // it no longer falls, and nothing else helped: limit cycle, or no solution
+  max_iterations,  // the iterations are used up
+  not_finite,      // a number of the problem or iteration is not finite, M is singular, or a block of W zero
+};
+const char* to_string(SolveStatus status);
+
+struct SolverOptions {
+  Method method = Method::automatic;
+  double tolerance = 1e-8;                  // on the scaled residual [-], in (0, 1)
+  int max_iterations = 10000;               // sweeps or steps of the method, >= 1
+  double relaxation = 1.0;                  // of nsgs, sor_prox, jor_prox, in (0, 2)
+  LocalSolver local = LocalSolver::hybrid;  // of nsgs
+  ProxMetric prox = ProxMetric::blocks;     // of sor_prox, jor_prox
+  int anderson =
+      0;  // iterates that Anderson acceleration of nsgs, sor_prox, jor_prox, admm combines, in [0, 20]
+};
+void validate(const SolverOptions& options);  // throws std::invalid_argument: field, value, bound
+
+struct SolveReport {
+  SolveStatus status = SolveStatus::converged;
+  Method found_by = Method::automatic;  // the phase that the returned iterate comes from
+  int iterations = 0;                   // sweeps or steps
+  int newton_iterations = 0;            // linear solves of Newton phases
+  double residual = 0;                  // scaled_residual of what is returned (NSGS-9)
+  int local_failures = 0;               // one-block problems that no local method solved to its tolerance
+  int local_fail_safes = 0;             // those that Newton gave to its fail-safe
+};
+
+struct FrictionSolution {
+  VecX v{};       // generalised velocity, n [m/s, rad/s] (empty for a LocalProblem)
+  VecX u{};       // relative velocity with bias and compliance, m [m/s]
+  VecX r{};       // impulses, m, normal first [N s]
+  VecX lambda{};  // impulses of the joints, p [N s, N m s]: of smallest norm where redundant
+  SolveReport report{};
+};
+
+/// `r0` is the start (m) or empty for zero; it is projected on the sets of the laws, and is the answer,
+/// without an iteration, if it is good enough. Throws std::invalid_argument for inconsistent sizes and
+/// options; never for numerical trouble: then the best iterate and a status.
+FrictionSolution solve(const FrictionProblem& problem, const VecX& r0, const SolverOptions& options = {});
+FrictionSolution solve(const LocalProblem& problem, const VecX& r0, const SolverOptions& options = {});
+
+}  // namespace aussois
