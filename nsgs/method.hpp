@@ -32,6 +32,9 @@ Iterate sor_prox(Delassus& W, const Iterate& start, const SolverOptions& options
 Iterate jor_prox(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
 Iterate coulomb_pgs(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
 Iterate proximal_newton(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
+Iterate admm(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
+Iterate projected_gradient(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
+Iterate interior_point(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
 Iterate automatic(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
 
 }  // namespace aussois

@@ -18,6 +18,7 @@ struct MethodEntry {
   Method method;
   const char* name;
   MethodFunction run;
+  bool convex_cone = false;  // can solve that model too
 };
 constexpr std::array kMethods{
     MethodEntry{Method::automatic, "auto", automatic},
@@ -26,6 +27,9 @@ constexpr std::array kMethods{
     MethodEntry{Method::jor_prox, "jor_prox", jor_prox},
     MethodEntry{Method::coulomb_pgs, "coulomb_pgs", coulomb_pgs},
     MethodEntry{Method::proximal_newton, "proximal_newton", proximal_newton},
+    MethodEntry{Method::admm, "admm", admm, true},
+    MethodEntry{Method::projected_gradient, "projected_gradient", projected_gradient, true},
+    MethodEntry{Method::interior_point, "interior_point", interior_point, true},
 };
 
 const MethodEntry& entry(Method method) {
@@ -35,21 +39,22 @@ const MethodEntry& entry(Method method) {
 
 FrictionSolution solve(Delassus& W, const VecX& r0, const SolverOptions& options) {
   FrictionSolution out;
+  W.scaled.model = options.model;
   const Scaling& scaled = W.scaled;
   const Eigen::Index rows = scaled.s.size();
   if (!scaled.finite || !r0.allFinite()) {
     out.r = VecX::Zero(rows);
-    out.report = {.status = SolveStatus::not_finite, .residual = kInf};
+    out.report = {.status = SolveStatus::not_finite, .residual = kInf, .coulomb_residual = kInf};
     return out;
   }
   Iterate start = judged(W, scaled_start(scaled, {}), options.method);
   if (r0.size() > 0)
     if (Iterate warm = judged(W, scaled_start(scaled, r0), options.method); warm.residual < start.residual)
       start = std::move(warm);
-  const Iterate best = start.residual <= options.tolerance
-                           ? start
-                           : entry(options.method).run(W, start, options, out.report);
+  const Iterate best =
+      start.residual <= options.tolerance ? start : entry(options.method).run(W, start, options, out.report);
   out.report.residual = best.residual;
+  out.report.coulomb_residual = natural_map(best.u, best.r, scaled.laws);
   out.report.found_by = best.by;
   out.r = scaled.size * scaled.s.cwiseProduct(best.r);
   out.u = scaled.size * best.u.cwiseQuotient(scaled.s);
@@ -66,7 +71,7 @@ FrictionSolution nothing_finite(const FrictionProblem& problem) {
                             .u = problem.w,
                             .r = VecX::Zero(problem.w.size()),
                             .lambda = VecX::Zero(problem.b.size())};
-  solution.report = {.status = SolveStatus::not_finite, .residual = kInf};
+  solution.report = {.status = SolveStatus::not_finite, .residual = kInf, .coulomb_residual = kInf};
   return solution;
 }
 
@@ -81,7 +86,7 @@ bool JudgeSchedule::due(int iteration, double change, double tolerance) {
 Iterate judged(Delassus& W, VecX r, Method by) {
   Iterate iterate{.r = std::move(r), .by = by};
   iterate.u = W.velocity(iterate.r);
-  const double residual = natural_map(iterate.u, iterate.r, W.scaled.laws);
+  const double residual = natural_map(iterate.u, iterate.r, W.scaled.laws, W.scaled.model);
   iterate.residual = std::isfinite(residual) ? residual : kInf;
   return iterate;
 }
@@ -122,6 +127,9 @@ void validate(const SolverOptions& options) {
                 options.relaxation, "lie in (0, 2)");
   require_field(options.anderson >= 0 && options.anderson <= 20, "SolverOptions::anderson", options.anderson,
                 "lie in [0, 20]");
+  require_field(options.model == FrictionModel::coulomb || entry(options.method).convex_cone,
+                "SolverOptions::model", "convex_cone",
+                "be coulomb, or the method admm, projected_gradient or interior_point");
 }
 
 FrictionSolution solve(const LocalProblem& problem, const VecX& r0, const SolverOptions& options) {
@@ -141,8 +149,7 @@ FrictionSolution solve(const FrictionProblem& problem, const VecX& r0, const Sol
   const std::optional<MotionInverse> inverse = invert_motion(problem.M, problem.G);
   if (!inverse) return nothing_finite(problem);
   const bool few_contacts = problem.f.size() > 2 * problem.w.size();
-  const bool condensed =
-      inverse->mass.factor || inverse->joints || problem.R.size() > 0 || few_contacts;
+  const bool condensed = inverse->mass.factor || inverse->joints || problem.R.size() > 0 || few_contacts;
   const std::unique_ptr<Delassus> W =
       condensed ? make_delassus(condense(problem, *inverse)) : make_delassus(problem, inverse->mass);
   FrictionSolution solution = solve(*W, r0, options);
