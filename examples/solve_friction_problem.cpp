@@ -103,7 +103,8 @@ int main(int argc, char** argv) {
   cli.choice("--model", a.model, "convex_cone: without De Saxce's term, what slips lifts off",
              {"coulomb", "convex_cone"});
   cli.choice("--prox", a.prox, "R of sor_prox and jor_prox", {"blocks", "split", "spectral"});
-  cli.option("--relaxation", a.relaxation, "of nsgs, sor_prox, jor_prox, inside (0, 2)", "-", {1e-3, 1.999});
+  cli.option("--relaxation", a.relaxation, "of nsgs, sor_prox, jor_prox, admm, inside (0, 2)", "-",
+             {1e-3, 1.999});
   cli.option("--anderson", a.anderson, "iterates that Anderson acceleration combines; 0: none", "", {0, 20});
   cli.group("output");
   cli.option("--json", a.json, "write a list with an object per problem to this file");

@@ -12,8 +12,6 @@ namespace aussois {
 
 namespace {
 
-constexpr int kPatience = 1000;  // steps without halving the best residual
-constexpr double kOverRelaxation = 1.6;
 constexpr double kFirstPenalty = 0.1;  // of the largest eigenvalue of W
 constexpr int kFirstInterval = 20;     // steps until the penalty is reconsidered
 constexpr double kImbalance = 3;
@@ -21,6 +19,7 @@ constexpr double kImbalance = 3;
 // The point v of the splitting stands for impulses z = P(v) and velocities -y = penalty (z - v) at once.
 struct Splitting {
   Delassus& W;
+  double relaxation = 1;
   double penalty = 1;
   LinearSolve inverse{};  // (W + penalty)^-1
 
@@ -48,11 +47,25 @@ SplittingStep advanced(const Splitting& split, const VecX& v) {
   const VecX shift = modified(split.W, -y) + y;  // De Saxce's term of the moment
   const VecX x = split.inverse(split.penalty * z - y - split.W.scaled.q - shift);  // (ADMM-2)
   SplittingStep out;
-  out.v = kOverRelaxation * x + (1 - kOverRelaxation) * z + y / split.penalty;  // (ADMM-3)
+  out.v = split.relaxation * x + (1 - split.relaxation) * z + y / split.penalty;  // (ADMM-3)
   const VecX z_new = split.impulses(out.v);
   out.primal = (x - z_new).norm() / std::max({x.norm(), z_new.norm(), 1e-300});
   out.dual = split.penalty * (z_new - z).norm() / std::max(split.duals(out.v, z_new).norm(), 1.0);
   return out;
+}
+
+// Replaces `after` by where the last steps together point to, if the judge prefers that (AA-3).
+std::optional<Iterate> accelerated(const Splitting& split, Anderson& anderson, const Iterate& now,
+                                   const VecX& before, VecX& after) {
+  const VecX proposed = anderson.propose(before, after);
+  if (proposed.size() == 0) return std::nullopt;
+  Iterate ahead = judged(split.W, split.impulses(proposed), Method::admm);
+  if (ahead.residual < now.residual) {
+    after = proposed;
+    return ahead;
+  }
+  anderson.forget();
+  return std::nullopt;
 }
 
 double largest_eigenvalue(Delassus& W) {  // about, by power iteration
@@ -70,61 +83,38 @@ double largest_eigenvalue(Delassus& W) {  // about, by power iteration
 }  // namespace
 
 Iterate admm(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report) {
-  Iterate best = start, now = start;
-  Splitting split{W};
+  BestSoFar best(start);
+  Iterate now = start;
+  Splitting split{W, options.relaxation};
   Anderson anderson(options.anderson);
   JudgeSchedule schedule;
-  double halved = best.residual;
-  int halved_at = 0, interval = kFirstInterval, reconsider = kFirstInterval;
-  if (!split.factorise(kFirstPenalty * largest_eigenvalue(W))) {
-    report.status = SolveStatus::not_finite;
-    return best;
-  }
+  int interval = kFirstInterval, reconsider = kFirstInterval;
+  report.status = SolveStatus::not_finite;
+  if (!split.factorise(kFirstPenalty * largest_eigenvalue(W))) return start;
   VecX v = split.point(start.r, -modified(W, start.u));  // a solution is a fixed point
   report.status = SolveStatus::max_iterations;
-  while (best.residual > options.tolerance && report.iterations < options.max_iterations) {
+  while (report.iterations < options.max_iterations) {
     SplittingStep step = advanced(split, v);
     ++report.iterations;
-    const VecX proposed = anderson.propose(v, step.v);
-    if (proposed.size() > 0) {
-      Iterate ahead = judged(W, split.impulses(proposed), Method::admm);
-      if (ahead.residual < now.residual) {  // (AA-3)
-        step.v = proposed;
-        now = std::move(ahead);
-      } else {
-        anderson.forget();
-      }
-    }
+    std::optional<Iterate> ahead = accelerated(split, anderson, now, v, step.v);
     v = std::move(step.v);
-    if (report.iterations >= reconsider) {  // (ADMM-6)
-      const double balance = step.primal / std::max(step.dual, 1e-300);
-      interval += interval / 2;
-      reconsider = report.iterations + interval;
-      if (balance > kImbalance || balance < 1 / kImbalance) {
-        const VecX z = split.impulses(v), y = split.duals(v, z);
-        if (!split.factorise(split.penalty * std::clamp(std::sqrt(balance), 0.1, 10.0))) break;
-        v = split.point(z, y);
-        anderson.forget();
-      }
+    if (ahead || options.anderson > 0 ||
+        schedule.due(report.iterations, step.primal + step.dual, options.tolerance) ||
+        report.iterations == options.max_iterations) {
+      now = ahead ? *std::move(ahead) : judged(W, split.impulses(v), Method::admm);
+      if (best.ends(now, report.iterations, options.tolerance, report.status)) break;
     }
-    if (options.anderson == 0 &&
-        !schedule.due(report.iterations, step.primal + step.dual, options.tolerance) &&
-        report.iterations < options.max_iterations)
-      continue;
-    now = judged(W, split.impulses(v), Method::admm);
-    if (now.residual == kInf) {
-      report.status = SolveStatus::not_finite;
-      break;
-    }
-    if (now.residual < best.residual) best = now;
-    if (best.residual <= halved / 2) halved = best.residual, halved_at = report.iterations;
-    if (report.iterations - halved_at >= kPatience) {
-      report.status = SolveStatus::stagnated;
-      break;
-    }
+    if (report.iterations < reconsider) continue;
+    interval += interval / 2;
+    reconsider = report.iterations + interval;
+    const double balance = step.primal / std::max(step.dual, 1e-300);  // (ADMM-6)
+    if (balance < kImbalance && balance > 1 / kImbalance) continue;
+    const VecX z = split.impulses(v), y = split.duals(v, z);
+    if (!split.factorise(split.penalty * std::clamp(std::sqrt(balance), 0.1, 10.0))) break;
+    v = split.point(z, y);
+    anderson.forget();
   }
-  if (best.residual <= options.tolerance) report.status = SolveStatus::converged;
-  return best;
+  return best.iterate();
 }
 
 }  // namespace aussois

@@ -16,6 +16,9 @@ namespace {
 constexpr int kPatience = 40;  // steps without halving the best residual
 constexpr double kKeptFromBoundary = 0.995;
 constexpr double kSmallestStep = 1e-10;
+constexpr double kProximal = 1e-11;  // on the diagonal of Newton's matrix, where W is singular (IPM-7)
+constexpr double kUnscaledBelow =
+    1e-5;  // mean product of the cones, of a block's share of |q| squared (IPM-9)
 
 using ConeVec = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 4, 1>;
 using ConeMat = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 4, 4>;
@@ -58,9 +61,9 @@ double longest_step(const ConeVec& x, const ConeVec& dx) {  // largest a with x 
   return step;
 }
 
-// H p = H^-1 d (IPM-4); E = H H.
+// H p = H^-1 d (IPM-4).
 struct Scaled {
-  ConeMat H{}, H_inverse{}, E{};
+  ConeMat H{}, H_inverse{};
   ConeVec lambda{};
 };
 Scaled nesterov_todd(const ConeVec& p, const ConeVec& d) {
@@ -78,9 +81,24 @@ Scaled nesterov_todd(const ConeVec& p, const ConeVec& d) {
   H_inverse.bottomLeftCorner(n - 1, 1) *= -1;
   const double size = std::sqrt(size_d / size_p);
   Scaled out{.H = size * H, .H_inverse = H_inverse / size};
-  out.E = out.H * out.H;
   out.lambda = out.H * p;
   return out;
+}
+
+// Pushed inside where rounding left it on the boundary or beyond.
+ConeVec inside(ConeVec x) {
+  x[0] = std::max(x[0], x.tail(x.size() - 1).norm() * (1 + 1e-15) + 1e-30);
+  return x;
+}
+
+// E of p o dd + d o dp = ... without scaling (IPM-9).
+ConeMat unscaled_E(const ConeVec& p, const ConeVec& d) {
+  ConeMat E(p.size(), p.size());
+  for (int j = 0; j < p.size(); ++j) {
+    const ConeVec unit = ConeVec::Unit(p.size(), j);
+    E.col(j) = quotient(p, product(d, unit));
+  }
+  return E;
 }
 
 // p = (mu r_N + limit, r_first ..) in the cone, d its partner: u^ gets mu d_0 in the normal row and d_1.. in
@@ -92,6 +110,7 @@ struct Cone {
   bool shifts = false;  // De Saxce's term of this ball
   ConeVec p{}, d{}, dp{}, dd{}, rhs{};
   Scaled scaled{};
+  ConeMat E{};
 
   int row_of(int i) const { return i == 0 ? normal : first + i - 1; }
   double weight_of(int i) const { return i == 0 ? mu : 1; }
@@ -112,6 +131,29 @@ struct Cone {
     velocities.segment(first, rows) += x.tail(rows);
   }
 };
+
+// p o d = 0 linearised at (p, d): rhs = dd + E dp (IPM-5), (IPM-9).
+void aim_at_the_boundary(Cone& cone, bool unscaled) {
+  if (unscaled) {
+    cone.E = unscaled_E(cone.p, cone.d);
+    cone.rhs = -quotient(cone.p, product(cone.p, cone.d));
+  } else {
+    cone.scaled = nesterov_todd(cone.p, cone.d);
+    cone.E = cone.scaled.H * cone.scaled.H;
+    cone.rhs = -cone.d;
+  }
+}
+
+// p o d = centre e with the second order of the step before (IPM-8).
+void aim_at_the_centre(Cone& cone, double centre, bool unscaled) {
+  const Scaled& s = cone.scaled;
+  ConeVec aim = unscaled
+                    ? ConeVec(product(cone.p, cone.d) + product(cone.dp, cone.dd))
+                    : ConeVec(product(s.lambda, s.lambda) + product(s.H * cone.dp, s.H_inverse * cone.dd));
+  aim = -aim;
+  aim[0] += centre;
+  cone.rhs = unscaled ? quotient(cone.p, aim) : ConeVec(s.H * quotient(s.lambda, aim));
+}
 
 struct Cones {
   std::vector<Cone> all{};
@@ -153,10 +195,11 @@ SparseMatrix newton_matrix(const std::vector<Triplet>& W, Eigen::Index size, con
     const ConeVec slope = cone.slope();
     for (int j = 0; j <= cone.rows; ++j) {
       const double weight = cone.weight_of(j);
-      add(cone.normal, cone.row_of(j), cone.mu * slope.dot(cone.scaled.E.col(j)) * weight);
-      for (int i = 1; i <= cone.rows; ++i) add(cone.row_of(i), cone.row_of(j), cone.scaled.E(i, j) * weight);
+      add(cone.normal, cone.row_of(j), cone.mu * slope.dot(cone.E.col(j)) * weight);
+      for (int i = 1; i <= cone.rows; ++i) add(cone.row_of(i), cone.row_of(j), cone.E(i, j) * weight);
     }
   }
+  for (int i = 0; i < size; ++i) entries.emplace_back(i, i, kProximal);
   SparseMatrix out(size, size);
   out.setFromTriplets(entries.begin(), entries.end());
   return out;
@@ -182,7 +225,7 @@ VecX direction(const LinearSolve& solve, Cones& cones, const VecX& wrong) {
   const VecX dr = solve(rhs);
   for (Cone& cone : cones.all) {
     cone.dp = cone.of(dr, 0);
-    cone.dd = cone.rhs - cone.scaled.E * cone.dp;
+    cone.dd = cone.rhs - cone.E * cone.dp;
   }
   return dr;
 }
@@ -216,7 +259,7 @@ VecX equilibrium(const Cones& cones, VecX u) {
 }  // namespace
 
 Iterate interior_point(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report) {
-  Iterate best = start;
+  BestSoFar best(start, kPatience);
   Cones cones = cones_of(W.scaled);
   const std::vector<Triplet> entries = entries_of(W.matrix(), cones.fixed);
   VecX r = VecX::Zero(W.scaled.q.size());
@@ -228,57 +271,40 @@ Iterate interior_point(Delassus& W, const Iterate& start, const SolverOptions& o
     cone.d = ConeVec::Zero(cone.rows + 1);
     cone.d[0] = size;
   }
-  double halved = best.residual;
-  int halved_at = 0;
   report.status = SolveStatus::max_iterations;
-  Iterate inside = judged(W, r, Method::interior_point);
-  while (best.residual > options.tolerance && report.iterations < options.max_iterations) {
+  Iterate iterate = judged(W, r, Method::interior_point);
+  while (report.iterations < options.max_iterations) {
     ++report.iterations;
-    for (Cone& cone : cones.all) {
-      cone.scaled = nesterov_todd(cone.p, cone.d);
-      cone.rhs = -cone.d;  // (IPM-5) aimed at the boundary
-    }
+    const double mean = mean_product(cones, 0);
+    const bool unscaled = mean < kUnscaledBelow * size * size;
+    for (Cone& cone : cones.all) aim_at_the_boundary(cone, unscaled);
     const LinearSolve solve = factorised(newton_matrix(entries, r.size(), cones));
-    const VecX wrong = equilibrium(cones, inside.u);
+    const VecX wrong = equilibrium(cones, iterate.u);
     report.status = SolveStatus::stagnated;
     if (!solve || !wrong.allFinite()) break;
     direction(solve, cones, wrong);
-    const double mean = mean_product(cones, 0),
-                 ahead = mean_product(cones, longest_step(cones)) / std::max(mean, 1e-300);
+    const double ahead = mean_product(cones, longest_step(cones)) / std::max(mean, 1e-300);
     const double centre = std::clamp(ahead * ahead * ahead, 0.0, 1.0) * mean;  // (IPM-8)
-    for (Cone& cone : cones.all) {
-      const Scaled& s = cone.scaled;
-      ConeVec aim = -product(s.lambda, s.lambda) - product(s.H * cone.dp, s.H_inverse * cone.dd);
-      aim[0] += centre;
-      cone.rhs = s.H * quotient(s.lambda, aim);
-    }
+    for (Cone& cone : cones.all) aim_at_the_centre(cone, centre, unscaled);
     const VecX dr = direction(solve, cones, wrong);
     const double step = longest_step(cones);
     if (!dr.allFinite() || step < kSmallestStep) break;
     r += step * dr;
-    bool is_inside = true;
     for (Cone& cone : cones.all) {
-      cone.p = cone.of(r, cone.limit);
-      cone.d += step * cone.dd;
-      is_inside = is_inside && margin(cone.p) > 0 && margin(cone.d) > 0;
+      cone.p = inside(cone.of(r, cone.limit));
+      cone.d = inside(cone.d + step * cone.dd);
     }
-    if (!is_inside) break;  // rounding
     report.status = SolveStatus::max_iterations;
-    inside = judged(W, r, Method::interior_point);
+    iterate = judged(W, r, Method::interior_point);
     // The iterate itself never touches a bound: the judge also sees its projection (IPM-9).
     const VecX velocities =
-        W.scaled.model == FrictionModel::coulomb ? modified_velocities(inside.u, W.scaled.laws) : inside.u;
-    Iterate on_bounds = judged(W, projected(r - velocities, W.scaled.laws), Method::interior_point);
-    for (Iterate* found : {&inside, &on_bounds})
-      if (found->residual < best.residual) best = *found;
-    if (best.residual <= halved / 2) halved = best.residual, halved_at = report.iterations;
-    if (report.iterations - halved_at >= kPatience) {
-      report.status = SolveStatus::stagnated;
+        W.scaled.model == FrictionModel::coulomb ? modified_velocities(iterate.u, W.scaled.laws) : iterate.u;
+    const Iterate on_bounds = judged(W, projected(r - velocities, W.scaled.laws), Method::interior_point);
+    if (best.ends(on_bounds.residual < iterate.residual ? on_bounds : iterate, report.iterations,
+                  options.tolerance, report.status))
       break;
-    }
   }
-  if (best.residual <= options.tolerance) report.status = SolveStatus::converged;
-  return best;
+  return best.iterate();
 }
 
 }  // namespace aussois

@@ -29,13 +29,12 @@ struct Point {
 Iterate projected_gradient(Delassus& W, const Iterate& start, const SolverOptions& options,
                            SolveReport& report) {
   const std::vector<Law>& laws = W.scaled.laws;
-  Iterate best = start;
+  BestSoFar best(start, kPatience);
   Point now{start.r, start.u}, ahead = now;
   VecX term = de_saxce_term(W, start.u);
-  double curvature = 1, momentum = 1, halved = best.residual;
-  int halved_at = 0;
+  double curvature = 1, momentum = 1;
   report.status = SolveStatus::max_iterations;
-  while (best.residual > options.tolerance && report.iterations < options.max_iterations) {
+  while (report.iterations < options.max_iterations) {
     ++report.iterations;
     const VecX gradient = ahead.u + term;  // (APG-1)
     Point next;
@@ -55,16 +54,8 @@ Iterate projected_gradient(Delassus& W, const Iterate& start, const SolverOption
     now = std::move(next);
 
     const double residual = natural_map(now.u, now.r, laws, W.scaled.model);
-    if (!std::isfinite(residual)) {
-      report.status = SolveStatus::not_finite;
-      break;
-    }
-    if (residual < best.residual) best = {now.r, now.u, residual, Method::projected_gradient};
-    if (best.residual <= halved / 2) halved = best.residual, halved_at = report.iterations;
-    if (report.iterations - halved_at >= kPatience) {
-      report.status = SolveStatus::stagnated;
-      break;
-    }
+    const Iterate judged{now.r, now.u, std::isfinite(residual) ? residual : kInf, Method::projected_gradient};
+    if (best.ends(judged, report.iterations, options.tolerance, report.status)) break;
     if (W.scaled.model == FrictionModel::convex_cone) continue;
     const VecX term_now = de_saxce_term(W, now.u);
     const double convex = (now.r - projected(now.r - now.u - term, laws)).norm();
@@ -73,8 +64,7 @@ Iterate projected_gradient(Delassus& W, const Iterate& start, const SolverOption
     momentum = 1;
     ahead = now;
   }
-  if (best.residual <= options.tolerance) report.status = SolveStatus::converged;
-  return best;
+  return best.iterate();
 }
 
 }  // namespace aussois

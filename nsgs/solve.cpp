@@ -83,6 +83,22 @@ bool JudgeSchedule::due(int iteration, double change, double tolerance) {
   return true;
 }
 
+bool BestSoFar::ends(const Iterate& now, int step, double tolerance, SolveStatus& status) {
+  if (now.residual == kInf) {
+    status = SolveStatus::not_finite;
+    return true;
+  }
+  if (now.residual < best_.residual) best_ = now;
+  if (best_.residual <= tolerance) {
+    status = SolveStatus::converged;
+    return true;
+  }
+  if (best_.residual <= halved_ / 2) halved_ = best_.residual, halved_at_ = step;
+  if (step - halved_at_ < patience_) return false;
+  status = SolveStatus::stagnated;
+  return true;
+}
+
 Iterate judged(Delassus& W, VecX r, Method by) {
   Iterate iterate{.r = std::move(r), .by = by};
   iterate.u = W.velocity(iterate.r);

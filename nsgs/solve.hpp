@@ -44,7 +44,7 @@ struct SolverOptions {
   FrictionModel model = FrictionModel::coulomb;  // convex_cone: admm, projected_gradient, interior_point
   double tolerance = 1e-8;                       // on the scaled residual [-], in (0, 1)
   int max_iterations = 10000;                    // sweeps or steps of the method, >= 1
-  double relaxation = 1.0;                       // of nsgs, sor_prox, jor_prox, in (0, 2)
+  double relaxation = 1.0;                       // of nsgs, sor_prox, jor_prox, admm, in (0, 2)
   LocalSolver local = LocalSolver::hybrid;       // of nsgs
   ProxMetric prox = ProxMetric::blocks;          // of sor_prox, jor_prox
   int anderson =
