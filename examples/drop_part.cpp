@@ -12,6 +12,7 @@
 #include "examples/assembly/assembly_input.hpp"
 #include "examples/common/driver.hpp"
 #include "examples/common/progress.hpp"
+#include "examples/common/step_dump.hpp"
 #include "geometry/check.hpp"
 #include "geometry/fastener.hpp"
 #include "geometry/primitives.hpp"
@@ -32,6 +33,7 @@ struct Arguments {
   double scale = 1e-3, height = 0.05, tilt = 25, density = 7850, mass = 0, mu = 0.3, restitution = 0.2,
          dilation = 2e-4;
   double h = 1e-3, theta = 1, time = 1.5, tolerance = 1e-8;
+  DumpOptions dump{};
   CommonOptions common{};
   std::string command_line{};
 };
@@ -66,12 +68,14 @@ ExitCode drop(const Arguments& a) {
   pose(state, body).p.z() = a.height + 2 * a.dilation - lowest;
 
   // 3. Motion; every step reports what happened.
+  StepDump dump(a.dump, "drop_part_" + part.name);
   make_folders(a.common);
   const MoreauJean scheme(model, {.h = a.h,
                                   .theta = a.theta,
                                   .normal = {.law = normal_law(a.normal_law)},
                                   .solver = {.tolerance = a.tolerance},
-                                  .threads = a.common.threads});
+                                  .threads = a.common.threads,
+                                  .keep_problem = dump.wants_problems()});
   RunHeader header = run_header(model);
   header.title = "drop_part " + part.name;
   header.command_line = a.command_line;
@@ -87,6 +91,7 @@ ExitCode drop(const Arguments& a) {
   std::int64_t steps = 0, failures = 0;
   while (state.t < a.time * (1 - 1e-12)) {
     const StepReport report = scheme.step(state, a.time - state.t);
+    dump.step(steps + 1, report);
     if (report.status == StepStatus::not_finite) throw NumericalFailure(report.reason);
     if (report.status == StepStatus::refused) {
       std::fprintf(stderr, "refused at t = %.6g s: %s\n", state.t, report.reason.c_str());
@@ -152,6 +157,7 @@ int main(int argc, char** argv) {
              {"combined", "gap_over_step", "moreau"});
   cli.group("solver");
   cli.option("--tolerance", a.tolerance, "on the scaled residual", "-", {1e-15, 0.1});
+  add_options(cli, a.dump);
   cli.common(a.common);
   cli.example("drop_part -o out", "a steel box; open out/replay.html");
   cli.example("drop_part --mesh bracket.obj --scale 1e-3 --mu 0.1 --h 5e-4", "your own part, in millimetres");

@@ -19,6 +19,7 @@
 #include "examples/assembly/assembly_scene.hpp"
 #include "examples/common/driver.hpp"
 #include "examples/common/progress.hpp"
+#include "examples/common/step_dump.hpp"
 #include "geometry/check.hpp"
 #include "io/build_info.hpp"
 #include "io/checkpoint.hpp"
@@ -43,6 +44,7 @@ struct Arguments {
   std::string normal_law = "combined";
   double theta = 1, tolerance = 1e-8;
   int stop_after = 0;
+  DumpOptions dump{};
   CommonOptions common{};
   std::string command_line{};
 };
@@ -284,12 +286,14 @@ void account(Statistics& s, const AssemblyScene& scene, const State& state, cons
 }
 
 ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, const Arguments& a) {
+  StepDump dump(a.dump, "replay_assembly_" + input.name);
   const MoreauJean scheme(scene.model, {.h = scene.h,
                                         .theta = a.theta,
                                         .normal = {.law = normal_law(a.normal_law)},
                                         .solver = {.tolerance = a.tolerance},
                                         .advancement = {.min_h = std::min(1e-7, scene.h)},
-                                        .threads = a.common.threads});
+                                        .threads = a.common.threads,
+                                        .keep_problem = dump.wants_problems()});
   const std::uint64_t print = fingerprint(input, a);
   const std::filesystem::path checkpoint_file = a.common.out / "checkpoint.h5";
   const double t_end = scene.path.t.back() + a.scene.hold;
@@ -321,6 +325,7 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
   StepReport report;
   while (state.t < t_end * (1 - 1e-12)) {
     report = scheme.step(state, t_end - state.t);
+    dump.step(s.steps + 1, report);
     if (report.status != StepStatus::ok) break;
     const CouplingWrench pull =
         coupling_wrench(scene.model, state, scene.moving, scene.target, scene.coupling, state.t);
@@ -375,6 +380,9 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
 ExitCode replay(Arguments& a) {
   require(a.mode == "dynamic" || (!a.common.resume && a.stop_after == 0),
           "--resume and --stop-after belong to --mode dynamic: a kinematic replay writes no checkpoint");
+  step_choice(a.dump.steps);  // refused before anything runs
+  require(a.mode == "dynamic" || a.dump.folder.empty(),
+          "--dump-problem belongs to --mode dynamic: a kinematic replay solves no problem");
   a.scene.gravity = parse_vector(a.gravity, "--gravity");
   const AssemblyInput input = read_input(a);
   AssemblyScene scene;
@@ -435,6 +443,7 @@ int main(int argc, char** argv) {
              {0, 1e9});
   cli.group("solver");
   cli.option("--tolerance", a.tolerance, "on the scaled residual", "-", {1e-15, 0.1});
+  add_options(cli, a.dump);
   cli.common(a.common, Cli::Restart::yes);
   cli.example("replay_assembly --builtin bolt_nut -o out", "a nut turned off its bolt; open out/replay.html");
   cli.example(

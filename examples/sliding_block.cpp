@@ -14,6 +14,7 @@
 #include "examples/common/convergence.hpp"
 #include "examples/common/driver.hpp"
 #include "examples/common/progress.hpp"
+#include "examples/common/step_dump.hpp"
 #include "geometry/check.hpp"
 #include "geometry/primitives.hpp"
 #include "integrators/moreau_jean.hpp"
@@ -28,6 +29,7 @@ constexpr double kGravity = 9.81, kSide = 0.1, kRadius = 1e-3, kDensity = 1000; 
 struct Arguments {
   double mu = 0.3, angle = 0, speed = 1, theta = 1, h0 = 1e-2;
   int levels = 7;
+  DumpOptions dump{};
   CommonOptions common{};
 };
 
@@ -37,7 +39,7 @@ double deceleration(const Arguments& a) {
 }
 
 /// Distance slid down the slope until well after the stop [m].
-double simulated_travel(const Arguments& a, double h) {
+double simulated_travel(const Arguments& a, double h, StepDump dump) {
   // 1. The scene: a plate in the plane of the slope, a block on it, gravity tilted.
   const double slope = a.angle * kPi / 180;
   const double plate_side = 4 * (kSide + a.speed * a.speed / (2 * deceleration(a)));
@@ -56,11 +58,16 @@ double simulated_travel(const Arguments& a, double h) {
   twist(state, block)[0] = a.speed;
 
   // 3. Until it has rested for a while.
-  const MoreauJean scheme(
-      model, {.h = h, .theta = a.theta, .solver = {.tolerance = 1e-12}, .threads = a.common.threads});
+  const MoreauJean scheme(model, {.h = h,
+                                  .theta = a.theta,
+                                  .solver = {.tolerance = 1e-12},
+                                  .threads = a.common.threads,
+                                  .keep_problem = dump.wants_problems()});
   const double t_end = 1.5 * a.speed / deceleration(a);
+  std::int64_t steps = 0;
   while (state.t < t_end) {
     const StepReport report = scheme.step(state);
+    dump.step(++steps, report);
     if (!report.ok()) throw NumericalFailure("t = " + std::to_string(state.t) + " s: " + report.reason);
   }
   return pose(state, block).p.x();
@@ -70,12 +77,14 @@ ExitCode slide(const Arguments& a) {
   require_field(deceleration(a) > 0, "--angle", a.angle,
                 "be below the friction angle [deg], or the block never stops");
   const double exact = a.speed * a.speed / (2 * deceleration(a));
+  step_choice(a.dump.steps);  // refused before anything runs
   make_folders(a.common);
   Progress progress("sliding_block", a.levels, Progress::style_of_stderr(a.common.quiet));
   int done = 0;
   const Convergence study = convergence_study(step_sizes(a.h0, a.levels), [&](double h) {
-    const double error = std::abs(simulated_travel(a, h) - exact);
-    progress.at(++done);
+    StepDump dump(a.dump, "sliding_block_level_" + std::to_string(++done));
+    const double error = std::abs(simulated_travel(a, h, std::move(dump)) - exact);
+    progress.at(done);
     return error;
   });
   if (!a.common.quiet) std::printf("%s", to_string(study, "travel error [m]").c_str());
@@ -106,6 +115,7 @@ int main(int argc, char** argv) {
   cli.option("--theta", a.theta, "of the Moreau-Jean scheme", "-", {0.5, 1});
   cli.option("--h0", a.h0, "largest step", "s", {1e-5, 0.1});
   cli.option("--levels", a.levels, "number of steps, each half of the one before", "", {3, 16});
+  add_options(cli, a.dump);
   cli.common(a.common);
   cli.example("sliding_block -o out", "a table of errors and orders; out/sliding_block.csv and .gp");
   cli.example("sliding_block --angle 10 --speed 0.5", "on a slope");

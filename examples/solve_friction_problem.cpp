@@ -21,7 +21,7 @@ struct Arguments {
   std::string solver = "auto", local = "hybrid", model = "coulomb", prox = "blocks", start = "zero";
   double tolerance = 1e-8, relaxation = 1;
   int max_iterations = SolverOptions{}.max_iterations, anderson = 0, repeat = 1;
-  std::filesystem::path json{};
+  std::filesystem::path json{}, save{};
   bool quiet = false;
 };
 
@@ -47,10 +47,12 @@ ExitCode solve_all(const Arguments& a) {
                  .prox = metric_named(a.prox),
                  .anderson = a.anderson},
       .start = start_named(a.start),
-      .repeat = a.repeat};
+      .repeat = a.repeat,
+      .save = a.save};
   validate(options.solver);
   const std::vector<std::filesystem::path> files = problem_files(a.files);
   if (a.json.has_parent_path()) std::filesystem::create_directories(a.json.parent_path());
+  if (!a.save.empty()) std::filesystem::create_directories(a.save);
 
   // 1. Solve, one problem after the other; a signal ends after the one at hand.
   std::vector<ProblemRun> runs;
@@ -108,7 +110,8 @@ int main(int argc, char** argv) {
   cli.option("--anderson", a.anderson, "iterates that Anderson acceleration combines; 0: none", "", {0, 20});
   cli.group("output");
   cli.option("--json", a.json, "write a list with an object per problem to this file");
-  cli.option("--repeat", a.repeat, "solve each problem so often; the smallest time counts", "", {1, 1e6});
+  cli.option("--save", a.save, "write each problem, with its answer as solution, into this folder");
+  cli.option("--repeat", a.repeat, "solve each problem so often; the smallest time counts", "", {1, 1e9});
   cli.flag("--quiet", a.quiet, "no progress, no table");
   cli.example("solve_friction_problem box.hdf5", "one problem, its residuals and physical errors");
   cli.example("solve_friction_problem fclib/ --solver nsgs --tolerance 1e-4 --json nsgs.json",

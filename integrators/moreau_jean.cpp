@@ -151,6 +151,7 @@ MoreauJean::Attempt MoreauJean::attempt(const State& state, const VecX& v_estima
                                                allowed_speeds(found, pairs, h), options_.solver);  // (NSGS-1)
   const FrictionSolution& solution = solved.solution;
   report.solve = solution.report;
+  if (options_.keep_problem) report.problem = StepProblem{solved.problem, solved.start, solution};
   report.contacts_kept = int(solved.kept.size());
   report.contacts_matched = warm.matched;
   const double solved_at = cpu_seconds();

@@ -19,7 +19,8 @@ struct MoreauJeanOptions {
   ReductionOptions reduction{};
   SolverOptions solver{};
   AdvancementOptions advancement{};
-  int threads = 1;  // the result does not depend on it
+  int threads = 1;            // the result does not depend on it
+  bool keep_problem = false;  // StepReport::problem holds what was solved, to save and replay it
 };
 void validate(const MoreauJeanOptions& options);  // throws std::invalid_argument: field, value, bound
 

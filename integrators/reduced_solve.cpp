@@ -45,11 +45,11 @@ ReducedSolution solve_reduced(const FreeMotion& free, const DofMap& dofs, const 
     out.kept.clear();
     for (int i = 0; i < int(rows.size()); ++i)
       if (in[std::size_t(i)]) out.kept.push_back(i);
-    VecX start(3 * Eigen::Index(out.kept.size()));
+    out.start.resize(3 * Eigen::Index(out.kept.size()));
     for (std::size_t k = 0; k < out.kept.size(); ++k)
-      start.segment<3>(3 * Eigen::Index(k)) = r[std::size_t(out.kept[k])];
+      out.start.segment<3>(3 * Eigen::Index(k)) = r[std::size_t(out.kept[k])];
     out.problem = contact_problem(free, dofs, rows, out.kept);
-    out.solution = solve(out.problem, start, options);
+    out.solution = solve(out.problem, out.start, options);
     add_up(total, out.solution.report);
     if (!out.solution.v.allFinite()) break;
     for (std::size_t k = 0; k < out.kept.size(); ++k)

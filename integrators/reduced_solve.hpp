@@ -12,6 +12,7 @@ namespace aussois {
 struct ReducedSolution {
   std::vector<int> kept{};  // rows in the problem, ascending
   FrictionProblem problem{};
+  VecX start{};                 // impulses that the last round started with
   FrictionSolution solution{};  // its report sums up the rounds
 };
 

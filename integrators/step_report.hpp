@@ -2,12 +2,13 @@
 // What happened in a step; returned by every scheme, printed by nobody but the driver.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "lmd/contact_point.hpp"
-#include "nsgs/solve.hpp"
 #include "nsgs/residual.hpp"
+#include "nsgs/solve.hpp"
 
 namespace aussois {
 
@@ -22,6 +23,13 @@ const char* to_string(StepStatus status);
 struct StepContact {
   ContactPoint point{};
   Vec3 impulse = Vec3::Zero();  // on A, world [N s]
+};
+
+/// What a step gave to the solver and what came back.
+struct StepProblem {
+  FrictionProblem problem{};    // of the contacts kept (NSGS-1)
+  VecX start{};                 // impulses it was started with, of its rows [N s]
+  FrictionSolution solution{};  // its report sums up the rounds of the step
 };
 
 /// Where the energy went in a step [J] (MJ-9).
@@ -52,6 +60,7 @@ struct StepReport {
   PhysicalResidual physical{};
   EnergyLedger energy{};
   std::vector<StepContact> contacts{};
+  std::optional<StepProblem> problem{};  // the last one solved, also in a step that ended badly; if asked for
   double seconds_contact = 0, seconds_solve = 0, seconds_certificate = 0, seconds_total = 0;  // CPU [s]
   bool ok() const { return status == StepStatus::ok && solve.status == SolveStatus::converged; }
 };

@@ -8,6 +8,7 @@
 #include "geometry/check.hpp"
 #include "io/atomic_file.hpp"
 #include "io/hdf5_file.hpp"
+#include "io/text.hpp"
 
 namespace aussois {
 namespace {
@@ -28,7 +29,7 @@ VecX read_vector(hid_t file, const std::string& name, Eigen::Index size) {
 }
 
 void write_vector(hid_t file, const std::string& name, const VecX& vector) {
-  write_rows(file, name, std::vector<double>(vector.data(), vector.data() + vector.size()));
+  write_fixed(file, name, std::vector<double>(vector.data(), vector.data() + vector.size()));
 }
 
 std::vector<int> read_integers(hid_t file, const std::string& name) {
@@ -44,13 +45,16 @@ int read_integer(hid_t file, const std::string& name) {
 }
 
 void write_integer(hid_t file, const std::string& name, Eigen::Index value) {
-  write_rows<int>(file, name, {int(value)});
+  write_fixed<int>(file, name, {int(value)});
 }
 
 // ---- sparse matrices
 
+std::string entry(std::size_t k, const std::string& value) {
+  return std::string("[").append(std::to_string(k)).append("] = ").append(value);
+}
 std::string entry(std::size_t k, int value) {
-  return "[" + std::to_string(k) + "] = " + std::to_string(value);
+  return entry(k, std::to_string(value));
 }
 
 /// The first `count` indices; each must lie in [0, bound).
@@ -127,9 +131,9 @@ void write_matrix(hid_t file, const std::string& name, SparseMatrix A) {
   write_integer(file, name + "/m", A.rows());
   write_integer(file, name + "/n", A.cols());
   write_integer(file, name + "/nz", -1);
-  write_rows(file, name + "/p", std::vector<int>(A.outerIndexPtr(), A.outerIndexPtr() + A.outerSize() + 1));
-  write_rows(file, name + "/i", std::vector<int>(A.innerIndexPtr(), A.innerIndexPtr() + count));
-  write_rows(file, name + "/x", std::vector<double>(A.valuePtr(), A.valuePtr() + count));
+  write_fixed(file, name + "/p", std::vector<int>(A.outerIndexPtr(), A.outerIndexPtr() + A.outerSize() + 1));
+  write_fixed(file, name + "/i", std::vector<int>(A.innerIndexPtr(), A.innerIndexPtr() + count));
+  write_fixed(file, name + "/x", std::vector<double>(A.valuePtr(), A.valuePtr() + count));
 }
 
 // ---- laws
@@ -185,8 +189,8 @@ LawKind read_kind(hid_t file, const std::string& name, std::size_t i, const std:
   for (const LawKind kind : kKinds)
     if (text == to_string(kind)) return kind;
   fail_hdf5(file, name,
-            "[" + std::to_string(i) + "] = '" + text +
-                "' must be coulomb, rolling, contensou, unilateral, bilateral or dry_friction");
+            entry(i, aussois::quoted(text)) +
+                " must be coulomb, rolling, contensou, unilateral, bilateral or dry_friction");
 }
 
 std::vector<Law> read_law_table(hid_t file, const std::string& name) {
@@ -221,7 +225,7 @@ void write_law_table(hid_t file, const std::string& name, const std::vector<Law>
     rows.push_back(law.rows);
   }
   write_texts(file, name + "/kind", kinds);
-  write_rows(file, name + "/rows", rows);
+  write_fixed(file, name + "/rows", rows);
   write_vector(file, name + "/mu", column_of(laws, &Law::mu));
   write_vector(file, name + "/mu_r", column_of(laws, &Law::mu_r));
   write_vector(file, name + "/radius", column_of(laws, &Law::radius));

@@ -15,6 +15,20 @@ std::string file_name(hid_t file) {
   return name;
 }
 
+/// A dataset's size may be damaged: it must not ask for all memory, and HDF5 reads over the end of one that
+/// lies in its header. Elsewhere deflate makes at most 1032 bytes from one; zeros may not be stored at all.
+void check_size(hid_t file, const std::string& name, hid_t dataset) {
+  const Hdf5Id space(H5Dget_space(dataset), H5Sclose), type(H5Dget_type(dataset), H5Tclose),
+      list(H5Dget_create_plist(dataset), H5Pclose);
+  const hssize_t points = H5Sget_simple_extent_npoints(space);
+  const hsize_t values = hsize_t(std::max<hssize_t>(points, 0)), size = H5Tget_size(type);
+  hsize_t bytes = 0;
+  H5Fget_filesize(file, &bytes);
+  bytes = H5Pget_layout(list) == H5D_COMPACT ? H5Dget_storage_size(dataset) : 1032 * bytes;
+  if (points < 0 || (values > 0 && size > bytes / values))
+    fail_hdf5(file, name, "claims " + std::to_string(values) + " values, more than its bytes can hold");
+}
+
 /// Fixed length, padded with zeros, UTF-8: readable by everything that reads HDF5.
 Hdf5Id text_type(std::size_t length) {
   Hdf5Id type(H5Tcopy(H5T_C_S1), H5Tclose);
@@ -139,6 +153,7 @@ std::vector<std::string> read_texts(hid_t file, const std::string& name) {
       H5Sget_simple_extent_ndims(space) != 1)
     fail_hdf5(file, name, "is not a list of texts of fixed length");
   const std::size_t length = H5Tget_size(type), rows = std::size_t(H5Sget_simple_extent_npoints(space));
+  check_size(file, name, id);
   std::string padded(length * rows, '\0');
   if (H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0)
     fail_hdf5(file, name, "cannot be read");
@@ -163,6 +178,7 @@ std::string read_text_dataset(hid_t file, const std::string& name) {
   const Hdf5Id type(H5Dget_type(id), H5Tclose), space(H5Dget_space(id), H5Sclose);
   if (H5Tget_class(type) != H5T_STRING || H5Sget_simple_extent_npoints(space) != 1)
     fail_hdf5(file, name, "is not one text");
+  check_size(file, name, id);
   if (H5Tis_variable_str(type) > 0) {
     char* text = nullptr;
     if (H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, &text) < 0 || text == nullptr)
@@ -226,6 +242,22 @@ Hdf5Column::Hdf5Column(hid_t file, std::string name, hid_t type, std::vector<hsi
   if (!unit.empty()) write_text(file, name_, "unit", unit);
 }
 
+void write_fixed(hid_t file, const std::string& name, hid_t type, const void* data, hsize_t count) {
+  constexpr hsize_t kInHeader = 4096, kChunk = 8192;  // bytes, values
+  const Hdf5Id space(H5Screate_simple(1, &count, nullptr), H5Sclose), layout = without_times(),
+                                                                      links = parent_groups_on_demand();
+  if (count > kChunk) {
+    H5Pset_chunk(layout, 1, &kChunk);
+    H5Pset_shuffle(layout);
+    H5Pset_deflate(layout, 1);
+  } else if (count > 0 && count * H5Tget_size(type) <= kInHeader) {
+    H5Pset_layout(layout, H5D_COMPACT);
+  }
+  const Hdf5Id id(H5Dcreate2(file, name.c_str(), type, space, links, layout, H5P_DEFAULT), H5Dclose);
+  if (id < 0 || (count > 0 && H5Dwrite(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0))
+    fail_hdf5(file, name, "cannot be written (is the disk full?)");
+}
+
 Hdf5Column Hdf5Column::open(hid_t file, std::string name, hid_t type, std::vector<hsize_t> row_shape) {
   Hdf5Column column;
   column.file_ = file;
@@ -241,6 +273,7 @@ Hdf5Column Hdf5Column::open(hid_t file, std::string name, hid_t type, std::vecto
   if (found != column.extent(column.rows_))
     fail_hdf5(file, column.name_, "has another shape than [rows, ...] of the format");
   if (column.rows_ > hsize_t{1} << 32) fail_hdf5(file, column.name_, "claims more than 2^32 rows");
+  check_size(file, column.name_, column.dataset_);
   return column;
 }
 

@@ -1,22 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sweeps while they contract well, Newton when they do not, sweeps again where Newton fails (AUTO-1) to
-// (AUTO-3).
+// Accelerated sweeps while they contract well for what they cost, Newton when they do not, sweeps again where
+// Newton fails (AUTO-1) to (AUTO-3).
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
+#include "nsgs/fixed_point.hpp"
 #include "nsgs/proximal_newton.hpp"
 
 namespace aussois {
 
 namespace {
 
-constexpr int kPatience = 1000;       // sweeps without halving the best residual
-constexpr int kFirstWindow = 5;       // sweeps until their contraction is judged
-constexpr double kFirstAlpha = 1e-3;  // compliance of the first proximal step
-constexpr int kProximalSteps = 60;
-constexpr double kNewtonIterations = 8;  // about, of a second phase
+constexpr int kMemory = 5;  // steps that Anderson acceleration combines
+constexpr int kFirstWindow = 5;          // sweeps until their contraction is judged
+constexpr double kNewtonIterations = 30;  // about, of a second phase
+constexpr double kLongestWait = 300;     // sweeps before Newton may take over, at most
+// Where Newton fails it is asked again later, from elsewhere and another way, in turn.
+constexpr ProximalOptions kWays[]{{.alpha = 0.1, .accuracy = 1e-2},
+                                  {.alpha = 1e-3, .accuracy = 1e-9},
+                                  {.alpha = 1, .accuracy = 1e-9},
+                                  {.alpha = 1e-2, .accuracy = 1e-4}};
 
-// Sweeps until the tolerance, at the rate of the last ones.
+// Sweeps until the tolerance, at the rate of the last ones (AUTO-1).
 double sweeps_left(double before, double now, int sweeps, double tolerance) {
   if (now <= tolerance) return 0;
   if (!(now < before)) return kInf;
@@ -26,50 +32,42 @@ double sweeps_left(double before, double now, int sweeps, double tolerance) {
 }  // namespace
 
 Iterate automatic(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report) {
-  Iterate best = start, swept = start;
+  const SweepOptions sweep{.local = options.local, .relaxation = options.relaxation};
   SweepCounts counts;
-  JudgeSchedule schedule;
-  double alpha = kFirstAlpha, halved = best.residual, window_residual = best.residual;
-  int halved_at = 0, window = kFirstWindow, window_start = 0;
-  W.velocity(swept.r);
+  FixedPoint sweeps(W, start, Method::nsgs, kMemory, [&](VecX& r) { return W.sweep(r, sweep, counts); });
+  double window_residual = start.residual, newton = kInf;  // what a second phase costs, in sweeps
+  int window = kFirstWindow, window_start = 0, phase_start = 0, weighed_at = 0, attempts = 0;
   report.status = SolveStatus::max_iterations;
-  while (best.residual > options.tolerance && report.iterations < options.max_iterations) {
-    const double change =
-        W.sweep(swept.r, {.local = options.local, .relaxation = options.relaxation}, counts);
+  while (sweeps.best().residual > options.tolerance && report.iterations < options.max_iterations) {
     ++report.iterations;
-    const bool at_window = report.iterations - window_start >= window;
-    if (!schedule.due(report.iterations, change, options.tolerance) && !at_window &&
-        report.iterations < options.max_iterations)
-      continue;
-    swept = judged(W, std::move(swept.r), Method::nsgs);
-    if (swept.residual == kInf) {
-      report.status = SolveStatus::not_finite;
+    sweeps.advance(options.tolerance, true);
+    if (!sweeps.finite() || sweeps.stagnated()) {
+      report.status = sweeps.finite() ? SolveStatus::stagnated : SolveStatus::not_finite;
       break;
     }
-    if (swept.residual < best.residual) best = swept;
-    if (best.residual <= halved / 2) halved = best.residual, halved_at = report.iterations;
-    if (report.iterations - halved_at >= kPatience) {
-      report.status = SolveStatus::stagnated;
-      break;
-    }
-    if (!at_window) continue;
-    const double left = sweeps_left(window_residual, swept.residual, window, options.tolerance);
-    if (left > kNewtonIterations * W.newton_cost(swept.r)) {
-      Iterate found = proximal_steps(W, swept, alpha, options.tolerance, kProximalSteps, report);
-      if (found.residual < best.residual) best = std::move(found);
-      // Where Newton fails, the sweeps go on from where they were and get more room before it is asked again:
-      // it then starts elsewhere, and more cautiously.
-      W.velocity(swept.r);
-      window *= 2;
-      alpha = std::min(10 * alpha, 1.0);
-    }
+    if (report.iterations - window_start < window) continue;
+    const Iterate& now = sweeps.now();
+    const double left = sweeps_left(window_residual, now.residual, window, options.tolerance);
     window_start = report.iterations;
-    window_residual = swept.residual;
+    window_residual = now.residual;
+    const int swept = report.iterations - phase_start;
+    if (swept >= 2 * weighed_at) {  // it takes a sweep or two itself
+      weighed_at = swept;
+      newton = kNewtonIterations * W.newton_cost(now.r);
+    }
+    if (left <= newton || swept < std::min(newton / 10, kLongestWait)) continue;  // (AUTO-2)
+    ProximalOptions way = kWays[std::size_t(attempts++) % std::size(kWays)];
+    way.tolerance = options.tolerance;
+    sweeps.offer(proximal_steps(W, now, way, report));
+    sweeps.resume();  // where Newton fails, the sweeps go on from where they were, with more room
+    window *= 2;
+    phase_start = report.iterations;
+    weighed_at = 0;
   }
-  if (best.residual <= options.tolerance) report.status = SolveStatus::converged;
+  if (sweeps.best().residual <= options.tolerance) report.status = SolveStatus::converged;
   report.local_failures += counts.failures;
   report.local_fail_safes += counts.fail_safes;
-  return best;
+  return sweeps.best();
 }
 
 }  // namespace aussois

@@ -150,13 +150,15 @@ class BodyDelassus final : public Delassus {
   }
   double size(const VecX& row) const override { return std::sqrt(row.cwiseAbs2().dot(weight_)); }
   double newton_cost(const VecX&) override {
-    const double n = double(v_.size()), sweep = 4 * double(scaled.q.size()) / count() * double(arms_.size());
-    if (is_dense()) return 2 * n * n * n / 3 / sweep + 2;
+    const double n = double(v_.size()), arms = double(arms_.size()), contacts = count(),
+                 sweep = contacts * 300 + 12 * arms,  // the blocks' own solves, and velocities
+        assembly = 6 * arms * arms / contacts;
+    if (is_dense()) return (2 * n * n * n / 3 + assembly) / sweep + 1;
     if (!sparse_cost_) {
       CompressedColumns J = newton_matrix(std::vector<AnyBlock>(std::size_t(count()), AnyBlock()));
       sparse_cost_ = factor_cost(J);
     }
-    return *sparse_cost_ / sweep + 2;
+    return (*sparse_cost_ + assembly) / sweep + 2;
   }
 
   std::optional<VecX> direction(const std::vector<AnyBlock>& D, const VecX& F) override {

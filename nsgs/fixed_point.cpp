@@ -1,50 +1,72 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "nsgs/fixed_point.hpp"
 
-#include "nsgs/anderson.hpp"
+#include <utility>
 
 namespace aussois {
 
 namespace {
 
-// Where the last steps together point to, if the judge prefers it to where this one began (AA-3). Otherwise
-// nothing, and W is left at that place.
-std::optional<Iterate> accelerated(Delassus& W, Anderson& anderson, const Iterate& before,
-                                   const VecX& after) {
-  const VecX proposed = anderson.propose(before.r, after);
-  if (proposed.size() == 0) return std::nullopt;
-  Iterate iterate = judged(W, projected(proposed, W.scaled.laws), before.by);
-  if (iterate.residual < before.residual) return iterate;
-  anderson.forget();
-  return std::nullopt;
-}
+constexpr int kPatience = 1000;  // steps without halving the best residual
 
 }  // namespace
 
+FixedPoint::FixedPoint(Delassus& W, const Iterate& start, Method by, int memory, Step step)
+    : W_(W), now_(start), best_(start), r_(start.r), memory_(memory), anderson_(memory), step_(std::move(step)) {
+  now_.by = by;
+  halved_ = start.residual;
+  resume();
+}
+
+// Where the last steps together point to, if the judge prefers it to where this one began (AA-3). Otherwise
+// nothing, and W is left at that place.
+std::optional<Iterate> FixedPoint::accelerated(const VecX& after) {
+  const VecX proposed = anderson_.propose(now_.r, after);
+  if (proposed.size() == 0) return std::nullopt;
+  Iterate iterate = judged(W_, projected(proposed, W_.scaled.laws), now_.by);
+  if (iterate.residual < now_.residual) return iterate;
+  anderson_.forget();
+  return std::nullopt;
+}
+
+bool FixedPoint::advance(double tolerance, bool last) {
+  const double change = step_(r_);
+  ++steps_;
+  if (memory_ > 0) {
+    std::optional<Iterate> ahead = accelerated(r_);
+    now_ = ahead ? *std::move(ahead) : judged(W_, r_, now_.by);
+    r_ = now_.r;
+  } else {
+    if (!schedule_.due(steps_, change, tolerance) && !last) return false;
+    now_ = judged(W_, r_, now_.by);
+  }
+  offer(now_);
+  return true;
+}
+
+void FixedPoint::offer(Iterate other) {
+  if (other.residual < best_.residual) best_ = std::move(other);
+  if (best_.residual <= halved_ / 2) halved_ = best_.residual, halved_at_ = steps_;
+}
+
+bool FixedPoint::stagnated() const {
+  return steps_ - halved_at_ >= kPatience;
+}
+
 Iterate fixed_point(Delassus& W, const Iterate& start, Method by, const SolverOptions& options,
                     SolveReport& report, const Step& step) {
-  BestSoFar best(start);
-  Iterate now = start;
-  Anderson anderson(options.anderson);
-  JudgeSchedule schedule;
-  W.velocity(now.r);
+  FixedPoint loop(W, start, by, options.anderson, step);
   report.status = SolveStatus::max_iterations;
-  while (report.iterations < options.max_iterations) {
-    VecX r = options.anderson > 0 ? now.r : std::move(now.r);
-    const double change = step(r);
+  while (loop.best().residual > options.tolerance && report.iterations < options.max_iterations) {
     ++report.iterations;
-    std::optional<Iterate> ahead;
-    if (options.anderson > 0) {
-      ahead = accelerated(W, anderson, now, r);
-    } else if (!schedule.due(report.iterations, change, options.tolerance) &&
-               report.iterations < options.max_iterations) {
-      now.r = std::move(r);
-      continue;
+    if (!loop.advance(options.tolerance, report.iterations == options.max_iterations)) continue;
+    if (!loop.finite() || loop.stagnated()) {
+      report.status = loop.finite() ? SolveStatus::stagnated : SolveStatus::not_finite;
+      break;
     }
-    now = ahead ? *std::move(ahead) : judged(W, std::move(r), by);
-    if (best.ends(now, report.iterations, options.tolerance, report.status)) break;
   }
-  return best.iterate();
+  if (loop.best().residual <= options.tolerance) report.status = SolveStatus::converged;
+  return loop.best();
 }
 
 }  // namespace aussois

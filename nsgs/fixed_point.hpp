@@ -1,17 +1,47 @@
 // SPDX-License-Identifier: Apache-2.0
 // The loop that all sweeping methods share: step, ask the judge when it is due, keep the best iterate, stop
-// (FIX-1). With SolverOptions::anderson it also tries what the last steps together point to (AA-1). Private
-// to nsgs.
+// (FIX-1). With a memory it also tries what the last steps together point to (AA-1). Private to nsgs.
 #pragma once
 
 #include <functional>
 
+#include "nsgs/anderson.hpp"
 #include "nsgs/method.hpp"
 
 namespace aussois {
 
 /// Moves r, whose velocities W has at hand, by one step of a method. Returns the size of the change.
 using Step = std::function<double(VecX& r)>;
+
+class FixedPoint {
+ public:
+  FixedPoint(Delassus& W, const Iterate& start, Method by, int memory, Step step);
+
+  /// One step; true if the judge was asked. `last` tells that no other will follow.
+  bool advance(double tolerance, bool last);
+  /// W has been used otherwise since: its velocities are made those of `now` again.
+  void resume() { W_.velocity(now_.r); }
+
+  const Iterate& now() const { return now_; }  // the last that was judged
+  const Iterate& best() const { return best_; }
+  void offer(Iterate other);  // kept if it is the best
+  int steps() const { return steps_; }
+  bool finite() const { return now_.residual < kInf; }
+  bool stagnated() const;  // (FIX-2)
+
+ private:
+  std::optional<Iterate> accelerated(const VecX& after);
+
+  Delassus& W_;
+  Iterate now_{}, best_{};
+  VecX r_{};  // where the steps are; now_.r if they are accelerated
+  int memory_ = 0;
+  Anderson anderson_;
+  Step step_;
+  JudgeSchedule schedule_{};
+  double halved_ = kInf;
+  int halved_at_ = 0, steps_ = 0;
+};
 
 Iterate fixed_point(Delassus& W, const Iterate& start, Method by, const SolverOptions& options,
                     SolveReport& report, const Step& step);

@@ -63,20 +63,20 @@ Blocks<R> block_rows(const SparseMatrix& W, const Scaling& scaled, const std::ve
   return out;
 }
 
+// The same blocks by columns, those of each column in the order given.
 template <int R>
-Blocks<R> transposed(const Blocks<R>& rows) {  // the same blocks by columns
+Blocks<R> block_columns(const Blocks<R>& rows, const std::vector<int>& order) {
   Blocks<R> out;
-  const std::size_t count = rows.begin.size() - 1;
-  out.begin.assign(count + 1, 0);
+  out.begin.assign(rows.begin.size(), 0);
   for (const int c : rows.other) ++out.begin[std::size_t(c) + 1];
-  for (std::size_t i = 0; i < count; ++i) out.begin[i + 1] += out.begin[i];
+  for (std::size_t i = 1; i < out.begin.size(); ++i) out.begin[i] += out.begin[i - 1];
   out.other.resize(rows.other.size());
   out.block.resize(rows.block.size());
   std::vector<int> next(out.begin.begin(), out.begin.end() - 1);
-  for (std::size_t i = 0; i < count; ++i)
-    for (int k = rows.begin[i]; k < rows.begin[i + 1]; ++k) {
+  for (const int i : order)
+    for (int k = rows.begin[std::size_t(i)]; k < rows.begin[std::size_t(i) + 1]; ++k) {
       const auto place = std::size_t(next[std::size_t(rows.other[std::size_t(k)])]++);
-      out.other[place] = int(i);
+      out.other[place] = i;
       out.block[place] = rows.block[std::size_t(k)];
     }
   return out;
@@ -191,12 +191,17 @@ class LocalDelassus final : public Delassus {
   }
 
  private:
-  // The first row of every closed block in a system of these alone, -1 of the others.
+  // The first row of every closed block in a system of these alone, in an order with little fill; -1 of the
+  // others.
   template <class IsClosed>
-  std::vector<int> closed_blocks(IsClosed is_closed) const {
+  std::vector<int> closed_blocks(IsClosed is_closed) {
+    if (order_.empty()) {
+      order_ = fill_reducing_order(rows_.begin, rows_.other);
+      columns_ = block_columns(rows_, order_);
+    }
     std::vector<int> place(std::size_t(count()), -1);
     int size = 0;
-    for (int c = 0; c < count(); ++c)
+    for (const int c : order_)
       if (is_closed(c)) {
         place[std::size_t(c)] = size;
         size += rows(c);
@@ -207,9 +212,8 @@ class LocalDelassus final : public Delassus {
   // 1 + W D of the blocks that have a place.
   template <class BlockOfD>
   CompressedColumns newton_matrix(const std::vector<int>& place, BlockOfD block_of_D) {
-    if (columns_.begin.empty()) columns_ = transposed(rows_);
     CompressedColumns J;
-    for (int c = 0; c < count(); ++c) {
+    for (const int c : order_) {
       const auto column = std::size_t(c);
       if (place[column] < 0) continue;
       const RowBlock<R> D_c = block_of_D(c);
@@ -251,7 +255,8 @@ class LocalDelassus final : public Delassus {
   }
   Rows<R> velocity(int c, const VecX& r) const { return times(c, r) + scaled.q.segment<R>(at(c), rows(c)); }
 
-  Blocks<R> rows_{}, columns_{};  // the columns are made when Newton first asks
+  Blocks<R> rows_{}, columns_{};  // columns and order are made when Newton first asks
+  std::vector<int> order_{};
   std::vector<Block<R>> diagonal_{};
 };
 

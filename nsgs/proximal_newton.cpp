@@ -7,14 +7,11 @@ namespace aussois {
 
 namespace {
 
-// Measured on random pegs in holes, doc/theory/proximal_newton.md; factors of 10 either way cost little.
-constexpr double kFirstAlpha = 1e-3;     // compliance of the first proximal step
+// Measured on random pegs in holes and on the problems of FCLIB, doc/theory/proximal_newton.md.
 constexpr double kSmallestAlpha = 1e-8;  // 1e-6 left 1 of 2000 problems above 1e-12
 constexpr double kLargestAlpha = 1e3;
 constexpr int kEasyStep = 5;      // Newton iterations
 constexpr int kNewtonSteps = 30;  // a step that needs more has too small an alpha
-// Of F relative to the change of momentum; Newton's last step goes far below
-constexpr double kAccuracy = 1e-9;
 constexpr double kRounding = 1e-15;
 constexpr double kSmallestDamping = 1e-3;
 
@@ -58,12 +55,12 @@ Trial tried(const Delassus& W, const Iterate& center, double alpha, const VecX& 
 
 }  // namespace
 
-ProximalStep proximal_step(Delassus& W, const Iterate& center, double alpha) {
+ProximalStep proximal_step(Delassus& W, const Iterate& center, double alpha, double accuracy) {
   const double rounding = kRounding * W.size(W.B(center.r));
   ProximalStep step;
   Trial now = tried(W, center, alpha, VecX::Zero(W.unknowns()));
   for (; step.iterations < kNewtonSteps; ++step.iterations) {
-    step.solved = now.wrong <= kAccuracy * W.size(W.A(now.d)) + rounding;
+    step.solved = now.wrong <= accuracy * W.size(W.A(now.d)) + rounding;
     if (step.solved || !std::isfinite(now.wrong)) break;
     const std::optional<VecX> direction = W.direction(derivatives(W.scaled.laws, now.s, alpha), now.F);
     if (!direction) break;
@@ -79,17 +76,19 @@ ProximalStep proximal_step(Delassus& W, const Iterate& center, double alpha) {
   return step;
 }
 
-Iterate proximal_steps(Delassus& W, const Iterate& start, double alpha, double tolerance, int max_steps,
+Iterate proximal_steps(Delassus& W, const Iterate& start, const ProximalOptions& options,
                        SolveReport& report) {
   Iterate best = start, center = start;
-  for (int step = 0; step < max_steps && best.residual > tolerance && alpha <= kLargestAlpha; ++step) {
-    const ProximalStep proximal = proximal_step(W, center, alpha);
+  double alpha = options.alpha;
+  for (int step = 0;
+       step < options.max_steps && best.residual > options.tolerance && alpha <= kLargestAlpha; ++step) {
+    const ProximalStep proximal = proximal_step(W, center, alpha, options.accuracy);
     report.newton_iterations += proximal.iterations;
     Iterate iterate = judged(W, proximal.r, Method::proximal_newton);
     if (proximal.solved || iterate.residual < best.residual) center = iterate;
     if (iterate.residual < best.residual) best = std::move(iterate);
     if (!proximal.solved)
-      alpha *= 4;
+      alpha *= 10;
     else
       alpha = std::max(alpha / (proximal.iterations <= kEasyStep ? 10 : 3), kSmallestAlpha);
   }
@@ -98,7 +97,8 @@ Iterate proximal_steps(Delassus& W, const Iterate& start, double alpha, double t
 
 Iterate proximal_newton(Delassus& W, const Iterate& start, const SolverOptions& options,
                         SolveReport& report) {
-  Iterate best = proximal_steps(W, start, kFirstAlpha, options.tolerance, options.max_iterations, report);
+  const Iterate best = proximal_steps(
+      W, start, {.tolerance = options.tolerance, .max_steps = options.max_iterations}, report);
   report.iterations = report.newton_iterations;
   report.status =
       best.residual <= options.tolerance ? SolveStatus::converged : SolveStatus::stagnated;

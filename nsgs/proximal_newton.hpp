@@ -10,6 +10,13 @@
 
 namespace aussois {
 
+struct ProximalOptions {
+  double tolerance = 1e-8;
+  int max_steps = 60;
+  double alpha = 0.1;      // compliance of the first step
+  double accuracy = 1e-2;  // of the steps: what is left of (PROX-4) is less than what alpha leaves
+};
+
 struct ProximalStep {
   VecX r{};             // in the sets of the laws
   int iterations = 0;   // Newton iterations: linear solves
@@ -17,12 +24,13 @@ struct ProximalStep {
 };
 
 /// Around the impulses and velocities of `center`; alpha > 0. Everything is computed as a change from there,
-/// so that small alpha does not magnify the rounding of velocities (PROX-4).
-ProximalStep proximal_step(Delassus& W, const Iterate& center, double alpha);
+/// so that small alpha does not magnify the rounding of velocities (PROX-4). `accuracy` of (PROX-4) is
+/// relative to the change of momentum.
+ProximalStep proximal_step(Delassus& W, const Iterate& center, double alpha, double accuracy);
 
 /// Proximal steps (PROX-7) until the tolerance. The centre walks on while Newton solves the steps, even where
 /// the residual rests on a plateau; what is returned is the best iterate met.
-Iterate proximal_steps(Delassus& W, const Iterate& start, double alpha, double tolerance, int max_steps,
+Iterate proximal_steps(Delassus& W, const Iterate& start, const ProximalOptions& options,
                        SolveReport& report);
 
 }  // namespace aussois

@@ -2,8 +2,10 @@
 #include "nsgs/sparse_lu.hpp"
 
 #include <memory>
+#include <numeric>
 
 #include <Eigen/LU>
+#include <Eigen/OrderingMethods>
 #include <klu.h>
 
 namespace aussois {
@@ -11,8 +13,19 @@ namespace aussois {
 namespace {
 
 constexpr int kDenseSize = 64;
+constexpr double kSlowness = 3;  // of KLU's operations beside those of a product with small blocks, measured
 
 }  // namespace
+
+std::vector<int> fill_reducing_order(const std::vector<int>& begin, const std::vector<int>& other) {
+  const Eigen::Index n = Eigen::Index(begin.size()) - 1;
+  const std::vector<double> one(other.size(), 1);
+  const Eigen::Map<const SparseMatrix> graph(n, n, Eigen::Index(other.size()), begin.data(), other.data(),
+                                             one.data());
+  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation;
+  Eigen::AMDOrdering<int>()(SparseMatrix(graph), permutation);
+  return {permutation.indices().data(), permutation.indices().data() + n};
+}
 
 double factor_cost(CompressedColumns& J) {
   const double n = J.size();
@@ -20,7 +33,7 @@ double factor_cost(CompressedColumns& J) {
   klu_common common;
   klu_defaults(&common);
   klu_symbolic* symbolic = klu_analyze(J.size(), J.begin.data(), J.row.data(), &common);
-  const double flops = symbolic ? symbolic->est_flops : kInf;
+  const double flops = symbolic ? kSlowness * symbolic->est_flops : kInf;
   klu_free_symbolic(&symbolic, &common);
   return flops;
 }
@@ -40,10 +53,11 @@ std::optional<VecX> solve_once(CompressedColumns& J, const VecX& b) {
   klu_common common;
   klu_defaults(&common);
   common.scale = 0;  // the rows of the scaled problem are of one size
+  common.btf = 0;
   const auto free_symbolic = [&](klu_symbolic* s) { klu_free_symbolic(&s, &common); };
   const auto free_numeric = [&](klu_numeric* s) { klu_free_numeric(&s, &common); };
   const std::unique_ptr<klu_symbolic, decltype(free_symbolic)> symbolic(
-      klu_analyze(n, J.begin.data(), J.row.data(), &common), free_symbolic);
+      klu_analyze_given(n, J.begin.data(), J.row.data(), nullptr, nullptr, &common), free_symbolic);
   if (!symbolic) return std::nullopt;
   const std::unique_ptr<klu_numeric, decltype(free_numeric)> numeric(
       klu_factor(J.begin.data(), J.row.data(), J.value.data(), symbolic.get(), &common), free_numeric);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// J x = b for the unsymmetric matrices of Newton, whose pattern is symmetric: dense where small, KLU with AMD
-// ordering above (measured in doc/theory/proximal_newton.md). Private to nsgs.
+// J x = b for the unsymmetric matrices of Newton, whose pattern is symmetric: dense where small, KLU above
+// (measured in doc/theory/proximal_newton.md). Private to nsgs.
 #pragma once
 
 #include <optional>
@@ -17,10 +17,14 @@ struct CompressedColumns {
   int size() const { return int(begin.size()) - 1; }
 };
 
+/// An order of the nodes of a graph in compressed rows in which a factorisation fills in little.
+std::vector<int> fill_reducing_order(const std::vector<int>& begin, const std::vector<int>& other);
+
 /// Multiplications and additions of a factorisation, about; from the pattern alone.
 double factor_cost(CompressedColumns& J);
 
-/// Nothing if J is singular to working precision.
+/// In the order of J; pivots leave the diagonal where they must. Nothing if J is singular to working
+/// precision.
 std::optional<VecX> solve_once(CompressedColumns& J, const VecX& b);
 
 }  // namespace aussois

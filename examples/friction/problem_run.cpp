@@ -57,7 +57,7 @@ double joint_velocity(const FrictionProblem& problem, const FrictionSolution& so
 }
 
 template <class Problem>
-void run_on(const Problem& problem, const VecX& r0, const RunOptions& options, ProblemRun& run) {
+FclibValues run_on(const Problem& problem, const VecX& r0, const RunOptions& options, ProblemRun& run) {
   FrictionSolution solution;
   for (int i = 0; i < options.repeat; ++i) {
     const double begin = cpu_seconds();
@@ -67,7 +67,7 @@ void run_on(const Problem& problem, const VecX& r0, const RunOptions& options, P
   }
   run.report = solution.report;
   run.status = to_string(solution.report.status);
-  if (solution.report.status == SolveStatus::not_finite) return;
+  if (solution.report.status == SolveStatus::not_finite) return {};
   const LocalProblem& judged = condensed(problem);  // u from r alone: the solver's own u is not asked
   run.natural_map_residual = natural_map_residual(judged, solution.r);
   run.scaled_residual = scaled_residual(judged, solution.r, options.solver.model);
@@ -75,6 +75,7 @@ void run_on(const Problem& problem, const VecX& r0, const RunOptions& options, P
   run.worst_joint_velocity = joint_velocity(problem, solution);
   run.solved =
       solution.report.status == SolveStatus::converged && run.scaled_residual <= options.solver.tolerance;
+  return {.r = solution.r, .u = solution.u, .v = solution.v, .l = solution.lambda};
 }
 
 int name_width(const std::vector<std::filesystem::path>& files) {
@@ -173,16 +174,21 @@ ProblemRun run_problem(const std::filesystem::path& path, const RunOptions& opti
     return run;
   }
   const VecX r0 = start_of(file, run.start);
+  FclibValues answer;
   try {
-    std::visit(
+    answer = std::visit(
         [&](const auto& problem) {
           describe(problem, run);
-          run_on(problem, r0, options, run);
+          return run_on(problem, r0, options, run);
         },
         file.problem);
   } catch (const std::exception& error) {
     run.status = "failed";
     run.reason = error.what();
+  }
+  if (!options.save.empty() && answer.u.size() > 0) {
+    file.solution = answer;
+    write_fclib(options.save / path.filename(), file);
   }
   return run;
 }

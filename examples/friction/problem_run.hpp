@@ -20,8 +20,9 @@ Start start_named(const std::string& name);
 
 struct RunOptions {
   SolverOptions solver{};
-  Start start = Start::zero;  // the first guess, or the solution, of the file; zero where it has none
-  int repeat = 1;             // solved so often, the smallest time counts, >= 1
+  Start start = Start::zero;     // the first guess, or the solution, of the file; zero where it has none
+  int repeat = 1;                // solved so often, the smallest time counts, >= 1
+  std::filesystem::path save{};  // folder for the problem with the answer as its solution; empty: none
 };
 
 struct ProblemRun {
@@ -45,7 +46,8 @@ struct ProblemRun {
 /// Throws std::runtime_error for a folder without any.
 std::vector<std::filesystem::path> problem_files(const std::vector<std::filesystem::path>& given);
 
-/// Throws std::invalid_argument for options only: a bad file and bad numbers are a status.
+/// A bad file and bad numbers are a status. Throws std::invalid_argument for options, std::runtime_error if
+/// the answer cannot be saved.
 ProblemRun run_problem(const std::filesystem::path& path, const RunOptions& options);
 
 /// The row of the table and, first, its head; with line ends.

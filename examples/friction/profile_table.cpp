@@ -7,10 +7,11 @@
 #include <charconv>
 #include <csignal>
 #include <cstring>
+#include <ctime>
+#include <poll.h>
 #include <stdexcept>
 #include <unistd.h>
 
-#include <sys/time.h>
 #include <sys/wait.h>
 
 #include "examples/common/driver.hpp"
@@ -58,29 +59,42 @@ Number parsed(std::string_view text, const char* field, Base... base) {
   return value;
 }
 
-/// The child of run_limited: everything that it has to say is one line.
+/// The child of run_limited: everything that it has to say is one line. What it throws ends it.
 [[noreturn]] void run_and_tell(const std::filesystem::path& path, const RunOptions& options,
-                               double time_limit, int pipe_end) {
-  itimerval timer{};
-  timer.it_value.tv_sec = time_t(time_limit);
-  timer.it_value.tv_usec = suseconds_t(1e6 * (time_limit - double(timer.it_value.tv_sec)));
-  std::signal(SIGPROF, SIG_DFL);  // ends the process
-  setitimer(ITIMER_PROF, &timer, nullptr);
+                               int pipe_end) noexcept {
   const std::string line = to_line({}, result_of(run_problem(path, options)));
   const bool told = write(pipe_end, line.data(), line.size()) == ssize_t(line.size());
   _exit(told ? 0 : 1);
 }
 
-/// All that comes out of the pipe until its other end closes; nothing more after a signal.
-std::string read_all(int pipe_end) {
-  std::string text;
+double cpu_seconds_of(pid_t process) {
+  clockid_t clock{};
+  timespec now{};
+  if (clock_getcpuclockid(process, &clock) != 0 || clock_gettime(clock, &now) != 0) return 0;
+  return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
+}
+
+struct Told {
+  std::string text{};
+  bool in_time = true;
+};
+
+/// All that a child says until it closes its end; nothing more after a signal, or `time_limit` of its CPU
+/// time. It is looked at from here: a limit that the system watches makes the child's own clock tick
+/// coarsely.
+Told listen_to(pid_t child, int pipe_end, double time_limit) {
+  Told told;
   std::array<char, 4096> part{};
   while (!interrupted()) {
+    const double left = time_limit - cpu_seconds_of(child);
+    if (left <= 0) return {.in_time = false};
+    pollfd end{.fd = pipe_end, .events = POLLIN, .revents = 0};
+    if (poll(&end, 1, int(std::clamp(500 * left, 1.0, 100.0))) <= 0) continue;  // milliseconds; or a signal
     const ssize_t count = read(pipe_end, part.data(), part.size());
     if (count == 0 || (count < 0 && errno != EINTR)) break;
-    if (count > 0) text.append(part.data(), std::size_t(count));
+    if (count > 0) told.text.append(part.data(), std::size_t(count));
   }
-  return text;
+  return told;
 }
 
 }  // namespace
@@ -188,25 +202,25 @@ ProfileResult run_limited(const std::filesystem::path& path, const RunOptions& o
   const pid_t child = fork();
   if (child == 0) {
     close(ends[0]);
-    run_and_tell(path, options, time_limit, ends[1]);
+    run_and_tell(path, options, ends[1]);
   }
   close(ends[1]);
   if (child < 0) {
     close(ends[0]);
     throw std::runtime_error(std::string("fork: ") + std::strerror(errno));
   }
-  const std::string line = read_all(ends[0]);
+  const Told told = listen_to(child, ends[0], time_limit);
   close(ends[0]);
-  if (interrupted()) kill(child, SIGKILL);
+  if (interrupted() || !told.in_time) kill(child, SIGKILL);
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
   if (interrupted())
     result.status = "interrupted";
-  else if (WIFEXITED(status) && WEXITSTATUS(status) == 0)
-    result = from_line(line).second;
-  else if (WIFSIGNALED(status) && WTERMSIG(status) == SIGPROF)
+  else if (!told.in_time)
     result.status = "time_limit";
+  else if (WIFEXITED(status) && WEXITSTATUS(status) == 0)
+    result = from_line(told.text).second;
   result.time_limit = time_limit;
   return result;
 }

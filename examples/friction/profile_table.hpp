@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <memory>
 #include <string>
@@ -27,7 +28,8 @@ struct ProfileResult {
   std::string status{};  // of SolveStatus, or time_limit, crashed, unreadable, failed
   bool solved = false;
   int iterations = 0;
-  double scaled_residual = 0, natural_map_residual = 0;
+  double scaled_residual = std::numeric_limits<double>::quiet_NaN();  // nobody judged
+  double natural_map_residual = std::numeric_limits<double>::quiet_NaN();
   double cpu_s = 0;       // of solve()
   double time_limit = 0;  // that it had, for all of its process [s]
   int contacts = 0;
@@ -62,7 +64,7 @@ class ProfileTable {
 std::string to_line(const ProfileKey& key, const ProfileResult& result);
 std::pair<ProfileKey, ProfileResult> from_line(const std::string& line);
 
-/// run_problem in a process of its own that the system ends after `time_limit` seconds of CPU time, reading
+/// run_problem in a process of its own that is ended after `time_limit` seconds of CPU time, reading
 /// and judging included: status time_limit. A solver that crashes costs its problem only: status crashed.
 /// Returns status interrupted after SIGINT or SIGTERM.
 ProfileResult run_limited(const std::filesystem::path& path, const RunOptions& options, double time_limit);

@@ -5,14 +5,16 @@ promises, whole.
     python3 run_line.py DRIVER [argument...]
 """
 
+import shutil
 import sys
 import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from drivers import DriverTest
+from drivers import PARTS, DriverTest
 
-COMMAND = sys.argv[1:]
+# data/ is that of examples/
+COMMAND = [str(PARTS.parent / word) if word.startswith("data/") else word for word in sys.argv[1:]]
 WRITES = [Path(word).name for flag, word in zip(COMMAND, COMMAND[1:]) if flag in ("--json", "--csv", "--picture")]
 RESULTS = {
     "sliding_block": {"sliding_block.csv", "sliding_block.gp"},
@@ -20,6 +22,9 @@ RESULTS = {
     "drop_part": {"replay.html", "run.h5", "steps.csv"},
     "replay_assembly": {"replay.html", "run.h5", "poses.csv" if "kinematic" in COMMAND else "steps.csv"},
     "query_contacts": set(WRITES),
+    "solve_friction_problem": set(WRITES),
+    "solver_profile": {"results.csv", *(f"profile_{tolerance}.{kind}" for tolerance in ("1e-04", "1e-08")
+                                        for kind in ("csv", "gp", *(["png"] if shutil.which("gnuplot") else [])))},
 }
 
 

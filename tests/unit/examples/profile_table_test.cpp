@@ -111,7 +111,20 @@ TEST(RunLimited, GivesWhatRunProblemGives) {
   EXPECT_EQ(there.scaled_residual, here.scaled_residual);
   EXPECT_EQ(there.iterations, here.report.iterations);
   EXPECT_EQ(there.problem, "rest");
+  EXPECT_GT(there.cpu_s, 0);  // a microsecond: its clock is fine
+  EXPECT_LT(there.cpu_s, 0.01);
   EXPECT_EQ(run_limited("nowhere.hdf5", {}, 10).status, "unreadable");
+}
+
+TEST(RunLimited, SurvivesACrash) {
+  const std::filesystem::path folder = fresh_folder();
+  ::testing::internal::CaptureStderr();  // "terminate called after throwing ..."
+  const ProfileResult result =
+      run_limited(two_bodies_at_rest(folder), {.save = folder / "no such folder"}, 10);
+  ::testing::internal::GetCapturedStderr();
+  EXPECT_EQ(result.status, "crashed");
+  EXPECT_FALSE(result.solved);
+  EXPECT_EQ(result.problem, "rest");
 }
 
 TEST(RunLimited, EndsAtItsLimit) {

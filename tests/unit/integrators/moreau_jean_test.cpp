@@ -130,6 +130,23 @@ TEST(MoreauJean, HasTheSameBitsForAnyNumberOfThreadsAndFromACopy) {
 }
 
 // Four closed corners of one block, three of which the selection leaves out: they re-enter, and all carry.
+TEST(MoreauJean, KeepsTheProblemOfAStepIfAskedAndChangesNoBit) {
+  Scene plain = block_on_plate(0.3, 0, 0.2), kept = block_on_plate(0.3, 0, 0.2);
+  const MoreauJean scheme(plain.model, {}), keeping(kept.model, {.keep_problem = true});
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_FALSE(scheme.step(plain.state).problem.has_value());
+    const StepReport report = keeping.step(kept.state);
+    ASSERT_TRUE(report.problem.has_value());
+    const auto& [problem, start, solution] = *report.problem;
+    ASSERT_EQ(problem.contact_count(), report.contacts_kept);
+    ASSERT_EQ(start.size(), solution.r.size());
+    // Its answer is what moved the block: M v = H r + f.
+    EXPECT_LT((problem.M * solution.v - problem.H * solution.r - problem.f).norm(), 1e-12 * problem.f.norm());
+    EXPECT_EQ(solution.v, VecX(twist(kept.state, kept.block)));
+  }
+  EXPECT_EQ(hash(plain.state), hash(kept.state));
+}
+
 TEST(ReducedSolve, LetsEveryContactBackInThatWouldClose) {
   const Scene scene = block_on_plate(0.3, 0, 0);
   const MoreauJean scheme(scene.model, {});

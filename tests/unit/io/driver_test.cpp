@@ -195,4 +195,36 @@ TEST(Progress, CanBeSilent) {
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
 }
 
+TEST(Driver, TakesFilesWithoutAFlagAnywhere) {
+  Cli cli("many", "Takes files.");
+  std::vector<std::filesystem::path> files;
+  double mu = 0;
+  cli.files(files, "HDF5 files");
+  cli.option("--mu", mu, "friction coefficient", "-", {0, 10});
+  const auto parse = [&](std::vector<const char*> arguments) {
+    arguments.insert(arguments.begin(), "many");
+    ExitCode code = ExitCode::ok;
+    ::testing::internal::CaptureStderr();
+    cli.parse(int(arguments.size()), arguments.data(), code);
+    return std::pair(code, ::testing::internal::GetCapturedStderr());
+  };
+  EXPECT_EQ(parse({"a.hdf5", "--mu", "0.5", "b.hdf5"}).first, ExitCode::ok);
+  EXPECT_EQ(files, (std::vector<std::filesystem::path>{"a.hdf5", "b.hdf5"}));
+  EXPECT_EQ(mu, 0.5);
+  EXPECT_NE(cli.values().find("FILE a.hdf5 b.hdf5\n"), std::string::npos);
+  EXPECT_NE(cli.help().find("usage: many [options] FILE...\n"), std::string::npos);
+}
+
+TEST(Driver, WantsAFileWhereFilesAreTaken) {
+  Cli cli("many", "Takes files.");
+  std::vector<std::filesystem::path> files;
+  cli.files(files, "HDF5 files");
+  const char* arguments[] = {"many"};
+  ExitCode code = ExitCode::ok;
+  ::testing::internal::CaptureStderr();
+  EXPECT_FALSE(cli.parse(1, arguments, code));
+  EXPECT_EQ(code, ExitCode::usage);
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "many: give at least one FILE (try --help)\n");
+}
+
 }  // namespace aussois

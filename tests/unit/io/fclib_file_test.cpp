@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/fclib_file.hpp"
+#ifdef __SANITIZE_ADDRESS__
+#include <sanitizer/lsan_interface.h>
+#endif
 
 #include <cstdlib>
 #include <cstring>
@@ -7,6 +9,7 @@
 #include <set>
 
 #include "io/atomic_file.hpp"
+#include "io/fclib_file.hpp"
 #include "io/hdf5_file.hpp"
 #include "tests/support/files.hpp"
 #include "tests/support/message_of.hpp"
@@ -525,7 +528,12 @@ TEST(FclibFile, ComplainsAboutFilesThatAreNone) {
     EXPECT_NE(message(write_bytes(folder / "cut.hdf5", good.substr(0, size))), "") << size << " bytes";
 }
 
+// HDF5 1.10 itself loses a few hundred bytes over some damaged files and then says "infinite loop closing
+// library" as the process ends.
 TEST(FclibFile, NeverCrashesOnFlippedBits) {
+#ifdef __SANITIZE_ADDRESS__
+  const __lsan::ScopedDisabler leaks_of_hdf5;
+#endif
   const fs::path folder = fresh_folder();
   write_fclib(folder / "good.hdf5", small_mixed());
   const std::string good = content_of(folder / "good.hdf5");

@@ -27,7 +27,7 @@ TEST(ProximalNewton, SolvesTheCompliantProblem) {
     const auto inverse = invert_mass(problem.M);
     const auto bodies = make_delassus(problem, *inverse), contacts = make_delassus(local);
     for (Delassus* W : {bodies.get(), contacts.get()}) {
-      const ProximalStep step = proximal_step(*W, judged(*W, VecX::Zero(30), Method::automatic), alpha);
+      const ProximalStep step = proximal_step(*W, judged(*W, VecX::Zero(30), Method::automatic), alpha, 1e-9);
       EXPECT_TRUE(step.solved) << "seed " << seed;
       const VecX r = W->scaled.size * W->scaled.s.cwiseProduct(step.r);
       EXPECT_LE((r - reference.r).norm(), 1e-8 * reference.r.norm()) << "seed " << seed;
@@ -44,7 +44,7 @@ TEST(ProximalNewton, LeavesASolutionWhereItIs) {
   const auto W = make_delassus(problem, *inverse);
   const Iterate solution = judged(*W, scaled_start(W->scaled, s.r), Method::automatic);
   for (const double alpha : {1e-3, 1.0, 1e3})
-    EXPECT_LT((proximal_step(*W, solution, alpha).r - solution.r).norm(), 1e-8 * solution.r.norm())
+    EXPECT_LT((proximal_step(*W, solution, alpha, 1e-9).r - solution.r).norm(), 1e-8 * solution.r.norm())
         << "alpha " << alpha;
 }
 
@@ -82,7 +82,7 @@ TEST_P(PegInHole, IsSolvedEveryTime) {
     return x[1980];
   };
   EXPECT_GT(by_newton, 1500);  // the sample is hyperstatic indeed
-  EXPECT_LE(percentile_99(sweeps), 20);
+  EXPECT_LE(percentile_99(sweeps), 100);
   EXPECT_LE(percentile_99(newton), 100);
 }
 INSTANTIATE_TEST_SUITE_P(Tolerances, PegInHole, ::testing::Values(1e-8, 1e-12));
