@@ -18,7 +18,7 @@ namespace {
 
 struct Arguments {
   std::vector<std::filesystem::path> files{};
-  std::string solver = "auto", local = "hybrid", start = "zero";
+  std::string solver = "auto", local = "hybrid", model = "coulomb", prox = "blocks", start = "zero";
   double tolerance = 1e-8, relaxation = 1;
   int max_iterations = SolverOptions{}.max_iterations, anderson = 0, repeat = 1;
   std::filesystem::path json{}, save{};
@@ -32,16 +32,23 @@ LocalSolver local_named(const std::string& name) {
                                    : LocalSolver::hybrid;
 }
 
+ProxMetric metric_named(const std::string& name) {
+  return name == "split" ? ProxMetric::split : name == "spectral" ? ProxMetric::spectral : ProxMetric::blocks;
+}
+
 ExitCode solve_all(const Arguments& a) {
-  const RunOptions options{.solver = {.method = method_named(a.solver),
-                                      .tolerance = a.tolerance,
-                                      .max_iterations = a.max_iterations,
-                                      .relaxation = a.relaxation,
-                                      .local = local_named(a.local),
-                                      .anderson = a.anderson},
-                           .start = start_named(a.start),
-                           .repeat = a.repeat,
-                           .save = a.save};
+  const RunOptions options{
+      .solver = {.method = method_named(a.solver),
+                 .model = a.model == "convex_cone" ? FrictionModel::convex_cone : FrictionModel::coulomb,
+                 .tolerance = a.tolerance,
+                 .max_iterations = a.max_iterations,
+                 .relaxation = a.relaxation,
+                 .local = local_named(a.local),
+                 .prox = metric_named(a.prox),
+                 .anderson = a.anderson},
+      .start = start_named(a.start),
+      .repeat = a.repeat,
+      .save = a.save};
   validate(options.solver);
   const std::vector<std::filesystem::path> files = problem_files(a.files);
   if (a.json.has_parent_path()) std::filesystem::create_directories(a.json.parent_path());
@@ -95,7 +102,11 @@ int main(int argc, char** argv) {
   cli.option("--max-iterations", a.max_iterations, "sweeps or steps of the method", "", {1, 1e9});
   cli.choice("--local", a.local, "how nsgs solves one contact",
              {"hybrid", "enumerative", "alart_curnier", "projection"});
-  cli.option("--relaxation", a.relaxation, "of nsgs, sor_prox, jor_prox, inside (0, 2)", "-", {1e-3, 1.999});
+  cli.choice("--model", a.model, "convex_cone: without De Saxce's term, what slips lifts off",
+             {"coulomb", "convex_cone"});
+  cli.choice("--prox", a.prox, "R of sor_prox and jor_prox", {"blocks", "split", "spectral"});
+  cli.option("--relaxation", a.relaxation, "of nsgs, sor_prox, jor_prox, admm, inside (0, 2)", "-",
+             {1e-3, 1.999});
   cli.option("--anderson", a.anderson, "iterates that Anderson acceleration combines; 0: none", "", {0, 20});
   cli.group("output");
   cli.option("--json", a.json, "write a list with an object per problem to this file");

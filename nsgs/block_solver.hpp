@@ -3,15 +3,8 @@
 // scaled rows. Private to nsgs: sweeps call it once per block.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-
-#include <Eigen/LU>
-#include <Eigen/QR>
-
 #include "nsgs/law.hpp"
 #include "nsgs/one_contact.hpp"
-#include "nsgs/slip_directions.hpp"
 
 namespace aussois {
 
@@ -25,25 +18,7 @@ struct Block {
 };
 
 template <int R>
-Block<R> prepare_block(const RowBlock<R>& W, const Law& law) {
-  Block<R> block{.W = W, .rho = Rows<R>::Constant(W.rows(), 1 / W(0, 0))};
-  block.norm = W.norm();
-  if constexpr (R == Eigen::Dynamic || R > 4)
-    block.inverse = W.partialPivLu().inverse();
-  else
-    block.inverse = W.inverse();
-  block.regular = block.inverse.allFinite();
-  for (const Ball& ball : balls(law)) {
-    double bound = 0;  // of the eigenvalues of its rows
-    for (int i = ball.first; i < ball.first + ball.rows; ++i) {
-      double sum = 0;
-      for (int j = ball.first; j < ball.first + ball.rows; ++j) sum += std::abs(W(i, j));
-      bound = std::max(bound, sum);
-    }
-    for (int i = ball.first; i < ball.first + ball.rows; ++i) block.rho[i] = 1 / std::max(bound, 1e-300);
-  }
-  return block;
-}
+Block<R> prepare_block(const RowBlock<R>& W, const Law& law);
 
 template <int R>
 struct BlockSolution {
@@ -51,144 +26,10 @@ struct BlockSolution {
   bool solved = true, fail_safe = false;
 };
 
-namespace block_detail {
-
-constexpr double kTolerance = 3e-14;  // a few roundings of W r + q (ONE-6)
-constexpr int kNewtonSteps = 20;
-
-template <int R>
-struct Candidate {
-  Rows<R> r{};
-  double wrong = kInf;
-  bool good = false;
-};
-
-template <int R>
-Candidate<R> judged(const Block<R>& block, const Rows<R>& q, const Law& law, const Rows<R>& r) {
-  const Rows<R> u = block.W * r + q;
-  const double wrong = (r - project<R>(law, r - modified_velocity<R>(law, u))).norm();
-  const double size = q.norm();
-  const double allowed = std::min(kTolerance * (size + block.norm * r.norm()), 1e-6 * size);
-  return {r, std::isfinite(wrong) ? wrong : kInf, wrong <= allowed};
-}
-
-// r = answer(r - rho u) by Newton (ONE-2).
-template <int R>
-Candidate<R> newton(const Block<R>& block, const Rows<R>& q, const Law& law, const Rows<R>& start) {
-  Candidate<R> best = judged<R>(block, q, law, start);
-  Rows<R> r = start;
-  const auto n = start.size();
-  const RowBlock<R> I_minus_rho_W = RowBlock<R>::Identity(n, n) - block.rho.asDiagonal() * block.W;
-  for (int step = 0; step < kNewtonSteps && !best.good; ++step) {
-    const Rows<R> y = I_minus_rho_W * r - block.rho.cwiseProduct(q);
-    const RowBlock<R> J = RowBlock<R>::Identity(n, n) - answer_derivative<R>(law, y) * I_minus_rho_W;
-    const Rows<R> wrong = r - answer<R>(law, y);
-    if constexpr (R != Eigen::Dynamic && R <= 4)
-      r -= J.inverse() * wrong;
-    else
-      r -= J.partialPivLu().solve(wrong);
-    if (!r.allFinite()) break;
-    const Candidate<R> now = judged<R>(block, q, law, r);
-    if (now.wrong < best.wrong) best = now;
-  }
-  return best;
-}
-
-// Newton on blocks made easier by a compliance about the last answer, less of it each time (ONE-9).
-template <int R>
-Candidate<R> proximal(const Block<R>& block, const Rows<R>& q, const Law& law, const Rows<R>& start) {
-  Candidate<R> best = judged<R>(block, q, law, start);
-  Rows<R> center = start;
-  const auto n = start.size();
-  for (double alpha = 10; alpha > 1e-12 && !best.good; alpha /= 4) {
-    const Block<R> softer = prepare_block<R>(block.W + alpha * RowBlock<R>::Identity(n, n), law);
-    const Candidate<R> found = newton<R>(softer, q - alpha * center, law, center);
-    if (!found.r.allFinite()) break;
-    center = found.r;
-    const Candidate<R> now = judged<R>(block, q, law, center);
-    if (now.wrong < best.wrong) best = now;
-  }
-  return best;
-}
-
-// Stick, slip by the roots of the quartic, and the best of all polished by Newton.
-inline Candidate<3> enumerated(const Block<3>& block, const Vec3& q, const Law& law) {
-  const Vec3 stick = Eigen::FullPivLU<Mat3>(block.W).solve(-q);
-  Candidate<3> best = judged<3>(block, q, law, stick);
-  if (best.good) return best;
-  const SlipCandidates slips = slip_candidates(block.W, q, law.mu);
-  for (int i = 0; i < slips.count; ++i)
-    if (const Candidate<3> now = judged<3>(block, q, law, slips.r[std::size_t(i)]); now.wrong < best.wrong)
-      best = now;
-  if (best.good || !best.r.allFinite()) return best;
-  const Candidate<3> polished = newton<3>(block, q, law, best.r);
-  return polished.wrong < best.wrong ? polished : best;
-}
-
-// A planar contact slips one way or the other (ONE-8).
-inline Candidate<2> slip_2d(const Block<2>& block, const Rows<2>& q, const Law& law) {
-  Candidate<2> best{.r = Rows<2>::Zero()};
-  for (const double side : {-1.0, 1.0}) {
-    const double normal = -q[0] / (block.W(0, 0) + side * law.mu * block.W(0, 1));
-    if (!(normal >= 0) || !std::isfinite(normal)) continue;
-    const Candidate<2> now = judged<2>(block, q, law, {normal, side * law.mu * normal});
-    if (now.wrong < best.wrong) best = now;
-  }
-  return best;
-}
-
-}  // namespace block_detail
-
 /// Separation goes before stick and stick before slip. `solved` is false if no candidate meets (ONE-6); r is
 /// then the best one.
 template <int R>
 BlockSolution<R> solve_block(const Block<R>& block, const Rows<R>& q, const Law& law, const Rows<R>& start,
-                             LocalSolver solver) {
-  using namespace block_detail;
-  const auto n = q.size();
-  if (has_normal(law)) {
-    if (q[0] >= 0) return {Rows<R>::Zero(n)};
-    if (law.kind == LawKind::unilateral) return {Rows<R>::Constant(n, -q[0] / block.W(0, 0))};
-  }
-  if (law.kind == LawKind::dry_friction)
-    return {Rows<R>::Constant(n, std::clamp(-q[0] / block.W(0, 0), -law.limit, law.limit))};
-  if (solver == LocalSolver::projection) {
-    const Rows<R> u = modified_velocity<R>(law, Rows<R>(block.W * start + q));
-    const Rows<R> r = project<R>(law, start - block.rho.minCoeff() * u);
-    return {r, judged<R>(block, q, law, r).good};
-  }
-  if (block.regular && solver != LocalSolver::alart_curnier) {
-    const Rows<R> stick = -block.inverse * q;
-    if (answer<R>(law, stick) == stick && judged<R>(block, q, law, stick).good) return {stick};  // (ONE-7)
-  }
-  if (law.kind == LawKind::bilateral) {
-    const Rows<R> r = MatX(block.W).completeOrthogonalDecomposition().solve(VecX(-q));
-    return {r, judged<R>(block, q, law, r).good};
-  }
-  Candidate<R> found{.r = Rows<R>::Zero(n)};
-  if constexpr (R == 2) {
-    found = slip_2d(block, q, law);
-    if (found.good) return {found.r};
-  }
-  if (solver != LocalSolver::enumerative || R != 3) {
-    Rows<R> from = start;
-    if (!(start[0] > 0)) {  // the frictionless answer
-      from.setZero();
-      from[0] = -q[0] / block.W(0, 0);
-    }
-    const Candidate<R> by_newton = newton<R>(block, q, law, answer<R>(law, from));
-    if (by_newton.wrong < found.wrong) found = by_newton;
-  }
-  if (found.good || solver == LocalSolver::alart_curnier) return {found.r, found.good};
-  const bool fail_safe = solver == LocalSolver::hybrid;
-  if constexpr (R == 3) {
-    const Candidate<R> now = enumerated(block, q, law);
-    if (now.wrong < found.wrong) found = now;
-  } else {
-    const Candidate<R> now = proximal<R>(block, q, law, answer<R>(law, start));
-    if (now.wrong < found.wrong) found = now;
-  }
-  return {found.r, found.good, fail_safe};
-}
+                             LocalSolver solver);
 
 }  // namespace aussois

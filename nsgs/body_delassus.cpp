@@ -151,7 +151,7 @@ class BodyDelassus final : public Delassus {
   double size(const VecX& row) const override { return std::sqrt(row.cwiseAbs2().dot(weight_)); }
   double newton_cost(const VecX&) override {
     const double n = double(v_.size()), arms = double(arms_.size()), contacts = count(),
-                 sweep = contacts * 300 + 12 * arms,  // the blocks' own solves, and velocities
+                 sweep = contacts * 80 + 12 * arms,  // the blocks' own solves, and velocities
         assembly = 6 * arms * arms / contacts;
     if (is_dense()) return (2 * n * n * n / 3 + assembly) / sweep + 1;
     if (!sparse_cost_) {

@@ -3,9 +3,9 @@
 
 #include <memory>
 
+#include <Eigen/KLUSupport>
 #include <Eigen/LU>
 #include <Eigen/SparseCholesky>
-#include <Eigen/SparseLU>
 
 namespace aussois {
 
@@ -30,7 +30,7 @@ bool is_symmetric(const SparseMatrix& A) {
 LinearSolve factorised(const SparseMatrix& A) {
   if (A.rows() > kDenseSize)
     return is_symmetric(A) ? solve_with<Eigen::SimplicialLDLT<SparseMatrix>>(A)
-                           : solve_with<Eigen::SparseLU<SparseMatrix>>(A);
+                           : solve_with<Eigen::KLU<SparseMatrix>>(A);
   const auto factor = std::make_shared<Eigen::PartialPivLU<MatX>>(MatX(A));
   const auto pivots = factor->matrixLU().diagonal().array();
   if (!((pivots.abs() > 0).all() && pivots.isFinite().all())) return {};

@@ -6,7 +6,7 @@
 
 namespace aussois {
 
-/// Dense LU up to 150 rows, then sparse LDL^T of a symmetric matrix, else sparse LU. Empty if A is singular
+/// Dense LU up to 150 rows, then sparse LDL^T of a symmetric matrix, else KLU. Empty if A is singular
 /// or not finite. A symmetric A must be definite.
 LinearSolve factorised(const SparseMatrix& A);
 

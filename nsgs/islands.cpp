@@ -85,9 +85,13 @@ std::vector<Island> islands(const FrictionProblem& problem) {
   std::vector<Island> out;
   for (const int dof : dof_of_block)
     if (dof >= 0) island_of[std::size_t(groups.root(dof))] = 0;
+  Island free;
   for (int i = 0; i < int(problem.f.size()); ++i) {
     const auto root = std::size_t(groups.root(i));
-    if (island_of[root] < 0) continue;
+    if (island_of[root] < 0) {
+      free.dofs.push_back(i);
+      continue;
+    }
     if (int(root) == i) {  // comes before the others of its group
       island_of[root] = int(out.size());
       out.emplace_back();
@@ -95,15 +99,19 @@ std::vector<Island> islands(const FrictionProblem& problem) {
     out[std::size_t(island_of[root])].dofs.push_back(i);
   }
   for (std::size_t c = 0; c < problem.laws.size(); ++c) {
-    if (dof_of_block[c] < 0) return {};  // a block that nothing moves: its own trouble, told by the solver
-    Island& island = out[std::size_t(island_of[std::size_t(groups.root(dof_of_block[c]))])];
+    if (dof_of_block[c] < 0) out.emplace_back();  // nothing moves it: its own trouble, told by the solver
+    Island& island = dof_of_block[c] < 0
+                         ? out.back()
+                         : out[std::size_t(island_of[std::size_t(groups.root(dof_of_block[c]))])];
     island.blocks.push_back(int(c));
     for (int j = first[c]; j < first[c + 1]; ++j) island.rows.push_back(j);
   }
   for (std::size_t j = 0; j < dof_of_joint.size(); ++j)
-    if (dof_of_joint[j] >= 0)
-      if (const int i = island_of[std::size_t(groups.root(dof_of_joint[j]))]; i >= 0)
-        out[std::size_t(i)].joints.push_back(int(j));
+    if (dof_of_joint[j] >= 0) {
+      const int i = island_of[std::size_t(groups.root(dof_of_joint[j]))];
+      (i < 0 ? free : out[std::size_t(i)]).joints.push_back(int(j));
+    }
+  if (!free.dofs.empty()) out.push_back(std::move(free));
   return out;
 }
 

@@ -110,6 +110,12 @@ void stretch_in(const Ball& ball, double factor, Rows<R>& y) {
   for (int i = ball.first; i < ball.first + ball.rows; ++i) y[i] *= factor;
 }
 
+/// Which law between impulses and velocities.
+enum class FrictionModel : std::uint8_t {
+  coulomb,      // with De Saxce's term: what slips does not lift off
+  convex_cone,  // without: a convex problem, the model of Chrono and MuJoCo; what slips lifts off at mu |u_T|
+};
+
 /// De Saxce's modified velocity (LAW-4): u_N grows by mu |u_T| for every ball.
 template <int R>
 Rows<R> modified_velocity(const Law& law, Rows<R> u) {

@@ -162,7 +162,7 @@ class LocalDelassus final : public Delassus {
   }
   double size(const VecX& row) const override { return row.norm(); }
   double newton_cost(const VecX& r) override {
-    double sweep = 300.0 * count();  // the blocks' own solves
+    double sweep = 80.0 * count();  // the blocks' own solves
     for (const RowBlock<R>& block : rows_.block) sweep += 2 * double(block.size());
     CompressedColumns J =
         newton_matrix(closed_blocks([&](int c) { return !r.segment<R>(at(c), rows(c)).isZero(0); }),

@@ -27,11 +27,33 @@ class JudgeSchedule {
   int next_ = 1;
 };
 
+/// The best iterate met, and when to give up (FIX-2).
+class BestSoFar {
+ public:
+  explicit BestSoFar(const Iterate& start, int patience = 1000)
+      : best_(start), halved_(start.residual), patience_(patience) {}
+  const Iterate& iterate() const { return best_; }
+  /// Takes in what the judge said after a step. True: the method ends, and `status` says how.
+  bool ends(const Iterate& now, int step, double tolerance, SolveStatus& status);
+
+ private:
+  Iterate best_;
+  double halved_;
+  int halved_at_ = 0, patience_;
+};
+
+/// By options.method.
+Iterate run(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
+
 Iterate nsgs(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
 Iterate sor_prox(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
 Iterate jor_prox(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
 Iterate coulomb_pgs(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
 Iterate proximal_newton(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
+Iterate admm(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
+Iterate projected_gradient(Delassus& W, const Iterate& start, const SolverOptions& options,
+                           SolveReport& report);
+Iterate interior_point(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
 Iterate automatic(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
 
 }  // namespace aussois

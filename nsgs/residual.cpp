@@ -41,11 +41,11 @@ VecX row_scales(const VecX& diagonal, const std::vector<Law>& laws) {
   return w;
 }
 
-double scaled_residual(const LocalProblem& problem, const VecX& r) {
+double scaled_residual(const LocalProblem& problem, const VecX& r, FrictionModel model) {
   const Scaling scaled = scaling(problem.W.diagonal(), problem.q, problem.laws);
   const VecX u = problem.W * r + problem.q;
   return natural_map(u.cwiseProduct(scaled.s) / scaled.size, r.cwiseQuotient(scaled.s) / scaled.size,
-                     scaled.laws);
+                     scaled.laws, model);
 }
 
 PhysicalResidual physical_residual(const VecX& u, const VecX& r, const std::vector<Law>& laws) {

@@ -28,7 +28,8 @@ VecX row_scales(const VecX& diagonal, const std::vector<Law>& laws);
 /// The natural map after r_i sqrt(w_i), u_i / sqrt(w_i) relative to the scaled |q| (NSGS-9): free of units
 /// and masses. The stopping test of every solver. 0 for a problem without contacts or with q = 0 and r = 0;
 /// NaN if anything is.
-double scaled_residual(const LocalProblem& problem, const VecX& r);
+double scaled_residual(const LocalProblem& problem, const VecX& r,
+                       FrictionModel model = FrictionModel::coulomb);
 
 /// A contact counts as slipping where |u_T| exceeds 1e-9 of the largest |u| and r_N 1e-9 of the largest |r|.
 PhysicalResidual physical_residual(const VecX& u, const VecX& r, const std::vector<Law>& laws);

@@ -53,13 +53,26 @@ Scaling scaling(const VecX& diagonal, const VecX& q, const std::vector<Law>& law
   return out;
 }
 
-double natural_map(const VecX& u, const VecX& r, const std::vector<Law>& laws) {
+VecX modified_velocities(VecX u, const std::vector<Law>& laws) {
+  with_rows(laws, [&]<int R>() {
+    Eigen::Index k = 0;
+    for (const Law& law : laws) {
+      u.segment<R>(k, law.rows) = modified_velocity<R>(law, u.segment<R>(k, law.rows));
+      k += law.rows;
+    }
+  });
+  return u;
+}
+
+double natural_map(const VecX& u, const VecX& r, const std::vector<Law>& laws, FrictionModel model) {
   return with_rows(laws, [&]<int R>() {
     double wrong = 0;
     Eigen::Index k = 0;
     for (const Law& law : laws) {
-      const Rows<R> r_c = r.segment<R>(k, law.rows), u_c = u.segment<R>(k, law.rows);
-      wrong += (r_c - project<R>(law, r_c - modified_velocity<R>(law, u_c))).squaredNorm();
+      const Rows<R> r_c = r.segment<R>(k, law.rows);
+      Rows<R> u_c = u.segment<R>(k, law.rows);
+      if (model == FrictionModel::coulomb) u_c = modified_velocity<R>(law, u_c);
+      wrong += (r_c - project<R>(law, r_c - u_c)).squaredNorm();
       k += law.rows;
     }
     return std::sqrt(wrong);

@@ -12,14 +12,18 @@ struct Scaling {
   double size = 1;          // |q / sqrt(w)|; 1 if that is 0
   std::vector<Law> laws{};  // with the radii that the scaled rows have
   VecX q{};                 // scaled
-  bool finite = true;       // false: nothing of it may be used
+  FrictionModel model = FrictionModel::coulomb;
+  bool finite = true;  // false: nothing of it may be used
 };
 
 /// From the diagonal of W, q and the laws.
 Scaling scaling(const VecX& diagonal, const VecX& q, const std::vector<Law>& laws);
 
-/// |r - P(r - modified velocity)| of scaled quantities.
-double natural_map(const VecX& u, const VecX& r, const std::vector<Law>& laws);
+/// u with De Saxce's term of every block (LAW-4).
+VecX modified_velocities(VecX u, const std::vector<Law>& laws);
+/// |r - P(r - modified velocity)| of scaled quantities; of the convex cone model |r - P(r - u)|.
+double natural_map(const VecX& u, const VecX& r, const std::vector<Law>& laws,
+                   FrictionModel model = FrictionModel::coulomb);
 /// Every block projected on the set of its law.
 VecX projected(VecX r, const std::vector<Law>& laws);
 /// The start, scaled, in the sets of the laws; zero if `r0` is empty.

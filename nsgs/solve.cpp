@@ -2,56 +2,138 @@
 #include "nsgs/solve.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
 #include "geometry/check.hpp"
+#include "nsgs/islands.hpp"
 #include "nsgs/method.hpp"
 
 namespace aussois {
 
 namespace {
 
-using MethodFunction = Iterate (*)(Delassus&, const Iterate&, const SolverOptions&, SolveReport&);
-struct MethodEntry {
-  Method method;
-  const char* name;
-  MethodFunction run;
-};
-constexpr std::array kMethods{
-    MethodEntry{Method::automatic, "auto", automatic},
-    MethodEntry{Method::nsgs, "nsgs", nsgs},
-    MethodEntry{Method::sor_prox, "sor_prox", sor_prox},
-    MethodEntry{Method::jor_prox, "jor_prox", jor_prox},
-    MethodEntry{Method::coulomb_pgs, "coulomb_pgs", coulomb_pgs},
-    MethodEntry{Method::proximal_newton, "proximal_newton", proximal_newton},
+constexpr double kNoise = 1e-6;  // an island with less of the whole |q| is solved to that much of it only
+
+// One island, or a problem without others: its operator, its start and, with bodies, their motion.
+template <class Problem>
+struct Part {
+  Island island{};
+  Problem problem{};
+  VecX r0{};
+  std::optional<MotionInverse> inverse{};  // of bodies; nothing if M is singular
+  std::unique_ptr<Delassus> W{};           // nothing without contacts, or without `inverse`
 };
 
-const MethodEntry& entry(Method method) {
-  return *std::find_if(kMethods.begin(), kMethods.end(),
-                       [&](const MethodEntry& e) { return e.method == method; });
+void open(Part<LocalProblem>& part) {
+  if (!part.problem.laws.empty()) part.W = make_delassus(part.problem);
 }
 
-FrictionSolution solve(Delassus& W, const VecX& r0, const SolverOptions& options) {
-  FrictionSolution out;
+void open(Part<FrictionProblem>& part) {
+  const FrictionProblem& problem = part.problem;
+  part.inverse = invert_motion(problem.M, problem.G);
+  if (!part.inverse || problem.laws.empty()) return;
+  const bool few_contacts = problem.f.size() > 2 * problem.w.size();
+  const bool condensed =
+      part.inverse->mass.factor || part.inverse->joints || problem.R.size() > 0 || few_contacts;
+  part.W = condensed ? make_delassus(condense(problem, *part.inverse))
+                     : make_delassus(problem, part.inverse->mass);
+}
+
+// The size of the scaled q; not a number if anything is not finite.
+template <class Problem>
+double size(const Part<Problem>& part) {
+  if constexpr (std::is_same_v<Problem, FrictionProblem>)
+    if (!part.inverse) return std::nan("");
+  if (!part.W) return 0;
+  return part.W->scaled.finite && part.r0.allFinite() ? part.W->scaled.size * part.W->scaled.q.norm()
+                                                      : std::nan("");
+}
+
+struct Solved {
+  VecX r{}, u{};
+  SolveReport report{};
+};
+
+Solved solve_rows(Delassus& W, const VecX& r0, const SolverOptions& options) {
+  Solved out;
+  W.scaled.model = options.model;
   const Scaling& scaled = W.scaled;
-  const Eigen::Index rows = scaled.s.size();
-  if (!scaled.finite || !r0.allFinite()) {
-    out.r = VecX::Zero(rows);
-    out.report = {.status = SolveStatus::not_finite, .residual = kInf};
-    return out;
-  }
   Iterate start = judged(W, scaled_start(scaled, {}), options.method);
   if (r0.size() > 0)
     if (Iterate warm = judged(W, scaled_start(scaled, r0), options.method); warm.residual < start.residual)
       start = std::move(warm);
   const Iterate best =
-      start.residual <= options.tolerance ? start : entry(options.method).run(W, start, options, out.report);
+      start.residual <= options.tolerance ? start : run(W, start, options, out.report);
   out.report.residual = best.residual;
+  out.report.coulomb_residual = natural_map(best.u, best.r, scaled.laws);
   out.report.found_by = best.by;
   out.r = scaled.size * scaled.s.cwiseProduct(best.r);
   out.u = scaled.size * best.u.cwiseQuotient(scaled.s);
+  return out;
+}
+
+// Reports of islands make one: the worst status, the longest iteration, all work, and the residual of the
+// whole.
+void add(SolveReport& total, const SolveReport& part, double share) {
+  total.status = std::max(total.status, part.status);
+  total.iterations = std::max(total.iterations, part.iterations);
+  total.newton_iterations += part.newton_iterations;
+  total.local_failures += part.local_failures;
+  total.local_fail_safes += part.local_fail_safes;
+  total.residual = std::hypot(total.residual, share * part.residual);
+  total.coulomb_residual = std::hypot(total.coulomb_residual, share * part.coulomb_residual);
+}
+
+void put(const VecX& part, const std::vector<int>& rows, VecX& whole) {
+  for (std::size_t i = 0; i < rows.size(); ++i) whole[rows[i]] = part[Eigen::Index(i)];
+}
+
+void put_motion(const Part<LocalProblem>&, const VecX&, FrictionSolution&) {}
+void put_motion(const Part<FrictionProblem>& part, const VecX& r, FrictionSolution& out) {
+  if (!part.inverse) return;
+  const JointedMotion moved = motion(part.problem, *part.inverse, r);
+  put(moved.v, part.island.dofs, out.v);
+  put(moved.lambda, part.island.joints, out.lambda);
+}
+
+template <class Problem>
+FrictionSolution solve_islands(const Problem& problem, const VecX& r0, const SolverOptions& options,
+                               FrictionSolution out) {
+  std::vector<Part<Problem>> parts;
+  std::vector<int> scratch;
+  for (Island& island : islands(problem)) {
+    Part<Problem>& now = parts.emplace_back();
+    now.problem = part(problem, island, scratch);
+    if (r0.size() > 0) now.r0 = r0(island.rows);
+    now.island = std::move(island);
+    open(now);
+  }
+  double whole = 0;
+  for (const Part<Problem>& now : parts)
+    if (const double q = size(now); std::isfinite(q)) whole = std::hypot(whole, q);
+  std::size_t largest = 0;
+  for (Part<Problem>& now : parts) {
+    const double q = size(now);
+    if (!std::isfinite(q)) {
+      add(out.report, {.status = SolveStatus::not_finite, .residual = kInf, .coulomb_residual = kInf}, 1);
+      continue;
+    }
+    Solved solved{.r = VecX::Zero(Eigen::Index(now.island.rows.size()))};
+    if (now.W) {
+      SolverOptions own = options;
+      if (q > 0) own.tolerance = std::min(options.tolerance * std::max(1.0, kNoise * whole / q), 1.0);
+      solved = solve_rows(*now.W, now.r0, own);
+      add(out.report, solved.report, whole > 0 ? q / whole : 1);
+      if (now.island.blocks.size() > largest) {
+        largest = now.island.blocks.size();
+        out.report.found_by = solved.report.found_by;
+      }
+      put(solved.u, now.island.rows, out.u);
+    }
+    put(solved.r, now.island.rows, out.r);
+    put_motion(now, solved.r, out);
+  }
   return out;
 }
 
@@ -60,95 +142,24 @@ void validate_start(const VecX& r0, Eigen::Index rows) {
   require_field(r0.size() == 0 || r0.size() == rows, "r0.size()", r0.size(), bound.c_str());
 }
 
-FrictionSolution nothing_finite(const FrictionProblem& problem) {
-  FrictionSolution solution{.v = VecX::Zero(problem.f.size()),
-                            .u = problem.w,
-                            .r = VecX::Zero(problem.w.size()),
-                            .lambda = VecX::Zero(problem.b.size())};
-  solution.report = {.status = SolveStatus::not_finite, .residual = kInf};
-  return solution;
-}
-
 }  // namespace
-
-bool JudgeSchedule::due(int iteration, double change, double tolerance) {
-  if (iteration < next_ && change > tolerance) return false;
-  next_ = iteration + 1 + iteration / 5;
-  return true;
-}
-
-Iterate judged(Delassus& W, VecX r, Method by) {
-  Iterate iterate{.r = std::move(r), .by = by};
-  iterate.u = W.velocity(iterate.r);
-  const double residual = natural_map(iterate.u, iterate.r, W.scaled.laws);
-  iterate.residual = std::isfinite(residual) ? residual : kInf;
-  return iterate;
-}
-
-const char* to_string(Method method) {
-  return entry(method).name;
-}
-
-Method method_named(const std::string& name) {
-  std::string names;
-  for (const MethodEntry& e : kMethods) {
-    if (name == e.name) return e.method;
-    names += (names.empty() ? "" : ", ") + std::string(e.name);
-  }
-  throw std::invalid_argument("solver = " + name + " must be one of " + names);
-}
-
-const char* to_string(SolveStatus status) {
-  switch (status) {
-    case SolveStatus::converged:
-      return "converged";
-    case SolveStatus::stagnated:
-      return "stagnated";
-    case SolveStatus::max_iterations:
-      return "max_iterations";
-    case SolveStatus::not_finite:
-      return "not_finite";
-  }
-  return "unknown";
-}
-
-void validate(const SolverOptions& options) {
-  require_field(options.tolerance > 0 && options.tolerance < 1, "SolverOptions::tolerance", options.tolerance,
-                "lie in (0, 1)");
-  require_field(options.max_iterations >= 1, "SolverOptions::max_iterations", options.max_iterations,
-                "be >= 1");
-  require_field(options.relaxation > 0 && options.relaxation < 2, "SolverOptions::relaxation",
-                options.relaxation, "lie in (0, 2)");
-  require_field(options.anderson >= 0 && options.anderson <= 20, "SolverOptions::anderson", options.anderson,
-                "lie in [0, 20]");
-}
 
 FrictionSolution solve(const LocalProblem& problem, const VecX& r0, const SolverOptions& options) {
   validate(problem);
   validate(options);
   validate_start(r0, problem.q.size());
-  const std::unique_ptr<Delassus> W = make_delassus(problem);
-  FrictionSolution solution = solve(*W, r0, options);
-  if (solution.u.size() == 0) solution.u = problem.q;
-  return solution;
+  return solve_islands(problem, r0, options, {.u = problem.q, .r = VecX::Zero(problem.q.size())});
 }
 
 FrictionSolution solve(const FrictionProblem& problem, const VecX& r0, const SolverOptions& options) {
   validate(problem);
   validate(options);
   validate_start(r0, problem.w.size());
-  const std::optional<MotionInverse> inverse = invert_motion(problem.M, problem.G);
-  if (!inverse) return nothing_finite(problem);
-  const bool few_contacts = problem.f.size() > 2 * problem.w.size();
-  const bool condensed = inverse->mass.factor || inverse->joints || problem.R.size() > 0 || few_contacts;
-  const std::unique_ptr<Delassus> W =
-      condensed ? make_delassus(condense(problem, *inverse)) : make_delassus(problem, inverse->mass);
-  FrictionSolution solution = solve(*W, r0, options);
-  JointedMotion moved = motion(problem, *inverse, solution.r);
-  solution.v = std::move(moved.v);
-  solution.lambda = std::move(moved.lambda);
-  if (solution.u.size() == 0) solution.u = problem.w;
-  return solution;
+  return solve_islands(problem, r0, options,
+                       {.v = VecX::Zero(problem.f.size()),
+                        .u = problem.w,
+                        .r = VecX::Zero(problem.w.size()),
+                        .lambda = VecX::Zero(problem.b.size())});
 }
 
 }  // namespace aussois

@@ -17,7 +17,7 @@ enum class Method {
   coulomb_pgs,         // sor_prox with one step size per block and part, as engines do it (prox.md)
   proximal_newton,     // semismooth Newton inside proximal steps (proximal_newton.md)
   admm,                // splitting with a spectral penalty (admm.md)
-  projected_gradient,  // accelerated, of the convex cone model (projected_gradient.md)
+  projected_gradient,  // accelerated, by convex problems (projected_gradient.md)
   interior_point,      // with Nesterov-Todd scaling (interior_point.md)
 };
 const char* to_string(Method method);
@@ -31,21 +31,22 @@ enum class ProxMetric {
   spectral,  // 1 / largest eigenvalue of the whole block
 };
 
-enum class SolveStatus {
+enum class SolveStatus {  // from good to bad: of islands the worst counts
   converged,       // the residual is within the tolerance
-  stagnated,       // it no longer falls, and nothing else helped: limit cycle, or no solution
   max_iterations,  // the iterations are used up
+  stagnated,       // it no longer falls, and nothing else helped: limit cycle, or no solution
   not_finite,      // a number of the problem or iteration is not finite, M is singular, or a block of W zero
 };
 const char* to_string(SolveStatus status);
 
 struct SolverOptions {
   Method method = Method::automatic;
-  double tolerance = 1e-8;                  // on the scaled residual [-], in (0, 1)
-  int max_iterations = 10000;               // sweeps or steps of the method, >= 1
-  double relaxation = 1.0;                  // of nsgs, sor_prox, jor_prox, in (0, 2)
-  LocalSolver local = LocalSolver::hybrid;  // of nsgs
-  ProxMetric prox = ProxMetric::blocks;     // of sor_prox, jor_prox
+  FrictionModel model = FrictionModel::coulomb;  // convex_cone: admm, projected_gradient, interior_point
+  double tolerance = 1e-8;                       // on the scaled residual [-], in (0, 1)
+  int max_iterations = 10000;                    // sweeps or steps of the method, >= 1
+  double relaxation = 1.0;                       // of nsgs, sor_prox, jor_prox, admm, in (0, 2)
+  LocalSolver local = LocalSolver::hybrid;       // of nsgs
+  ProxMetric prox = ProxMetric::blocks;          // of sor_prox, jor_prox
   int anderson =
       0;  // iterates that Anderson acceleration of nsgs, sor_prox, jor_prox, admm combines, in [0, 20]
 };
@@ -56,9 +57,10 @@ struct SolveReport {
   Method found_by = Method::automatic;  // the phase that the returned iterate comes from
   int iterations = 0;                   // sweeps or steps
   int newton_iterations = 0;            // linear solves of Newton phases
-  double residual = 0;                  // scaled_residual of what is returned (NSGS-9)
-  int local_failures = 0;               // one-block problems that no local method solved to its tolerance
-  int local_fail_safes = 0;             // those that Newton gave to its fail-safe
+  double residual = 0;          // scaled_residual of what is returned (NSGS-9), of the model asked for
+  double coulomb_residual = 0;  // of Coulomb's law, whatever the model
+  int local_failures = 0;       // one-block problems that no local method solved to its tolerance
+  int local_fail_safes = 0;     // those that Newton gave to its fail-safe
 };
 
 struct FrictionSolution {

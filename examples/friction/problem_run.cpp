@@ -70,7 +70,7 @@ FclibValues run_on(const Problem& problem, const VecX& r0, const RunOptions& opt
   if (solution.report.status == SolveStatus::not_finite) return {};
   const LocalProblem& judged = condensed(problem);  // u from r alone: the solver's own u is not asked
   run.natural_map_residual = natural_map_residual(judged, solution.r);
-  run.scaled_residual = scaled_residual(judged, solution.r);
+  run.scaled_residual = scaled_residual(judged, solution.r, options.solver.model);
   run.physical = physical_residual(VecX(judged.W * solution.r + judged.q), solution.r, judged.laws);
   run.worst_joint_velocity = joint_velocity(problem, solution);
   run.solved =
@@ -109,6 +109,7 @@ Json json_of(const ProblemRun& run) {
   out["local_fail_safes"] = run.report.local_fail_safes;
   out["natural_map_residual"] = number(run.natural_map_residual);
   out["scaled_residual"] = number(run.scaled_residual);
+  out["coulomb_residual"] = number(run.report.coulomb_residual);
   out["worst_normal_velocity"] = number(run.physical.worst_normal_approach);
   out["worst_cone_violation"] = number(run.physical.worst_cone_violation);
   out["worst_complementarity"] = number(run.physical.worst_complementarity);
