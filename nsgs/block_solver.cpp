@@ -13,6 +13,27 @@ namespace aussois {
 
 namespace {
 
+template <int R>
+Block<R> prepared(const RowBlock<R>& W, const Law& law) {
+  Block<R> block{.W = W, .rho = Rows<R>::Constant(W.rows(), 1 / W(0, 0))};
+  block.norm = W.norm();
+  if constexpr (R == Eigen::Dynamic || R > 4)
+    block.inverse = W.partialPivLu().inverse();
+  else
+    block.inverse = W.inverse();
+  block.regular = block.inverse.allFinite();
+  for (const Ball& ball : balls(law)) {
+    double bound = 0;  // of the eigenvalues of its rows
+    for (int i = ball.first; i < ball.first + ball.rows; ++i) {
+      double sum = 0;
+      for (int j = ball.first; j < ball.first + ball.rows; ++j) sum += std::abs(W(i, j));
+      bound = std::max(bound, sum);
+    }
+    for (int i = ball.first; i < ball.first + ball.rows; ++i) block.rho[i] = 1 / std::max(bound, 1e-300);
+  }
+  return block;
+}
+
 constexpr double kTolerance = 3e-14;  // a few roundings of W r + q (ONE-6)
 constexpr int kNewtonSteps = 20;
 
@@ -61,7 +82,7 @@ Candidate<R> proximal(const Block<R>& block, const Rows<R>& q, const Law& law, c
   Rows<R> center = start;
   const auto n = start.size();
   for (double alpha = 10; alpha > 1e-12 && !best.good; alpha /= 4) {
-    const Block<R> softer = prepare_block<R>(block.W + alpha * RowBlock<R>::Identity(n, n), law);
+    const Block<R> softer = prepared<R>(block.W + alpha * RowBlock<R>::Identity(n, n), law);
     const Candidate<R> found = newton<R>(softer, q - alpha * center, law, center);
     if (!found.r.allFinite()) break;
     center = found.r;
@@ -97,32 +118,9 @@ inline Candidate<2> slip_2d(const Block<2>& block, const Rows<2>& q, const Law& 
   return best;
 }
 
-}  // namespace
-
 template <int R>
-Block<R> prepare_block(const RowBlock<R>& W, const Law& law) {
-  Block<R> block{.W = W, .rho = Rows<R>::Constant(W.rows(), 1 / W(0, 0))};
-  block.norm = W.norm();
-  if constexpr (R == Eigen::Dynamic || R > 4)
-    block.inverse = W.partialPivLu().inverse();
-  else
-    block.inverse = W.inverse();
-  block.regular = block.inverse.allFinite();
-  for (const Ball& ball : balls(law)) {
-    double bound = 0;  // of the eigenvalues of its rows
-    for (int i = ball.first; i < ball.first + ball.rows; ++i) {
-      double sum = 0;
-      for (int j = ball.first; j < ball.first + ball.rows; ++j) sum += std::abs(W(i, j));
-      bound = std::max(bound, sum);
-    }
-    for (int i = ball.first; i < ball.first + ball.rows; ++i) block.rho[i] = 1 / std::max(bound, 1e-300);
-  }
-  return block;
-}
-
-template <int R>
-BlockSolution<R> solve_block(const Block<R>& block, const Rows<R>& q, const Law& law, const Rows<R>& start,
-                             LocalSolver solver) {
+BlockSolution<R> solved(const Block<R>& block, const Rows<R>& q, const Law& law, const Rows<R>& start,
+                        LocalSolver solver) {
   const auto n = q.size();
   if (has_normal(law)) {
     if (q[0] >= 0) return {Rows<R>::Zero(n)};
@@ -169,15 +167,32 @@ BlockSolution<R> solve_block(const Block<R>& block, const Rows<R>& q, const Law&
   return {found.r, found.good, fail_safe};
 }
 
-// The sizes that with_rows hands out; here, so that they are compiled once.
-template Block<2> prepare_block<2>(const RowBlock<2>&, const Law&);
-template Block<3> prepare_block<3>(const RowBlock<3>&, const Law&);
-template Block<5> prepare_block<5>(const RowBlock<5>&, const Law&);
-template Block<Eigen::Dynamic> prepare_block<Eigen::Dynamic>(const AnyBlock&, const Law&);
-template BlockSolution<2> solve_block<2>(const Block<2>&, const Rows<2>&, const Law&, const Rows<2>&, LocalSolver);
-template BlockSolution<3> solve_block<3>(const Block<3>&, const Rows<3>&, const Law&, const Rows<3>&, LocalSolver);
-template BlockSolution<5> solve_block<5>(const Block<5>&, const Rows<5>&, const Law&, const Rows<5>&, LocalSolver);
-template BlockSolution<Eigen::Dynamic> solve_block<Eigen::Dynamic>(const Block<Eigen::Dynamic>&, const AnyRows&,
-                                                                    const Law&, const AnyRows&, LocalSolver);
+}  // namespace
+
+// Overloads, not explicit instantiations: GCC 12 does not emit those.
+Block<2> prepare_block(const RowBlock<2>& W, const Law& law) {
+  return prepared<2>(W, law);
+}
+Block<3> prepare_block(const RowBlock<3>& W, const Law& law) {
+  return prepared<3>(W, law);
+}
+Block<5> prepare_block(const RowBlock<5>& W, const Law& law) {
+  return prepared<5>(W, law);
+}
+Block<Eigen::Dynamic> prepare_block(const AnyBlock& W, const Law& law) {
+  return prepared<Eigen::Dynamic>(W, law);
+}
+BlockSolution<2> solve_block(const Block<2>& block, const Rows<2>& q, const Law& law, const Rows<2>& start, LocalSolver solver) {
+  return solved<2>(block, q, law, start, solver);
+}
+BlockSolution<3> solve_block(const Block<3>& block, const Rows<3>& q, const Law& law, const Rows<3>& start, LocalSolver solver) {
+  return solved<3>(block, q, law, start, solver);
+}
+BlockSolution<5> solve_block(const Block<5>& block, const Rows<5>& q, const Law& law, const Rows<5>& start, LocalSolver solver) {
+  return solved<5>(block, q, law, start, solver);
+}
+BlockSolution<Eigen::Dynamic> solve_block(const Block<Eigen::Dynamic>& block, const AnyRows& q, const Law& law, const AnyRows& start, LocalSolver solver) {
+  return solved<Eigen::Dynamic>(block, q, law, start, solver);
+}
 
 }  // namespace aussois

@@ -8,7 +8,13 @@
 
 namespace aussois {
 
-/// What is known of a block before any sweep.
+template <int R>
+struct BlockSolution {
+  Rows<R> r{};
+  bool solved = true, fail_safe = false;
+};
+
+/// What is known of a block before any sweep. R is one of those that with_rows hands out.
 template <int R>
 struct Block {
   RowBlock<R> W{}, inverse{};
@@ -17,19 +23,16 @@ struct Block {
   bool regular = false;  // the inverse is one
 };
 
-template <int R>
-Block<R> prepare_block(const RowBlock<R>& W, const Law& law);
-
-template <int R>
-struct BlockSolution {
-  Rows<R> r{};
-  bool solved = true, fail_safe = false;
-};
+Block<2> prepare_block(const RowBlock<2>& W, const Law& law);
+Block<3> prepare_block(const RowBlock<3>& W, const Law& law);
+Block<5> prepare_block(const RowBlock<5>& W, const Law& law);
+Block<Eigen::Dynamic> prepare_block(const AnyBlock& W, const Law& law);
 
 /// Separation goes before stick and stick before slip. `solved` is false if no candidate meets (ONE-6); r is
 /// then the best one.
-template <int R>
-BlockSolution<R> solve_block(const Block<R>& block, const Rows<R>& q, const Law& law, const Rows<R>& start,
-                             LocalSolver solver);
+BlockSolution<2> solve_block(const Block<2>& block, const Rows<2>& q, const Law& law, const Rows<2>& start, LocalSolver solver);
+BlockSolution<3> solve_block(const Block<3>& block, const Rows<3>& q, const Law& law, const Rows<3>& start, LocalSolver solver);
+BlockSolution<5> solve_block(const Block<5>& block, const Rows<5>& q, const Law& law, const Rows<5>& start, LocalSolver solver);
+BlockSolution<Eigen::Dynamic> solve_block(const Block<Eigen::Dynamic>& block, const AnyRows& q, const Law& law, const AnyRows& start, LocalSolver solver);
 
 }  // namespace aussois

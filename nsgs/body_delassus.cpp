@@ -50,7 +50,7 @@ class BodyDelassus final : public Delassus {
         arms_[k].Y.array() *= s.array();
         W += arms_[k].H * arms_[k].Y.transpose();
       }
-      diagonal_.push_back(prepare_block<R>(W, scaled.laws[std::size_t(c)]));
+      diagonal_.push_back(prepare_block(W, scaled.laws[std::size_t(c)]));
       scaled.finite = scaled.finite && W.allFinite();
     }
   }
@@ -70,7 +70,7 @@ class BodyDelassus final : public Delassus {
       const Rows<R> r_old = r.segment<R>(at(c), rows(c)), u = velocity(c);
       if (has_normal(law) && u[0] >= 0 && r_old[0] == 0) continue;  // stays open (NSGS-6)
       const Block<R>& block = diagonal_[std::size_t(c)];
-      const BlockSolution<R> found = solve_block<R>(block, u - block.W * r_old, law, r_old, options.local);
+      const BlockSolution<R> found = solve_block(block, u - block.W * r_old, law, r_old, options.local);
       counts.failures += !found.solved;
       counts.fail_safes += found.fail_safe;
       const Rows<R> dr = options.relaxation * (found.r - r_old);

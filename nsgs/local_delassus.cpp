@@ -94,7 +94,7 @@ class LocalDelassus final : public Delassus {
       const auto row = std::size_t(c);
       auto k = std::size_t(rows_.begin[row]);
       while (rows_.other[k] != c) ++k;
-      diagonal_.push_back(prepare_block<R>(rows_.block[k], scaled.laws[row]));
+      diagonal_.push_back(prepare_block(rows_.block[k], scaled.laws[row]));
       scaled.finite = scaled.finite && diagonal_.back().W.allFinite();
     }
   }
@@ -112,7 +112,7 @@ class LocalDelassus final : public Delassus {
       const Rows<R> r_old = r.segment<R>(at(c), rows(c)), u = velocity(c, r);
       if (has_normal(law) && u[0] >= 0 && r_old[0] == 0) continue;  // stays open (NSGS-6)
       const Block<R>& block = diagonal_[std::size_t(c)];
-      const BlockSolution<R> found = solve_block<R>(block, u - block.W * r_old, law, r_old, options.local);
+      const BlockSolution<R> found = solve_block(block, u - block.W * r_old, law, r_old, options.local);
       counts.failures += !found.solved;
       counts.fail_safes += found.fail_safe;
       const Rows<R> dr = options.relaxation * (found.r - r_old);
