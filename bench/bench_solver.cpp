@@ -67,17 +67,18 @@ ExitCode bench(const Arguments& a) {
 
 int main(int argc, char** argv) {
   Arguments a;
-  Cli cli("bench_solver",
-          "Times our automatic solver against those of Siconos on frictional contact problems: CPU time of one "
-          "thread from r = 0, the fastest of several calls, judged by our scaled residual. Siconos gets W in "
-          "rows of blocks and the tolerance of its own that meets ours; it is left out where it is not "
-          "installed. Global problems are condensed before either clock starts; the last column is ours from "
-          "the bodies, to condensing and Siconos together.");
+  Cli cli(
+      "bench_solver",
+      "Times our automatic solver against those of Siconos on frictional contact problems: CPU time of one "
+      "thread from r = 0, the fastest of several calls, judged by our scaled residual. Siconos gets W in "
+      "rows of blocks and the tolerance of its own that meets ours; it is left out where it is not "
+      "installed. Global problems are condensed before either clock starts; the last column is ours from "
+      "the bodies, to condensing and Siconos together.");
   cli.group("scene");
   cli.files(a.files, "HDF5 files, or folders of them");
   cli.group("measurement");
-  cli.option("--tolerance", a.cost.tolerance, "on the scaled residual, against the best solver of Siconos", "-",
-             {1e-15, 0.1});
+  cli.option("--tolerance", a.cost.tolerance, "on the scaled residual, against the best solver of Siconos",
+             "-", {1e-15, 0.1});
   cli.option("--coarse", a.cost.coarse, "the same against the default solver of Siconos", "-", {1e-15, 0.1});
   cli.option("--time-limit", a.cost.time_limit, "of a run of Siconos", "s", {0.1, 1e5});
   cli.option("--budget", a.cost.budget, "CPU time for repeats of each measurement", "s", {0, 1e3});

@@ -4,15 +4,14 @@
 
 #include <algorithm>
 #include <limits>
-
 #include <time.h>
 
 namespace aussois {
 
-/// CPU time of this process, all its threads [s].
+/// CPU time of this thread [s]. That of the process is counted in ticks of some ms once it has a limit.
 inline double cpu_seconds() {
   timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
 }
 

@@ -1,20 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/peer_siconos.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cerrno>
-#include <csignal>
-#include <cstdio>
-#include <cstdlib>
-#include <map>
-#include <memory>
-
-#include <fcntl.h>
-#include <sys/time.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <FrictionContactProblem.h>
 #include <Friction_cst.h>
 #include <NonSmoothDrivers.h>
@@ -23,6 +9,20 @@
 #include <RollingFrictionContactProblem.h>
 #include <SolverOptions.h>
 #include <SparseBlockMatrix.h>
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <fcntl.h>
+#include <map>
+#include <memory>
+#include <unistd.h>
+
+#include <sys/time.h>
+#include <sys/wait.h>
 
 #include "bench/call_time.hpp"
 #include "nsgs/residual.hpp"
@@ -36,7 +36,7 @@ namespace {
 // What differs from Siconos' defaults.
 struct SiconosSolver {
   const char* name;
-  int dimension;        // rows of a block
+  int dimension;  // rows of a block
   int id;
   int inner = 0;        // solver of one contact; 0: the default
   int evaluation = -1;  // how NSGS evaluates its error
@@ -55,8 +55,7 @@ constexpr std::array kSolvers{
     SiconosSolver{"nsgs_full", 3, SICONOS_FRICTION_3D_NSGS, 0, kFull},
     SiconosSolver{"nsgs_sor1.2", 3, SICONOS_FRICTION_3D_NSGS, 0, -1, 1.2},
     SiconosSolver{"nsgs_sor1.4", 3, SICONOS_FRICTION_3D_NSGS, 0, -1, 1.4},
-    SiconosSolver{"nsgs_proj1", 3, SICONOS_FRICTION_3D_NSGS,
-                  SICONOS_FRICTION_3D_ONECONTACT_ProjectionOnCone},
+    SiconosSolver{"nsgs_proj1", 3, SICONOS_FRICTION_3D_NSGS, SICONOS_FRICTION_3D_ONECONTACT_ProjectionOnCone},
     SiconosSolver{"nsgs_projlocal", 3, SICONOS_FRICTION_3D_NSGS,
                   SICONOS_FRICTION_3D_ONECONTACT_ProjectionOnConeWithLocalIteration},
     SiconosSolver{"nsn_ac", 3, SICONOS_FRICTION_3D_NSN_AC},
@@ -67,9 +66,9 @@ constexpr std::array kSolvers{
     SiconosSolver{"fc2d_nsgs", 2, SICONOS_FRICTION_2D_NSGS},
     SiconosSolver{"fc2d_cpg", 2, SICONOS_FRICTION_2D_CPG, 0, -1, 0, true},
     SiconosSolver{"fc2d_lemke", 2, SICONOS_FRICTION_2D_LEMKE, 0, -1, 0, true},
-    SiconosSolver{"rolling_nsgs", 5, SICONOS_ROLLING_FRICTION_3D_NSGS},
+    SiconosSolver{"rolling_nsgs", 5, SICONOS_ROLLING_FRICTION_3D_NSGS, 0, -1, 0, true},
     SiconosSolver{"rolling_nsgs_proj1", 5, SICONOS_ROLLING_FRICTION_3D_NSGS,
-                  SICONOS_ROLLING_FRICTION_3D_ONECONTACT_ProjectionOnCone},
+                  SICONOS_ROLLING_FRICTION_3D_ONECONTACT_ProjectionOnCone, -1, 0, true},
     SiconosSolver{"rolling_admm", 5, SICONOS_ROLLING_FRICTION_3D_ADMM},
 };
 constexpr int kMostDenseRows = 2000;
@@ -212,7 +211,7 @@ Message solve_in_child(const LocalProblem& problem, const SiconosSolver& solver,
     return out;
   };
   Message out{.residual = kInf};
-  for (double own = std::min(100 * tolerance, 0.1); own >= 1e-17; own /= 10) {
+  for (double own = std::min(100 * tolerance, 0.1); own >= 1e-30; own /= std::sqrt(10)) {
     const std::unique_ptr<Call> call = std::move(calls(own, 1).front());
     set_alarm(time_limit);
     const double begin = cpu_seconds();
@@ -301,15 +300,15 @@ SiconosRun run_siconos(const LocalProblem& problem, const std::string& name, dou
   }
   close(ends[1]);
   Message message;
-  const bool told = uninterrupted([&] { return read(ends[0], &message, sizeof message); }) ==
-                    ssize_t(sizeof message);
+  const bool told =
+      uninterrupted([&] { return read(ends[0], &message, sizeof message); }) == ssize_t(sizeof message);
   close(ends[0]);
   int status = 0;
   uninterrupted([&] { return waitpid(child, &status, 0); });
   SiconosRun run{.solved = told && message.solved != 0,
                  .cpu_s = message.cpu_s,
                  .iterations = message.iterations,
-                 .residual = message.residual,
+                 .residual = told ? message.residual : kInf,
                  .own_tolerance = message.own_tolerance};
   if (!run.solved) run.failure = failure_of(status);
   return run;

@@ -40,9 +40,9 @@ void run_peer(const LocalProblem& problem, const SolverCostOptions& options,
   for (const std::string& solver : solvers) {
     if (!step(cost.name + " " + solver)) return;
     const NamedRun* best = best_siconos(cost);  // nobody needs to know how much slower the others are
-    const double limit = best ? std::clamp(2 * best->run.cpu_s, kShortestLimit,
-                                           std::max(options.time_limit, kShortestLimit))
-                              : options.time_limit;
+    const double limit =
+        best ? std::clamp(2 * best->run.cpu_s, kShortestLimit, std::max(options.time_limit, kShortestLimit))
+             : options.time_limit;
     cost.siconos.push_back({solver, run_siconos(problem, solver, options.tolerance, limit, options.budget)});
   }
 #else
@@ -75,13 +75,15 @@ double ratio_to_best(const ProblemCost& cost) {
 }
 
 double ratio_to_nsgs(const ProblemCost& cost) {
-  const bool both = !cost.nsgs_coarse.empty() && cost.nsgs_coarse.front().run.solved && cost.ours_coarse.solved;
+  const bool both =
+      !cost.nsgs_coarse.empty() && cost.nsgs_coarse.front().run.solved && cost.ours_coarse.solved;
   return both ? cost.ours_coarse.cpu_s / cost.nsgs_coarse.front().run.cpu_s : kNone;
 }
 
 double ratio_from_bodies(const ProblemCost& cost) {
   const NamedRun* best = best_siconos(cost);
-  return best && cost.ours_global.solved ? cost.ours_global.cpu_s / (cost.condense_s + best->run.cpu_s) : kNone;
+  return best && cost.ours_global.solved ? cost.ours_global.cpu_s / (cost.condense_s + best->run.cpu_s)
+                                         : kNone;
 }
 
 ProblemCost measure_problem(const std::filesystem::path& file, const SolverCostOptions& options,

@@ -15,10 +15,10 @@
 namespace aussois {
 
 struct SolverCostOptions {
-  double tolerance = 1e-8;   // the problem is solved to this one
-  double coarse = 1e-4;      // and to this one, against Siconos' default
-  double time_limit = 10;    // of one run of Siconos [s of CPU time]
-  double budget = 0.05;      // for repeats of one measurement [s]
+  double tolerance = 1e-8;  // the problem is solved to this one
+  double coarse = 1e-4;     // and to this one, against Siconos' default
+  double time_limit = 10;   // of one run of Siconos [s of CPU time]
+  double budget = 0.05;     // for repeats of one measurement [s]
 };
 
 struct OurRun {
@@ -39,7 +39,7 @@ struct ProblemCost {
   // A global problem is condensed before anybody's clock starts. What that takes, and ours from the bodies:
   double condense_s = std::numeric_limits<double>::quiet_NaN();
   OurRun ours_global{};
-  std::vector<NamedRun> siconos{};     // at `tolerance`; empty where Siconos or a solver for the laws is missing
+  std::vector<NamedRun> siconos{};  // at `tolerance`; empty where Siconos or a solver for the laws is missing
   std::vector<NamedRun> nsgs_coarse{};  // its default at `coarse`: one, or none
 };
 

@@ -109,9 +109,10 @@ std::vector<Verdict> solver_verdicts(const std::vector<ProblemCost>& costs) {
   for (const ProblemCost& cost : costs)
     if (!cost.ours.solved || !cost.ours_coarse.solved) ++unsolved.value, unsolved.where = cost.name;
   out.push_back(unsolved);
-  add_ratios(out, costs, ratio_to_nsgs,
-             {"worst_ratio_to_nsgs", "coarse tolerance: longest to Siconos' default", "", 0, 1},
-             {"geometric_mean_ratio_to_nsgs", "coarse tolerance: to Siconos' default, geometric mean", "", 0, 1});
+  add_ratios(
+      out, costs, ratio_to_nsgs,
+      {"worst_ratio_to_nsgs", "coarse tolerance: longest to Siconos' default", "", 0, 1},
+      {"geometric_mean_ratio_to_nsgs", "coarse tolerance: to Siconos' default, geometric mean", "", 0, 1});
   add_ratios(out, costs, ratio_to_best,
              {"worst_ratio_to_best", "longest to the best solver of Siconos", "", 0, 3},
              {"geometric_mean_ratio_to_best", "to the best solver of Siconos, geometric mean", "", 0, 0.5});
@@ -126,14 +127,15 @@ std::string siconos_line(const std::vector<ProblemCost>& costs, const SolverCost
     coarse += std::isfinite(nsgs_ms(cost));
   }
   if (asked == 0) return "Siconos: not measured\n";
-  return formatted("Siconos within %g s: the best of its solvers %d of %d problems at %g, its default %d at %g\n",
-                   options.time_limit, solved, asked, options.tolerance, coarse, options.coarse);
+  return formatted(
+      "Siconos within %g s: the best of its solvers %d of %d problems at %g, its default %d at %g\n",
+      options.time_limit, solved, asked, options.tolerance, coarse, options.coarse);
 }
 
 std::string solver_table_head(const SolverCostOptions& options) {
   return formatted("%-44s %4s %8s %7s %7s %9s %9s %-18s %7s %9s %9s %7s %8s\n", "problem", "form", "contacts",
-                   "sweeps", "Newton", formatted("%g ms", options.tolerance).c_str(), "Siconos", "with", "ratio",
-                   formatted("%g ms", options.coarse).c_str(), "its NSGS", "ratio", "bodies");
+                   "sweeps", "Newton", formatted("%g ms", options.tolerance).c_str(), "Siconos", "with",
+                   "ratio", formatted("%g ms", options.coarse).c_str(), "its NSGS", "ratio", "bodies");
 }
 
 std::string line_of(const ProblemCost& cost) {

@@ -15,9 +15,9 @@ namespace aussois {
 /// Verdicts are about problems with more contacts: below, a call is a few microseconds.
 inline constexpr int kFewContacts = 10;
 
-/// How many of all problems we do not solve; of those with more than kFewContacts, the worst and the geometric
-/// mean of the ratios, to Siconos' default at the coarse tolerance and last to its best: those that could be
-/// measured.
+/// How many of all problems we do not solve; of those with more than kFewContacts, the worst and the
+/// geometric mean of the ratios, to Siconos' default at the coarse tolerance and last to its best: those that
+/// could be measured.
 std::vector<Verdict> solver_verdicts(const std::vector<ProblemCost>& costs);
 
 /// "Siconos solves 40 of 43 problems with its best solver, ...".
