@@ -184,7 +184,8 @@ bool write_solver_plot(const std::filesystem::path& dir, std::vector<ProblemCost
       "# draws bench_solver.png: gnuplot bench_solver.gp\n"
       "set terminal pngcairo size 1300,760 font ',11'; set output 'bench_solver.png'\n"
       "set datafile separator ','; set datafile missing 'nan'; set logscale y; set format y '10^{%L}'\n"
-      "set grid y; set xtics rotate by -50 noenhanced font ',8'; set rmargin 16; set key above\n"
+      "set grid y; set xtics rotate by -50 noenhanced font ',8'; set rmargin 10; set bmargin 16; set key top "
+      "left\n"
       "set ylabel 'CPU time on one thread [ms]'; set xrange [-0.5:" +
           std::to_string(costs.size()) +
           " - 0.5]\n"
