@@ -2,7 +2,6 @@
 #include "bench/cost_report.hpp"
 
 #include <cmath>
-#include <cstdio>
 
 #include <nlohmann/json.hpp>
 
@@ -12,13 +11,6 @@
 
 namespace aussois {
 namespace {
-
-template <class... Values>
-std::string formatted(const char* format, Values... values) {
-  char line[200];
-  std::snprintf(line, sizeof line, format, values...);
-  return line;
-}
 
 // "1.25", or "-" for a ratio to nothing.
 std::string ratio_text(double value, double to) {
@@ -133,12 +125,6 @@ std::string ablation_lines(const PairCost& p) {
             ratio_text(q.exact_tests, all.exact_tests) + '\n';
   }
   return text;
-}
-
-std::string line_of(const Verdict& v) {
-  const std::string where = v.where.empty() ? "" : " (" + v.where + ")";
-  return v.what + where +
-         formatted(": %.3g, wanted <= %.3g: %s\n", v.value, v.wanted, v.pass() ? "PASS" : "short");
 }
 
 void write_cost_json(const std::filesystem::path& path, const std::vector<PairCost>& pairs) {

@@ -7,19 +7,12 @@
 #include <vector>
 
 #include "bench/pair_cost.hpp"
+#include "bench/verdict.hpp"
 
 namespace aussois {
 
 /// The threshold that verdicts are about: 1 % of the moving radius.
 inline constexpr double kVerdictThreshold = 0.01;
-
-/// One number against its bound.
-struct Verdict {
-  std::string key{}, what{};  // for scripts, for people
-  std::string where{};        // the pair that gave it; empty: all of them
-  double value = 0, wanted = 0;
-  bool pass() const { return value <= wanted; }
-};
 
 /// Those that could be measured: memory, build, growth, the worst ratio, last the geometric mean of the
 /// ratios.
@@ -30,7 +23,6 @@ double ratio_to_fcl(const PairCost& pair);  // at kVerdictThreshold; nan without
 std::string header_line();
 std::string lines_of(const PairCost& pair);        // a line per threshold
 std::string ablation_lines(const PairCost& pair);  // ratios to the query with all tests
-std::string line_of(const Verdict& verdict);       // "... 0.12, wanted <= 0.2: PASS", or "short"
 
 /// {"pairs": [{"pair", "contacts", "ms_query", "ms_fcl", "ratio_to_fcl", ..., "thresholds": [...]}],
 /// "summary": {...}}; what was not measured is null.

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// A number that was measured against the one that is wanted.
+#pragma once
+
+#include <cstdio>
+#include <string>
+
+namespace aussois {
+
+template <class... Values>
+std::string formatted(const char* format, Values... values) {
+  char line[256];
+  std::snprintf(line, sizeof line, format, values...);
+  return line;
+}
+
+struct Verdict {
+  std::string key{}, what{};  // for scripts, for people
+  std::string where{};        // the case that gave it; empty: all of them
+  double value = 0, wanted = 0;
+  bool pass() const { return value <= wanted; }
+};
+
+/// "... 0.12, wanted <= 0.2: PASS", or "short".
+inline std::string line_of(const Verdict& v) {
+  const std::string where = v.where.empty() ? "" : " (" + v.where + ")";
+  return v.what + where +
+         formatted(": %.3g, wanted <= %.3g: %s\n", v.value, v.wanted, v.pass() ? "PASS" : "short");
+}
+
+}  // namespace aussois
