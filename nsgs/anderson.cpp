@@ -1,28 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "nsgs/anderson.hpp"
 
-#include <Eigen/QR>
+#include <algorithm>
+
+#include <Eigen/Cholesky>
 
 namespace aussois {
 
 VecX Anderson::propose(const VecX& x, const VecX& g) {
   if (memory_ == 0) return {};
+  const auto m = Eigen::Index(memory_);
   const VecX f = g - x;
-  if (f_.size() > 0) {
-    df_.push_back(f - f_);
-    dg_.push_back(g - g_);
-    if (df_.size() > memory_) df_.pop_front(), dg_.pop_front();
+  if (f_.size() == 0) {
+    df_.resize(f.size(), m), dg_.resize(f.size(), m), gram_.setZero(m, m);
+  } else {
+    const auto k = Eigen::Index(steps_++ % memory_), filled = Eigen::Index(std::min(steps_, memory_));
+    df_.col(k) = f - f_;
+    dg_.col(k) = g - g_;
+    for (Eigen::Index j = 0; j < filled; ++j) gram_(j, k) = gram_(k, j) = df_.col(j).dot(df_.col(k));
   }
   f_ = f;
   g_ = g;
-  if (df_.empty()) return {};
-  MatX F(f.size(), Eigen::Index(df_.size()));
-  for (std::size_t k = 0; k < df_.size(); ++k) F.col(Eigen::Index(k)) = df_[k];
-  Eigen::ColPivHouseholderQR<MatX> qr(F.rows(), F.cols());
-  qr.setThreshold(1e-12);                     // directions that rounding made are left out
-  const VecX gamma = qr.compute(F).solve(f);  // (AA-1)
+  const auto filled = Eigen::Index(std::min(steps_, memory_));
+  if (filled == 0) return {};
+  const VecX s = gram_.diagonal().head(filled).cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
+  MatX A = s.asDiagonal() * gram_.topLeftCorner(filled, filled) * s.asDiagonal();
+  A.diagonal().array() += 1e-13;
+  const VecX rhs = s.cwiseProduct(df_.leftCols(filled).transpose() * f);
+  const VecX gamma = s.cwiseProduct(A.ldlt().solve(rhs));
   VecX proposed = g;
-  for (std::size_t k = 0; k < dg_.size(); ++k) proposed -= gamma[Eigen::Index(k)] * dg_[k];  // (AA-2)
+  proposed.noalias() -= dg_.leftCols(filled) * gamma;
   return proposed.allFinite() ? proposed : VecX();
 }
 

@@ -3,7 +3,7 @@
 // Whether to go there is the caller's to decide. Private to nsgs. Source: Anderson 1965; Walker and Ni 2011.
 #pragma once
 
-#include <deque>
+#include <cstddef>
 
 #include "geometry/types.hpp"
 
@@ -21,7 +21,9 @@ class Anderson {
  private:
   std::size_t memory_;
   VecX f_{}, g_{};
-  std::deque<VecX> df_{}, dg_{};  // differences of steps f = g - x and of images, newest last
+  MatX df_{}, dg_{};   // columns: differences of steps f = g - x and of images, the oldest overwritten
+  MatX gram_{};        // of df_
+  std::size_t steps_ = 0;
 };
 
 }  // namespace aussois

@@ -15,6 +15,7 @@ namespace {
 constexpr int kMemory = 5;                // steps that Anderson acceleration combines
 constexpr int kFirstWindow = 5;           // sweeps until their contraction is judged
 constexpr double kNewtonIterations = 30;  // about, of a second phase
+constexpr double kLeastCost = 2;          // of a Newton iteration in sweeps, about; counted only above
 constexpr double kLongestWait = 300;      // sweeps before Newton may take over, at most
 // Where Newton fails it is asked again later, from elsewhere and another way, in turn.
 constexpr ProximalOptions kWays[]{{.alpha = 0.1, .accuracy = 1e-2},
@@ -50,6 +51,7 @@ Iterate automatic(Delassus& W, const Iterate& start, const SolverOptions& option
     const double left = sweeps_left(window_residual, now.residual, window, options.tolerance);
     window_start = report.iterations;
     window_residual = now.residual;
+    if (left <= kLeastCost * kNewtonIterations) continue;
     const int swept = report.iterations - phase_start;
     if (swept >= 2 * weighed_at) {  // it takes a sweep or two itself
       weighed_at = swept;

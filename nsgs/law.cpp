@@ -27,12 +27,16 @@ const char* to_string(LawKind kind) {
 }
 
 void validate(const Law& law, std::size_t index) {
-  const auto field = [&](const char* name) { return "laws[" + std::to_string(index) + "]." + name; };
+  const auto must = [&](bool condition, const char* name, double value, const char* bound) {
+    if (condition) return;  // before any text is made: laws are many
+    const std::string field = "laws[" + std::to_string(index) + "]." + name;
+    require_field(false, field.c_str(), value, bound);
+  };
   const auto non_negative = [&](const char* name, double value) {
-    require_field(std::isfinite(value) && value >= 0, field(name).c_str(), value, "be finite and >= 0");
+    must(std::isfinite(value) && value >= 0, name, value, "be finite and >= 0");
   };
   const auto rows = [&](int low, int high, const char* bound) {
-    require_field(law.rows >= low && law.rows <= high, field("rows").c_str(), law.rows, bound);
+    must(law.rows >= low && law.rows <= high, "rows", law.rows, bound);
   };
   switch (law.kind) {
     case LawKind::coulomb:
@@ -55,8 +59,7 @@ void validate(const Law& law, std::size_t index) {
   non_negative("mu", law.mu);
   non_negative("mu_r", law.mu_r);
   non_negative("limit", law.limit);
-  require_field(std::isfinite(law.radius) && law.radius > 0, field("radius").c_str(), law.radius,
-                "be finite and > 0");
+  must(std::isfinite(law.radius) && law.radius > 0, "radius", law.radius, "be finite and > 0");
 }
 
 }  // namespace aussois
