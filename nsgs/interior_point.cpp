@@ -13,9 +13,9 @@ namespace aussois {
 
 namespace {
 
-constexpr int kPatience = 40;  // steps without halving the best residual
+constexpr int kPatience = 30;  // steps without halving the best residual
 constexpr double kKeptFromBoundary = 0.995;
-constexpr double kSmallestStep = 1e-10;
+constexpr double kJammed = 0.1;      // a step shorter than this is followed by one to the centre
 constexpr double kProximal = 1e-11;  // on the diagonal of Newton's matrix, where W is singular (IPM-7)
 constexpr double kUnscaledBelow =
     1e-5;  // mean product of the cones, of a block's share of |q| squared (IPM-9)
@@ -24,9 +24,6 @@ using ConeVec = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 4, 1>;
 using ConeMat = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 4, 4>;
 
 // |x_1..| <= x_0: the self-dual cone of Lorentz, and its algebra.
-double margin(const ConeVec& x) {
-  return x[0] - x.tail(x.size() - 1).norm();
-}
 double determinant(const ConeVec& x) {  // x.J x, without cancellation
   const double length = x.tail(x.size() - 1).norm();
   return (x[0] - length) * (x[0] + length);
@@ -108,6 +105,7 @@ struct Cone {
   int first = 0, rows = 0;  // the ball; none for a frictionless normal
   double mu = 1, limit = 0;
   bool shifts = false;  // De Saxce's term of this ball
+  bool held = false;    // Newton does not look at the slope of that term (IPM-8)
   ConeVec p{}, d{}, dp{}, dd{}, rhs{};
   Scaled scaled{};
   ConeMat E{};
@@ -123,7 +121,8 @@ struct Cone {
   ConeVec slope() const {  // (1, -u/|u|) of the shifting normal row, (1, 0) of others (IPM-6)
     ConeVec s = ConeVec::Zero(rows + 1);
     s[0] = 1;
-    if (const double speed = d.tail(rows).norm(); shifts && speed > 0) s.tail(rows) = -d.tail(rows) / speed;
+    if (const double speed = d.tail(rows).norm(); shifts && !held && speed > 0)
+      s.tail(rows) = -d.tail(rows) / speed;
     return s;
   }
   void add_to(VecX& velocities, const ConeVec& x, const ConeVec& normal_part) const {  // Q^T x
@@ -268,27 +267,36 @@ Iterate interior_point(Delassus& W, const Iterate& start, const SolverOptions& o
     if (cone.normal >= 0) r[cone.normal] = size;
   for (Cone& cone : cones.all) {
     cone.p = cone.of(r, cone.limit);
-    cone.d = ConeVec::Zero(cone.rows + 1);
+    cone.d = cone.dp = cone.dd = ConeVec::Zero(cone.rows + 1);
     cone.d[0] = size;
   }
+  double step = 1;
   report.status = SolveStatus::max_iterations;
   Iterate iterate = judged(W, r, Method::interior_point);
   while (report.iterations < options.max_iterations) {
     ++report.iterations;
     const double mean = mean_product(cones, 0);
     const bool unscaled = mean < kUnscaledBelow * size * size;
-    for (Cone& cone : cones.all) aim_at_the_boundary(cone, unscaled);
+    const bool jammed = step < kJammed;
+    for (Cone& cone : cones.all) {
+      cone.held = jammed;
+      aim_at_the_boundary(cone, unscaled);
+    }
     const LinearSolve solve = factorised(newton_matrix(entries, r.size(), cones));
     const VecX wrong = equilibrium(cones, iterate.u);
     report.status = SolveStatus::stagnated;
     if (!solve || !wrong.allFinite()) break;
     direction(solve, cones, wrong);
     const double ahead = mean_product(cones, longest_step(cones)) / std::max(mean, 1e-300);
-    const double centre = std::clamp(ahead * ahead * ahead, 0.0, 1.0) * mean;  // (IPM-8)
+    double centre = std::clamp(ahead * ahead * ahead, 0.0, 1.0) * mean;  // (IPM-8)
+    if (jammed) {  // back to the centre, without the second order of a step that was of no use
+      centre = mean;
+      for (Cone& cone : cones.all) cone.dp.setZero(), cone.dd.setZero();
+    }
     for (Cone& cone : cones.all) aim_at_the_centre(cone, centre, unscaled);
     const VecX dr = direction(solve, cones, wrong);
-    const double step = longest_step(cones);
-    if (!dr.allFinite() || step < kSmallestStep) break;
+    step = longest_step(cones);
+    if (!dr.allFinite()) break;
     r += step * dr;
     for (Cone& cone : cones.all) {
       cone.p = inside(cone.of(r, cone.limit));
