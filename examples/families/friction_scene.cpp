@@ -85,8 +85,8 @@ PlanePolygon shared_polygon(PlanePolygon points, const PlanePolygon& window, dou
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Vec2 p = points[i], q = points[(i + 1) % points.size()];
       const double at_p = cross(along, p - from), at_q = cross(along, q - from);
-      if (at_p >= 0) inside.push_back(p);
-      if ((at_p > 0 && at_q < 0) || (at_p < 0 && at_q > 0))
+      if (at_p >= -near) inside.push_back(p);  // edges that coincide up to rounding do not cross
+      if ((at_p > near && at_q < -near) || (at_p < -near && at_q > near))
         inside.push_back(p + at_p / (at_p - at_q) * (q - p));
     }
     points = std::move(inside);
