@@ -11,7 +11,10 @@
 namespace aussois {
 namespace {
 
-constexpr double kConeWeight = 0.15;  // lambda: cone-only splitting hurts, none at all too
+constexpr double kConeWeight = 0.1;  // lambda (LMD-13)
+
+using Vec6 = Eigen::Matrix<double, 6, 1>;
+using Mat6 = Eigen::Matrix<double, 6, 6>;
 
 float up(double x) {  // a float that is not smaller
   return std::nextafter(float(x), std::numeric_limits<float>::infinity());
@@ -29,13 +32,20 @@ class Builder {
       : items_(items), centre_(centre), order_(order) {
     order_.resize(items.size());
     std::iota(order_.begin(), order_.end(), 0);
+    if (items.empty()) return;
+    place_.reserve(items.size());
+    half_angle_.reserve(items.size());
+    Vec3 lo = Vec3::Constant(kInf), hi = -lo;
     for (const ConeTreeItem& item : items) {
       Vec3 c = Vec3::Zero();
       for (int i = 0; i < item.point_count; ++i) c += item.points[i] / item.point_count;
-      centroid_.push_back(c);
+      lo = lo.cwiseMin(c);
+      hi = hi.cwiseMax(c);
+      place_.emplace_back() << c, item.axis;
+      half_angle_.emplace_back(std::cos(item.half_angle), std::sin(item.half_angle));
     }
+    size_ = (hi - lo).norm();
     key_.resize(items.size());
-    if (items.empty()) return;
     tree_.nodes.reserve(items.size() / 2 + 1);
     tree_.nodes.emplace_back();
     fill(0, 0, int(items.size()));
@@ -47,17 +57,19 @@ class Builder {
 
   // Principal axes of the corners, or those of the frame where they give the smaller box.
   void box(Bounds& out, int begin, int end) const {
-    Vec3 mean = Vec3::Zero();
+    const Vec3 first = item(begin).points[0];
+    Vec3 sum = Vec3::Zero();
+    Mat3 S = Mat3::Zero();
     int n = 0;
     for (int i = begin; i < end; ++i)
-      for (int k = 0; k < item(i).point_count; ++k) mean += item(i).points[k], ++n;
-    mean /= n;
-    Mat3 S = Mat3::Zero();
-    for (int i = begin; i < end; ++i)
       for (int k = 0; k < item(i).point_count; ++k) {
-        const Vec3 d = item(i).points[k] - mean;
+        const Vec3 d = item(i).points[k] - first;
+        sum += d;
         S += d * d.transpose();
+        ++n;
       }
+    const Vec3 mean = first + sum / n;
+    S -= sum * sum.transpose() / n;
     Eigen::SelfAdjointEigenSolver<Mat3> solver;
     solver.computeDirect(S);
     double smallest = kInf;
@@ -108,7 +120,7 @@ class Builder {
     for (int i = begin; i < end; ++i) {
       if (item(i).half_angle >= kPi) return;
       const double c = std::min(1.0, axis.dot(item(i).axis)), s = axis.cross(item(i).axis).norm();
-      const double ch = std::cos(item(i).half_angle), sh = std::sin(item(i).half_angle);
+      const auto& [ch, sh] = half_angle_[std::size_t(order_[std::size_t(i)])];
       const double total = c * ch - s * sh;
       if (s * ch + c * sh < 0) return;  // past pi
       if (total < cos) cos = total, sin = s * ch + c * sh;
@@ -135,24 +147,29 @@ class Builder {
     n.count[lane] = std::uint32_t(end - begin);
   }
 
-  // Sorts the range about its `middle` along its longest side.
+  // Sorts the range about its `middle` by (LMD-13): large ranges are cut by position, small ones by
+  // direction, so the two flanks of a thread come apart where that makes thin boxes, not before.
   void split(int begin, int middle, int end) {
-    Eigen::Matrix<double, 6, 1> lo = Eigen::Matrix<double, 6, 1>::Constant(kInf), hi = -lo;
+    const Vec6 first = place_[std::size_t(order_[std::size_t(begin)])];
+    Vec6 sum = Vec6::Zero(), lo = Vec6::Zero(), hi = Vec6::Zero();
+    Mat6 S = Mat6::Zero();
     for (int i = begin; i < end; ++i) {
-      const Vec3& c = centroid_[std::size_t(order_[std::size_t(i)])];
-      lo.head<3>() = lo.head<3>().cwiseMin(c);
-      hi.head<3>() = hi.head<3>().cwiseMax(c);
-      lo.tail<3>() = lo.tail<3>().cwiseMin(item(i).axis);
-      hi.tail<3>() = hi.tail<3>().cwiseMax(item(i).axis);
+      const Vec6 d = place_[std::size_t(order_[std::size_t(i)])] - first;
+      sum += d;
+      S += d * d.transpose();
+      lo = lo.cwiseMin(d);
+      hi = hi.cwiseMax(d);
     }
-    const double size = (hi - lo).head<3>().norm();
-    Eigen::Matrix<double, 6, 1> side = hi - lo;
-    side.tail<3>() *= kConeWeight * size;
-    Eigen::Index longest = 0;
-    side.maxCoeff(&longest);
+    S -= sum * sum.transpose() / (end - begin);
+    Vec6 weight = Vec6::Ones();
+    weight.tail<3>().setConstant(kConeWeight * std::sqrt((hi - lo).head<3>().norm() * size_));
+    S = weight.asDiagonal() * S * weight.asDiagonal();
+    Eigen::Index widest = 0;
+    S.diagonal().maxCoeff(&widest);
+    const Vec6 axis = weight.cwiseProduct(S.col(widest));
     for (int i = begin; i < end; ++i) {
       const auto at = std::size_t(order_[std::size_t(i)]);
-      key_[at] = longest < 3 ? centroid_[at][longest] : items_[at].axis[longest - 3];
+      key_[at] = axis.dot(place_[at] - first);
     }
     std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
                      [&](int a, int b) {
@@ -200,8 +217,10 @@ class Builder {
   const std::vector<ConeTreeItem>& items_;
   Vec3 centre_;
   std::vector<int>& order_;
-  std::vector<Vec3> centroid_;
+  std::vector<Vec6> place_;                            // centroid and axis of the cone
+  std::vector<std::pair<double, double>> half_angle_;  // cos and sin
   std::vector<double> key_;
+  double size_ = 0;  // of all
   ConeTree tree_;
 };
 

@@ -41,8 +41,8 @@ struct ConeTree {
   std::vector<ConeNode> nodes{};  // the root first; empty without simplices
 };
 
-/// Median splits along the longest side in the space (position, lambda times axis of the cone). `order`
-/// receives the items in the order of the buckets.
+/// Median splits by position and axis of the cone (LMD-13). `order` receives the items in the order of the
+/// buckets.
 ConeTree build_cone_tree(const std::vector<ConeTreeItem>& items, const Vec3& centre, std::vector<int>& order);
 
 }  // namespace aussois

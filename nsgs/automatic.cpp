@@ -12,10 +12,10 @@ namespace aussois {
 
 namespace {
 
-constexpr int kMemory = 5;  // steps that Anderson acceleration combines
-constexpr int kFirstWindow = 5;          // sweeps until their contraction is judged
+constexpr int kMemory = 5;                // steps that Anderson acceleration combines
+constexpr int kFirstWindow = 5;           // sweeps until their contraction is judged
 constexpr double kNewtonIterations = 30;  // about, of a second phase
-constexpr double kLongestWait = 300;     // sweeps before Newton may take over, at most
+constexpr double kLongestWait = 300;      // sweeps before Newton may take over, at most
 // Where Newton fails it is asked again later, from elsewhere and another way, in turn.
 constexpr ProximalOptions kWays[]{{.alpha = 0.1, .accuracy = 1e-2},
                                   {.alpha = 1e-3, .accuracy = 1e-9},

@@ -11,6 +11,7 @@
 
 #include "nsgs/law.hpp"
 #include "nsgs/one_contact.hpp"
+#include "nsgs/slip_directions.hpp"
 
 namespace aussois {
 
@@ -20,7 +21,7 @@ struct Block {
   RowBlock<R> W{}, inverse{};
   Rows<R> rho{};         // (ONE-3)
   double norm = 0;       // of W
-  bool regular = false;  // well conditioned: the inverse is exact enough to need no judge
+  bool regular = false;  // the inverse is one
 };
 
 template <int R>
@@ -31,7 +32,7 @@ Block<R> prepare_block(const RowBlock<R>& W, const Law& law) {
     block.inverse = W.partialPivLu().inverse();
   else
     block.inverse = W.inverse();
-  block.regular = block.inverse.norm() * block.norm < 1e8;  // false if it is not finite
+  block.regular = block.inverse.allFinite();
   for (const Ball& ball : balls(law)) {
     double bound = 0;  // of the eigenvalues of its rows
     for (int i = ball.first; i < ball.first + ball.rows; ++i) {
@@ -110,6 +111,20 @@ Candidate<R> proximal(const Block<R>& block, const Rows<R>& q, const Law& law, c
   return best;
 }
 
+// Stick, slip by the roots of the quartic, and the best of all polished by Newton.
+inline Candidate<3> enumerated(const Block<3>& block, const Vec3& q, const Law& law) {
+  const Vec3 stick = Eigen::FullPivLU<Mat3>(block.W).solve(-q);
+  Candidate<3> best = judged<3>(block, q, law, stick);
+  if (best.good) return best;
+  const SlipCandidates slips = slip_candidates(block.W, q, law.mu);
+  for (int i = 0; i < slips.count; ++i)
+    if (const Candidate<3> now = judged<3>(block, q, law, slips.r[std::size_t(i)]); now.wrong < best.wrong)
+      best = now;
+  if (best.good || !best.r.allFinite()) return best;
+  const Candidate<3> polished = newton<3>(block, q, law, best.r);
+  return polished.wrong < best.wrong ? polished : best;
+}
+
 // A planar contact slips one way or the other (ONE-8).
 inline Candidate<2> slip_2d(const Block<2>& block, const Rows<2>& q, const Law& law) {
   Candidate<2> best{.r = Rows<2>::Zero()};
@@ -137,12 +152,14 @@ BlockSolution<R> solve_block(const Block<R>& block, const Rows<R>& q, const Law&
   }
   if (law.kind == LawKind::dry_friction)
     return {Rows<R>::Constant(n, std::clamp(-q[0] / block.W(0, 0), -law.limit, law.limit))};
-  if (solver == LocalSolver::projection)
-    return {project<R>(law, start - block.rho.minCoeff() *
-                                        modified_velocity<R>(law, Rows<R>(block.W * start + q)))};
+  if (solver == LocalSolver::projection) {
+    const Rows<R> u = modified_velocity<R>(law, Rows<R>(block.W * start + q));
+    const Rows<R> r = project<R>(law, start - block.rho.minCoeff() * u);
+    return {r, judged<R>(block, q, law, r).good};
+  }
   if (block.regular && solver != LocalSolver::alart_curnier) {
     const Rows<R> stick = -block.inverse * q;
-    if (answer<R>(law, stick) == stick) return {stick};
+    if (answer<R>(law, stick) == stick && judged<R>(block, q, law, stick).good) return {stick};  // (ONE-7)
   }
   if (law.kind == LawKind::bilateral) {
     const Rows<R> r = MatX(block.W).completeOrthogonalDecomposition().solve(VecX(-q));
@@ -165,8 +182,7 @@ BlockSolution<R> solve_block(const Block<R>& block, const Rows<R>& q, const Law&
   if (found.good || solver == LocalSolver::alart_curnier) return {found.r, found.good};
   const bool fail_safe = solver == LocalSolver::hybrid;
   if constexpr (R == 3) {
-    const LocalSolution all = solve_one_contact(block.W, q, law.mu, start, LocalSolver::enumerative);
-    const Candidate<R> now = judged<R>(block, q, law, all.r);
+    const Candidate<R> now = enumerated(block, q, law);
     if (now.wrong < found.wrong) found = now;
   } else {
     const Candidate<R> now = proximal<R>(block, q, law, answer<R>(law, start));

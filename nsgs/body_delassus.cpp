@@ -225,8 +225,7 @@ class BodyDelassus final : public Delassus {
   CompressedColumns newton_matrix(const std::vector<AnyBlock>& D) const {
     std::vector<Triplet> entries;
     for (int j = 0; j < M_.outerSize(); ++j)
-      for (SparseMatrix::InnerIterator it(M_, j); it; ++it)
-        entries.emplace_back(it.row(), j, it.value());
+      for (SparseMatrix::InnerIterator it(M_, j); it; ++it) entries.emplace_back(it.row(), j, it.value());
     if (D.front().size() > 0)
       add_compliance(D, [&](int i, int j, double value) { entries.emplace_back(i, j, value); });
     else

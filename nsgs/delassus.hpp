@@ -44,8 +44,8 @@ class Delassus {
   /// The same pass with another rule; open blocks are asked too.
   virtual double sweep(VecX& r, const BlockRule& rule) = 0;
 
-  virtual AnyBlock block(int c) const = 0;   // of the diagonal of W
-  virtual SparseMatrix matrix() const = 0;   // W
+  virtual AnyBlock block(int c) const = 0;  // of the diagonal of W
+  virtual SparseMatrix matrix() const = 0;  // W
   /// (W + shift)^-1 with shift > 0, factorised once, in the form that W has.
   virtual LinearSolve shifted_inverse(double shift) const = 0;
 

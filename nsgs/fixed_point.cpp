@@ -12,7 +12,13 @@ constexpr int kPatience = 1000;  // steps without halving the best residual
 }  // namespace
 
 FixedPoint::FixedPoint(Delassus& W, const Iterate& start, Method by, int memory, Step step)
-    : W_(W), now_(start), best_(start), r_(start.r), memory_(memory), anderson_(memory), step_(std::move(step)) {
+    : W_(W),
+      now_(start),
+      best_(start),
+      r_(start.r),
+      memory_(memory),
+      anderson_(memory),
+      step_(std::move(step)) {
   now_.by = by;
   halved_ = start.residual;
   resume();

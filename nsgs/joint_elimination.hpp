@@ -12,8 +12,8 @@ struct JointFactor;  // of G^T M^-1 G, regularised
 
 struct MotionInverse {
   MassInverse mass{};
-  SparseMatrix Gt{};       // G^T, p x n; empty without joints
-  SparseMatrix Y{};        // M^-1 G
+  SparseMatrix Gt{};  // G^T, p x n; empty without joints
+  SparseMatrix Y{};   // M^-1 G
   std::shared_ptr<JointFactor> joints{};
 
   VecX operator*(const VecX& x) const;                  // the velocity that the momentum x gives

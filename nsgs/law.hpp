@@ -63,8 +63,8 @@ inline constexpr int kMaxRows = 6;
 template <int R>
 using Rows = Eigen::Matrix<double, R, 1, 0, R == Eigen::Dynamic ? kMaxRows : R, 1>;
 template <int R>
-using RowBlock = Eigen::Matrix<double, R, R, 0, R == Eigen::Dynamic ? kMaxRows : R,
-                               R == Eigen::Dynamic ? kMaxRows : R>;
+using RowBlock =
+    Eigen::Matrix<double, R, R, 0, R == Eigen::Dynamic ? kMaxRows : R, R == Eigen::Dynamic ? kMaxRows : R>;
 using AnyRows = Rows<Eigen::Dynamic>;
 using AnyBlock = RowBlock<Eigen::Dynamic>;
 
@@ -167,8 +167,7 @@ template <int R>
 Rows<R> answer(const Law& law, Rows<R> y) {
   if (has_normal(law) && !(y[0] > 0)) return Rows<R>::Zero(y.size());
   for (const Ball& ball : balls(law)) {
-    const double radius = ball.mu * y[0] + ball.limit,
-                 length = length_in<R>(ball, y);
+    const double radius = ball.mu * y[0] + ball.limit, length = length_in<R>(ball, y);
     if (length > radius) stretch_in<R>(ball, radius / length, y);
   }
   return y;
@@ -180,8 +179,7 @@ RowBlock<R> answer_derivative(const Law& law, const Rows<R>& y) {
   if (has_normal(law) && !(y[0] > 0)) return RowBlock<R>::Zero(y.size(), y.size());
   RowBlock<R> D = RowBlock<R>::Identity(y.size(), y.size());
   for (const Ball& ball : balls(law)) {
-    const double radius = ball.mu * y[0] + ball.limit,
-                 length = length_in<R>(ball, y);
+    const double radius = ball.mu * y[0] + ball.limit, length = length_in<R>(ball, y);
     if (length <= radius) continue;
     for (int i = ball.first; i < ball.first + ball.rows; ++i) {
       const double along = y[i] / length;

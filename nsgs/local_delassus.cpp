@@ -164,8 +164,9 @@ class LocalDelassus final : public Delassus {
   double newton_cost(const VecX& r) override {
     double sweep = 300.0 * count();  // the blocks' own solves
     for (const RowBlock<R>& block : rows_.block) sweep += 2 * double(block.size());
-    CompressedColumns J = newton_matrix(closed_blocks([&](int c) { return !r.segment<R>(at(c), rows(c)).isZero(0); }),
-                                        [&](int c) { return RowBlock<R>::Identity(rows(c), rows(c)); });
+    CompressedColumns J =
+        newton_matrix(closed_blocks([&](int c) { return !r.segment<R>(at(c), rows(c)).isZero(0); }),
+                      [&](int c) { return RowBlock<R>::Identity(rows(c), rows(c)); });
     return factor_cost(J) / sweep + 2;
   }
 
@@ -175,7 +176,8 @@ class LocalDelassus final : public Delassus {
     CompressedColumns J = newton_matrix(place, [&](int c) { return RowBlock<R>(D[std::size_t(c)]); });
     VecX rhs(J.size());
     for (int c = 0; c < count(); ++c)
-      if (place[std::size_t(c)] >= 0) rhs.segment<R>(place[std::size_t(c)], rows(c)) = F.segment<R>(at(c), rows(c));
+      if (place[std::size_t(c)] >= 0)
+        rhs.segment<R>(place[std::size_t(c)], rows(c)) = F.segment<R>(at(c), rows(c));
     const std::optional<VecX> closed = solve_once(J, rhs);
     if (!closed) return std::nullopt;
     VecX dr = VecX::Zero(F.size());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Nonsmooth Gauss-Seidel (NSGS-4) to (NSGS-7): one block after the other, each solved exactly. Source: Jean
+// Nonsmooth Gauss-Seidel (NSGS-4) to (NSGS-6): one block after the other, each solved exactly. Source: Jean
 // and Moreau 1992; Acary and Brogliato 2008, ch. 13.
 #include "nsgs/fixed_point.hpp"
 

@@ -80,8 +80,8 @@ Iterate proximal_steps(Delassus& W, const Iterate& start, const ProximalOptions&
                        SolveReport& report) {
   Iterate best = start, center = start;
   double alpha = options.alpha;
-  for (int step = 0;
-       step < options.max_steps && best.residual > options.tolerance && alpha <= kLargestAlpha; ++step) {
+  for (int step = 0; step < options.max_steps && best.residual > options.tolerance && alpha <= kLargestAlpha;
+       ++step) {
     const ProximalStep proximal = proximal_step(W, center, alpha, options.accuracy);
     report.newton_iterations += proximal.iterations;
     Iterate iterate = judged(W, proximal.r, Method::proximal_newton);
@@ -97,11 +97,10 @@ Iterate proximal_steps(Delassus& W, const Iterate& start, const ProximalOptions&
 
 Iterate proximal_newton(Delassus& W, const Iterate& start, const SolverOptions& options,
                         SolveReport& report) {
-  const Iterate best = proximal_steps(
-      W, start, {.tolerance = options.tolerance, .max_steps = options.max_iterations}, report);
+  const Iterate best =
+      proximal_steps(W, start, {.tolerance = options.tolerance, .max_steps = options.max_iterations}, report);
   report.iterations = report.newton_iterations;
-  report.status =
-      best.residual <= options.tolerance ? SolveStatus::converged : SolveStatus::stagnated;
+  report.status = best.residual <= options.tolerance ? SolveStatus::converged : SolveStatus::stagnated;
   return best;
 }
 

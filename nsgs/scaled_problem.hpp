@@ -8,8 +8,8 @@
 namespace aussois {
 
 struct Scaling {
-  VecX s{};         // of the rows, sqrt of an inverse mass's inverse
-  double size = 1;  // |q / sqrt(w)|; 1 if that is 0
+  VecX s{};                 // of the rows, sqrt of an inverse mass's inverse
+  double size = 1;          // |q / sqrt(w)|; 1 if that is 0
   std::vector<Law> laws{};  // with the radii that the scaled rows have
   VecX q{};                 // scaled
   bool finite = true;       // false: nothing of it may be used

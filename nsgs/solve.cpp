@@ -46,9 +46,8 @@ FrictionSolution solve(Delassus& W, const VecX& r0, const SolverOptions& options
   if (r0.size() > 0)
     if (Iterate warm = judged(W, scaled_start(scaled, r0), options.method); warm.residual < start.residual)
       start = std::move(warm);
-  const Iterate best = start.residual <= options.tolerance
-                           ? start
-                           : entry(options.method).run(W, start, options, out.report);
+  const Iterate best =
+      start.residual <= options.tolerance ? start : entry(options.method).run(W, start, options, out.report);
   out.report.residual = best.residual;
   out.report.found_by = best.by;
   out.r = scaled.size * scaled.s.cwiseProduct(best.r);
@@ -141,8 +140,7 @@ FrictionSolution solve(const FrictionProblem& problem, const VecX& r0, const Sol
   const std::optional<MotionInverse> inverse = invert_motion(problem.M, problem.G);
   if (!inverse) return nothing_finite(problem);
   const bool few_contacts = problem.f.size() > 2 * problem.w.size();
-  const bool condensed =
-      inverse->mass.factor || inverse->joints || problem.R.size() > 0 || few_contacts;
+  const bool condensed = inverse->mass.factor || inverse->joints || problem.R.size() > 0 || few_contacts;
   const std::unique_ptr<Delassus> W =
       condensed ? make_delassus(condense(problem, *inverse)) : make_delassus(problem, inverse->mass);
   FrictionSolution solution = solve(*W, r0, options);

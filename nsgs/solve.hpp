@@ -10,13 +10,13 @@
 namespace aussois {
 
 enum class Method {
-  automatic,        // the default: NSGS while it contracts, then Newton (automatic.md)
-  nsgs,             // nonsmooth Gauss-Seidel, one block after the other solved exactly (nsgs.md)
-  sor_prox,         // one projection per block in Gauss-Seidel order (prox.md)
-  jor_prox,         // the same in Jacobi order
-  coulomb_pgs,      // sor_prox with one step size per block and part, as engines do it (prox.md)
-  proximal_newton,  // semismooth Newton inside proximal steps (proximal_newton.md)
-  admm,             // splitting with a spectral penalty (admm.md)
+  automatic,           // the default: NSGS while it contracts, then Newton (automatic.md)
+  nsgs,                // nonsmooth Gauss-Seidel, one block after the other solved exactly (nsgs.md)
+  sor_prox,            // one projection per block in Gauss-Seidel order (prox.md)
+  jor_prox,            // the same in Jacobi order
+  coulomb_pgs,         // sor_prox with one step size per block and part, as engines do it (prox.md)
+  proximal_newton,     // semismooth Newton inside proximal steps (proximal_newton.md)
+  admm,                // splitting with a spectral penalty (admm.md)
   projected_gradient,  // accelerated, of the convex cone model (projected_gradient.md)
   interior_point,      // with Nesterov-Todd scaling (interior_point.md)
 };
@@ -41,12 +41,13 @@ const char* to_string(SolveStatus status);
 
 struct SolverOptions {
   Method method = Method::automatic;
-  double tolerance = 1e-8;     // on the scaled residual [-], in (0, 1)
-  int max_iterations = 10000;  // sweeps or steps of the method, >= 1
-  double relaxation = 1.0;     // of nsgs, sor_prox, jor_prox, in (0, 2)
+  double tolerance = 1e-8;                  // on the scaled residual [-], in (0, 1)
+  int max_iterations = 10000;               // sweeps or steps of the method, >= 1
+  double relaxation = 1.0;                  // of nsgs, sor_prox, jor_prox, in (0, 2)
   LocalSolver local = LocalSolver::hybrid;  // of nsgs
   ProxMetric prox = ProxMetric::blocks;     // of sor_prox, jor_prox
-  int anderson = 0;         // iterates that Anderson acceleration of nsgs, sor_prox, jor_prox, admm combines, in [0, 20]
+  int anderson =
+      0;  // iterates that Anderson acceleration of nsgs, sor_prox, jor_prox, admm combines, in [0, 20]
 };
 void validate(const SolverOptions& options);  // throws std::invalid_argument: field, value, bound
 

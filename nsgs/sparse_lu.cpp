@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "nsgs/sparse_lu.hpp"
 
+#include <klu.h>
 #include <memory>
 #include <numeric>
 
 #include <Eigen/LU>
 #include <Eigen/OrderingMethods>
-#include <klu.h>
 
 namespace aussois {
 

@@ -107,7 +107,8 @@ TEST(PrescribedBody, LiftsABlockWithItsWeight) {
       Prescribed{.path = {.t = {0, 10}, .pose = {SE3{}, translation(0, 0, 1)}}};
   s.state = rest_state(s.model);
   pose(s.state, s.block).p.z() = kSide / 2 + 2 * kRadius;
-  const StepReport report = run(MoreauJean(s.model, {.h = 1e-3, .solver = {.tolerance = 1e-12}}), s.state, 0.5);
+  const StepReport report =
+      run(MoreauJean(s.model, {.h = 1e-3, .solver = {.tolerance = 1e-12}}), s.state, 0.5);
   EXPECT_NEAR(pose(s.state, s.block).p.z(), kSide / 2 + 2 * kRadius + 0.05, 1e-8);
   EXPECT_NEAR(twist(s.state, s.block)[2], 0.1, 1e-9);
   double push = 0;
@@ -139,7 +140,8 @@ TEST(Stack, CarriesTheWeightAboveEachContact) {
   s.state = rest_state(s.model);
   for (int i = 0; i < 3; ++i)
     pose(s.state, s.block + i).p.z() = kSide / 2 + 2 * kRadius + i * (kSide + 2 * kRadius);
-  const StepReport report = run(MoreauJean(s.model, {.h = 5e-3, .solver = {.tolerance = 1e-12}}), s.state, 0.1);
+  const StepReport report =
+      run(MoreauJean(s.model, {.h = 5e-3, .solver = {.tolerance = 1e-12}}), s.state, 0.1);
   std::vector<double> carried(3, 0);
   for (const StepContact& c : report.contacts)
     carried[std::size_t(std::min(c.point.a.body, c.point.b.body))] += std::abs(c.impulse.z()) / report.h;

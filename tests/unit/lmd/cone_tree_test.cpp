@@ -235,7 +235,7 @@ TEST(ConeTree, HoldsEveryLeafOfABolt) {
   check_shape(prepare(dilate(make_bolt(), 1e-5)));
 }
 
-TEST(ConeTree, NodesAreSixCacheLines) {
+TEST(ConeTree, NodesAreFiveCacheLines) {
   EXPECT_EQ(sizeof(ConeNode), 5U * 64);
   EXPECT_EQ(alignof(ConeNode), 64U);
   std::vector<int> order;

@@ -30,7 +30,10 @@ TEST(FrictionProblem, NamesTheFieldThatIsWrong) {
   EXPECT_NO_THROW(validate(good));
   FrictionProblem bad = good;
   bad.w.conservativeResize(14);
-  EXPECT_NE(message_of([&] { validate(bad); }).find("FrictionProblem::w.size() = 14 must equal the rows of laws = 15"), std::string::npos);
+  EXPECT_NE(message_of([&] {
+              validate(bad);
+            }).find("FrictionProblem::w.size() = 14 must equal the rows of laws = 15"),
+            std::string::npos);
   bad = good;
   bad.f.conservativeResize(5);
   EXPECT_NE(message_of([&] { validate(bad); }).find("FrictionProblem::M.rows() = 6"), std::string::npos);

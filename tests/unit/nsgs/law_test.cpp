@@ -79,6 +79,69 @@ TEST(Law, CoulombDerivativeIsThatOfCentralDifferences) {
   EXPECT_GT(std::min({open, stick, slip}), 50);
 }
 
+const Law kKinds[]{coulomb(0.4),      coulomb_2d(0.7), rolling(0.5, 0.2), rolling(0.3, 0),
+                   contensou(0.6, 1), unilateral(),    bilateral(3),      dry_friction(0.8)};
+
+// A point of the set: every ball filled by a random share.
+AnyRows random_member(Random& random, const Law& law) {
+  AnyRows y = uniform_vector(random, law.rows, -3, 3);
+  if (has_normal(law)) y[0] = random.uniform(0, 3);
+  for (const Ball& ball : balls(law)) {
+    const double radius = ball.mu * y[0] * (ball.first > 0) + ball.limit;
+    const double length = y.segment(ball.first, ball.rows).norm();
+    y.segment(ball.first, ball.rows) *= radius * random.uniform(0, 1) / length;
+  }
+  return y;
+}
+
+TEST(Law, EveryKindProjectsOnTheNearestPoint) {
+  for (const Law& law : kKinds) {
+    Random random(4);
+    for (int i = 0; i < 500; ++i) {
+      const AnyRows x = uniform_vector(random, law.rows, -2, 2), p = project<Eigen::Dynamic>(law, x);
+      EXPECT_LT((project<Eigen::Dynamic>(law, p) - p).norm(), 1e-15) << to_string(law.kind);
+      for (int k = 0; k < 20; ++k)
+        ASSERT_LE((x - p).dot(random_member(random, law) - p), 1e-13)
+            << to_string(law.kind) << ", case " << i;
+    }
+  }
+}
+
+TEST(Law, EveryKindAnswersWithMaximalDissipation) {
+  // r = answer(y) solves the block with unit compliance: u = r - y and the law (LAW-6).
+  for (const Law& law : kKinds) {
+    Random random(5);
+    for (int i = 0; i < 500; ++i) {
+      const AnyRows y = uniform_vector(random, law.rows, -2, 2), r = answer<Eigen::Dynamic>(law, y);
+      const AnyRows u = r - y,
+                    wrong = r - project<Eigen::Dynamic>(law, r - modified_velocity<Eigen::Dynamic>(law, u));
+      EXPECT_LT(wrong.norm(), 1e-14) << to_string(law.kind) << ", case " << i;
+    }
+  }
+}
+
+TEST(Law, EveryDerivativeIsThatOfCentralDifferences) {
+  const double step = 1e-6;
+  for (const Law& law : kKinds) {
+    Random random(6);
+    int close = 0;
+    for (int i = 0; i < 300; ++i) {
+      const AnyRows y = uniform_vector(random, law.rows, -2, 2);
+      const AnyBlock D = answer_derivative<Eigen::Dynamic>(law, y);
+      double worst = 0;
+      for (int j = 0; j < law.rows; ++j) {
+        AnyRows e = AnyRows::Zero(law.rows);
+        e[j] = step;
+        const AnyRows difference =
+            (answer<Eigen::Dynamic>(law, y + e) - answer<Eigen::Dynamic>(law, y - e)) / (2 * step);
+        worst = std::max(worst, (D.col(j) - difference).norm());
+      }
+      close += worst < 1e-6;
+    }
+    EXPECT_GE(close, 295) << to_string(law.kind);  // the others lie at a kink or near the axis
+  }
+}
+
 // -0.0 = 0 * (-5): an open frictionless contact is outside the ray, not on it.
 TEST(Law, WithoutFrictionIsTheRayOfPositiveNormals) {
   EXPECT_EQ(project_cone({-5, 0, 0}, 0), Vec3(0, 0, 0));

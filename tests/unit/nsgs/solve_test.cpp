@@ -212,8 +212,7 @@ TEST(Solve, EveryLocalSolverEndsAtTheSameResidual) {
 TEST(Solve, EndsAPainleveBlockAsStagnated) {
   Mat3 W;  // without solution: OneContact.SaysThatAPainleveBlockHasNoSolution
   W << 1, 3, 0, 3, 9, 0, 0, 0, 1;
-  const LocalProblem problem{
-      .W = MatX(W).sparseView(), .q = Vec3(-1, 4, 0), .laws = {coulomb(1)}};
+  const LocalProblem problem{.W = MatX(W).sparseView(), .q = Vec3(-1, 4, 0), .laws = {coulomb(1)}};
   const FrictionSolution s = solve(problem, {});
   EXPECT_EQ(s.report.status, SolveStatus::stagnated);
   EXPECT_GE(s.report.iterations, 1000);

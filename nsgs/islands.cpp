@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "nsgs/islands.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace aussois {
+
+namespace {
+
+// Union-find whose roots are the smallest members.
+class Groups {
+ public:
+  explicit Groups(Eigen::Index count) : parent_(std::size_t(count)) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
+  int root(int i) {
+    while (parent_[std::size_t(i)] != i)
+      i = parent_[std::size_t(i)] = parent_[std::size_t(parent_[std::size_t(i)])];
+    return i;
+  }
+  void join(int a, int b) {
+    const int p = root(a), q = root(b);
+    parent_[std::size_t(std::max(p, q))] = std::min(p, q);
+  }
+  /// Joins all rows that a column of A touches with its first; that, or -1 of an empty column.
+  int join_column(const SparseMatrix& A, Eigen::Index column) {
+    int first = -1;
+    for (SparseMatrix::InnerIterator it(A, column); it; ++it) {
+      if (it.value() == 0) continue;  // NaN is a coupling
+      if (first < 0) first = int(it.row());
+      join(first, int(it.row()));
+    }
+    return first;
+  }
+
+ private:
+  std::vector<int> parent_;
+};
+
+// Rows and columns of A, ascending lists; `place` is scratch of A.rows() entries, all -1, and left so.
+SparseMatrix sub_matrix(const SparseMatrix& A, const std::vector<int>& rows, const std::vector<int>& columns,
+                        std::vector<int>& place) {
+  for (std::size_t i = 0; i < rows.size(); ++i) place[std::size_t(rows[i])] = int(i);
+  SparseMatrix out(Eigen::Index(rows.size()), Eigen::Index(columns.size()));
+  for (std::size_t j = 0; j < columns.size(); ++j) {
+    out.startVec(Eigen::Index(j));
+    for (SparseMatrix::InnerIterator it(A, columns[j]); it; ++it)
+      if (const int i = place[std::size_t(it.row())]; i >= 0) out.insertBackByOuterInner(Eigen::Index(j), i) = it.value();
+  }
+  out.finalize();
+  for (const int row : rows) place[std::size_t(row)] = -1;
+  return out;
+}
+
+VecX sub_vector(const VecX& x, const std::vector<int>& rows) {
+  return x.size() == 0 ? VecX() : VecX(x(rows));
+}
+
+std::vector<Law> sub_laws(const std::vector<Law>& laws, const std::vector<int>& blocks) {
+  std::vector<Law> out;
+  for (const int c : blocks) out.push_back(laws[std::size_t(c)]);
+  return out;
+}
+
+}  // namespace
+
+std::vector<Island> islands(const FrictionProblem& problem) {
+  const std::vector<int> first = first_rows(problem.laws);
+  Groups groups(problem.f.size());
+  for (Eigen::Index j = 0; j < problem.M.cols(); ++j)
+    if (const int row = groups.join_column(problem.M, j); row >= 0) groups.join(row, int(j));
+  std::vector<int> dof_of_joint, dof_of_block;
+  for (Eigen::Index j = 0; j < problem.G.cols(); ++j) dof_of_joint.push_back(groups.join_column(problem.G, j));
+  for (std::size_t c = 0; c < problem.laws.size(); ++c) {
+    int dof = -1;
+    for (int j = first[c]; j < first[c + 1]; ++j)
+      if (const int row = groups.join_column(problem.H, j); row >= 0) {
+        if (dof < 0) dof = row;
+        groups.join(dof, row);
+      }
+    dof_of_block.push_back(dof);
+  }
+  std::vector<int> island_of(std::size_t(problem.f.size()), -1);
+  std::vector<Island> out;
+  for (const int dof : dof_of_block)
+    if (dof >= 0) island_of[std::size_t(groups.root(dof))] = 0;
+  for (int i = 0; i < int(problem.f.size()); ++i) {
+    const auto root = std::size_t(groups.root(i));
+    if (island_of[root] < 0) continue;
+    if (int(root) == i) {  // comes before the others of its group
+      island_of[root] = int(out.size());
+      out.emplace_back();
+    }
+    out[std::size_t(island_of[root])].dofs.push_back(i);
+  }
+  for (std::size_t c = 0; c < problem.laws.size(); ++c) {
+    if (dof_of_block[c] < 0) return {};  // a block that nothing moves: its own trouble, told by the solver
+    Island& island = out[std::size_t(island_of[std::size_t(groups.root(dof_of_block[c]))])];
+    island.blocks.push_back(int(c));
+    for (int j = first[c]; j < first[c + 1]; ++j) island.rows.push_back(j);
+  }
+  for (std::size_t j = 0; j < dof_of_joint.size(); ++j)
+    if (dof_of_joint[j] >= 0)
+      if (const int i = island_of[std::size_t(groups.root(dof_of_joint[j]))]; i >= 0)
+        out[std::size_t(i)].joints.push_back(int(j));
+  return out;
+}
+
+std::vector<Island> islands(const LocalProblem& problem) {
+  const std::vector<int> first = first_rows(problem.laws);
+  Groups groups(problem.q.size());
+  for (std::size_t c = 0; c < problem.laws.size(); ++c)
+    for (int j = first[c]; j < first[c + 1]; ++j) {
+      groups.join(first[c], j);
+      if (const int row = groups.join_column(problem.W, j); row >= 0) groups.join(row, j);
+    }
+  std::vector<int> island_of(std::size_t(problem.q.size()), -1);
+  std::vector<Island> out;
+  for (std::size_t c = 0; c < problem.laws.size(); ++c) {
+    const auto root = std::size_t(groups.root(first[c]));
+    if (island_of[root] < 0) {
+      island_of[root] = int(out.size());
+      out.emplace_back();
+    }
+    Island& island = out[std::size_t(island_of[root])];
+    island.blocks.push_back(int(c));
+    for (int j = first[c]; j < first[c + 1]; ++j) island.rows.push_back(j);
+  }
+  return out;
+}
+
+FrictionProblem part(const FrictionProblem& problem, const Island& island, std::vector<int>& place) {
+  place.resize(std::size_t(problem.f.size()), -1);
+  return {.M = sub_matrix(problem.M, island.dofs, island.dofs, place),
+          .H = sub_matrix(problem.H, island.dofs, island.rows, place),
+          .f = sub_vector(problem.f, island.dofs),
+          .w = sub_vector(problem.w, island.rows),
+          .laws = sub_laws(problem.laws, island.blocks),
+          .G = sub_matrix(problem.G, island.joints.empty() ? std::vector<int>{} : island.dofs, island.joints,
+                          place),
+          .b = sub_vector(problem.b, island.joints),
+          .R = sub_vector(problem.R, island.rows)};
+}
+
+LocalProblem part(const LocalProblem& problem, const Island& island, std::vector<int>& place) {
+  place.resize(std::size_t(problem.q.size()), -1);
+  return {.W = sub_matrix(problem.W, island.rows, island.rows, place),
+          .q = sub_vector(problem.q, island.rows),
+          .laws = sub_laws(problem.laws, island.blocks)};
+}
+
+}  // namespace aussois

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// Parts of a problem that do not feel each other (ISL-1): solved apart, each as if the others were not there.
+// Private to nsgs.
+#pragma once
+
+#include "nsgs/friction_problem.hpp"
+
+namespace aussois {
+
+/// Indices into the problem, all ascending.
+struct Island {
+  std::vector<int> blocks{};
+  std::vector<int> rows{};    // of these blocks
+  std::vector<int> dofs{};    // of M; empty in a local problem
+  std::vector<int> joints{};  // columns of G
+};
+
+/// Ordered by their first dof, or block. What feels no contact is in no island.
+std::vector<Island> islands(const FrictionProblem& problem);
+std::vector<Island> islands(const LocalProblem& problem);
+
+/// `scratch` is empty at first, and handed from one part to the next.
+FrictionProblem part(const FrictionProblem& problem, const Island& island, std::vector<int>& scratch);
+LocalProblem part(const LocalProblem& problem, const Island& island, std::vector<int>& scratch);
+
+}  // namespace aussois
