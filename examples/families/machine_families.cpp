@@ -81,6 +81,7 @@ FrictionScene gyroscopic(int contacts, Random& random) {
         }
       }
   disturb(scene, random);
+  scene.h = random.log_uniform(0.01, 1) / speed;  // a disk turns by less than a radian
   scene.theta = 1;
   return scene;
 }

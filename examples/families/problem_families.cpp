@@ -18,7 +18,7 @@ constexpr std::array kFamilies{
     ProblemFamily{"sphere_pile", "balls of several sizes settled in a bin", sphere_pile},
     ProblemFamily{"chain", "closed chain whose pins fill their holes up to a tiny clearance", chain},
     ProblemFamily{"gyroscopic", "columns of fast disks that drive each other, unsymmetric M", gyroscopic},
-    ProblemFamily{"mass_ratio", "columns under a slab, densities over six decades", mass_ratio},
+    ProblemFamily{"mass_ratio", "columns under a slab, densities over two to six decades", mass_ratio},
     ProblemFamily{"redundant_joints", "tables on parallel cranks with doubled hinges, loaded",
                   redundant_joints},
     ProblemFamily{"mixed_laws", "planks on rolling balls under hinged arms: every law of the solver",

@@ -77,6 +77,7 @@ FrictionScene mass_ratio(int contacts, Random& random) {
   const int side = contacts < 60 ? 1 : std::max(2, int(std::lround(std::cbrt(contacts / 8.0))));
   const int levels = std::max(2, contacts / (4 * side * side) - 1);
   const int kind = random.index(3);  // 0 the heavier the higher, 1 alternating, 2 any
+  const double light = 10, ratio = random.log_uniform(1e2, 1e6);
   FrictionScene scene;
   add_ground(scene, 0.15 * side + 1);
   for (int z = 0; z < levels; ++z)
@@ -85,11 +86,12 @@ FrictionScene mass_ratio(int contacts, Random& random) {
         const double any = random.uniform();
         const double exponent = kind == 0 ? double(z) / (levels - 1) : kind == 1 ? z % 2 : any;
         add_box(scene, Vec3(0.1, 0.1, 0.1), translation(0.15 * x, 0.15 * y, 0.1 * z + 0.05),
-                10 * std::pow(1e6, exponent));
+                light * std::pow(ratio, exponent));
       }
   const double width = 0.15 * side;
   add_box(scene, Vec3(width, width, 0.05),
-          translation((width - 0.15) / 2, (width - 0.15) / 2, 0.1 * levels + 0.025), kind == 1 ? 10 : 1e7);
+          translation((width - 0.15) / 2, (width - 0.15) / 2, 0.1 * levels + 0.025),
+          kind == 1 ? light : light * ratio);
   touch_faces(scene, 1e-9, coulomb(random.uniform(0.2, 0.8)));
   disturb(scene, random);
   return scene;

@@ -8,6 +8,10 @@
 
 namespace aussois {
 
+void PrintTo(const ProblemFamily& family, std::ostream* out) {
+  *out << family.name;
+}
+
 class LargeFamilies : public ::testing::TestWithParam<ProblemFamily> {};
 
 TEST_P(LargeFamilies, AreSolvedByTheAutomaticSolver) {
