@@ -3,7 +3,6 @@
 // Newton fails (AUTO-1) to (AUTO-3).
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include "nsgs/fixed_point.hpp"
 #include "nsgs/proximal_newton.hpp"
@@ -17,11 +16,26 @@ constexpr int kFirstWindow = 5;           // sweeps until their contraction is j
 constexpr double kNewtonIterations = 30;  // about, of a second phase
 constexpr double kLeastCost = 2;          // of a Newton iteration in sweeps, about; counted only above
 constexpr double kLongestWait = 300;      // sweeps before Newton may take over, at most
-// Where Newton fails it is asked again later, from elsewhere and another way, in turn.
-constexpr ProximalOptions kWays[]{{.alpha = 0.1, .accuracy = 1e-2},
-                                  {.alpha = 1e-3, .accuracy = 1e-9},
-                                  {.alpha = 1, .accuracy = 1e-9},
-                                  {.alpha = 1e-2, .accuracy = 1e-4}};
+constexpr int kAttempts = 8;             // after these sweeps go on alone
+
+// The second phase, asked again where it failed, from elsewhere and another way (AUTO-3).
+Iterate second_phase(Delassus& W, const Iterate& start, int attempt, const SolverOptions& options,
+                     SolveReport& report) {
+  ProximalOptions way{.tolerance = options.tolerance, .max_iterations = 100};
+  if (attempt == 0) return proximal_steps(W, start, way, report);
+  Iterate from = start;
+  if (attempt == 1) {
+    SolveReport inner;
+    from = interior_point(W, start, {.tolerance = options.tolerance, .max_iterations = 100}, inner);
+    report.newton_iterations += inner.iterations;
+  }
+  constexpr double alphas[]{1e-3, 1, 1e-2, 0.1};
+  way.alpha = alphas[(attempt - 1) % 4];
+  way.accuracy = attempt % 2 == 1 ? 1e-9 : 1e-4;
+  way.max_iterations = 100 << attempt;
+  way.max_steps = 60 << attempt;
+  return proximal_steps(W, from, way, report);
+}
 
 // Sweeps until the tolerance, at the rate of the last ones (AUTO-1).
 double sweeps_left(double before, double now, int sweeps, double tolerance) {
@@ -51,16 +65,15 @@ Iterate automatic(Delassus& W, const Iterate& start, const SolverOptions& option
     const double left = sweeps_left(window_residual, now.residual, window, options.tolerance);
     window_start = report.iterations;
     window_residual = now.residual;
-    if (left <= kLeastCost * kNewtonIterations) continue;
+    if (left <= kLeastCost * kNewtonIterations || attempts == kAttempts) continue;
     const int swept = report.iterations - phase_start;
     if (swept >= 2 * weighed_at) {  // it takes a sweep or two itself
       weighed_at = swept;
       newton = kNewtonIterations * W.newton_cost(now.r);
     }
     if (left <= newton || swept < std::min(newton / 10, kLongestWait)) continue;  // (AUTO-2)
-    ProximalOptions way = kWays[std::size_t(attempts++) % std::size(kWays)];
-    way.tolerance = options.tolerance;
-    sweeps.offer(proximal_steps(W, now, way, report));
+    sweeps.offer(second_phase(W, attempts == 0 ? now : sweeps.best(), attempts, options, report));
+    ++attempts;
     sweeps.resume();  // where Newton fails, the sweeps go on from where they were, with more room
     window *= 2;
     phase_start = report.iterations;

@@ -92,6 +92,7 @@ Iterate proximal_steps(Delassus& W, const Iterate& start, const ProximalOptions&
     else
       alpha = std::max(alpha / (proximal.iterations <= kEasyStep ? 10 : 3), kSmallestAlpha);
   }
+  report.newton_iterations += iterations;
   return best;
 }
 

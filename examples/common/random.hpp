@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// Random numbers that are the same everywhere: a seeded engine and our own maps (standard distributions
+// differ between libraries). For examples and tests; tests print the seed.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <random>
+
+#include "geometry/se3.hpp"
+
+namespace aussois {
+
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : engine_(seed) {}
+  std::uint64_t bits() { return engine_(); }
+  double uniform(double lo = 0, double hi = 1) { return lo + (hi - lo) * double(bits() >> 11) * 0x1p-53; }
+  double log_uniform(double lo, double hi) {
+    return std::exp(uniform(std::log(lo), std::log(hi)));
+  }  // lo > 0
+  int index(int n) { return int(bits() % std::uint64_t(n)); }
+  Vec3 vector(double half = 1) {
+    const double x = uniform(-half, half), y = uniform(-half, half), z = uniform(-half, half);
+    return {x, y, z};
+  }
+  Vec3 direction() {
+    for (;;) {
+      const Vec3 d = vector();
+      if (d.norm() > 0.1 && d.norm() <= 1) return d.normalized();
+    }
+  }
+  Quat rotation() { return exp_so3(uniform(0, kPi) * direction()); }
+  SE3 pose(double half) {
+    const Quat R = rotation();
+    return {R, vector(half)};
+  }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+}  // namespace aussois
