@@ -194,4 +194,16 @@ std::optional<Mitre> mitre(std::span<const VertexPlane> planes, const MitreOptio
   return near_enough ? std::optional(at_one_point(near)) : std::nullopt;
 }
 
+Vec3 least_mitre(std::span<const VertexPlane> planes) {
+  MatX n(Eigen::Index(planes.size()), 3);
+  VecX wanted(n.rows());
+  for (std::size_t k = 0; k < planes.size(); ++k) {
+    n.row(Eigen::Index(k)) = planes[k].normal;
+    wanted[Eigen::Index(k)] = planes[k].offset;
+  }
+  Eigen::JacobiSVD<MatX> svd(n, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  svd.setThreshold(0.1);  // taste: nothing goes farther than some ten times the way of the planes
+  return svd.solve(wanted);
+}
+
 }  // namespace aussois

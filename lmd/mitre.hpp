@@ -39,4 +39,7 @@ struct Mitre {
 /// each plane by a simple polygon. Up to 10 planes are split.
 std::optional<Mitre> mitre(std::span<const VertexPlane> planes, const MitreOptions& options = {});
 
+/// A displacement for planes that have no mitre: the nearest to all, without going far (least squares).
+Vec3 least_mitre(std::span<const VertexPlane> planes);
+
 }  // namespace aussois

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lmd/region_offset.hpp"
+
+#include <cmath>
+#include <sstream>
+
+#include <Eigen/Geometry>
+
+#include "geometry/polygon.hpp"
+
+namespace aussois {
+namespace {
+
+using Loop = std::vector<int>;  // of vertices of the wavefront
+
+// The borders of each region, with the region on the left.
+std::vector<std::vector<Loop>> borders(const Wavefront& wave, std::size_t region_count) {
+  std::vector<std::vector<Loop>> all(region_count);
+  std::vector<std::vector<char>> seen(wave.vertices.size());
+  for (std::size_t v = 0; v < seen.size(); ++v) seen[v].assign(wave.vertices[v].sectors.size(), 0);
+  for (int v = 0; v < int(seen.size()); ++v)
+    for (int s = 0; wave.vertices[std::size_t(v)].alive && s < int(seen[std::size_t(v)].size()); ++s) {
+      Loop loop;
+      for (int at = v, i = s; !seen[std::size_t(at)][std::size_t(i)];) {
+        seen[std::size_t(at)][std::size_t(i)] = 1;
+        loop.push_back(at);
+        const int e = wave.vertices[std::size_t(at)].sectors[std::size_t(i)].edge;
+        at = across(wave.edges[std::size_t(e)], at);
+        const WaveVertex& next = wave.vertices[std::size_t(at)];
+        const int count = int(next.sectors.size());
+        i = (sector_of(next, e) + count - 1) % count;
+      }
+      const int region = wave.vertices[std::size_t(v)].sectors[std::size_t(s)].region;
+      if (loop.size() > 2) all[std::size_t(region)].push_back(std::move(loop));
+    }
+  return all;
+}
+
+bool holds(const std::vector<Vec2>& points, const std::vector<int>& loop, const Vec2& x) {
+  bool odd = false;
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    const Vec2 &a = points[std::size_t(loop[i])], &b = points[std::size_t(loop[(i + 1) % loop.size()])];
+    if ((a.y() > x.y()) != (b.y() > x.y()) &&
+        x.x() < a.x() + (x.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
+      odd = !odd;
+  }
+  return odd;
+}
+
+// Triangles of a region between its borders: of each outer one with the holes that it holds.
+std::optional<std::vector<std::array<int, 3>>> cut_face(const Wavefront& wave, const Vec3& n,
+                                                        const std::vector<Loop>& loops) {
+  const Vec3 u = n.unitOrthogonal(), v = n.cross(u);
+  const Vec3 origin = wave.vertices[std::size_t(loops[0][0])].to;
+  std::vector<Vec2> points;
+  std::vector<int> vertex;
+  std::vector<std::vector<int>> outer, holes;
+  for (const Loop& loop : loops) {
+    std::vector<int> indices;
+    for (int w : loop) {
+      const Vec3 x = wave.vertices[std::size_t(w)].to - origin;
+      indices.push_back(int(points.size()));
+      points.emplace_back(u.dot(x), v.dot(x));
+      vertex.push_back(w);
+    }
+    (twice_area(points, indices) > 0 ? outer : holes).push_back(std::move(indices));
+  }
+  if (outer.empty()) return std::nullopt;
+  std::vector<std::array<int, 3>> faces;
+  std::size_t held = 0;
+  for (const std::vector<int>& border : outer) {
+    std::vector<std::vector<int>> group{border};
+    for (const std::vector<int>& hole : holes)
+      if (outer.size() == 1 || holds(points, border, points[std::size_t(hole[0])])) group.push_back(hole);
+    held += group.size() - 1;
+    const std::optional<std::vector<std::array<int, 3>>> part = triangulate(points, group);
+    if (!part) return std::nullopt;
+    for (const auto& [a, b, c] : *part)
+      faces.push_back({vertex[std::size_t(a)], vertex[std::size_t(b)], vertex[std::size_t(c)]});
+  }
+  if (held != holes.size()) return std::nullopt;
+  return faces;
+}
+
+Failure lost_edge(const SimplicialComplex& k, const Idealisation& ideal, const Chain& chain) {
+  std::ostringstream text;
+  const Vec3 &a = k.vertices[std::size_t(chain.first)], &b = k.vertices[std::size_t(chain.last)];
+  text << "the edge of length " << (b - a).norm() << " m at vertex " << chain.first << " would vanish";
+  Failure failure{ErosionStatus::lost_edge, 0.5 * (a + b), text.str(), {}};
+  for (int t : k.edge_triangles[chain.edges.front()])
+    failure.regions.push_back(ideal.triangle_region[std::size_t(t)]);
+  return failure;
+}
+
+std::optional<Failure> unsettled(const Wavefront& wave, const std::vector<Fan>& fans,
+                                 const ErosionOptions& options) {
+  for (const WaveVertex& v : wave.vertices) {
+    if (!v.alive || v.deviation <= std::max(options.meet, options.deviation) * (1 + 1e-9)) continue;
+    std::ostringstream text;
+    text << "the " << v.sectors.size() << " planes ";
+    if (v.fans.size() > 1)
+      text << "around " << v.fans.size() << " vertices that would merge, near ";
+    else
+      text << "at ";
+    text << "vertex " << fans[std::size_t(v.fans[0])].vertex << (v.fans.size() > 1 ? "," : "")
+         << " do not meet when moved, and no split is simple";
+    Failure failure{ErosionStatus::unsettled_vertex, v.from, text.str(), {}};
+    for (const WaveSector& s : v.sectors) failure.regions.push_back(s.region);
+    return failure;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+RegionOffset offset_regions(const SimplicialComplex& solid, const Idealisation& ideal,
+                            const std::vector<Fan>& fans, const std::vector<char>& whole,
+                            const ErosionOptions& options) {
+  RegionOffset out{.wave = move_planes(solid, ideal, fans, whole,
+                                       {options.depth, options.meet, options.deviation, options.split})};
+  if (!options.contract && !out.wave.events.empty()) {
+    const int chain = out.wave.edges[std::size_t(out.wave.events[0])].chain;
+    out.failure = lost_edge(solid, ideal, ideal.chains[std::size_t(std::max(chain, 0))]);
+    return out;
+  }
+  if ((out.failure = unsettled(out.wave, fans, options))) return out;
+  const auto loops = borders(out.wave, ideal.region_normal.size());
+  std::vector<int> index(out.wave.vertices.size(), -1);
+  for (int r = 0; r < int(loops.size()); ++r) {
+    const auto& of_region = loops[std::size_t(r)];
+    if (of_region.empty()) continue;  // it has vanished
+    const auto faces = cut_face(out.wave, ideal.region_normal[std::size_t(r)], of_region);
+    if (!faces) {
+      out.failure = Failure{ErosionStatus::lost_face,
+                            out.wave.vertices[std::size_t(of_region[0][0])].to,
+                            "region " + std::to_string(r) + " would turn over or cross its own border",
+                            {r}};
+      return out;
+    }
+    for (std::array<int, 3> corners : *faces) {
+      for (int& corner : corners) {
+        int& i = index[std::size_t(corner)];
+        if (i < 0) {
+          i = int(out.vertices.size());
+          out.vertices.push_back(out.wave.vertices[std::size_t(corner)].to);
+        }
+        corner = i;
+      }
+      out.triangles.push_back(corners);
+      out.triangle_region.push_back(r);
+    }
+  }
+  return out;
+}
+
+bool keep_whole(const SimplicialComplex& solid, const Idealisation& ideal, const std::vector<Fan>& fans,
+                const std::vector<int>& regions, const ErosionOptions& options, std::vector<char>& whole) {
+  bool any = false;
+  for (std::size_t i = 0; i < fans.size(); ++i) {
+    const Fan& fan = fans[i];
+    const auto near = [&](int r) { return std::ranges::find(regions, r) != regions.end(); };
+    if (whole[i] || fan.regions.size() < 4 || std::ranges::none_of(fan.regions, near)) continue;
+    std::vector<VertexPlane> planes;
+    for (std::size_t s = 0; s < fan.regions.size(); ++s) {
+      const Corner& c = fan.first[s];
+      const int along = solid.triangles[std::size_t(c.triangle)][std::size_t(c.side + 1) % 3];
+      const Vec3 spoke = solid.vertices[std::size_t(along)] - solid.vertices[std::size_t(fan.vertex)];
+      planes.push_back({ideal.region_normal[std::size_t(fan.regions[s])], spoke.stableNormalized(), -1});
+    }
+    if (!mitre(planes, {options.meet, options.deviation, false})) continue;
+    whole[i] = 1;
+    any = true;
+  }
+  return any;
+}
+
+}  // namespace aussois
