@@ -186,7 +186,7 @@ std::optional<Mitre> mitre(std::span<const VertexPlane> planes, const MitreOptio
   if (exact.residual <= options.meet) return at_one_point(exact);
   const MeetingPoint near = meeting_point(planes, options.deviation);
   const bool near_enough = near.residual <= options.deviation;
-  if (options.split && int(planes.size()) <= kMostPlanes)
+  if (options.split && planes.size() > 3 && int(planes.size()) <= kMostPlanes)
     if (std::optional<Mitre> split = split_vertex(planes, options.meet)) {
       const auto in_reach = [&](const Vec3& p) { return p.norm() <= kReach * near.x.norm(); };
       if (!near_enough || std::ranges::all_of(split->points, in_reach)) return split;
