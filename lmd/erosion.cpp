@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <sstream>
 
@@ -15,6 +16,8 @@
 
 namespace aussois {
 namespace {
+
+constexpr int kMostAttempts = 20;  // to join vertices whose faces cross
 
 /// Builds the complex of an attempt and looks whether it is an eroded solid.
 std::optional<Failure> check(const SimplicialComplex& solid, const SurfaceTree& tree, const RegionOffset& made,
@@ -42,11 +45,17 @@ std::optional<Failure> check(const SimplicialComplex& solid, const SurfaceTree& 
       if (!(-tree.signed_distance(out.vertices[std::size_t(v)]) >= least))
         return refuse(ErosionStatus::too_shallow, int(t),
                       "the eroded surface would come closer than the depth to the solid's surface");
-  const auto pairs = self_intersections(out, 1);
+  const auto corners = [&](int triangle) {
+    std::vector<int> all;
+    for (int v : out.triangles[std::size_t(triangle)]) all.push_back(made.wave_vertex[std::size_t(v)]);
+    return all;
+  };
+  const auto pairs = self_intersections(out, 100);
   if (!pairs.empty()) {
     Failure failure = refuse(ErosionStatus::self_intersecting, pairs[0][0],
                              "parts of the surface would pass through each other");
     failure.regions.push_back(made.triangle_region[std::size_t(pairs[0][1])]);
+    for (const auto& [t, u] : pairs) failure.crossing.push_back({corners(t), corners(u)});
     return failure;
   }
   return std::nullopt;
@@ -261,15 +270,17 @@ ErosionResult erode(const SimplicialComplex& solid, const ErosionOptions& option
 
   const SurfaceTree tree(solid);
   const std::vector<Fan> fans = find_fans(solid, result.ideal);
-  std::vector<char> whole(fans.size(), 0);
+  FanOptions of_fan{.whole = std::vector<char>(fans.size(), 0), .group = std::vector<int>(fans.size())};
+  std::iota(of_fan.group.begin(), of_fan.group.end(), 0);
   RegionOffset made;
-  for (;;) {
-    made = offset_regions(solid, result.ideal, fans, whole, options);
+  for (int attempt = 0;; ++attempt) {
+    made = offset_regions(solid, result.ideal, fans, of_fan, options);
     std::optional<Failure> failure = made.failure;
     if (!failure) failure = check(solid, tree, made, options, result.complex);
     if (!failure) break;
-    if (options.deviation > 0 && keep_whole(solid, result.ideal, fans, failure->regions, options, whole))
+    if (options.deviation > 0 && keep_whole(solid, result.ideal, fans, failure->regions, options, of_fan))
       continue;
+    if (options.contract && attempt < kMostAttempts && join_crossing(*failure, made.wave, of_fan)) continue;
     result.complex = {};
     refuse(result, solid, tree, *failure, options.depth);
     return result;

@@ -2,6 +2,7 @@
 #include "lmd/region_offset.hpp"
 
 #include <cmath>
+#include <set>
 #include <sstream>
 
 #include <Eigen/Geometry>
@@ -82,6 +83,37 @@ std::optional<std::vector<std::array<int, 3>>> cut_face(const Wavefront& wave, c
   return faces;
 }
 
+double cross(const Vec2& a, const Vec2& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+bool cross_each_other(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
+  return (cross(b - a, c - a) > 0) != (cross(b - a, d - a) > 0) &&
+         (cross(d - c, a - c) > 0) != (cross(d - c, b - c) > 0);
+}
+
+// Where the borders of a region cross.
+std::vector<std::array<std::vector<int>, 2>> crossings(const Wavefront& wave, const Vec3& n, const std::vector<Loop>& loops) {
+  const Vec3 u = n.unitOrthogonal(), v = n.cross(u);
+  const Vec3 origin = wave.vertices[std::size_t(loops[0][0])].to;
+  const auto at = [&](int w) {
+    const Vec3 x = wave.vertices[std::size_t(w)].to - origin;
+    return Vec2(u.dot(x), v.dot(x));
+  };
+  std::vector<std::array<int, 2>> sides;
+  std::vector<std::array<std::vector<int>, 2>> out;
+  for (const Loop& loop : loops)
+    for (std::size_t i = 0; i < loop.size(); ++i) sides.push_back({loop[i], loop[(i + 1) % loop.size()]});
+  for (std::size_t i = 0; i < sides.size(); ++i)
+    for (std::size_t j = i + 1; j < sides.size(); ++j) {
+      const auto& [a, b] = sides[i];
+      const auto& [c, d] = sides[j];
+      if (a == d || b == c || !cross_each_other(at(a), at(b), at(c), at(d))) continue;
+      out.push_back({std::vector{a, b}, std::vector{c, d}});
+    }
+  return out;
+}
+
 Failure lost_edge(const SimplicialComplex& k, const Idealisation& ideal, const Chain& chain) {
   std::ostringstream text;
   const Vec3 &a = k.vertices[std::size_t(chain.first)], &b = k.vertices[std::size_t(chain.last)];
@@ -114,9 +146,9 @@ std::optional<Failure> unsettled(const Wavefront& wave, const std::vector<Fan>& 
 }  // namespace
 
 RegionOffset offset_regions(const SimplicialComplex& solid, const Idealisation& ideal,
-                            const std::vector<Fan>& fans, const std::vector<char>& whole,
+                            const std::vector<Fan>& fans, const FanOptions& of_fan,
                             const ErosionOptions& options) {
-  RegionOffset out{.wave = move_planes(solid, ideal, fans, whole,
+  RegionOffset out{.wave = move_planes(solid, ideal, fans, of_fan,
                                        {options.depth, options.meet, options.deviation, options.split})};
   if (!options.contract && !out.wave.events.empty()) {
     const int chain = out.wave.edges[std::size_t(out.wave.events[0])].chain;
@@ -131,17 +163,20 @@ RegionOffset offset_regions(const SimplicialComplex& solid, const Idealisation& 
     if (of_region.empty()) continue;  // it has vanished
     const auto faces = cut_face(out.wave, ideal.region_normal[std::size_t(r)], of_region);
     if (!faces) {
-      out.failure = Failure{ErosionStatus::lost_face,
-                            out.wave.vertices[std::size_t(of_region[0][0])].to,
-                            "region " + std::to_string(r) + " would turn over or cross its own border",
-                            {r}};
-      return out;
+      if (!out.failure)
+        out.failure = Failure{ErosionStatus::lost_face, out.wave.vertices[std::size_t(of_region[0][0])].to,
+                              "region " + std::to_string(r) + " would turn over or cross its own border"};
+      out.failure->regions.push_back(r);
+      for (const auto& pair : crossings(out.wave, ideal.region_normal[std::size_t(r)], of_region))
+        out.failure->crossing.push_back(pair);
+      continue;
     }
     for (std::array<int, 3> corners : *faces) {
       for (int& corner : corners) {
         int& i = index[std::size_t(corner)];
         if (i < 0) {
           i = int(out.vertices.size());
+          out.wave_vertex.push_back(corner);
           out.vertices.push_back(out.wave.vertices[std::size_t(corner)].to);
         }
         corner = i;
@@ -153,13 +188,37 @@ RegionOffset offset_regions(const SimplicialComplex& solid, const Idealisation& 
   return out;
 }
 
+bool join_crossing(const Failure& failure, const Wavefront& wave, FanOptions& of_fan) {
+  const auto groups = [&](int v, int w) {
+    std::set<int> all;
+    for (int x : {v, w})
+      for (int f : wave.vertices[std::size_t(x)].fans) all.insert(of_fan.group[std::size_t(f)]);
+    return all;
+  };
+  bool any = false;
+  for (const auto& [first, second] : failure.crossing) {
+    std::set<int> nearest;
+    double least = kInf;
+    for (int v : first)
+      for (int w : second) {
+        const double way = (wave.vertices[std::size_t(v)].from - wave.vertices[std::size_t(w)].from).norm();
+        if (way >= least) continue;
+        if (const std::set<int> both = groups(v, w); both.size() > 1) least = way, nearest = both;
+      }
+    for (int from : nearest)
+      if (from != *nearest.begin()) std::ranges::replace(of_fan.group, from, *nearest.begin());
+    any |= !nearest.empty();
+  }
+  return any;
+}
+
 bool keep_whole(const SimplicialComplex& solid, const Idealisation& ideal, const std::vector<Fan>& fans,
-                const std::vector<int>& regions, const ErosionOptions& options, std::vector<char>& whole) {
+                const std::vector<int>& regions, const ErosionOptions& options, FanOptions& of_fan) {
   bool any = false;
   for (std::size_t i = 0; i < fans.size(); ++i) {
     const Fan& fan = fans[i];
     const auto near = [&](int r) { return std::ranges::find(regions, r) != regions.end(); };
-    if (whole[i] || fan.regions.size() < 4 || std::ranges::none_of(fan.regions, near)) continue;
+    if (of_fan.whole[i] || fan.regions.size() < 4 || std::ranges::none_of(fan.regions, near)) continue;
     std::vector<VertexPlane> planes;
     for (std::size_t s = 0; s < fan.regions.size(); ++s) {
       const Corner& c = fan.first[s];
@@ -168,7 +227,7 @@ bool keep_whole(const SimplicialComplex& solid, const Idealisation& ideal, const
       planes.push_back({ideal.region_normal[std::size_t(fan.regions[s])], spoke.stableNormalized(), -1});
     }
     if (!mitre(planes, {options.meet, options.deviation, false})) continue;
-    whole[i] = 1;
+    of_fan.whole[i] = 1;
     any = true;
   }
   return any;

@@ -17,23 +17,29 @@ struct Failure {
   Vec3 place = Vec3::Zero();
   std::string what{};
   std::vector<int> regions{};  // whose vertices may be tried unsplit
+  // Edges or triangles that are in each other's way, by their vertices of the wavefront
+  std::vector<std::array<std::vector<int>, 2>> crossing{};
 };
 
 struct RegionOffset {
   Wavefront wave{};
   std::vector<Vec3> vertices{};
+  std::vector<int> wave_vertex{};  // of each vertex
   std::vector<std::array<int, 3>> triangles{};
   std::vector<int> triangle_region{};
   std::optional<Failure> failure{};
 };
 
-/// `whole` marks the fans that may not be split.
 RegionOffset offset_regions(const SimplicialComplex& solid, const Idealisation& ideal,
-                            const std::vector<Fan>& fans, const std::vector<char>& whole,
+                            const std::vector<Fan>& fans, const FanOptions& of_fan,
                             const ErosionOptions& options);
+
+/// Of parts that cross, joins the vertices of the solid from which their nearest vertices come; false if all
+/// are joined already.
+bool join_crossing(const Failure& failure, const Wavefront& wave, FanOptions& of_fan);
 
 /// Marks the fans around these regions that may deviate instead of being split; false if there are no more.
 bool keep_whole(const SimplicialComplex& solid, const Idealisation& ideal, const std::vector<Fan>& fans,
-                const std::vector<int>& regions, const ErosionOptions& options, std::vector<char>& whole);
+                const std::vector<int>& regions, const ErosionOptions& options, FanOptions& of_fan);
 
 }  // namespace aussois

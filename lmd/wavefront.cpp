@@ -19,7 +19,7 @@ class Front {
 
   Wavefront wave{};
 
-  void start(const SimplicialComplex& solid, const std::vector<Fan>& fans, const std::vector<char>& whole) {
+  void start(const SimplicialComplex& solid, const std::vector<Fan>& fans, const FanOptions& of_fan) {
     for (const Chain& chain : ideal_.chains)
       wave.edges.push_back({.direction = chain.direction, .chain = int(&chain - ideal_.chains.data())});
     std::map<int, int> loose;  // border edges of the solid that are no chain's, being shorter than rounding
@@ -51,8 +51,21 @@ class Front {
       WaveEdge& e = wave.edges[std::size_t(index)];
       e.direction = (vertex(e.ends[1]).from - vertex(e.ends[0]).from).stableNormalized();
     }
+    std::map<int, std::vector<int>> groups;
+    for (int v = 0; v < int(wave.vertices.size()); ++v)
+      groups[of_fan.group[std::size_t(vertex(v).fans[0])]].push_back(v);
+    for (const auto& [first, group] : groups) {
+      std::set<int> inner, pending;  // edges
+      for (int v : group)
+        for (const WaveSector& s : vertex(v).sectors)
+          if (std::ranges::binary_search(group, across(edge(s.edge), v))) inner.insert(s.edge);
+      for (int e : inner)
+        if (edge(e).alive) merge(group_of(e, inner), pending);
+      for (const std::set<int> look = pending; int v : look) drop_lines(v, pending);
+    }
     const int count = int(wave.vertices.size());
-    for (int v = 0; v < count; ++v) settle(v, o_.split && !whole[std::size_t(vertex(v).fans[0])]);
+    for (int v = 0; v < count; ++v)
+      if (vertex(v).alive) settle(v, o_.split && !of_fan.whole[std::size_t(vertex(v).fans[0])]);
     stamp_.assign(wave.edges.size(), 0);
     for (int e = 0; e < int(wave.edges.size()); ++e) await(e);
   }
@@ -303,9 +316,9 @@ class Front {
 }  // namespace
 
 Wavefront move_planes(const SimplicialComplex& solid, const Idealisation& ideal, const std::vector<Fan>& fans,
-                      const std::vector<char>& whole, const WaveOptions& options) {
+                      const FanOptions& of_fan, const WaveOptions& options) {
   Front front(ideal, options);
-  front.start(solid, fans, whole);
+  front.start(solid, fans, of_fan);
   front.run();
   return std::move(front.wave);
 }

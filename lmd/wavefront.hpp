@@ -45,16 +45,22 @@ struct WaveOptions {
   bool split = true;        // as in ErosionOptions
 };
 
+/// What is asked of single fans.
+struct FanOptions {
+  std::vector<char> whole{};  // may not be split
+  std::vector<int> group{};   // fans of one group are one vertex from the start, as are ends of edges that
+                              // vanish; their edges must connect them
+};
+
 struct Wavefront {
   std::vector<WaveVertex> vertices{};
   std::vector<WaveEdge> edges{};
   std::vector<int> events{};  // first edge of each event, in their order
 };
 
-/// `whole` marks the fans that may not be split. Vertices whose planes neither meet nor could be split keep a
-/// large deviation.
+/// Vertices whose planes neither meet nor could be split keep a large deviation.
 Wavefront move_planes(const SimplicialComplex& solid, const Idealisation& ideal, const std::vector<Fan>& fans,
-                      const std::vector<char>& whole, const WaveOptions& options);
+                      const FanOptions& of_fan, const WaveOptions& options);
 
 /// The other end of an edge.
 inline int across(const WaveEdge& e, int vertex) {
