@@ -11,7 +11,7 @@ namespace {
 
 using Triples = std::vector<std::array<int, 3>>;
 
-constexpr int kMostPlanes = 10;        // 1430 ways to split
+constexpr std::size_t kMostPlanes = 100;  // 160 000 triples of planes
 constexpr double kLongestMitre = 1e3;  // three planes that meet farther away are taken as parallel to a line
 constexpr double kReach = 2;  // a split that goes farther than this times the one point is the worse choice:
                               // of the facets of a thread, planes that differ by 1e-3 meet 40 depths away
@@ -43,23 +43,6 @@ MeetingPoint meeting_point(std::span<const VertexPlane> planes, double tolerance
   return best;
 }
 
-// All ways to cut the polygon with corners first, ..., last into triangles.
-std::vector<Triples> triangulations(int first, int last) {
-  if (last - first < 2) return {{}};
-  std::vector<Triples> all;
-  for (int middle = first + 1; middle < last; ++middle) {
-    const std::vector<Triples> left = triangulations(first, middle), right = triangulations(middle, last);
-    for (const Triples& l : left)
-      for (const Triples& r : right) {
-        Triples both = l;
-        both.insert(both.end(), r.begin(), r.end());
-        both.push_back({first, middle, last});
-        all.push_back(std::move(both));
-      }
-  }
-  return all;
-}
-
 double cross(const Vec2& a, const Vec2& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
@@ -84,24 +67,18 @@ bool is_simple(const std::vector<Vec2>& line) {
   return true;
 }
 
-struct Split {
-  Mitre mitre{};
-  double length = 0;  // largest displacement
-};
-
 // The points of one way to cut the polygon of planes; points that coincide become one.
-Split split_by(const Triples& triples, const std::vector<MeetingPoint>& of_triple, std::size_t plane_count,
+Mitre split_by(const Triples& triples, const std::vector<MeetingPoint>& of_triple, std::size_t plane_count,
                double meet) {
-  Split out;
+  Mitre out;
   std::vector<int> point_of(triples.size());
   for (std::size_t t = 0; t < triples.size(); ++t) {
     const Vec3& x = of_triple[t].x;
     const auto same =
-        std::ranges::find_if(out.mitre.points, [&](const Vec3& p) { return (p - x).norm() <= meet; });
-    point_of[t] = int(same - out.mitre.points.begin());
-    if (same == out.mitre.points.end()) out.mitre.points.push_back(x);
-    out.length = std::max(out.length, x.norm());
-    out.mitre.deviation = std::max(out.mitre.deviation, of_triple[t].residual);
+        std::ranges::find_if(out.points, [&](const Vec3& p) { return (p - x).norm() <= meet; });
+    point_of[t] = int(same - out.points.begin());
+    if (same == out.points.end()) out.points.push_back(x);
+    out.deviation = std::max(out.deviation, of_triple[t].residual);
   }
   // Around plane i its triangles follow each other from the polygon's side (i - 1, i) to (i, i + 1).
   const int d = int(plane_count);
@@ -117,61 +94,170 @@ Split split_by(const Triples& triples, const std::vector<MeetingPoint>& of_tripl
         break;
       }
     }
-    out.mitre.of_plane.push_back(std::move(path));
+    out.of_plane.push_back(std::move(path));
   }
   return out;
 }
 
-// Six times the volume below the parts of the planes within `reach` of the vertex along the spokes, up to a
-// constant; none unless the border of each part is simple.
-std::optional<double> volume_below(const Split& split, std::span<const VertexPlane> planes, double reach) {
-  double volume = 0;
+// The border of each plane's part near the vertex is simple.
+bool is_embedded(const Mitre& mitre, std::span<const VertexPlane> planes) {
+  double reach = 10;
+  for (const Vec3& p : mitre.points) reach = std::max(reach, 10 * p.norm());
   for (std::size_t i = 0; i < planes.size(); ++i) {
-    const VertexPlane &plane = planes[i], &after = planes[(i + 1) % planes.size()];
-    const std::vector<int>& path = split.mitre.of_plane[i];
-    const Vec3 u = plane.normal.unitOrthogonal(), v = plane.normal.cross(u);
+    const std::vector<int>& path = mitre.of_plane[i];
+    if (path.size() < 2) continue;
+    const Vec3 u = planes[i].normal.unitOrthogonal(), v = planes[i].normal.cross(u);
     std::vector<Vec2> line;
     const auto add = [&](const Vec3& x) { line.emplace_back(u.dot(x), v.dot(x)); };
-    const auto far = [&](const Vec3& x, const Vec3& spoke) { add(x + (reach - spoke.dot(x)) * spoke); };
-    far(split.mitre.points[std::size_t(path.back())], after.spoke);
-    for (auto p = path.rbegin(); p != path.rend(); ++p) add(split.mitre.points[std::size_t(*p)]);
-    far(split.mitre.points[std::size_t(path.front())], plane.spoke);
-    if (path.size() > 1 && !is_simple(line)) return std::nullopt;
-    double area = 0;
-    for (std::size_t k = 0; k < line.size(); ++k) area += cross(line[k], line[(k + 1) % line.size()]);
-    volume += plane.offset * area;
+    add(mitre.points[std::size_t(path.back())] + reach * planes[(i + 1) % planes.size()].spoke);
+    for (auto p = path.rbegin(); p != path.rend(); ++p) add(mitre.points[std::size_t(*p)]);
+    add(mitre.points[std::size_t(path.front())] + reach * planes[i].spoke);
+    if (!is_simple(line)) return false;
   }
-  return volume;
+  return true;
 }
 
-// The largest of the solids whose planes all have a simple border (ERO-4).
-std::optional<Mitre> split_vertex(std::span<const VertexPlane> planes, double meet) {
-  const int d = int(planes.size());
-  const auto place = [&](const std::array<int, 3>& t) { return std::size_t((t[0] * d + t[1]) * d + t[2]); };
-  std::vector<MeetingPoint> meeting(std::size_t(d * d * d));
-  for (int a = 0; a < d; ++a)
-    for (int b = a + 1; b < d; ++b)
-      for (int c = b + 1; c < d; ++c)
-        meeting[place({a, b, c})] = meeting_point(
-            std::array{planes[std::size_t(a)], planes[std::size_t(b)], planes[std::size_t(c)]}, 1e-14);
-  std::vector<Split> candidates;
-  for (const Triples& triples : triangulations(0, d - 1)) {
-    std::vector<MeetingPoint> points;
-    for (const auto& triple : triples) points.push_back(meeting[place(triple)]);
-    const auto far = [&](const MeetingPoint& p) { return p.residual > meet || p.x.norm() > kLongestMitre; };
-    if (std::ranges::none_of(points, far))
-      candidates.push_back(split_by(triples, points, planes.size(), meet));
+// Among all ways to cut the polygon of planes into triangles, the one of the largest solid (ERO-4) whose
+// vertices are all locally simple: at most one of the three planes has an angle above 180 degrees there. Both are
+// sums over triangles and the sides between them, so the best of each part of the polygon is part of the best.
+class LargestSplit {
+ public:
+  LargestSplit(std::span<const VertexPlane> planes, double meet)
+      : planes_(planes), d_(int(planes.size())), meet_(meet) {
+    const auto d3 = std::size_t(d_ * d_ * d_);
+    meeting_.resize(d3);
+    for (int a = 0; a < d_; ++a)
+      for (int b = a + 1; b < d_; ++b)
+        for (int c = b + 1; c < d_; ++c) meeting_[at(a, b, c)] = meeting(a, b, c);
+    triangle_.assign(d3, {});
+    side_.assign(d3, {});
   }
-  double reach = 10;
-  for (const Split& split : candidates) reach = std::max(reach, 10 * split.length);
-  std::optional<Mitre> best;
-  double most = -kInf;
-  for (const Split& split : candidates)
-    if (const std::optional<double> volume = volume_below(split, planes, reach); volume && *volume > most) {
-      most = *volume;
-      best = split.mitre;
+
+  std::optional<Triples> find() {
+    for (int length = 2; length < d_; ++length)
+      for (int i = 0; i + length < d_; ++i) solve(i, i + length);
+    int apex = -1, sense = 0;
+    double most = -kInf;
+    for (int j = 1; j + 1 < d_; ++j)
+      for (int s : {0, 1}) {
+        if (s != sense_of_spoke(0, d_ - 1)) continue;
+        const double value = triangle_[at(0, j, d_ - 1)][std::size_t(s)].value +
+                             to_infinity(d_ - 1, 0, meeting_[at(0, j, d_ - 1)].x);
+        if (value > most) most = value, apex = j, sense = s;
+      }
+    if (apex < 0) return std::nullopt;
+    Triples out;
+    collect(0, apex, d_ - 1, sense, out);
+    return out;
+  }
+
+  const MeetingPoint& point(const std::array<int, 3>& t) const { return meeting_[at(t[0], t[1], t[2])]; }
+
+ private:
+  // The best of a part of the polygon, by the sense along n_i x n_k in which the edge leaves it: 0, 1.
+  struct Best {
+    double value = -kInf;
+    int apex = -1;                      // of a side: of the triangle inside
+    std::array<int, 2> inner = {0, 0};  // of a triangle: the senses in which the edges of its parts arrive
+  };
+  using BySense = std::array<Best, 2>;
+
+  std::size_t at(int a, int b, int c) const { return std::size_t((a * d_ + b) * d_ + c); }
+  const VertexPlane& plane(int i) const { return planes_[std::size_t(i)]; }
+  Vec3 line(int i, int k) const { return plane(i).normal.cross(plane(k).normal); }
+  bool is_usable(const MeetingPoint& p) const { return p.residual <= meet_ && p.x.norm() <= kLongestMitre; }
+
+  MeetingPoint meeting(int a, int b, int c) const {
+    const Vec3 &n = plane(a).normal, &m = plane(b).normal, &l = plane(c).normal;
+    const double det = n.dot(m.cross(l));
+    if (std::abs(det) < 1e-8) return meeting_point(std::array{plane(a), plane(b), plane(c)}, 1e-14);
+    const Vec3 x =
+        (plane(a).offset * m.cross(l) + plane(b).offset * l.cross(n) + plane(c).offset * n.cross(m)) / det;
+    const Vec3 rest(n.dot(x) - plane(a).offset, m.dot(x) - plane(b).offset, l.dot(x) - plane(c).offset);
+    return {x, rest.cwiseAbs().maxCoeff()};
+  }
+
+  // The edge between planes i and i + 1 leads away from the vertex; seen from a triangle it arrives.
+  int sense_of_spoke(int i, int k) const {
+    const Vec3& spoke = plane(k == i + 1 ? k : i).spoke;
+    const bool along = spoke.dot(line(i, k)) > 0;
+    return k == i + 1 ? !along : along;
+  }
+
+  // Six times the volume below the border of two planes, with plane i on the left from p to q.
+  double below(int i, int k, const Vec3& p, const Vec3& q) const {
+    return (plane(i).offset * plane(i).normal - plane(k).offset * plane(k).normal).dot(p.cross(q));
+  }
+  double to_infinity(int i, int k, const Vec3& p) const {
+    const Vec3& spoke = plane(k).spoke;
+    return below(i, k, p + (kLongestMitre - spoke.dot(p)) * spoke, p);
+  }
+
+  // All triangles on the side (i, k), and for all triangles beyond the best of them.
+  void solve(int i, int k) {
+    for (int j = i + 1; j < k; ++j) {
+      const MeetingPoint& p = meeting_[at(i, j, k)];
+      if (!is_usable(p)) continue;
+      for (int left : {0, 1})
+        for (int right : {0, 1}) {
+          const double value = part(i, j, k, p.x, left) + part(j, k, i, p.x, right);
+          if (value == -kInf) continue;
+          for (int out : {0, 1}) {
+            const Vec3 ij = (left ? -1 : 1) * line(i, j), jk = (right ? -1 : 1) * line(j, k),
+                       ki = (out ? 1 : -1) * line(i, k);  // all leave the point
+            const int wide = (ki.cross(ij).dot(plane(i).normal) < 0) + (ij.cross(jk).dot(plane(j).normal) < 0) +
+                             (jk.cross(ki).dot(plane(k).normal) < 0);
+            Best& best = triangle_[at(i, j, k)][std::size_t(out)];
+            if (wide <= 1 && value > best.value) best = {value, j, {left, right}};
+          }
+        }
     }
-  return best;
+    for (int l = 0; l < d_; ++l) {
+      if (l >= i && l <= k) continue;
+      const MeetingPoint& q = l < i ? meeting_[at(l, i, k)] : meeting_[at(i, k, l)];
+      if (!is_usable(q)) continue;
+      for (int j = i + 1; j < k; ++j) {
+        const Vec3& p = meeting_[at(i, j, k)].x;
+        const double way = (q.x - p).dot(line(i, k));
+        for (int s : {0, 1}) {
+          const double value = triangle_[at(i, j, k)][std::size_t(s)].value;
+          if (value == -kInf || ((way > 0) != (s == 1) && (q.x - p).norm() > meet_)) continue;
+          const double all = value + below(i, k, p, q.x);
+          Best& best = side_[at(i, k, l)][std::size_t(s)];
+          if (all > best.value) best = {all, j};
+        }
+      }
+    }
+  }
+
+  // The value of what lies beyond the side (i, k) of the triangle with apex l at p.
+  double part(int i, int k, int l, const Vec3& p, int sense) const {
+    if (k == i + 1) return sense == sense_of_spoke(i, k) ? to_infinity(i, k, p) : -kInf;
+    return side_[at(i, k, l)][std::size_t(sense)].value;
+  }
+
+  void collect(int i, int j, int k, int sense, Triples& out) const {
+    out.push_back({i, j, k});
+    const auto& [left, right] = triangle_[at(i, j, k)][std::size_t(sense)].inner;
+    if (j > i + 1) collect(i, side_[at(i, j, k)][std::size_t(left)].apex, j, left, out);
+    if (k > j + 1) collect(j, side_[at(j, k, i)][std::size_t(right)].apex, k, right, out);
+  }
+
+  std::span<const VertexPlane> planes_;
+  int d_ = 0;
+  double meet_ = 0;
+  std::vector<MeetingPoint> meeting_{};
+  std::vector<BySense> triangle_{}, side_{};
+};
+
+std::optional<Mitre> split_vertex(std::span<const VertexPlane> planes, double meet) {
+  LargestSplit largest(planes, meet);
+  const std::optional<Triples> triples = largest.find();
+  if (!triples) return std::nullopt;
+  std::vector<MeetingPoint> points;
+  for (const auto& triple : *triples) points.push_back(largest.point(triple));
+  Mitre out = split_by(*triples, points, planes.size(), meet);
+  return is_embedded(out, planes) ? std::optional(std::move(out)) : std::nullopt;
 }
 
 }  // namespace
@@ -186,7 +272,7 @@ std::optional<Mitre> mitre(std::span<const VertexPlane> planes, const MitreOptio
   if (exact.residual <= options.meet) return at_one_point(exact);
   const MeetingPoint near = meeting_point(planes, options.deviation);
   const bool near_enough = near.residual <= options.deviation;
-  if (options.split && planes.size() > 3 && int(planes.size()) <= kMostPlanes)
+  if (options.split && planes.size() > 3 && planes.size() <= kMostPlanes)
     if (std::optional<Mitre> split = split_vertex(planes, options.meet)) {
       const auto in_reach = [&](const Vec3& p) { return p.norm() <= kReach * near.x.norm(); };
       if (!near_enough || std::ranges::all_of(split->points, in_reach)) return split;

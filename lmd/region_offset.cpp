@@ -126,21 +126,29 @@ Failure lost_edge(const SimplicialComplex& k, const Idealisation& ideal, const C
 
 std::optional<Failure> unsettled(const Wavefront& wave, const std::vector<Fan>& fans,
                                  const ErosionOptions& options) {
-  for (const WaveVertex& v : wave.vertices) {
+  std::optional<Failure> failure;
+  for (int i = 0; i < int(wave.vertices.size()); ++i) {
+    const WaveVertex& v = wave.vertices[std::size_t(i)];
     if (!v.alive || v.deviation <= std::max(options.meet, options.deviation) * (1 + 1e-9)) continue;
-    std::ostringstream text;
-    text << "the " << v.sectors.size() << " planes ";
-    if (v.fans.size() > 1)
-      text << "around " << v.fans.size() << " vertices that would merge, near ";
-    else
-      text << "at ";
-    text << "vertex " << fans[std::size_t(v.fans[0])].vertex << (v.fans.size() > 1 ? "," : "")
-         << " do not meet when moved, and no split is simple";
-    Failure failure{ErosionStatus::unsettled_vertex, v.from, text.str(), {}};
-    for (const WaveSector& s : v.sectors) failure.regions.push_back(s.region);
-    return failure;
+    if (!failure) {
+      std::ostringstream text;
+      text << "the " << v.sectors.size() << " planes ";
+      if (v.fans.size() > 1)
+        text << "around " << v.fans.size() << " vertices that would merge, near ";
+      else
+        text << "at ";
+      text << "vertex " << fans[std::size_t(v.fans[0])].vertex << (v.fans.size() > 1 ? "," : "")
+           << " do not meet when moved, and no split is simple";
+      failure = Failure{ErosionStatus::unsettled_vertex, v.from, text.str()};
+    }
+    std::vector<int> neighbours;
+    for (const WaveSector& s : v.sectors) {
+      failure->regions.push_back(s.region);
+      neighbours.push_back(across(wave.edges[std::size_t(s.edge)], i));
+    }
+    failure->crossing.push_back({std::vector{i}, neighbours});
   }
-  return std::nullopt;
+  return failure;
 }
 
 }  // namespace
