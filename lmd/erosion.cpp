@@ -40,11 +40,21 @@ std::optional<Failure> check(const SimplicialComplex& solid, const SurfaceTree& 
     const int region = made.triangle_region[std::size_t(triangle)];
     return Failure{status, centre_of(out, triangle), what + " at region " + std::to_string(region), {region}};
   };
-  for (std::size_t t = 0; t < out.triangles.size(); ++t)
-    for (int v : out.triangles[t])
-      if (!(-tree.signed_distance(out.vertices[std::size_t(v)]) >= least))
-        return refuse(ErosionStatus::too_shallow, int(t),
-                      "the eroded surface would come closer than the depth to the solid's surface");
+  std::optional<Failure> shallow;
+  for (int t = 0; t < int(out.triangles.size()); ++t) {
+    const auto at = [&](int corner) {
+      return out.vertices[std::size_t(out.triangles[std::size_t(t)][std::size_t(corner % 3)])];
+    };
+    for (int i = 0; i < 3; ++i)
+      for (const Vec3& x : {at(i), Vec3(0.5 * (at(i) + at(i + 1))), centre_of(out, t)})
+        if (!(-tree.signed_distance(x) >= least)) {
+          if (!shallow)
+            shallow = refuse(ErosionStatus::too_shallow, t,
+                             "the eroded surface would come closer than the depth to the solid's surface");
+          shallow->regions.push_back(made.triangle_region[std::size_t(t)]);
+        }
+  }
+  if (shallow) return shallow;
   const auto corners = [&](int triangle) {
     std::vector<int> all;
     for (int v : out.triangles[std::size_t(triangle)]) all.push_back(made.wave_vertex[std::size_t(v)]);
@@ -280,7 +290,9 @@ ErosionResult erode(const SimplicialComplex& solid, const ErosionOptions& option
     if (!failure) break;
     if (options.deviation > 0 && keep_whole(solid, result.ideal, fans, failure->regions, options, of_fan))
       continue;
-    if (options.contract && attempt < kMostAttempts && join_crossing(*failure, made.wave, of_fan)) continue;
+    if (options.contract && options.split && attempt < kMostAttempts &&
+        join_crossing(*failure, result.ideal, made.wave, of_fan))
+      continue;
     result.complex = {};
     refuse(result, solid, tree, *failure, options.depth);
     return result;

@@ -114,6 +114,19 @@ std::vector<std::array<std::vector<int>, 2>> crossings(const Wavefront& wave, co
   return out;
 }
 
+// Planes at these two vertices bound a wall: they are within 20 degrees of opposite. Where such planes meet,
+// something thinner than twice the depth would vanish.
+bool is_wall(const Idealisation& ideal, const WaveVertex& v, const WaveVertex& w) {
+  constexpr double kCos20 = 0.9396926207859084;
+  std::vector<WaveSector> all = v.sectors;
+  all.insert(all.end(), w.sectors.begin(), w.sectors.end());
+  for (const WaveSector& a : all)
+    for (const WaveSector& b : all)
+      if (ideal.region_normal[std::size_t(a.region)].dot(ideal.region_normal[std::size_t(b.region)]) < -kCos20)
+        return true;
+  return false;
+}
+
 Failure lost_edge(const SimplicialComplex& k, const Idealisation& ideal, const Chain& chain) {
   std::ostringstream text;
   const Vec3 &a = k.vertices[std::size_t(chain.first)], &b = k.vertices[std::size_t(chain.last)];
@@ -196,7 +209,8 @@ RegionOffset offset_regions(const SimplicialComplex& solid, const Idealisation& 
   return out;
 }
 
-bool join_crossing(const Failure& failure, const Wavefront& wave, FanOptions& of_fan) {
+bool join_crossing(const Failure& failure, const Idealisation& ideal, const Wavefront& wave,
+                   FanOptions& of_fan) {
   const auto groups = [&](int v, int w) {
     std::set<int> all;
     for (int x : {v, w})
@@ -210,7 +224,7 @@ bool join_crossing(const Failure& failure, const Wavefront& wave, FanOptions& of
     for (int v : first)
       for (int w : second) {
         const double way = (wave.vertices[std::size_t(v)].from - wave.vertices[std::size_t(w)].from).norm();
-        if (way >= least) continue;
+        if (way >= least || is_wall(ideal, wave.vertices[std::size_t(v)], wave.vertices[std::size_t(w)])) continue;
         if (const std::set<int> both = groups(v, w); both.size() > 1) least = way, nearest = both;
       }
     for (int from : nearest)

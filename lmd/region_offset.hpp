@@ -35,8 +35,9 @@ RegionOffset offset_regions(const SimplicialComplex& solid, const Idealisation& 
                             const ErosionOptions& options);
 
 /// Of parts that cross, joins the vertices of the solid from which their nearest vertices come; false if all
-/// are joined already.
-bool join_crossing(const Failure& failure, const Wavefront& wave, FanOptions& of_fan);
+/// are joined already, or if they bound a wall.
+bool join_crossing(const Failure& failure, const Idealisation& ideal, const Wavefront& wave,
+                   FanOptions& of_fan);
 
 /// Marks the fans around these regions that may deviate instead of being split; false if there are no more.
 bool keep_whole(const SimplicialComplex& solid, const Idealisation& ideal, const std::vector<Fan>& fans,
