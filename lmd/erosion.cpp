@@ -17,17 +17,30 @@
 namespace aussois {
 namespace {
 
-constexpr int kMostAttempts = 20;  // to join vertices whose faces cross
+struct Strategy {
+  double together = 0;   // events within this many depths are one
+  bool deviate = false;  // vertices that may deviate are taken whole around what failed
+};
+constexpr std::array<Strategy, 4> kStrategies = {{{1e-6, false}, {1, false}, {1e-6, true}, {1, true}}};
+constexpr int kMostAttempts = 12;  // to join vertices whose faces cross (taste)
 
 /// Builds the complex of an attempt and looks whether it is an eroded solid.
-std::optional<Failure> check(const SimplicialComplex& solid, const SurfaceTree& tree, const RegionOffset& made,
-                             const ErosionOptions& options, SimplicialComplex& out) {
+std::optional<Failure> check(const SimplicialComplex& solid, const SurfaceTree& tree, const std::vector<Fan>& fans,
+                             const RegionOffset& made, const ErosionOptions& options, SimplicialComplex& out) {
   if (made.triangles.empty())
     return Failure{ErosionStatus::inside_out, solid.vertices[0], "nothing would be left", {}};
   out = make_complex(made.vertices, made.triangles);
-  if (!is_closed_oriented(out))
-    return Failure{
-        ErosionStatus::self_intersecting, solid.vertices[0], "parts of the surface would touch", {}};
+  if (!is_closed_oriented(out)) {
+    Failure touch{ErosionStatus::self_intersecting, solid.vertices[0], "parts of the surface would touch"};
+    for (int e = 0; e < int(out.edges.size()); ++e)
+      if (out.edge_triangles[e].size() > 2) {
+        const auto& [a, b] = out.edges[std::size_t(e)];
+        touch.place = out.vertices[std::size_t(a)];
+        touch.crossing.push_back({std::vector{made.wave_vertex[std::size_t(a)]},
+                                  std::vector{made.wave_vertex[std::size_t(b)]}});
+      }
+    return touch;
+  }
   if (!(signed_volume(out) > 0))
     return Failure{ErosionStatus::inside_out, solid.vertices[0], "nothing would be left", {}};
   out.solid = true;
@@ -40,26 +53,36 @@ std::optional<Failure> check(const SimplicialComplex& solid, const SurfaceTree& 
     const int region = made.triangle_region[std::size_t(triangle)];
     return Failure{status, centre_of(out, triangle), what + " at region " + std::to_string(region), {region}};
   };
+  const auto corners = [&](int triangle) {
+    std::vector<int> all;
+    for (int v : out.triangles[std::size_t(triangle)]) all.push_back(made.wave_vertex[std::size_t(v)]);
+    return all;
+  };
+  std::vector<std::vector<int>> of_vertex(solid.vertices.size());
+  for (int w = 0; w < int(made.wave.vertices.size()); ++w)
+    if (made.wave.vertices[std::size_t(w)].alive)
+      for (int f : made.wave.vertices[std::size_t(w)].fans)
+        of_vertex[std::size_t(fans[std::size_t(f)].vertex)].push_back(w);
   std::optional<Failure> shallow;
   for (int t = 0; t < int(out.triangles.size()); ++t) {
     const auto at = [&](int corner) {
       return out.vertices[std::size_t(out.triangles[std::size_t(t)][std::size_t(corner % 3)])];
     };
     for (int i = 0; i < 3; ++i)
-      for (const Vec3& x : {at(i), Vec3(0.5 * (at(i) + at(i + 1))), centre_of(out, t)})
-        if (!(-tree.signed_distance(x) >= least)) {
+      for (const bool middle : {false, true})
+        if (const Vec3 x = middle ? Vec3(0.5 * (at(i) + at(i + 1))) : at(i);
+            !(-tree.signed_distance(x) >= least)) {
           if (!shallow)
             shallow = refuse(ErosionStatus::too_shallow, t,
                              "the eroded surface would come closer than the depth to the solid's surface");
           shallow->regions.push_back(made.triangle_region[std::size_t(t)]);
+          std::vector<int> near;  // what the vertices of the solid have become that are too near
+          for (int v : solid.triangles[std::size_t(tree.nearest(x).triangle)])
+            near.insert(near.end(), of_vertex[std::size_t(v)].begin(), of_vertex[std::size_t(v)].end());
+          shallow->crossing.push_back({middle ? corners(t) : std::vector{corners(t)[std::size_t(i)]}, near});
         }
   }
   if (shallow) return shallow;
-  const auto corners = [&](int triangle) {
-    std::vector<int> all;
-    for (int v : out.triangles[std::size_t(triangle)]) all.push_back(made.wave_vertex[std::size_t(v)]);
-    return all;
-  };
   const auto pairs = self_intersections(out, 100);
   if (!pairs.empty()) {
     Failure failure = refuse(ErosionStatus::self_intersecting, pairs[0][0],
@@ -280,19 +303,31 @@ ErosionResult erode(const SimplicialComplex& solid, const ErosionOptions& option
 
   const SurfaceTree tree(solid);
   const std::vector<Fan> fans = find_fans(solid, result.ideal);
-  FanOptions of_fan{.whole = std::vector<char>(fans.size(), 0), .group = std::vector<int>(fans.size())};
-  std::iota(of_fan.group.begin(), of_fan.group.end(), 0);
   RegionOffset made;
-  for (int attempt = 0;; ++attempt) {
-    made = offset_regions(solid, result.ideal, fans, of_fan, options);
-    std::optional<Failure> failure = made.failure;
-    if (!failure) failure = check(solid, tree, made, options, result.complex);
-    if (!failure) break;
-    if (options.deviation > 0 && keep_whole(solid, result.ideal, fans, failure->regions, options, of_fan))
-      continue;
-    if (options.contract && options.split && attempt < kMostAttempts &&
-        join_crossing(*failure, result.ideal, made.wave, of_fan))
-      continue;
+  std::optional<Failure> failure;
+  for (const auto& [together, deviate] : kStrategies) {
+    std::optional<Failure> stopped;
+    FanOptions of_fan{.whole = std::vector<char>(fans.size(), 0), .group = std::vector<int>(fans.size())};
+    std::iota(of_fan.group.begin(), of_fan.group.end(), 0);
+    for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
+      made = offset_regions(solid, result.ideal, fans, of_fan, options, together);
+      stopped = made.failure;
+      if (!stopped) stopped = check(solid, tree, fans, made, options, result.complex);
+      if (stopped && getenv("DBG")) fprintf(stderr,"together %g attempt %d: %s | %s; crossings %zu\n",together, attempt,to_string(stopped->status),stopped->what.c_str(),stopped->crossing.size());
+      if (!stopped) break;
+      if (!failure) failure = stopped;
+      const bool again =
+          (deviate && options.deviation > 0 &&
+           keep_whole(solid, result.ideal, fans, stopped->regions, options, of_fan)) ||
+          (options.contract && options.split && join_crossing(*stopped, result.ideal, made.wave, of_fan));
+      if (!again) break;
+    }
+    if (!stopped) {
+      failure.reset();
+      break;
+    }
+  }
+  if (failure) {
     result.complex = {};
     refuse(result, solid, tree, *failure, options.depth);
     return result;

@@ -10,8 +10,8 @@
 namespace aussois {
 namespace {
 
-constexpr double kLongestMitre = 1e3;  // three planes that meet farther away are taken as parallel to a line
-constexpr double kReach = 1e4;         // where the edges of the vertex end
+constexpr double kLongestMitre = 1e5;  // three planes that meet farther away are taken as parallel to a line
+constexpr double kReach = 1e6;         // where the edges of the vertex end
 constexpr double kRank = 1e-9;         // singular values below this are rounding
 constexpr int kMostSteps = 2000;       // of the search: beyond, no split is likely (taste)
 

@@ -138,6 +138,7 @@ Failure lost_edge(const SimplicialComplex& k, const Idealisation& ideal, const C
 }
 
 std::optional<Failure> unsettled(const Wavefront& wave, const std::vector<Fan>& fans,
+                                 const Idealisation& ideal, const std::vector<std::vector<Loop>>& loops,
                                  const ErosionOptions& options) {
   std::optional<Failure> failure;
   for (int i = 0; i < int(wave.vertices.size()); ++i) {
@@ -155,11 +156,15 @@ std::optional<Failure> unsettled(const Wavefront& wave, const std::vector<Fan>& 
       failure = Failure{ErosionStatus::unsettled_vertex, v.from, text.str()};
     }
     std::vector<int> neighbours;
+    const std::size_t before = failure->crossing.size();
     for (const WaveSector& s : v.sectors) {
       failure->regions.push_back(s.region);
       neighbours.push_back(across(wave.edges[std::size_t(s.edge)], i));
+      if (const auto& of_region = loops[std::size_t(s.region)]; !of_region.empty())
+        for (const auto& pair : crossings(wave, ideal.region_normal[std::size_t(s.region)], of_region))
+          failure->crossing.push_back(pair);
     }
-    failure->crossing.push_back({std::vector{i}, neighbours});
+    if (failure->crossing.size() == before) failure->crossing.push_back({std::vector{i}, neighbours});
   }
   return failure;
 }
@@ -168,16 +173,16 @@ std::optional<Failure> unsettled(const Wavefront& wave, const std::vector<Fan>& 
 
 RegionOffset offset_regions(const SimplicialComplex& solid, const Idealisation& ideal,
                             const std::vector<Fan>& fans, const FanOptions& of_fan,
-                            const ErosionOptions& options) {
+                            const ErosionOptions& options, double together) {
   RegionOffset out{.wave = move_planes(solid, ideal, fans, of_fan,
-                                       {options.depth, options.meet, options.deviation, options.split})};
+                                       {options.depth, options.meet, options.deviation, options.split, together})};
   if (!options.contract && !out.wave.events.empty()) {
     const int chain = out.wave.edges[std::size_t(out.wave.events[0])].chain;
     out.failure = lost_edge(solid, ideal, ideal.chains[std::size_t(std::max(chain, 0))]);
     return out;
   }
-  if ((out.failure = unsettled(out.wave, fans, options))) return out;
   const auto loops = borders(out.wave, ideal.region_normal.size());
+  if ((out.failure = unsettled(out.wave, fans, ideal, loops, options))) return out;
   std::vector<int> index(out.wave.vertices.size(), -1);
   for (int r = 0; r < int(loops.size()); ++r) {
     const auto& of_region = loops[std::size_t(r)];

@@ -30,9 +30,10 @@ struct RegionOffset {
   std::optional<Failure> failure{};
 };
 
+/// Events of the wavefront within `together` depths are taken as one.
 RegionOffset offset_regions(const SimplicialComplex& solid, const Idealisation& ideal,
                             const std::vector<Fan>& fans, const FanOptions& of_fan,
-                            const ErosionOptions& options);
+                            const ErosionOptions& options, double together);
 
 /// Of parts that cross, joins the vertices of the solid from which their nearest vertices come; false if all
 /// are joined already, or if they bound a wall.

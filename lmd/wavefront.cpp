@@ -79,7 +79,7 @@ class Front {
       now_ = std::max(now_, time);
       wave.events.push_back(edge);
       std::vector<int> due{edge};  // with all that happen at the same time
-      while (!queue_.empty() && std::get<0>(queue_.top()) <= now_ + o_.meet * o_.depth) {
+      while (!queue_.empty() && std::get<0>(queue_.top()) <= now_ + o_.together * o_.depth) {
         const auto [time_too, edge_too, stamp_too] = queue_.top();
         queue_.pop();
         if (is_due(edge_too, stamp_too)) due.push_back(edge_too);

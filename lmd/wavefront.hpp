@@ -43,6 +43,7 @@ struct WaveOptions {
   double meet = 1e-6;       // as in ErosionOptions
   double deviation = 1e-3;  // as in ErosionOptions
   bool split = true;        // as in ErosionOptions
+  double together = 1e-6;   // events within this many depths are taken as one
 };
 
 /// What is asked of single fans.
