@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <sstream>
 
@@ -11,88 +10,11 @@
 
 #include "geometry/check.hpp"
 #include "geometry/self_intersections.hpp"
+#include "lmd/erosion_attempt.hpp"
 #include "lmd/erosion_measures.hpp"
-#include "lmd/region_offset.hpp"
 
 namespace aussois {
 namespace {
-
-struct Strategy {
-  double together = 0;   // events within this many depths are one
-  bool deviate = false;  // vertices that may deviate are taken whole around what failed
-};
-constexpr std::array<Strategy, 4> kStrategies = {{{1e-6, false}, {1, false}, {1e-6, true}, {1, true}}};
-constexpr int kMostAttempts = 12;  // to join vertices whose faces cross (taste)
-
-/// Builds the complex of an attempt and looks whether it is an eroded solid.
-std::optional<Failure> check(const SimplicialComplex& solid, const SurfaceTree& tree, const std::vector<Fan>& fans,
-                             const RegionOffset& made, const ErosionOptions& options, SimplicialComplex& out) {
-  if (made.triangles.empty())
-    return Failure{ErosionStatus::inside_out, solid.vertices[0], "nothing would be left", {}};
-  out = make_complex(made.vertices, made.triangles);
-  if (!is_closed_oriented(out)) {
-    Failure touch{ErosionStatus::self_intersecting, solid.vertices[0], "parts of the surface would touch"};
-    for (int e = 0; e < int(out.edges.size()); ++e)
-      if (out.edge_triangles[e].size() > 2) {
-        const auto& [a, b] = out.edges[std::size_t(e)];
-        touch.place = out.vertices[std::size_t(a)];
-        touch.crossing.push_back({std::vector{made.wave_vertex[std::size_t(a)]},
-                                  std::vector{made.wave_vertex[std::size_t(b)]}});
-      }
-    return touch;
-  }
-  if (!(signed_volume(out) > 0))
-    return Failure{ErosionStatus::inside_out, solid.vertices[0], "nothing would be left", {}};
-  out.solid = true;
-  const double size = bounding_box(solid).diagonal();
-  double deviation = 0;
-  for (const WaveVertex& v : made.wave.vertices)
-    if (v.alive) deviation = std::max(deviation, v.deviation);
-  const double least = options.depth * (1 - std::max(2 * deviation, 2 * options.meet)) - 1e-12 * size;
-  const auto refuse = [&](ErosionStatus status, int triangle, const std::string& what) {
-    const int region = made.triangle_region[std::size_t(triangle)];
-    return Failure{status, centre_of(out, triangle), what + " at region " + std::to_string(region), {region}};
-  };
-  const auto corners = [&](int triangle) {
-    std::vector<int> all;
-    for (int v : out.triangles[std::size_t(triangle)]) all.push_back(made.wave_vertex[std::size_t(v)]);
-    return all;
-  };
-  std::vector<std::vector<int>> of_vertex(solid.vertices.size());
-  for (int w = 0; w < int(made.wave.vertices.size()); ++w)
-    if (made.wave.vertices[std::size_t(w)].alive)
-      for (int f : made.wave.vertices[std::size_t(w)].fans)
-        of_vertex[std::size_t(fans[std::size_t(f)].vertex)].push_back(w);
-  std::optional<Failure> shallow;
-  for (int t = 0; t < int(out.triangles.size()); ++t) {
-    const auto at = [&](int corner) {
-      return out.vertices[std::size_t(out.triangles[std::size_t(t)][std::size_t(corner % 3)])];
-    };
-    for (int i = 0; i < 3; ++i)
-      for (const bool middle : {false, true})
-        if (const Vec3 x = middle ? Vec3(0.5 * (at(i) + at(i + 1))) : at(i);
-            !(-tree.signed_distance(x) >= least)) {
-          if (!shallow)
-            shallow = refuse(ErosionStatus::too_shallow, t,
-                             "the eroded surface would come closer than the depth to the solid's surface");
-          shallow->regions.push_back(made.triangle_region[std::size_t(t)]);
-          std::vector<int> near;  // what the vertices of the solid have become that are too near
-          for (int v : solid.triangles[std::size_t(tree.nearest(x).triangle)])
-            near.insert(near.end(), of_vertex[std::size_t(v)].begin(), of_vertex[std::size_t(v)].end());
-          shallow->crossing.push_back({middle ? corners(t) : std::vector{corners(t)[std::size_t(i)]}, near});
-        }
-  }
-  if (shallow) return shallow;
-  const auto pairs = self_intersections(out, 100);
-  if (!pairs.empty()) {
-    Failure failure = refuse(ErosionStatus::self_intersecting, pairs[0][0],
-                             "parts of the surface would pass through each other");
-    failure.regions.push_back(made.triangle_region[std::size_t(pairs[0][1])]);
-    for (const auto& [t, u] : pairs) failure.crossing.push_back({corners(t), corners(u)});
-    return failure;
-  }
-  return std::nullopt;
-}
 
 /// What convex chains and corners round off a region: everything within `reach` of a segment.
 struct Rounded {
@@ -101,7 +23,8 @@ struct Rounded {
 };
 
 /// How far the farthest piece goes that a vertex of the solid becomes.
-std::vector<double> ways(const SimplicialComplex& solid, const std::vector<Fan>& fans, const Wavefront& wave) {
+std::vector<double> ways(const SimplicialComplex& solid, const std::vector<Fan>& fans,
+                         const Wavefront& wave) {
   std::vector<double> way(solid.vertices.size(), 0);
   for (const WaveVertex& w : wave.vertices)
     for (int f : w.fans) {
@@ -143,7 +66,8 @@ std::vector<std::vector<Rounded>> rounded_parts(const SimplicialComplex& solid, 
       double far = 0;
       for (const WaveVertex* end : {&w, &other})
         for (int f : end->fans) far = std::max(far, way[std::size_t(fans[std::size_t(f)].vertex)]);
-      const auto before = &s == w.sectors.data() ? w.sectors.size() - 1 : std::size_t(&s - w.sectors.data()) - 1;
+      const auto before =
+          &s == w.sectors.data() ? w.sectors.size() - 1 : std::size_t(&s - w.sectors.data()) - 1;
       for (int r : {s.region, w.sectors[before].region}) {
         const Vec3 up = depth * ideal.region_normal[std::size_t(r)];
         parts[std::size_t(r)].push_back({w.to + up, other.to + up, far});
@@ -161,7 +85,8 @@ bool within(const Rounded& part, const Vec3& x) {
 }
 
 void predict(const SimplicialComplex& solid, const Idealisation& ideal, const std::vector<Fan>& fans,
-             const Wavefront& wave, const SurfaceTree& eroded, const ErosionOptions& options, ErosionMeasures& out) {
+             const Wavefront& wave, const SurfaceTree& eroded, const ErosionOptions& options,
+             ErosionMeasures& out) {
   const double eps = options.depth;
   out.regions = int(ideal.region_normal.size());
   out.chains = int(ideal.chains.size());
@@ -236,6 +161,15 @@ void refuse(ErosionResult& result, const SimplicialComplex& solid, const Surface
   result.reason += text.str();
 }
 
+/// Keeps the measures.
+ErosionResult give_up(ErosionResult result, ErosionStatus status, const std::string& reason) {
+  result.status = status;
+  result.reason = reason;
+  result.complex = {};
+  result.triangle_region.clear();
+  return result;
+}
+
 }  // namespace
 
 const char* to_string(ErosionStatus status) {
@@ -303,35 +237,13 @@ ErosionResult erode(const SimplicialComplex& solid, const ErosionOptions& option
 
   const SurfaceTree tree(solid);
   const std::vector<Fan> fans = find_fans(solid, result.ideal);
-  RegionOffset made;
-  std::optional<Failure> failure;
-  for (const auto& [together, deviate] : kStrategies) {
-    std::optional<Failure> stopped;
-    FanOptions of_fan{.whole = std::vector<char>(fans.size(), 0), .group = std::vector<int>(fans.size())};
-    std::iota(of_fan.group.begin(), of_fan.group.end(), 0);
-    for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
-      made = offset_regions(solid, result.ideal, fans, of_fan, options, together);
-      stopped = made.failure;
-      if (!stopped) stopped = check(solid, tree, fans, made, options, result.complex);
-      if (stopped && getenv("DBG")) fprintf(stderr,"together %g attempt %d: %s | %s; crossings %zu\n",together, attempt,to_string(stopped->status),stopped->what.c_str(),stopped->crossing.size());
-      if (!stopped) break;
-      if (!failure) failure = stopped;
-      const bool again =
-          (deviate && options.deviation > 0 &&
-           keep_whole(solid, result.ideal, fans, stopped->regions, options, of_fan)) ||
-          (options.contract && options.split && join_crossing(*stopped, result.ideal, made.wave, of_fan));
-      if (!again) break;
-    }
-    if (!stopped) {
-      failure.reset();
-      break;
-    }
-  }
-  if (failure) {
-    result.complex = {};
-    refuse(result, solid, tree, *failure, options.depth);
+  Attempt attempt = attempt_erosion(solid, tree, result.ideal, fans, options);
+  if (attempt.made.failure) {
+    refuse(result, solid, tree, *attempt.made.failure, options.depth);
     return result;
   }
+  result.complex = std::move(attempt.complex);
+  const RegionOffset& made = attempt.made;
   result.triangle_region = made.triangle_region;
   const SurfaceTree inner(result.complex);
   const auto rounded = rounded_parts(solid, result.ideal, fans, made.wave, options.depth);
@@ -343,14 +255,17 @@ ErosionResult erode(const SimplicialComplex& solid, const ErosionOptions& option
                                                     [&](const Rounded& r) { return within(r, x); });
                       });
   predict(solid, result.ideal, fans, made.wave, inner, options, result.measures);
+  if (result.measures.shallow > options.depth - least_depth(made.wave, options, size)) {
+    std::ostringstream text;
+    text << "the eroded surface would come closer than the depth to the solid's surface by "
+         << result.measures.shallow << " m";
+    return give_up(std::move(result), ErosionStatus::too_shallow, text.str());
+  }
   if (result.measures.rounding > options.max_rounding) {
     std::ostringstream text;
     text << "convex edges or corners would be rounded by " << result.measures.rounding << " m, more than "
          << options.max_rounding << " m";
-    result.status = ErosionStatus::too_round;
-    result.reason = text.str();
-    result.complex = {};
-    result.triangle_region.clear();
+    return give_up(std::move(result), ErosionStatus::too_round, text.str());
   }
   return result;
 }

@@ -26,9 +26,8 @@ bool segments_meet(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
          ((cda >= 0 && cdb <= 0) || (cda <= 0 && cdb >= 0));
 }
 
-
-// The best of a part of the polygon that an edge joins to the rest; by the sense in which this edge leaves the
-// part, along n_i x n_k (1) or against (0), for planes i < k.
+// The best of a part of the polygon that an edge joins to the rest; by the sense in which this edge leaves
+// the part, along n_i x n_k (1) or against (0), for planes i < k.
 using BySense = std::array<double, 2>;
 
 // One point between three planes, with the senses in which the edges from the parts beyond arrive.
@@ -39,8 +38,8 @@ struct Choice {
 
 // A side of a triangle that is chosen; what lies beyond it is not.
 struct Open {
-  int i = 0, k = 0;     // planes
-  int l = 0;            // third plane of the triangle
+  int i = 0, k = 0;  // planes
+  int l = 0;         // third plane of the triangle
   int sense = 0;
 };
 
@@ -59,10 +58,10 @@ struct Partial {
   bool operator<(const Partial& other) const { return bound < other.bound; }
 };
 
-// Both the solid and the demand that at most one of the three planes at a point has an angle above 180 degrees
-// there are sums over triangles and the sides between them, so the best of each part of the polygon is found
-// from the best of smaller parts. That the borders are simple is not: with these bounds the best is searched
-// for among all, best first.
+// Both the solid and the demand that at most one of the three planes at a point has an angle above 180
+// degrees there are sums over triangles and the sides between them, so the best of each part of the polygon
+// is found from the best of smaller parts. That the borders are simple is not: with these bounds the best is
+// searched for among all, best first.
 class LargestSplit {
  public:
   LargestSplit(std::span<const VertexPlane> planes, double meet)
@@ -110,7 +109,9 @@ class LargestSplit {
   const VertexPlane& plane(int i) const { return planes_[std::size_t(i)]; }
   Vec3 line(int i, int k) const { return plane(i).normal.cross(plane(k).normal); }
   bool is_usable(const MeetingPoint& p) const { return p.residual <= meet_ && p.x.norm() <= kLongestMitre; }
-  const Vec3& point(int i, int k, int l) const { return (l < i ? meeting_[at(l, i, k)] : l < k ? meeting_[at(i, l, k)] : meeting_[at(i, k, l)]).x; }
+  const Vec3& point(int i, int k, int l) const {
+    return (l < i ? meeting_[at(l, i, k)] : l < k ? meeting_[at(i, l, k)] : meeting_[at(i, k, l)]).x;
+  }
 
   MeetingPoint meeting(int a, int b, int c) const {
     const Vec3 &n = plane(a).normal, &m = plane(b).normal, &l = plane(c).normal;
@@ -138,7 +139,8 @@ class LargestSplit {
   Vec3 far(int k, const Vec3& p) const { return p + (kReach - plane(k).spoke.dot(p)) * plane(k).spoke; }
   double to_infinity(int i, int k, const Vec3& p) const { return below(i, k, far(k, p), p); }
 
-  // What lies beyond the side (i, k) of the triangle with third plane l at p, if the edge arrives in this sense.
+  // What lies beyond the side (i, k) of the triangle with third plane l at p, if the edge arrives in this
+  // sense.
   double beyond(int i, int k, int l, const Vec3& p, int sense) const {
     if (k == i + 1) return sense == sense_of_spoke(i, k) ? to_infinity(i, k, p) : -kInf;
     return side_[at(i, k, l)][std::size_t(sense)];

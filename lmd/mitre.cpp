@@ -21,8 +21,7 @@ Mitre joined(const std::vector<SplitPoint>& triples, std::span<const VertexPlane
   std::vector<int> point_of(triples.size());
   for (std::size_t t = 0; t < triples.size(); ++t) {
     const Vec3& x = triples[t].x;
-    const auto same =
-        std::ranges::find_if(out.points, [&](const Vec3& p) { return (p - x).norm() <= meet; });
+    const auto same = std::ranges::find_if(out.points, [&](const Vec3& p) { return (p - x).norm() <= meet; });
     point_of[t] = int(same - out.points.begin());
     if (same == out.points.end()) out.points.push_back(x);
     for (int k : triples[t].planes) {

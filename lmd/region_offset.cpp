@@ -93,7 +93,8 @@ bool cross_each_other(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d
 }
 
 // Where the borders of a region cross.
-std::vector<std::array<std::vector<int>, 2>> crossings(const Wavefront& wave, const Vec3& n, const std::vector<Loop>& loops) {
+std::vector<std::array<std::vector<int>, 2>> crossings(const Wavefront& wave, const Vec3& n,
+                                                       const std::vector<Loop>& loops) {
   const Vec3 u = n.unitOrthogonal(), v = n.cross(u);
   const Vec3 origin = wave.vertices[std::size_t(loops[0][0])].to;
   const auto at = [&](int w) {
@@ -122,7 +123,8 @@ bool is_wall(const Idealisation& ideal, const WaveVertex& v, const WaveVertex& w
   all.insert(all.end(), w.sectors.begin(), w.sectors.end());
   for (const WaveSector& a : all)
     for (const WaveSector& b : all)
-      if (ideal.region_normal[std::size_t(a.region)].dot(ideal.region_normal[std::size_t(b.region)]) < -kCos20)
+      if (ideal.region_normal[std::size_t(a.region)].dot(ideal.region_normal[std::size_t(b.region)]) <
+          -kCos20)
         return true;
   return false;
 }
@@ -174,8 +176,9 @@ std::optional<Failure> unsettled(const Wavefront& wave, const std::vector<Fan>& 
 RegionOffset offset_regions(const SimplicialComplex& solid, const Idealisation& ideal,
                             const std::vector<Fan>& fans, const FanOptions& of_fan,
                             const ErosionOptions& options, double together) {
-  RegionOffset out{.wave = move_planes(solid, ideal, fans, of_fan,
-                                       {options.depth, options.meet, options.deviation, options.split, together})};
+  RegionOffset out{
+      .wave = move_planes(solid, ideal, fans, of_fan,
+                          {options.depth, options.meet, options.deviation, options.split, together})};
   if (!options.contract && !out.wave.events.empty()) {
     const int chain = out.wave.edges[std::size_t(out.wave.events[0])].chain;
     out.failure = lost_edge(solid, ideal, ideal.chains[std::size_t(std::max(chain, 0))]);
@@ -229,7 +232,8 @@ bool join_crossing(const Failure& failure, const Idealisation& ideal, const Wave
     for (int v : first)
       for (int w : second) {
         const double way = (wave.vertices[std::size_t(v)].from - wave.vertices[std::size_t(w)].from).norm();
-        if (way >= least || is_wall(ideal, wave.vertices[std::size_t(v)], wave.vertices[std::size_t(w)])) continue;
+        if (way >= least || is_wall(ideal, wave.vertices[std::size_t(v)], wave.vertices[std::size_t(w)]))
+          continue;
         if (const std::set<int> both = groups(v, w); both.size() > 1) least = way, nearest = both;
       }
     for (int from : nearest)

@@ -33,8 +33,8 @@ class Front {
         const int edge = solid.triangle_edges[std::size_t(c.triangle)][std::size_t(c.side)];
         const int chain = ideal_.edge_chain[std::size_t(edge)];
         const int r = fan.regions[s];
-        const auto [at, is_new] = chain >= 0 ? std::pair(loose.end(), false)
-                                             : loose.try_emplace(edge, int(wave.edges.size()));
+        const auto [at, is_new] =
+            chain >= 0 ? std::pair(loose.end(), false) : loose.try_emplace(edge, int(wave.edges.size()));
         if (is_new) wave.edges.push_back({});
         v.sectors.push_back({chain >= 0 ? chain : at->second, r, normal(r).dot(x)});
       }
@@ -42,7 +42,8 @@ class Front {
       const int index = int(wave.vertices.size());
       for (const WaveSector& s : v.sectors) {
         WaveEdge& e = wave.edges[std::size_t(s.edge)];
-        const bool first = e.chain >= 0 ? ideal_.chains[std::size_t(e.chain)].first == fan.vertex : e.ends[0] < 0;
+        const bool first =
+            e.chain >= 0 ? ideal_.chains[std::size_t(e.chain)].first == fan.vertex : e.ends[0] < 0;
         e.ends[first ? 0 : 1] = index;
       }
       wave.vertices.push_back(std::move(v));
@@ -161,7 +162,8 @@ class Front {
     std::vector<WaveVertex> rims;
     for (int v : group)
       for (int s = 0; s < int(vertex(v).sectors.size()); ++s) {
-        if (in_group(across(edge(vertex(v).sectors[std::size_t(s)].edge), v)) || seen.contains({v, s})) continue;
+        if (in_group(across(edge(vertex(v).sectors[std::size_t(s)].edge), v)) || seen.contains({v, s}))
+          continue;
         rims.push_back(made);
         for (int at = v, i = s; !seen.contains({at, i});) {
           seen.insert({at, i});

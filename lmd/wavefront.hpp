@@ -23,11 +23,11 @@ struct WaveSector {
 /// Moves on a straight line. A part of the history once it is not alive any more.
 struct WaveVertex {
   std::vector<WaveSector> sectors{};
-  std::vector<int> fans{};      // of the solid, from which it comes
-  double since = 0;             // depth at which it was made [m]
-  Vec3 from = Vec3::Zero();     // where [m]
-  Vec3 to = Vec3::Zero();       // at the full depth, if nothing happens before [m]
-  double deviation = 0;         // there from its planes, in depths
+  std::vector<int> fans{};   // of the solid, from which it comes
+  double since = 0;          // depth at which it was made [m]
+  Vec3 from = Vec3::Zero();  // where [m]
+  Vec3 to = Vec3::Zero();    // at the full depth, if nothing happens before [m]
+  double deviation = 0;      // there from its planes, in depths
   bool alive = true;
 };
 
