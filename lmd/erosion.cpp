@@ -85,8 +85,8 @@ bool within(const Rounded& part, const Vec3& x) {
 }
 
 void predict(const SimplicialComplex& solid, const Idealisation& ideal, const std::vector<Fan>& fans,
-             const Wavefront& wave, const SurfaceTree& eroded, const ErosionOptions& options,
-             ErosionMeasures& out) {
+             const Wavefront& wave, const std::vector<int>& triangle_region, const SurfaceTree& eroded,
+             const ErosionOptions& options, ErosionMeasures& out) {
   const double eps = options.depth;
   out.regions = int(ideal.region_normal.size());
   out.chains = int(ideal.chains.size());
@@ -103,6 +103,11 @@ void predict(const SimplicialComplex& solid, const Idealisation& ideal, const st
     if (!edge.alive || edge.chain < 0) continue;
     const std::array<Vec3, 2> ends = {wave.vertices[std::size_t(edge.ends[0])].to,
                                       wave.vertices[std::size_t(edge.ends[1])].to};
+    const auto is_own = [&](int triangle) {
+      return std::ranges::any_of(solid.edge_triangles[chain.edges.front()], [&](int t) {
+        return ideal.triangle_region[std::size_t(t)] == triangle_region[std::size_t(triangle)];
+      });
+    };
     const Vec3& a = solid.vertices[std::size_t(chain.first)];
     const double length = (solid.vertices[std::size_t(chain.last)] - a).norm();
     const double flat = reach * std::cos(psi / 2);
@@ -113,7 +118,8 @@ void predict(const SimplicialComplex& solid, const Idealisation& ideal, const st
       if (along < 0 || along > length) continue;
       const Vec3 x = a + along * chain.direction;
       const SurfacePoint foot = eroded.nearest(x);
-      if ((foot.x - inner).norm() <= 0.1 * eps)  // else another face is nearer, and nothing is predicted
+      if (is_own(foot.triangle) &&
+          (foot.x - inner).norm() <= 0.01 * eps)  // else another face is nearer, and nothing is predicted
         out.edge_error = std::max(out.edge_error, std::abs(foot.distance - reach));
     }
   }
@@ -254,7 +260,7 @@ ErosionResult erode(const SimplicialComplex& solid, const ErosionOptions& option
                         return std::ranges::none_of(rounded[std::size_t(region)],
                                                     [&](const Rounded& r) { return within(r, x); });
                       });
-  predict(solid, result.ideal, fans, made.wave, inner, options, result.measures);
+  predict(solid, result.ideal, fans, made.wave, made.triangle_region, inner, options, result.measures);
   if (result.measures.shallow > options.depth - least_depth(made.wave, options, size)) {
     std::ostringstream text;
     text << "the eroded surface would come closer than the depth to the solid's surface by "

@@ -182,6 +182,64 @@ TEST(Erosion, AFacetThatVanishesLeavesTheOthers) {
   EXPECT_EQ(erode(cube, {.depth = eps, .contract = false}).status, ErosionStatus::lost_edge);
 }
 
+// A box whose upper long edge is broken by a chamfer so narrow that its two long edges pass each other: the
+// face becomes a line and vanishes, and what is left is the eroded box.
+TEST(Erosion, ANarrowChamferVanishesAlongItsWholeLength) {
+  const double eps = 1e-3, c = 4e-4;
+  const std::vector<Vec2> profile = {{0, 0}, {0.03, 0}, {0.03, 0.02 - c}, {0.03 - c, 0.02}, {0, 0.02}};
+  const ErosionResult r = erode(make_extrusion(profile, 0.04), {.depth = eps, .deviation = 0});
+  ASSERT_TRUE(r.ok()) << r.reason;
+  std::vector<Vec3> expected;
+  for (double x : {eps, 0.03 - eps})
+    for (double y : {eps, 0.02 - eps})
+      for (double z : {-0.02 + eps, 0.02 - eps}) expected.emplace_back(x, y, z);
+  expect_vertices(r.complex, expected, 1e-16);
+  EXPECT_LT(r.measures.face_error, 1e-15);
+  EXPECT_LT(r.measures.shallow, 1e-15);
+}
+
+// A ring of chamfers about the end of a prism of 12 sides, all of which vanish at the same depth.
+TEST(Erosion, ARingOfNarrowChamfersVanishesAtOnce) {
+  const int n = 12;
+  const double eps = 1e-3, c = 3e-4, radius = 0.01, height = 0.02;
+  std::vector<Vec3> vertices;
+  std::vector<std::array<int, 3>> triangles;
+  for (const auto& [r, z] :
+       {std::pair(radius, 0.0), std::pair(radius, height - c), std::pair(radius - c, height)})
+    for (int i = 0; i < n; ++i)
+      vertices.emplace_back(r * std::cos(2 * kPi * i / n), r * std::sin(2 * kPi * i / n), z);
+  for (int i = 0; i < n; ++i) {
+    const int j = (i + 1) % n;
+    for (int level : {0, n}) {
+      triangles.push_back({level + i, level + j, level + n + j});
+      triangles.push_back({level + i, level + n + j, level + n + i});
+    }
+    if (i > 0 && j > 0) {
+      triangles.push_back({0, j, i});
+      triangles.push_back({2 * n, 2 * n + i, 2 * n + j});
+    }
+  }
+  const ErosionResult r = erode(make_complex(vertices, triangles, {}, true), {.depth = eps, .deviation = 0});
+  ASSERT_TRUE(r.ok()) << r.reason;
+  const double inner = radius - eps / std::cos(kPi / n);
+  std::vector<Vec3> expected;
+  for (double z : {eps, height - eps})
+    for (int i = 0; i < n; ++i)
+      expected.emplace_back(inner * std::cos(2 * kPi * i / n), inner * std::sin(2 * kPi * i / n), z);
+  expect_vertices(r.complex, expected, 1e-14);
+}
+
+// The wall of a step lower than the depth keeps its height between a concave and a convex edge.
+TEST(Erosion, AStepLowerThanTheDepthMovesInAsItIs) {
+  const double eps = 1e-3, step = 2e-4;
+  const std::vector<Vec2> profile = {{0, 0},       {0.04, 0},           {0.04, 0.02},
+                                     {0.03, 0.02}, {0.03, 0.02 + step}, {0, 0.02 + step}};
+  const ErosionResult r = erode(make_extrusion(profile, 0.02), {.depth = eps, .deviation = 0});
+  ASSERT_TRUE(r.ok()) << r.reason;
+  EXPECT_EQ(r.complex.vertices.size(), 12U);
+  EXPECT_LT(r.measures.face_error, 1e-15);
+}
+
 TEST(Erosion, OfAVertexWhereTwoSolidsTouchPartsThem) {
   const SimplicialComplex box = make_box(2, 2, 2);
   std::vector<Vec3> vertices;  // two boxes that share the corner at the origin
