@@ -261,7 +261,8 @@ ErosionResult erode(const SimplicialComplex& solid, const ErosionOptions& option
                                                     [&](const Rounded& r) { return within(r, x); });
                       });
   predict(solid, result.ideal, fans, made.wave, made.triangle_region, inner, options, result.measures);
-  if (result.measures.shallow > options.depth - least_depth(made.wave, options, size)) {
+  if (result.measures.shallow >
+      options.depth - least_depth(made.wave, options, size) + 2 * result.ideal.tolerance) {
     std::ostringstream text;
     text << "the eroded surface would come closer than the depth to the solid's surface by "
          << result.measures.shallow << " m";

@@ -21,7 +21,7 @@ constexpr int kMostTries = 6;  // of each, with more vertices joined or whole (t
 /// Builds the complex of an attempt and looks whether it is an eroded solid.
 std::optional<Failure> check(const SimplicialComplex& solid, const SurfaceTree& tree,
                              const std::vector<Fan>& fans, const RegionOffset& made,
-                             const ErosionOptions& options, SimplicialComplex& out) {
+                             const ErosionOptions& options, double tolerance, SimplicialComplex& out) {
   if (made.triangles.empty())
     return Failure{ErosionStatus::inside_out, solid.vertices[0], "nothing would be left", {}};
   out = make_complex(made.vertices, made.triangles);
@@ -40,6 +40,7 @@ std::optional<Failure> check(const SimplicialComplex& solid, const SurfaceTree& 
     return Failure{ErosionStatus::inside_out, solid.vertices[0], "nothing would be left", {}};
   out.solid = true;
   const double least = least_depth(made.wave, options, bounding_box(solid).diagonal());
+  const double flat = 2 * tolerance;  // how far the solid is from its regions, between their corners
   const auto refuse = [&](ErosionStatus status, int triangle, const std::string& what) {
     const int region = made.triangle_region[std::size_t(triangle)];
     return Failure{status, centre_of(out, triangle), what + " at region " + std::to_string(region), {region}};
@@ -62,7 +63,7 @@ std::optional<Failure> check(const SimplicialComplex& solid, const SurfaceTree& 
     for (int i = 0; i < 3; ++i)
       for (const bool middle : {false, true})
         if (const Vec3 x = middle ? Vec3(0.5 * (at(i) + at(i + 1))) : at(i);
-            !(-tree.signed_distance(x) >= least)) {
+            !(-tree.signed_distance(x) >= least - (middle ? flat : 0))) {
           if (!shallow)
             shallow = refuse(ErosionStatus::too_shallow, t,
                              "the eroded surface would come closer than the depth to the solid's surface");
@@ -103,7 +104,8 @@ Attempt attempt_erosion(const SimplicialComplex& solid, const SurfaceTree& tree,
     for (int i = 0; i < kMostTries; ++i) {
       Attempt attempt{.made = offset_regions(solid, ideal, fans, of_fan, options, together)};
       std::optional<Failure> failure = attempt.made.failure;
-      if (!failure) failure = check(solid, tree, fans, attempt.made, options, attempt.complex);
+      if (!failure)
+        failure = check(solid, tree, fans, attempt.made, options, ideal.tolerance, attempt.complex);
       if (!failure) return attempt;
       if (!first) first = failure;
       const bool again =

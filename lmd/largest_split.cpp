@@ -13,7 +13,7 @@ namespace {
 constexpr double kLongestMitre = 1e5;  // three planes that meet farther away are taken as parallel to a line
 constexpr double kReach = 1e6;         // where the edges of the vertex end
 constexpr double kRank = 1e-9;         // singular values below this are rounding
-constexpr int kMostSteps = 2000;       // of the search: beyond, no split is likely (taste)
+constexpr int kMostSteps = 500;        // of the search: beyond, no split is likely (taste)
 
 double cross(const Vec2& a, const Vec2& b) {
   return a.x() * b.y() - a.y() * b.x();

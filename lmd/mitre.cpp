@@ -11,7 +11,7 @@
 namespace aussois {
 namespace {
 
-constexpr std::size_t kMostPlanes = 100;  // 160 000 triples of planes
+constexpr std::size_t kMostPlanes = 40;  // the search for a split takes O(d^4) and more
 constexpr double kReach = 2;  // a split that goes farther than this times the one point is the worse choice:
                               // of the facets of a thread, planes that differ by 1e-3 meet 40 depths away
 

@@ -76,8 +76,13 @@ std::optional<std::vector<std::array<int, 3>>> cut_face(const Wavefront& wave, c
     held += group.size() - 1;
     const std::optional<std::vector<std::array<int, 3>>> part = triangulate(points, group);
     if (!part) return std::nullopt;
-    for (const auto& [a, b, c] : *part)
-      faces.push_back({vertex[std::size_t(a)], vertex[std::size_t(b)], vertex[std::size_t(c)]});
+    for (const auto& [a, b, c] : *part) {
+      const std::array<int, 3> corners{vertex[std::size_t(a)], vertex[std::size_t(b)],
+                                       vertex[std::size_t(c)]};
+      if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0])
+        return std::nullopt;  // the border touches itself
+      faces.push_back(corners);
+    }
   }
   if (held != holes.size()) return std::nullopt;
   return faces;
