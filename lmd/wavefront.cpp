@@ -103,7 +103,7 @@ class Front {
 
   bool is_due(int e, int stamp) { return edge(e).alive && stamp == stamp_[std::size_t(e)]; }
 
-  // Puts the time when an edge will have shrunk to nothing into the queue.
+  // Puts the depth at which an edge will have shrunk to nothing into the queue (ERO-10).
   void await(int index) {
     const WaveEdge& e = edge(index);
     const int stamp = ++stamp_[std::size_t(index)];
