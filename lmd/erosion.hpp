@@ -2,8 +2,8 @@
 // A solid that is to be dilated by eps is first made smaller by eps: all planes of its regions move inwards
 // (ERO-1), vertices to where they meet (ERO-2) to (ERO-4). The dilation then gives back faces and concave
 // edges exactly and rounds convex edges by (ERO-5). What was done is measured afterwards (ERO-6) to (ERO-9).
-// Edges and faces that shrink to nothing on the way vanish, and their neighbours meet (ERO-10). A solid with a
-// feature thinner than 2 eps is refused, with the reason and the place.
+// Edges and faces that shrink to nothing on the way vanish, and their neighbours meet (ERO-10). A solid with
+// a feature thinner than 2 eps is refused, with the reason and the place.
 #pragma once
 
 #include <string>

@@ -16,7 +16,7 @@ struct Way {
   bool deviate = false;  // vertices that may deviate are taken whole around what failed
 };
 constexpr std::array<Way, 4> kWays = {{{1e-6, false}, {1, false}, {1e-6, true}, {1, true}}};
-constexpr int kMostTries = 6;  // of each, with more vertices joined or whole (taste)
+constexpr int kMostTries = 4;  // of each, with more vertices joined or whole (taste)
 
 /// Builds the complex of an attempt and looks whether it is an eroded solid.
 std::optional<Failure> check(const SimplicialComplex& solid, const SurfaceTree& tree,
