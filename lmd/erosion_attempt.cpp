@@ -31,8 +31,8 @@ std::optional<Failure> check(const SimplicialComplex& solid, const SurfaceTree& 
       if (out.edge_triangles[e].size() > 2) {
         const auto& [a, b] = out.edges[std::size_t(e)];
         touch.place = out.vertices[std::size_t(a)];
-        touch.crossing.push_back(
-            {std::vector{made.wave_vertex[std::size_t(a)]}, std::vector{made.wave_vertex[std::size_t(b)]}});
+        const int v = made.wave_vertex[std::size_t(a)], w = made.wave_vertex[std::size_t(b)];
+        if (v >= 0 && w >= 0) touch.crossing.push_back({std::vector{v}, std::vector{w}});
       }
     return touch;
   }
@@ -47,7 +47,8 @@ std::optional<Failure> check(const SimplicialComplex& solid, const SurfaceTree& 
   };
   const auto corners = [&](int triangle) {
     std::vector<int> all;
-    for (int v : out.triangles[std::size_t(triangle)]) all.push_back(made.wave_vertex[std::size_t(v)]);
+    for (int v : out.triangles[std::size_t(triangle)])
+      if (const int w = made.wave_vertex[std::size_t(v)]; w >= 0) all.push_back(w);
     return all;
   };
   std::vector<std::vector<int>> of_vertex(solid.vertices.size());
@@ -71,7 +72,8 @@ std::optional<Failure> check(const SimplicialComplex& solid, const SurfaceTree& 
           std::vector<int> near;  // what the vertices of the solid have become that are too near
           for (int v : solid.triangles[std::size_t(tree.nearest(x).triangle)])
             near.insert(near.end(), of_vertex[std::size_t(v)].begin(), of_vertex[std::size_t(v)].end());
-          shallow->crossing.push_back({middle ? corners(t) : std::vector{corners(t)[std::size_t(i)]}, near});
+          const int corner = made.wave_vertex[std::size_t(out.triangles[std::size_t(t)][std::size_t(i)])];
+          shallow->crossing.push_back({middle || corner < 0 ? corners(t) : std::vector{corner}, near});
         }
   }
   if (shallow) return shallow;

@@ -2,6 +2,7 @@
 #include "lmd/region_offset.hpp"
 
 #include <cmath>
+#include <map>
 #include <set>
 #include <sstream>
 
@@ -12,7 +13,10 @@
 namespace aussois {
 namespace {
 
-using Loop = std::vector<int>;  // of vertices of the wavefront
+struct BorderStep {
+  int vertex = 0, edge = 0;  // of the wavefront; the edge to the next vertex
+};
+using Loop = std::vector<BorderStep>;
 
 // The borders of each region, with the region on the left.
 std::vector<std::vector<Loop>> borders(const Wavefront& wave, std::size_t region_count) {
@@ -24,8 +28,8 @@ std::vector<std::vector<Loop>> borders(const Wavefront& wave, std::size_t region
       Loop loop;
       for (int at = v, i = s; !seen[std::size_t(at)][std::size_t(i)];) {
         seen[std::size_t(at)][std::size_t(i)] = 1;
-        loop.push_back(at);
         const int e = wave.vertices[std::size_t(at)].sectors[std::size_t(i)].edge;
+        loop.push_back({at, e});
         at = across(wave.edges[std::size_t(e)], at);
         const WaveVertex& next = wave.vertices[std::size_t(at)];
         const int count = int(next.sectors.size());
@@ -48,21 +52,105 @@ bool holds(const std::vector<Vec2>& points, const std::vector<int>& loop, const 
   return odd;
 }
 
+// Where the corners of the solid's triangles go: to vertices of the wavefront, numbered as there, and behind
+// them one for each fan, for those inside a chain, which keep their shares of its length, and inside a
+// region.
+struct Places {
+  std::vector<Vec3> points{};
+  std::vector<std::array<int, 3>> of_corner{};  // of each triangle; -1: none, or several
+  std::vector<std::vector<int>> inside{};       // each edge of the wavefront, in its direction
+};
+
+Places find_places(const SimplicialComplex& solid, const Idealisation& ideal, const std::vector<Fan>& fans,
+                   const Wavefront& wave, double depth) {
+  const std::size_t count = wave.vertices.size();
+  Places out{.points = std::vector<Vec3>(count + fans.size(), Vec3::Zero()),
+             .of_corner = std::vector<std::array<int, 3>>(solid.triangles.size(), {-1, -1, -1}),
+             .inside = std::vector<std::vector<int>>(wave.edges.size())};
+  std::vector<std::vector<int>> of_fan(fans.size());
+  for (std::size_t w = 0; w < count; ++w) {
+    out.points[w] = wave.vertices[w].to;
+    if (!wave.vertices[w].alive) continue;
+    for (int f : wave.vertices[w].fans) of_fan[std::size_t(f)].push_back(int(w));
+  }
+  std::map<std::pair<int, int>, int> in_chain;  // by chain and vertex
+  for (std::size_t f = 0; f < fans.size(); ++f) {
+    const Fan& fan = fans[f];
+    const auto chain_at = [&](const Corner& c) {
+      return ideal
+          .edge_chain[std::size_t(solid.triangle_edges[std::size_t(c.triangle)][std::size_t(c.side)])];
+    };
+    const int chain = fan.regions.size() == 2 ? chain_at(fan.first[0]) : -1;
+    const bool in_a_chain = chain >= 0 && chain_at(fan.first[1]) == chain;
+    const bool kept = !in_a_chain ||
+                      (wave.edges[std::size_t(chain)].alive && wave.edges[std::size_t(chain)].chain == chain);
+    const Vec3& x = solid.vertices[std::size_t(fan.vertex)];
+    if (in_a_chain && kept) {
+      const Chain& c = ideal.chains[std::size_t(chain)];
+      const auto& [a, b] = wave.edges[std::size_t(chain)].ends;
+      const Vec3 &start = solid.vertices[std::size_t(c.first)], &end = solid.vertices[std::size_t(c.last)];
+      const double share = c.direction.dot(x - start) / (end - start).norm();
+      out.points[count + f] =
+          out.points[std::size_t(a)] + share * (out.points[std::size_t(b)] - out.points[std::size_t(a)]);
+      in_chain[{chain, fan.vertex}] = int(count + f);
+    }
+    if (fan.regions.size() == 1)
+      out.points[count + f] = x - depth * ideal.region_normal[std::size_t(fan.regions[0])];
+    const bool own = fan.regions.size() == 1 || in_a_chain;
+    for (const int r : fan.regions) {
+      int place = own && kept ? int(count + f) : -1, places = 0;
+      for (int w : of_fan[f])
+        if (std::ranges::count(wave.vertices[std::size_t(w)].sectors, r, &WaveSector::region) > 0)
+          place = ++places == 1 ? w : -1;
+      for (const Corner& c : fan.round)
+        if (ideal.triangle_region[std::size_t(c.triangle)] == r)
+          out.of_corner[std::size_t(c.triangle)][std::size_t(c.side)] = place;
+    }
+  }
+  for (std::size_t c = 0; c < ideal.chains.size(); ++c)
+    for (int v : ideal.chains[c].vertices)
+      if (const auto at = in_chain.find({int(c), v}); at != in_chain.end())
+        out.inside[c].push_back(at->second);
+  return out;
+}
+
+// The triangles of a region where they have moved; none if one has lost a corner or does not stay upright.
+std::optional<std::vector<std::array<int, 3>>> moved_face(const Places& places,
+                                                          const std::vector<int>& triangles, const Vec3& n) {
+  std::vector<std::array<int, 3>> faces;
+  for (int t : triangles) {
+    const std::array<int, 3>& corners = places.of_corner[std::size_t(t)];
+    if (std::ranges::min(corners) < 0) return std::nullopt;
+    const auto x = [&](std::size_t i) { return places.points[std::size_t(corners[i])]; };
+    if (!((x(1) - x(0)).cross(x(2) - x(0)).dot(n) > 0)) return std::nullopt;
+    faces.push_back(corners);
+  }
+  return faces;
+}
+
 // Triangles of a region between its borders: of each outer one with the holes that it holds.
-std::optional<std::vector<std::array<int, 3>>> cut_face(const Wavefront& wave, const Vec3& n,
-                                                        const std::vector<Loop>& loops) {
+std::optional<std::vector<std::array<int, 3>>> cut_face(const Wavefront& wave, const Places& places,
+                                                        const Vec3& n, const std::vector<Loop>& loops) {
   const Vec3 u = n.unitOrthogonal(), v = n.cross(u);
-  const Vec3 origin = wave.vertices[std::size_t(loops[0][0])].to;
+  const Vec3 origin = wave.vertices[std::size_t(loops[0][0].vertex)].to;
   std::vector<Vec2> points;
   std::vector<int> vertex;
   std::vector<std::vector<int>> outer, holes;
   for (const Loop& loop : loops) {
     std::vector<int> indices;
-    for (int w : loop) {
-      const Vec3 x = wave.vertices[std::size_t(w)].to - origin;
+    const auto add = [&](int p) {
+      const Vec3 x = places.points[std::size_t(p)] - origin;
       indices.push_back(int(points.size()));
       points.emplace_back(u.dot(x), v.dot(x));
-      vertex.push_back(w);
+      vertex.push_back(p);
+    };
+    for (const auto& [w, e] : loop) {
+      add(w);
+      const std::vector<int>& inside = places.inside[std::size_t(e)];
+      if (wave.edges[std::size_t(e)].ends[0] == w)
+        std::for_each(inside.begin(), inside.end(), add);
+      else
+        std::for_each(inside.rbegin(), inside.rend(), add);
     }
     (twice_area(points, indices) > 0 ? outer : holes).push_back(std::move(indices));
   }
@@ -101,7 +189,7 @@ bool cross_each_other(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d
 std::vector<std::array<std::vector<int>, 2>> crossings(const Wavefront& wave, const Vec3& n,
                                                        const std::vector<Loop>& loops) {
   const Vec3 u = n.unitOrthogonal(), v = n.cross(u);
-  const Vec3 origin = wave.vertices[std::size_t(loops[0][0])].to;
+  const Vec3 origin = wave.vertices[std::size_t(loops[0][0].vertex)].to;
   const auto at = [&](int w) {
     const Vec3 x = wave.vertices[std::size_t(w)].to - origin;
     return Vec2(u.dot(x), v.dot(x));
@@ -109,7 +197,8 @@ std::vector<std::array<std::vector<int>, 2>> crossings(const Wavefront& wave, co
   std::vector<std::array<int, 2>> sides;
   std::vector<std::array<std::vector<int>, 2>> out;
   for (const Loop& loop : loops)
-    for (std::size_t i = 0; i < loop.size(); ++i) sides.push_back({loop[i], loop[(i + 1) % loop.size()]});
+    for (std::size_t i = 0; i < loop.size(); ++i)
+      sides.push_back({loop[i].vertex, loop[(i + 1) % loop.size()].vertex});
   for (std::size_t i = 0; i < sides.size(); ++i)
     for (std::size_t j = i + 1; j < sides.size(); ++j) {
       const auto& [a, b] = sides[i];
@@ -191,18 +280,23 @@ RegionOffset offset_regions(const SimplicialComplex& solid, const Idealisation& 
   }
   const auto loops = borders(out.wave, ideal.region_normal.size());
   if ((out.failure = unsettled(out.wave, fans, ideal, loops, options))) return out;
-  std::vector<int> index(out.wave.vertices.size(), -1);
-  for (int r = 0; r < int(loops.size()); ++r) {
-    const auto& of_region = loops[std::size_t(r)];
-    if (of_region.empty()) continue;  // it has vanished
-    const auto faces = cut_face(out.wave, ideal.region_normal[std::size_t(r)], of_region);
+  const Places places = find_places(solid, ideal, fans, out.wave, options.depth);
+  std::vector<std::vector<int>> of_region(loops.size());  // triangles
+  for (std::size_t t = 0; t < solid.triangles.size(); ++t)
+    of_region[std::size_t(ideal.triangle_region[t])].push_back(int(t));
+  std::vector<int> index(places.points.size(), -1);
+  for (std::size_t r = 0; r < loops.size(); ++r) {
+    if (loops[r].empty()) continue;  // it has vanished
+    const Vec3& n = ideal.region_normal[r];
+    const auto crossed = crossings(out.wave, n, loops[r]);
+    auto faces = crossed.empty() ? moved_face(places, of_region[r], n) : std::nullopt;
+    if (!faces) faces = cut_face(out.wave, places, n, loops[r]);
     if (!faces) {
       if (!out.failure)
-        out.failure = Failure{ErosionStatus::lost_face, out.wave.vertices[std::size_t(of_region[0][0])].to,
+        out.failure = Failure{ErosionStatus::lost_face, places.points[std::size_t(loops[r][0][0].vertex)],
                               "region " + std::to_string(r) + " would turn over or cross its own border"};
-      out.failure->regions.push_back(r);
-      for (const auto& pair : crossings(out.wave, ideal.region_normal[std::size_t(r)], of_region))
-        out.failure->crossing.push_back(pair);
+      out.failure->regions.push_back(int(r));
+      out.failure->crossing.insert(out.failure->crossing.end(), crossed.begin(), crossed.end());
       continue;
     }
     for (std::array<int, 3> corners : *faces) {
@@ -210,13 +304,13 @@ RegionOffset offset_regions(const SimplicialComplex& solid, const Idealisation& 
         int& i = index[std::size_t(corner)];
         if (i < 0) {
           i = int(out.vertices.size());
-          out.wave_vertex.push_back(corner);
-          out.vertices.push_back(out.wave.vertices[std::size_t(corner)].to);
+          out.wave_vertex.push_back(corner < int(out.wave.vertices.size()) ? corner : -1);
+          out.vertices.push_back(places.points[std::size_t(corner)]);
         }
         corner = i;
       }
       out.triangles.push_back(corners);
-      out.triangle_region.push_back(r);
+      out.triangle_region.push_back(int(r));
     }
   }
   return out;

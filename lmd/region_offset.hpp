@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// One attempt of an erosion: moves the planes of a solid's regions inwards (ERO-1) and cuts each region anew
-// from the border that the wavefront leaves it.
+// One attempt of an erosion: moves the planes of a solid's regions inwards (ERO-1). Regions whose
+// vertices stay apart keep their triangles, others are cut anew from the border that the wavefront leaves
+// them.
 #pragma once
 
 #include <optional>
@@ -24,7 +25,7 @@ struct Failure {
 struct RegionOffset {
   Wavefront wave{};
   std::vector<Vec3> vertices{};
-  std::vector<int> wave_vertex{};  // of each vertex
+  std::vector<int> wave_vertex{};  // of each vertex; -1: inside a chain or region of the solid
   std::vector<std::array<int, 3>> triangles{};
   std::vector<int> triangle_region{};
   std::optional<Failure> failure{};

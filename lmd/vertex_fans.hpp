@@ -19,6 +19,7 @@ struct Fan {
   int vertex = 0;
   std::vector<int> regions{};
   std::vector<Corner> first{};  // the first triangle of each region; its side is the edge to the one before
+  std::vector<Corner> round{};  // all triangles
 };
 
 inline int other_triangle(const SimplicialComplex& k, int edge, int t) {
@@ -56,7 +57,7 @@ inline std::vector<Fan> find_fans(const SimplicialComplex& k, const Idealisation
           std::rotate(round.begin(), round.begin() + long(i), round.end());
           break;
         }
-      Fan fan{.vertex = v};
+      Fan fan{.vertex = v, .round = round};
       for (std::size_t i = 0; i < n; ++i)
         if (i == 0 || region(round[i]) != region(round[i - 1])) {
           fan.regions.push_back(region(round[i]));
