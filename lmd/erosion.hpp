@@ -18,7 +18,8 @@ struct ErosionOptions {
   double planarity = 1e-6;  // as of LmdShapeOptions: relative to the box diagonal [-], in [0, 1e-2]
   double meet = 1e-6;       // planes that pass a point within this many depths meet there [-], in (0, 1e-2]
   double deviation = 1e-3;  // where a vertex cannot be split, its planes may miss the one point by this many
-                            // depths [-], in [0, 0.1]; 0: exact or refused. Used deviations are counted.
+                            // depths, and a split saddle the depth [-], in [0, 0.1]; 0: exact or refused.
+                            // Used deviations are counted, and what misses the depth is measured.
   bool split = true;        // a vertex of more than three planes may become several; without, smooth surfaces
                             // keep their triangles and lose up to `deviation`
   bool contract = true;     // edges that would turn around may vanish; without, the solid is refused

@@ -94,7 +94,8 @@ double least_depth(const Wavefront& wave, const ErosionOptions& options, double 
   double deviation = 0;
   for (const WaveVertex& v : wave.vertices)
     if (v.alive) deviation = std::max(deviation, v.deviation);
-  return options.depth * (1 - 2 * std::max(deviation, options.meet)) - 1e-12 * size;
+  const double missed = std::max(2 * std::max(deviation, options.meet), options.deviation);
+  return options.depth * (1 - missed) - 1e-12 * size;
 }
 
 Attempt attempt_erosion(const SimplicialComplex& solid, const SurfaceTree& tree, const Idealisation& ideal,

@@ -10,10 +10,9 @@
 namespace aussois {
 namespace {
 
-constexpr double kLongestMitre = 1e5;  // three planes that meet farther away are taken as parallel to a line
-constexpr double kReach = 1e6;         // where the edges of the vertex end
-constexpr double kRank = 1e-9;         // singular values below this are rounding
-constexpr int kMostSteps = 500;        // of the search: beyond, no split is likely (taste)
+constexpr double kReach = 1e6;   // where the edges of the vertex end
+constexpr double kRank = 1e-9;   // singular values below this are rounding
+constexpr int kMostSteps = 500;  // of the search: beyond, no split is likely (taste)
 
 double cross(const Vec2& a, const Vec2& b) {
   return a.x() * b.y() - a.y() * b.x();
@@ -64,8 +63,12 @@ struct Partial {
 // searched for among all, best first.
 class LargestSplit {
  public:
-  LargestSplit(std::span<const VertexPlane> planes, double meet)
-      : planes_(planes), d_(int(planes.size())), meet_(meet), meeting_(std::size_t(d_ * d_ * d_)) {
+  LargestSplit(std::span<const VertexPlane> planes, double meet, double longest)
+      : planes_(planes),
+        d_(int(planes.size())),
+        meet_(meet),
+        longest_(longest),
+        meeting_(std::size_t(d_ * d_ * d_)) {
     for (int a = 0; a < d_; ++a)
       for (int b = a + 1; b < d_; ++b)
         for (int c = b + 1; c < d_; ++c) meeting_[at(a, b, c)] = meeting(a, b, c);
@@ -108,7 +111,7 @@ class LargestSplit {
   std::size_t at(int a, int b, int c) const { return std::size_t((a * d_ + b) * d_ + c); }
   const VertexPlane& plane(int i) const { return planes_[std::size_t(i)]; }
   Vec3 line(int i, int k) const { return plane(i).normal.cross(plane(k).normal); }
-  bool is_usable(const MeetingPoint& p) const { return p.residual <= meet_ && p.x.norm() <= kLongestMitre; }
+  bool is_usable(const MeetingPoint& p) const { return p.residual <= meet_ && p.x.norm() <= longest_; }
   const Vec3& point(int i, int k, int l) const {
     return (l < i ? meeting_[at(l, i, k)] : l < k ? meeting_[at(i, l, k)] : meeting_[at(i, k, l)]).x;
   }
@@ -226,7 +229,7 @@ class LargestSplit {
 
   std::span<const VertexPlane> planes_;
   int d_ = 0;
-  double meet_ = 0;
+  double meet_ = 0, longest_ = 0;
   std::vector<MeetingPoint> meeting_{};
   std::vector<BySense> triangle_{}, side_{};
 };
@@ -252,8 +255,9 @@ MeetingPoint meeting_point(std::span<const VertexPlane> planes, double tolerance
   return best;
 }
 
-std::optional<std::vector<SplitPoint>> largest_split(std::span<const VertexPlane> planes, double meet) {
-  return LargestSplit(planes, meet).find();
+std::optional<std::vector<SplitPoint>> largest_split(std::span<const VertexPlane> planes, double meet,
+                                                     double longest) {
+  return LargestSplit(planes, meet, longest).find();
 }
 
 }  // namespace aussois

@@ -27,7 +27,9 @@ struct SplitPoint {
 };
 
 /// Of all ways to cut the polygon of at least four planes into triangles the one of the largest solid whose
-/// planes all have a simple border; none if there is none, or if the search for it is given up. O(d^4).
-std::optional<std::vector<SplitPoint>> largest_split(std::span<const VertexPlane> planes, double meet);
+/// planes all have a simple border; none if there is none, or if the search for it is given up. Three planes
+/// that meet farther away than `longest` are taken as parallel to a line. O(d^4).
+std::optional<std::vector<SplitPoint>> largest_split(std::span<const VertexPlane> planes, double meet,
+                                                     double longest);
 
 }  // namespace aussois

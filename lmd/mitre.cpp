@@ -12,6 +12,7 @@ namespace aussois {
 namespace {
 
 constexpr std::size_t kMostPlanes = 40;  // the search for a split takes O(d^4) and more
+constexpr double kLongestMitre = 1e5;    // depths
 constexpr double kReach = 2;  // a split that goes farther than this times the one point is the worse choice:
                               // of the facets of a thread, planes that differ by 1e-3 meet 40 depths away
 
@@ -61,10 +62,9 @@ std::optional<Mitre> mitre(std::span<const VertexPlane> planes, const MitreOptio
   const MeetingPoint near = meeting_point(planes, options.deviation);
   const bool near_enough = near.residual <= options.deviation;
   if (options.split && planes.size() > 3 && planes.size() <= kMostPlanes)
-    if (const auto split = largest_split(planes, options.meet)) {
-      const auto in_reach = [&](const SplitPoint& p) { return p.x.norm() <= kReach * near.x.norm(); };
-      if (!near_enough || std::ranges::all_of(*split, in_reach)) return joined(*split, planes, options.meet);
-    }
+    if (const auto split =
+            largest_split(planes, options.meet, near_enough ? kReach * near.x.norm() : kLongestMitre))
+      return joined(*split, planes, options.meet);
   return near_enough ? std::optional(at_one_point(near)) : std::nullopt;
 }
 
