@@ -167,6 +167,13 @@ void refuse(ErosionResult& result, const SimplicialComplex& solid, const Surface
   result.reason += text.str();
 }
 
+/// Rounded down.
+double two_digits(double x) {
+  const double power = std::floor(std::log10(x)) - 1;
+  const double digits = std::floor(x * std::pow(10, -power) * (1 + 1e-12));
+  return power < 0 ? digits / std::pow(10, -power) : digits * std::pow(10, power);
+}
+
 /// Keeps the measures.
 ErosionResult give_up(ErosionResult result, ErosionStatus status, const std::string& reason) {
   result.status = status;
@@ -275,6 +282,21 @@ ErosionResult erode(const SimplicialComplex& solid, const ErosionOptions& option
     return give_up(std::move(result), ErosionStatus::too_round, text.str());
   }
   return result;
+}
+
+std::optional<double> erodible_depth(const SimplicialComplex& solid, ErosionOptions options) {
+  const auto works = [&](double depth) {
+    options.depth = depth;
+    return erode(solid, options).ok();
+  };
+  double high = options.depth, low = two_digits(high / 2);
+  for (int halved = 1; !works(low); ++halved) {
+    if (halved == 10) return std::nullopt;
+    high = low;
+    low = two_digits(low / 2);
+  }
+  for (double middle; (middle = two_digits(0.5 * (low + high))) > low;) (works(middle) ? low : high) = middle;
+  return low;
 }
 
 }  // namespace aussois

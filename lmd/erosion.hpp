@@ -6,6 +6,7 @@
 // a feature thinner than 2 eps is refused, with the reason and the place.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "geometry/simplicial_complex.hpp"
@@ -74,6 +75,11 @@ struct ErosionResult {
 
 /// Throws std::invalid_argument for a bad option only; whatever the geometry does is a status.
 ErosionResult erode(const SimplicialComplex& solid, const ErosionOptions& options);
+
+/// A depth of two digits below `options.depth` by which the solid is eroded: the first that works of its
+/// halves, raised by bisection to where the next is refused. What is smaller need not work, what is larger
+/// may. None if none of ten halves works. Takes ten to twenty erosions.
+std::optional<double> erodible_depth(const SimplicialComplex& solid, ErosionOptions options);
 
 /// Interior angle between the two regions of a chain with two triangles, psi in (ERO-5), in (0, 2 pi) [rad].
 double interior_angle(const SimplicialComplex& complex, const Idealisation& ideal, const Chain& chain);

@@ -317,6 +317,16 @@ TEST(Erosion, RefusesMoreRoundingThanAllowed) {
   EXPECT_TRUE(erode(make_box(4, 3, 2), {.depth = 0.1, .max_rounding = 0.0733}).ok());
 }
 
+TEST(Erosion, FindsTheDepthByWhichARefusedSolidCanBeEroded) {
+  // A plate down to half its thickness, where nothing is left; a box until its corners lose sqrt(3) - 1
+  // depths.
+  EXPECT_EQ(erodible_depth(make_box(0.04, 0.03, 1e-3), {.depth = 1e-3}), 4.9e-4);
+  EXPECT_EQ(erodible_depth(make_box(0.04, 0.03, 1e-3), {.depth = 0.4}), 4.9e-4);
+  EXPECT_EQ(erodible_depth(make_box(4, 3, 2), {.depth = 0.1, .max_rounding = 0.05}), 0.068);
+  EXPECT_EQ(erodible_depth(make_box(4, 3, 2), {.depth = 0.1, .max_rounding = 1e-9}), std::nullopt);
+  EXPECT_EQ(erodible_depth(make_plate(1, 1), {.depth = 0.1}), std::nullopt);
+}
+
 TEST(Erosion, BadOptionsAreNamed) {
   const SimplicialComplex box = make_box(1, 1, 1);
   const auto message = [&](const ErosionOptions& o) { return message_of([&] { erode(box, o); }); };
