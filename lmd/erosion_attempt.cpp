@@ -9,13 +9,9 @@
 namespace aussois {
 namespace {
 
-/// One by one the events are exact. All at once what is in a cluster is forgotten, also what would have met
-/// something beyond its neighbours on its way.
-struct Way {
-  double together = 0;   // events within this many depths are one
-  bool deviate = false;  // vertices that may deviate are taken whole around what failed
-};
-constexpr std::array<Way, 4> kWays = {{{1e-6, false}, {1, false}, {1e-6, true}, {1, true}}};
+/// Events within this many depths are one. One by one they are exact; all at once what is in a cluster is
+/// forgotten, also what would have met something beyond its neighbours on its way.
+constexpr std::array<double, 2> kTogether = {1e-6, 1};
 constexpr int kMostTries = 4;  // of each, with more vertices joined or whole (taste)
 
 /// Builds the complex of an attempt and looks whether it is an eroded solid.
@@ -101,22 +97,26 @@ double least_depth(const Wavefront& wave, const ErosionOptions& options, double 
 Attempt attempt_erosion(const SimplicialComplex& solid, const SurfaceTree& tree, const Idealisation& ideal,
                         const std::vector<Fan>& fans, const ErosionOptions& options) {
   std::optional<Failure> first;
-  for (const auto& [together, deviate] : kWays) {
-    FanOptions of_fan{.whole = std::vector<char>(fans.size(), 0), .group = std::vector<int>(fans.size())};
-    std::iota(of_fan.group.begin(), of_fan.group.end(), 0);
-    for (int i = 0; i < kMostTries; ++i) {
-      Attempt attempt{.made = offset_regions(solid, ideal, fans, of_fan, options, together)};
-      std::optional<Failure> failure = attempt.made.failure;
-      if (!failure)
-        failure = check(solid, tree, fans, attempt.made, options, ideal.tolerance, attempt.complex);
-      if (!failure) return attempt;
-      if (!first) first = failure;
-      const bool again =
-          (deviate && options.deviation > 0 &&
-           keep_whole(solid, ideal, fans, failure->regions, options, of_fan)) ||
-          (options.contract && options.split && join_crossing(*failure, ideal, attempt.made.wave, of_fan));
-      if (!again) break;
-    }
+  FanOptions each{.whole = std::vector<char>(fans.size(), 0), .group = std::vector<int>(fans.size())};
+  std::iota(each.group.begin(), each.group.end(), 0);
+  for (const bool deviate : {false, true}) {  // vertices that may deviate are taken whole around what failed
+    if (deviate && options.deviation == 0) break;
+    std::array<FanOptions, 2> of_way{each, each};
+    std::array<bool, 2> again{true, true};
+    for (int i = 0; i < kMostTries; ++i)  // the fewest joined vertices first
+      for (std::size_t way = 0; way < 2; ++way) {
+        if (!again[way]) continue;
+        FanOptions& of_fan = of_way[way];
+        Attempt attempt{.made = offset_regions(solid, ideal, fans, of_fan, options, kTogether[way])};
+        std::optional<Failure> failure = attempt.made.failure;
+        if (!failure)
+          failure = check(solid, tree, fans, attempt.made, options, ideal.tolerance, attempt.complex);
+        if (!failure) return attempt;
+        if (!first) first = failure;
+        again[way] =
+            (deviate && keep_whole(solid, ideal, fans, failure->regions, options, of_fan)) ||
+            (options.contract && options.split && join_crossing(*failure, ideal, attempt.made.wave, of_fan));
+      }
   }
   return {.made = {.failure = first}};
 }

@@ -53,7 +53,7 @@ bool holds(const std::vector<Vec2>& points, const std::vector<int>& loop, const 
 }
 
 // Where the corners of the solid's triangles go: to vertices of the wavefront, numbered as there, and behind
-// them one for each fan, for those inside a chain, which keep their shares of its length, and inside a
+// them one for each fan, for those inside a chain, which move by shares of what its ends move, and inside a
 // region.
 struct Places {
   std::vector<Vec3> points{};
@@ -91,7 +91,7 @@ Places find_places(const SimplicialComplex& solid, const Idealisation& ideal, co
       const Vec3 &start = solid.vertices[std::size_t(c.first)], &end = solid.vertices[std::size_t(c.last)];
       const double share = c.direction.dot(x - start) / (end - start).norm();
       out.points[count + f] =
-          out.points[std::size_t(a)] + share * (out.points[std::size_t(b)] - out.points[std::size_t(a)]);
+          x + (1 - share) * (out.points[std::size_t(a)] - start) + share * (out.points[std::size_t(b)] - end);
       in_chain[{chain, fan.vertex}] = int(count + f);
     }
     if (fan.regions.size() == 1)

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "geometry/fastener.hpp"
@@ -97,6 +98,30 @@ TEST(Erosion, DoesNotDependOnTheTriangulation) {
   const Box box = bounding_box(fine.complex);
   EXPECT_LT((box.hi - Vec3(0.018, 0.013, 0.008)).norm(), 1e-16);
   EXPECT_NEAR(fine.measures.rounding, (std::sqrt(3.0) - 1) * eps, 1e-14);
+}
+
+// Vertices inside faces and edges are off them by up to sqrt(3)/2 digits, so triangles 4.1 mm high slope by
+// up to 4.2e-6. Each moves in by the depth; only what it moves along its face, sqrt(2) depths at corners,
+// times the slope is lost.
+TEST(Erosion, FollowsTheRoundedDigitsOfAFile) {
+  const SimplicialComplex box = make_box(0.04, 0.03, 0.02, 4);
+  const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  std::vector<Vec3> vertices;
+  for (const Vec3& x : box.vertices) vertices.push_back((turn * x * 1e8).array().round() / 1e8);
+  const SimplicialComplex file = make_complex(vertices, box.triangles, {}, true);
+  const ErosionResult r = erode(file, {.depth = 1e-4});
+  ASSERT_TRUE(r.ok()) << r.reason;
+  double off = 0;
+  for (std::size_t t = 0; t < file.triangles.size(); ++t)
+    for (int v : file.triangles[t]) {
+      const auto region = std::size_t(r.ideal.triangle_region[t]);
+      off = std::max(off, std::abs(r.ideal.region_normal[region].dot(file.vertices[std::size_t(v)]) -
+                                   r.ideal.region_offset[region]));
+    }
+  EXPECT_EQ(r.ideal.region_normal.size(), 6U);
+  EXPECT_GT(off, 5e-9);
+  EXPECT_LT(r.measures.face_error, 6e-6 * 1e-4);
+  EXPECT_EQ(r.complex.triangles.size(), file.triangles.size());
 }
 
 // A pyramid over a rectangle of sides 2 a > 2 b: the four planes of its sides do not meet when moved, and the
