@@ -12,7 +12,12 @@ namespace {
 /// Events within this many depths are one. One by one they are exact; all at once what is in a cluster is
 /// forgotten, also what would have met something beyond its neighbours on its way.
 constexpr std::array<double, 2> kTogether = {1e-6, 1};
-constexpr int kMostTries = 4;  // of each, with more vertices joined or whole (taste)
+struct Tries {
+  std::size_t way = 0;  // of kTogether
+  int count = 0;
+};
+constexpr std::array<Tries, 4> kTries = {
+    {{0, 1}, {1, 1}, {0, 3}, {1, 3}}};  // unjoined first; numbers are taste
 
 /// Builds the complex of an attempt and looks whether it is an eroded solid.
 std::optional<Failure> check(const SimplicialComplex& solid, const SurfaceTree& tree,
@@ -103,9 +108,8 @@ Attempt attempt_erosion(const SimplicialComplex& solid, const SurfaceTree& tree,
     if (deviate && options.deviation == 0) break;
     std::array<FanOptions, 2> of_way{each, each};
     std::array<bool, 2> again{true, true};
-    for (int i = 0; i < kMostTries; ++i)  // the fewest joined vertices first
-      for (std::size_t way = 0; way < 2; ++way) {
-        if (!again[way]) continue;
+    for (const auto& [way, count] : kTries)
+      for (int i = 0; i < count && again[way]; ++i) {
         FanOptions& of_fan = of_way[way];
         Attempt attempt{.made = offset_regions(solid, ideal, fans, of_fan, options, kTogether[way])};
         std::optional<Failure> failure = attempt.made.failure;

@@ -185,26 +185,31 @@ bool cross_each_other(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d
          (cross(d - c, a - c) > 0) != (cross(d - c, b - c) > 0);
 }
 
+using Crossings = std::vector<std::array<std::vector<int>, 2>>;
+
 // Where the borders of a region cross.
-std::vector<std::array<std::vector<int>, 2>> crossings(const Wavefront& wave, const Vec3& n,
-                                                       const std::vector<Loop>& loops) {
+Crossings crossings(const Wavefront& wave, const Vec3& n, const std::vector<Loop>& loops) {
   const Vec3 u = n.unitOrthogonal(), v = n.cross(u);
   const Vec3 origin = wave.vertices[std::size_t(loops[0][0].vertex)].to;
-  const auto at = [&](int w) {
-    const Vec3 x = wave.vertices[std::size_t(w)].to - origin;
-    return Vec2(u.dot(x), v.dot(x));
+  struct Side {
+    int from = 0, to = 0;  // vertices
+    Vec2 a = Vec2::Zero(), b = Vec2::Zero();
   };
-  std::vector<std::array<int, 2>> sides;
-  std::vector<std::array<std::vector<int>, 2>> out;
+  std::vector<Side> sides;
   for (const Loop& loop : loops)
-    for (std::size_t i = 0; i < loop.size(); ++i)
-      sides.push_back({loop[i].vertex, loop[(i + 1) % loop.size()].vertex});
-  for (std::size_t i = 0; i < sides.size(); ++i)
-    for (std::size_t j = i + 1; j < sides.size(); ++j) {
-      const auto& [a, b] = sides[i];
-      const auto& [c, d] = sides[j];
-      if (a == d || b == c || !cross_each_other(at(a), at(b), at(c), at(d))) continue;
-      out.push_back({std::vector{a, b}, std::vector{c, d}});
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      const int from = loop[i].vertex, to = loop[(i + 1) % loop.size()].vertex;
+      const Vec3 a = wave.vertices[std::size_t(from)].to - origin,
+                 b = wave.vertices[std::size_t(to)].to - origin;
+      sides.push_back({from, to, {u.dot(a), v.dot(a)}, {u.dot(b), v.dot(b)}});
+    }
+  const auto least = [](const Side& s) { return std::min(s.a.x(), s.b.x()); };
+  std::ranges::stable_sort(sides, {}, least);
+  Crossings out;
+  for (auto s = sides.begin(); s != sides.end(); ++s)
+    for (auto t = s + 1; t != sides.end() && least(*t) <= std::max(s->a.x(), s->b.x()); ++t) {
+      if (s->from == t->to || s->to == t->from || !cross_each_other(s->a, s->b, t->a, t->b)) continue;
+      out.push_back({std::vector{s->from, s->to}, std::vector{t->from, t->to}});
     }
   return out;
 }
@@ -237,6 +242,7 @@ std::optional<Failure> unsettled(const Wavefront& wave, const std::vector<Fan>& 
                                  const Idealisation& ideal, const std::vector<std::vector<Loop>>& loops,
                                  const ErosionOptions& options) {
   std::optional<Failure> failure;
+  std::vector<std::optional<Crossings>> crossed(loops.size());
   for (int i = 0; i < int(wave.vertices.size()); ++i) {
     const WaveVertex& v = wave.vertices[std::size_t(i)];
     if (!v.alive || v.deviation <= std::max(options.meet, options.deviation) * (1 + 1e-9)) continue;
@@ -256,9 +262,10 @@ std::optional<Failure> unsettled(const Wavefront& wave, const std::vector<Fan>& 
     for (const WaveSector& s : v.sectors) {
       failure->regions.push_back(s.region);
       neighbours.push_back(across(wave.edges[std::size_t(s.edge)], i));
-      if (const auto& of_region = loops[std::size_t(s.region)]; !of_region.empty())
-        for (const auto& pair : crossings(wave, ideal.region_normal[std::size_t(s.region)], of_region))
-          failure->crossing.push_back(pair);
+      const auto r = std::size_t(s.region);
+      if (loops[r].empty()) continue;
+      if (!crossed[r]) crossed[r] = crossings(wave, ideal.region_normal[r], loops[r]);
+      failure->crossing.insert(failure->crossing.end(), crossed[r]->begin(), crossed[r]->end());
     }
     if (failure->crossing.size() == before) failure->crossing.push_back({std::vector{i}, neighbours});
   }
@@ -288,7 +295,7 @@ RegionOffset offset_regions(const SimplicialComplex& solid, const Idealisation& 
   for (std::size_t r = 0; r < loops.size(); ++r) {
     if (loops[r].empty()) continue;  // it has vanished
     const Vec3& n = ideal.region_normal[r];
-    const auto crossed = crossings(out.wave, n, loops[r]);
+    const Crossings crossed = crossings(out.wave, n, loops[r]);
     auto faces = crossed.empty() ? moved_face(places, of_region[r], n) : std::nullopt;
     if (!faces) faces = cut_face(out.wave, places, n, loops[r]);
     if (!faces) {
