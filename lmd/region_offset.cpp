@@ -61,6 +61,25 @@ struct Places {
   std::vector<std::vector<int>> inside{};       // each edge of the wavefront, in its direction
 };
 
+// The chain inside which a fan lies; -1: none.
+int chain_around(const SimplicialComplex& solid, const Idealisation& ideal, const Fan& fan) {
+  const auto chain_at = [&](const Corner& c) {
+    return ideal.edge_chain[std::size_t(solid.triangle_edges[std::size_t(c.triangle)][std::size_t(c.side)])];
+  };
+  if (fan.regions.size() != 2) return -1;
+  const int chain = chain_at(fan.first[0]);
+  return chain == chain_at(fan.first[1]) ? chain : -1;
+}
+
+Vec3 moved_with_chain(const SimplicialComplex& solid, const Chain& chain, const Wavefront& wave,
+                      const WaveEdge& edge, const Vec3& x) {
+  const Vec3 &first = solid.vertices[std::size_t(chain.first)],
+             &last = solid.vertices[std::size_t(chain.last)];
+  const double share = chain.direction.dot(x - first) / (last - first).norm();
+  return x + (1 - share) * (wave.vertices[std::size_t(edge.ends[0])].to - first) +
+         share * (wave.vertices[std::size_t(edge.ends[1])].to - last);
+}
+
 Places find_places(const SimplicialComplex& solid, const Idealisation& ideal, const std::vector<Fan>& fans,
                    const Wavefront& wave, double depth) {
   const std::size_t count = wave.vertices.size();
@@ -76,32 +95,23 @@ Places find_places(const SimplicialComplex& solid, const Idealisation& ideal, co
   std::map<std::pair<int, int>, int> in_chain;  // by chain and vertex
   for (std::size_t f = 0; f < fans.size(); ++f) {
     const Fan& fan = fans[f];
-    const auto chain_at = [&](const Corner& c) {
-      return ideal
-          .edge_chain[std::size_t(solid.triangle_edges[std::size_t(c.triangle)][std::size_t(c.side)])];
-    };
-    const int chain = fan.regions.size() == 2 ? chain_at(fan.first[0]) : -1;
-    const bool in_a_chain = chain >= 0 && chain_at(fan.first[1]) == chain;
-    const bool kept = !in_a_chain ||
-                      (wave.edges[std::size_t(chain)].alive && wave.edges[std::size_t(chain)].chain == chain);
     const Vec3& x = solid.vertices[std::size_t(fan.vertex)];
-    if (in_a_chain && kept) {
-      const Chain& c = ideal.chains[std::size_t(chain)];
-      const auto& [a, b] = wave.edges[std::size_t(chain)].ends;
-      const Vec3 &start = solid.vertices[std::size_t(c.first)], &end = solid.vertices[std::size_t(c.last)];
-      const double share = c.direction.dot(x - start) / (end - start).norm();
-      out.points[count + f] =
-          x + (1 - share) * (out.points[std::size_t(a)] - start) + share * (out.points[std::size_t(b)] - end);
-      in_chain[{chain, fan.vertex}] = int(count + f);
-    }
-    if (fan.regions.size() == 1)
+    int own = -1;
+    if (fan.regions.size() == 1) {
+      own = int(count + f);
       out.points[count + f] = x - depth * ideal.region_normal[std::size_t(fan.regions[0])];
-    const bool own = fan.regions.size() == 1 || in_a_chain;
+    } else if (const int c = chain_around(solid, ideal, fan); c >= 0) {
+      const WaveEdge& edge = wave.edges[std::size_t(c)];
+      if (edge.alive && edge.chain == c) {
+        own = in_chain[{c, fan.vertex}] = int(count + f);
+        out.points[count + f] = moved_with_chain(solid, ideal.chains[std::size_t(c)], wave, edge, x);
+      }
+    }
     for (const int r : fan.regions) {
-      int place = own && kept ? int(count + f) : -1, places = 0;
+      int place = own, found = 0;
       for (int w : of_fan[f])
         if (std::ranges::count(wave.vertices[std::size_t(w)].sectors, r, &WaveSector::region) > 0)
-          place = ++places == 1 ? w : -1;
+          place = ++found == 1 ? w : -1;
       for (const Corner& c : fan.round)
         if (ideal.triangle_region[std::size_t(c.triangle)] == r)
           out.of_corner[std::size_t(c.triangle)][std::size_t(c.side)] = place;
