@@ -197,12 +197,12 @@ bool cross_each_other(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d
 
 using Crossings = std::vector<std::array<std::vector<int>, 2>>;
 
-// Where the borders of a region cross.
+// Where the borders of a region cross, in the order of the borders, which does not depend on the frame.
 Crossings crossings(const Wavefront& wave, const Vec3& n, const std::vector<Loop>& loops) {
   const Vec3 u = n.unitOrthogonal(), v = n.cross(u);
   const Vec3 origin = wave.vertices[std::size_t(loops[0][0].vertex)].to;
   struct Side {
-    int from = 0, to = 0;  // vertices
+    int index = 0, from = 0, to = 0;  // of the side, and vertices
     Vec2 a = Vec2::Zero(), b = Vec2::Zero();
   };
   std::vector<Side> sides;
@@ -211,16 +211,22 @@ Crossings crossings(const Wavefront& wave, const Vec3& n, const std::vector<Loop
       const int from = loop[i].vertex, to = loop[(i + 1) % loop.size()].vertex;
       const Vec3 a = wave.vertices[std::size_t(from)].to - origin,
                  b = wave.vertices[std::size_t(to)].to - origin;
-      sides.push_back({from, to, {u.dot(a), v.dot(a)}, {u.dot(b), v.dot(b)}});
+      sides.push_back({int(sides.size()), from, to, {u.dot(a), v.dot(a)}, {u.dot(b), v.dot(b)}});
     }
+  std::vector<Side> by_x = sides;
   const auto least = [](const Side& s) { return std::min(s.a.x(), s.b.x()); };
-  std::ranges::stable_sort(sides, {}, least);
+  std::ranges::stable_sort(by_x, {}, least);
+  std::vector<std::pair<int, int>> pairs;
+  for (auto s = by_x.begin(); s != by_x.end(); ++s)
+    for (auto t = s + 1; t != by_x.end() && least(*t) <= std::max(s->a.x(), s->b.x()); ++t)
+      if (s->from != t->to && s->to != t->from && cross_each_other(s->a, s->b, t->a, t->b))
+        pairs.push_back(std::minmax(s->index, t->index));
+  std::ranges::sort(pairs);
   Crossings out;
-  for (auto s = sides.begin(); s != sides.end(); ++s)
-    for (auto t = s + 1; t != sides.end() && least(*t) <= std::max(s->a.x(), s->b.x()); ++t) {
-      if (s->from == t->to || s->to == t->from || !cross_each_other(s->a, s->b, t->a, t->b)) continue;
-      out.push_back({std::vector{s->from, s->to}, std::vector{t->from, t->to}});
-    }
+  for (const auto& [i, j] : pairs) {
+    const Side &s = sides[std::size_t(i)], &t = sides[std::size_t(j)];
+    out.push_back({std::vector{s.from, s.to}, std::vector{t.from, t.to}});
+  }
   return out;
 }
 
