@@ -8,6 +8,7 @@
 // Expect   faces and concave edges restored to rounding, convex edges of 90 degrees rounded by 0.414
 // dilations
 #include <cstdio>
+#include <optional>
 
 #include "examples/assembly/assembly_input.hpp"
 #include "examples/common/driver.hpp"
@@ -47,6 +48,9 @@ AssemblyPart part_of(const Arguments& a) {
   part.report = report_mesh(part.complex);
   return part;
 }
+
+constexpr std::size_t kMostTriangles = 5000;  // of parts for which another depth is looked for when theirs is
+                                              // refused: some ten erosions of up to a few seconds
 
 std::string micrometres(double x) {
   char text[40];
@@ -140,6 +144,21 @@ void report_erosion(Report& report, const ErosionResult& eroded) {
                                                        std::to_string(m.deviating_vertices));
 }
 
+/// Says why, and what can be done.
+void report_refusal(Report& report, const SimplicialComplex& part, const ErosionResult& eroded,
+                    const ErosionOptions& options, bool as_it_is) {
+  std::string text = (as_it_is ? "warning: not eroded: " : "refused: ") + eroded.reason;
+  if (as_it_is) text += "; the dilation adds to its size";
+  if (eroded.status != ErosionStatus::not_solid && part.triangles.size() <= kMostTriangles) {
+    const std::optional<double> depth = erodible_depth(part, options);
+    text += depth ? "; it erodes by up to " + micrometres(*depth) + ", found by bisection"
+                  : "; nor does it erode by a thousandth of that";
+    if (depth) report.add("erodible_depth", *depth);
+    if (depth) report.show("erodes by up to", micrometres(*depth));
+  }
+  std::fprintf(stderr, "%s\n", text.c_str());
+}
+
 ExitCode prepare_part(const Arguments& a) {
   // 1. The part as it is.
   const AssemblyPart part = part_of(a);
@@ -154,19 +173,19 @@ ExitCode prepare_part(const Arguments& a) {
   make_folders(a.common);
   ErosionResult eroded;
   if (a.erode) {
-    eroded = erode(part.complex, {.depth = a.dilation,
-                                  .planarity = a.planarity,
-                                  .deviation = a.deviation,
-                                  .split = !a.no_split,
-                                  .max_rounding = a.max_rounding > 0 ? a.max_rounding : kInf,
-                                  .samples = a.samples});
+    const ErosionOptions options{.depth = a.dilation,
+                                 .planarity = a.planarity,
+                                 .deviation = a.deviation,
+                                 .split = !a.no_split,
+                                 .max_rounding = a.max_rounding > 0 ? a.max_rounding : kInf,
+                                 .samples = a.samples};
+    eroded = erode(part.complex, options);
     report_erosion(report, eroded);
     if (eroded.ok())
       write_obj(a.common.out / "eroded.obj",
                 {.vertices = eroded.complex.vertices, .triangles = eroded.complex.triangles}, a.scale);
     else
-      std::fprintf(stderr, "%s: %s%s\n", a.fallback == "none" ? "warning: not eroded" : "refused",
-                   eroded.reason.c_str(), a.fallback == "none" ? "; the dilation adds to its size" : "");
+      report_refusal(report, part.complex, eroded, options, a.fallback == "none");
   }
 
   // 3. The picture and the numbers.

@@ -10,46 +10,11 @@
 
 #include "geometry/check.hpp"
 #include "geometry/self_intersections.hpp"
+#include "lmd/erosion_attempt.hpp"
 #include "lmd/erosion_measures.hpp"
-#include "lmd/region_offset.hpp"
 
 namespace aussois {
 namespace {
-
-/// Builds the complex of an attempt and looks whether it is an eroded solid.
-std::optional<Failure> check(const SimplicialComplex& solid, const SurfaceTree& tree, const Erosion& made,
-                             const ErosionOptions& options, SimplicialComplex& out) {
-  if (made.triangles.empty())
-    return Failure{ErosionStatus::inside_out, solid.vertices[0], "nothing would be left", {}};
-  out = make_complex(made.vertices, made.triangles);
-  if (!is_closed_oriented(out))
-    return Failure{
-        ErosionStatus::self_intersecting, solid.vertices[0], "parts of the surface would touch", {}};
-  if (!(signed_volume(out) > 0))
-    return Failure{ErosionStatus::inside_out, solid.vertices[0], "nothing would be left", {}};
-  out.solid = true;
-  const double size = bounding_box(solid).diagonal();
-  double deviation = 0;
-  for (const Cluster& c : made.clusters()) deviation = std::max(deviation, c.mitre.deviation);
-  const double least = options.depth * (1 - std::max(2 * deviation, 2 * options.meet)) - 1e-12 * size;
-  const auto refuse = [&](ErosionStatus status, int triangle, const std::string& what) {
-    const int region = made.triangle_region[std::size_t(triangle)];
-    return Failure{status, centre_of(out, triangle), what + " at region " + std::to_string(region), {region}};
-  };
-  for (std::size_t t = 0; t < out.triangles.size(); ++t)
-    for (int v : out.triangles[t])
-      if (!(-tree.signed_distance(out.vertices[std::size_t(v)]) >= least))
-        return refuse(ErosionStatus::too_shallow, int(t),
-                      "the eroded surface would come closer than the depth to the solid's surface");
-  const auto pairs = self_intersections(out, 1);
-  if (!pairs.empty()) {
-    Failure failure = refuse(ErosionStatus::self_intersecting, pairs[0][0],
-                             "parts of the surface would pass through each other");
-    failure.regions.push_back(made.triangle_region[std::size_t(pairs[0][1])]);
-    return failure;
-  }
-  return std::nullopt;
-}
 
 /// What convex chains and corners round off a region: everything within `reach` of a segment.
 struct Rounded {
@@ -57,15 +22,22 @@ struct Rounded {
   double reach = 0;
 };
 
+/// How far the farthest piece goes that a vertex of the solid becomes.
+std::vector<double> ways(const SimplicialComplex& solid, const std::vector<Fan>& fans,
+                         const Wavefront& wave) {
+  std::vector<double> way(solid.vertices.size(), 0);
+  for (const WaveVertex& w : wave.vertices)
+    for (int f : w.fans) {
+      const auto v = std::size_t(fans[std::size_t(f)].vertex);
+      if (w.alive) way[v] = std::max(way[v], (w.to - solid.vertices[v]).norm());
+    }
+  return way;
+}
+
 std::vector<std::vector<Rounded>> rounded_parts(const SimplicialComplex& solid, const Idealisation& ideal,
-                                                const Erosion& made, double depth) {
-  std::vector<double> way(solid.vertices.size(), 0);  // farthest that a vertex moves
-  for (const Cluster& c : made.clusters())
-    for (int f : c.fans)
-      for (const Vec3& p : c.mitre.points) {
-        const auto v = std::size_t(made.fan(f).vertex);
-        way[v] = std::max(way[v], (c.origin + depth * p - solid.vertices[v]).norm());
-      }
+                                                const std::vector<Fan>& fans, const Wavefront& wave,
+                                                double depth) {
+  const std::vector<double> way = ways(solid, fans, wave);
   std::vector<std::vector<Rounded>> parts(ideal.region_normal.size());
   for (const Chain& chain : ideal.chains) {
     const double psi = interior_angle(solid, ideal, chain);
@@ -78,13 +50,30 @@ std::vector<std::vector<Rounded>> rounded_parts(const SimplicialComplex& solid, 
       list.push_back({b, b, way[std::size_t(chain.last)]});
     }
   }
-  for (const Cluster& c : made.clusters())  // new edges between split and merged vertices may be convex
-    if (c.mitre.points.size() > 1 || c.fans.size() > 1)
-      for (int f : c.fans) {
-        const Fan& fan = made.fan(f);
-        const Vec3& x = solid.vertices[std::size_t(fan.vertex)];
-        for (int r : fan.regions) parts[std::size_t(r)].push_back({x, x, way[std::size_t(fan.vertex)]});
+  for (const WaveVertex& w : wave.vertices) {  // new edges between split and merged vertices may be convex
+    if (!w.alive) continue;
+    for (int f : w.fans) {
+      const Fan& fan = fans[std::size_t(f)];
+      const Vec3& x = solid.vertices[std::size_t(fan.vertex)];
+      const double far = way[std::size_t(fan.vertex)];
+      if (w.fans.size() > 1 || w.sectors.size() < fan.regions.size())
+        for (int r : fan.regions) parts[std::size_t(r)].push_back({x, x, far});
+    }
+    for (const WaveSector& s : w.sectors) {
+      const WaveEdge& e = wave.edges[std::size_t(s.edge)];
+      if (e.chain >= 0 || &w != &wave.vertices[std::size_t(e.ends[0])]) continue;
+      const WaveVertex& other = wave.vertices[std::size_t(e.ends[1])];
+      double far = 0;
+      for (const WaveVertex* end : {&w, &other})
+        for (int f : end->fans) far = std::max(far, way[std::size_t(fans[std::size_t(f)].vertex)]);
+      const auto before =
+          &s == w.sectors.data() ? w.sectors.size() - 1 : std::size_t(&s - w.sectors.data()) - 1;
+      for (int r : {s.region, w.sectors[before].region}) {
+        const Vec3 up = depth * ideal.region_normal[std::size_t(r)];
+        parts[std::size_t(r)].push_back({w.to + up, other.to + up, far});
       }
+    }
+  }
   return parts;
 }
 
@@ -95,8 +84,9 @@ bool within(const Rounded& part, const Vec3& x) {
   return (x - part.from - share * along).norm() <= part.reach * (1 + 1e-9);
 }
 
-void predict(const SimplicialComplex& solid, const Idealisation& ideal, const Erosion& made,
-             const SurfaceTree& eroded, const ErosionOptions& options, ErosionMeasures& out) {
+void predict(const SimplicialComplex& solid, const Idealisation& ideal, const std::vector<Fan>& fans,
+             const Wavefront& wave, const std::vector<int>& triangle_region, const SurfaceTree& eroded,
+             const ErosionOptions& options, ErosionMeasures& out) {
   const double eps = options.depth;
   out.regions = int(ideal.region_normal.size());
   out.chains = int(ideal.chains.size());
@@ -109,8 +99,15 @@ void predict(const SimplicialComplex& solid, const Idealisation& ideal, const Er
     convex_end[std::size_t(chain.first)] = convex_end[std::size_t(chain.last)] = 1;
     const double reach = eps / std::sin(psi / 2);
     out.edge_rounding = std::max(out.edge_rounding, reach - eps);
-    if (made.contracted(chain)) continue;
-    const std::array<Vec3, 2> ends = made.chain_ends(chain);
+    const WaveEdge& edge = wave.edges[std::size_t(&chain - ideal.chains.data())];
+    if (!edge.alive || edge.chain < 0) continue;
+    const std::array<Vec3, 2> ends = {wave.vertices[std::size_t(edge.ends[0])].to,
+                                      wave.vertices[std::size_t(edge.ends[1])].to};
+    const auto is_own = [&](int triangle) {
+      return std::ranges::any_of(solid.edge_triangles[chain.edges.front()], [&](int t) {
+        return ideal.triangle_region[std::size_t(t)] == triangle_region[std::size_t(triangle)];
+      });
+    };
     const Vec3& a = solid.vertices[std::size_t(chain.first)];
     const double length = (solid.vertices[std::size_t(chain.last)] - a).norm();
     const double flat = reach * std::cos(psi / 2);
@@ -121,23 +118,29 @@ void predict(const SimplicialComplex& solid, const Idealisation& ideal, const Er
       if (along < 0 || along > length) continue;
       const Vec3 x = a + along * chain.direction;
       const SurfacePoint foot = eroded.nearest(x);
-      if ((foot.x - inner).norm() <= 0.1 * eps)  // else another face is nearer, and nothing is predicted
+      if (is_own(foot.triangle) &&
+          (foot.x - inner).norm() <= 0.01 * eps)  // else another face is nearer, and nothing is predicted
         out.edge_error = std::max(out.edge_error, std::abs(foot.distance - reach));
     }
   }
-  for (const Cluster& c : made.clusters()) {
-    out.split_vertices += c.fans.size() == 1 && c.mitre.points.size() > 1;
-    out.merged_vertices += c.fans.size() > 1 ? int(c.fans.size()) : 0;
-    out.deviating_vertices += c.mitre.deviation > options.meet;
-    out.deviation = std::max(out.deviation, eps * c.mitre.deviation);
-    for (int f : c.fans) {
-      const int v = made.fan(f).vertex;
-      if (!convex_end[std::size_t(v)]) continue;
-      for (const Vec3& p : c.mitre.points)
-        out.rounding_bound =
-            std::max(out.rounding_bound, (c.origin + eps * p - solid.vertices[std::size_t(v)]).norm() - eps);
+  std::vector<int> pieces(fans.size(), 0);
+  std::vector<char> merged(fans.size(), 0);
+  for (const WaveVertex& w : wave.vertices) {
+    for (int f : w.fans) {
+      pieces[std::size_t(f)] += w.since == 0;
+      merged[std::size_t(f)] |= w.fans.size() > 1;
+    }
+    if (!w.alive) continue;
+    out.deviating_vertices += w.deviation > options.meet;
+    out.deviation = std::max(out.deviation, eps * w.deviation);
+    for (int f : w.fans) {
+      const auto v = std::size_t(fans[std::size_t(f)].vertex);
+      if (convex_end[v])
+        out.rounding_bound = std::max(out.rounding_bound, (w.to - solid.vertices[v]).norm() - eps);
     }
   }
+  out.split_vertices = int(std::ranges::count_if(pieces, [](int n) { return n > 1; }));
+  out.merged_vertices = int(std::ranges::count(merged, 1));
   out.rounding_bound = std::max(out.rounding_bound, out.edge_rounding);
 }
 
@@ -162,6 +165,22 @@ void refuse(ErosionResult& result, const SimplicialComplex& solid, const Surface
        << ", which is not more than twice the depth, " << 2 * depth
        << " m: take a smaller dilation, or model a thin plate as a sheet";
   result.reason += text.str();
+}
+
+/// Rounded down.
+double two_digits(double x) {
+  const double power = std::floor(std::log10(x)) - 1;
+  const double digits = std::floor(x * std::pow(10, -power) * (1 + 1e-12));
+  return power < 0 ? digits / std::pow(10, -power) : digits * std::pow(10, power);
+}
+
+/// Keeps the measures.
+ErosionResult give_up(ErosionResult result, ErosionStatus status, const std::string& reason) {
+  result.status = status;
+  result.reason = reason;
+  result.complex = {};
+  result.triangle_region.clear();
+  return result;
 }
 
 }  // namespace
@@ -230,19 +249,17 @@ ErosionResult erode(const SimplicialComplex& solid, const ErosionOptions& option
   }
 
   const SurfaceTree tree(solid);
-  Erosion erosion(solid, result.ideal, options);
-  for (;;) {
-    std::optional<Failure> failure = erosion.attempt();
-    if (!failure) failure = check(solid, tree, erosion, options, result.complex);
-    if (!failure) break;
-    if (options.deviation > 0 && erosion.join_again(failure->regions)) continue;
-    result.complex = {};
-    refuse(result, solid, tree, *failure, options.depth);
+  const std::vector<Fan> fans = find_fans(solid, result.ideal);
+  Attempt attempt = attempt_erosion(solid, tree, result.ideal, fans, options);
+  if (attempt.made.failure) {
+    refuse(result, solid, tree, *attempt.made.failure, options.depth);
     return result;
   }
-  result.triangle_region = erosion.triangle_region;
+  result.complex = std::move(attempt.complex);
+  const RegionOffset& made = attempt.made;
+  result.triangle_region = made.triangle_region;
   const SurfaceTree inner(result.complex);
-  const auto rounded = rounded_parts(solid, result.ideal, erosion, options.depth);
+  const auto rounded = rounded_parts(solid, result.ideal, fans, made.wave, options.depth);
   result.measures =
       measure_erosion(solid, result.complex, inner, options.depth, options.samples,
                       [&](int t, const Vec3& x, const SurfacePoint&) {
@@ -250,17 +267,36 @@ ErosionResult erode(const SimplicialComplex& solid, const ErosionOptions& option
                         return std::ranges::none_of(rounded[std::size_t(region)],
                                                     [&](const Rounded& r) { return within(r, x); });
                       });
-  predict(solid, result.ideal, erosion, inner, options, result.measures);
+  predict(solid, result.ideal, fans, made.wave, made.triangle_region, inner, options, result.measures);
+  if (result.measures.shallow >
+      options.depth - least_depth(made.wave, options, size) + 2 * result.ideal.tolerance) {
+    std::ostringstream text;
+    text << "the eroded surface would come closer than the depth to the solid's surface by "
+         << result.measures.shallow << " m";
+    return give_up(std::move(result), ErosionStatus::too_shallow, text.str());
+  }
   if (result.measures.rounding > options.max_rounding) {
     std::ostringstream text;
     text << "convex edges or corners would be rounded by " << result.measures.rounding << " m, more than "
          << options.max_rounding << " m";
-    result.status = ErosionStatus::too_round;
-    result.reason = text.str();
-    result.complex = {};
-    result.triangle_region.clear();
+    return give_up(std::move(result), ErosionStatus::too_round, text.str());
   }
   return result;
+}
+
+std::optional<double> erodible_depth(const SimplicialComplex& solid, ErosionOptions options) {
+  const auto works = [&](double depth) {
+    options.depth = depth;
+    return erode(solid, options).ok();
+  };
+  double high = options.depth, low = two_digits(high / 2);
+  for (int halved = 1; !works(low); ++halved) {
+    if (halved == 10) return std::nullopt;
+    high = low;
+    low = two_digits(low / 2);
+  }
+  for (double middle; (middle = two_digits(0.5 * (low + high))) > low;) (works(middle) ? low : high) = middle;
+  return low;
 }
 
 }  // namespace aussois

@@ -2,10 +2,11 @@
 // A solid that is to be dilated by eps is first made smaller by eps: all planes of its regions move inwards
 // (ERO-1), vertices to where they meet (ERO-2) to (ERO-4). The dilation then gives back faces and concave
 // edges exactly and rounds convex edges by (ERO-5). What was done is measured afterwards (ERO-6) to (ERO-9).
-// A solid with a feature thinner than 2 eps is refused, with the reason and the place; so is one whose faces
-// or edges would vanish, since what the offset of such a solid is cannot be said by moving its vertices.
+// Edges and faces that shrink to nothing on the way vanish, and their neighbours meet (ERO-10). A solid with
+// a feature thinner than 2 eps is refused, with the reason and the place.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "geometry/simplicial_complex.hpp"
@@ -18,7 +19,8 @@ struct ErosionOptions {
   double planarity = 1e-6;  // as of LmdShapeOptions: relative to the box diagonal [-], in [0, 1e-2]
   double meet = 1e-6;       // planes that pass a point within this many depths meet there [-], in (0, 1e-2]
   double deviation = 1e-3;  // where a vertex cannot be split, its planes may miss the one point by this many
-                            // depths [-], in [0, 0.1]; 0: exact or refused. Used deviations are counted.
+                            // depths, and a split saddle the depth [-], in [0, 0.1]; 0: exact or refused.
+                            // Used deviations are counted, and what misses the depth is measured.
   bool split = true;        // a vertex of more than three planes may become several; without, smooth surfaces
                             // keep their triangles and lose up to `deviation`
   bool contract = true;     // edges that would turn around may vanish; without, the solid is refused
@@ -73,6 +75,11 @@ struct ErosionResult {
 
 /// Throws std::invalid_argument for a bad option only; whatever the geometry does is a status.
 ErosionResult erode(const SimplicialComplex& solid, const ErosionOptions& options);
+
+/// A depth of two digits below `options.depth` by which the solid is eroded: the first that works of its
+/// halves, raised by bisection to where the next is refused. What is smaller need not work, what is larger
+/// may. None if none of ten halves works. Takes ten to twenty erosions.
+std::optional<double> erodible_depth(const SimplicialComplex& solid, ErosionOptions options);
 
 /// Interior angle between the two regions of a chain with two triangles, psi in (ERO-5), in (0, 2 pi) [rad].
 double interior_angle(const SimplicialComplex& complex, const Idealisation& ideal, const Chain& chain);

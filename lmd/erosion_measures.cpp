@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include "lmd/region_offset.hpp"
+#include "lmd/vertex_fans.hpp"
 
 namespace aussois {
 namespace {

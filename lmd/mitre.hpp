@@ -36,7 +36,10 @@ struct Mitre {
 };
 
 /// None if the planes neither meet within the options nor are there points and edges between them that bound
-/// each plane by a simple polygon. Up to 10 planes are split.
+/// each plane by a simple polygon. Up to 40 planes are split.
 std::optional<Mitre> mitre(std::span<const VertexPlane> planes, const MitreOptions& options = {});
+
+/// A displacement for planes that have no mitre: the nearest to all, without going far (least squares).
+Vec3 least_mitre(std::span<const VertexPlane> planes);
 
 }  // namespace aussois

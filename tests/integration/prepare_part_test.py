@@ -43,6 +43,8 @@ class PreparePart(DriverTest):
         run, part = self.prepare("--builtin", "l", "--erode", "--dilation", "6e-3", code=1)
         self.assertIn("0.01 m thick", run.stderr)
         self.assertIn("sheet", run.stderr)
+        self.assertIn("erodes by up to 4900 um", run.stderr)
+        self.assertEqual(part["erodible_depth"], 4.9e-3, "the largest of two digits below half the thickness")
         self.assertNotEqual(part["erosion"], "done")
         self.assertEqual(set(self.files()), {"out/part.html", "part.json"})
         run, _ = self.prepare("--builtin", "l", "--erode", "--dilation", "6e-3", "--fallback", "none")
@@ -53,7 +55,8 @@ class PreparePart(DriverTest):
         sheet.write_text("v 0 0 0\nv 10 0 0\nv 10 10 0\nv 0 10 0\nf 1 2 3\nf 1 3 4\n")
         _, part = self.prepare("--mesh", sheet)
         self.assertEqual((part["solid"], part["regions"], part["e_wide"], part["v_wide"]), (False, 1, 4, 4))
-        self.prepare("--mesh", sheet, "--erode", code=1)
+        run, part = self.prepare("--mesh", sheet, "--erode", code=1)
+        self.assertNotIn("erodible_depth", part, "no depth helps an open mesh")
 
     def test_a_fine_mesh_is_warned_about(self):
         run, part = self.prepare("--builtin", "ball", "--alpha", "20")

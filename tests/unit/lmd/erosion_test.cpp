@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "geometry/fastener.hpp"
@@ -99,6 +100,30 @@ TEST(Erosion, DoesNotDependOnTheTriangulation) {
   EXPECT_NEAR(fine.measures.rounding, (std::sqrt(3.0) - 1) * eps, 1e-14);
 }
 
+// Vertices inside faces and edges are off them by up to sqrt(3)/2 digits, so triangles 4.1 mm high slope by
+// up to 4.2e-6. Each moves in by the depth; only what it moves along its face, sqrt(2) depths at corners,
+// times the slope is lost.
+TEST(Erosion, FollowsTheRoundedDigitsOfAFile) {
+  const SimplicialComplex box = make_box(0.04, 0.03, 0.02, 4);
+  const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  std::vector<Vec3> vertices;
+  for (const Vec3& x : box.vertices) vertices.push_back((turn * x * 1e8).array().round() / 1e8);
+  const SimplicialComplex file = make_complex(vertices, box.triangles, {}, true);
+  const ErosionResult r = erode(file, {.depth = 1e-4});
+  ASSERT_TRUE(r.ok()) << r.reason;
+  double off = 0;
+  for (std::size_t t = 0; t < file.triangles.size(); ++t)
+    for (int v : file.triangles[t]) {
+      const auto region = std::size_t(r.ideal.triangle_region[t]);
+      off = std::max(off, std::abs(r.ideal.region_normal[region].dot(file.vertices[std::size_t(v)]) -
+                                   r.ideal.region_offset[region]));
+    }
+  EXPECT_EQ(r.ideal.region_normal.size(), 6U);
+  EXPECT_GT(off, 5e-9);
+  EXPECT_LT(r.measures.face_error, 6e-6 * 1e-4);
+  EXPECT_EQ(r.complex.triangles.size(), file.triangles.size());
+}
+
 // A pyramid over a rectangle of sides 2 a > 2 b: the four planes of its sides do not meet when moved, and the
 // top becomes a ridge along x, from the two steeper planes.
 TEST(Erosion, SplitsTheTopOfAPyramidIntoARidge) {
@@ -182,6 +207,64 @@ TEST(Erosion, AFacetThatVanishesLeavesTheOthers) {
   EXPECT_EQ(erode(cube, {.depth = eps, .contract = false}).status, ErosionStatus::lost_edge);
 }
 
+// A box whose upper long edge is broken by a chamfer so narrow that its two long edges pass each other: the
+// face becomes a line and vanishes, and what is left is the eroded box.
+TEST(Erosion, ANarrowChamferVanishesAlongItsWholeLength) {
+  const double eps = 1e-3, c = 4e-4;
+  const std::vector<Vec2> profile = {{0, 0}, {0.03, 0}, {0.03, 0.02 - c}, {0.03 - c, 0.02}, {0, 0.02}};
+  const ErosionResult r = erode(make_extrusion(profile, 0.04), {.depth = eps, .deviation = 0});
+  ASSERT_TRUE(r.ok()) << r.reason;
+  std::vector<Vec3> expected;
+  for (double x : {eps, 0.03 - eps})
+    for (double y : {eps, 0.02 - eps})
+      for (double z : {-0.02 + eps, 0.02 - eps}) expected.emplace_back(x, y, z);
+  expect_vertices(r.complex, expected, 1e-16);
+  EXPECT_LT(r.measures.face_error, 1e-15);
+  EXPECT_LT(r.measures.shallow, 1e-15);
+}
+
+// A ring of chamfers about the end of a prism of 12 sides, all of which vanish at the same depth.
+TEST(Erosion, ARingOfNarrowChamfersVanishesAtOnce) {
+  const int n = 12;
+  const double eps = 1e-3, c = 3e-4, radius = 0.01, height = 0.02;
+  std::vector<Vec3> vertices;
+  std::vector<std::array<int, 3>> triangles;
+  for (const auto& [r, z] :
+       {std::pair(radius, 0.0), std::pair(radius, height - c), std::pair(radius - c, height)})
+    for (int i = 0; i < n; ++i)
+      vertices.emplace_back(r * std::cos(2 * kPi * i / n), r * std::sin(2 * kPi * i / n), z);
+  for (int i = 0; i < n; ++i) {
+    const int j = (i + 1) % n;
+    for (int level : {0, n}) {
+      triangles.push_back({level + i, level + j, level + n + j});
+      triangles.push_back({level + i, level + n + j, level + n + i});
+    }
+    if (i > 0 && j > 0) {
+      triangles.push_back({0, j, i});
+      triangles.push_back({2 * n, 2 * n + i, 2 * n + j});
+    }
+  }
+  const ErosionResult r = erode(make_complex(vertices, triangles, {}, true), {.depth = eps, .deviation = 0});
+  ASSERT_TRUE(r.ok()) << r.reason;
+  const double inner = radius - eps / std::cos(kPi / n);
+  std::vector<Vec3> expected;
+  for (double z : {eps, height - eps})
+    for (int i = 0; i < n; ++i)
+      expected.emplace_back(inner * std::cos(2 * kPi * i / n), inner * std::sin(2 * kPi * i / n), z);
+  expect_vertices(r.complex, expected, 1e-14);
+}
+
+// The wall of a step lower than the depth keeps its height between a concave and a convex edge.
+TEST(Erosion, AStepLowerThanTheDepthMovesInAsItIs) {
+  const double eps = 1e-3, step = 2e-4;
+  const std::vector<Vec2> profile = {{0, 0},       {0.04, 0},           {0.04, 0.02},
+                                     {0.03, 0.02}, {0.03, 0.02 + step}, {0, 0.02 + step}};
+  const ErosionResult r = erode(make_extrusion(profile, 0.02), {.depth = eps, .deviation = 0});
+  ASSERT_TRUE(r.ok()) << r.reason;
+  EXPECT_EQ(r.complex.vertices.size(), 12U);
+  EXPECT_LT(r.measures.face_error, 1e-15);
+}
+
 TEST(Erosion, OfAVertexWhereTwoSolidsTouchPartsThem) {
   const SimplicialComplex box = make_box(2, 2, 2);
   std::vector<Vec3> vertices;  // two boxes that share the corner at the origin
@@ -257,6 +340,16 @@ TEST(Erosion, RefusesMoreRoundingThanAllowed) {
   EXPECT_EQ(r.status, ErosionStatus::too_round);
   EXPECT_NEAR(r.measures.rounding, 0.0732050807568877, 1e-12);
   EXPECT_TRUE(erode(make_box(4, 3, 2), {.depth = 0.1, .max_rounding = 0.0733}).ok());
+}
+
+TEST(Erosion, FindsTheDepthByWhichARefusedSolidCanBeEroded) {
+  // A plate down to half its thickness, where nothing is left; a box until its corners lose sqrt(3) - 1
+  // depths.
+  EXPECT_EQ(erodible_depth(make_box(0.04, 0.03, 1e-3), {.depth = 1e-3}), 4.9e-4);
+  EXPECT_EQ(erodible_depth(make_box(0.04, 0.03, 1e-3), {.depth = 0.4}), 4.9e-4);
+  EXPECT_EQ(erodible_depth(make_box(4, 3, 2), {.depth = 0.1, .max_rounding = 0.05}), 0.068);
+  EXPECT_EQ(erodible_depth(make_box(4, 3, 2), {.depth = 0.1, .max_rounding = 1e-9}), std::nullopt);
+  EXPECT_EQ(erodible_depth(make_plate(1, 1), {.depth = 0.1}), std::nullopt);
 }
 
 TEST(Erosion, BadOptionsAreNamed) {

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// The split of a vertex whose planes do not meet in one point (ERO-3), (ERO-4).
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "lmd/mitre.hpp"
+
+namespace aussois {
+
+struct MeetingPoint {
+  Vec3 x = Vec3::Zero();
+  double residual = kInf;  // largest distance from a plane
+};
+
+/// The shortest of the points that all planes pass within `tolerance`, or else the one of full rank (ERO-2).
+/// Directions in which the planes hardly say anything are used only if they are needed.
+MeetingPoint meeting_point(std::span<const VertexPlane> planes, double tolerance);
+
+/// A triangle of the polygon of planes and the point where its three planes meet.
+struct SplitPoint {
+  std::array<int, 3> planes{};  // ascending
+  Vec3 x = Vec3::Zero();
+};
+
+/// Of all ways to cut the polygon of at least four planes into triangles the one of the largest solid whose
+/// planes all have a simple border; none if there is none, or if the search for it is given up. Three planes
+/// that meet farther away than `longest` are taken as parallel to a line. O(d^4).
+std::optional<std::vector<SplitPoint>> largest_split(std::span<const VertexPlane> planes, double meet,
+                                                     double longest);
+
+}  // namespace aussois
