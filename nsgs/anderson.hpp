@@ -21,8 +21,8 @@ class Anderson {
  private:
   std::size_t memory_;
   VecX f_{}, g_{};
-  MatX df_{}, dg_{};   // columns: differences of steps f = g - x and of images, the oldest overwritten
-  MatX gram_{};        // of df_
+  MatX df_{}, dg_{};  // columns: differences of steps f = g - x and of images, the oldest overwritten
+  MatX gram_{};       // of df_
   std::size_t steps_ = 0;
 };
 

@@ -16,7 +16,7 @@ constexpr int kFirstWindow = 5;           // sweeps until their contraction is j
 constexpr double kNewtonIterations = 30;  // about, of a second phase
 constexpr double kLeastCost = 2;          // of a Newton iteration in sweeps, about; counted only above
 constexpr double kLongestWait = 300;      // sweeps before Newton may take over, at most
-constexpr int kAttempts = 8;             // after these sweeps go on alone
+constexpr int kAttempts = 8;              // after these sweeps go on alone
 
 // The second phase, asked again where it failed, from elsewhere and another way (AUTO-3).
 Iterate second_phase(Delassus& W, const Iterate& start, int attempt, const SolverOptions& options,

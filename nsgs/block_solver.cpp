@@ -182,16 +182,20 @@ Block<5> prepare_block(const RowBlock<5>& W, const Law& law) {
 Block<Eigen::Dynamic> prepare_block(const AnyBlock& W, const Law& law) {
   return prepared<Eigen::Dynamic>(W, law);
 }
-BlockSolution<2> solve_block(const Block<2>& block, const Rows<2>& q, const Law& law, const Rows<2>& start, LocalSolver solver) {
+BlockSolution<2> solve_block(const Block<2>& block, const Rows<2>& q, const Law& law, const Rows<2>& start,
+                             LocalSolver solver) {
   return solved<2>(block, q, law, start, solver);
 }
-BlockSolution<3> solve_block(const Block<3>& block, const Rows<3>& q, const Law& law, const Rows<3>& start, LocalSolver solver) {
+BlockSolution<3> solve_block(const Block<3>& block, const Rows<3>& q, const Law& law, const Rows<3>& start,
+                             LocalSolver solver) {
   return solved<3>(block, q, law, start, solver);
 }
-BlockSolution<5> solve_block(const Block<5>& block, const Rows<5>& q, const Law& law, const Rows<5>& start, LocalSolver solver) {
+BlockSolution<5> solve_block(const Block<5>& block, const Rows<5>& q, const Law& law, const Rows<5>& start,
+                             LocalSolver solver) {
   return solved<5>(block, q, law, start, solver);
 }
-BlockSolution<Eigen::Dynamic> solve_block(const Block<Eigen::Dynamic>& block, const AnyRows& q, const Law& law, const AnyRows& start, LocalSolver solver) {
+BlockSolution<Eigen::Dynamic> solve_block(const Block<Eigen::Dynamic>& block, const AnyRows& q,
+                                          const Law& law, const AnyRows& start, LocalSolver solver) {
   return solved<Eigen::Dynamic>(block, q, law, start, solver);
 }
 

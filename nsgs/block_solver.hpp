@@ -30,9 +30,13 @@ Block<Eigen::Dynamic> prepare_block(const AnyBlock& W, const Law& law);
 
 /// Separation goes before stick and stick before slip. `solved` is false if no candidate meets (ONE-6); r is
 /// then the best one.
-BlockSolution<2> solve_block(const Block<2>& block, const Rows<2>& q, const Law& law, const Rows<2>& start, LocalSolver solver);
-BlockSolution<3> solve_block(const Block<3>& block, const Rows<3>& q, const Law& law, const Rows<3>& start, LocalSolver solver);
-BlockSolution<5> solve_block(const Block<5>& block, const Rows<5>& q, const Law& law, const Rows<5>& start, LocalSolver solver);
-BlockSolution<Eigen::Dynamic> solve_block(const Block<Eigen::Dynamic>& block, const AnyRows& q, const Law& law, const AnyRows& start, LocalSolver solver);
+BlockSolution<2> solve_block(const Block<2>& block, const Rows<2>& q, const Law& law, const Rows<2>& start,
+                             LocalSolver solver);
+BlockSolution<3> solve_block(const Block<3>& block, const Rows<3>& q, const Law& law, const Rows<3>& start,
+                             LocalSolver solver);
+BlockSolution<5> solve_block(const Block<5>& block, const Rows<5>& q, const Law& law, const Rows<5>& start,
+                             LocalSolver solver);
+BlockSolution<Eigen::Dynamic> solve_block(const Block<Eigen::Dynamic>& block, const AnyRows& q,
+                                          const Law& law, const AnyRows& start, LocalSolver solver);
 
 }  // namespace aussois

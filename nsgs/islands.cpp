@@ -46,7 +46,8 @@ SparseMatrix sub_matrix(const SparseMatrix& A, const std::vector<int>& rows, con
   for (std::size_t j = 0; j < columns.size(); ++j) {
     out.startVec(Eigen::Index(j));
     for (SparseMatrix::InnerIterator it(A, columns[j]); it; ++it)
-      if (const int i = place[std::size_t(it.row())]; i >= 0) out.insertBackByOuterInner(Eigen::Index(j), i) = it.value();
+      if (const int i = place[std::size_t(it.row())]; i >= 0)
+        out.insertBackByOuterInner(Eigen::Index(j), i) = it.value();
   }
   out.finalize();
   for (const int row : rows) place[std::size_t(row)] = -1;
@@ -71,7 +72,8 @@ std::vector<Island> islands(const FrictionProblem& problem) {
   for (Eigen::Index j = 0; j < problem.M.cols(); ++j)
     if (const int row = groups.join_column(problem.M, j); row >= 0) groups.join(row, int(j));
   std::vector<int> dof_of_joint, dof_of_block;
-  for (Eigen::Index j = 0; j < problem.G.cols(); ++j) dof_of_joint.push_back(groups.join_column(problem.G, j));
+  for (Eigen::Index j = 0; j < problem.G.cols(); ++j)
+    dof_of_joint.push_back(groups.join_column(problem.G, j));
   for (std::size_t c = 0; c < problem.laws.size(); ++c) {
     int dof = -1;
     for (int j = first[c]; j < first[c + 1]; ++j)

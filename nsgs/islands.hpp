@@ -15,8 +15,8 @@ struct Island {
   std::vector<int> joints{};  // columns of G
 };
 
-/// Ordered by their first dof, or block; then blocks that nothing moves, one by one; at the end all that feels
-/// no contact.
+/// Ordered by their first dof, or block; then blocks that nothing moves, one by one; at the end all that
+/// feels no contact.
 std::vector<Island> islands(const FrictionProblem& problem);
 std::vector<Island> islands(const LocalProblem& problem);
 

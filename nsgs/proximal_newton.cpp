@@ -80,10 +80,12 @@ Iterate proximal_steps(Delassus& W, const Iterate& start, const ProximalOptions&
                        SolveReport& report) {
   Iterate best = start, center = start;
   double alpha = options.alpha;
-  for (int step = 0; step < options.max_steps && best.residual > options.tolerance && alpha <= kLargestAlpha;
+  int iterations = 0;
+  for (int step = 0; step < options.max_steps && iterations < options.max_iterations &&
+                     best.residual > options.tolerance && alpha <= kLargestAlpha;
        ++step) {
     const ProximalStep proximal = proximal_step(W, center, alpha, options.accuracy);
-    report.newton_iterations += proximal.iterations;
+    iterations += proximal.iterations;
     Iterate iterate = judged(W, proximal.r, Method::proximal_newton);
     if (proximal.solved || iterate.residual < best.residual) center = iterate;
     if (iterate.residual < best.residual) best = std::move(iterate);

@@ -14,8 +14,8 @@ struct ProximalOptions {
   double tolerance = 1e-8;
   int max_steps = 60;
   int max_iterations = 1000000;  // of Newton in all steps; the last step is finished
-  double alpha = 0.1;      // compliance of the first step
-  double accuracy = 1e-2;  // of the steps: what is left of (PROX-4) is less than what alpha leaves
+  double alpha = 0.1;            // compliance of the first step
+  double accuracy = 1e-2;        // of the steps: what is left of (PROX-4) is less than what alpha leaves
 };
 
 struct ProximalStep {

@@ -63,8 +63,7 @@ Solved solve_rows(Delassus& W, const VecX& r0, const SolverOptions& options) {
   if (r0.size() > 0)
     if (Iterate warm = judged(W, scaled_start(scaled, r0), options.method); warm.residual < start.residual)
       start = std::move(warm);
-  const Iterate best =
-      start.residual <= options.tolerance ? start : run(W, start, options, out.report);
+  const Iterate best = start.residual <= options.tolerance ? start : run(W, start, options, out.report);
   out.report.residual = best.residual;
   out.report.coulomb_residual = natural_map(best.u, best.r, scaled.laws);
   out.report.found_by = best.by;

@@ -32,10 +32,10 @@ enum class ProxMetric {
 };
 
 enum class SolveStatus {  // from good to bad: of islands the worst counts
-  converged,       // the residual is within the tolerance
-  max_iterations,  // the iterations are used up
-  stagnated,       // it no longer falls, and nothing else helped: limit cycle, or no solution
-  not_finite,      // a number of the problem or iteration is not finite, M is singular, or a block of W zero
+  converged,              // the residual is within the tolerance
+  max_iterations,         // the iterations are used up
+  stagnated,              // it no longer falls, and nothing else helped: limit cycle, or no solution
+  not_finite,  // a number of the problem or iteration is not finite, M is singular, or a block of W zero
 };
 const char* to_string(SolveStatus status);
 
