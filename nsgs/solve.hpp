@@ -31,11 +31,11 @@ enum class ProxMetric {
   spectral,  // 1 / largest eigenvalue of the whole block
 };
 
-enum class SolveStatus {  // from good to bad: of islands the worst counts
-  converged,              // the residual is within the tolerance
-  max_iterations,         // the iterations are used up
-  stagnated,              // it no longer falls, and nothing else helped: limit cycle, or no solution
-  not_finite,  // a number of the problem or iteration is not finite, M is singular, or a block of W zero
+enum class SolveStatus {  // of islands the last in this order counts
+  converged,       // the residual is within the tolerance
+  stagnated,       // it no longer falls, and nothing else helped: limit cycle, or no solution
+  max_iterations,  // the iterations are used up
+  not_finite,      // a number of the problem or iteration is not finite, M is singular, or a block of W zero
 };
 const char* to_string(SolveStatus status);
 

@@ -16,6 +16,8 @@ from drivers import PARTS, DriverTest
 # data/ is that of examples/
 COMMAND = [str(PARTS.parent / word) if word.startswith("data/") else word for word in sys.argv[1:]]
 WRITES = [Path(word).name for flag, word in zip(COMMAND, COMMAND[1:]) if flag in ("--json", "--csv", "--picture")]
+FAMILIES = ("arch", "box_stack", "bridge", "chain", "gyroscopic", "impacts", "kapla_tower", "masonry_wall",
+            "mass_ratio", "mixed_laws", "redundant_joints", "sphere_pile")
 RESULTS = {
     "sliding_block": {"sliding_block.csv", "sliding_block.gp"},
     "prepare_part": {"part.html", "eroded.obj"},
@@ -23,6 +25,8 @@ RESULTS = {
     "replay_assembly": {"replay.html", "run.h5", "poses.csv" if "kinematic" in COMMAND else "steps.csv"},
     "query_contacts": set(WRITES),
     "solve_friction_problem": set(WRITES),
+    "generate_friction_problems": {f"problems/{family}_n{size}_s{seed}.hdf5"
+                                   for family in FAMILIES for size in (20, 100) for seed in (1, 2)},
     "solver_profile": {"results.csv", *(f"profile_{tolerance}.{kind}" for tolerance in ("1e-04", "1e-08")
                                         for kind in ("csv", "gp", *(["png"] if shutil.which("gnuplot") else [])))},
 }
