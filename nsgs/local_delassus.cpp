@@ -91,12 +91,12 @@ class LocalDelassus final : public Delassus {
     if (!scaled.finite) return;
     rows_ = block_rows<R>(problem.W, scaled, first);
     for (int c = 0; c < count(); ++c) {
-      const auto row = std::size_t(c);
-      auto k = std::size_t(rows_.begin[row]);
+      auto k = std::size_t(rows_.begin[std::size_t(c)]);
       while (rows_.other[k] != c) ++k;
-      diagonal_.push_back(prepare_block(rows_.block[k], scaled.laws[row]));
-      scaled.finite = scaled.finite && diagonal_.back().W.allFinite();
+      own_.push_back(k);
+      scaled.finite = scaled.finite && rows_.block[k].allFinite();
     }
+    diagonal_.resize(own_.size());
   }
 
   VecX velocity(const VecX& r) override {
@@ -111,7 +111,7 @@ class LocalDelassus final : public Delassus {
       const Law& law = scaled.laws[std::size_t(c)];
       const Rows<R> r_old = r.segment<R>(at(c), rows(c)), u = velocity(c, r);
       if (has_normal(law) && u[0] >= 0 && r_old[0] == 0) continue;  // stays open (NSGS-6)
-      const Block<R>& block = diagonal_[std::size_t(c)];
+      const Block<R>& block = prepared(c);
       const BlockSolution<R> found = solve_block(block, u - block.W * r_old, law, r_old, options.local);
       counts.failures += !found.solved;
       counts.fail_safes += found.fail_safe;
@@ -132,7 +132,7 @@ class LocalDelassus final : public Delassus {
     return std::sqrt(change);
   }
 
-  AnyBlock block(int c) const override { return diagonal_[std::size_t(c)].W; }
+  AnyBlock block(int c) const override { return rows_.block[own_[std::size_t(c)]]; }
   SparseMatrix matrix() const override {
     std::vector<Triplet> entries;
     for (int c = 0; c < count(); ++c)
@@ -247,6 +247,11 @@ class LocalDelassus final : public Delassus {
 
   Eigen::Index at(int c) const { return first[std::size_t(c)]; }
   int rows(int c) const { return R == Eigen::Dynamic ? scaled.laws[std::size_t(c)].rows : R; }
+  const Block<R>& prepared(int c) {
+    std::optional<Block<R>>& block = diagonal_[std::size_t(c)];
+    if (!block) block = prepare_block(rows_.block[own_[std::size_t(c)]], scaled.laws[std::size_t(c)]);
+    return *block;
+  }
   Rows<R> times(int c, const VecX& r) const {
     Rows<R> sum = Rows<R>::Zero(rows(c));
     for (int k = rows_.begin[std::size_t(c)]; k < rows_.begin[std::size_t(c) + 1]; ++k) {
@@ -259,7 +264,8 @@ class LocalDelassus final : public Delassus {
 
   Blocks<R> rows_{}, columns_{};  // columns and order are made when Newton first asks
   std::vector<int> order_{};
-  std::vector<Block<R>> diagonal_{};
+  std::vector<std::size_t> own_{};                   // places of the diagonal in rows_
+  std::vector<std::optional<Block<R>>> diagonal_{};  // of blocks that a sweep has found closed
 };
 
 }  // namespace

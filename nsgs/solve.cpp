@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "geometry/check.hpp"
+#include "nsgs/block_solver.hpp"
 #include "nsgs/islands.hpp"
 #include "nsgs/method.hpp"
 
@@ -15,6 +16,12 @@ namespace {
 
 constexpr double kNoise = 1e-6;  // an island with less of the whole |q| is solved to that much of it only
 
+struct Solved {
+  VecX r{}, u{};
+  SolveReport report{};
+  double size = 0;  // of the scaled q
+};
+
 // One island, or a problem without others: its operator, its start and, with bodies, their motion.
 template <class Problem>
 struct Part {
@@ -23,7 +30,54 @@ struct Part {
   VecX r0{};
   std::optional<MotionInverse> inverse{};  // of bodies; nothing if M is singular
   std::unique_ptr<Delassus> W{};           // nothing without contacts, or without `inverse`
+  std::optional<Solved> solved{};          // of a single block that needed no more
 };
+
+// A block that feels no other, solved as a sweep would; nothing if that is not enough. Grains in the air and
+// single supports are many: they take no part in anything dear.
+std::optional<Solved> solve_alone(const LocalProblem& problem, const Island& island, const VecX& r0,
+                                  const SolverOptions& options) {
+  const bool sweeps = options.method == Method::automatic || options.method == Method::nsgs;
+  if (island.blocks.size() != 1 || !sweeps || !r0.allFinite()) return std::nullopt;
+  const std::vector<Law> laws{problem.laws[std::size_t(island.blocks.front())]};
+  const int first = island.rows.front(), rows = laws.front().rows;
+  AnyBlock W(rows, rows);
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < rows; ++i) W(i, j) = problem.W.coeff(first + i, first + j);
+  const Scaling scaled = scaling(W.diagonal(), problem.q.segment(first, rows), laws);
+  if (!scaled.finite || !W.allFinite()) return std::nullopt;
+  W = AnyBlock(scaled.s.asDiagonal() * W * scaled.s.asDiagonal());
+  return with_rows(laws, [&]<int R>() -> std::optional<Solved> {
+    const Law& law = scaled.laws.front();
+    const Rows<R> q = scaled.q;
+    const RowBlock<R> W_R = W;
+    const auto residual = [&](const Rows<R>& r) {
+      return (r - project<R>(law, r - modified_velocity<R>(law, Rows<R>(W_R * r + q)))).norm();
+    };
+    Solved out{.size = scaled.size * scaled.q.norm()};
+    Rows<R> r = Rows<R>::Zero(rows);
+    out.report.residual = residual(r);
+    if (r0.size() > 0) {
+      const Rows<R> start = scaled_start(scaled, r0.segment(first, rows));
+      if (const double warm = residual(start); warm < out.report.residual)
+        r = start, out.report.residual = warm;
+    }
+    if (out.report.residual > options.tolerance) {
+      r = solve_block(prepare_block(W_R, law), q, law, r, options.local).r;
+      out.report.residual = residual(r);
+      out.report.iterations = 1;
+    }
+    if (!(out.report.residual <= options.tolerance)) return std::nullopt;
+    out.report.coulomb_residual = out.report.residual;
+    out.report.found_by = Method::nsgs;
+    out.r = scaled.size * scaled.s.cwiseProduct(VecX(r));
+    out.u = scaled.size * VecX(W_R * r + q).cwiseQuotient(scaled.s);
+    return out;
+  });
+}
+std::optional<Solved> solve_alone(const FrictionProblem&, const Island&, const VecX&, const SolverOptions&) {
+  return std::nullopt;
+}
 
 void open(Part<LocalProblem>& part) {
   if (!part.problem.laws.empty()) part.W = make_delassus(part.problem);
@@ -45,15 +99,11 @@ template <class Problem>
 double size(const Part<Problem>& part) {
   if constexpr (std::is_same_v<Problem, FrictionProblem>)
     if (!part.inverse) return std::nan("");
+  if (part.solved) return part.solved->size;
   if (!part.W) return 0;
   return part.W->scaled.finite && part.r0.allFinite() ? part.W->scaled.size * part.W->scaled.q.norm()
                                                       : std::nan("");
 }
-
-struct Solved {
-  VecX r{}, u{};
-  SolveReport report{};
-};
 
 Solved solve_rows(Delassus& W, const VecX& r0, const SolverOptions& options) {
   Solved out;
@@ -99,14 +149,19 @@ void put_motion(const Part<FrictionProblem>& part, const VecX& r, FrictionSoluti
 template <class Problem>
 FrictionSolution solve_islands(const Problem& problem, const VecX& r0, const SolverOptions& options,
                                FrictionSolution out) {
+  std::vector<Island> all = islands(problem);
   std::vector<Part<Problem>> parts;
+  parts.reserve(all.size());
   std::vector<int> scratch;
-  for (Island& island : islands(problem)) {
+  for (Island& island : all) {
     Part<Problem>& now = parts.emplace_back();
-    now.problem = part(problem, island, scratch);
-    if (r0.size() > 0) now.r0 = r0(island.rows);
+    now.solved = solve_alone(problem, island, r0, options);
+    if (!now.solved) {
+      now.problem = part(problem, island, scratch);
+      if (r0.size() > 0) now.r0 = r0(island.rows);
+    }
     now.island = std::move(island);
-    open(now);
+    if (!now.solved) open(now);
   }
   double whole = 0;
   for (const Part<Problem>& now : parts)
@@ -119,10 +174,10 @@ FrictionSolution solve_islands(const Problem& problem, const VecX& r0, const Sol
       continue;
     }
     Solved solved{.r = VecX::Zero(Eigen::Index(now.island.rows.size()))};
-    if (now.W) {
+    if (now.W || now.solved) {
       SolverOptions own = options;
       if (q > 0) own.tolerance = std::min(options.tolerance * std::max(1.0, kNoise * whole / q), 1.0);
-      solved = solve_rows(*now.W, now.r0, own);
+      solved = now.solved ? *std::move(now.solved) : solve_rows(*now.W, now.r0, own);
       add(out.report, solved.report, whole > 0 ? q / whole : 1);
       if (now.island.blocks.size() > largest) {
         largest = now.island.blocks.size();

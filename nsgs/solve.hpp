@@ -32,10 +32,10 @@ enum class ProxMetric {
 };
 
 enum class SolveStatus {  // of islands the last in this order counts
-  converged,       // the residual is within the tolerance
-  stagnated,       // it no longer falls, and nothing else helped: limit cycle, or no solution
-  max_iterations,  // the iterations are used up
-  not_finite,      // a number of the problem or iteration is not finite, M is singular, or a block of W zero
+  converged,              // the residual is within the tolerance
+  stagnated,              // it no longer falls, and nothing else helped: limit cycle, or no solution
+  max_iterations,         // the iterations are used up
+  not_finite,  // a number of the problem or iteration is not finite, M is singular, or a block of W zero
 };
 const char* to_string(SolveStatus status);
 
