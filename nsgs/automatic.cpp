@@ -18,7 +18,7 @@ constexpr double kLeastCost = 2;          // of a Newton iteration in sweeps, ab
 constexpr double kLongestWait = 300;      // sweeps before Newton may take over, at most
 constexpr int kAttempts = 8;              // after these sweeps go on alone
 constexpr double kWarm = 1e-3;            // residual of a start whose contacts are settled but for a few
-constexpr double kCheap = 20;             // sweeps, of a Newton iteration
+constexpr double kCheap = 50;             // sweeps, of a Newton iteration
 
 // A warm start usually has the right cases already, and then Newton ends in one or two solves where sweeps
 // would creep (AUTO-4). It goes on to a hundredth of the tolerance, so that the next steps start within.
