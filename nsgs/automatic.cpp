@@ -28,7 +28,7 @@ Iterate warmed(Delassus& W, const Iterate& start, const SolverOptions& options, 
                         {.tolerance = options.tolerance / 100,
                          .max_steps = 3,
                          .max_iterations = 6,
-                         .alpha = 1e-4,
+                         .alpha = 1e-6,
                          .accuracy = 1e-9},
                         report);
 }
