@@ -103,12 +103,7 @@ ExitCode bench(const Arguments& a) {
     std::fprintf(stderr, "no picture: gnuplot is not there, or fails on %s\n",
                  (a.common.out / "bench_lmd.gp").c_str());
   std::printf("\n");
-  bool pass = true;
-  for (const Verdict& verdict : verdicts(pairs)) {
-    std::printf("%s", line_of(verdict).c_str());
-    pass = pass && verdict.pass();
-  }
-  return pass ? ExitCode::ok : ExitCode::not_accepted;
+  return print_verdicts(verdicts(pairs)) ? ExitCode::ok : ExitCode::not_accepted;
 }
 
 }  // namespace

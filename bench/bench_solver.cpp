@@ -55,12 +55,7 @@ ExitCode bench(const Arguments& a) {
     std::fprintf(stderr, "no picture: gnuplot is not there, or fails on %s\n",
                  (a.common.out / "bench_solver.gp").c_str());
   std::printf("\n%s", siconos_line(costs, a.cost).c_str());
-  bool pass = true;
-  for (const Verdict& verdict : solver_verdicts(costs)) {
-    std::printf("%s", line_of(verdict).c_str());
-    pass = pass && verdict.pass();
-  }
-  return pass ? ExitCode::ok : ExitCode::not_accepted;
+  return print_verdicts(solver_verdicts(costs)) ? ExitCode::ok : ExitCode::not_accepted;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <cstdio>
 #include <string>
+#include <vector>
 
 namespace aussois {
 
@@ -26,6 +27,16 @@ inline std::string line_of(const Verdict& v) {
   const std::string where = v.where.empty() ? "" : " (" + v.where + ")";
   return v.what + where +
          formatted(": %.3g, wanted <= %.3g: %s\n", v.value, v.wanted, v.pass() ? "PASS" : "short");
+}
+
+/// One line each; true if all pass.
+inline bool print_verdicts(const std::vector<Verdict>& verdicts) {
+  bool pass = true;
+  for (const Verdict& v : verdicts) {
+    std::printf("%s", line_of(v).c_str());
+    pass = pass && v.pass();
+  }
+  return pass;
 }
 
 }  // namespace aussois

@@ -2,7 +2,7 @@
 // One-step problems in the HDF5 layout of FCLIB, the library of frictional contact problems of Acary,
 // Bremond, Koziara and Perignon [Acary2014]: what other codes have saved comes in, any step of ours goes out.
 // Plain Coulomb and rolling problems are written so that FCLIB itself reads them; what FCLIB has no words for
-// (mixed laws, compliance) goes to a group of another name, which it refuses. doc/theory/fclib.md has the
+// (mixed laws, compliance) goes to a group of another name, which it refuses. doc/fclib_file.md has the
 // layout.
 #pragma once
 

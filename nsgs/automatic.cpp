@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Accelerated sweeps while they contract well for what they cost, Newton when they do not, sweeps again where
-// Newton fails (AUTO-1) to (AUTO-3).
+// Newton fails (AUTO-1) to (AUTO-4).
 #include <algorithm>
 #include <cmath>
 

@@ -109,17 +109,8 @@ class BodyDelassus final : public Delassus {
   }
   // (W + s)^-1 b = (b - H^T d) / s with (M + H H^T / s) d = H b / s: of the size of the bodies.
   LinearSolve shifted_inverse(double shift) const override {
-    std::vector<Triplet> entries;
-    for (int j = 0; j < M_.outerSize(); ++j)
-      for (SparseMatrix::InnerIterator it(M_, j); it; ++it) entries.emplace_back(it.row(), j, it.value());
-    std::vector<AnyBlock> D;
-    for (int c = 0; c < count(); ++c) D.emplace_back(AnyBlock::Identity(rows(c), rows(c)) / shift);
-    add_compliance(D, [&](int i, int j, double value) { entries.emplace_back(i, j, value); });
-    SparseMatrix J(M_.rows(), M_.cols());
-    J.setFromTriplets(entries.begin(), entries.end());
     const VecX scale = weight_.cwiseSqrt();
-    J = scale.asDiagonal() * J * scale.asDiagonal();
-    const LinearSolve solve = factorised(J);
+    const LinearSolve solve = factorised(newton_matrix(1 / shift));
     if (!solve) return {};
     return [this, solve, scale, shift](const VecX& b) -> VecX {
       const VecX d = scale.cwiseProduct(solve(scale.cwiseProduct(B(b / shift))));
@@ -155,7 +146,7 @@ class BodyDelassus final : public Delassus {
         assembly = 6 * arms * arms / contacts;
     if (is_dense()) return (2 * n * n * n / 3 + assembly) / sweep + 1;
     if (!sparse_cost_) {
-      CompressedColumns J = newton_matrix(std::vector<AnyBlock>(std::size_t(count()), AnyBlock()));
+      CompressedColumns J = compressed(newton_matrix(1));  // its pattern with all blocks closed
       sparse_cost_ = factor_cost(J);
     }
     return (*sparse_cost_ + assembly) / sweep + 2;
@@ -221,32 +212,26 @@ class BodyDelassus final : public Delassus {
     return scale.asDiagonal() * J.partialPivLu().solve(scale.asDiagonal() * F);
   }
 
-  // Compressed columns of M + H D H^T, equilibrated; with empty D the pattern alone, with all blocks closed.
-  CompressedColumns newton_matrix(const std::vector<AnyBlock>& D) const {
+  // M + H D H^T, equilibrated.
+  SparseMatrix newton_matrix(const std::vector<AnyBlock>& D) const {
     std::vector<Triplet> entries;
     for (int j = 0; j < M_.outerSize(); ++j)
       for (SparseMatrix::InnerIterator it(M_, j); it; ++it) entries.emplace_back(it.row(), j, it.value());
-    if (D.front().size() > 0)
-      add_compliance(D, [&](int i, int j, double value) { entries.emplace_back(i, j, value); });
-    else
-      for (std::size_t c = 0; c + 1 < begin_.size(); ++c)
-        for (std::size_t i = begin_[c]; i < begin_[c + 1]; ++i)
-          for (std::size_t j = begin_[c]; j < begin_[c + 1]; ++j)
-            entries.emplace_back(arms_[i].row, arms_[j].row, 0);
+    add_compliance(D, [&](int i, int j, double value) { entries.emplace_back(i, j, value); });
     SparseMatrix J(M_.rows(), M_.cols());
     J.setFromTriplets(entries.begin(), entries.end());
     const VecX scale = weight_.cwiseSqrt();
-    J = scale.asDiagonal() * J * scale.asDiagonal();
-    CompressedColumns out;
-    out.begin.assign(J.outerIndexPtr(), J.outerIndexPtr() + J.cols() + 1);
-    out.row.assign(J.innerIndexPtr(), J.innerIndexPtr() + J.nonZeros());
-    out.value.assign(J.valuePtr(), J.valuePtr() + J.nonZeros());
-    return out;
+    return scale.asDiagonal() * J * scale.asDiagonal();
+  }
+  SparseMatrix newton_matrix(double d) const {  // D = d
+    std::vector<AnyBlock> D;
+    for (int c = 0; c < count(); ++c) D.emplace_back(AnyBlock::Identity(rows(c), rows(c)) * d);
+    return newton_matrix(D);
   }
 
   VecX sparse_direction(const std::vector<AnyBlock>& D, const VecX& F) const {
     const VecX scale = weight_.cwiseSqrt();
-    CompressedColumns J = newton_matrix(D);
+    CompressedColumns J = compressed(newton_matrix(D));
     const std::optional<VecX> d = solve_once(J, scale.asDiagonal() * F);
     return d ? VecX(scale.asDiagonal() * *d) : VecX();
   }

@@ -5,12 +5,6 @@
 
 namespace aussois {
 
-namespace {
-
-constexpr int kPatience = 1000;  // steps without halving the best residual
-
-}  // namespace
-
 FixedPoint::FixedPoint(Delassus& W, const Iterate& start, Method by, int memory, Step step)
     : W_(W),
       now_(start),
@@ -20,7 +14,6 @@ FixedPoint::FixedPoint(Delassus& W, const Iterate& start, Method by, int memory,
       anderson_(memory),
       step_(std::move(step)) {
   now_.by = by;
-  halved_ = start.residual;
   resume();
 }
 
@@ -48,15 +41,6 @@ bool FixedPoint::advance(double tolerance, bool last) {
   }
   offer(now_);
   return true;
-}
-
-void FixedPoint::offer(Iterate other) {
-  if (other.residual < best_.residual) best_ = std::move(other);
-  if (best_.residual <= halved_ / 2) halved_ = best_.residual, halved_at_ = steps_;
-}
-
-bool FixedPoint::stagnated() const {
-  return steps_ - halved_at_ >= kPatience;
 }
 
 Iterate fixed_point(Delassus& W, const Iterate& start, Method by, const SolverOptions& options,

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <utility>
 
 #include "nsgs/anderson.hpp"
 #include "nsgs/method.hpp"
@@ -23,24 +24,23 @@ class FixedPoint {
   void resume() { W_.velocity(now_.r); }
 
   const Iterate& now() const { return now_; }  // the last that was judged
-  const Iterate& best() const { return best_; }
-  void offer(Iterate other);  // kept if it is the best
-  int steps() const { return steps_; }
+  const Iterate& best() const { return best_.iterate(); }
+  void offer(Iterate other) { best_.offer(std::move(other), steps_); }
   bool finite() const { return now_.residual < kInf; }
-  bool stagnated() const;  // (FIX-2)
+  bool stagnated() const { return best_.stagnated(steps_); }
 
  private:
   std::optional<Iterate> accelerated(const VecX& after);
 
   Delassus& W_;
-  Iterate now_{}, best_{};
+  Iterate now_{};
+  BestSoFar best_;
   VecX r_{};  // where the steps are; now_.r if they are accelerated
   int memory_ = 0;
   Anderson anderson_;
   Step step_;
   JudgeSchedule schedule_{};
-  double halved_ = kInf;
-  int halved_at_ = 0, steps_ = 0;
+  int steps_ = 0;
 };
 
 Iterate fixed_point(Delassus& W, const Iterate& start, Method by, const SolverOptions& options,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What one block of rows may do (LAW-1) to (LAW-9): which impulses it allows and which velocities it asks
 // for. Rows of a block: normal first, then tangents, then moments. All functions are Euclidean: they assume
-// rows of one size, as those of ScaledProblem are.
+// rows of one size, as those of Scaling are.
 #pragma once
 
 #include <algorithm>

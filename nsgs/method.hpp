@@ -33,6 +33,8 @@ class BestSoFar {
   explicit BestSoFar(const Iterate& start, int patience = 1000)
       : best_(start), halved_(start.residual), patience_(patience) {}
   const Iterate& iterate() const { return best_; }
+  void offer(Iterate other, int step);  // kept if it is the best
+  bool stagnated(int step) const { return step - halved_at_ >= patience_; }
   /// Takes in what the judge said after a step. True: the method ends, and `status` says how.
   bool ends(const Iterate& now, int step, double tolerance, SolveStatus& status);
 

@@ -47,19 +47,21 @@ bool JudgeSchedule::due(int iteration, double change, double tolerance) {
   return true;
 }
 
-bool BestSoFar::ends(const Iterate& now, int step, double tolerance, SolveStatus& status) {
-  if (now.residual == kInf) {
-    status = SolveStatus::not_finite;
-    return true;
-  }
-  if (now.residual < best_.residual) best_ = now;
-  if (best_.residual <= tolerance) {
-    status = SolveStatus::converged;
-    return true;
-  }
+void BestSoFar::offer(Iterate other, int step) {
+  if (other.residual < best_.residual) best_ = std::move(other);
   if (best_.residual <= halved_ / 2) halved_ = best_.residual, halved_at_ = step;
-  if (step - halved_at_ < patience_) return false;
-  status = SolveStatus::stagnated;
+}
+
+bool BestSoFar::ends(const Iterate& now, int step, double tolerance, SolveStatus& status) {
+  offer(now, step);
+  if (now.residual == kInf)
+    status = SolveStatus::not_finite;
+  else if (best_.residual <= tolerance)
+    status = SolveStatus::converged;
+  else if (stagnated(step))
+    status = SolveStatus::stagnated;
+  else
+    return false;
   return true;
 }
 

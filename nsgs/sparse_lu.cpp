@@ -17,6 +17,12 @@ constexpr double kSlowness = 3;  // of KLU's operations beside those of a produc
 
 }  // namespace
 
+CompressedColumns compressed(const SparseMatrix& A) {
+  return {{A.outerIndexPtr(), A.outerIndexPtr() + A.cols() + 1},
+          {A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros()},
+          {A.valuePtr(), A.valuePtr() + A.nonZeros()}};
+}
+
 std::vector<int> fill_reducing_order(const std::vector<int>& begin, const std::vector<int>& other) {
   const Eigen::Index n = Eigen::Index(begin.size()) - 1;
   const std::vector<double> one(other.size(), 1);

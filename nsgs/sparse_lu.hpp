@@ -17,6 +17,8 @@ struct CompressedColumns {
   int size() const { return int(begin.size()) - 1; }
 };
 
+CompressedColumns compressed(const SparseMatrix& A);
+
 /// An order of the nodes of a graph in compressed rows in which a factorisation fills in little.
 std::vector<int> fill_reducing_order(const std::vector<int>& begin, const std::vector<int>& other);
 
