@@ -231,9 +231,8 @@ class BodyDelassus final : public Delassus {
 
   VecX sparse_direction(const std::vector<AnyBlock>& D, const VecX& F) const {
     const VecX scale = weight_.cwiseSqrt();
-    CompressedColumns J = compressed(newton_matrix(D));
-    const std::optional<VecX> d = solve_once(J, scale.asDiagonal() * F);
-    return d ? VecX(scale.asDiagonal() * *d) : VecX();
+    const LinearSolve solve = factorised(newton_matrix(D));
+    return solve ? VecX(scale.asDiagonal() * solve(scale.asDiagonal() * F)) : VecX();
   }
 
   SparseMatrix M_{};
