@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "geometry/check.hpp"
+#include "geometry/parallel.hpp"
 #include "integrators/reduced_solve.hpp"
 #include "lmd/motion_bound.hpp"
 
@@ -113,6 +114,9 @@ MoreauJean::MoreauJean(const Model& model, const MoreauJeanOptions& options)
     : model_(checked(model)), options_(options), dofs_(dof_map(model)), bounds_(body_bounds(model)) {
   validate(options);
   options_.lmd.threads = options.threads;
+  options_.solver.for_all = [threads = options.threads](int n, const std::function<void(int)>& f) {
+    parallel_for(n, threads, f);
+  };
   int undilated = 0;
   bool dynamic_undilated = false;
   for (const RigidBody& body : model.bodies) {

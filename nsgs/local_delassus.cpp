@@ -104,19 +104,35 @@ class LocalDelassus final : public Delassus {
 
   double sweep(VecX& r, const SweepOptions& options, SweepCounts& counts) override {
     double change = 0;
-    for (int c = 0; c < count(); ++c) {
-      const Law& law = scaled.laws[std::size_t(c)];
-      const Rows<R> r_old = r.segment<R>(at(c), rows(c)), u = velocity(c, r);
-      if (has_normal(law) && u[0] >= 0 && r_old[0] == 0) continue;  // stays open (NSGS-6)
-      const Block<R>& block = prepared(c);
-      const BlockSolution<R> found = solve_block(block, u - block.W * r_old, law, r_old, options.local);
-      counts.failures += !found.solved;
-      counts.fail_safes += found.fail_safe;
-      const Rows<R> dr = options.relaxation * (found.r - r_old);
-      r.segment<R>(at(c), rows(c)) += dr;
-      change += dr.squaredNorm();
-    }
+    for (int c = 0; c < count(); ++c) change += counts.add(relax(c, r, options));
     return std::sqrt(change);
+  }
+
+  Relaxed relax(int c, VecX& r, const SweepOptions& options) override {
+    const Law& law = scaled.laws[std::size_t(c)];
+    const Rows<R> r_old = r.segment<R>(at(c), rows(c)), u = velocity(c, r);
+    if (has_normal(law) && u[0] >= 0 && r_old[0] == 0) return {};  // stays open (NSGS-6)
+    const Block<R>& block = prepared(c);
+    const BlockSolution<R> found = solve_block(block, u - block.W * r_old, law, r_old, options.local);
+    const Rows<R> dr = options.relaxation * (found.r - r_old);
+    r.segment<R>(at(c), rows(c)) += dr;
+    return {dr.squaredNorm(), !found.solved, found.fail_safe};
+  }
+
+  std::vector<int> colours() const override {
+    std::vector<std::vector<int>> feels(scaled.laws.size());  // both ways, where W is not symmetric
+    for (int c = 0; c < count(); ++c)
+      for (int k = rows_.begin[std::size_t(c)]; k < rows_.begin[std::size_t(c) + 1]; ++k) {
+        const int d = rows_.other[std::size_t(k)];
+        if (d < c) feels[std::size_t(c)].push_back(d);
+        if (d > c) feels[std::size_t(d)].push_back(c);
+      }
+    std::vector<int> colour(scaled.laws.size()), last(colour.size() + 1, -1);
+    for (std::size_t c = 0; c < colour.size(); ++c) {
+      for (const int d : feels[c]) last[std::size_t(colour[std::size_t(d)])] = int(c);
+      while (last[std::size_t(colour[c])] == int(c)) ++colour[c];
+    }
+    return colour;
   }
 
   double sweep(VecX& r, const BlockRule& rule) override {

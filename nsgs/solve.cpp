@@ -29,6 +29,7 @@ struct Part {
   VecX r0{};
   std::optional<MotionInverse> inverse{};  // of bodies; nothing if M is singular
   std::unique_ptr<Delassus> W{};           // nothing without contacts, or without `inverse`
+  Solved solved{};
 };
 
 void open(Part<LocalProblem>& part) {
@@ -115,11 +116,20 @@ void solve_islands(const Problem& problem, std::vector<Island> all, const VecX& 
     now.problem = part(problem, island, scratch);
     if (r0.size() > 0) now.r0 = r0(island.rows);
     now.island = std::move(island);
-    open(now);
   }
+  const auto each = [&](auto&& f) {
+    for_all(options, int(parts.size()), [&](int i) { f(parts[std::size_t(i)]); });
+  };
+  each([](Part<Problem>& now) { open(now); });
   double whole = size_done;
   for (const Part<Problem>& now : parts)
     if (const double q = size(now); std::isfinite(q)) whole = std::hypot(whole, q);
+  each([&](Part<Problem>& now) {
+    const double q = size(now);
+    now.solved.r.setZero(Eigen::Index(now.island.rows.size()));
+    if (now.W && std::isfinite(q))
+      now.solved = solve_rows(*now.W, now.r0, with_tolerance_of(options, q, whole));
+  });
   std::size_t largest = 0;
   for (Part<Problem>& now : parts) {
     const double q = size(now);
@@ -127,18 +137,16 @@ void solve_islands(const Problem& problem, std::vector<Island> all, const VecX& 
       add(out.report, {.status = SolveStatus::not_finite, .residual = kInf, .coulomb_residual = kInf}, 1);
       continue;
     }
-    Solved solved{.r = VecX::Zero(Eigen::Index(now.island.rows.size()))};
     if (now.W) {
-      solved = solve_rows(*now.W, now.r0, with_tolerance_of(options, q, whole));
-      add(out.report, solved.report, whole > 0 ? q / whole : 1);
+      add(out.report, now.solved.report, whole > 0 ? q / whole : 1);
       if (now.island.blocks.size() > largest) {
         largest = now.island.blocks.size();
-        out.report.found_by = solved.report.found_by;
+        out.report.found_by = now.solved.report.found_by;
       }
-      put(solved.u, now.island.rows, out.u);
+      put(now.solved.u, now.island.rows, out.u);
     }
-    put(solved.r, now.island.rows, out.r);
-    put_motion(now, solved.r, out);
+    put(now.solved.r, now.island.rows, out.r);
+    put_motion(now, now.solved.r, out);
   }
 }
 
