@@ -22,41 +22,38 @@ Blocks<R> block_rows(const SparseMatrix& W, const Scaling& scaled, const std::ve
   std::vector<int> block_of(std::size_t(W.rows()));
   for (int c = 0; c < count; ++c)
     for (int i = first[std::size_t(c)]; i < first[std::size_t(c) + 1]; ++i) block_of[std::size_t(i)] = c;
-  const auto visit = [&](auto&& entry_of_block) {  // (block row, block column) once per block, then entries
-    std::vector<int> seen(std::size_t(count), -1);
-    for (int c = 0; c < count; ++c) {
-      seen[std::size_t(c)] = c;
-      entry_of_block(c, c);
-      for (int j = first[std::size_t(c)]; j < first[std::size_t(c) + 1]; ++j)
-        for (SparseMatrix::InnerIterator it(W, j); it; ++it) {
-          const int i = block_of[std::size_t(it.row())];
-          if (seen[std::size_t(i)] == c) continue;
-          seen[std::size_t(i)] = c;
-          entry_of_block(i, c);
-        }
-    }
-  };
+  std::vector<int> seen(std::size_t(count), -1);  // per block row: the last column that met it
   Blocks<R> out;
   out.begin.assign(std::size_t(count) + 1, 0);
-  visit([&](int i, int) { ++out.begin[std::size_t(i) + 1]; });
-  for (std::size_t i = 0; i < std::size_t(count); ++i) out.begin[i + 1] += out.begin[i];
-  out.other.resize(std::size_t(out.begin.back()));
-  out.block.resize(out.other.size());
-  std::vector<int> next(out.begin.begin(), out.begin.end() - 1);
-  visit([&](int i, int c) {
-    const auto place = std::size_t(next[std::size_t(i)]++);
-    out.other[place] = c;
-    out.block[place] = RowBlock<R>::Zero(scaled.laws[std::size_t(i)].rows, scaled.laws[std::size_t(c)].rows);
-  });
-  std::copy(out.begin.begin(), out.begin.end() - 1, next.begin());
   for (int c = 0; c < count; ++c) {
+    seen[std::size_t(c)] = c;
+    ++out.begin[std::size_t(c) + 1];
     for (int j = first[std::size_t(c)]; j < first[std::size_t(c) + 1]; ++j)
       for (SparseMatrix::InnerIterator it(W, j); it; ++it) {
         const auto i = std::size_t(block_of[std::size_t(it.row())]);
-        auto place = std::size_t(next[i]);
-        while (out.other[place] != c) ++place;  // the one block of this column, at or just after the cursor
-        next[i] = int(place);
-        out.block[place](it.row() - first[i], j - first[std::size_t(c)]) =
+        if (seen[i] != c) ++out.begin[i + 1];
+        seen[i] = c;
+      }
+  }
+  for (std::size_t i = 0; i < std::size_t(count); ++i) out.begin[i + 1] += out.begin[i];
+  out.other.resize(std::size_t(out.begin.back()));
+  out.block.resize(out.other.size());
+  std::vector<int> end(out.begin.begin(), out.begin.end() - 1);  // of what each row has by now
+  const auto at = [&](int i, int c) -> RowBlock<R>& {            // made when first asked for
+    int& next = end[std::size_t(i)];
+    if (next == out.begin[std::size_t(i)] || out.other[std::size_t(next) - 1] != c) {
+      out.other[std::size_t(next)] = c;
+      out.block[std::size_t(next++)] =
+          RowBlock<R>::Zero(scaled.laws[std::size_t(i)].rows, scaled.laws[std::size_t(c)].rows);
+    }
+    return out.block[std::size_t(next) - 1];
+  };
+  for (int c = 0; c < count; ++c) {
+    at(c, c);
+    for (int j = first[std::size_t(c)]; j < first[std::size_t(c) + 1]; ++j)
+      for (SparseMatrix::InnerIterator it(W, j); it; ++it) {
+        const int i = block_of[std::size_t(it.row())];
+        at(i, c)(it.row() - first[std::size_t(i)], j - first[std::size_t(c)]) =
             it.value() * scaled.s[it.row()] * scaled.s[j];
       }
   }

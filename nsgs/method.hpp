@@ -56,6 +56,9 @@ Iterate admm(Delassus& W, const Iterate& start, const SolverOptions& options, So
 Iterate projected_gradient(Delassus& W, const Iterate& start, const SolverOptions& options,
                            SolveReport& report);
 Iterate interior_point(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
+/// A few steps of admm with a small penalty, as long as they converge fast: where all contacts stick or open
+/// they end what sweeps would take hundreds of passes for (AUTO-5). Returns the best iterate met.
+Iterate settled(Delassus& W, const Iterate& start, double tolerance);
 Iterate automatic(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
 
 }  // namespace aussois
