@@ -120,6 +120,7 @@ std::vector<StepPair> pairs_within(const Model& model, const State& state,
   std::vector<StepPair> pairs;
   for (const auto& [i, j] : broad_phase(boxes, threads)) {  // (CA-12)
     const int a = body_of[std::size_t(i)], b = body_of[std::size_t(j)];
+    if (model.passing.contains({a, b})) continue;
     pairs.push_back({.a = a, .b = b, .dilation = shape_of(model, a)->radius + shape_of(model, b)->radius});
   }
   return pairs;
