@@ -126,12 +126,12 @@ MotionSample tilt(const CaseScene& s, const State& state) {
 }  // namespace
 
 std::vector<Case> rotation_cases() {
-  constexpr double kRockingTime = 1.2;
+  constexpr double kRockingTime = 1;  // [s], three impacts
   const RockingBlock block;
   return {{.name = "rocking_block",
            .what = "Housner's block rocks from edge to edge (C1)",
            .t_end = kRockingTime,
-           .h = 1e-2,
+           .h = 2e-3,
            .scene = [block] { return rocking_scene(block); },
            .observe = tilt,
            .exact = [block] { return rocking(block, kRockingTime); }},
