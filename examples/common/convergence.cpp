@@ -13,10 +13,7 @@
 namespace aussois {
 namespace {
 
-double pairwise(const Convergence& s, std::size_t i) {
-  if (i == 0) return std::numeric_limits<double>::quiet_NaN();
-  return std::log(s.error[i] / s.error[i - 1]) / std::log(s.h[i] / s.h[i - 1]);
-}
+constexpr double kNoOrder = std::numeric_limits<double>::quiet_NaN();  // of the first level
 
 }  // namespace
 
@@ -29,19 +26,27 @@ std::vector<double> step_sizes(double h0, int levels) {
   return steps;
 }
 
+double fitted_order(const std::vector<double>& h, const std::vector<double>& error) {
+  require(h.size() >= 3 && error.size() == h.size(), "a convergence study needs at least three steps");
+  const double n = double(h.size());
+  double sx = 0, sy = 0, sxx = 0, sxy = 0;
+  for (std::size_t i = 0; i < h.size(); ++i) {
+    require_field(std::isfinite(error[i]) && error[i] > 0, "error", error[i], "be positive and finite");
+    const double x = std::log(h[i]), y = std::log(error[i]);
+    sx += x, sy += y, sxx += x * x, sxy += x * y;
+  }
+  return (n * sxy - sx * sy) / (n * sxx - sx * sx);  // (CONV-5)
+}
+
+double pairwise_order(const std::vector<double>& h, const std::vector<double>& error, std::size_t i) {
+  return std::log(error[i] / error[i - 1]) / std::log(h[i] / h[i - 1]);  // (CONV-6)
+}
+
 Convergence convergence_study(const std::vector<double>& steps,
                               const std::function<double(double)>& error_of) {
-  require(steps.size() >= 3, "a convergence study needs at least three steps");
   Convergence out{.h = steps};
-  double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
-  for (const double h : steps) {
-    const double error = error_of(h);
-    require_field(std::isfinite(error) && error > 0, "error", error, "be positive and finite");
-    out.error.push_back(error);
-    const double x = std::log(h), y = std::log(error);
-    n += 1, sx += x, sy += y, sxx += x * x, sxy += x * y;
-  }
-  out.order = (n * sxy - sx * sy) / (n * sxx - sx * sx);
+  for (const double h : steps) out.error.push_back(error_of(h));
+  out.order = fitted_order(out.h, out.error);
   return out;
 }
 
@@ -54,7 +59,8 @@ std::string to_string(const Convergence& s, const std::string& quantity) {
     if (i == 0)
       std::snprintf(line, sizeof line, "%12.5e %16.5e %8s\n", s.h[i], s.error[i], "-");
     else
-      std::snprintf(line, sizeof line, "%12.5e %16.5e %8.3f\n", s.h[i], s.error[i], pairwise(s, i));
+      std::snprintf(line, sizeof line, "%12.5e %16.5e %8.3f\n", s.h[i], s.error[i],
+                    pairwise_order(s.h, s.error, i));
     out << line;
   }
   std::snprintf(line, sizeof line, "fitted order %.4f\n", s.order);
@@ -65,7 +71,8 @@ std::string to_string(const Convergence& s, const std::string& quantity) {
 void write_convergence(const std::filesystem::path& dir, const std::string& name, const Convergence& s,
                        const std::string& quantity) {
   CsvTable csv(dir / (name + ".csv"), {"h", "error", "order"});
-  for (std::size_t i = 0; i < s.h.size(); ++i) csv.add({s.h[i], s.error[i], pairwise(s, i)});
+  for (std::size_t i = 0; i < s.h.size(); ++i)
+    csv.add({s.h[i], s.error[i], i == 0 ? kNoOrder : pairwise_order(s.h, s.error, i)});
   csv.close();
   std::ostringstream gp;
   gp << "# draws " << name << ".png: gnuplot " << name << ".gp\n"

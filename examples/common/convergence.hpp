@@ -19,6 +19,12 @@ struct Convergence {
 /// every step: steps that are powers of two of each other fake orders.
 std::vector<double> step_sizes(double h0, int levels);
 
+/// Slope of the least-squares line through (log h, log error) (CONV-5). Throws std::invalid_argument for
+/// fewer than three steps or an error that is not positive and finite.
+double fitted_order(const std::vector<double>& h, const std::vector<double>& error);
+/// From level i - 1 to i >= 1 (CONV-6).
+double pairwise_order(const std::vector<double>& h, const std::vector<double>& error, std::size_t i);
+
 /// Throws std::invalid_argument for fewer than three steps or an error that is not positive and finite.
 Convergence convergence_study(const std::vector<double>& steps,
                               const std::function<double(double)>& error_of);

@@ -18,7 +18,9 @@ COMMAND = [str(PARTS.parent / word) if word.startswith("data/") else word for wo
 WRITES = [Path(word).name for flag, word in zip(COMMAND, COMMAND[1:]) if flag in ("--json", "--csv", "--picture")]
 FAMILIES = ("arch", "box_stack", "bridge", "chain", "gyroscopic", "impacts", "kapla_tower", "masonry_wall",
             "mass_ratio", "mixed_laws", "redundant_joints", "sphere_pile")
+STUDY = f"{'forced_46' if 'forced_46' in COMMAND else 'free_top'}_moreau_jean_theta_{'1' if '--theta' in COMMAND else '0.5'}_moreau"
 RESULTS = {
+    "convergence": {f"{STUDY}.{kind}" for kind in ("json", "csv", "gp", *(["png"] if shutil.which("gnuplot") else []))},
     "sliding_block": {"sliding_block.csv", "sliding_block.gp"},
     "prepare_part": {"part.html", "eroded.obj"},
     "drop_part": {"replay.html", "run.h5", "steps.csv"},

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+// Does a scheme reach its order? Errors against exact motions at several steps, in norms that suit velocities
+// that jump.
+//
+// Theory   doc/theory/convergence.md (CONV-1) to (CONV-7)
+// Run      convergence --case forced_46
+//          convergence --case free_top --theta 1 --levels 5 --phases 1
+// Expect   the orders of theory, one over impacts, two at the midpoint where the motion is smooth; the exit
+// code says whether
+//
+// convergence --all makes the whole table. Interrupt it when you like: the next call with the same -o goes
+// on. Several machines share it: --shard 1/4 to 4/4 into one folder, then once without --shard.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <mutex>
+#include <thread>
+
+#include "examples/common/driver.hpp"
+#include "examples/common/progress.hpp"
+#include "examples/scenes/study_files.hpp"
+#include "geometry/check.hpp"
+#include "geometry/parallel.hpp"
+#include "io/atomic_file.hpp"
+
+using namespace aussois;
+
+namespace {
+
+struct Arguments {
+  std::string case_name{}, scheme = "moreau_jean", normal = to_string(NormalLaw::moreau), shard = "1/1";
+  double theta = 0.5;
+  StudyOptions study{};
+  bool all = false, list = false, quiet = false;
+  int threads = 1;
+  std::filesystem::path out = "out", json{};
+};
+
+/// One cell of the table.
+struct Cell {
+  const Case* scene = nullptr;
+  SchemeVariant variant{};
+};
+
+std::vector<Cell> cells_of(const Arguments& a) {
+  std::vector<Cell> out;
+  for (const Case& c : cases()) {
+    if (!a.case_name.empty() && c.name != a.case_name) continue;
+    if (!a.all)
+      out.push_back({&c, {a.scheme, {.theta = a.theta, .normal = {.law = normal_law(a.normal)}}}});
+    else
+      for (const SchemeVariant& variant : scheme_variants())
+        if (applies(c, scheme_traits(variant.name, variant.options))) out.push_back({&c, variant});
+  }
+  return out;
+}
+
+/// Every n-th cell from the k-th on, for "k/n".
+std::vector<Cell> shard_of(const std::vector<Cell>& cells, const std::string& shard) {
+  int k = 0, n = 0, end = 0;
+  const bool whole = std::sscanf(shard.c_str(), "%d/%d%n", &k, &n, &end) == 2 && end == int(shard.size());
+  require(whole && n >= 1 && k >= 1 && k <= n, "--shard " + shard + " must be k/n with 1 <= k <= n");
+  std::vector<Cell> out;
+  for (std::size_t i = std::size_t(k) - 1; i < cells.size(); i += std::size_t(n)) out.push_back(cells[i]);
+  return out;
+}
+
+ExitCode list() {
+  std::printf("cases\n");
+  for (const Case& c : cases())
+    std::printf("  %-16s %s; %.3g s, %s\n", c.name.c_str(), c.what.c_str(), c.t_end,
+                c.smooth ? "smooth" : "nonsmooth");
+  std::printf("schemes\n");
+  for (const SchemeVariant& v : scheme_variants()) {
+    const SchemeTraits traits = scheme_traits(v.name, v.options);
+    std::printf("  %-36s order %g, %g where the motion is smooth%s\n", label(v.name, v.options).c_str(),
+                traits.nonsmooth, traits.smooth, traits.restitution ? "" : "; no restitution");
+  }
+  return ExitCode::ok;
+}
+
+struct Results {
+  std::vector<Study> done{};            // in the order of the cells
+  std::vector<std::string> failures{};  // one line each
+  int known = 0;                        // read from the folder
+};
+
+/// Cells share the threads; each is written when it is complete and read back by the next call.
+Results run_cells(const Arguments& a, const std::vector<Cell>& cells) {
+  const std::uint64_t program = program_digest();
+  std::vector<Study> studies(cells.size());
+  std::vector<std::string> failures(cells.size());
+  Results out;
+  std::mutex mutex;  // of progress and counts
+  int levels_done = 0;
+  Progress progress("convergence", double(cells.size()) * a.study.levels, Progress::style_of_stderr(a.quiet));
+  parallel_for(int(cells.size()), a.threads, [&](int i) {
+    const Cell& cell = cells[std::size_t(i)];
+    const auto& [scheme, options] = cell.variant;
+    const Study wanted{.case_name = cell.scene->name, .scheme = label(scheme, options), .options = a.study};
+    const std::filesystem::path file = a.out / (file_stem(wanted) + ".json");
+    const auto say = [&](int levels) {
+      const std::lock_guard lock(mutex);
+      progress.at(levels_done += levels, wanted.case_name + " " + wanted.scheme);
+    };
+    if (interrupted()) return;
+    if (const std::optional<Study> known = read_study(file, wanted, program)) {
+      studies[std::size_t(i)] = *known;
+      say(a.study.levels);
+      const std::lock_guard lock(mutex);
+      ++out.known;
+      return;
+    }
+    try {
+      Study made = study(*cell.scene, scheme, options, a.study, [&](int) {
+        say(1);
+        return !interrupted();
+      });
+      if (int(made.h.size()) < a.study.levels || interrupted()) return;
+      write_whole_file(file, to_json(made, program));
+      studies[std::size_t(i)] = std::move(made);
+    } catch (const NumericalFailure& failure) {
+      failures[std::size_t(i)] = failure.what();
+    }
+  });
+  for (Study& s : studies)
+    if (!s.h.empty()) out.done.push_back(std::move(s));
+  for (std::string& text : failures)
+    if (!text.empty()) out.failures.push_back(std::move(text));
+  return out;
+}
+
+ExitCode run(Arguments a) {
+  if (a.list) return list();
+  require(a.all || !a.case_name.empty(), "give --case NAME, --all or --list");
+  if (!a.case_name.empty()) case_named(a.case_name);
+  validate(a.study);
+  const std::vector<Cell> cells = shard_of(cells_of(a), a.shard);
+  if (!a.all)  // told before a folder is made
+    require(applies(*cells.front().scene, scheme_traits(a.scheme, cells.front().variant.options)),
+            "--case " + a.case_name + " bounces: --normal-law " + a.normal + " has no restitution");
+  for (const std::filesystem::path& folder : {a.json.parent_path(), a.out})
+    if (!folder.empty()) std::filesystem::create_directories(folder);
+
+  const Results results = run_cells(a, cells);
+  if (interrupted()) return ExitCode::interrupted;
+  bool pictures = true;
+  int missed = 0;
+  for (const Study& s : results.done) {
+    if (!a.all && !a.quiet)
+      std::printf("%s, %s\n%s", s.case_name.c_str(), s.scheme.c_str(), to_string(s).c_str());
+    pictures = write_picture(a.out, s) && pictures;
+    missed += !as_expected(s);
+  }
+  if (!a.json.empty())
+    write_whole_file(a.json, a.all                  ? to_json(results.done, program_digest())
+                             : results.done.empty() ? ""
+                                                    : to_json(results.done.front(), program_digest()));
+  if (a.all) {
+    const std::string table = order_table(results.done);
+    write_whole_file(a.out / "convergence.md", table);
+    std::printf("%s", table.c_str());
+  }
+  if (!pictures) std::fprintf(stderr, "no picture: gnuplot is not there, or fails\n");
+  for (const std::string& text : results.failures) std::fprintf(stderr, "convergence: %s\n", text.c_str());
+  if (results.known > 0)
+    std::printf("%d of %zu were in %s already\n", results.known, cells.size(), a.out.c_str());
+  std::printf("convergence: %zu of %zu as theory promises\n", results.done.size() - std::size_t(missed),
+              cells.size());
+  if (!results.failures.empty()) return ExitCode::numerical;
+  return missed == 0 ? ExitCode::ok : ExitCode::not_accepted;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments a{.threads = int(std::max(1u, std::thread::hardware_concurrency()))};
+  Cli cli("convergence",
+          "Measures the order of convergence of time-stepping schemes on exact motions with impacts and "
+          "friction.");
+  cli.group("scene");
+  cli.option("--case", a.case_name, "what moves; --list names them");
+  cli.flag("--list", a.list, "names cases and schemes, and ends");
+  cli.flag("--all", a.all, "all cases, or the one of --case, by all schemes and settings");
+  cli.option("--shard", a.shard, "k/n: the k-th of n parts of --all");
+  cli.group("stepping");
+  cli.choice("--scheme", a.scheme, "by its name", scheme_names());
+  cli.option("--theta", a.theta, "of moreau_jean", "-", {0.5, 1});
+  cli.choice("--normal-law", a.normal, "of moreau_jean", {"moreau", "combined", "gap_over_step"});
+  cli.option("--h0", a.study.h, "largest step; 0: that of the case", "s", {0, 1});
+  cli.option("--levels", a.study.levels, "number of steps, each about half of the one before", "", {3, 16});
+  cli.option("--phases", a.study.phases, "lengths of the first step that errors are averaged over", "",
+             {1, 64});
+  cli.group("solver");
+  cli.option("--tolerance", a.study.tolerance, "on the scaled residual", "-", {1e-15, 1e-2});
+  cli.group("output");
+  cli.option("-o,--out", a.out,
+             "folder of the results, made if missing; studies that it has are not done again");
+  cli.option("--json", a.json, "also write all numbers to this file");
+  cli.option("--threads", a.threads, "studies at the same time; the results do not depend on it", "",
+             {1, 256});
+  cli.flag("--quiet", a.quiet, "no progress and no table; warnings stay");
+  cli.example("convergence --case ball_e05 --theta 1 --normal-law combined",
+              "open out/ball_e05_moreau_jean_theta_1_combined.png");
+  cli.example("convergence --all -o table", "every scheme on every case; table/convergence.md");
+  return run_driver(cli, argc, argv, [&] { return run(a); });
+}

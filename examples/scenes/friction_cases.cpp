@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+// Coulomb friction on a plate: a block on a slope, a block pushed to and fro, a sphere that slips until it
+// rolls.
+#include <array>
+#include <cmath>
+
+#include "examples/scenes/cases.hpp"
+#include "geometry/primitives.hpp"
+
+namespace aussois {
+namespace {
+
+constexpr double kGravity = 9.81, kSide = 0.1, kDensity = 1000, kDilation = 1e-2;  // SI; a block of 1 kg
+constexpr double kTouching =
+    1e-14;  // overlap of what touches at the start, so that rounding does not decide [m]
+
+/// A cube with sharp edges on a dilated plate; gravity is tilted by `slope` about y, so that x leads down.
+CaseScene block_on_slope(double mu, double slope, double speed) {
+  CaseScene s;
+  s.model.gravity = kGravity * Vec3(std::sin(slope), 0, -std::cos(slope));
+  s.model.contact_law = {.mu = mu, .restitution = 0};
+  const SimplicialComplex box = make_box(kSide, kSide, kSide);
+  const int plate = add(s.model, prepare(dilate(make_plate(10, 10), kDilation)));
+  const int cube = add(s.model, prepare(dilate(box, 0)));
+  add(s.model, fixed_body("plate", plate));
+  s.body = add(s.model, solid_body("block", cube, mass_properties(box, kDensity)));
+  s.state = rest_state(s.model);
+  pose(s.state, s.body).p.z() = kSide / 2 + kDilation - kTouching;
+  twist(s.state, s.body)[0] = speed;
+  return s;
+}
+
+MotionSample on_x(double x, double v) {
+  return {.q = Vec3(x, 0, 0), .v = Vec3(v, 0, 0)};
+}
+/// From where the block starts, and its velocity.
+MotionSample block_motion(const CaseScene& s, const State& state) {
+  return {.q = pose(state, s.body).p - pose(s.state, s.body).p, .v = twist(state, s.body).head<3>()};
+}
+
+/// x(t) from (x, v) at `begin` with constant acceleration.
+MotionPiece uniform(double begin, double x, double v, double a) {
+  return {begin, [=](double t) {
+            const double s = t - begin;
+            return on_x(x + v * s + a * s * s / 2, v + a * s);
+          }};
+}
+
+// B1. Up the slope with the brake of gravity and friction, then down again if friction cannot hold it.
+ExactMotion block_sent_up(double mu, double slope, double speed) {
+  const double pull = kGravity * std::sin(slope), grip = mu * kGravity * std::cos(slope);
+  const double stop = speed / (pull + grip), x = -speed * stop / 2;
+  ExactMotion out;
+  if (speed > 0) out.pieces.push_back(uniform(0, 0, -speed, pull + grip));
+  out.pieces.push_back(uniform(stop, x, 0, std::max(0.0, pull - grip)));
+  return out;
+}
+
+Case incline_case(const char* name, const char* what, double degrees, double speed) {
+  constexpr double kMu = 0.5;
+  const double slope = degrees * kPi / 180;
+  return {.name = name,
+          .what = what,
+          .t_end = 0.5,
+          .h = 1e-2,
+          .scene = [=] { return block_on_slope(kMu, slope, -speed); },
+          .observe = block_motion,
+          .exact = [=] { return block_sent_up(kMu, slope, speed); }};
+}
+
+// B2. m x'' = A sin(W t) - friction, m = 1 kg: rest until the push exceeds mu m g, then slip in one direction
+// to the instant of v = 0; there it sticks, or slips back at once if the push is too strong.
+ExactMotion stick_slip(double mu, double A, double W, double t_end) {
+  const double grip = mu * kGravity;
+  ExactMotion out;
+  double begin = 0, x = 0;
+  while (begin < t_end) {
+    if (std::abs(A * std::sin(W * begin)) < grip) {
+      const auto excess = [=](double t) { return std::abs(A * std::sin(W * t)) - grip; };
+      const double from = begin, at = x;
+      out.pieces.push_back({from, [at](double) { return on_x(at, 0); }});
+      begin = first_root(excess, from, from + 2 * kPi / W, 1e-3 / W);
+      continue;
+    }
+    const double from = begin, at = x, direction = std::sin(W * begin) > 0 ? 1 : -1;
+    const auto slip = [=](double t) {
+      const double s = t - from;
+      return on_x(at + A / W * std::cos(W * from) * s - A / (W * W) * (std::sin(W * t) - std::sin(W * from)) -
+                      direction * grip * s * s / 2,
+                  A / W * (std::cos(W * from) - std::cos(W * t)) - direction * grip * s);
+    };
+    out.pieces.push_back({from, slip});
+    // The speed is zero at `from` too: look from where it has grown.
+    begin = first_root([&](double t) { return direction * slip(t).v[0]; }, from + 1e-2 / W,
+                       from + 2 * kPi / W, 1e-3 / W);
+    x = slip(begin).q[0];
+  }
+  return out;
+}
+
+CaseScene pushed_block(double mu, double A, double W) {
+  CaseScene s = block_on_slope(mu, 0, 0);
+  s.model.forces.push_back(
+      {.name = "push",
+       .add_to = [A, W, body = s.body](const Model&, const State&, double t, GeneralisedForce& force) {
+         force.f[6 * body] += A * std::sin(W * t);
+       }});
+  return s;
+}
+
+Case stick_slip_case(const char* name, const char* what, double A) {
+  constexpr double kMu = 0.3, kW = 2, kEnd = 5;
+  return {.name = name,
+          .what = what,
+          .t_end = kEnd,
+          .h = 2e-2,
+          .scene = [=] { return pushed_block(kMu, A, kW); },
+          .observe = block_motion,
+          .exact = [=] { return stick_slip(kMu, A, kW, kEnd); }};
+}
+
+// B3. A solid sphere of 1 kg: the slip u = v + omega x (-R n) keeps its direction and falls at 7/2 mu g; then
+// it rolls.
+struct SlippingSphere {
+  double R = 0.1, mu = 0.2;
+  Vec3 v = Vec3::Zero(), omega = Vec3::Zero();  // at the start, in the world
+  Vec3 slip() const { return v + omega.cross(Vec3(0, 0, -R)); }
+  double rolls_at() const { return 2 * slip().norm() / (7 * mu * kGravity); }
+  Vec3 pull() const { return -mu * kGravity * slip().normalized(); }  // acceleration while it slips
+};
+
+/// Velocities at the surface: that of the centre and R omega [m/s].
+MotionSample sphere_motion(const Vec3& x, const Vec3& v, const Vec3& omega, double R) {
+  Vec6 velocity;
+  velocity << v, R * omega;
+  return {.q = x, .v = velocity};
+}
+
+ExactMotion slip_to_roll(const SlippingSphere& s) {
+  const double t_roll = s.rolls_at();
+  const auto slipping = [s](double t) {
+    const Vec3 spin_up = Vec3(0, 0, -s.R).cross(s.pull()) / (0.4 * s.R * s.R);
+    return sphere_motion(s.v * t + s.pull() * t * t / 2, s.v + s.pull() * t, s.omega + spin_up * t, s.R);
+  };
+  const MotionSample begin = slipping(t_roll);
+  return {
+      .pieces = {{0, slipping}, {t_roll, [=](double t) {
+                                   return MotionSample{begin.q + begin.v.head<3>() * (t - t_roll), begin.v};
+                                 }}}};
+}
+
+CaseScene sphere_on_plate(const SlippingSphere& s) {
+  CaseScene out;
+  out.model.contact_law = {.mu = s.mu, .restitution = 0};
+  const int plate = add(out.model, prepare(dilate(make_plate(20, 20), kDilation)));
+  const int point = add(out.model, prepare(dilate(make_point(), s.R)));
+  add(out.model, fixed_body("plate", plate));
+  out.body = add(
+      out.model,
+      RigidBody{.name = "sphere", .shape = point, .mass = 1, .inertia = 0.4 * s.R * s.R * Mat3::Identity()});
+  out.state = rest_state(out.model);
+  pose(out.state, out.body).p.z() = s.R + kDilation - kTouching;
+  twist(out.state, out.body) << s.v, s.omega;
+  return out;
+}
+
+Case slip_to_roll_case(const char* name, const char* what, const Vec3& v, const Vec3& omega) {
+  const SlippingSphere s{.v = v, .omega = omega};
+  return {.name = name,
+          .what = what,
+          .t_end = 1.5 * s.rolls_at(),
+          .h = s.rolls_at() / 50,
+          .scene = [s] { return sphere_on_plate(s); },
+          .observe =
+              [s](const CaseScene& scene, const State& state) {
+                const Vec6 twist_now = twist(state, scene.body);
+                const SE3& g = pose(state, scene.body);
+                return sphere_motion(g.p - pose(scene.state, scene.body).p, twist_now.head<3>(),
+                                     g.R * twist_now.tail<3>(), s.R);
+              },
+          .exact = [s] { return slip_to_roll(s); }};
+}
+
+}  // namespace
+
+std::vector<Case> friction_cases() {
+  return {incline_case("incline_30", "a block slides down a slope of 30 deg, mu = 1/2 (B1)", 30, 0),
+          incline_case("incline_30_up", "a block sent up 30 deg stops and slides back (B1)", 30, 2),
+          incline_case("incline_20_up", "a block sent up 20 deg stays where it stops (B1)", 20, 2),
+          stick_slip_case("stick_slip", "a block under 6 N sin 2t slips, sticks, slips back (B2)", 6),
+          stick_slip_case("reversal", "a block under 12 N sin 2t turns back without sticking (B2)", 12),
+          slip_to_roll_case("bowling", "a sphere slips until it rolls (B3)", {5, 0, 0}, {0, 0, 0}),
+          slip_to_roll_case("back_spin", "a sphere with back spin (B3)", {5, 0, 0}, {0, -80, 0}),
+          slip_to_roll_case("side_spin", "a sphere with side and pivot spin, on a curved path (B3)",
+                            {3, 0, 0}, {40, 0, 10})};
+}
+
+}  // namespace aussois

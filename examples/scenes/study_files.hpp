@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Studies in files: JSON that reads back as the same bits, a table and a picture, and the orders of many
+// studies as one page.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "examples/scenes/study.hpp"
+
+namespace aussois {
+
+/// "ball_e05_moreau_jean_theta_0.5_combined": the name of a study's files.
+std::string file_stem(const Study& study);
+
+/// `program` tells one build from another: a digest of the bytes of the program that runs; 0 where the system
+/// does not say.
+std::uint64_t program_digest();
+
+/// All of a study as JSON text; infinite orders are null.
+std::string to_json(const Study& study, std::uint64_t program);
+/// Of several, as a list.
+std::string to_json(const std::vector<Study>& studies, std::uint64_t program);
+/// What was written by this program for the same case, scheme and options; nothing if there is no such file,
+/// or it is of another study or damaged.
+std::optional<Study> read_study(const std::filesystem::path& path, const Study& wanted,
+                                std::uint64_t program);
+
+/// DIR/STEM.csv (h, the errors, the pairwise orders), .gp and, where gnuplot is installed, .png: errors over
+/// steps, with the slopes one and two. False: no picture.
+bool write_picture(const std::filesystem::path& dir, const Study& study);
+
+/// A table in Markdown: a row per case, a column per scheme, the fitted orders of the four measures; missed
+/// ones are bold, "exact" stands where nothing but rounding is left, a dash where the scheme has no
+/// restitution.
+std::string order_table(const std::vector<Study>& studies);
+
+}  // namespace aussois

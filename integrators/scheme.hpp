@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// Schemes by their names: what a study compares, a driver offers and a test goes through. A new scheme is one
+// entry in scheme.cpp. (CONV-7)
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "integrators/moreau_jean.hpp"
+
+namespace aussois {
+
+/// What a comparison of schemes sets; each scheme reads what it knows.
+struct SchemeOptions {
+  double h = 1e-3;     // largest step [s], > 0
+  double theta = 0.5;  // moreau_jean [-], in [1/2, 1]
+  NormalLawOptions normal{};
+  LmdOptions lmd{};
+  ReductionOptions reduction{};
+  SolverOptions solver{};
+  AdvancementOptions advancement{};
+  int threads = 1;
+};
+
+struct Scheme {
+  std::string name{};
+  /// Advances the state by at most min(h, h_limit).
+  std::function<StepReport(State&, double h_limit)> step{};
+};
+
+/// What theory promises: the error is O(h^order).
+struct SchemeTraits {
+  double nonsmooth = 1;     // order over impacts and over changes between stick and slip
+  double smooth = 1;        // order where no contact changes its state
+  bool restitution = true;  // false: every impact is plastic, whatever the law of the contact says
+};
+
+/// One way of using a scheme that is worth comparing with others.
+struct SchemeVariant {
+  std::string name{};
+  SchemeOptions options{};
+};
+
+std::vector<std::string> scheme_names();
+/// Every scheme with every setting that makes it another method: the rows of a comparison.
+std::vector<SchemeVariant> scheme_variants();
+
+/// Both throw std::invalid_argument for an unknown name, naming those there are; make_scheme also for bad
+/// options and models. The model must outlive the scheme.
+SchemeTraits scheme_traits(const std::string& name, const SchemeOptions& options);
+Scheme make_scheme(const std::string& name, const Model& model, const SchemeOptions& options);
+Scheme make_scheme(const std::string& name, Model&& model, const SchemeOptions& options) = delete;
+
+/// The name with the settings that make it another method: "moreau_jean theta 0.5 combined".
+std::string label(const std::string& name, const SchemeOptions& options);
+
+}  // namespace aussois

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Convergence studies as a user makes them: files, exit codes, interruption, shards."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from drivers import DriverTest
+
+NOT_ACCEPTED, USAGE, INTERRUPTED = 1, 2, 130
+SMALL = ("--levels", 3, "--phases", 1, "--quiet")
+TOP = ("--case", "free_top", "--h0", 0.05, *SMALL)
+
+
+class Convergence(DriverTest):
+    def converge(self, *arguments, code=0):
+        run = self.drive("convergence", *arguments)
+        self.assertEqual(run.returncode, code, run.stderr + run.stdout)
+        return run
+
+    def studies(self, folder):
+        return {name: content for name, content in self.files().items() if name.startswith(folder + "/") and name.endswith(".json")}
+
+    def test_list_names_every_case_and_scheme(self):
+        lines = self.converge("--list").stdout
+        for word in ("ball_e05", "rocking_block", "free_top", "moreau_jean theta 0.5 combined"):
+            self.assertIn(word, lines)
+        self.assertEqual(self.files(), {})
+
+    def test_json_holds_errors_that_give_the_orders(self):
+        self.converge(*TOP, "--json", "study.json")
+        study = json.loads((self.folder / "study.json").read_text())
+        levels = study["levels_done"]
+        self.assertEqual(len(levels), 3)
+        self.assertTrue(study["as_expected"])
+        ratios = [a["q_max"] / b["q_max"] for a, b in zip(levels, levels[1:])]
+        steps = [a["h_s"] / b["h_s"] for a, b in zip(levels, levels[1:])]
+        for ratio, step in zip(ratios, steps):
+            self.assertAlmostEqual(ratio, step**2, delta=0.1 * step**2)
+        self.assertAlmostEqual(study["order"]["q_max"], 2, delta=0.05)
+
+    def test_a_missed_order_is_an_exit_code(self):
+        # Steps of a tenth of a second are no steps for a ball that comes to rest in 1.35 s.
+        run = self.converge("--case", "ball_e05", "--h0", 0.2, *SMALL, code=NOT_ACCEPTED)
+        self.assertIn("0 of 1 as theory promises", run.stdout)
+
+    def test_studies_that_are_there_are_not_done_again(self):
+        self.converge(*TOP, "-o", "a")
+        before = self.studies("a")
+        self.assertIn("1 of 1 were in a already", self.converge(*TOP, "-o", "a").stdout)
+        self.assertEqual(self.studies("a"), before)
+        self.assertNotIn("already", self.converge(*TOP, "-o", "a", "--tolerance", 1e-10).stdout)
+        self.assertNotEqual(self.studies("a"), before)
+
+    def test_shards_and_threads_make_the_same_table(self):
+        self.converge("--all", *TOP, "-o", "whole", "--threads", 1)
+        for k in (1, 2):
+            self.converge("--all", *TOP, "-o", "parts", "--shard", f"{k}/2", "--threads", 2)
+        run = self.converge("--all", *TOP, "-o", "parts")
+        self.assertIn("6 of 6 were in parts already", run.stdout)
+        whole, parts = self.studies("whole"), self.studies("parts")
+        self.assertEqual(len(whole), 6)
+        self.assertEqual([whole[name] for name in sorted(whole)], [parts[name] for name in sorted(parts)])
+        self.assertEqual((self.folder / "whole/convergence.md").read_bytes(),
+                         (self.folder / "parts/convergence.md").read_bytes())
+
+    def test_goes_on_after_an_interruption(self):
+        command = [Path(os.environ["AUSSOIS_DRIVERS"], "convergence"), "--all", "--case", "dzhanibekov", "--levels", "7",
+                   "--phases", "2", "--quiet", "--threads", "1", "-o", "all"]
+        process = subprocess.Popen(command, cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        deadline = time.monotonic() + 120
+        while not self.studies("all") and time.monotonic() < deadline:
+            time.sleep(0.02)
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=120)
+        self.assertEqual(process.returncode, INTERRUPTED)
+        done = self.studies("all")
+        self.assertTrue(0 < len(done) < 6, "stopped half-way")
+        self.assertFalse((self.folder / "all/convergence.md").exists())
+        run = self.converge(*command[1:])
+        self.assertIn(f"{len(done)} of 6 were in all already", run.stdout)
+        self.assertEqual({name: self.studies("all")[name] for name in done}, done)
+
+    def test_bad_input_is_refused_without_a_trace(self):
+        for words, arguments in (
+                (["--case NAME"], []),
+                (["perpetuum", "ball_e0"], ["--case", "perpetuum"]),
+                (["no restitution"], ["--case", "ball_e05", "--normal-law", "gap_over_step"]),
+                (["3/2"], ["--all", "--shard", "3/2"]),
+                (["1/2x"], ["--all", "--shard", "1/2x"]),
+                (["--theta", "1.5"], ["--case", "free_top", "--theta", "1.5"]),
+                (["--levels", "2"], ["--case", "free_top", "--levels", "2"]),
+                (["euler", "moreau_jean"], ["--case", "free_top", "--scheme", "euler"])):
+            run = self.converge(*arguments, code=USAGE)
+            self.assertRegex(run.stderr, r"\Aconvergence: [^\n]*\n\Z")
+            for word in words:
+                self.assertIn(word, run.stderr)
+            self.assertEqual(self.files(), {})
+
+
+if __name__ == "__main__":
+    unittest.main()

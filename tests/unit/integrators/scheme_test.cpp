@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "integrators/scheme.hpp"
+
+#include <algorithm>
+
+#include "tests/support/block_scene.hpp"
+#include "tests/support/message_of.hpp"
+
+namespace aussois {
+namespace {
+
+// The registry adds nothing: step by step the same bits as the class it names.
+TEST(Scheme, IsTheClassItNames) {
+  for (const SchemeVariant& variant : scheme_variants()) {
+    if (variant.name != "moreau_jean") continue;
+    Scene s = block_on_plate(0.3, 0.5, 0.2, 0.01);
+    State by_name = s.state, by_class = s.state;
+    SchemeOptions options = variant.options;
+    options.h = 2e-3;
+    const Scheme scheme = make_scheme(variant.name, s.model, options);
+    const MoreauJean direct(s.model, {.h = 2e-3, .theta = options.theta, .normal = options.normal});
+    for (int k = 0; k < 40; ++k) {
+      ASSERT_TRUE(scheme.step(by_name, kInf).ok());
+      ASSERT_TRUE(direct.step(by_class).ok());
+      ASSERT_EQ(hash(by_name), hash(by_class)) << label(variant.name, options) << ", step " << k;
+    }
+  }
+}
+
+TEST(Scheme, HasALabelOfItsOwnForEachVariant) {
+  std::vector<std::string> labels;
+  for (const SchemeVariant& variant : scheme_variants())
+    labels.push_back(label(variant.name, variant.options));
+  std::sort(labels.begin(), labels.end());
+  EXPECT_EQ(std::adjacent_find(labels.begin(), labels.end()), labels.end());
+  EXPECT_GE(labels.size(), 6u);  // Moreau-Jean: two theta, three normal laws
+}
+
+TEST(Scheme, PromisesOrderTwoAtTheMidpointOnly) {
+  EXPECT_EQ(scheme_traits("moreau_jean", {.theta = 0.5}).smooth, 2);
+  EXPECT_EQ(scheme_traits("moreau_jean", {.theta = 0.6}).smooth, 1);
+  EXPECT_EQ(scheme_traits("moreau_jean", {.theta = 0.5}).nonsmooth, 1);
+}
+
+// A ball that falls on a plate comes back exactly where the traits say so.
+TEST(Scheme, BouncesWhereItsTraitsSaySo) {
+  for (const SchemeVariant& variant : scheme_variants()) {
+    Scene s = block_on_plate(0, 1, 0, 0.01);
+    twist(s.state, s.block)[2] = -1;
+    const Scheme scheme = make_scheme(variant.name, s.model, variant.options);
+    for (int k = 0; k < 30; ++k) ASSERT_TRUE(scheme.step(s.state, kInf).ok());
+    EXPECT_EQ(twist(s.state, s.block)[2] > 0.5, scheme_traits(variant.name, variant.options).restitution)
+        << label(variant.name, variant.options);
+  }
+}
+
+TEST(Scheme, IsRefusedByAnUnknownNameOrABadOption) {
+  const Scene s = block_on_plate(0, 0, 0);
+  EXPECT_NE(message_of([&] { make_scheme("euler", s.model, {}); }).find("moreau_jean"), std::string::npos);
+  EXPECT_NE(message_of([&] { scheme_traits("euler", {}); }).find("euler"), std::string::npos);
+  EXPECT_NE(message_of([&] { make_scheme("moreau_jean", s.model, {.theta = 2}); }).find("theta"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace aussois
