@@ -2,8 +2,8 @@
 #include "integrators/contact_problem.hpp"
 
 #include <algorithm>
+#include <cmath>
 
-#include "geometry/check.hpp"
 #include "geometry/frame.hpp"
 
 namespace aussois {
@@ -19,7 +19,7 @@ Mat36 point_jacobian(const State& state, int body, const Vec3& p, const Mat3& fr
   return J;
 }
 
-// The frictional law of a pair, and its drilling row.
+// The frictional law of a pair, and its drilling row (MEC-7).
 Law law_of(const ContactLaw& law) {
   return law.contensou_radius > 0 ? contensou(law.mu, law.contensou_radius) : coulomb(law.mu);
 }
@@ -104,12 +104,16 @@ GapFunctionRows gap_rows(const Model& model, const State& state, const DofMap& d
   for (int i = 0; i < int(model.gaps.size()); ++i) {
     const GapFunction& gap = model.gaps[std::size_t(i)];
     const GapRows now = gap.evaluate(model, state, state.t);
-    const Eigen::Index first = gap.block < 0 ? 0
-                                             : 6 * Eigen::Index(model.bodies.size()) +
-                                                   first_coordinate(model, gap.block),
-                       size = gap.block < 0 ? state.v.size() : model.coordinates[std::size_t(gap.block)].size;
-    AUSSOIS_ASSERT(now.J.cols() == size && now.J.rows() >= 1 && now.J.rows() <= 3);
-    ContactRow row{.law = law_of(gap.law, now.J.rows()), .slot = 12 * int(model.joints.size()) + 3 * i};
+    const Eigen::Index size = gap_columns(model, gap),
+                       first = gap.block < 0 ? 0 : first_speed(model, gap.block);
+    ContactRow row{.law = law_of(gap.law, now.J.rows()), .slot = first_gap_row(model) + 3 * i};
+    if (now.J.cols() != size || now.J.rows() < 1 || now.J.rows() > 3) {  // ends as not_finite
+      row.law = unilateral();
+      row.w.setConstant(std::nan(""));
+      out.rows.push_back(row);
+      out.gap.push_back(now.gap);
+      continue;
+    }
     RowVector u_before = RowVector::Zero();
     for (Eigen::Index d = 0; d < now.J.rows(); ++d) {
       if (now.rate.size() > 0) row.w[d] = now.rate[d];

@@ -73,6 +73,11 @@ void add_axis_forces(const Model& model, const State& state, double h, double th
     }
 }
 
+// A matrix of the wrong size ends as not_finite; validate_start names it.
+MatX sized(const MatX& A, Eigen::Index rows, Eigen::Index columns) {
+  return A.rows() == rows && A.cols() == columns ? A : MatX(MatX::Constant(rows, columns, std::nan("")));
+}
+
 void append(std::vector<Triplet>& out, int at, const MatX& block, double scale) {
   for (int j = 0; j < block.cols(); ++j)
     for (int i = 0; i < block.rows(); ++i)
@@ -87,13 +92,13 @@ void add_coordinates(const Model& model, const State& state, const DofMap& dofs,
     const Coordinates& block = model.coordinates[std::size_t(i)];
     const int row = dofs.coordinates + first_coordinate(model, i);
     const VecX q_i = coordinates(model, state, i), v_i = speeds(model, state, i);
-    append(mass, row, block.mass(q_i + h / 2 * v_i), 1);
+    append(mass, row, sized(block.mass(q_i + h / 2 * v_i), block.size, block.size), 1);
     v.segment(row, block.size) = v_i;
     if (!block.force) continue;
     const CoordinateForce force = block.force(state.t + theta * h, q_i + theta * h * v_i, v_i);
-    laws.segment(row, block.size) += h * force.f;
-    append(law_D, row, force.C, h * theta);
-    append(law_D, row, force.K, h * h * theta * theta);
+    laws.segment(row, block.size) += h * sized(force.f, block.size, 1);
+    if (force.C.size() > 0) append(law_D, row, sized(force.C, block.size, block.size), h * theta);
+    if (force.K.size() > 0) append(law_D, row, sized(force.K, block.size, block.size), h * h * theta * theta);
   }
 }
 

@@ -135,7 +135,7 @@ JointSystem joint_system(const Model& model, const State& state, const DofMap& d
       holds(velocity_row(joint, start[k]), velocity_row(joint, middle[k]));
     for (int i = 0; i < axis_count(joint.kind); ++i) {
       const JointAxis& axis = joint.axis[std::size_t(i)];
-      const int slot = 12 * j + 4 * i;
+      const int slot = kRowsOfAJoint * j + kRowsOfAnAxis * i;
       const bool stops = axis.lower > -kInf || axis.upper < kInf;
       const bool driven = axis.motor.kind == MotorKind::speed || axis.motor.kind == MotorKind::position;
       if (!stops && !driven && axis.friction == 0) continue;
@@ -191,7 +191,7 @@ std::vector<StepJoint> step_joints(const Model& model, const JointSystem& system
     int column = system.first[std::size_t(j)];
     for (const JointRow& row : locked_rows(joint, system.middle)) push(j, row.J_a, lambda[column++]);
     for (int i = 0; i < axis_count(joint.kind); ++i) {
-      const auto acts = r.segment<4>(12 * j + 4 * i);
+      const auto acts = r.segment<kRowsOfAnAxis>(kRowsOfAJoint * j + kRowsOfAnAxis * i);
       double& effort = out[std::size_t(j)].effort[i];
       effort = (acts[0] - acts[1] + acts[2] + acts[3]) / h;
       if (is_bilateral(joint.axis[std::size_t(i)].motor)) effort += lambda[column++] / h;

@@ -128,8 +128,7 @@ Impulses sorted(const Model& model, const std::vector<ContactRow>& rows, const R
       continue;
     }
     out.r.segment(row.slot, count) = r.segment(first, count);
-    if (row.slot < 12 * int(model.joints.size()))
-      out.of_joints.segment(first, count) = r.segment(first, count);
+    if (row.slot < first_gap_row(model)) out.of_joints.segment(first, count) = r.segment(first, count);
   }
   return out;
 }
@@ -138,8 +137,7 @@ std::vector<StepGap> step_gaps(const Model& model, const GapFunctionRows& gaps, 
   std::vector<StepGap> out;
   for (int i = 0; i < int(gaps.rows.size()); ++i)
     if (const ContactRow& row = gaps.rows[std::size_t(i)]; row.active)
-      out.push_back(
-          {i, gaps.gap[std::size_t(i)], r.segment<3>(12 * Eigen::Index(model.joints.size()) + 3 * i)});
+      out.push_back({i, gaps.gap[std::size_t(i)], r.segment<3>(first_gap_row(model) + 3 * i)});
   return out;
 }
 

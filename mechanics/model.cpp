@@ -186,8 +186,16 @@ int first_coordinate(const Model& model, int block) {
   return first;
 }
 
+int first_speed(const Model& model, int block) {
+  return 6 * int(model.bodies.size()) + first_coordinate(model, block);
+}
+
 int velocity_count(const Model& model) {
-  return 6 * int(model.bodies.size()) + first_coordinate(model, int(model.coordinates.size()));
+  return first_speed(model, int(model.coordinates.size()));
+}
+
+int gap_columns(const Model& model, const GapFunction& gap) {
+  return gap.block < 0 ? velocity_count(model) : model.coordinates[std::size_t(gap.block)].size;
 }
 
 void validate(const Model& model) {

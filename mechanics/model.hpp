@@ -43,8 +43,12 @@ const ContactLaw& contact_law(const Model& model, int body_a, int body_b);
 
 /// Length of State::v: six per body, then the coordinates.
 int velocity_count(const Model& model);
-/// First entry of a block in State::q; for the number of blocks their whole size.
+/// First entry of a block in State::q, and of its speeds in State::v; for the number of blocks one past the
+/// last.
 int first_coordinate(const Model& model, int block);
+int first_speed(const Model& model, int block);
+/// Columns that J of a gap function must have.
+int gap_columns(const Model& model, const GapFunction& gap);
 
 /// Throws std::invalid_argument naming body, joint or block, field, value and bound.
 void validate(const Model& model);

@@ -88,12 +88,14 @@ VecX coordinates(const Model& model, const State& state, int block) {
   return state.q.segment(first_coordinate(model, block), model.coordinates[std::size_t(block)].size);
 }
 VecX speeds(const Model& model, const State& state, int block) {
-  return state.v.segment(6 * Eigen::Index(model.bodies.size()) + first_coordinate(model, block),
-                         model.coordinates[std::size_t(block)].size);
+  return state.v.segment(first_speed(model, block), model.coordinates[std::size_t(block)].size);
 }
 
+int first_gap_row(const Model& model) {
+  return kRowsOfAJoint * int(model.joints.size());
+}
 int row_count(const Model& model) {
-  return 12 * int(model.joints.size()) + 3 * int(model.gaps.size());
+  return first_gap_row(model) + 3 * int(model.gaps.size());
 }
 
 std::uint64_t hash(const State& state) {

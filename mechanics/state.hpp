@@ -41,8 +41,10 @@ VecX speeds(const Model& model, const State& state, int block);
 /// from 0.0.
 std::uint64_t hash(const State& state);
 
-/// Entries of State::r: what may act on the axes of joints (four rows each, three axes per joint), then three
-/// per gap function.
+/// Entries of State::r: stops, dry friction and limited motor of every axis of every joint, three axes each;
+/// then three rows per gap function.
+inline constexpr int kRowsOfAnAxis = 4, kRowsOfAJoint = 3 * kRowsOfAnAxis;
+int first_gap_row(const Model& model);
 int row_count(const Model& model);
 
 /// Of the dynamic bodies and the coordinates; `laws` is the sum of the potentials of force laws, joint

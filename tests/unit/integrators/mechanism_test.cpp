@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "geometry/primitives.hpp"
 #include "integrators/moreau_jean.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/random.hpp"
@@ -392,6 +393,121 @@ TEST(FreeChain, KeepsItsLinearMomentumToRoundingAndItsAngularMomentumToSecondOrd
   const double coarse = change(7e-3, linear), fine = change(2e-3, linear);
   EXPECT_LT(linear, 1e-13 * 250);  // 1e-13 in each of 250 steps
   EXPECT_NEAR(order(coarse, fine, 3.5), 2, 0.4);
+}
+
+// Each kind between two free bodies that tumble and are pulled at.
+TEST(Mechanism, OfAnyKindHoldsAndDoesNoWorkAtThetaOneHalf) {
+  for (const JointKind kind : {JointKind::fixed, JointKind::revolute, JointKind::prismatic,
+                               JointKind::cylindrical, JointKind::spherical, JointKind::universal,
+                               JointKind::planar, JointKind::screw, JointKind::distance}) {
+    const auto lost = [&](double h) {
+      Random random(11);
+      Model model;
+      model.gravity = Vec3::Zero();
+      for (int i = 0; i < 2; ++i)
+        add(model, RigidBody{.name = "body", .mass = 1.0 + i, .inertia = Vec3(0.2, 0.3, 0.4).asDiagonal()});
+      State state = rest_state(model);
+      for (SE3& g : state.g) g = random.pose(1);
+      Joint joint = joint_at(kind, "joint", 1, 0, state.g, random.pose(0.5));
+      joint.pitch = 0.5, joint.length = 0.3;
+      if (kind == JointKind::distance) joint.frame_b = joint.frame_b * translation(0.1, 0.2, 0.2);
+      add(model, joint);
+      for (int i = 0; i < 2; ++i) twist(state, i) << random.vector(1), random.vector(3);
+      state = consistent(model, state);
+      const double E = energy(model, state).total();
+      const Vec3 p = momentum(model, state).linear;
+      double worst = 0;
+      advance(MoreauJean(model, {.h = h, .theta = 0.5}), state, 0.3, [&](const StepReport& report) {
+        EXPECT_LT(report.joint_error.translation + report.joint_error.rotation, 1e-12) << to_string(kind);
+        EXPECT_LT(std::abs(report.energy.residual()), 1e-12);
+        worst = std::max(worst, std::abs(energy(model, state).total() - E));
+      });
+      EXPECT_LT((momentum(model, state).linear - p).norm(), 1e-12);
+      return worst;
+    };
+    const double coarse = lost(1e-2), fine = lost(3e-3);
+    EXPECT_LT(fine, 2e-3) << to_string(kind);
+    EXPECT_GT(order(coarse, fine, 10.0 / 3), 1.7) << to_string(kind);
+  }
+}
+
+// A pinion on a rack: an angle coupled to a translation.
+TEST(Rack, FollowsItsPinion) {
+  Model model;
+  model.gravity = Vec3::Zero();
+  add(model, RigidBody{.name = "pinion", .mass = 1, .inertia = 0.5 * Mat3::Identity()});
+  add(model, RigidBody{.name = "rack", .mass = 4, .inertia = Mat3::Identity()});
+  State state = rest_state(model);
+  state.g[1].p.z() = -0.3;
+  add(model, joint_at(JointKind::revolute, "axle", 0, -1, state.g, kAboutY));
+  add(model, joint_at(JointKind::prismatic, "slide", 1, -1, state.g,
+                      translation(0, 0, -0.3) * rotation(Vec3::UnitY(), kPi / 2)));
+  add(model, Coupling{.name = "teeth", .joint_1 = 1, .joint_2 = 0, .ratio = -0.3, .offset = 0});
+  model.joints[0].axis[0].motor = {.kind = MotorKind::effort, .target = [](double) { return 2; }};
+  advance(MoreauJean(model, {.h = 1e-2, .theta = 0.5}), state, 2);
+  EXPECT_NEAR(joint_speed(model, state, 0), 2 * 2 / (0.5 + 4 * 0.09), 1e-9);
+  EXPECT_NEAR(state.g[1].p.x(), -0.3 * joint_coordinate(model, state, 0), 1e-11);
+}
+
+// A crank that is moved along a recorded path drives a slider by a rod.
+TEST(SliderCrank, FollowsACrankOnARecordedPath) {
+  Model model;
+  model.gravity = Vec3::Zero();
+  const double crank = 0.2, length = 0.5;
+  Trajectory path;
+  for (int i = 0; i <= 400; ++i) {
+    path.t.push_back(0.01 * i);
+    path.pose.push_back(rotation(Vec3::UnitY(), -0.03 * i));  // 3 rad/s, x towards z
+  }
+  add(model, prescribed_body("crank", -1, path));
+  add(model, rod(1, length));
+  add(model, RigidBody{.name = "slider", .mass = 1, .inertia = Mat3::Identity()});
+  State state = rest_state(model);
+  state.g[1].p.x() = crank + length / 2;
+  state.g[2].p.x() = crank + length;
+  add(model, joint_at(JointKind::revolute, "pin", 1, 0, state.g, translation(crank, 0, 0) * kAboutY));
+  add(model,
+      joint_at(JointKind::revolute, "wrist", 2, 1, state.g, translation(crank + length, 0, 0) * kAboutY));
+  add(model, joint_at(JointKind::prismatic, "guide", 2, -1, state.g,
+                      translation(crank + length, 0, 0) * rotation(Vec3::UnitY(), kPi / 2)));
+  advance(MoreauJean(model, {.h = 5e-3}), state, 3.5, [&](const StepReport& report) {
+    const double a = 3 * state.t;
+    EXPECT_NEAR(state.g[2].p.x(),
+                crank * std::cos(a) + std::sqrt(length * length - std::pow(crank * std::sin(a), 2)), 1e-10);
+    EXPECT_LT(report.joint_error.translation, 1e-12);
+  });
+}
+
+// A hinged flap falls on the ground: joints and contacts in one problem, one certified path.
+TEST(Flap, FallsOnTheGroundAndLiesThere) {
+  for (const double theta : {0.5, 1.0}) {
+    Model model;
+    model.contact_law = {.mu = 0.5};
+    const SimplicialComplex box = make_box(0.4, 0.2, 0.05);
+    const double radius = 1e-3;
+    const int shape = add(model, prepare(dilate(box, radius)));
+    add(model, fixed_body("ground", add(model, prepare(dilate(make_plate(3, 3), radius)))));
+    add(model, solid_body("flap", shape, mass_properties(box, 1000)));
+    State state = rest_state(model);
+    const double height = 0.025 + 2 * radius;
+    const SE3 hinge = translation(-0.3, 0, height) * kAboutY;
+    state.g[1].p.z() = height;
+    add(model, joint_at(JointKind::revolute, "hinge", 1, -1, state.g, hinge));
+    const double up = -1.0;  // about +y: the far end rises
+    state.g[1] = translation(-0.3, 0, height) * rotation(Vec3::UnitY(), up) * translation(0.3, 0, 0);
+    double weight = 0;
+    const MoreauJean scheme(model, {.h = 2e-3, .theta = theta});
+    advance(scheme, state, 1, [&](const StepReport& report) {
+      EXPECT_GT(report.min_base_distance, 1.9 * radius);
+      EXPECT_LT(report.joint_error.translation, 1e-12);
+      EXPECT_LT(std::abs(report.energy.residual()), 1e-11);
+      weight = report.joints[0].force.z();
+      for (const StepContact& c : report.contacts) weight -= c.impulse.z() / report.h;  // on A, the ground
+    });
+    EXPECT_NEAR(joint_coordinate(model, state, 0), 0, 1e-6);
+    EXPECT_LT(twist(state, 1).norm(), 1e-6);
+    EXPECT_NEAR(weight, 1000 * 0.4 * 0.2 * 0.05 * kG, 1e-4);
+  }
 }
 
 TEST(Mechanism, GoesOnFromACopyWithTheSameBits) {
