@@ -309,7 +309,7 @@ VecX MoreauJean::estimate(const State& state, double h) const {
   const VecX v_prescribed = prescribed_velocity(model_, state, h);
   const FreeMotion free = free_motion(model_, state, dofs_, h, options_.theta);
   VecX v = free.v_free;
-  if (!model_.joints.empty()) {
+  if (!model_.joints.empty() && !model_.shapes.empty()) {  // without shapes nobody asks
     const JointEquations joints =
         joint_system(model_, state, dofs_, v_prescribed, h, options_.theta, options_.normal, options_.joints)
             .equations;
