@@ -314,8 +314,8 @@ State consistent(const Model& model, const State& state) {
     if (!step) break;
     const VecX all = spread(model, state, dofs, *step);
     for (std::size_t b = 0; b < model.bodies.size(); ++b) {
-      if (dofs.first[b] < 0) continue;
       const auto at = 6 * Eigen::Index(b);
+      if (all.segment<6>(at).isZero(0)) continue;  // keeps its bits
       tried.g[b].p += all.segment<3>(at);
       tried.g[b].R = (tried.g[b].R * exp_so3(all.segment<3>(at + 3))).normalized();
     }
