@@ -40,36 +40,45 @@ void subtract_moved_anchors(const GeneralisedForce& force, const DofMap& dofs, c
       laws[row_of(dofs, e.row())] -= h * theta * e.value() * (v_prescribed[e.col()] - v_before[e.col()]);
 }
 
-// Springs, dampers and effort motors of the joints; directions at the middle of the step (MJT-9).
+void add_outer(std::vector<Triplet>& matrix, int row, int column, double factor, const Vec6& a,
+               const Vec6& b) {
+  if (factor == 0) return;
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 6; ++j) matrix.emplace_back(row + i, column + j, factor * a[i] * b[j]);
+}
+
+// Spring, damper and effort motor of an axis; directions at the middle of the step (MJT-9).
+void add_axis_force(const Model& model, const State& state, const std::vector<SE3>& middle, int j, int i,
+                    double t, GeneralisedForce& force) {
+  const Joint& joint = model.joints[std::size_t(j)];
+  const JointAxis& axis = joint.axis[std::size_t(i)];
+  const JointRow row = axis_row(joint, middle, i);
+  std::vector<std::pair<int, Vec6>> ends;  // (first velocity, J)
+  if (joint.body_a >= 0) ends.emplace_back(6 * joint.body_a, row.J_a);
+  if (joint.body_b >= 0) ends.emplace_back(6 * joint.body_b, row.J_b);
+  double speed = 0;
+  for (const auto& [at, J] : ends) speed += J.dot(state.v.segment<6>(at));
+  const double push = axis.motor.kind == MotorKind::effort ? axis.motor.target(t) : 0;
+  const double effort =
+      push - axis.stiffness * (joint_coordinate(model, state, j, i) - axis.rest) - axis.damping * speed;
+  for (const auto& [at, J] : ends) {
+    force.f.segment<6>(at) += effort * J;
+    for (const auto& [with, L] : ends) {
+      add_outer(force.K, at, with, axis.stiffness, J, L);
+      add_outer(force.C, at, with, axis.damping, J, L);
+    }
+  }
+}
+
 void add_axis_forces(const Model& model, const State& state, double h, double theta,
                      GeneralisedForce& force) {
   std::vector<SE3> middle;
   for (int j = 0; j < int(model.joints.size()); ++j)
     for (int i = 0; i < axis_count(model.joints[std::size_t(j)].kind); ++i) {
-      const Joint& joint = model.joints[std::size_t(j)];
-      const JointAxis& axis = joint.axis[std::size_t(i)];
-      const bool pushes = axis.motor.kind == MotorKind::effort;
-      if (axis.stiffness == 0 && axis.damping == 0 && !pushes) continue;
+      const JointAxis& axis = model.joints[std::size_t(j)].axis[std::size_t(i)];
+      if (axis.stiffness == 0 && axis.damping == 0 && axis.motor.kind != MotorKind::effort) continue;
       if (middle.empty()) middle = moved_poses(model, state, state.v, h / 2);
-      const JointRow row = axis_row(joint, middle, i);
-      std::vector<std::pair<int, const Vec6*>> ends;
-      if (joint.body_a >= 0) ends.emplace_back(6 * joint.body_a, &row.J_a);
-      if (joint.body_b >= 0) ends.emplace_back(6 * joint.body_b, &row.J_b);
-      double speed = 0;
-      for (const auto& [at, J] : ends) speed += J->dot(state.v.segment<6>(at));
-      const double stretch = joint_coordinate(model, state, j, i) - axis.rest;
-      const double effort = (pushes ? axis.motor.target(state.t + theta * h) : 0) - axis.stiffness * stretch -
-                            axis.damping * speed;
-      for (const auto& [at, J] : ends) {
-        force.f.segment<6>(at) += effort * *J;
-        for (const auto& [with, L] : ends)
-          for (int r = 0; r < 6; ++r)
-            for (int c = 0; c < 6; ++c) {
-              if (axis.stiffness > 0)
-                force.K.emplace_back(at + r, with + c, axis.stiffness * (*J)[r] * (*L)[c]);
-              if (axis.damping > 0) force.C.emplace_back(at + r, with + c, axis.damping * (*J)[r] * (*L)[c]);
-            }
-      }
+      add_axis_force(model, state, middle, j, i, state.t + theta * h, force);
     }
 }
 

@@ -13,14 +13,27 @@ namespace {
 constexpr int kProjectionSteps = 10;
 constexpr double kProjected = 1e-13;  // [m, rad]; rounding of coordinates of some metres
 
+bool prescribes_motion(const Motor& motor) {
+  return motor.kind == MotorKind::speed || motor.kind == MotorKind::position;
+}
 bool is_bilateral(const Motor& motor) {
-  return (motor.kind == MotorKind::speed || motor.kind == MotorKind::position) && motor.limit == kInf;
+  return prescribes_motion(motor) && motor.limit == kInf;
+}
+bool is_limited(const Motor& motor) {
+  return prescribes_motion(motor) && motor.limit < kInf;
+}
+
+// Of the target of a position motor [m/s, rad/s]; targets are smooth over 10 us.
+double target_speed(const Motor& motor, double t) {
+  constexpr double kTime = 1e-5;
+  return (motor.target(t + kTime) - motor.target(t - kTime)) / (2 * kTime);
 }
 
 // A row of velocities of one or two joints: J . v, with v in the places of State::v.
 struct VelocityRow {
   std::vector<std::pair<int, Vec6>> parts{};  // (first entry of State::v, J)
-  double value = 0;
+  double value = 0;                           // what is to be zero, or the coordinate
+  double speed = 0;                           // what J . v is to be
 
   double times(const VecX& v) const {
     double sum = 0;
@@ -44,17 +57,6 @@ VelocityRow velocity_row(const Model& model, const Coupling& coupling, const Cou
   return out;
 }
 
-// Everything that must be zero: locked rows joint by joint, then couplings.
-std::vector<VelocityRow> constraints(const Model& model, const std::vector<SE3>& g,
-                                     const std::vector<int>& turns) {
-  std::vector<VelocityRow> out;
-  for (const Joint& joint : model.joints)
-    for (const JointRow& row : locked_rows(joint, g)) out.push_back(velocity_row(joint, row));
-  for (const Coupling& coupling : model.couplings)
-    out.push_back(velocity_row(model, coupling, coupling_row(model, coupling, g, turns)));
-  return out;
-}
-
 void append_column(std::vector<Triplet>& G, const DofMap& dofs, const VelocityRow& row, int column) {
   for (const auto& [at, J] : row.parts)
     if (const int first = row_of(dofs, at); first >= 0)
@@ -71,29 +73,34 @@ Speeds speeds_of(const DofMap& dofs, const State& state, const VecX& v_prescribe
           .moved = v_prescribed};
 }
 
-// b of a row that is to move by -`excess` while v_theta acts; what its velocity is off at the start, `lag`,
-// is forgotten (MJT-11).
-double position_bias(const VelocityRow& middle, const Speeds& v, double excess, double lag, double h,
-                     double theta) {
-  const VecX& all = v.before;
-  const double moved = middle.times(v.moved), free_before = middle.times(all) - moved;
-  const double wanted = -excess / h + (1 - theta) * lag;
-  return (moved + (1 - theta) * free_before - wanted) / theta;
-}
+// The step that the equations and rows of joints are made for.
+struct JointStep {
+  const Model& model;
+  const State& state;
+  const DofMap& dofs;
+  Speeds v;
+  double h, theta;
+  const NormalLawOptions& normal;
+  double stabilisation;
 
-// b of a row that is to have the speed `wanted` at the end of the step.
-double speed_bias(const VelocityRow& row, const Speeds& v, double wanted) {
-  return row.times(v.moved) - wanted;
-}
-
-double motor_bias(const Motor& motor, const VelocityRow& start, const VelocityRow& middle, const Speeds& v,
-                  double t, double h, double theta, double stabilisation) {
-  if (motor.kind == MotorKind::speed) return speed_bias(middle, v, motor.target(t + h));
-  const double now = motor.target(t), next = motor.target(t + h);
-  const double speed = (motor.target(t + h / 2) - motor.target(t - h / 2)) / h;
-  return position_bias(middle, v, stabilisation * (start.value - now) - (next - now),
-                       start.times(v.before) - speed, h, theta);
-}
+  // b of a row that is to move by -`excess` while v_theta acts; what its velocity is off at the start, `lag`,
+  // is forgotten (MJT-11).
+  double position_bias(const VelocityRow& middle, double excess, double lag) const {
+    const double moved = middle.times(v.moved), free_before = middle.times(v.before) - moved;
+    const double wanted = -excess / h + (1 - theta) * lag;
+    return (moved + (1 - theta) * free_before - wanted) / theta;
+  }
+  double locked_bias(const VelocityRow& start, const VelocityRow& middle) const {
+    return position_bias(middle, stabilisation * start.value, start.times(v.before));
+  }
+  double motor_bias(const Motor& motor, const VelocityRow& start, const VelocityRow& middle) const {
+    const double t = state.t;
+    if (motor.kind == MotorKind::speed) return middle.times(v.moved) - motor.target(t + h);
+    const double now = motor.target(t), next = motor.target(t + h);
+    return position_bias(middle, stabilisation * (start.value - now) - (next - now),
+                         start.times(v.before) - target_speed(motor, t));
+  }
+};
 
 ContactRow axis_law(const Joint& joint, const JointRow& row, double sign, Law law, double w, int slot) {
   ContactRow out{.body_a = joint.body_a, .body_b = joint.body_b, .law = law, .slot = slot};
@@ -101,6 +108,51 @@ ContactRow axis_law(const Joint& joint, const JointRow& row, double sign, Law la
   out.J_b.row(0) = sign * row.J_b.transpose();
   out.w[0] = w;
   return out;
+}
+
+// A stop where `sign` (q - limit) >= 0 (MJT-12).
+ContactRow stop(const JointStep& step, const Joint& joint, const JointAxis& axis, const JointRow& now,
+                double sign, double limit, int slot) {
+  const VelocityRow row = velocity_row(joint, now);
+  const NormalBias bias = normal_bias(sign * (now.value - limit), sign * row.times(step.v.before),
+                                      axis.restitution, step.h, step.normal);
+  ContactRow out = axis_law(joint, now, sign, unilateral(), sign * row.times(step.v.moved) + bias.w, slot);
+  out.active = bias.active;
+  return out;
+}
+
+// Equations in the order of the columns of G.
+struct Equations {
+  std::vector<Triplet> G{};
+  std::vector<double> b{};
+  void add(const DofMap& dofs, const VelocityRow& row, double bias) {
+    append_column(G, dofs, row, int(b.size()));
+    b.push_back(bias);
+  }
+};
+
+void add_axis(const JointStep& step, const std::vector<SE3>& middle, int j, int i, Equations& equations,
+              std::vector<ContactRow>& rows) {
+  const Joint& joint = step.model.joints[std::size_t(j)];
+  const JointAxis& axis = joint.axis[std::size_t(i)];
+  const bool driven = is_bilateral(axis.motor) || is_limited(axis.motor);
+  if (axis.lower == -kInf && axis.upper == kInf && axis.friction == 0 && !driven) return;
+  JointRow now = axis_row(joint, step.state.g, i);
+  now.value = joint_coordinate(step.model, step.state, j, i);
+  const JointRow mid = axis_row(joint, middle, i);
+  const VelocityRow row_now = velocity_row(joint, now), row_mid = velocity_row(joint, mid);
+  const int slot = kRowsOfAJoint * j + kRowsOfAnAxis * i;
+  if (axis.lower > -kInf) rows.push_back(stop(step, joint, axis, now, 1, axis.lower, slot));
+  if (axis.upper < kInf) rows.push_back(stop(step, joint, axis, now, -1, axis.upper, slot + 1));
+  if (axis.friction > 0)
+    rows.push_back(
+        axis_law(joint, mid, 1, dry_friction(axis.friction * step.h), row_mid.times(step.v.moved), slot + 2));
+  if (!driven) return;
+  const double bias = step.motor_bias(axis.motor, row_now, row_mid);
+  if (is_bilateral(axis.motor))
+    equations.add(step.dofs, row_mid, bias);
+  else
+    rows.push_back(axis_law(joint, mid, 1, dry_friction(axis.motor.limit * step.h), bias, slot + 3));
 }
 
 }  // namespace
@@ -115,62 +167,29 @@ JointSystem joint_system(const Model& model, const State& state, const DofMap& d
                          const JointOptions& options) {
   JointSystem out;
   if (model.joints.empty()) return out;
-  const Speeds v = speeds_of(dofs, state, v_prescribed);
-  out.middle = moved_poses(model, state, v.before, h / 2);
-  std::vector<Triplet> G;
-  std::vector<double> b;
-  const auto equation = [&](const VelocityRow& row, double bias) {
-    append_column(G, dofs, row, int(b.size()));
-    b.push_back(bias);
-  };
-  const auto holds = [&](const VelocityRow& start, const VelocityRow& middle) {
-    equation(middle,
-             position_bias(middle, v, options.stabilisation * start.value, start.times(v.before), h, theta));
+  const JointStep step{model, state, dofs,   speeds_of(dofs, state, v_prescribed),
+                       h,     theta, normal, options.stabilisation};
+  out.middle = moved_poses(model, state, step.v.before, h / 2);
+  Equations equations;
+  const auto add_locked = [&](const VelocityRow& start, const VelocityRow& middle) {
+    equations.add(dofs, middle, step.locked_bias(start, middle));
   };
   for (int j = 0; j < int(model.joints.size()); ++j) {
     const Joint& joint = model.joints[std::size_t(j)];
-    out.first.push_back(int(b.size()));
+    out.first.push_back(int(equations.b.size()));
     const std::vector<JointRow> start = locked_rows(joint, state.g), middle = locked_rows(joint, out.middle);
     for (std::size_t k = 0; k < start.size(); ++k)
-      holds(velocity_row(joint, start[k]), velocity_row(joint, middle[k]));
-    for (int i = 0; i < axis_count(joint.kind); ++i) {
-      const JointAxis& axis = joint.axis[std::size_t(i)];
-      const int slot = kRowsOfAJoint * j + kRowsOfAnAxis * i;
-      const bool stops = axis.lower > -kInf || axis.upper < kInf;
-      const bool driven = axis.motor.kind == MotorKind::speed || axis.motor.kind == MotorKind::position;
-      if (!stops && !driven && axis.friction == 0) continue;
-      JointRow now = axis_row(joint, state.g, i);
-      now.value = joint_coordinate(model, state, j, i);
-      const JointRow mid = axis_row(joint, out.middle, i);
-      const VelocityRow row_now = velocity_row(joint, now), row_mid = velocity_row(joint, mid);
-      const auto stop = [&](double sign, double limit, int at) {
-        const NormalBias bias = normal_bias(sign * (now.value - limit), sign * row_now.times(v.before),
-                                            axis.restitution, h, normal);
-        out.rows.push_back(
-            axis_law(joint, now, sign, unilateral(), sign * row_now.times(v.moved) + bias.w, slot + at));
-        out.rows.back().active = bias.active;
-      };
-      if (axis.lower > -kInf) stop(1, axis.lower, 0);
-      if (axis.upper < kInf) stop(-1, axis.upper, 1);
-      if (axis.friction > 0)
-        out.rows.push_back(
-            axis_law(joint, mid, 1, dry_friction(axis.friction * h), row_mid.times(v.moved), slot + 2));
-      if (!driven) continue;
-      const double bias =
-          motor_bias(axis.motor, row_now, row_mid, v, state.t, h, theta, options.stabilisation);
-      if (is_bilateral(axis.motor))
-        equation(row_mid, bias);
-      else
-        out.rows.push_back(axis_law(joint, mid, 1, dry_friction(axis.motor.limit * h), bias, slot + 3));
-    }
+      add_locked(velocity_row(joint, start[k]), velocity_row(joint, middle[k]));
+    for (int i = 0; i < axis_count(joint.kind); ++i) add_axis(step, out.middle, j, i, equations, out.rows);
   }
-  out.first.push_back(int(b.size()));
+  out.first.push_back(int(equations.b.size()));
   for (const Coupling& coupling : model.couplings)
-    holds(velocity_row(model, coupling, coupling_row(model, coupling, state.g, state.turns)),
-          velocity_row(model, coupling, coupling_row(model, coupling, out.middle, state.turns)));
-  out.equations.G = SparseMatrix(dofs.rows, Eigen::Index(b.size()));
-  out.equations.G.setFromTriplets(G.begin(), G.end());
-  out.equations.b = Eigen::Map<const VecX>(b.data(), Eigen::Index(b.size()));
+    add_locked(velocity_row(model, coupling, coupling_row(model, coupling, state.g, state.turns)),
+               velocity_row(model, coupling, coupling_row(model, coupling, out.middle, state.turns)));
+  const auto columns = Eigen::Index(equations.b.size());
+  out.equations.G = SparseMatrix(dofs.rows, columns);
+  out.equations.G.setFromTriplets(equations.G.begin(), equations.G.end());
+  out.equations.b = Eigen::Map<const VecX>(equations.b.data(), columns);
   return out;
 }
 
@@ -211,6 +230,28 @@ std::vector<StepJoint> step_joints(const Model& model, const JointSystem& system
 
 namespace {
 
+// Everything that must hold at a state: positions (locked rows, couplings, position motors), and velocities
+// (also speed motors).
+std::vector<VelocityRow> constraints(const Model& model, const State& state, bool velocities) {
+  std::vector<VelocityRow> out;
+  for (int j = 0; j < int(model.joints.size()); ++j) {
+    const Joint& joint = model.joints[std::size_t(j)];
+    for (const JointRow& row : locked_rows(joint, state.g)) out.push_back(velocity_row(joint, row));
+    for (int i = 0; i < axis_count(joint.kind); ++i) {
+      const Motor& motor = joint.axis[std::size_t(i)].motor;
+      const bool of_position = motor.kind == MotorKind::position;
+      if (!is_bilateral(motor) || !(velocities || of_position)) continue;
+      VelocityRow row = velocity_row(joint, axis_row(joint, state.g, i));
+      row.value = of_position ? joint_coordinate(model, state, j, i) - motor.target(state.t) : 0;
+      row.speed = of_position ? target_speed(motor, state.t) : motor.target(state.t);
+      out.push_back(std::move(row));
+    }
+  }
+  for (const Coupling& coupling : model.couplings)
+    out.push_back(velocity_row(model, coupling, coupling_row(model, coupling, state.g, state.turns)));
+  return out;
+}
+
 // The smallest step in the metric of the masses along which the constraints change by -`change` (MJT-13);
 // nothing if something is not finite.
 std::optional<VecX> nearest(const Model& model, const DofMap& dofs, const std::vector<VelocityRow>& rows,
@@ -246,10 +287,10 @@ VecX spread(const Model& model, const State& state, const DofMap& dofs, const Ve
 }  // namespace
 
 VecX consistent_velocity(const Model& model, const State& state) {
-  const std::vector<VelocityRow> rows = constraints(model, state.g, state.turns);
+  const std::vector<VelocityRow> rows = constraints(model, state, true);
   const DofMap dofs = dof_map(model);
   VecX off(Eigen::Index(rows.size()));
-  for (std::size_t k = 0; k < rows.size(); ++k) off[Eigen::Index(k)] = rows[k].times(state.v);
+  for (std::size_t k = 0; k < rows.size(); ++k) off[Eigen::Index(k)] = rows[k].times(state.v) - rows[k].speed;
   const std::optional<VecX> step = nearest(model, dofs, rows, off);
   return step ? VecX(state.v + spread(model, state, dofs, *step)) : state.v;
 }
@@ -258,29 +299,28 @@ State consistent(const Model& model, const State& state) {
   State out = state;
   if (model.joints.empty()) return out;
   const DofMap dofs = dof_map(model);
-  std::vector<SE3> best = out.g;
+  State tried = state;
   double least = kInf;
   for (int k = 0; k < kProjectionSteps; ++k) {
-    const std::vector<VelocityRow> rows = constraints(model, out.g, out.turns);
+    const std::vector<VelocityRow> rows = constraints(model, tried, false);
     VecX error(Eigen::Index(rows.size()));
     for (std::size_t i = 0; i < rows.size(); ++i) error[Eigen::Index(i)] = rows[i].value;
     const double now = error.size() > 0 ? error.cwiseAbs().maxCoeff() : 0;
     if (!(now < least)) break;
     least = now;
-    best = out.g;
+    out = tried;
     if (now <= kProjected) break;
     const std::optional<VecX> step = nearest(model, dofs, rows, error);
     if (!step) break;
     const VecX all = spread(model, state, dofs, *step);
     for (std::size_t b = 0; b < model.bodies.size(); ++b) {
-      if (dofs.first[b] < 0) continue;
       const auto at = 6 * Eigen::Index(b);
-      out.g[b].p += all.segment<3>(at);
-      out.g[b].R = (out.g[b].R * exp_so3(all.segment<3>(at + 3))).normalized();
+      if (all.segment<6>(at).isZero(0)) continue;  // keeps its bits
+      tried.g[b].p += all.segment<3>(at);
+      tried.g[b].R = (tried.g[b].R * exp_so3(all.segment<3>(at + 3))).normalized();
     }
+    tried.turns = counted_turns(model, out, tried.g);
   }
-  out.g = best;
-  out.turns = counted_turns(model, state, out.g);
   out.v = consistent_velocity(model, out);
   return out;
 }

@@ -28,9 +28,9 @@ JointSystem joint_system(const Model& model, const State& state, const DofMap& d
 std::vector<StepJoint> step_joints(const Model& model, const JointSystem& system, const VecX& lambda,
                                    const VecX& r, double h);
 
-/// The nearest poses, in the metric of the masses, at which all joints and couplings hold (Newton, to 1e-13 m
-/// and rad or as far as rounding lets it), and the nearest velocities that keep them so (MJT-13). Also the
-/// way to a consistent start.
+/// The nearest poses, in the metric of the masses, at which all joints, couplings and position motors without
+/// a limit hold (Newton, to 1e-13 m and rad or as far as rounding lets it), and the nearest velocities that
+/// keep them so, and speed motors too (MJT-13). Also the way to a consistent start.
 State consistent(const Model& model, const State& state);
 
 /// The velocities only, at the poses of the state.

@@ -43,6 +43,7 @@ std::vector<double> allowed_speeds(const ContactSet& found, const std::vector<St
 // Kinetic energy of the coordinates beyond what the mass of the step says of it (GEN-4).
 double change_of_mass(const Model& model, const State& state, const State& next, const FreeMotion& free,
                       const DofMap& dofs, const VecX& v) {
+  if (model.coordinates.empty()) return 0;
   double work = 0;
   for (int i = 0; i < int(model.coordinates.size()); ++i) {
     const Coordinates& block = model.coordinates[std::size_t(i)];
@@ -50,7 +51,6 @@ double change_of_mass(const Model& model, const State& state, const State& next,
     work += 0.5 * after.dot(block.mass(coordinates(model, next, i)) * after) -
             0.5 * before.dot(block.mass(coordinates(model, state, i)) * before);
   }
-  if (model.coordinates.empty()) return 0;
   const Eigen::Index n = dofs.rows - dofs.coordinates;
   VecX change = VecX::Zero(dofs.rows);
   change.tail(n) = (v - free.v).tail(n);
@@ -82,12 +82,18 @@ State moved(const StepMotion& step, const VecX& v_end) {
   return next;
 }
 
-// The constant velocities that lead from the poses of `state` to those of `end`.
-VecX velocity_to(const State& state, const State& end, VecX v, double h) {
+// The constant velocities, near `v`, that lead from the poses of `state` to those of `end`; `plain` are those
+// that `v` leads to. A body that turns by more than half a turn goes on doing so.
+VecX velocity_to(const State& state, const State& plain, const State& end, VecX v, double h) {
   for (std::size_t b = 0; b < state.g.size(); ++b) {
+    if (end.g[b].p == plain.g[b].p && end.g[b].R.coeffs() == plain.g[b].R.coeffs()) continue;
     const auto at = 6 * Eigen::Index(b);
     v.segment<3>(at) = (end.g[b].p - state.g[b].p) / h;
-    v.segment<3>(at + 3) = log_so3((state.g[b].R.conjugate() * end.g[b].R).normalized()) / h;
+    const Vec3 phi = log_so3((state.g[b].R.conjugate() * end.g[b].R).normalized());
+    const double angle = phi.norm();
+    if (angle == 0) continue;
+    const double turns = std::round((h * v.segment<3>(at + 3).dot(phi) / angle - angle) / (2 * kPi));
+    v.segment<3>(at + 3) = phi * ((1 + 2 * kPi * turns / angle) / h);
   }
   return v;
 }
@@ -109,10 +115,10 @@ std::vector<RowVector> starts(const std::vector<ContactRow>& rows, const WarmSta
 
 // The impulses of a solution, sorted by what they belong to.
 struct Impulses {
-  std::vector<Vec3> contact{};  // world
-  std::vector<double> drilling{};
-  VecX r{};          // State::r
-  VecX of_joints{};  // of the problem's rows, zero for contacts and gap functions
+  std::vector<Vec3> contact{};     // world
+  std::vector<double> drilling{};  // [N m s]
+  VecX r{};                        // State::r
+  VecX of_joints{};                // of the problem's rows, zero for contacts and gap functions
 };
 Impulses sorted(const Model& model, const std::vector<ContactRow>& rows, const ReducedSolution& solved) {
   Impulses out;
@@ -248,8 +254,9 @@ MoreauJean::Attempt MoreauJean::attempt(const State& state, const VecX& v_estima
                                   v_prescribed);  // (MJ-7)
   VecX v_end = all_velocities(dofs_, solution.v, v_prescribed);
   if (options_.joints.project && !model_.joints.empty()) {  // the path is the one to the projected poses
-    const State end = consistent(model_, moved({model_, state, out.v_position, h}, v_end));  // (MJT-13)
-    out.v_position = velocity_to(state, end, out.v_position, h);
+    const State plain = moved({model_, state, out.v_position, h}, v_end);
+    const State end = consistent(model_, plain);  // (MJT-13)
+    out.v_position = velocity_to(state, plain, end, out.v_position, h);
     v_end = end.v;
   }
   const StepMotion step{model_, state, out.v_position, h};
@@ -313,7 +320,7 @@ VecX MoreauJean::estimate(const State& state, double h) const {
   const VecX v_prescribed = prescribed_velocity(model_, state, h);
   const FreeMotion free = free_motion(model_, state, dofs_, h, options_.theta);
   VecX v = free.v_free;
-  if (!model_.joints.empty()) {
+  if (!model_.joints.empty() && !model_.shapes.empty()) {  // without shapes nobody asks
     const JointEquations joints =
         joint_system(model_, state, dofs_, v_prescribed, h, options_.theta, options_.normal, options_.joints)
             .equations;
