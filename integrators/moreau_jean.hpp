@@ -4,11 +4,8 @@
 // (MJ-9), (CA-1) to (CA-8).
 #pragma once
 
-#include "integrators/advancement.hpp"
-#include "integrators/contact_problem.hpp"
-#include "integrators/joint_rows.hpp"
 #include "integrators/step_report.hpp"
-#include "reduction/reduce.hpp"
+#include "integrators/step_setting.hpp"
 
 namespace aussois {
 
@@ -41,14 +38,8 @@ class MoreauJean {
   ContactSet contacts(const State& state, double threshold) const;
 
  private:
-  struct Attempt;
-  VecX estimate(const State& state, double h) const;  // velocities without contacts
-  Attempt attempt(const State& state, const VecX& v_estimate, double h) const;
-
-  const Model& model_;
-  MoreauJeanOptions options_;
-  DofMap dofs_;
-  std::vector<BodyBounds> bounds_;
+  StepSetting setting_;
+  double theta_;
 };
 
 }  // namespace aussois

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "integrators/advance_step.hpp"
+
+#include <algorithm>
+#include <sstream>
+
+#include "geometry/check.hpp"
+
+namespace aussois {
+
+const char* to_string(StepStatus status) {
+  switch (status) {
+    case StepStatus::ok:
+      return "ok";
+    case StepStatus::refused:
+      return "refused";
+    case StepStatus::not_finite:
+      return "not finite";
+  }
+  return "?";
+}
+
+StepReport advance_step(const StepSetting& setting, State& state, double h_limit, const StepMethod& method) {
+  const AdvancementOptions& o = setting.options.advancement;
+  const double h_largest = setting.options.h;
+  require_field(h_limit > 0, "h_limit", h_limit, "be positive [s]");
+  const double begin = cpu_seconds();
+  const double h_control = state.h_next > 0 ? std::min(h_largest, state.h_next) : h_largest;
+  double h = std::min(h_control, h_limit);
+  const double h_asked = h,
+               min_h = std::min(o.min_h, h);  // what is left of a run may be shorter than any minimum
+  VecX v_estimate = method.estimate(state, h);
+
+  const bool finite_poses =
+      std::ranges::all_of(state.g, [](const SE3& g) { return g.p.allFinite() && g.R.coeffs().allFinite(); });
+  StepReport report;
+  const auto ended = [&](StepStatus status) {
+    report.status = status;
+    report.seconds_total = cpu_seconds() - begin;
+    if (status != StepStatus::ok) report.t = state.t, report.h = 0;
+    return report;
+  };
+  if (!v_estimate.allFinite() || !finite_poses) {
+    report.reason = "a force, velocity or pose is not finite";
+    return ended(StepStatus::not_finite);
+  }
+  int unsolved = 0, enlarged = 0;
+  for (int k = 1; k <= o.max_attempts && h >= min_h; ++k) {
+    Attempt trial = method.attempt(state, v_estimate, h);
+    report = std::move(trial.report);
+    report.attempts = k;
+    switch (trial.outcome) {
+      case Outcome::not_finite:
+        return ended(StepStatus::not_finite);
+      case Outcome::not_solved:  // a shorter step is an easier problem; after that the report tells
+        if (++unsolved <= 3 && h / 2 >= min_h) {
+          h /= 2;
+          break;
+        }
+        [[fallthrough]];
+      case Outcome::accepted:
+        state = std::move(trial.next);
+        state.h_next = h < h_asked ? o.growth * h
+                                   : std::max(h_control, o.growth * h);  // only a cut step makes it smaller
+        return ended(StepStatus::ok);
+      case Outcome::bound_exceeded:
+        v_estimate = trial.v_path;
+        if (++enlarged % 4 == 0) h /= 2;
+        break;
+      case Outcome::not_certified:
+        h /= 2;
+        break;
+    }
+  }
+  std::ostringstream text;
+  text << "no step of at least " << min_h << " s was accepted: " << report.reason;
+  report.reason = text.str();
+  return ended(StepStatus::refused);
+}
+
+}  // namespace aussois

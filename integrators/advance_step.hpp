@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// Attempts until one may be accepted: larger estimates, then shorter steps (CA-7), (CA-8).
+#pragma once
+
+#include <functional>
+
+#include "integrators/attempt.hpp"
+
+namespace aussois {
+
+/// What a scheme gives: velocities that the state would end with if it touched nothing, and one attempt.
+struct StepMethod {
+  std::function<VecX(const State&, double h)> estimate{};
+  std::function<Attempt(const State&, const VecX& v_estimate, double h)> attempt{};
+};
+
+/// Advances by at most min(options.h, h_limit); shorter if the advancement needs it. The state is unchanged
+/// unless the report's status is ok. Never throws for numerical trouble, only for h_limit <= 0.
+StepReport advance_step(const StepSetting& setting, State& state, double h_limit, const StepMethod& method);
+
+}  // namespace aussois

@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "integrators/attempt.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+
+#include "nsgs/joint_elimination.hpp"
+
+namespace aussois {
+namespace {
+
+constexpr double kReentry = 0.01;  // of the dilations per step; taste, below what the certificate allows
+
+bool all_finite(const std::vector<SE3>& poses) {
+  return std::ranges::all_of(poses, [](const SE3& g) { return g.p.allFinite() && g.R.coeffs().allFinite(); });
+}
+
+// How fast each contact may close although it was left out of the problem.
+std::vector<double> allowed_speeds(const Found& found) {
+  std::vector<double> allowed;
+  auto pair = found.pairs.begin();
+  for (const ContactPoint& c : found.contacts.points) {  // both are sorted by bodies
+    while (pair->a != c.a.body || pair->b != c.b.body) ++pair;
+    allowed.push_back(kReentry * pair->dilation / found.h);
+  }
+  return allowed;
+}
+
+// Kinetic energy of the coordinates beyond what the mass of the step says of it (GEN-4).
+double change_of_mass(const Model& model, const State& state, const State& next, const FreeMotion& free,
+                      const DofMap& dofs, const VecX& v) {
+  if (model.coordinates.empty()) return 0;
+  double work = 0;
+  for (int i = 0; i < int(model.coordinates.size()); ++i) {
+    const Coordinates& block = model.coordinates[std::size_t(i)];
+    const VecX before = speeds(model, state, i), after = speeds(model, next, i);
+    work += 0.5 * after.dot(block.mass(coordinates(model, next, i)) * after) -
+            0.5 * before.dot(block.mass(coordinates(model, state, i)) * before);
+  }
+  const Eigen::Index n = dofs.rows - dofs.coordinates;
+  VecX change = VecX::Zero(dofs.rows);
+  change.tail(n) = (v - free.v).tail(n);
+  return work - 0.5 * (v + free.v).dot(free.mass * change);
+}
+
+// `v` is the velocity at the end, off by `projected` from what the impulses of the step gave (MJ-9).
+EnergyLedger ledger(const FreeMotion& free, const VecX& contact_impulse, const VecX& joint_impulse,
+                    const VecX& v, const VecX& projected) {
+  const VecX change = v - free.v, middle = (v + free.v) / 2;
+  EnergyLedger out{.kinetic_change = middle.dot(free.mass * change),
+                   .gravity_work = middle.dot(free.gravity),
+                   .law_work = middle.dot(free.laws - free.law_D * change),
+                   .contact_work = middle.dot(contact_impulse),
+                   .gyroscopic_work = middle.dot(free.gyroscopic - free.gyroscopic_D * change)};
+  if (joint_impulse.size() > 0) out.joint_work = middle.dot(joint_impulse + free.M * projected);
+  return out;
+}
+
+// The constant velocities, near `v`, that lead from the poses of `state` to those of `end`; `plain` are those
+// that `v` leads to. A body that turns by more than half a turn goes on doing so.
+VecX velocity_to(const State& state, const State& plain, const State& end, VecX v, double h) {
+  for (std::size_t b = 0; b < state.g.size(); ++b) {
+    if (end.g[b].p == plain.g[b].p && end.g[b].R.coeffs() == plain.g[b].R.coeffs()) continue;
+    const auto at = 6 * Eigen::Index(b);
+    v.segment<3>(at) = (end.g[b].p - state.g[b].p) / h;
+    const Vec3 phi = log_so3((state.g[b].R.conjugate() * end.g[b].R).normalized());
+    const double angle = phi.norm();
+    if (angle == 0) continue;
+    const double turns = std::round((h * v.segment<3>(at + 3).dot(phi) / angle - angle) / (2 * kPi));
+    v.segment<3>(at + 3) = phi * ((1 + 2 * kPi * turns / angle) / h);
+  }
+  return v;
+}
+
+// Impulses that every row starts with: contacts from the memory, turned to now, the others from State::r.
+std::vector<RowVector> starts(const std::vector<ContactRow>& rows, const Found& found, const VecX& r) {
+  std::vector<RowVector> out(rows.size(), RowVector::Zero());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].slot < 0) {
+      out[i].head<3>() = rows[i].frame.transpose() * found.warm.impulse[i];
+      out[i][3] = found.warm.drilling[i];
+    } else if (r.size() > 0) {
+      out[i].head(rows[i].law.rows) = found.scale * r.segment(rows[i].slot, rows[i].law.rows);
+    }
+  }
+  return out;
+}
+
+// The impulses of a solution, sorted by what they belong to.
+struct Impulses {
+  std::vector<Vec3> contact{};     // world
+  std::vector<double> drilling{};  // [N m s]
+  VecX r{};                        // State::r
+  VecX of_joints{};                // of the problem's rows, zero for contacts and gap functions
+};
+Impulses sorted(const Model& model, const std::vector<ContactRow>& rows, const ReducedSolution& solved) {
+  Impulses out;
+  const VecX& r = solved.solution.r;
+  out.of_joints = VecX::Zero(r.size());
+  if (row_count(model) > 0) out.r = VecX::Zero(row_count(model));
+  for (std::size_t k = 0; k < solved.kept.size(); ++k) {
+    const ContactRow& row = rows[std::size_t(solved.kept[k])];
+    const int first = solved.first_row[k], count = row.law.rows;
+    if (row.slot < 0) {
+      out.contact.push_back(row.frame * r.segment<3>(first));
+      out.drilling.push_back(count > 3 ? r[first + 3] : 0);
+      continue;
+    }
+    out.r.segment(row.slot, count) = r.segment(first, count);
+    if (row.slot < first_gap_row(model)) out.of_joints.segment(first, count) = r.segment(first, count);
+  }
+  return out;
+}
+
+std::vector<StepGap> step_gaps(const Model& model, const ImpulseStep& step, std::size_t contacts,
+                               const VecX& r) {
+  std::vector<StepGap> out;
+  for (int i = 0; i < int(step.gap.size()); ++i)
+    if (const ContactRow& row = step.rows[contacts + std::size_t(i)]; row.active)
+      out.push_back({i, step.gap[std::size_t(i)], r.segment<3>(first_gap_row(model) + 3 * i)});
+  return out;
+}
+
+// What the attempt can tell before it moves anything.
+StepReport told(const StepSetting& setting, const Found& found, const ImpulseStep& step,
+                const Impulses& impulses) {
+  StepReport report;
+  for (const StepPair& pair : found.pairs) report.threshold = std::max(report.threshold, pair.threshold);
+  report.contacts_found = int(found.contacts.points.size());
+  report.contacts_kept = int(impulses.contact.size());
+  report.contacts_matched = found.warm.matched;
+  report.min_gap = smallest_gap(found.contacts);
+  for (const double gap : step.gap) report.min_gap = std::min(report.min_gap, gap);
+  report.solve = step.solved.solution.report;
+  if (setting.options.keep_problem)
+    report.problem = StepProblem{step.solved.problem, step.solved.start, step.solved.solution};
+  report.seconds_contact = found.seconds;
+  report.seconds_solve = step.seconds;
+  return report;
+}
+
+}  // namespace
+
+double cpu_seconds() {
+  return double(std::clock()) / CLOCKS_PER_SEC;
+}
+
+Found find_ahead(const StepSetting& setting, const State& state, const VecX& v_estimate, double h) {
+  const double begin = cpu_seconds();
+  const StepOptions& o = setting.options;
+  Found found{.v_estimate = v_estimate, .h = h, .scale = state.h > 0 ? h / state.h : 1};
+  found.pairs = step_pairs({setting.model, state, v_estimate, h}, setting.bounds, o.advancement,
+                           o.threads);                                     // (CA-4)
+  found.contacts = contacts_of(setting.model, state, found.pairs, o.lmd);  // (LMD-3)
+  found.selection = reduce(found.contacts, o.reduction);                   // (RED-1)
+  found.warm = warm_start(state.memory, found.contacts, found.scale);      // (RED-5)
+  found.seconds = cpu_seconds() - begin;
+  return found;
+}
+
+ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
+                       double theta) {
+  const double begin = cpu_seconds();
+  const StepOptions& o = setting.options;
+  ImpulseStep out{.free = std::move(free),
+                  .v_prescribed = prescribed_velocity(setting.model, state, found.h)};
+  out.rows =
+      contact_rows(setting.model, state, found.contacts, out.v_prescribed, found.h, o.normal);  // (MJ-6)
+  GapFunctionRows gaps =
+      gap_rows(setting.model, state, setting.dofs, out.v_prescribed, found.h, o.normal);  // (GEN-3)
+  out.gap = std::move(gaps.gap);
+  out.rows.insert(out.rows.end(), gaps.rows.begin(), gaps.rows.end());
+  out.joints = joint_system(setting.model, state, setting.dofs, out.v_prescribed, found.h, theta, o.normal,
+                            o.joints);  // (MJT-10)
+  out.rows.insert(out.rows.end(), out.joints.rows.begin(), out.joints.rows.end());
+  out.solved = solve_reduced(out.free, setting.dofs, out.rows, out.joints.equations, found.selection,
+                             starts(out.rows, found, state.r), allowed_speeds(found), o.solver);  // (NSGS-1)
+  out.seconds = cpu_seconds() - begin;
+  return out;
+}
+
+State moved(const Model& model, const State& state, const VecX& v_path, const VecX& v_end, double h) {
+  State next = state;
+  next.t += h;
+  next.h = h;
+  next.v = v_end;
+  next.g = moved_poses(model, state, v_path, h);
+  next.q += h * v_path.tail(next.q.size());
+  if (!model.joints.empty()) next.turns = counted_turns(model, state, next.g);
+  return next;
+}
+
+Attempt go(const StepSetting& setting, const State& state, const Found& found, const ImpulseStep& step,
+           const Move& move) {
+  const Model& model = setting.model;
+  const StepOptions& o = setting.options;
+  const FrictionSolution& solution = step.solved.solution;
+  const Impulses impulses = sorted(model, step.rows, step.solved);
+  Attempt out{.report = told(setting, found, step, impulses)};
+  StepReport& report = out.report;
+  const auto failed = [&](Outcome outcome, const std::string& reason) {
+    out.outcome = outcome;
+    report.reason = reason;
+    return out;
+  };
+  if (report.solve.status == SolveStatus::not_finite || !move.v_path.allFinite() || !move.v_end.allFinite())
+    return failed(Outcome::not_finite, "a force or velocity is not finite");
+
+  // Did the step keep its word, and is it proven?
+  out.v_path = all_velocities(setting.dofs, move.v_path, step.v_prescribed);
+  VecX v_end = all_velocities(setting.dofs, move.v_end, step.v_prescribed);
+  if (o.joints.project && !model.joints.empty()) {  // the path is the one to the projected poses
+    const State plain = moved(model, state, out.v_path, v_end, found.h);
+    const State end = consistent(model, plain);  // (MJT-13)
+    out.v_path = velocity_to(state, plain, end, out.v_path, found.h);
+    v_end = end.v;
+  }
+  const StepMotion path{model, state, out.v_path, found.h};
+  const std::string broken = broken_bound(path, {model, state, found.v_estimate, found.h}, found.pairs,
+                                          setting.bounds, o.lmd.alpha, o.advancement);  // (CA-5)
+  if (!broken.empty()) return failed(Outcome::bound_exceeded, broken);
+  if (o.advancement.certify) {
+    const double begin = cpu_seconds();
+    const StepCertificate certificate =
+        certify_step(path, found.pairs, setting.bounds, o.advancement, o.threads);  // (CA-6)
+    report.certificate_rounds = int(certificate.rounds);
+    report.min_base_distance = certificate.min_distance;
+    report.seconds_certificate = cpu_seconds() - begin;
+    if (!certificate.failure.empty()) return failed(Outcome::not_certified, certificate.failure);
+  }
+
+  // The new state
+  out.next = moved(model, state, out.v_path, v_end, found.h);
+  if (!all_finite(out.next.g)) return failed(Outcome::not_finite, "a pose is not finite");
+  const ContactSet kept =
+      select(found.contacts, {step.solved.kept.begin(), step.solved.kept.begin() + report.contacts_kept});
+  for (std::size_t k = 0; k < kept.points.size(); ++k)
+    report.contacts.push_back({kept.points[k], impulses.contact[k], impulses.drilling[k]});
+  out.next.memory = remember(kept, impulses.contact, impulses.drilling);
+  out.next.r = impulses.r;
+  report.t = out.next.t;
+  report.h = found.h;
+  report.physical = physical_residual(solution.u, solution.r, step.solved.problem.laws);
+  report.gaps = step_gaps(model, step, found.contacts.points.size(), impulses.r);
+  VecX joint_impulse;
+  if (!model.joints.empty()) {
+    report.joints = step_joints(model, step.joints, solution.lambda, impulses.r, found.h);  // (MJT-12)
+    report.joint_error = joint_error(model, out.next);
+    joint_impulse = step.solved.problem.H * impulses.of_joints + step.solved.problem.G * solution.lambda;
+  }
+  const VecX v_free_end = free_velocities(setting.dofs, v_end);
+  report.energy = ledger(step.free, step.solved.problem.H * (solution.r - impulses.of_joints), joint_impulse,
+                         v_free_end, v_free_end - solution.v);  // (MJ-9)
+  const double by_mass = change_of_mass(model, state, out.next, step.free, setting.dofs, v_free_end);
+  report.energy.kinetic_change += by_mass;
+  report.energy.gyroscopic_work += by_mass;
+  if (report.solve.status != SolveStatus::converged)
+    return failed(Outcome::not_solved,
+                  std::string("the solver ended with ") + to_string(report.solve.status));
+  return out;
+}
+
+VecX estimate_without_contacts(const StepSetting& setting, const State& state, const FreeMotion& free,
+                               double h, double theta) {
+  const VecX v_prescribed = prescribed_velocity(setting.model, state, h);
+  VecX v = free.v_free;
+  if (!setting.model.joints.empty()) {
+    const JointEquations joints = joint_system(setting.model, state, setting.dofs, v_prescribed, h, theta,
+                                               setting.options.normal, setting.options.joints)
+                                      .equations;
+    const FrictionProblem problem{
+        .M = free.M, .H = SparseMatrix(setting.dofs.rows, 0), .f = free.f, .G = joints.G, .b = joints.b};
+    if (const std::optional<MotionInverse> inverse = invert_motion(problem.M, problem.G))
+      v = free_velocity(problem, *inverse);
+  }
+  return all_velocities(setting.dofs, v, v_prescribed);
+}
+
+}  // namespace aussois

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// The parts that the attempts of all schemes are made of, in their order: what may be touched, which impulses
+// that takes, and whether the path that follows may be gone. A scheme is what it does between them.
+#pragma once
+
+#include <optional>
+
+#include "integrators/reduced_solve.hpp"
+#include "integrators/step_report.hpp"
+#include "integrators/step_setting.hpp"
+
+namespace aussois {
+
+/// Contacts within the displacement bound of an estimated motion (CA-4), with what they started with.
+struct Found {
+  VecX v_estimate{};  // all velocities, in the places of State::v
+  double h = 0;
+  std::vector<StepPair> pairs{};
+  ContactSet contacts{};
+  Selection selection{};  // (RED-1)
+  WarmStart warm{};       // (RED-5)
+  double scale = 1;       // of the last step's impulses
+  double seconds = 0;     // CPU that it took [s]
+};
+Found find_ahead(const StepSetting& setting, const State& state, const VecX& v_estimate, double h);
+
+/// The one-step problem of contacts, gap functions and joints, and its solution.
+struct ImpulseStep {
+  FreeMotion free{};
+  VecX v_prescribed{};
+  std::vector<ContactRow> rows{};  // contacts first, then gap functions, then joint axes
+  std::vector<double> gap{};       // of the gap functions [m]
+  JointSystem joints{};
+  ReducedSolution solved{};
+  double seconds = 0;  // CPU that it took [s]
+};
+/// With rows and joints as they are at the start of the step, biased for the law of the options (MJ-6).
+/// `theta` as of FreeMotion, for the axes of joints.
+ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
+                       double theta);
+
+enum class Outcome { accepted, bound_exceeded, not_certified, not_solved, not_finite };
+struct Attempt {
+  Outcome outcome = Outcome::accepted;
+  VecX v_path{};  // all velocities, constant on the path that was tried
+  State next{};   // if accepted or not solved
+  StepReport report{};
+};
+
+/// Where a scheme wants to go: velocities constant on the path, and those at its end; rows of the problem.
+struct Move {
+  VecX v_path{}, v_end{};
+};
+/// Goes there if the step keeps the bounds that its contacts were found within (CA-5) and is proven to keep
+/// bodies apart (CA-6); with the report, joints projected (MJT-13), and the energy as the velocities at both
+/// ends tell it (MJ-9).
+Attempt go(const StepSetting& setting, const State& state, const Found& found, const ImpulseStep& impulses,
+           const Move& move);
+
+/// The state at the end of a path of constant velocities, in the places of State::v (MJ-8).
+State moved(const Model& model, const State& state, const VecX& v_path, const VecX& v_end, double h);
+
+/// All velocities that the bodies would end with, were there no contacts; the first estimate of a step.
+VecX estimate_without_contacts(const StepSetting& setting, const State& state, const FreeMotion& free,
+                               double h, double theta);
+
+double cpu_seconds();
+
+}  // namespace aussois

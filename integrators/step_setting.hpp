@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// What all schemes share: the options of a step, and a model made ready for it.
+#pragma once
+
+#include "integrators/advancement.hpp"
+#include "integrators/contact_problem.hpp"
+#include "integrators/joint_rows.hpp"
+#include "nsgs/solve.hpp"
+#include "reduction/reduce.hpp"
+
+namespace aussois {
+
+struct StepOptions {
+  double h = 1e-3;  // largest step [s], > 0
+  NormalLawOptions normal{};
+  JointOptions joints{};
+  LmdOptions lmd{};  // its threshold is set in each step by the displacement bound
+  ReductionOptions reduction{};
+  SolverOptions solver{};
+  AdvancementOptions advancement{};
+  int threads = 1;            // the result does not depend on it
+  bool keep_problem = false;  // StepReport::problem holds what was solved, to save and replay it
+};
+void validate(const StepOptions& options);  // throws std::invalid_argument: field, value, bound
+
+/// The model must outlive it.
+struct StepSetting {
+  const Model& model;
+  StepOptions options{};
+  DofMap dofs{};
+  std::vector<BodyBounds> bounds{};
+};
+
+/// Throws std::invalid_argument for a bad option or model, or if two bodies that can touch have no dilation
+/// at all.
+StepSetting step_setting(const Model& model, const StepOptions& options);
+
+/// Contacts of all pairs of bodies at the state with gap <= threshold [m], as a step would find them.
+ContactSet contacts_within(const StepSetting& setting, const State& state, double threshold);
+
+}  // namespace aussois
