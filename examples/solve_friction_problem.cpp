@@ -11,6 +11,7 @@
 #include "examples/common/driver.hpp"
 #include "examples/common/progress.hpp"
 #include "examples/friction/problem_run.hpp"
+#include "geometry/parallel.hpp"
 
 using namespace aussois;
 
@@ -20,7 +21,7 @@ struct Arguments {
   std::vector<std::filesystem::path> files{};
   std::string solver = "auto", local = "hybrid", model = "coulomb", prox = "blocks", start = "zero";
   double tolerance = 1e-8, relaxation = 1;
-  int max_iterations = SolverOptions{}.max_iterations, anderson = 0, repeat = 1;
+  int max_iterations = SolverOptions{}.max_iterations, anderson = 0, threads = 1, repeat = 1;
   std::filesystem::path json{}, save{};
   bool quiet = false;
 };
@@ -45,7 +46,9 @@ ExitCode solve_all(const Arguments& a) {
                  .relaxation = a.relaxation,
                  .local = local_named(a.local),
                  .prox = metric_named(a.prox),
-                 .anderson = a.anderson},
+                 .anderson = a.anderson,
+                 .for_all = [threads = a.threads](
+                                int n, const std::function<void(int)>& f) { parallel_for(n, threads, f); }},
       .start = start_named(a.start),
       .repeat = a.repeat,
       .save = a.save};
@@ -108,6 +111,8 @@ int main(int argc, char** argv) {
   cli.option("--relaxation", a.relaxation, "of nsgs, sor_prox, jor_prox, admm, inside (0, 2)", "-",
              {1e-3, 1.999});
   cli.option("--anderson", a.anderson, "iterates that Anderson acceleration combines; 0: none", "", {0, 20});
+  cli.option("--threads", a.threads, "for islands and colours; the results do not depend on it", "",
+             {1, 256});
   cli.group("output");
   cli.option("--json", a.json, "write a list with an object per problem to this file");
   cli.option("--save", a.save, "write each problem, with its answer as solution, into this folder");

@@ -120,6 +120,7 @@ std::vector<StepPair> pairs_within(const Model& model, const State& state,
   std::vector<StepPair> pairs;
   for (const auto& [i, j] : broad_phase(boxes, threads)) {  // (CA-12)
     const int a = body_of[std::size_t(i)], b = body_of[std::size_t(j)];
+    if (model.passing.contains({a, b})) continue;
     pairs.push_back({.a = a, .b = b, .dilation = shape_of(model, a)->radius + shape_of(model, b)->radius});
   }
   return pairs;
@@ -165,6 +166,10 @@ ContactSet contacts_of(const Model& model, const State& state, const std::vector
   return all;  // pairs are sorted, so the whole set is
 }
 
+double required_distance(const StepPair& pair, const AdvancementOptions& o) {
+  return std::max(1e-3, 1 - o.max_overlap) * pair.dilation;
+}
+
 std::string broken_bound(const StepMotion& step, const StepMotion& estimate,
                          const std::vector<StepPair>& pairs, const std::vector<BodyBounds>& bounds,
                          double alpha, const AdvancementOptions& o) {
@@ -196,7 +201,7 @@ StepCertificate certify_pairs(const StepMotion& step, std::span<const StepPair> 
                               int threads) {
   StepCertificate out;
   for (const StepPair& pair : pairs) {
-    const double required = std::max(1e-3, 1 - o.max_overlap) * pair.dilation;
+    const double required = required_distance(pair, o);
     const double wanted = std::max(pair.dilation, required);
     const double apart = separation(pose(step.state, pair.a) * bounds[std::size_t(pair.a)].box,
                                     pose(step.state, pair.b) * bounds[std::size_t(pair.b)].box);

@@ -64,6 +64,9 @@ std::vector<StepPair> step_pairs(const StepMotion& estimate, const std::vector<B
 ContactSet contacts_of(const Model& model, const State& state, const std::vector<StepPair>& pairs,
                        const LmdOptions& options);
 
+/// What the base complexes of a pair must keep apart (CA-6) [m].
+double required_distance(const StepPair& pair, const AdvancementOptions& options);
+
 /// Empty if the step kept the bounds that its contacts were found within (CA-5), otherwise what broke them.
 std::string broken_bound(const StepMotion& step, const StepMotion& estimate,
                          const std::vector<StepPair>& pairs, const std::vector<BodyBounds>& bounds,

@@ -2,6 +2,7 @@
 #include "integrators/contact_problem.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "geometry/frame.hpp"
 
@@ -18,22 +19,16 @@ Mat36 point_jacobian(const State& state, int body, const Vec3& p, const Mat3& fr
   return J;
 }
 
-// Bias of the normal row, and whether the contact takes part at all.
-double normal_bias(double gap, double u_before, double restitution, double h, const NormalLawOptions& options,
-                   bool& active) {
-  const double over_step = gap >= 0 ? gap / h : std::max(gap / h, -options.correction_speed);
-  const double impact = u_before < 0 ? restitution * u_before : 0;
-  switch (options.law) {
-    case NormalLaw::moreau:
-      active = gap + h / 2 * u_before <= 0;
-      return impact;
-    case NormalLaw::gap_over_step:
-      return over_step;
-    case NormalLaw::combined:
-      if (restitution > 0 && u_before < 0 && gap + h * u_before <= 0) return impact;
-      return over_step;
-  }
-  return over_step;
+// The frictional law of a pair, and its drilling row (MEC-7).
+Law law_of(const ContactLaw& law) {
+  return law.contensou_radius > 0 ? contensou(law.mu, law.contensou_radius) : coulomb(law.mu);
+}
+void set_drilling_row(const State& state, int body, double sign, const Vec3& normal, RowJacobian& J) {
+  J.row(3).tail<3>() = sign * (pose(state, body).R.toRotationMatrix().transpose() * normal).transpose();
+}
+
+Law law_of(const ContactLaw& law, Eigen::Index rows) {
+  return rows == 1 ? unilateral() : rows == 2 ? coulomb_2d(law.mu) : coulomb(law.mu);
 }
 
 }  // namespace
@@ -56,6 +51,22 @@ NormalLaw normal_law(const std::string& name) {
   throw std::invalid_argument("normal law = " + name + " must be moreau, gap_over_step or combined");
 }
 
+NormalBias normal_bias(double gap, double u_before, double restitution, double h,
+                       const NormalLawOptions& options) {
+  const double over_step = gap >= 0 ? gap / h : std::max(gap / h, -options.correction_speed);
+  const double impact = u_before < 0 ? restitution * u_before : 0;
+  switch (options.law) {
+    case NormalLaw::moreau:
+      return {impact, gap + h / 2 * u_before <= 0};
+    case NormalLaw::gap_over_step:
+      break;
+    case NormalLaw::combined:
+      if (restitution > 0 && u_before < 0 && gap + h * u_before <= 0) return {impact, true};
+      break;
+  }
+  return {over_step, true};
+}
+
 std::vector<ContactRow> contact_rows(const Model& model, const State& state, const ContactSet& contacts,
                                      const VecX& v_prescribed, double h, const NormalLawOptions& options) {
   std::vector<ContactRow> rows;
@@ -65,8 +76,13 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
     const ContactLaw& law = contact_law(model, row.body_a, row.body_b);
     const Vec3 p = (c.x_a + c.x_b) / 2;
     row.frame = frame_of(c.normal);
-    row.J_a = point_jacobian(state, row.body_a, p, row.frame);
-    row.J_b = -point_jacobian(state, row.body_b, p, row.frame);
+    row.law = law_of(law);
+    row.J_a.topRows<3>() = point_jacobian(state, row.body_a, p, row.frame);
+    row.J_b.topRows<3>() = -point_jacobian(state, row.body_b, p, row.frame);
+    if (row.law.kind == LawKind::contensou) {
+      set_drilling_row(state, row.body_a, 1, c.normal, row.J_a);
+      set_drilling_row(state, row.body_b, -1, c.normal, row.J_b);
+    }
     row.w =
         row.J_a * v_prescribed.segment<6>(6 * row.body_a) + row.J_b * v_prescribed.segment<6>(6 * row.body_b);
     const auto twist_before = [&](int body) {  // of a moved body: that of its path on this step
@@ -74,11 +90,52 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
                                                          : Vec6(v_prescribed.segment<6>(6 * body));
     };
     const double u_before = (row.J_a * twist_before(row.body_a) + row.J_b * twist_before(row.body_b)).x();
-    row.w.x() += normal_bias(c.gap, u_before, law.restitution, h, options, row.active);
-    row.mu = law.mu;
+    const NormalBias bias = normal_bias(c.gap, u_before, law.restitution, h, options);
+    row.w.x() += bias.w;
+    row.active = bias.active;
     rows.push_back(row);
   }
   return rows;
+}
+
+GapFunctionRows gap_rows(const Model& model, const State& state, const DofMap& dofs, const VecX& v_prescribed,
+                         double h, const NormalLawOptions& options) {
+  GapFunctionRows out;
+  for (int i = 0; i < int(model.gaps.size()); ++i) {
+    const GapFunction& gap = model.gaps[std::size_t(i)];
+    const GapRows now = gap.evaluate(model, state, state.t);
+    const Eigen::Index size = gap_columns(model, gap),
+                       first = gap.block < 0 ? 0 : first_speed(model, gap.block);
+    ContactRow row{.law = law_of(gap.law, now.J.rows()), .slot = first_gap_row(model) + 3 * i};
+    if (now.J.cols() != size || now.J.rows() < 1 || now.J.rows() > 3) {  // ends as not_finite
+      row.law = unilateral();
+      row.w.setConstant(std::nan(""));
+      out.rows.push_back(row);
+      out.gap.push_back(now.gap);
+      continue;
+    }
+    RowVector u_before = RowVector::Zero();
+    for (Eigen::Index d = 0; d < now.J.rows(); ++d) {
+      if (now.rate.size() > 0) row.w[d] = now.rate[d];
+      u_before[d] = row.w[d];
+      for (Eigen::Index k = 0; k < size; ++k) {
+        const double J = now.J(d, k);
+        if (J == 0) continue;
+        const int at = row_of(dofs, first + k);
+        u_before[d] += J * (at >= 0 ? state.v : v_prescribed)[first + k];
+        if (at >= 0)
+          row.others.emplace_back(int(d), at, J);
+        else
+          row.w[d] += J * v_prescribed[first + k];
+      }
+    }
+    const NormalBias bias = normal_bias(now.gap, u_before.x(), gap.law.restitution, h, options);
+    row.w.x() += bias.w;
+    row.active = bias.active;
+    out.rows.push_back(std::move(row));
+    out.gap.push_back(now.gap);
+  }
+  return out;
 }
 
 FrictionProblem contact_problem(const FreeMotion& free, const DofMap& dofs,
@@ -86,28 +143,35 @@ FrictionProblem contact_problem(const FreeMotion& free, const DofMap& dofs,
   FrictionProblem problem;
   problem.M = free.M;
   problem.f = free.f;
-  problem.w = VecX::Zero(3 * Eigen::Index(kept.size()));
+  for (int i : kept) problem.laws.push_back(rows[std::size_t(i)].law);
+  const std::vector<int> first_row = first_rows(problem.laws);
+  problem.w = VecX::Zero(first_row.back());
   std::vector<Triplet> entries;
-  for (int k = 0; k < int(kept.size()); ++k) {
-    const ContactRow& row = rows[std::size_t(kept[std::size_t(k)])];
-    problem.w.segment<3>(3 * k) = row.w;
-    problem.laws.push_back(coulomb(row.mu));
+  for (std::size_t k = 0; k < kept.size(); ++k) {
+    const ContactRow& row = rows[std::size_t(kept[k])];
+    problem.w.segment(first_row[k], row.law.rows) = row.w.head(row.law.rows);
     for (const auto& [body, J] : {std::pair{row.body_a, &row.J_a}, std::pair{row.body_b, &row.J_b}}) {
-      const int first = dofs.first[std::size_t(body)];
+      const int first = body < 0 ? -1 : dofs.first[std::size_t(body)];
       if (first < 0) continue;
       for (int i = 0; i < 6; ++i)
-        for (int d = 0; d < 3; ++d) entries.emplace_back(first + i, 3 * k + d, (*J)(d, i));
+        for (int d = 0; d < row.law.rows; ++d) entries.emplace_back(first + i, first_row[k] + d, (*J)(d, i));
     }
+    for (const Triplet& e : row.others) entries.emplace_back(e.col(), first_row[k] + e.row(), e.value());
   }
-  problem.H = SparseMatrix(dofs.rows, 3 * Eigen::Index(kept.size()));
+  problem.H = SparseMatrix(dofs.rows, first_row.back());
   problem.H.setFromTriplets(entries.begin(), entries.end());
   return problem;
 }
 
-Vec3 relative_velocity(const ContactRow& row, const DofMap& dofs, const VecX& v) {
-  Vec3 u = row.w;
-  if (const int a = dofs.first[std::size_t(row.body_a)]; a >= 0) u += row.J_a * v.segment<6>(a);
-  if (const int b = dofs.first[std::size_t(row.body_b)]; b >= 0) u += row.J_b * v.segment<6>(b);
+RowVector relative_velocity(const ContactRow& row, const DofMap& dofs, const VecX& v) {
+  RowVector u = row.w;
+  const auto add = [&](int body, const RowJacobian& J) {
+    const int first = body < 0 ? -1 : dofs.first[std::size_t(body)];
+    if (first >= 0) u += J * v.segment<6>(first);
+  };
+  add(row.body_a, row.J_a);
+  add(row.body_b, row.J_b);
+  for (const Triplet& e : row.others) u[e.row()] += e.value() * v[e.col()];
   return u;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From contacts to the one-step problem: directions, bias, friction (MJ-3), (MJ-6).
+// From contacts and gap functions to the one-step problem: directions, bias, laws (MJ-3), (MJ-6), (GEN-3).
 #pragma once
 
 #include <string>
@@ -19,15 +19,22 @@ const char* to_string(NormalLaw law);
 /// By its name; throws std::invalid_argument naming the three.
 NormalLaw normal_law(const std::string& name);
 
-/// One contact as the dynamics sees it.
+inline constexpr int kRowsOfAContact = 5;
+using RowJacobian = Eigen::Matrix<double, kRowsOfAContact, 6>;
+using RowVector = Eigen::Matrix<double, kRowsOfAContact, 1>;
+
+/// One block of rows as the dynamics sees it: a contact, a gap function, or what acts on the axis of a joint.
+/// Rows beyond those of its law are zero.
 struct ContactRow {
-  int body_a = -1, body_b = -1;
-  Mat3 frame = Mat3::Identity();  // columns n, t1, t2; impulses act on A [world]
-  Eigen::Matrix<double, 3, 6> J_a = Eigen::Matrix<double, 3, 6>::Zero();  // u = J_a twist_a + J_b twist_b
-  Eigen::Matrix<double, 3, 6> J_b = Eigen::Matrix<double, 3, 6>::Zero();
-  Vec3 w = Vec3::Zero();  // bias: normal law and moved bodies [m/s]
-  double mu = 0;
-  bool active = true;  // false: the normal law leaves the contact out of this step
+  int body_a = -1, body_b = -1;           // -1: none, or the world
+  Mat3 frame = Mat3::Identity();          // of a contact: columns n, t1, t2; impulses act on A [world]
+  RowJacobian J_a = RowJacobian::Zero();  // u = J_a twist_a + J_b twist_b + others + w
+  RowJacobian J_b = RowJacobian::Zero();
+  std::vector<Triplet> others{};    // (row of the block, row of the problem, value)
+  RowVector w = RowVector::Zero();  // bias: normal law and what moves by itself [m/s, rad/s]
+  Law law{};
+  bool active = true;  // false: the normal law leaves the block out of this step
+  int slot = -1;       // its first entry of State::r; -1: a contact, kept in the memory
 };
 
 struct NormalLawOptions {
@@ -35,16 +42,33 @@ struct NormalLawOptions {
   double correction_speed = 0.01;  // overlaps are pushed apart no faster than this [m/s]
 };
 
+/// Bias of a normal row (MJ-6) with normal velocity `u_before` at the start of the step, and whether the row
+/// takes part at all.
+struct NormalBias {
+  double w = 0;
+  bool active = true;
+};
+NormalBias normal_bias(double gap, double u_before, double restitution, double h,
+                       const NormalLawOptions& options);
+
 /// Both impulses act at the middle between the two proximal points, so that the pair's angular momentum is
 /// kept. `v_prescribed` as of prescribed_velocity.
 std::vector<ContactRow> contact_rows(const Model& model, const State& state, const ContactSet& contacts,
                                      const VecX& v_prescribed, double h, const NormalLawOptions& options);
 
-/// The problem of the rows `kept`, in order.
+/// The rows of the model's gap functions at the start of the step (GEN-3), in their order, and their gaps.
+struct GapFunctionRows {
+  std::vector<ContactRow> rows{};
+  std::vector<double> gap{};  // [m]
+};
+GapFunctionRows gap_rows(const Model& model, const State& state, const DofMap& dofs, const VecX& v_prescribed,
+                         double h, const NormalLawOptions& options);
+
+/// The problem of the rows `kept`, in order; without joints.
 FrictionProblem contact_problem(const FreeMotion& free, const DofMap& dofs,
                                 const std::vector<ContactRow>& rows, const std::vector<int>& kept);
 
-/// u of a row, bias included, for the velocities v of the dynamic rows [m/s].
-Vec3 relative_velocity(const ContactRow& row, const DofMap& dofs, const VecX& v);
+/// u of a row, bias included, for the velocities v of the dynamic rows [m/s, rad/s].
+RowVector relative_velocity(const ContactRow& row, const DofMap& dofs, const VecX& v);
 
 }  // namespace aussois

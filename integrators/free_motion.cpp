@@ -4,6 +4,8 @@
 #include <cmath>
 #include <variant>
 
+#include "lmd/motion_bound.hpp"
+#include "mechanics/mechanism.hpp"
 #include "nsgs/mass_inverse.hpp"
 
 namespace aussois {
@@ -19,8 +21,8 @@ SparseMatrix matrix_of(int n, const std::vector<Triplet>& entries) {
 std::vector<Triplet> dynamic_entries(const std::vector<Triplet>& entries, const DofMap& dofs) {
   std::vector<Triplet> out;
   for (const Triplet& e : entries) {
-    const int i = dofs.first[std::size_t(e.row() / 6)], j = dofs.first[std::size_t(e.col() / 6)];
-    if (i >= 0 && j >= 0) out.emplace_back(i + e.row() % 6, j + e.col() % 6, e.value());
+    const int i = row_of(dofs, e.row()), j = row_of(dofs, e.col());
+    if (i >= 0 && j >= 0) out.emplace_back(i, j, e.value());
   }
   return out;
 }
@@ -29,13 +31,75 @@ std::vector<Triplet> dynamic_entries(const std::vector<Triplet>& entries, const 
 void subtract_moved_anchors(const GeneralisedForce& force, const DofMap& dofs, const VecX& v_prescribed,
                             const VecX& v_before, double h, double theta, VecX& laws) {
   const auto couples = [&](const Triplet& e) {
-    return dofs.first[std::size_t(e.row() / 6)] >= 0 && dofs.first[std::size_t(e.col() / 6)] < 0;
+    return row_of(dofs, e.row()) >= 0 && row_of(dofs, e.col()) < 0;
   };
-  const auto row = [&](const Triplet& e) { return dofs.first[std::size_t(e.row() / 6)] + e.row() % 6; };
   for (const Triplet& e : force.K)
-    if (couples(e)) laws[row(e)] -= h * h * theta * e.value() * v_prescribed[e.col()];
+    if (couples(e)) laws[row_of(dofs, e.row())] -= h * h * theta * e.value() * v_prescribed[e.col()];
   for (const Triplet& e : force.C)
-    if (couples(e)) laws[row(e)] -= h * theta * e.value() * (v_prescribed[e.col()] - v_before[e.col()]);
+    if (couples(e))
+      laws[row_of(dofs, e.row())] -= h * theta * e.value() * (v_prescribed[e.col()] - v_before[e.col()]);
+}
+
+// Springs, dampers and effort motors of the joints; directions at the middle of the step (MJT-9).
+void add_axis_forces(const Model& model, const State& state, double h, double theta,
+                     GeneralisedForce& force) {
+  std::vector<SE3> middle;
+  for (int j = 0; j < int(model.joints.size()); ++j)
+    for (int i = 0; i < axis_count(model.joints[std::size_t(j)].kind); ++i) {
+      const Joint& joint = model.joints[std::size_t(j)];
+      const JointAxis& axis = joint.axis[std::size_t(i)];
+      const bool pushes = axis.motor.kind == MotorKind::effort;
+      if (axis.stiffness == 0 && axis.damping == 0 && !pushes) continue;
+      if (middle.empty()) middle = moved_poses(model, state, state.v, h / 2);
+      const JointRow row = axis_row(joint, middle, i);
+      std::vector<std::pair<int, const Vec6*>> ends;
+      if (joint.body_a >= 0) ends.emplace_back(6 * joint.body_a, &row.J_a);
+      if (joint.body_b >= 0) ends.emplace_back(6 * joint.body_b, &row.J_b);
+      double speed = 0;
+      for (const auto& [at, J] : ends) speed += J->dot(state.v.segment<6>(at));
+      const double stretch = joint_coordinate(model, state, j, i) - axis.rest;
+      const double effort = (pushes ? axis.motor.target(state.t + theta * h) : 0) - axis.stiffness * stretch -
+                            axis.damping * speed;
+      for (const auto& [at, J] : ends) {
+        force.f.segment<6>(at) += effort * *J;
+        for (const auto& [with, L] : ends)
+          for (int r = 0; r < 6; ++r)
+            for (int c = 0; c < 6; ++c) {
+              if (axis.stiffness > 0)
+                force.K.emplace_back(at + r, with + c, axis.stiffness * (*J)[r] * (*L)[c]);
+              if (axis.damping > 0) force.C.emplace_back(at + r, with + c, axis.damping * (*J)[r] * (*L)[c]);
+            }
+      }
+    }
+}
+
+// A matrix of the wrong size ends as not_finite; validate_start names it.
+MatX sized(const MatX& A, Eigen::Index rows, Eigen::Index columns) {
+  return A.rows() == rows && A.cols() == columns ? A : MatX(MatX::Constant(rows, columns, std::nan("")));
+}
+
+void append(std::vector<Triplet>& out, int at, const MatX& block, double scale) {
+  for (int j = 0; j < block.cols(); ++j)
+    for (int i = 0; i < block.rows(); ++i)
+      if (block(i, j) != 0) out.emplace_back(at + i, at + j, scale * block(i, j));
+}
+
+// Mass, forces and their derivatives of the coordinates, at q + theta h v for the forces and at the middle of
+// the step for the mass (GEN-2); M^ gets h theta C + h^2 theta^2 K through `law_D`.
+void add_coordinates(const Model& model, const State& state, const DofMap& dofs, double h, double theta,
+                     std::vector<Triplet>& mass, std::vector<Triplet>& law_D, VecX& laws, VecX& v) {
+  for (int i = 0; i < int(model.coordinates.size()); ++i) {
+    const Coordinates& block = model.coordinates[std::size_t(i)];
+    const int row = dofs.coordinates + first_coordinate(model, i);
+    const VecX q_i = coordinates(model, state, i), v_i = speeds(model, state, i);
+    append(mass, row, sized(block.mass(q_i + h / 2 * v_i), block.size, block.size), 1);
+    v.segment(row, block.size) = v_i;
+    if (!block.force) continue;
+    const CoordinateForce force = block.force(state.t + theta * h, q_i + theta * h * v_i, v_i);
+    laws.segment(row, block.size) += h * sized(force.f, block.size, 1);
+    if (force.C.size() > 0) append(law_D, row, sized(force.C, block.size, block.size), h * theta);
+    if (force.K.size() > 0) append(law_D, row, sized(force.K, block.size, block.size), h * h * theta * theta);
+  }
 }
 
 }  // namespace
@@ -46,11 +110,19 @@ DofMap dof_map(const Model& model) {
     dofs.first.push_back(is_dynamic(body) ? dofs.rows : -1);
     if (is_dynamic(body)) dofs.rows += 6;
   }
+  dofs.coordinates = dofs.rows;
+  dofs.rows += first_coordinate(model, int(model.coordinates.size()));
   return dofs;
 }
 
+int row_of(const DofMap& dofs, Eigen::Index velocity) {
+  const auto body = std::size_t(velocity / 6);
+  if (body >= dofs.first.size()) return dofs.coordinates + int(velocity) - 6 * int(dofs.first.size());
+  return dofs.first[body] < 0 ? -1 : dofs.first[body] + int(velocity % 6);
+}
+
 VecX prescribed_velocity(const Model& model, const State& state, double h) {
-  VecX v = VecX::Zero(6 * Eigen::Index(model.bodies.size()));
+  VecX v = VecX::Zero(state.v.size());
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     const auto* motion = std::get_if<Prescribed>(&model.bodies[b].motion);
     if (!motion) continue;
@@ -61,14 +133,42 @@ VecX prescribed_velocity(const Model& model, const State& state, double h) {
   return v;
 }
 
+VecX all_velocities(const DofMap& dofs, const VecX& v, const VecX& v_prescribed) {
+  VecX all = v_prescribed;
+  for (std::size_t b = 0; b < dofs.first.size(); ++b)
+    if (dofs.first[b] >= 0) all.segment<6>(6 * Eigen::Index(b)) = v.segment<6>(dofs.first[b]);
+  all.tail(dofs.rows - dofs.coordinates) = v.tail(dofs.rows - dofs.coordinates);
+  return all;
+}
+
+VecX free_velocities(const DofMap& dofs, const VecX& all) {
+  VecX v(dofs.rows);
+  for (std::size_t b = 0; b < dofs.first.size(); ++b)
+    if (dofs.first[b] >= 0) v.segment<6>(dofs.first[b]) = all.segment<6>(6 * Eigen::Index(b));
+  v.tail(dofs.rows - dofs.coordinates) = all.tail(dofs.rows - dofs.coordinates);
+  return v;
+}
+
+std::vector<SE3> moved_poses(const Model& model, const State& state, const VecX& v, double time) {
+  std::vector<SE3> g(state.g.size());
+  for (std::size_t b = 0; b < g.size(); ++b) {
+    const auto at = 6 * Eigen::Index(b);
+    if (const auto* prescribed = std::get_if<Prescribed>(&model.bodies[b].motion))
+      g[b] = evaluate(prescribed->path, state.t + time).pose;
+    else
+      g[b] = pose_at({.g = state.g[b], .v = v.segment<3>(at), .omega = v.segment<3>(at + 3)}, time);
+  }
+  return g;
+}
+
 FreeMotion free_motion(const Model& model, const State& state, const DofMap& dofs, double h, double theta) {
-  const auto bodies = Eigen::Index(model.bodies.size());
-  GeneralisedForce force{.f = VecX::Zero(6 * bodies), .K = {}, .C = {}};
+  GeneralisedForce force{.f = VecX::Zero(state.v.size()), .K = {}, .C = {}};
   for (const ForceLaw& law : model.forces) law.add_to(model, state, state.t + theta * h, force);
+  add_axis_forces(model, state, h, theta, force);
 
   FreeMotion out;
   out.v = out.gravity = out.gyroscopic = out.laws = VecX::Zero(dofs.rows);
-  std::vector<Triplet> mass, gyroscopic;
+  std::vector<Triplet> mass, gyroscopic, of_coordinates;
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     const int row = dofs.first[b];
     if (row < 0) continue;
@@ -82,12 +182,21 @@ FreeMotion free_motion(const Model& model, const State& state, const DofMap& dof
     out.gyroscopic.segment<3>(row + 3) = -h * omega.cross(momentum);
     out.laws.segment<6>(row) = h * force.f.segment<6>(6 * Eigen::Index(b));
   }
+  VecX from_coordinates = VecX::Zero(dofs.rows);
+  if (!model.coordinates.empty()) {
+    out.laws.tail(dofs.rows - dofs.coordinates) += h * force.f.tail(dofs.rows - dofs.coordinates);
+    add_coordinates(model, state, dofs, h, theta, mass, of_coordinates, from_coordinates, out.v);
+  }
   out.mass = matrix_of(dofs.rows, mass);
   out.gyroscopic_D = h * theta * matrix_of(dofs.rows, gyroscopic);
   const SparseMatrix K = matrix_of(dofs.rows, dynamic_entries(force.K, dofs));
   const SparseMatrix C = matrix_of(dofs.rows, dynamic_entries(force.C, dofs));
   out.law_D = h * theta * C + h * h * theta * theta * K;
   out.laws -= h * h * theta * (K * out.v);
+  if (!model.coordinates.empty()) {
+    out.law_D += matrix_of(dofs.rows, of_coordinates);
+    out.laws += from_coordinates;
+  }
   subtract_moved_anchors(force, dofs, prescribed_velocity(model, state, h), state.v, h, theta, out.laws);
   out.M = out.mass + out.gyroscopic_D + out.law_D;                  // (MJ-4)
   out.f = out.M * out.v + out.laws + out.gravity + out.gyroscopic;  // (MJ-5)

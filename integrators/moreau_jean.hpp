@@ -6,6 +6,7 @@
 
 #include "integrators/advancement.hpp"
 #include "integrators/contact_problem.hpp"
+#include "integrators/joint_rows.hpp"
 #include "integrators/step_report.hpp"
 #include "reduction/reduce.hpp"
 
@@ -15,6 +16,7 @@ struct MoreauJeanOptions {
   double h = 1e-3;     // largest step [s], > 0
   double theta = 1.0;  // of the smooth forces and of the position update [-], in [1/2, 1]
   NormalLawOptions normal{};
+  JointOptions joints{};
   LmdOptions lmd{};  // its threshold is set in each step by the displacement bound
   ReductionOptions reduction{};
   SolverOptions solver{};
@@ -40,6 +42,7 @@ class MoreauJean {
 
  private:
   struct Attempt;
+  VecX estimate(const State& state, double h) const;  // velocities without contacts
   Attempt attempt(const State& state, const VecX& v_estimate, double h) const;
 
   const Model& model_;

@@ -10,7 +10,7 @@ std::vector<int> rows_to_add(const std::vector<ContactRow>& rows, const std::vec
                              const std::vector<double>& allowed_speed) {
   std::vector<int> worst(std::size_t(selection.cluster_count), -1);
   std::vector<double> excess(worst.size(), 0);
-  for (std::size_t i = 0; i < rows.size(); ++i) {
+  for (std::size_t i = 0; i < selection.cluster.size(); ++i) {
     if (in[i] || !rows[i].active) continue;
     const auto cluster = std::size_t(selection.cluster[i]);
     const double closing = -relative_velocity(rows[i], dofs, v).x() - allowed_speed[i];
@@ -33,27 +33,35 @@ void add_up(SolveReport& total, const SolveReport& round) {
 }  // namespace
 
 ReducedSolution solve_reduced(const FreeMotion& free, const DofMap& dofs, const std::vector<ContactRow>& rows,
-                              const Selection& selection, const std::vector<Vec3>& warm,
-                              const std::vector<double>& allowed_speed, const SolverOptions& options) {
+                              const JointEquations& joints, const Selection& selection,
+                              const std::vector<RowVector>& warm, const std::vector<double>& allowed_speed,
+                              const SolverOptions& options) {
   ReducedSolution out;
   SolveReport total;
   std::vector<char> in(rows.size(), 0);
   for (int i : selection.kept) in[std::size_t(i)] = rows[std::size_t(i)].active;
-  std::vector<Vec3> r(rows.size(), Vec3::Zero());
-  for (std::size_t i = 0; i < rows.size(); ++i) r[i] = rows[i].frame.transpose() * warm[i];
+  for (std::size_t i = selection.cluster.size(); i < rows.size(); ++i) in[i] = rows[i].active;
+  std::vector<RowVector> r = warm;
   for (;;) {
     out.kept.clear();
     for (int i = 0; i < int(rows.size()); ++i)
       if (in[std::size_t(i)]) out.kept.push_back(i);
-    out.start.resize(3 * Eigen::Index(out.kept.size()));
-    for (std::size_t k = 0; k < out.kept.size(); ++k)
-      out.start.segment<3>(3 * Eigen::Index(k)) = r[std::size_t(out.kept[k])];
     out.problem = contact_problem(free, dofs, rows, out.kept);
+    out.problem.G = joints.G;
+    out.problem.b = joints.b;
+    out.first_row = first_rows(out.problem.laws);
+    out.start.resize(out.first_row.back());
+    for (std::size_t k = 0; k < out.kept.size(); ++k) {
+      const int count = out.problem.laws[k].rows;
+      out.start.segment(out.first_row[k], count) = r[std::size_t(out.kept[k])].head(count);
+    }
     out.solution = solve(out.problem, out.start, options);
     add_up(total, out.solution.report);
     if (!out.solution.v.allFinite()) break;
-    for (std::size_t k = 0; k < out.kept.size(); ++k)
-      r[std::size_t(out.kept[k])] = out.solution.r.segment<3>(3 * Eigen::Index(k));
+    for (std::size_t k = 0; k < out.kept.size(); ++k) {
+      const int count = out.problem.laws[k].rows;
+      r[std::size_t(out.kept[k])].head(count) = out.solution.r.segment(out.first_row[k], count);
+    }
     const std::vector<int> more = rows_to_add(rows, in, selection, dofs, out.solution.v, allowed_speed);
     if (more.empty()) break;
     for (int i : more) in[std::size_t(i)] = 1;

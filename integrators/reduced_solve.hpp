@@ -12,14 +12,23 @@ namespace aussois {
 struct ReducedSolution {
   std::vector<int> kept{};  // rows in the problem, ascending
   FrictionProblem problem{};
-  VecX start{};                 // impulses that the last round started with
-  FrictionSolution solution{};  // its report sums up the rounds
+  std::vector<int> first_row{};  // of each kept row in the problem
+  VecX start{};                  // impulses that the last round started with
+  FrictionSolution solution{};   // its report sums up the rounds
 };
 
-/// `warm[i]` is the impulse on A that row i starts with, world [N s]; a row that was left out re-enters when
-/// it closes faster than `allowed_speed[i]` [m/s], the worst of each cluster per round.
+/// The joints of the step's problem, as of FrictionProblem; empty without joints.
+struct JointEquations {
+  SparseMatrix G{};
+  VecX b{};
+};
+
+/// The first rows are those of `selection`'s contacts, the others are never left out. `warm[i]` are the
+/// impulses that row i starts with [N s, N m s]; a contact that was left out re-enters when it closes faster
+/// than `allowed_speed[i]` [m/s], the worst of each cluster per round.
 ReducedSolution solve_reduced(const FreeMotion& free, const DofMap& dofs, const std::vector<ContactRow>& rows,
-                              const Selection& selection, const std::vector<Vec3>& warm,
-                              const std::vector<double>& allowed_speed, const SolverOptions& options);
+                              const JointEquations& joints, const Selection& selection,
+                              const std::vector<RowVector>& warm, const std::vector<double>& allowed_speed,
+                              const SolverOptions& options);
 
 }  // namespace aussois

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lmd/contact_point.hpp"
+#include "mechanics/mechanism.hpp"
 #include "nsgs/residual.hpp"
 #include "nsgs/solve.hpp"
 
@@ -23,6 +24,21 @@ const char* to_string(StepStatus status);
 struct StepContact {
   ContactPoint point{};
   Vec3 impulse = Vec3::Zero();  // on A, world [N s]
+  double drilling = 0;          // moment about the normal, on A [N m s]
+};
+
+/// A gap function that took part in the solve.
+struct StepGap {
+  int index = -1;
+  double gap = 0;               // at the start of the step [m]
+  Vec3 impulse = Vec3::Zero();  // normal first [N s]
+};
+
+/// What a joint did, on A at the origin of its frame there, in the world, averaged over the step.
+struct StepJoint {
+  Vec3 force = Vec3::Zero();   // of the locked motions and of couplings [N]
+  Vec3 torque = Vec3::Zero();  // [N m]
+  Vec3 effort = Vec3::Zero();  // along its axes: stops, dry friction, speed and position motors [N, N m]
 };
 
 /// What a step gave to the solver and what came back.
@@ -34,13 +50,16 @@ struct StepProblem {
 
 /// Where the energy went in a step [J] (MJ-9).
 struct EnergyLedger {
-  double kinetic_change = 0;  // of the dynamic bodies
+  double kinetic_change = 0;  // of the dynamic bodies and the coordinates
   double gravity_work = 0;
-  double law_work = 0;         // of the force laws, the virtual coupling for example
-  double contact_work = 0;     // of the contact impulses; never positive for e = 0 against bodies at rest
-  double gyroscopic_work = 0;  // of the gyroscopic term as discretised
+  double law_work = 0;  // of force laws (the virtual coupling for example), joint springs and dampers,
+                        // effort motors, forces of coordinates
+  double contact_work =
+      0;  // of the impulses of contacts and gap functions; never positive for e = 0 against bodies at rest
+  double gyroscopic_work = 0;  // of the gyroscopic term as discretised, and of masses that change with q
+  double joint_work = 0;       // of joints, couplings, stops, dry friction, speed and position motors
   double residual() const {    // zero to rounding: the balance of (MJ-9)
-    return kinetic_change - gravity_work - law_work - contact_work - gyroscopic_work;
+    return kinetic_change - gravity_work - law_work - contact_work - gyroscopic_work - joint_work;
   }
 };
 
@@ -53,13 +72,16 @@ struct StepReport {
   int contacts_matched = 0;  // with an impulse from the last step
   int attempts = 1;          // times the step was tried (threshold enlarged or step halved)
   double threshold = 0;   // largest distance within which contacts were looked for, beyond the dilations [m]
-  double min_gap = kInf;  // smallest gap of the contacts found, at the start of the step [m]
+  double min_gap = kInf;  // smallest of contacts found and gap functions, at the start of the step [m]
   double min_base_distance = kInf;  // lower bound of the distance of the base complexes over the step [m]
   int certificate_rounds = 0;
   SolveReport solve{};
   PhysicalResidual physical{};
   EnergyLedger energy{};
+  JointError joint_error{};  // of all joints at the end of the step, at most
   std::vector<StepContact> contacts{};
+  std::vector<StepGap> gaps{};           // of the active gap functions
+  std::vector<StepJoint> joints{};       // of every joint of the model
   std::optional<StepProblem> problem{};  // the last one solved, also in a step that ended badly; if asked for
   double seconds_contact = 0, seconds_solve = 0, seconds_certificate = 0, seconds_total = 0;  // CPU [s]
   bool ok() const { return status == StepStatus::ok && solve.status == SolveStatus::converged; }

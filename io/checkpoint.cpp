@@ -11,7 +11,7 @@ namespace aussois {
 namespace {
 
 constexpr const char* kFormat = "aussois-checkpoint";
-constexpr const char* kVersion = "1";
+constexpr const char* kVersion = "2";
 
 std::string hex(std::uint64_t value) {
   char text[24];
@@ -68,6 +68,9 @@ void write_state(hid_t file, const State& state) {
     pose.push_back({g.p.x(), g.p.y(), g.p.z(), g.R.x(), g.R.y(), g.R.z(), g.R.w()});
   write_rows(file, "/state/pose", pose);
   write_rows(file, "/state/velocity", std::vector<double>(state.v.begin(), state.v.end()));
+  write_rows(file, "/state/coordinates", std::vector<double>(state.q.begin(), state.q.end()));
+  write_rows(file, "/state/turns", state.turns);
+  write_rows(file, "/state/impulse", std::vector<double>(state.r.begin(), state.r.end()));
   using Key = std::array<int, 6>;
   const ContactMemory& memory = state.memory;
   write_rows(file, "/memory/key",
@@ -78,7 +81,14 @@ void write_state(hid_t file, const State& state) {
              gathered<Vec3>(memory, [](const auto& contact) { return contact.point_a; }));
   write_rows(file, "/memory/impulse",
              gathered<Vec3>(memory, [](const auto& contact) { return contact.impulse; }));
+  write_rows(file, "/memory/drilling",
+             gathered<double>(memory, [](const auto& contact) { return contact.drilling; }));
   write_rows(file, "/state/hash", std::vector<std::uint64_t>{hash(state)});
+}
+
+VecX read_vector(hid_t file, const std::string& name) {
+  const std::vector<double> rows = read_rows<double>(file, name);
+  return Eigen::Map<const VecX>(rows.data(), Eigen::Index(rows.size()));
 }
 
 State read_state(hid_t file) {
@@ -88,16 +98,20 @@ State read_state(hid_t file) {
   state.h_next = read_one<double>(file, "/state/h_next");
   for (const PoseRow& row : read_rows<PoseRow>(file, "/state/pose"))
     state.g.push_back({Quat(row[6], row[3], row[4], row[5]), Vec3(row[0], row[1], row[2])});
-  const std::vector<double> velocity = read_rows<double>(file, "/state/velocity");
-  state.v = Eigen::Map<const VecX>(velocity.data(), Eigen::Index(velocity.size()));
+  state.v = read_vector(file, "/state/velocity");
+  state.q = read_vector(file, "/state/coordinates");
+  state.turns = read_rows<int>(file, "/state/turns");
+  state.r = read_vector(file, "/state/impulse");
   const auto key = read_rows<std::array<int, 6>>(file, "/memory/key");
   const auto normal = read_rows<Vec3>(file, "/memory/normal"),
              point_a = read_rows<Vec3>(file, "/memory/point_a"),
              impulse = read_rows<Vec3>(file, "/memory/impulse");
-  if (normal.size() != key.size() || point_a.size() != key.size() || impulse.size() != key.size())
+  const auto drilling = read_rows<double>(file, "/memory/drilling");
+  if (normal.size() != key.size() || point_a.size() != key.size() || impulse.size() != key.size() ||
+      drilling.size() != key.size())
     fail_hdf5(file, "/memory", "has columns of different length");
   for (std::size_t i = 0; i < key.size(); ++i)
-    state.memory.contacts.push_back({ContactKey{key[i]}, normal[i], point_a[i], impulse[i]});
+    state.memory.contacts.push_back({ContactKey{key[i]}, normal[i], point_a[i], impulse[i], drilling[i]});
   if (hash(state) != read_one<std::uint64_t>(file, "/state/hash"))
     fail_hdf5(file, "/state/hash", "is not the hash of the state: the file is damaged");
   return state;

@@ -44,7 +44,7 @@ RunStep run_step(std::int64_t step, const Model& model, const State& state, cons
   row.step = step;
   row.time = state.t;
   row.pose = state.g;
-  row.velocity = state.v;
+  row.velocity = state.v.head(6 * Eigen::Index(state.g.size()));
   const Energy now = energy(model, state);
   row.kinetic = now.kinetic;
   row.gravity = now.gravity;

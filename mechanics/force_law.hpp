@@ -14,9 +14,9 @@ struct Model;
 struct State;
 
 /// Forces and their derivatives in the velocity coordinates: six rows per body of the model (fixed ones too),
-/// force in the world at the centre of mass [N], torque in the body [N m].
+/// force in the world at the centre of mass [N], torque in the body [N m]; then one per coordinate.
 struct GeneralisedForce {
-  VecX f{};                  // 6 x bodies
+  VecX f{};                  // as State::v
   std::vector<Triplet> K{};  // -df/dq along the twist coordinates [N/m, N, N m]
   std::vector<Triplet> C{};  // -df/dv [N s/m, N s, N m s]
 };

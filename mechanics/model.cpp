@@ -53,6 +53,83 @@ void check_law(const ContactLaw& law, const std::string& who) {
                 "be at least 0 and finite");
   require_field(law.restitution >= 0 && law.restitution <= 1, (who + "restitution").c_str(), law.restitution,
                 "lie in [0, 1]");
+  require_field(law.contensou_radius >= 0 && std::isfinite(law.contensou_radius),
+                (who + "contensou_radius").c_str(), law.contensou_radius, "be at least 0 and finite [m]");
+}
+
+void check_axis(const JointAxis& axis, const std::string& who) {
+  const auto at_least_0 = [&](double value, const char* field) {
+    require_field(value >= 0 && std::isfinite(value), (who + field).c_str(), value,
+                  "be at least 0 and finite");
+  };
+  require_field(axis.lower < axis.upper, (who + "lower").c_str(), axis.lower,
+                ("be below upper = " + std::to_string(axis.upper)).c_str());
+  require_field(axis.restitution >= 0 && axis.restitution <= 1, (who + "restitution").c_str(),
+                axis.restitution, "lie in [0, 1]");
+  at_least_0(axis.friction, "friction");
+  at_least_0(axis.stiffness, "stiffness");
+  at_least_0(axis.damping, "damping");
+  require_field(std::isfinite(axis.rest), (who + "rest").c_str(), axis.rest, "be finite");
+  require_field(axis.motor.limit > 0, (who + "motor.limit").c_str(), axis.motor.limit, "be positive");
+  require(axis.motor.kind == MotorKind::none || bool(axis.motor.target),
+          who + "motor.target must be callable");
+}
+
+void check_joint(const Joint& joint, int index, const std::vector<RigidBody>& bodies) {
+  const std::string who = "joint " + std::to_string(index) + " (" + joint.name + "): ";
+  const int count = int(bodies.size());
+  const std::string range = "lie in [-1, " + std::to_string(count) + "), -1 being the world";
+  require_field(joint.body_a >= -1 && joint.body_a < count, (who + "body_a").c_str(), joint.body_a,
+                range.c_str());
+  require_field(joint.body_b >= -1 && joint.body_b < count, (who + "body_b").c_str(), joint.body_b,
+                range.c_str());
+  require_field(joint.body_a != joint.body_b, (who + "body_b").c_str(), joint.body_b, "differ from body_a");
+  const auto moves = [&](int body) { return body >= 0 && is_dynamic(bodies[std::size_t(body)]); };
+  require(moves(joint.body_a) || moves(joint.body_b), who + "one of its bodies must be dynamic");
+  checked_pose(joint.frame_a, (who + "frame_a").c_str());
+  checked_pose(joint.frame_b, (who + "frame_b").c_str());
+  if (joint.kind == JointKind::screw)
+    require_field(joint.pitch != 0 && std::isfinite(joint.pitch), (who + "pitch").c_str(), joint.pitch,
+                  "be finite and not 0 [m/turn]");
+  if (joint.kind == JointKind::distance)
+    require_field(joint.length > 0 && std::isfinite(joint.length), (who + "length").c_str(), joint.length,
+                  "be positive and finite [m]");
+  for (int i = 0; i < axis_count(joint.kind); ++i)
+    check_axis(joint.axis[std::size_t(i)], who + "axis[" + std::to_string(i) + "].");
+}
+
+void check_coupling(const Coupling& coupling, int index, const std::vector<Joint>& joints) {
+  const std::string who = "coupling " + std::to_string(index) + " (" + coupling.name + "): ";
+  const auto check_end = [&](int joint, int axis, const char* field_joint, const char* field_axis) {
+    require_field(joint >= 0 && joint < int(joints.size()), (who + field_joint).c_str(), joint,
+                  ("lie in [0, " + std::to_string(joints.size()) + ")").c_str());
+    const int axes = axis_count(joints[std::size_t(joint)].kind);
+    require_field(axis >= 0 && axis < axes, (who + field_axis).c_str(), axis,
+                  ("lie in [0, " + std::to_string(axes) + "), the axes of the joint").c_str());
+  };
+  check_end(coupling.joint_1, coupling.axis_1, "joint_1", "axis_1");
+  check_end(coupling.joint_2, coupling.axis_2, "joint_2", "axis_2");
+  require(coupling.joint_1 != coupling.joint_2 || coupling.axis_1 != coupling.axis_2,
+          who + "its two axes must differ");
+  require_field(coupling.ratio != 0 && std::isfinite(coupling.ratio), (who + "ratio").c_str(), coupling.ratio,
+                "be finite and not 0");
+  require_field(std::isfinite(coupling.offset), (who + "offset").c_str(), coupling.offset, "be finite");
+}
+
+void check_block(const Coordinates& block, int index) {
+  const std::string who = "coordinates " + std::to_string(index) + " (" + block.name + "): ";
+  require_field(block.size >= 1, (who + "size").c_str(), block.size, "be at least 1");
+  require(bool(block.mass), who + "mass must be callable");
+}
+
+void check_gap(const GapFunction& gap, int index, std::size_t block_count) {
+  const std::string who = "gap function " + std::to_string(index) + " (" + gap.name + "): ";
+  require_field(gap.block >= -1 && gap.block < int(block_count), (who + "block").c_str(), gap.block,
+                ("lie in [-1, " + std::to_string(block_count) + ")").c_str());
+  require(bool(gap.evaluate), who + "evaluate must be callable");
+  check_law(gap.law, who + "law.");
+  require_field(gap.law.contensou_radius == 0, (who + "law.contensou_radius").c_str(),
+                gap.law.contensou_radius, "be 0: a gap function has no spin");
 }
 
 }  // namespace
@@ -68,6 +145,31 @@ int add(Model& model, RigidBody body) {
   return int(model.bodies.size()) - 1;
 }
 
+int add(Model& model, Joint joint) {
+  const int index = int(model.joints.size());
+  check_joint(joint, index, model.bodies);
+  if (joint.body_a >= 0 && joint.body_b >= 0) model.passing.insert(std::minmax(joint.body_a, joint.body_b));
+  model.joints.push_back(std::move(joint));
+  return index;
+}
+
+void add(Model& model, Coupling coupling) {
+  check_coupling(coupling, int(model.couplings.size()), model.joints);
+  model.couplings.push_back(std::move(coupling));
+}
+
+int add(Model& model, Coordinates block) {
+  check_block(block, int(model.coordinates.size()));
+  model.coordinates.push_back(std::move(block));
+  return int(model.coordinates.size()) - 1;
+}
+
+int add(Model& model, GapFunction gap) {
+  check_gap(gap, int(model.gaps.size()), model.coordinates.size());
+  model.gaps.push_back(std::move(gap));
+  return int(model.gaps.size()) - 1;
+}
+
 void add(Model& model, ForceLaw law) {
   require(bool(law.add_to), "force law (" + law.name + "): add_to must be callable");
   model.forces.push_back(std::move(law));
@@ -78,7 +180,27 @@ const ContactLaw& contact_law(const Model& model, int body_a, int body_b) {
   return named == model.pair_laws.end() ? model.contact_law : named->second;
 }
 
+int first_coordinate(const Model& model, int block) {
+  int first = 0;
+  for (int i = 0; i < block; ++i) first += model.coordinates[std::size_t(i)].size;
+  return first;
+}
+
+int first_speed(const Model& model, int block) {
+  return 6 * int(model.bodies.size()) + first_coordinate(model, block);
+}
+
+int velocity_count(const Model& model) {
+  return first_speed(model, int(model.coordinates.size()));
+}
+
+int gap_columns(const Model& model, const GapFunction& gap) {
+  return gap.block < 0 ? velocity_count(model) : model.coordinates[std::size_t(gap.block)].size;
+}
+
 void validate(const Model& model) {
+  require(!model.bodies.empty() || !model.coordinates.empty(),
+          "model: has neither bodies nor coordinates, nothing can move");
   require(model.gravity.allFinite(), "model: gravity must be finite [m/s^2]");
   check_law(model.contact_law, "model: contact_law.");
   const int count = int(model.bodies.size());
@@ -92,6 +214,16 @@ void validate(const Model& model) {
   for (std::size_t i = 0; i < model.shapes.size(); ++i)
     require(model.shapes[i] != nullptr, "model: shape " + std::to_string(i) + " must not be empty");
   for (int i = 0; i < count; ++i) check_body(model.bodies[std::size_t(i)], i, model.shapes.size());
+  for (const auto& [a, b] : model.passing)
+    require(0 <= a && a < b && b < count, "model: passing{" + std::to_string(a) + ", " + std::to_string(b) +
+                                              "}: bodies must be different, in [0, " + std::to_string(count) +
+                                              ") and the smaller first");
+  for (std::size_t i = 0; i < model.joints.size(); ++i) check_joint(model.joints[i], int(i), model.bodies);
+  for (std::size_t i = 0; i < model.couplings.size(); ++i)
+    check_coupling(model.couplings[i], int(i), model.joints);
+  for (std::size_t i = 0; i < model.coordinates.size(); ++i) check_block(model.coordinates[i], int(i));
+  for (std::size_t i = 0; i < model.gaps.size(); ++i)
+    check_gap(model.gaps[i], int(i), model.coordinates.size());
   for (const ForceLaw& law : model.forces)
     require(bool(law.add_to), "force law (" + law.name + "): add_to must be callable");
 }

@@ -1,37 +1,56 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything that stays constant during a run: shapes, bodies, laws.
+// Everything that stays constant during a run: shapes, bodies, joints, coordinates, laws.
 #pragma once
 
 #include <map>
 #include <memory>
+#include <set>
 #include <utility>
 
 #include "lmd/lmd_shape.hpp"
+#include "mechanics/contact_law.hpp"
+#include "mechanics/coordinates.hpp"
 #include "mechanics/force_law.hpp"
+#include "mechanics/joint.hpp"
 #include "mechanics/rigid_body.hpp"
 
 namespace aussois {
-
-struct ContactLaw {
-  double mu = 0.3;           // Coulomb friction [-], >= 0
-  double restitution = 0.0;  // Newton restitution e [-], in [0, 1]
-};
 
 struct Model {
   Vec3 gravity = {0, 0, -9.81};                           // [m/s^2]
   ContactLaw contact_law{};                               // of every pair that is not named below
   std::map<std::pair<int, int>, ContactLaw> pair_laws{};  // by body indices, the smaller first
+  std::set<std::pair<int, int>> passing{};                // pairs that never touch, the smaller first
   std::vector<std::shared_ptr<const LmdShape>> shapes{};  // immutable, shared between bodies
   std::vector<RigidBody> bodies{};
+  std::vector<Joint> joints{};
+  std::vector<Coupling> couplings{};       // of the joints' coordinates
+  std::vector<Coordinates> coordinates{};  // beside the bodies
+  std::vector<GapFunction> gaps{};
   std::vector<ForceLaw> forces{};
 };
 
 int add(Model& model, LmdShape shape);  // returns its index
 int add(Model& model, RigidBody body);  // returns its index; throws like validate
+/// Returns its index; throws like validate. The two bodies pass through each other from now on: erase the
+/// pair from Model::passing if they are to touch.
+int add(Model& model, Joint joint);
+void add(Model& model, Coupling coupling);  // throws like validate
+int add(Model& model, Coordinates block);   // returns its index; throws like validate
+int add(Model& model, GapFunction gap);     // returns its index; throws like validate
 void add(Model& model, ForceLaw law);
 const ContactLaw& contact_law(const Model& model, int body_a, int body_b);
 
-/// Throws std::invalid_argument naming body, field, value and bound.
+/// Length of State::v: six per body, then the coordinates.
+int velocity_count(const Model& model);
+/// First entry of a block in State::q, and of its speeds in State::v; for the number of blocks one past the
+/// last.
+int first_coordinate(const Model& model, int block);
+int first_speed(const Model& model, int block);
+/// Columns that J of a gap function must have.
+int gap_columns(const Model& model, const GapFunction& gap);
+
+/// Throws std::invalid_argument naming body, joint or block, field, value and bound.
 void validate(const Model& model);
 
 }  // namespace aussois

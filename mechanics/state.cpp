@@ -5,6 +5,7 @@
 
 #include "geometry/check.hpp"
 #include "geometry/digest.hpp"
+#include "mechanics/mechanism.hpp"
 
 namespace aussois {
 namespace {
@@ -19,7 +20,8 @@ bool sorted_by_key(const ContactMemory& memory) {
 State rest_state(const Model& model) {
   State state;
   state.g.resize(model.bodies.size());
-  state.v = VecX::Zero(6 * Eigen::Index(model.bodies.size()));
+  state.v = VecX::Zero(velocity_count(model));
+  state.q = VecX::Zero(first_coordinate(model, int(model.coordinates.size())));
   for (std::size_t i = 0; i < model.bodies.size(); ++i)
     if (const Prescribed* prescribed = std::get_if<Prescribed>(&model.bodies[i].motion))
       state.g[i] = evaluate(prescribed->path, prescribed->path.t.front()).pose;
@@ -34,8 +36,24 @@ void validate(const Model& model, const State& state) {
                 "be at least 0 and finite [s]");
   require_field(state.g.size() == count, "size of State::g", state.g.size(),
                 ("be the number of bodies, " + std::to_string(count)).c_str());
-  require_field(state.v.size() == Eigen::Index(6 * count), "size of State::v", state.v.size(),
-                ("be six times the number of bodies, " + std::to_string(6 * count)).c_str());
+  const auto check_size = [](auto size, std::size_t wanted, const char* field, const char* what) {
+    require_field(std::size_t(size) == wanted, field, size,
+                  ("be " + std::string(what) + ", " + std::to_string(wanted)).c_str());
+  };
+  const std::size_t speeds = std::size_t(velocity_count(model));
+  check_size(
+      state.v.size(), speeds, "size of State::v",
+      speeds == 6 * count ? "six times the number of bodies" : "that of six per body and the coordinates");
+  check_size(state.q.size(), speeds - 6 * count, "size of State::q", "the number of coordinates");
+  if (!state.turns.empty())
+    check_size(state.turns.size(), 3 * model.joints.size(), "size of State::turns",
+               "three times the number of joints, or 0");
+  if (state.r.size() > 0)
+    check_size(state.r.size(), std::size_t(row_count(model)), "size of State::r",
+               "that of the rows of axes and gap functions, or 0");
+  require(state.q.allFinite(), "State::q must be finite");
+  require(state.v.tail(state.q.size()).allFinite(), "State::v: the speeds of q must be finite");
+  require(state.r.allFinite(), "State::r must be finite");
   for (std::size_t i = 0; i < count; ++i) {
     const std::string who = "State, body " + std::to_string(i) + " (" + model.bodies[i].name + "): ";
     checked_pose(state.g[i], (who + "pose").c_str());
@@ -43,8 +61,9 @@ void validate(const Model& model, const State& state) {
   }
   for (std::size_t i = 0; i < state.memory.contacts.size(); ++i) {
     const RememberedContact& c = state.memory.contacts[i];
-    require(c.normal.allFinite() && c.point_a.allFinite() && c.impulse.allFinite(),
-            "State::memory, contact " + std::to_string(i) + ": normal, point and impulse must be finite");
+    require(
+        c.normal.allFinite() && c.point_a.allFinite() && c.impulse.allFinite() && std::isfinite(c.drilling),
+        "State::memory, contact " + std::to_string(i) + ": normal, point and impulse must be finite");
   }
   require(sorted_by_key(state.memory), "State::memory must be sorted by key");
 }
@@ -65,6 +84,20 @@ Vec6 twist(const State& state, int body) {
   return state.v.segment<6>(6 * body);
 }
 
+VecX coordinates(const Model& model, const State& state, int block) {
+  return state.q.segment(first_coordinate(model, block), model.coordinates[std::size_t(block)].size);
+}
+VecX speeds(const Model& model, const State& state, int block) {
+  return state.v.segment(first_speed(model, block), model.coordinates[std::size_t(block)].size);
+}
+
+int first_gap_row(const Model& model) {
+  return kRowsOfAJoint * int(model.joints.size());
+}
+int row_count(const Model& model) {
+  return first_gap_row(model) + 3 * int(model.gaps.size());
+}
+
 std::uint64_t hash(const State& state) {
   Digest digest;
   digest.add(state.t);
@@ -77,12 +110,19 @@ std::uint64_t hash(const State& state) {
   }
   digest.add(std::uint64_t(state.v.size()));
   for (const double component : state.v) digest.add(component);
+  digest.add(std::uint64_t(state.q.size()));
+  for (const double component : state.q) digest.add(component);
+  digest.add(std::uint64_t(state.turns.size()));
+  for (const int turn : state.turns) digest.add(std::uint64_t(std::int64_t(turn)));
+  digest.add(std::uint64_t(state.r.size()));
+  for (const double component : state.r) digest.add(component);
   digest.add(std::uint64_t(state.memory.contacts.size()));
   for (const RememberedContact& c : state.memory.contacts) {
     for (const std::int32_t part : c.key.value) digest.add(std::uint64_t(std::uint32_t(part)));
     digest.add(c.normal);
     digest.add(c.point_a);
     digest.add(c.impulse);
+    digest.add(c.drilling);
   }
   return digest.value;
 }
@@ -99,7 +139,27 @@ Energy energy(const Model& model, const State& state) {  // (MEC-4)
   }
   for (const ForceLaw& law : model.forces)
     if (law.potential) energy.laws += law.potential(model, state, state.t);
+  energy.laws += spring_energy(model, state);
+  for (int i = 0; i < int(model.coordinates.size()); ++i) {
+    const Coordinates& block = model.coordinates[std::size_t(i)];
+    const VecX q = coordinates(model, state, i), v = speeds(model, state, i);
+    energy.kinetic += 0.5 * v.dot(block.mass(q) * v);
+    if (block.potential) energy.laws += block.potential(q);
+  }
   return energy;
+}
+
+Momentum momentum(const Model& model, const State& state) {  // (MEC-6)
+  Momentum sum;
+  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+    const RigidBody& body = model.bodies[i];
+    if (!is_dynamic(body)) continue;
+    const Vec6 v = twist(state, int(i));
+    const Vec3 p = body.mass * v.head<3>();
+    sum.linear += p;
+    sum.angular += state.g[i].p.cross(p) + state.g[i].R * Vec3(body.inertia * v.tail<3>());
+  }
+  return sum;
 }
 
 }  // namespace aussois

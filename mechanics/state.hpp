@@ -16,11 +16,14 @@ struct State {
   double h = 0;          // length of the last accepted step [s], 0 before the first: impulses scale with it
   double h_next = 0;     // the step that the control would try next [s]; 0: as large as the scheme allows
   std::vector<SE3> g{};  // g_wb of every body
-  VecX v{};              // six per body: v_G in the world [m/s], omega in the body [rad/s]
+  VecX q{};              // of all blocks of coordinates, in order
+  VecX v{};  // six per body: v_G in the world [m/s], omega in the body [rad/s]; then the speeds of q
+  std::vector<int> turns{};  // of the joints' angles: three per joint, its axes; empty: all zero (MJT-7)
+  VecX r{};  // impulses of the last step on joint axes and gap functions [N s, N m s]; empty: none (MJT-12)
   ContactMemory memory{};
 };
 
-/// Bodies at the world's origin and at rest; prescribed ones where their path begins.
+/// Bodies at the world's origin and at rest, prescribed ones where their path begins; q = 0.
 State rest_state(const Model& model);
 /// Throws std::invalid_argument unless sizes fit the model, every number is finite, rotations are unit
 /// quaternions (1e-6) and the memory is sorted by key.
@@ -30,16 +33,32 @@ SE3& pose(State& state, int body);
 const SE3& pose(const State& state, int body);
 Eigen::Ref<Vec6> twist(State& state, int body);
 Vec6 twist(const State& state, int body);
+/// Coordinates of a block and their speeds.
+VecX coordinates(const Model& model, const State& state, int block);
+VecX speeds(const Model& model, const State& state, int block);
 
 /// 64-bit hash of all bits of the state: equal states have equal hashes, whatever computed them; -0.0 differs
 /// from 0.0.
 std::uint64_t hash(const State& state);
 
-/// Of the dynamic bodies; `laws` is the sum of the potentials at the state's own time (MEC-4).
+/// Entries of State::r: stops, dry friction and limited motor of every axis of every joint, three axes each;
+/// then three rows per gap function.
+inline constexpr int kRowsOfAnAxis = 4, kRowsOfAJoint = 3 * kRowsOfAnAxis;
+int first_gap_row(const Model& model);
+int row_count(const Model& model);
+
+/// Of the dynamic bodies and the coordinates; `laws` is the sum of the potentials of force laws, joint
+/// springs and coordinates at the state's own time (MEC-4).
 struct Energy {
   double kinetic = 0, gravity = 0, laws = 0;  // [J]
   double total() const { return kinetic + gravity + laws; }
 };
 Energy energy(const Model& model, const State& state);
+
+/// Linear momentum of the dynamic bodies [N s] and their angular momentum about the world's origin [N m s].
+struct Momentum {
+  Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
+};
+Momentum momentum(const Model& model, const State& state);
 
 }  // namespace aussois

@@ -12,9 +12,13 @@ namespace aussois {
 
 namespace {
 
-constexpr double kFirstPenalty = 0.1;  // of the largest eigenvalue of W
-constexpr int kFirstInterval = 20;     // steps until the penalty is reconsidered
+constexpr double kFirstPenalty = 1e-3;  // of the largest eigenvalue of W
+constexpr int kFirstInterval = 20;      // steps until the penalty is reconsidered
 constexpr double kImbalance = 3;
+// of a settling phase (AUTO-5)
+constexpr double kSettling = 1e-3;  // penalty, of the unit diagonal of W
+constexpr int kSettlingSteps = 20, kSettlingStart = 4;
+constexpr double kSettlingRate = 0.5;
 
 // The point v of the splitting stands for impulses z = P(v) and velocities -y = penalty (z - v) at once.
 struct Splitting {
@@ -81,6 +85,21 @@ double largest_eigenvalue(Delassus& W) {  // about, by power iteration
 }
 
 }  // namespace
+
+Iterate settled(Delassus& W, const Iterate& start, double tolerance) {
+  Iterate best = start;
+  Splitting split{W};
+  if (!split.factorise(kSettling)) return best;
+  VecX v = VecX::Zero(start.r.size());
+  for (int step = 1; step <= kSettlingSteps; ++step) {
+    v = advanced(split, v).v;
+    Iterate now = judged(W, split.impulses(v), Method::admm);
+    const bool falls = now.residual < kSettlingRate * best.residual;
+    if (now.residual < best.residual) best = std::move(now);
+    if (best.residual <= tolerance || (step > kSettlingStart && !falls)) break;
+  }
+  return best;
+}
 
 Iterate admm(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report) {
   BestSoFar best(start);

@@ -17,6 +17,7 @@ constexpr double kNewtonIterations = 30;  // about, of a second phase
 constexpr double kLeastCost = 2;          // of a Newton iteration in sweeps, about; counted only above
 constexpr double kLongestWait = 300;      // sweeps before Newton may take over, at most
 constexpr int kAttempts = 8;              // after these sweeps go on alone
+constexpr double kSettlingCost = 100;     // sweeps, of the steps of a settling phase, about
 constexpr double kWarm = 1e-3;            // residual of a start whose contacts are settled but for a few
 constexpr double kCheap = 50;             // sweeps, of a Newton iteration
 
@@ -68,6 +69,7 @@ Iterate automatic(Delassus& W, const Iterate& start, const SolverOptions& option
                     [&](VecX& r) { return W.sweep(r, sweep, counts); });
   double window_residual = sweeps.best().residual, newton = kInf;  // what a second phase costs, in sweeps
   int window = kFirstWindow, window_start = 0, phase_start = 0, weighed_at = 0, attempts = 0;
+  bool settled_once = false;
   report.status = SolveStatus::max_iterations;
   while (sweeps.best().residual > options.tolerance && report.iterations < options.max_iterations) {
     ++report.iterations;
@@ -86,6 +88,11 @@ Iterate automatic(Delassus& W, const Iterate& start, const SolverOptions& option
     if (swept >= 2 * weighed_at) {  // it takes a sweep or two itself
       weighed_at = swept;
       newton = kNewtonIterations * W.newton_cost(now.r);
+    }
+    if (!settled_once && left > newton / kNewtonIterations + kSettlingCost) {  // (AUTO-5)
+      settled_once = true;
+      sweeps.offer(settled(W, now, options.tolerance));
+      continue;
     }
     if (left <= newton || swept < std::min(newton / 10, kLongestWait)) continue;  // (AUTO-2)
     sweeps.offer(second_phase(W, attempts == 0 ? now : sweeps.best(), attempts, options, report));

@@ -65,20 +65,33 @@ class BodyDelassus final : public Delassus {
 
   double sweep(VecX& r, const SweepOptions& options, SweepCounts& counts) override {
     double change = 0;
-    for (int c = 0; c < count(); ++c) {
-      const Law& law = scaled.laws[std::size_t(c)];
-      const Rows<R> r_old = r.segment<R>(at(c), rows(c)), u = velocity(c);
-      if (has_normal(law) && u[0] >= 0 && r_old[0] == 0) continue;  // stays open (NSGS-6)
-      const Block<R>& block = diagonal_[std::size_t(c)];
-      const BlockSolution<R> found = solve_block(block, u - block.W * r_old, law, r_old, options.local);
-      counts.failures += !found.solved;
-      counts.fail_safes += found.fail_safe;
-      const Rows<R> dr = options.relaxation * (found.r - r_old);
-      r.segment<R>(at(c), rows(c)) += dr;
-      add(c, dr);
-      change += dr.squaredNorm();
-    }
+    for (int c = 0; c < count(); ++c) change += counts.add(relax(c, r, options));
     return std::sqrt(change);
+  }
+
+  Relaxed relax(int c, VecX& r, const SweepOptions& options) override {
+    const Law& law = scaled.laws[std::size_t(c)];
+    const Rows<R> r_old = r.segment<R>(at(c), rows(c)), u = velocity(c);
+    if (has_normal(law) && u[0] >= 0 && r_old[0] == 0) return {};  // stays open (NSGS-6)
+    const Block<R>& block = diagonal_[std::size_t(c)];
+    const BlockSolution<R> found = solve_block(block, u - block.W * r_old, law, r_old, options.local);
+    const Rows<R> dr = options.relaxation * (found.r - r_old);
+    r.segment<R>(at(c), rows(c)) += dr;
+    add(c, dr);
+    return {dr.squaredNorm(), !found.solved, found.fail_safe};
+  }
+
+  std::vector<int> colours() const override {
+    std::vector<std::vector<int>> used(std::size_t(v_.size()));  // per velocity: colours of its blocks so far
+    std::vector<int> colour(scaled.laws.size()), last(colour.size() + 1, -1);
+    for (std::size_t c = 0; c < colour.size(); ++c) {
+      for (std::size_t k = begin_[c]; k < begin_[c + 1]; ++k)
+        for (const int other : used[std::size_t(arms_[k].row)]) last[std::size_t(other)] = int(c);
+      while (last[std::size_t(colour[c])] == int(c)) ++colour[c];
+      for (std::size_t k = begin_[c]; k < begin_[c + 1]; ++k)
+        used[std::size_t(arms_[k].row)].push_back(colour[c]);
+    }
+    return colour;
   }
 
   double sweep(VecX& r, const BlockRule& rule) override {

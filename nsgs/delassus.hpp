@@ -19,8 +19,18 @@ struct SweepOptions {
   LocalSolver local = LocalSolver::hybrid;
   double relaxation = 1;
 };
+/// What a sweep did to one block.
+struct Relaxed {
+  double change = 0;  // of its r, squared
+  bool failed = false, fail_safe = false;
+};
 struct SweepCounts {
   int failures = 0, fail_safes = 0;
+  double add(const Relaxed& block) {  // returns its change
+    failures += block.failed;
+    fail_safes += block.fail_safe;
+    return block.change;
+  }
 };
 /// The new impulses of block c from its velocities and impulses of the moment.
 using BlockRule = std::function<AnyRows(int c, const AnyRows& u, const AnyRows& r)>;
@@ -40,6 +50,11 @@ class Delassus {
   /// One pass over the blocks in their order, from the r of the last velocity() or sweep(). Returns the size
   /// of the change of r.
   virtual double sweep(VecX& r, const SweepOptions& options, SweepCounts& counts) = 0;
+
+  /// One block of such a pass. Blocks of one colour may be relaxed at once.
+  virtual Relaxed relax(int c, VecX& r, const SweepOptions& options) = 0;
+  /// Per block: none has the colour of a block that it shares velocities with (COL-1).
+  virtual std::vector<int> colours() const = 0;
 
   /// The same pass with another rule; open blocks are asked too.
   virtual double sweep(VecX& r, const BlockRule& rule) = 0;

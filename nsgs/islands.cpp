@@ -43,6 +43,9 @@ SparseMatrix sub_matrix(const SparseMatrix& A, const std::vector<int>& rows, con
                         std::vector<int>& place) {
   for (std::size_t i = 0; i < rows.size(); ++i) place[std::size_t(rows[i])] = int(i);
   SparseMatrix out(Eigen::Index(rows.size()), Eigen::Index(columns.size()));
+  Eigen::Index entries = 0;
+  for (const int j : columns) entries += A.outerIndexPtr()[j + 1] - A.outerIndexPtr()[j];
+  out.reserve(entries);
   for (std::size_t j = 0; j < columns.size(); ++j) {
     out.startVec(Eigen::Index(j));
     for (SparseMatrix::InnerIterator it(A, columns[j]); it; ++it)
@@ -117,25 +120,45 @@ std::vector<Island> islands(const FrictionProblem& problem) {
   return out;
 }
 
-std::vector<Island> islands(const LocalProblem& problem) {
-  const std::vector<int> first = first_rows(problem.laws);
-  Groups groups(problem.q.size());
+std::vector<int> leaders(const LocalProblem& problem) {
+  std::vector<int> block_of;
+  block_of.reserve(std::size_t(problem.q.size()));
   for (std::size_t c = 0; c < problem.laws.size(); ++c)
-    for (int j = first[c]; j < first[c + 1]; ++j) {
-      groups.join(first[c], j);
-      if (const int row = groups.join_column(problem.W, j); row >= 0) groups.join(row, j);
+    block_of.insert(block_of.end(), std::size_t(problem.laws[c].rows), int(c));
+  Groups groups(Eigen::Index(problem.laws.size()));
+  for (Eigen::Index j = 0; j < problem.W.cols(); ++j) {
+    int last = block_of[std::size_t(j)];
+    for (SparseMatrix::InnerIterator it(problem.W, j); it; ++it) {
+      const int c = block_of[std::size_t(it.row())];
+      if (c == last || it.value() == 0) continue;  // NaN is a coupling
+      groups.join(last, c);
+      last = c;
     }
-  std::vector<int> island_of(std::size_t(problem.q.size()), -1);
+  }
+  std::vector<int> out;
+  out.reserve(problem.laws.size());
+  for (std::size_t c = 0; c < problem.laws.size(); ++c) out.push_back(groups.root(int(c)));
+  return out;
+}
+
+std::vector<Island> islands(const LocalProblem& problem, const std::vector<int>& leader,
+                            const std::vector<char>& left_out) {
+  std::vector<int> island_of(problem.laws.size(), -1);
   std::vector<Island> out;
+  int row = 0;
   for (std::size_t c = 0; c < problem.laws.size(); ++c) {
-    const auto root = std::size_t(groups.root(first[c]));
-    if (island_of[root] < 0) {
-      island_of[root] = int(out.size());
-      out.emplace_back();
+    const int rows = problem.laws[c].rows;
+    if (left_out.empty() || !left_out[c]) {
+      int& place = island_of[std::size_t(leader[c])];
+      if (place < 0) {
+        place = int(out.size());
+        out.emplace_back();
+      }
+      Island& island = out[std::size_t(place)];
+      island.blocks.push_back(int(c));
+      for (int j = row; j < row + rows; ++j) island.rows.push_back(j);
     }
-    Island& island = out[std::size_t(island_of[root])];
-    island.blocks.push_back(int(c));
-    for (int j = first[c]; j < first[c + 1]; ++j) island.rows.push_back(j);
+    row += rows;
   }
   return out;
 }

@@ -18,7 +18,12 @@ struct Island {
 /// Ordered by their first dof, or block; then blocks that nothing moves, one by one; at the end all that
 /// feels no contact.
 std::vector<Island> islands(const FrictionProblem& problem);
-std::vector<Island> islands(const LocalProblem& problem);
+
+/// Of every block the first one of its island.
+std::vector<int> leaders(const LocalProblem& problem);
+/// The islands that `leaders` tells of, without the blocks left out (none if empty).
+std::vector<Island> islands(const LocalProblem& problem, const std::vector<int>& leader,
+                            const std::vector<char>& left_out = {});
 
 /// `scratch` is empty at first, and handed from one part to the next.
 FrictionProblem part(const FrictionProblem& problem, const Island& island, std::vector<int>& scratch);

@@ -110,6 +110,15 @@ void stretch_in(const Ball& ball, double factor, Rows<R>& y) {
   for (int i = ball.first; i < ball.first + ball.rows; ++i) y[i] *= factor;
 }
 
+/// |y_T| of a coulomb block.
+template <int R>
+double tangential_length(const Law& law, const Rows<R>& y) {
+  if constexpr (R == 2)
+    return std::abs(y[1]);
+  else
+    return law.rows == 2 ? std::abs(y[1]) : std::sqrt(y[1] * y[1] + y[2] * y[2]);
+}
+
 /// Which law between impulses and velocities.
 enum class FrictionModel : std::uint8_t {
   coulomb,      // with De Saxce's term: what slips does not lift off
@@ -119,6 +128,10 @@ enum class FrictionModel : std::uint8_t {
 /// De Saxce's modified velocity (LAW-4): u_N grows by mu |u_T| for every ball.
 template <int R>
 Rows<R> modified_velocity(const Law& law, Rows<R> u) {
+  if (law.kind == LawKind::coulomb) {  // the most frequent, without a list of balls
+    u[0] += law.mu * tangential_length<R>(law, u);
+    return u;
+  }
   for (const Ball& ball : balls(law))
     if (ball.mu > 0) u[0] += ball.mu * length_in<R>(ball, u);
   return u;
@@ -127,6 +140,15 @@ Rows<R> modified_velocity(const Law& law, Rows<R> u) {
 /// The nearest impulse that the law allows (LAW-5).
 template <int R>
 Rows<R> project(const Law& law, Rows<R> r) {
+  if (law.kind == LawKind::coulomb) {
+    const double length = tangential_length<R>(law, r);
+    if (r[0] >= 0 && length <= law.mu * r[0]) return r;
+    const double normal = (r[0] + law.mu * length) / (1 + law.mu * law.mu);
+    if (normal <= 0) return Rows<R>::Zero(r.size());
+    r[0] = normal;
+    for (int i = 1; i < law.rows; ++i) r[i] *= law.mu * normal / length;
+    return r;
+  }
   const Balls all = balls(law);
   if (!has_normal(law)) {
     for (const Ball& ball : all) {
@@ -172,6 +194,11 @@ Rows<R> project(const Law& law, Rows<R> r) {
 template <int R>
 Rows<R> answer(const Law& law, Rows<R> y) {
   if (has_normal(law) && !(y[0] > 0)) return Rows<R>::Zero(y.size());
+  if (law.kind == LawKind::coulomb) {
+    const double radius = law.mu * y[0], length = tangential_length<R>(law, y);
+    for (int i = 1; length > radius && i < law.rows; ++i) y[i] *= radius / length;
+    return y;
+  }
   for (const Ball& ball : balls(law)) {
     const double radius = ball.mu * y[0] + ball.limit, length = length_in<R>(ball, y);
     if (length > radius) stretch_in<R>(ball, radius / length, y);

@@ -22,41 +22,38 @@ Blocks<R> block_rows(const SparseMatrix& W, const Scaling& scaled, const std::ve
   std::vector<int> block_of(std::size_t(W.rows()));
   for (int c = 0; c < count; ++c)
     for (int i = first[std::size_t(c)]; i < first[std::size_t(c) + 1]; ++i) block_of[std::size_t(i)] = c;
-  const auto visit = [&](auto&& entry_of_block) {  // (block row, block column) once per block, then entries
-    std::vector<int> seen(std::size_t(count), -1);
-    for (int c = 0; c < count; ++c) {
-      seen[std::size_t(c)] = c;
-      entry_of_block(c, c);
-      for (int j = first[std::size_t(c)]; j < first[std::size_t(c) + 1]; ++j)
-        for (SparseMatrix::InnerIterator it(W, j); it; ++it) {
-          const int i = block_of[std::size_t(it.row())];
-          if (seen[std::size_t(i)] == c) continue;
-          seen[std::size_t(i)] = c;
-          entry_of_block(i, c);
-        }
-    }
-  };
+  std::vector<int> seen(std::size_t(count), -1);  // per block row: the last column that met it
   Blocks<R> out;
   out.begin.assign(std::size_t(count) + 1, 0);
-  visit([&](int i, int) { ++out.begin[std::size_t(i) + 1]; });
-  for (std::size_t i = 0; i < std::size_t(count); ++i) out.begin[i + 1] += out.begin[i];
-  out.other.resize(std::size_t(out.begin.back()));
-  out.block.resize(out.other.size());
-  std::vector<int> next(out.begin.begin(), out.begin.end() - 1);
-  visit([&](int i, int c) {
-    const auto place = std::size_t(next[std::size_t(i)]++);
-    out.other[place] = c;
-    out.block[place] = RowBlock<R>::Zero(scaled.laws[std::size_t(i)].rows, scaled.laws[std::size_t(c)].rows);
-  });
-  std::copy(out.begin.begin(), out.begin.end() - 1, next.begin());
   for (int c = 0; c < count; ++c) {
+    seen[std::size_t(c)] = c;
+    ++out.begin[std::size_t(c) + 1];
     for (int j = first[std::size_t(c)]; j < first[std::size_t(c) + 1]; ++j)
       for (SparseMatrix::InnerIterator it(W, j); it; ++it) {
         const auto i = std::size_t(block_of[std::size_t(it.row())]);
-        auto place = std::size_t(next[i]);
-        while (out.other[place] != c) ++place;  // the one block of this column, at or just after the cursor
-        next[i] = int(place);
-        out.block[place](it.row() - first[i], j - first[std::size_t(c)]) =
+        if (seen[i] != c) ++out.begin[i + 1];
+        seen[i] = c;
+      }
+  }
+  for (std::size_t i = 0; i < std::size_t(count); ++i) out.begin[i + 1] += out.begin[i];
+  out.other.resize(std::size_t(out.begin.back()));
+  out.block.resize(out.other.size());
+  std::vector<int> end(out.begin.begin(), out.begin.end() - 1);  // of what each row has by now
+  const auto at = [&](int i, int c) -> RowBlock<R>& {            // made when first asked for
+    int& next = end[std::size_t(i)];
+    if (next == out.begin[std::size_t(i)] || out.other[std::size_t(next) - 1] != c) {
+      out.other[std::size_t(next)] = c;
+      out.block[std::size_t(next++)] =
+          RowBlock<R>::Zero(scaled.laws[std::size_t(i)].rows, scaled.laws[std::size_t(c)].rows);
+    }
+    return out.block[std::size_t(next) - 1];
+  };
+  for (int c = 0; c < count; ++c) {
+    at(c, c);
+    for (int j = first[std::size_t(c)]; j < first[std::size_t(c) + 1]; ++j)
+      for (SparseMatrix::InnerIterator it(W, j); it; ++it) {
+        const int i = block_of[std::size_t(it.row())];
+        at(i, c)(it.row() - first[std::size_t(i)], j - first[std::size_t(c)]) =
             it.value() * scaled.s[it.row()] * scaled.s[j];
       }
   }
@@ -107,19 +104,35 @@ class LocalDelassus final : public Delassus {
 
   double sweep(VecX& r, const SweepOptions& options, SweepCounts& counts) override {
     double change = 0;
-    for (int c = 0; c < count(); ++c) {
-      const Law& law = scaled.laws[std::size_t(c)];
-      const Rows<R> r_old = r.segment<R>(at(c), rows(c)), u = velocity(c, r);
-      if (has_normal(law) && u[0] >= 0 && r_old[0] == 0) continue;  // stays open (NSGS-6)
-      const Block<R>& block = prepared(c);
-      const BlockSolution<R> found = solve_block(block, u - block.W * r_old, law, r_old, options.local);
-      counts.failures += !found.solved;
-      counts.fail_safes += found.fail_safe;
-      const Rows<R> dr = options.relaxation * (found.r - r_old);
-      r.segment<R>(at(c), rows(c)) += dr;
-      change += dr.squaredNorm();
-    }
+    for (int c = 0; c < count(); ++c) change += counts.add(relax(c, r, options));
     return std::sqrt(change);
+  }
+
+  Relaxed relax(int c, VecX& r, const SweepOptions& options) override {
+    const Law& law = scaled.laws[std::size_t(c)];
+    const Rows<R> r_old = r.segment<R>(at(c), rows(c)), u = velocity(c, r);
+    if (has_normal(law) && u[0] >= 0 && r_old[0] == 0) return {};  // stays open (NSGS-6)
+    const Block<R>& block = prepared(c);
+    const BlockSolution<R> found = solve_block(block, u - block.W * r_old, law, r_old, options.local);
+    const Rows<R> dr = options.relaxation * (found.r - r_old);
+    r.segment<R>(at(c), rows(c)) += dr;
+    return {dr.squaredNorm(), !found.solved, found.fail_safe};
+  }
+
+  std::vector<int> colours() const override {
+    std::vector<std::vector<int>> feels(scaled.laws.size());  // both ways, where W is not symmetric
+    for (int c = 0; c < count(); ++c)
+      for (int k = rows_.begin[std::size_t(c)]; k < rows_.begin[std::size_t(c) + 1]; ++k) {
+        const int d = rows_.other[std::size_t(k)];
+        if (d < c) feels[std::size_t(c)].push_back(d);
+        if (d > c) feels[std::size_t(d)].push_back(c);
+      }
+    std::vector<int> colour(scaled.laws.size()), last(colour.size() + 1, -1);
+    for (std::size_t c = 0; c < colour.size(); ++c) {
+      for (const int d : feels[c]) last[std::size_t(colour[std::size_t(d)])] = int(c);
+      while (last[std::size_t(colour[c])] == int(c)) ++colour[c];
+    }
+    return colour;
   }
 
   double sweep(VecX& r, const BlockRule& rule) override {

@@ -44,10 +44,17 @@ class BestSoFar {
   int halved_at_ = 0, patience_;
 };
 
+/// As options.for_all says.
+inline void for_all(const SolverOptions& options, int n, const std::function<void(int)>& f) {
+  if (options.for_all && n > 1) return options.for_all(n, f);
+  for (int i = 0; i < n; ++i) f(i);
+}
+
 /// By options.method.
 Iterate run(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
 
 Iterate nsgs(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
+Iterate coloured_nsgs(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
 Iterate sor_prox(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
 Iterate jor_prox(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
 Iterate coulomb_pgs(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
@@ -56,6 +63,9 @@ Iterate admm(Delassus& W, const Iterate& start, const SolverOptions& options, So
 Iterate projected_gradient(Delassus& W, const Iterate& start, const SolverOptions& options,
                            SolveReport& report);
 Iterate interior_point(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
+/// A few steps of admm with a small penalty, as long as they converge fast: where all contacts stick or open
+/// they end what sweeps would take hundreds of passes for (AUTO-5). Returns the best iterate met.
+Iterate settled(Delassus& W, const Iterate& start, double tolerance);
 Iterate automatic(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
 
 }  // namespace aussois

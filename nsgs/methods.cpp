@@ -21,6 +21,7 @@ struct MethodEntry {
 constexpr std::array kMethods{
     MethodEntry{Method::automatic, "auto", automatic},
     MethodEntry{Method::nsgs, "nsgs", nsgs},
+    MethodEntry{Method::coloured_nsgs, "coloured_nsgs", coloured_nsgs},
     MethodEntry{Method::sor_prox, "sor_prox", sor_prox},
     MethodEntry{Method::jor_prox, "jor_prox", jor_prox},
     MethodEntry{Method::coulomb_pgs, "coulomb_pgs", coulomb_pgs},

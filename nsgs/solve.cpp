@@ -19,7 +19,6 @@ constexpr double kNoise = 1e-6;  // an island with less of the whole |q| is solv
 struct Solved {
   VecX r{}, u{};
   SolveReport report{};
-  double size = 0;  // of the scaled q
 };
 
 // One island, or a problem without others: its operator, its start and, with bodies, their motion.
@@ -30,54 +29,8 @@ struct Part {
   VecX r0{};
   std::optional<MotionInverse> inverse{};  // of bodies; nothing if M is singular
   std::unique_ptr<Delassus> W{};           // nothing without contacts, or without `inverse`
-  std::optional<Solved> solved{};          // of a single block that needed no more
+  Solved solved{};
 };
-
-// A block that feels no other, solved as a sweep would; nothing if that is not enough. Grains in the air and
-// single supports are many: they take no part in anything dear.
-std::optional<Solved> solve_alone(const LocalProblem& problem, const Island& island, const VecX& r0,
-                                  const SolverOptions& options) {
-  const bool sweeps = options.method == Method::automatic || options.method == Method::nsgs;
-  if (island.blocks.size() != 1 || !sweeps || !r0.allFinite()) return std::nullopt;
-  const std::vector<Law> laws{problem.laws[std::size_t(island.blocks.front())]};
-  const int first = island.rows.front(), rows = laws.front().rows;
-  AnyBlock W(rows, rows);
-  for (int j = 0; j < rows; ++j)
-    for (int i = 0; i < rows; ++i) W(i, j) = problem.W.coeff(first + i, first + j);
-  const Scaling scaled = scaling(W.diagonal(), problem.q.segment(first, rows), laws);
-  if (!scaled.finite || !W.allFinite()) return std::nullopt;
-  W = AnyBlock(scaled.s.asDiagonal() * W * scaled.s.asDiagonal());
-  return with_rows(laws, [&]<int R>() -> std::optional<Solved> {
-    const Law& law = scaled.laws.front();
-    const Rows<R> q = scaled.q;
-    const RowBlock<R> W_R = W;
-    const auto residual = [&](const Rows<R>& r) {
-      return (r - project<R>(law, r - modified_velocity<R>(law, Rows<R>(W_R * r + q)))).norm();
-    };
-    Solved out{.size = scaled.size * scaled.q.norm()};
-    Rows<R> r = Rows<R>::Zero(rows);
-    out.report.residual = residual(r);
-    if (r0.size() > 0) {
-      const Rows<R> start = scaled_start(scaled, r0.segment(first, rows));
-      if (const double warm = residual(start); warm < out.report.residual)
-        r = start, out.report.residual = warm;
-    }
-    if (out.report.residual > options.tolerance) {
-      r = solve_block(prepare_block(W_R, law), q, law, r, options.local).r;
-      out.report.residual = residual(r);
-      out.report.iterations = 1;
-    }
-    if (!(out.report.residual <= options.tolerance)) return std::nullopt;
-    out.report.coulomb_residual = out.report.residual;
-    out.report.found_by = Method::nsgs;
-    out.r = scaled.size * scaled.s.cwiseProduct(VecX(r));
-    out.u = scaled.size * VecX(W_R * r + q).cwiseQuotient(scaled.s);
-    return out;
-  });
-}
-std::optional<Solved> solve_alone(const FrictionProblem&, const Island&, const VecX&, const SolverOptions&) {
-  return std::nullopt;
-}
 
 void open(Part<LocalProblem>& part) {
   if (!part.problem.laws.empty()) part.W = make_delassus(part.problem);
@@ -99,7 +52,6 @@ template <class Problem>
 double size(const Part<Problem>& part) {
   if constexpr (std::is_same_v<Problem, FrictionProblem>)
     if (!part.inverse) return std::nan("");
-  if (part.solved) return part.solved->size;
   if (!part.W) return 0;
   return part.W->scaled.finite && part.r0.allFinite() ? part.W->scaled.size * part.W->scaled.q.norm()
                                                       : std::nan("");
@@ -120,6 +72,12 @@ Solved solve_rows(Delassus& W, const VecX& r0, const SolverOptions& options) {
   out.r = scaled.size * scaled.s.cwiseProduct(best.r);
   out.u = scaled.size * best.u.cwiseQuotient(scaled.s);
   return out;
+}
+
+// The tolerance of a part, relative to its own q, where the whole asks for no more (kNoise).
+SolverOptions with_tolerance_of(SolverOptions options, double q, double whole) {
+  if (q > 0) options.tolerance = std::min(options.tolerance * std::max(1.0, kNoise * whole / q), 1.0);
+  return options;
 }
 
 // Reports of islands make one: the worst status, the longest iteration, all work, and the residual of the
@@ -146,26 +104,32 @@ void put_motion(const Part<FrictionProblem>& part, const VecX& r, FrictionSoluti
   put(moved.lambda, part.island.joints, out.lambda);
 }
 
+// Islands into `out`, in the order given. `size_done` is the size of the scaled q of what is solved already.
 template <class Problem>
-FrictionSolution solve_islands(const Problem& problem, const VecX& r0, const SolverOptions& options,
-                               FrictionSolution out) {
-  std::vector<Island> all = islands(problem);
+void solve_islands(const Problem& problem, std::vector<Island> all, const VecX& r0, double size_done,
+                   const SolverOptions& options, FrictionSolution& out) {
   std::vector<Part<Problem>> parts;
   parts.reserve(all.size());
   std::vector<int> scratch;
   for (Island& island : all) {
     Part<Problem>& now = parts.emplace_back();
-    now.solved = solve_alone(problem, island, r0, options);
-    if (!now.solved) {
-      now.problem = part(problem, island, scratch);
-      if (r0.size() > 0) now.r0 = r0(island.rows);
-    }
+    now.problem = part(problem, island, scratch);
+    if (r0.size() > 0) now.r0 = r0(island.rows);
     now.island = std::move(island);
-    if (!now.solved) open(now);
   }
-  double whole = 0;
+  const auto each = [&](auto&& f) {
+    for_all(options, int(parts.size()), [&](int i) { f(parts[std::size_t(i)]); });
+  };
+  each([](Part<Problem>& now) { open(now); });
+  double whole = size_done;
   for (const Part<Problem>& now : parts)
     if (const double q = size(now); std::isfinite(q)) whole = std::hypot(whole, q);
+  each([&](Part<Problem>& now) {
+    const double q = size(now);
+    now.solved.r.setZero(Eigen::Index(now.island.rows.size()));
+    if (now.W && std::isfinite(q))
+      now.solved = solve_rows(*now.W, now.r0, with_tolerance_of(options, q, whole));
+  });
   std::size_t largest = 0;
   for (Part<Problem>& now : parts) {
     const double q = size(now);
@@ -173,22 +137,72 @@ FrictionSolution solve_islands(const Problem& problem, const VecX& r0, const Sol
       add(out.report, {.status = SolveStatus::not_finite, .residual = kInf, .coulomb_residual = kInf}, 1);
       continue;
     }
-    Solved solved{.r = VecX::Zero(Eigen::Index(now.island.rows.size()))};
-    if (now.W || now.solved) {
-      SolverOptions own = options;
-      if (q > 0) own.tolerance = std::min(options.tolerance * std::max(1.0, kNoise * whole / q), 1.0);
-      solved = now.solved ? *std::move(now.solved) : solve_rows(*now.W, now.r0, own);
-      add(out.report, solved.report, whole > 0 ? q / whole : 1);
+    if (now.W) {
+      add(out.report, now.solved.report, whole > 0 ? q / whole : 1);
       if (now.island.blocks.size() > largest) {
         largest = now.island.blocks.size();
-        out.report.found_by = solved.report.found_by;
+        out.report.found_by = now.solved.report.found_by;
       }
-      put(solved.u, now.island.rows, out.u);
+      put(now.solved.u, now.island.rows, out.u);
     }
-    put(solved.r, now.island.rows, out.r);
-    put_motion(now, solved.r, out);
+    put(now.solved.r, now.island.rows, out.r);
+    put_motion(now, now.solved.r, out);
   }
-  return out;
+}
+
+std::vector<char> lone_blocks(const std::vector<int>& leader) {
+  std::vector<char> lone(leader.size(), 1);
+  for (std::size_t c = 0; c < leader.size(); ++c)
+    if (std::size_t(leader[c]) != c) lone[c] = lone[std::size_t(leader[c])] = 0;
+  return lone;
+}
+
+// Blocks that feel no other, solved as a sweep would: grains in the air and single supports are many, and
+// take no part in anything dear. What is not solved at once is taken out of `lone`. Returns the size of the
+// scaled q of the others.
+template <int R>
+double solve_lone_blocks(const LocalProblem& problem, const VecX& r0, const SolverOptions& options,
+                         std::vector<char>& lone, FrictionSolution& out) {
+  if (std::ranges::find(lone, 1) == lone.end()) return 0;
+  const Scaling scaled = scaling(problem.W.diagonal(), problem.q, problem.laws);
+  if (!scaled.finite) {
+    lone.clear();
+    return 0;
+  }
+  const VecX start = scaled_start(scaled, r0);
+  double size = 0;
+  Eigen::Index next = 0;
+  for (std::size_t c = 0; c < lone.size(); ++c) {
+    const Law& law = scaled.laws[c];
+    const Eigen::Index k = std::exchange(next, next + law.rows);
+    if (!lone[c]) continue;
+    const Rows<R> s = scaled.s.segment<R>(k, law.rows), q = scaled.q.segment<R>(k, law.rows);
+    RowBlock<R> W(law.rows, law.rows);
+    for (int j = 0; j < law.rows; ++j)
+      for (int i = 0; i < law.rows; ++i) W(i, j) = problem.W.coeff(k + i, k + j) * s[i] * s[j];
+    const auto residual = [&](const Rows<R>& r) {
+      return (r - project<R>(law, r - modified_velocity<R>(law, Rows<R>(W * r + q)))).norm();
+    };
+    const double own = q.norm(), tolerance = own * with_tolerance_of(options, own, 1).tolerance;
+    Rows<R> r = Rows<R>::Zero(law.rows);
+    SolveReport report{.found_by = Method::nsgs, .residual = residual(r)};
+    if (const Rows<R> warm = start.segment<R>(k, law.rows); residual(warm) < report.residual)
+      r = warm, report.residual = residual(r);
+    if (report.residual > tolerance) {
+      r = solve_block(prepare_block(W, law), q, law, r, options.local).r;
+      report.residual = residual(r);
+      report.iterations = 1;
+    }
+    lone[c] = report.residual <= tolerance;
+    if (!lone[c]) continue;
+    report.coulomb_residual = report.residual;
+    out.r.segment<R>(k, law.rows) = scaled.size * s.cwiseProduct(r);
+    out.u.segment<R>(k, law.rows) = scaled.size * Rows<R>(W * r + q).cwiseQuotient(s);
+    add(out.report, report, 1);
+    out.report.found_by = report.found_by;
+    size = std::hypot(size, scaled.size * own);
+  }
+  return size;
 }
 
 void validate_start(const VecX& r0, Eigen::Index rows) {
@@ -202,18 +216,30 @@ FrictionSolution solve(const LocalProblem& problem, const VecX& r0, const Solver
   validate(problem);
   validate(options);
   validate_start(r0, problem.q.size());
-  return solve_islands(problem, r0, options, {.u = problem.q, .r = VecX::Zero(problem.q.size())});
+  FrictionSolution out{.u = problem.q, .r = VecX::Zero(problem.q.size())};
+  const std::vector<int> leader = leaders(problem);
+  std::vector<char> lone;
+  double size_done = 0;
+  const bool sweeps = options.method == Method::automatic || options.method == Method::nsgs;
+  if (sweeps && problem.q.allFinite() && r0.allFinite()) {
+    lone = lone_blocks(leader);
+    with_rows(problem.laws,
+              [&]<int R>() { size_done = solve_lone_blocks<R>(problem, r0, options, lone, out); });
+  }
+  solve_islands(problem, islands(problem, leader, lone), r0, size_done, options, out);
+  return out;
 }
 
 FrictionSolution solve(const FrictionProblem& problem, const VecX& r0, const SolverOptions& options) {
   validate(problem);
   validate(options);
   validate_start(r0, problem.w.size());
-  return solve_islands(problem, r0, options,
-                       {.v = VecX::Zero(problem.f.size()),
-                        .u = problem.w,
-                        .r = VecX::Zero(problem.w.size()),
-                        .lambda = VecX::Zero(problem.b.size())});
+  FrictionSolution out{.v = VecX::Zero(problem.f.size()),
+                       .u = problem.w,
+                       .r = VecX::Zero(problem.w.size()),
+                       .lambda = VecX::Zero(problem.b.size())};
+  solve_islands(problem, islands(problem), r0, 0, options, out);
+  return out;
 }
 
 }  // namespace aussois

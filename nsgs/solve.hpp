@@ -2,6 +2,7 @@
 // One entry to all solvers (SOL-1): options choose the method, residuals outside of all methods judge it.
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "nsgs/friction_problem.hpp"
@@ -12,6 +13,7 @@ namespace aussois {
 enum class Method {
   automatic,           // the default: NSGS while it contracts, then Newton (automatic.md)
   nsgs,                // nonsmooth Gauss-Seidel, one block after the other solved exactly (nsgs.md)
+  coloured_nsgs,       // the same in another order, blocks of a colour in parallel (coloured_nsgs.md)
   sor_prox,            // one projection per block in Gauss-Seidel order (prox.md)
   jor_prox,            // the same in Jacobi order
   coulomb_pgs,         // sor_prox with one step size per block and part, as engines do it (prox.md)
@@ -47,8 +49,10 @@ struct SolverOptions {
   double relaxation = 1.0;                       // of nsgs, sor_prox, jor_prox, admm, in (0, 2)
   LocalSolver local = LocalSolver::hybrid;       // of nsgs
   ProxMetric prox = ProxMetric::blocks;          // of sor_prox, jor_prox
-  int anderson =
-      0;  // iterates that Anderson acceleration of nsgs, sor_prox, jor_prox, admm combines, in [0, 20]
+  int anderson = 0;  // iterates that Anderson acceleration of sweeps and admm combines, in [0, 20]
+  /// Calls f(i) for all i in [0, n) in any order, on as many threads as it has, and ends when all are done;
+  /// for islands, and the blocks of a colour. Empty: one after the other. No result depends on it.
+  std::function<void(int n, const std::function<void(int)>& f)> for_all{};
 };
 void validate(const SolverOptions& options);  // throws std::invalid_argument: field, value, bound
 

@@ -12,8 +12,8 @@
 namespace aussois {
 namespace {
 
-RememberedContact seen(const ContactPoint& c, const Vec3& impulse) {
-  return {.key = key_of(c), .normal = c.normal, .point_a = c.x_a, .impulse = impulse};
+RememberedContact seen(const ContactPoint& c, const Vec3& impulse, double drilling = 0) {
+  return {.key = key_of(c), .normal = c.normal, .point_a = c.x_a, .impulse = impulse, .drilling = drilling};
 }
 
 bool before(const RememberedContact& a, const RememberedContact& b) {
@@ -62,13 +62,17 @@ std::size_t end_of_key(const std::vector<RememberedContact>& sorted, std::size_t
 
 }  // namespace
 
-ContactMemory remember(const ContactSet& contacts, const std::vector<Vec3>& impulses) {
+ContactMemory remember(const ContactSet& contacts, const std::vector<Vec3>& impulses,
+                       const std::vector<double>& drilling) {
+  require(drilling.empty() || drilling.size() == contacts.points.size(),
+          "remember: " + std::to_string(drilling.size()) + " drilling impulses for " +
+              std::to_string(contacts.points.size()) + " contacts");
   require(impulses.size() == contacts.points.size(),
           "remember: " + std::to_string(impulses.size()) + " impulses for " +
               std::to_string(contacts.points.size()) + " contacts");
   ContactMemory memory;
   for (std::size_t i = 0; i < impulses.size(); ++i)
-    memory.contacts.push_back(seen(contacts.points[i], impulses[i]));
+    memory.contacts.push_back(seen(contacts.points[i], impulses[i], drilling.empty() ? 0 : drilling[i]));
   std::stable_sort(memory.contacts.begin(), memory.contacts.end(), before);
   return memory;
 }
@@ -87,6 +91,7 @@ WarmStart warm_start(const ContactMemory& memory, const ContactSet& contacts, do
 
   WarmStart start;
   start.impulse.assign(points.size(), Vec3::Zero());
+  start.drilling.assign(points.size(), 0);
   std::size_t i = 0, j = 0;
   while (i < now.size() && j < old.size()) {  // merge of two sequences sorted by key
     const std::size_t i_end = end_of_key(now, i), j_end = end_of_key(old, j);
@@ -95,6 +100,7 @@ WarmStart warm_start(const ContactMemory& memory, const ContactSet& contacts, do
         const RememberedContact& from = old[j + c.old];
         start.impulse[place[i + c.now]] =
             scale * turned(from.impulse, from.normal, now[i + c.now].normal);  // (RED-5)
+        start.drilling[place[i + c.now]] = scale * from.drilling;
         ++start.matched;
       }
     const bool now_first = now[i].key <= old[j].key, old_first = old[j].key <= now[i].key;

@@ -119,8 +119,9 @@ TEST(RunLimited, GivesWhatRunProblemGives) {
 TEST(RunLimited, SurvivesACrash) {
   const std::filesystem::path folder = fresh_folder();
   ::testing::internal::CaptureStderr();  // "terminate called after throwing ..."
-  const ProfileResult result =
-      run_limited(two_bodies_at_rest(folder), {.save = folder / "no such folder"}, 10);
+  RunOptions options;
+  options.save = folder / "no such folder";
+  const ProfileResult result = run_limited(two_bodies_at_rest(folder), options, 10);
   ::testing::internal::GetCapturedStderr();
   EXPECT_EQ(result.status, "crashed");
   EXPECT_FALSE(result.solved);

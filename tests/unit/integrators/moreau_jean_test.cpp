@@ -157,8 +157,9 @@ TEST(ReducedSolve, LetsEveryContactBackInThatWouldClose) {
   const VecX still = prescribed_velocity(scene.model, scene.state, 1e-3);
   const std::vector<ContactRow> rows = contact_rows(scene.model, scene.state, found, still, 1e-3, {});
   const Selection one{.kept = {2}, .cluster = {0, 0, 0, 0}, .cluster_count = 1};
-  const ReducedSolution solved = solve_reduced(free, dofs, rows, one, std::vector<Vec3>(4, Vec3::Zero()),
-                                               std::vector<double>(4, 1e-9), {.tolerance = 1e-12});
+  const ReducedSolution solved =
+      solve_reduced(free, dofs, rows, {}, one, std::vector<RowVector>(4, RowVector::Zero()),
+                    std::vector<double>(4, 1e-9), {.tolerance = 1e-12});
   for (const ContactRow& row : rows) EXPECT_GT(relative_velocity(row, dofs, solved.solution.v).x(), -2e-9);
   EXPECT_GE(solved.kept.size(), 2U);  // two across a diagonal carry the block
 }

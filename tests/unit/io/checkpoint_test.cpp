@@ -29,9 +29,12 @@ Checkpoint nasty_checkpoint() {
              {Quat(1, -0.0, 0, 1e-17), Vec3(1.0 / 3, -2.0 / 3, 1 + 2.220446049250313e-16)}};
   state.v = VecX::LinSpaced(12, -1.0 / 7, 1.0 / 3);
   state.v[3] = -0.0;
+  state.q = Vec3(-0.0, 1.0 / 3, 1e-310);
+  state.turns = {-3, 0, 1 << 20};
+  state.r = Vec2(0.1, -5e-324);
   for (int i = 0; i < 3; ++i)
     state.memory.contacts.push_back({ContactKey{{i, 1, 2, 3, 4, -5 - i}}, Vec3(0.6, -0.0, 0.8),
-                                     Vec3(i, 1e-320, 0.1), Vec3(-0.0, 1.0 / 3, i)});
+                                     Vec3(i, 1e-320, 0.1), Vec3(-0.0, 1.0 / 3, i), 0.1 * i});
   checkpoint.numbers = {
       {"peak_force", 12.345}, {"least", -std::numeric_limits<double>::denorm_min()}, {"none", kInf}};
   checkpoint.counts = {{"rows", 12345678901}, {"refused", 0}};
@@ -62,13 +65,16 @@ TEST(Checkpoint, GivesTheStateBackBitForBit) {
                 same_bits(a.g[i].R.coeffs().data(), b.g[i].R.coeffs().data(), 4));
   ASSERT_EQ(a.v.size(), b.v.size());
   EXPECT_TRUE(same_bits(a.v.data(), b.v.data(), 12));
+  ASSERT_TRUE(a.q.size() == 3 && a.r.size() == 2);
+  EXPECT_TRUE(same_bits(a.q.data(), b.q.data(), 3) && same_bits(a.r.data(), b.r.data(), 2));
+  EXPECT_EQ(a.turns, b.turns);
   ASSERT_EQ(a.memory.contacts.size(), b.memory.contacts.size());
   for (std::size_t i = 0; i < b.memory.contacts.size(); ++i) {
     const RememberedContact &x = a.memory.contacts[i], &y = b.memory.contacts[i];
     EXPECT_TRUE(x.key == y.key);
     EXPECT_TRUE(same_bits(x.normal.data(), y.normal.data(), 3) &&
                 same_bits(x.point_a.data(), y.point_a.data(), 3) &&
-                same_bits(x.impulse.data(), y.impulse.data(), 3));
+                same_bits(x.impulse.data(), y.impulse.data(), 3) && same_bits(&x.drilling, &y.drilling, 1));
   }
 }
 

@@ -70,11 +70,18 @@ TEST(State, HashSeesEveryNumber) {
       changes.push_back([=](State& s) { bump(s.memory.contacts[i].point_a[k]); });
       changes.push_back([=](State& s) { bump(s.memory.contacts[i].impulse[k]); });
     }
+    changes.push_back([=](State& s) { bump(s.memory.contacts[i].drilling); });
     for (std::size_t k = 0; k < 6; ++k)
       changes.push_back([=](State& s) { ++s.memory.contacts[i].key.value[k]; });
   }
   for (int k = 0; k < 12; ++k) changes.push_back([=](State& s) { bump(s.v[k]); });
   changes.push_back([](State& s) { s.t = -0.0; });
+  changes.push_back([](State& s) { s.q = VecX::Zero(1); });
+  changes.push_back([](State& s) { s.q = VecX::Ones(1); });
+  changes.push_back([](State& s) { s.r = VecX::Zero(1); });
+  changes.push_back([](State& s) { s.r = VecX::Ones(1); });
+  changes.push_back([](State& s) { s.turns = {0}; });
+  changes.push_back([](State& s) { s.turns = {-1}; });
   changes.push_back([](State& s) { s.memory.contacts.pop_back(); });
   changes.push_back([](State& s) { s.g.pop_back(); });
   changes.push_back([](State& s) { s.v.conservativeResize(6); });

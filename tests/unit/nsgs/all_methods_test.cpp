@@ -4,6 +4,7 @@
 #include <functional>
 #include <ostream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -36,7 +37,7 @@ const Tried kTried[] = {
     {Method::jor_prox, 1e-12, 1e-5, 20000, 5}, {Method::coulomb_pgs, 1e-12, 1e-6},
     {Method::proximal_newton, 1e-12, 1e-10},   {Method::admm, 1e-12, 1e-6},
     {Method::admm, 1e-12, 1e-6, 20000, 5},     {Method::projected_gradient, 1e-11, 1e-6},
-    {Method::interior_point, 1e-12, 1e-8},
+    {Method::interior_point, 1e-12, 1e-8},     {Method::coloured_nsgs, 1e-12, 1e-6},
 };
 
 SolverOptions options_of(const Tried& tried, double tolerance) {
@@ -149,6 +150,30 @@ TEST_P(AllMethods, SayWhenNumbersAreNotFinite) {
       EXPECT_EQ(s.report.status, SolveStatus::not_finite) << "field " << field << " is " << bad;
       EXPECT_TRUE(s.r.isZero(0)) << "field " << field << " is " << bad;
     }
+  }
+}
+
+TEST_P(AllMethods, HaveTheSameBitsForAnyNumberOfThreads) {
+  const FrictionProblem problem = bead_chains({200, 40, 1, 3}, 0.3);
+  const auto on_threads = [](int n, const std::function<void(int)>& f) {
+    std::vector<std::thread> threads;
+    for (int t = 0; t < 2; ++t)
+      threads.emplace_back([&, t] {
+        for (int i = t; i < n; i += 2) f(i);
+      });
+    for (std::thread& thread : threads) thread.join();
+  };
+  const auto backwards = [](int n, const std::function<void(int)>& f) {
+    for (int i = n - 1; i >= 0; --i) f(i);
+  };
+  SolverOptions options = options_of(GetParam(), 1e-6);
+  options.max_iterations = 300;
+  const LocalProblem local = condense(problem);
+  const FrictionSolution one = solve(problem, {}, options), one_local = solve(local, {}, options);
+  for (const auto& for_all : {decltype(options.for_all)(on_threads), decltype(options.for_all)(backwards)}) {
+    options.for_all = for_all;
+    EXPECT_EQ(solve(problem, {}, options).r, one.r);
+    EXPECT_EQ(solve(local, {}, options).r, one_local.r);
   }
 }
 

@@ -103,6 +103,34 @@ FrictionProblem random_peg_in_hole(Random& random, int bodies, int contacts, dou
   return problem;
 }
 
+FrictionProblem bead_chains(const std::vector<int>& lengths, double mu) {
+  const double radius = 0.05, mass = 1;
+  std::vector<MatX> masses;
+  std::vector<ContactSpec> specs;
+  for (const int length : lengths)
+    for (int k = 0; k < length; ++k) {
+      const int b = int(specs.size());
+      masses.push_back(mass * Mat3::Identity());
+      masses.push_back(0.4 * mass * radius * radius * Mat3::Identity());
+      const Vec3 normal = Vec3(0.2 * std::sin(b), 0.2 * std::cos(3 * b), 1).normalized();
+      specs.push_back({.a = b,
+                       .b = k > 0 ? b - 1 : -1,
+                       .x_a = -radius * normal,
+                       .x_b = radius * normal,
+                       .normal = normal});
+    }
+  const int beads = int(specs.size());
+  FrictionProblem problem;
+  problem.M = block_diagonal(masses);
+  problem.H = contact_directions(beads, specs);
+  problem.f = VecX::Zero(6 * beads);
+  for (int b = 0; b < beads; ++b)
+    problem.f.segment<3>(6 * b) = mass * Vec3(0.2 * std::cos(b), 0.1, -0.5 - std::sin(2 * b));
+  problem.w = VecX::Zero(3 * beads);
+  problem.laws.assign(specs.size(), coulomb(mu));
+  return problem;
+}
+
 FrictionProblem cube_stack(int n, double m, double mu) {
   const double edge = 0.1, h = 1e-3, gravity = 9.81;
   std::vector<MatX> mass;

@@ -26,6 +26,10 @@ SparseMatrix block_diagonal(const std::vector<MatX>& blocks);
 /// slightly unsymmetric.
 FrictionProblem random_peg_in_hole(Random& random, int bodies, int contacts, double mu);
 
+/// Chains of balls under a push from below, one on the other, each chain on the ground and apart from the
+/// rest: neighbours alone feel each other.
+FrictionProblem bead_chains(const std::vector<int>& lengths, double mu);
+
 /// n cubes of mass m [kg] and edge 0.1 m on a plane, four contacts under each, one step h = 1 ms of gravity.
 FrictionProblem cube_stack(int n, double m, double mu);
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What ADMM and the interior point rest on, and what is true of them alone.
+#include <algorithm>
+
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
@@ -60,6 +62,31 @@ TEST(Delassus, HasTheSameMatrixBlocksAndShiftedInverseInBothForms) {
         const int k = form->first[std::size_t(c)], rows = form->scaled.laws[std::size_t(c)].rows;
         EXPECT_LT((form->block(c) - W.block(k, k, rows, rows)).norm(), 1e-12) << "seed " << seed;
       }
+    }
+  }
+}
+
+TEST(Delassus, GivesBlocksThatFeelEachOtherDifferentColours) {
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    Random random(seed);
+    const FrictionProblem problem = seed % 2 == 0 ? bead_chains({7, 1, 30}, 0.3)
+                                                  : planted(random, mixed_laws(random, 21), 300, 0.1).problem;
+    const std::unique_ptr<Delassus> bodies = make_delassus(problem, *invert_mass(problem.M)),
+                                    contacts = make_delassus(condense(problem));
+    const MatX W = contacts->matrix();
+    for (const Delassus* form : {bodies.get(), contacts.get()}) {
+      const std::vector<int> colours = form->colours();
+      ASSERT_EQ(colours.size(), std::size_t(form->count()));
+      if (seed % 2 == 0) {
+        EXPECT_EQ(*std::ranges::max_element(colours), 1);  // two colours do for chains
+      }
+      for (int c = 0; c < form->count(); ++c)
+        for (int d = 0; d < c; ++d) {
+          const auto block =
+              W.block(form->first[std::size_t(c)], form->first[std::size_t(d)],
+                      form->scaled.laws[std::size_t(c)].rows, form->scaled.laws[std::size_t(d)].rows);
+          EXPECT_TRUE(block.isZero(0) || colours[std::size_t(c)] != colours[std::size_t(d)]) << c << " " << d;
+        }
     }
   }
 }

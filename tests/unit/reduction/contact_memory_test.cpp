@@ -45,6 +45,15 @@ TEST(WarmStart, ScalesWithTheStep) {
   EXPECT_EQ(warm_start(remember(set, {{1, 2, 4}}), set, 0.5).impulse[0], Vec3(0.5, 1, 2));
 }
 
+TEST(WarmStart, GivesBackTheDrillingImpulseScaled) {
+  const ContactSet set{{contact(3, 1), contact(1, 2)}};
+  const ContactMemory memory = remember(set, {{0, 0, 1}, {0, 0, 2}}, {0.25, -0.5});
+  const WarmStart start = warm_start(memory, {{contact(1, 2), contact(5, 5), contact(3, 1)}}, 2);
+  EXPECT_EQ(start.drilling, (std::vector<double>{-1, 0, 0.5}));
+  EXPECT_EQ(warm_start(remember(set, {{0, 0, 1}, {0, 0, 2}}), set).drilling, (std::vector<double>{0, 0}));
+  EXPECT_THROW(remember(set, {{0, 0, 1}, {0, 0, 2}}, {1}), std::invalid_argument);
+}
+
 TEST(WarmStart, TurnsTheImpulseWithTheNormal) {
   const ContactMemory memory = remember({{contact(1, 1)}}, {{0.5, 0.25, 2}});
   const double angle = 0.3;  // about y: the minimal rotation leaves y alone

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// From joints to the one-step problem: equations for what is locked, rows for what acts along the axes
+// (MJT-10) to (MJT-13); and states in which all joints hold.
+#pragma once
+
+#include "integrators/reduced_solve.hpp"
+#include "integrators/step_report.hpp"
+
+namespace aussois {
+
+struct JointOptions {
+  bool project = true;         // joints hold to rounding after each step, positions and velocities (MJT-13)
+  double stabilisation = 0.2;  // part of the drift that a step takes back [-], in [0, 1] (MJT-11)
+};
+void validate(const JointOptions& options);  // throws std::invalid_argument: field, value, bound
+
+/// What acts at one joint; a column of G for every locked row and bilateral motor, then one per coupling.
+struct JointSystem {
+  JointEquations equations{};
+  std::vector<int> first{};        // column of each joint, and at the end that of the couplings
+  std::vector<SE3> middle{};       // poses that the directions of locked rows are taken at
+  std::vector<ContactRow> rows{};  // stops, dry friction, limited motors
+};
+JointSystem joint_system(const Model& model, const State& state, const DofMap& dofs, const VecX& v_prescribed,
+                         double h, double theta, const NormalLawOptions& normal, const JointOptions& options);
+
+/// The report of the joints: `lambda` belongs to the columns of G, `r` to the entries of State::r.
+std::vector<StepJoint> step_joints(const Model& model, const JointSystem& system, const VecX& lambda,
+                                   const VecX& r, double h);
+
+/// The nearest poses, in the metric of the masses, at which all joints and couplings hold (Newton, to 1e-13 m
+/// and rad or as far as rounding lets it), and the nearest velocities that keep them so (MJT-13). Also the
+/// way to a consistent start.
+State consistent(const Model& model, const State& state);
+
+/// The velocities only, at the poses of the state.
+VecX consistent_velocity(const Model& model, const State& state);
+
+}  // namespace aussois

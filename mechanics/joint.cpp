@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mechanics/joint.hpp"
+
+#include <cmath>
+
+#include "geometry/check.hpp"
+
+namespace aussois {
+namespace {
+
+const SE3& pose_of(const std::vector<SE3>& g, int body) {
+  static const SE3 world;
+  return body < 0 ? world : g[std::size_t(body)];
+}
+
+// The two frames of a joint in the world, and what moves them.
+struct Frames {
+  Mat3 R_a, R_b;  // of the bodies
+  Mat3 a, b;      // columns: axes of the frames
+  Vec3 r_a, r_b;  // from the centres of the bodies to the origin of A's frame
+  Vec3 d;         // from the origin of B's frame to that of A's [m]
+};
+
+Frames frames_of(const Joint& joint, const std::vector<SE3>& g) {
+  const SE3 &body_a = pose_of(g, joint.body_a), &body_b = pose_of(g, joint.body_b);
+  const SE3 frame_a = body_a * joint.frame_a, frame_b = body_b * joint.frame_b;
+  return {.R_a = body_a.R.toRotationMatrix(),
+          .R_b = body_b.R.toRotationMatrix(),
+          .a = frame_a.R.toRotationMatrix(),
+          .b = frame_b.R.toRotationMatrix(),
+          .r_a = frame_a.p - body_a.p,
+          .r_b = frame_a.p - body_b.p,
+          .d = frame_a.p - frame_b.p};
+}
+
+// A unit force along `axis` on A at the origin of its frame, its opposite on B at the same point (MJT-2).
+JointRow force_along(const Frames& f, const Vec3& axis, double value) {
+  JointRow row{.value = value};
+  row.J_a << axis, f.R_a.transpose() * f.r_a.cross(axis);
+  row.J_b << -axis, -(f.R_b.transpose() * f.r_b.cross(axis));
+  return row;
+}
+
+// b_i . d, the position of A along an axis of B (MJT-3).
+JointRow along(const Frames& f, int i) {
+  return force_along(f, f.b.col(i), f.b.col(i).dot(f.d));
+}
+
+// a_i . b_j: zero where the two axes are perpendicular (MJT-4).
+JointRow dot(const Frames& f, int i, int j) {
+  const Vec3 axis = f.a.col(i).cross(f.b.col(j));
+  JointRow row{.value = f.a.col(i).dot(f.b.col(j))};
+  row.J_a << Vec3::Zero(), f.R_a.transpose() * axis;
+  row.J_b << Vec3::Zero(), -(f.R_b.transpose() * axis);
+  return row;
+}
+
+// The angle of the vector whose coordinates are the values of two rows (MJT-5).
+JointRow angle(const JointRow& x, const JointRow& y) {
+  const double square = x.value * x.value + y.value * y.value;
+  JointRow row{.value = std::atan2(y.value, x.value)};
+  if (square == 0) return row;
+  row.J_a = (x.value * y.J_a - y.value * x.J_a) / square;
+  row.J_b = (x.value * y.J_b - y.value * x.J_b) / square;
+  return row;
+}
+JointRow angle_about_z(const Frames& f) {
+  return angle(dot(f, 0, 0), dot(f, 0, 1));
+}
+JointRow angle_about_x(const Frames& f) {
+  return angle(dot(f, 2, 2), dot(f, 1, 2));
+}
+
+// z - pitch * turns; the turn is the one that fits z best, so no counter is needed (MJT-6).
+JointRow thread(const Frames& f, double pitch) {
+  const double lead = pitch / (2 * kPi);
+  JointRow z = along(f, 2);
+  const JointRow turn = angle_about_z(f);
+  const double angle = turn.value + 2 * kPi * std::round((z.value / lead - turn.value) / (2 * kPi));
+  z.value -= lead * angle;
+  z.J_a -= lead * turn.J_a;
+  z.J_b -= lead * turn.J_b;
+  return z;
+}
+
+JointRow length(const Frames& f, double wanted) {
+  const double size = f.d.norm();
+  return force_along(f, size > 0 ? Vec3(f.d / size) : Vec3(Vec3::Zero()), size - wanted);
+}
+
+}  // namespace
+
+const char* to_string(JointKind kind) {
+  switch (kind) {
+    case JointKind::fixed:
+      return "fixed";
+    case JointKind::revolute:
+      return "revolute";
+    case JointKind::prismatic:
+      return "prismatic";
+    case JointKind::cylindrical:
+      return "cylindrical";
+    case JointKind::spherical:
+      return "spherical";
+    case JointKind::universal:
+      return "universal";
+    case JointKind::planar:
+      return "planar";
+    case JointKind::screw:
+      return "screw";
+    case JointKind::distance:
+      return "distance";
+  }
+  return "?";
+}
+
+Joint joint_at(JointKind kind, std::string name, int body_a, int body_b, const std::vector<SE3>& g,
+               const SE3& frame) {
+  return {.name = std::move(name),
+          .kind = kind,
+          .body_a = body_a,
+          .body_b = body_b,
+          .frame_a = inverse(pose_of(g, body_a)) * frame,
+          .frame_b = inverse(pose_of(g, body_b)) * frame};
+}
+
+int axis_count(JointKind kind) {
+  switch (kind) {
+    case JointKind::revolute:
+    case JointKind::prismatic:
+    case JointKind::screw:
+      return 1;
+    case JointKind::cylindrical:
+    case JointKind::universal:
+      return 2;
+    case JointKind::planar:
+      return 3;
+    case JointKind::fixed:
+    case JointKind::spherical:
+    case JointKind::distance:
+      break;
+  }
+  return 0;
+}
+
+bool is_angle(JointKind kind, int axis) {
+  switch (kind) {
+    case JointKind::revolute:
+    case JointKind::universal:
+    case JointKind::screw:
+      return true;
+    case JointKind::cylindrical:
+      return axis == 1;
+    case JointKind::planar:
+      return axis == 2;
+    default:
+      return false;
+  }
+}
+
+int locked_translations(JointKind kind) {
+  switch (kind) {
+    case JointKind::prismatic:
+    case JointKind::cylindrical:
+      return 2;
+    case JointKind::planar:
+    case JointKind::distance:
+      return 1;
+    default:
+      return 3;
+  }
+}
+
+int locked_count(JointKind kind) {
+  switch (kind) {
+    case JointKind::fixed:
+      return 6;
+    case JointKind::revolute:
+    case JointKind::prismatic:
+    case JointKind::screw:
+      return 5;
+    case JointKind::cylindrical:
+    case JointKind::universal:
+      return 4;
+    case JointKind::spherical:
+    case JointKind::planar:
+      return 3;
+    case JointKind::distance:
+      return 1;
+  }
+  return 0;
+}
+
+std::vector<JointRow> locked_rows(const Joint& joint, const std::vector<SE3>& g) {
+  const Frames f = frames_of(joint, g);
+  switch (joint.kind) {
+    case JointKind::fixed:
+      return {along(f, 0), along(f, 1), along(f, 2), dot(f, 2, 0), dot(f, 2, 1), dot(f, 0, 1)};
+    case JointKind::revolute:
+      return {along(f, 0), along(f, 1), along(f, 2), dot(f, 2, 0), dot(f, 2, 1)};
+    case JointKind::prismatic:
+      return {along(f, 0), along(f, 1), dot(f, 2, 0), dot(f, 2, 1), dot(f, 0, 1)};
+    case JointKind::cylindrical:
+      return {along(f, 0), along(f, 1), dot(f, 2, 0), dot(f, 2, 1)};
+    case JointKind::spherical:
+      return {along(f, 0), along(f, 1), along(f, 2)};
+    case JointKind::universal:
+      return {along(f, 0), along(f, 1), along(f, 2), dot(f, 0, 2)};
+    case JointKind::planar:
+      return {along(f, 2), dot(f, 2, 0), dot(f, 2, 1)};
+    case JointKind::screw:
+      return {along(f, 0), along(f, 1), thread(f, joint.pitch), dot(f, 2, 0), dot(f, 2, 1)};
+    case JointKind::distance:
+      return {length(f, joint.length)};
+  }
+  return {};
+}
+
+JointRow axis_row(const Joint& joint, const std::vector<SE3>& g, int axis) {
+  AUSSOIS_ASSERT(axis >= 0 && axis < axis_count(joint.kind));
+  const Frames f = frames_of(joint, g);
+  switch (joint.kind) {
+    case JointKind::prismatic:
+      return along(f, 2);
+    case JointKind::cylindrical:
+      return axis == 0 ? along(f, 2) : angle_about_z(f);
+    case JointKind::universal:
+      return axis == 0 ? angle_about_z(f) : angle_about_x(f);
+    case JointKind::planar:
+      return axis < 2 ? along(f, axis) : angle_about_z(f);
+    default:
+      return angle_about_z(f);
+  }
+}
+
+SE3 frame_on_a(const Joint& joint, const std::vector<SE3>& g) {
+  return pose_of(g, joint.body_a) * joint.frame_a;
+}
+
+}  // namespace aussois

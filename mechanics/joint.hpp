@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// Joints between two bodies, or a body and the world: which of the six relative motions are locked, and what
+// acts along the free ones (MJT-1) to (MJT-9). A joint carries a frame on each body; its axis is z. Motions
+// are those of A seen from B. What the solver does with them: doc/theory/joints.md.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "geometry/se3.hpp"
+
+namespace aussois {
+
+enum class JointKind {  // locked motions -> free axes, in order
+  fixed,                // all -> none
+  revolute,             // translations, tilts -> angle about z
+  prismatic,            // x, y, rotations -> z
+  cylindrical,          // x, y, tilts -> z, angle about z
+  spherical,            // translations -> rotations, without coordinates
+  universal,            // translations, one rotation -> angle about z of B, angle about x of A
+  planar,               // z, tilts -> x, y, angle about z
+  screw,                // x, y, tilts, z = pitch * turns -> angle about z
+  distance,             // |origin of A - origin of B| = length -> no coordinates
+};
+const char* to_string(JointKind kind);
+
+enum class MotorKind {
+  none,
+  effort,    // target: force or torque on A
+  speed,     // target: speed at the end of the step
+  position,  // target: coordinate at the end of the step
+};
+
+/// What drives a free axis. The limit makes the bilateral row of a speed or position motor a row of dry
+/// friction about its target.
+struct Motor {
+  MotorKind kind = MotorKind::none;
+  std::function<double(double t)> target{};  // [N, N m], [m/s, rad/s] or [m, rad]
+  double limit = kInf;                       // of a speed or position motor [N, N m], > 0
+};
+
+/// What acts along a free axis with coordinate q [m or rad].
+struct JointAxis {
+  double lower = -kInf, upper = kInf;  // stops [m, rad], lower < upper
+  double restitution = 0;              // of the stops [-], in [0, 1]
+  double friction = 0;                 // dry, the largest force or torque [N, N m], >= 0
+  double stiffness = 0, damping = 0;   // of a spring to `rest` [N/m, N m], [N s/m, N m s], >= 0
+  double rest = 0;                     // [m, rad]
+  Motor motor{};
+};
+
+struct Joint {
+  std::string name{};
+  JointKind kind = JointKind::fixed;
+  int body_a = -1, body_b = -1;     // index of the body, -1: the world
+  SE3 frame_a{}, frame_b{};         // seen from the frames of the bodies
+  double pitch = 0;                 // of a screw, with its sign [m/turn], not 0
+  double length = 0;                // of a distance [m], > 0
+  std::array<JointAxis, 3> axis{};  // the first axis_count(kind) of them
+};
+
+/// Coordinates of two joints go together: q_1 = ratio q_2 + offset. Gears (ratio = -teeth_2 / teeth_1 between
+/// external wheels), racks [m/rad], belts.
+struct Coupling {
+  std::string name{};
+  int joint_1 = -1, axis_1 = 0;
+  int joint_2 = -1, axis_2 = 0;
+  double ratio = 1;   // not 0
+  double offset = 0;  // [m, rad]
+};
+
+/// A joint of two bodies whose frames coincide now, at `frame` in the world.
+Joint joint_at(JointKind kind, std::string name, int body_a, int body_b, const std::vector<SE3>& g,
+               const SE3& frame);
+
+int axis_count(JointKind kind);
+bool is_angle(JointKind kind, int axis);
+int locked_count(JointKind kind);
+int locked_translations(JointKind kind);  // they come first; the others are rotations
+
+/// A scalar function of two poses and its exact derivative: value' = J_a . twist_a + J_b . twist_b.
+struct JointRow {
+  double value = 0;  // [m, rad]
+  Vec6 J_a = Vec6::Zero(), J_b = Vec6::Zero();
+};
+/// Zero where the joint holds: metres for translations, sines of angles for rotations (MJT-3), (MJT-4).
+std::vector<JointRow> locked_rows(const Joint& joint, const std::vector<SE3>& g);
+/// The coordinate of a free axis; angles in (-pi, pi] (MJT-5).
+JointRow axis_row(const Joint& joint, const std::vector<SE3>& g, int axis);
+
+/// Of the joint's frame on A, in the world.
+SE3 frame_on_a(const Joint& joint, const std::vector<SE3>& g);
+
+}  // namespace aussois

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// The joints of a model at a state: coordinates, springs, drift (MJT-7) to (MJT-9).
+#pragma once
+
+#include "mechanics/state.hpp"
+
+namespace aussois {
+
+/// Coordinate of a free axis, turns counted [m, rad], and its speed [m/s, rad/s].
+double joint_coordinate(const Model& model, const State& state, int joint, int axis = 0);
+double joint_speed(const Model& model, const State& state, int joint, int axis = 0);
+
+/// By how much a joint is off at the state, and all of them at most.
+struct JointError {
+  double translation = 0;  // [m]
+  double rotation = 0;     // [rad], also of couplings between angles
+};
+JointError joint_error(const Model& model, const State& state, int joint);
+JointError joint_error(const Model& model, const State& state);
+
+/// q_1 - ratio q_2 - offset of a coupling, with its derivatives along its two joints (MJT-8).
+struct CouplingRow {
+  double value = 0;  // [m, rad], that of axis_1
+  JointRow row_1{}, row_2{};
+};
+CouplingRow coupling_row(const Model& model, const Coupling& coupling, const std::vector<SE3>& g,
+                         const std::vector<int>& turns);
+
+/// Turns of all angles after a motion from `before` to `after` in which no angle moved by half a turn or more
+/// (MJT-7).
+std::vector<int> counted_turns(const Model& model, const State& before, const std::vector<SE3>& after);
+
+/// Of the springs on joint axes [J].
+double spring_energy(const Model& model, const State& state);
+
+}  // namespace aussois

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a run may begin with.
+#include "integrators/start.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/block_scene.hpp"
+#include "tests/support/message_of.hpp"
+
+namespace aussois {
+namespace {
+
+std::string refusal(const Model& model, const State& state) {
+  return message_of([&] { validate_start(model, state); });
+}
+void expect_names(const std::string& message, const std::string& part) {
+  EXPECT_NE(message.find(part), std::string::npos) << message;
+}
+
+TEST(Start, IsRefusedInOverlapBeyondTheDilations) {
+  Scene s = block_on_plate(0.3, 0, 0);
+  EXPECT_EQ(refusal(s.model, s.state), "");
+  for (const double depth : {0.5 * kRadius, 3 * kRadius, 0.4 * kSide}) {
+    pose(s.state, s.block).p.z() = kSide / 2 + 2 * kRadius - depth;
+    expect_names(refusal(s.model, s.state), "start: bodies 0 (ground) and 1 (block): base distance = ");
+    State tried = s.state;  // and the scheme would not have taken it
+    EXPECT_EQ(MoreauJean(s.model, {}).step(tried).status, StepStatus::refused);
+  }
+  s.model.passing.insert({s.ground, s.block});
+  EXPECT_EQ(refusal(s.model, s.state), "");
+  EXPECT_EQ(message_of([&] { validate_start(s.model, s.state, {.max_overlap = 2}); }).find("Advancement"),
+            0U);
+}
+
+TEST(Start, IsRefusedWithAJointThatDoesNotHoldUntilItIsMadeConsistent) {
+  Scene s = block_on_plate(0.3, 0, 0, 0.1);
+  add(s.model, joint_at(JointKind::revolute, "hinge", s.block, -1, s.state.g, pose(s.state, s.block)));
+  EXPECT_EQ(refusal(s.model, s.state), "");
+  pose(s.state, s.block).p.x() += 1e-3;
+  expect_names(refusal(s.model, s.state), "start: joint 0 (hinge): translation error [m] = 0.001");
+  EXPECT_EQ(refusal(s.model, consistent(s.model, s.state)), "");
+  pose(s.state, s.block).R = exp_so3(Vec3(0.01, 0, 0));
+  pose(s.state, s.block).p.x() -= 1e-3;
+  expect_names(refusal(s.model, s.state), "rotation error [rad] = ");
+}
+
+TEST(Start, IsRefusedWithMatricesOfTheWrongSizeWhichEndAStepAsNotFinite) {
+  const auto with = [](MatX mass, VecX f, MatX K, MatX J) {
+    Model model;
+    add(model, Coordinates{.name = "x",
+                           .size = 2,
+                           .mass = [=](const VecX&) { return mass; },
+                           .force =
+                               [=](double, const VecX&, const VecX&) {
+                                 return CoordinateForce{f, K, {}};
+                               }});
+    add(model, GapFunction{.name = "wall", .block = 0, .evaluate = [=](const Model&, const State&, double) {
+                             return GapRows{.gap = 1, .J = J};
+                           }});
+    State state = rest_state(model);
+    const std::string message = refusal(model, state);
+    const StepStatus status = MoreauJean(model, {}).step(state).status;
+    EXPECT_EQ(status == StepStatus::not_finite, !message.empty()) << message;
+    return message;
+  };
+  const MatX I = MatX::Identity(2, 2), none, J = MatX::Ones(1, 2);
+  const VecX f = VecX::Zero(2);
+  EXPECT_EQ(with(I, f, none, J), "");
+  expect_names(with(MatX::Identity(3, 3), f, none, J), "coordinates 0 (x): mass = 3 x 3 must be 2 x 2");
+  expect_names(with(I, VecX::Zero(1), none, J), "coordinates 0 (x): force.f = 1 x 1 must be 2 x 1");
+  expect_names(with(I, f, MatX::Zero(1, 2), J), "force.K = 1 x 2 must be 2 x 2");
+  expect_names(with(I, f, none, MatX::Ones(1, 3)), "gap function 0 (wall): J = 1 x 3 must be 1 x 2");
+  expect_names(with(I, f, none, MatX::Ones(4, 2)), "rows of J = 4 must lie in [1, 3]");
+}
+
+TEST(Start, IsRefusedWithAMassThatIsNotPositiveDefinite) {
+  Model model;
+  MatX M = MatX::Identity(2, 2);
+  add(model, Coordinates{.name = "x", .size = 2, .mass = [&](const VecX&) { return M; }});
+  const State state = rest_state(model);
+  EXPECT_EQ(refusal(model, state), "");
+  M(0, 1) = 0.5;
+  expect_names(refusal(model, state), "largest |mass - transpose| = 0.5");
+  M(1, 0) = 0.5, M(1, 1) = 0.2;
+  expect_names(refusal(model, state), "mass must be positive definite");
+}
+
+}  // namespace
+}  // namespace aussois
