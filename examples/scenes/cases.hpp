@@ -36,5 +36,6 @@ const Case& case_named(const std::string& name);
 std::vector<Case> impact_cases();
 std::vector<Case> friction_cases();
 std::vector<Case> rotation_cases();
+std::vector<Case> mechanism_cases();
 
 }  // namespace aussois

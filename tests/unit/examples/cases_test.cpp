@@ -224,5 +224,15 @@ TEST(FreeTop, KeepsItsMomentumAndEnergy) {
   }
 }
 
+TEST(HeavyTop, AgreesWithTheReference) {
+  REFERENCE(rows, "heavy_top.csv");
+  const ExactMotion top = case_named("heavy_top").exact(2);
+  for (const Row& row : rows) {
+    const MotionSample sample = evaluate(top, row.at("t_s"));
+    EXPECT_LT((Vec3(sample.q) - Vec3(row.at("x"), row.at("y"), row.at("z"))).norm(), 1e-9)
+        << "t = " << row.at("t_s");
+  }
+}
+
 }  // namespace
 }  // namespace aussois
