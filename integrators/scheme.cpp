@@ -30,6 +30,7 @@ Step moreau_jean_step(const Model& model, const SchemeOptions& o) {
       std::make_shared<const MoreauJean>(model, MoreauJeanOptions{.h = o.h,
                                                                   .theta = o.theta,
                                                                   .normal = o.normal,
+                                                                  .joints = o.joints,
                                                                   .lmd = o.lmd,
                                                                   .reduction = o.reduction,
                                                                   .solver = o.solver,

@@ -16,6 +16,7 @@ struct SchemeOptions {
   double h = 1e-3;     // largest step [s], > 0
   double theta = 0.5;  // moreau_jean [-], in [1/2, 1]
   NormalLawOptions normal{};
+  JointOptions joints{};
   LmdOptions lmd{};
   ReductionOptions reduction{};
   SolverOptions solver{};

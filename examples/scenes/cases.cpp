@@ -8,7 +8,8 @@ namespace aussois {
 const std::vector<Case>& cases() {
   static const std::vector<Case> all = [] {
     std::vector<Case> out;
-    for (const std::vector<Case>& kind : {impact_cases(), friction_cases(), rotation_cases()})
+    for (const std::vector<Case>& kind :
+         {impact_cases(), friction_cases(), rotation_cases(), mechanism_cases()})
       out.insert(out.end(), kind.begin(), kind.end());
     return out;
   }();

@@ -25,7 +25,7 @@ struct Case {
   bool bounces = false;  // needs a scheme with restitution
   std::function<CaseScene()> scene{};
   std::function<MotionSample(const CaseScene&, const State&)> observe{};
-  std::function<ExactMotion()> exact{};
+  std::function<ExactMotion(double t_end)> exact{};  // good up to t_end at least
 };
 
 const std::vector<Case>& cases();
@@ -36,5 +36,6 @@ const Case& case_named(const std::string& name);
 std::vector<Case> impact_cases();
 std::vector<Case> friction_cases();
 std::vector<Case> rotation_cases();
+std::vector<Case> mechanism_cases();
 
 }  // namespace aussois

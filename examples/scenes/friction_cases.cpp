@@ -20,7 +20,7 @@ CaseScene block_on_slope(double mu, double slope, double speed) {
   s.model.gravity = kGravity * Vec3(std::sin(slope), 0, -std::cos(slope));
   s.model.contact_law = {.mu = mu, .restitution = 0};
   const SimplicialComplex box = make_box(kSide, kSide, kSide);
-  const int plate = add(s.model, prepare(dilate(make_plate(10, 10), kDilation)));
+  const int plate = add(s.model, prepare(dilate(make_plate(40, 40), kDilation)));
   const int cube = add(s.model, prepare(dilate(box, 0)));
   add(s.model, fixed_body("plate", plate));
   s.body = add(s.model, solid_body("block", cube, mass_properties(box, kDensity)));
@@ -65,7 +65,7 @@ Case incline_case(const char* name, const char* what, double degrees, double spe
           .h = 1e-2,
           .scene = [=] { return block_on_slope(kMu, slope, -speed); },
           .observe = block_motion,
-          .exact = [=] { return block_sent_up(kMu, slope, speed); }};
+          .exact = [=](double) { return block_sent_up(kMu, slope, speed); }};
 }
 
 // B2. m x'' = A sin(W t) - friction, m = 1 kg: rest until the push exceeds mu m g, then slip in one direction
@@ -109,14 +109,14 @@ CaseScene pushed_block(double mu, double A, double W) {
 }
 
 Case stick_slip_case(const char* name, const char* what, double A) {
-  constexpr double kMu = 0.3, kW = 2, kEnd = 5;
+  constexpr double kMu = 0.3, kW = 2;
   return {.name = name,
           .what = what,
-          .t_end = kEnd,
+          .t_end = 5,
           .h = 2e-2,
           .scene = [=] { return pushed_block(kMu, A, kW); },
           .observe = block_motion,
-          .exact = [=] { return stick_slip(kMu, A, kW, kEnd); }};
+          .exact = [=](double until) { return stick_slip(kMu, A, kW, until); }};
 }
 
 // B3. A solid sphere of 1 kg: the slip u = v + omega x (-R n) keeps its direction and falls at 7/2 mu g; then
@@ -178,7 +178,7 @@ Case slip_to_roll_case(const char* name, const char* what, const Vec3& v, const 
                 return sphere_motion(g.p - pose(scene.state, scene.body).p, twist_now.head<3>(),
                                      g.R * twist_now.tail<3>(), s.R);
               },
-          .exact = [s] { return slip_to_roll(s); }};
+          .exact = [s](double) { return slip_to_roll(s); }};
 }
 
 }  // namespace

@@ -84,7 +84,7 @@ Case bouncing_ball_case(const char* name, double e, double t_end) {
           .bounces = e > 0,
           .scene = [e] { return ball_over_plate(e, kDrop, 0); },
           .observe = height,
-          .exact = [=] { return bouncing_ball(e, kDrop, t_end); }};
+          .exact = [e](double until) { return bouncing_ball(e, kDrop, until); }};
 }
 
 // A2. z'' = -z above a stop at z = -1/2: arcs of circles in the phase plane.
@@ -158,15 +158,14 @@ CaseScene forced_oscillator_scene(const PeriodicOrbit& o) {
 // `periods`: few where the orbit is unstable; near it errors grow by the factor named in each period.
 Case forced_oscillator_case(const char* name, double W, double e, double periods) {
   const PeriodicOrbit orbit = periodic_orbit(1, W, e);
-  const double t_end = periods * orbit.period;
   return {.name = name,
           .what = "a spring and a harmonic force drive a ball against a stop, once a period (A3)",
-          .t_end = t_end,
+          .t_end = periods * orbit.period,
           .h = orbit.period / 200,
           .bounces = true,
           .scene = [orbit] { return forced_oscillator_scene(orbit); },
           .observe = height,
-          .exact = [=] { return forced_oscillator(orbit, t_end); }};
+          .exact = [orbit](double until) { return forced_oscillator(orbit, until); }};
 }
 
 }  // namespace
@@ -182,7 +181,7 @@ std::vector<Case> impact_cases() {
            .bounces = true,
            .scene = [] { return impact_oscillator_scene(0.8); },
            .observe = height,
-           .exact = [] { return impact_oscillator(0.8, 12); }},
+           .exact = [](double until) { return impact_oscillator(0.8, until); }},
           forced_oscillator_case("forced_26", 2.6, 0.8, 5.25),   // 0.8
           forced_oscillator_case("forced_28", 2.8, 0.8, 2.25),   // 3.0
           forced_oscillator_case("forced_46", 4.6, 0.7, 1.25)};  // 35

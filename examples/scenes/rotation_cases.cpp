@@ -57,7 +57,7 @@ Case free_top_case(const char* name, const char* what, const Vec3& J, const Vec3
           .observe = [](const CaseScene& s, const State& state) -> MotionSample {
             return attitude(pose(state, s.body).R, twist(state, s.body).tail<3>());
           },
-          .exact = [=] { return free_top(J, omega, t_end, h / 2); }};
+          .exact = [=](double until) { return free_top(J, omega, until, h / 2); }};
 }
 
 // C1. Housner's block: half width b, half height a; it turns about the edge it stands on and passes to the
@@ -126,15 +126,14 @@ MotionSample tilt(const CaseScene& s, const State& state) {
 }  // namespace
 
 std::vector<Case> rotation_cases() {
-  constexpr double kRockingTime = 1;  // [s], three impacts
   const RockingBlock block;
   return {{.name = "rocking_block",
            .what = "Housner's block rocks from edge to edge (C1)",
-           .t_end = kRockingTime,
+           .t_end = 1,  // three impacts
            .h = 2e-3,
            .scene = [block] { return rocking_scene(block); },
            .observe = tilt,
-           .exact = [block] { return rocking(block, kRockingTime); }},
+           .exact = [block](double until) { return rocking(block, until); }},
           free_top_case("free_top", "a free asymmetric top (D2)", {3, 2, 1}, {0.6, 1, 1.3}, 10, 0.1),
           free_top_case("dzhanibekov", "a top that flips over (D1, with a stronger push)", {1, 10, 11},
                         {0, 2, 0.1}, 10, 0.05)};

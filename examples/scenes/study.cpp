@@ -87,7 +87,7 @@ Study study(const Case& c, const std::string& scheme, SchemeOptions scheme_optio
             .expected = expected_orders(c, traits)};
   scheme_options.solver.tolerance = o.tolerance;
   scheme_options.advancement.certify = false;
-  const ExactMotion exact = c.exact();
+  const ExactMotion exact = c.exact(c.t_end);
   for (const double h : step_sizes(o.h > 0 ? o.h : c.h, o.levels)) {
     scheme_options.h = h;
     Errors mean{};

@@ -17,7 +17,7 @@ namespace {
 constexpr double kGravity = 9.81;
 
 ExactMotion motion_of(const char* name) {
-  return case_named(name).exact();
+  return case_named(name).exact(case_named(name).t_end);
 }
 
 // Rows of a reference series by column; the test is skipped where there is none.
@@ -53,7 +53,7 @@ TEST_P(EachCase, BeginsAtItsSceneAndIsContinuous) {
   const Case& c = case_named(GetParam());
   const CaseScene scene = c.scene();
   ASSERT_NO_THROW(validate(scene.model));
-  const ExactMotion exact = c.exact();
+  const ExactMotion exact = c.exact(c.t_end);
   const MotionSample start = c.observe(scene, scene.state), begin = evaluate(exact, 0);
   EXPECT_LT((start.q - begin.q).norm(), 1e-13);
   EXPECT_LT((start.v - begin.v).norm(), 1e-13);
@@ -221,6 +221,16 @@ TEST(FreeTop, KeepsItsMomentumAndEnergy) {
       EXPECT_LT((momentum(t) - momentum(0)).norm(), 1e-11 * momentum(0).norm()) << name;
       EXPECT_NEAR(energy(t), energy(0), 1e-11 * energy(0)) << name;
     }
+  }
+}
+
+TEST(HeavyTop, AgreesWithTheReference) {
+  REFERENCE(rows, "heavy_top.csv");
+  const ExactMotion top = case_named("heavy_top").exact(2);
+  for (const Row& row : rows) {
+    const MotionSample sample = evaluate(top, row.at("t_s"));
+    EXPECT_LT((Vec3(sample.q) - Vec3(row.at("x"), row.at("y"), row.at("z"))).norm(), 1e-9)
+        << "t = " << row.at("t_s");
   }
 }
 
