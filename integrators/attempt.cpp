@@ -10,6 +10,8 @@
 namespace aussois {
 namespace {
 
+// Of the kinetic energy: above what the solver's tolerance of 1e-8 gives to a body at rest
+constexpr double kGain = 1e-5;
 constexpr double kReentry = 0.01;  // of the dilations per step; taste, below what the certificate allows
 
 bool all_finite(const std::vector<SE3>& poses) {
@@ -60,6 +62,7 @@ EnergyLedger ledger(const FreeMotion& free, const VecX& contact_impulse, const V
 // The constant velocities, near `v`, that lead from the poses of `state` to those of `end`; `plain` are those
 // that `v` leads to. A body that turns by more than half a turn goes on doing so.
 VecX velocity_to(const State& state, const State& plain, const State& end, VecX v, double h) {
+  if (end.q != plain.q) v.tail(end.q.size()) = (end.q - state.q) / h;
   for (std::size_t b = 0; b < state.g.size(); ++b) {
     if (end.g[b].p == plain.g[b].p && end.g[b].R.coeffs() == plain.g[b].R.coeffs()) continue;
     const auto at = 6 * Eigen::Index(b);
@@ -113,6 +116,24 @@ Impulses sorted(const Model& model, const std::vector<ContactRow>& rows, const R
   return out;
 }
 
+// What contacts and gap functions gave on relative velocities (IMP-6), and whether that is more than
+// rounding.
+void tell_gain(const ImpulseStep& step, const DofMap& dofs, int first_gap, const VecX& v_end,
+               StepReport& report) {
+  double work = step.impact ? step.impact->relative_work : 0;
+  for (std::size_t k = 0; k < step.solved.kept.size(); ++k) {
+    const ContactRow& row = step.rows[std::size_t(step.solved.kept[k])];
+    if (row.slot >= 0 && row.slot < first_gap) continue;
+    const RowVector u = slip_velocity(row, dofs, step.free.v) + slip_velocity(row, dofs, v_end);
+    for (int d = 0; d < row.law.rows; ++d)
+      work += u[d] / 2 * step.solved.solution.r[step.solved.first_row[k] + d];
+  }
+  const auto kinetic = [&](const VecX& v) { return v.dot(step.free.mass * v) / 2; };
+  const double scale = std::max({kinetic(step.free.v), kinetic(step.free.v_free), kinetic(v_end)});
+  report.impulse_gain = std::max(0.0, work);
+  report.energy_rises = work > kGain * scale;
+}
+
 std::vector<StepGap> step_gaps(const Model& model, const ImpulseStep& step, std::size_t contacts,
                                const VecX& r) {
   std::vector<StepGap> out;
@@ -120,6 +141,16 @@ std::vector<StepGap> step_gaps(const Model& model, const ImpulseStep& step, std:
     if (const ContactRow& row = step.rows[contacts + std::size_t(i)]; row.active)
       out.push_back({i, step.gap[std::size_t(i)], r.segment<3>(first_gap_row(model) + 3 * i)});
   return out;
+}
+
+// The impulses of an impact, on top of those of the step.
+void add_impact(const ImpactJump& impact, const ImpulseStep& step, std::size_t contacts, StepReport& report) {
+  for (std::size_t k = 0; k < report.contacts.size(); ++k) {
+    const auto i = std::size_t(step.solved.kept[k]);
+    report.contacts[k].impulse += step.rows[i].frame * impact.r[i].head<3>();
+    if (step.rows[i].law.rows > 3) report.contacts[k].drilling += impact.r[i][3];
+  }
+  for (StepGap& gap : report.gaps) gap.impulse += impact.r[contacts + std::size_t(gap.index)].head<3>();
 }
 
 // What the attempt can tell before it moves anything.
@@ -133,6 +164,10 @@ StepReport told(const StepSetting& setting, const Found& found, const ImpulseSte
   report.min_gap = smallest_gap(found.contacts);
   for (const double gap : step.gap) report.min_gap = std::min(report.min_gap, gap);
   report.solve = step.solved.solution.report;
+  if (step.impact) {
+    report.impact_solves = step.impact->solves;
+    if (step.impact->status != SolveStatus::converged) report.solve.status = step.impact->status;
+  }
   if (setting.options.keep_problem)
     report.problem = StepProblem{step.solved.problem, step.solved.start, step.solved.solution};
   report.seconds_contact = found.seconds;
@@ -159,18 +194,68 @@ Found find_ahead(const StepSetting& setting, const State& state, const VecX& v_e
   return found;
 }
 
+Found found_at(const StepSetting& setting, const State& state, const Found& found, const State& at) {
+  const double begin = cpu_seconds();
+  const StepOptions& o = setting.options;
+  Found out = found;
+  out.contacts = contacts_of(setting.model, at, found.pairs, o.lmd);
+  out.selection = reduce(out.contacts, o.reduction);
+  out.warm = warm_start(state.memory, out.contacts, out.scale);
+  out.seconds += cpu_seconds() - begin;
+  return out;
+}
+
+ContactBlocks contact_blocks(const StepSetting& setting, const State& state, const ContactSet& contacts,
+                             double h, const Reached& reached) {
+  const VecX v_prescribed = prescribed_velocity(setting.model, state, h);
+  const NormalLawOptions& normal = setting.options.normal;
+  ContactBlocks out{.rows = contact_rows(setting.model, state, contacts, v_prescribed, h, normal, reached)};
+  GapFunctionRows gaps =
+      gap_rows(setting.model, state, setting.dofs, v_prescribed, h, normal, reached);  // (GEN-3)
+  out.gap = std::move(gaps.gap);
+  out.rows.insert(out.rows.end(), gaps.rows.begin(), gaps.rows.end());
+  return out;
+}
+
 ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
                        double theta) {
+  return solve_step(setting, state, found, std::move(free), theta,
+                    contact_blocks(setting, state, found.contacts, found.h));  // (MJ-6)
+}
+
+std::optional<AfterImpact> after_impact(const StepSetting& setting, const State& state, Found& found,
+                                        const ImpactOptions& options, double theta) {
+  if (in_the_step(options)) return std::nullopt;
+  const Model& model = setting.model;
+  const StepOptions& o = setting.options;
+  const ContactBlocks blocks = contact_blocks(setting, state, found.contacts, found.h);
+  const VecX v_prescribed = prescribed_velocity(model, state, found.h);
+  const SparseMatrix G =
+      joint_system(model, state, setting.dofs, v_prescribed, found.h, theta, o.normal, o.joints).equations.G;
+  std::optional<ImpactJump> met =
+      impact_jump(model, state, setting.dofs, blocks.rows, G, found.h, o.normal.law, options, o.solver);
+  if (!met) return std::nullopt;
+  for (int i = 0; i < int(found.contacts.points.size()); ++i)  // they are reported, and held from now on
+    if (!met->r[std::size_t(i)].isZero(0) &&
+        std::ranges::find(found.selection.kept, i) == found.selection.kept.end())
+      found.selection.kept.push_back(i);
+  std::ranges::sort(found.selection.kept);
+  AfterImpact out{.state = state, .blocks = {}, .impact = std::move(*met)};
+  out.state.v = all_velocities(setting.dofs, out.impact.v, state.v);
+  out.blocks = contact_blocks(setting, out.state, found.contacts, found.h);
+  for (std::size_t i = 0; i < out.blocks.rows.size(); ++i)
+    if (!out.impact.r[i].isZero(0)) out.blocks.rows[i].active = true;
+  return out;
+}
+
+ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
+                       double theta, ContactBlocks blocks) {
   const double begin = cpu_seconds();
   const StepOptions& o = setting.options;
   ImpulseStep out{.free = std::move(free),
-                  .v_prescribed = prescribed_velocity(setting.model, state, found.h)};
-  out.rows =
-      contact_rows(setting.model, state, found.contacts, out.v_prescribed, found.h, o.normal);  // (MJ-6)
-  GapFunctionRows gaps =
-      gap_rows(setting.model, state, setting.dofs, out.v_prescribed, found.h, o.normal);  // (GEN-3)
-  out.gap = std::move(gaps.gap);
-  out.rows.insert(out.rows.end(), gaps.rows.begin(), gaps.rows.end());
+                  .v_prescribed = prescribed_velocity(setting.model, state, found.h),
+                  .rows = std::move(blocks.rows),
+                  .gap = std::move(blocks.gap)};
   out.joints = joint_system(setting.model, state, setting.dofs, out.v_prescribed, found.h, theta, o.normal,
                             o.joints);  // (MJT-10)
   out.rows.insert(out.rows.end(), out.joints.rows.begin(), out.joints.rows.end());
@@ -210,9 +295,12 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
   // Did the step keep its word, and is it proven?
   out.v_path = all_velocities(setting.dofs, move.v_path, step.v_prescribed);
   VecX v_end = all_velocities(setting.dofs, move.v_end, step.v_prescribed);
-  if (o.joints.project && !model.joints.empty()) {  // the path is the one to the projected poses
+  if (move.end ||
+      (o.joints.project && !model.joints.empty())) {  // the path is the one to the projected poses
     const State plain = moved(model, state, out.v_path, v_end, found.h);
-    const State end = consistent(model, plain);  // (MJT-13)
+    State end = move.end ? *move.end : plain;
+    end.v = v_end;
+    if (o.joints.project) end = consistent(model, end);  // (MJT-13)
     out.v_path = velocity_to(state, plain, end, out.v_path, found.h);
     v_end = end.v;
   }
@@ -243,6 +331,7 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
   report.h = found.h;
   report.physical = physical_residual(solution.u, solution.r, step.solved.problem.laws);
   report.gaps = step_gaps(model, step, found.contacts.points.size(), impulses.r);
+  if (step.impact) add_impact(*step.impact, step, found.contacts.points.size(), report);
   VecX joint_impulse;
   if (!model.joints.empty()) {
     report.joints = step_joints(model, step.joints, solution.lambda, impulses.r, found.h);  // (MJT-12)
@@ -255,6 +344,12 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
   const double by_mass = change_of_mass(model, state, out.next, step.free, setting.dofs, v_free_end);
   report.energy.kinetic_change += by_mass;
   report.energy.gyroscopic_work += by_mass;
+  if (step.impact) {
+    report.energy.kinetic_change += step.impact->kinetic_change;
+    report.energy.contact_work += step.impact->contact_work;
+    report.energy.joint_work += step.impact->joint_work;
+  }
+  tell_gain(step, setting.dofs, first_gap_row(model), v_free_end, report);
   if (report.solve.status != SolveStatus::converged)
     return failed(Outcome::not_solved,
                   std::string("the solver ended with ") + to_string(report.solve.status));

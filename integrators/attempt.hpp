@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "integrators/impact.hpp"
 #include "integrators/reduced_solve.hpp"
 #include "integrators/step_report.hpp"
 #include "integrators/step_setting.hpp"
@@ -32,12 +33,37 @@ struct ImpulseStep {
   std::vector<double> gap{};       // of the gap functions [m]
   JointSystem joints{};
   ReducedSolution solved{};
-  double seconds = 0;  // CPU that it took [s]
+  std::optional<ImpactJump> impact{};  // that came before, at the same poses
+  double seconds = 0;                  // CPU that it took [s]
 };
-/// With rows and joints as they are at the start of the step, biased for the law of the options (MJ-6).
-/// `theta` as of FreeMotion, for the axes of joints.
+/// The rows of contacts and gap functions, biased for the law of the options (MJ-6), in ImpulseStep's order.
+struct ContactBlocks {
+  std::vector<ContactRow> rows{};
+  std::vector<double> gap{};  // of the gap functions [m]
+};
+ContactBlocks contact_blocks(const StepSetting& setting, const State& state, const ContactSet& contacts,
+                             double h, const Reached& reached = {});
+
+/// With rows and joints as they are at the start of the step. `theta` as of FreeMotion, for the axes of
+/// joints.
 ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
                        double theta);
+/// The same with rows of one's own.
+ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
+                       double theta, ContactBlocks blocks);
+
+/// The same contacts, looked for at the poses that `reached` leads to; with the impulses of the last step.
+Found found_at(const StepSetting& setting, const State& state, const Found& found, const State& at);
+
+/// The state after the impact that the step begins with, if there is one (IMP-1); its contacts are kept in
+/// `found`.
+struct AfterImpact {
+  State state{};
+  ContactBlocks blocks{};  // of the step that follows
+  ImpactJump impact{};
+};
+std::optional<AfterImpact> after_impact(const StepSetting& setting, const State& state, Found& found,
+                                        const ImpactOptions& options, double theta);
 
 enum class Outcome { accepted, bound_exceeded, not_certified, not_solved, not_finite };
 struct Attempt {
@@ -50,6 +76,7 @@ struct Attempt {
 /// Where a scheme wants to go: velocities constant on the path, and those at its end; rows of the problem.
 struct Move {
   VecX v_path{}, v_end{};
+  std::optional<State> end{};  // other poses and coordinates that the path is to end at (PRJ-4)
 };
 /// Goes there if the step keeps the bounds that its contacts were found within (CA-5) and is proven to keep
 /// bodies apart (CA-6); with the report, joints projected (MJT-13), and the energy as the velocities at both

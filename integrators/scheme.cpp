@@ -22,13 +22,16 @@ struct Entry {
 SchemeTraits moreau_jean_traits(const SchemeOptions& o) {
   return {.nonsmooth = 1,
           .smooth = o.theta == 0.5 ? 2.0 : 1.0,
-          .restitution = o.normal.law != NormalLaw::gap_over_step};
+          .restitution = o.normal.law != NormalLaw::gap_over_step || o.normal.gamma < 1};
 }
 
 Step moreau_jean_step(const Model& model, const SchemeOptions& o) {
   const auto scheme =
       std::make_shared<const MoreauJean>(model, MoreauJeanOptions{.h = o.h,
                                                                   .theta = o.theta,
+                                                                  .contacts = o.contacts,
+                                                                  .newton = o.newton,
+                                                                  .impact = o.impact,
                                                                   .normal = o.normal,
                                                                   .joints = o.joints,
                                                                   .lmd = o.lmd,
@@ -39,9 +42,19 @@ Step moreau_jean_step(const Model& model, const SchemeOptions& o) {
   return [scheme](State& state, double h_limit) { return scheme->step(state, h_limit); };
 }
 
-std::string moreau_jean_settings(const SchemeOptions& o) {
+std::string number(const char* format, double value) {
   char text[40];
-  std::snprintf(text, sizeof text, "theta %g %s", o.theta, to_string(o.normal.law));
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+std::string moreau_jean_settings(const SchemeOptions& o) {
+  std::string text = number("theta %g ", o.theta) + to_string(o.normal.law);
+  if (o.normal.gamma < 1) text += number(" gamma %g", o.normal.gamma);
+  if (o.contacts != ContactsAt::start) text += std::string(" contacts ") + to_string(o.contacts);
+  if (o.newton.max_iterations > 1) text += " implicit";
+  if (o.impact.law != ImpactLaw::newton) text += std::string(" ") + to_string(o.impact.law);
+  if (o.impact.order != ImpactOrder::simultaneous) text += std::string(" ") + to_string(o.impact.order);
   return text;
 }
 
@@ -50,12 +63,81 @@ std::vector<SchemeOptions> moreau_jean_variants() {
   for (const double theta : {0.5, 1.0})
     for (const NormalLaw law : {NormalLaw::moreau, NormalLaw::combined, NormalLaw::gap_over_step})
       out.push_back({.theta = theta, .normal = {.law = law}});
+  out.push_back({.theta = 0.5, .contacts = ContactsAt::midpoint, .normal = {.law = NormalLaw::combined}});
+  out.push_back({.theta = 0.5,
+                 .contacts = ContactsAt::midpoint,
+                 .newton = {.max_iterations = 50},
+                 .normal = {.law = NormalLaw::moreau}});
+  out.push_back({.theta = 1,
+                 .contacts = ContactsAt::end,
+                 .newton = {.max_iterations = 50},
+                 .normal = {.law = NormalLaw::combined}});
+  out.push_back({.theta = 0.5, .impact = {.law = ImpactLaw::poisson}, .normal = {.law = NormalLaw::moreau}});
+  out.push_back(
+      {.theta = 0.5, .impact = {.order = ImpactOrder::sequential}, .normal = {.law = NormalLaw::moreau}});
   return out;
+}
+
+StepOptions step_options(const SchemeOptions& o) {
+  return {.h = o.h,
+          .normal = o.normal,
+          .joints = o.joints,
+          .lmd = o.lmd,
+          .reduction = o.reduction,
+          .solver = o.solver,
+          .advancement = o.advancement,
+          .threads = o.threads};
+}
+
+// The projection moves an impact to the wall, where it is, but not to the time when it was.
+SchemeTraits projected_traits(const SchemeOptions& o) {
+  return {.nonsmooth = 1, .smooth = o.theta == 0.5 ? 2.0 : 1.0};
+}
+
+Step projected_step(const Model& model, const SchemeOptions& o) {
+  MoreauJeanProjectedOptions options{.theta = o.theta, .order = o.projection, .step = step_options(o)};
+  options.step.normal.law = NormalLaw::moreau;  // its own
+  const auto scheme = std::make_shared<const MoreauJeanProjected>(model, options);
+  return [scheme](State& state, double h_limit) { return scheme->step(state, h_limit); };
+}
+
+std::string projected_settings(const SchemeOptions& o) {
+  return number("theta %g ", o.theta) + to_string(o.projection);
+}
+
+std::vector<SchemeOptions> projected_variants() {
+  std::vector<SchemeOptions> out;
+  for (const ProjectionOrder order : {ProjectionOrder::direct, ProjectionOrder::combined})
+    out.push_back({.theta = 0.5, .projection = order, .normal = {.law = NormalLaw::moreau}});
+  return out;
+}
+
+// Positions are of order two between impacts, but the velocities are those of the last path, half a step old.
+SchemeTraits schatzman_paoli_traits(const SchemeOptions&) {
+  return {.nonsmooth = 1, .smooth = 1};
+}
+
+Step schatzman_paoli_step(const Model& model, const SchemeOptions& o) {
+  SchatzmanPaoliOptions options{.step = step_options(o)};
+  options.step.normal.law = NormalLaw::gap_over_step;  // its own
+  const auto scheme = std::make_shared<const SchatzmanPaoli>(model, options);
+  return [scheme](State& state, double h_limit) { return scheme->step(state, h_limit); };
+}
+
+std::string schatzman_paoli_settings(const SchemeOptions&) {
+  return "central";
+}
+
+std::vector<SchemeOptions> schatzman_paoli_variants() {
+  return {{.normal = {.law = NormalLaw::gap_over_step}}};
 }
 
 const std::vector<Entry>& entries() {
   static const std::vector<Entry> all = {
       {"moreau_jean", moreau_jean_traits, moreau_jean_step, moreau_jean_settings, moreau_jean_variants},
+      {"moreau_jean_projected", projected_traits, projected_step, projected_settings, projected_variants},
+      {"schatzman_paoli", schatzman_paoli_traits, schatzman_paoli_step, schatzman_paoli_settings,
+       schatzman_paoli_variants},
   };
   return all;
 }

@@ -8,13 +8,19 @@
 #include <vector>
 
 #include "integrators/moreau_jean.hpp"
+#include "integrators/moreau_jean_projected.hpp"
+#include "integrators/schatzman_paoli.hpp"
 
 namespace aussois {
 
 /// What a comparison of schemes sets; each scheme reads what it knows.
 struct SchemeOptions {
-  double h = 1e-3;     // largest step [s], > 0
-  double theta = 0.5;  // moreau_jean [-], in [1/2, 1]
+  double h = 1e-3;                          // largest step [s], > 0
+  double theta = 0.5;                       // moreau_jean, moreau_jean_projected [-], in [1/2, 1]
+  ContactsAt contacts = ContactsAt::start;  // moreau_jean
+  NewtonOptions newton{};                   // moreau_jean
+  ImpactOptions impact{};                   // moreau_jean
+  ProjectionOrder projection = ProjectionOrder::combined;  // moreau_jean_projected
   NormalLawOptions normal{};
   JointOptions joints{};
   LmdOptions lmd{};

@@ -78,7 +78,14 @@ struct StepReport {
   SolveReport solve{};
   PhysicalResidual physical{};
   EnergyLedger energy{};
-  JointError joint_error{};  // of all joints at the end of the step, at most
+  double impulse_gain = 0;  // work of contacts and gap functions on relative velocities, if they gave any [J]
+  bool energy_rises = false;  // more than rounding: restitution with friction can do that (IMP-6)
+  int impact_solves = 0;      // problems of impacts apart from the step (IMP-4), (IMP-5)
+  int newton_iterations = 1;  // solves of the step, contacts and forces evaluated anew for each (MJ-12)
+  double newton_change = 0;   // of a velocity by the last of them, at most [m/s, rad/s]
+  double projection = 0;      // what contacts were projected by, at most [m, rad] (PRJ-3)
+  double overlap_left = 0;    // of the deepest one that projection found [m]
+  JointError joint_error{};   // of all joints at the end of the step, at most
   std::vector<StepContact> contacts{};
   std::vector<StepGap> gaps{};           // of the active gap functions
   std::vector<StepJoint> joints{};       // of every joint of the model
