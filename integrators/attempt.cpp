@@ -54,6 +54,8 @@ EnergyLedger ledger(const FreeMotion& free, const VecX& contact_impulse, const V
                    .contact_work = middle.dot(contact_impulse),
                    .gyroscopic_work = middle.dot(free.gyroscopic - free.gyroscopic_D * change)};
   if (joint_impulse.size() > 0) out.joint_work = middle.dot(joint_impulse + free.M * projected);
+  if (free.joints.size() > 0) out.joint_work += middle.dot(free.joints);
+  if (free.numerical.size() > 0) out.numerical_work = middle.dot(free.numerical);
   return out;
 }
 
@@ -73,8 +75,11 @@ VecX velocity_to(const State& state, const State& plain, const State& end, VecX 
   return v;
 }
 
-// Impulses that every row starts with: contacts from the memory, turned to now, the others from State::r.
-std::vector<RowVector> starts(const std::vector<ContactRow>& rows, const Found& found, const VecX& r) {
+// Impulses that every row starts with: those of the last solve; before that, contacts from the memory, turned
+// to now, the others from State::r.
+std::vector<RowVector> starts(const ImpulseStep& step, const Found& found, const VecX& r) {
+  const std::vector<ContactRow>& rows = step.rows;
+  if (!step.solved.first_row.empty()) return row_impulses(step);
   std::vector<RowVector> out(rows.size(), RowVector::Zero());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (rows[i].slot < 0) {
@@ -94,9 +99,9 @@ struct Impulses {
   VecX r{};                        // State::r
   VecX of_joints{};                // of the problem's rows, zero for contacts and gap functions
 };
-Impulses sorted(const Model& model, const std::vector<ContactRow>& rows, const ReducedSolution& solved) {
+Impulses sorted(const Model& model, const std::vector<ContactRow>& rows, const ReducedSolution& solved,
+                const VecX& r) {
   Impulses out;
-  const VecX& r = solved.solution.r;
   out.of_joints = VecX::Zero(r.size());
   if (row_count(model) > 0) out.r = VecX::Zero(row_count(model));
   for (std::size_t k = 0; k < solved.kept.size(); ++k) {
@@ -111,6 +116,18 @@ Impulses sorted(const Model& model, const std::vector<ContactRow>& rows, const R
     if (row.slot < first_gap_row(model)) out.of_joints.segment(first, count) = r.segment(first, count);
   }
   return out;
+}
+
+// Of all stages, rows of the problem.
+VecX total_impulses(const ImpulseStep& step) {
+  VecX r = step.solved.solution.r;
+  if (step.earlier.empty()) return r;
+  for (std::size_t k = 0; k < step.solved.kept.size(); ++k) {
+    const auto row = std::size_t(step.solved.kept[k]);
+    const int count = step.rows[row].law.rows;
+    r.segment(step.solved.first_row[k], count) += step.earlier[row].head(count);
+  }
+  return r;
 }
 
 std::vector<StepGap> step_gaps(const Model& model, const ImpulseStep& step, std::size_t contacts,
@@ -159,8 +176,8 @@ Found find_ahead(const StepSetting& setting, const State& state, const VecX& v_e
   return found;
 }
 
-ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
-                       double theta) {
+ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
+                      double theta) {
   const double begin = cpu_seconds();
   const StepOptions& o = setting.options;
   ImpulseStep out{.free = std::move(free),
@@ -174,9 +191,32 @@ ImpulseStep solve_step(const StepSetting& setting, const State& state, const Fou
   out.joints = joint_system(setting.model, state, setting.dofs, out.v_prescribed, found.h, theta, o.normal,
                             o.joints);  // (MJT-10)
   out.rows.insert(out.rows.end(), out.joints.rows.begin(), out.joints.rows.end());
-  out.solved = solve_reduced(out.free, setting.dofs, out.rows, out.joints.equations, found.selection,
-                             starts(out.rows, found, state.r), allowed_speeds(found), o.solver);  // (NSGS-1)
   out.seconds = cpu_seconds() - begin;
+  return out;
+}
+
+void solve_rows(const StepSetting& setting, const State& state, const Found& found, ImpulseStep& step) {
+  const double begin = cpu_seconds();
+  step.solved =
+      solve_reduced(step.free, setting.dofs, step.rows, step.joints.equations, found.selection,
+                    starts(step, found, state.r), allowed_speeds(found), setting.options.solver);  // (NSGS-1)
+  step.seconds += cpu_seconds() - begin;
+}
+
+ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
+                       double theta) {
+  ImpulseStep out = pose_step(setting, state, found, std::move(free), theta);
+  solve_rows(setting, state, found, out);
+  return out;
+}
+
+std::vector<RowVector> row_impulses(const ImpulseStep& step) {
+  std::vector<RowVector> out(step.rows.size(), RowVector::Zero());
+  for (std::size_t k = 0; k < step.solved.kept.size(); ++k) {
+    const auto row = std::size_t(step.solved.kept[k]);
+    const int count = step.rows[row].law.rows;
+    out[row].head(count) = step.solved.solution.r.segment(step.solved.first_row[k], count);
+  }
   return out;
 }
 
@@ -185,6 +225,7 @@ State moved(const Model& model, const State& state, const VecX& v_path, const Ve
   next.t += h;
   next.h = h;
   next.v = v_end;
+  next.a.resize(0);
   next.g = moved_poses(model, state, v_path, h);
   next.q += h * v_path.tail(next.q.size());
   if (!model.joints.empty()) next.turns = counted_turns(model, state, next.g);
@@ -196,7 +237,8 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
   const Model& model = setting.model;
   const StepOptions& o = setting.options;
   const FrictionSolution& solution = step.solved.solution;
-  const Impulses impulses = sorted(model, step.rows, step.solved);
+  const VecX r = total_impulses(step);
+  const Impulses impulses = sorted(model, step.rows, step.solved, r);
   Attempt out{.report = told(setting, found, step, impulses)};
   StepReport& report = out.report;
   const auto failed = [&](Outcome outcome, const std::string& reason) {
@@ -208,7 +250,8 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
     return failed(Outcome::not_finite, "a force or velocity is not finite");
 
   // Did the step keep its word, and is it proven?
-  out.v_path = all_velocities(setting.dofs, move.v_path, step.v_prescribed);
+  out.v_path = path_velocity(o.update, model, state,
+                             all_velocities(setting.dofs, move.v_path, step.v_prescribed), found.h);
   VecX v_end = all_velocities(setting.dofs, move.v_end, step.v_prescribed);
   if (o.joints.project && !model.joints.empty()) {  // the path is the one to the projected poses
     const State plain = moved(model, state, out.v_path, v_end, found.h);
@@ -245,12 +288,14 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
   report.gaps = step_gaps(model, step, found.contacts.points.size(), impulses.r);
   VecX joint_impulse;
   if (!model.joints.empty()) {
-    report.joints = step_joints(model, step.joints, solution.lambda, impulses.r, found.h);  // (MJT-12)
+    const VecX lambda =
+        step.lambda_earlier.size() > 0 ? VecX(solution.lambda + step.lambda_earlier) : solution.lambda;
+    report.joints = step_joints(model, step.joints, lambda, impulses.r, found.h);  // (MJT-12)
     report.joint_error = joint_error(model, out.next);
-    joint_impulse = step.solved.problem.H * impulses.of_joints + step.solved.problem.G * solution.lambda;
+    joint_impulse = step.solved.problem.H * impulses.of_joints + step.solved.problem.G * lambda;
   }
   const VecX v_free_end = free_velocities(setting.dofs, v_end);
-  report.energy = ledger(step.free, step.solved.problem.H * (solution.r - impulses.of_joints), joint_impulse,
+  report.energy = ledger(step.free, step.solved.problem.H * (r - impulses.of_joints), joint_impulse,
                          v_free_end, v_free_end - solution.v);  // (MJ-9)
   const double by_mass = change_of_mass(model, state, out.next, step.free, setting.dofs, v_free_end);
   report.energy.kinetic_change += by_mass;

@@ -32,12 +32,22 @@ struct ImpulseStep {
   std::vector<double> gap{};       // of the gap functions [m]
   JointSystem joints{};
   ReducedSolution solved{};
-  double seconds = 0;  // CPU that it took [s]
+  // Of schemes that solve in stages; empty: none
+  std::vector<RowVector> earlier{};  // impulses of the stages before, of all rows
+  VecX lambda_earlier{};             // and of the joints
+  double seconds = 0;                // CPU that it took [s]
 };
 /// With rows and joints as they are at the start of the step, biased for the law of the options (MJ-6).
 /// `theta` as of FreeMotion, for the axes of joints.
 ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
                        double theta);
+/// Its two halves: rows and joints, and their solution. Solved again, after a change, it starts from what was
+/// found before.
+ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
+                      double theta);
+void solve_rows(const StepSetting& setting, const State& state, const Found& found, ImpulseStep& step);
+/// The impulses of a solution, of all rows; zero where a row was left out.
+std::vector<RowVector> row_impulses(const ImpulseStep& step);
 
 enum class Outcome { accepted, bound_exceeded, not_certified, not_solved, not_finite };
 struct Attempt {

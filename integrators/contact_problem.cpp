@@ -85,6 +85,7 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
     }
     row.w =
         row.J_a * v_prescribed.segment<6>(6 * row.body_a) + row.J_b * v_prescribed.segment<6>(6 * row.body_b);
+    row.moved = row.w;
     const auto twist_before = [&](int body) {  // of a moved body: that of its path on this step
       return is_dynamic(model.bodies[std::size_t(body)]) ? twist(state, body)
                                                          : Vec6(v_prescribed.segment<6>(6 * body));
@@ -129,6 +130,7 @@ GapFunctionRows gap_rows(const Model& model, const State& state, const DofMap& d
           row.w[d] += J * v_prescribed[first + k];
       }
     }
+    row.moved = row.w;
     const NormalBias bias = normal_bias(now.gap, u_before.x(), gap.law.restitution, h, options);
     row.w.x() += bias.w;
     row.active = bias.active;

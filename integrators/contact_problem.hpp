@@ -30,8 +30,9 @@ struct ContactRow {
   Mat3 frame = Mat3::Identity();          // of a contact: columns n, t1, t2; impulses act on A [world]
   RowJacobian J_a = RowJacobian::Zero();  // u = J_a twist_a + J_b twist_b + others + w
   RowJacobian J_b = RowJacobian::Zero();
-  std::vector<Triplet> others{};    // (row of the block, row of the problem, value)
-  RowVector w = RowVector::Zero();  // bias: normal law and what moves by itself [m/s, rad/s]
+  std::vector<Triplet> others{};        // (row of the block, row of the problem, value)
+  RowVector w = RowVector::Zero();      // bias: normal law and what moves by itself [m/s, rad/s]
+  RowVector moved = RowVector::Zero();  // the part of w that moves by itself; of rows with a normal
   Law law{};
   bool active = true;  // false: the normal law leaves the block out of this step
   int slot = -1;       // its first entry of State::r; -1: a contact, kept in the memory

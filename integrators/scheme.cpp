@@ -53,9 +53,53 @@ std::vector<SchemeOptions> moreau_jean_variants() {
   return out;
 }
 
+StepOptions step_options(const SchemeOptions& o) {
+  return {.h = o.h,
+          .normal = o.normal,
+          .joints = o.joints,
+          .lmd = o.lmd,
+          .reduction = o.reduction,
+          .solver = o.solver,
+          .advancement = o.advancement,
+          .update = o.update,
+          .threads = o.threads};
+}
+
+// With the torque of the start the momentum of a free body is of order one (PMI-2).
+SchemeTraits passive_midpoint_traits(const SchemeOptions& o) {
+  return {.nonsmooth = 1,
+          .smooth = o.gyroscopic == GyroscopicTerm::midpoint ? 2.0 : 1.0,
+          .restitution = o.normal.law != NormalLaw::gap_over_step};
+}
+
+Step passive_midpoint_step(const Model& model, const SchemeOptions& o) {
+  const auto scheme = std::make_shared<const PassiveMidpoint>(
+      model, PassiveMidpointOptions{.gyroscopic = o.gyroscopic, .step = step_options(o)});
+  return [scheme](State& state, double h_limit) { return scheme->step(state, h_limit); };
+}
+
+std::string passive_midpoint_settings(const SchemeOptions& o) {
+  return std::string(o.gyroscopic == GyroscopicTerm::midpoint ? "midpoint " : "start ") +
+         to_string(o.update) + " " + to_string(o.normal.law);
+}
+
+std::vector<SchemeOptions> passive_midpoint_variants() {
+  std::vector<SchemeOptions> out;
+  const auto add = [&](GyroscopicTerm gyroscopic, GroupUpdate update, NormalLaw law) {
+    out.push_back({.normal = {.law = law}, .update = update, .gyroscopic = gyroscopic});
+  };
+  add(GyroscopicTerm::midpoint, GroupUpdate::cayley, NormalLaw::moreau);
+  add(GyroscopicTerm::midpoint, GroupUpdate::cayley, NormalLaw::combined);
+  add(GyroscopicTerm::midpoint, GroupUpdate::screw, NormalLaw::moreau);
+  add(GyroscopicTerm::start, GroupUpdate::exponential, NormalLaw::moreau);
+  return out;
+}
+
 const std::vector<Entry>& entries() {
   static const std::vector<Entry> all = {
       {"moreau_jean", moreau_jean_traits, moreau_jean_step, moreau_jean_settings, moreau_jean_variants},
+      {"passive_midpoint", passive_midpoint_traits, passive_midpoint_step, passive_midpoint_settings,
+       passive_midpoint_variants},
   };
   return all;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "integrators/moreau_jean.hpp"
+#include "integrators/passive_midpoint.hpp"
 
 namespace aussois {
 
@@ -22,6 +23,8 @@ struct SchemeOptions {
   SolverOptions solver{};
   AdvancementOptions advancement{};
   int threads = 1;
+  GroupUpdate update = GroupUpdate::exponential;         // schemes other than moreau_jean
+  GyroscopicTerm gyroscopic = GyroscopicTerm::midpoint;  // passive_midpoint
 };
 
 struct Scheme {
