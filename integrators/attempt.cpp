@@ -176,21 +176,26 @@ Found find_ahead(const StepSetting& setting, const State& state, const VecX& v_e
   return found;
 }
 
+void add_rows(const StepSetting& setting, const State& state, const Found& found,
+              const NormalLawOptions& normal, ImpulseStep& step) {
+  step.rows =
+      contact_rows(setting.model, state, found.contacts, step.v_prescribed, found.h, normal);  // (MJ-6)
+  GapFunctionRows gaps =
+      gap_rows(setting.model, state, setting.dofs, step.v_prescribed, found.h, normal);  // (GEN-3)
+  step.gap = std::move(gaps.gap);
+  step.rows.insert(step.rows.end(), gaps.rows.begin(), gaps.rows.end());
+  step.rows.insert(step.rows.end(), step.joints.rows.begin(), step.joints.rows.end());
+}
+
 ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
                       double theta) {
   const double begin = cpu_seconds();
   const StepOptions& o = setting.options;
   ImpulseStep out{.free = std::move(free),
                   .v_prescribed = prescribed_velocity(setting.model, state, found.h)};
-  out.rows =
-      contact_rows(setting.model, state, found.contacts, out.v_prescribed, found.h, o.normal);  // (MJ-6)
-  GapFunctionRows gaps =
-      gap_rows(setting.model, state, setting.dofs, out.v_prescribed, found.h, o.normal);  // (GEN-3)
-  out.gap = std::move(gaps.gap);
-  out.rows.insert(out.rows.end(), gaps.rows.begin(), gaps.rows.end());
   out.joints = joint_system(setting.model, state, setting.dofs, out.v_prescribed, found.h, theta, o.normal,
                             o.joints);  // (MJT-10)
-  out.rows.insert(out.rows.end(), out.joints.rows.begin(), out.joints.rows.end());
+  add_rows(setting, state, found, o.normal, out);
   out.seconds = cpu_seconds() - begin;
   return out;
 }

@@ -45,6 +45,9 @@ ImpulseStep solve_step(const StepSetting& setting, const State& state, const Fou
 /// found before.
 ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
                       double theta);
+/// Contacts, gap functions and what acts on the axes of step.joints, biased for a normal law.
+void add_rows(const StepSetting& setting, const State& state, const Found& found,
+              const NormalLawOptions& normal, ImpulseStep& step);
 void solve_rows(const StepSetting& setting, const State& state, const Found& found, ImpulseStep& step);
 /// The impulses of a solution, of all rows; zero where a row was left out.
 std::vector<RowVector> row_impulses(const ImpulseStep& step);

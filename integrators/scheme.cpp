@@ -95,11 +95,36 @@ std::vector<SchemeOptions> passive_midpoint_variants() {
   return out;
 }
 
+// Of order two between contacts for every spectral radius.
+SchemeTraits generalised_alpha_traits(const SchemeOptions&) {
+  return {.nonsmooth = 1, .smooth = 2, .restitution = true};
+}
+
+Step generalised_alpha_step(const Model& model, const SchemeOptions& o) {
+  const auto scheme = std::make_shared<const GeneralisedAlpha>(
+      model, GeneralisedAlphaOptions{.spectral_radius = o.spectral_radius, .step = step_options(o)});
+  return [scheme](State& state, double h_limit) { return scheme->step(state, h_limit); };
+}
+
+std::string generalised_alpha_settings(const SchemeOptions& o) {
+  char text[40];
+  std::snprintf(text, sizeof text, "rho %g %s", o.spectral_radius, to_string(o.update));
+  return text;
+}
+
+std::vector<SchemeOptions> generalised_alpha_variants() {
+  return {{.spectral_radius = 0.8},
+          {.spectral_radius = 1},
+          {.update = GroupUpdate::screw, .spectral_radius = 0.8}};
+}
+
 const std::vector<Entry>& entries() {
   static const std::vector<Entry> all = {
       {"moreau_jean", moreau_jean_traits, moreau_jean_step, moreau_jean_settings, moreau_jean_variants},
       {"passive_midpoint", passive_midpoint_traits, passive_midpoint_step, passive_midpoint_settings,
        passive_midpoint_variants},
+      {"generalised_alpha", generalised_alpha_traits, generalised_alpha_step, generalised_alpha_settings,
+       generalised_alpha_variants},
   };
   return all;
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "integrators/generalised_alpha.hpp"
 #include "integrators/moreau_jean.hpp"
 #include "integrators/passive_midpoint.hpp"
 
@@ -24,6 +25,7 @@ struct SchemeOptions {
   AdvancementOptions advancement{};
   int threads = 1;
   GroupUpdate update = GroupUpdate::exponential;         // schemes other than moreau_jean
+  double spectral_radius = 0.8;                          // generalised_alpha [-], in [0, 1]
   GyroscopicTerm gyroscopic = GyroscopicTerm::midpoint;  // passive_midpoint
 };
 

@@ -58,7 +58,7 @@ struct EnergyLedger {
       0;  // of the impulses of contacts and gap functions; never positive for e = 0 against bodies at rest
   double gyroscopic_work = 0;  // of the gyroscopic term as discretised, and of masses that change with q
   double joint_work = 0;       // of joints, couplings, stops, dry friction, speed and position motors
-  double numerical_work = 0;   // of what the scheme adds of its own: damping of high frequencies
+  double numerical_work = 0;   // of what the scheme adds of its own: damping of high frequencies (GA-10)
   double residual() const {    // zero to rounding: the balance of (MJ-9)
     return kinetic_change - gravity_work - law_work - contact_work - gyroscopic_work - joint_work -
            numerical_work;
