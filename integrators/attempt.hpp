@@ -34,15 +34,18 @@ struct ImpulseStep {
   JointSystem joints{};
   ReducedSolution solved{};
   std::optional<ImpactJump> impact{};  // that came before, at the same poses
-  double seconds = 0;                  // CPU that it took [s]
+  // Of schemes that solve in stages; empty: none
+  std::vector<RowVector> earlier{};  // impulses of the stages before, of all rows
+  VecX lambda_earlier{};             // and of the joints
+  double seconds = 0;                // CPU that it took [s]
 };
-/// The rows of contacts and gap functions, biased for the law of the options (MJ-6), in ImpulseStep's order.
+/// The rows of contacts and gap functions, biased for a normal law (MJ-6), in ImpulseStep's order.
 struct ContactBlocks {
   std::vector<ContactRow> rows{};
   std::vector<double> gap{};  // of the gap functions [m]
 };
 ContactBlocks contact_blocks(const StepSetting& setting, const State& state, const ContactSet& contacts,
-                             double h, const Reached& reached = {});
+                             double h, const NormalLawOptions& normal, const Reached& reached = {});
 
 /// With rows and joints as they are at the start of the step. `theta` as of FreeMotion, for the axes of
 /// joints.
@@ -52,7 +55,22 @@ ImpulseStep solve_step(const StepSetting& setting, const State& state, const Fou
 ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
                        double theta, ContactBlocks blocks);
 
-/// The same contacts, looked for at the poses that `reached` leads to; with the impulses of the last step.
+/// Its two halves: rows and joints, and their solution. Solved again, after a change, it starts from what was
+/// found before.
+ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
+                      double theta);
+/// Contacts, gap functions and what acts on the axes of step.joints, biased for a normal law.
+void add_rows(const StepSetting& setting, const State& state, const Found& found,
+              const NormalLawOptions& normal, ImpulseStep& step);
+ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
+                      double theta, ContactBlocks blocks);
+/// Other blocks, before what acts on the axes of step.joints.
+void set_rows(ContactBlocks blocks, ImpulseStep& step);
+void solve_rows(const StepSetting& setting, const State& state, const Found& found, ImpulseStep& step);
+/// The impulses of a solution, of all rows; zero where a row was left out.
+std::vector<RowVector> row_impulses(const ImpulseStep& step);
+
+/// The contacts of the same pairs at other poses, with the impulses of the last step.
 Found found_at(const StepSetting& setting, const State& state, const Found& found, const State& at);
 
 /// The state after the impact that the step begins with, if there is one (IMP-1); its contacts are kept in

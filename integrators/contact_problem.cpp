@@ -37,10 +37,9 @@ void set_bias(ContactRow& row, const RowVector& u_before, double restitution, do
   const NormalBias normal = normal_bias(row.gap, u_before.x(), restitution, h, options);
   row.restitution = restitution;
   row.active = normal.active;
-  if (options.gamma < 1) row.bias = (1 - options.gamma) / options.gamma * u_before;
-  row.bias.x() = normal.w;
-  row.bias.tail(kRowsOfAContact - row.law.rows).setZero();
-  row.w += row.bias;
+  if (options.gamma < 1)
+    for (int d = 1; d < row.law.rows; ++d) row.w[d] += (1 - options.gamma) / options.gamma * u_before[d];
+  row.w.x() += normal.w;
 }
 
 }  // namespace
@@ -105,6 +104,7 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
     }
     row.w =
         row.J_a * v_prescribed.segment<6>(6 * row.body_a) + row.J_b * v_prescribed.segment<6>(6 * row.body_b);
+    row.moved = row.w;
     const auto twist_before = [&](int body) {  // of a moved body: that of its path on this step
       return is_dynamic(model.bodies[std::size_t(body)]) ? twist(state, body)
                                                          : Vec6(v_prescribed.segment<6>(6 * body));
@@ -154,6 +154,7 @@ GapFunctionRows gap_rows(const Model& model, const State& state, const DofMap& d
           row.w[d] += J * v_prescribed[first + k];
       }
     }
+    row.moved = row.w;
     set_bias(row, u_before, gap.law.restitution, h, options);
     out.rows.push_back(std::move(row));
     out.gap.push_back(now.gap);
@@ -199,7 +200,7 @@ RowVector relative_velocity(const ContactRow& row, const DofMap& dofs, const Vec
 }
 
 RowVector slip_velocity(const ContactRow& row, const DofMap& dofs, const VecX& v) {
-  return relative_velocity(row, dofs, v) - row.bias;
+  return relative_velocity(row, dofs, v) - row.w + row.moved;
 }
 
 }  // namespace aussois

@@ -30,10 +30,10 @@ struct ContactRow {
   Mat3 frame = Mat3::Identity();          // of a contact: columns n, t1, t2; impulses act on A [world]
   RowJacobian J_a = RowJacobian::Zero();  // u = J_a twist_a + J_b twist_b + others + w
   RowJacobian J_b = RowJacobian::Zero();
-  std::vector<Triplet> others{};       // (row of the block, row of the problem, value)
-  RowVector w = RowVector::Zero();     // bias: normal law and what moves by itself [m/s, rad/s]
-  RowVector bias = RowVector::Zero();  // the part of w that is the normal law (MJ-6)
-  double gap = 0;                      // [m]; of a contact or gap function
+  std::vector<Triplet> others{};        // (row of the block, row of the problem, value)
+  RowVector w = RowVector::Zero();      // bias: normal law and what moves by itself [m/s, rad/s]
+  RowVector moved = RowVector::Zero();  // the part of w that moves by itself; of rows with a normal
+  double gap = 0;                       // [m]; of a contact or gap function
   double restitution = 0;
   Law law{};
   bool active = true;  // false: the normal law leaves the block out of this step

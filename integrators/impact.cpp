@@ -51,8 +51,7 @@ struct Shocked {
 };
 
 ContactRow unbiased(ContactRow row) {
-  row.w -= row.bias;
-  row.bias.setZero();
+  row.w = row.moved;
   return row;
 }
 

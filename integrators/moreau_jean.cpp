@@ -84,12 +84,14 @@ VecX MoreauJean::estimate(const State& state, double h) const {
 
 Attempt MoreauJean::attempt(const State& state, const VecX& v_estimate, double h) const {
   const double theta = options_.theta, time = time_of(options_.contacts, h);
+  const NormalLawOptions& normal = options_.normal;
   Found found = find_ahead(setting_, state, v_estimate, h);
   const std::optional<AfterImpact> after = after_impact(setting_, state, found, options_.impact, theta);
   const State& start = after ? after->state : state;
   const FreeMotion first = free_motion(setting_.model, start, setting_.dofs, h, theta);  // (MJ-4), (MJ-5)
-  ImpulseStep step = solve_step(setting_, start, found, first, theta,
-                                after ? after->blocks : contact_blocks(setting_, start, found.contacts, h));
+  ImpulseStep step =
+      solve_step(setting_, start, found, first, theta,
+                 after ? after->blocks : contact_blocks(setting_, start, found.contacts, h, normal));
 
   // Again where that leads (MJ-11), (MJ-12)
   const int iterations = options_.newton.max_iterations, solves = iterations + (time > 0);
@@ -103,7 +105,8 @@ Attempt MoreauJean::attempt(const State& state, const VecX& v_estimate, double h
     State at = moved(setting_.model, start, reached.v, start.v, time);
     at.t = start.t;
     Found there = time > 0 ? found_at(setting_, start, found, at) : found;
-    ContactBlocks blocks = contact_blocks(setting_, time > 0 ? at : start, there.contacts, h, reached);
+    ContactBlocks blocks =
+        contact_blocks(setting_, time > 0 ? at : start, there.contacts, h, normal, reached);
     step = solve_step(
         setting_, start, there,
         iterations > 1 ? at_iterate(setting_, start, first, v, step.v_prescribed, h, theta) : first, theta,

@@ -63,14 +63,15 @@ StepReport MoreauJeanProjected::step(State& state, double h_limit) const {
   };
   const auto attempt = [&](const State& start, const VecX& v_estimate, double h) {
     Found found = find_ahead(setting_, start, v_estimate, h);
-    ContactBlocks blocks = contact_blocks(setting_, start, found.contacts, h);
+    ContactBlocks blocks = contact_blocks(setting_, start, found.contacts, h, setting_.options.normal);
     for (;;) {  // each round activates at least one contact more
       const ImpulseStep step = solve_step(setting_, start, found, free(start, h), theta, blocks);
       const VecX& v = step.solved.solution.v;
       Move move{.v_path = theta * v + (1 - theta) * step.free.v, .v_end = v, .end = {}};  // (MJ-7)
       if (!v.allFinite()) return go(setting_, start, found, step, move);
-      State plain = moved(setting_.model, start,
-                          all_velocities(setting_.dofs, move.v_path, step.v_prescribed), start.v, h);
+      const VecX v_path = path_velocity(setting_.options.update, setting_.model, start,
+                                        all_velocities(setting_.dofs, move.v_path, step.v_prescribed), h);
+      State plain = moved(setting_.model, start, v_path, start.v, h);
       if (setting_.options.joints.project) plain = consistent(setting_.model, plain);
       const Projection projection =
           without_overlap(setting_, plain, found.pairs, step.free, step.joints.equations.G, h);  // (PRJ-1)

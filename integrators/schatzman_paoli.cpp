@@ -34,17 +34,14 @@ double position_bias(const ContactRow& row, double u_before, bool acted, double 
 }
 
 ContactBlocks blocks_of(const StepSetting& setting, const State& state, const Found& found) {
-  ContactBlocks out = contact_blocks(setting, state, found.contacts, found.h);
+  ContactBlocks out = contact_blocks(setting, state, found.contacts, found.h, setting.options.normal);
   for (std::size_t i = 0; i < out.rows.size(); ++i) {
     ContactRow& row = out.rows[i];
     const bool acted = row.slot < 0 ? found.warm.impulse[i].dot(row.frame.col(0)) > 0
                                     : state.r.size() > 0 && state.r[row.slot] > 0;
-    row.w -= row.bias;
-    row.bias.setZero();
     const double u_before = slip_velocity(row, setting.dofs, free_velocities(setting.dofs, state.v)).x();
-    row.bias.x() =
-        position_bias(row, u_before, acted, found.h, state.h, setting.options.normal.correction_speed);
-    row.w += row.bias;
+    row.w.x() = row.moved.x() + position_bias(row, u_before, acted, found.h, state.h,
+                                              setting.options.normal.correction_speed);
   }
   return out;
 }
@@ -57,6 +54,8 @@ void validate(const SchatzmanPaoliOptions& o) {
       o.step.normal.law == NormalLaw::gap_over_step && o.step.normal.gamma == 1,
       "SchatzmanPaoliOptions::step: the normal law must be gap_over_step with gamma 1, it is the scheme's "
       "own for contacts and that one for the stops of joints");
+  require(o.step.update == GroupUpdate::exponential,
+          "SchatzmanPaoliOptions::step: the update must be exponential, velocities are those of the path");
   validate(o.step);
 }
 

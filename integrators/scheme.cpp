@@ -86,6 +86,7 @@ StepOptions step_options(const SchemeOptions& o) {
           .reduction = o.reduction,
           .solver = o.solver,
           .advancement = o.advancement,
+          .update = o.update,
           .threads = o.threads};
 }
 
@@ -132,12 +133,69 @@ std::vector<SchemeOptions> schatzman_paoli_variants() {
   return {{.normal = {.law = NormalLaw::gap_over_step}}};
 }
 
+// With the torque of the start the momentum of a free body is of order one (PMI-2).
+SchemeTraits passive_midpoint_traits(const SchemeOptions& o) {
+  return {.nonsmooth = 1,
+          .smooth = o.gyroscopic == GyroscopicTerm::midpoint ? 2.0 : 1.0,
+          .restitution = o.normal.law != NormalLaw::gap_over_step};
+}
+
+Step passive_midpoint_step(const Model& model, const SchemeOptions& o) {
+  const auto scheme = std::make_shared<const PassiveMidpoint>(
+      model, PassiveMidpointOptions{.gyroscopic = o.gyroscopic, .step = step_options(o)});
+  return [scheme](State& state, double h_limit) { return scheme->step(state, h_limit); };
+}
+
+std::string passive_midpoint_settings(const SchemeOptions& o) {
+  return std::string(o.gyroscopic == GyroscopicTerm::midpoint ? "midpoint " : "start ") +
+         to_string(o.update) + " " + to_string(o.normal.law);
+}
+
+std::vector<SchemeOptions> passive_midpoint_variants() {
+  std::vector<SchemeOptions> out;
+  const auto add = [&](GyroscopicTerm gyroscopic, GroupUpdate update, NormalLaw law) {
+    out.push_back({.normal = {.law = law}, .update = update, .gyroscopic = gyroscopic});
+  };
+  add(GyroscopicTerm::midpoint, GroupUpdate::cayley, NormalLaw::moreau);
+  add(GyroscopicTerm::midpoint, GroupUpdate::cayley, NormalLaw::combined);
+  add(GyroscopicTerm::midpoint, GroupUpdate::screw, NormalLaw::moreau);
+  add(GyroscopicTerm::start, GroupUpdate::exponential, NormalLaw::moreau);
+  return out;
+}
+
+// Of order two between contacts for every spectral radius.
+SchemeTraits generalised_alpha_traits(const SchemeOptions&) {
+  return {.nonsmooth = 1, .smooth = 2, .restitution = true};
+}
+
+Step generalised_alpha_step(const Model& model, const SchemeOptions& o) {
+  const auto scheme = std::make_shared<const GeneralisedAlpha>(
+      model, GeneralisedAlphaOptions{.spectral_radius = o.spectral_radius, .step = step_options(o)});
+  return [scheme](State& state, double h_limit) { return scheme->step(state, h_limit); };
+}
+
+std::string generalised_alpha_settings(const SchemeOptions& o) {
+  char text[40];
+  std::snprintf(text, sizeof text, "rho %g %s", o.spectral_radius, to_string(o.update));
+  return text;
+}
+
+std::vector<SchemeOptions> generalised_alpha_variants() {
+  return {{.spectral_radius = 0.8},
+          {.spectral_radius = 1},
+          {.update = GroupUpdate::screw, .spectral_radius = 0.8}};
+}
+
 const std::vector<Entry>& entries() {
   static const std::vector<Entry> all = {
       {"moreau_jean", moreau_jean_traits, moreau_jean_step, moreau_jean_settings, moreau_jean_variants},
       {"moreau_jean_projected", projected_traits, projected_step, projected_settings, projected_variants},
       {"schatzman_paoli", schatzman_paoli_traits, schatzman_paoli_step, schatzman_paoli_settings,
        schatzman_paoli_variants},
+      {"passive_midpoint", passive_midpoint_traits, passive_midpoint_step, passive_midpoint_settings,
+       passive_midpoint_variants},
+      {"generalised_alpha", generalised_alpha_traits, generalised_alpha_step, generalised_alpha_settings,
+       generalised_alpha_variants},
   };
   return all;
 }

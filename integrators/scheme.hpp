@@ -7,8 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "integrators/generalised_alpha.hpp"
 #include "integrators/moreau_jean.hpp"
 #include "integrators/moreau_jean_projected.hpp"
+#include "integrators/passive_midpoint.hpp"
 #include "integrators/schatzman_paoli.hpp"
 
 namespace aussois {
@@ -28,6 +30,9 @@ struct SchemeOptions {
   SolverOptions solver{};
   AdvancementOptions advancement{};
   int threads = 1;
+  GroupUpdate update = GroupUpdate::exponential;         // schemes other than moreau_jean
+  double spectral_radius = 0.8;                          // generalised_alpha [-], in [0, 1]
+  GyroscopicTerm gyroscopic = GyroscopicTerm::midpoint;  // passive_midpoint
 };
 
 struct Scheme {

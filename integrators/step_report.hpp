@@ -58,19 +58,22 @@ struct EnergyLedger {
       0;  // of the impulses of contacts and gap functions; never positive for e = 0 against bodies at rest
   double gyroscopic_work = 0;  // of the gyroscopic term as discretised, and of masses that change with q
   double joint_work = 0;       // of joints, couplings, stops, dry friction, speed and position motors
+  double numerical_work = 0;   // of what the scheme adds of its own: damping of high frequencies (GA-10)
   double residual() const {    // zero to rounding: the balance of (MJ-9)
-    return kinetic_change - gravity_work - law_work - contact_work - gyroscopic_work - joint_work;
+    return kinetic_change - gravity_work - law_work - contact_work - gyroscopic_work - joint_work -
+           numerical_work;
   }
 };
 
 struct StepReport {
   StepStatus status = StepStatus::ok;
-  std::string reason{};      // why refused: the pair, its gap and the bound
-  double t = 0, h = 0;       // time reached and step taken [s]
-  int contacts_found = 0;    // local minima within the threshold
-  int contacts_kept = 0;     // of them in the problem that was solved
-  int contacts_matched = 0;  // with an impulse from the last step
-  int attempts = 1;          // times the step was tried (threshold enlarged or step halved)
+  std::string reason{};           // why refused: the pair, its gap and the bound
+  double t = 0, h = 0;            // time reached and step taken [s]
+  int contacts_found = 0;         // local minima within the threshold
+  int contacts_kept = 0;          // of them in the problem that was solved
+  int contacts_matched = 0;       // with an impulse from the last step
+  int contacts_made_passive = 0;  // whose law was stated at the midpoint, or they had given energy (PMI-6)
+  int attempts = 1;               // times the step was tried (threshold enlarged or step halved)
   double threshold = 0;   // largest distance within which contacts were looked for, beyond the dilations [m]
   double min_gap = kInf;  // smallest of contacts found and gap functions, at the start of the step [m]
   double min_base_distance = kInf;  // lower bound of the distance of the base complexes over the step [m]
