@@ -106,7 +106,8 @@ Attempt MoreauJean::attempt(const State& state, const VecX& v_estimate, double h
     at.t = start.t;
     Found there = time > 0 ? found_at(setting_, start, found, at) : found;
     ContactBlocks blocks =
-        contact_blocks(setting_, time > 0 ? at : start, there.contacts, h, normal, reached);
+        after ? after->blocks
+              : contact_blocks(setting_, time > 0 ? at : start, there.contacts, h, normal, reached);
     step = solve_step(
         setting_, start, there,
         iterations > 1 ? at_iterate(setting_, start, first, v, step.v_prescribed, h, theta) : first, theta,

@@ -63,7 +63,7 @@ std::vector<SchemeOptions> moreau_jean_variants() {
   for (const double theta : {0.5, 1.0})
     for (const NormalLaw law : {NormalLaw::moreau, NormalLaw::combined, NormalLaw::gap_over_step})
       out.push_back({.theta = theta, .normal = {.law = law}});
-  out.push_back({.theta = 0.5, .contacts = ContactsAt::midpoint, .normal = {.law = NormalLaw::combined}});
+  out.push_back({.theta = 0.5, .contacts = ContactsAt::midpoint, .normal = {.law = NormalLaw::moreau}});
   out.push_back({.theta = 0.5,
                  .contacts = ContactsAt::midpoint,
                  .newton = {.max_iterations = 50},
