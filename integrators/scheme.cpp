@@ -71,7 +71,7 @@ std::vector<SchemeOptions> moreau_jean_variants() {
   out.push_back({.theta = 1,
                  .contacts = ContactsAt::end,
                  .newton = {.max_iterations = 50},
-                 .normal = {.law = NormalLaw::combined}});
+                 .normal = {.law = NormalLaw::gap_over_step}});
   out.push_back({.theta = 0.5, .impact = {.law = ImpactLaw::poisson}, .normal = {.law = NormalLaw::moreau}});
   out.push_back(
       {.theta = 0.5, .impact = {.order = ImpactOrder::sequential}, .normal = {.law = NormalLaw::moreau}});
