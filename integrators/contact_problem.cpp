@@ -77,6 +77,7 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
     const Vec3 p = (c.x_a + c.x_b) / 2;
     row.frame = frame_of(c.normal);
     row.law = law_of(law);
+    row.restitution = law.restitution;
     row.J_a.topRows<3>() = point_jacobian(state, row.body_a, p, row.frame);
     row.J_b.topRows<3>() = -point_jacobian(state, row.body_b, p, row.frame);
     if (row.law.kind == LawKind::contensou) {
@@ -107,7 +108,9 @@ GapFunctionRows gap_rows(const Model& model, const State& state, const DofMap& d
     const GapRows now = gap.evaluate(model, state, state.t);
     const Eigen::Index size = gap_columns(model, gap),
                        first = gap.block < 0 ? 0 : first_speed(model, gap.block);
-    ContactRow row{.law = law_of(gap.law, now.J.rows()), .slot = first_gap_row(model) + 3 * i};
+    ContactRow row{.law = law_of(gap.law, now.J.rows()),
+                   .restitution = gap.law.restitution,
+                   .slot = first_gap_row(model) + 3 * i};
     if (now.J.cols() != size || now.J.rows() < 1 || now.J.rows() > 3) {  // ends as not_finite
       row.law = unilateral();
       row.w.setConstant(std::nan(""));
@@ -175,6 +178,21 @@ RowVector relative_velocity(const ContactRow& row, const DofMap& dofs, const Vec
   add(row.body_b, row.J_b);
   for (const Triplet& e : row.others) u[e.row()] += e.value() * v[e.col()];
   return u;
+}
+
+VecX momentum_of(const std::vector<ContactRow>& rows, const DofMap& dofs, const std::vector<RowVector>& r) {
+  VecX out = VecX::Zero(dofs.rows);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (r[i].isZero(0)) continue;
+    const auto add = [&](int body, const RowJacobian& J) {
+      const int first = body < 0 ? -1 : dofs.first[std::size_t(body)];
+      if (first >= 0) out.segment<6>(first) += J.transpose() * r[i];
+    };
+    add(rows[i].body_a, rows[i].J_a);
+    add(rows[i].body_b, rows[i].J_b);
+    for (const Triplet& e : rows[i].others) out[e.col()] += e.value() * r[i][e.row()];
+  }
+  return out;
 }
 
 }  // namespace aussois

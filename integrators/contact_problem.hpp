@@ -34,8 +34,9 @@ struct ContactRow {
   RowVector w = RowVector::Zero();      // bias: normal law and what moves by itself [m/s, rad/s]
   RowVector moved = RowVector::Zero();  // the part of w that moves by itself; of rows with a normal
   Law law{};
-  bool active = true;  // false: the normal law leaves the block out of this step
-  int slot = -1;       // its first entry of State::r; -1: a contact, kept in the memory
+  double restitution = 0;  // of a row with a normal [-]
+  bool active = true;      // false: the normal law leaves the block out of this step
+  int slot = -1;           // its first entry of State::r; -1: a contact, kept in the memory
 };
 
 struct NormalLawOptions {
@@ -71,5 +72,7 @@ FrictionProblem contact_problem(const FreeMotion& free, const DofMap& dofs,
 
 /// u of a row, bias included, for the velocities v of the dynamic rows [m/s, rad/s].
 RowVector relative_velocity(const ContactRow& row, const DofMap& dofs, const VecX& v);
+/// The opposite: momentum that the impulses `r` of the rows give, rows of the problem [N s, N m s].
+VecX momentum_of(const std::vector<ContactRow>& rows, const DofMap& dofs, const std::vector<RowVector>& r);
 
 }  // namespace aussois
