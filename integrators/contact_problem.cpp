@@ -203,4 +203,19 @@ RowVector slip_velocity(const ContactRow& row, const DofMap& dofs, const VecX& v
   return relative_velocity(row, dofs, v) - row.w + row.moved;
 }
 
+VecX momentum_of(const std::vector<ContactRow>& rows, const DofMap& dofs, const std::vector<RowVector>& r) {
+  VecX out = VecX::Zero(dofs.rows);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (r[i].isZero(0)) continue;
+    const auto add = [&](int body, const RowJacobian& J) {
+      const int first = body < 0 ? -1 : dofs.first[std::size_t(body)];
+      if (first >= 0) out.segment<6>(first) += J.transpose() * r[i];
+    };
+    add(rows[i].body_a, rows[i].J_a);
+    add(rows[i].body_b, rows[i].J_b);
+    for (const Triplet& e : rows[i].others) out[e.col()] += e.value() * r[i][e.row()];
+  }
+  return out;
+}
+
 }  // namespace aussois

@@ -34,7 +34,7 @@ struct ContactRow {
   RowVector w = RowVector::Zero();      // bias: normal law and what moves by itself [m/s, rad/s]
   RowVector moved = RowVector::Zero();  // the part of w that moves by itself; of rows with a normal
   double gap = 0;                       // [m]; of a contact or gap function
-  double restitution = 0;
+  double restitution = 0;               // of a row with a normal [-]
   Law law{};
   bool active = true;  // false: the normal law leaves the block out of this step
   int slot = -1;       // its first entry of State::r; -1: a contact, kept in the memory
@@ -87,5 +87,7 @@ FrictionProblem contact_problem(const FreeMotion& free, const DofMap& dofs,
 RowVector relative_velocity(const ContactRow& row, const DofMap& dofs, const VecX& v);
 /// The same without the bias of the normal law: how fast the two sides really move apart.
 RowVector slip_velocity(const ContactRow& row, const DofMap& dofs, const VecX& v);
+/// The opposite: momentum that the impulses `r` of the rows give, rows of the problem [N s, N m s].
+VecX momentum_of(const std::vector<ContactRow>& rows, const DofMap& dofs, const std::vector<RowVector>& r);
 
 }  // namespace aussois

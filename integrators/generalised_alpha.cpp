@@ -130,22 +130,10 @@ FreeMotion free_of(const StepSetting& setting, const State& state, const SmoothM
 
 // Momentum of the impulses that no gap gives: friction, dry friction and limited motors of axes.
 VecX tangential_momentum(const ImpulseStep& step, const DofMap& dofs) {
-  VecX out = VecX::Zero(dofs.rows);
-  const std::vector<RowVector> r = row_impulses(step);
-  for (std::size_t i = 0; i < step.rows.size(); ++i) {
-    const ContactRow& row = step.rows[i];
-    RowVector of_row = r[i];
-    if (has_normal(row.law)) of_row[0] = 0;
-    if (of_row.isZero(0)) continue;
-    const auto add = [&](int body, const RowJacobian& J) {
-      const int first = body < 0 ? -1 : dofs.first[std::size_t(body)];
-      if (first >= 0) out.segment<6>(first) += J.transpose() * of_row;
-    };
-    add(row.body_a, row.J_a);
-    add(row.body_b, row.J_b);
-    for (const Triplet& e : row.others) out[e.col()] += e.value() * of_row[e.row()];
-  }
-  return out;
+  std::vector<RowVector> r = row_impulses(step);
+  for (std::size_t i = 0; i < r.size(); ++i)
+    if (has_normal(step.rows[i].law)) r[i][0] = 0;
+  return momentum_of(step.rows, dofs, r);
 }
 
 // The problem of the mean velocity: joints hold at the end, gaps do not close, no friction (GA-6).

@@ -120,6 +120,7 @@ ContactRow stop(const JointStep& step, const Joint& joint, const JointAxis& axis
   const NormalBias bias = normal_bias(sign * (now.value - limit), sign * row.times(step.v.before),
                                       axis.restitution, step.h, step.normal);
   ContactRow out = axis_law(joint, now, sign, unilateral(), sign * row.times(step.v.moved) + bias.w, slot);
+  out.restitution = axis.restitution;
   out.moved[0] = sign * row.times(step.v.moved);
   out.active = bias.active;
   return out;

@@ -186,6 +186,25 @@ std::vector<SchemeOptions> generalised_alpha_variants() {
           {.update = GroupUpdate::screw, .spectral_radius = 0.8}};
 }
 
+// The explicit trapezoidal rule between impacts.
+SchemeTraits d1_minus_linear_traits(const SchemeOptions&) {
+  return {.nonsmooth = 1, .smooth = 2, .restitution = true};
+}
+
+Step d1_minus_linear_step(const Model& model, const SchemeOptions& o) {
+  const auto scheme =
+      std::make_shared<const D1MinusLinear>(model, D1MinusLinearOptions{.step = step_options(o)});
+  return [scheme](State& state, double h_limit) { return scheme->step(state, h_limit); };
+}
+
+std::string d1_minus_linear_settings(const SchemeOptions& o) {
+  return to_string(o.update);
+}
+
+std::vector<SchemeOptions> d1_minus_linear_variants() {
+  return {{}};
+}
+
 const std::vector<Entry>& entries() {
   static const std::vector<Entry> all = {
       {"moreau_jean", moreau_jean_traits, moreau_jean_step, moreau_jean_settings, moreau_jean_variants},
@@ -196,6 +215,8 @@ const std::vector<Entry>& entries() {
        passive_midpoint_variants},
       {"generalised_alpha", generalised_alpha_traits, generalised_alpha_step, generalised_alpha_settings,
        generalised_alpha_variants},
+      {"d1_minus_linear", d1_minus_linear_traits, d1_minus_linear_step, d1_minus_linear_settings,
+       d1_minus_linear_variants},
   };
   return all;
 }

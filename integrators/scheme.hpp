@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "integrators/d1_minus_linear.hpp"
 #include "integrators/generalised_alpha.hpp"
 #include "integrators/moreau_jean.hpp"
 #include "integrators/moreau_jean_projected.hpp"
