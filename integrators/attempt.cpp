@@ -10,6 +10,8 @@
 namespace aussois {
 namespace {
 
+// Of the kinetic energy: above what the solver's tolerance of 1e-8 gives to a body at rest
+constexpr double kGain = 1e-5;
 constexpr double kReentry = 0.01;  // of the dilations per step; taste, below what the certificate allows
 
 bool all_finite(const std::vector<SE3>& poses) {
@@ -54,12 +56,15 @@ EnergyLedger ledger(const FreeMotion& free, const VecX& contact_impulse, const V
                    .contact_work = middle.dot(contact_impulse),
                    .gyroscopic_work = middle.dot(free.gyroscopic - free.gyroscopic_D * change)};
   if (joint_impulse.size() > 0) out.joint_work = middle.dot(joint_impulse + free.M * projected);
+  if (free.joints.size() > 0) out.joint_work += middle.dot(free.joints);
+  if (free.numerical.size() > 0) out.numerical_work = middle.dot(free.numerical);
   return out;
 }
 
 // The constant velocities, near `v`, that lead from the poses of `state` to those of `end`; `plain` are those
 // that `v` leads to. A body that turns by more than half a turn goes on doing so.
 VecX velocity_to(const State& state, const State& plain, const State& end, VecX v, double h) {
+  if (end.q != plain.q) v.tail(end.q.size()) = (end.q - state.q) / h;
   for (std::size_t b = 0; b < state.g.size(); ++b) {
     if (end.g[b].p == plain.g[b].p && end.g[b].R.coeffs() == plain.g[b].R.coeffs()) continue;
     const auto at = 6 * Eigen::Index(b);
@@ -73,8 +78,11 @@ VecX velocity_to(const State& state, const State& plain, const State& end, VecX 
   return v;
 }
 
-// Impulses that every row starts with: contacts from the memory, turned to now, the others from State::r.
-std::vector<RowVector> starts(const std::vector<ContactRow>& rows, const Found& found, const VecX& r) {
+// Impulses that every row starts with: those of the last solve; before that, contacts from the memory, turned
+// to now, the others from State::r.
+std::vector<RowVector> starts(const ImpulseStep& step, const Found& found, const VecX& r) {
+  const std::vector<ContactRow>& rows = step.rows;
+  if (!step.solved.first_row.empty()) return row_impulses(step);
   std::vector<RowVector> out(rows.size(), RowVector::Zero());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (rows[i].slot < 0) {
@@ -94,9 +102,9 @@ struct Impulses {
   VecX r{};                        // State::r
   VecX of_joints{};                // of the problem's rows, zero for contacts and gap functions
 };
-Impulses sorted(const Model& model, const std::vector<ContactRow>& rows, const ReducedSolution& solved) {
+Impulses sorted(const Model& model, const std::vector<ContactRow>& rows, const ReducedSolution& solved,
+                const VecX& r) {
   Impulses out;
-  const VecX& r = solved.solution.r;
   out.of_joints = VecX::Zero(r.size());
   if (row_count(model) > 0) out.r = VecX::Zero(row_count(model));
   for (std::size_t k = 0; k < solved.kept.size(); ++k) {
@@ -113,6 +121,35 @@ Impulses sorted(const Model& model, const std::vector<ContactRow>& rows, const R
   return out;
 }
 
+// Of all stages, rows of the problem.
+VecX total_impulses(const ImpulseStep& step) {
+  VecX r = step.solved.solution.r;
+  if (step.earlier.empty()) return r;
+  for (std::size_t k = 0; k < step.solved.kept.size(); ++k) {
+    const auto row = std::size_t(step.solved.kept[k]);
+    const int count = step.rows[row].law.rows;
+    r.segment(step.solved.first_row[k], count) += step.earlier[row].head(count);
+  }
+  return r;
+}
+
+// What contacts and gap functions gave on relative velocities (IMP-6), and whether that is more than
+// rounding.
+void tell_gain(const ImpulseStep& step, const VecX& r, const DofMap& dofs, int first_gap, const VecX& v_end,
+               StepReport& report) {
+  double work = step.impact ? step.impact->relative_work : 0;
+  for (std::size_t k = 0; k < step.solved.kept.size(); ++k) {
+    const ContactRow& row = step.rows[std::size_t(step.solved.kept[k])];
+    if (row.slot >= 0 && row.slot < first_gap) continue;
+    const RowVector u = slip_velocity(row, dofs, step.free.v) + slip_velocity(row, dofs, v_end);
+    for (int d = 0; d < row.law.rows; ++d) work += u[d] / 2 * r[step.solved.first_row[k] + d];
+  }
+  const auto kinetic = [&](const VecX& v) { return v.dot(step.free.mass * v) / 2; };
+  const double scale = std::max({kinetic(step.free.v), kinetic(step.free.v_free), kinetic(v_end)});
+  report.impulse_gain = std::max(0.0, work);
+  report.energy_rises = work > kGain * scale;
+}
+
 std::vector<StepGap> step_gaps(const Model& model, const ImpulseStep& step, std::size_t contacts,
                                const VecX& r) {
   std::vector<StepGap> out;
@@ -120,6 +157,16 @@ std::vector<StepGap> step_gaps(const Model& model, const ImpulseStep& step, std:
     if (const ContactRow& row = step.rows[contacts + std::size_t(i)]; row.active)
       out.push_back({i, step.gap[std::size_t(i)], r.segment<3>(first_gap_row(model) + 3 * i)});
   return out;
+}
+
+// The impulses of an impact, on top of those of the step.
+void add_impact(const ImpactJump& impact, const ImpulseStep& step, std::size_t contacts, StepReport& report) {
+  for (std::size_t k = 0; k < report.contacts.size(); ++k) {
+    const auto i = std::size_t(step.solved.kept[k]);
+    report.contacts[k].impulse += step.rows[i].frame * impact.r[i].head<3>();
+    if (step.rows[i].law.rows > 3) report.contacts[k].drilling += impact.r[i][3];
+  }
+  for (StepGap& gap : report.gaps) gap.impulse += impact.r[contacts + std::size_t(gap.index)].head<3>();
 }
 
 // What the attempt can tell before it moves anything.
@@ -133,6 +180,10 @@ StepReport told(const StepSetting& setting, const Found& found, const ImpulseSte
   report.min_gap = smallest_gap(found.contacts);
   for (const double gap : step.gap) report.min_gap = std::min(report.min_gap, gap);
   report.solve = step.solved.solution.report;
+  if (step.impact) {
+    report.impact_solves = step.impact->solves;
+    if (step.impact->status != SolveStatus::converged) report.solve.status = step.impact->status;
+  }
   if (setting.options.keep_problem)
     report.problem = StepProblem{step.solved.problem, step.solved.start, step.solved.solution};
   report.seconds_contact = found.seconds;
@@ -159,24 +210,112 @@ Found find_ahead(const StepSetting& setting, const State& state, const VecX& v_e
   return found;
 }
 
-ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
-                       double theta) {
+Found found_at(const StepSetting& setting, const State& state, const Found& found, const State& at) {
+  const double begin = cpu_seconds();
+  const StepOptions& o = setting.options;
+  Found out = found;
+  out.contacts = contacts_of(setting.model, at, found.pairs, o.lmd);
+  out.selection = reduce(out.contacts, o.reduction);
+  out.warm = warm_start(state.memory, out.contacts, out.scale);
+  out.seconds += cpu_seconds() - begin;
+  return out;
+}
+
+ContactBlocks contact_blocks(const StepSetting& setting, const State& state, const ContactSet& contacts,
+                             double h, const NormalLawOptions& normal, const Reached& reached) {
+  const VecX v_prescribed = prescribed_velocity(setting.model, state, h);
+  ContactBlocks out{.rows = contact_rows(setting.model, state, contacts, v_prescribed, h, normal, reached)};
+  GapFunctionRows gaps =
+      gap_rows(setting.model, state, setting.dofs, v_prescribed, h, normal, reached);  // (GEN-3)
+  out.gap = std::move(gaps.gap);
+  out.rows.insert(out.rows.end(), gaps.rows.begin(), gaps.rows.end());
+  return out;
+}
+
+std::optional<AfterImpact> after_impact(const StepSetting& setting, const State& state, Found& found,
+                                        const ImpactOptions& options, double theta) {
+  if (in_the_step(options)) return std::nullopt;
+  const Model& model = setting.model;
+  const StepOptions& o = setting.options;
+  const ContactBlocks blocks = contact_blocks(setting, state, found.contacts, found.h, o.normal);
+  const VecX v_prescribed = prescribed_velocity(model, state, found.h);
+  const SparseMatrix G =
+      joint_system(model, state, setting.dofs, v_prescribed, found.h, theta, o.normal, o.joints).equations.G;
+  std::optional<ImpactJump> met =
+      impact_jump(model, state, setting.dofs, blocks.rows, G, found.h, o.normal.law, options, o.solver);
+  if (!met) return std::nullopt;
+  for (int i = 0; i < int(found.contacts.points.size()); ++i)  // they are reported, and held from now on
+    if (!met->r[std::size_t(i)].isZero(0) &&
+        std::ranges::find(found.selection.kept, i) == found.selection.kept.end())
+      found.selection.kept.push_back(i);
+  std::ranges::sort(found.selection.kept);
+  AfterImpact out{.state = state, .blocks = {}, .impact = std::move(*met)};
+  out.state.v = all_velocities(setting.dofs, out.impact.v, state.v);
+  out.blocks = contact_blocks(setting, out.state, found.contacts, found.h, o.normal);
+  for (std::size_t i = 0; i < out.blocks.rows.size(); ++i)
+    if (!out.impact.r[i].isZero(0)) out.blocks.rows[i].active = true;
+  return out;
+}
+
+void add_rows(const StepSetting& setting, const State& state, const Found& found,
+              const NormalLawOptions& normal, ImpulseStep& step) {
+  set_rows(contact_blocks(setting, state, found.contacts, found.h, normal), step);  // (MJ-6)
+}
+
+void set_rows(ContactBlocks blocks, ImpulseStep& step) {
+  step.rows = std::move(blocks.rows);
+  step.gap = std::move(blocks.gap);
+  step.rows.insert(step.rows.end(), step.joints.rows.begin(), step.joints.rows.end());
+}
+
+ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
+                      double theta) {
+  return pose_step(setting, state, found, std::move(free), theta,
+                   contact_blocks(setting, state, found.contacts, found.h, setting.options.normal));
+}
+
+ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
+                      double theta, ContactBlocks blocks) {
   const double begin = cpu_seconds();
   const StepOptions& o = setting.options;
   ImpulseStep out{.free = std::move(free),
                   .v_prescribed = prescribed_velocity(setting.model, state, found.h)};
-  out.rows =
-      contact_rows(setting.model, state, found.contacts, out.v_prescribed, found.h, o.normal);  // (MJ-6)
-  GapFunctionRows gaps =
-      gap_rows(setting.model, state, setting.dofs, out.v_prescribed, found.h, o.normal);  // (GEN-3)
-  out.gap = std::move(gaps.gap);
-  out.rows.insert(out.rows.end(), gaps.rows.begin(), gaps.rows.end());
   out.joints = joint_system(setting.model, state, setting.dofs, out.v_prescribed, found.h, theta, o.normal,
                             o.joints);  // (MJT-10)
-  out.rows.insert(out.rows.end(), out.joints.rows.begin(), out.joints.rows.end());
-  out.solved = solve_reduced(out.free, setting.dofs, out.rows, out.joints.equations, found.selection,
-                             starts(out.rows, found, state.r), allowed_speeds(found), o.solver);  // (NSGS-1)
+  set_rows(std::move(blocks), out);
   out.seconds = cpu_seconds() - begin;
+  return out;
+}
+
+void solve_rows(const StepSetting& setting, const State& state, const Found& found, ImpulseStep& step) {
+  const double begin = cpu_seconds();
+  step.solved =
+      solve_reduced(step.free, setting.dofs, step.rows, step.joints.equations, found.selection,
+                    starts(step, found, state.r), allowed_speeds(found), setting.options.solver);  // (NSGS-1)
+  step.seconds += cpu_seconds() - begin;
+}
+
+ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
+                       double theta) {
+  ImpulseStep out = pose_step(setting, state, found, std::move(free), theta);
+  solve_rows(setting, state, found, out);
+  return out;
+}
+
+ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
+                       double theta, ContactBlocks blocks) {
+  ImpulseStep out = pose_step(setting, state, found, std::move(free), theta, std::move(blocks));
+  solve_rows(setting, state, found, out);
+  return out;
+}
+
+std::vector<RowVector> row_impulses(const ImpulseStep& step) {
+  std::vector<RowVector> out(step.rows.size(), RowVector::Zero());
+  for (std::size_t k = 0; k < step.solved.kept.size(); ++k) {
+    const auto row = std::size_t(step.solved.kept[k]);
+    const int count = step.rows[row].law.rows;
+    out[row].head(count) = step.solved.solution.r.segment(step.solved.first_row[k], count);
+  }
   return out;
 }
 
@@ -185,6 +324,7 @@ State moved(const Model& model, const State& state, const VecX& v_path, const Ve
   next.t += h;
   next.h = h;
   next.v = v_end;
+  next.a.resize(0);
   next.g = moved_poses(model, state, v_path, h);
   next.q += h * v_path.tail(next.q.size());
   if (!model.joints.empty()) next.turns = counted_turns(model, state, next.g);
@@ -196,7 +336,8 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
   const Model& model = setting.model;
   const StepOptions& o = setting.options;
   const FrictionSolution& solution = step.solved.solution;
-  const Impulses impulses = sorted(model, step.rows, step.solved);
+  const VecX r = total_impulses(step);
+  const Impulses impulses = sorted(model, step.rows, step.solved, r);
   Attempt out{.report = told(setting, found, step, impulses)};
   StepReport& report = out.report;
   const auto failed = [&](Outcome outcome, const std::string& reason) {
@@ -208,11 +349,15 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
     return failed(Outcome::not_finite, "a force or velocity is not finite");
 
   // Did the step keep its word, and is it proven?
-  out.v_path = all_velocities(setting.dofs, move.v_path, step.v_prescribed);
+  out.v_path = path_velocity(o.update, model, state,
+                             all_velocities(setting.dofs, move.v_path, step.v_prescribed), found.h);
   VecX v_end = all_velocities(setting.dofs, move.v_end, step.v_prescribed);
-  if (o.joints.project && !model.joints.empty()) {  // the path is the one to the projected poses
+  if (move.end ||
+      (o.joints.project && !model.joints.empty())) {  // the path is the one to the projected poses
     const State plain = moved(model, state, out.v_path, v_end, found.h);
-    const State end = consistent(model, plain);  // (MJT-13)
+    State end = move.end ? *move.end : plain;
+    end.v = v_end;
+    if (o.joints.project) end = consistent(model, end);  // (MJT-13)
     out.v_path = velocity_to(state, plain, end, out.v_path, found.h);
     v_end = end.v;
   }
@@ -243,18 +388,27 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
   report.h = found.h;
   report.physical = physical_residual(solution.u, solution.r, step.solved.problem.laws);
   report.gaps = step_gaps(model, step, found.contacts.points.size(), impulses.r);
+  if (step.impact) add_impact(*step.impact, step, found.contacts.points.size(), report);
   VecX joint_impulse;
   if (!model.joints.empty()) {
-    report.joints = step_joints(model, step.joints, solution.lambda, impulses.r, found.h);  // (MJT-12)
+    const VecX lambda =
+        step.lambda_earlier.size() > 0 ? VecX(solution.lambda + step.lambda_earlier) : solution.lambda;
+    report.joints = step_joints(model, step.joints, lambda, impulses.r, found.h);  // (MJT-12)
     report.joint_error = joint_error(model, out.next);
-    joint_impulse = step.solved.problem.H * impulses.of_joints + step.solved.problem.G * solution.lambda;
+    joint_impulse = step.solved.problem.H * impulses.of_joints + step.solved.problem.G * lambda;
   }
   const VecX v_free_end = free_velocities(setting.dofs, v_end);
-  report.energy = ledger(step.free, step.solved.problem.H * (solution.r - impulses.of_joints), joint_impulse,
+  report.energy = ledger(step.free, step.solved.problem.H * (r - impulses.of_joints), joint_impulse,
                          v_free_end, v_free_end - solution.v);  // (MJ-9)
   const double by_mass = change_of_mass(model, state, out.next, step.free, setting.dofs, v_free_end);
   report.energy.kinetic_change += by_mass;
   report.energy.gyroscopic_work += by_mass;
+  if (step.impact) {
+    report.energy.kinetic_change += step.impact->kinetic_change;
+    report.energy.contact_work += step.impact->contact_work;
+    report.energy.joint_work += step.impact->joint_work;
+  }
+  tell_gain(step, r, setting.dofs, first_gap_row(model), v_free_end, report);
   if (report.solve.status != SolveStatus::converged)
     return failed(Outcome::not_solved,
                   std::string("the solver ended with ") + to_string(report.solve.status));

@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "integrators/impact.hpp"
 #include "integrators/reduced_solve.hpp"
 #include "integrators/step_report.hpp"
 #include "integrators/step_setting.hpp"
@@ -32,12 +33,55 @@ struct ImpulseStep {
   std::vector<double> gap{};       // of the gap functions [m]
   JointSystem joints{};
   ReducedSolution solved{};
-  double seconds = 0;  // CPU that it took [s]
+  std::optional<ImpactJump> impact{};  // that came before, at the same poses
+  // Of schemes that solve in stages; empty: none
+  std::vector<RowVector> earlier{};  // impulses of the stages before, of all rows
+  VecX lambda_earlier{};             // and of the joints
+  double seconds = 0;                // CPU that it took [s]
 };
-/// With rows and joints as they are at the start of the step, biased for the law of the options (MJ-6).
-/// `theta` as of FreeMotion, for the axes of joints.
+/// The rows of contacts and gap functions, biased for a normal law (MJ-6), in ImpulseStep's order.
+struct ContactBlocks {
+  std::vector<ContactRow> rows{};
+  std::vector<double> gap{};  // of the gap functions [m]
+};
+ContactBlocks contact_blocks(const StepSetting& setting, const State& state, const ContactSet& contacts,
+                             double h, const NormalLawOptions& normal, const Reached& reached = {});
+
+/// With rows and joints as they are at the start of the step. `theta` as of FreeMotion, for the axes of
+/// joints.
 ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
                        double theta);
+/// The same with rows of one's own.
+ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
+                       double theta, ContactBlocks blocks);
+
+/// Its two halves: rows and joints, and their solution. Solved again, after a change, it starts from what was
+/// found before.
+ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
+                      double theta);
+/// Contacts, gap functions and what acts on the axes of step.joints, biased for a normal law.
+void add_rows(const StepSetting& setting, const State& state, const Found& found,
+              const NormalLawOptions& normal, ImpulseStep& step);
+ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
+                      double theta, ContactBlocks blocks);
+/// Other blocks, before what acts on the axes of step.joints.
+void set_rows(ContactBlocks blocks, ImpulseStep& step);
+void solve_rows(const StepSetting& setting, const State& state, const Found& found, ImpulseStep& step);
+/// The impulses of a solution, of all rows; zero where a row was left out.
+std::vector<RowVector> row_impulses(const ImpulseStep& step);
+
+/// The contacts of the same pairs at other poses, with the impulses of the last step.
+Found found_at(const StepSetting& setting, const State& state, const Found& found, const State& at);
+
+/// The state after the impact that the step begins with, if there is one (IMP-1); its contacts are kept in
+/// `found`.
+struct AfterImpact {
+  State state{};
+  ContactBlocks blocks{};  // of the step that follows
+  ImpactJump impact{};
+};
+std::optional<AfterImpact> after_impact(const StepSetting& setting, const State& state, Found& found,
+                                        const ImpactOptions& options, double theta);
 
 enum class Outcome { accepted, bound_exceeded, not_certified, not_solved, not_finite };
 struct Attempt {
@@ -50,6 +94,7 @@ struct Attempt {
 /// Where a scheme wants to go: velocities constant on the path, and those at its end; rows of the problem.
 struct Move {
   VecX v_path{}, v_end{};
+  std::optional<State> end{};  // other poses and coordinates that the path is to end at (PRJ-4)
 };
 /// Goes there if the step keeps the bounds that its contacts were found within (CA-5) and is proven to keep
 /// bodies apart (CA-6); with the report, joints projected (MJT-13), and the energy as the velocities at both

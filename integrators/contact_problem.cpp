@@ -31,6 +31,17 @@ Law law_of(const ContactLaw& law, Eigen::Index rows) {
   return rows == 1 ? unilateral() : rows == 2 ? coulomb_2d(law.mu) : coulomb(law.mu);
 }
 
+// Sets the bias of all rows of a block: the normal law, and the average that it speaks of (MJ-6), (MJ-10).
+void set_bias(ContactRow& row, const RowVector& u_before, double restitution, double h,
+              const NormalLawOptions& options) {
+  const NormalBias normal = normal_bias(row.gap, u_before.x(), restitution, h, options);
+  row.restitution = restitution;
+  row.active = normal.active;
+  if (options.gamma < 1)
+    for (int d = 1; d < row.law.rows; ++d) row.w[d] += (1 - options.gamma) / options.gamma * u_before[d];
+  row.w.x() += normal.w;
+}
+
 }  // namespace
 
 const char* to_string(NormalLaw law) {
@@ -51,24 +62,32 @@ NormalLaw normal_law(const std::string& name) {
   throw std::invalid_argument("normal law = " + name + " must be moreau, gap_over_step or combined");
 }
 
+bool closes(double gap, double speed, double h, NormalLaw law) {
+  return speed < 0 && gap + (law == NormalLaw::moreau ? h / 2 : h) * speed <= 0;
+}
+
 NormalBias normal_bias(double gap, double u_before, double restitution, double h,
                        const NormalLawOptions& options) {
   const double over_step = gap >= 0 ? gap / h : std::max(gap / h, -options.correction_speed);
   const double impact = u_before < 0 ? restitution * u_before : 0;
+  const auto averaged = [&](double w) {  // (MJ-10)
+    return options.gamma < 1 ? (w + (1 - options.gamma) * u_before) / options.gamma : w;
+  };
   switch (options.law) {
     case NormalLaw::moreau:
-      return {impact, gap + h / 2 * u_before <= 0};
+      return {averaged(impact), gap + h / 2 * u_before <= 0};
     case NormalLaw::gap_over_step:
       break;
     case NormalLaw::combined:
-      if (restitution > 0 && u_before < 0 && gap + h * u_before <= 0) return {impact, true};
+      if (restitution > 0 && closes(gap, u_before, h, options.law)) return {averaged(impact), true};
       break;
   }
-  return {over_step, true};
+  return {averaged(over_step), true};
 }
 
 std::vector<ContactRow> contact_rows(const Model& model, const State& state, const ContactSet& contacts,
-                                     const VecX& v_prescribed, double h, const NormalLawOptions& options) {
+                                     const VecX& v_prescribed, double h, const NormalLawOptions& options,
+                                     const Reached& reached) {
   std::vector<ContactRow> rows;
   rows.reserve(contacts.points.size());
   for (const ContactPoint& c : contacts.points) {
@@ -85,25 +104,28 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
     }
     row.w =
         row.J_a * v_prescribed.segment<6>(6 * row.body_a) + row.J_b * v_prescribed.segment<6>(6 * row.body_b);
+    row.moved = row.w;
     const auto twist_before = [&](int body) {  // of a moved body: that of its path on this step
       return is_dynamic(model.bodies[std::size_t(body)]) ? twist(state, body)
                                                          : Vec6(v_prescribed.segment<6>(6 * body));
     };
-    const double u_before = (row.J_a * twist_before(row.body_a) + row.J_b * twist_before(row.body_b)).x();
-    const NormalBias bias = normal_bias(c.gap, u_before, law.restitution, h, options);
-    row.w.x() += bias.w;
-    row.active = bias.active;
+    row.gap = c.gap;
+    if (reached.time > 0)
+      row.gap -= reached.time * (row.J_a.row(0).dot(reached.v.segment<6>(6 * row.body_a)) +
+                                 row.J_b.row(0).dot(reached.v.segment<6>(6 * row.body_b)));
+    set_bias(row, row.J_a * twist_before(row.body_a) + row.J_b * twist_before(row.body_b), law.restitution, h,
+             options);
     rows.push_back(row);
   }
   return rows;
 }
 
 GapFunctionRows gap_rows(const Model& model, const State& state, const DofMap& dofs, const VecX& v_prescribed,
-                         double h, const NormalLawOptions& options) {
+                         double h, const NormalLawOptions& options, const Reached& reached) {
   GapFunctionRows out;
   for (int i = 0; i < int(model.gaps.size()); ++i) {
     const GapFunction& gap = model.gaps[std::size_t(i)];
-    const GapRows now = gap.evaluate(model, state, state.t);
+    const GapRows now = gap.evaluate(model, state, state.t + reached.time);
     const Eigen::Index size = gap_columns(model, gap),
                        first = gap.block < 0 ? 0 : first_speed(model, gap.block);
     ContactRow row{.law = law_of(gap.law, now.J.rows()), .slot = first_gap_row(model) + 3 * i};
@@ -115,6 +137,8 @@ GapFunctionRows gap_rows(const Model& model, const State& state, const DofMap& d
       continue;
     }
     RowVector u_before = RowVector::Zero();
+    row.gap = now.gap;
+    if (reached.time > 0 && now.rate.size() > 0) row.gap -= reached.time * now.rate[0];
     for (Eigen::Index d = 0; d < now.J.rows(); ++d) {
       if (now.rate.size() > 0) row.w[d] = now.rate[d];
       u_before[d] = row.w[d];
@@ -123,15 +147,15 @@ GapFunctionRows gap_rows(const Model& model, const State& state, const DofMap& d
         if (J == 0) continue;
         const int at = row_of(dofs, first + k);
         u_before[d] += J * (at >= 0 ? state.v : v_prescribed)[first + k];
+        if (d == 0 && reached.time > 0) row.gap -= reached.time * J * reached.v[first + k];
         if (at >= 0)
           row.others.emplace_back(int(d), at, J);
         else
           row.w[d] += J * v_prescribed[first + k];
       }
     }
-    const NormalBias bias = normal_bias(now.gap, u_before.x(), gap.law.restitution, h, options);
-    row.w.x() += bias.w;
-    row.active = bias.active;
+    row.moved = row.w;
+    set_bias(row, u_before, gap.law.restitution, h, options);
     out.rows.push_back(std::move(row));
     out.gap.push_back(now.gap);
   }
@@ -173,6 +197,25 @@ RowVector relative_velocity(const ContactRow& row, const DofMap& dofs, const Vec
   add(row.body_b, row.J_b);
   for (const Triplet& e : row.others) u[e.row()] += e.value() * v[e.col()];
   return u;
+}
+
+RowVector slip_velocity(const ContactRow& row, const DofMap& dofs, const VecX& v) {
+  return relative_velocity(row, dofs, v) - row.w + row.moved;
+}
+
+VecX momentum_of(const std::vector<ContactRow>& rows, const DofMap& dofs, const std::vector<RowVector>& r) {
+  VecX out = VecX::Zero(dofs.rows);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (r[i].isZero(0)) continue;
+    const auto add = [&](int body, const RowJacobian& J) {
+      const int first = body < 0 ? -1 : dofs.first[std::size_t(body)];
+      if (first >= 0) out.segment<6>(first) += J.transpose() * r[i];
+    };
+    add(rows[i].body_a, rows[i].J_a);
+    add(rows[i].body_b, rows[i].J_b);
+    for (const Triplet& e : rows[i].others) out[e.col()] += e.value() * r[i][e.row()];
+  }
+  return out;
 }
 
 }  // namespace aussois

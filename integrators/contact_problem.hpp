@@ -30,8 +30,11 @@ struct ContactRow {
   Mat3 frame = Mat3::Identity();          // of a contact: columns n, t1, t2; impulses act on A [world]
   RowJacobian J_a = RowJacobian::Zero();  // u = J_a twist_a + J_b twist_b + others + w
   RowJacobian J_b = RowJacobian::Zero();
-  std::vector<Triplet> others{};    // (row of the block, row of the problem, value)
-  RowVector w = RowVector::Zero();  // bias: normal law and what moves by itself [m/s, rad/s]
+  std::vector<Triplet> others{};        // (row of the block, row of the problem, value)
+  RowVector w = RowVector::Zero();      // bias: normal law and what moves by itself [m/s, rad/s]
+  RowVector moved = RowVector::Zero();  // the part of w that moves by itself; of rows with a normal
+  double gap = 0;                       // [m]; of a contact or gap function
+  double restitution = 0;               // of a row with a normal [-]
   Law law{};
   bool active = true;  // false: the normal law leaves the block out of this step
   int slot = -1;       // its first entry of State::r; -1: a contact, kept in the memory
@@ -40,6 +43,7 @@ struct ContactRow {
 struct NormalLawOptions {
   NormalLaw law = NormalLaw::combined;
   double correction_speed = 0.01;  // overlaps are pushed apart no faster than this [m/s]
+  double gamma = 1;  // the laws of contacts and stops speak of gamma u+ + (1 - gamma) u- [-], in [1/2, 1]
 };
 
 /// Bias of a normal row (MJ-6) with normal velocity `u_before` at the start of the step, and whether the row
@@ -51,10 +55,21 @@ struct NormalBias {
 NormalBias normal_bias(double gap, double u_before, double restitution, double h,
                        const NormalLawOptions& options);
 
+/// Poses that contacts are evaluated at: those that the velocities `v`, in the places of State::v, lead to in
+/// `time` [s]. Their gaps count as linearised back to the start of the step (MJ-11).
+struct Reached {
+  VecX v{};
+  double time = 0;
+};
+
+/// Whether a contact with this speed closes within a step, as the normal law sees it.
+bool closes(double gap, double speed, double h, NormalLaw law);
+
 /// Both impulses act at the middle between the two proximal points, so that the pair's angular momentum is
 /// kept. `v_prescribed` as of prescribed_velocity.
 std::vector<ContactRow> contact_rows(const Model& model, const State& state, const ContactSet& contacts,
-                                     const VecX& v_prescribed, double h, const NormalLawOptions& options);
+                                     const VecX& v_prescribed, double h, const NormalLawOptions& options,
+                                     const Reached& reached = {});
 
 /// The rows of the model's gap functions at the start of the step (GEN-3), in their order, and their gaps.
 struct GapFunctionRows {
@@ -62,7 +77,7 @@ struct GapFunctionRows {
   std::vector<double> gap{};  // [m]
 };
 GapFunctionRows gap_rows(const Model& model, const State& state, const DofMap& dofs, const VecX& v_prescribed,
-                         double h, const NormalLawOptions& options);
+                         double h, const NormalLawOptions& options, const Reached& reached = {});
 
 /// The problem of the rows `kept`, in order; without joints.
 FrictionProblem contact_problem(const FreeMotion& free, const DofMap& dofs,
@@ -70,5 +85,9 @@ FrictionProblem contact_problem(const FreeMotion& free, const DofMap& dofs,
 
 /// u of a row, bias included, for the velocities v of the dynamic rows [m/s, rad/s].
 RowVector relative_velocity(const ContactRow& row, const DofMap& dofs, const VecX& v);
+/// The same without the bias of the normal law: how fast the two sides really move apart.
+RowVector slip_velocity(const ContactRow& row, const DofMap& dofs, const VecX& v);
+/// The opposite: momentum that the impulses `r` of the rows give, rows of the problem [N s, N m s].
+VecX momentum_of(const std::vector<ContactRow>& rows, const DofMap& dofs, const std::vector<RowVector>& r);
 
 }  // namespace aussois

@@ -234,7 +234,7 @@ bool Run::jump_without_collision(const std::vector<Touch>& touches) {
   std::vector<Touch> near;
   for (const Touch& touch : touches)
     if (touch.gap <= o_.gap_tolerance) near.push_back(touch);
-  const VecX push = kPush * forces_at(setting_, state_).all,
+  const VecX push = kPush * smooth_forces(setting_, state_).all,
              before = free_velocities(setting_.dofs, state_.v);
   const Collision hit = collide(setting_, state_, near, std::vector<double>(near.size(), 0), push);
   const double jump = hit.solved ? (hit.v - before).cwiseAbs().maxCoeff() : 0;
@@ -288,7 +288,7 @@ bool Run::decide(const std::vector<Touch>& touches) {
     if (c.friction == Friction::slips) c.along = slip.normalized();
     closed_.push_back(std::move(c));
   }
-  const Forces forces = forces_at(setting_, state_);
+  const SmoothForces forces = smooth_forces(setting_, state_);
   const auto accelerate = [&] { return accelerations(setting_, state_, forces, closed_, {}); };
   Accelerations now = accelerate();
   if (!now.solved) return false;
@@ -411,7 +411,7 @@ bool Run::rate(double t, const VecX& y, VecX& out) const {
   const State s = unpacked(t, y);
   std::vector<int> match;
   const std::vector<Closed> closed = closed_at(touches_at(setting_, s, o_.horizon), match);
-  const Forces forces = forces_at(setting_, s);
+  const SmoothForces forces = smooth_forces(setting_, s);
   const Accelerations now = accelerations(setting_, s, forces, closed,
                                           closed.size() == force_.size() ? force_ : std::vector<VecX>{});
   if (!now.solved) return false;
@@ -476,7 +476,7 @@ bool Run::roots(double t, const VecX& y, VecX& out) const {
     out[0] = std::min(out[0], f);
   }
   if (closed_.empty()) return true;
-  const Accelerations now = accelerations(setting_, s, forces_at(setting_, s), closed,
+  const Accelerations now = accelerations(setting_, s, smooth_forces(setting_, s), closed,
                                           closed.size() == force_.size() ? force_ : std::vector<VecX>{});
   if (!now.solved) return false;
   std::size_t k = 0;

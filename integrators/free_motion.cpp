@@ -108,6 +108,18 @@ void add_coordinates(const Model& model, const State& state, const DofMap& dofs,
   }
 }
 
+void sum_up(FreeMotion& out) {
+  out.M = out.mass + out.gyroscopic_D + out.law_D;                  // (MJ-4)
+  out.f = out.M * out.v + out.laws + out.gravity + out.gyroscopic;  // (MJ-5)
+  out.v_free = out.v;
+  if (out.v.size() == 0) return;
+  out.M.makeCompressed();
+  if (const std::optional<MassInverse> inverse = invert_mass(out.M))
+    out.v_free = *inverse * out.f;
+  else
+    out.v_free.setConstant(std::nan(""));  // ends as not_finite in this very step
+}
+
 }  // namespace
 
 DofMap dof_map(const Model& model) {
@@ -213,15 +225,104 @@ FreeMotion free_motion(const Model& model, const State& state, const DofMap& dof
     out.laws += from_coordinates;
   }
   subtract_moved_anchors(force, dofs, prescribed_velocity(model, state, h), state.v, h, theta, out.laws);
-  out.M = out.mass + out.gyroscopic_D + out.law_D;                  // (MJ-4)
-  out.f = out.M * out.v + out.laws + out.gravity + out.gyroscopic;  // (MJ-5)
-  out.v_free = out.v;
-  if (dofs.rows > 0) {
-    out.M.makeCompressed();
-    if (const std::optional<MassInverse> inverse = invert_mass(out.M))
-      out.v_free = *inverse * out.f;
-    else
-      out.v_free.setConstant(std::nan(""));  // ends as not_finite in this very step
+  sum_up(out);
+  return out;
+}
+
+FreeMotion with_gyroscopic(const Model& model, const DofMap& dofs, double h, GyroscopicTerm term,
+                           const VecX& v_guess, FreeMotion free) {
+  std::vector<Triplet> entries;
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    const int row = dofs.first[b];
+    if (row < 0) continue;
+    const Mat3& J = model.bodies[b].inertia;
+    const Vec3 omega = free.v.segment<3>(row + 3);
+    if (term == GyroscopicTerm::start) {  // (PMI-2)
+      const Mat3 D = -skew(J * omega);
+      free.gyroscopic.segment<3>(row + 3) = -h * D * omega;
+      add_block(entries, row + 3, row + 3, h / 2 * D);
+    } else {  // (PMI-3)
+      const Vec3 middle = (omega + v_guess.segment<3>(row + 3)) / 2, momentum = J * middle;
+      const Mat3 D = skew(middle) * J - skew(momentum);
+      free.gyroscopic.segment<3>(row + 3) = -h * (middle.cross(momentum) + D * (omega - middle));
+      add_block(entries, row + 3, row + 3, h / 2 * D);
+    }
+  }
+  free.gyroscopic_D = matrix_of(dofs.rows, entries);
+  sum_up(free);
+  return free;
+}
+
+Forces forces_at(const Model& model, const State& state, const DofMap& dofs) {
+  GeneralisedForce force{.f = VecX::Zero(state.v.size()), .K = {}, .C = {}};
+  for (const ForceLaw& law : model.forces) law.add_to(model, state, state.t, force);
+  for (int j = 0; j < int(model.joints.size()); ++j)
+    for (int i = 0; i < axis_count(model.joints[std::size_t(j)].kind); ++i)
+      add_axis_force(model, state, state.g, j, i, state.t, force);
+  Forces out;
+  out.gravity = out.gyroscopic = VecX::Zero(dofs.rows);
+  out.laws = free_velocities(dofs, force.f);
+  std::vector<Triplet> mass, K = dynamic_entries(force.K, dofs), C = dynamic_entries(force.C, dofs);
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    const int row = dofs.first[b];
+    if (row < 0) continue;
+    const RigidBody& body = model.bodies[b];
+    const Vec3 omega = state.v.segment<3>(6 * Eigen::Index(b) + 3), momentum = body.inertia * omega;
+    add_block(mass, row, row, body.mass * Mat3::Identity());
+    add_block(mass, row + 3, row + 3, body.inertia);
+    add_block(C, row + 3, row + 3, skew(omega) * body.inertia - skew(momentum));
+    out.gravity.segment<3>(row) = body.mass * model.gravity;
+    out.gyroscopic.segment<3>(row + 3) = -omega.cross(momentum);
+  }
+  for (int i = 0; i < int(model.coordinates.size()); ++i) {
+    const Coordinates& block = model.coordinates[std::size_t(i)];
+    const int row = dofs.coordinates + first_coordinate(model, i);
+    const VecX q = coordinates(model, state, i), v = speeds(model, state, i);
+    append(mass, row, sized(block.mass(q), block.size, block.size), 1);
+    if (!block.force) continue;
+    const CoordinateForce own = block.force(state.t, q, v);
+    out.laws.segment(row, block.size) += sized(own.f, block.size, 1);
+    if (own.C.size() > 0) append(C, row, sized(own.C, block.size, block.size), 1);
+    if (own.K.size() > 0) append(K, row, sized(own.K, block.size, block.size), 1);
+  }
+  out.mass = matrix_of(dofs.rows, mass);
+  out.K = matrix_of(dofs.rows, K);
+  out.C = matrix_of(dofs.rows, C);
+  return out;
+}
+
+const char* to_string(GroupUpdate update) {
+  switch (update) {
+    case GroupUpdate::exponential:
+      return "exponential";
+    case GroupUpdate::cayley:
+      return "cayley";
+    case GroupUpdate::screw:
+      return "screw";
+  }
+  return "?";
+}
+
+GroupUpdate group_update(const std::string& name) {
+  for (const GroupUpdate update : {GroupUpdate::exponential, GroupUpdate::cayley, GroupUpdate::screw})
+    if (name == to_string(update)) return update;
+  throw std::invalid_argument("group update = " + name + " must be exponential, cayley or screw");
+}
+
+VecX path_velocity(GroupUpdate update, const Model& model, const State& state, const VecX& v, double h) {
+  if (update == GroupUpdate::exponential) return v;  // (LIE-1)
+  VecX out = v;
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    const auto at = 6 * Eigen::Index(b);
+    const Vec3 omega = v.segment<3>(at + 3);
+    const double half = h / 2 * omega.norm();
+    if (!is_dynamic(model.bodies[b]) || half == 0) continue;
+    if (update == GroupUpdate::cayley) {
+      out.segment<3>(at + 3) *= std::atan(half) / half;  // (LIE-2)
+    } else {
+      const Vec3 axis = state.g[b].R * omega.normalized(), along = axis * axis.dot(v.segment<3>(at));
+      out.segment<3>(at) = along + stumpff(1, half * half) * (v.segment<3>(at) - along);  // (LIE-3)
+    }
   }
   return out;
 }

@@ -2,6 +2,8 @@
 // What moves over one step of the theta scheme without contacts and joints, linearly implicit (MJ-4), (MJ-5).
 #pragma once
 
+#include <string>
+
 #include "mechanics/state.hpp"
 
 namespace aussois {
@@ -43,6 +45,9 @@ struct FreeMotion {
   SparseMatrix gyroscopic_D{};  // h theta d(omega x J omega)/d omega
   VecX laws{};                  // h F - h^2 theta K v, forces of joint axes and coordinates included
   SparseMatrix law_D{};         // h theta C + h^2 theta^2 K
+  // Of schemes that know the motion between contacts before they ask for impulses; empty: none
+  VecX joints{};     // impulse of the joints in that motion
+  VecX numerical{};  // what the scheme adds of its own
 };
 
 /// Adds springs, dampers and effort motors of the joints' axes at time t, with directions at the poses
@@ -52,5 +57,37 @@ void add_axis_forces(const Model& model, const State& state, const std::vector<S
 
 /// `theta` in [1/2, 1].
 FreeMotion free_motion(const Model& model, const State& state, const DofMap& dofs, double h, double theta);
+
+/// Where the gyroscopic torque of a step is taken (PMI-2), (PMI-3).
+enum class GyroscopicTerm {
+  start,     // S(J omega) at the start times the mean omega: linear, no work
+  midpoint,  // at the mean omega: no work either; linearised about the mean with `v_guess` at the end
+};
+/// The same free motion at theta = 1/2 with its gyroscopic torque taken there. `v_guess`: rows of the
+/// problem.
+FreeMotion with_gyroscopic(const Model& model, const DofMap& dofs, double h, GyroscopicTerm term,
+                           const VecX& v_guess, FreeMotion free);
+
+/// All forces at a state and at its own time, rows of the problem; joint axes and coordinates included.
+struct Forces {
+  SparseMatrix mass{};                   // at the state's coordinates
+  VecX gravity{}, gyroscopic{}, laws{};  // [N, N m]
+  SparseMatrix K{}, C{};                 // -df/dq and -df/dv of the sum
+  VecX sum() const { return gravity + gyroscopic + laws; }
+};
+Forces forces_at(const Model& model, const State& state, const DofMap& dofs);
+
+/// How a mean velocity moves a body over a step (LIE-1) to (LIE-3).
+enum class GroupUpdate {
+  exponential,  // R3 x SO(3): x + h v, R exp(h omega)
+  cayley,  // R3 x SO(3): x + h v, R cay(h omega); with the gyroscopic midpoint exact in energy and momentum
+  screw,   // SE(3): the end of the screw with the twist at the middle of the step
+};
+const char* to_string(GroupUpdate update);
+/// By its name; throws std::invalid_argument naming the three.
+GroupUpdate group_update(const std::string& name);
+/// The constant velocities (MJ-8) that lead where the update leads with the mean velocities `v`, both in the
+/// places of State::v.
+VecX path_velocity(GroupUpdate update, const Model& model, const State& state, const VecX& v, double h);
 
 }  // namespace aussois

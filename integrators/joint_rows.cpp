@@ -82,6 +82,7 @@ struct JointStep {
   double h, theta;
   const NormalLawOptions& normal;
   double stabilisation;
+  const State* end = nullptr;  // if velocities there are asked for, instead of those on the path
 
   // b of a row that is to move by -`excess` while v_theta acts; what its velocity is off at the start, `lag`,
   // is forgotten (MJT-11).
@@ -91,11 +92,13 @@ struct JointStep {
     return (moved + (1 - theta) * free_before - wanted) / theta;
   }
   double locked_bias(const VelocityRow& start, const VelocityRow& middle) const {
+    if (end) return middle.times(v.moved);  // (GA-5)
     return position_bias(middle, stabilisation * start.value, start.times(v.before));
   }
   double motor_bias(const Motor& motor, const VelocityRow& start, const VelocityRow& middle) const {
     const double t = state.t;
     if (motor.kind == MotorKind::speed) return middle.times(v.moved) - motor.target(t + h);
+    if (end) return middle.times(v.moved) - target_speed(motor, t + h);
     const double now = motor.target(t), next = motor.target(t + h);
     return position_bias(middle, stabilisation * (start.value - now) - (next - now),
                          start.times(v.before) - target_speed(motor, t));
@@ -117,6 +120,8 @@ ContactRow stop(const JointStep& step, const Joint& joint, const JointAxis& axis
   const NormalBias bias = normal_bias(sign * (now.value - limit), sign * row.times(step.v.before),
                                       axis.restitution, step.h, step.normal);
   ContactRow out = axis_law(joint, now, sign, unilateral(), sign * row.times(step.v.moved) + bias.w, slot);
+  out.restitution = axis.restitution;
+  out.moved[0] = sign * row.times(step.v.moved);
   out.active = bias.active;
   return out;
 }
@@ -124,12 +129,19 @@ ContactRow stop(const JointStep& step, const Joint& joint, const JointAxis& axis
 // Equations in the order of the columns of G.
 struct Equations {
   std::vector<Triplet> G{};
-  std::vector<double> b{};
-  void add(const DofMap& dofs, const VelocityRow& row, double bias) {
+  std::vector<double> b{}, off{};
+  void add(const DofMap& dofs, const VelocityRow& row, double bias, double off_by) {
     append_column(G, dofs, row, int(b.size()));
     b.push_back(bias);
+    off.push_back(off_by);
   }
 };
+
+// What a position motor is off at the end; of schemes that ask for it.
+double motor_error(const JointStep& step, const Motor& motor, int joint, int axis) {
+  if (!step.end || motor.kind != MotorKind::position) return 0;
+  return joint_coordinate(step.model, *step.end, joint, axis) - motor.target(step.state.t + step.h);
+}
 
 void add_axis(const JointStep& step, const std::vector<SE3>& middle, int j, int i, Equations& equations,
               std::vector<ContactRow>& rows) {
@@ -150,29 +162,18 @@ void add_axis(const JointStep& step, const std::vector<SE3>& middle, int j, int 
   if (!driven) return;
   const double bias = step.motor_bias(axis.motor, row_now, row_mid);
   if (is_bilateral(axis.motor))
-    equations.add(step.dofs, row_mid, bias);
+    equations.add(step.dofs, row_mid, bias, motor_error(step, axis.motor, j, i));
   else
     rows.push_back(axis_law(joint, mid, 1, dry_friction(axis.motor.limit * step.h), bias, slot + 3));
 }
 
-}  // namespace
-
-void validate(const JointOptions& options) {
-  require_field(options.stabilisation >= 0 && options.stabilisation <= 1, "JointOptions::stabilisation",
-                options.stabilisation, "lie in [0, 1]");
-}
-
-JointSystem joint_system(const Model& model, const State& state, const DofMap& dofs, const VecX& v_prescribed,
-                         double h, double theta, const NormalLawOptions& normal,
-                         const JointOptions& options) {
-  JointSystem out;
-  if (model.joints.empty()) return out;
-  const JointStep step{model, state, dofs,   speeds_of(dofs, state, v_prescribed),
-                       h,     theta, normal, options.stabilisation};
-  out.middle = moved_poses(model, state, step.v.before, h / 2);
+JointSystem system_of(const JointStep& step, std::vector<SE3> middle_poses) {
+  const Model& model = step.model;
+  const State& state = step.state;
+  JointSystem out{.middle = std::move(middle_poses)};
   Equations equations;
   const auto add_locked = [&](const VelocityRow& start, const VelocityRow& middle) {
-    equations.add(dofs, middle, step.locked_bias(start, middle));
+    equations.add(step.dofs, middle, step.locked_bias(start, middle), middle.value);
   };
   for (int j = 0; j < int(model.joints.size()); ++j) {
     const Joint& joint = model.joints[std::size_t(j)];
@@ -185,12 +186,37 @@ JointSystem joint_system(const Model& model, const State& state, const DofMap& d
   out.first.push_back(int(equations.b.size()));
   for (const Coupling& coupling : model.couplings)
     add_locked(velocity_row(model, coupling, coupling_row(model, coupling, state.g, state.turns)),
-               velocity_row(model, coupling, coupling_row(model, coupling, out.middle, state.turns)));
+               velocity_row(model, coupling,
+                            coupling_row(model, coupling, out.middle, (step.end ? *step.end : state).turns)));
   const auto columns = Eigen::Index(equations.b.size());
-  out.equations.G = SparseMatrix(dofs.rows, columns);
+  out.equations.G = SparseMatrix(step.dofs.rows, columns);
   out.equations.G.setFromTriplets(equations.G.begin(), equations.G.end());
   out.equations.b = Eigen::Map<const VecX>(equations.b.data(), columns);
+  out.off = Eigen::Map<const VecX>(equations.off.data(), columns);
   return out;
+}
+
+}  // namespace
+
+void validate(const JointOptions& options) {
+  require_field(options.stabilisation >= 0 && options.stabilisation <= 1, "JointOptions::stabilisation",
+                options.stabilisation, "lie in [0, 1]");
+}
+
+JointSystem joint_system(const Model& model, const State& state, const DofMap& dofs, const VecX& v_prescribed,
+                         double h, double theta, const NormalLawOptions& normal,
+                         const JointOptions& options) {
+  if (model.joints.empty()) return {};
+  const JointStep step{model, state, dofs,   speeds_of(dofs, state, v_prescribed),
+                       h,     theta, normal, options.stabilisation};
+  return system_of(step, moved_poses(model, state, step.v.before, h / 2));
+}
+
+JointSystem joint_system_at(const Model& model, const State& state, const State& end, const DofMap& dofs,
+                            const VecX& v_prescribed, double h, const NormalLawOptions& normal) {
+  if (model.joints.empty()) return {};
+  const JointStep step{model, state, dofs, speeds_of(dofs, state, v_prescribed), h, 1, normal, 0, &end};
+  return system_of(step, end.g);
 }
 
 std::vector<StepJoint> step_joints(const Model& model, const JointSystem& system, const VecX& lambda,

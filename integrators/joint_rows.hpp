@@ -20,9 +20,15 @@ struct JointSystem {
   std::vector<int> first{};        // column of each joint, and at the end that of the couplings
   std::vector<SE3> middle{};       // poses that the directions of locked rows are taken at
   std::vector<ContactRow> rows{};  // stops, dry friction, limited motors
+  VecX off{};                      // of each column at the poses `middle` [m, rad]; speed motors: zero
 };
 JointSystem joint_system(const Model& model, const State& state, const DofMap& dofs, const VecX& v_prescribed,
                          double h, double theta, const NormalLawOptions& normal, const JointOptions& options);
+
+/// For schemes that ask the velocity at the end to keep the joints there (GA-5): directions at the poses of
+/// `end`, G^T v+ + b = 0 without stabilisation. Stops are those of the start.
+JointSystem joint_system_at(const Model& model, const State& state, const State& end, const DofMap& dofs,
+                            const VecX& v_prescribed, double h, const NormalLawOptions& normal);
 
 /// The report of the joints: `lambda` belongs to the columns of G, `r` to the entries of State::r.
 std::vector<StepJoint> step_joints(const Model& model, const JointSystem& system, const VecX& lambda,

@@ -1,17 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Moreau-Jean theta scheme with conservative advancement: one step, in the order of
 // doc/theory/moreau_jean.md. Sources: Moreau 1988, Jean 1999, Acary and Brogliato 2008, ch. 10; (MJ-1) to
-// (MJ-9), (CA-1) to (CA-8).
+// (MJ-12), (IMP-1) to (IMP-6), (CA-1) to (CA-8).
 #pragma once
 
+#include "integrators/attempt.hpp"
 #include "integrators/step_report.hpp"
 #include "integrators/step_setting.hpp"
 
 namespace aussois {
 
+/// Where a step evaluates its contacts (decision D4): normals, arms and gaps at the start, or at the middle
+/// or the end of the path that the velocities found so far lead along (MJ-11).
+enum class ContactsAt { start, midpoint, end };
+const char* to_string(ContactsAt at);
+/// By its name; throws std::invalid_argument naming the three.
+ContactsAt contacts_at(const std::string& name);
+
+/// The Newton loop of the fully implicit step (MJ-12). One iteration, the default: linearly implicit.
+struct NewtonOptions {
+  int max_iterations = 1;    // >= 1; contacts at the midpoint or the end take one solve more, their predictor
+  double tolerance = 1e-10;  // largest change of a velocity [m/s, rad/s], > 0; if the loop misses it, the
+                             // step is halved
+};
+
 struct MoreauJeanOptions {
   double h = 1e-3;     // largest step [s], > 0
   double theta = 1.0;  // of the smooth forces and of the position update [-], in [1/2, 1]
+  ContactsAt contacts = ContactsAt::start;
+  NewtonOptions newton{};
+  ImpactOptions impact{};  // other than the defaults: not with NormalLaw::gap_over_step
   NormalLawOptions normal{};
   JointOptions joints{};
   LmdOptions lmd{};  // its threshold is set in each step by the displacement bound
@@ -38,8 +56,11 @@ class MoreauJean {
   ContactSet contacts(const State& state, double threshold) const;
 
  private:
+  VecX estimate(const State& state, double h) const;
+  Attempt attempt(const State& state, const VecX& v_estimate, double h) const;
+
   StepSetting setting_;
-  double theta_;
+  MoreauJeanOptions options_;
 };
 
 }  // namespace aussois

@@ -25,13 +25,16 @@ struct Entry {
 SchemeTraits moreau_jean_traits(const SchemeOptions& o) {
   return {.nonsmooth = 1,
           .smooth = o.theta == 0.5 ? 2.0 : 1.0,
-          .restitution = o.normal.law != NormalLaw::gap_over_step};
+          .restitution = o.normal.law != NormalLaw::gap_over_step || o.normal.gamma < 1};
 }
 
 Step moreau_jean_step(const Model& model, const SchemeOptions& o) {
   const auto scheme =
       std::make_shared<const MoreauJean>(model, MoreauJeanOptions{.h = o.h,
                                                                   .theta = o.theta,
+                                                                  .contacts = o.contacts,
+                                                                  .newton = o.newton,
+                                                                  .impact = o.impact,
                                                                   .normal = o.normal,
                                                                   .joints = o.joints,
                                                                   .lmd = o.lmd,
@@ -42,9 +45,19 @@ Step moreau_jean_step(const Model& model, const SchemeOptions& o) {
   return [scheme](State& state, double h_limit) { return scheme->step(state, h_limit); };
 }
 
-std::string moreau_jean_settings(const SchemeOptions& o) {
+std::string number(const char* format, double value) {
   char text[40];
-  std::snprintf(text, sizeof text, "theta %g %s", o.theta, to_string(o.normal.law));
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+std::string moreau_jean_settings(const SchemeOptions& o) {
+  std::string text = number("theta %g ", o.theta) + to_string(o.normal.law);
+  if (o.normal.gamma < 1) text += number(" gamma %g", o.normal.gamma);
+  if (o.contacts != ContactsAt::start) text += std::string(" contacts ") + to_string(o.contacts);
+  if (o.newton.max_iterations > 1) text += " implicit";
+  if (o.impact.law != ImpactLaw::newton) text += std::string(" ") + to_string(o.impact.law);
+  if (o.impact.order != ImpactOrder::simultaneous) text += std::string(" ") + to_string(o.impact.order);
   return text;
 }
 
@@ -53,7 +66,146 @@ std::vector<SchemeOptions> moreau_jean_variants() {
   for (const double theta : {0.5, 1.0})
     for (const NormalLaw law : {NormalLaw::moreau, NormalLaw::combined, NormalLaw::gap_over_step})
       out.push_back({.theta = theta, .normal = {.law = law}});
+  out.push_back({.theta = 0.5, .contacts = ContactsAt::midpoint, .normal = {.law = NormalLaw::combined}});
+  out.push_back({.theta = 0.5,
+                 .contacts = ContactsAt::midpoint,
+                 .newton = {.max_iterations = 50},
+                 .normal = {.law = NormalLaw::moreau}});
+  out.push_back({.theta = 1,
+                 .contacts = ContactsAt::end,
+                 .newton = {.max_iterations = 50},
+                 .normal = {.law = NormalLaw::combined}});
+  out.push_back({.theta = 0.5, .impact = {.law = ImpactLaw::poisson}, .normal = {.law = NormalLaw::moreau}});
+  out.push_back(
+      {.theta = 0.5, .impact = {.order = ImpactOrder::sequential}, .normal = {.law = NormalLaw::moreau}});
   return out;
+}
+
+StepOptions step_options(const SchemeOptions& o) {
+  return {.h = o.h,
+          .normal = o.normal,
+          .joints = o.joints,
+          .lmd = o.lmd,
+          .reduction = o.reduction,
+          .solver = o.solver,
+          .advancement = o.advancement,
+          .update = o.update,
+          .threads = o.threads};
+}
+
+// The projection moves an impact to the wall, where it is, but not to the time when it was.
+SchemeTraits projected_traits(const SchemeOptions& o) {
+  return {.nonsmooth = 1, .smooth = o.theta == 0.5 ? 2.0 : 1.0};
+}
+
+Step projected_step(const Model& model, const SchemeOptions& o) {
+  MoreauJeanProjectedOptions options{.theta = o.theta, .order = o.projection, .step = step_options(o)};
+  options.step.normal.law = NormalLaw::moreau;  // its own
+  const auto scheme = std::make_shared<const MoreauJeanProjected>(model, options);
+  return [scheme](State& state, double h_limit) { return scheme->step(state, h_limit); };
+}
+
+std::string projected_settings(const SchemeOptions& o) {
+  return number("theta %g ", o.theta) + to_string(o.projection);
+}
+
+std::vector<SchemeOptions> projected_variants() {
+  std::vector<SchemeOptions> out;
+  for (const ProjectionOrder order : {ProjectionOrder::direct, ProjectionOrder::combined})
+    out.push_back({.theta = 0.5, .projection = order, .normal = {.law = NormalLaw::moreau}});
+  return out;
+}
+
+// Positions are of order two between impacts, but the velocities are those of the last path, half a step old.
+SchemeTraits schatzman_paoli_traits(const SchemeOptions&) {
+  return {.nonsmooth = 1, .smooth = 1};
+}
+
+Step schatzman_paoli_step(const Model& model, const SchemeOptions& o) {
+  SchatzmanPaoliOptions options{.step = step_options(o)};
+  options.step.normal.law = NormalLaw::gap_over_step;  // its own
+  const auto scheme = std::make_shared<const SchatzmanPaoli>(model, options);
+  return [scheme](State& state, double h_limit) { return scheme->step(state, h_limit); };
+}
+
+std::string schatzman_paoli_settings(const SchemeOptions&) {
+  return "central";
+}
+
+std::vector<SchemeOptions> schatzman_paoli_variants() {
+  return {{.normal = {.law = NormalLaw::gap_over_step}}};
+}
+
+// With the torque of the start the momentum of a free body is of order one (PMI-2).
+SchemeTraits passive_midpoint_traits(const SchemeOptions& o) {
+  return {.nonsmooth = 1,
+          .smooth = o.gyroscopic == GyroscopicTerm::midpoint ? 2.0 : 1.0,
+          .restitution = o.normal.law != NormalLaw::gap_over_step};
+}
+
+Step passive_midpoint_step(const Model& model, const SchemeOptions& o) {
+  const auto scheme = std::make_shared<const PassiveMidpoint>(
+      model, PassiveMidpointOptions{.gyroscopic = o.gyroscopic, .step = step_options(o)});
+  return [scheme](State& state, double h_limit) { return scheme->step(state, h_limit); };
+}
+
+std::string passive_midpoint_settings(const SchemeOptions& o) {
+  return std::string(o.gyroscopic == GyroscopicTerm::midpoint ? "midpoint " : "start ") +
+         to_string(o.update) + " " + to_string(o.normal.law);
+}
+
+std::vector<SchemeOptions> passive_midpoint_variants() {
+  std::vector<SchemeOptions> out;
+  const auto add = [&](GyroscopicTerm gyroscopic, GroupUpdate update, NormalLaw law) {
+    out.push_back({.normal = {.law = law}, .update = update, .gyroscopic = gyroscopic});
+  };
+  add(GyroscopicTerm::midpoint, GroupUpdate::cayley, NormalLaw::moreau);
+  add(GyroscopicTerm::midpoint, GroupUpdate::cayley, NormalLaw::combined);
+  add(GyroscopicTerm::midpoint, GroupUpdate::screw, NormalLaw::moreau);
+  add(GyroscopicTerm::start, GroupUpdate::exponential, NormalLaw::moreau);
+  return out;
+}
+
+// Of order two between contacts for every spectral radius.
+SchemeTraits generalised_alpha_traits(const SchemeOptions&) {
+  return {.nonsmooth = 1, .smooth = 2, .restitution = true};
+}
+
+Step generalised_alpha_step(const Model& model, const SchemeOptions& o) {
+  const auto scheme = std::make_shared<const GeneralisedAlpha>(
+      model, GeneralisedAlphaOptions{.spectral_radius = o.spectral_radius, .step = step_options(o)});
+  return [scheme](State& state, double h_limit) { return scheme->step(state, h_limit); };
+}
+
+std::string generalised_alpha_settings(const SchemeOptions& o) {
+  char text[40];
+  std::snprintf(text, sizeof text, "rho %g %s", o.spectral_radius, to_string(o.update));
+  return text;
+}
+
+std::vector<SchemeOptions> generalised_alpha_variants() {
+  return {{.spectral_radius = 0.8},
+          {.spectral_radius = 1},
+          {.update = GroupUpdate::screw, .spectral_radius = 0.8}};
+}
+
+// The explicit trapezoidal rule between impacts.
+SchemeTraits d1_minus_linear_traits(const SchemeOptions&) {
+  return {.nonsmooth = 1, .smooth = 2, .restitution = true};
+}
+
+Step d1_minus_linear_step(const Model& model, const SchemeOptions& o) {
+  const auto scheme =
+      std::make_shared<const D1MinusLinear>(model, D1MinusLinearOptions{.step = step_options(o)});
+  return [scheme](State& state, double h_limit) { return scheme->step(state, h_limit); };
+}
+
+std::string d1_minus_linear_settings(const SchemeOptions& o) {
+  return to_string(o.update);
+}
+
+std::vector<SchemeOptions> d1_minus_linear_variants() {
+  return {{}};
 }
 
 // At the ends of steps the error is that of the tolerances. What a line between two of them misses is an
@@ -90,6 +242,15 @@ const std::vector<Entry>& entries() {
   static const std::vector<Entry> all = {
       {"moreau_jean", moreau_jean_traits, moreau_jean_step, moreau_jean_settings, moreau_jean_variants},
       {"event_driven", event_driven_traits, event_driven_step, no_settings, no_variants},
+      {"moreau_jean_projected", projected_traits, projected_step, projected_settings, projected_variants},
+      {"schatzman_paoli", schatzman_paoli_traits, schatzman_paoli_step, schatzman_paoli_settings,
+       schatzman_paoli_variants},
+      {"passive_midpoint", passive_midpoint_traits, passive_midpoint_step, passive_midpoint_settings,
+       passive_midpoint_variants},
+      {"generalised_alpha", generalised_alpha_traits, generalised_alpha_step, generalised_alpha_settings,
+       generalised_alpha_variants},
+      {"d1_minus_linear", d1_minus_linear_traits, d1_minus_linear_step, d1_minus_linear_settings,
+       d1_minus_linear_variants},
   };
   return all;
 }

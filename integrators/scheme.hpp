@@ -7,14 +7,23 @@
 #include <string>
 #include <vector>
 
+#include "integrators/d1_minus_linear.hpp"
+#include "integrators/generalised_alpha.hpp"
 #include "integrators/moreau_jean.hpp"
+#include "integrators/moreau_jean_projected.hpp"
+#include "integrators/passive_midpoint.hpp"
+#include "integrators/schatzman_paoli.hpp"
 
 namespace aussois {
 
 /// What a comparison of schemes sets; each scheme reads what it knows.
 struct SchemeOptions {
-  double h = 1e-3;     // largest step [s], > 0
-  double theta = 0.5;  // moreau_jean [-], in [1/2, 1]
+  double h = 1e-3;                          // largest step [s], > 0
+  double theta = 0.5;                       // moreau_jean, moreau_jean_projected [-], in [1/2, 1]
+  ContactsAt contacts = ContactsAt::start;  // moreau_jean
+  NewtonOptions newton{};                   // moreau_jean
+  ImpactOptions impact{};                   // moreau_jean
+  ProjectionOrder projection = ProjectionOrder::combined;  // moreau_jean_projected
   NormalLawOptions normal{};
   JointOptions joints{};
   LmdOptions lmd{};
@@ -22,6 +31,9 @@ struct SchemeOptions {
   SolverOptions solver{};
   AdvancementOptions advancement{};
   int threads = 1;
+  GroupUpdate update = GroupUpdate::exponential;         // schemes other than moreau_jean
+  double spectral_radius = 0.8;                          // generalised_alpha [-], in [0, 1]
+  GyroscopicTerm gyroscopic = GyroscopicTerm::midpoint;  // passive_midpoint
 };
 
 struct Scheme {

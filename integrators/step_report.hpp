@@ -78,19 +78,22 @@ struct EnergyLedger {
       0;  // of the impulses of contacts and gap functions; never positive for e = 0 against bodies at rest
   double gyroscopic_work = 0;  // of the gyroscopic term as discretised, and of masses that change with q
   double joint_work = 0;       // of joints, couplings, stops, dry friction, speed and position motors
+  double numerical_work = 0;   // of what the scheme adds of its own: damping of high frequencies (GA-10)
   double residual() const {    // zero to rounding: the balance of (MJ-9)
-    return kinetic_change - gravity_work - law_work - contact_work - gyroscopic_work - joint_work;
+    return kinetic_change - gravity_work - law_work - contact_work - gyroscopic_work - joint_work -
+           numerical_work;
   }
 };
 
 struct StepReport {
   StepStatus status = StepStatus::ok;
-  std::string reason{};      // why refused: the pair, its gap and the bound
-  double t = 0, h = 0;       // time reached and step taken [s]
-  int contacts_found = 0;    // local minima within the threshold
-  int contacts_kept = 0;     // of them in the problem that was solved
-  int contacts_matched = 0;  // with an impulse from the last step
-  int attempts = 1;          // times the step was tried (threshold enlarged or step halved)
+  std::string reason{};           // why refused: the pair, its gap and the bound
+  double t = 0, h = 0;            // time reached and step taken [s]
+  int contacts_found = 0;         // local minima within the threshold
+  int contacts_kept = 0;          // of them in the problem that was solved
+  int contacts_matched = 0;       // with an impulse from the last step
+  int contacts_made_passive = 0;  // whose law was stated at the midpoint, or they had given energy (PMI-6)
+  int attempts = 1;               // times the step was tried (threshold enlarged or step halved)
   double threshold = 0;   // largest distance within which contacts were looked for, beyond the dilations [m]
   double min_gap = kInf;  // smallest of contacts found and gap functions, at the start of the step [m]
   double min_base_distance = kInf;  // lower bound of the distance of the base complexes over the step [m]
@@ -98,7 +101,14 @@ struct StepReport {
   SolveReport solve{};
   PhysicalResidual physical{};
   EnergyLedger energy{};
-  JointError joint_error{};  // of all joints at the end of the step, at most
+  double impulse_gain = 0;  // work of contacts and gap functions on relative velocities, if they gave any [J]
+  bool energy_rises = false;  // more than rounding: restitution with friction can do that (IMP-6)
+  int impact_solves = 0;      // problems of impacts apart from the step (IMP-4), (IMP-5)
+  int newton_iterations = 1;  // solves of the step, contacts and forces evaluated anew for each (MJ-12)
+  double newton_change = 0;   // of a velocity by the last of them, at most [m/s, rad/s]
+  double projection = 0;      // what contacts were projected by, at most [m, rad] (PRJ-3)
+  double overlap_left = 0;    // of the deepest one that projection found [m]
+  JointError joint_error{};   // of all joints at the end of the step, at most
   std::vector<StepContact> contacts{};
   std::vector<StepGap> gaps{};           // of the active gap functions
   std::vector<StepJoint> joints{};       // of every joint of the model

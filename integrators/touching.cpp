@@ -292,13 +292,13 @@ std::vector<Touch> touches_at(const StepSetting& setting, const State& state, do
   return out;
 }
 
-Forces forces_at(const StepSetting& setting, const State& state) {
+SmoothForces smooth_forces(const StepSetting& setting, const State& state) {
   const Model& model = setting.model;
   const DofMap& dofs = setting.dofs;
   GeneralisedForce force{.f = VecX::Zero(state.v.size()), .K = {}, .C = {}};
   for (const ForceLaw& law : model.forces) law.add_to(model, state, state.t, force);
   add_axis_forces(model, state, state.g, state.t, force);
-  Forces out{.M = mass_of(setting, state), .laws = free_velocities(dofs, force.f)};
+  SmoothForces out{.M = mass_of(setting, state), .laws = free_velocities(dofs, force.f)};
   for (int i = 0; i < int(model.coordinates.size()); ++i)
     if (const Coordinates& block = model.coordinates[std::size_t(i)]; block.force)
       out.laws.segment(dofs.coordinates + first_coordinate(model, i), block.size) +=
@@ -314,7 +314,7 @@ Forces forces_at(const StepSetting& setting, const State& state) {
   return out;
 }
 
-Accelerations accelerations(const StepSetting& setting, const State& state, const Forces& forces,
+Accelerations accelerations(const StepSetting& setting, const State& state, const SmoothForces& forces,
                             const std::vector<Closed>& closed, const std::vector<VecX>& start) {
   const auto constraints = [&](const State& s) { return joint_constraints(setting.model, s, setting.dofs); };
   Accelerations out;

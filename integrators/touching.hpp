@@ -30,13 +30,13 @@ VecX slip_of(const Touch& touch, const VecX& u);
 std::vector<Touch> touches_at(const StepSetting& setting, const State& state, double threshold);
 
 /// Mass and forces of everything that does not touch, in the rows of DofMap.
-struct Forces {
+struct SmoothForces {
   SparseMatrix M{};
   VecX all{};   // [N, N m]
   VecX laws{};  // of them those of force laws, axes and coordinates
 };
 SparseMatrix mass_of(const StepSetting& setting, const State& state);
-Forces forces_at(const StepSetting& setting, const State& state);
+SmoothForces smooth_forces(const StepSetting& setting, const State& state);
 
 /// How a touch takes part in the acceleration problem (EVD-4).
 enum class Friction { none, sticks, slips };
@@ -56,7 +56,7 @@ struct Accelerations {
 };
 /// Index one: gaps closed, friction and joints on the level of accelerations (EVD-4), (EVD-5). `start` are
 /// forces that the solver starts with, or empty.
-Accelerations accelerations(const StepSetting& setting, const State& state, const Forces& forces,
+Accelerations accelerations(const StepSetting& setting, const State& state, const SmoothForces& forces,
                             const std::vector<Closed>& closed, const std::vector<VecX>& start);
 
 struct Collision {

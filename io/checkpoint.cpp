@@ -11,7 +11,7 @@ namespace aussois {
 namespace {
 
 constexpr const char* kFormat = "aussois-checkpoint";
-constexpr const char* kVersion = "2";
+constexpr const char* kVersion = "3";
 
 std::string hex(std::uint64_t value) {
   char text[24];
@@ -71,6 +71,7 @@ void write_state(hid_t file, const State& state) {
   write_rows(file, "/state/coordinates", std::vector<double>(state.q.begin(), state.q.end()));
   write_rows(file, "/state/turns", state.turns);
   write_rows(file, "/state/impulse", std::vector<double>(state.r.begin(), state.r.end()));
+  write_rows(file, "/state/acceleration", std::vector<double>(state.a.begin(), state.a.end()));
   using Key = std::array<int, 6>;
   const ContactMemory& memory = state.memory;
   write_rows(file, "/memory/key",
@@ -102,6 +103,7 @@ State read_state(hid_t file) {
   state.q = read_vector(file, "/state/coordinates");
   state.turns = read_rows<int>(file, "/state/turns");
   state.r = read_vector(file, "/state/impulse");
+  state.a = read_vector(file, "/state/acceleration");
   const auto key = read_rows<std::array<int, 6>>(file, "/memory/key");
   const auto normal = read_rows<Vec3>(file, "/memory/normal"),
              point_a = read_rows<Vec3>(file, "/memory/point_a"),

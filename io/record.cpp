@@ -78,6 +78,8 @@ RunStep run_step(std::int64_t step, const Model& model, const State& state, cons
   row.law_work = report.energy.law_work;
   row.contact_work = report.energy.contact_work;
   row.gyroscopic_work = report.energy.gyroscopic_work;
+  row.joint_work = report.energy.joint_work;
+  row.numerical_work = report.energy.numerical_work;
   row.energy_residual = report.energy.residual();
   row.seconds_contact = report.seconds_contact;
   row.seconds_solve = report.seconds_solve;

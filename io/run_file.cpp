@@ -14,7 +14,7 @@ namespace aussois {
 namespace {
 
 constexpr const char* kFormat = "aussois-run";
-constexpr const char* kVersion = "1";
+constexpr const char* kVersion = "2";
 
 /// One dataset and the member it holds.
 template <class Row, class T>
@@ -52,6 +52,8 @@ const auto kStepFields = std::tuple{
     Field{"/energy/law_work", &RunStep::law_work, "J"},
     Field{"/energy/contact_work", &RunStep::contact_work, "J"},
     Field{"/energy/gyroscopic_work", &RunStep::gyroscopic_work, "J"},
+    Field{"/energy/joint_work", &RunStep::joint_work, "J"},
+    Field{"/energy/numerical_work", &RunStep::numerical_work, "J"},
     Field{"/energy/residual", &RunStep::energy_residual, "J"},
     Field{"/coupling/force", &RunStep::coupling_force, "N"},
     Field{"/coupling/torque", &RunStep::coupling_torque, "N m"},

@@ -73,7 +73,9 @@ struct RunStep {
 
   double kinetic = 0, gravity = 0, laws = 0;                // energies at the end of the step [J]
   double gravity_work = 0, law_work = 0, contact_work = 0;  // done in the step [J]
-  double gyroscopic_work = 0, energy_residual = 0;          // of the discrete balance [J]
+  double gyroscopic_work = 0, joint_work = 0;
+  double numerical_work = 0;   // of the scheme itself
+  double energy_residual = 0;  // of the discrete balance
 
   Vec3 coupling_force = Vec3::Zero();   // of the virtual coupling, on its body, world [N]
   Vec3 coupling_torque = Vec3::Zero();  // the same, body frame [N m]

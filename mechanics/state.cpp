@@ -51,6 +51,9 @@ void validate(const Model& model, const State& state) {
   if (state.r.size() > 0)
     check_size(state.r.size(), std::size_t(row_count(model)), "size of State::r",
                "that of the rows of axes and gap functions, or 0");
+  if (state.a.size() > 0)
+    check_size(state.a.size(), 2 * speeds, "size of State::a", "twice that of State::v, or 0");
+  require(state.a.allFinite(), "State::a must be finite");
   require(state.q.allFinite(), "State::q must be finite");
   require(state.v.tail(state.q.size()).allFinite(), "State::v: the speeds of q must be finite");
   require(state.r.allFinite(), "State::r must be finite");
@@ -116,6 +119,8 @@ std::uint64_t hash(const State& state) {
   for (const int turn : state.turns) digest.add(std::uint64_t(std::int64_t(turn)));
   digest.add(std::uint64_t(state.r.size()));
   for (const double component : state.r) digest.add(component);
+  digest.add(std::uint64_t(state.a.size()));
+  for (const double component : state.a) digest.add(component);
   digest.add(std::uint64_t(state.memory.contacts.size()));
   for (const RememberedContact& c : state.memory.contacts) {
     for (const std::int32_t part : c.key.value) digest.add(std::uint64_t(std::uint32_t(part)));

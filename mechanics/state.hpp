@@ -20,6 +20,7 @@ struct State {
   VecX v{};  // six per body: v_G in the world [m/s], omega in the body [rad/s]; then the speeds of q
   std::vector<int> turns{};  // of the joints' angles: three per joint, its axes; empty: all zero (MJT-7)
   VecX r{};  // impulses of the last step on joint axes and gap functions [N s, N m s]; empty: none (MJT-12)
+  VecX a{};  // accelerations that a scheme keeps from step to step, twice as many as v; empty: none
   ContactMemory memory{};
 };
 

@@ -91,7 +91,8 @@ Iterate automatic(Delassus& W, const Iterate& start, const SolverOptions& option
     }
     if (!settled_once && left > newton / kNewtonIterations + kSettlingCost) {  // (AUTO-5)
       settled_once = true;
-      sweeps.offer(settled(W, now, options.tolerance));
+      sweeps.go_on_from(settled(W, now, options.tolerance));
+      window_residual = sweeps.now().residual;
       continue;
     }
     if (left <= newton || swept < std::min(newton / 10, kLongestWait)) continue;  // (AUTO-2)

@@ -34,6 +34,8 @@ Block<R> prepared(const RowBlock<R>& W, const Law& law) {
   return block;
 }
 
+constexpr double kLocked =
+    1e-12;  // normal of a block of unit size that no impulse can move, but for rounding
 constexpr double kTolerance = 3e-14;  // a few roundings of W r + q (ONE-6)
 constexpr int kNewtonSteps = 20;
 
@@ -125,6 +127,8 @@ BlockSolution<R> solved(const Block<R>& block, const Rows<R>& q, const Law& law,
   if (has_normal(law)) {
     if (q[0] >= 0) return {Rows<R>::Zero(n)};
     if (law.kind == LawKind::unilateral) return {Rows<R>::Constant(n, -q[0] / block.W(0, 0))};
+    if (block.W(0, 0) < kLocked)  // (ONE-10)
+      return {Rows<R>::Zero(n), judged<R>(block, q, law, Rows<R>::Zero(n)).good};
   }
   if (law.kind == LawKind::dry_friction)
     return {Rows<R>::Constant(n, std::clamp(-q[0] / block.W(0, 0), -law.limit, law.limit))};

@@ -166,8 +166,11 @@ class BodyDelassus final : public Delassus {
   }
 
   std::optional<VecX> direction(const std::vector<AnyBlock>& D, const VecX& F) override {
-    const VecX d = is_dense() ? dense_direction(D, F) : sparse_direction(D, F);
-    return d.size() > 0 && d.allFinite() ? std::optional<VecX>(d) : std::nullopt;
+    const LinearSolve solve = is_dense() ? dense_inverse(D) : sparse_inverse(D);
+    if (!solve) return std::nullopt;
+    VecX d = solve(F);
+    for (int k = 0; k < kRefinements; ++k) d += solve(F - times(D, d));  // (PROX-8)
+    return d.allFinite() ? std::optional<VecX>(d) : std::nullopt;
   }
 
  private:
@@ -217,12 +220,23 @@ class BodyDelassus final : public Delassus {
     }
   }
 
-  VecX dense_direction(const std::vector<AnyBlock>& D, const VecX& F) const {
+  // (M + H D H^T) d factor by factor: where D is large the sum has lost M's last digits.
+  VecX times(const std::vector<AnyBlock>& D, const VecX& d) const {
+    VecX s = C(d);
+    for (int c = 0; c < count(); ++c)
+      s.segment<R>(at(c), rows(c)) = RowBlock<R>(D[std::size_t(c)]) * s.segment<R>(at(c), rows(c)).eval();
+    return A(d) + B(s);
+  }
+
+  LinearSolve dense_inverse(const std::vector<AnyBlock>& D) const {
     MatX J = M_;
     add_compliance(D, [&](int i, int j, double value) { J(i, j) += value; });
     const VecX scale = weight_.cwiseSqrt();  // equilibrated: translations beside rotations
-    J = scale.asDiagonal() * J * scale.asDiagonal();
-    return scale.asDiagonal() * J.partialPivLu().solve(scale.asDiagonal() * F);
+    const auto factor =
+        std::make_shared<Eigen::PartialPivLU<MatX>>(scale.asDiagonal() * J * scale.asDiagonal());
+    return [factor, scale](const VecX& b) -> VecX {
+      return scale.cwiseProduct(factor->solve(scale.cwiseProduct(b)));
+    };
   }
 
   // M + H D H^T, equilibrated.
@@ -242,10 +256,11 @@ class BodyDelassus final : public Delassus {
     return newton_matrix(D);
   }
 
-  VecX sparse_direction(const std::vector<AnyBlock>& D, const VecX& F) const {
+  LinearSolve sparse_inverse(const std::vector<AnyBlock>& D) const {
     const VecX scale = weight_.cwiseSqrt();
     const LinearSolve solve = factorised(newton_matrix(D));
-    return solve ? VecX(scale.asDiagonal() * solve(scale.asDiagonal() * F)) : VecX();
+    if (!solve) return {};
+    return [solve, scale](const VecX& b) -> VecX { return scale.cwiseProduct(solve(scale.cwiseProduct(b))); };
   }
 
   SparseMatrix M_{};

@@ -37,6 +37,9 @@ using BlockRule = std::function<AnyRows(int c, const AnyRows& u, const AnyRows& 
 /// x of A x = b for one A, factorised; empty if A is singular.
 using LinearSolve = std::function<VecX(const VecX&)>;
 
+/// Of the linear systems of Newton, factor by factor (PROX-8).
+inline constexpr int kRefinements = 2;
+
 class Delassus {
  public:
   virtual ~Delassus() = default;

@@ -11,7 +11,14 @@ namespace aussois {
 
 namespace {
 
-constexpr Eigen::Index kDenseSize = 150;
+// Measured by bench_factorisation.
+constexpr Eigen::Index kDenseSize = 40, kLargestDense = 300;
+constexpr double kDenseShare = 0.25;  // of entries that are not zero
+
+bool is_dense(const SparseMatrix& A) {
+  const double n = double(A.rows());
+  return A.rows() <= kDenseSize || (A.rows() <= kLargestDense && double(A.nonZeros()) > kDenseShare * n * n);
+}
 
 template <class Factor>
 LinearSolve solve_with(const SparseMatrix& A) {
@@ -28,7 +35,7 @@ bool is_symmetric(const SparseMatrix& A) {
 }  // namespace
 
 LinearSolve factorised(const SparseMatrix& A) {
-  if (A.rows() > kDenseSize)
+  if (!is_dense(A))
     return is_symmetric(A) ? solve_with<Eigen::SimplicialLDLT<SparseMatrix>>(A)
                            : solve_with<Eigen::KLU<SparseMatrix>>(A);
   const auto factor = std::make_shared<Eigen::PartialPivLU<MatX>>(MatX(A));

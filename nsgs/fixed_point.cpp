@@ -28,6 +28,16 @@ std::optional<Iterate> FixedPoint::accelerated(const VecX& after) {
   return std::nullopt;
 }
 
+void FixedPoint::go_on_from(Iterate other) {
+  if (other.residual < now_.residual) {
+    now_ = std::move(other);
+    r_ = now_.r;
+    anderson_.forget();
+    offer(now_);
+  }
+  resume();
+}
+
 bool FixedPoint::advance(double tolerance, bool last) {
   const double change = step_(r_);
   ++steps_;

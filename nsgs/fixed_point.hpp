@@ -23,6 +23,9 @@ class FixedPoint {
   /// W has been used otherwise since: its velocities are made those of `now` again.
   void resume() { W_.velocity(now_.r); }
 
+  /// The steps go on from `other` if it is better than where they are.
+  void go_on_from(Iterate other);
+
   const Iterate& now() const { return now_; }  // the last that was judged
   const Iterate& best() const { return best_.iterate(); }
   void offer(Iterate other) { best_.offer(std::move(other), steps_); }

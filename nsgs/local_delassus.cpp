@@ -186,22 +186,32 @@ class LocalDelassus final : public Delassus {
   // Blocks with D = 0 do not act on the others: they are left out of the system and follow from it.
   std::optional<VecX> direction(const std::vector<AnyBlock>& D, const VecX& F) override {
     const std::vector<int> place = closed_blocks([&](int c) { return !D[std::size_t(c)].isZero(0); });
-    CompressedColumns J = newton_matrix(place, [&](int c) { return RowBlock<R>(D[std::size_t(c)]); });
-    VecX rhs(J.size());
+    const auto each_closed = [&](auto&& f) {
+      for (int c = 0; c < count(); ++c)
+        if (place[std::size_t(c)] >= 0) f(c, place[std::size_t(c)]);
+    };
+    const auto solve =
+        inverse_of(newton_matrix(place, [&](int c) { return RowBlock<R>(D[std::size_t(c)]); }));
+    if (!solve) return std::nullopt;
+    Eigen::Index size = 0;
+    each_closed([&](int c, int) { size += rows(c); });
+    VecX d = VecX::Zero(F.size()), W_dr = VecX::Zero(F.size()), rhs(size);
+    for (int k = 0; k <= kRefinements; ++k) {  // (PROX-8)
+      each_closed([&](int c, int i) {
+        rhs.segment<R>(i, rows(c)) =
+            F.segment<R>(at(c), rows(c)) - d.segment<R>(at(c), rows(c)) - W_dr.segment<R>(at(c), rows(c));
+      });
+      const VecX more = solve(rhs);
+      VecX dr = VecX::Zero(F.size());
+      each_closed([&](int c, int i) {
+        d.segment<R>(at(c), rows(c)) += more.segment<R>(i, rows(c));
+        dr.segment<R>(at(c), rows(c)) = RowBlock<R>(D[std::size_t(c)]) * d.segment<R>(at(c), rows(c));
+      });
+      W_dr = B(dr);
+    }
     for (int c = 0; c < count(); ++c)
-      if (place[std::size_t(c)] >= 0)
-        rhs.segment<R>(place[std::size_t(c)], rows(c)) = F.segment<R>(at(c), rows(c));
-    const std::optional<VecX> closed = solve_once(J, rhs);
-    if (!closed) return std::nullopt;
-    VecX dr = VecX::Zero(F.size());
-    for (int c = 0; c < count(); ++c)
-      if (place[std::size_t(c)] >= 0)
-        dr.segment<R>(at(c), rows(c)) =
-            RowBlock<R>(D[std::size_t(c)]) * closed->segment<R>(place[std::size_t(c)], rows(c));
-    VecX d = F - B(dr);
-    for (int c = 0; c < count(); ++c)
-      if (place[std::size_t(c)] >= 0)
-        d.segment<R>(at(c), rows(c)) = closed->segment<R>(place[std::size_t(c)], rows(c));
+      if (place[std::size_t(c)] < 0)
+        d.segment<R>(at(c), rows(c)) = F.segment<R>(at(c), rows(c)) - W_dr.segment<R>(at(c), rows(c));
     return d.allFinite() ? std::optional<VecX>(d) : std::nullopt;
   }
 

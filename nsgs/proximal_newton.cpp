@@ -13,6 +13,7 @@ constexpr double kLargestAlpha = 1e3;
 constexpr int kEasyStep = 5;      // Newton iterations
 constexpr int kNewtonSteps = 30;  // a step that needs more has too small an alpha
 constexpr double kRounding = 1e-15;
+constexpr double kStalled = 1e-12;
 constexpr double kSmallestDamping = 1e-3;
 
 VecX answers(const std::vector<Law>& laws, const VecX& s) {  // (PROX-3)
@@ -56,7 +57,7 @@ Trial tried(const Delassus& W, const Iterate& center, double alpha, const VecX& 
 }  // namespace
 
 ProximalStep proximal_step(Delassus& W, const Iterate& center, double alpha, double accuracy) {
-  const double rounding = kRounding * W.size(W.B(center.r));
+  const double momentum = W.size(W.B(center.r)), rounding = kRounding * momentum;
   ProximalStep step;
   Trial now = tried(W, center, alpha, VecX::Zero(W.unknowns()));
   for (; step.iterations < kNewtonSteps; ++step.iterations) {
@@ -70,7 +71,10 @@ ProximalStep proximal_step(Delassus& W, const Iterate& center, double alpha, dou
       moved = next.wrong < now.wrong * (1 - 1e-4 * damping);
       if (moved) now = std::move(next);
     }
-    if (!moved) break;
+    if (!moved) {  // no direction is better than rounding lets it be: where that is little, it is the end
+      step.solved = now.wrong <= kStalled * momentum;
+      break;
+    }
   }
   step.r = now.r;
   return step;

@@ -44,31 +44,33 @@ double factor_cost(CompressedColumns& J) {
   return flops;
 }
 
-std::optional<VecX> solve_once(CompressedColumns& J, const VecX& b) {
+std::function<VecX(const VecX&)> inverse_of(CompressedColumns J) {
   const int n = J.size();
-  VecX x = b;
-  if (n == 0) return x;
   if (n <= kDenseSize) {
     MatX dense = MatX::Zero(n, n);
     for (int j = 0; j < n; ++j)
       for (int k = J.begin[std::size_t(j)]; k < J.begin[std::size_t(j) + 1]; ++k)
         dense(J.row[std::size_t(k)], j) = J.value[std::size_t(k)];
-    x = dense.partialPivLu().solve(b);
-    return x.allFinite() ? std::optional<VecX>(x) : std::nullopt;
+    const auto factor = std::make_shared<Eigen::PartialPivLU<MatX>>(dense);
+    return [factor](const VecX& b) -> VecX { return factor->solve(b); };
   }
-  klu_common common;
-  klu_defaults(&common);
-  common.scale = 0;  // the rows of the scaled problem are of one size
-  common.btf = 0;
-  const auto free_symbolic = [&](klu_symbolic* s) { klu_free_symbolic(&s, &common); };
-  const auto free_numeric = [&](klu_numeric* s) { klu_free_numeric(&s, &common); };
-  const std::unique_ptr<klu_symbolic, decltype(free_symbolic)> symbolic(
-      klu_analyze_given(n, J.begin.data(), J.row.data(), nullptr, nullptr, &common), free_symbolic);
-  if (!symbolic) return std::nullopt;
-  const std::unique_ptr<klu_numeric, decltype(free_numeric)> numeric(
-      klu_factor(J.begin.data(), J.row.data(), J.value.data(), symbolic.get(), &common), free_numeric);
-  if (!numeric || klu_solve(symbolic.get(), numeric.get(), n, 1, x.data(), &common) == 0) return std::nullopt;
-  return x.allFinite() ? std::optional<VecX>(x) : std::nullopt;
+  const auto common = std::make_shared<klu_common>();
+  klu_defaults(common.get());
+  common->scale = 0;  // the rows of the scaled problem are of one size
+  common->btf = 0;
+  const auto free_symbolic = [common](klu_symbolic* s) { klu_free_symbolic(&s, common.get()); };
+  const auto free_numeric = [common](klu_numeric* f) { klu_free_numeric(&f, common.get()); };
+  const std::shared_ptr<klu_symbolic> symbolic(
+      klu_analyze_given(n, J.begin.data(), J.row.data(), nullptr, nullptr, common.get()), free_symbolic);
+  if (!symbolic) return {};
+  const std::shared_ptr<klu_numeric> numeric(
+      klu_factor(J.begin.data(), J.row.data(), J.value.data(), symbolic.get(), common.get()), free_numeric);
+  if (!numeric) return {};
+  return [common, symbolic, numeric, n](const VecX& b) -> VecX {
+    VecX x = b;
+    klu_solve(symbolic.get(), numeric.get(), n, 1, x.data(), common.get());
+    return x;
+  };
 }
 
 }  // namespace aussois

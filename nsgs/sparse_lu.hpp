@@ -3,7 +3,7 @@
 // (measured in doc/theory/proximal_newton.md). Private to nsgs.
 #pragma once
 
-#include <optional>
+#include <functional>
 #include <vector>
 
 #include "geometry/types.hpp"
@@ -25,8 +25,8 @@ std::vector<int> fill_reducing_order(const std::vector<int>& begin, const std::v
 /// Multiplications and additions of a factorisation, about; from the pattern alone.
 double factor_cost(CompressedColumns& J);
 
-/// In the order of J; pivots leave the diagonal where they must. Nothing if J is singular to working
+/// J^-1 in the order of J; pivots leave the diagonal where they must. Empty if J is singular to working
 /// precision.
-std::optional<VecX> solve_once(CompressedColumns& J, const VecX& b);
+std::function<VecX(const VecX&)> inverse_of(CompressedColumns J);
 
 }  // namespace aussois

@@ -7,7 +7,7 @@ namespace aussois {
 namespace {
 
 bool seen = false;
-bool see() {
+[[maybe_unused]] bool see() {  // in presets without assertions
   seen = true;
   return true;
 }

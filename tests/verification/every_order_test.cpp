@@ -38,11 +38,17 @@ bool is_open(const std::string& name) {
          name == "ball_e0_moreau_jean_theta_1_moreau";
 }
 
+// Explicit in the gyroscopic torque: at the largest step of the case, a tenth of a radian, higher orders
+// still count (1.69 from there to the second level, 1.98 at the last).
+double largest_step(const std::string& name) {
+  return name.starts_with("dzhanibekov_d1_minus_linear") ? 0.02 : 0;
+}
+
 class EveryScheme : public ::testing::TestWithParam<Cell> {};
 
 TEST_P(EveryScheme, ReachesTheOrderOfTheory) {
   const Cell& cell = GetParam();
-  Study s = study(*cell.scene, cell.variant.name, cell.variant.options, {});
+  Study s = study(*cell.scene, cell.variant.name, cell.variant.options, {.h = largest_step(name_of(cell))});
   if (is_open(name_of(cell))) s.expected[v_graph] = 0;
   EXPECT_TRUE(as_expected(s)) << to_string(s);
 }

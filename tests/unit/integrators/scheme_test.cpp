@@ -18,7 +18,12 @@ TEST(Scheme, IsTheClassItNames) {
     SchemeOptions options = variant.options;
     options.h = 2e-3;
     const Scheme scheme = make_scheme(variant.name, s.model, options);
-    const MoreauJean direct(s.model, {.h = 2e-3, .theta = options.theta, .normal = options.normal});
+    const MoreauJean direct(s.model, {.h = 2e-3,
+                                      .theta = options.theta,
+                                      .contacts = options.contacts,
+                                      .newton = options.newton,
+                                      .impact = options.impact,
+                                      .normal = options.normal});
     for (int k = 0; k < 40; ++k) {
       ASSERT_TRUE(scheme.step(by_name, kInf).ok());
       ASSERT_TRUE(direct.step(by_class).ok());
@@ -52,6 +57,8 @@ TEST(Scheme, PromisesOrderTwoAtTheMidpointOnly) {
   EXPECT_EQ(scheme_traits("moreau_jean", {.theta = 0.5}).smooth, 2);
   EXPECT_EQ(scheme_traits("moreau_jean", {.theta = 0.6}).smooth, 1);
   EXPECT_EQ(scheme_traits("moreau_jean", {.theta = 0.5}).nonsmooth, 1);
+  EXPECT_EQ(scheme_traits("moreau_jean_projected", {.theta = 0.5}).smooth, 2);
+  EXPECT_EQ(scheme_traits("schatzman_paoli", {.theta = 0.5}).smooth, 1);
 }
 
 // A ball that falls on a plate comes back exactly where the traits say so.

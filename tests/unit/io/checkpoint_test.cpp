@@ -32,6 +32,7 @@ Checkpoint nasty_checkpoint() {
   state.q = Vec3(-0.0, 1.0 / 3, 1e-310);
   state.turns = {-3, 0, 1 << 20};
   state.r = Vec2(0.1, -5e-324);
+  state.a = Vec3(-0.0, 0.1 + 0.2, -1e300);
   for (int i = 0; i < 3; ++i)
     state.memory.contacts.push_back({ContactKey{{i, 1, 2, 3, 4, -5 - i}}, Vec3(0.6, -0.0, 0.8),
                                      Vec3(i, 1e-320, 0.1), Vec3(-0.0, 1.0 / 3, i), 0.1 * i});
@@ -67,6 +68,8 @@ TEST(Checkpoint, GivesTheStateBackBitForBit) {
   EXPECT_TRUE(same_bits(a.v.data(), b.v.data(), 12));
   ASSERT_TRUE(a.q.size() == 3 && a.r.size() == 2);
   EXPECT_TRUE(same_bits(a.q.data(), b.q.data(), 3) && same_bits(a.r.data(), b.r.data(), 2));
+  ASSERT_EQ(a.a.size(), 3);
+  EXPECT_TRUE(same_bits(a.a.data(), b.a.data(), 3));
   EXPECT_EQ(a.turns, b.turns);
   ASSERT_EQ(a.memory.contacts.size(), b.memory.contacts.size());
   for (std::size_t i = 0; i < b.memory.contacts.size(); ++i) {

@@ -91,6 +91,8 @@ inline RunStep peg_step(int k, int last) {
   step.law_work = 2e-7 * k;
   step.contact_work = -3e-7 * k;
   step.gyroscopic_work = 1e-12 * k;
+  step.joint_work = 4e-7 * k;
+  step.numerical_work = -5e-8 * k;
   step.energy_residual = 1e-18 * k;
   step.coupling_force = Vec3(0.1 * s, 0, -5 - 20 * s + 3 * std::sin(30 * s));
   step.coupling_torque = Vec3(0, 0.01 * s, 0);

@@ -80,6 +80,8 @@ TEST(State, HashSeesEveryNumber) {
   changes.push_back([](State& s) { s.q = VecX::Ones(1); });
   changes.push_back([](State& s) { s.r = VecX::Zero(1); });
   changes.push_back([](State& s) { s.r = VecX::Ones(1); });
+  changes.push_back([](State& s) { s.a = VecX::Zero(1); });
+  changes.push_back([](State& s) { s.a = VecX::Ones(1); });
   changes.push_back([](State& s) { s.turns = {0}; });
   changes.push_back([](State& s) { s.turns = {-1}; });
   changes.push_back([](State& s) { s.memory.contacts.pop_back(); });

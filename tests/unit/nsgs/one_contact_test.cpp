@@ -215,5 +215,17 @@ TEST(OneContact, RepeatedProjectionReachesTheSameAnswer) {
   }
 }
 
+TEST(OneContact, WithALockedNormalGetsNoImpulse) {
+  Mat3 W = Mat3::Zero();
+  W(1, 1) = W(2, 2) = 2;
+  W(0, 0) = 1e-17;
+  for (const LocalSolver solver : {LocalSolver::hybrid, LocalSolver::enumerative}) {
+    const LocalSolution s = solve_one_contact(W, {-1e-16, 0.3, 0.1}, 0.5, Vec3::Zero(), solver);
+    EXPECT_EQ(s.r, Vec3::Zero());
+    EXPECT_TRUE(s.solved);
+    EXPECT_FALSE(solve_one_contact(W, {-0.1, 0.3, 0.1}, 0.1, Vec3::Zero(), solver).solved);  // nothing helps
+  }
+}
+
 }  // namespace
 }  // namespace aussois

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "integrators/moreau_jean_projected.hpp"
+
+#include <algorithm>
+
+#include "geometry/check.hpp"
+#include "integrators/advance_step.hpp"
+#include "integrators/projection.hpp"
+
+namespace aussois {
+namespace {
+
+// Lets those take part in the velocity law that the positions asked for; false: none that did not (PRJ-5).
+bool activate(const Projection& projection, Found& found, ContactBlocks& blocks) {
+  bool any = false;
+  for (std::size_t i = 0; i < blocks.rows.size(); ++i) {
+    const std::size_t contacts = found.contacts.points.size();
+    const bool wanted =
+        i < contacts ? std::ranges::binary_search(projection.contacts, key_of(found.contacts.points[i]))
+                     : std::ranges::binary_search(projection.gaps, int(i - contacts));
+    if (!wanted || blocks.rows[i].active) continue;
+    blocks.rows[i].active = any = true;
+    std::vector<int>& kept = found.selection.kept;
+    if (const auto at = std::ranges::lower_bound(kept, int(i));
+        i < contacts && (at == kept.end() || *at != int(i)))
+      kept.insert(at, int(i));
+  }
+  return any;
+}
+
+}  // namespace
+
+const char* to_string(ProjectionOrder order) {
+  return order == ProjectionOrder::direct ? "direct" : "combined";
+}
+ProjectionOrder projection_order(const std::string& name) {
+  for (const ProjectionOrder order : {ProjectionOrder::direct, ProjectionOrder::combined})
+    if (name == to_string(order)) return order;
+  throw std::invalid_argument("projection = " + name + " must be direct or combined");
+}
+
+void validate(const MoreauJeanProjectedOptions& o) {
+  require_field(o.theta >= 0.5 && o.theta <= 1, "MoreauJeanProjectedOptions::theta", o.theta,
+                "lie in [0.5, 1]");
+  require(o.step.normal.law == NormalLaw::moreau,
+          std::string("NormalLawOptions::law = ") + to_string(o.step.normal.law) +
+              " must be moreau: positions are held by the projection");
+  validate(o.step);
+}
+
+MoreauJeanProjected::MoreauJeanProjected(const Model& model, const MoreauJeanProjectedOptions& options)
+    : setting_(step_setting(model, options.step)), options_(options) {
+  validate(options);
+}
+
+StepReport MoreauJeanProjected::step(State& state, double h_limit) const {
+  const double theta = options_.theta;
+  const auto free = [&](const State& start, double h) {
+    return free_motion(setting_.model, start, setting_.dofs, h, theta);  // (MJ-4), (MJ-5)
+  };
+  const auto estimate = [&](const State& start, double h) {
+    return estimate_without_contacts(setting_, start, free(start, h), h, theta);
+  };
+  const auto attempt = [&](const State& start, const VecX& v_estimate, double h) {
+    Found found = find_ahead(setting_, start, v_estimate, h);
+    ContactBlocks blocks = contact_blocks(setting_, start, found.contacts, h, setting_.options.normal);
+    for (;;) {  // each round activates at least one contact more
+      const ImpulseStep step = solve_step(setting_, start, found, free(start, h), theta, blocks);
+      const VecX& v = step.solved.solution.v;
+      Move move{.v_path = theta * v + (1 - theta) * step.free.v, .v_end = v, .end = {}};  // (MJ-7)
+      if (!v.allFinite()) return go(setting_, start, found, step, move);
+      const VecX v_path = path_velocity(setting_.options.update, setting_.model, start,
+                                        all_velocities(setting_.dofs, move.v_path, step.v_prescribed), h);
+      State plain = moved(setting_.model, start, v_path, start.v, h);
+      if (setting_.options.joints.project) plain = consistent(setting_.model, plain);
+      const Projection projection =
+          without_overlap(setting_, plain, found.pairs, step.free, step.joints.equations.G, h);  // (PRJ-1)
+      if (options_.order == ProjectionOrder::combined && activate(projection, found, blocks)) continue;
+      if (projection.moved > 0) move.end = projection.end;
+      Attempt out = go(setting_, start, found, step, move);
+      out.report.projection = projection.moved;
+      out.report.overlap_left = projection.overlap;
+      return out;
+    }
+  };
+  return advance_step(setting_, state, h_limit, {estimate, attempt});
+}
+
+}  // namespace aussois

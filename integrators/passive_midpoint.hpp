@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// The passive midpoint scheme (doc/theory/passive_midpoint.md): what its ports put in, it never gives back
+// with interest, whatever the step. Source: Kim, Lee, Lee, Lee 2017; (PMI-1) to (PMI-6).
+#pragma once
+
+#include "integrators/step_report.hpp"
+#include "integrators/step_setting.hpp"
+
+namespace aussois {
+
+struct PassiveMidpointOptions {
+  /// `midpoint` and StepOptions::update = cayley keep energy and angular momentum of a free body exactly.
+  GyroscopicTerm gyroscopic = GyroscopicTerm::midpoint;
+  bool passive = true;  // contacts that would give energy get their law at the midpoint (PMI-6)
+  StepOptions step{};
+};
+void validate(const PassiveMidpointOptions& options);  // throws std::invalid_argument: field, value, bound
+
+class PassiveMidpoint {
+ public:
+  /// Throws std::invalid_argument for a bad option or model, or if two bodies that can touch have no dilation
+  /// at all.
+  PassiveMidpoint(const Model& model, const PassiveMidpointOptions& options);
+  PassiveMidpoint(Model&&, const PassiveMidpointOptions&) = delete;  // the model must outlive the scheme
+
+  /// Advances by at most min(options.step.h, h_limit); shorter if the advancement needs it. The state is
+  /// unchanged unless the report's status is ok. Never throws for numerical trouble, only for h_limit <= 0.
+  StepReport step(State& state, double h_limit = kInf) const;
+
+ private:
+  StepSetting setting_;
+  GyroscopicTerm gyroscopic_;
+  bool passive_;
+};
+
+}  // namespace aussois

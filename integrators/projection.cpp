@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "integrators/projection.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace aussois {
+namespace {
+
+constexpr int kRounds = 12;
+constexpr double kRounding = 1e-13;  // [m], of coordinates of some metres
+
+// Contacts and gap functions at the poses, frictionless: J d + gap >= 0 for a displacement d (PRJ-2).
+ContactBlocks openings(const StepSetting& setting, const State& at, const ContactSet& contacts) {
+  const NormalLawOptions over_step{.law = NormalLaw::gap_over_step, .correction_speed = kInf};
+  State resting = at;
+  resting.v.setZero();
+  const VecX none = VecX::Zero(at.v.size());
+  ContactBlocks out{.rows = contact_rows(setting.model, resting, contacts, none, 1, over_step), .gap = {}};
+  GapFunctionRows gaps = gap_rows(setting.model, resting, setting.dofs, none, 1, over_step);
+  out.rows.insert(out.rows.end(), gaps.rows.begin(), gaps.rows.end());
+  out.gap = std::move(gaps.gap);
+  for (ContactRow& row : out.rows) {
+    row.law = unilateral();
+    row.w.setZero();
+    row.w.x() = row.gap;
+    std::erase_if(row.others, [](const Triplet& e) { return e.row() > 0; });
+  }
+  return out;
+}
+
+State displaced(const StepSetting& setting, const State& at, const VecX& d) {
+  State out = at;
+  const VecX all = all_velocities(setting.dofs, d, VecX::Zero(at.v.size()));
+  for (std::size_t b = 0; b < at.g.size(); ++b) {
+    const auto first = 6 * Eigen::Index(b);
+    if (all.segment<6>(first).isZero(0)) continue;  // keeps its bits
+    out.g[b].p += all.segment<3>(first);
+    out.g[b].R = (out.g[b].R * exp_so3(all.segment<3>(first + 3))).normalized();
+  }
+  out.q += all.tail(out.q.size());
+  if (!setting.model.joints.empty()) out.turns = counted_turns(setting.model, at, out.g);
+  return out;
+}
+
+}  // namespace
+
+Projection without_overlap(const StepSetting& setting, const State& plain, const std::vector<StepPair>& pairs,
+                           const FreeMotion& free, const SparseMatrix& G, double h) {
+  Projection out{.end = plain, .overlap = kInf};
+  State tried = plain;
+  VecX total = VecX::Zero(setting.dofs.rows);
+  SolverOptions solver = setting.options.solver;
+  solver.tolerance = std::min(solver.tolerance, 1e-12);
+  for (int round = 0; round < kRounds; ++round) {
+    const ContactSet contacts = contacts_of(setting.model, tried, pairs, setting.options.lmd);
+    const ContactBlocks blocks = openings(setting, tried, contacts);
+    double overlap = 0;
+    for (const ContactRow& row : blocks.rows) overlap = std::max(overlap, -row.gap);
+    if (!(overlap < out.overlap)) break;  // as far as rounding, or the geometry, lets it
+    out.overlap = overlap;
+    out.end = tried;
+    out.moved = total.size() > 0 ? total.lpNorm<Eigen::Infinity>() : 0;
+    if (overlap <= kRounding) break;
+    for (std::size_t i = 0; i < blocks.rows.size(); ++i) {
+      if (blocks.rows[i].gap >= -kRounding) continue;
+      if (i < contacts.points.size())
+        out.contacts.push_back(key_of(contacts.points[i]));
+      else
+        out.gaps.push_back(int(i - contacts.points.size()));
+    }
+    // min d^T M d / 2 with J d + gap >= 0; in the units of the step, d / h and gap / h (PRJ-1)
+    FreeMotion none;
+    none.M = free.mass;
+    none.f = VecX::Zero(setting.dofs.rows);
+    std::vector<int> all(blocks.rows.size());
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = int(i);
+    FrictionProblem problem = contact_problem(none, setting.dofs, blocks.rows, all);
+    problem.w /= h;
+    problem.G = G;
+    problem.b = VecX::Zero(G.cols());
+    const VecX d = h * solve(problem, VecX(), solver).v;
+    if (!d.allFinite()) break;
+    total += d;
+    tried = displaced(setting, tried, d);
+    if (setting.options.joints.project) {
+      const State held = consistent(setting.model, tried);
+      tried.g = held.g;
+      tried.turns = held.turns;
+    }
+  }
+  std::ranges::sort(out.contacts);
+  out.contacts.erase(std::unique(out.contacts.begin(), out.contacts.end()), out.contacts.end());
+  std::ranges::sort(out.gaps);
+  out.gaps.erase(std::unique(out.gaps.begin(), out.gaps.end()), out.gaps.end());
+  return out;
+}
+
+}  // namespace aussois

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// The nearest poses at which nothing overlaps (PRJ-1) to (PRJ-3).
+#pragma once
+
+#include "integrators/attempt.hpp"
+
+namespace aussois {
+
+struct Projection {
+  State end{};                         // poses and coordinates; the velocities are those that came in
+  double moved = 0;                    // largest component of the displacement [m, rad]
+  double overlap = 0;                  // what is left of the deepest overlap [m], >= 0
+  std::vector<ContactKey> contacts{};  // that overlapped on the way, sorted
+  std::vector<int> gaps{};             // the same of gap functions
+};
+
+/// From `plain`, where the step would end: the smallest displacement in the metric of the masses that opens
+/// all contacts of `pairs` and all gap functions to rounding and keeps the joints of the step, `G`, as they
+/// are.
+Projection without_overlap(const StepSetting& setting, const State& plain, const std::vector<StepPair>& pairs,
+                           const FreeMotion& free, const SparseMatrix& G, double h);
+
+}  // namespace aussois

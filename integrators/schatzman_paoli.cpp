@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "integrators/schatzman_paoli.hpp"
+
+#include <algorithm>
+
+#include "geometry/check.hpp"
+#include "integrators/advance_step.hpp"
+#include "nsgs/mass_inverse.hpp"
+
+namespace aussois {
+namespace {
+
+// From the middle of the last path to the middle of the next one (SP-2); a first step has no last path.
+FreeMotion kick(const StepSetting& setting, const State& state, double h, double theta) {
+  const double time = (h + state.h) / 2;
+  FreeMotion out = free_motion(setting.model, state, setting.dofs, time, theta);
+  if (theta < 0.5)  // gyroscopic terms have no explicit form that keeps a top spinning
+    out.gyroscopic_D = free_motion(setting.model, state, setting.dofs, time, 0.5).gyroscopic_D;
+  out.M = out.mass + out.gyroscopic_D + out.law_D;
+  out.M.makeCompressed();
+  out.f = out.M * out.v + out.laws + out.gravity + out.gyroscopic;
+  if (setting.dofs.rows == 0) return out;
+  if (const std::optional<MassInverse> inverse = invert_mass(out.M)) out.v_free = *inverse * out.f;
+  return out;
+}
+
+// (q_{k+1} + e q_{k-1}) / (1 + e) stays open, by the velocities of both paths (SP-4). A contact that acted in
+// the last step finishes what it began, with the length that it began with (SP-5).
+double position_bias(const ContactRow& row, double u_before, bool acted, double h, double h_before,
+                     double correction_speed) {
+  const double e = row.restitution;
+  if (e == 0) return std::max(row.gap / h, -correction_speed);
+  return (1 + e) * row.gap / (acted ? h_before : h) - e * u_before;
+}
+
+ContactBlocks blocks_of(const StepSetting& setting, const State& state, const Found& found) {
+  ContactBlocks out = contact_blocks(setting, state, found.contacts, found.h, setting.options.normal);
+  for (std::size_t i = 0; i < out.rows.size(); ++i) {
+    ContactRow& row = out.rows[i];
+    const bool acted = row.slot < 0 ? found.warm.impulse[i].dot(row.frame.col(0)) > 0
+                                    : state.r.size() > 0 && state.r[row.slot] > 0;
+    const double u_before = slip_velocity(row, setting.dofs, free_velocities(setting.dofs, state.v)).x();
+    row.w.x() = row.moved.x() + position_bias(row, u_before, acted, found.h, state.h,
+                                              setting.options.normal.correction_speed);
+  }
+  return out;
+}
+
+}  // namespace
+
+void validate(const SchatzmanPaoliOptions& o) {
+  require_field(o.theta >= 0 && o.theta <= 1, "SchatzmanPaoliOptions::theta", o.theta, "lie in [0, 1]");
+  require(
+      o.step.normal.law == NormalLaw::gap_over_step && o.step.normal.gamma == 1,
+      "SchatzmanPaoliOptions::step: the normal law must be gap_over_step with gamma 1, it is the scheme's "
+      "own for contacts and that one for the stops of joints");
+  require(o.step.update == GroupUpdate::exponential,
+          "SchatzmanPaoliOptions::step: the update must be exponential, velocities are those of the path");
+  validate(o.step);
+}
+
+SchatzmanPaoli::SchatzmanPaoli(const Model& model, const SchatzmanPaoliOptions& options)
+    : setting_(step_setting(model, options.step)), theta_(options.theta) {
+  validate(options);
+}
+
+StepReport SchatzmanPaoli::step(State& state, double h_limit) const {
+  const auto estimate = [&](const State& start, double h) {
+    return estimate_without_contacts(setting_, start, kick(setting_, start, h, theta_), h, 1);
+  };
+  const auto attempt = [&](const State& start, const VecX& v_estimate, double h) {
+    const Found found = find_ahead(setting_, start, v_estimate, h);
+    const ImpulseStep step = solve_step(setting_, start, found, kick(setting_, start, h, theta_), 1,
+                                        blocks_of(setting_, start, found));
+    const VecX& v = step.solved.solution.v;
+    return go(setting_, start, found, step, {.v_path = v, .v_end = v, .end = {}});  // (SP-3)
+  };
+  return advance_step(setting_, state, h_limit, {estimate, attempt});
+}
+
+}  // namespace aussois

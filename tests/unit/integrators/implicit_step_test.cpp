@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+// doc/theory/moreau_jean.md: contacts where the step leads, forces there too, and the average of the impact
+// law.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "geometry/primitives.hpp"
+#include "integrators/moreau_jean.hpp"
+#include "tests/support/block_scene.hpp"
+#include "tests/support/message_of.hpp"
+
+namespace aussois {
+namespace {
+
+// What the average gamma u+ + (1 - gamma) u- of a plastic contact means: restitution (1 - gamma) / gamma.
+TEST(VelocityAverage, BouncesWithoutARestitution) {
+  for (const double gamma : {0.5, 0.8, 1.0})
+    for (const NormalLaw law : {NormalLaw::moreau, NormalLaw::gap_over_step}) {
+      Scene s = block_on_plate(0.3, 0, 0);
+      s.model.gravity.setZero();
+      twist(s.state, s.block)[2] = -1;
+      const MoreauJean scheme(s.model, {.h = 1e-4,
+                                        .theta = 0.5,
+                                        .normal = {.law = law, .gamma = gamma},
+                                        .advancement = {.certify = false}});
+      const StepReport report = scheme.step(s.state);
+      ASSERT_TRUE(report.ok());
+      EXPECT_NEAR(twist(s.state, s.block)[2], (1 - gamma) / gamma, 1e-7) << gamma << to_string(law);
+    }
+}
+
+// At theta = gamma = 1/2 impulses work on the mean velocity, where Signorini and Coulomb hold: frictionless
+// contact does no work at all, and a block that bounces between its own edges keeps its energy.
+TEST(VelocityAverage, AtOneHalfFrictionlessContactKeepsTheEnergy) {
+  Scene s = block_on_plate(0, 0, 0, 5e-3);
+  twist(s.state, s.block) << 0, 0, -1, 0.3, 1, 0;
+  const MoreauJean scheme(s.model, {.h = 1e-3,
+                                    .theta = 0.5,
+                                    .normal = {.law = NormalLaw::moreau, .gamma = 0.5},
+                                    .solver = {.tolerance = 1e-13}});
+  double worked = 0, touched = 0;
+  for (int k = 0; k < 400; ++k) {
+    const StepReport report = scheme.step(s.state);
+    ASSERT_TRUE(report.ok()) << report.reason;
+    worked = std::max(worked, std::abs(report.energy.contact_work));
+    for (const StepContact& c : report.contacts) touched = std::max(touched, c.impulse.norm());
+    EXPECT_FALSE(report.energy_rises);
+  }
+  EXPECT_GT(touched, 0.1);
+  EXPECT_LT(worked, 1e-11);
+}
+
+// A spinning block lands: contacts that carry an impulse end closed. Linearised at the start they are off by
+// the curvature of the corner's path, h^2 omega^2 / 2 of its arm: 2e-6 m here; evaluated at the end they
+// hold.
+TEST(ImplicitStep, HoldsTheGapAtTheEnd) {
+  const auto widest = [](const auto& gap_of, const MoreauJeanOptions& o, int& most) {
+    Scene s = block_on_plate(0.3, 0, 0, 0.03);
+    pose(s.state, s.block).R = exp_so3(Vec3(0.3, 0.2, 0.1));
+    twist(s.state, s.block) << 0.3, 0, -0.5, 6, -4, 2;
+    const MoreauJean scheme(s.model, o);
+    double out = 0;
+    for (int k = 0; k < 150; ++k) {
+      const StepReport report = scheme.step(s.state);
+      EXPECT_TRUE(report.ok()) << report.reason;
+      if (!report.ok()) break;
+      EXPECT_LT(std::abs(report.energy.residual()), 1e-10);
+      most = std::max(most, report.newton_iterations);
+      const ContactSet end = scheme.contacts(s.state, 1e-4);
+      for (const StepContact& c : report.contacts) out = std::max(out, gap_of(c, end));
+    }
+    return out;
+  };
+  const auto gap_of = [](const StepContact& acted, const ContactSet& end) {
+    for (const ContactPoint& c : end.points)
+      if (key_of(c) == key_of(acted.point) && acted.impulse.norm() > 1e-4) return std::abs(c.gap);
+    return 0.0;
+  };
+  int one = 0, several = 0, predicted = 0;
+  const double plain = widest(gap_of, {.h = 1e-3}, one);
+  const double corrected = widest(gap_of, {.h = 1e-3, .contacts = ContactsAt::end}, predicted);
+  const double implicit = widest(
+      gap_of, {.h = 1e-3, .contacts = ContactsAt::end, .newton = {.max_iterations = 60, .tolerance = 1e-11}},
+      several);
+  EXPECT_EQ(one, 1);
+  EXPECT_EQ(predicted, 2);
+  EXPECT_GT(several, 2);
+  EXPECT_GT(plain, 1e-7);
+  EXPECT_LT(corrected, 0.2 * plain);
+  EXPECT_LT(implicit, 2e-11);  // the solver's and the loop's tolerance, over a step
+}
+
+// A pendulum in its angle: v+ - v = -h (g / l) sin q_theta holds as it stands, not only linearised.
+TEST(ImplicitStep, HoldsTheMomentumBalance) {
+  Model model;
+  const double k = 9.81;
+  add(model, Coordinates{.name = "angle",
+                         .size = 1,
+                         .mass = [](const VecX&) -> MatX { return MatX::Identity(1, 1); },
+                         .force =
+                             [k](double, const VecX& q, const VecX&) {
+                               return CoordinateForce{.f = VecX::Constant(1, -k * std::sin(q[0])),
+                                                      .K = MatX::Constant(1, 1, k * std::cos(q[0])),
+                                                      .C = {}};
+                             },
+                         .potential = {}});
+  const double h = 0.05;
+  for (const double theta : {0.5, 1.0})
+    for (const int iterations : {1, 30}) {
+      State state = rest_state(model);
+      state.q[0] = 2;
+      state.v[0] = 3;
+      const MoreauJean scheme(model, {.h = h, .theta = theta, .newton = {.max_iterations = iterations}});
+      double off = 0;
+      for (int i = 0; i < 20; ++i) {
+        const double q = state.q[0], v = state.v[0];
+        const StepReport report = scheme.step(state);
+        ASSERT_TRUE(report.ok());
+        const double v_theta = theta * state.v[0] + (1 - theta) * v;
+        off = std::max(off, std::abs(state.v[0] - v + h * k * std::sin(q + theta * h * v_theta)));
+        EXPECT_LT(std::abs(report.energy.residual()), 1e-12);
+      }
+      if (iterations > 1)
+        EXPECT_LT(off, 1e-9) << theta;
+      else
+        EXPECT_GT(off, 1e-6) << theta;
+    }
+}
+
+// A free top: the implicit midpoint of Euler's equations in the body keeps energy and momentum norm.
+TEST(ImplicitStep, KeepsTheEnergyOfATop) {
+  Model model;
+  model.gravity.setZero();
+  add(model, RigidBody{.name = "top", .mass = 1, .inertia = Vec3(1, 2, 3).asDiagonal()});
+  State state = rest_state(model);
+  twist(state, 0).tail<3>() = Vec3(0.6, 1, 1.3);
+  const double E = energy(model, state).kinetic, L = momentum(model, state).angular.norm();
+  const MoreauJean scheme(model,
+                          {.h = 0.05, .theta = 0.5, .newton = {.max_iterations = 60, .tolerance = 1e-14}});
+  for (int k = 0; k < 2000; ++k) {
+    const StepReport report = scheme.step(state);
+    ASSERT_TRUE(report.ok()) << report.newton_change;
+  }
+  EXPECT_NEAR(energy(model, state).kinetic / E, 1, 1e-12);
+  EXPECT_NEAR(momentum(model, state).angular.norm() / L, 1, 1e-12);
+}
+
+TEST(ImplicitStep, HalvesAStepWhoseLoopDoesNotConvergeAndSaysSo) {
+  Scene s = block_on_plate(0.3, 0, 0, 1e-4);
+  twist(s.state, s.block) << 0, 0, -0.5, 6, -4, 2;
+  const MoreauJean scheme(
+      s.model,
+      {.h = 1e-3, .contacts = ContactsAt::end, .newton = {.max_iterations = 2, .tolerance = 1e-300}});
+  const StepReport report = scheme.step(s.state);
+  EXPECT_EQ(report.status, StepStatus::ok);
+  EXPECT_LT(report.h, 1e-3);
+  EXPECT_GT(report.newton_change, 0);
+}
+
+TEST(ImplicitStep, NamesBadOptions) {
+  const Scene s = block_on_plate(0, 0, 0);
+  const auto refusal = [&](const MoreauJeanOptions& o) {
+    return message_of([&] { MoreauJean(s.model, o); });
+  };
+  EXPECT_NE(refusal({.newton = {.max_iterations = 0}}).find("max_iterations"), std::string::npos);
+  EXPECT_NE(refusal({.newton = {.tolerance = 0}}).find("tolerance"), std::string::npos);
+  EXPECT_NE(message_of([] { contacts_at("there"); }).find("midpoint"), std::string::npos);
+  EXPECT_EQ(contacts_at(to_string(ContactsAt::end)), ContactsAt::end);
+}
+
+}  // namespace
+}  // namespace aussois
