@@ -32,6 +32,10 @@ foreach(library IN LISTS libraries)
       string(APPEND ${unit}_libs " -lklu")
       list(APPEND AUSSOIS_FIND KLU)
       list(APPEND AUSSOIS_DEBS libsuitesparse-dev)
+    elseif(package STREQUAL "CVODE")   # nor has this one
+      string(APPEND ${unit}_libs " -lsundials_cvode -lsundials_nvecserial")
+      list(APPEND AUSSOIS_FIND CVODE)
+      list(APPEND AUSSOIS_DEBS libsundials-dev)
     elseif(NOT package IN_LIST AUSSOIS_HEADER_ONLY)
       if(NOT DEFINED AUSSOIS_PACKAGE_${package})
         message(FATAL_ERROR "aussois_install.cmake: say how users find ${package}, which ${library} links")
@@ -58,6 +62,7 @@ configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/aussoisConfig.cmake.in
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/aussoisConfigVersion.cmake
   COMPATIBILITY SameMinorVersion)   # while 0.x, a minor version may break its users
 install(FILES ${PROJECT_BINARY_DIR}/aussoisConfig.cmake ${PROJECT_BINARY_DIR}/aussoisConfigVersion.cmake
+  ${PROJECT_SOURCE_DIR}/cmake/FindCVODE.cmake
   ${PROJECT_SOURCE_DIR}/cmake/FindKLU.cmake DESTINATION ${config_dir})
 
 # aussois.pc is the kernel, aussois-io.pc adds files; both find their prefix from where they lie.

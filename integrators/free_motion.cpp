@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "integrators/free_motion.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <variant>
 
@@ -70,16 +71,12 @@ void add_axis_force(const Model& model, const State& state, const std::vector<SE
   }
 }
 
-void add_axis_forces(const Model& model, const State& state, double h, double theta,
-                     GeneralisedForce& force) {
-  std::vector<SE3> middle;
-  for (int j = 0; j < int(model.joints.size()); ++j)
-    for (int i = 0; i < axis_count(model.joints[std::size_t(j)].kind); ++i) {
-      const JointAxis& axis = model.joints[std::size_t(j)].axis[std::size_t(i)];
-      if (axis.stiffness == 0 && axis.damping == 0 && axis.motor.kind != MotorKind::effort) continue;
-      if (middle.empty()) middle = moved_poses(model, state, state.v, h / 2);
-      add_axis_force(model, state, middle, j, i, state.t + theta * h, force);
-    }
+bool pushes(const JointAxis& axis) {
+  return axis.stiffness != 0 || axis.damping != 0 || axis.motor.kind == MotorKind::effort;
+}
+bool pushes(const Joint& joint) {
+  return std::any_of(joint.axis.begin(), joint.axis.begin() + axis_count(joint.kind),
+                     [](const JointAxis& axis) { return pushes(axis); });
 }
 
 // A matrix of the wrong size ends as not_finite; validate_start names it.
@@ -182,10 +179,19 @@ std::vector<SE3> moved_poses(const Model& model, const State& state, const VecX&
   return g;
 }
 
+void add_axis_forces(const Model& model, const State& state, const std::vector<SE3>& middle, double t,
+                     GeneralisedForce& force) {
+  for (int j = 0; j < int(model.joints.size()); ++j)
+    for (int i = 0; i < axis_count(model.joints[std::size_t(j)].kind); ++i)
+      if (pushes(model.joints[std::size_t(j)].axis[std::size_t(i)]))
+        add_axis_force(model, state, middle, j, i, t, force);
+}
+
 FreeMotion free_motion(const Model& model, const State& state, const DofMap& dofs, double h, double theta) {
   GeneralisedForce force{.f = VecX::Zero(state.v.size()), .K = {}, .C = {}};
   for (const ForceLaw& law : model.forces) law.add_to(model, state, state.t + theta * h, force);
-  add_axis_forces(model, state, h, theta, force);
+  if (std::ranges::any_of(model.joints, [](const Joint& joint) { return pushes(joint); }))
+    add_axis_forces(model, state, moved_poses(model, state, state.v, h / 2), state.t + theta * h, force);
 
   FreeMotion out;
   out.v = out.gravity = out.gyroscopic = out.laws = VecX::Zero(dofs.rows);

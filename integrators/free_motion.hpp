@@ -50,6 +50,11 @@ struct FreeMotion {
   VecX numerical{};  // what the scheme adds of its own
 };
 
+/// Adds springs, dampers and effort motors of the joints' axes at time t, with directions at the poses
+/// `middle` (MJT-9).
+void add_axis_forces(const Model& model, const State& state, const std::vector<SE3>& middle, double t,
+                     GeneralisedForce& force);
+
 /// `theta` in [1/2, 1].
 FreeMotion free_motion(const Model& model, const State& state, const DofMap& dofs, double h, double theta);
 

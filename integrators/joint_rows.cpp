@@ -312,6 +312,20 @@ VecX spread(const Model& model, const State& state, const DofMap& dofs, const Ve
 
 }  // namespace
 
+JointConstraints joint_constraints(const Model& model, const State& state, const DofMap& dofs) {
+  const std::vector<VelocityRow> rows = constraints(model, state, true);
+  const auto count = Eigen::Index(rows.size());
+  JointConstraints out{.G = SparseMatrix(dofs.rows, count), .value = VecX(count), .off = VecX(count)};
+  std::vector<Triplet> G;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    append_column(G, dofs, rows[k], int(k));
+    out.value[Eigen::Index(k)] = rows[k].value;
+    out.off[Eigen::Index(k)] = rows[k].times(state.v) - rows[k].speed;
+  }
+  out.G.setFromTriplets(G.begin(), G.end());
+  return out;
+}
+
 VecX consistent_velocity(const Model& model, const State& state) {
   const std::vector<VelocityRow> rows = constraints(model, state, true);
   const DofMap dofs = dof_map(model);

@@ -34,6 +34,15 @@ JointSystem joint_system_at(const Model& model, const State& state, const State&
 std::vector<StepJoint> step_joints(const Model& model, const JointSystem& system, const VecX& lambda,
                                    const VecX& r, double h);
 
+/// What must hold at a state: joints, couplings, bilateral motors; in the order of the columns of
+/// JointSystem.
+struct JointConstraints {
+  SparseMatrix G{};  // directions as columns, in the rows of DofMap
+  VecX value{};      // zero where positions hold [m, rad]; of speed motors always
+  VecX off{};        // J v - what it is to be [m/s, rad/s]
+};
+JointConstraints joint_constraints(const Model& model, const State& state, const DofMap& dofs);
+
 /// The nearest poses, in the metric of the masses, at which all joints, couplings and position motors without
 /// a limit hold (Newton, to 1e-13 m and rad or as far as rounding lets it), and the nearest velocities that
 /// keep them so, and speed motors too (MJT-13). Also the way to a consistent start.

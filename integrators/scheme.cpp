@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "integrators/scheme.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
+
+#include "integrators/event_driven.hpp"
 
 namespace aussois {
 namespace {
@@ -204,9 +207,40 @@ std::vector<SchemeOptions> d1_minus_linear_variants() {
   return {{}};
 }
 
+// At the ends of steps the error is that of the tolerances. What a line between two of them misses is an
+// impact between (order one) or a curve (order two).
+SchemeTraits event_driven_traits(const SchemeOptions&) {
+  return {.nonsmooth = 1, .smooth = 2};
+}
+
+Step event_driven_step(const Model& model, const SchemeOptions& o) {
+  EventDrivenOptions options;
+  const double tolerance = std::min(o.solver.tolerance, options.step.solver.tolerance);
+  options.step = {.h = o.h,
+                  .normal = o.normal,
+                  .joints = o.joints,
+                  .lmd = o.lmd,
+                  .reduction = o.reduction,
+                  .solver = o.solver,
+                  .advancement = o.advancement,
+                  .threads = o.threads};
+  options.step.solver.tolerance = tolerance;
+  const auto scheme = std::make_shared<const EventDriven>(model, options);
+  return [scheme](State& state, double h_limit) { return scheme->step(state, h_limit); };
+}
+
+std::string no_settings(const SchemeOptions&) {
+  return "";
+}
+// Its errors are those of tolerances: they do not fall with h, they grow with the number of starts.
+std::vector<SchemeOptions> no_variants() {
+  return {};
+}
+
 const std::vector<Entry>& entries() {
   static const std::vector<Entry> all = {
       {"moreau_jean", moreau_jean_traits, moreau_jean_step, moreau_jean_settings, moreau_jean_variants},
+      {"event_driven", event_driven_traits, event_driven_step, no_settings, no_variants},
       {"moreau_jean_projected", projected_traits, projected_step, projected_settings, projected_variants},
       {"schatzman_paoli", schatzman_paoli_traits, schatzman_paoli_step, schatzman_paoli_settings,
        schatzman_paoli_variants},
@@ -253,7 +287,8 @@ Scheme make_scheme(const std::string& name, const Model& model, const SchemeOpti
 }
 
 std::string label(const std::string& name, const SchemeOptions& options) {
-  return name + " " + entry(name).settings(options);
+  const std::string settings = entry(name).settings(options);
+  return settings.empty() ? name : name + " " + settings;
 }
 
 }  // namespace aussois

@@ -56,7 +56,8 @@ struct SchemeVariant {
 };
 
 std::vector<std::string> scheme_names();
-/// Every scheme with every setting that makes it another method: the rows of a comparison.
+/// Every scheme whose error depends on h, with every setting that makes it another method: the rows of a
+/// comparison.
 std::vector<SchemeVariant> scheme_variants();
 
 /// Both throw std::invalid_argument for an unknown name, naming those there are; make_scheme also for bad

@@ -41,6 +41,26 @@ struct StepJoint {
   Vec3 effort = Vec3::Zero();  // along its axes: stops, dry friction, speed and position motors [N, N m]
 };
 
+enum class EventKind {
+  impact,            // closed with a jump of the velocity
+  rest,              // the end of infinitely many impacts
+  release,           // opened without one
+  slip,              // from sticking to slipping
+  stick,             // from slipping to sticking
+  reversal,          // from slipping to slipping back
+  tangential_impact  // a jump of a closed contact that no finite force can keep closed (Painleve)
+};
+const char* to_string(EventKind kind);
+
+/// What happened between the ends of a step, in a scheme that stops there.
+struct StepEvent {
+  EventKind kind = EventKind::impact;
+  double t = 0;                  // [s]
+  int body_a = -1, body_b = -1;  // of a contact
+  int slot = -1;                 // of an axis or gap function: first entry of State::r
+  double speed = 0;              // impacts: the normal speed that it closed with [m/s, rad/s], >= 0
+};
+
 /// What a step gave to the solver and what came back.
 struct StepProblem {
   FrictionProblem problem{};    // of the contacts kept (NSGS-1)
@@ -92,6 +112,7 @@ struct StepReport {
   std::vector<StepContact> contacts{};
   std::vector<StepGap> gaps{};           // of the active gap functions
   std::vector<StepJoint> joints{};       // of every joint of the model
+  std::vector<StepEvent> events{};       // in order of time; only of schemes that stop at events
   std::optional<StepProblem> problem{};  // the last one solved, also in a step that ended badly; if asked for
   double seconds_contact = 0, seconds_solve = 0, seconds_certificate = 0, seconds_total = 0;  // CPU [s]
   bool ok() const { return status == StepStatus::ok && solve.status == SolveStatus::converged; }

@@ -32,6 +32,18 @@ TEST(Scheme, IsTheClassItNames) {
   }
 }
 
+// The reference is made by its name, and stands in no comparison of orders in h.
+TEST(Scheme, KnowsTheEventDrivenReference) {
+  Scene s = block_on_plate(0, 1, 0, 0.01);
+  twist(s.state, s.block)[2] = -1;
+  const StepReport report = make_scheme("event_driven", s.model, {.h = 0.03}).step(s.state, kInf);
+  ASSERT_TRUE(report.ok()) << report.reason;
+  EXPECT_FALSE(report.events.empty());
+  EXPECT_GT(twist(s.state, s.block)[2], 0.5);
+  EXPECT_EQ(label("event_driven", {}), "event_driven");
+  for (const SchemeVariant& variant : scheme_variants()) EXPECT_NE(variant.name, "event_driven");
+}
+
 TEST(Scheme, HasALabelOfItsOwnForEachVariant) {
   std::vector<std::string> labels;
   for (const SchemeVariant& variant : scheme_variants())

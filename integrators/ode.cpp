@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "integrators/ode.hpp"
+
+#include <stdexcept>
+#include <vector>
+
+#include <cvode/cvode.h>
+#include <nvector/nvector_serial.h>
+#include <sundials/sundials_context.h>
+#include <sunlinsol/sunlinsol_dense.h>
+#include <sunmatrix/sunmatrix_dense.h>
+#include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
+
+#include "geometry/check.hpp"
+
+namespace aussois {
+namespace {
+
+VecX values(N_Vector y) {
+  return Eigen::Map<const VecX, Eigen::Unaligned>(N_VGetArrayPointer(y), N_VGetLength(y));
+}
+void store(const VecX& values, double* out) {
+  for (Eigen::Index i = 0; i < values.size(); ++i) out[i] = values[i];
+}
+
+constexpr double kUnjudged = 1e20;  // tolerance of what is not looked at
+constexpr int kTryShorter = 1;      // CVODE's word for a function that has no value here
+
+int rate(double t, N_Vector y, N_Vector out, void* problem) {
+  VecX value(N_VGetLength(y));
+  if (!static_cast<const OdeProblem*>(problem)->rate(t, values(y), value) || !value.allFinite())
+    return kTryShorter;
+  store(value, N_VGetArrayPointer(out));
+  return 0;
+}
+
+int roots(double t, N_Vector y, double* out, void* problem) {
+  const auto& p = *static_cast<const OdeProblem*>(problem);
+  VecX value(p.root_count);
+  if (!p.roots(t, values(y), value) || !value.allFinite()) return kTryShorter;
+  store(value, out);
+  return 0;
+}
+
+void require_ok(bool ok) {
+  if (!ok) throw std::runtime_error("CVODE could not be set up");
+}
+
+}  // namespace
+
+void validate(const OdeOptions& o) {
+  require_field(o.relative > 0 && o.relative < 1, "OdeOptions::relative", o.relative, "lie in (0, 1)");
+  require_field(o.absolute > 0 && o.absolute < kInf, "OdeOptions::absolute", o.absolute,
+                "be positive and finite");
+  require_field(o.largest_step > 0, "OdeOptions::largest_step", o.largest_step, "be positive [s]");
+  require_field(o.max_steps >= 1, "OdeOptions::max_steps", o.max_steps, "be at least 1");
+}
+
+struct OdePiece::Memory {
+  SUNContext context = nullptr;
+  void* cvode = nullptr;
+  N_Vector y = nullptr, dense = nullptr;
+  SUNMatrix matrix = nullptr;
+  SUNLinearSolver linear = nullptr;
+  SUNNonlinearSolver fixed_point = nullptr;
+  double t = 0, t_stop = -kInf;
+  long steps_left = 0;
+  VecX now{};
+  std::string reason{};
+
+  ~Memory() {
+    if (cvode) CVodeFree(&cvode);
+    if (linear) SUNLinSolFree(linear);
+    if (fixed_point) SUNNonlinSolFree(fixed_point);
+    if (matrix) SUNMatDestroy(matrix);
+    for (const N_Vector v : {y, dense})
+      if (v) N_VDestroy(v);
+    if (context) SUNContext_Free(&context);
+  }
+};
+
+OdePiece::OdePiece(const OdeProblem& problem, const OdeOptions& o, double t, const VecX& y)
+    : memory_(std::make_unique<Memory>()) {
+  Memory& m = *memory_;
+  m.t = t, m.now = y, m.steps_left = o.max_steps;
+  const auto n = sunindextype(y.size());
+  require_ok(SUNContext_Create(nullptr, &m.context) == 0);
+  m.y = N_VNew_Serial(n, m.context);
+  m.dense = N_VNew_Serial(n, m.context);
+  m.cvode = CVodeCreate(o.method == OdeMethod::adams ? CV_ADAMS : CV_BDF, m.context);
+  require_ok(m.y && m.dense && m.cvode);
+  store(y, N_VGetArrayPointer(m.y));
+  require_ok(CVodeInit(m.cvode, rate, t, m.y) == CV_SUCCESS);
+  require_ok(CVodeSetErrHandlerFn(
+                 m.cvode, [](int, const char*, const char*, char*, void*) {}, nullptr) == CV_SUCCESS);
+  require_ok(CVodeSetUserData(m.cvode, const_cast<OdeProblem*>(&problem)) == CV_SUCCESS);
+  VecX absolute = VecX::Constant(y.size(), o.absolute);
+  absolute.tail(problem.unjudged).setConstant(kUnjudged);
+  store(absolute, N_VGetArrayPointer(m.dense));
+  require_ok(CVodeSVtolerances(m.cvode, o.relative, m.dense) == CV_SUCCESS);  // which copies them
+  if (o.largest_step < kInf) require_ok(CVodeSetMaxStep(m.cvode, o.largest_step) == CV_SUCCESS);
+  if (o.method == OdeMethod::adams) {
+    m.fixed_point = SUNNonlinSol_FixedPoint(m.y, 0, m.context);
+    require_ok(m.fixed_point && CVodeSetNonlinearSolver(m.cvode, m.fixed_point) == CV_SUCCESS);
+  } else {
+    m.matrix = SUNDenseMatrix(n, n, m.context);
+    m.linear = SUNLinSol_Dense(m.y, m.matrix, m.context);
+    require_ok(m.matrix && m.linear && CVodeSetLinearSolver(m.cvode, m.linear, m.matrix) == CV_SUCCESS);
+  }
+  if (problem.root_count > 0) {
+    std::vector<int> falling(std::size_t(problem.root_count), -1);
+    require_ok(CVodeRootInit(m.cvode, problem.root_count, roots) == CV_SUCCESS);
+    require_ok(CVodeSetRootDirection(m.cvode, falling.data()) == CV_SUCCESS);
+    require_ok(CVodeSetNoInactiveRootWarn(m.cvode) == CV_SUCCESS);
+  }
+}
+
+OdePiece::~OdePiece() = default;
+
+OdeStop OdePiece::advance(double t_end) {
+  Memory& m = *memory_;
+  const auto failed = [&](const std::string& reason) {
+    m.reason = reason;
+    return OdeStop::failed;
+  };
+  if (m.steps_left-- == 0) return failed("too many steps of the differential equation");
+  if (m.t_stop != t_end) CVodeSetStopTime(m.cvode, m.t_stop = t_end);
+  const int flag = CVode(m.cvode, t_end, m.y, &m.t, CV_ONE_STEP);
+  m.now = values(m.y);
+  switch (flag) {
+    case CV_SUCCESS:
+      return OdeStop::stepped;
+    case CV_TSTOP_RETURN:
+      return OdeStop::at_end;
+    case CV_ROOT_RETURN:
+      return OdeStop::at_root;
+    default: {
+      char* name = CVodeGetReturnFlagName(flag);
+      const std::string text = std::string("CVODE ends with ") + name;
+      free(name);
+      return failed(text);
+    }
+  }
+}
+
+double OdePiece::time() const {
+  return memory_->t;
+}
+const VecX& OdePiece::state() const {
+  return memory_->now;
+}
+const std::string& OdePiece::reason() const {
+  return memory_->reason;
+}
+
+VecX OdePiece::at(double t) const {
+  return CVodeGetDky(memory_->cvode, t, 0, memory_->dense) == CV_SUCCESS ? values(memory_->dense)
+                                                                         : memory_->now;
+}
+
+}  // namespace aussois

@@ -1,0 +1,375 @@
+// SPDX-License-Identifier: Apache-2.0
+// The event-driven reference on motions that are known exactly: times of events, states at the ends of steps.
+#include "integrators/event_driven.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include "examples/scenes/cases.hpp"
+#include "integrators/moreau_jean.hpp"
+
+namespace aussois {
+namespace {
+
+EventDrivenOptions options(double h, bool certify = false) {
+  return {.ode = {.relative = 1e-12, .absolute = 1e-14},
+          .step = {.h = h, .solver = {.tolerance = 1e-13}, .advancement = {.certify = certify}}};
+}
+
+struct Watched {
+  State end{};
+  std::vector<StepEvent> events{};
+  double q_error = 0, v_error = 0;  // at the ends of steps
+  double balance = 0;               // of the energy, worst step [J]
+};
+
+/// Steps of h to the end of the case, compared with the exact motion after each.
+Watched watch(const Case& c, const EventDrivenOptions& o) {
+  const CaseScene scene = c.scene();
+  const ExactMotion exact = c.exact(c.t_end);
+  const EventDriven scheme(scene.model, o);
+  Watched out{.end = scene.state};
+  while (out.end.t < c.t_end * (1 - 1e-12)) {
+    const StepReport report = scheme.step(out.end, c.t_end - out.end.t);
+    EXPECT_TRUE(report.ok()) << c.name << ": " << report.reason << " at t = " << out.end.t;
+    if (!report.ok()) break;
+    out.events.insert(out.events.end(), report.events.begin(), report.events.end());
+    const MotionSample computed = c.observe(scene, out.end), right = evaluate(exact, out.end.t);
+    out.q_error = std::max(out.q_error, (computed.q - right.q).norm());
+    out.v_error = std::max(out.v_error, (computed.v - right.v).norm());
+    out.balance = std::max(out.balance, std::abs(report.energy.residual()));
+  }
+  return out;
+}
+
+class EveryCase : public ::testing::TestWithParam<std::string> {};
+
+// Seven steps and a bit, whatever happens in them. The tolerances of 1e-12 per internal step add up to some
+// 1e-9 where friction is stiff and the orbit unstable.
+TEST_P(EveryCase, IsExactAtTheEndsOfLongSteps) {
+  const Case& c = case_named(GetParam());
+  const Watched run = watch(c, options(c.t_end / 7.3));
+  EXPECT_LT(run.q_error, 5e-9);
+  EXPECT_LT(run.v_error, 5e-9);
+  EXPECT_LT(run.balance, 2e-9);
+}
+
+// Every piece of the exact motion begins with an event. An impact is located to the error of its gap, some
+// 1e-14 m, over its speed; slower ones than 1e-4 m/s are left out here.
+TEST_P(EveryCase, HasAllEventsAtTheirTimes) {
+  const Case& c = case_named(GetParam());
+  const Watched run = watch(c, options(c.t_end / 7.3));
+  const ExactMotion exact = c.exact(c.t_end);
+  int events = 0;
+  for (std::size_t k = 1; k < exact.pieces.size() && exact.pieces[k].begin < c.t_end; ++k) {
+    const double t = exact.pieces[k].begin;
+    const double jump = (exact.pieces[k].at(t).v - exact.pieces[k - 1].at(t).v).norm();
+    if (c.bounces && jump < 1e-4) continue;
+    double off = kInf;
+    for (const StepEvent& event : run.events) off = std::min(off, std::abs(event.t - t));
+    EXPECT_LT(off, 1e-9) << "event " << k << " at " << t;
+    ++events;
+  }
+  EXPECT_EQ(events == 0, run.events.empty());
+}
+
+std::vector<std::string> names() {
+  std::vector<std::string> out;
+  for (const Case& c : cases()) out.push_back(c.name);
+  return out;
+}
+INSTANTIATE_TEST_SUITE_P(EventDriven, EveryCase, ::testing::ValuesIn(names()),
+                         [](const auto& c) { return c.param; });
+
+// A1. 2 e v / (g (1 - e)) after an impact the last of infinitely many: t = t_1 (1 + e) / (1 - e).
+TEST(EventDriven, ForetellsTheEndOfInfinitelyManyImpacts) {
+  const Watched run = watch(case_named("ball_e05"), options(1));
+  const auto rest =
+      std::ranges::find_if(run.events, [](const StepEvent& e) { return e.kind == EventKind::rest; });
+  ASSERT_NE(rest, run.events.end());
+  EXPECT_NEAR(rest->t, 3 * std::sqrt(2 / 9.81), 1e-8);
+  EXPECT_EQ(run.events.size(), 19u);  // 18 impacts that leave faster than 1e-5 m/s, and the rest
+  EXPECT_LT(run.end.v.norm(), 1e-12);
+}
+
+// Kinetic energy and momentum of free tops, over the whole run.
+TEST(EventDriven, KeepsTheEnergyOfAFreeTop) {
+  for (const char* name : {"free_top", "dzhanibekov"}) {
+    const CaseScene scene = case_named(name).scene();
+    const Watched run = watch(case_named(name), options(1));
+    const double before = energy(scene.model, scene.state).kinetic;
+    EXPECT_NEAR(energy(scene.model, run.end).kinetic, before, 2e-10 * before) << name;
+    EXPECT_LT((momentum(scene.model, run.end).angular - momentum(scene.model, scene.state).angular).norm(),
+              1e-9 * momentum(scene.model, scene.state).angular.norm())
+        << name;
+  }
+}
+
+// The certificate refuses nothing here, and changes nothing: it looks at the path that was found.
+TEST(EventDriven, IsProvenNotToPassThroughAnything) {
+  for (const char* name : {"ball_e05", "rocking_block", "stick_slip"}) {
+    const Case& c = case_named(name);
+    const Watched plain = watch(c, options(c.t_end / 7.3)), proven = watch(c, options(c.t_end / 7.3, true));
+    EXPECT_EQ(hash(plain.end), hash(proven.end)) << name;
+  }
+}
+
+// A dilated point that crosses the plate between two internal steps must not be lost: 800 m/s, 40 m a step.
+TEST(EventDriven, StopsABulletAtThePlate) {
+  CaseScene s = case_named("ball_e1").scene();
+  twist(s.state, s.body)[2] = -800;
+  const EventDriven scheme(s.model, options(5e-2));
+  const double z = pose(s.state, s.body).p.z();
+  const StepReport report = scheme.step(s.state);
+  ASSERT_TRUE(report.ok()) << report.reason;
+  ASSERT_EQ(report.events.size(), 1u);
+  EXPECT_NEAR(report.events[0].t, (std::sqrt(800 * 800 + 2 * 9.81 * z) - 800) / 9.81, 1e-12);
+  EXPECT_GT(twist(s.state, s.body)[2], 799);
+}
+
+// What the scheme knows between steps stands in the state.
+TEST(EventDriven, GivesTheSameBitsWithAFreshSchemeInEachStep) {
+  for (const char* name : {"ball_e05", "stick_slip", "heavy_top"}) {
+    const Case& c = case_named(name);
+    const CaseScene s = c.scene();
+    const EventDrivenOptions o = options(c.t_end / 7.3);
+    const EventDriven kept(s.model, o);
+    State one = s.state, other = s.state;
+    for (int k = 0; k < 4; ++k) {
+      ASSERT_TRUE(kept.step(one).ok());
+      ASSERT_TRUE(EventDriven(s.model, o).step(other).ok());
+      EXPECT_EQ(hash(one), hash(other)) << name << ", step " << k;
+    }
+  }
+}
+
+/// B9. A rod of 1 kg and half length 1 m in the plane (x, y, angle from the ground), its lower left end on
+/// the ground.
+Model rod(double mu) {
+  Model model;
+  add(model, Coordinates{.name = "rod",
+                         .size = 3,
+                         .mass = [](const VecX&) -> MatX { return Vec3(1, 1, 1.0 / 3).asDiagonal(); },
+                         .force = [](double, const VecX&,
+                                     const VecX&) { return CoordinateForce{.f = Vec3(0, -9.81, 0)}; },
+                         .potential = [](const VecX& q) { return 9.81 * q[1]; }});
+  add(model, GapFunction{.name = "end",
+                         .block = 0,
+                         .evaluate =
+                             [](const Model&, const State& s, double) {
+                               const double phi = s.q[2];
+                               GapRows out{.gap = s.q[1] - std::sin(phi), .J = MatX(2, 3)};
+                               out.J << 0, 1, -std::cos(phi), 1, 0, std::sin(phi);
+                               return out;
+                             },
+                         .law = {.mu = mu}});
+  return model;
+}
+
+// No finite force keeps the end on the ground: the impulse (0.375, 0.625) does, to the push that finds it.
+TEST(EventDriven, JumpsWhereNoForceKeepsAContactClosed) {
+  for (const double speed : {1.0, 0.1, 0.01}) {
+    const Model model = rod(2);
+    State state = rest_state(model);
+    state.q << 0, std::sin(kPi / 4), kPi / 4;
+    state.v << -speed, 0, 0;
+    const StepReport report = EventDriven(model, options(1e-6)).step(state);
+    ASSERT_TRUE(report.ok()) << report.reason;
+    ASSERT_EQ(report.events.size(), 1u);
+    EXPECT_EQ(report.events[0].kind, EventKind::tangential_impact);
+    EXPECT_NEAR(state.r[0], 0.375 * speed, 1e-5);  // gravity acts for 1e-6 s
+    EXPECT_NEAR(state.r[1], 0.625 * speed, 1e-5);
+    EXPECT_NEAR(state.v[0], -0.375 * speed, 1e-5);
+    EXPECT_NEAR(state.v[1], 0.375 * speed, 2e-5);
+    EXPECT_NEAR(state.v[2], 0.530330 * speed, 1e-5);
+  }
+}
+
+// With less friction the same rod slides on.
+TEST(EventDriven, SlidesWhereAForceDoes) {
+  const Model model = rod(0.5);
+  State state = rest_state(model);
+  state.q << 0, std::sin(kPi / 4), kPi / 4;
+  state.v << -1, 0, 0;
+  const StepReport report = EventDriven(model, options(1e-3)).step(state);
+  ASSERT_TRUE(report.ok()) << report.reason;
+  EXPECT_TRUE(report.events.empty());
+  EXPECT_GT(state.r[0], 0);
+  EXPECT_NEAR(state.r[1], 0.5 * state.r[0], 1e-12);
+}
+
+// C6. Two masses of 1 kg on rods of 1 m, absolute angles from the vertical; the lower one must not go left of
+// x = -0.2 m.
+namespace pendulum {
+
+constexpr double kWall = -0.2, kRestitution = 0.5;
+
+MatX mass(const VecX& q) {
+  const double c = std::cos(q[0] - q[1]);
+  return (Mat2() << 2, c, c, 1).finished();
+}
+VecX force(const VecX& q, const VecX& v) {
+  const double s = std::sin(q[0] - q[1]);
+  return Vec2(-s * v[1] * v[1] - 2 * 9.81 * std::sin(q[0]), s * v[0] * v[0] - 9.81 * std::sin(q[1]));
+}
+double gap(const VecX& q) {
+  return std::sin(q[0]) + std::sin(q[1]) - kWall;
+}
+Vec2 gradient(const VecX& q) {
+  return {std::cos(q[0]), std::cos(q[1])};
+}
+
+Model model() {
+  Model out;
+  add(out,
+      Coordinates{
+          .name = "pendulum", .size = 2, .mass = mass, .force = [](double, const VecX& q, const VecX& v) {
+            return CoordinateForce{.f = force(q, v)};
+          }});
+  add(out,
+      GapFunction{.name = "wall",
+                  .block = 0,
+                  .evaluate = [](const Model&, const State& s,
+                                 double) { return GapRows{.gap = gap(s.q), .J = gradient(s.q).transpose()}; },
+                  .law = {.mu = 0, .restitution = kRestitution}});
+  return out;
+}
+
+/// The times of the impacts until `t_end`, by another integrator, and the angles there.
+std::vector<double> impacts(double t_end, VecX& q_end) {
+  std::vector<double> out;
+  VecX y(4);
+  y << 0.8, 1.2, 0, 0;
+  for (double begin = 0;;) {
+    const auto rates = [](double, const VecX& at) -> VecX {
+      VecX rate(4);
+      rate << at.tail(2), mass(at.head(2)).inverse() * force(at.head(2), at.tail(2));
+      return rate;
+    };
+    const auto at = ode_solution(rates, y, t_end - begin, 1e-3);
+    const double t = first_root([&](double s) { return gap(at(s).head(2)); }, 1e-2, t_end - begin, 1e-3);
+    if (!(t < t_end - begin)) {
+      q_end = at(t_end - begin).head(2);
+      return out;
+    }
+    y = at(t);
+    const Vec2 J = gradient(y.head(2));
+    const VecX turn = mass(y.head(2)).inverse() * J;
+    y.tail(2) -= (1 + kRestitution) * J.dot(y.tail(2)) / J.dot(turn) * turn;
+    out.push_back(begin += t);
+  }
+}
+
+}  // namespace pendulum
+
+TEST(EventDriven, FollowsTheDoublePendulumAgainstItsWall) {
+  constexpr double kEnd = 1.5;
+  VecX q_end;
+  const std::vector<double> times = pendulum::impacts(kEnd, q_end);
+  ASSERT_GE(times.size(), 1u);
+  const Model model = pendulum::model();
+  State start = rest_state(model);
+  start.q << 0.8, 1.2;
+  State state = start;
+  const StepReport report = EventDriven(model, options(kEnd)).step(state);
+  ASSERT_TRUE(report.ok()) << report.reason;
+  ASSERT_EQ(report.events.size(), times.size());
+  for (std::size_t k = 0; k < times.size(); ++k) EXPECT_NEAR(report.events[k].t, times[k], 1e-9);
+  EXPECT_LT((state.q - q_end).norm(), 1e-8);
+
+  double worst[2];  // Moreau-Jean comes near with h
+  for (int k = 0; k < 2; ++k) {
+    const double h = k == 0 ? 3e-3 : 3e-4;
+    const MoreauJean scheme(model, {.h = h, .theta = 0.5, .normal = {.law = NormalLaw::moreau}});
+    State s = start;
+    while (s.t < kEnd * (1 - 1e-12)) ASSERT_TRUE(scheme.step(s, kEnd - s.t).ok());
+    worst[k] = (s.q - q_end).norm();
+    EXPECT_LT(worst[k], 10 * h);
+  }
+  EXPECT_LT(worst[1], worst[0] / 2);
+}
+
+/// 1 kg on a slide along z, which pulls down by gravity if `falls`.
+CaseScene slide(bool falls) {
+  CaseScene s;
+  s.model.gravity = Vec3(0, 0, falls ? -9.81 : 0);
+  s.body = add(s.model, RigidBody{.name = "slider", .mass = 1, .inertia = 1e-2 * Mat3::Identity()});
+  s.state = rest_state(s.model);
+  add(s.model, joint_at(JointKind::prismatic, "slide", s.body, -1, s.state.g, SE3{}));
+  return s;
+}
+
+// A stop 1 m below: the impacts of A1.
+TEST(EventDriven, BouncesFromTheStopOfAJoint) {
+  CaseScene s = slide(true);
+  s.model.joints[0].axis[0].lower = -1;
+  s.model.joints[0].axis[0].restitution = 0.5;
+  const StepReport report = EventDriven(s.model, options(1.2)).step(s.state);
+  ASSERT_TRUE(report.ok()) << report.reason;
+  ASSERT_EQ(report.events.size(), 3u);
+  const double first = std::sqrt(2 / 9.81);
+  for (int k = 0; k < 3; ++k)
+    EXPECT_NEAR(report.events[std::size_t(k)].t, first * (3 - 2 * std::pow(0.5, k)), 1e-9);
+  EXPECT_LT(std::abs(report.energy.residual()), 1e-9);
+}
+
+// Dry friction of 2 N takes 1 m/s away in half a second and a quarter of a metre, then holds.
+TEST(EventDriven, StopsWhereDryFrictionSays) {
+  CaseScene s = slide(false);
+  s.model.joints[0].axis[0].friction = 2;
+  twist(s.state, s.body)[2] = 1;
+  const StepReport report = EventDriven(s.model, options(1)).step(s.state);
+  ASSERT_TRUE(report.ok()) << report.reason;
+  ASSERT_EQ(report.events.size(), 1u);
+  EXPECT_EQ(report.events[0].kind, EventKind::stick);
+  EXPECT_NEAR(report.events[0].t, 0.5, 1e-9);
+  EXPECT_NEAR(pose(s.state, s.body).p.z(), 0.25, 1e-9);
+  EXPECT_NEAR(report.energy.joint_work, -0.5, 1e-9);
+}
+
+TEST(EventDriven, RefusesMoreEventsThanAllowed) {
+  CaseScene s = case_named("ball_e05").scene();
+  EventDrivenOptions o = options(2);
+  o.max_events = 5;
+  const std::uint64_t before = hash(s.state);
+  const StepReport report = EventDriven(s.model, o).step(s.state);
+  EXPECT_EQ(report.status, StepStatus::refused);
+  EXPECT_NE(report.reason.find("more than 5 events"), std::string::npos) << report.reason;
+  EXPECT_EQ(hash(s.state), before);
+}
+
+TEST(EventDriven, RefusesBadOptionsAtTheDoor) {
+  const CaseScene s = case_named("heavy_top").scene();
+  const auto refuses = [&](auto change, const char* field) {
+    EventDrivenOptions o = options(1e-2);
+    change(o);
+    try {
+      EventDriven(s.model, o);
+      ADD_FAILURE() << field;
+    } catch (const std::invalid_argument& e) {
+      EXPECT_NE(std::string(e.what()).find(field), std::string::npos) << e.what();
+    }
+  };
+  refuses([](EventDrivenOptions& o) { o.ode.relative = 0; }, "OdeOptions::relative");
+  refuses([](EventDrivenOptions& o) { o.ode.absolute = -1; }, "OdeOptions::absolute");
+  refuses([](EventDrivenOptions& o) { o.ode.largest_step = 0; }, "OdeOptions::largest_step");
+  refuses([](EventDrivenOptions& o) { o.ode.max_steps = 0; }, "OdeOptions::max_steps");
+  refuses([](EventDrivenOptions& o) { o.horizon = 0; }, "EventDrivenOptions::horizon");
+  refuses([](EventDrivenOptions& o) { o.gap_tolerance = 1; }, "EventDrivenOptions::gap_tolerance");
+  refuses([](EventDrivenOptions& o) { o.rest_speed = 0; }, "EventDrivenOptions::rest_speed");
+  refuses([](EventDrivenOptions& o) { o.stick_speed = 0; }, "EventDrivenOptions::stick_speed");
+  refuses([](EventDrivenOptions& o) { o.stiff_slip = -1; }, "EventDrivenOptions::stiff_slip");
+  refuses([](EventDrivenOptions& o) { o.max_events = 0; }, "EventDrivenOptions::max_events");
+  refuses([](EventDrivenOptions& o) { o.step.h = 0; }, "StepOptions::h");
+  Model model = s.model;
+  model.joints[0] = Joint{.name = "motor", .kind = JointKind::revolute, .body_a = 0};
+  model.joints[0].axis[0].motor = {
+      .kind = MotorKind::speed, .target = [](double) { return 1.0; }, .limit = 2};
+  EXPECT_THROW(EventDriven(model, options(1e-2)), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace aussois
