@@ -15,7 +15,7 @@ from drivers import DriverTest
 
 NOT_ACCEPTED, USAGE, INTERRUPTED = 1, 2, 130
 SMALL = ("--levels", 3, "--phases", 1, "--quiet")
-TOP = ("--case", "free_top", "--h0", 0.05, *SMALL)
+TOP = ("--case", "free_top", "--h0", 0.02, *SMALL)
 
 
 class Convergence(DriverTest):
@@ -63,16 +63,16 @@ class Convergence(DriverTest):
         for k in (1, 2):
             self.converge("--all", *TOP, "-o", "parts", "--shard", f"{k}/2", "--threads", 2)
         run = self.converge("--all", *TOP, "-o", "parts")
-        self.assertIn("6 of 6 were in parts already", run.stdout)
         whole, parts = self.studies("whole"), self.studies("parts")
-        self.assertEqual(len(whole), 6)
+        self.assertGreater(len(whole), 6)
+        self.assertIn(f"{len(whole)} of {len(whole)} were in parts already", run.stdout)
         self.assertEqual([whole[name] for name in sorted(whole)], [parts[name] for name in sorted(parts)])
         self.assertEqual((self.folder / "whole/convergence.md").read_bytes(),
                          (self.folder / "parts/convergence.md").read_bytes())
 
     def test_goes_on_after_an_interruption(self):
-        command = [Path(os.environ["AUSSOIS_DRIVERS"], "convergence"), "--all", "--case", "dzhanibekov", "--levels", "7",
-                   "--phases", "2", "--quiet", "--threads", "1", "-o", "all"]
+        command = [Path(os.environ["AUSSOIS_DRIVERS"], "convergence"), "--all", "--case", "free_top", "--levels", "4",
+                   "--phases", "1", "--quiet", "--threads", "1", "-o", "all"]
         process = subprocess.Popen(command, cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         deadline = time.monotonic() + 120
         while not self.studies("all") and time.monotonic() < deadline:
@@ -81,10 +81,11 @@ class Convergence(DriverTest):
         process.communicate(timeout=120)
         self.assertEqual(process.returncode, INTERRUPTED)
         done = self.studies("all")
-        self.assertTrue(0 < len(done) < 6, "stopped half-way")
+        self.assertGreater(len(done), 0)
         self.assertFalse((self.folder / "all/convergence.md").exists())
         run = self.converge(*command[1:])
-        self.assertIn(f"{len(done)} of 6 were in all already", run.stdout)
+        self.assertLess(len(done), len(self.studies("all")), "stopped half-way")
+        self.assertIn(f"{len(done)} of {len(self.studies('all'))} were in all already", run.stdout)
         self.assertEqual({name: self.studies("all")[name] for name in done}, done)
 
     def test_bad_input_is_refused_without_a_trace(self):
