@@ -24,7 +24,7 @@ StepReport advance_step(const StepSetting& setting, State& state, double h_limit
   const AdvancementOptions& o = setting.options.advancement;
   const double h_largest = setting.options.h;
   require_field(h_limit > 0, "h_limit", h_limit, "be positive [s]");
-  const double begin = cpu_seconds();
+  const double begin = step_clock();
   const double h_control = state.h_next > 0 ? std::min(h_largest, state.h_next) : h_largest;
   double h = std::min(h_control, h_limit);
   const double h_asked = h,
@@ -36,7 +36,7 @@ StepReport advance_step(const StepSetting& setting, State& state, double h_limit
   StepReport report;
   const auto ended = [&](StepStatus status) {
     report.status = status;
-    report.seconds_total = cpu_seconds() - begin;
+    report.seconds_total = step_clock() - begin;
     if (status != StepStatus::ok) report.t = state.t, report.h = 0;
     return report;
   };

@@ -193,12 +193,12 @@ StepReport told(const StepSetting& setting, const Found& found, const ImpulseSte
 
 }  // namespace
 
-double cpu_seconds() {
+double step_clock() {
   return double(std::clock()) / CLOCKS_PER_SEC;
 }
 
 Found find_ahead(const StepSetting& setting, const State& state, const VecX& v_estimate, double h) {
-  const double begin = cpu_seconds();
+  const double begin = step_clock();
   const StepOptions& o = setting.options;
   Found found{.v_estimate = v_estimate, .h = h, .scale = state.h > 0 ? h / state.h : 1};
   found.pairs = step_pairs({setting.model, state, v_estimate, h}, setting.bounds, o.advancement,
@@ -206,18 +206,18 @@ Found find_ahead(const StepSetting& setting, const State& state, const VecX& v_e
   found.contacts = contacts_of(setting.model, state, found.pairs, o.lmd);  // (LMD-3)
   found.selection = reduce(found.contacts, o.reduction);                   // (RED-1)
   found.warm = warm_start(state.memory, found.contacts, found.scale);      // (RED-5)
-  found.seconds = cpu_seconds() - begin;
+  found.seconds = step_clock() - begin;
   return found;
 }
 
 Found found_at(const StepSetting& setting, const State& state, const Found& found, const State& at) {
-  const double begin = cpu_seconds();
+  const double begin = step_clock();
   const StepOptions& o = setting.options;
   Found out = found;
   out.contacts = contacts_of(setting.model, at, found.pairs, o.lmd);
   out.selection = reduce(out.contacts, o.reduction);
   out.warm = warm_start(state.memory, out.contacts, out.scale);
-  out.seconds += cpu_seconds() - begin;
+  out.seconds += step_clock() - begin;
   return out;
 }
 
@@ -276,23 +276,23 @@ ImpulseStep pose_step(const StepSetting& setting, const State& state, const Foun
 
 ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
                       double theta, ContactBlocks blocks) {
-  const double begin = cpu_seconds();
+  const double begin = step_clock();
   const StepOptions& o = setting.options;
   ImpulseStep out{.free = std::move(free),
                   .v_prescribed = prescribed_velocity(setting.model, state, found.h)};
   out.joints = joint_system(setting.model, state, setting.dofs, out.v_prescribed, found.h, theta, o.normal,
                             o.joints);  // (MJT-10)
   set_rows(std::move(blocks), out);
-  out.seconds = cpu_seconds() - begin;
+  out.seconds = step_clock() - begin;
   return out;
 }
 
 void solve_rows(const StepSetting& setting, const State& state, const Found& found, ImpulseStep& step) {
-  const double begin = cpu_seconds();
+  const double begin = step_clock();
   step.solved =
       solve_reduced(step.free, setting.dofs, step.rows, step.joints.equations, found.selection,
                     starts(step, found, state.r), allowed_speeds(found), setting.options.solver);  // (NSGS-1)
-  step.seconds += cpu_seconds() - begin;
+  step.seconds += step_clock() - begin;
 }
 
 ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
@@ -366,12 +366,12 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
                                           setting.bounds, o.lmd.alpha, o.advancement);  // (CA-5)
   if (!broken.empty()) return failed(Outcome::bound_exceeded, broken);
   if (o.advancement.certify) {
-    const double begin = cpu_seconds();
+    const double begin = step_clock();
     const StepCertificate certificate =
         certify_step(path, found.pairs, setting.bounds, o.advancement, o.threads);  // (CA-6)
     report.certificate_rounds = int(certificate.rounds);
     report.min_base_distance = certificate.min_distance;
-    report.seconds_certificate = cpu_seconds() - begin;
+    report.seconds_certificate = step_clock() - begin;
     if (!certificate.failure.empty()) return failed(Outcome::not_certified, certificate.failure);
   }
 

@@ -12,7 +12,8 @@
 
 namespace aussois {
 
-/// Contacts within the displacement bound of an estimated motion (CA-4), with what they started with.
+/// Contacts within the displacement bound of an estimated motion (CA-4), which of them the problem begins
+/// with, and their impulses of the last step.
 struct Found {
   VecX v_estimate{};  // all velocities, in the places of State::v
   double h = 0;
@@ -59,11 +60,11 @@ ImpulseStep solve_step(const StepSetting& setting, const State& state, const Fou
 /// found before.
 ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
                       double theta);
+ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
+                      double theta, ContactBlocks blocks);
 /// Contacts, gap functions and what acts on the axes of step.joints, biased for a normal law.
 void add_rows(const StepSetting& setting, const State& state, const Found& found,
               const NormalLawOptions& normal, ImpulseStep& step);
-ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
-                      double theta, ContactBlocks blocks);
 /// Other blocks, before what acts on the axes of step.joints.
 void set_rows(ContactBlocks blocks, ImpulseStep& step);
 void solve_rows(const StepSetting& setting, const State& state, const Found& found, ImpulseStep& step);
@@ -109,6 +110,7 @@ State moved(const Model& model, const State& state, const VecX& v_path, const Ve
 VecX estimate_without_contacts(const StepSetting& setting, const State& state, const FreeMotion& free,
                                double h, double theta);
 
-double cpu_seconds();
+/// CPU time of the process [s], for the reports.
+double step_clock();
 
 }  // namespace aussois

@@ -639,7 +639,7 @@ bool Run::piece() {
 }
 
 StepReport Run::go(State& out) {
-  const double begin = cpu_seconds();
+  const double begin = step_clock();
   const State start = state_;
   move_prescribed();
   const Energy before = energy(model_, state_);
@@ -655,7 +655,7 @@ StepReport Run::go(State& out) {
     }
     alive = piece() && settle(false);
   }
-  report_.seconds_total = cpu_seconds() - begin;
+  report_.seconds_total = step_clock() - begin;
   report_.t = start.t;
   if (!alive) return report_;
 

@@ -120,6 +120,14 @@ void sum_up(FreeMotion& out) {
     out.v_free.setConstant(std::nan(""));  // ends as not_finite in this very step
 }
 
+// Mass of a body, and the derivative of omega x J omega with respect to omega.
+void add_inertia(const RigidBody& body, const Vec3& omega, int row, std::vector<Triplet>& mass,
+                 std::vector<Triplet>& gyroscopic) {
+  add_block(mass, row, row, body.mass * Mat3::Identity());
+  add_block(mass, row + 3, row + 3, body.inertia);
+  add_block(gyroscopic, row + 3, row + 3, skew(omega) * body.inertia - skew(body.inertia * omega));
+}
+
 }  // namespace
 
 DofMap dof_map(const Model& model) {
@@ -201,9 +209,7 @@ FreeMotion free_motion(const Model& model, const State& state, const DofMap& dof
     if (row < 0) continue;
     const RigidBody& body = model.bodies[b];
     const Vec3 omega = state.v.segment<3>(6 * Eigen::Index(b) + 3), momentum = body.inertia * omega;
-    add_block(mass, row, row, body.mass * Mat3::Identity());
-    add_block(mass, row + 3, row + 3, body.inertia);
-    add_block(gyroscopic, row + 3, row + 3, skew(omega) * body.inertia - skew(momentum));
+    add_inertia(body, omega, row, mass, gyroscopic);
     out.v.segment<6>(row) = state.v.segment<6>(6 * Eigen::Index(b));
     out.gravity.segment<3>(row) = h * body.mass * model.gravity;
     out.gyroscopic.segment<3>(row + 3) = -h * omega.cross(momentum);
@@ -268,9 +274,7 @@ Forces forces_at(const Model& model, const State& state, const DofMap& dofs) {
     if (row < 0) continue;
     const RigidBody& body = model.bodies[b];
     const Vec3 omega = state.v.segment<3>(6 * Eigen::Index(b) + 3), momentum = body.inertia * omega;
-    add_block(mass, row, row, body.mass * Mat3::Identity());
-    add_block(mass, row + 3, row + 3, body.inertia);
-    add_block(C, row + 3, row + 3, skew(omega) * body.inertia - skew(momentum));
+    add_inertia(body, omega, row, mass, C);
     out.gravity.segment<3>(row) = body.mass * model.gravity;
     out.gyroscopic.segment<3>(row + 3) = -omega.cross(momentum);
   }

@@ -12,6 +12,14 @@ namespace {
 
 using Step = std::function<StepReport(State&, double)>;
 
+/// The step of a scheme that is made here and lives as long as its step does.
+template <class S, class Options>
+Step step_of(const Model& model, const Options& options) {
+  return [scheme = std::make_shared<const S>(model, options)](State& state, double h_limit) {
+    return scheme->step(state, h_limit);
+  };
+}
+
 /// All that the rest of the house knows about a scheme.
 struct Entry {
   const char* name = "";
@@ -29,20 +37,18 @@ SchemeTraits moreau_jean_traits(const SchemeOptions& o) {
 }
 
 Step moreau_jean_step(const Model& model, const SchemeOptions& o) {
-  const auto scheme =
-      std::make_shared<const MoreauJean>(model, MoreauJeanOptions{.h = o.h,
-                                                                  .theta = o.theta,
-                                                                  .contacts = o.contacts,
-                                                                  .newton = o.newton,
-                                                                  .impact = o.impact,
-                                                                  .normal = o.normal,
-                                                                  .joints = o.joints,
-                                                                  .lmd = o.lmd,
-                                                                  .reduction = o.reduction,
-                                                                  .solver = o.solver,
-                                                                  .advancement = o.advancement,
-                                                                  .threads = o.threads});
-  return [scheme](State& state, double h_limit) { return scheme->step(state, h_limit); };
+  return step_of<MoreauJean>(model, MoreauJeanOptions{.h = o.h,
+                                                      .theta = o.theta,
+                                                      .contacts = o.contacts,
+                                                      .newton = o.newton,
+                                                      .impact = o.impact,
+                                                      .normal = o.normal,
+                                                      .joints = o.joints,
+                                                      .lmd = o.lmd,
+                                                      .reduction = o.reduction,
+                                                      .solver = o.solver,
+                                                      .advancement = o.advancement,
+                                                      .threads = o.threads});
 }
 
 std::string number(const char* format, double value) {
@@ -101,8 +107,7 @@ SchemeTraits projected_traits(const SchemeOptions& o) {
 Step projected_step(const Model& model, const SchemeOptions& o) {
   MoreauJeanProjectedOptions options{.theta = o.theta, .order = o.projection, .step = step_options(o)};
   options.step.normal.law = NormalLaw::moreau;  // its own
-  const auto scheme = std::make_shared<const MoreauJeanProjected>(model, options);
-  return [scheme](State& state, double h_limit) { return scheme->step(state, h_limit); };
+  return step_of<MoreauJeanProjected>(model, options);
 }
 
 std::string projected_settings(const SchemeOptions& o) {
@@ -124,8 +129,7 @@ SchemeTraits schatzman_paoli_traits(const SchemeOptions&) {
 Step schatzman_paoli_step(const Model& model, const SchemeOptions& o) {
   SchatzmanPaoliOptions options{.step = step_options(o)};
   options.step.normal.law = NormalLaw::gap_over_step;  // its own
-  const auto scheme = std::make_shared<const SchatzmanPaoli>(model, options);
-  return [scheme](State& state, double h_limit) { return scheme->step(state, h_limit); };
+  return step_of<SchatzmanPaoli>(model, options);
 }
 
 std::string schatzman_paoli_settings(const SchemeOptions&) {
@@ -144,9 +148,8 @@ SchemeTraits passive_midpoint_traits(const SchemeOptions& o) {
 }
 
 Step passive_midpoint_step(const Model& model, const SchemeOptions& o) {
-  const auto scheme = std::make_shared<const PassiveMidpoint>(
+  return step_of<PassiveMidpoint>(
       model, PassiveMidpointOptions{.gyroscopic = o.gyroscopic, .step = step_options(o)});
-  return [scheme](State& state, double h_limit) { return scheme->step(state, h_limit); };
 }
 
 std::string passive_midpoint_settings(const SchemeOptions& o) {
@@ -171,15 +174,12 @@ SchemeTraits generalised_alpha_traits(const SchemeOptions&) {
 }
 
 Step generalised_alpha_step(const Model& model, const SchemeOptions& o) {
-  const auto scheme = std::make_shared<const GeneralisedAlpha>(
+  return step_of<GeneralisedAlpha>(
       model, GeneralisedAlphaOptions{.spectral_radius = o.spectral_radius, .step = step_options(o)});
-  return [scheme](State& state, double h_limit) { return scheme->step(state, h_limit); };
 }
 
 std::string generalised_alpha_settings(const SchemeOptions& o) {
-  char text[40];
-  std::snprintf(text, sizeof text, "rho %g %s", o.spectral_radius, to_string(o.update));
-  return text;
+  return number("rho %g ", o.spectral_radius) + to_string(o.update);
 }
 
 std::vector<SchemeOptions> generalised_alpha_variants() {
@@ -194,9 +194,7 @@ SchemeTraits d1_minus_linear_traits(const SchemeOptions&) {
 }
 
 Step d1_minus_linear_step(const Model& model, const SchemeOptions& o) {
-  const auto scheme =
-      std::make_shared<const D1MinusLinear>(model, D1MinusLinearOptions{.step = step_options(o)});
-  return [scheme](State& state, double h_limit) { return scheme->step(state, h_limit); };
+  return step_of<D1MinusLinear>(model, D1MinusLinearOptions{.step = step_options(o)});
 }
 
 std::string d1_minus_linear_settings(const SchemeOptions& o) {
@@ -216,17 +214,10 @@ SchemeTraits event_driven_traits(const SchemeOptions&) {
 Step event_driven_step(const Model& model, const SchemeOptions& o) {
   EventDrivenOptions options;
   const double tolerance = std::min(o.solver.tolerance, options.step.solver.tolerance);
-  options.step = {.h = o.h,
-                  .normal = o.normal,
-                  .joints = o.joints,
-                  .lmd = o.lmd,
-                  .reduction = o.reduction,
-                  .solver = o.solver,
-                  .advancement = o.advancement,
-                  .threads = o.threads};
+  options.step = step_options(o);
+  options.step.update = GroupUpdate::exponential;  // its path is the dense one of the integration
   options.step.solver.tolerance = tolerance;
-  const auto scheme = std::make_shared<const EventDriven>(model, options);
-  return [scheme](State& state, double h_limit) { return scheme->step(state, h_limit); };
+  return step_of<EventDriven>(model, options);
 }
 
 std::string no_settings(const SchemeOptions&) {

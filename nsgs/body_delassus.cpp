@@ -63,12 +63,6 @@ class BodyDelassus final : public Delassus {
     return u;
   }
 
-  double sweep(VecX& r, const SweepOptions& options, SweepCounts& counts) override {
-    double change = 0;
-    for (int c = 0; c < count(); ++c) change += counts.add(relax(c, r, options));
-    return std::sqrt(change);
-  }
-
   Relaxed relax(int c, VecX& r, const SweepOptions& options) override {
     const Law& law = scaled.laws[std::size_t(c)];
     const Rows<R> r_old = r.segment<R>(at(c), rows(c)), u = velocity(c);
@@ -94,6 +88,7 @@ class BodyDelassus final : public Delassus {
     return colour;
   }
 
+  using Delassus::sweep;
   double sweep(VecX& r, const BlockRule& rule) override {
     double change = 0;
     for (int c = 0; c < count(); ++c) {

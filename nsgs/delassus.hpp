@@ -4,6 +4,7 @@
 // Private to nsgs.
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -52,7 +53,11 @@ class Delassus {
   virtual VecX velocity(const VecX& r) = 0;
   /// One pass over the blocks in their order, from the r of the last velocity() or sweep(). Returns the size
   /// of the change of r.
-  virtual double sweep(VecX& r, const SweepOptions& options, SweepCounts& counts) = 0;
+  double sweep(VecX& r, const SweepOptions& options, SweepCounts& counts) {
+    double change = 0;
+    for (int c = 0; c < count(); ++c) change += counts.add(relax(c, r, options));
+    return std::sqrt(change);
+  }
 
   /// One block of such a pass. Blocks of one colour may be relaxed at once.
   virtual Relaxed relax(int c, VecX& r, const SweepOptions& options) = 0;

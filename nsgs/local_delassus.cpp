@@ -102,12 +102,6 @@ class LocalDelassus final : public Delassus {
     return u;
   }
 
-  double sweep(VecX& r, const SweepOptions& options, SweepCounts& counts) override {
-    double change = 0;
-    for (int c = 0; c < count(); ++c) change += counts.add(relax(c, r, options));
-    return std::sqrt(change);
-  }
-
   Relaxed relax(int c, VecX& r, const SweepOptions& options) override {
     const Law& law = scaled.laws[std::size_t(c)];
     const Rows<R> r_old = r.segment<R>(at(c), rows(c)), u = velocity(c, r);
@@ -135,6 +129,7 @@ class LocalDelassus final : public Delassus {
     return colour;
   }
 
+  using Delassus::sweep;
   double sweep(VecX& r, const BlockRule& rule) override {
     double change = 0;
     for (int c = 0; c < count(); ++c) {
