@@ -1,0 +1,356 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "examples/scenes/peer_scenes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "examples/common/random.hpp"
+#include "geometry/check.hpp"
+#include "geometry/primitives.hpp"
+
+namespace aussois {
+namespace {
+
+constexpr double kDilation = 1e-3;                              // of boxes and prisms in the kernel [m]
+constexpr double kFallen = 0.1;                                 // [m]
+constexpr double kGravity = 9.81;                               // [m/s^2]
+constexpr double kBallRadius = 0.1, kBallMass = 10, kDrop = 5;  // of bouncing and 666 [m, kg]
+
+PeerShape ball(double radius, double mass) {
+  return {.kind = PeerShapeKind::ball,
+          .size = Vec3(radius, 0, 0),
+          .mass = mass,
+          .inertia = 0.4 * mass * radius * radius * Mat3::Identity()};
+}
+
+PeerShape box(const Vec3& size, double mass) {
+  const Vec3 s = size.cwiseAbs2();
+  return {.size = size,
+          .mass = mass,
+          .inertia = mass / 12 * Vec3(s.y() + s.z(), s.z() + s.x(), s.x() + s.y()).asDiagonal()};
+}
+
+// A profile about its centroid; `centre` is where that was.
+PeerShape prism(std::vector<Vec2> profile, double length, double density, Vec2& centre) {
+  const MassProperties mass = mass_properties(make_extrusion(profile, length), density);
+  centre = mass.centre.head<2>();
+  for (Vec2& x : profile) x -= centre;
+  return {.kind = PeerShapeKind::prism,
+          .size = Vec3(0, 0, length),
+          .profile = std::move(profile),
+          .mass = mass.mass,
+          .inertia = mass.inertia};
+}
+
+// A box below z = 0.
+PeerScene on_ground(std::string name, std::string what, double half, double mu) {
+  PeerScene scene{.name = std::move(name), .what = std::move(what)};
+  scene.shapes.push_back(box(Vec3(2 * half, 2 * half, 1), 1));
+  scene.bodies.push_back({.shape = 0, .fixed = true, .mu = mu, .g = translation(0, 0, -0.5)});
+  return scene;
+}
+
+// Every side of a convex profile moved in by `depth`.
+std::vector<Vec2> moved_in(const std::vector<Vec2>& profile, double depth) {
+  const std::size_t n = profile.size();
+  std::vector<Vec2> out;
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto inwards = [&](std::size_t from) {
+      const Vec2 along = (profile[(from + 1) % n] - profile[from]).normalized();
+      return Vec2(-along.y(), along.x());
+    };
+    Eigen::Matrix2d sides;
+    sides << inwards((i + n - 1) % n).transpose(), inwards(i).transpose();
+    out.push_back(profile[i] + sides.inverse() * Vec2(depth, depth));
+  }
+  return out;
+}
+
+DilatedShape dilated(const PeerShape& shape) {
+  switch (shape.kind) {
+    case PeerShapeKind::ball:
+      return dilate(make_point(), shape.size.x());
+    case PeerShapeKind::box: {
+      const Vec3 s = shape.size - Vec3::Constant(2 * kDilation);
+      return dilate(make_box(s.x(), s.y(), s.z()), kDilation);
+    }
+    case PeerShapeKind::prism:
+      break;
+  }
+  return dilate(make_extrusion(moved_in(shape.profile, kDilation), shape.size.z() - 2 * kDilation),
+                kDilation);
+}
+
+// Over the energy at the start, of a ball that falls by `drop` and bounces.
+double exact_bounce_energy(double drop, double restitution, double t) {
+  double hop = std::sqrt(2 * drop / kGravity), energy = 1;
+  for (double impact = hop; impact <= t && hop > 1e-9; impact += hop) {
+    energy *= restitution * restitution;
+    hop *= (energy == restitution * restitution ? 2 : 1) * restitution;
+  }
+  return energy;
+}
+
+// Of balls, above the rest on the ground [J].
+double ball_energy(const PeerScene& scene, const PeerSample& now) {
+  double energy = 0;
+  for (std::size_t b = 1; b < now.g.size(); ++b) {
+    const PeerShape& shape = scene.shapes[std::size_t(scene.bodies[b].shape)];
+    energy += shape.mass * (kGravity * (now.g[b].p.z() - shape.size.x()) + now.v[b].squaredNorm() / 2);
+  }
+  return energy;
+}
+
+double deepest_overlap(const PeerScene& scene, const PeerSample& now) {
+  double deepest = 0;
+  for (std::size_t a = 1; a < now.g.size(); ++a) {
+    const double radius = scene.shapes[std::size_t(scene.bodies[a].shape)].size.x();
+    deepest = std::max(deepest, radius - now.g[a].p.z());
+    for (std::size_t b = 1; b < a; ++b) {
+      const double sum = radius + scene.shapes[std::size_t(scene.bodies[b].shape)].size.x();
+      const double squared = (now.g[a].p - now.g[b].p).squaredNorm();
+      if (squared < sum * sum) deepest = std::max(deepest, sum - std::sqrt(squared));
+    }
+  }
+  return deepest;
+}
+
+double largest_displacement(const PeerScene& scene, const PeerSample& now) {
+  double out = 0;
+  for (std::size_t b = 0; b < now.g.size(); ++b)
+    out = std::max(out, (now.g[b].p - scene.bodies[b].g.p).norm());
+  return out;
+}
+
+}  // namespace
+
+PeerScene rolling_scene(const Vec2& direction) {
+  PeerScene scene =
+      on_ground("rolling", "a box under 25 balls is pushed and slides, the balls roll", 40, 0.4);
+  const double box_mass = 10, ball_mass = 1, radius = 0.5, push = 150;
+  const int balls = 25;
+  scene.shapes.push_back(box(Vec3(20, 20, 1), box_mass));
+  scene.shapes.push_back(ball(radius, ball_mass));
+  scene.bodies.push_back({.shape = 1,
+                          .mu = 0.8,
+                          .g = translation(0, 0, 0.5),
+                          .force = push * Vec3(direction.x(), direction.y(), 0)});
+  for (int i = -2; i <= 2; ++i)
+    for (int j = -2; j <= 2; ++j)
+      scene.bodies.push_back({.shape = 2, .mu = 0.8, .g = translation(2 * i, 2 * j, 1 + radius)});
+  scene.measure = PeerMeasure::speed;
+  // A ball that rolls takes 2/7 of its mass along.
+  const double friction = 0.4 * (box_mass + balls * ball_mass) * kGravity;
+  scene.acceleration = (push - friction) / (box_mass + 2.0 / 7 * balls * ball_mass);
+  scene.t_end = 4;
+  return scene;
+}
+
+PeerScene bouncing_scene(double restitution) {
+  PeerScene scene = on_ground("bouncing", "49 balls fall 4.9 m and bounce", 10, 0);
+  scene.shapes.push_back(ball(kBallRadius, kBallMass));
+  for (int i = -3; i <= 3; ++i)
+    for (int j = -3; j <= 3; ++j) scene.bodies.push_back({.shape = 1, .g = translation(i, j, kDrop)});
+  scene.restitution = restitution;
+  scene.measure = PeerMeasure::energy;
+  scene.t_end = restitution < 1 ? 12 : 20;
+  return scene;
+}
+
+PeerScene pile_666_scene(bool elastic) {
+  PeerScene scene = on_ground("666", "6 x 6 x 6 balls fall on the ground and on each other", 10, 0);
+  scene.shapes.push_back(ball(kBallRadius, kBallMass));
+  Random random(666);
+  const double pitch = 0.21, height = elastic ? 1.101 : 0.101;
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 6; ++j)
+      for (int k = 0; k < 6; ++k) {
+        const Vec3 off = random.vector(1e-3);
+        scene.bodies.push_back({.shape = 1,
+                                .g = translation(pitch * (i - 2.5) + off.x(), pitch * (j - 2.5) + off.y(),
+                                                 height + pitch * k + off.z())});
+      }
+  scene.restitution = elastic ? 1 : 0;
+  scene.measure = PeerMeasure::overlap;
+  return scene;
+}
+
+PeerScene tower_scene(double top_mass) {
+  const double edge = 0.2, mass = 8;
+  PeerScene scene = on_ground("tower", "ten cubes on each other", 5, 0.5);
+  scene.shapes.push_back(box(Vec3::Constant(edge), mass));
+  scene.shapes.push_back(box(Vec3::Constant(edge), top_mass));
+  for (int i = 0; i < 10; ++i)
+    scene.bodies.push_back({.shape = i < 9 ? 1 : 2, .mu = 0.5, .g = translation(0, 0, (i + 0.5) * edge)});
+  scene.t_end = 10;
+  return scene;
+}
+
+PeerScene kapla_scene() {
+  PeerScene scene = on_ground("kapla", "a house of cards, six floors of 8 legs and 14 walls", 5, 0.5);
+  scene.shapes.push_back(box(Vec3(0.05, 0.25, 0.1), 10));
+  scene.shapes.push_back(box(Vec3(0.2, 0.05, 0.1), 10));
+  for (int floor = 0; floor < 6; ++floor) {
+    const double z = 0.2 * floor;
+    for (int j = 0; j < 8; ++j)
+      scene.bodies.push_back({.shape = 1, .mu = 0.5, .g = translation(0.2 * j, 0, z + 0.05)});
+    for (int j = 0; j < 7; ++j)
+      for (const double y : {-0.1, 0.1})
+        scene.bodies.push_back({.shape = 2, .mu = 0.5, .g = translation(0.2 * j + 0.1, y, z + 0.15)});
+  }
+  scene.t_end = 600;
+  return scene;
+}
+
+PeerScene arch_scene(const Arch& arch) {
+  require_field(arch.stones >= 3, "Arch::stones", arch.stones, "be at least 3");
+  require_field(arch.thickness > 0 && arch.thickness < 1, "Arch::thickness", arch.thickness, "lie in (0, 1)");
+  PeerScene scene = on_ground("arch", "half a ring of stones on the ground", 5, arch.mu);
+  const double half = kPi / arch.stones / 2, in = 1 - arch.thickness / 2, out = 1 + arch.thickness / 2;
+  const Vec2 a(std::cos(half), -std::sin(half)), b(a.x(), -a.y());
+  Vec2 centre;
+  scene.shapes.push_back(prism({in * a, out * a, out * b, in * b}, 0.2, 1000, centre));
+  for (int i = 0; i < arch.stones; ++i) {
+    const SE3 turn = rotation(Vec3::UnitY(), -(2 * i + 1) * half) * rotation(Vec3::UnitX(), kPi / 2);
+    scene.bodies.push_back({.shape = 1, .mu = arch.mu, .g = turn * translation(centre.x(), centre.y(), 0)});
+  }
+  scene.gravity = kGravity * Vec3(std::sin(arch.tilt), 0, -std::cos(arch.tilt));
+  scene.t_end = 60;
+  return scene;
+}
+
+int crown(const PeerScene& arch) {
+  return int(arch.bodies.size()) / 2;
+}
+
+namespace {
+
+struct NamedScene {
+  const char* name;
+  PeerScene (*scene)();
+};
+constexpr NamedScene kScenes[]{
+    {"rolling", [] { return rolling_scene(Vec2::UnitY()); }},
+    {"rolling_xy", [] { return rolling_scene(Vec2(0.5, std::sqrt(0.75))); }},
+    {"bouncing", [] { return bouncing_scene(1); }},
+    {"bouncing_08", [] { return bouncing_scene(0.8); }},
+    {"666", [] { return pile_666_scene(false); }},
+    {"666_elastic", [] { return pile_666_scene(true); }},
+    {"tower", [] { return tower_scene(8); }},
+    {"heavy_tower", [] { return tower_scene(800); }},
+    {"arch", [] { return arch_scene({}); }},
+    {"arch_101", [] { return arch_scene({.stones = 101}); }},
+    {"kapla", [] { return kapla_scene(); }},
+};
+
+}  // namespace
+
+std::vector<std::string> peer_scene_names() {
+  std::vector<std::string> names;
+  for (const NamedScene& scene : kScenes) names.emplace_back(scene.name);
+  return names;
+}
+
+PeerScene peer_scene(const std::string& name) {
+  std::string known;
+  for (const NamedScene& scene : kScenes) {
+    known += std::string(known.empty() ? "" : ", ") + scene.name;
+    if (name != scene.name) continue;
+    PeerScene out = scene.scene();
+    out.name = name;
+    return out;
+  }
+  throw std::invalid_argument("scene = " + name + " must be one of " + known);
+}
+
+KernelScene kernel_scene(const PeerScene& scene) {
+  KernelScene out;
+  Model& model = out.model;
+  model.gravity = scene.gravity;
+  std::vector<int> shape;
+  for (const PeerShape& s : scene.shapes) shape.push_back(add(model, prepare(dilated(s))));
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    const PeerBody& body = scene.bodies[b];
+    const PeerShape& s = scene.shapes[std::size_t(body.shape)];
+    const std::string name = "body " + std::to_string(b);
+    const int of_model = shape[std::size_t(body.shape)];
+    add(model, body.fixed ? fixed_body(name, of_model)
+                          : RigidBody{.name = name, .shape = of_model, .mass = s.mass, .inertia = s.inertia});
+    for (std::size_t a = 0; a < b; ++a)
+      model.pair_laws[{int(a), int(b)}] = {.mu = std::min(scene.bodies[a].mu, body.mu),
+                                           .restitution = scene.restitution};
+    if (body.force.isZero(0)) continue;
+    const Eigen::Index at = 6 * Eigen::Index(b);
+    add(model,
+        ForceLaw{.name = "push",
+                 .add_to = [at, force = body.force](const Model&, const State&, double,
+                                                    GeneralisedForce& f) { f.f.segment<3>(at) += force; },
+                 .potential = {}});
+  }
+  out.state = rest_state(model);
+  for (std::size_t b = 0; b < scene.bodies.size(); ++b) out.state.g[b] = scene.bodies[b].g;
+  return out;
+}
+
+MoreauJeanOptions kernel_options(const PeerScene& scene, double h) {
+  MoreauJeanOptions options{.h = h};
+  if (scene.restitution > 0) {
+    options.theta = 0.5;
+    options.normal.law = NormalLaw::moreau;
+  }
+  return options;
+}
+
+PeerSample sample(const State& state) {
+  PeerSample out{.t = state.t, .g = state.g};
+  for (int b = 0; b < int(state.g.size()); ++b) out.v.push_back(twist(state, b).head<3>());
+  return out;
+}
+
+PeerJudge::PeerJudge(const PeerScene& scene) : scene_(scene) {}
+
+void PeerJudge::see(const PeerSample& now) {
+  if (steps_ == 0 && scene_.measure == PeerMeasure::energy) energy_ = ball_energy(scene_, now);
+  ++steps_;
+  switch (scene_.measure) {
+    case PeerMeasure::speed: {
+      const Vec3 exact = scene_.acceleration * now.t * scene_.bodies[1].force.normalized();
+      const double off = (now.v[1] - exact).norm();
+      sum_ += off * off;
+      scale_ += exact.squaredNorm();
+      if (now.t > 0) worst_ = std::max(worst_, off / exact.norm());
+      break;
+    }
+    case PeerMeasure::energy: {
+      const double exact = exact_bounce_energy(kDrop - kBallRadius, scene_.restitution, now.t);
+      const double off = std::abs(ball_energy(scene_, now) / energy_ - exact);
+      sum_ += off;
+      worst_ = std::max(worst_, off);
+      break;
+    }
+    case PeerMeasure::overlap:
+      worst_ = std::max(worst_, deepest_overlap(scene_, now));
+      break;
+    case PeerMeasure::displacement: {
+      const double displacement = largest_displacement(scene_, now);
+      worst_ = std::max(worst_, displacement);
+      if (displacement > kFallen) fall_time_ = std::min(fall_time_, now.t);
+      break;
+    }
+  }
+}
+
+double PeerJudge::error() const {
+  switch (scene_.measure) {
+    case PeerMeasure::speed:
+      return scale_ > 0 ? std::sqrt(sum_ / scale_) : 0;
+    case PeerMeasure::energy:
+      return steps_ > 0 ? sum_ / double(steps_) : 0;
+    case PeerMeasure::overlap:
+    case PeerMeasure::displacement:
+      break;
+  }
+  return worst_;
+}
+
+}  // namespace aussois
