@@ -124,6 +124,19 @@ double largest_displacement(const PeerScene& scene, const PeerSample& now) {
 
 }  // namespace
 
+std::vector<Vec3> corners(const PeerShape& shape, double depth) {
+  const Vec2 half = shape.size.head<2>() / 2;
+  const std::vector<Vec2> profile =
+      shape.kind == PeerShapeKind::prism
+          ? shape.profile
+          : std::vector<Vec2>{-half, Vec2(half.x(), -half.y()), half, Vec2(-half.x(), half.y())};
+  std::vector<Vec3> out;
+  for (const double side : {-1, 1})
+    for (const Vec2& x : moved_in(profile, depth))
+      out.emplace_back(x.x(), x.y(), side * (shape.size.z() / 2 - depth));
+  return out;
+}
+
 PeerScene rolling_scene(const Vec2& direction) {
   PeerScene scene =
       on_ground("rolling", "a box under 25 balls is pushed and slides, the balls roll", 40, 0.4);

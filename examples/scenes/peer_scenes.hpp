@@ -22,6 +22,9 @@ struct PeerShape {
   Mat3 inertia = Mat3::Zero();  // about the centre of mass, which is the origin [kg m^2]
 };
 
+/// Corners of a box or prism whose faces are moved in by `depth` [m].
+std::vector<Vec3> corners(const PeerShape& shape, double depth);
+
 struct PeerBody {
   int shape = 0;
   bool fixed = false;

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scenes that every engine of rigid bodies runs, ours and those of Bullet, ODE and MuJoCo in one process: the
+// error of each, its CPU time per step in interleaved rounds, and verdicts on ours.
+//
+// Theory   doc/theory/peer_scenes.md
+// Run      bench_dynamics
+//          bench_dynamics --scene tower,arch --rounds 3 --json out/bench_dynamics.json
+// Expect   a line per scene and engine, then a line per number that is wanted, with PASS
+#include <algorithm>
+#include <cstdio>
+#include <sstream>
+
+#include "bench/dynamics_report.hpp"
+#include "examples/common/driver.hpp"
+#include "examples/common/progress.hpp"
+#include "geometry/check.hpp"
+
+using namespace aussois;
+
+namespace {
+
+struct Arguments {
+  std::string scenes{};
+  std::filesystem::path json{};
+  DynamicsOptions cost{};
+  CommonOptions common{};
+};
+
+std::vector<DynamicsCase> cases_of(const std::string& names) {
+  if (names.empty()) return dynamics_cases();
+  std::vector<DynamicsCase> out;
+  std::istringstream all(names);
+  for (std::string name; std::getline(all, name, ',');) {
+    peer_scene(name);  // throws for a name that there is not
+    const std::size_t before = out.size();
+    std::ranges::copy_if(dynamics_cases(), std::back_inserter(out),
+                         [&](const DynamicsCase& c) { return c.scene == name; });
+    if (out.size() == before) out.push_back({.scene = name, .h = 1e-2});
+  }
+  return out;
+}
+
+ExitCode bench(const Arguments& a) {
+  require(a.common.threads == 1, "--threads must be 1: what is measured is the time of one thread");
+  const std::vector<DynamicsCase> cases = cases_of(a.scenes);
+  if (a.json.has_parent_path()) std::filesystem::create_directories(a.json.parent_path());
+  const std::vector<PeerEngine> all = engines();
+  if (all.size() == 1)
+    std::fprintf(stderr, "no peer: neither Bullet nor ODE nor MuJoCo was there when this was configured\n");
+
+  // 1. Measure.
+  std::vector<SceneCost> costs;
+  Progress progress("bench_dynamics", double(cases.size()), Progress::style_of_stderr(a.common.quiet));
+  for (const DynamicsCase& of : cases) {
+    costs.push_back(measure_scene(of, all, a.cost, [&](const std::string& what) {
+      progress.at(double(costs.size()), what);
+      return !interrupted();
+    }));
+    if (interrupted()) return ExitCode::interrupted;
+  }
+
+  // 2. Tell.
+  std::printf("\n%s", dynamics_table_head().c_str());
+  for (const SceneCost& cost : costs) std::printf("%s", lines_of(cost).c_str());
+  if (!a.json.empty()) write_dynamics_json(a.json, costs);
+  std::printf("\n");
+  return print_verdicts(dynamics_verdicts(costs)) ? ExitCode::ok : ExitCode::not_accepted;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments a;
+  Cli cli(
+      "bench_dynamics",
+      "Runs the scenes of the peers in our kernel and in Bullet (sequential impulses), ODE (QuickStep) and "
+      "MuJoCo (Newton), each with its defaults and without sleeping: the error of each, judged alike, and "
+      "the CPU time of a step on one thread, of several rounds in turn the least. A peer that was not "
+      "there when this was configured is left out.");
+  cli.group("scene");
+  cli.option("--scene", a.scenes, "names with commas between them; all that are compared if empty");
+  cli.option("--length", a.cost.length, "of every run, over the whole length of its scene", "-", {1e-4, 1});
+  cli.group("measurement");
+  cli.option("--rounds", a.cost.rounds, "in which the engines are timed in turn", "", {1, 1000});
+  cli.option("--timed", a.cost.t_timed, "simulated time of a timed run at most", "s", {1e-3, 1e4});
+  cli.option("--json", a.json, "file for all numbers");
+  cli.common(a.common);
+  cli.example("bench_dynamics --scene tower,heavy_tower", "two scenes");
+  cli.example("bench_dynamics --rounds 9 --json out/bench_dynamics.json", "calmer numbers, kept");
+  return run_driver(cli, argc, argv, [&] { return bench(a); });
+}

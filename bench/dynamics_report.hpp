@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// What bench_dynamics found, for people and scripts: a table, verdicts against what is wanted, JSON.
+#pragma once
+
+#include <filesystem>
+
+#include "bench/dynamics_cost.hpp"
+#include "bench/verdict.hpp"
+
+namespace aussois {
+
+/// Error and cost of our kernel on every scene that has bars. An error is held to its bar only over the whole
+/// length of its scene, or shorter: errors grow.
+std::vector<Verdict> dynamics_verdicts(const std::vector<SceneCost>& scenes);
+
+std::string dynamics_table_head();
+std::string lines_of(const SceneCost& scene);  // a line per engine
+
+/// {"scenes": [{"scene", "h", "t_end", "engines": {"aussois": {"error", "fall_time", "us", "ratio", ...},
+/// ...}}], "summary": {...}}; what is not is null. `ratio`: of the time, to Bullet's.
+void write_dynamics_json(const std::filesystem::path& path, const std::vector<SceneCost>& scenes);
+
+}  // namespace aussois

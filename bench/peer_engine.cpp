@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/peer_engine.hpp"
+
+#include <memory>
+
+namespace aussois {
+namespace {
+
+struct World {
+  KernelScene scene{};
+  MoreauJean scheme;
+  double h = 0, t = 0;
+
+  World(const PeerScene& peers, double step)
+      : scene(kernel_scene(peers)), scheme(scene.model, kernel_options(peers, step)), h(step) {}
+  // A step that was cut is followed by others until h has passed, as the peers' step does. One that fails
+  // leaves the clock behind and shows as an error of the scene.
+  void advance() {
+    t += h;
+    while (scene.state.t < t - 1e-9 * h)
+      if (scheme.step(scene.state, t - scene.state.t).status != StepStatus::ok) return;
+  }
+};
+
+}  // namespace
+
+PeerEngine aussois_engine() {
+  return {"aussois", [](const PeerScene& scene, double h) -> std::optional<EngineRun> {
+            const auto world = std::make_shared<World>(scene, h);
+            return EngineRun{[world] { world->advance(); }, [world] { return sample(world->scene.state); }};
+          }};
+}
+
+std::vector<PeerEngine> engines() {
+  std::vector<PeerEngine> out{aussois_engine()};
+#ifdef AUSSOIS_BENCH_BULLET
+  out.push_back(bullet_engine());
+#endif
+#ifdef AUSSOIS_BENCH_ODE
+  out.push_back(ode_engine());
+#endif
+#ifdef AUSSOIS_BENCH_MUJOCO
+  out.push_back(mujoco_engine());
+#endif
+  return out;
+}
+
+}  // namespace aussois

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include <ode/ode.h>
+
+#include "bench/peer_engine.hpp"
+
+namespace aussois {
+namespace {
+
+constexpr int kContactsOfAPair = 8;
+
+struct World {
+  dWorldID world = nullptr;
+  dSpaceID space = nullptr;
+  dJointGroupID contacts = nullptr;
+  std::vector<dBodyID> bodies{};
+  std::vector<double> mu{};
+  std::vector<Vec3> force{};
+  std::vector<SE3> start{};
+  double restitution = 0, h = 0, t = 0;
+
+  World(const PeerScene& scene, double step) : restitution(scene.restitution), h(step) {
+    dInitODE2(0);
+    world = dWorldCreate();
+    space = dHashSpaceCreate(nullptr);
+    contacts = dJointGroupCreate(0);
+    dWorldSetGravity(world, scene.gravity.x(), scene.gravity.y(), scene.gravity.z());
+    for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+      const PeerBody& body = scene.bodies[b];
+      const PeerShape& shape = scene.shapes[std::size_t(body.shape)];
+      const dGeomID geom = shape.kind == PeerShapeKind::ball
+                               ? dCreateSphere(space, shape.size.x())
+                               : dCreateBox(space, shape.size.x(), shape.size.y(), shape.size.z());
+      dGeomSetData(geom, reinterpret_cast<void*>(b));
+      bodies.push_back(body.fixed ? nullptr : dBodyCreate(world));
+      mu.push_back(body.mu);
+      force.push_back(body.force);
+      start.push_back(body.g);
+      if (body.fixed) {
+        dGeomSetPosition(geom, body.g.p.x(), body.g.p.y(), body.g.p.z());
+        continue;
+      }
+      dMass mass;
+      const Mat3& J = shape.inertia;
+      dMassSetParameters(&mass, shape.mass, 0, 0, 0, J(0, 0), J(1, 1), J(2, 2), J(0, 1), J(0, 2), J(1, 2));
+      dBodySetMass(bodies.back(), &mass);
+      dGeomSetBody(geom, bodies.back());
+      const dQuaternion R{body.g.R.w(), body.g.R.x(), body.g.R.y(), body.g.R.z()};
+      dBodySetPosition(bodies.back(), body.g.p.x(), body.g.p.y(), body.g.p.z());
+      dBodySetQuaternion(bodies.back(), R);
+    }
+  }
+  ~World() {
+    dJointGroupDestroy(contacts);
+    dSpaceDestroy(space);
+    dWorldDestroy(world);
+    dCloseODE();
+  }
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+
+  static void near(void* self, dGeomID a, dGeomID b) { static_cast<World*>(self)->touch(a, b); }
+  void touch(dGeomID a, dGeomID b) {
+    if (!dGeomGetBody(a) && !dGeomGetBody(b)) return;
+    dContact found[kContactsOfAPair];
+    const int count = dCollide(a, b, kContactsOfAPair, &found[0].geom, sizeof(dContact));
+    const auto friction = [&](dGeomID geom) { return mu[reinterpret_cast<std::size_t>(dGeomGetData(geom))]; };
+    for (int i = 0; i < count; ++i) {
+      dSurfaceParameters& surface = found[i].surface;
+      surface = {};
+      surface.mode = dContactApprox1 | (restitution > 0 ? dContactBounce : 0);
+      surface.mu = std::min(friction(a), friction(b));
+      surface.bounce = restitution;
+      dJointAttach(dJointCreateContact(world, contacts, &found[i]), dGeomGetBody(a), dGeomGetBody(b));
+    }
+  }
+
+  void advance() {
+    dSpaceCollide(space, this, &near);
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+      if (!force[b].isZero(0)) dBodyAddForce(bodies[b], force[b].x(), force[b].y(), force[b].z());
+    dWorldQuickStep(world, h);
+    dJointGroupEmpty(contacts);
+    t += h;
+  }
+  PeerSample look() const {
+    PeerSample out{.t = t, .g = start};
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      out.v.push_back(Vec3::Zero());
+      if (!bodies[b]) continue;
+      const dReal *x = dBodyGetPosition(bodies[b]), *R = dBodyGetQuaternion(bodies[b]),
+                  *v = dBodyGetLinearVel(bodies[b]);
+      out.g[b] = {Quat(R[0], R[1], R[2], R[3]), Vec3(x[0], x[1], x[2])};
+      out.v[b] = Vec3(v[0], v[1], v[2]);
+    }
+    return out;
+  }
+};
+
+}  // namespace
+
+PeerEngine ode_engine() {
+  return {"ode", [](const PeerScene& scene, double h) -> std::optional<EngineRun> {
+            for (const PeerShape& shape : scene.shapes)
+              if (shape.kind == PeerShapeKind::prism) return std::nullopt;
+            const auto world = std::make_shared<World>(scene, h);
+            return EngineRun{[world] { world->advance(); }, [world] { return world->look(); }};
+          }};
+}
+
+}  // namespace aussois
