@@ -108,27 +108,49 @@ void add_coordinates(const Model& model, const State& state, const DofMap& dofs,
   }
 }
 
+// The derivative of omega x J omega with respect to omega.
+Mat3 gyroscopic_derivative(const Mat3& J, const Vec3& omega) {
+  return skew(omega) * J - skew(J * omega);
+}
+
+// Square blocks of 3 along the diagonal, in the order of the rows; zeros take no place.
+class DiagonalBlocks {
+ public:
+  explicit DiagonalBlocks(int n) : matrix_(n, n) { matrix_.reserve(3 * n); }
+  void add(int row, const Mat3& block) {
+    for (int j = 0; j < 3; ++j) {
+      matrix_.startVec(row + j);
+      for (int i = 0; i < 3; ++i)
+        if (block(i, j) != 0) matrix_.insertBackByOuterInner(row + j, row + i) = block(i, j);
+    }
+  }
+  SparseMatrix take() {
+    matrix_.finalize();
+    return std::move(matrix_);
+  }
+
+ private:
+  SparseMatrix matrix_;
+};
+
+}  // namespace
+
 void sum_up(FreeMotion& out) {
-  out.M = out.mass + out.gyroscopic_D + out.law_D;                  // (MJ-4)
-  out.f = out.M * out.v + out.laws + out.gravity + out.gyroscopic;  // (MJ-5)
+  out.M = out.mass;  // (MJ-4)
+  if (out.gyroscopic_D.nonZeros() > 0) out.M += out.gyroscopic_D;
+  if (out.law_D.nonZeros() > 0) out.M += out.law_D;
+  const VecX impulse = out.laws + out.gravity + out.gyroscopic;
+  out.f = out.M * out.v + impulse;  // (MJ-5)
   out.v_free = out.v;
+  out.inverse.reset();
   if (out.v.size() == 0) return;
   out.M.makeCompressed();
-  if (const std::optional<MassInverse> inverse = invert_mass(out.M))
-    out.v_free = *inverse * out.f;
+  out.inverse = invert_mass(out.M);
+  if (out.inverse)
+    out.v_free += *out.inverse * impulse;  // not M^-1 f: flights are long, and rounding adds up
   else
     out.v_free.setConstant(std::nan(""));  // ends as not_finite in this very step
 }
-
-// Mass of a body, and the derivative of omega x J omega with respect to omega.
-void add_inertia(const RigidBody& body, const Vec3& omega, int row, std::vector<Triplet>& mass,
-                 std::vector<Triplet>& gyroscopic) {
-  add_block(mass, row, row, body.mass * Mat3::Identity());
-  add_block(mass, row + 3, row + 3, body.inertia);
-  add_block(gyroscopic, row + 3, row + 3, skew(omega) * body.inertia - skew(body.inertia * omega));
-}
-
-}  // namespace
 
 DofMap dof_map(const Model& model) {
   DofMap dofs;
@@ -203,34 +225,38 @@ FreeMotion free_motion(const Model& model, const State& state, const DofMap& dof
 
   FreeMotion out;
   out.v = out.gravity = out.gyroscopic = out.laws = VecX::Zero(dofs.rows);
-  std::vector<Triplet> mass, gyroscopic, of_coordinates;
+  DiagonalBlocks mass(dofs.rows), gyroscopic(dofs.rows);
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     const int row = dofs.first[b];
     if (row < 0) continue;
     const RigidBody& body = model.bodies[b];
     const Vec3 omega = state.v.segment<3>(6 * Eigen::Index(b) + 3), momentum = body.inertia * omega;
-    add_inertia(body, omega, row, mass, gyroscopic);
+    mass.add(row, body.mass * Mat3::Identity());
+    mass.add(row + 3, body.inertia);
+    gyroscopic.add(row, Mat3::Zero());
+    gyroscopic.add(row + 3, h * theta * gyroscopic_derivative(body.inertia, omega));
     out.v.segment<6>(row) = state.v.segment<6>(6 * Eigen::Index(b));
     out.gravity.segment<3>(row) = h * body.mass * model.gravity;
     out.gyroscopic.segment<3>(row + 3) = -h * omega.cross(momentum);
     out.laws.segment<6>(row) = h * force.f.segment<6>(6 * Eigen::Index(b));
   }
-  VecX from_coordinates = VecX::Zero(dofs.rows);
+  out.mass = mass.take();
+  out.gyroscopic_D = gyroscopic.take();
+  out.law_D = SparseMatrix(dofs.rows, dofs.rows);
   if (!model.coordinates.empty()) {
+    std::vector<Triplet> mass_of_them, law_D;
     out.laws.tail(dofs.rows - dofs.coordinates) += h * force.f.tail(dofs.rows - dofs.coordinates);
-    add_coordinates(model, state, dofs, h, theta, mass, of_coordinates, from_coordinates, out.v);
+    add_coordinates(model, state, dofs, h, theta, mass_of_them, law_D, out.laws, out.v);
+    out.mass += matrix_of(dofs.rows, mass_of_them);
+    out.law_D = matrix_of(dofs.rows, law_D);
   }
-  out.mass = matrix_of(dofs.rows, mass);
-  out.gyroscopic_D = h * theta * matrix_of(dofs.rows, gyroscopic);
-  const SparseMatrix K = matrix_of(dofs.rows, dynamic_entries(force.K, dofs));
-  const SparseMatrix C = matrix_of(dofs.rows, dynamic_entries(force.C, dofs));
-  out.law_D = h * theta * C + h * h * theta * theta * K;
-  out.laws -= h * h * theta * (K * out.v);
-  if (!model.coordinates.empty()) {
-    out.law_D += matrix_of(dofs.rows, of_coordinates);
-    out.laws += from_coordinates;
+  if (!force.K.empty() || !force.C.empty()) {
+    const SparseMatrix K = matrix_of(dofs.rows, dynamic_entries(force.K, dofs));
+    const SparseMatrix C = matrix_of(dofs.rows, dynamic_entries(force.C, dofs));
+    out.law_D += SparseMatrix(h * theta * C + h * h * theta * theta * K);
+    out.laws -= h * h * theta * (K * out.v);
+    subtract_moved_anchors(force, dofs, prescribed_velocity(model, state, h), state.v, h, theta, out.laws);
   }
-  subtract_moved_anchors(force, dofs, prescribed_velocity(model, state, h), state.v, h, theta, out.laws);
   sum_up(out);
   return out;
 }
@@ -274,7 +300,9 @@ Forces forces_at(const Model& model, const State& state, const DofMap& dofs) {
     if (row < 0) continue;
     const RigidBody& body = model.bodies[b];
     const Vec3 omega = state.v.segment<3>(6 * Eigen::Index(b) + 3), momentum = body.inertia * omega;
-    add_inertia(body, omega, row, mass, C);
+    add_block(mass, row, row, body.mass * Mat3::Identity());
+    add_block(mass, row + 3, row + 3, body.inertia);
+    add_block(C, row + 3, row + 3, gyroscopic_derivative(body.inertia, omega));
     out.gravity.segment<3>(row) = body.mass * model.gravity;
     out.gyroscopic.segment<3>(row + 3) = -omega.cross(momentum);
   }

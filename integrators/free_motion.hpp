@@ -5,6 +5,7 @@
 #include <string>
 
 #include "mechanics/state.hpp"
+#include "nsgs/mass_inverse.hpp"
 
 namespace aussois {
 
@@ -35,10 +36,11 @@ std::vector<SE3> moved_poses(const Model& model, const State& state, const VecX&
 /// Rows of the dynamic bodies and of the coordinates. M^ (v+ - v) = gravity + gyroscopic + laws + H r, where
 /// what depends on v+ stands in M^.
 struct FreeMotion {
-  SparseMatrix M{};  // M^ = mass + gyroscopic_D + law_D
-  VecX f{};          // momentum: M^ v_free = f [N s, N m s]
-  VecX v{};          // velocity at the start of the step
-  VecX v_free{};     // velocity at its end without contact
+  SparseMatrix M{};                      // M^ = mass + gyroscopic_D + law_D
+  VecX f{};                              // momentum: M^ v_free = f [N s, N m s]
+  VecX v{};                              // velocity at the start of the step
+  VecX v_free{};                         // velocity at its end without contact; not a number if M is singular
+  std::optional<MassInverse> inverse{};  // M^-1, if it was asked for
   SparseMatrix mass{};
   VecX gravity{};               // impulse over the step [N s]
   VecX gyroscopic{};            // h (-omega x J omega) at the start
@@ -54,6 +56,9 @@ struct FreeMotion {
 /// `middle` (MJT-9).
 void add_axis_forces(const Model& model, const State& state, const std::vector<SE3>& middle, double t,
                      GeneralisedForce& force);
+
+/// M, f, v_free and the inverse from the velocity, the impulses and the matrices that they are the sums of.
+void sum_up(FreeMotion& free);
 
 /// `theta` in [1/2, 1].
 FreeMotion free_motion(const Model& model, const State& state, const DofMap& dofs, double h, double theta);

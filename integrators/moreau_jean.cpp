@@ -5,7 +5,6 @@
 
 #include "geometry/check.hpp"
 #include "integrators/advance_step.hpp"
-#include "nsgs/mass_inverse.hpp"
 
 namespace aussois {
 namespace {
@@ -33,8 +32,9 @@ FreeMotion at_iterate(const StepSetting& setting, const State& start, const Free
   out.gravity = forces.gravity;
   out.gyroscopic = forces.gyroscopic + first.gyroscopic_D * change;
   out.laws = forces.laws + first.law_D * change;
-  out.f = out.M * out.v + out.laws + out.gravity + out.gyroscopic;
-  if (const std::optional<MassInverse> inverse = invert_mass(out.M)) out.v_free = *inverse * out.f;
+  const VecX impulse = out.laws + out.gravity + out.gyroscopic;
+  out.f = out.M * out.v + impulse;
+  if (out.inverse) out.v_free = out.v + *out.inverse * impulse;
   return out;
 }
 
@@ -76,19 +76,18 @@ MoreauJean::MoreauJean(const Model& model, const MoreauJeanOptions& options)
   validate(options);
 }
 
-VecX MoreauJean::estimate(const State& state, double h) const {
-  const double theta = options_.theta;
-  return estimate_without_contacts(setting_, state,
-                                   free_motion(setting_.model, state, setting_.dofs, h, theta), h, theta);
+FreeMotion MoreauJean::free(const State& state, double h) const {
+  return free_motion(setting_.model, state, setting_.dofs, h, options_.theta);  // (MJ-4), (MJ-5)
 }
 
-Attempt MoreauJean::attempt(const State& state, const VecX& v_estimate, double h) const {
+Attempt MoreauJean::attempt(const State& state, const FreeMotion& without, const VecX& v_estimate,
+                            double h) const {
   const double theta = options_.theta, time = time_of(options_.contacts, h);
   const NormalLawOptions& normal = options_.normal;
   Found found = find_ahead(setting_, state, v_estimate, h);
   const std::optional<AfterImpact> after = after_impact(setting_, state, found, options_.impact, theta);
   const State& start = after ? after->state : state;
-  const FreeMotion first = free_motion(setting_.model, start, setting_.dofs, h, theta);  // (MJ-4), (MJ-5)
+  const FreeMotion first = after ? free(start, h) : without;
   ImpulseStep step =
       solve_step(setting_, start, found, first, theta,
                  after ? after->blocks : contact_blocks(setting_, start, found.contacts, h, normal));
@@ -130,9 +129,20 @@ Attempt MoreauJean::attempt(const State& state, const VecX& v_estimate, double h
 }
 
 StepReport MoreauJean::step(State& state, double h_limit) const {
+  FreeMotion without;  // contacts; of the length that is tried, from the start that all attempts share
+  double length = 0;
+  const auto free_for = [&](const State& start, double h) -> const FreeMotion& {
+    if (h != length) without = free(start, h), length = h;
+    return without;
+  };
   return advance_step(setting_, state, h_limit,
-                      {[&](const State& start, double h) { return estimate(start, h); },
-                       [&](const State& start, const VecX& v, double h) { return attempt(start, v, h); }});
+                      {[&](const State& start, double h) {
+                         return estimate_without_contacts(setting_, start, free_for(start, h), h,
+                                                          options_.theta);
+                       },
+                       [&](const State& start, const VecX& v, double h) {
+                         return attempt(start, free_for(start, h), v, h);
+                       }});
 }
 
 ContactSet MoreauJean::contacts(const State& state, double threshold) const {

@@ -56,8 +56,9 @@ class MoreauJean {
   ContactSet contacts(const State& state, double threshold) const;
 
  private:
-  VecX estimate(const State& state, double h) const;
-  Attempt attempt(const State& state, const VecX& v_estimate, double h) const;
+  FreeMotion free(const State& state, double h) const;
+  /// `without` is the free motion of the state.
+  Attempt attempt(const State& state, const FreeMotion& without, const VecX& v_estimate, double h) const;
 
   StepSetting setting_;
   MoreauJeanOptions options_;

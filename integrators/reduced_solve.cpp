@@ -55,7 +55,8 @@ ReducedSolution solve_reduced(const FreeMotion& free, const DofMap& dofs, const 
       const int count = out.problem.laws[k].rows;
       out.start.segment(out.first_row[k], count) = r[std::size_t(out.kept[k])].head(count);
     }
-    out.solution = solve(out.problem, out.start, options);
+    out.solution = free.inverse ? solve(out.problem, {*free.inverse, free.v_free}, out.start, options)
+                                : solve(out.problem, out.start, options);
     add_up(total, out.solution.report);
     if (!out.solution.v.allFinite()) break;
     for (std::size_t k = 0; k < out.kept.size(); ++k) {

@@ -5,7 +5,6 @@
 
 #include "geometry/check.hpp"
 #include "integrators/advance_step.hpp"
-#include "nsgs/mass_inverse.hpp"
 
 namespace aussois {
 namespace {
@@ -16,11 +15,7 @@ FreeMotion kick(const StepSetting& setting, const State& state, double h, double
   FreeMotion out = free_motion(setting.model, state, setting.dofs, time, theta);
   if (theta < 0.5)  // gyroscopic terms have no explicit form that keeps a top spinning
     out.gyroscopic_D = free_motion(setting.model, state, setting.dofs, time, 0.5).gyroscopic_D;
-  out.M = out.mass + out.gyroscopic_D + out.law_D;
-  out.M.makeCompressed();
-  out.f = out.M * out.v + out.laws + out.gravity + out.gyroscopic;
-  if (setting.dofs.rows == 0) return out;
-  if (const std::optional<MassInverse> inverse = invert_mass(out.M)) out.v_free = *inverse * out.f;
+  sum_up(out);
   return out;
 }
 

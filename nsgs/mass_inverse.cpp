@@ -23,7 +23,7 @@ bool all_finite(const SparseMatrix& M) {
 }
 
 // Connected components of the graph of M, by union-find whose roots are the smallest rows.
-std::vector<MassBlock> coupled_rows(const SparseMatrix& M) {
+void find_blocks(const SparseMatrix& M, MassInverse& out) {
   std::vector<int> parent(std::size_t(M.rows()));
   std::iota(parent.begin(), parent.end(), 0);
   const auto root = [&](int i) {
@@ -37,25 +37,52 @@ std::vector<MassBlock> coupled_rows(const SparseMatrix& M) {
       const int a = root(int(it.row())), b = root(j);
       parent[std::size_t(std::max(a, b))] = std::min(a, b);
     }
-  std::vector<MassBlock> blocks;
-  std::vector<int> block_of_root(parent.size(), -1);
+  out.block_of.resize(parent.size());
+  std::vector<int> place;  // of each block, the next free entry of `rows`
   for (int i = 0; i < int(parent.size()); ++i) {
-    int& index = block_of_root[std::size_t(root(i))];
-    if (index < 0) {
-      index = int(blocks.size());
-      blocks.emplace_back();
-    }
-    blocks[std::size_t(index)].rows.push_back(i);
+    const int top = root(i);
+    if (top == i) place.push_back(0);
+    out.block_of[std::size_t(i)] = top == i ? int(place.size()) - 1 : out.block_of[std::size_t(top)];
+    ++place[std::size_t(out.block_of[std::size_t(i)])];
   }
-  return blocks;
+  for (int& count : place) {
+    const int begin = out.first.back();
+    out.first.push_back(begin + count);
+    count = begin;
+  }
+  out.rows.resize(parent.size());
+  for (int i = 0; i < int(parent.size()); ++i)
+    out.rows[std::size_t(place[std::size_t(out.block_of[std::size_t(i)])]++)] = i;
 }
 
-MatX dense_block(const SparseMatrix& M, const std::vector<int>& rows) {
-  const Eigen::Index size = Eigen::Index(rows.size());
-  MatX block(size, size);
-  for (Eigen::Index i = 0; i < size; ++i)
-    for (Eigen::Index j = 0; j < size; ++j) block(i, j) = M.coeff(rows[std::size_t(i)], rows[std::size_t(j)]);
-  return block;
+// N rows, or any number of them if N is Eigen::Dynamic. Rows and columns are scaled by the diagonal: kg
+// beside kg m^2 is not ill-conditioning. False: singular.
+template <int N>
+bool invert_block(const SparseMatrix& M, const int* rows, int size, double* inverse) {
+  using Block = Eigen::Matrix<double, N, N>;
+  Block dense(size, size);
+  for (int j = 0; j < size; ++j)
+    for (int i = 0; i < size; ++i) dense(i, j) = M.coeff(rows[i], rows[j]);
+  const Eigen::Matrix<double, N, 1> scale = dense.diagonal().cwiseAbs().cwiseSqrt().cwiseInverse();
+  if (!scale.allFinite()) return false;
+  dense = scale.asDiagonal() * dense * scale.asDiagonal();
+  const Eigen::FullPivLU<Block> lu(dense);
+  if (!lu.isInvertible()) return false;
+  const Block scaled = lu.inverse();
+  Eigen::Map<Block>(inverse, size, size) = scale.asDiagonal() * scaled * scale.asDiagonal();
+  return true;
+}
+
+bool invert_block(const SparseMatrix& M, const int* rows, int size, double* inverse) {
+  switch (size) {
+    case 1:  // translations of a body, and rotations about its axes of inertia at rest
+      *inverse = 1 / M.coeff(*rows, *rows);
+      return std::isfinite(*inverse);
+    case 3:
+      return invert_block<3>(M, rows, size, inverse);
+    default:
+      return invert_block<Eigen::Dynamic>(M, rows, size, inverse);
+  }
 }
 
 }  // namespace
@@ -63,71 +90,105 @@ MatX dense_block(const SparseMatrix& M, const std::vector<int>& rows) {
 VecX MassInverse::operator*(const VecX& x) const {
   if (factor) return factor->lu.solve(x);
   VecX y(x.size());
-  for (const MassBlock& block : blocks) {
-    const Eigen::Index size = Eigen::Index(block.rows.size());
-    for (Eigen::Index i = 0; i < size; ++i) {
+  for (int b = 0; b < count(); ++b) {
+    const int *of = rows.data() + first[std::size_t(b)], n = size(b);
+    const double* inv = inverse.data() + at[std::size_t(b)];
+    for (int i = 0; i < n; ++i) {
       double sum = 0;
-      for (Eigen::Index j = 0; j < size; ++j) sum += block.inverse(i, j) * x[block.rows[std::size_t(j)]];
-      y[block.rows[std::size_t(i)]] = sum;
+      for (int j = 0; j < n; ++j) sum += inv[i + n * j] * x[of[j]];
+      y[of[i]] = sum;
     }
   }
   return y;
 }
 
 SparseMatrix MassInverse::operator*(const SparseMatrix& X) const {
-  std::vector<Triplet> entries;
-  std::vector<int> touched;
-  for (int j = 0; j < X.outerSize(); ++j) {
-    if (factor) {
+  if (factor) {
+    std::vector<Triplet> entries;
+    for (int j = 0; j < X.outerSize(); ++j) {
       const VecX y = factor->lu.solve(VecX(X.col(j)));
       for (int i = 0; i < y.size(); ++i)
         if (y[i] != 0) entries.emplace_back(i, j, y[i]);
-      continue;
     }
-    touched.clear();
-    for (SparseMatrix::InnerIterator it(X, j); it; ++it) touched.push_back(block_of[std::size_t(it.row())]);
-    std::sort(touched.begin(), touched.end());
-    touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
-    for (const int index : touched) {
-      const MassBlock& block = blocks[std::size_t(index)];
-      VecX x(Eigen::Index(block.rows.size()));
-      for (Eigen::Index k = 0; k < x.size(); ++k) x[k] = X.coeff(block.rows[std::size_t(k)], j);
-      const VecX y = block.inverse * x;
-      for (Eigen::Index k = 0; k < x.size(); ++k) entries.emplace_back(block.rows[std::size_t(k)], j, y[k]);
-    }
+    SparseMatrix Y(X.rows(), X.cols());
+    Y.setFromTriplets(entries.begin(), entries.end());
+    return Y;
   }
   SparseMatrix Y(X.rows(), X.cols());
-  Y.setFromTriplets(entries.begin(), entries.end());
+  Y.reserve(2 * X.nonZeros());
+  std::vector<int> touched;
+  std::vector<std::pair<int, double>> column;  // row, value
+  VecX x = VecX::Zero(X.rows());
+  for (int j = 0; j < X.outerSize(); ++j) {
+    touched.clear();
+    column.clear();
+    for (SparseMatrix::InnerIterator it(X, j); it; ++it) {
+      touched.push_back(block_of[std::size_t(it.row())]);
+      x[it.row()] = it.value();
+    }
+    std::ranges::sort(touched);
+    touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+    for (const int b : touched) {
+      const int *of = rows.data() + first[std::size_t(b)], n = size(b);
+      const double* inv = inverse.data() + at[std::size_t(b)];
+      for (int i = 0; i < n; ++i) {
+        double sum = 0;
+        for (int k = 0; k < n; ++k) sum += inv[i + n * k] * x[of[k]];
+        column.emplace_back(of[i], sum);
+      }
+    }
+    for (SparseMatrix::InnerIterator it(X, j); it; ++it) x[it.row()] = 0;
+    std::ranges::sort(column);
+    Y.startVec(j);
+    for (const auto& [row, value] : column) Y.insertBackByOuterInner(j, row) = value;
+  }
+  Y.finalize();
   return Y;
+}
+
+std::optional<MassInverse> part(const MassInverse& inverse, const std::vector<int>& some) {
+  if (inverse.factor) return std::nullopt;
+  MassInverse out;
+  out.block_of.resize(some.size());
+  const auto place = [&](int row) { return int(std::ranges::lower_bound(some, row) - some.begin()); };
+  for (const int row : some) {
+    const int b = inverse.block_of[std::size_t(row)], n = inverse.size(b);
+    const int* rows = inverse.rows.data() + inverse.first[std::size_t(b)];
+    if (*rows != row) continue;  // blocks come with their first row
+    for (int i = 0; i < n; ++i) {
+      out.rows.push_back(place(rows[i]));
+      out.block_of[std::size_t(out.rows.back())] = out.count();
+    }
+    const double* entries = inverse.inverse.data() + inverse.at[std::size_t(b)];
+    out.at.push_back(out.inverse.size());
+    out.first.push_back(int(out.rows.size()));
+    out.inverse.insert(out.inverse.end(), entries, entries + n * n);
+  }
+  return out;
 }
 
 std::optional<MassInverse> invert_mass(const SparseMatrix& M) {
   if (!all_finite(M)) return std::nullopt;
-  MassInverse result;
-  result.blocks = coupled_rows(M);
-  const bool small = std::all_of(result.blocks.begin(), result.blocks.end(), [](const MassBlock& block) {
-    return block.rows.size() <= std::size_t(kLargestMassBlock);
-  });
-  if (!small) {
-    result.blocks.clear();
-    result.factor = std::make_shared<SparseFactor>();
-    result.factor->lu.compute(M);
-    if (result.factor->lu.info() != Eigen::Success) return std::nullopt;
-    return result;
+  MassInverse out;
+  find_blocks(M, out);
+  const int blocks = int(out.first.size()) - 1;
+  std::size_t entries = 0;
+  for (int b = 0; b < blocks; ++b) {
+    const int n = out.size(b);
+    out.at.push_back(entries);
+    entries += std::size_t(n) * std::size_t(n);
+    if (n <= kLargestMassBlock) continue;
+    MassInverse whole{.factor = std::make_shared<SparseFactor>()};
+    whole.factor->lu.compute(M);
+    if (whole.factor->lu.info() != Eigen::Success) return std::nullopt;
+    return whole;
   }
-  result.block_of.resize(std::size_t(M.rows()));
-  for (std::size_t b = 0; b < result.blocks.size(); ++b) {
-    MassBlock& block = result.blocks[b];
-    for (const int row : block.rows) result.block_of[std::size_t(row)] = int(b);
-    const MatX dense = dense_block(M, block.rows);
-    // Rows and columns scaled by the diagonal: kg beside kg m^2 is not ill-conditioning.
-    const VecX scale = dense.diagonal().cwiseAbs().cwiseSqrt().cwiseInverse();
-    if (!scale.allFinite()) return std::nullopt;
-    const Eigen::FullPivLU<MatX> lu(scale.asDiagonal() * dense * scale.asDiagonal());
-    if (!lu.isInvertible()) return std::nullopt;
-    block.inverse = scale.asDiagonal() * lu.inverse() * scale.asDiagonal();
-  }
-  return result;
+  out.inverse.resize(entries);
+  for (int b = 0; b < blocks; ++b)
+    if (!invert_block(M, out.rows.data() + out.first[std::size_t(b)], out.size(b),
+                      out.inverse.data() + out.at[std::size_t(b)]))
+      return std::nullopt;
+  return out;
 }
 
 }  // namespace aussois

@@ -11,24 +11,28 @@
 
 namespace aussois {
 
-/// One block that M does not couple with the rest.
-struct MassBlock {
-  std::vector<int> rows{};  // ascending
-  MatX inverse{};
-};
-
 struct SparseFactor;  // Eigen's SparseLU, kept out of this header
 
+/// Blocks that M does not couple with each other, ordered by their first row; none if `factor` is set.
 struct MassInverse {
-  std::vector<MassBlock> blocks{};         // ordered by their first row; empty if `factor` is set
+  std::vector<int> rows{};                 // of one block after the other, ascending in each
+  std::vector<int> first{0};               // where each block begins in `rows`; one past the last
+  std::vector<double> inverse{};           // the blocks' inverses, by columns, one after the other
+  std::vector<std::size_t> at{};           // where each begins
   std::vector<int> block_of{};             // the block of every row
   std::shared_ptr<SparseFactor> factor{};  // for a matrix with a block of more than kLargestMassBlock rows
 
+  int count() const { return int(at.size()); }
+  int size(int block) const { return first[std::size_t(block) + 1] - first[std::size_t(block)]; }
   VecX operator*(const VecX& x) const;
   SparseMatrix operator*(const SparseMatrix& X) const;
 };
 
-inline constexpr int kLargestMassBlock = 24;  // four coupled rigid bodies; above, M^-1 H stops being sparse
+inline constexpr int kLargestMassBlock = 24;  // rows: four coupled rigid bodies; above, M^-1 H stops being
+                                              // sparse
+
+/// Of some rows, ascending: those of whole blocks. Nothing if `factor` is set.
+std::optional<MassInverse> part(const MassInverse& inverse, const std::vector<int>& some);
 
 /// Nothing if M is not finite, or singular to working precision.
 std::optional<MassInverse> invert_mass(const SparseMatrix& M);

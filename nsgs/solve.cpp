@@ -28,6 +28,7 @@ struct Part {
   Problem problem{};
   VecX r0{};
   std::optional<MotionInverse> inverse{};  // of bodies; nothing if M is singular
+  VecX v_free{};                           // M^-1 f, if it is known
   std::unique_ptr<Delassus> W{};           // nothing without contacts, or without `inverse`
   Solved solved{};
 };
@@ -38,7 +39,7 @@ void open(Part<LocalProblem>& part) {
 
 void open(Part<FrictionProblem>& part) {
   const FrictionProblem& problem = part.problem;
-  part.inverse = invert_motion(problem.M, problem.G);
+  if (!part.inverse) part.inverse = invert_motion(problem.M, problem.G);
   if (!part.inverse || problem.laws.empty()) return;
   const bool few_contacts = problem.f.size() > 2 * problem.w.size();
   const bool condensed =
@@ -99,15 +100,26 @@ void put(const VecX& part, const std::vector<int>& rows, VecX& whole) {
 void put_motion(const Part<LocalProblem>&, const VecX&, FrictionSolution&) {}
 void put_motion(const Part<FrictionProblem>& part, const VecX& r, FrictionSolution& out) {
   if (!part.inverse) return;
+  if (part.v_free.size() > 0) {
+    put(part.v_free + part.inverse->mass * (part.problem.H * r), part.island.dofs, out.v);
+    return;
+  }
   const JointedMotion moved = motion(part.problem, *part.inverse, r);
   put(moved.v, part.island.dofs, out.v);
   put(moved.lambda, part.island.joints, out.lambda);
 }
 
+void set_known(const KnownMotion& known, const std::vector<int>& dofs, Part<FrictionProblem>& now) {
+  std::optional<MassInverse> inverse = part(known.inverse, dofs);
+  if (!inverse) return;
+  now.inverse = MotionInverse{.mass = std::move(*inverse)};
+  now.v_free = known.v_free(dofs);
+}
+
 // Islands into `out`, in the order given. `size_done` is the size of the scaled q of what is solved already.
 template <class Problem>
-void solve_islands(const Problem& problem, std::vector<Island> all, const VecX& r0, double size_done,
-                   const SolverOptions& options, FrictionSolution& out) {
+void solve_islands(const Problem& problem, std::vector<Island> all, const KnownMotion* known, const VecX& r0,
+                   double size_done, const SolverOptions& options, FrictionSolution& out) {
   std::vector<Part<Problem>> parts;
   parts.reserve(all.size());
   std::vector<int> scratch;
@@ -115,6 +127,8 @@ void solve_islands(const Problem& problem, std::vector<Island> all, const VecX& 
     Part<Problem>& now = parts.emplace_back();
     now.problem = part(problem, island, scratch);
     if (r0.size() > 0) now.r0 = r0(island.rows);
+    if constexpr (std::is_same_v<Problem, FrictionProblem>)
+      if (known) set_known(*known, island.dofs, now);
     now.island = std::move(island);
   }
   const auto each = [&](auto&& f) {
@@ -210,6 +224,22 @@ void validate_start(const VecX& r0, Eigen::Index rows) {
   require_field(r0.size() == 0 || r0.size() == rows, "r0.size()", r0.size(), bound.c_str());
 }
 
+FrictionSolution solve_bodies(const FrictionProblem& problem, const KnownMotion* known, const VecX& r0,
+                              const SolverOptions& options) {
+  validate(problem);
+  validate(options);
+  validate_start(r0, problem.w.size());
+  FrictionSolution out{.v = known ? known->v_free : VecX::Zero(problem.f.size()),
+                       .u = problem.w,
+                       .r = VecX::Zero(problem.w.size()),
+                       .lambda = VecX::Zero(problem.b.size())};
+  if (known && problem.laws.empty()) return out;
+  std::vector<Island> all = islands(problem);
+  if (known && all.back().blocks.empty()) all.pop_back();  // what feels no contact
+  solve_islands(problem, std::move(all), known, r0, 0, options, out);
+  return out;
+}
+
 }  // namespace
 
 FrictionSolution solve(const LocalProblem& problem, const VecX& r0, const SolverOptions& options) {
@@ -226,20 +256,17 @@ FrictionSolution solve(const LocalProblem& problem, const VecX& r0, const Solver
     with_rows(problem.laws,
               [&]<int R>() { size_done = solve_lone_blocks<R>(problem, r0, options, lone, out); });
   }
-  solve_islands(problem, islands(problem, leader, lone), r0, size_done, options, out);
+  solve_islands(problem, islands(problem, leader, lone), nullptr, r0, size_done, options, out);
   return out;
 }
 
 FrictionSolution solve(const FrictionProblem& problem, const VecX& r0, const SolverOptions& options) {
-  validate(problem);
-  validate(options);
-  validate_start(r0, problem.w.size());
-  FrictionSolution out{.v = VecX::Zero(problem.f.size()),
-                       .u = problem.w,
-                       .r = VecX::Zero(problem.w.size()),
-                       .lambda = VecX::Zero(problem.b.size())};
-  solve_islands(problem, islands(problem), r0, 0, options, out);
-  return out;
+  return solve_bodies(problem, nullptr, r0, options);
+}
+
+FrictionSolution solve(const FrictionProblem& problem, const KnownMotion& known, const VecX& r0,
+                       const SolverOptions& options) {
+  return solve_bodies(problem, problem.G.cols() > 0 ? nullptr : &known, r0, options);
 }
 
 }  // namespace aussois

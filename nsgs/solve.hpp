@@ -6,6 +6,7 @@
 #include <string>
 
 #include "nsgs/friction_problem.hpp"
+#include "nsgs/mass_inverse.hpp"
 #include "nsgs/one_contact.hpp"
 
 namespace aussois {
@@ -80,5 +81,15 @@ struct FrictionSolution {
 /// options; never for numerical trouble: then the best iterate and a status.
 FrictionSolution solve(const FrictionProblem& problem, const VecX& r0, const SolverOptions& options = {});
 FrictionSolution solve(const LocalProblem& problem, const VecX& r0, const SolverOptions& options = {});
+
+/// M^-1 and M^-1 f of a problem, where its maker has them already.
+struct KnownMotion {
+  const MassInverse& inverse;
+  const VecX& v_free;  // n [m/s, rad/s]
+};
+/// The same solution but for rounding, sooner: bodies without contacts need not be looked at. With joints
+/// `known` is of no use, and not used.
+FrictionSolution solve(const FrictionProblem& problem, const KnownMotion& known, const VecX& r0,
+                       const SolverOptions& options = {});
 
 }  // namespace aussois

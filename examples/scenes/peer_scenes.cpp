@@ -280,6 +280,7 @@ KernelScene kernel_scene(const PeerScene& scene) {
   KernelScene out;
   Model& model = out.model;
   model.gravity = scene.gravity;
+  model.contact_law = {.mu = scene.bodies.back().mu, .restitution = scene.restitution};  // of most pairs
   std::vector<int> shape;
   for (const PeerShape& s : scene.shapes) shape.push_back(add(model, prepare(dilated(s))));
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
@@ -290,8 +291,8 @@ KernelScene kernel_scene(const PeerScene& scene) {
     add(model, body.fixed ? fixed_body(name, of_model)
                           : RigidBody{.name = name, .shape = of_model, .mass = s.mass, .inertia = s.inertia});
     for (std::size_t a = 0; a < b; ++a)
-      model.pair_laws[{int(a), int(b)}] = {.mu = std::min(scene.bodies[a].mu, body.mu),
-                                           .restitution = scene.restitution};
+      if (const double mu = std::min(scene.bodies[a].mu, body.mu); mu != model.contact_law.mu)
+        model.pair_laws[{int(a), int(b)}] = {.mu = mu, .restitution = scene.restitution};
     if (body.force.isZero(0)) continue;
     const Eigen::Index at = 6 * Eigen::Index(b);
     add(model,
