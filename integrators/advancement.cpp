@@ -195,10 +195,20 @@ std::string broken_bound(const StepMotion& step, const StepMotion& estimate,
 
 namespace {
 
+// Where a plane may part the pair, from A to B: across its deepest contact, or from centre to centre.
+Vec3 likely_axis(const StepMotion& step, const StepPair& pair, const ContactSet& contacts) {
+  const auto bodies = [](const ContactPoint& c) { return std::pair(c.a.body, c.b.body); };
+  const ContactPoint* deepest = nullptr;
+  for (const ContactPoint& c :
+       std::ranges::equal_range(contacts.points, std::pair(pair.a, pair.b), {}, bodies))
+    if (!deepest || c.gap < deepest->gap) deepest = &c;
+  return deepest ? Vec3(-deepest->normal) : Vec3(pose(step.state, pair.b).p - pose(step.state, pair.a).p);
+}
+
 // Of some pairs, up to the first that is not certified.
 StepCertificate certify_pairs(const StepMotion& step, std::span<const StepPair> pairs,
-                              const std::vector<BodyBounds>& bounds, const AdvancementOptions& o,
-                              int threads) {
+                              const std::vector<BodyBounds>& bounds, const ContactSet& contacts,
+                              const AdvancementOptions& o, int threads) {
   StepCertificate out;
   for (const StepPair& pair : pairs) {
     const double required = required_distance(pair, o);
@@ -210,7 +220,10 @@ StepCertificate certify_pairs(const StepMotion& step, std::span<const StepPair> 
       continue;
     }
     const Certificate c = certify(moving_shape(step, pair.a), moving_shape(step, pair.b), step.h,
-                                  {.required = required, .wanted = wanted, .threads = threads});
+                                  {.required = required,
+                                   .wanted = wanted,
+                                   .threads = threads,
+                                   .axis = likely_axis(step, pair, contacts)});
     out.rounds += c.rounds;
     out.min_distance = std::min(out.min_distance, c.min_distance);
     if (c.certified) continue;
@@ -226,11 +239,11 @@ StepCertificate certify_pairs(const StepMotion& step, std::span<const StepPair> 
 }  // namespace
 
 StepCertificate certify_step(const StepMotion& step, const std::vector<StepPair>& pairs,
-                             const std::vector<BodyBounds>& bounds, const AdvancementOptions& o,
-                             int threads) {
+                             const std::vector<BodyBounds>& bounds, const ContactSet& contacts,
+                             const AdvancementOptions& o, int threads) {
   std::vector<StepCertificate> of_part(std::size_t(count_of_parts(pairs)));
   for_each_part(pairs, threads, [&](int part, std::span<const StepPair> some, int threads_each) {
-    of_part[std::size_t(part)] = certify_pairs(step, some, bounds, o, threads_each);
+    of_part[std::size_t(part)] = certify_pairs(step, some, bounds, contacts, o, threads_each);
   });
   StepCertificate out;
   for (const StepCertificate& part : of_part) {

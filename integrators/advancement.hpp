@@ -78,10 +78,11 @@ struct StepCertificate {
   std::string failure{};  // empty: certified
 };
 /// Do all pairs keep their distance along the whole path? (CA-6) Pairs whose boxes are farther apart than
-/// they can move do without a look at their simplices.
+/// they can move, or that one plane parts, do without a look at their simplices. `contacts`, sorted, tell
+/// where that plane may lie (CA-15); the proof does not rely on them.
 StepCertificate certify_step(const StepMotion& step, const std::vector<StepPair>& pairs,
-                             const std::vector<BodyBounds>& bounds, const AdvancementOptions& options,
-                             int threads);
+                             const std::vector<BodyBounds>& bounds, const ContactSet& contacts,
+                             const AdvancementOptions& options, int threads);
 
 /// Smallest distance of the base complexes of bodies that can touch [m], or `cutoff`.
 double min_base_distance(const Model& model, const State& state, double cutoff, int threads);

@@ -368,7 +368,7 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
   if (o.advancement.certify) {
     const double begin = step_clock();
     const StepCertificate certificate =
-        certify_step(path, found.pairs, setting.bounds, o.advancement, o.threads);  // (CA-6)
+        certify_step(path, found.pairs, setting.bounds, found.contacts, o.advancement, o.threads);  // (CA-6)
     report.certificate_rounds = int(certificate.rounds);
     report.min_base_distance = certificate.min_distance;
     report.seconds_certificate = step_clock() - begin;

@@ -20,6 +20,9 @@ struct CertificateOptions {
   double wanted = 0;      // pairs that surely stay farther apart are not looked at closer [m], >= required
   int max_halvings = 12;  // of the time of a pair of simplices before it counts as failed
   int threads = 1;
+  // Direction from a to b, world, that is tried for both shapes as a whole before anything else: any is safe,
+  // a contact's normal settles convex shapes (CA-15). Zero: none.
+  Vec3 axis = Vec3::Zero();
 };
 
 struct Certificate {

@@ -106,16 +106,19 @@ TEST(Certificate, IsNeverGivenWhenThePathUndercutsTheDistance) {
   const LmdShape shapes[] = {prepared(make_box(0.3, 0.2, 0.1)), prepared(make_torus(0.2, 0.05, 9, 5)),
                              prepared(make_plate(0.4, 0.4)),
                              prepared(make_polyline({{-0.2, 0, 0}, {0, 0.1, 0}, {0.2, 0, 0.1}}))};
-  int certified = 0, refused = 0;
-  for (int sample = 0; sample < 400; ++sample) {
+  int certified = 0, refused = 0, at_once = 0;
+  for (int sample = 0; sample < 500; ++sample) {
     const MovingShape a{
         &shapes[random.index(4)], random.pose(0.05), {random.pose(0.5), random.vector(1), random.vector(3)}};
     const MovingShape b{
         &shapes[random.index(4)], {}, {random.pose(0.2), random.vector(0.5), random.vector(2)}};
-    const double dt = 0.3, required = 2e-3;
+    const double dt = sample % 4 == 0 ? 0.03 : 0.3, required = 2e-3;
     if (base_distance(a, b, 1) < 0.01) continue;
-    const Certificate c = certify(a, b, dt, {.required = required, .wanted = 0.05});
+    // Whatever direction one may hope for: none, from centre to centre, a wrong one (CA-15).
+    const Vec3 axis[] = {Vec3::Zero(), b.motion.g.p - a.motion.g.p, random.direction()};
+    const Certificate c = certify(a, b, dt, {.required = required, .wanted = 0.05, .axis = axis[sample % 3]});
     const double truth = sampled_distance(a, b, dt, 100);
+    at_once += c.certified && c.simplex_pairs == 0 && sample % 3 == 1;
     if (c.certified) {
       ++certified;
       EXPECT_GE(truth, c.min_distance - 1e-12) << sample;
@@ -127,6 +130,7 @@ TEST(Certificate, IsNeverGivenWhenThePathUndercutsTheDistance) {
   }
   EXPECT_GT(certified, 50);
   EXPECT_GT(refused, 30);
+  EXPECT_GT(at_once, 10);
 }
 
 TEST(Certificate, SeesABulletThatPassesThroughPaperWithinOneStep) {
@@ -147,6 +151,22 @@ TEST(Certificate, LetsAPartSlideFarInOneStep) {
   const Certificate c = certify(moving, still, 0.5, {.required = 9e-5, .wanted = 2e-4});  // 5000 gaps long
   EXPECT_TRUE(c.certified);
   EXPECT_NEAR(c.min_distance, 1e-4, 1e-6);  // a bound: one per cent below the truth
+}
+
+// By hand: a box that turns about z at 1 rad/s and rises at 0.1 m/s keeps its lower face where it is, so the
+// plane sees the distance at the start; falling at 0.1 m/s it loses 1 cm in 0.1 s. Points bend by at most
+// dt^2 / 2 times the distance to the axis of the box.
+TEST(Certificate, OfOnePlaneIsTheDistanceAlongItsNormal) {
+  const LmdShape box = prepared(make_box(0.2, 0.2, 0.2)), floor = prepared(make_box(1, 1, 0.2));
+  const double dt = 0.1, bend = std::sqrt(0.03) * dt * dt / 2;
+  for (const double v : {0.1, -0.1}) {
+    const MovingShape a{&box, {}, {.g = translation(0, 0, 0.25), .v = {0, 0, v}, .omega = {0, 0, 1}}},
+        b{&floor, {}, {}};
+    const Certificate c = certify(a, b, dt, {.required = 0.03, .wanted = 0.5, .axis = Vec3(0, 0, -2)});
+    EXPECT_TRUE(c.certified);
+    EXPECT_EQ(c.simplex_pairs, 0);
+    EXPECT_NEAR(c.min_distance, 0.05 + std::min(0.0, v * dt) - (v < 0 ? bend : 0), 1e-15) << v;
+  }
 }
 
 }  // namespace
