@@ -301,6 +301,16 @@ SearchResult search_pair(const RelativePair& pair, const MotionWindow* window, c
   for (const TreeOfLeaves& a : trees_of(*pair.a))
     for (const TreeOfLeaves& b : trees_of(*pair.b))
       if (can_touch(a.first.dim, b.first.dim)) trees.push_back(tree_pair(pair, frames, window, a, b));
+  if (options.threads == 1) {  // the same in the same order; small shapes are not worth so many parts
+    SearchResult all;
+    for (const TreePair& pair_of_trees : trees) {
+      Search tests(pair, frames, pair_of_trees, window, options.tests, all);
+      DualDescent<Search> descent(*pair_of_trees.a, *pair_of_trees.b, frames.motion, tests);
+      for (int part = 0; part < kDescentParts; ++part) descent.run(part, !options.tests.instructions);
+    }
+    all.count.minima = long(all.found.size());
+    return all;
+  }
   std::vector<SearchResult> parts(trees.size() * kDescentParts);
   parallel_for(int(parts.size()), options.threads, [&](int i) {
     const TreePair& pair_of_trees = trees[std::size_t(i) / kDescentParts];
