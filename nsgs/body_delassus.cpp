@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 
 #include "nsgs/block_solver.hpp"
+#include "nsgs/body_lu.hpp"
 #include "nsgs/delassus.hpp"
 #include "nsgs/factorised.hpp"
 #include "nsgs/sparse_lu.hpp"
@@ -14,6 +15,8 @@ namespace aussois {
 namespace {
 
 constexpr Eigen::Index kDenseSize = 150;  // velocities; above, sparse LU
+constexpr double kLargestCost = 2e7;      // of LU by bodies; above, sparse LU, which knows better orders
+constexpr double kExact = 1e-6;  // what LU by bodies may leave of the right-hand side, after refinement
 
 // One row of the columns of a block, in H and in M^-1 H, scaled.
 template <int R>
@@ -152,6 +155,7 @@ class BodyDelassus final : public Delassus {
     const double n = double(v_.size()), arms = double(arms_.size()), contacts = count(),
                  sweep = contacts * 80 + 12 * arms,  // the blocks' own solves, and velocities
         assembly = 6 * arms * arms / contacts;
+    if (by_bodies()) return (by_bodies()->cost() + assembly) / sweep + 1;
     if (is_dense()) return (2 * n * n * n / 3 + assembly) / sweep + 1;
     if (!sparse_cost_) {
       CompressedColumns J = compressed(newton_matrix(1));  // its pattern with all blocks closed
@@ -161,11 +165,9 @@ class BodyDelassus final : public Delassus {
   }
 
   std::optional<VecX> direction(const std::vector<AnyBlock>& D, const VecX& F) override {
-    const LinearSolve solve = is_dense() ? dense_inverse(D) : sparse_inverse(D);
-    if (!solve) return std::nullopt;
-    VecX d = solve(F);
-    for (int k = 0; k < kRefinements; ++k) d += solve(F - times(D, d));  // (PROX-8)
-    return d.allFinite() ? std::optional<VecX>(d) : std::nullopt;
+    if (by_bodies())
+      if (const std::optional<VecX> d = refined(body_inverse(D), D, F, kExact)) return d;
+    return refined(is_dense() ? dense_inverse(D) : sparse_inverse(D), D, F, kInf);
   }
 
  private:
@@ -199,6 +201,85 @@ class BodyDelassus final : public Delassus {
     std::sort(arms_.begin() + long(from), arms_.end(),
               [](const Arm<R>& a, const Arm<R>& b) { return a.row < b.row; });
     begin_.push_back(arms_.size());
+  }
+
+  // J^-1 F and (PROX-8); nothing if more than `allowed` of F is left.
+  std::optional<VecX> refined(const LinearSolve& solve, const std::vector<AnyBlock>& D, const VecX& F,
+                              double allowed) const {
+    if (!solve) return std::nullopt;
+    VecX d = solve(F);
+    for (int k = 0; k < kRefinements; ++k) d += solve(F - times(D, d));
+    if (!d.allFinite() || (allowed < kInf && !(size(F - times(D, d)) <= allowed * size(F))))
+      return std::nullopt;
+    return d;
+  }
+
+  // Velocities that the same contacts move belong to one body; nothing if that makes too much work.
+  const BodyLu* by_bodies() const {
+    if (!looked_for_bodies_) find_bodies();
+    return lu_ ? &*lu_ : nullptr;
+  }
+  void find_bodies() const {
+    looked_for_bodies_ = true;
+    std::vector<std::vector<int>> contacts(std::size_t(v_.size()));
+    for (int c = 0; c < count(); ++c)
+      for (std::size_t k = begin_[std::size_t(c)]; k < begin_[std::size_t(c) + 1]; ++k)
+        contacts[std::size_t(arms_[k].row)].push_back(c);
+    std::vector<int> body(contacts.size());
+    for (std::size_t i = 1, rows = 1; i < contacts.size(); ++i) {
+      const bool same = contacts[i] == contacts[i - 1] && rows < kBodyRows;
+      body[i] = body[i - 1] + !same;
+      rows = same ? rows + 1 : 1;
+    }
+    std::vector<std::pair<int, int>> couplings;
+    for (int c = 0; c < count(); ++c)
+      for_runs(c, body, [&](std::size_t j, std::size_t) {
+        for_runs(c, body, [&](std::size_t i, std::size_t) {
+          if (i < j) couplings.emplace_back(body[std::size_t(arms_[i].row)], body[std::size_t(arms_[j].row)]);
+        });
+      });
+    for (int j = 0; j < M_.outerSize(); ++j)
+      for (SparseMatrix::InnerIterator it(M_, j); it; ++it)
+        couplings.emplace_back(body[std::size_t(it.row())], body[std::size_t(j)]);
+    lu_.emplace(std::move(body), couplings);
+    if (lu_->cost() > kLargestCost) lu_.reset();
+  }
+  // Calls f(first arm, one past the last) for all arms of one body.
+  template <class F>
+  void for_runs(int c, const std::vector<int>& body, const F& f) const {
+    const std::size_t end = begin_[std::size_t(c) + 1];
+    for (std::size_t from = begin_[std::size_t(c)], to = from; from < end; from = to) {
+      while (to < end && body[std::size_t(arms_[to].row)] == body[std::size_t(arms_[from].row)]) ++to;
+      f(from, to);
+    }
+  }
+
+  LinearSolve body_inverse(const std::vector<AnyBlock>& D) const {
+    const VecX scale = weight_.cwiseSqrt();  // equilibrated: translations beside rotations
+    std::vector<Mat6> blocks = lu_->zero();
+    for (int j = 0; j < M_.outerSize(); ++j)
+      for (SparseMatrix::InnerIterator it(M_, j); it; ++it)
+        blocks[std::size_t(lu_->block(lu_->body(int(it.row())), lu_->body(j)))](
+            lu_->place(int(it.row())), lu_->place(j)) += scale[it.row()] * it.value() * scale[j];
+    for (int c = 0; c < count(); ++c) {
+      if (D[std::size_t(c)].isZero(0)) continue;
+      const RowBlock<R> D_c = D[std::size_t(c)];
+      for_runs(c, lu_->bodies(), [&](std::size_t j0, std::size_t j1) {
+        for_runs(c, lu_->bodies(), [&](std::size_t i0, std::size_t i1) {
+          Mat6& block = blocks[std::size_t(lu_->block(lu_->body(arms_[i0].row), lu_->body(arms_[j0].row)))];
+          for (std::size_t j = j0; j < j1; ++j) {
+            const Rows<R> column = scale[arms_[j].row] * (D_c * arms_[j].H);
+            for (std::size_t i = i0; i < i1; ++i)
+              block(lu_->place(arms_[i].row), lu_->place(arms_[j].row)) +=
+                  scale[arms_[i].row] * arms_[i].H.dot(column);
+          }
+        });
+      });
+    }
+    if (!lu_->factorise(std::move(blocks))) return {};
+    return [this, scale](const VecX& b) -> VecX {
+      return scale.cwiseProduct(lu_->solve(scale.cwiseProduct(b)));
+    };
   }
 
   // H_c D_c H_c^T of all blocks, entry by entry.
@@ -264,6 +345,8 @@ class BodyDelassus final : public Delassus {
   std::vector<Block<R>> diagonal_{};
   VecX v_free_{}, v_{}, w_{}, weight_{};
   std::optional<double> sparse_cost_{};
+  mutable std::optional<BodyLu> lu_{};  // and the factors of the last Newton matrix
+  mutable bool looked_for_bodies_ = false;
 };
 
 }  // namespace

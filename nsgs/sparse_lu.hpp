@@ -19,7 +19,8 @@ struct CompressedColumns {
 
 CompressedColumns compressed(const SparseMatrix& A);
 
-/// An order of the nodes of a graph in compressed rows in which a factorisation fills in little.
+/// An order of the nodes of a graph in compressed rows in which a factorisation fills in little. Every node
+/// must be its own neighbour: those that are not count as dense.
 std::vector<int> fill_reducing_order(const std::vector<int>& begin, const std::vector<int>& other);
 
 /// Multiplications and additions of a factorisation, about; from the pattern alone.

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// LU of a matrix whose rows belong to bodies, block by block: pivots are chosen within a body, bodies are
+// eliminated in an order that fills in little. Chains, stacks and stars of bodies cost as much as they are
+// long (PROX-9). Private to nsgs.
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "geometry/types.hpp"
+
+namespace aussois {
+
+inline constexpr int kBodyRows = 6;
+
+class BodyLu {
+ public:
+  /// `body[i]` of row i, ascending without holes, at most kBodyRows rows each; bodies that a coupling names
+  /// share blocks off the diagonal.
+  BodyLu(std::vector<int> body, const std::vector<std::pair<int, int>>& couplings);
+
+  double cost() const { return cost_; }  // multiplications of a factorisation, about
+  /// The block of rows of body a and columns of body b, which must be coupled or the same.
+  int block(int a, int b) const;
+  const std::vector<int>& bodies() const { return body_; }       // of every row
+  int place(int row) const { return place_[std::size_t(row)]; }  // within its body
+  int body(int row) const { return body_[std::size_t(row)]; }
+
+  /// To be filled in before factorise(); zero at first, and a body with fewer rows is filled up by ones.
+  std::vector<Mat6> zero() const;
+  /// False if a body's pivot vanishes or anything is not finite.
+  bool factorise(std::vector<Mat6> blocks);
+  VecX solve(const VecX& b) const;
+
+ private:
+  struct Below {
+    int node = 0, column = 0, row = 0;  // a node that is eliminated later; blocks (node, this), (this, node)
+  };
+  int block_between(int a, int b) const;  // of nodes
+
+  std::vector<int> body_{}, place_{}, node_of_{}, size_{};
+  std::vector<std::vector<Below>> below_{};  // by node: its place in the order of elimination
+  int block_count_ = 0;
+  double cost_ = 0;
+  std::vector<Mat6> blocks_{};
+  std::vector<Mat6> inverse_{};  // of the pivots
+};
+
+}  // namespace aussois
