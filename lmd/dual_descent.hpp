@@ -78,6 +78,14 @@ class DualDescent {
     else
       run_here(part);
   }
+  /// All parts, one after the other.
+  void run_all(bool any_machine = false) {
+    if (a_.nodes.empty() || b_.nodes.empty()) return;
+    if (has_avx2() && !any_machine)
+      run_all_avx2();
+    else
+      run_all_here();
+  }
 
  private:
   using Entry = std::uint32_t;  // node and lane of B
@@ -90,6 +98,21 @@ class DualDescent {
   };
 
   AUSSOIS_AVX2 void run_avx2(int part) { run_here(part); }
+  AUSSOIS_AVX2 void run_all_avx2() { run_all_here(); }
+
+  AUSSOIS_INLINE void run_all_here() {
+    const ConeNode root = motion_.moved(a_.nodes[0]);
+    for (int lane = 0; lane < 4; ++lane) {
+      if (!(children_of(root) >> lane & 1)) continue;
+      if (root.count[lane] > 0) {  // a bucket
+        descend({&root, lane});
+        continue;
+      }
+      const ConeNode child = motion_.moved(a_.nodes[root.child[lane]]);
+      for (int k = 0; k < 4; ++k)
+        if (children_of(child) >> k & 1) descend({&child, k});
+    }
+  }
 
   AUSSOIS_INLINE void run_here(int part) {
     const ConeNode root = motion_.moved(a_.nodes[0]);

@@ -305,8 +305,8 @@ SearchResult search_pair(const RelativePair& pair, const MotionWindow* window, c
     SearchResult all;
     for (const TreePair& pair_of_trees : trees) {
       Search tests(pair, frames, pair_of_trees, window, options.tests, all);
-      DualDescent<Search> descent(*pair_of_trees.a, *pair_of_trees.b, frames.motion, tests);
-      for (int part = 0; part < kDescentParts; ++part) descent.run(part, !options.tests.instructions);
+      DualDescent<Search>(*pair_of_trees.a, *pair_of_trees.b, frames.motion, tests)
+          .run_all(!options.tests.instructions);
     }
     all.count.minima = long(all.found.size());
     return all;
