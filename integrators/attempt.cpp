@@ -111,7 +111,8 @@ Impulses sorted(const Model& model, const std::vector<ContactRow>& rows, const R
     const ContactRow& row = rows[std::size_t(solved.kept[k])];
     const int first = solved.first_row[k], count = row.law.rows;
     if (row.slot < 0) {
-      out.contact.push_back(row.frame * r.segment<3>(first));
+      const int of_frame = std::min(count, 3);
+      out.contact.push_back(row.frame.leftCols(of_frame) * r.segment(first, of_frame));
       out.drilling.push_back(count > 3 ? r[first + 3] : 0);
       continue;
     }

@@ -19,8 +19,9 @@ Mat36 point_jacobian(const State& state, int body, const Vec3& p, const Mat3& fr
   return J;
 }
 
-// The frictional law of a pair, and its drilling row (MEC-7).
+// The frictional law of a pair, and its drilling row (MEC-7). What does not rub needs one row, not three.
 Law law_of(const ContactLaw& law) {
+  if (law.mu == 0) return unilateral();
   return law.contensou_radius > 0 ? contensou(law.mu, law.contensou_radius) : coulomb(law.mu);
 }
 void set_drilling_row(const State& state, int body, double sign, const Vec3& normal, RowJacobian& J) {
@@ -96,8 +97,9 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
     const Vec3 p = (c.x_a + c.x_b) / 2;
     row.frame = frame_of(c.normal);
     row.law = law_of(law);
-    row.J_a.topRows<3>() = point_jacobian(state, row.body_a, p, row.frame);
-    row.J_b.topRows<3>() = -point_jacobian(state, row.body_b, p, row.frame);
+    const int of_frame = std::min(row.law.rows, 3);
+    row.J_a.topRows(of_frame) = point_jacobian(state, row.body_a, p, row.frame).topRows(of_frame);
+    row.J_b.topRows(of_frame) = -point_jacobian(state, row.body_b, p, row.frame).topRows(of_frame);
     if (row.law.kind == LawKind::contensou) {
       set_drilling_row(state, row.body_a, 1, c.normal, row.J_a);
       set_drilling_row(state, row.body_b, -1, c.normal, row.J_b);

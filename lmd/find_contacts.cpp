@@ -182,28 +182,7 @@ ContactSet find_contacts(const Candidates& candidates, const PosedShape& a, cons
 
 ContactSet find_contacts_exhaustive(const PosedShape& a, const PosedShape& b, const LmdOptions& options) {
   const RelativePair pair = relative_pair(a, b, options);
-  const auto leaves_of = [](const LmdShape& s) {
-    std::vector<LeafId> ids;
-    for (int i = 0; i < int(s.vertices.size()); ++i) ids.push_back({i, 0, 1});
-    for (int i = 0; i < int(s.edges.size()); ++i) ids.push_back({i, 1, 1});
-    for (const int side : {1, -1})
-      for (int i = 0; i < int(s.faces.size()) && (side == 1 || !s.complex.solid); ++i)
-        ids.push_back({i, 2, std::int8_t(side)});
-    return ids;
-  };
-  std::vector<FoundMinimum> found;
-  const std::vector<LeafId> all_b = leaves_of(*b.shape);
-  std::vector<Leaf> leaves_b;
-  for (LeafId id : all_b) leaves_b.push_back(leaf_of(*b.shape, id));
-  for (LeafId id : leaves_of(*a.shape)) {
-    const Leaf leaf = leaf_of(*a.shape, id);
-    for (std::size_t j = 0; j < all_b.size(); ++j) {
-      if (!can_touch(id.dim, all_b[j].dim)) continue;
-      if (const auto minimum = test_minimum(leaf, leaves_b[j], pair.R, pair.t, pair.criteria))
-        found.push_back({id, all_b[j], *minimum});
-    }
-  }
-  return to_contacts(a, b, pair, std::move(found));
+  return to_contacts(a, b, pair, search_exhaustively(pair).found);
 }
 
 }  // namespace aussois

@@ -278,6 +278,23 @@ SearchResult joined(const std::vector<SearchResult>& parts) {
   return all;
 }
 
+constexpr long kFewLeafPairs = 2;  // balls: looked at sooner than the trees are
+
+long leaf_count(const LmdShape& s) {
+  return long(s.vertices.size() + s.edges.size() + (s.complex.solid ? 1 : 2) * s.faces.size());
+}
+
+std::vector<LeafId> leaves_of(const LmdShape& s) {
+  std::vector<LeafId> ids;
+  ids.reserve(std::size_t(leaf_count(s)));
+  for (int i = 0; i < int(s.vertices.size()); ++i) ids.push_back({i, 0, 1});
+  for (int i = 0; i < int(s.edges.size()); ++i) ids.push_back({i, 1, 1});
+  for (const int side : {1, -1})
+    for (int i = 0; i < int(s.faces.size()) && (side == 1 || !s.complex.solid); ++i)
+      ids.push_back({i, 2, std::int8_t(side)});
+  return ids;
+}
+
 }  // namespace
 
 RelativePair relative_pair(const PosedShape& a, const PosedShape& b, const LmdOptions& options) {
@@ -295,7 +312,27 @@ RelativePair relative_pair(const PosedShape& a, const PosedShape& b, const LmdOp
            .sin_alpha_ee = std::sin(options.alpha_ee)}};
 }
 
+SearchResult search_exhaustively(const RelativePair& pair) {
+  SearchResult all;
+  const std::vector<LeafId> all_b = leaves_of(*pair.b);
+  std::vector<Leaf> leaves_b;
+  leaves_b.reserve(all_b.size());
+  for (LeafId id : all_b) leaves_b.push_back(leaf_of(*pair.b, id));
+  for (LeafId id : leaves_of(*pair.a)) {
+    const Leaf leaf = leaf_of(*pair.a, id);
+    for (std::size_t j = 0; j < all_b.size(); ++j) {
+      if (!can_touch(id.dim, all_b[j].dim)) continue;
+      ++all.count.exact_tests;
+      if (const auto minimum = test_minimum(leaf, leaves_b[j], pair.R, pair.t, pair.criteria))
+        all.found.push_back({id, all_b[j], *minimum});
+    }
+  }
+  all.count.minima = long(all.found.size());
+  return all;
+}
+
 SearchResult search_pair(const RelativePair& pair, const MotionWindow* window, const LmdOptions& options) {
+  if (!window && leaf_count(*pair.a) * leaf_count(*pair.b) <= kFewLeafPairs) return search_exhaustively(pair);
   const Frames frames = frames_of(pair);
   std::vector<TreePair> trees;
   for (const TreeOfLeaves& a : trees_of(*pair.a))

@@ -29,6 +29,9 @@ struct SearchResult {
   LmdStatistics count{};
 };
 
+/// By looking at every pair of leaves.
+SearchResult search_exhaustively(const RelativePair& pair);
+
 /// In an order that depends on the shapes alone. Minima may be found twice.
 SearchResult search_pair(const RelativePair& pair, const MotionWindow* window, const LmdOptions& options);
 

@@ -174,6 +174,9 @@ BlockSolution<R> solved(const Block<R>& block, const Rows<R>& q, const Law& law,
 }  // namespace
 
 // Overloads, not explicit instantiations: GCC 12 does not emit those.
+Block<1> prepare_block(const RowBlock<1>& W, const Law& law) {
+  return prepared<1>(W, law);
+}
 Block<2> prepare_block(const RowBlock<2>& W, const Law& law) {
   return prepared<2>(W, law);
 }
@@ -185,6 +188,10 @@ Block<5> prepare_block(const RowBlock<5>& W, const Law& law) {
 }
 Block<Eigen::Dynamic> prepare_block(const AnyBlock& W, const Law& law) {
   return prepared<Eigen::Dynamic>(W, law);
+}
+BlockSolution<1> solve_block(const Block<1>& block, const Rows<1>& q, const Law& law, const Rows<1>& start,
+                             LocalSolver solver) {
+  return solved<1>(block, q, law, start, solver);
 }
 BlockSolution<2> solve_block(const Block<2>& block, const Rows<2>& q, const Law& law, const Rows<2>& start,
                              LocalSolver solver) {

@@ -23,6 +23,7 @@ struct Block {
   bool regular = false;  // the inverse is one
 };
 
+Block<1> prepare_block(const RowBlock<1>& W, const Law& law);
 Block<2> prepare_block(const RowBlock<2>& W, const Law& law);
 Block<3> prepare_block(const RowBlock<3>& W, const Law& law);
 Block<5> prepare_block(const RowBlock<5>& W, const Law& law);
@@ -30,6 +31,8 @@ Block<Eigen::Dynamic> prepare_block(const AnyBlock& W, const Law& law);
 
 /// Separation goes before stick and stick before slip. `solved` is false if no candidate meets (ONE-6); r is
 /// then the best one.
+BlockSolution<1> solve_block(const Block<1>& block, const Rows<1>& q, const Law& law, const Rows<1>& start,
+                             LocalSolver solver);
 BlockSolution<2> solve_block(const Block<2>& block, const Rows<2>& q, const Law& law, const Rows<2>& start,
                              LocalSolver solver);
 BlockSolution<3> solve_block(const Block<3>& block, const Rows<3>& q, const Law& law, const Rows<3>& start,

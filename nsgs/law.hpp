@@ -101,19 +101,25 @@ inline bool has_normal(const Law& law) {  // r_0 >= 0
 
 template <int R>
 double length_in(const Ball& ball, const Rows<R>& y) {
+  if constexpr (R == 1) return ball.first == 0 ? std::abs(y[0]) : 0;
   double sum = 0;
   for (int i = ball.first; i < ball.first + ball.rows; ++i) sum += y[i] * y[i];
   return std::sqrt(sum);
 }
 template <int R>
 void stretch_in(const Ball& ball, double factor, Rows<R>& y) {
-  for (int i = ball.first; i < ball.first + ball.rows; ++i) y[i] *= factor;
+  if constexpr (R == 1)
+    y[0] *= ball.first == 0 ? factor : 1;
+  else
+    for (int i = ball.first; i < ball.first + ball.rows; ++i) y[i] *= factor;
 }
 
 /// |y_T| of a coulomb block.
 template <int R>
 double tangential_length(const Law& law, const Rows<R>& y) {
-  if constexpr (R == 2)
+  if constexpr (R == 1)
+    return 0;
+  else if constexpr (R == 2)
     return std::abs(y[1]);
   else
     return law.rows == 2 ? std::abs(y[1]) : std::sqrt(y[1] * y[1] + y[2] * y[2]);
@@ -128,7 +134,7 @@ enum class FrictionModel : std::uint8_t {
 /// De Saxce's modified velocity (LAW-4): u_N grows by mu |u_T| for every ball.
 template <int R>
 Rows<R> modified_velocity(const Law& law, Rows<R> u) {
-  if (law.kind == LawKind::coulomb) {  // the most frequent, without a list of balls
+  if (R != 1 && law.kind == LawKind::coulomb) {  // the most frequent, without a list of balls
     u[0] += law.mu * tangential_length<R>(law, u);
     return u;
   }
@@ -140,7 +146,7 @@ Rows<R> modified_velocity(const Law& law, Rows<R> u) {
 /// The nearest impulse that the law allows (LAW-5).
 template <int R>
 Rows<R> project(const Law& law, Rows<R> r) {
-  if (law.kind == LawKind::coulomb) {
+  if (R != 1 && law.kind == LawKind::coulomb) {
     const double length = tangential_length<R>(law, r);
     if (r[0] >= 0 && length <= law.mu * r[0]) return r;
     const double normal = (r[0] + law.mu * length) / (1 + law.mu * law.mu);
@@ -194,7 +200,7 @@ Rows<R> project(const Law& law, Rows<R> r) {
 template <int R>
 Rows<R> answer(const Law& law, Rows<R> y) {
   if (has_normal(law) && !(y[0] > 0)) return Rows<R>::Zero(y.size());
-  if (law.kind == LawKind::coulomb) {
+  if (R != 1 && law.kind == LawKind::coulomb) {
     const double radius = law.mu * y[0], length = tangential_length<R>(law, y);
     for (int i = 1; length > radius && i < law.rows; ++i) y[i] *= radius / length;
     return y;

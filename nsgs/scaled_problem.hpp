@@ -36,6 +36,8 @@ decltype(auto) with_rows(const std::vector<Law>& laws, F&& f) {
   for (const Law& law : laws)
     if (law.rows != rows) rows = Eigen::Dynamic;
   switch (rows) {
+    case 1:
+      return f.template operator()<1>();
     case 2:
       return f.template operator()<2>();
     case 3:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Scenes that every engine of rigid bodies can run, as plain data: shapes, masses, poses, friction, forces,
 // and what is known of the motion (doc/theory/peer_scenes.md). Shared by examples, tests and benchmarks.
-// Sources: rolling, bouncing, 666 and the building are those of SimBenchmark [Hwangbo2018]; the tower, the
+// Sources: rolling, bouncing, 666 and the building are those of SimBenchmark [Kang2018]; the tower, the
 // heavy tower and the arch are ours.
 #pragma once
 
