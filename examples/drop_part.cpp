@@ -4,6 +4,7 @@
 // Theory   doc/theory/moreau_jean.md (MJ-1) to (MJ-9), doc/theory/lmd.md (LMD-3)
 // Run      drop_part
 //          drop_part --builtin bolt --height 0.03 --mu 0.6
+//          drop_part --time 0.3 --certify 100
 // Expect   at rest at the end, overlap below 5 % of the two dilations, energy never rising
 #include <algorithm>
 #include <cmath>

@@ -56,6 +56,7 @@ Step moreau_jean_step(const Model& model, const SchemeOptions& o) {
                                                       .reduction = o.reduction,
                                                       .solver = o.solver,
                                                       .advancement = o.advancement,
+                                                      .update = o.update,
                                                       .threads = o.threads});
 }
 
@@ -70,6 +71,7 @@ std::string moreau_jean_settings(const SchemeOptions& o) {
   if (o.normal.gamma < 1) text += number(" gamma %g", o.normal.gamma);
   if (o.contacts != ContactsAt::start) text += std::string(" contacts ") + to_string(o.contacts);
   if (o.newton.max_iterations > 1) text += " implicit";
+  if (o.update != GroupUpdate::exponential) text += std::string(" ") + to_string(o.update);
   if (o.impact.law != ImpactLaw::newton) text += std::string(" ") + to_string(o.impact.law);
   if (o.impact.order != ImpactOrder::simultaneous) text += std::string(" ") + to_string(o.impact.order);
   return text;
@@ -85,6 +87,11 @@ std::vector<SchemeOptions> moreau_jean_variants() {
                  .contacts = ContactsAt::midpoint,
                  .newton = {.max_iterations = 50},
                  .normal = {.law = NormalLaw::moreau}});
+  out.push_back({.theta = 0.5,
+                 .contacts = ContactsAt::midpoint,
+                 .newton = {.max_iterations = 50},
+                 .normal = {.law = NormalLaw::moreau},
+                 .update = GroupUpdate::cayley});
   out.push_back({.theta = 1,
                  .contacts = ContactsAt::end,
                  .newton = {.max_iterations = 50},

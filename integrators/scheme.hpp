@@ -31,7 +31,7 @@ struct SchemeOptions {
   SolverOptions solver{};
   AdvancementOptions advancement{};
   int threads = 1;
-  GroupUpdate update = GroupUpdate::exponential;         // schemes other than moreau_jean
+  GroupUpdate update = GroupUpdate::exponential;         // all but event_driven
   double spectral_radius = 0.8;                          // generalised_alpha [-], in [0, 1]
   GyroscopicTerm gyroscopic = GyroscopicTerm::midpoint;  // passive_midpoint
 };
