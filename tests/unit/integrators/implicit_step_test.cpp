@@ -138,10 +138,9 @@ TEST(ImplicitStep, KeepsTheMomentumOfATopInSpaceWithCayleysMap) {
     State state = rest_state(model);
     twist(state, 0).tail<3>() = Vec3(0.6, 1, 1.3);
     const Vec3 L = momentum(model, state).angular;
-    const MoreauJean scheme(model, {.h = 0.05,
-                                    .theta = 0.5,
-                                    .newton = {.max_iterations = 60, .tolerance = 1e-14},
-                                    .update = update});
+    const MoreauJean scheme(
+        model,
+        {.h = 0.05, .theta = 0.5, .newton = {.max_iterations = 60, .tolerance = 1e-14}, .update = update});
     for (int k = 0; k < 500; ++k) EXPECT_TRUE(scheme.step(state).ok());
     return (momentum(model, state).angular - L).norm() / L.norm();
   };
