@@ -198,10 +198,11 @@ namespace {
 // Where a plane may part the pair, from A to B: across its deepest contact, or from centre to centre.
 Vec3 likely_axis(const StepMotion& step, const StepPair& pair, const ContactSet& contacts) {
   const auto bodies = [](const ContactPoint& c) { return std::pair(c.a.body, c.b.body); };
+  const std::pair ours(pair.a, pair.b);
   const ContactPoint* deepest = nullptr;
-  for (const ContactPoint& c :
-       std::ranges::equal_range(contacts.points, std::pair(pair.a, pair.b), {}, bodies))
-    if (!deepest || c.gap < deepest->gap) deepest = &c;
+  for (auto c = std::ranges::lower_bound(contacts.points, ours, {}, bodies);
+       c != contacts.points.end() && bodies(*c) == ours; ++c)
+    if (!deepest || c->gap < deepest->gap) deepest = &*c;
   return deepest ? Vec3(-deepest->normal) : Vec3(pose(step.state, pair.b).p - pose(step.state, pair.a).p);
 }
 
