@@ -47,6 +47,7 @@ struct SchemeTraits {
   double nonsmooth = 1;     // order over impacts and over changes between stick and slip
   double smooth = 1;        // order where no contact changes its state
   bool restitution = true;  // false: every impact is plastic, whatever the law of the contact says
+  bool pairwise = false;    // contacts that close together are struck one after the other
 };
 
 /// One way of using a scheme that is worth comparing with others.

@@ -36,7 +36,7 @@ struct Study {
 inline constexpr double kOrderSlack = 0.1;
 bool as_expected(const Study& study);
 
-/// False: the case asks for bounces, the scheme has none.
+/// False: the case asks for bounces, or for impacts at once, and the scheme has none.
 bool applies(const Case& c, const SchemeTraits& traits);
 Errors expected_orders(const Case& c, const SchemeTraits& traits);
 
