@@ -10,7 +10,7 @@ namespace aussois {
 namespace {
 
 constexpr double kTolerance = 1e-13;  // of the shocks; impacts of balls by hand hold to 1e-12
-constexpr double kStill = 1e-12;      // of the fastest contact: no longer approaching
+constexpr double kStill = 1e-12;      // of the fastest velocity: no longer approaching, but rounding
 
 SparseMatrix mass_at(const Model& model, const State& state, const DofMap& dofs) {
   std::vector<Triplet> M;
@@ -182,7 +182,7 @@ Shocked simultaneous(const Setting& s, const std::vector<int>& near, const Shock
 // Always the contact that approaches fastest (IMP-5).
 Shocked sequential(const Setting& s, const std::vector<int>& near, Shocked out, double h, NormalLaw law,
                    int max_pairs) {
-  double fastest = 0;
+  double fastest = out.v.lpNorm<Eigen::Infinity>();
   for (int n = 0; n < max_pairs && out.v.allFinite(); ++n) {
     int next = -1;
     double speed = -kStill * fastest;
