@@ -43,6 +43,13 @@ bool applies(const Case& c, const SchemeTraits& traits) {
   return (traits.restitution || !c.bounces) && !(traits.pairwise && c.at_once);
 }
 
+void require_applies(const Case& c, const std::string& scheme, const SchemeOptions& options) {
+  const SchemeTraits traits = scheme_traits(scheme, options);
+  const std::string who = label(scheme, options);
+  require(traits.restitution || !c.bounces, c.name + " bounces, " + who + " has no restitution");
+  require(applies(c, traits), c.name + " closes several contacts at once, " + who + " strikes them in turn");
+}
+
 Errors expected_orders(const Case& c, const SchemeTraits& traits) {
   const double order = c.smooth ? traits.smooth : traits.nonsmooth;
   Errors out;
@@ -80,9 +87,7 @@ Study study(const Case& c, const std::string& scheme, SchemeOptions scheme_optio
             const std::function<bool(int level)>& level_done) {
   validate(o);
   const SchemeTraits traits = scheme_traits(scheme, scheme_options);
-  const std::string who = label(scheme, scheme_options);
-  require(traits.restitution || !c.bounces, c.name + " bounces, " + who + " has no restitution");
-  require(applies(c, traits), c.name + " closes several contacts at once, " + who + " strikes them in turn");
+  require_applies(c, scheme, scheme_options);
   Study out{.case_name = c.name,
             .scheme = label(scheme, scheme_options),
             .options = o,

@@ -38,6 +38,8 @@ bool as_expected(const Study& study);
 
 /// False: the case asks for bounces, or for impacts at once, and the scheme has none.
 bool applies(const Case& c, const SchemeTraits& traits);
+/// Throws std::invalid_argument naming case, scheme and what does not fit, unless it applies.
+void require_applies(const Case& c, const std::string& scheme, const SchemeOptions& options);
 Errors expected_orders(const Case& c, const SchemeTraits& traits);
 
 /// From the scene's state to the end of the case; the first step has the part `phase` of the step h. Throws
