@@ -15,37 +15,39 @@ constexpr double kGravity = 9.81, kRestitution = 0.4;
 constexpr double kClearance = 1e-3;                             // on either side [m]
 constexpr double kMass[] = {0.038, 0.038, 0.076};               // crank, rod, slider [kg]
 constexpr double kInertia[] = {7.4e-5, 5.9e-4, 2.7e-6};         // about their centres [kg m^2]
+constexpr double kStride = 1e-4;                                // of the integration [s]
+constexpr double kLastSpeed = 1e-6;                             // what leaves a wall slower stays [m/s]
 constexpr double kSpeed[] = {150, -75};                         // of crank and rod at the start [rad/s]
 constexpr double a = kSliderLength / 2, b = kSliderHeight / 2;  // of the slider [m]
 
 // Lagrange's equations of the two angles that move the slider's centre (MCH-1).
-constexpr double kMixed = (kMass[1] / 2 + kMass[2]) * kCrank * kRod;
+constexpr double kMixed = (kMass[1] / 2 + kMass[2]) * kCrankLength * kRodLength;
 Mat2 mass(const Vec2& th) {
   const double mixed = kMixed * std::cos(th[1] - th[0]);
   Mat2 M;
-  M << kInertia[0] + (kMass[0] / 4 + kMass[1] + kMass[2]) * kCrank * kCrank, mixed, mixed,
-      kInertia[1] + (kMass[1] / 4 + kMass[2]) * kRod * kRod;
+  M << kInertia[0] + (kMass[0] / 4 + kMass[1] + kMass[2]) * kCrankLength * kCrankLength, mixed, mixed,
+      kInertia[1] + (kMass[1] / 4 + kMass[2]) * kRodLength * kRodLength;
   return M;
 }
-const Vec2 kWeight =
-    kGravity * Vec2((kMass[0] / 2 + kMass[1] + kMass[2]) * kCrank, (kMass[1] / 2 + kMass[2]) * kRod);
+const Vec2 kWeight = kGravity * Vec2((kMass[0] / 2 + kMass[1] + kMass[2]) * kCrankLength,
+                                     (kMass[1] / 2 + kMass[2]) * kRodLength);
 Vec2 force(const Vec2& th, const Vec2& w) {
   const double s = kMixed * std::sin(th[0] - th[1]);
   return {-s * w[1] * w[1] - kWeight[0] * std::cos(th[0]), s * w[0] * w[0] - kWeight[1] * std::cos(th[1])};
 }
 // Of the slider's centre.
 double height(const Vec2& th) {
-  return kCrank * std::sin(th[0]) + kRod * std::sin(th[1]);
+  return kCrankLength * std::sin(th[0]) + kRodLength * std::sin(th[1]);
 }
 Vec2 gradient(const Vec2& th) {
-  return {kCrank * std::cos(th[0]), kRod * std::cos(th[1])};
+  return {kCrankLength * std::cos(th[0]), kRodLength * std::cos(th[1])};
 }
 
 MotionSample slider(const Vec3& th, const Vec3& w) {
   const Vec2 dz = gradient(th.head<2>());
   return {.q = Vec3(dz.sum(), height(th.head<2>()), a * th[2]),
-          .v = Vec3(-kCrank * std::sin(th[0]) * w[0] - kRod * std::sin(th[1]) * w[1], dz.dot(w.head<2>()),
-                    a * w[2])};
+          .v = Vec3(-kCrankLength * std::sin(th[0]) * w[0] - kRodLength * std::sin(th[1]) * w[1],
+                    dz.dot(w.head<2>()), a * w[2])};
 }
 
 // Accelerations, and the force of the wall on the slider, which keeps its height if it is `closed` (MCH-2).
@@ -57,7 +59,8 @@ struct Rates {
 Rates rates_of(const VecX& y, bool closed) {
   const Vec2 th = y.head<2>(), w = y.tail<2>(), dz = gradient(th);
   const Mat2 inverse = mass(th).inverse();
-  const double bend = -kCrank * std::sin(th[0]) * w[0] * w[0] - kRod * std::sin(th[1]) * w[1] * w[1];
+  const double bend =
+      -kCrankLength * std::sin(th[0]) * w[0] * w[0] - kRodLength * std::sin(th[1]) * w[1] * w[1];
   Rates out{.acceleration = inverse * force(th, w)};
   if (closed) out.force = -(dz.dot(out.acceleration) + bend) / dz.dot(inverse * dz);
   out.acceleration += out.force * inverse * dz;
@@ -76,6 +79,25 @@ VecX after_impact(VecX y, double restitution) {  // (MCH-3)
   const Vec2 dz = gradient(y.head<2>()), turn = mass(y.head<2>()).inverse() * dz;
   y.tail<2>() -= (1 + restitution) * dz.dot(y.tail<2>()) / dz.dot(turn) * turn;
   return y;
+}
+
+// What follows at a wall: 1 the upper one, -1 the lower one, 0 none.
+struct Hop {
+  bool closed = false;      // stays
+  double stride = kStride;  // a fraction of the time to the next impact on the same wall [s]
+};
+Hop hop_of(const VecX& y, double wall) {
+  const double leaves = -wall * gradient(y.head<2>()).dot(y.tail<2>());
+  const double pull = wall * rates_of(y, false).height;  // towards the wall, of what moves freely [m/s^2]
+  if (wall == 0 || pull <= 0) return {};
+  return {.closed = leaves < kLastSpeed, .stride = std::min(kStride, 2 * leaves / pull / 10)};
+}
+
+// The wall would have to pull, or the slider meets the same wall again, or the other one.
+double end_of(const Hop& hop, const std::function<VecX(double)>& at, double wall, double left) {
+  const auto push = [&](double s) { return -wall * rates_of(at(s), true).force; };
+  const auto gap = [&](double s) { return kClearance - std::abs(height(at(s).head<2>())); };
+  return hop.closed ? first_root(push, 0, left, kStride) : first_root(gap, hop.stride, left, hop.stride);
 }
 
 Coordinates angles() {
@@ -106,7 +128,7 @@ GapFunction corner(double x, double z, double mu) {
     const double s = std::sin(state.q[2]), c = std::cos(state.q[2]), side = z > 0 ? 1 : -1;
     GapRows out{.gap = b + kClearance - side * (height(th) + s * x + c * z), .J = MatX(2, 3)};
     out.J << -side * gradient(th).transpose(), -side * (c * x - s * z),  //
-        -kCrank * std::sin(th[0]), -kRod * std::sin(th[1]), -s * x - c * z;
+        -kCrankLength * std::sin(th[0]), -kRodLength * std::sin(th[1]), -s * x - c * z;
     return out;
   };
   return {.name = "corner", .block = 0, .evaluate = evaluate, .law = {.mu = mu, .restitution = kRestitution}};
@@ -115,34 +137,24 @@ GapFunction corner(double x, double z, double mu) {
 }  // namespace
 
 ExactMotion slider_crank_motion(double t_end) {
-  constexpr double kStride = 1e-4;     // of the integration [s]
-  constexpr double kLastSpeed = 1e-6;  // what leaves a wall slower stays [m/s]
   ExactMotion out;
   VecX y(4);
   y << 0, 0, kSpeed[0], kSpeed[1];
-  double begin = 0, wall = 0;  // that was hit: 1 the upper one, -1 the lower one, 0 none
+  double begin = 0, wall = 0;
   while (begin < t_end) {
-    const double left = t_end - begin, leaves = -wall * gradient(y.head<2>()).dot(y.tail<2>());
-    const double pull = wall * rates_of(y, false).height;  // of what moves freely, towards the wall [m/s^2]
-    const bool closed = wall != 0 && pull > 0 && leaves < kLastSpeed;
-    if (closed) y = after_impact(y, 0);
-    const auto at = ode_solution(ode(closed), y, left, kStride);
+    const Hop hop = hop_of(y, wall);
+    if (hop.closed) y = after_impact(y, 0);
+    const double left = t_end - begin;
+    const auto at = ode_solution(ode(hop.closed), y, left, kStride);
     out.pieces.push_back({begin, [=](double t) {
                             const VecX now = at(t - begin);
                             return slider({now[0], now[1], 0}, {now[2], now[3], 0});
                           }});
-    double until = kInf;
-    if (closed) {  // until the wall would have to pull
-      until = first_root([&](double s) { return -wall * rates_of(at(s), true).force; }, 0, left, kStride);
-    } else {  // the same wall again, or the other one
-      const double hop = wall != 0 && pull > 0 ? std::min(kStride, 2 * leaves / pull / 10) : kStride;
-      const auto gap = [&](double s) { return kClearance - std::abs(height(at(s).head<2>())); };
-      until = first_root(gap, hop, left, hop);
-    }
+    const double until = end_of(hop, at, wall, left);
     if (until > left) break;
     y = at(until), begin += until;
-    wall = closed ? 0 : height(y.head<2>()) > 0 ? 1 : -1;
-    if (!closed) y = after_impact(y, kRestitution);
+    wall = hop.closed ? 0 : height(y.head<2>()) > 0 ? 1 : -1;
+    if (!hop.closed) y = after_impact(y, kRestitution);
   }
   return out;
 }
@@ -173,16 +185,17 @@ CaseScene slider_crank_of_bodies(double mu) {
                                     .inertia = kInertia[i] * Mat3::Identity()});
   for (const char* name : {"upper wall", "lower wall"}) add(s.model, fixed_body(name, plate));
   s.state = rest_state(s.model);
-  const double x[] = {kCrank / 2, kCrank + kRod / 2, kCrank + kRod}, joint_x[] = {0, kCrank, kCrank + kRod};
+  const double x[] = {kCrankLength / 2, kCrankLength + kRodLength / 2, kCrankLength + kRodLength},
+               joint_x[] = {0, kCrankLength, kCrankLength + kRodLength};
   for (int i = 0; i < 3; ++i) pose(s.state, i).p.x() = x[i];
   for (const int side : {1, -1})
-    pose(s.state, side > 0 ? 3 : 4).p = Vec3(kRod, 0, side * (b + kClearance + kDilation));
+    pose(s.state, side > 0 ? 3 : 4).p = Vec3(kRodLength, 0, side * (b + kClearance + kDilation));
   for (int i = 0; i < 3; ++i)  // about -y: raises what points along x
     add(s.model, joint_at(JointKind::revolute, "hinge", i, i - 1, s.state.g,
                           translation(joint_x[i], 0, 0) * rotation(Vec3::UnitX(), kPi / 2)));
-  twist(s.state, 0) << 0, 0, kSpeed[0] * kCrank / 2, 0, -kSpeed[0], 0;
-  twist(s.state, 1) << 0, 0, kSpeed[0] * kCrank + kSpeed[1] * kRod / 2, 0, -kSpeed[1], 0;
-  twist(s.state, 2) << 0, 0, kSpeed[0] * kCrank + kSpeed[1] * kRod, 0, 0, 0;
+  twist(s.state, 0) << 0, 0, kSpeed[0] * kCrankLength / 2, 0, -kSpeed[0], 0;
+  twist(s.state, 1) << 0, 0, kSpeed[0] * kCrankLength + kSpeed[1] * kRodLength / 2, 0, -kSpeed[1], 0;
+  twist(s.state, 2) << 0, 0, kSpeed[0] * kCrankLength + kSpeed[1] * kRodLength, 0, 0, 0;
   return s;
 }
 
