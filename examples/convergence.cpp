@@ -210,7 +210,7 @@ int main(int argc, char** argv) {
   cli.choice("--impact-order", a.impact_order, "of several impacts, of moreau_jean",
              {"simultaneous", "sequential"});
   cli.choice("--projection", a.projection, "of moreau_jean_projected", {"direct", "combined"});
-  cli.choice("--update", a.update, "of rotations, of schemes other than moreau_jean",
+  cli.choice("--update", a.update, "of rotations, of all schemes but event_driven",
              {"exponential", "cayley", "screw"});
   cli.option("--spectral-radius", a.options.spectral_radius, "of generalised_alpha", "-", {0, 1});
   cli.option("--h0", a.study.h, "largest step; 0: that of the case", "s", {0, 1});

@@ -255,9 +255,10 @@ std::optional<ImpactJump> impact_jump(const Model& model, const State& state, co
   out.kinetic_change = middle.dot(M * (end.v - v));
   out.contact_work = middle.dot(out.of_contacts);
   out.joint_work = middle.dot(out.of_joints);
+  out.work.assign(rows.size(), 0);
   for (const int i : near) {
     const ContactRow& row = rows[std::size_t(i)];
-    out.relative_work +=
+    out.work[std::size_t(i)] =
         end.r[std::size_t(i)].dot(slip_velocity(row, dofs, v) + slip_velocity(row, dofs, end.v)) / 2;
   }
   return out;

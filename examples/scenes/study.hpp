@@ -40,7 +40,8 @@ bool as_expected(const Study& study);
 bool applies(const Case& c, const SchemeTraits& traits);
 /// Throws std::invalid_argument naming case, scheme and what does not fit, unless it applies.
 void require_applies(const Case& c, const std::string& scheme, const SchemeOptions& options);
-Errors expected_orders(const Case& c, const SchemeTraits& traits);
+/// (CONV-7), with steps of the lengths h.
+Errors expected_orders(const Case& c, const SchemeTraits& traits, const std::vector<double>& h);
 
 /// From the scene's state to the end of the case; the first step has the part `phase` of the step h. Throws
 /// NumericalFailure naming case, time and reason where a step fails.
