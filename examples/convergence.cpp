@@ -138,8 +138,7 @@ ExitCode run(Arguments a) {
   validate(a.study);
   const std::vector<Cell> cells = shard_of(cells_of(a), a.shard);
   if (!a.all)  // told before a folder is made
-    require(applies(*cells.front().scene, scheme_traits(a.scheme.scheme, cells.front().variant.options)),
-            "--case " + a.case_name + " bounces: --normal-law " + a.scheme.normal + " has no restitution");
+    require_applies(*cells.front().scene, a.scheme.scheme, cells.front().variant.options);
   for (const std::filesystem::path& folder : {a.json.parent_path(), a.out})
     if (!folder.empty()) std::filesystem::create_directories(folder);
 
