@@ -41,7 +41,8 @@ void open(Part<FrictionProblem>& part) {
   const FrictionProblem& problem = part.problem;
   if (!part.inverse) part.inverse = invert_motion(problem.M, problem.G);
   if (!part.inverse || problem.laws.empty()) return;
-  const bool few_contacts = problem.f.size() > 2 * problem.w.size();
+  // One block is its own W: speeds of the bodies would only bring in their rounding.
+  const bool few_contacts = problem.f.size() > 2 * problem.w.size() || problem.laws.size() == 1;
   const bool condensed =
       part.inverse->mass.factor || part.inverse->joints || problem.R.size() > 0 || few_contacts;
   part.W = condensed ? make_delassus(condense(problem, *part.inverse))
