@@ -116,8 +116,8 @@ TEST(PeerScenes, TowersStand) {
   }
 }
 
-// Limit analysis [Milankovitch1907] and the linear program of the project's notes: least friction 0.30769,
-// least thickness 0.10696, largest tilt 15.94 degrees with a friction of 0.6.
+// (PEER-2): least friction 0.30769, least thickness 0.10696, largest tilt 15.94 degrees with a friction of
+// 0.6.
 TEST(PeerScenes, AnArchStandsAndFallsWhereLimitAnalysisSays) {
   const auto run = [](const Arch& arch) {
     const PeerScene scene = arch_scene(arch);
