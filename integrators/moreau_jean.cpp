@@ -82,10 +82,10 @@ VecX MoreauJean::estimate(const State& state, double h) const {
                                    free_motion(setting_.model, state, setting_.dofs, h, theta), h, theta);
 }
 
-Attempt MoreauJean::attempt(const State& state, const VecX& v_estimate, double h) const {
+Attempt MoreauJean::attempt(const State& state, const Estimate& ahead, double h) const {
   const double theta = options_.theta, time = time_of(options_.contacts, h);
   const NormalLawOptions& normal = options_.normal;
-  Found found = find_ahead(setting_, state, v_estimate, h);
+  Found found = find_ahead(setting_, state, ahead, h);
   const std::optional<AfterImpact> after = after_impact(setting_, state, found, options_.impact, theta);
   const State& start = after ? after->state : state;
   const FreeMotion first = free_motion(setting_.model, start, setting_.dofs, h, theta);  // (MJ-4), (MJ-5)
@@ -130,9 +130,10 @@ Attempt MoreauJean::attempt(const State& state, const VecX& v_estimate, double h
 }
 
 StepReport MoreauJean::step(State& state, double h_limit) const {
-  return advance_step(setting_, state, h_limit,
-                      {[&](const State& start, double h) { return estimate(start, h); },
-                       [&](const State& start, const VecX& v, double h) { return attempt(start, v, h); }});
+  return advance_step(
+      setting_, state, h_limit,
+      {[&](const State& start, double h) { return estimate(start, h); },
+       [&](const State& start, const Estimate& ahead, double h) { return attempt(start, ahead, h); }});
 }
 
 ContactSet MoreauJean::contacts(const State& state, double threshold) const {

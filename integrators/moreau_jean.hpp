@@ -57,7 +57,7 @@ class MoreauJean {
 
  private:
   VecX estimate(const State& state, double h) const;
-  Attempt attempt(const State& state, const VecX& v_estimate, double h) const;
+  Attempt attempt(const State& state, const Estimate& ahead, double h) const;
 
   StepSetting setting_;
   MoreauJeanOptions options_;
