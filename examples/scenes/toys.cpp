@@ -29,6 +29,29 @@ int add_paper(Model& model) {
           .name = "paper", .shape = sheet, .mass = kPaperMass, .inertia = Vec3(J, J, 2 * J).asDiagonal()});
 }
 
+constexpr double kPlateDilation = 1e-2;  // of the plate that tops and dimers stand on; its face is z = 0 [m]
+constexpr double kTouching = 1e-14;      // overlap of what touches at the start [m]
+
+CaseScene on_plate(const ContactLaw& law) {
+  CaseScene s;
+  s.model.contact_law = law;
+  RigidBody plate = fixed_body("plate", add(s.model, prepare(dilate(make_plate(20, 20), kPlateDilation))));
+  plate.g_bs = translation(0, 0, -kPlateDilation);
+  add(s.model, plate);
+  return s;
+}
+
+/// The gap of a body's point at `arm` from its centre of mass (world) above z = 0, with friction in space.
+GapRows rows_above_plate(const State& state, int body, const Vec3& arm, double gap) {
+  const Mat3 R = pose(state, body).R.toRotationMatrix();
+  Eigen::Matrix<double, 3, 6> J;
+  J << Mat3::Identity(), -skew(arm) * R;
+  GapRows out{.gap = gap, .J = MatX::Zero(3, state.v.size())};
+  for (int row = 0; row < 3; ++row)  // the normal z first, then x and y
+    out.J.row(row).segment<6>(6 * body) = J.row((row + 2) % 3);
+  return out;
+}
+
 }  // namespace
 
 CaseScene bullet_and_paper(double restitution, double gap) {
@@ -77,6 +100,48 @@ CaseScene crossing_bullets(double miss, double distance) {
   twist(s.state, 0)[2] = kBulletSpeed;
   twist(s.state, s.body)[2] = -kBulletSpeed;
   return s;
+}
+
+CaseScene tippe_top(double contensou_radius) {
+  constexpr double kTilt = 0.1, kSpin = 180;
+  const TippeTop top;
+  CaseScene s = on_plate({.mu = top.mu, .contensou_radius = contensou_radius});
+  const int sphere = add(s.model, prepare(dilate(make_point(), top.R1)));
+  s.body = add(s.model, RigidBody{.name = "top",
+                                  .shape = sphere,
+                                  .g_bs = translation(0, 0, top.a1),
+                                  .mass = top.mass,
+                                  .inertia = Vec3(top.I1, top.I1, top.I3).asDiagonal()});
+  add(s.model, GapFunction{.name = "stem",
+                           .evaluate =
+                               [top, body = s.body](const Model&, const State& state, double) {
+                                 const SE3& g = pose(state, body);
+                                 const Vec3 centre = g.R * Vec3(0, 0, top.a2);
+                                 return rows_above_plate(state, body, centre - Vec3(0, 0, top.R2),
+                                                         g.p.z() + centre.z() - top.R2);
+                               },
+                           .law = {.mu = top.mu}});
+  s.state = rest_state(s.model);
+  pose(s.state, s.body).R = rotation(Vec3::UnitY(), kTilt).R;
+  pose(s.state, s.body).p.z() = top.R1 - top.a1 * std::cos(kTilt) - kTouching;
+  twist(s.state, s.body)[5] = kSpin;
+  return s;
+}
+
+double axis_angle(const CaseScene& s, const State& state) {
+  const Vec3 axis = pose(state, s.body).R * Vec3::UnitZ();
+  return std::atan2(axis.head<2>().norm(), axis.z());
+}
+
+double stem_gap(const CaseScene& s, const State& state) {
+  return s.model.gaps[0].evaluate(s.model, state, state.t).gap;
+}
+
+double jellett(const CaseScene& s, const State& state) {
+  const TippeTop top;
+  const SE3& g = pose(state, s.body);
+  const Vec3 L = s.model.bodies[std::size_t(s.body)].inertia * twist(state, s.body).tail<3>();
+  return (g.R * L).dot(Vec3(0, 0, top.R1) - g.R * Vec3(0, 0, top.a1));
 }
 
 }  // namespace aussois

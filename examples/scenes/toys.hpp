@@ -22,4 +22,19 @@ CaseScene needle_and_sheet(double restitution, double angle);
 /// centres along the way.
 CaseScene crossing_bullets(double miss, double distance);
 
+/// B6. The tippe-top of [Leine2003]: body and stem are spheres whose centres lie on its axis e3, above the
+/// centre of mass; on a plate, tilted by 0.1 rad about y, with 180 rad/s about e3. The stem is a gap function
+/// with Coulomb friction; the body sphere has the pair law, Contensou's with `contensou_radius` > 0 [m].
+struct TippeTop {
+  double mass = 6e-3, I1 = 8e-7, I3 = 7e-7;  // [kg], [kg m^2] about the centre of mass
+  double R1 = 0.015, a1 = 0.003;             // body sphere: radius and height of its centre [m]
+  double R2 = 0.005, a2 = 0.016;             // stem
+  double mu = 0.3;
+};
+CaseScene tippe_top(double contensou_radius);
+double axis_angle(const CaseScene& s, const State& state);  // between e3 and the vertical [rad]
+double stem_gap(const CaseScene& s, const State& state);    // above the plate [m]
+/// L . (R1 k - a1 e3), L the angular momentum about the centre of mass [N m^2 s] (TOY-4).
+double jellett(const CaseScene& s, const State& state);
+
 }  // namespace aussois
