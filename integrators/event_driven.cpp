@@ -21,6 +21,7 @@ constexpr double kLiftOff = 1e-13;   // gaps of what opens without speed are kno
 constexpr double kPush = 1e-9;       // forces act so long to see which jump they ask for (EVD-8) [s]
 constexpr double kChord = 1e-3;      // pieces of the certificate follow the path to this part of a dilation
 constexpr double kTiny = 1e-12;      // instead of zero [m/s^2]
+constexpr double kSameTime = 1e-12;  // rows of paths nearer than this are there: sums of steps round [s]
 constexpr int kMaxPieces = 256, kMaxRetries = 20;
 
 bool same(const Touch& a, const Touch& b) {
@@ -176,7 +177,7 @@ void Run::add_impulse(const Touch& touch, const VecX& r) {
 void Run::move_prescribed() {
   for (int b = 0; b < int(model_.bodies.size()); ++b)
     if (const auto* motion = std::get_if<Prescribed>(&model_.bodies[std::size_t(b)].motion)) {
-      const TrajectoryPoint now = evaluate(motion->path, state_.t);
+      const TrajectoryPoint now = evaluate(motion->path, state_.t + kSameTime);
       pose(state_, b) = now.pose;
       twist(state_, b) = now.twist;
     }
@@ -187,7 +188,8 @@ double Run::next_row() const {
   double next = t_end_;
   for (const RigidBody& body : model_.bodies)
     if (const auto* motion = std::get_if<Prescribed>(&body.motion))
-      if (const auto row = std::ranges::upper_bound(motion->path.t, state_.t); row != motion->path.t.end())
+      if (const auto row = std::ranges::upper_bound(motion->path.t, state_.t + kSameTime);
+          row != motion->path.t.end())
         next = std::min(next, *row);
   return next;
 }

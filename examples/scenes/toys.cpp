@@ -128,6 +128,105 @@ CaseScene tippe_top(double contensou_radius) {
   return s;
 }
 
+Vec3 lowest_point(const Rattleback& r, const Vec3& up) {
+  const Vec3 scaled = r.semi_axes.cwiseProduct(up);
+  return Vec3(0, 0, r.below) - r.semi_axes.cwiseProduct(scaled) / scaled.norm();
+}
+
+CaseScene rattleback(double spin) {
+  constexpr double kTilt = 0.5 * kPi / 180;
+  const Rattleback r;
+  CaseScene s;
+  s.body = add(s.model, RigidBody{.name = "rattleback", .mass = r.mass, .inertia = r.inertia});
+  add(s.model, GapFunction{.name = "ellipsoid on plane",
+                           .evaluate =
+                               [r, body = s.body](const Model&, const State& state, double) {
+                                 const SE3& g = pose(state, body);
+                                 const Vec3 arm = g.R * lowest_point(r, g.R.conjugate() * Vec3::UnitZ());
+                                 return rows_above_plate(state, body, arm, g.p.z() + arm.z());
+                               },
+                           .law = {.mu = r.mu}});
+  s.state = rest_state(s.model);
+  SE3& g = pose(s.state, s.body);
+  g.R = (rotation(Vec3::UnitX(), kTilt) * rotation(Vec3::UnitY(), kTilt)).R;
+  const Vec3 omega(0, 0, spin), arm = lowest_point(r, g.R.conjugate() * Vec3::UnitZ());
+  g.p.z() = -(g.R * arm).z() - kTouching;
+  twist(s.state, s.body) << g.R * arm.cross(omega), omega;  // the lowest point rests
+  return s;
+}
+
+namespace {
+
+int add_dimer(Model& model) {
+  const Dimer d;
+  const int shape =
+      add(model, prepare(dilate(make_complex({Vec3(-d.half, 0, 0), Vec3(d.half, 0, 0)}, {}), d.radius)));
+  const double own = 0.4 * d.radius * d.radius, far = d.half * d.half + own;
+  return add(model, RigidBody{.name = "dimer",
+                              .shape = shape,
+                              .mass = d.mass,
+                              .inertia = (d.mass * Vec3(own, far, far)).asDiagonal()});
+}
+
+}  // namespace
+
+CaseScene dimer_drop() {
+  const Dimer d;
+  CaseScene s = on_plate({.mu = d.mu, .restitution = d.restitution});
+  s.body = add_dimer(s.model);
+  s.state = rest_state(s.model);
+  pose(s.state, s.body) = {rotation(Vec3::UnitY(), -0.3).R, {0, 0, 0.02}};
+  return s;
+}
+
+CaseScene dimer_on_vibrating_plate(double acceleration, double t_end) {
+  constexpr double kRow = 1e-4;  // a chord is off by 1e-8 m at 1 g [s]
+  const double W = 2 * kPi * 25, A = acceleration / (W * W);
+  const Dimer d;
+  CaseScene s = on_plate({.mu = d.mu, .restitution = d.restitution});
+  Trajectory path;
+  for (int k = 0; (k - 1) * kRow < t_end; ++k) {
+    path.t.push_back(k * kRow);
+    path.pose.push_back(translation(0, 0, A * std::sin(W * k * kRow)));
+  }
+  s.model.bodies[0].motion = Prescribed{path};
+  s.body = add_dimer(s.model);
+  s.state = rest_state(s.model);
+  pose(s.state, s.body).p.z() = 2.66e-3;
+  twist(s.state, s.body)[4] = -5;
+  return s;
+}
+
+Vec3 dimer_pose(const CaseScene& s, const State& state) {
+  const SE3& g = pose(state, s.body);
+  const Vec3 along = g.R * Vec3::UnitX();
+  return {g.p.x(), g.p.z(), std::atan2(along.z(), along.x())};
+}
+
+CaseScene dimer_and_rod(double x, double height, double speed) {
+  constexpr double kMass = 0.05;
+  CaseScene s;
+  s.model.gravity = Vec3::Zero();
+  s.model.contact_law = {.mu = 0.3, .restitution = 0};
+  const int balls =
+      add(s.model,
+          prepare(dilate(make_complex({Vec3(-kBallPlace, 0, 0), Vec3(kBallPlace, 0, 0)}, {}), kBallRadius)));
+  const int bar = add(s.model, prepare(dilate(make_segment(2 * kBallPlace), kBarRadius)));
+  const int rod = add(s.model, prepare(dilate(make_segment(kRodLength), kRodRadius)));
+  add(s.model, fixed_body("balls", balls));
+  add(s.model, fixed_body("bar", bar));
+  const double J = kMass * kRodLength * kRodLength / 12;
+  s.body = add(s.model, RigidBody{.name = "rod",
+                                  .shape = rod,
+                                  .mass = kMass,
+                                  .inertia = Vec3(kMass * kRodRadius * kRodRadius / 2, J, J).asDiagonal()});
+  s.state = rest_state(s.model);
+  pose(s.state, s.body) = {rotation(Vec3::UnitY(), kPi / 2).R,
+                           {x, 0, kBarRadius + height + kRodRadius + kRodLength / 2}};
+  twist(s.state, s.body)[2] = -speed;
+  return s;
+}
+
 double axis_angle(const CaseScene& s, const State& state) {
   const Vec3 axis = pose(state, s.body).R * Vec3::UnitZ();
   return std::atan2(axis.head<2>().norm(), axis.z());
