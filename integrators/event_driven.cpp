@@ -189,7 +189,7 @@ double Run::next_row() const {
   for (const RigidBody& body : model_.bodies)
     if (const auto* motion = std::get_if<Prescribed>(&body.motion))
       if (const auto row = std::ranges::upper_bound(motion->path.t, state_.t + kSameTime);
-          row != motion->path.t.end())
+          row != motion->path.t.end() && *row < t_end_ - kSameTime)
         next = std::min(next, *row);
   return next;
 }
@@ -648,7 +648,7 @@ StepReport Run::go(State& out) {
   bool alive = state_.v.allFinite();
   if (!alive) report_.status = StepStatus::not_finite, report_.reason = "a velocity is not finite";
   alive = alive && settle(true);
-  while (alive && state_.t < t_end_) {
+  while (alive && state_.t < t_end_ - kSameTime) {
     if (++stops_ > o_.max_events) {
       std::ostringstream text;
       text << "more than " << o_.max_events << " events from t = " << start.t << " to " << state_.t << " s";
@@ -662,6 +662,7 @@ StepReport Run::go(State& out) {
   if (!alive) return report_;
 
   report_.reason.clear();
+  state_.t = t_end_;
   state_.h = report_.h = t_end_ - start.t;
   state_.h_next = 0;
   report_.t = state_.t;

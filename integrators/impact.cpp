@@ -183,6 +183,8 @@ Shocked simultaneous(const Setting& s, const std::vector<int>& near, const Shock
 Shocked sequential(const Setting& s, const std::vector<int>& near, Shocked out, double h, NormalLaw law,
                    int max_pairs) {
   double fastest = 0;
+  for (const int i : near)  // what slips or spins fast closes by rounding now and then
+    fastest = std::max(fastest, slip_velocity(s.rows[std::size_t(i)], s.dofs, out.v).norm());
   for (int n = 0; n < max_pairs && out.v.allFinite(); ++n) {
     int next = -1;
     double speed = -kStill * fastest;
