@@ -99,7 +99,7 @@ TEST_P(EverySchemeAndBullet, MeetsThePaperFromEveryStart) {
                std::abs(of_bullet + (share - e * (1 - share)) * kBulletSpeed) > 0.02;
     }
     // A step that is cut while the bodies overlap does not give back what this scheme's law asks for (SP-5).
-    EXPECT_LE(wrong, v.name == "schatzman_paoli" && e > 0 ? 10 : 0) << "e = " << e;
+    EXPECT_LE(wrong, v.name == "schatzman_paoli" && e > 0 ? 4 : 0) << "e = " << e;
   }
 }
 
@@ -119,7 +119,7 @@ TEST_P(EverySchemeAndBullet, PassesByWhatItMissesByAMicrometre) {
       rounds = std::max(rounds, long(report.certificate_rounds));
     }
     EXPECT_LT((state.v - s.state.v).norm(), 1e-12 * kBulletSpeed) << "phase " << phase;
-    EXPECT_LT(rounds, v.name == "event_driven" ? 100000 : 200);  // grazing does not stall
+    EXPECT_LT(rounds, v.name == "event_driven" ? 100000 : 60);  // grazing does not stall
   }
 }
 
