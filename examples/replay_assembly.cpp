@@ -17,6 +17,7 @@
 #include <sstream>
 
 #include "examples/assembly/assembly_scene.hpp"
+#include "examples/common/audit_report.hpp"
 #include "examples/common/driver.hpp"
 #include "examples/common/progress.hpp"
 #include "examples/common/step_dump.hpp"
@@ -43,7 +44,7 @@ struct Arguments {
   AssemblyOptions scene{};
   std::string normal_law = "combined";
   double theta = 1, tolerance = 1e-8;
-  int stop_after = 0;
+  int stop_after = 0, certify = 0;
   DumpOptions dump{};
   CommonOptions common{};
   std::string command_line{};
@@ -55,6 +56,7 @@ struct Statistics {
   double min_gap = kInf, min_base_distance = kInf, peak_force = 0, peak_torque = 0, peak_contact_force = 0,
          max_lag = 0, final_lag = 0;
   double energy_error = 0, energy_scale = 0, cpu_s = 0;
+  PathAudit audit{};
   double energy_residual() const { return energy_scale > 0 ? energy_error / energy_scale : 0; }
 };
 
@@ -142,6 +144,7 @@ Summary summary_of(const AssemblyInput& input, const AssemblyScene& scene, const
   out.set("mass_source", scene.mass_source);
   out.set("h", scene.h);
   out.set("path_time", scene.path.t.back());
+  set_audit(out, s.audit);
   return out;
 }
 
@@ -235,8 +238,12 @@ Checkpoint checkpoint_of(std::uint64_t print, const State& state, const Statisti
                       {"max_lag", s.max_lag},
                       {"energy_error", s.energy_error},
                       {"energy_scale", s.energy_scale},
-                      {"cpu_s", s.cpu_s}},
+                      {"cpu_s", s.cpu_s},
+                      {"certify_distance", s.audit.min_distance},
+                      {"certify_slack", s.audit.min_slack}},
           .counts = {{"solver_failures", s.solver_failures},
+                     {"certify_steps", s.audit.steps},
+                     {"certify_violations", s.audit.violations},
                      {"max_contacts", s.max_contacts},
                      {"csv_rows", std::int64_t(csv_rows)},
                      {"run_rows", std::int64_t(run_rows)}}};
@@ -262,7 +269,11 @@ Statistics statistics_of(const Checkpoint& c) {
           .max_lag = number("max_lag"),
           .energy_error = number("energy_error"),
           .energy_scale = number("energy_scale"),
-          .cpu_s = number("cpu_s")};
+          .cpu_s = number("cpu_s"),
+          .audit = {.min_distance = number("certify_distance"),
+                    .min_slack = number("certify_slack"),
+                    .steps = entry(c.counts, "certify_steps"),
+                    .violations = entry(c.counts, "certify_violations")}};
 }
 
 void account(Statistics& s, const AssemblyScene& scene, const State& state, const StepReport& report,
@@ -309,6 +320,7 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
     csv_rows = std::size_t(entry(c.counts, "csv_rows"));
     run_rows = std::size_t(entry(c.counts, "run_rows"));
   }
+  s.audit.samples = a.certify;
   RunWriter run = a.common.resume ? RunWriter::resume(a.common.out / "run.h5", run_rows)
                                   : RunWriter(a.common.out / "run.h5", header_of(input, scene, a));
   CsvTable csv = a.common.resume ? CsvTable::resume(a.common.out / "steps.csv", kColumns, csv_rows)
@@ -324,12 +336,14 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
   std::time_t last_checkpoint = std::time(nullptr);
   StepReport report;
   while (state.t < t_end * (1 - 1e-12)) {
+    const State start = state;
     report = scheme.step(state, t_end - state.t);
     dump.step(s.steps + 1, report);
     if (report.status != StepStatus::ok) break;
     const CouplingWrench pull =
         coupling_wrench(scene.model, state, scene.moving, scene.target, scene.coupling, state.t);
     account(s, scene, state, report, pull);
+    audit_path(scene.model, start, report, a.common.threads, s.audit);
     if (s.steps % a.common.every == 0) run.append(run_step(s.steps, scene.model, state, report, pull));
     csv.add({double(s.steps), report.t, report.h, double(report.contacts_found), double(report.contacts_kept),
              double(report.solve.iterations), double(report.solve.newton_iterations), report.solve.residual,
@@ -372,7 +386,7 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
   if (!arrived)
     std::fprintf(stderr, "the part did not arrive: %.4g mm behind the end of its path, more than %.4g mm\n",
                  1e3 * s.final_lag, 1e3 * kArrival * scene.radius);
-  const bool accepted = arrived && s.refused_steps == 0 && s.solver_failures == 0 &&
+  const bool accepted = tell(s.audit) && arrived && s.refused_steps == 0 && s.solver_failures == 0 &&
                         s.min_base_distance > 0 && s.min_gap >= -0.05 * 2 * scene.dilation;
   return accepted ? ExitCode::ok : ExitCode::not_accepted;
 }
@@ -381,6 +395,8 @@ ExitCode replay(Arguments& a) {
   require(a.mode == "dynamic" || (!a.common.resume && a.stop_after == 0),
           "--resume and --stop-after belong to --mode dynamic: a kinematic replay writes no checkpoint");
   step_choice(a.dump.steps);  // refused before anything runs
+  require(a.mode == "dynamic" || a.certify == 0,
+          "--certify belongs to --mode dynamic: a kinematic replay takes no steps");
   require(a.mode == "dynamic" || a.dump.folder.empty(),
           "--dump-problem belongs to --mode dynamic: a kinematic replay solves no problem");
   a.scene.gravity = parse_vector(a.gravity, "--gravity");
@@ -437,6 +453,9 @@ int main(int argc, char** argv) {
   cli.option("--theta", a.theta, "of the Moreau-Jean scheme", "-", {0.5, 1});
   cli.choice("--normal-law", a.normal_law, "what the normal rows of a step say (doc/theory/moreau_jean.md)",
              {"combined", "gap_over_step", "moreau"});
+  cli.option("--certify", a.certify,
+             "look at the path of every step at so many places: a second opinion on the certificate; 0: none",
+             "", {0, 1000000});
   cli.option("--threshold", a.threshold, "kinematic: largest gap of a contact; 0: twice the clearance", "m",
              {0, 1});
   cli.option("--stop-after", a.stop_after, "stop with a checkpoint after this many steps; 0: never", "",

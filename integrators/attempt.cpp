@@ -79,19 +79,59 @@ double change_of_mass(const Model& model, const State& state, const State& next,
   return work - 0.5 * (v + free.v).dot(free.mass * change);
 }
 
-// `v` is the velocity at the end, off by `projected` from what the impulses of the step gave (MJ-9).
-EnergyLedger ledger(const FreeMotion& free, const VecX& contact_impulse, const VecX& joint_impulse,
-                    const VecX& v, const VecX& projected) {
-  const VecX change = v - free.v, middle = (v + free.v) / 2;
-  EnergyLedger out{.kinetic_change = middle.dot(free.mass * change),
-                   .gravity_work = middle.dot(free.gravity),
-                   .law_work = middle.dot(free.laws - free.law_D * change),
-                   .contact_work = middle.dot(contact_impulse),
-                   .gyroscopic_work = middle.dot(free.gyroscopic - free.gyroscopic_D * change)};
-  if (joint_impulse.size() > 0) out.joint_work = middle.dot(joint_impulse + free.M * projected);
-  if (free.joints.size() > 0) out.joint_work += middle.dot(free.joints);
-  if (free.numerical.size() > 0) out.numerical_work = middle.dot(free.numerical);
+// What changed the velocities in a step, rows of the problem [N s, N m s]; their sum is mass * (v_end - v).
+struct Acting {
+  VecX gravity{}, laws{}, gyroscopic{}, contacts{}, joints{}, numerical{};
+};
+
+// `change` of the velocities over the step, off by `projected` from what its impulses gave.
+Acting acting(const FreeMotion& free, const VecX& contact_impulse, const VecX& joint_impulse,
+              const VecX& change, const VecX& projected) {
+  Acting out{.gravity = free.gravity,
+             .laws = free.laws - free.law_D * change,
+             .gyroscopic = free.gyroscopic - free.gyroscopic_D * change,
+             .contacts = contact_impulse,
+             .joints = VecX::Zero(change.size()),
+             .numerical = VecX::Zero(change.size())};
+  if (joint_impulse.size() > 0) out.joints = joint_impulse + free.M * projected;
+  if (free.joints.size() > 0) out.joints += free.joints;
+  if (free.numerical.size() > 0) out.numerical = free.numerical;
   return out;
+}
+
+// Work on the mean of both ends' velocities, of gravity and force laws on the path's (MJ-9).
+EnergyLedger energy_ledger(const FreeMotion& free, const Acting& by, const VecX& v_end, const VecX& v_path) {
+  const VecX middle = (v_end + free.v) / 2;
+  return {.kinetic_change = middle.dot(free.mass * (v_end - free.v)),
+          .gravity_work = v_path.dot(by.gravity),
+          .law_work = v_path.dot(by.laws),
+          .contact_work = middle.dot(by.contacts),
+          .gyroscopic_work = middle.dot(by.gyroscopic),
+          .joint_work = middle.dot(by.joints),
+          .numerical_work = middle.dot(by.numerical) + (middle - v_path).dot(by.gravity + by.laws)};
+}
+
+// What impulses in the rows of the problem give to all bodies together (MJ-13).
+Momentum given(const StepSetting& setting, const State& state, const VecX& impulse) {
+  Momentum out;
+  for (std::size_t b = 0; b < state.g.size(); ++b) {
+    const int at = setting.dofs.first[b];
+    if (at < 0) continue;
+    const Vec3 p = impulse.segment<3>(at);
+    out.linear += p;
+    out.angular += state.g[b].p.cross(p) + state.g[b].R * Vec3(impulse.segment<3>(at + 3));
+  }
+  return out;
+}
+
+MomentumLedger momentum_ledger(const StepSetting& setting, const State& state, const VecX& change,
+                               const Acting& by) {
+  const auto sum = [&](const VecX& impulse) { return given(setting, state, impulse); };
+  return {.change = sum(change),
+          .forces = sum(by.gravity + by.laws + by.gyroscopic),
+          .contacts = sum(by.contacts),
+          .joints = sum(by.joints),
+          .numerical = sum(by.numerical)};
 }
 
 // The constant velocities, near `v`, that lead from the poses of `state` to those of `end`; `plain` are those
@@ -166,21 +206,27 @@ VecX total_impulses(const ImpulseStep& step) {
   return r;
 }
 
-// What contacts and gap functions gave on relative velocities (IMP-6), and whether that is more than
-// rounding.
-void tell_gain(const ImpulseStep& step, const VecX& r, const DofMap& dofs, int first_gap, const VecX& v_end,
+// What contacts and gap functions gave on relative velocities, each and together (IMP-6), and whether that is
+// more than rounding.
+void tell_work(const ImpulseStep& step, const VecX& r, const DofMap& dofs, int first_gap, const VecX& v_end,
                StepReport& report) {
-  double work = step.impact ? step.impact->relative_work : 0;
+  double sum = 0;
   for (std::size_t k = 0; k < step.solved.kept.size(); ++k) {
-    const ContactRow& row = step.rows[std::size_t(step.solved.kept[k])];
+    const auto i = std::size_t(step.solved.kept[k]);
+    const ContactRow& row = step.rows[i];
     if (row.slot >= 0 && row.slot < first_gap) continue;
     const RowVector u = slip_velocity(row, dofs, step.free.v) + slip_velocity(row, dofs, v_end);
+    double work = step.impact ? step.impact->work[i] : 0;
     for (int d = 0; d < row.law.rows; ++d) work += u[d] / 2 * r[step.solved.first_row[k] + d];
+    if (row.slot < 0) report.contacts[k].work = work;
+    for (StepGap& gap : report.gaps)
+      if (first_gap + 3 * gap.index == row.slot) gap.work = work;
+    sum += work;
   }
   const auto kinetic = [&](const VecX& v) { return v.dot(step.free.mass * v) / 2; };
   const double scale = std::max({kinetic(step.free.v), kinetic(step.free.v_free), kinetic(v_end)});
-  report.impulse_gain = std::max(0.0, work);
-  report.energy_rises = work > kGain * scale;
+  report.impulse_gain = std::max(0.0, sum);
+  report.energy_rises = sum > kGain * scale;
 }
 
 std::vector<StepGap> step_gaps(const Model& model, const ImpulseStep& step, std::size_t contacts,
@@ -427,6 +473,7 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
   out.next.r = impulses.r;
   report.t = out.next.t;
   report.h = found.h;
+  report.v_path = out.v_path;
   report.physical = physical_residual(solution.u, solution.r, step.solved.problem.laws);
   report.gaps = step_gaps(model, step, found.contacts.points.size(), impulses.r);
   if (step.impact) add_impact(*step.impact, step, found.contacts.points.size(), report);
@@ -439,17 +486,23 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
     joint_impulse = step.solved.problem.H * impulses.of_joints + step.solved.problem.G * lambda;
   }
   const VecX v_free_end = free_velocities(setting.dofs, v_end);
-  report.energy = ledger(step.free, step.solved.problem.H * (r - impulses.of_joints), joint_impulse,
-                         v_free_end, v_free_end - solution.v);  // (MJ-9)
+  Acting by = acting(step.free, step.solved.problem.H * (r - impulses.of_joints), joint_impulse,
+                     v_free_end - step.free.v, v_free_end - solution.v);
+  report.energy = energy_ledger(step.free, by, v_free_end, move.v_path);  // (MJ-9)
   const double by_mass = change_of_mass(model, state, out.next, step.free, setting.dofs, v_free_end);
   report.energy.kinetic_change += by_mass;
   report.energy.gyroscopic_work += by_mass;
+  VecX change = step.free.mass * (v_free_end - step.free.v);
   if (step.impact) {
     report.energy.kinetic_change += step.impact->kinetic_change;
     report.energy.contact_work += step.impact->contact_work;
     report.energy.joint_work += step.impact->joint_work;
+    by.contacts += step.impact->of_contacts;
+    by.joints += step.impact->of_joints;
+    change += step.impact->of_contacts + step.impact->of_joints;
   }
-  tell_gain(step, r, setting.dofs, first_gap_row(model), v_free_end, report);
+  report.momentum = momentum_ledger(setting, state, change, by);  // (MJ-13)
+  tell_work(step, r, setting.dofs, first_gap_row(model), v_free_end, report);
   if (report.solve.status != SolveStatus::converged)
     return failed(Outcome::not_solved,
                   std::string("the solver ended with ") + to_string(report.solve.status));

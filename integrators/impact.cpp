@@ -10,7 +10,7 @@ namespace aussois {
 namespace {
 
 constexpr double kTolerance = 1e-13;  // of the shocks; impacts of balls by hand hold to 1e-12
-constexpr double kStill = 1e-12;      // of the fastest contact: no longer approaching
+constexpr double kStill = 1e-12;      // of the fastest velocity: no longer approaching, but rounding
 
 SparseMatrix mass_at(const Model& model, const State& state, const DofMap& dofs) {
   std::vector<Triplet> M;
@@ -182,9 +182,7 @@ Shocked simultaneous(const Setting& s, const std::vector<int>& near, const Shock
 // Always the contact that approaches fastest (IMP-5).
 Shocked sequential(const Setting& s, const std::vector<int>& near, Shocked out, double h, NormalLaw law,
                    int max_pairs) {
-  double fastest = 0;
-  for (const int i : near)  // what slips or spins fast closes by rounding now and then
-    fastest = std::max(fastest, slip_velocity(s.rows[std::size_t(i)], s.dofs, out.v).norm());
+  double fastest = out.v.lpNorm<Eigen::Infinity>();
   for (int n = 0; n < max_pairs && out.v.allFinite(); ++n) {
     int next = -1;
     double speed = -kStill * fastest;
@@ -257,9 +255,10 @@ std::optional<ImpactJump> impact_jump(const Model& model, const State& state, co
   out.kinetic_change = middle.dot(M * (end.v - v));
   out.contact_work = middle.dot(out.of_contacts);
   out.joint_work = middle.dot(out.of_joints);
+  out.work.assign(rows.size(), 0);
   for (const int i : near) {
     const ContactRow& row = rows[std::size_t(i)];
-    out.relative_work +=
+    out.work[std::size_t(i)] =
         end.r[std::size_t(i)].dot(slip_velocity(row, dofs, v) + slip_velocity(row, dofs, end.v)) / 2;
   }
   return out;

@@ -42,7 +42,7 @@ struct ImpactJump {
   VecX lambda{};                    // of the joints
   VecX of_contacts{}, of_joints{};  // impulses on the rows of the problem
   double kinetic_change = 0, contact_work = 0, joint_work = 0;  // [J]
-  double relative_work = 0;                                     // of the contacts on relative velocities [J]
+  std::vector<double> work{};                                   // of every row on relative velocities [J]
   int solves = 0;
   SolveStatus status = SolveStatus::converged;
 };

@@ -18,15 +18,22 @@ StepOptions step_options(const MoreauJeanOptions& o) {
           .reduction = o.reduction,
           .solver = o.solver,
           .advancement = o.advancement,
+          .update = o.update,
           .threads = o.threads,
           .keep_problem = o.keep_problem};
+}
+
+// The part `time` of the step that the mean velocities `v` lead through.
+State on_the_way(const StepSetting& setting, const State& start, const VecX& v, double h, double time) {
+  const VecX v_path = path_velocity(setting.options.update, setting.model, start, v, h);
+  return moved(setting.model, start, v_path, v, time);
 }
 
 // What the momentum balance holds for one iterate: forces where it stands, the matrix of the start (MJ-12).
 FreeMotion at_iterate(const StepSetting& setting, const State& start, const FreeMotion& first, const VecX& v,
                       const VecX& v_prescribed, double h, double theta) {
-  const VecX v_path = all_velocities(setting.dofs, theta * v + (1 - theta) * first.v, v_prescribed);
-  State there = moved(setting.model, start, v_path, v_path, theta * h);
+  const VecX v_theta = all_velocities(setting.dofs, theta * v + (1 - theta) * first.v, v_prescribed);
+  const State there = on_the_way(setting, start, v_theta, h, theta * h);
   const FreeMotion forces = free_motion(setting.model, there, setting.dofs, h, 0);
   const VecX change = v - first.v;
   FreeMotion out = first;
@@ -102,7 +109,8 @@ Attempt MoreauJean::attempt(const State& state, const Estimate& ahead, double h)
     if (!v.allFinite()) break;
     const Reached reached{all_velocities(setting_.dofs, theta * v + (1 - theta) * first.v, step.v_prescribed),
                           time};
-    State at = moved(setting_.model, start, reached.v, start.v, time);
+    State at = on_the_way(setting_, start, reached.v, h, time);
+    at.v = start.v;
     at.t = start.t;
     Found there = time > 0 ? found_at(setting_, start, found, at) : found;
     ContactBlocks blocks =

@@ -36,6 +36,7 @@ struct MoreauJeanOptions {
   ReductionOptions reduction{};
   SolverOptions solver{};
   AdvancementOptions advancement{};
+  GroupUpdate update = GroupUpdate::exponential;
   int threads = 1;            // the result does not depend on it
   bool keep_problem = false;  // StepReport::problem holds what was solved, to save and replay it
 };

@@ -31,7 +31,7 @@ struct SchemeOptions {
   SolverOptions solver{};
   AdvancementOptions advancement{};
   int threads = 1;
-  GroupUpdate update = GroupUpdate::exponential;         // schemes other than moreau_jean
+  GroupUpdate update = GroupUpdate::exponential;         // all but event_driven
   double spectral_radius = 0.8;                          // generalised_alpha [-], in [0, 1]
   GyroscopicTerm gyroscopic = GyroscopicTerm::midpoint;  // passive_midpoint
 };
@@ -46,6 +46,7 @@ struct Scheme {
 struct SchemeTraits {
   double nonsmooth = 1;     // order over impacts and over changes between stick and slip
   double smooth = 1;        // order where no contact changes its state
+  double landing = 1;       // order in the graph of v where an impact brings a body to rest (CONV-9)
   bool restitution = true;  // false: every impact is plastic, whatever the law of the contact says
 };
 

@@ -25,6 +25,7 @@ struct StepContact {
   ContactPoint point{};
   Vec3 impulse = Vec3::Zero();  // on A, world [N s]
   double drilling = 0;          // moment about the normal, on A [N m s]
+  double work = 0;              // of both on the relative velocity, mean of start and end [J]
 };
 
 /// A gap function that took part in the solve.
@@ -32,6 +33,7 @@ struct StepGap {
   int index = -1;
   double gap = 0;               // at the start of the step [m]
   Vec3 impulse = Vec3::Zero();  // normal first [N s]
+  double work = 0;              // as that of a contact [J]
 };
 
 /// What a joint did, on A at the origin of its frame there, in the world, averaged over the step.
@@ -71,17 +73,32 @@ struct StepProblem {
 /// Where the energy went in a step [J] (MJ-9).
 struct EnergyLedger {
   double kinetic_change = 0;  // of the dynamic bodies and the coordinates
-  double gravity_work = 0;
-  double law_work = 0;  // of force laws (the virtual coupling for example), joint springs and dampers,
-                        // effort motors, forces of coordinates
+  double gravity_work = 0;    // along the path of the step: what the potential lost
+  double law_work = 0;        // of force laws (the virtual coupling for example), joint springs and dampers,
+                              // effort motors, forces of coordinates; along the path too
   double contact_work =
       0;  // of the impulses of contacts and gap functions; never positive for e = 0 against bodies at rest
   double gyroscopic_work = 0;  // of the gyroscopic term as discretised, and of masses that change with q
   double joint_work = 0;       // of joints, couplings, stops, dry friction, speed and position motors
-  double numerical_work = 0;   // of what the scheme adds of its own: damping of high frequencies (GA-10)
+  double numerical_work = 0;   // of the scheme itself: its damping (MJ-9), (GA-10)
   double residual() const {    // zero to rounding: the balance of (MJ-9)
     return kinetic_change - gravity_work - law_work - contact_work - gyroscopic_work - joint_work -
            numerical_work;
+  }
+};
+
+/// Where the momentum of the dynamic bodies went in a step, about the world's origin with the arms of the
+/// start (MJ-13): what acts between two of them cancels, its moments as far as it was posed with those arms.
+/// Not told by event_driven, whose arms move meanwhile.
+struct MomentumLedger {
+  Momentum change{};    // with the impulses of a step that begins with an impact counted in `contacts`
+  Momentum forces{};    // gravity, force laws, gyroscopic torque
+  Momentum contacts{};  // and gap functions
+  Momentum joints{};    // couplings, stops, dry friction, motors; projection of velocities
+  Momentum numerical{};
+  Momentum residual() const {  // zero to rounding: the balance of (MJ-13)
+    return {change.linear - forces.linear - contacts.linear - joints.linear - numerical.linear,
+            change.angular - forces.angular - contacts.angular - joints.angular - numerical.angular};
   }
 };
 
@@ -101,6 +118,7 @@ struct StepReport {
   SolveReport solve{};
   PhysicalResidual physical{};
   EnergyLedger energy{};
+  MomentumLedger momentum{};
   double impulse_gain = 0;  // work of contacts and gap functions on relative velocities, if they gave any [J]
   bool energy_rises = false;  // more than rounding: restitution with friction can do that (IMP-6)
   int impact_solves = 0;      // problems of impacts apart from the step (IMP-4), (IMP-5)
@@ -108,7 +126,8 @@ struct StepReport {
   double newton_change = 0;   // of a velocity by the last of them, at most [m/s, rad/s]
   double projection = 0;      // what contacts were projected by, at most [m, rad] (PRJ-3)
   double overlap_left = 0;    // of the deepest one that projection found [m]
-  JointError joint_error{};   // of all joints at the end of the step, at most
+  VecX v_path{};  // all velocities, constant on the path of the step; empty in event_driven, whose path bends
+  JointError joint_error{};  // of all joints at the end of the step, at most
   std::vector<StepContact> contacts{};
   std::vector<StepGap> gaps{};           // of the active gap functions
   std::vector<StepJoint> joints{};       // of every joint of the model

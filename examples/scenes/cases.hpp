@@ -18,11 +18,13 @@ struct CaseScene {
 
 struct Case {
   std::string name{};
-  std::string what{};    // one line
-  double t_end = 1;      // [s]
-  double h = 1e-2;       // largest step of a study [s]
-  bool smooth = false;   // no impact, no change between stick and slip
-  bool bounces = false;  // needs a scheme with restitution
+  std::string what{};     // one line
+  double t_end = 1;       // [s]
+  double h = 1e-2;        // largest step of a study [s]
+  bool smooth = false;    // no impact, no change between stick and slip
+  bool bounces = false;   // needs a scheme with restitution
+  bool lands = false;     // comes to rest by an impact
+  bool hops_out = false;  // comes to rest by infinitely many, in finite time
   std::function<CaseScene()> scene{};
   std::function<MotionSample(const CaseScene&, const State&)> observe{};
   std::function<ExactMotion(double t_end)> exact{};  // good up to t_end at least

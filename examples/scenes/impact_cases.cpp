@@ -82,6 +82,8 @@ Case bouncing_ball_case(const char* name, double e, double t_end) {
           .t_end = t_end,
           .h = e > 0 && e < 1 ? 2e-3 : 5e-3,  // the last hops of a ball that comes to rest want small steps
           .bounces = e > 0,
+          .lands = e == 0,
+          .hops_out = e > 0 && e < 1,
           .scene = [e] { return ball_over_plate(e, kDrop, 0); },
           .observe = height,
           .exact = [e](double until) { return bouncing_ball(e, kDrop, until); }};

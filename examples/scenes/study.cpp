@@ -43,11 +43,17 @@ bool applies(const Case& c, const SchemeTraits& traits) {
   return traits.restitution || !c.bounces;
 }
 
-Errors expected_orders(const Case& c, const SchemeTraits& traits) {
-  const double order = c.smooth ? traits.smooth : traits.nonsmooth;
+Errors expected_orders(const Case& c, const SchemeTraits& traits, const std::vector<double>& h) {
+  double order = c.smooth ? traits.smooth : traits.nonsmooth;
+  if (c.hops_out) {  // the errors of log(T/h) impacts add up (CONV-8)
+    std::vector<double> error;
+    for (const double step : h) error.push_back(std::pow(step, order) * std::log(c.t_end / step));
+    order = fitted_order(h, error);
+  }
   Errors out;
   out.fill(order);
   out[v_l1] = std::min(order, 1.0);  // a step function, whatever the scheme (CONV-2)
+  if (c.lands) out[v_graph] = std::min(order, traits.landing);
   return out;
 }
 
@@ -84,7 +90,7 @@ Study study(const Case& c, const std::string& scheme, SchemeOptions scheme_optio
   Study out{.case_name = c.name,
             .scheme = label(scheme, scheme_options),
             .options = o,
-            .expected = expected_orders(c, traits)};
+            .expected = expected_orders(c, traits, step_sizes(o.h > 0 ? o.h : c.h, o.levels))};
   scheme_options.solver.tolerance = o.tolerance;
   scheme_options.advancement.certify = false;
   const ExactMotion exact = c.exact(c.t_end);

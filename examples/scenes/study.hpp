@@ -38,7 +38,8 @@ bool as_expected(const Study& study);
 
 /// False: the case asks for bounces, the scheme has none.
 bool applies(const Case& c, const SchemeTraits& traits);
-Errors expected_orders(const Case& c, const SchemeTraits& traits);
+/// (CONV-7), with steps of the lengths h.
+Errors expected_orders(const Case& c, const SchemeTraits& traits, const std::vector<double>& h);
 
 /// From the scene's state to the end of the case; the first step has the part `phase` of the step h. Throws
 /// NumericalFailure naming case, time and reason where a step fails.

@@ -3,6 +3,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -87,6 +88,12 @@ class Convergence(DriverTest):
         self.assertLess(len(done), len(self.studies("all")), "stopped half-way")
         self.assertIn(f"{len(done)} of {len(self.studies('all'))} were in all already", run.stdout)
         self.assertEqual({name: self.studies("all")[name] for name in done}, done)
+
+    def test_every_scheme_reaches_its_order_on_every_case(self):
+        run = self.converge("--all", "--quiet", "-o", "table")
+        done, of = re.search(r"convergence: (\d+) of (\d+) as theory promises", run.stdout).groups()
+        self.assertEqual(done, of)
+        self.assertGreater(int(of), 400)
 
     def test_bad_input_is_refused_without_a_trace(self):
         for words, arguments in (

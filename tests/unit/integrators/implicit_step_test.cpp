@@ -128,6 +128,26 @@ TEST(ImplicitStep, HoldsTheMomentumBalance) {
     }
 }
 
+// Euler's equations at the implicit midpoint keep energy and the momentum's norm; turned by Cayley's map the
+// momentum keeps its direction too.
+TEST(ImplicitStep, KeepsTheMomentumOfATopInSpaceWithCayleysMap) {
+  const auto drift = [](GroupUpdate update) {
+    Model model;
+    model.gravity.setZero();
+    add(model, RigidBody{.name = "top", .mass = 1, .inertia = Vec3(1, 2, 3).asDiagonal()});
+    State state = rest_state(model);
+    twist(state, 0).tail<3>() = Vec3(0.6, 1, 1.3);
+    const Vec3 L = momentum(model, state).angular;
+    const MoreauJean scheme(
+        model,
+        {.h = 0.05, .theta = 0.5, .newton = {.max_iterations = 60, .tolerance = 1e-14}, .update = update});
+    for (int k = 0; k < 500; ++k) EXPECT_TRUE(scheme.step(state).ok());
+    return (momentum(model, state).angular - L).norm() / L.norm();
+  };
+  EXPECT_LT(drift(GroupUpdate::cayley), 1e-12);
+  EXPECT_GT(drift(GroupUpdate::exponential), 1e-6);
+}
+
 // A free top: the implicit midpoint of Euler's equations in the body keeps energy and momentum norm.
 TEST(ImplicitStep, KeepsTheEnergyOfATop) {
   Model model;

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// The second opinion on certificates (CA-9): it finds nothing in honest steps, and everything in others.
+#include "integrators/path_audit.hpp"
+
+#include "integrators/moreau_jean.hpp"
+#include "tests/support/block_scene.hpp"
+#include "tests/support/message_of.hpp"
+
+namespace aussois {
+namespace {
+
+Scene thrown_block() {
+  Scene s = block_on_plate(0.3, 0.4, 0.1, 0.03);
+  pose(s.state, s.block).R = exp_so3(Vec3(0.3, 0.2, 0.1));
+  twist(s.state, s.block) << 2, 0.5, -3, 30, 10, -20;
+  return s;
+}
+
+TEST(PathAudit, FindsNoViolationOfATumblingBlockAndTheDistanceItSaw) {
+  Scene s = thrown_block();
+  const MoreauJean scheme(s.model, {.h = 5e-3});
+  PathAudit audit{.samples = 17};
+  for (int k = 0; k < 100; ++k) {
+    const State start = s.state;
+    const StepReport report = scheme.step(s.state);
+    ASSERT_TRUE(report.ok()) << report.reason;
+    audit_path(s.model, start, report, 1, audit);
+  }
+  EXPECT_EQ(audit.steps, 100);
+  EXPECT_EQ(audit.violations, 0);
+  EXPECT_GT(audit.min_distance, 0.96 * 2 * kRadius);
+  EXPECT_LT(audit.min_distance, 2 * kRadius * 1.01);  // it did touch
+  EXPECT_GE(audit.min_slack, -1e-14);
+}
+
+// A report that claims more than the path keeps, and a path through the plate.
+TEST(PathAudit, CatchesACertificateThatClaimsTooMuch) {
+  Scene s = thrown_block();
+  const MoreauJean scheme(s.model, {.h = 5e-3});
+  StepReport report;
+  State start;
+  do start = s.state, report = scheme.step(s.state);
+  while (report.min_gap > 1e-4);
+  PathAudit honest{.samples = 17}, forged = honest, through = honest;
+  audit_path(s.model, start, report, 1, honest);
+  EXPECT_EQ(honest.violations, 0);
+  report.min_base_distance = 2 * kRadius;
+  report.v_path[6 * s.block + 2] -= 5e-4 / report.h;  // half a millimetre deeper
+  audit_path(s.model, start, report, 1, forged);
+  EXPECT_EQ(forged.violations, 1);
+  report.min_base_distance = 0;
+  report.v_path[6 * s.block + 2] -= 5e-3 / report.h;
+  audit_path(s.model, start, report, 1, through);
+  EXPECT_EQ(through.violations, 1);
+  EXPECT_LE(through.min_distance, 0);
+}
+
+TEST(PathAudit, IsFreeIfNothingIsAskedAndRefusesAStepWithoutAPath) {
+  const Scene s = thrown_block();
+  PathAudit none, asked{.samples = 1};
+  audit_path(s.model, s.state, {}, 1, none);
+  EXPECT_EQ(none.steps, 0);
+  EXPECT_NE(message_of([&] { audit_path(s.model, s.state, {}, 1, asked); }).find("path"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace aussois

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+// H4: the same bits for any number of threads, by a fresh scheme in each step and after any restart, whatever
+// the scheme.
+#include <algorithm>
+
+#include "integrators/scheme.hpp"
+#include "io/checkpoint.hpp"
+#include "tests/support/block_scene.hpp"
+#include "tests/support/files.hpp"
+
+namespace aussois {
+namespace {
+
+/// A hinged pair of blocks with a stop and dry friction, and two loose ones, all falling on a plate at odd
+/// angles and with spin.
+Scene tumbling_blocks() {
+  Scene s = block_on_plate(0.4, 0.3, 0.1, 0.02);
+  const SimplicialComplex box = make_box(kSide, kSide, kSide);
+  const int shape = s.model.bodies[std::size_t(s.block)].shape;
+  for (int i = 0; i < 3; ++i) add(s.model, solid_body("block", shape, mass_properties(box, kDensity)));
+  const State placed = s.state;
+  s.state = rest_state(s.model);
+  s.state.g[std::size_t(s.block)] = placed.g[std::size_t(s.block)];
+  const auto place = [&](int k, const Vec3& p, const Vec3& turn, const Vec6& v) {
+    SE3& g = s.state.g[std::size_t(s.block + k)];
+    g = {exp_so3(turn), p};
+    twist(s.state, s.block + k) = v;
+  };
+  const auto velocity = [](double a, double b, double c, double d, double e, double f) {
+    Vec6 v;
+    v << a, b, c, d, e, f;
+    return v;
+  };
+  place(0, Vec3(0, 0, 0.09), Vec3(0.3, 0.2, 0.1), velocity(0.3, 0, -0.5, 3, -2, 1));
+  place(1, Vec3(0.13, 0, 0.12), Vec3(0, 0.1, 0), velocity(0, 0, -0.5, 0, 0, 0));
+  place(2, Vec3(0.05, 0.14, 0.1), Vec3(0.2, 0, 0.4), velocity(0, -0.5, -0.5, 1, 0, 2));
+  place(3, Vec3(0.02, 0.02, 0.22), Vec3(0, 0, 0.3), velocity(0, 0, -1, 0, 0.5, 0));
+  Joint hinge = joint_at(JointKind::revolute, "hinge", s.block + 1, s.block, s.state.g,
+                         SE3{exp_so3(Vec3(kPi / 2, 0, 0)), Vec3(0.065, 0, 0.1)});
+  hinge.axis[0].lower = -0.2;
+  hinge.axis[0].upper = 0.2;
+  hinge.axis[0].friction = 0.01;
+  add(s.model, hinge);
+  s.state.turns.clear();
+  const State full = rest_state(s.model);
+  s.state.turns = full.turns, s.state.r = full.r;
+  s.state = consistent(s.model, s.state);
+  s.state.v = consistent_velocity(s.model, s.state);
+  return s;
+}
+
+class EveryScheme : public ::testing::TestWithParam<SchemeVariant> {
+ protected:
+  static constexpr int kSteps = 80;
+  Scene scene_ = tumbling_blocks();
+
+  SchemeOptions options(int threads = 1) const {
+    SchemeOptions out = GetParam().options;
+    out.h = 2e-3, out.threads = threads;
+    out.lmd.threads = threads;
+    return out;
+  }
+  Scheme scheme(int threads = 1) const {
+    return make_scheme(GetParam().name, scene_.model, options(threads));
+  }
+
+  /// States after each step; the scheme is asked for anew in each.
+  std::vector<State> run(State state, int first, const std::function<Scheme()>& scheme) const {
+    std::vector<State> out;
+    for (int k = first; k < kSteps; ++k) {
+      const StepReport report = scheme().step(state, kInf);
+      EXPECT_TRUE(report.ok()) << report.reason << ", step " << k;
+      if (!report.ok()) break;
+      out.push_back(state);
+    }
+    return out;
+  }
+};
+
+TEST_P(EveryScheme, HasTheSameBitsForAnyThreadsAndAfterAnyRestart) {
+  const Scheme one = scheme(), three = scheme(3);
+  const std::vector<State> reference = run(scene_.state, 0, [&] { return one; });
+  ASSERT_EQ(int(reference.size()), kSteps);
+  std::size_t touching = 0;
+  for (const State& state : reference) touching += state.memory.contacts.size();
+  EXPECT_GT(touching, 30u) << "nothing touches: the test says nothing";
+  const std::vector<State> threaded = run(scene_.state, 0, [&] { return three; });
+  const std::vector<State> fresh = run(scene_.state, 0, [&] { return scheme(); });
+  ASSERT_EQ(threaded.size(), reference.size());
+  ASSERT_EQ(fresh.size(), reference.size());
+  for (std::size_t k = 0; k < reference.size(); ++k) {
+    ASSERT_EQ(hash(threaded[k]), hash(reference[k])) << "three threads, step " << k;
+    ASSERT_EQ(hash(fresh[k]), hash(reference[k])) << "a fresh scheme, step " << k;
+  }
+  const std::filesystem::path file = fresh_folder() / "state.h5";
+  for (int k = 4; k + 1 < kSteps; k += 11) {
+    write_checkpoint(file, {.fingerprint = 1, .step = k, .state = reference[std::size_t(k)]});
+    const std::vector<State> rest = run(read_checkpoint(file, 1).state, k + 1, [&] { return scheme(); });
+    ASSERT_FALSE(rest.empty());
+    EXPECT_EQ(hash(rest.back()), hash(reference.back())) << "from step " << k;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Registry, EveryScheme, ::testing::ValuesIn(scheme_variants()), [](const auto& each) {
+  std::string name = label(each.param.name, each.param.options);
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return c == ' ' || c == '.'; }, '_');
+  return name;
+});
+
+}  // namespace
+}  // namespace aussois
