@@ -14,7 +14,7 @@ namespace aussois {
 namespace {
 
 constexpr int kPairsOfAPart = 16;  // of a piece of work; so many pairs or fewer get all threads each instead
-constexpr int kFineHalvings = 24;  // a near miss by 1 um at 1600 m/s and 1 ms needs 14
+constexpr int kFineHalvings = 16;  // a near miss by 1 um at 1600 m/s and 1 ms needs 14
 constexpr double kLargestRotation = 0.2;  // [rad]; cones enlarged by more say nothing, the certificate has to
 
 RigidMotion motion_of(const StepMotion& step, int body, double scale = 1) {

@@ -213,10 +213,9 @@ bool Run::collisions(std::vector<Touch>& touches) {
   const VecX middle = (before + hit.v) / 2;
   const double kinetic_before = kinetic(setting_, state_);
   state_.v = all_velocities(setting_.dofs, hit.v, state_.v);
-  double by_contact = 0, by_touch = 0;
+  double by_contact = 0;
   for (std::size_t i = 0; i < near.size(); ++i) {
     const double work = middle.dot(near[i].N * hit.impulse[i]);
-    by_touch += work;
     if (near[i].slot < 0 || near[i].slot >= first_gap_row(model_)) by_contact += work;
     add_impulse(near[i], hit.impulse[i]);
     const double closing = has_gap(near[i]) ? -near[i].u[0] : 0;

@@ -170,7 +170,7 @@ TEST_P(EverySchemeAndBullet, StopsANeedleWhoseTipsComeAtFiveHundredMetresPerSeco
       const StepReport report = scheme.step(state, kInf);
       ASSERT_TRUE(report.ok()) << report.reason << " at t = " << state.t;
     }
-    const double lag = v.options.update == GroupUpdate::cayley ? 0.11 : 1e-12;  // of 2 atan(x/2) behind x
+    const double lag = v.options.update == GroupUpdate::cayley ? 0.12 : 1e-12;  // of 2 atan(x/2) behind x
     EXPECT_LT(before.t, t * (1 + lag)) << "phase " << phase;
     EXPECT_GT(state.t, t * (1 - 1e-12)) << "phase " << phase;
     EXPECT_GT(twist(state, s.body)[2], 1) << "phase " << phase;
@@ -179,6 +179,30 @@ TEST_P(EverySchemeAndBullet, StopsANeedleWhoseTipsComeAtFiveHundredMetresPerSeco
 
 INSTANTIATE_TEST_SUITE_P(Schemes, EverySchemeAndBullet, ::testing::ValuesIn(variants()),
                          [](const auto& v) { return name_of(v.param); });
+
+// The overlap that is granted is crossed in 0.25 us; plastic impacts at theta = 1/2 still cross half of it
+// with the default smallest step. Then the scheme refuses, by name, and the bullet stays in front of the
+// paper.
+TEST(Bullet, IsRefusedRatherThanLetThrough) {
+  int refused = 0;
+  for (int phase = 0; phase < 100; ++phase) {
+    const CaseScene s = bullet_and_paper(0, 0.3 + phase / 100.0 * kBulletSpeed * kStep);
+    const Scheme scheme = make_scheme("moreau_jean", s.model, {.h = kStep, .theta = 0.5});
+    State state = s.state;
+    while (state.t < 3e-3) {
+      const State before = state;
+      const StepReport report = scheme.step(state, kInf);
+      if (report.ok()) continue;
+      EXPECT_EQ(report.status, StepStatus::refused);
+      EXPECT_EQ(report.reason.rfind("no step of at least 1e-07 s was accepted: bodies 0 and 1", 0), 0U);
+      EXPECT_EQ(hash(state), hash(before));
+      ++refused;
+      break;
+    }
+    EXPECT_GT(pose(state, s.body).p.z() - pose(state, 0).p.z(), 0.95 * kBulletRadius);
+  }
+  EXPECT_EQ(refused, 15);
+}
 
 }  // namespace
 }  // namespace aussois

@@ -182,7 +182,7 @@ TEST_P(EverySchemeAndRod, StaysOutsideAndRestartsFromAnyState) {
   }
   EXPECT_TRUE(ball);
   EXPECT_TRUE(bar);
-  for (const std::size_t from : {0, 1, 50, 100, 125, 150, 249}) {
+  for (const std::size_t from : {0U, 1U, 50U, 100U, 125U, 150U, 249U}) {
     const Scheme fresh = make_scheme(GetParam(), s.model, options(h));
     State state = saved[from];
     for (std::size_t k = from; k + 1 < saved.size() && k < from + 60; ++k) {

@@ -137,7 +137,6 @@ INSTANTIATE_TEST_SUITE_P(Schemes, EverySchemeAndTop, ::testing::ValuesIn(scheme_
 // theta) (TOY-5).
 TEST(TippeTop, LosesJellettsIntegralToTheDrillingTorqueAlone) {
   const CaseScene s = tippe_top(kEllipsoid);
-  const TippeTop top;
   const double before = jellett(s, s.state);
   double drilled = 0, worst = 0, height = pose(s.state, s.body).p.z();
   spin(s, "moreau_jean", midpoint(1e-4), 2, [&](const State& state, const StepReport& report) {
