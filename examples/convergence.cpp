@@ -18,6 +18,7 @@
 
 #include "examples/common/driver.hpp"
 #include "examples/common/progress.hpp"
+#include "examples/common/scheme_flags.hpp"
 #include "examples/scenes/study_files.hpp"
 #include "geometry/check.hpp"
 #include "geometry/parallel.hpp"
@@ -28,27 +29,13 @@ using namespace aussois;
 namespace {
 
 struct Arguments {
-  std::string case_name{}, scheme = "moreau_jean", shard = "1/1";
-  std::string normal = to_string(NormalLaw::moreau), contacts = to_string(ContactsAt::start);
-  std::string impact = to_string(ImpactLaw::newton), impact_order = to_string(ImpactOrder::simultaneous);
-  std::string projection = to_string(ProjectionOrder::combined), update = to_string(GroupUpdate::exponential);
-  SchemeOptions options{};  // but for those names
+  std::string case_name{}, shard = "1/1";
+  SchemeFlags scheme{};
   StudyOptions study{};
   bool all = false, list = false, quiet = false;
   int threads = 1;
   std::filesystem::path out = "out", json{};
 };
-
-SchemeOptions scheme_options(const Arguments& a) {
-  SchemeOptions out = a.options;
-  out.contacts = contacts_at(a.contacts);
-  out.impact.law = impact_law(a.impact);
-  out.impact.order = impact_order(a.impact_order);
-  out.projection = projection_order(a.projection);
-  out.normal.law = normal_law(a.normal);
-  out.update = group_update(a.update);
-  return out;
-}
 
 /// One cell of the table.
 struct Cell {
@@ -61,7 +48,7 @@ std::vector<Cell> cells_of(const Arguments& a) {
   for (const Case& c : cases()) {
     if (!a.case_name.empty() && c.name != a.case_name) continue;
     if (!a.all)
-      out.push_back({&c, {a.scheme, scheme_options(a)}});
+      out.push_back({&c, {a.scheme.scheme, scheme_options(a.scheme)}});
     else
       for (const SchemeVariant& variant : scheme_variants())
         if (applies(c, scheme_traits(variant.name, variant.options))) out.push_back({&c, variant});
@@ -151,8 +138,7 @@ ExitCode run(Arguments a) {
   validate(a.study);
   const std::vector<Cell> cells = shard_of(cells_of(a), a.shard);
   if (!a.all)  // told before a folder is made
-    require(applies(*cells.front().scene, scheme_traits(a.scheme, cells.front().variant.options)),
-            "--case " + a.case_name + " bounces: --normal-law " + a.normal + " has no restitution");
+    require_applies(*cells.front().scene, a.scheme.scheme, cells.front().variant.options);
   for (const std::filesystem::path& folder : {a.json.parent_path(), a.out})
     if (!folder.empty()) std::filesystem::create_directories(folder);
 
@@ -199,21 +185,7 @@ int main(int argc, char** argv) {
   cli.flag("--all", a.all, "all cases, or the one of --case, by all schemes and settings");
   cli.option("--shard", a.shard, "k/n: the k-th of n parts of --all");
   cli.group("stepping");
-  cli.choice("--scheme", a.scheme, "by its name", scheme_names());
-  cli.option("--theta", a.options.theta, "of moreau_jean and moreau_jean_projected", "-", {0.5, 1});
-  cli.choice("--normal-law", a.normal, "of schemes that leave the choice",
-             {"moreau", "combined", "gap_over_step"});
-  cli.option("--gamma", a.options.normal.gamma, "mean velocity in the law, of moreau_jean", "-", {0.5, 1});
-  cli.choice("--contacts", a.contacts, "where moreau_jean looks at them", {"start", "midpoint", "end"});
-  cli.option("--newton-iterations", a.options.newton.max_iterations,
-             "of moreau_jean; 1 is linearly implicit, more is fully implicit", "", {1, 1000});
-  cli.choice("--impact-law", a.impact, "of moreau_jean", {"newton", "poisson"});
-  cli.choice("--impact-order", a.impact_order, "of several impacts, of moreau_jean",
-             {"simultaneous", "sequential"});
-  cli.choice("--projection", a.projection, "of moreau_jean_projected", {"direct", "combined"});
-  cli.choice("--update", a.update, "of rotations, of all schemes but event_driven",
-             {"exponential", "cayley", "screw"});
-  cli.option("--spectral-radius", a.options.spectral_radius, "of generalised_alpha", "-", {0, 1});
+  add_options(cli, a.scheme);
   cli.option("--h0", a.study.h, "largest step; 0: that of the case", "s", {0, 1});
   cli.option("--levels", a.study.levels, "number of steps, each about half of the one before", "", {3, 16});
   cli.option("--phases", a.study.phases, "lengths of the first step that errors are averaged over", "",

@@ -24,7 +24,7 @@ using RowJacobian = Eigen::Matrix<double, kRowsOfAContact, 6>;
 using RowVector = Eigen::Matrix<double, kRowsOfAContact, 1>;
 
 /// One block of rows as the dynamics sees it: a contact, a gap function, or what acts on the axis of a joint.
-/// Rows beyond those of its law are zero.
+/// Rows beyond those of its law do not count.
 struct ContactRow {
   int body_a = -1, body_b = -1;           // -1: none, or the world
   Mat3 frame = Mat3::Identity();          // of a contact: columns n, t1, t2; impulses act on A [world]

@@ -24,7 +24,6 @@ ContactBlocks openings(const StepSetting& setting, const State& at, const Contac
     row.law = unilateral();
     row.w.setZero();
     row.w.x() = row.gap;
-    std::erase_if(row.others, [](const Triplet& e) { return e.row() > 0; });
   }
   return out;
 }

@@ -41,7 +41,8 @@ SchemeTraits moreau_jean_traits(const SchemeOptions& o) {
   return {.nonsmooth = 1,
           .smooth = o.theta == 0.5 ? 2.0 : 1.0,
           .landing = landing_order(o.normal.law, o.theta, o.impact.order == ImpactOrder::sequential),
-          .restitution = o.normal.law != NormalLaw::gap_over_step || o.normal.gamma < 1};
+          .restitution = o.normal.law != NormalLaw::gap_over_step || o.normal.gamma < 1,
+          .pairwise = o.impact.order == ImpactOrder::sequential};
 }
 
 Step moreau_jean_step(const Model& model, const SchemeOptions& o) {

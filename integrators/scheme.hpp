@@ -48,6 +48,7 @@ struct SchemeTraits {
   double smooth = 1;        // order where no contact changes its state
   double landing = 1;       // order in the graph of v where an impact brings a body to rest (CONV-9)
   bool restitution = true;  // false: every impact is plastic, whatever the law of the contact says
+  bool pairwise = false;    // contacts that close together are struck one after the other
 };
 
 /// One way of using a scheme that is worth comparing with others.

@@ -14,11 +14,12 @@
 namespace aussois {
 namespace {
 
-constexpr double kStabilisation = 10;   // [1/s]; drift falls as exp(-10 t), slower than anything of interest
-constexpr double kResidual = 1e-9;      // what the solver may miss its own tolerance by, scaled [-]
-constexpr double kRoom = 1e-9;          // inside the cone of friction by this part is inside [-]
-constexpr double kRank = 1e-10;         // of W: directions that redundant contacts share [-]
-constexpr double kGlide = 1e-3;         // of the time in which a body turns by 1 rad: for differences
+constexpr double kStabilisation = 10;  // [1/s]; drift falls as exp(-10 t), slower than anything of interest
+constexpr double kResidual = 1e-9;     // what the solver may miss its own tolerance by, scaled [-]
+constexpr double kRoom = 1e-9;         // inside the cone of friction by this part is inside [-]
+constexpr double kRank = 1e-10;        // of W: directions that redundant contacts share [-]
+constexpr double kGlide =
+    1e-3;  // of the time in which a body turns by 1 rad or a coordinate moves by 1: for differences
 constexpr double kLargestGlide = 1e-3;  // [s]
 
 // Velocities of rows given in the places of State::v, split into what is free and what moves by itself.
@@ -266,7 +267,8 @@ State glided(const Model& model, const State& state, double time) {
 }
 
 VecX rate_along(const Model& model, const State& state, const std::function<VecX(const State&)>& f) {
-  double turning = 0;
+  // Coordinates may be angles too
+  double turning = state.q.size() > 0 ? state.v.tail(state.q.size()).lpNorm<Eigen::Infinity>() : 0;
   for (int b = 0; b < int(model.bodies.size()); ++b)
     turning = std::max(turning, twist(state, b).tail<3>().norm());
   const double d = std::min(kLargestGlide, kGlide / std::max(turning, 1e-300));

@@ -25,6 +25,7 @@ struct Case {
   bool bounces = false;   // needs a scheme with restitution
   bool lands = false;     // comes to rest by an impact
   bool hops_out = false;  // comes to rest by infinitely many, in finite time
+  bool at_once = false;   // several contacts close together: struck one after the other, another motion
   std::function<CaseScene()> scene{};
   std::function<MotionSample(const CaseScene&, const State&)> observe{};
   std::function<ExactMotion(double t_end)> exact{};  // good up to t_end at least

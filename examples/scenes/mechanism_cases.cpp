@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bodies on joints: the heavy top on its tip, and a closed chain of rods that spins as one.
+// Bodies on joints: the heavy top on its tip, a closed chain of rods that spins as one, a pendulum against
+// its wall, a slider-crank that bounces in its slot.
 #include <cmath>
 
-#include "examples/scenes/cases.hpp"
+#include "examples/scenes/mechanisms.hpp"
 
 namespace aussois {
 namespace {
@@ -56,36 +57,27 @@ CaseScene heavy_top_scene(const HeavyTop& top) {
   return s;
 }
 
-// C10. Rods of 1 m and 1 kg, tangent to the circle that their middles move on, joined at their ends by balls.
-CaseScene spinning_chain(int rods, double omega) {
-  constexpr double kLength = 1, kMass = 1, kThickness = 1e-2;  // of a rod
-  CaseScene s;
-  s.model.gravity = Vec3::Zero();
-  const double across = kMass * kLength * kLength / 12, along = kMass * kThickness * kThickness / 2;
-  const double r = kLength / 2 / std::tan(kPi / rods);
-  std::vector<SE3> g;
-  for (int i = 0; i < rods; ++i) {
-    add(s.model,
-        RigidBody{.name = "rod", .mass = kMass, .inertia = Vec3(across, along, across).asDiagonal()});
-    g.push_back(rotation(Vec3::UnitZ(), 2 * kPi * i / rods) * translation(r, 0, 0));
-  }
-  for (int i = 0; i < rods; ++i)  // its frame on both rods: at the end of rod i
-    add(s.model, joint_at(JointKind::spherical, "ball", i, (i + 1) % rods, g,
-                          g[std::size_t(i)] * translation(0, kLength / 2, 0)));
-  s.body = 0;
-  s.state = rest_state(s.model);
-  s.state.g = g;
-  for (int i = 0; i < rods; ++i)
-    twist(s.state, i) << Vec3(0, 0, omega).cross(g[std::size_t(i)].p), Vec3(0, 0, omega);
-  return s;
-}
-
+// C10.
 ExactMotion turning(int rods, double omega) {
   const double r = 0.5 / std::tan(kPi / rods);
   return {.pieces = {{0, [=](double t) {
                         const Vec3 p = r * Vec3(std::cos(omega * t), std::sin(omega * t), 0);
                         return MotionSample{.q = p, .v = omega * Vec3::UnitZ().cross(p)};
                       }}}};
+}
+
+// C2, up to shortly before the fourth impact.
+Case slider_crank_case(const char* name, const char* what, double h, CaseScene (*scene)(double mu),
+                       MotionSample (*observe)(const CaseScene&, const State&)) {
+  return {.name = name,
+          .what = what,
+          .t_end = 8e-3,
+          .h = h,
+          .bounces = true,
+          .at_once = true,
+          .scene = [scene] { return scene(0); },
+          .observe = observe,
+          .exact = slider_crank_motion};
 }
 
 }  // namespace
@@ -106,9 +98,22 @@ std::vector<Case> mechanism_cases() {
            .t_end = 2,
            .h = 5e-2,
            .smooth = true,
-           .scene = [] { return spinning_chain(kRods, kOmega); },
+           .scene = [] { return spinning_chain(kRods, kOmega, JointKind::spherical); },
            .observe = centre_of_mass,
-           .exact = [](double) { return turning(kRods, kOmega); }}};
+           .exact = [](double) { return turning(kRods, kOmega); }},
+          {.name = "double_pendulum",
+           .what = "two masses on rods, the lower one against a wall (C6)",
+           .t_end = 3,
+           .h = 5e-3,
+           .bounces = true,
+           .scene = double_pendulum,
+           .observe = [](const CaseScene&,
+                         const State& state) { return MotionSample{.q = state.q, .v = state.v}; },
+           .exact = double_pendulum_motion},
+          slider_crank_case("slider_crank", "a slider-crank with clearance, of bodies in space (C2)", 1e-4,
+                            slider_crank_of_bodies, slider_of_bodies),
+          slider_crank_case("slider_crank_angles", "the same in three angles of its own (C2)", 2e-5,
+                            slider_crank_of_angles, slider_of_angles)};
 }
 
 }  // namespace aussois

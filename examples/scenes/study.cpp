@@ -40,7 +40,14 @@ void validate(const StudyOptions& o) {
 }
 
 bool applies(const Case& c, const SchemeTraits& traits) {
-  return traits.restitution || !c.bounces;
+  return (traits.restitution || !c.bounces) && !(traits.pairwise && c.at_once);
+}
+
+void require_applies(const Case& c, const std::string& scheme, const SchemeOptions& options) {
+  const SchemeTraits traits = scheme_traits(scheme, options);
+  const std::string who = label(scheme, options);
+  require(traits.restitution || !c.bounces, c.name + " bounces, " + who + " has no restitution");
+  require(applies(c, traits), c.name + " closes several contacts at once, " + who + " strikes them in turn");
 }
 
 Errors expected_orders(const Case& c, const SchemeTraits& traits, const std::vector<double>& h) {
@@ -86,7 +93,7 @@ Study study(const Case& c, const std::string& scheme, SchemeOptions scheme_optio
             const std::function<bool(int level)>& level_done) {
   validate(o);
   const SchemeTraits traits = scheme_traits(scheme, scheme_options);
-  require(applies(c, traits), c.name + " bounces, " + label(scheme, scheme_options) + " has no restitution");
+  require_applies(c, scheme, scheme_options);
   Study out{.case_name = c.name,
             .scheme = label(scheme, scheme_options),
             .options = o,

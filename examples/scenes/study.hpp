@@ -36,8 +36,10 @@ struct Study {
 inline constexpr double kOrderSlack = 0.1;
 bool as_expected(const Study& study);
 
-/// False: the case asks for bounces, the scheme has none.
+/// False: the case asks for bounces, or for impacts at once, and the scheme has none.
 bool applies(const Case& c, const SchemeTraits& traits);
+/// Throws std::invalid_argument naming case, scheme and what does not fit, unless it applies.
+void require_applies(const Case& c, const std::string& scheme, const SchemeOptions& options);
 /// (CONV-7), with steps of the lengths h.
 Errors expected_orders(const Case& c, const SchemeTraits& traits, const std::vector<double>& h);
 

@@ -5,11 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include "examples/scenes/cases.hpp"
-#include "integrators/moreau_jean.hpp"
 
 namespace aussois {
 namespace {
@@ -199,97 +197,6 @@ TEST(EventDriven, SlidesWhereAForceDoes) {
   EXPECT_TRUE(report.events.empty());
   EXPECT_GT(state.r[0], 0);
   EXPECT_NEAR(state.r[1], 0.5 * state.r[0], 1e-12);
-}
-
-// C6. Two masses of 1 kg on rods of 1 m, absolute angles from the vertical; the lower one must not go left of
-// x = -0.2 m.
-namespace pendulum {
-
-constexpr double kWall = -0.2, kRestitution = 0.5;
-
-MatX mass(const VecX& q) {
-  const double c = std::cos(q[0] - q[1]);
-  return (Mat2() << 2, c, c, 1).finished();
-}
-VecX force(const VecX& q, const VecX& v) {
-  const double s = std::sin(q[0] - q[1]);
-  return Vec2(-s * v[1] * v[1] - 2 * 9.81 * std::sin(q[0]), s * v[0] * v[0] - 9.81 * std::sin(q[1]));
-}
-double gap(const VecX& q) {
-  return std::sin(q[0]) + std::sin(q[1]) - kWall;
-}
-Vec2 gradient(const VecX& q) {
-  return {std::cos(q[0]), std::cos(q[1])};
-}
-
-Model model() {
-  Model out;
-  add(out,
-      Coordinates{
-          .name = "pendulum", .size = 2, .mass = mass, .force = [](double, const VecX& q, const VecX& v) {
-            return CoordinateForce{.f = force(q, v)};
-          }});
-  add(out,
-      GapFunction{.name = "wall",
-                  .block = 0,
-                  .evaluate = [](const Model&, const State& s,
-                                 double) { return GapRows{.gap = gap(s.q), .J = gradient(s.q).transpose()}; },
-                  .law = {.mu = 0, .restitution = kRestitution}});
-  return out;
-}
-
-/// The times of the impacts until `t_end`, by another integrator, and the angles there.
-std::vector<double> impacts(double t_end, VecX& q_end) {
-  std::vector<double> out;
-  VecX y(4);
-  y << 0.8, 1.2, 0, 0;
-  for (double begin = 0;;) {
-    const auto rates = [](double, const VecX& at) -> VecX {
-      VecX rate(4);
-      rate << at.tail(2), mass(at.head(2)).inverse() * force(at.head(2), at.tail(2));
-      return rate;
-    };
-    const auto at = ode_solution(rates, y, t_end - begin, 1e-3);
-    const double t = first_root([&](double s) { return gap(at(s).head(2)); }, 1e-2, t_end - begin, 1e-3);
-    if (!(t < t_end - begin)) {
-      q_end = at(t_end - begin).head(2);
-      return out;
-    }
-    y = at(t);
-    const Vec2 J = gradient(y.head(2));
-    const VecX turn = mass(y.head(2)).inverse() * J;
-    y.tail(2) -= (1 + kRestitution) * J.dot(y.tail(2)) / J.dot(turn) * turn;
-    out.push_back(begin += t);
-  }
-}
-
-}  // namespace pendulum
-
-TEST(EventDriven, FollowsTheDoublePendulumAgainstItsWall) {
-  constexpr double kEnd = 1.5;
-  VecX q_end;
-  const std::vector<double> times = pendulum::impacts(kEnd, q_end);
-  ASSERT_GE(times.size(), 1u);
-  const Model model = pendulum::model();
-  State start = rest_state(model);
-  start.q << 0.8, 1.2;
-  State state = start;
-  const StepReport report = EventDriven(model, options(kEnd)).step(state);
-  ASSERT_TRUE(report.ok()) << report.reason;
-  ASSERT_EQ(report.events.size(), times.size());
-  for (std::size_t k = 0; k < times.size(); ++k) EXPECT_NEAR(report.events[k].t, times[k], 1e-9);
-  EXPECT_LT((state.q - q_end).norm(), 1e-8);
-
-  double worst[2];  // Moreau-Jean comes near with h
-  for (int k = 0; k < 2; ++k) {
-    const double h = k == 0 ? 3e-3 : 3e-4;
-    const MoreauJean scheme(model, {.h = h, .theta = 0.5, .normal = {.law = NormalLaw::moreau}});
-    State s = start;
-    while (s.t < kEnd * (1 - 1e-12)) ASSERT_TRUE(scheme.step(s, kEnd - s.t).ok());
-    worst[k] = (s.q - q_end).norm();
-    EXPECT_LT(worst[k], 10 * h);
-  }
-  EXPECT_LT(worst[1], worst[0] / 2);
 }
 
 /// 1 kg on a slide along z, which pulls down by gravity if `falls`.

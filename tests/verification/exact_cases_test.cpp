@@ -62,6 +62,28 @@ TEST(BouncingBall, RestsAfterItsAccumulationPoint) {
   }
 }
 
+// A3. The orbit at W = 2.6 is stable: errors shrink by 0.8 in each period. Those at 2.8 and 4.6 multiply them
+// by 3 and 35, so a hundred periods there are beyond 16 digits. h = T / 1000.
+TEST(ForcedOscillator, HoldsItsStableOrbitForAHundredPeriods) {
+  const Case& c = case_named("forced_26");
+  const CaseScene s = c.scene();
+  const ExactMotion orbit = c.exact(c.t_end);
+  const double period = orbit.pieces[2].begin - orbit.pieces[1].begin;
+  const double wanted = orbit.pieces[0].at(orbit.pieces[1].begin).v[0];  // before the impact
+  double before = 0;
+  std::vector<double> hits, times;
+  run(s, options(period / 1000, 0.5, NormalLaw::combined), 100 * period, [&](const State& state) {
+    const double v = twist(state, s.body)[2];
+    if (before < 0 && v > 0) hits.push_back(before), times.push_back(state.t);
+    before = v;
+  });
+  ASSERT_EQ(hits.size(), 100u);
+  for (std::size_t k = 0; k < 100; ++k) {
+    EXPECT_NEAR(hits[k], wanted, 1e-2 * std::abs(wanted)) << "impact " << k;
+    EXPECT_NEAR(times[k], (double(k) + 0.5) * period, 3e-3 * period) << "impact " << k;  // three steps
+  }
+}
+
 // A4. Newton's law on all contacts at once; the sequential rule would give (0, 0, 1).
 TEST(Cradle, OfThreeBallsFollowsTheSimultaneousLaw) {
   CaseScene s;

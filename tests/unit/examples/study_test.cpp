@@ -108,6 +108,14 @@ TEST(Study, RefusesAPlasticSchemeWhereThingsBounce) {
             std::string::npos);
 }
 
+TEST(Study, RefusesPairwiseImpactsWhereContactsCloseAtOnce) {
+  SchemeOptions options = moreau(0.5);
+  options.impact.order = ImpactOrder::sequential;
+  EXPECT_NE(
+      message_of([&] { study(case_named("slider_crank"), "moreau_jean", options, {}); }).find("in turn"),
+      std::string::npos);
+}
+
 TEST(Study, MissesItsOrderByMoreThanTheSlackOnly) {
   EXPECT_TRUE(as_expected(made_up(0.95)));
   EXPECT_FALSE(as_expected(made_up(0.85)));

@@ -168,6 +168,41 @@ TEST(GeneralisedAlpha, StepsCoordinatesAndGapFunctions) {
   EXPECT_NEAR(energy(model, state).total(), after, 2e-3);
 }
 
+// The problem of the mean velocity asks nothing of friction: of a gap function too it takes the normal only.
+TEST(GeneralisedAlpha, SlidesOnAGapFunctionUntilFrictionStopsIt) {
+  constexpr double kMu = 0.2, kG = 9.81;
+  Model model;
+  add(model, Coordinates{.name = "block",
+                         .size = 2,
+                         .mass = [](const VecX&) -> MatX { return 2 * MatX::Identity(2, 2); },
+                         .force = [](double, const VecX&,
+                                     const VecX&) { return CoordinateForce{.f = Vec2(0, -2 * kG)}; },
+                         .potential = [](const VecX& q) { return 2 * kG * q[1]; }});
+  add(model, GapFunction{.name = "floor",
+                         .block = 0,
+                         .evaluate =
+                             [](const Model&, const State& state, double) {
+                               GapRows rows{.gap = state.q[1], .J = MatX::Zero(2, 2), .rate = {}};
+                               rows.J(0, 1) = rows.J(1, 0) = 1;
+                               return rows;
+                             },
+                         .law = {.mu = kMu}});
+  State state = rest_state(model);
+  state.v[0] = 1;
+  const GeneralisedAlpha scheme(model, {.step = {.h = 1e-2, .solver = {.tolerance = 1e-12}}});
+  const double stop = 1 / (kMu * kG);
+  while (state.t < 0.7) {
+    const StepReport report = scheme.step(state);
+    ASSERT_TRUE(report.ok()) << report.reason;
+    EXPECT_LT(std::abs(report.energy.residual()), 1e-12);
+    if (std::abs(state.t - stop) > 1e-2) {
+      EXPECT_NEAR(state.v[0], std::max(0.0, 1 - kMu * kG * state.t), 1e-10) << "t = " << state.t;
+    }
+  }
+  EXPECT_NEAR(state.q[0], stop / 2, 1e-4);  // off by the step of the stop, mu g h^2 / 8 at most
+  EXPECT_NEAR(state.q[1], 0, 1e-12);
+}
+
 TEST(GeneralisedAlpha, KeepsAllItRemembersInTheState) {
   Scene s = block_on_plate(0.3, 0.5, 0.2, 0.01);
   twist(s.state, s.block).tail<3>() = Vec3(3, 2, 1);

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "examples/common/scheme_flags.hpp"
+
+namespace aussois {
+
+void add_options(Cli& cli, SchemeFlags& f) {
+  cli.choice("--scheme", f.scheme, "by its name", scheme_names());
+  cli.option("--theta", f.options.theta, "of moreau_jean and moreau_jean_projected", "-", {0.5, 1});
+  cli.choice("--normal-law", f.normal, "of schemes that leave the choice",
+             {"moreau", "combined", "gap_over_step"});
+  cli.option("--gamma", f.options.normal.gamma, "mean velocity in the law, of moreau_jean", "-", {0.5, 1});
+  cli.choice("--contacts", f.contacts, "where moreau_jean looks at them", {"start", "midpoint", "end"});
+  cli.option("--newton-iterations", f.options.newton.max_iterations,
+             "of moreau_jean; 1 is linearly implicit, more is fully implicit", "", {1, 1000});
+  cli.choice("--impact-law", f.impact, "of moreau_jean", {"newton", "poisson"});
+  cli.choice("--impact-order", f.impact_order, "of several impacts, of moreau_jean",
+             {"simultaneous", "sequential"});
+  cli.choice("--projection", f.projection, "of moreau_jean_projected", {"direct", "combined"});
+  cli.choice("--update", f.update, "of rotations, of all schemes but event_driven",
+             {"exponential", "cayley", "screw"});
+  cli.option("--spectral-radius", f.options.spectral_radius, "of generalised_alpha", "-", {0, 1});
+}
+
+SchemeOptions scheme_options(const SchemeFlags& f) {
+  SchemeOptions out = f.options;
+  out.contacts = contacts_at(f.contacts);
+  out.impact.law = impact_law(f.impact);
+  out.impact.order = impact_order(f.impact_order);
+  out.projection = projection_order(f.projection);
+  out.normal.law = normal_law(f.normal);
+  out.update = group_update(f.update);
+  return out;
+}
+
+}  // namespace aussois

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// How a driver lets its user choose a scheme and set what the scheme knows.
+#pragma once
+
+#include "examples/common/driver.hpp"
+#include "integrators/scheme.hpp"
+
+namespace aussois {
+
+struct SchemeFlags {
+  std::string scheme = "moreau_jean";
+  std::string normal = to_string(NormalLaw::moreau), contacts = to_string(ContactsAt::start);
+  std::string impact = to_string(ImpactLaw::newton), impact_order = to_string(ImpactOrder::simultaneous);
+  std::string projection = to_string(ProjectionOrder::combined), update = to_string(GroupUpdate::exponential);
+  SchemeOptions options{};  // but for those names
+};
+
+/// --scheme and the settings of schemes, in the group that is open.
+void add_options(Cli& cli, SchemeFlags& flags);
+
+/// What the user said, all names resolved.
+SchemeOptions scheme_options(const SchemeFlags& flags);
+
+}  // namespace aussois

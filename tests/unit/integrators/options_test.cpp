@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+// What no scheme takes: every option out of its range, named with its value; a start in overlap.
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "integrators/scheme.hpp"
+#include "tests/support/block_scene.hpp"
+#include "tests/support/message_of.hpp"
+
+namespace aussois {
+namespace {
+
+const double kNan = std::numeric_limits<double>::quiet_NaN();
+
+struct Bad {
+  std::string field{};  // as the message begins
+  std::vector<double> values{};
+  void (*set)(SchemeOptions&, double) = nullptr;
+  std::vector<std::string> schemes{};  // that read it; empty: all
+};
+
+const std::vector<Bad>& table() {
+  static const std::vector<Bad> all = {
+      {"StepOptions::h", {0, -1e-3, kInf, kNan}, [](SchemeOptions& o, double x) { o.h = x; }, {}},
+      {"StepOptions::threads", {0, -1}, [](SchemeOptions& o, double x) { o.threads = int(x); }, {}},
+      {"MoreauJeanOptions::theta",
+       {0.49, 1.01, kNan},
+       [](SchemeOptions& o, double x) { o.theta = x; },
+       {"moreau_jean"}},
+      {"MoreauJeanProjectedOptions::theta",
+       {0.49, 1.01, kNan},
+       [](SchemeOptions& o, double x) { o.theta = x; },
+       {"moreau_jean_projected"}},
+      {"GeneralisedAlphaOptions::spectral_radius",
+       {-0.01, 1.01, kNan},
+       [](SchemeOptions& o, double x) { o.spectral_radius = x; },
+       {"generalised_alpha"}},
+      {"NewtonOptions::max_iterations",
+       {0, -1},
+       [](SchemeOptions& o, double x) { o.newton.max_iterations = int(x); },
+       {"moreau_jean"}},
+      {"NewtonOptions::tolerance",
+       {0, -1, kNan},
+       [](SchemeOptions& o, double x) { o.newton.tolerance = x; },
+       {"moreau_jean"}},
+      {"ImpactOptions::max_pairs",
+       {0, -1},
+       [](SchemeOptions& o, double x) { o.impact.max_pairs = int(x); },
+       {"moreau_jean"}},
+      {"NormalLawOptions::correction_speed",
+       {-1e-9, kNan},
+       [](SchemeOptions& o, double x) { o.normal.correction_speed = x; },
+       {}},
+      {"NormalLawOptions::gamma",
+       {0.49, 1.01, kNan},
+       [](SchemeOptions& o, double x) { o.normal.gamma = x; },
+       {}},
+      {"JointOptions::stabilisation",
+       {-0.01, 1.01, kNan},
+       [](SchemeOptions& o, double x) { o.joints.stabilisation = x; },
+       {}},
+      {"LmdOptions::alpha", {-0.1, 0.51, kNan}, [](SchemeOptions& o, double x) { o.lmd.alpha = x; }, {}},
+      {"LmdOptions::alpha_ee",
+       {-0.1, 1.01, kNan},
+       [](SchemeOptions& o, double x) { o.lmd.alpha_ee = x; },
+       {}},
+      {"ReductionOptions::cluster_angle",
+       {0, 1.6, kNan},
+       [](SchemeOptions& o, double x) { o.reduction.cluster_angle = x; },
+       {}},
+      {"ReductionOptions::min_per_cluster",
+       {0, -1},
+       [](SchemeOptions& o, double x) { o.reduction.min_per_cluster = int(x); },
+       {}},
+      {"ReductionOptions::tie",
+       {-0.1, 0.2, kNan},
+       [](SchemeOptions& o, double x) { o.reduction.tie = x; },
+       {}},
+      {"ReductionOptions::layer",
+       {-1e-9, kNan},
+       [](SchemeOptions& o, double x) { o.reduction.layer = x; },
+       {}},
+      {"SolverOptions::tolerance",
+       {0, -1, kNan},
+       [](SchemeOptions& o, double x) { o.solver.tolerance = x; },
+       {}},
+      {"SolverOptions::max_iterations",
+       {0, -1},
+       [](SchemeOptions& o, double x) { o.solver.max_iterations = int(x); },
+       {}},
+      {"SolverOptions::relaxation",
+       {0, 2, kNan},
+       [](SchemeOptions& o, double x) { o.solver.relaxation = x; },
+       {}},
+      {"SolverOptions::anderson",
+       {-1, 21},
+       [](SchemeOptions& o, double x) { o.solver.anderson = int(x); },
+       {}},
+      {"AdvancementOptions::enlargement",
+       {0.99, 4.01, kNan},
+       [](SchemeOptions& o, double x) { o.advancement.enlargement = x; },
+       {}},
+      {"AdvancementOptions::floor",
+       {0, 1.01, kNan},
+       [](SchemeOptions& o, double x) { o.advancement.floor = x; },
+       {}},
+      {"AdvancementOptions::max_overlap",
+       {-0.01, 1, kNan},
+       [](SchemeOptions& o, double x) { o.advancement.max_overlap = x; },
+       {}},
+      {"AdvancementOptions::min_h",
+       {0, -1, 1, kNan},  // 1 s is more than h
+       [](SchemeOptions& o, double x) { o.advancement.min_h = x; },
+       {}},
+      {"AdvancementOptions::growth",
+       {0.99, 4.01, kNan},
+       [](SchemeOptions& o, double x) { o.advancement.growth = x; },
+       {}},
+      {"AdvancementOptions::max_attempts",
+       {0, -1},
+       [](SchemeOptions& o, double x) { o.advancement.max_attempts = int(x); },
+       {}},
+  };
+  return all;
+}
+
+TEST(SchemeOptions, AreRefusedOutOfTheirRangesByEverySchemeThatReadsThem) {
+  const Scene s = block_on_plate(0.3, 0, 0);
+  int refusals = 0;
+  for (const Bad& bad : table())
+    for (const double value : bad.values)
+      for (const std::string& name : bad.schemes.empty() ? scheme_names() : bad.schemes) {
+        SchemeOptions options;
+        bad.set(options, value);
+        const std::string message = message_of([&] { make_scheme(name, s.model, options); });
+        EXPECT_NE(message.find(bad.field + " = "), std::string::npos)
+            << name << ", " << bad.field << " = " << value << ": " << message;
+        ++refusals;
+      }
+  EXPECT_GT(refusals, 400);
+}
+
+// The door of a step: what is in the way of the certificate, and a limit that is none.
+TEST(EveryScheme, RefusesToBeginInOverlapAndKeepsTheState) {
+  for (const std::string& name : scheme_names()) {
+    Scene s = block_on_plate(0.3, 0, 0);
+    pose(s.state, s.block).p.z() = kSide / 2 - 3 * kRadius;  // the bases overlap by 3 mm
+    const std::uint64_t before = hash(s.state);
+    const StepReport report = make_scheme(name, s.model, {}).step(s.state, kInf);
+    EXPECT_EQ(report.status, StepStatus::refused) << name;
+    EXPECT_NE(report.reason.find("bodies 0 and 1"), std::string::npos) << name << ": " << report.reason;
+    EXPECT_EQ(hash(s.state), before) << name;
+  }
+}
+
+TEST(EveryScheme, RefusesStepsOfNoLength) {
+  const Scene s = block_on_plate(0.3, 0, 0);
+  for (const std::string& name : scheme_names())
+    for (const double limit : {0.0, -1.0, kNan}) {
+      State state = s.state;
+      const Scheme scheme = make_scheme(name, s.model, {});
+      EXPECT_NE(message_of([&] { scheme.step(state, limit); }).find("h_limit"), std::string::npos)
+          << name << ", " << limit;
+    }
+}
+
+// What `add` would not have taken is not taken by a scheme either.
+TEST(EveryScheme, RefusesABadModel) {
+  for (const std::string& name : scheme_names()) {
+    Model massless = block_on_plate(0.3, 0, 0).model;
+    massless.bodies[1].mass = -1;
+    EXPECT_NE(message_of([&] { make_scheme(name, massless, {}); }).find("mass = -1"), std::string::npos)
+        << name;
+    Model flat = block_on_plate(0.3, 0, 0).model;
+    flat.bodies[1].inertia = -Mat3::Identity();
+    EXPECT_NE(message_of([&] { make_scheme(name, flat, {}); }).find("inertia"), std::string::npos) << name;
+    Model loose = block_on_plate(0.3, 0, 0).model;
+    loose.joints.push_back({.name = "nowhere", .kind = JointKind::revolute, .body_a = 1, .body_b = 7});
+    EXPECT_NE(message_of([&] { make_scheme(name, loose, {}); }).find("body_b = 7"), std::string::npos)
+        << name;
+  }
+}
+
+}  // namespace
+}  // namespace aussois
