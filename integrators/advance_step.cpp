@@ -2,6 +2,7 @@
 #include "integrators/advance_step.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <sstream>
 
 #include "geometry/check.hpp"
@@ -29,7 +30,7 @@ StepReport advance_step(const StepSetting& setting, State& state, double h_limit
   double h = std::min(h_control, h_limit);
   const double h_asked = h,
                min_h = std::min(o.min_h, h);  // what is left of a run may be shorter than any minimum
-  VecX v_estimate = method.estimate(state, h);
+  Estimate estimate{.v = method.estimate(state, h)};
 
   const bool finite_poses =
       std::ranges::all_of(state.g, [](const SE3& g) { return g.p.allFinite() && g.R.coeffs().allFinite(); });
@@ -40,21 +41,27 @@ StepReport advance_step(const StepSetting& setting, State& state, double h_limit
     if (status != StepStatus::ok) report.t = state.t, report.h = 0;
     return report;
   };
-  if (!v_estimate.allFinite() || !finite_poses) {
+  if (!estimate.v.allFinite() || !finite_poses) {
     report.reason = "a force, velocity or pose is not finite";
     return ended(StepStatus::not_finite);
   }
   int unsolved = 0, enlarged = 0;
+  const auto halve = [&] {  // in half the time other pairs meet, or none
+    h /= 2;
+    estimate.meeting.clear();
+  };
   for (int k = 1; k <= o.max_attempts && h >= min_h; ++k) {
-    Attempt trial = method.attempt(state, v_estimate, h);
+    Attempt trial = method.attempt(state, estimate, h);
     report = std::move(trial.report);
     report.attempts = k;
     switch (trial.outcome) {
-      case Outcome::not_finite:
-        return ended(StepStatus::not_finite);
+      case Outcome::not_finite:  // the linear gyroscopic term of a long step can make M^ indefinite
+        if (h / 2 < min_h) return ended(StepStatus::not_finite);
+        halve();
+        break;
       case Outcome::not_solved:  // a shorter step is an easier problem; after that the report tells
         if (++unsolved <= 3 && h / 2 >= min_h) {
-          h /= 2;
+          halve();
           break;
         }
         [[fallthrough]];
@@ -64,11 +71,17 @@ StepReport advance_step(const StepSetting& setting, State& state, double h_limit
                                    : std::max(h_control, o.growth * h);  // only a cut step makes it smaller
         return ended(StepStatus::ok);
       case Outcome::bound_exceeded:
-        v_estimate = trial.v_path;
-        if (++enlarged % 4 == 0) h /= 2;
+        estimate.v = trial.v_path;
+        if (++enlarged % 4 == 0) halve();
         break;
+      case Outcome::meets: {
+        std::vector<std::pair<int, int>> all;
+        std::ranges::set_union(estimate.meeting, trial.meeting, std::back_inserter(all));
+        estimate.meeting = std::move(all);
+        break;
+      }
       case Outcome::not_certified:
-        h /= 2;
+        halve();
         break;
     }
   }

@@ -11,7 +11,7 @@ namespace aussois {
 /// What a scheme gives: velocities that the state would end with if it touched nothing, and one attempt.
 struct StepMethod {
   std::function<VecX(const State&, double h)> estimate{};
-  std::function<Attempt(const State&, const VecX& v_estimate, double h)> attempt{};
+  std::function<Attempt(const State&, const Estimate&, double h)> attempt{};
 };
 
 /// Advances by at most min(options.h, h_limit); shorter if the advancement needs it. The state is unchanged

@@ -84,6 +84,10 @@ StepCertificate certify_step(const StepMotion& step, const std::vector<StepPair>
                              const std::vector<BodyBounds>& bounds, const ContactSet& contacts,
                              const AdvancementOptions& options, int threads);
 
+/// The same for one pair, whose dilated shapes are not even to touch (CA-16); finer in time.
+StepCertificate certify_apart(const StepMotion& step, const StepPair& pair,
+                              const std::vector<BodyBounds>& bounds, int threads);
+
 /// Smallest distance of the base complexes of bodies that can touch [m], or `cutoff`.
 double min_base_distance(const Model& model, const State& state, double cutoff, int threads);
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <iterator>
+#include <set>
 
 #include "nsgs/joint_elimination.hpp"
 
@@ -27,6 +29,37 @@ std::vector<double> allowed_speeds(const Found& found) {
     allowed.push_back(kReentry * pair->dilation / found.h);
   }
   return allowed;
+}
+
+// Pairs that are fast, did not push in the last step and are not known to meet are left out (CA-16).
+void leave_apart(const State& state, const Estimate& estimate, const AdvancementOptions& o, Found& found) {
+  std::set<std::pair<int, int>> asked(estimate.meeting.begin(), estimate.meeting.end());
+  for (const RememberedContact& c : state.memory.contacts)
+    if (!c.impulse.isZero(0)) asked.insert({c.key.value[0], c.key.value[3]});
+  const auto is_apart = [&](const StepPair& pair) {
+    const double linear = 2 * o.max_overlap * pair.dilation * pair.dilation;
+    return pair.threshold * pair.threshold > linear && !asked.contains({pair.a, pair.b});
+  };
+  std::ranges::copy_if(found.pairs, std::back_inserter(found.apart), is_apart);
+  if (found.apart.empty()) return;
+  std::erase_if(found.pairs, is_apart);
+  std::erase_if(found.contacts.points, [&](const ContactPoint& c) {
+    return std::ranges::any_of(
+        found.apart, [&](const StepPair& pair) { return pair.a == c.a.body && pair.b == c.b.body; });
+  });
+}
+
+// Those of `apart` whose dilated shapes are not proven to keep apart on the path (CA-16).
+std::vector<std::pair<int, int>> meeting_pairs(const StepSetting& setting, const StepMotion& path,
+                                               const std::vector<StepPair>& apart, StepReport& report) {
+  std::vector<std::pair<int, int>> out;
+  for (const StepPair& pair : apart) {
+    const StepCertificate proof = certify_apart(path, pair, setting.bounds, setting.options.threads);
+    report.certificate_rounds += int(proof.rounds);
+    report.min_base_distance = std::min(report.min_base_distance, proof.min_distance);
+    if (!proof.failure.empty()) out.emplace_back(pair.a, pair.b);
+  }
+  return out;
 }
 
 // Kinetic energy of the coordinates beyond what the mass of the step says of it (GEN-4).
@@ -220,11 +253,12 @@ void add_impact(const ImpactJump& impact, const ImpulseStep& step, std::size_t c
 StepReport told(const StepSetting& setting, const Found& found, const ImpulseStep& step,
                 const Impulses& impulses) {
   StepReport report;
-  for (const StepPair& pair : found.pairs) report.threshold = std::max(report.threshold, pair.threshold);
-  report.contacts_found = int(found.contacts.points.size());
+  for (const std::vector<StepPair>* pairs : {&found.pairs, &found.apart})
+    for (const StepPair& pair : *pairs) report.threshold = std::max(report.threshold, pair.threshold);
+  report.contacts_found = found.count;
   report.contacts_kept = int(impulses.contact.size());
   report.contacts_matched = found.warm.matched;
-  report.min_gap = smallest_gap(found.contacts);
+  report.min_gap = found.min_gap;
   for (const double gap : step.gap) report.min_gap = std::min(report.min_gap, gap);
   report.solve = step.solved.solution.report;
   if (step.impact) {
@@ -244,15 +278,18 @@ double step_clock() {
   return double(std::clock()) / CLOCKS_PER_SEC;
 }
 
-Found find_ahead(const StepSetting& setting, const State& state, const VecX& v_estimate, double h) {
+Found find_ahead(const StepSetting& setting, const State& state, const Estimate& estimate, double h) {
   const double begin = step_clock();
   const StepOptions& o = setting.options;
-  Found found{.v_estimate = v_estimate, .h = h, .scale = state.h > 0 ? h / state.h : 1};
-  found.pairs = step_pairs({setting.model, state, v_estimate, h}, setting.bounds, o.advancement,
+  Found found{.v_estimate = estimate.v, .h = h, .scale = state.h > 0 ? h / state.h : 1};
+  found.pairs = step_pairs({setting.model, state, estimate.v, h}, setting.bounds, o.advancement,
                            o.threads);                                     // (CA-4)
   found.contacts = contacts_of(setting.model, state, found.pairs, o.lmd);  // (LMD-3)
-  found.selection = reduce(found.contacts, o.reduction);                   // (RED-1)
-  found.warm = warm_start(state.memory, found.contacts, found.scale);      // (RED-5)
+  found.count = int(found.contacts.points.size());
+  found.min_gap = smallest_gap(found.contacts);
+  if (o.advancement.certify) leave_apart(state, estimate, o.advancement, found);  // (CA-16)
+  found.selection = reduce(found.contacts, o.reduction);                          // (RED-1)
+  found.warm = warm_start(state.memory, found.contacts, found.scale);             // (RED-5)
   found.seconds = step_clock() - begin;
   return found;
 }
@@ -409,15 +446,19 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
     v_end = end.v;
   }
   const StepMotion path{model, state, out.v_path, found.h};
-  const std::string broken = broken_bound(path, {model, state, found.v_estimate, found.h}, found.pairs,
-                                          setting.bounds, o.lmd.alpha, o.advancement);  // (CA-5)
-  if (!broken.empty()) return failed(Outcome::bound_exceeded, broken);
+  for (const std::vector<StepPair>* pairs : {&found.pairs, &found.apart}) {
+    const std::string broken = broken_bound(path, {model, state, found.v_estimate, found.h}, *pairs,
+                                            setting.bounds, o.lmd.alpha, o.advancement);  // (CA-5)
+    if (!broken.empty()) return failed(Outcome::bound_exceeded, broken);
+  }
   if (o.advancement.certify) {
     const double begin = step_clock();
+    out.meeting = meeting_pairs(setting, path, found.apart, report);  // (CA-16)
+    if (!out.meeting.empty()) return failed(Outcome::meets, "bodies meet whose contacts were not asked");
     const StepCertificate certificate =
         certify_step(path, found.pairs, setting.bounds, found.contacts, o.advancement, o.threads);  // (CA-6)
-    report.certificate_rounds = int(certificate.rounds);
-    report.min_base_distance = certificate.min_distance;
+    report.certificate_rounds += int(certificate.rounds);
+    report.min_base_distance = std::min(report.min_base_distance, certificate.min_distance);
     report.seconds_certificate = step_clock() - begin;
     if (!certificate.failure.empty()) return failed(Outcome::not_certified, certificate.failure);
   }

@@ -12,19 +12,28 @@
 
 namespace aussois {
 
+/// What an attempt goes by.
+struct Estimate {
+  VecX v{};  // all velocities, in the places of State::v: how far bodies may move (CA-4)
+  std::vector<std::pair<int, int>> meeting{};  // fast pairs that met without contacts, sorted (CA-16)
+};
+
 /// Contacts within the displacement bound of an estimated motion (CA-4), which of them the problem begins
 /// with, and their impulses of the last step.
 struct Found {
   VecX v_estimate{};  // all velocities, in the places of State::v
   double h = 0;
-  std::vector<StepPair> pairs{};
+  std::vector<StepPair> pairs{};  // whose contacts are offered to the problem
+  std::vector<StepPair> apart{};  // that have to show that they need none (CA-16)
+  int count = 0;                  // of all contacts, those of `apart` included
+  double min_gap = kInf;          // of them [m]
   ContactSet contacts{};
   Selection selection{};  // (RED-1)
   WarmStart warm{};       // (RED-5)
   double scale = 1;       // of the last step's impulses
   double seconds = 0;     // CPU that it took [s]
 };
-Found find_ahead(const StepSetting& setting, const State& state, const VecX& v_estimate, double h);
+Found find_ahead(const StepSetting& setting, const State& state, const Estimate& estimate, double h);
 
 /// The one-step problem of contacts, gap functions and joints, and its solution.
 struct ImpulseStep {
@@ -84,11 +93,12 @@ struct AfterImpact {
 std::optional<AfterImpact> after_impact(const StepSetting& setting, const State& state, Found& found,
                                         const ImpactOptions& options, double theta);
 
-enum class Outcome { accepted, bound_exceeded, not_certified, not_solved, not_finite };
+enum class Outcome { accepted, bound_exceeded, meets, not_certified, not_solved, not_finite };
 struct Attempt {
   Outcome outcome = Outcome::accepted;
-  VecX v_path{};  // all velocities, constant on the path that was tried
-  State next{};   // if accepted or not solved
+  VecX v_path{};                               // all velocities, constant on the path that was tried
+  std::vector<std::pair<int, int>> meeting{};  // pairs of Found::apart that met on it, sorted
+  State next{};                                // if accepted or not solved
   StepReport report{};
 };
 
@@ -97,9 +107,9 @@ struct Move {
   VecX v_path{}, v_end{};
   std::optional<State> end{};  // other poses and coordinates that the path is to end at (PRJ-4)
 };
-/// Goes there if the step keeps the bounds that its contacts were found within (CA-5) and is proven to keep
-/// bodies apart (CA-6); with the report, joints projected (MJT-13), and the energy as the velocities at both
-/// ends tell it (MJ-9).
+/// Goes there if the step keeps the bounds that its contacts were found within (CA-5), nothing meets whose
+/// contacts were not asked (CA-16), and it is proven to keep bodies apart (CA-6); with the report, joints
+/// projected (MJT-13), and the energy as the velocities at both ends tell it (MJ-9).
 Attempt go(const StepSetting& setting, const State& state, const Found& found, const ImpulseStep& impulses,
            const Move& move);
 

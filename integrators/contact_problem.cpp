@@ -182,7 +182,7 @@ FrictionProblem contact_problem(const FreeMotion& free, const DofMap& dofs,
       for (int i = 0; i < 6; ++i)
         for (int d = 0; d < row.law.rows; ++d) entries.emplace_back(first + i, first_row[k] + d, (*J)(d, i));
     }
-    for (const Triplet& e : row.others)
+    for (const Triplet& e : row.others)  // a block may be asked for its normal row only
       if (e.row() < row.law.rows) entries.emplace_back(e.col(), first_row[k] + e.row(), e.value());
   }
   problem.H = SparseMatrix(dofs.rows, first_row.back());

@@ -97,8 +97,8 @@ StepReport D1MinusLinear::step(State& state, double h_limit) const {
     const Start start = start_of(setting_, from, h);
     return all_velocities(dofs, start.v_free, start.v_prescribed);
   };
-  const auto attempt = [&](const State& from, const VecX& v_estimate, double h) {
-    Found found = find_ahead(setting_, from, v_estimate, h);
+  const auto attempt = [&](const State& from, const Estimate& ahead, double h) {
+    Found found = find_ahead(setting_, from, ahead, h);
     const Start start = start_of(setting_, from, h);
     ImpulseStep step{.v_prescribed = start.v_prescribed, .joints = start.joints};
     NormalLawOptions gap = setting_.options.normal;

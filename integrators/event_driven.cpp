@@ -21,6 +21,7 @@ constexpr double kLiftOff = 1e-13;   // gaps of what opens without speed are kno
 constexpr double kPush = 1e-9;       // forces act so long to see which jump they ask for (EVD-8) [s]
 constexpr double kChord = 1e-3;      // pieces of the certificate follow the path to this part of a dilation
 constexpr double kTiny = 1e-12;      // instead of zero [m/s^2]
+constexpr double kSameTime = 1e-12;  // rows of paths nearer than this are there: sums of steps round [s]
 constexpr int kMaxPieces = 256, kMaxRetries = 20;
 
 bool same(const Touch& a, const Touch& b) {
@@ -168,7 +169,8 @@ void Run::add_impulse(const Touch& touch, const VecX& r) {
   StepContact& contact = known == report_.contacts.end()
                              ? report_.contacts.emplace_back(StepContact{.point = touch.point})
                              : *known;
-  contact.impulse += touch.frame * r.head<3>();
+  const Eigen::Index of_frame = std::min<Eigen::Index>(3, r.size());  // one row without friction
+  contact.impulse += touch.frame.leftCols(of_frame) * r.head(of_frame);
   if (r.size() > 3) contact.drilling += r[3];
 }
 
@@ -176,7 +178,7 @@ void Run::add_impulse(const Touch& touch, const VecX& r) {
 void Run::move_prescribed() {
   for (int b = 0; b < int(model_.bodies.size()); ++b)
     if (const auto* motion = std::get_if<Prescribed>(&model_.bodies[std::size_t(b)].motion)) {
-      const TrajectoryPoint now = evaluate(motion->path, state_.t);
+      const TrajectoryPoint now = evaluate(motion->path, state_.t + kSameTime);
       pose(state_, b) = now.pose;
       twist(state_, b) = now.twist;
     }
@@ -187,7 +189,8 @@ double Run::next_row() const {
   double next = t_end_;
   for (const RigidBody& body : model_.bodies)
     if (const auto* motion = std::get_if<Prescribed>(&body.motion))
-      if (const auto row = std::ranges::upper_bound(motion->path.t, state_.t); row != motion->path.t.end())
+      if (const auto row = std::ranges::upper_bound(motion->path.t, state_.t + kSameTime);
+          row != motion->path.t.end() && *row < t_end_ - kSameTime)
         next = std::min(next, *row);
   return next;
 }
@@ -211,10 +214,9 @@ bool Run::collisions(std::vector<Touch>& touches) {
   const VecX middle = (before + hit.v) / 2;
   const double kinetic_before = kinetic(setting_, state_);
   state_.v = all_velocities(setting_.dofs, hit.v, state_.v);
-  double by_contact = 0, by_touch = 0;
+  double by_contact = 0;
   for (std::size_t i = 0; i < near.size(); ++i) {
     const double work = middle.dot(near[i].N * hit.impulse[i]);
-    by_touch += work;
     if (near[i].slot < 0 || near[i].slot >= first_gap_row(model_)) by_contact += work;
     add_impulse(near[i], hit.impulse[i]);
     const double closing = has_gap(near[i]) ? -near[i].u[0] : 0;
@@ -647,7 +649,7 @@ StepReport Run::go(State& out) {
   bool alive = state_.v.allFinite();
   if (!alive) report_.status = StepStatus::not_finite, report_.reason = "a velocity is not finite";
   alive = alive && settle(true);
-  while (alive && state_.t < t_end_) {
+  while (alive && state_.t < t_end_ - kSameTime) {
     if (++stops_ > o_.max_events) {
       std::ostringstream text;
       text << "more than " << o_.max_events << " events from t = " << start.t << " to " << state_.t << " s";
@@ -661,6 +663,7 @@ StepReport Run::go(State& out) {
   if (!alive) return report_;
 
   report_.reason.clear();
+  state_.t = t_end_;
   state_.h = report_.h = t_end_ - start.t;
   state_.h_next = 0;
   report_.t = state_.t;

@@ -177,8 +177,8 @@ StepReport GeneralisedAlpha::step(State& state, double h_limit) const {
   const auto estimate = [&](const State& start, double h) {
     return all_velocities(dofs, smooth_from(start, h).v, prescribed_velocity(model, start, h));
   };
-  const auto attempt = [&](const State& start, const VecX& v_estimate, double h) {
-    const Found found = find_ahead(setting_, start, v_estimate, h);
+  const auto attempt = [&](const State& start, const Estimate& ahead, double h) {
+    const Found found = find_ahead(setting_, start, ahead, h);
     const SmoothMotion smooth = smooth_from(start, h);
     ImpulseStep step{.free = free_of(setting_, start, smooth, h),
                      .v_prescribed = prescribed_velocity(model, start, h),

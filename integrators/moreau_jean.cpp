@@ -87,11 +87,11 @@ FreeMotion MoreauJean::free(const State& state, double h) const {
   return free_motion(setting_.model, state, setting_.dofs, h, options_.theta);  // (MJ-4), (MJ-5)
 }
 
-Attempt MoreauJean::attempt(const State& state, const FreeMotion& without, const VecX& v_estimate,
+Attempt MoreauJean::attempt(const State& state, const FreeMotion& without, const Estimate& ahead,
                             double h) const {
   const double theta = options_.theta, time = time_of(options_.contacts, h);
   const NormalLawOptions& normal = options_.normal;
-  Found found = find_ahead(setting_, state, v_estimate, h);
+  Found found = find_ahead(setting_, state, ahead, h);
   const std::optional<AfterImpact> after = after_impact(setting_, state, found, options_.impact, theta);
   const State& start = after ? after->state : state;
   const FreeMotion first = after ? free(start, h) : without;
@@ -148,8 +148,8 @@ StepReport MoreauJean::step(State& state, double h_limit) const {
                          return estimate_without_contacts(setting_, start, free_for(start, h), h,
                                                           options_.theta);
                        },
-                       [&](const State& start, const VecX& v, double h) {
-                         return attempt(start, free_for(start, h), v, h);
+                       [&](const State& start, const Estimate& ahead, double h) {
+                         return attempt(start, free_for(start, h), ahead, h);
                        }});
 }
 

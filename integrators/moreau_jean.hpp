@@ -59,7 +59,7 @@ class MoreauJean {
  private:
   FreeMotion free(const State& state, double h) const;
   /// `without` is the free motion of the state.
-  Attempt attempt(const State& state, const FreeMotion& without, const VecX& v_estimate, double h) const;
+  Attempt attempt(const State& state, const FreeMotion& without, const Estimate& ahead, double h) const;
 
   StepSetting setting_;
   MoreauJeanOptions options_;

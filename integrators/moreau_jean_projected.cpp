@@ -28,6 +28,14 @@ bool activate(const Projection& projection, Found& found, ContactBlocks& blocks)
   return any;
 }
 
+// Directions of the end say nothing about bodies that would have to be moved farther than contacts are looked
+// for at rest (PRJ-6).
+bool too_far(const Projection& projection, const Found& found, const AdvancementOptions& o) {
+  double dilation = kInf;
+  for (const StepPair& pair : found.pairs) dilation = std::min(dilation, pair.dilation);
+  return o.certify && projection.moved > o.floor * dilation;
+}
+
 }  // namespace
 
 const char* to_string(ProjectionOrder order) {
@@ -61,8 +69,8 @@ StepReport MoreauJeanProjected::step(State& state, double h_limit) const {
   const auto estimate = [&](const State& start, double h) {
     return estimate_without_contacts(setting_, start, free(start, h), h, theta);
   };
-  const auto attempt = [&](const State& start, const VecX& v_estimate, double h) {
-    Found found = find_ahead(setting_, start, v_estimate, h);
+  const auto attempt = [&](const State& start, const Estimate& ahead, double h) {
+    Found found = find_ahead(setting_, start, ahead, h);
     ContactBlocks blocks = contact_blocks(setting_, start, found.contacts, h, setting_.options.normal);
     for (;;) {  // each round activates at least one contact more
       const ImpulseStep step = solve_step(setting_, start, found, free(start, h), theta, blocks);
@@ -78,6 +86,10 @@ StepReport MoreauJeanProjected::step(State& state, double h_limit) const {
       if (options_.order == ProjectionOrder::combined && activate(projection, found, blocks)) continue;
       if (projection.moved > 0) move.end = projection.end;
       Attempt out = go(setting_, start, found, step, move);
+      if (out.outcome == Outcome::accepted && too_far(projection, found, setting_.options.advancement)) {
+        out.outcome = Outcome::not_certified;
+        out.report.reason = "projection would move bodies farther than their contacts were looked for";
+      }
       out.report.projection = projection.moved;
       out.report.overlap_left = projection.overlap;
       return out;

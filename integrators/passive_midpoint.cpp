@@ -67,8 +67,8 @@ StepReport PassiveMidpoint::step(State& state, double h_limit) const {
   const auto estimate = [&](const State& start, double h) {
     return estimate_without_contacts(setting_, start, free_motion(model, start, dofs, h, kTheta), h, kTheta);
   };
-  const auto attempt = [&](const State& start, const VecX& v_estimate, double h) {
-    const Found found = find_ahead(setting_, start, v_estimate, h);
+  const auto attempt = [&](const State& start, const Estimate& ahead, double h) {
+    const Found found = find_ahead(setting_, start, ahead, h);
     const FreeMotion plain = free_motion(model, start, dofs, h, kTheta);  // (MJ-4), (MJ-5)
     VecX guess = plain.v_free;
     ImpulseStep step =

@@ -63,8 +63,8 @@ StepReport SchatzmanPaoli::step(State& state, double h_limit) const {
   const auto estimate = [&](const State& start, double h) {
     return estimate_without_contacts(setting_, start, kick(setting_, start, h, theta_), h, 1);
   };
-  const auto attempt = [&](const State& start, const VecX& v_estimate, double h) {
-    const Found found = find_ahead(setting_, start, v_estimate, h);
+  const auto attempt = [&](const State& start, const Estimate& ahead, double h) {
+    const Found found = find_ahead(setting_, start, ahead, h);
     const ImpulseStep step = solve_step(setting_, start, found, kick(setting_, start, h, theta_), 1,
                                         blocks_of(setting_, start, found));
     const VecX& v = step.solved.solution.v;

@@ -118,6 +118,7 @@ VecX contact_bias(const StepSetting& setting, const State& state, const ContactP
   const Vec3 past_a = w_a.cross(k.foot_a - g_a.p) + k.slide_a * xi - a.shape->radius * n_rate;
   const Vec3 past_b = w_b.cross(k.foot_b - g_b.p) + k.slide_b * xi + b.shape->radius * n_rate;
   bias[0] = xi.dot(k.gap_hessian * xi);
+  if (rows == 1) return bias;
   bias.segment<2>(1) = frame.rightCols<2>().transpose() * (w_a.cross(past_a) - w_b.cross(past_b));
   if (rows > 3) bias[3] = n_rate.dot(w_a - w_b);
   return bias;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Coulomb friction on a plate: a block on a slope, a block pushed to and fro, a sphere that slips until it
-// rolls.
-#include <array>
+// Friction on a plate. Coulomb's: a block on a slope, a block pushed to and fro, a sphere that slips until it
+// rolls. Contensou's ellipsoid: a disc that slides and spins, a sphere that pivots.
+#include <algorithm>
 #include <cmath>
 
 #include "examples/scenes/cases.hpp"
@@ -181,6 +181,149 @@ Case slip_to_roll_case(const char* name, const char* what, const Vec3& v, const 
           .exact = [s](double) { return slip_to_roll(s); }};
 }
 
+// B4, B5. A straight slip u with a drilling spin omega under the ellipsoid law, W = R_e omega and s = |(u,
+// W)|: u' = -a mu g u / s, W' = -b mu g W / s. In the time tau with dtau = mu g dt / s both decay by
+// themselves, u = u_0 exp(-a tau), W = W_0 exp(-b tau); clock and way follow by quadrature (TOY-7), (TOY-8).
+struct EllipsoidSlip {
+  double mu = 0.3, R_e = 0, a = 1, b = 1;  // [-], [m], [-], [-]
+  double u = 0, spin = 0;                  // at the start [m/s], [rad/s]
+  double slip(double tau) const { return u * std::exp(-a * tau); }
+  double drilling(double tau) const { return R_e * spin * std::exp(-b * tau); }  // [m/s]
+};
+
+/// Time and way slipped [m] as functions of tau, and their inverse.
+struct SlipClock {
+  EllipsoidSlip slip{};
+  std::function<VecX(double tau)> t_and_way{};
+  std::vector<double> ticks{};  // times at multiples of kTick [s]
+  double t_end() const { return ticks.back(); }
+  double tau_end() const { return kTick * double(ticks.size() - 1); }
+  double rate(double tau) const {  // dt / dtau [s]
+    return std::hypot(slip.slip(tau), slip.drilling(tau)) / (slip.mu * kGravity);
+  }
+  double tau(double t) const {
+    const auto after = std::ranges::upper_bound(ticks, t);
+    if (t <= 0 || after == ticks.end()) return t <= 0 ? 0 : tau_end();
+    double tau = kTick * double(after - ticks.begin() - 1);
+    for (int k = 0; k < 4; ++k) tau += (t - t_and_way(tau)[0]) / rate(tau);  // Newton: t is smooth in tau
+    return tau;
+  }
+  static constexpr double kTick = 0.05;
+};
+SlipClock clock_of(const EllipsoidSlip& slip, double tau_end) {
+  SlipClock out{.slip = slip};
+  const auto rates = [out](double tau, const VecX&) -> VecX {
+    return out.rate(tau) * Vec2(1, out.slip.slip(tau));
+  };
+  out.t_and_way = ode_solution(rates, Vec2::Zero(), tau_end, SlipClock::kTick);
+  for (int k = 0; k * SlipClock::kTick <= tau_end; ++k)
+    out.ticks.push_back(out.t_and_way(k * SlipClock::kTick)[0]);
+  return out;
+}
+
+/// Of a body that moves along x: the way, its speed and that of the drilling, R omega.
+MotionSample sliding_and_spinning(double x, double v, double drilling) {
+  return {.q = VecX::Constant(1, x), .v = Vec2(v, drilling)};
+}
+
+/// A disc of 1 kg and radius R: a = 1, b = 2 (R_e / R)^2 (B4). It touches in one point below its centre.
+struct SpinningDisc {
+  double R = 0.1, v = 1, spin = 10, mu = 0.3;
+  double R_e() const { return 2 * R / 3; }  // of uniform pressure
+  EllipsoidSlip slip() const {
+    return {.mu = mu, .R_e = R_e(), .b = 2 * std::pow(R_e() / R, 2), .u = v, .spin = spin};
+  }
+};
+CaseScene disc_scene(const SpinningDisc& disc) {
+  constexpr double kFoot = 5e-3;
+  CaseScene out;
+  out.model.contact_law = {.mu = disc.mu, .contensou_radius = disc.R_e()};
+  const int plate = add(out.model, prepare(dilate(make_plate(20, 20), kDilation)));
+  const int point = add(out.model, prepare(dilate(make_point(), kFoot)));
+  add(out.model, fixed_body("plate", plate));
+  const double J = disc.R * disc.R / 4;
+  out.body = add(out.model, RigidBody{.name = "disc",
+                                      .shape = point,
+                                      .g_bs = translation(0, 0, kFoot),
+                                      .mass = 1,
+                                      .inertia = Vec3(J, J, 2 * J).asDiagonal()});
+  out.state = rest_state(out.model);
+  pose(out.state, out.body).p.z() = kDilation - kTouching;
+  twist(out.state, out.body)[0] = disc.v;
+  twist(out.state, out.body)[5] = disc.spin;
+  return out;
+}
+ExactMotion disc_motion(const SpinningDisc& disc) {
+  const EllipsoidSlip s = disc.slip();
+  const SlipClock clock = clock_of(s, 40);  // exp(-35) of it is left
+  const double way = clock.t_and_way(clock.tau_end())[1];
+  return {.pieces = {{0,
+                      [=](double t) {
+                        const double tau = clock.tau(t);
+                        return sliding_and_spinning(clock.t_and_way(tau)[1], s.slip(tau),
+                                                    disc.R / disc.R_e() * s.drilling(tau));
+                      }},
+                     {clock.t_end(), [=](double) { return sliding_and_spinning(way, 0, 0); }}}};
+}
+Case disc_case(const char* name, const char* what, double v, double spin) {
+  const SpinningDisc disc{.v = v, .spin = spin};
+  const double stop = clock_of(disc.slip(), 40).t_end();
+  return {.name = name,
+          .what = what,
+          .t_end = 1.2 * stop,
+          .h = stop / 40,
+          .scene = [disc] { return disc_scene(disc); },
+          .observe =
+              [disc](const CaseScene& s, const State& state) {
+                return sliding_and_spinning(pose(state, s.body).p.x(), twist(state, s.body)[0],
+                                            disc.R * twist(state, s.body)[5]);
+              },
+          .exact = [disc](double) { return disc_motion(disc); }};
+}
+
+/// B5. A sphere of 1 kg: a = 7/2, b = 5/2 (R_e / R)^2; v falls by 2/7 of what the slip falls. While it spins
+/// fast the slip decays exponentially: it never sticks.
+struct PivotingSphere {
+  double R = 0.05, v = 1, spin = 100, mu = 0.3;
+  double R_e() const { return 3 * kPi / 16 * 2e-3; }  // of a Hertz contact of 2 mm
+  EllipsoidSlip slip() const {
+    return {.mu = mu, .R_e = R_e(), .a = 3.5, .b = 2.5 * std::pow(R_e() / R, 2), .u = v, .spin = spin};
+  }
+};
+CaseScene pivoting_scene(const PivotingSphere& sphere) {
+  CaseScene out =
+      sphere_on_plate({.R = sphere.R, .mu = sphere.mu, .v = {sphere.v, 0, 0}, .omega = {0, 0, sphere.spin}});
+  out.model.contact_law.contensou_radius = sphere.R_e();
+  return out;
+}
+ExactMotion pivoting_motion(const PivotingSphere& sphere, double t_end) {
+  const EllipsoidSlip s = sphere.slip();
+  double tau_end = 1;
+  while (clock_of(s, tau_end).t_end() < t_end) tau_end *= 2;
+  const SlipClock clock = clock_of(s, tau_end);
+  return {.pieces = {{0, [=](double t) {
+                        const double tau = clock.tau(t), rolled = 5.0 / 7 * s.u * t;
+                        return sliding_and_spinning(rolled + 2.0 / 7 * clock.t_and_way(tau)[1],
+                                                    5.0 / 7 * s.u + 2.0 / 7 * s.slip(tau),
+                                                    sphere.R / sphere.R_e() * s.drilling(tau));
+                      }}}};
+}
+Case pivoting_case(const char* name, const char* what) {
+  const PivotingSphere sphere;
+  return {.name = name,
+          .what = what,
+          .t_end = 0.3,
+          .h = 4e-3,
+          .scene = [sphere] { return pivoting_scene(sphere); },
+          .observe =
+              [sphere](const CaseScene& s, const State& state) {
+                const Vec3 omega = pose(state, s.body).R * Vec3(twist(state, s.body).tail<3>());
+                return sliding_and_spinning(pose(state, s.body).p.x(), twist(state, s.body)[0],
+                                            sphere.R * omega.z());
+              },
+          .exact = [sphere](double until) { return pivoting_motion(sphere, until); }};
+}
+
 }  // namespace
 
 std::vector<Case> friction_cases() {
@@ -192,7 +335,10 @@ std::vector<Case> friction_cases() {
           slip_to_roll_case("bowling", "a sphere slips until it rolls (B3)", {5, 0, 0}, {0, 0, 0}),
           slip_to_roll_case("back_spin", "a sphere with back spin (B3)", {5, 0, 0}, {0, -80, 0}),
           slip_to_roll_case("side_spin", "a sphere with side and pivot spin, on a curved path (B3)",
-                            {3, 0, 0}, {40, 0, 10})};
+                            {3, 0, 0}, {40, 0, 10}),
+          disc_case("spinning_disc", "a disc that slides and spins, ellipsoid law (B4)", 1, 10),
+          disc_case("sliding_disc", "the same, sliding more than spinning", 1, 2),
+          pivoting_case("pivoting_sphere", "a sphere that slips, rolls and pivots, ellipsoid law (B5)")};
 }
 
 }  // namespace aussois

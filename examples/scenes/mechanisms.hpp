@@ -9,8 +9,8 @@ namespace aussois {
 
 /// C2. A crank at the world's origin, a rod and a slider in a slot that is 1 mm wider on either side: angles
 /// from x towards z, hinges along y. At t = 0 all are stretched along x.
-inline constexpr double kCrankLength = 0.153, kRodLength = 0.306;   // [m]
-inline constexpr double kSliderLength = 0.1, kSliderHeight = 0.05;  // [m]
+inline constexpr double kCrankLength = 0.153, kConnectingRodLength = 0.306;  // [m]
+inline constexpr double kSliderLength = 0.1, kSliderHeight = 0.05;           // [m]
 CaseScene slider_crank_of_bodies(double mu);  // bodies and joints 0 to 2; the slider is a box between plates
 CaseScene slider_crank_of_angles(double mu);  // three coordinates, four gap functions
 /// Without friction; e = 0.4. The centre of the slider, and half its length times its tilt [m].

@@ -21,32 +21,32 @@ constexpr double kSpeed[] = {150, -75};                         // of crank and 
 constexpr double a = kSliderLength / 2, b = kSliderHeight / 2;  // of the slider [m]
 
 // Lagrange's equations of the two angles that move the slider's centre (MCH-1).
-constexpr double kMixed = (kMass[1] / 2 + kMass[2]) * kCrankLength * kRodLength;
+constexpr double kMixed = (kMass[1] / 2 + kMass[2]) * kCrankLength * kConnectingRodLength;
 Mat2 mass(const Vec2& th) {
   const double mixed = kMixed * std::cos(th[1] - th[0]);
   Mat2 M;
   M << kInertia[0] + (kMass[0] / 4 + kMass[1] + kMass[2]) * kCrankLength * kCrankLength, mixed, mixed,
-      kInertia[1] + (kMass[1] / 4 + kMass[2]) * kRodLength * kRodLength;
+      kInertia[1] + (kMass[1] / 4 + kMass[2]) * kConnectingRodLength * kConnectingRodLength;
   return M;
 }
 const Vec2 kWeight = kGravity * Vec2((kMass[0] / 2 + kMass[1] + kMass[2]) * kCrankLength,
-                                     (kMass[1] / 2 + kMass[2]) * kRodLength);
+                                     (kMass[1] / 2 + kMass[2]) * kConnectingRodLength);
 Vec2 force(const Vec2& th, const Vec2& w) {
   const double s = kMixed * std::sin(th[0] - th[1]);
   return {-s * w[1] * w[1] - kWeight[0] * std::cos(th[0]), s * w[0] * w[0] - kWeight[1] * std::cos(th[1])};
 }
 // Of the slider's centre.
 double height(const Vec2& th) {
-  return kCrankLength * std::sin(th[0]) + kRodLength * std::sin(th[1]);
+  return kCrankLength * std::sin(th[0]) + kConnectingRodLength * std::sin(th[1]);
 }
 Vec2 gradient(const Vec2& th) {
-  return {kCrankLength * std::cos(th[0]), kRodLength * std::cos(th[1])};
+  return {kCrankLength * std::cos(th[0]), kConnectingRodLength * std::cos(th[1])};
 }
 
 MotionSample slider(const Vec3& th, const Vec3& w) {
   const Vec2 dz = gradient(th.head<2>());
   return {.q = Vec3(dz.sum(), height(th.head<2>()), a * th[2]),
-          .v = Vec3(-kCrankLength * std::sin(th[0]) * w[0] - kRodLength * std::sin(th[1]) * w[1],
+          .v = Vec3(-kCrankLength * std::sin(th[0]) * w[0] - kConnectingRodLength * std::sin(th[1]) * w[1],
                     dz.dot(w.head<2>()), a * w[2])};
 }
 
@@ -60,7 +60,7 @@ Rates rates_of(const VecX& y, bool closed) {
   const Vec2 th = y.head<2>(), w = y.tail<2>(), dz = gradient(th);
   const Mat2 inverse = mass(th).inverse();
   const double bend =
-      -kCrankLength * std::sin(th[0]) * w[0] * w[0] - kRodLength * std::sin(th[1]) * w[1] * w[1];
+      -kCrankLength * std::sin(th[0]) * w[0] * w[0] - kConnectingRodLength * std::sin(th[1]) * w[1] * w[1];
   Rates out{.acceleration = inverse * force(th, w)};
   if (closed) out.force = -(dz.dot(out.acceleration) + bend) / dz.dot(inverse * dz);
   out.acceleration += out.force * inverse * dz;
@@ -128,7 +128,7 @@ GapFunction corner(double x, double z, double mu) {
     const double s = std::sin(state.q[2]), c = std::cos(state.q[2]), side = z > 0 ? 1 : -1;
     GapRows out{.gap = b + kClearance - side * (height(th) + s * x + c * z), .J = MatX(2, 3)};
     out.J << -side * gradient(th).transpose(), -side * (c * x - s * z),  //
-        -kCrankLength * std::sin(th[0]), -kRodLength * std::sin(th[1]), -s * x - c * z;
+        -kCrankLength * std::sin(th[0]), -kConnectingRodLength * std::sin(th[1]), -s * x - c * z;
     return out;
   };
   return {.name = "corner", .block = 0, .evaluate = evaluate, .law = {.mu = mu, .restitution = kRestitution}};
@@ -185,17 +185,19 @@ CaseScene slider_crank_of_bodies(double mu) {
                                     .inertia = kInertia[i] * Mat3::Identity()});
   for (const char* name : {"upper wall", "lower wall"}) add(s.model, fixed_body(name, plate));
   s.state = rest_state(s.model);
-  const double x[] = {kCrankLength / 2, kCrankLength + kRodLength / 2, kCrankLength + kRodLength},
-               joint_x[] = {0, kCrankLength, kCrankLength + kRodLength};
+  const double x[] = {kCrankLength / 2, kCrankLength + kConnectingRodLength / 2,
+                      kCrankLength + kConnectingRodLength},
+               joint_x[] = {0, kCrankLength, kCrankLength + kConnectingRodLength};
   for (int i = 0; i < 3; ++i) pose(s.state, i).p.x() = x[i];
   for (const int side : {1, -1})
-    pose(s.state, side > 0 ? 3 : 4).p = Vec3(kRodLength, 0, side * (b + kClearance + kDilation));
+    pose(s.state, side > 0 ? 3 : 4).p = Vec3(kConnectingRodLength, 0, side * (b + kClearance + kDilation));
   for (int i = 0; i < 3; ++i)  // about -y: raises what points along x
     add(s.model, joint_at(JointKind::revolute, "hinge", i, i - 1, s.state.g,
                           translation(joint_x[i], 0, 0) * rotation(Vec3::UnitX(), kPi / 2)));
   twist(s.state, 0) << 0, 0, kSpeed[0] * kCrankLength / 2, 0, -kSpeed[0], 0;
-  twist(s.state, 1) << 0, 0, kSpeed[0] * kCrankLength + kSpeed[1] * kRodLength / 2, 0, -kSpeed[1], 0;
-  twist(s.state, 2) << 0, 0, kSpeed[0] * kCrankLength + kSpeed[1] * kRodLength, 0, 0, 0;
+  twist(s.state, 1) << 0, 0, kSpeed[0] * kCrankLength + kSpeed[1] * kConnectingRodLength / 2, 0, -kSpeed[1],
+      0;
+  twist(s.state, 2) << 0, 0, kSpeed[0] * kCrankLength + kSpeed[1] * kConnectingRodLength, 0, 0, 0;
   return s;
 }
 

@@ -23,6 +23,8 @@ RESULTS = {
     "convergence": {f"{STUDY}.{kind}" for kind in ("json", "csv", "gp", *(["png"] if shutil.which("gnuplot") else []))},
     "sliding_block": {"sliding_block.csv", "sliding_block.gp"},
     "prepare_part": {"part.html", "eroded.obj"},
+    "run_scene": {"replay.html", "run.h5", "steps.csv"},
+    "peer_scene": {"before.dat", "after.dat", "peer_scene.gp", *(["peer_scene.png"] if shutil.which("gnuplot") else [])},
     "drop_part": {"replay.html", "run.h5", "steps.csv"},
     "replay_assembly": {"replay.html", "run.h5", "poses.csv" if "kinematic" in COMMAND else "steps.csv"},
     "query_contacts": set(WRITES),

@@ -47,8 +47,8 @@ class Convergence(DriverTest):
         self.assertAlmostEqual(study["order"]["q_max"], 2, delta=0.05)
 
     def test_a_missed_order_is_an_exit_code(self):
-        # Steps of a tenth of a second are no steps for a ball that comes to rest in 1.35 s.
-        run = self.converge("--case", "ball_e05", "--h0", 0.2, *SMALL, code=NOT_ACCEPTED)
+        # Steps of three tenths of a second are no steps for a ball that comes to rest in 1.35 s.
+        run = self.converge("--case", "ball_e05", "--h0", 0.3, *SMALL, code=NOT_ACCEPTED)
         self.assertIn("0 of 1 as theory promises", run.stdout)
 
     def test_studies_that_are_there_are_not_done_again(self):

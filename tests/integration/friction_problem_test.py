@@ -243,7 +243,7 @@ class SolverProfile(Problems):
 
 class DumpProblem(Problems):
     def replayed(self, folder, tolerance):
-        """Each dumped problem solved from its guess: the objects, and whether r has the same bits."""
+        """Each dumped problem solved from its guess: r has the same bits; v, which the step knows by its own way, to rounding."""
         _, result = self.solve(folder, "--start", "guess", "--tolerance", tolerance, "--save", "again")
         h5py = self.hdf5()
         for name, one in result.items():
@@ -251,13 +251,14 @@ class DumpProblem(Problems):
             with h5py.File(self.folder / folder / f"{name}.hdf5") as was, \
                     h5py.File(self.folder / "again" / f"{name}.hdf5") as is_:
                 self.assertEqual(was["solution/r"][:].tobytes(), is_["solution/r"][:].tobytes(), name)
-                self.assertEqual(was["solution/v"][:].tobytes(), is_["solution/v"][:].tobytes(), name)
+                v = was["solution/v"][:]
+                self.assertLess(abs(v - is_["solution/v"][:]).max(), 1e-14 * (1 + abs(v).max()), name)
         return result
 
     def test_a_fall_replays_with_the_same_bits(self):
         for out in ("a", "b"):
             run = self.drive("drop_part", "--time", 0.25, "--quiet", "-o", out, "--dump-problem", f"{out}/steps",
-                             "--dump-steps", "110-130")
+                             "--dump-steps", "110-200")
             self.assertIn(run.returncode, (0, NOT_ACCEPTED), run.stderr)  # it does not rest yet
         files = self.files()
         names = [name for name in files if name.startswith("a/steps/")]

@@ -68,7 +68,9 @@ TEST_P(EveryCase, HasAllEventsAtTheirTimes) {
     if (c.bounces && jump < 1e-4) continue;
     double off = kInf;
     for (const StepEvent& event : run.events) off = std::min(off, std::abs(event.t - t));
-    EXPECT_LT(off, 1e-9) << "event " << k << " at " << t;
+    // Redundant contacts share friction as the solver likes: the first to reach its cone lets go, a little
+    // early.
+    EXPECT_LT(off, c.bounces ? 1e-9 : 5e-8) << "event " << k << " at " << t;
     ++events;
   }
   EXPECT_EQ(events == 0, run.events.empty());

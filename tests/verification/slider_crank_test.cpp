@@ -15,8 +15,9 @@ namespace {
 /// Centre of the slider and half its length times its tilt, from a row of the reference.
 Vec3 slider_at(const ReferenceRow& row) {
   const double th1 = row.at("th1_rad"), th2 = row.at("th2_rad");
-  return {kCrankLength * std::cos(th1) + kRodLength * std::cos(th2),
-          kCrankLength * std::sin(th1) + kRodLength * std::sin(th2), kSliderLength / 2 * row.at("th3_rad")};
+  return {kCrankLength * std::cos(th1) + kConnectingRodLength * std::cos(th2),
+          kCrankLength * std::sin(th1) + kConnectingRodLength * std::sin(th2),
+          kSliderLength / 2 * row.at("th3_rad")};
 }
 
 // Both corners of the upper side at once: 2.6925028 ms, 0.8416123 m/s (verification by another integrator).

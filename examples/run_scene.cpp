@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: Apache-2.0
+// Any scene of the library by any scheme: a run file, a replay in the browser, energies, coordinates of
+// joints.
+//
+// Theory   doc/index.md: the page of the scheme and of the scene
+// Run      run_scene --scene bricard --time 0.5 --h 2e-3
+//          run_scene --scene rocking_block --scheme generalised_alpha --time 0.3
+// Expect   no refused step, no failure of the solver; the exit code says whether
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <sstream>
+
+#include "examples/common/audit_report.hpp"
+#include "examples/common/progress.hpp"
+#include "examples/common/scheme_flags.hpp"
+#include "examples/common/step_dump.hpp"
+#include "examples/scenes/library.hpp"
+#include "integrators/start.hpp"
+#include "io/build_info.hpp"
+#include "io/checkpoint.hpp"
+#include "io/csv_table.hpp"
+#include "io/record.hpp"
+#include "io/replay_html.hpp"
+
+using namespace aussois;
+
+namespace {
+
+struct Arguments {
+  std::string scene{};
+  bool list = false;
+  double time = 0, h = 0, tolerance = 1e-8;
+  int certify = 0;
+  SchemeFlags scheme{};
+  CommonOptions common{};
+  std::string command_line{};
+};
+
+/// What the summary tells and a checkpoint keeps.
+struct Statistics {
+  std::int64_t steps = 0, solver_failures = 0, max_contacts = 0;
+  double min_gap = kInf, max_displacement = 0, joint_drift = 0, energy_residual = 0, cpu_s = 0;
+  PathAudit audit{};
+};
+
+ExitCode list() {
+  for (const LibraryScene& s : library_scenes())
+    std::printf("%-22s %s; %.3g s, h = %.3g s\n", s.name.c_str(), s.what.c_str(), s.t_end, s.h);
+  return ExitCode::ok;
+}
+
+// ---- the table of steps: energies, then all coordinates by name
+
+std::vector<std::string> columns_of(const Model& model) {
+  std::vector<std::string> out{"step",        "t",           "h",    "contacts", "min_gap",
+                               "kinetic",     "gravity",     "laws", "residual", "energy_residual",
+                               "joint_drift", "displacement"};
+  for (const Coordinates& block : model.coordinates)
+    for (int i = 0; i < block.size; ++i) out.push_back("q:" + block.name + ":" + std::to_string(i));
+  for (const Joint& joint : model.joints)
+    for (int axis = 0; axis < axis_count(joint.kind); ++axis)
+      out.push_back("joint:" + joint.name + ":" + std::to_string(axis));
+  return out;
+}
+
+double displacement_of(const State& start, const State& state) {
+  double out = 0;
+  for (std::size_t b = 0; b < state.g.size(); ++b) out = std::max(out, (state.g[b].p - start.g[b].p).norm());
+  return out;
+}
+
+std::vector<double> row_of(const Model& model, const State& state, const StepReport& report,
+                           std::int64_t step, double displacement) {
+  const Energy now = energy(model, state);
+  std::vector<double> out{double(step),
+                          report.t,
+                          report.h,
+                          double(report.contacts_kept),
+                          report.min_gap,
+                          now.kinetic,
+                          now.gravity,
+                          now.laws,
+                          report.solve.residual,
+                          report.energy.residual(),
+                          report.joint_error.translation,
+                          displacement};
+  for (const double q : state.q) out.push_back(q);
+  for (int j = 0; j < int(model.joints.size()); ++j)
+    for (int axis = 0; axis < axis_count(model.joints[std::size_t(j)].kind); ++axis)
+      out.push_back(joint_coordinate(model, state, j, axis));
+  return out;
+}
+
+// ---- checkpoints
+
+std::uint64_t fingerprint(const Arguments& a, const SchemeOptions& o) {
+  std::ostringstream text;
+  text << std::hexfloat << a.scene << ' ' << label(a.scheme.scheme, o) << ' ' << o.h << ' ' << o.theta << ' '
+       << o.normal.gamma << ' ' << o.newton.max_iterations << ' ' << o.spectral_radius << ' ' << a.tolerance
+       << ' ' << a.common.every << ' ' << a.certify;
+  return fingerprint_of(text.str());
+}
+
+Checkpoint checkpoint_of(std::uint64_t print, const State& state, const Statistics& s, std::size_t csv_rows,
+                         std::size_t run_rows) {
+  return {.fingerprint = print,
+          .step = s.steps,
+          .state = state,
+          .numbers = {{"min_gap", s.min_gap},
+                      {"max_displacement", s.max_displacement},
+                      {"joint_drift", s.joint_drift},
+                      {"energy_residual", s.energy_residual},
+                      {"cpu_s", s.cpu_s},
+                      {"certify_distance", s.audit.min_distance},
+                      {"certify_slack", s.audit.min_slack}},
+          .counts = {{"solver_failures", s.solver_failures},
+                     {"max_contacts", s.max_contacts},
+                     {"certify_steps", s.audit.steps},
+                     {"certify_violations", s.audit.violations},
+                     {"csv_rows", std::int64_t(csv_rows)},
+                     {"run_rows", std::int64_t(run_rows)}}};
+}
+
+Statistics statistics_of(const Checkpoint& c) {
+  return {.steps = c.step,
+          .solver_failures = c.counts.at("solver_failures"),
+          .max_contacts = c.counts.at("max_contacts"),
+          .min_gap = c.numbers.at("min_gap"),
+          .max_displacement = c.numbers.at("max_displacement"),
+          .joint_drift = c.numbers.at("joint_drift"),
+          .energy_residual = c.numbers.at("energy_residual"),
+          .cpu_s = c.numbers.at("cpu_s"),
+          .audit = {.min_distance = c.numbers.at("certify_distance"),
+                    .min_slack = c.numbers.at("certify_slack"),
+                    .steps = c.counts.at("certify_steps"),
+                    .violations = c.counts.at("certify_violations")}};
+}
+
+void account(Statistics& s, const StepReport& report, double displacement) {
+  ++s.steps;
+  s.solver_failures += report.solve.status != SolveStatus::converged;
+  s.max_contacts = std::max(s.max_contacts, std::int64_t(report.contacts_found));
+  s.min_gap = std::min(s.min_gap, report.min_gap);
+  s.max_displacement = std::max(s.max_displacement, displacement);
+  s.joint_drift = std::max(s.joint_drift, report.joint_error.translation);
+  s.energy_residual = std::max(s.energy_residual, std::abs(report.energy.residual()));
+  s.cpu_s += report.seconds_total;
+}
+
+Summary summary_of(const Arguments& a, const SchemeOptions& options, const Statistics& s,
+                   const Energy& before, const Energy& after, const StepReport& last) {
+  Summary out;
+  out.set("scene", a.scene);
+  out.set("scheme", label(a.scheme.scheme, options));
+  out.set("h", options.h);
+  out.set("t", last.t);
+  out.set("steps", s.steps);
+  out.set("refused_steps", std::int64_t(last.status == StepStatus::refused));
+  out.set("solver_failures", s.solver_failures);
+  out.set("max_contacts", s.max_contacts);
+  out.set("min_gap", s.min_gap);
+  out.set("max_displacement", s.max_displacement);
+  out.set("joint_drift", s.joint_drift);
+  out.set("energy_at_start", before.total());
+  out.set("energy_at_end", after.total());
+  out.set("energy_residual", s.energy_residual);
+  out.set("cpu_s", s.cpu_s);
+  set_audit(out, s.audit);
+  return out;
+}
+
+ExitCode run(Arguments& a) {
+  if (a.list) return list();
+  const LibraryScene& chosen = library_scene(a.scene);
+  const CaseScene scene = chosen.make();
+  validate_start(scene.model, scene.state);
+  SchemeOptions options = scheme_options(a.scheme);
+  options.h = a.h > 0 ? a.h : chosen.h;
+  options.solver.tolerance = a.tolerance;
+  options.threads = options.lmd.threads = a.common.threads;
+  const Scheme scheme = make_scheme(a.scheme.scheme, scene.model, options);
+  const double t_end = a.time > 0 ? a.time : chosen.t_end;
+  make_folders(a.common);
+
+  const std::uint64_t print = fingerprint(a, options);
+  const std::filesystem::path checkpoint_file = a.common.out / "checkpoint.h5";
+  const std::vector<std::string> columns = columns_of(scene.model);
+  State state = scene.state;
+  Statistics s;
+  std::size_t csv_rows = 0, run_rows = 0;
+  if (a.common.resume) {
+    const Checkpoint c = read_checkpoint(checkpoint_file, print);
+    validate(scene.model, c.state);
+    state = c.state;
+    s = statistics_of(c);
+    csv_rows = std::size_t(c.counts.at("csv_rows"));
+    run_rows = std::size_t(c.counts.at("run_rows"));
+  }
+  s.audit.samples = a.certify;
+  RunHeader header = run_header(scene.model);
+  header.title = "run_scene " + a.scene;
+  header.command_line = a.command_line;
+  header.build = build_info();
+  header.notes["scheme"] = label(a.scheme.scheme, options);
+  RunWriter file = a.common.resume ? RunWriter::resume(a.common.out / "run.h5", run_rows)
+                                   : RunWriter(a.common.out / "run.h5", header);
+  CsvTable csv = a.common.resume ? CsvTable::resume(a.common.out / "steps.csv", columns, csv_rows)
+                                 : CsvTable(a.common.out / "steps.csv", columns);
+  if (!a.common.resume) file.append(run_step(0, scene.model, state));
+
+  Progress progress("run_scene", t_end, Progress::style_of_stderr(a.common.quiet));
+  std::time_t last_checkpoint = std::time(nullptr);
+  StepReport report;
+  while (state.t < t_end * (1 - 1e-12)) {
+    const State start = state;
+    report = scheme.step(state, t_end - state.t);
+    if (report.status != StepStatus::ok) break;
+    const double displacement = displacement_of(scene.state, state);
+    account(s, report, displacement);
+    audit_path(scene.model, start, report, a.common.threads, s.audit);
+    if (s.steps % a.common.every == 0) {
+      file.append(run_step(s.steps, scene.model, state, report));
+      csv.add(row_of(scene.model, state, report, s.steps, displacement));
+    }
+    progress.at(state.t);
+    const bool stop = interrupted();
+    if (stop || double(std::time(nullptr) - last_checkpoint) >= a.common.checkpoint_every) {
+      file.flush();
+      csv.flush();
+      write_checkpoint(checkpoint_file, checkpoint_of(print, state, s, csv.rows(), file.rows()));
+      last_checkpoint = std::time(nullptr);
+    }
+    if (stop) {
+      std::fprintf(stderr, "stopped after step %lld; continue with --resume\n",
+                   static_cast<long long>(s.steps));
+      return ExitCode::interrupted;
+    }
+  }
+  csv.close();
+  file.close();
+  std::filesystem::remove(checkpoint_file);
+  write_replay_html(a.common.out / "replay.html", read_run(a.common.out / "run.h5"));
+  if (report.status == StepStatus::not_finite)
+    throw NumericalFailure("step " + std::to_string(s.steps + 1) + ": " + report.reason);
+
+  const Energy before = energy(scene.model, scene.state), after = energy(scene.model, state);
+  if (!a.common.summary.empty())
+    write_summary(a.common.summary, summary_of(a, options, s, before, after, report));
+  std::printf(
+      "%s, %s: %lld steps to t = %.6g s, up to %lld contacts, smallest gap %.4g um, farthest from the start "
+      "%.6g m, joints off by %.2g m, energy %.6g to %.6g J (balance to %.2g J a step), %.3g us a step\n",
+      a.scene.c_str(), label(a.scheme.scheme, options).c_str(), static_cast<long long>(s.steps), state.t,
+      static_cast<long long>(s.max_contacts), 1e6 * s.min_gap, s.max_displacement, s.joint_drift,
+      before.total(), after.total(), s.energy_residual,
+      1e6 * s.cpu_s / double(std::max<std::int64_t>(1, s.steps)));
+  if (report.status == StepStatus::refused)
+    std::fprintf(stderr, "refused at t = %.6g s: %s\n", state.t, report.reason.c_str());
+  if (s.solver_failures > 0)
+    std::fprintf(stderr, "%lld steps were not solved to the tolerance\n",
+                 static_cast<long long>(s.solver_failures));
+  const bool accepted = tell(s.audit) && report.status == StepStatus::ok && s.solver_failures == 0;
+  return accepted ? ExitCode::ok : ExitCode::not_accepted;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments a;
+  a.command_line = command_line(argc, argv);
+  a.scheme.normal = to_string(NormalLaw::combined);
+  Cli cli("run_scene", "Runs a scene of the library by any scheme and records it.");
+  cli.group("scene");
+  cli.option("--scene", a.scene, "by its name");
+  cli.flag("--list", a.list, "names the scenes, and ends");
+  cli.group("stepping");
+  cli.option("--time", a.time, "to simulate; 0: that of the scene", "s", {0, 1e5});
+  cli.option("--h", a.h, "largest step; 0: that of the scene", "s", {0, 1});
+  add_options(cli, a.scheme);
+  cli.option("--certify", a.certify,
+             "look at the path of every step at so many places: a second opinion on the certificate; 0: none",
+             "", {0, 1000000});
+  cli.group("solver");
+  cli.option("--tolerance", a.tolerance, "on the scaled residual", "-", {1e-15, 0.1});
+  cli.common(a.common, Cli::Restart::yes);
+  cli.example("run_scene --scene woodpecker -o out",
+              "angles in out/steps.csv, the replay in out/replay.html");
+  cli.example("run_scene --scene arch --scheme moreau_jean_projected --time 1", "another scheme");
+  return run_driver(cli, argc, argv, [&] { return run(a); });
+}

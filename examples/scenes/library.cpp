@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "examples/scenes/library.hpp"
+
+#include <algorithm>
+
+#include "examples/scenes/mechanisms.hpp"
+#include "examples/scenes/peer_scenes.hpp"
+#include "examples/scenes/toys.hpp"
+#include "geometry/check.hpp"
+
+namespace aussois {
+namespace {
+
+constexpr double kDegree = kPi / 180;
+
+LibraryScene of_peers(const std::string& name) {
+  const PeerScene scene = peer_scene(name);
+  return {.name = name,
+          .what = scene.what,
+          .t_end = scene.t_end,
+          .h = scene.measure == PeerMeasure::displacement ? 1e-2 : 1e-3,
+          .make = [name] {
+            KernelScene k = kernel_scene(peer_scene(name));
+            return CaseScene{.model = std::move(k.model), .state = std::move(k.state), .body = 1};
+          }};
+}
+
+std::vector<LibraryScene> mechanisms() {
+  return {
+      {"slider_crank_friction", "the slider-crank of bodies with friction 0.01 between slider and slot (C2)",
+       0.02, 1e-5, [] { return slider_crank_of_bodies(0.01); }},
+      {"woodpecker", "a bird pecks its way down a pole (C3)", 0.6, 1e-5, woodpecker},
+      {"four_bars", "81 rods in 40 redundant loops turn over (C7)", 20, 1e-3, [] { return four_bars(40); }},
+      {"bricard", "six hinges in a ring, one too many (C8)", 10, 1e-3, bricard},
+      {"squeezer", "Andrews' squeezing mechanism: seven bodies, three loops (C9)", 0.03, 1e-5, squeezer},
+      {"bead_column", "100 spheres on top of each other (A4)", 1, 1e-2, [] { return bead_column(100); }},
+  };
+}
+
+std::vector<LibraryScene> toys() {
+  return {
+      {"bullet", "800 m/s onto a sheet of paper, plastic (A5)", 5e-3, 1e-3,
+       [] { return bullet_and_paper(0, 0.3); }},
+      {"bullet_on_edge", "the same onto the edge of the sheet, elastic (A5)", 5e-3, 1e-3,
+       [] { return bullet_on_edge(1, 0.3, 0); }},
+      {"needle", "a needle whose tips move at 500 m/s beside a sheet (A5)", 1e-3, 1e-4,
+       [] { return needle_and_sheet(0, 0); }},
+      {"tippe_top_coulomb", "a tippe-top under Coulomb's friction: it never inverts (B6)", 2, 1e-4,
+       [] { return tippe_top(0); }},
+      {"tippe_top", "the same with friction against pivoting, R_e = 1/3 mm: it inverts (B6)", 2, 1e-4,
+       [] { return tippe_top(5e-4); }},
+      {"rattleback", "spun the wrong way it turns back (B7)", 5, 1e-3, [] { return rattleback(-5); }},
+      {"dimer_drop", "two balls on a rod dropped on a plate (C4)", 0.4, 1e-4, dimer_drop},
+      {"dimer_and_rod", "a rod pushed between two balls (C5)", 0.05, 1e-3,
+       [] { return dimer_and_rod(0.015, 1e-3, 0.1); }},
+  };
+}
+
+std::vector<LibraryScene> all() {
+  std::vector<LibraryScene> out;
+  for (const Case& c : cases()) out.push_back({c.name, c.what, c.t_end, c.h, c.scene});
+  for (const std::string& name : peer_scene_names()) out.push_back(of_peers(name));
+  for (const std::vector<LibraryScene>& more : {mechanisms(), toys()})
+    out.insert(out.end(), more.begin(), more.end());
+  std::ranges::sort(out, {}, &LibraryScene::name);
+  return out;
+}
+
+}  // namespace
+
+const std::vector<LibraryScene>& library_scenes() {
+  static const std::vector<LibraryScene> scenes = all();
+  return scenes;
+}
+
+const LibraryScene& library_scene(const std::string& name) {
+  std::string known;
+  for (const LibraryScene& s : library_scenes()) {
+    if (s.name == name) return s;
+    known += (known.empty() ? "" : ", ") + s.name;
+  }
+  throw std::invalid_argument("--scene = " + name + " must be one of " + known);
+}
+
+}  // namespace aussois
