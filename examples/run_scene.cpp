@@ -31,7 +31,7 @@ struct Arguments {
   std::string scene{};
   bool list = false;
   double time = 0, h = 0, tolerance = 1e-8;
-  int certify = 0;
+  int certify = 0, stop_after = 0;
   SchemeFlags scheme{};
   CommonOptions common{};
   std::string command_line{};
@@ -224,7 +224,7 @@ ExitCode run(Arguments& a) {
       csv.add(row_of(scene.model, state, report, s.steps, displacement));
     }
     progress.at(state.t);
-    const bool stop = interrupted();
+    const bool stop = interrupted() || (a.stop_after > 0 && s.steps >= a.stop_after);
     if (stop || double(std::time(nullptr) - last_checkpoint) >= a.common.checkpoint_every) {
       file.flush();
       csv.flush();
@@ -280,6 +280,8 @@ int main(int argc, char** argv) {
   cli.option("--certify", a.certify,
              "look at the path of every step at so many places: a second opinion on the certificate; 0: none",
              "", {0, 1000000});
+  cli.option("--stop-after", a.stop_after, "stop with a checkpoint after this many steps; 0: never", "",
+             {0, 1e9});
   cli.group("solver");
   cli.option("--tolerance", a.tolerance, "on the scaled residual", "-", {1e-15, 0.1});
   cli.common(a.common, Cli::Restart::yes);

@@ -14,6 +14,7 @@ namespace {
 
 // Of the kinetic energy: above what the solver's tolerance of 1e-8 gives to a body at rest
 constexpr double kGain = 1e-5;
+constexpr double kClosed = 1e-5;   // of the dilations: pairs that near touch already
 constexpr double kReentry = 0.01;  // of the dilations per step; taste, below what the certificate allows
 
 bool all_finite(const std::vector<SE3>& poses) {
@@ -36,6 +37,11 @@ void leave_apart(const State& state, const Estimate& estimate, const Advancement
   std::set<std::pair<int, int>> asked(estimate.meeting.begin(), estimate.meeting.end());
   for (const RememberedContact& c : state.memory.contacts)
     if (!c.impulse.isZero(0)) asked.insert({c.key.value[0], c.key.value[3]});
+  auto now = found.pairs.begin();
+  for (const ContactPoint& c : found.contacts.points) {  // both are sorted by bodies
+    while (now->a != c.a.body || now->b != c.b.body) ++now;
+    if (c.gap <= kClosed * now->dilation) asked.insert({now->a, now->b});
+  }
   const auto is_apart = [&](const StepPair& pair) {
     const double linear = 2 * o.max_overlap * pair.dilation * pair.dilation;
     return pair.threshold * pair.threshold > linear && !asked.contains({pair.a, pair.b});

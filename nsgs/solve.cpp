@@ -14,7 +14,8 @@ namespace aussois {
 
 namespace {
 
-constexpr double kNoise = 1e-6;  // an island with less of the whole |q| is solved to that much of it only
+constexpr double kNoise = 1e-6;      // an island with less of the whole |q| is solved to that much of it only
+constexpr double kRounding = 1e-15;  // of what cancels in q: as good as zero
 
 struct Solved {
   VecX r{}, u{};
@@ -76,9 +77,24 @@ Solved solve_rows(Delassus& W, const VecX& r0, const SolverOptions& options) {
   return out;
 }
 
-// The tolerance of a part, relative to its own q, where the whole asks for no more (kNoise).
-SolverOptions with_tolerance_of(SolverOptions options, double q, double whole) {
-  if (q > 0) options.tolerance = std::min(options.tolerance * std::max(1.0, kNoise * whole / q), 1.0);
+// The size, scaled as q is, that the rounding of q is relative to: bodies that fall together leave nothing
+// but rounding in q. 0: not known.
+double cancelled(const Part<LocalProblem>&) {
+  return 0;
+}
+double cancelled(const Part<FrictionProblem>& part) {
+  if (!part.W || part.v_free.size() == 0) return 0;
+  const FrictionProblem& p = part.problem;
+  const VecX terms = SparseMatrix(p.H.cwiseAbs()).transpose() * part.v_free.cwiseAbs() + p.w.cwiseAbs();
+  return part.W->scaled.s.cwiseProduct(terms).norm();
+}
+
+// The tolerance of a part, relative to its own q, where neither the whole (kNoise) nor rounding asks for
+// more.
+SolverOptions with_tolerance_of(SolverOptions options, double q, double whole, double rounding = 0) {
+  if (q > 0)
+    options.tolerance =
+        std::min(std::max(options.tolerance * std::max(1.0, kNoise * whole / q), rounding / q), 1.0);
   return options;
 }
 
@@ -136,14 +152,18 @@ void solve_islands(const Problem& problem, std::vector<Island> all, const KnownM
     for_all(options, int(parts.size()), [&](int i) { f(parts[std::size_t(i)]); });
   };
   each([](Part<Problem>& now) { open(now); });
-  double whole = size_done;
+  double whole = size_done, rounding = 0;
   for (const Part<Problem>& now : parts)
-    if (const double q = size(now); std::isfinite(q)) whole = std::hypot(whole, q);
+    if (const double q = size(now); std::isfinite(q)) {
+      whole = std::hypot(whole, q);
+      rounding = std::hypot(rounding, kRounding * cancelled(now));
+    }
+  const double reported = std::max(whole, rounding / options.tolerance);
   each([&](Part<Problem>& now) {
     const double q = size(now);
     now.solved.r.setZero(Eigen::Index(now.island.rows.size()));
     if (now.W && std::isfinite(q))
-      now.solved = solve_rows(*now.W, now.r0, with_tolerance_of(options, q, whole));
+      now.solved = solve_rows(*now.W, now.r0, with_tolerance_of(options, q, whole, rounding));
   });
   std::size_t largest = 0;
   for (Part<Problem>& now : parts) {
@@ -153,7 +173,7 @@ void solve_islands(const Problem& problem, std::vector<Island> all, const KnownM
       continue;
     }
     if (now.W) {
-      add(out.report, now.solved.report, whole > 0 ? q / whole : 1);
+      add(out.report, now.solved.report, reported > 0 ? q / reported : 1);
       if (now.island.blocks.size() > largest) {
         largest = now.island.blocks.size();
         out.report.found_by = now.solved.report.found_by;

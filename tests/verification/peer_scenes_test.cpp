@@ -133,5 +133,24 @@ TEST(PeerScenes, AnArchStandsAndFallsWhereLimitAnalysisSays) {
         << "friction " << arch.mu << " thickness " << arch.thickness << " tilt " << arch.tilt;
 }
 
+// Bodies that fall together leave nothing but rounding between them: next to nothing to solve.
+TEST(PeerScenes, AHouseOfCardsFallsAsOne) {
+  const PeerScene scene = peer_scene("kapla");
+  KernelScene k = kernel_scene(scene);
+  const State start = k.state;
+  for (std::size_t b = 1; b < k.state.g.size(); ++b) k.state.g[b].p.z() += 0.5;
+  const MoreauJean scheme(k.model, kernel_options(scene, 1e-2));
+  for (int i = 0; i < 3; ++i) {
+    const StepReport report = scheme.step(k.state);
+    ASSERT_TRUE(report.ok()) << report.reason;
+    EXPECT_GT(report.contacts_found, 500);
+    EXPECT_LE(report.solve.iterations + report.solve.newton_iterations, 20);
+    EXPECT_LE(report.solve.residual, 1e-8);
+  }
+  const double fallen = k.state.g[1].p.z() - start.g[1].p.z() - 0.5;
+  for (std::size_t b = 2; b < k.state.g.size(); ++b)
+    EXPECT_NEAR(k.state.g[b].p.z() - start.g[b].p.z() - 0.5, fallen, 1e-14);
+}
+
 }  // namespace
 }  // namespace aussois

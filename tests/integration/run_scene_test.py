@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Scenes of the library as a user runs them: files, summaries, restarts, refusals."""
+
+import json
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+from drivers import DriverTest
+
+NOT_ACCEPTED, USAGE, INTERRUPTED = 1, 2, 130
+
+
+class RunScene(DriverTest):
+    def run_scene(self, *arguments, code=0):
+        run = self.drive("run_scene", *arguments)
+        self.assertEqual(run.returncode, code, run.stderr + run.stdout)
+        return run
+
+    def test_list_names_scenes_of_every_kind(self):
+        lines = self.run_scene("--list").stdout.splitlines()
+        names = [line.split()[0] for line in lines]
+        self.assertEqual(names, sorted(set(names)))
+        for name in ("ball_e05", "arch", "bricard", "tippe_top"):
+            self.assertIn(name, names)
+        self.assertEqual(self.files(), {})
+
+    def test_every_scene_takes_its_first_steps(self):
+        for line in self.run_scene("--list").stdout.splitlines():
+            name, h = line.split()[0], line.rsplit("h = ", 1)[1].split()[0]
+            run = self.drive("run_scene", "--scene", name, "--time", 2 * float(h), "--quiet", "-o", name)
+            self.assertEqual(run.returncode, 0, f"{name}: {run.stderr}{run.stdout}")
+
+    def test_a_restart_changes_no_bit(self):
+        scene = ("--scene", "bricard", "--h", "2e-3", "--time", "0.1", "--quiet")
+        self.run_scene(*scene, "-o", "whole")
+        self.run_scene(*scene, "-o", "parts", "--stop-after", 20, code=INTERRUPTED)
+        self.assertIn("parts/checkpoint.h5", self.files())
+        self.run_scene(*scene, "-o", "parts", "--resume")
+        files = self.files()
+        self.assertEqual(files["whole/steps.csv"], files["parts/steps.csv"])
+        self.assertNotIn("parts/checkpoint.h5", files)
+
+    def test_summary_tells_what_the_certificate_is_worth(self):
+        self.run_scene("--scene", "tower", "--time", "0.1", "--certify", 10, "--quiet", "--summary", "s.json")
+        summary = json.loads((self.folder / "s.json").read_text())
+        self.assertEqual((summary["refused_steps"], summary["solver_failures"]), (0, 0))
+        self.assertEqual((summary["certify_steps"], summary["certify_violations"]), (summary["steps"], 0))
+        self.assertGreater(summary["certify_min_distance"], 0)
+        self.assertLess(summary["max_displacement"], 1e-8)
+
+    def test_bad_input_is_refused_without_a_trace(self):
+        for words, arguments in ((["--scene", "perpetuum", "arch"], ["--scene", "perpetuum"]),
+                                 (["--scene"], []),
+                                 (["--h", "-1"], ["--scene", "arch", "--h", "-1"]),
+                                 (["euler"], ["--scene", "arch", "--scheme", "euler"])):
+            run = self.run_scene(*arguments, code=USAGE)
+            self.assertRegex(run.stderr, r"\Arun_scene: [^\n]*\n\Z")
+            for word in words:
+                self.assertIn(word, run.stderr)
+            self.assertEqual(self.files(), {})
+
+
+if __name__ == "__main__":
+    unittest.main()
