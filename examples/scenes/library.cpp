@@ -11,8 +11,6 @@
 namespace aussois {
 namespace {
 
-constexpr double kDegree = kPi / 180;
-
 LibraryScene of_peers(const std::string& name) {
   const PeerScene scene = peer_scene(name);
   return {.name = name,

@@ -18,7 +18,7 @@ TEST(FourBars, OfFortyWindowsTurnForTwentySeconds) {
   EXPECT_LT(run.drift, 1e-11);
 }
 
-// C10. A hundred turns at the tightest tolerances; what is left is 6e-10 and not the 1e-10 that a scheme with
+// C10. A hundred turns at the tightest tolerances; what is lost is 1e-9 and not the 1e-10 that a scheme with
 // joints on mean arms would reach (MCH-11).
 TEST(SpinningChain, KeepsItsEnergyForAHundredTurns) {
   const CaseScene s = spinning_chain(6, 3, JointKind::spherical);
