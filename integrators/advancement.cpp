@@ -230,10 +230,11 @@ StepCertificate certify_pairs(const StepMotion& step, std::span<const StepPair> 
   StepCertificate out;
   for (const StepPair& pair : pairs) {
     const double required = required_distance(pair, o);
-    CertificateOptions options{
-        .required = required, .wanted = std::max(pair.dilation, required), .threads = threads};
-    options.axis = likely_axis(step, pair, contacts);
-    const StepCertificate of_pair = certify_pair(step, pair, bounds, options);
+    const StepCertificate of_pair = certify_pair(step, pair, bounds,
+                                                 {.required = required,
+                                                  .wanted = std::max(pair.dilation, required),
+                                                  .threads = threads,
+                                                  .axis = likely_axis(step, pair, contacts)});
     out.rounds += of_pair.rounds;
     out.min_distance = std::min(out.min_distance, of_pair.min_distance);
     out.failure = of_pair.failure;

@@ -32,7 +32,8 @@ std::vector<double> allowed_speeds(const Found& found) {
   return allowed;
 }
 
-// Pairs that are fast, did not push in the last step and are not known to meet are left out (CA-16).
+// Pairs that are fast, neither pushed in the last step nor touch already, and are not known to meet are left
+// out (CA-16).
 void leave_apart(const State& state, const Estimate& estimate, const AdvancementOptions& o, Found& found) {
   std::set<std::pair<int, int>> asked(estimate.meeting.begin(), estimate.meeting.end());
   for (const RememberedContact& c : state.memory.contacts)
@@ -49,9 +50,9 @@ void leave_apart(const State& state, const Estimate& estimate, const Advancement
   std::ranges::copy_if(found.pairs, std::back_inserter(found.apart), is_apart);
   if (found.apart.empty()) return;
   std::erase_if(found.pairs, is_apart);
+  const auto bodies = [](const StepPair& pair) { return std::pair(pair.a, pair.b); };
   std::erase_if(found.contacts.points, [&](const ContactPoint& c) {
-    return std::ranges::any_of(
-        found.apart, [&](const StepPair& pair) { return pair.a == c.a.body && pair.b == c.b.body; });
+    return std::ranges::binary_search(found.apart, std::pair(c.a.body, c.b.body), {}, bodies);
   });
 }
 

@@ -40,7 +40,7 @@ struct FreeMotion {
   VecX f{};                              // momentum: M^ v_free = f [N s, N m s]
   VecX v{};                              // velocity at the start of the step
   VecX v_free{};                         // velocity at its end without contact; not a number if M is singular
-  std::optional<MassInverse> inverse{};  // M^-1, if it was asked for
+  std::optional<MassInverse> inverse{};  // M^-1; nothing if M is singular, or not summed up here
   SparseMatrix mass{};
   VecX gravity{};               // impulse over the step [N s]
   VecX gyroscopic{};            // h (-omega x J omega) at the start

@@ -91,7 +91,7 @@ struct EnergyLedger {
 /// start (MJ-13): what acts between two of them cancels, its moments as far as it was posed with those arms.
 /// Not told by event_driven, whose arms move meanwhile.
 struct MomentumLedger {
-  Momentum change{};    // with the impulses of a step that begins with an impact counted in `contacts`
+  Momentum change{};    // an impact at the start of the step included, here and in its parts
   Momentum forces{};    // gravity, force laws, gyroscopic torque
   Momentum contacts{};  // and gap functions
   Momentum joints{};    // couplings, stops, dry friction, motors; projection of velocities

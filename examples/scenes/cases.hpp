@@ -23,7 +23,7 @@ struct Case {
   double h = 1e-2;        // largest step of a study [s]
   bool smooth = false;    // no impact, no change between stick and slip
   bool bounces = false;   // needs a scheme with restitution
-  bool lands = false;     // comes to rest by an impact
+  bool lands = false;     // comes to rest by one impact (CONV-9)
   bool hops_out = false;  // comes to rest by infinitely many, in finite time
   bool at_once = false;   // several contacts close together: struck one after the other, another motion
   std::function<CaseScene()> scene{};
