@@ -728,6 +728,9 @@ void validate(const EventDrivenOptions& o) {
   require_field(o.stiff_slip >= 0, "EventDrivenOptions::stiff_slip", o.stiff_slip, "not be negative [m/s]");
   require_field(o.max_events >= 1, "EventDrivenOptions::max_events", o.max_events, "be at least 1");
   validate(o.step);
+  require(
+      o.step.reduction.friction == FrictionAt::contacts,
+      "ReductionOptions::friction must be contacts with event_driven, whose contacts stand for themselves");
 }
 
 EventDriven::EventDriven(const Model& model, const EventDrivenOptions& options)

@@ -84,27 +84,36 @@ std::vector<int> fresh_choice(const ReductionInput& input, std::span<const int> 
   }
 }
 
-// How many corners a reducer with a choice may keep; 0: it has no choice, or its own memory.
-int most_corners(const ReductionOptions& o) {
+// How many corners a reducer with a choice may keep; 0: it has no choice, or a memory of its own.
+std::size_t most_corners(const ReductionOptions& o) {
   switch (o.reducer) {
     case Reducer::extreme_points:
       return o.paper_exact ? 0 : 4;
     case Reducer::hull_area_loss:
-      return o.corners;
+      return std::size_t(o.corners);
     case Reducer::hull_margin:
-      return o.hull_margin.max_corners;
+      return std::size_t(o.hull_margin.max_corners);
     case Reducer::direction_set:
-      return o.directions;
+      return std::size_t(o.directions);
     default:
       return 0;
   }
 }
 
-// Whether the corners of the last step stay (RED-14): about as few, not worse by more than the hysteresis,
-// and no promise broken.
+// The corners among what was kept in the last step; a new choice among them if the solver had to add many.
+std::vector<int> old_choice(const ReductionInput& input, std::span<const int> members,
+                            const PlanarPatch& patch, const ReductionOptions& o) {
+  const std::vector<int> old = hull_of(patch, marked(members, input.kept_before));
+  if (old.size() <= most_corners(o) + 1) return old;  // the deepest may be one more
+  std::vector<Vec2> x;
+  for (const int k : old) x.push_back(patch.x[std::size_t(k)]);
+  return at(old, fresh_choice(input, at(members, old), planar_patch(std::move(x)), o));
+}
+
+// Whether it stays (RED-14): about as few, not worse by more than the hysteresis, and no promise broken.
 bool stays(const PlanarPatch& patch, const std::vector<int>& old, const std::vector<int>& fresh,
            const ReductionOptions& o) {
-  if (old.empty() || int(old.size()) > std::min(most_corners(o), int(fresh.size()) + 1)) return false;
+  if (old.empty() || old.size() > fresh.size() + 1) return false;
   const LossReport was = loss_of(patch, old), now = loss_of(patch, fresh);
   if (o.reducer == Reducer::hull_area_loss) return was.area * (1 + o.hysteresis) >= now.area;
   const double promised = o.reducer == Reducer::hull_margin ? o.hull_margin.margin : -kInf;
@@ -118,7 +127,7 @@ std::vector<int> chosen_of(const ReductionInput& input, std::span<const int> mem
   const PlanarPatch patch = planar_patch(input.contacts, members);
   const std::vector<int> fresh = fresh_choice(input, members, patch, options);
   if (options.hysteresis > 0 && most_corners(options) > 0 && !input.kept_before.empty()) {
-    const std::vector<int> old = hull_of(patch, marked(members, input.kept_before));
+    const std::vector<int> old = old_choice(input, members, patch, options);
     if (stays(patch, old, fresh, options)) return at(members, old);
   }
   return at(members, fresh);
