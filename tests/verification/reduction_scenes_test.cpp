@@ -24,7 +24,7 @@ Solved solve_with(const ContactSet& contacts, const std::vector<int>& kept, doub
   Model model;
   model.gravity = gravity;
   model.contact_law = {.mu = mu};
-  add(model, RigidBody{.name = "block", .mass = 1, .inertia = Vec3(2e-3, 3e-3, 4e-3).asDiagonal()});
+  add(model, RigidBody{.name = "block", .mass = 1, .inertia = Vec3(2e-2, 3e-2, 4e-2).asDiagonal()});
   add(model, RigidBody{.name = "ground", .motion = Fixed{}});
   State state = rest_state(model);
   pose(state, 0).p.z() = height;
