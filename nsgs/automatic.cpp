@@ -29,8 +29,8 @@ Iterate warmed(Delassus& W, const Iterate& start, const SolverOptions& options, 
                         {.tolerance = options.tolerance / 100,
                          .max_steps = 3,
                          .max_iterations = 6,
-                         .alpha = 1e-6,
-                         .accuracy = 1e-9},
+                         .alpha = std::max(1e-6, 10 * start.residual),
+                         .accuracy = 1e-7},
                         report);
 }
 
