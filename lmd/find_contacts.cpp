@@ -27,6 +27,7 @@ std::vector<FoundMinimum> without_duplicates(const RelativePair& pair,
   for (std::size_t i = 0; i < by_x.size(); ++i)
     for (std::size_t j = i + 1; j < by_x.size() && by_x[j].first - by_x[i].first <= near; ++j) {
       const auto p = std::size_t(by_x[i].second), q = std::size_t(by_x[j].second);
+      if (dropped[p] && dropped[q]) continue;
       if ((found[p].minimum.x_a - found[q].minimum.x_a).norm() <= near &&
           (found[p].minimum.x_b - found[q].minimum.x_b).norm() <= near)
         dropped[rank(found[p]) < rank(found[q]) ? q : p] = 1;

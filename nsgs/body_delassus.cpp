@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <span>
 
 #include <Eigen/LU>
 
@@ -188,18 +190,17 @@ class BodyDelassus final : public Delassus {
 
   void append(const SparseMatrix& H, const SparseMatrix& Y, int column, int columns) {
     const std::size_t from = arms_.size();
-    const auto arm = [&](Eigen::Index row) -> Arm<R>& {
-      for (std::size_t k = from; k < arms_.size(); ++k)
-        if (arms_[k].row == int(row)) return arms_[k];
-      arms_.push_back({Rows<R>::Zero(columns), Rows<R>::Zero(columns), int(row)});
-      return arms_.back();
-    };
-    for (int j = 0; j < columns; ++j) {
-      for (SparseMatrix::InnerIterator it(H, column + j); it; ++it) arm(it.row()).H[j] = it.value();
-      for (SparseMatrix::InnerIterator it(Y, column + j); it; ++it) arm(it.row()).Y[j] = it.value();
-    }
-    std::sort(arms_.begin() + long(from), arms_.end(),
-              [](const Arm<R>& a, const Arm<R>& b) { return a.row < b.row; });
+    for (const SparseMatrix* of : {&H, &Y})
+      for (int j = 0; j < columns; ++j) {
+        std::size_t k = from;  // both lists are ascending
+        for (SparseMatrix::InnerIterator it(*of, column + j); it; ++it, ++k) {
+          while (k < arms_.size() && arms_[k].row < int(it.row())) ++k;
+          if (k == arms_.size() || arms_[k].row > int(it.row()))
+            arms_.insert(arms_.begin() + long(k),
+                         {Rows<R>::Zero(columns), Rows<R>::Zero(columns), int(it.row())});
+          (of == &H ? arms_[k].H : arms_[k].Y)[j] = it.value();
+        }
+      }
     begin_.push_back(arms_.size());
   }
 
@@ -221,13 +222,18 @@ class BodyDelassus final : public Delassus {
   }
   void find_bodies() const {
     looked_for_bodies_ = true;
-    std::vector<std::vector<int>> contacts(std::size_t(v_.size()));
-    for (int c = 0; c < count(); ++c)
-      for (std::size_t k = begin_[std::size_t(c)]; k < begin_[std::size_t(c) + 1]; ++k)
-        contacts[std::size_t(arms_[k].row)].push_back(c);
-    std::vector<int> body(contacts.size());
-    for (std::size_t i = 1, rows = 1; i < contacts.size(); ++i) {
-      const bool same = contacts[i] == contacts[i - 1] && rows < kBodyRows;
+    std::vector<std::size_t> end(std::size_t(v_.size()) + 1), of_row(arms_.size());  // contacts of every row
+    for (const Arm<R>& arm : arms_) ++end[std::size_t(arm.row) + 1];
+    std::partial_sum(end.begin(), end.end(), end.begin());
+    std::vector<std::size_t> next(end.begin(), end.end() - 1);
+    for (std::size_t c = 0; c + 1 < begin_.size(); ++c)
+      for (std::size_t k = begin_[c]; k < begin_[c + 1]; ++k) of_row[next[std::size_t(arms_[k].row)]++] = c;
+    const auto contacts = [&](std::size_t i) {
+      return std::span(of_row).subspan(end[i], end[i + 1] - end[i]);
+    };
+    std::vector<int> body(std::size_t(v_.size()));
+    for (std::size_t i = 1, rows = 1; i < body.size(); ++i) {
+      const bool same = std::ranges::equal(contacts(i), contacts(i - 1)) && rows < kBodyRows;
       body[i] = body[i - 1] + !same;
       rows = same ? rows + 1 : 1;
     }
@@ -240,7 +246,8 @@ class BodyDelassus final : public Delassus {
       });
     for (int j = 0; j < M_.outerSize(); ++j)
       for (SparseMatrix::InnerIterator it(M_, j); it; ++it)
-        couplings.emplace_back(body[std::size_t(it.row())], body[std::size_t(j)]);
+        if (body[std::size_t(it.row())] != body[std::size_t(j)])
+          couplings.emplace_back(body[std::size_t(it.row())], body[std::size_t(j)]);
     lu_.emplace(std::move(body), couplings);
     if (lu_->cost() > kLargestCost) lu_.reset();
   }
