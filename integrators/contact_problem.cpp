@@ -189,7 +189,8 @@ FrictionProblem contact_problem(const FreeMotion& free, const DofMap& dofs,
       }
       for (const Triplet& e : row.others)
         if (e.row() == d) column.emplace_back(e.col(), e.value());
-      std::ranges::stable_sort(column, {}, &std::pair<int, double>::first);
+      const auto by_row = &std::pair<int, double>::first;
+      if (!std::ranges::is_sorted(column, {}, by_row)) std::ranges::stable_sort(column, {}, by_row);
       problem.H.startVec(first_row[k] + d);
       for (std::size_t i = 0; i < column.size(); ++i)
         if (i > 0 && column[i].first == column[i - 1].first)

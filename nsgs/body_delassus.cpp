@@ -32,11 +32,10 @@ class BodyDelassus final : public Delassus {
  public:
   BodyDelassus(const FrictionProblem& problem, const MassInverse& inverse) : M_(problem.M) {
     first = first_rows(problem.laws);
-    const SparseMatrix Y = inverse * problem.H;
     begin_.push_back(0);
     VecX diagonal = VecX::Zero(problem.w.size());
     for (std::size_t c = 0; c < problem.laws.size(); ++c) {
-      append(problem.H, Y, first[c], problem.laws[c].rows);
+      append(problem.H, inverse, first[c], problem.laws[c].rows);
       for (std::size_t k = begin_[c]; k < begin_.back(); ++k)
         diagonal.segment(first[c], problem.laws[c].rows) += arms_[k].H.cwiseProduct(arms_[k].Y);
     }
@@ -188,19 +187,41 @@ class BodyDelassus final : public Delassus {
       v_[arms_[k].row] += arms_[k].Y.dot(dr);
   }
 
-  void append(const SparseMatrix& H, const SparseMatrix& Y, int column, int columns) {
+  // The arms of one block: rows that its columns move, and those that M couples these with.
+  void append(const SparseMatrix& H, const MassInverse& inverse, int column, int columns) {
     const std::size_t from = arms_.size();
-    for (const SparseMatrix* of : {&H, &Y})
-      for (int j = 0; j < columns; ++j) {
-        std::size_t k = from;  // both lists are ascending
-        for (SparseMatrix::InnerIterator it(*of, column + j); it; ++it, ++k) {
-          while (k < arms_.size() && arms_[k].row < int(it.row())) ++k;
-          if (k == arms_.size() || arms_[k].row > int(it.row()))
-            arms_.insert(arms_.begin() + long(k),
-                         {Rows<R>::Zero(columns), Rows<R>::Zero(columns), int(it.row())});
-          (of == &H ? arms_[k].H : arms_[k].Y)[j] = it.value();
-        }
+    std::vector<int>& coupled = scratch_;  // blocks of M, ascending
+    coupled.clear();
+    for (int j = 0; j < columns; ++j) {
+      auto place = coupled.begin();
+      for (SparseMatrix::InnerIterator it(H, column + j); it; ++it) {
+        const int b = inverse.block_of[std::size_t(it.row())];
+        if (place != coupled.begin() && *(place - 1) > b) place = coupled.begin();
+        while (place != coupled.end() && *place < b) ++place;
+        if (place == coupled.end() || *place != b) place = coupled.insert(place, b);
       }
+    }
+    for (const int b : coupled)
+      for (int i = 0; i < inverse.size(b); ++i)
+        arms_.push_back({Rows<R>::Zero(columns), Rows<R>::Zero(columns), inverse.row(b, i)});
+    const auto of_block = std::span(arms_).subspan(from);  // until they are sorted by rows
+    for (int j = 0; j < columns; ++j) {
+      std::size_t k = 0;
+      for (SparseMatrix::InnerIterator it(H, column + j); it; ++it) {
+        while (of_block[k].row != int(it.row())) k = (k + 1) % of_block.size();
+        of_block[k].H[j] = it.value();
+      }
+    }
+    std::size_t at_block = 0;
+    for (const int b : coupled) {
+      const int n = inverse.size(b);
+      const double* inv = inverse.inverse.data() + inverse.at[std::size_t(b)];
+      for (int k = 0; k < n; ++k)
+        for (int i = 0; i < n; ++i)
+          of_block[at_block + std::size_t(i)].Y += inv[i + n * k] * of_block[at_block + std::size_t(k)].H;
+      at_block += std::size_t(n);
+    }
+    if (!std::ranges::is_sorted(of_block, {}, &Arm<R>::row)) std::ranges::sort(of_block, {}, &Arm<R>::row);
     begin_.push_back(arms_.size());
   }
 
@@ -349,6 +370,7 @@ class BodyDelassus final : public Delassus {
   SparseMatrix M_{};
   std::vector<Arm<R>> arms_{};
   std::vector<std::size_t> begin_{};
+  std::vector<int> scratch_{};
   std::vector<Block<R>> diagonal_{};
   VecX v_free_{}, v_{}, w_{}, weight_{};
   std::optional<double> sparse_cost_{};
