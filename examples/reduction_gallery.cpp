@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which contacts does each reducer keep? Parts that stand on a plane, a little pushed to one side, as pictures.
+// Which contacts does each reducer keep? Parts that stand on a plane, a little pushed to one side, as
+// pictures.
 //
 // Theory   doc/theory/reduction.md (RED-1) to (RED-14), doc/reduction_gallery.md
 // Run      reduction_gallery -o out
-// Expect   out/reduction_cylinder.svg, torus, gear and peg; no reducer of the kernel loses more margin than it may
+// Expect   out/reduction_cylinder.svg, torus, gear and peg; no reducer of the kernel loses more margin than
+// it may
 #include <cstdio>
-
 
 #include "examples/common/driver.hpp"
 #include "examples/reduction/patch_of_four.hpp"
@@ -49,7 +50,8 @@ struct Resting {
 Resting resting(const Part& part, const Arguments& a) {
   Model model;
   const double tilt = a.tilt * kPi / 180, towards = a.towards * kPi / 180;
-  model.gravity = 9.81 * Vec3(std::sin(tilt) * std::cos(towards), std::sin(tilt) * std::sin(towards), -std::cos(tilt));
+  model.gravity =
+      9.81 * Vec3(std::sin(tilt) * std::cos(towards), std::sin(tilt) * std::sin(towards), -std::cos(tilt));
   model.contact_law = {.mu = 0.6};
   const int plate = add(model, prepare(dilate(make_plate(0.4, 0.4), kDilation)));
   const int shape = add(model, prepare(dilate(part.complex, kDilation)));
@@ -114,19 +116,23 @@ ExitCode draw(const Arguments& a) {
       const Selection selection =
           reduce({.contacts = rest.contacts, .impulse = rest.impulse, .mu = rest.mu}, rule.options);
       char note[96];
-      std::snprintf(note, sizeof note, "%zu, m %.2f, A %.2f, t %.2f", selection.kept.size(), selection.loss.margin,
-                    selection.loss.area, selection.loss.torsion);
+      std::snprintf(note, sizeof note, "%zu, m %.2f, A %.2f, t %.2f", selection.kept.size(),
+                    selection.loss.margin, selection.loss.area, selection.loss.torsion);
       const bool whole = rule.options.reducer == Reducer::none;
-      panels.push_back({.title = rule.title,
-                        .note = whole ? std::to_string(points.size()) + ", orange: what they carry" : note,
-                        .all = points,
-                        .weight = whole ? load : std::vector<double>{},
-                        .kept = whole ? std::vector<int>{} : selection.kept,
-                        .hull_all = at(points, patch.hull),
-                        .hull_kept = whole ? std::vector<Vec2>{} : at(points, hull_of(patch, selection.kept))});
+      panels.push_back(
+          {.title = rule.title,
+           .note = whole ? std::to_string(points.size()) + ", orange: what they carry"
+                   : selection.kept.size() == points.size() ? "nothing left out"
+                                                            : note,
+           .all = points,
+           .weight = whole ? load : std::vector<double>{},
+           .kept = whole ? std::vector<int>{} : selection.kept,
+           .hull_all = at(points, patch.hull),
+           .hull_kept = whole ? std::vector<Vec2>{} : at(points, hull_of(patch, selection.kept))});
       kept.push_back(double(selection.kept.size()));
       margin.push_back(selection.loss.margin);
-      if (rule.options.reducer == Reducer::hull_margin) promised = promised && selection.loss.margin >= 0.9 - 1e-9;
+      if (rule.options.reducer == Reducer::hull_margin)
+        promised = promised && selection.loss.margin >= 0.9 - 1e-9;
       if (!a.common.quiet) std::printf("%-9s %-24s %s\n", part.name.c_str(), rule.title.c_str(), note);
     }
     write_whole_file(a.common.out / ("reduction_" + part.name + ".svg"), selection_svg(panels));

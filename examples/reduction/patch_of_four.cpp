@@ -28,7 +28,8 @@ std::vector<int> patch_of_four(const ContactSet& contacts, std::span<const int> 
   if (n.dot((corner[1] - corner[0]).cross(corner[2] - corner[0])) < 0) std::swap(corner[1], corner[2]);
   const int fourth = farthest([&](const Vec3& x) {
     double area = 0;  // beyond the side that it is farthest beyond
-    for (int i = 0; i < 3; ++i) area = std::max(area, -n.dot((corner[(i + 1) % 3] - corner[i]).cross(x - corner[i])));
+    for (int i = 0; i < 3; ++i)
+      area = std::max(area, -n.dot((corner[(i + 1) % 3] - corner[i]).cross(x - corner[i])));
     return area;
   });
   return fourth < 0 ? std::vector<int>{0, second, third} : std::vector<int>{0, second, third, fourth};

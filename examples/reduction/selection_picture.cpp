@@ -24,7 +24,8 @@ struct View {
   double scale = 1;
   Vec2 corner = Vec2::Zero();  // of the panel [px]
   Vec2 operator()(const Vec2& x) const {
-    return corner + Vec2(kPanel / 2 + scale * (x - middle).x(), kHead + kPanel / 2 - scale * (x - middle).y());
+    return corner +
+           Vec2(kPanel / 2 + scale * (x - middle).x(), kHead + kPanel / 2 - scale * (x - middle).y());
   }
 };
 
@@ -42,7 +43,8 @@ void draw_polygon(std::string& out, const View& view, const std::vector<Vec2>& c
 
 void draw(std::string& out, const View& view, const SelectionPanel& panel) {
   const Vec2 top = view.corner + Vec2(kPanel / 2, kHead - 8);
-  print(out, "<text x=\"%.1f\" y=\"%.1f\" font-weight=\"bold\">%s</text>\n", top.x(), top.y(), panel.title.c_str());
+  print(out, "<text x=\"%.1f\" y=\"%.1f\" font-weight=\"bold\">%s</text>\n", top.x(), top.y(),
+        panel.title.c_str());
   print(out, "<text x=\"%.1f\" y=\"%.1f\" fill=\"#555\">%s</text>\n", top.x(), top.y() + kPanel + 22,
         panel.note.c_str());
   draw_polygon(out, view, panel.hull_all, "fill=\"#f0f0f0\" stroke=\"#aaa\" stroke-width=\"0.8\"");
@@ -54,8 +56,8 @@ void draw(std::string& out, const View& view, const SelectionPanel& panel) {
     const double radius = 10 * std::sqrt(std::max(panel.weight[i], 0.0) / heaviest);
     const Vec2 at = view(panel.all[i]);
     if (radius > 0.5)
-      print(out, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\" fill=\"#dd6b20\" fill-opacity=\"0.35\"/>\n", at.x(),
-            at.y(), radius);
+      print(out, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\" fill=\"#dd6b20\" fill-opacity=\"0.35\"/>\n",
+            at.x(), at.y(), radius);
   }
   for (std::size_t i = 0; i < panel.all.size(); ++i) {
     const bool kept = std::find(panel.kept.begin(), panel.kept.end(), int(i)) != panel.kept.end();

@@ -190,5 +190,47 @@ TEST(RestingDisc, OfAPatchStaysOnASlopeAndDrillsBelowItsLimitNotAtAll) {
   EXPECT_LE(report.solve.iterations, 20);
 }
 
+// A selector sees the bodies, what acts on them and what contacts carried, in any scheme; what it leaves out
+// and would be needed comes back.
+TEST(ReductionInAStep, AsksASelectorOfOnesOwn) {
+  Upright s = upright_cylinder(12, 0.05, 0.06, 0.5, 0.1);
+  int asked = 0;
+  double carried = 0;
+  Vec6 wrench = Vec6::Zero();
+  const ContactSelector one = [&](const ReductionInput& input, const Clusters& clusters) {
+    ++asked;
+    carried = 0;
+    for (std::size_t i = 0; i < input.impulse.size(); ++i)
+      carried += input.impulse[i].dot(input.contacts.points[i].normal) / input.h;
+    wrench = input.bodies[std::size_t(s.body)].wrench;
+    EXPECT_EQ(input.mu.front(), 0.5);
+    return std::vector<int>{clusters.front().front()};
+  };
+  const MoreauJean scheme(s.model, {.h = 1e-3, .reduction = {.reducer = Reducer::selector, .selector = one}});
+  const StepReport report = run(scheme, s.state, 0.05);
+  EXPECT_GE(asked, 50);
+  EXPECT_LT(twist(s.state, s.body).norm(), 1e-6);
+  EXPECT_GE(report.contacts_kept, 3);  // of the one that it names
+  EXPECT_NEAR(std::abs(carried), s.mass * 9.81 * std::cos(0.1), 1e-3 * s.mass * 9.81);
+  EXPECT_LT((wrench.head<3>() - s.mass * s.model.gravity).norm(), 1e-12);
+}
+
+// Memory of what was kept is part of the state: a run, and the same run by a fresh scheme in every step.
+TEST(ReductionInAStep, HasTheSameBitsByAFreshSchemeInEveryStep) {
+  for (const Reducer which : {Reducer::hull_margin, Reducer::extreme_points, Reducer::load_carrier}) {
+    Upright s = upright_cylinder(64, 0.05, 0.06, 0.3, 0.1);
+    twist(s.state, s.body)[5] = 20;  // it turns: corners change
+    State again = s.state;
+    const MoreauJeanOptions options{.h = 1e-3,
+                                    .reduction = {.reducer = which, .friction = FrictionAt::patches}};
+    const MoreauJean scheme(s.model, options);
+    for (int k = 0; k < 20; ++k) {
+      ASSERT_TRUE(scheme.step(s.state).ok());
+      ASSERT_TRUE(MoreauJean(s.model, options).step(again).ok());
+      ASSERT_EQ(hash(s.state), hash(again)) << to_string(which) << ", step " << k;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace aussois
