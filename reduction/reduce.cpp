@@ -29,10 +29,11 @@ void check(const ReductionInput& input) {
   const std::vector<ContactPoint>& points = input.contacts.points;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const ContactPoint& c = points[i];
-    const std::string name = "contact " + std::to_string(i);
-    require(c.x_a.allFinite() && c.x_b.allFinite() && std::isfinite(c.gap),
-            name + ": points and gap must be finite");
-    require(std::abs(c.normal.norm() - 1) <= 1e-6, name + ": the normal must have unit length (within 1e-6)");
+    const bool finite = c.x_a.allFinite() && c.x_b.allFinite() && std::isfinite(c.gap);
+    if (finite && std::abs(c.normal.norm() - 1) <= 1e-6) continue;
+    throw std::invalid_argument(
+        "contact " + std::to_string(i) +
+        (finite ? ": the normal must have unit length (within 1e-6)" : ": points and gap must be finite"));
   }
   for (const auto& [field, size] : {std::pair{"kept_before", input.kept_before.size()},
                                     {"impulse", input.impulse.size()},
@@ -114,10 +115,11 @@ std::vector<int> old_choice(const ReductionInput& input, std::span<const int> me
 bool stays(const PlanarPatch& patch, const std::vector<int>& old, const std::vector<int>& fresh,
            const ReductionOptions& o) {
   if (old.empty() || old.size() > fresh.size() + 1) return false;
-  const LossReport was = loss_of(patch, old), now = loss_of(patch, fresh);
-  if (o.reducer == Reducer::hull_area_loss) return was.area * (1 + o.hysteresis) >= now.area;
+  if (o.reducer == Reducer::hull_area_loss)
+    return loss_of(patch, old).area * (1 + o.hysteresis) >= loss_of(patch, fresh).area;
+  const double was = margin_of(patch, old).value, now = margin_of(patch, fresh).value;
   const double promised = o.reducer == Reducer::hull_margin ? o.hull_margin.margin : -kInf;
-  return was.margin * (1 + o.hysteresis) >= now.margin && was.margin >= std::min(promised, now.margin);
+  return was * (1 + o.hysteresis) >= now && was >= std::min(promised, now);
 }
 
 // What the reducer says of one cluster, or of its closed layer.
@@ -324,6 +326,7 @@ LossReport measure_loss(const ContactSet& found, const Selection& selection) {
   for (const int i : selection.kept) mark[std::size_t(i)] = 1;
   LossReport loss;
   for (std::vector<int>& cluster : clusters) {
+    if (cluster.empty()) continue;
     std::swap(cluster.front(), *std::min_element(cluster.begin(), cluster.end(), [&](int i, int j) {
                 return found.points[std::size_t(i)].gap < found.points[std::size_t(j)].gap;
               }));
