@@ -5,9 +5,8 @@
 // Theory   doc/theory/reduction.md (RED-1) to (RED-15)
 // Run      bench_reduction
 //          bench_reduction --largest 1000000 --json reduction.json
-// Expect   no family in which hull_margin keeps less margin than the four points do; cost per contact at most
-// five
-//          times that of ten thousand contacts
+// Expect   no family in which hull_margin keeps less margin than the four points do; cost per contact at
+//          most three times that of ten thousand contacts
 #include <algorithm>
 #include <cstdio>
 #include <functional>
