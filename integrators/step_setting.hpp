@@ -37,6 +37,7 @@ struct StepSetting {
   DofMap dofs{};
   std::vector<BodyBounds> bounds{};
   std::vector<const LmdShape*> shapes{};  // of every body; null: none
+  std::shared_ptr<ContactScratch> scratch = std::make_shared<ContactScratch>();
 };
 
 /// Throws std::invalid_argument for a bad option or model, or if two bodies that can touch have no dilation
