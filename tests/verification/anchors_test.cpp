@@ -77,8 +77,8 @@ TEST(Anchors, HoldABlockOnATurntable) {
   const double without = slip_on_a_turntable(false, 1e-3), with = slip_on_a_turntable(true, 1e-3);
   RecordProperty("turntable_without_m", std::to_string(1e6 * without) + "e-6");
   RecordProperty("turntable_with_m", std::to_string(1e6 * with) + "e-6");
-  EXPECT_GT(without, 1e-4) << "the path loses nothing: the scene says nothing";
-  EXPECT_LT(with, 2e-6);  // the loss of a step over the rate, 1e-7 m / 0.2, and the start
+  EXPECT_NEAR(without, 2000 * 1e-7, 2e-6);  // r w^2 h^2 / 2 in every step
+  EXPECT_NEAR(with, 1e-7 / 0.2, 1e-8);      // of one step, over the rate
 }
 
 }  // namespace
