@@ -183,6 +183,10 @@ TEST(SchemeOptions, AreRefusedWhereTheyContradictEachOther) {
           ReductionOptions{.reducer = Reducer::selector},
           ReductionOptions{.reducer = Reducer::hull_margin, .selector = all}})
       EXPECT_THROW(make_scheme(name, s.model, {.reduction = bad}), std::invalid_argument) << name;
+  SchemeOptions pulled{.reduction = {.friction = FrictionAt::patches}};
+  pulled.persistence.anchors = true;
+  EXPECT_NE(message_of([&] { make_scheme("moreau_jean", s.model, pulled); }).find("anchors"),
+            std::string::npos);
   EXPECT_NE(message_of([&] {
               make_scheme("event_driven", s.model, {.reduction = {.friction = FrictionAt::patches}});
             }).find("event_driven"),
