@@ -191,7 +191,7 @@ int main(int argc, char** argv) {
   cli.option("--phases", a.study.phases, "lengths of the first step that errors are averaged over", "",
              {1, 64});
   cli.group("solver");
-  cli.option("--tolerance", a.study.tolerance, "on the scaled residual", "-", {1e-15, 1e-2});
+  cli.option("--tolerance", a.study.tolerance, "on the scaled residual; 0: that of the case", "-", {0, 1e-2});
   cli.group("output");
   cli.option("-o,--out", a.out,
              "folder of the results, made if missing; studies that it has are not done again");
