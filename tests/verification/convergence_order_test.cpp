@@ -27,7 +27,7 @@ struct Quick {
 };
 class QuickStudy : public ::testing::TestWithParam<Quick> {};
 
-// One of each kind: an impact, a stop by friction, slip to rolling, tops.
+// One of each kind: an impact, a stop by friction, slip to rolling, tops, impacts of a mechanism.
 TEST_P(QuickStudy, ReachesTheOrderOfTheory) {
   const auto& [name, theta, law] = GetParam();
   const Study s = study(case_named(name), "moreau_jean", moreau_jean(theta, law), {.levels = 6, .phases = 4});
@@ -39,6 +39,7 @@ INSTANTIATE_TEST_SUITE_P(Cases, QuickStudy,
                                            Quick{"forced_46", 1, NormalLaw::combined},
                                            Quick{"incline_30_up", 0.5, NormalLaw::combined},
                                            Quick{"bowling", 1, NormalLaw::gap_over_step},
+                                           Quick{"slider_crank", 0.5, NormalLaw::moreau},
                                            Quick{"free_top", 0.5, NormalLaw::combined},
                                            Quick{"free_top", 1, NormalLaw::combined}),
                          [](const auto& quick) {
@@ -46,6 +47,15 @@ INSTANTIATE_TEST_SUITE_P(Cases, QuickStudy,
                                   (quick.param.theta < 1 ? "_midpoint_" : "_euler_") +
                                   to_string(quick.param.law);
                          });
+
+// Where contacts are looked at on the way, gaps at rest are rounding of both signs (MJ-6).
+TEST(QuickStudyOnTheWay, ABlockThatStopsOnASlopeIsHeldByContactsAtTheMidpoint) {
+  SchemeOptions options = moreau_jean(0.5, NormalLaw::moreau);
+  options.contacts = ContactsAt::midpoint;
+  const Study s = study(case_named("incline_20_up"), "moreau_jean", options, {});
+  EXPECT_TRUE(as_expected(s)) << to_string(s);
+  EXPECT_TRUE(std::isinf(s.order[v_nodes])) << to_string(s);  // a uniform brake, and rest
+}
 
 // As the yardstick takes it: velocities at 60001 instants, by the trapezoidal rule. At its shortest steps,
 // with 1.25 instants each, that is 6 % less than the integral (CONV-2).
