@@ -57,6 +57,17 @@ TEST(QuickStudyOnTheWay, ABlockThatStopsOnASlopeIsHeldByContactsAtTheMidpoint) {
   EXPECT_TRUE(std::isinf(s.order[v_nodes])) << to_string(s);  // a uniform brake, and rest
 }
 
+// Two solves of one problem differ by the solver's tolerance; Newton's loop takes that for no step (MJ-12).
+TEST(QuickStudyOnTheWay, NewtonsLoopEndsWhereTheSolversToleranceDoes) {
+  SchemeOptions options = moreau_jean(0.5, NormalLaw::moreau);
+  options.contacts = ContactsAt::midpoint;
+  options.newton.max_iterations = 50;
+  for (const double tolerance : {1e-12, 1e-8})
+    EXPECT_EQ(
+        study(case_named("reversal"), "moreau_jean", options, {.levels = 3, .tolerance = tolerance}).cut, 0)
+        << tolerance;
+}
+
 // As the yardstick takes it: velocities at 60001 instants, by the trapezoidal rule. At its shortest steps,
 // with 1.25 instants each, that is 6 % less than the integral (CONV-2).
 double sampled_l1(const ComputedMotion& run, const ExactMotion& exact, double t_end, double h) {
