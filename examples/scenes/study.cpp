@@ -99,7 +99,6 @@ Study study(const Case& c, const std::string& scheme, SchemeOptions scheme_optio
             .options = o,
             .expected = expected_orders(c, traits, step_sizes(o.h > 0 ? o.h : c.h, o.levels))};
   scheme_options.solver.tolerance = o.tolerance > 0 ? o.tolerance : c.tolerance;
-  scheme_options.normal.touching *= scheme_options.solver.tolerance / SolverOptions{}.tolerance;  // (MJ-6)
   scheme_options.advancement.certify = false;
   const ExactMotion exact = c.exact(c.t_end);
   for (const double h : step_sizes(o.h > 0 ? o.h : c.h, o.levels)) {

@@ -47,8 +47,8 @@ Errors expected_orders(const Case& c, const SchemeTraits& traits, const std::vec
 /// NumericalFailure naming case, time and reason where a step fails.
 ComputedMotion run_case(const Case& c, const std::string& scheme, const SchemeOptions& options, double phase);
 
-/// The study, without certificates: they would cut the long steps, and with them the order. Steps, tolerance
-/// and closed gaps (MJ-6) of the scheme are those of `options`. `level_done` is called after each level and
+/// The study, without certificates: they would cut the long steps, and with them the order. Steps and
+/// tolerance of the scheme are those of `options`. `level_done` is called after each level and
 /// ends the study early if it returns false.
 Study study(const Case& c, const std::string& scheme, SchemeOptions scheme_options,
             const StudyOptions& options, const std::function<bool(int level)>& level_done = {});
