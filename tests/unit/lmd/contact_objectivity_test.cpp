@@ -24,9 +24,8 @@ const ContactPoint* partner(const ContactSet& set, const ContactKey& key) {
 }
 
 ContactKey swapped(const ContactKey& key) {
-  return {.body_a = key.body_b,
-          .body_b = key.body_a,
-          .feature = feature_word(feature_b(key), feature_a(key))};
+  return {
+      .body_a = key.body_b, .body_b = key.body_a, .feature = feature_word(feature_b(key), feature_a(key))};
 }
 
 class Objectivity : public ::testing::TestWithParam<unsigned> {
