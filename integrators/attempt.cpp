@@ -100,6 +100,7 @@ Acting acting(const FreeMotion& free, const VecX& contact_impulse, const VecX& j
              .contacts = contact_impulse,
              .joints = VecX::Zero(change.size()),
              .numerical = VecX::Zero(change.size())};
+  if (free.turning.size() > 0) out.contacts += free.turning - free.turning_D * change;
   if (joint_impulse.size() > 0) out.joints = joint_impulse + free.M * projected;
   if (free.joints.size() > 0) out.joints += free.joints;
   if (free.numerical.size() > 0) out.numerical = free.numerical;
