@@ -19,6 +19,7 @@ void add_options(Cli& cli, SchemeFlags& f) {
   cli.choice("--projection", f.projection, "of moreau_jean_projected", {"direct", "combined"});
   cli.choice("--update", f.update, "of rotations, of all schemes but event_driven",
              {"exponential", "cayley", "screw"});
+  cli.flag("--mean-joints", f.options.mean_joints, "of passive_midpoint; exact, with --update cayley");
   cli.option("--spectral-radius", f.options.spectral_radius, "of generalised_alpha", "-", {0, 1});
 }
 
