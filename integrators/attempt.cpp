@@ -69,6 +69,28 @@ std::vector<std::pair<int, int>> meeting_pairs(const StepSetting& setting, const
   return out;
 }
 
+// Empty if every contact that ends overlapped and closing may go on so for a time (CA-17), otherwise what has
+// no room; where the step cannot be halved there is no choice. With restitution, one that was pushed turns.
+std::string without_room(const StepSetting& setting, const Found& found, const ImpulseStep& step,
+                         const Move& move) {
+  const AdvancementOptions& o = setting.options.advancement;
+  if (move.goes_on == 0 || found.h / 2 < o.min_h) return "";
+  const std::vector<RowVector> r = row_impulses(step);
+  auto pair = found.pairs.begin();
+  for (std::size_t i = 0; i < found.contacts.points.size(); ++i) {  // both are sorted by bodies
+    const ContactPoint& c = found.contacts.points[i];
+    while (pair->a != c.a.body || pair->b != c.b.body) ++pair;
+    const ContactRow& row = step.rows[i];
+    if (row.restitution > 0 && r[i][0] > 0) continue;
+    const double gap = row.gap + found.h * slip_velocity(row, setting.dofs, move.v_path).x(),
+                 speed = slip_velocity(row, setting.dofs, move.v_end).x();
+    if (gap < 0 && speed < 0 && gap + move.goes_on * speed < -o.max_overlap * pair->dilation)
+      return "bodies " + std::to_string(c.a.body) + " and " + std::to_string(c.b.body) +
+             ": the overlap that is allowed leaves no room to stop them";
+  }
+  return "";
+}
+
 // Kinetic energy of the coordinates beyond what the mass of the step says of it (GEN-4).
 double change_of_mass(const Model& model, const State& state, const State& next, const FreeMotion& free,
                       const DofMap& dofs, const VecX& v) {
@@ -469,6 +491,8 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
     report.min_base_distance = std::min(report.min_base_distance, certificate.min_distance);
     report.seconds_certificate = step_clock() - begin;
     if (!certificate.failure.empty()) return failed(Outcome::not_certified, certificate.failure);
+    const std::string crowded = without_room(setting, found, step, move);  // (CA-17)
+    if (!crowded.empty()) return failed(Outcome::not_certified, crowded);
   }
 
   // The new state

@@ -159,7 +159,9 @@ Attempt MoreauJean::attempt(const State& state, const FreeMotion& without, const
   if (after) step.impact = after->impact;
   const VecX& v = step.solved.solution.v;
   Attempt out = go(setting_, start, found, step,
-                   {.v_path = theta * v + (1 - theta) * first.v, .v_end = v, .end = {}});  // (MJ-7)
+                   {.v_path = theta * v + (1 - theta) * first.v,  // (MJ-7)
+                    .v_end = v,
+                    .goes_on = 2 * (1 - theta) * options_.advancement.min_h});
   out.report.newton_iterations = made;
   out.report.newton_change = change;
   if (iterations > 1 && change > options_.newton.tolerance && out.outcome == Outcome::accepted) {

@@ -128,7 +128,9 @@ StepReport PassiveMidpoint::step(State& state, double h_limit) const {
       step.solved.solution.report.status = SolveStatus::max_iterations;
     const VecX& v = step.solved.solution.v;
     Attempt out = go(setting_, start, found, step,
-                     {.v_path = kTheta * v + (1 - kTheta) * step.free.v, .v_end = v});  // (PMI-4)
+                     {.v_path = kTheta * v + (1 - kTheta) * step.free.v,  // (PMI-4)
+                      .v_end = v,
+                      .goes_on = 2 * (1 - kTheta) * setting_.options.advancement.min_h});
     out.report.contacts_made_passive = int(std::count(stated.begin(), stated.end(), 1));
     return out;
   };
