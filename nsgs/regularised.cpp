@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "nsgs/regularised.hpp"
+
+#include <algorithm>
+
+#include <Eigen/LU>
+
+#include "geometry/check.hpp"
+#include "nsgs/residual.hpp"
+
+namespace aussois {
+namespace {
+
+constexpr int kMemory = 10;  // of Anderson's acceleration (AA-1)
+
+struct Named {
+  FrictionReading reading;
+  const char* name;
+};
+constexpr Named kReadings[] = {{FrictionReading::coulomb_pgs, "coulomb_pgs"},
+                               {FrictionReading::convex_cone, "convex_cone"},
+                               {FrictionReading::hybrid, "hybrid"}};
+
+void check(const LocalProblem& problem, const VecX& R) {
+  validate(problem);
+  for (std::size_t c = 0; c < problem.laws.size(); ++c)
+    require(problem.laws[c].kind == LawKind::coulomb || problem.laws[c].kind == LawKind::unilateral,
+            "laws[" + std::to_string(c) + "].kind = " + to_string(problem.laws[c].kind) +
+                " must be coulomb or unilateral");
+  const std::string bound = "be " + std::to_string(problem.q.size()) + ", the rows of laws";
+  require_field(R.size() == problem.q.size(), "R.size()", R.size(), bound.c_str());
+  for (const double r : R) require_field(r >= 0, "R", r, "be at least 0 1/kg");
+}
+
+SolverOptions options_of(const RegularisedOptions& options) {
+  SolverOptions out{.tolerance = options.tolerance, .max_iterations = options.max_iterations};
+  switch (options.reading) {
+    case FrictionReading::coulomb_pgs:
+      out.method = Method::coulomb_pgs;
+      out.anderson = kMemory;
+      break;
+    case FrictionReading::convex_cone:
+      out.method = Method::interior_point;
+      out.model = FrictionModel::convex_cone;
+      break;
+    case FrictionReading::hybrid:
+      break;
+  }
+  return out;
+}
+
+// A + R, or its symmetric part.
+SparseMatrix compliant(const LocalProblem& problem, const VecX& R, FrictionReading reading) {
+  SparseMatrix W = problem.W;
+  if (reading == FrictionReading::convex_cone) W = 0.5 * (W + SparseMatrix(problem.W.transpose()));
+  return W + SparseMatrix(R.asDiagonal());
+}
+
+// Of the nearest point of the cone (LAW-5), away from its kinks.
+AnyBlock projection_derivative(const Law& law, const AnyRows& y) {
+  const Eigen::Index tangents = y.size() - 1;
+  const double length = y.tail(tangents).norm(), mu = law.mu;
+  AnyBlock D = AnyBlock::Identity(y.size(), y.size());
+  if (y[0] >= 0 && length <= mu * y[0]) return D;
+  const double normal = (y[0] + mu * length) / (1 + mu * mu);
+  D.setZero();
+  if (normal <= 0) return D;
+  const AnyRows t = y.tail(tangents) / length;
+  AnyRows ray(y.size());  // of the cone; the projection is normal * ray
+  ray << 1, mu * t;
+  D = ray * ray.transpose() / (1 + mu * mu);
+  D.bottomRightCorner(tangents, tangents) +=
+      mu * normal / length * (AnyBlock::Identity(tangents, tangents) - t * t.transpose());
+  return D;
+}
+
+}  // namespace
+
+const char* to_string(FrictionReading reading) {
+  return std::ranges::find(kReadings, reading, &Named::reading)->name;
+}
+
+FrictionReading friction_reading_named(const std::string& name) {
+  const auto* found = std::ranges::find(kReadings, name, &Named::name);
+  require(found != std::end(kReadings),
+          "friction reading " + name + " must be coulomb_pgs, convex_cone or hybrid");
+  return found->reading;
+}
+
+VecX regularisation(const LocalProblem& problem, double rho) {
+  validate(problem);
+  require_field(rho >= 0, "rho", rho, "be at least 0");
+  return rho * row_scales(problem.W.diagonal(), problem.laws);
+}
+
+VecX with_restitution(VecX v_free, const VecX& v, const std::vector<Law>& laws, double e, double threshold) {
+  require_field(e >= 0 && e <= 1, "e", e, "lie in [0, 1]");
+  const std::vector<int> first = first_rows(laws);
+  require(v_free.size() == first.back() && v.size() == first.back(),
+          "v_free.size() = " + std::to_string(v_free.size()) + " and v.size() = " + std::to_string(v.size()) +
+              " must be " + std::to_string(first.back()) + ", the rows of laws");
+  for (std::size_t c = 0; c < laws.size(); ++c)
+    if (has_normal(laws[c]) && v[first[c]] < -threshold) v_free[first[c]] += e * v[first[c]];
+  return v_free;
+}
+
+RegularisedSolution solve_regularised(const LocalProblem& problem, const VecX& R, const VecX& lambda_0,
+                                      const RegularisedOptions& options) {
+  check(problem, R);
+  const LocalProblem soft{compliant(problem, R, options.reading), problem.q, problem.laws};
+  FrictionSolution found = solve(soft, lambda_0, options_of(options));
+  RegularisedSolution out{.v = problem.W * found.r + problem.q, .report = found.report};
+  const std::vector<int> first = first_rows(problem.laws);
+  for (std::size_t c = 0; c < problem.laws.size(); ++c)
+    out.violation = std::max(out.violation, R[first[c]] * found.r[first[c]]);
+  out.lambda = std::move(found.r);
+  return out;
+}
+
+// lambda = P(lambda - D w) with w = W lambda + b and one positive number per block in D, so
+// (1 - P' + P' D W) d lambda = -P' D d b.
+MatX impulse_sensitivity(const LocalProblem& problem, const VecX& R, const VecX& lambda,
+                         FrictionReading reading) {
+  check(problem, R);
+  require_field(lambda.size() == problem.q.size(), "lambda.size()", lambda.size(),
+                "be the number of rows of laws");
+  const MatX W = compliant(problem, R, reading);
+  const VecX step = row_scales(W.diagonal(), problem.laws).cwiseInverse();
+  const VecX y = lambda - step.cwiseProduct(W * lambda + problem.q);
+  const std::vector<int> first = first_rows(problem.laws);
+  MatX P = MatX::Zero(W.rows(), W.rows());
+  for (std::size_t c = 0; c < problem.laws.size(); ++c) {
+    const Law& law = problem.laws[c];
+    const AnyRows y_c = y.segment(first[c], law.rows);
+    P.block(first[c], first[c], law.rows, law.rows) = reading == FrictionReading::convex_cone
+                                                          ? projection_derivative(law, y_c)
+                                                          : answer_derivative<Eigen::Dynamic>(law, y_c);
+  }
+  const MatX PD = P * step.asDiagonal();
+  return (MatX::Identity(W.rows(), W.rows()) - P + PD * W).partialPivLu().solve(-PD);
+}
+
+}  // namespace aussois
