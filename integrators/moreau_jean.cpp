@@ -16,6 +16,7 @@ StepOptions step_options(const MoreauJeanOptions& o) {
           .joints = o.joints,
           .lmd = o.lmd,
           .reduction = o.reduction,
+          .persistence = o.persistence,
           .solver = o.solver,
           .advancement = o.advancement,
           .update = o.update,
@@ -61,13 +62,19 @@ ContactMemory remembered(const Found& found, const ImpulseStep& step) {
     impulse.push_back(step.rows[i].frame * r[i].head<3>());
     drilling.push_back(law.rows > 3 ? r[i][3] : 0);
   }
-  return remember(found.contacts, impulse, drilling);
+  return remember(found.contacts, impulse, {.drilling = drilling, .anchors = {}, .g = found.g});
+}
+
+void start_with_the_last_solve(const Found& found, const ImpulseStep& step, Found& there) {
+  WarmStart last = warm_start(remembered(found, step), there.contacts, {.g = there.g});
+  there.start = std::move(last.impulse);
+  there.warm.drilling = std::move(last.drilling);
 }
 
 std::vector<double> normal_impulses(const Found& found) {
   std::vector<double> r_N;
   for (std::size_t i = 0; i < found.contacts.points.size(); ++i)
-    r_N.push_back(found.contacts.points[i].normal.dot(found.warm.impulse[i]));
+    r_N.push_back(found.contacts.points[i].normal.dot(found.start[i]));
   return r_N;
 }
 
@@ -138,9 +145,7 @@ Attempt MoreauJean::attempt(const State& state, const FreeMotion& without, const
     at.v = start.v;
     at.t = start.t;
     Found there = time > 0 ? found_at(setting_, start, found, at) : found;
-    const int matched = there.warm.matched;  // with the last step, which is what the report tells
-    there.warm = warm_start(remembered(found, step), there.contacts);
-    there.warm.matched = matched;
+    start_with_the_last_solve(found, step, there);
     ContactBlocks blocks =
         after ? after->blocks
               : contact_blocks(setting_, time > 0 ? at : start, there.contacts, h, normal, reached);

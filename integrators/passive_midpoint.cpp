@@ -74,6 +74,7 @@ StepOptions without_projection(StepOptions o) {
 }  // namespace
 
 void validate(const PassiveMidpointOptions& options) {
+  refuse_anchors(options.step, "passive_midpoint");
   validate(options.step);
   require(!options.mean_joints || options.step.update == GroupUpdate::cayley,
           std::string("PassiveMidpointOptions::mean_joints needs StepOptions::update = cayley, not ") +
