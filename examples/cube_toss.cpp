@@ -159,7 +159,7 @@ ExitCode run(Arguments& a) {
   a.world.options = scheme_options(a.scheme);
   a.world.options.solver.tolerance = a.tolerance;
   a.world.options.reduction.reducer = reducer(a.reducer);
-  a.world.persistence = a.persistence == "on";
+  if (a.persistence == "off") a.world.options.persistence.matching = Matching::none;
   make_folders(a.common);
   if (a.json.has_parent_path()) std::filesystem::create_directories(a.json.parent_path());
   std::vector<Toss> tosses = a.synthetic > 0 ? synthetic_tosses(a) : read_tosses(a.data);

@@ -63,7 +63,6 @@ TossRun roll_out(const Toss& toss, const TossStart& start, const TossWorld& worl
   for (std::size_t row = start.row; row < toss.t.size() && run.failure.empty(); ++row) {
     const double until = toss.t[row] - toss.t[start.row];
     while (state.t < until - 1e-9 * options.h && run.failure.empty()) {
-      if (!world.persistence) state.memory = {};
       const StepReport report = scheme.step(state, until - state.t);
       ++run.steps;
       run.most_contacts = std::max(run.most_contacts, report.contacts_found);

@@ -8,11 +8,10 @@
 namespace aussois {
 
 struct TossWorld {
-  double mu = 0.18;         // between cube and board [-]
-  double restitution = 0;   // Newton's [-], in [0, 1]
-  int substeps = 10;        // of every row, >= 1
-  double board = 0;         // height of the board's surface [m]
-  bool persistence = true;  // false: every step starts its solver from zero impulses
+  double mu = 0.18;        // between cube and board [-]
+  double restitution = 0;  // Newton's [-], in [0, 1]
+  int substeps = 10;       // of every row, >= 1
+  double board = 0;        // height of the board's surface [m]
   std::string scheme = "moreau_jean";
   SchemeOptions options{};  // but for h
 };

@@ -81,7 +81,7 @@ TEST(CubeToss, DoesNotDependOnPersistenceWhileItsContactsAreFew) {
   TossWorld precise = world();
   precise.options.solver.tolerance = 1e-12;
   TossWorld forgets = precise;
-  forgets.persistence = false;
+  forgets.options.persistence.matching = Matching::none;
   int compared = 0;
   for (const Toss& toss : some()) {
     const TossRun a = roll_out(toss, precise), b = roll_out(toss, forgets);
