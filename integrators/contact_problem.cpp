@@ -76,7 +76,7 @@ NormalBias normal_bias(double gap, double u_before, double restitution, double h
   };
   switch (options.law) {
     case NormalLaw::moreau:
-      return {averaged(impact), gap + h / 2 * u_before <= 0};
+      return {averaged(impact), gap + h / 2 * u_before <= options.touching};
     case NormalLaw::gap_over_step:
       break;
     case NormalLaw::combined:

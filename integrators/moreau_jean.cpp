@@ -2,6 +2,7 @@
 #include "integrators/moreau_jean.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "geometry/check.hpp"
 #include "integrators/advance_step.hpp"
@@ -44,6 +45,14 @@ FreeMotion at_iterate(const StepSetting& setting, const State& start, const Free
   out.f = out.M * out.v + impulse;
   if (out.inverse) out.v_free = out.v + *out.inverse * impulse;
   return out;
+}
+
+// Two solves of one problem differ by what the solver's tolerance leaves: changes of that size that no longer
+// halve are no matter of Newton's [m/s, rad/s per unit of tolerance]. Small bodies turn by 100 of it.
+constexpr double kSolverNoise = 1e3;
+
+bool newton_done(double change, double last, const MoreauJeanOptions& o) {
+  return change <= o.newton.tolerance || (change <= kSolverNoise * o.solver.tolerance && change > last / 2);
 }
 
 double time_of(ContactsAt at, double h) {
@@ -103,8 +112,8 @@ Attempt MoreauJean::attempt(const State& state, const FreeMotion& without, const
   // Again where that leads (MJ-11), (MJ-12)
   const int iterations = options_.newton.max_iterations, solves = iterations + (time > 0);
   int made = 1;
-  double change = iterations == 1 ? 0 : kInf;
-  while (made < solves && (made < 2 || change > options_.newton.tolerance)) {
+  double change = iterations == 1 ? 0 : kInf, last = kInf;
+  while (made < solves && (made < 2 || !newton_done(change, last, options_))) {
     const VecX v = step.solved.solution.v;
     if (!v.allFinite()) break;
     const Reached reached{all_velocities(setting_.dofs, theta * v + (1 - theta) * first.v, step.v_prescribed),
@@ -121,7 +130,7 @@ Attempt MoreauJean::attempt(const State& state, const FreeMotion& without, const
         iterations > 1 ? at_iterate(setting_, start, first, v, step.v_prescribed, h, theta) : first, theta,
         std::move(blocks));
     found = std::move(there);
-    change = (step.solved.solution.v - v).lpNorm<Eigen::Infinity>();
+    last = std::exchange(change, (step.solved.solution.v - v).lpNorm<Eigen::Infinity>());
     ++made;
   }
   if (after) step.impact = after->impact;
@@ -130,7 +139,7 @@ Attempt MoreauJean::attempt(const State& state, const FreeMotion& without, const
                    {.v_path = theta * v + (1 - theta) * first.v, .v_end = v, .end = {}});  // (MJ-7)
   out.report.newton_iterations = made;
   out.report.newton_change = change;
-  if (iterations > 1 && change > options_.newton.tolerance && out.outcome == Outcome::accepted) {
+  if (iterations > 1 && !newton_done(change, last, options_) && out.outcome == Outcome::accepted) {
     out.outcome = Outcome::not_solved;
     out.report.reason = "the Newton loop of the step did not reach its tolerance";
   }
