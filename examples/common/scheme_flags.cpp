@@ -12,6 +12,7 @@ void add_options(Cli& cli, SchemeFlags& f) {
   cli.choice("--contacts", f.contacts, "where moreau_jean looks at them", {"start", "midpoint", "end"});
   cli.option("--newton-iterations", f.options.newton.max_iterations,
              "of moreau_jean; 1 is linearly implicit, more is fully implicit", "", {1, 1000});
+  cli.flag("--gap-hessians", f.options.newton.gap_hessians, "in the Newton matrix of moreau_jean");
   cli.choice("--impact-law", f.impact, "of moreau_jean", {"newton", "poisson"});
   cli.choice("--impact-order", f.impact_order, "of several impacts, of moreau_jean",
              {"simultaneous", "sequential"});
@@ -24,6 +25,7 @@ void add_options(Cli& cli, SchemeFlags& f) {
   cli.option("--min-margin", f.options.reduction.min_margin, "of every patch's support", "-", {0, 1});
   cli.flag("--patch-friction", f.patch_friction,
            "friction at the centre of a patch, with its drilling torque");
+  cli.flag("--mean-joints", f.options.mean_joints, "of passive_midpoint; exact, with --update cayley");
   cli.option("--spectral-radius", f.options.spectral_radius, "of generalised_alpha", "-", {0, 1});
 }
 
