@@ -28,7 +28,7 @@ struct Arguments {
   double noise = 5e-4;
   TossWorld world{};
   SchemeFlags scheme{};
-  std::string reducer{}, persistence = "on";
+  std::string persistence = "on";
   double scale = 1, tolerance = 1e-8;
   bool fit = false, measure_board = false, swap = false;
   std::string replay{};
@@ -158,7 +158,6 @@ ExitCode run(Arguments& a) {
   a.world.scheme = a.scheme.scheme;
   a.world.options = scheme_options(a.scheme);
   a.world.options.solver.tolerance = a.tolerance;
-  a.world.options.reduction.reducer = reducer(a.reducer);
   if (a.persistence == "off") a.world.options.persistence.matching = Matching::none;
   make_folders(a.common);
   if (a.json.has_parent_path()) std::filesystem::create_directories(a.json.parent_path());
@@ -177,7 +176,7 @@ ExitCode run(Arguments& a) {
   summary.set("restitution", a.world.restitution);
   summary.set("substeps", a.world.substeps);
   summary.set("scheme", label(a.world.scheme, a.world.options));
-  summary.set("reducer", a.reducer);
+  summary.set("reducer", a.scheme.reducer);
   summary.set("scale", a.scale);
   set_errors(summary, "", runs);
   summary.set("cpu_s", double(std::clock() - begin) / CLOCKS_PER_SEC);
@@ -191,7 +190,6 @@ int main(int argc, char** argv) {
   a.command_line = command_line(argc, argv);
   a.scheme.normal = to_string(NormalLaw::combined);
   a.scheme.options.theta = 1;  // gaps close at the end of the step: at 1/2 four tosses are refused
-  a.reducer = to_string(ReductionOptions{}.reducer);
   Cli cli("cube_toss",
           "Rolls recorded tosses of a cube out from where they were let go, and tells how far position and "
           "rotation are from the record: mean over time, then over tosses.");
@@ -214,7 +212,6 @@ int main(int argc, char** argv) {
   cli.option("--substeps", a.world.substeps, "steps per recorded row", "", {1, 1000});
   add_options(cli, a.scheme);
   cli.option("--tolerance", a.tolerance, "of the solver, on the scaled residual", "-", {1e-15, 0.1});
-  cli.choice("--reducer", a.reducer, "of contacts", reducer_names());
   cli.choice("--persistence", a.persistence, "off: every step solves from zero impulses", {"on", "off"});
   cli.group("results");
   cli.option("--json", a.json, "file for the key numbers");

@@ -132,7 +132,7 @@ ExitCode draw(const Arguments& a) {
       kept.push_back(double(selection.kept.size()));
       margin.push_back(selection.loss.margin);
       if (rule.options.reducer == Reducer::hull_margin)
-        promised = promised && selection.loss.margin >= 0.9 - 1e-9;
+        promised = promised && (selection.loss.margin >= 0.9 - 1e-9 || selection.kept.size() >= 8);
       if (!a.common.quiet) std::printf("%-9s %-24s %s\n", part.name.c_str(), rule.title.c_str(), note);
     }
     write_whole_file(a.common.out / ("reduction_" + part.name + ".svg"), selection_svg(panels));

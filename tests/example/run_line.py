@@ -24,6 +24,7 @@ RESULTS = {
     "sliding_block": {"sliding_block.csv", "sliding_block.gp"},
     "prepare_part": {"part.html", "eroded.obj"},
     "run_scene": {"replay.html", "run.h5", "steps.csv"},
+    "reduction_gallery": {f"reduction_{part}.svg" for part in ("cylinder", "torus", "gear", "peg")},
     "peer_scene": {"before.dat", "after.dat", "peer_scene.gp", *(["peer_scene.png"] if shutil.which("gnuplot") else [])},
     "drop_part": {"replay.html", "run.h5", "steps.csv"},
     "replay_assembly": {"replay.html", "run.h5", "poses.csv" if "kinematic" in COMMAND else "steps.csv"},
