@@ -11,7 +11,9 @@
 namespace aussois {
 namespace {
 
-constexpr int kMemory = 10;  // of Anderson's acceleration (AA-1)
+constexpr int kMemory = 10;    // of Anderson's acceleration (AA-1)
+constexpr int kGuesses = 20;   // of which contacts are closed
+constexpr int kFewRows = 200;  // a dense factor of as many costs no more than some hundred sweeps
 
 struct Named {
   FrictionReading reading;
@@ -74,6 +76,35 @@ AnyBlock projection_derivative(const Law& law, const AnyRows& y) {
   return D;
 }
 
+// The answer if every contact sticks or is open, the same for all readings (REG-11); empty if not.
+VecX stick_or_open(const MatX& W, const LocalProblem& problem) {
+  const std::vector<int> first = first_rows(problem.laws);
+  const std::size_t count = problem.laws.size();
+  std::vector<char> closed(count, 1);
+  for (int guess = 0; guess < kGuesses; ++guess) {
+    std::vector<int> rows;
+    for (std::size_t c = 0; c < count; ++c)
+      for (int i = 0; closed[c] && i < problem.laws[c].rows; ++i) rows.push_back(first[c] + i);
+    VecX lambda = VecX::Zero(W.rows());
+    const VecX pushed = -problem.q(rows);
+    if (!rows.empty()) lambda(rows) = VecX(MatX(W(rows, rows)).partialPivLu().solve(pushed));
+    const VecX w = W * lambda + problem.q;
+    bool same = true;
+    for (std::size_t c = 0; c < count; ++c) {
+      const char now = closed[c] ? lambda[first[c]] > 0 : w[first[c]] < 0;
+      same = same && now == closed[c];
+      closed[c] = now;
+    }
+    if (!same) continue;
+    for (std::size_t c = 0; c < count; ++c) {
+      const Law& law = problem.laws[c];
+      if (lambda.segment(first[c] + 1, law.rows - 1).norm() > law.mu * lambda[first[c]]) return {};
+    }
+    return lambda;
+  }
+  return {};
+}
+
 }  // namespace
 
 const char* to_string(FrictionReading reading) {
@@ -108,7 +139,10 @@ RegularisedSolution solve_regularised(const LocalProblem& problem, const VecX& R
                                       const RegularisedOptions& options) {
   check(problem, R);
   const LocalProblem soft{compliant(problem, R, options.reading), problem.q, problem.laws};
-  FrictionSolution found = solve(soft, lambda_0, options_of(options));
+  VecX start = lambda_0;
+  if (problem.q.size() <= kFewRows && problem.q.allFinite())
+    if (VecX guess = stick_or_open(soft.W, soft); guess.size() > 0) start = std::move(guess);
+  FrictionSolution found = solve(soft, start, options_of(options));
   RegularisedSolution out{.v = problem.W * found.r + problem.q, .report = found.report};
   const std::vector<int> first = first_rows(problem.laws);
   for (std::size_t c = 0; c < problem.laws.size(); ++c)
