@@ -7,6 +7,7 @@
 //          prepare_part --builtin gear --dilation 5e-4 --erode
 // Expect   faces and concave edges restored to rounding, convex edges of 90 degrees rounded by 0.414
 // dilations
+#include <algorithm>
 #include <cstdio>
 #include <optional>
 
@@ -15,6 +16,7 @@
 #include "examples/part/part_picture.hpp"
 #include "geometry/check.hpp"
 #include "geometry/fastener.hpp"
+#include "geometry/mesh_features.hpp"
 #include "geometry/primitives.hpp"
 #include "io/build_info.hpp"
 #include "io/mesh_file.hpp"
@@ -103,6 +105,19 @@ void report_mesh_and_classes(Report& report, const AssemblyPart& part, const Lmd
     report.add(name, count);
     report.show(name, std::to_string(count));
   }
+  const MeshFeatures features = find_mesh_features(part.complex);
+  const VertexRuleCells& cells = features.cells;
+  const auto active_edges = std::count_if(features.edge_class.begin(), features.edge_class.end(), is_active);
+  report.add("active_edges", active_edges);
+  report.add("active_vertices_both", cells.both);
+  report.add("active_vertices_neither", cells.neither);
+  report.add("active_vertices_only_moravanszky_terdiman", cells.only_moravanszky_terdiman);
+  report.add("active_vertices_only_tangent_cone", cells.only_tangent_cone);
+  report.show("active edges of the triangles", std::to_string(active_edges));
+  report.show("active vertices: both rules, neither",
+              std::to_string(cells.both) + ", " + std::to_string(cells.neither));
+  report.show("  paper only, tangent cones only", std::to_string(cells.only_moravanszky_terdiman) + ", " +
+                                                      std::to_string(cells.only_tangent_cone));
   const double bend = 180 / kPi * median_bend(part.complex, ideal);
   report.add("median_bend_degrees", bend);
   char text[40];

@@ -56,6 +56,23 @@ void leave_apart(const State& state, const Estimate& estimate, const Advancement
   });
 }
 
+// What a reducer may look at. Only a selector asks for the bodies, whose forces cost as much as a free
+// motion.
+ReductionInput reduction_input(const StepSetting& setting, const State& state, const Found& found) {
+  ReductionInput input{.contacts = found.contacts,
+                       .kept_before = found.warm.remembered,
+                       .impulse = found.warm.impulse,
+                       .h = found.h};
+  for (const ContactPoint& c : found.contacts.points)
+    input.mu.push_back(contact_law(setting.model, c.a.body, c.b.body).mu);
+  if (setting.options.reduction.reducer != Reducer::selector) return input;
+  const VecX wrench =
+      all_velocities(setting.dofs, forces_at(setting.model, state, setting.dofs).sum(), 0 * state.v);
+  for (int b = 0; b < int(state.g.size()); ++b)
+    input.bodies.push_back({pose(state, b), twist(state, b), wrench.segment<6>(6 * Eigen::Index(b))});
+  return input;
+}
+
 // Those of `apart` whose dilated shapes are not proven to keep apart on the path (CA-16).
 std::vector<std::pair<int, int>> meeting_pairs(const StepSetting& setting, const StepMotion& path,
                                                const std::vector<StepPair>& apart, StepReport& report) {
@@ -264,6 +281,7 @@ StepReport told(const StepSetting& setting, const Found& found, const ImpulseSte
     for (const StepPair& pair : *pairs) report.threshold = std::max(report.threshold, pair.threshold);
   report.contacts_found = found.count;
   report.contacts_kept = int(impulses.contact.size());
+  report.loss = found.selection.loss;
   report.contacts_matched = found.warm.matched;
   report.min_gap = found.min_gap;
   for (const double gap : step.gap) report.min_gap = std::min(report.min_gap, gap);
@@ -295,8 +313,8 @@ Found find_ahead(const StepSetting& setting, const State& state, const Estimate&
   found.count = int(found.contacts.points.size());
   found.min_gap = smallest_gap(found.contacts);
   if (o.advancement.certify) leave_apart(state, estimate, o.advancement, found);  // (CA-16)
-  found.selection = reduce(found.contacts, o.reduction);                          // (RED-1)
   found.warm = warm_start(state.memory, found.contacts, found.scale);             // (RED-5)
+  found.selection = reduce(reduction_input(setting, state, found), o.reduction);  // (RED-1)
   found.seconds = step_clock() - begin;
   return found;
 }
@@ -306,8 +324,8 @@ Found found_at(const StepSetting& setting, const State& state, const Found& foun
   const StepOptions& o = setting.options;
   Found out = found;
   out.contacts = contacts_of(setting.model, at, found.pairs, o.lmd);
-  out.selection = reduce(out.contacts, o.reduction);
   out.warm = warm_start(state.memory, out.contacts, out.scale);
+  out.selection = reduce(reduction_input(setting, at, out), o.reduction);
   out.seconds += step_clock() - begin;
   return out;
 }

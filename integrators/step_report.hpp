@@ -10,6 +10,7 @@
 #include "mechanics/mechanism.hpp"
 #include "nsgs/residual.hpp"
 #include "nsgs/solve.hpp"
+#include "reduction/loss.hpp"
 
 namespace aussois {
 
@@ -108,6 +109,7 @@ struct StepReport {
   double t = 0, h = 0;            // time reached and step taken [s]
   int contacts_found = 0;         // local minima within the threshold
   int contacts_kept = 0;          // of them in the problem that was solved
+  LossReport loss{};              // the worst of what the first selection lost (RED-7)
   int contacts_matched = 0;       // with an impulse from the last step
   int contacts_made_passive = 0;  // whose law was stated at the midpoint, or they had given energy (PMI-6)
   int attempts = 1;               // times the step was tried (threshold enlarged or step halved)

@@ -92,6 +92,7 @@ WarmStart warm_start(const ContactMemory& memory, const ContactSet& contacts, do
   WarmStart start;
   start.impulse.assign(points.size(), Vec3::Zero());
   start.drilling.assign(points.size(), 0);
+  start.remembered.assign(points.size(), 0);
   std::size_t i = 0, j = 0;
   while (i < now.size() && j < old.size()) {  // merge of two sequences sorted by key
     const std::size_t i_end = end_of_key(now, i), j_end = end_of_key(old, j);
@@ -101,6 +102,7 @@ WarmStart warm_start(const ContactMemory& memory, const ContactSet& contacts, do
         start.impulse[place[i + c.now]] =
             scale * turned(from.impulse, from.normal, now[i + c.now].normal);  // (RED-5)
         start.drilling[place[i + c.now]] = scale * from.drilling;
+        start.remembered[place[i + c.now]] = 1;
         ++start.matched;
       }
     const bool now_first = now[i].key <= old[j].key, old_first = old[j].key <= now[i].key;

@@ -26,6 +26,7 @@ struct ContactMemory {
 struct WarmStart {
   std::vector<Vec3> impulse{};  // on A, world [N s], one per contact of the set; zero where nothing matches
   std::vector<double> drilling{};  // about the normal, on A [N m s], likewise
+  std::vector<char> remembered{};  // 1: the contact was in the problem of the last step, 0: it is new
   int matched = 0;
 };
 

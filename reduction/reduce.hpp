@@ -1,19 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fewer contacts that can still carry the same loads (RED-1) to (RED-4): contacts of one body pair are
-// clustered by normal, and of each cluster the extreme points and the deepest one are kept.
-// Source of the extremes: [Moravanszky2004]; the tie rule and the layer are ours.
+// Fewer contacts that can still carry the same loads (RED-1) to (RED-4), and what the others take with them
+// (RED-7): contacts of one body pair are clustered by normal, and of each cluster some are kept, the deepest
+// one always.
 #pragma once
 
+#include <string>
 #include <vector>
 
-#include "lmd/contact_point.hpp"
+#include "reduction/selection.hpp"
 
 namespace aussois {
 
 enum class Reducer {
   none,            // keeps everything
-  extreme_points,  // four extremes along two in-plane axes and the deepest, with the tie rule (RED-3)
+  extreme_points,  // four extremes along two in-plane axes (RED-3)
+  selector,        // ReductionOptions::selector
 };
+const char* to_string(Reducer reducer);
+/// By its name; throws std::invalid_argument naming all of them.
+Reducer reducer(const std::string& name);
+std::vector<std::string> reducer_names();
 
 struct ReductionOptions {
   Reducer reducer = Reducer::extreme_points;
@@ -22,31 +28,25 @@ struct ReductionOptions {
   double tie = 1e-3;    // extremes within this fraction of the cluster's extent are tied, in [0, 0.1]; larger
                         // than the flatness of real meshes, or noise chooses the corners
   double layer = 1e-5;  // contacts within this of the deepest keep extremes of their own [m], >= 0; taste
+  double min_margin = 0;  // contacts are added to every cluster until its margin is at least this, in [0, 1];
+                          // 0: whatever the reducer leaves
+  bool paper_exact = false;    // extreme_points: as published, without the tie rule
+  ContactSelector selector{};  // of Reducer::selector, which needs one; no other takes one
 };
 void validate(const ReductionOptions& options);  // throws std::invalid_argument: field, value, bound
 
-/// What a reduction kept.
-struct Selection {
-  std::vector<int> kept{};     // indices into the set, ascending
-  std::vector<int> cluster{};  // cluster of every contact of the set
-  int cluster_count = 0;
-};
-
-/// A pure function of the set, whatever its order, and the options; kept contacts are neither moved nor
-/// merged. Throws std::invalid_argument naming the contact if a point or gap is not finite or a normal not of
-/// unit length (1e-6).
+/// A pure function of the input, whatever the order of its contacts, and the options; kept contacts are
+/// neither moved nor merged. Throws std::invalid_argument naming the contact if a point or gap is not finite
+/// or a normal not of unit length (1e-6), if a vector of the input has another length than the set, or if a
+/// selector names a contact that is not in it.
+Selection reduce(const ReductionInput& input, const ReductionOptions& options = {});
 Selection reduce(const ContactSet& found, const ReductionOptions& options = {});
 
 /// The kept contacts, in order. Throws std::invalid_argument if an index is out of range.
 ContactSet select(const ContactSet& found, const std::vector<int>& kept);
 
-/// The worst over all clusters of what the kept contacts lost against the full set (RED-7).
-struct LossReport {
-  double margin = 1;  // least ratio of the support functions about the centroid; 1: nothing lost, <= 0:
-                      // centroid unsupported
-  double area = 1;    // least ratio of the hull areas, in [0, 1]; clusters without area do not count
-};
-/// `selection` as returned by reduce() for the same set, or any subset of it with the same clusters.
+/// The worst over all clusters of what the kept contacts lost against the full set (RED-7). `selection` as
+/// returned by reduce() for the same set, or any subset of it with the same clusters.
 LossReport measure_loss(const ContactSet& found, const Selection& selection);
 
 }  // namespace aussois

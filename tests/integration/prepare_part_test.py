@@ -21,6 +21,9 @@ class PreparePart(DriverTest):
         _, part = self.prepare("--builtin", "l", "--erode", "--dilation", "1e-3")
         self.assertEqual((part["regions"], part["chains"], part["face"]), (8, 18, 20))
         self.assertEqual((part["v_corner"], part["e_crease"], part["silent"]), (10, 17, 3), "two pits and one groove")
+        cells = [part["active_vertices_" + c] for c in
+                 ("both", "neither", "only_moravanszky_terdiman", "only_tangent_cone")]
+        self.assertEqual((part["active_edges"], cells), (17, [10, 2, 0, 0]))
         self.assertEqual(part["erosion"], "done")
         self.assertLess(part["face_error"], 1e-12 * part["size"])
         self.assertAlmostEqual(part["edge_rounding"], 1e-3 * (math.sqrt(2) - 1), delta=1e-15)

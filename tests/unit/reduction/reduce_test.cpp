@@ -5,53 +5,14 @@
 #include <algorithm>
 #include <limits>
 
-#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "tests/support/flat_contacts.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/random.hpp"
 
 namespace aussois {
 namespace {
-
-void add(ContactSet& set, const Vec3& point, const Vec3& normal, double gap = 0) {
-  ContactPoint c;
-  c.a = {.body = 0, .dim = 0, .simplex = int(set.points.size()), .region = int(set.points.size())};
-  c.b = {.body = 1, .dim = 2, .simplex = 0, .region = 0};
-  c.x_a = point + 0.5 * gap * normal;
-  c.x_b = point - 0.5 * gap * normal;
-  c.normal = normal;
-  c.gap = gap;
-  set.points.push_back(c);
-}
-
-ContactSet flat(const std::vector<Vec2>& points) {
-  ContactSet set;
-  for (const Vec2& p : points) add(set, {p.x(), p.y(), 0}, Vec3::UnitZ());
-  return set;
-}
-
-// Points i of n x m on a rectangle a x b; the corners are 0, n - 1, n (m - 1), n m - 1.
-std::vector<Vec2> grid(int n, int m, double a, double b) {
-  std::vector<Vec2> points;
-  for (int j = 0; j < m; ++j)
-    for (int i = 0; i < n; ++i) points.push_back({a * i / (n - 1), b * j / (m - 1)});
-  return points;
-}
-
-std::vector<Vec2> rotated(std::vector<Vec2> points, double angle) {
-  for (Vec2& p : points) p = Eigen::Rotation2D<double>(angle) * p;
-  return points;
-}
-
-ContactSet moved(ContactSet set, const Quat& R, const Vec3& p) {
-  for (ContactPoint& c : set.points) {
-    c.x_a = R * c.x_a + p;
-    c.x_b = R * c.x_b + p;
-    c.normal = R * c.normal;
-  }
-  return set;
-}
 
 const std::vector<int> kGridCorners = {0, 5, 18, 23};  // of a grid of 6 x 4
 

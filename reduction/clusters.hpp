@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// Contacts of one body pair whose normals almost agree (RED-2).
+#pragma once
+
+#include <vector>
+
+#include "lmd/contact_point.hpp"
+
+namespace aussois {
+
+/// Indices into the set, the deepest contact of each cluster first; ties by features, then by coordinates, so
+/// that neither clusters nor their order depend on how the set is stored.
+using Clusters = std::vector<std::vector<int>>;
+
+/// `angle`: largest angle of a normal to that of its cluster's deepest contact [rad], in (0, pi/2].
+Clusters clusters_of(const ContactSet& found, double angle);
+
+}  // namespace aussois

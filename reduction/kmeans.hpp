@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lloyd's k-means in any dimension, in space or on the unit sphere (CLU-3), with seeds that anybody can
+// repeat (CLU-4).
+#pragma once
+
+#include <cstdint>
+#include <variant>
+#include <vector>
+
+#include "geometry/types.hpp"
+
+namespace aussois {
+
+struct SeedFarthest {};  // the first point, then always the one farthest from its nearest seed
+struct SeedRandom {      // different points, each set equally likely
+  std::uint64_t seed = 0;
+};
+struct SeedPlusPlus {  // each next one with a probability that grows with weight times distance squared
+  std::uint64_t seed = 0;
+};
+struct SeedWarm {  // centres of before, one per column; too few: the rest as SeedFarthest
+  MatX centres{};
+};
+using KMeansSeeding = std::variant<SeedFarthest, SeedRandom, SeedPlusPlus, SeedWarm>;
+
+struct KMeansOptions {
+  int k = 3;  // >= 1; at most as many as there are points
+  KMeansSeeding seeding{};
+  int max_iterations = 100;  // >= 0
+  bool on_sphere = false;    // unit vectors: centres are normalised sums
+};
+
+struct KMeans {
+  MatX centres{};            // one per column
+  std::vector<int> label{};  // the nearest centre of each point; the lowest of several
+  std::vector<int> count{};  // of points, by centre; a centre without points stays where it was
+  std::vector<double>
+      objective{};  // sum of weight times distance squared, at the seeds and after each iteration
+  int iterations = 0;
+  bool converged = false;  // the last iteration changed no label
+};
+
+/// `points`: one per column; `weights` >= 0, one per point, or none: all one. A pure function of its input;
+/// the order of the points matters only for ties and seeds. Throws std::invalid_argument if a number is not
+/// finite, a weight negative, a size wrong, or k or max_iterations out of bounds. Without points: no centres.
+KMeans kmeans(const MatX& points, const VecX& weights, const KMeansOptions& options = {});
+
+}  // namespace aussois

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reduction/planar_patch.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+#include <Eigen/Geometry>
+
+#include "geometry/frame.hpp"
+
+namespace aussois {
+namespace {
+
+constexpr double kIsotropic = 1e-6;  // relative difference of principal moments below which no direction is
+                                     // principal: above it, rounding turns the axis by less than 1e-9
+
+double cross(const Vec2& a, const Vec2& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+Vec2 outward(const Vec2& side) {  // of a side of a hull that is walked counter-clockwise
+  return Vec2(side.y(), -side.x()).stableNormalized();
+}
+
+// Support function of a hull for directions that turn counter-clockwise from -u on.
+class TurningSupport {
+ public:
+  explicit TurningSupport(const std::vector<Vec2>& hull) : hull_(hull) {}
+  double operator()(const Vec2& d) {
+    while (d.dot(next()) > d.dot(hull_[at_])) at_ = (at_ + 1) % hull_.size();
+    return d.dot(hull_[at_]);
+  }
+
+ private:
+  const Vec2& next() const { return hull_[(at_ + 1) % hull_.size()]; }
+  const std::vector<Vec2>& hull_;
+  std::size_t at_ = 0;  // the leftmost corner, as hull_of begins
+};
+
+// Integral of |x| over the triangle of the origin, a and b: with the origin's distance p to the side, between
+// the angles that its ends are seen at from the foot (RED-8).
+double distance_integral(const Vec2& a, const Vec2& b) {
+  const Vec2 side = b - a;
+  const double length = side.norm(), p = cross(a, b) / length;
+  if (!(length > 0) || p == 0) return 0;
+  const auto primitive = [&](double s) { return s * std::hypot(p, s) + p * p * std::asinh(s / std::abs(p)); };
+  return p / 6 * (primitive(side.dot(b) / length) - primitive(side.dot(a) / length));
+}
+
+double distance_to(const std::vector<Vec2>& hull, const Vec2& x) {
+  bool inside = hull.size() > 2;
+  double nearest = kInf;
+  for (std::size_t i = 0; i < hull.size(); ++i) {
+    const Vec2 a = hull[i], side = hull[(i + 1) % hull.size()] - a;
+    const double s =
+        side.squaredNorm() > 0 ? std::clamp((x - a).dot(side) / side.squaredNorm(), 0.0, 1.0) : 0;
+    nearest = std::min(nearest, (x - a - s * side).norm());
+    inside = inside && cross(side, x - a) >= 0;
+  }
+  return inside ? 0 : nearest;
+}
+
+// Area, centroid and drilling radius of a patch whose hull is known.
+void measure(PlanarPatch& patch) {
+  const auto corner = [&](std::size_t i) { return patch.x[std::size_t(patch.hull[i % patch.hull.size()])]; };
+  const Vec2 first = corner(0);
+  Vec2 moment = Vec2::Zero();
+  for (std::size_t i = 1; i + 1 < patch.hull.size(); ++i) {
+    const Vec2 a = corner(i) - first, b = corner(i + 1) - first;
+    patch.area += cross(a, b) / 2;
+    moment += cross(a, b) / 2 * (a + b) / 3;
+  }
+  if (patch.area == 0) {
+    const Vec2 last = corner(patch.hull.size() - 1);
+    patch.centroid = (first + last) / 2;
+    patch.drilling_radius = (last - first).norm() / 4;
+    return;
+  }
+  patch.centroid = first + moment / patch.area;
+  for (std::size_t i = 0; i < patch.hull.size(); ++i)
+    patch.drilling_radius +=
+        distance_integral(corner(i) - patch.centroid, corner(i + 1) - patch.centroid) / patch.area;
+}
+
+std::vector<Vec2> places(const PlanarPatch& patch, std::span<const int> members) {
+  std::vector<Vec2> out;
+  out.reserve(members.size());
+  for (const int i : members) out.push_back(patch.x[std::size_t(i)] - patch.centroid);
+  return out;
+}
+
+}  // namespace
+
+PlanarPatch planar_patch(const ContactSet& found, std::span<const int> members) {
+  const auto middle = [&](int i) {
+    const ContactPoint& c = found.points[std::size_t(i)];
+    return Vec3(0.5 * (c.x_a + c.x_b));
+  };
+  Vec3 n = Vec3::Zero(), mean = Vec3::Zero();
+  for (const int i : members) {
+    n += found.points[std::size_t(i)].normal;  // never zero: all are within a right angle of the seed
+    mean += middle(i);
+  }
+  mean /= double(members.size());
+  Mat3 frame = frame_of(n.normalized());
+
+  std::vector<Vec2> x;
+  x.reserve(members.size());
+  Mat2 S = Mat2::Zero();
+  for (const int i : members) {
+    x.push_back((frame.transpose() * (middle(i) - mean)).tail<2>());
+    S += x.back() * x.back().transpose();
+  }
+  const double difference = 0.5 * (S(0, 0) - S(1, 1));
+  if (std::hypot(difference, S(0, 1)) > 0.5 * kIsotropic * S.trace()) {
+    const Mat2 turn = Eigen::Rotation2D<double>(0.5 * std::atan2(S(0, 1), difference)).toRotationMatrix();
+    for (Vec2& point : x) point = turn.transpose() * point;
+    frame.rightCols<2>() = (frame.rightCols<2>() * turn).eval();
+  }
+  PlanarPatch patch = planar_patch(std::move(x));
+  patch.frame = frame;
+  patch.origin = mean;
+  return patch;
+}
+
+PlanarPatch planar_patch(std::vector<Vec2> x) {
+  PlanarPatch patch{.x = std::move(x)};
+  Vec2 lo = patch.x.front(), hi = patch.x.front();
+  for (const Vec2& point : patch.x) {
+    lo = lo.cwiseMin(point);
+    hi = hi.cwiseMax(point);
+  }
+  patch.extent = (hi - lo).maxCoeff();
+  std::vector<int> all(patch.x.size());
+  std::iota(all.begin(), all.end(), 0);
+  patch.hull = hull_of(patch, all);
+  measure(patch);
+  return patch;
+}
+
+// Andrew's monotone chain.
+std::vector<int> hull_of(const PlanarPatch& patch, std::span<const int> members) {
+  const double same = kSamePlace * patch.extent;
+  const auto at = [&](int i) -> const Vec2& { return patch.x[std::size_t(i)]; };
+  std::vector<int> order(members.begin(), members.end());
+  std::sort(order.begin(), order.end(), [&](int i, int j) {
+    return std::make_tuple(at(i).x(), at(i).y(), i) < std::make_tuple(at(j).x(), at(j).y(), j);
+  });
+  order.erase(std::unique(order.begin(), order.end(), [&](int i, int j) { return at(i) == at(j); }),
+              order.end());
+  if (order.size() < 3) return order;
+  const auto corner = [&](int a, int b, int c) {
+    const Vec2 along = at(c) - at(a);
+    return cross(at(b) - at(a), along) > same * along.norm();
+  };
+  std::vector<int> hull;
+  for (int side = 0; side < 2; ++side) {  // below from left to right, above from right to left
+    const std::size_t start = hull.size();
+    for (const int i : order) {
+      while (hull.size() >= start + 2 && !corner(hull[hull.size() - 2], hull.back(), i)) hull.pop_back();
+      hull.push_back(i);
+    }
+    hull.pop_back();  // the first of the other side
+    std::reverse(order.begin(), order.end());
+  }
+  return hull;
+}
+
+Margin margin_of(const PlanarPatch& patch, std::span<const int> part) {
+  if (part.empty()) return {.value = -kInf};
+  if (!(patch.extent > 0)) return {};
+  const std::vector<Vec2> P = places(patch, patch.hull), S = places(patch, hull_of(patch, part));
+  std::vector<Vec2> directions;
+  if (P.size() == 2) {  // only the line's own directions tell
+    directions = {(P[0] - P[1]).stableNormalized(), (P[1] - P[0]).stableNormalized()};
+  } else {
+    for (const std::vector<Vec2>* hull : {&P, &S})
+      for (std::size_t i = 0; hull->size() > 1 && i < hull->size(); ++i)
+        directions.push_back(outward((*hull)[(i + 1) % hull->size()] - (*hull)[i]));
+    std::sort(directions.begin(), directions.end(), [](const Vec2& a, const Vec2& b) {
+      return std::atan2(a.y(), a.x()) < std::atan2(b.y(), b.x());
+    });
+  }
+  Margin worst;
+  TurningSupport h_P(P), h_S(S);
+  for (const Vec2& d : directions) {
+    const double ratio = h_S(d) / h_P(d);  // P surrounds its centroid
+    if (ratio < worst.value) worst = {ratio, d};
+  }
+  return worst;
+}
+
+LossReport loss_of(const PlanarPatch& patch, std::span<const int> part) {
+  if (part.empty()) return {.margin = -kInf, .area = 0, .torsion = 0, .hausdorff = patch.extent};
+  LossReport loss{.margin = margin_of(patch, part).value};
+  const std::vector<Vec2> S = places(patch, hull_of(patch, part));
+  if (patch.area > 0) {
+    double area = 0;
+    for (std::size_t i = 0; i < S.size(); ++i) area += cross(S[i], S[(i + 1) % S.size()]) / 2;
+    loss.area = std::clamp(area / patch.area, 0.0, 1.0);
+  }
+  std::vector<char> kept(patch.x.size(), 0);
+  for (const int i : part) kept[std::size_t(i)] = 1;
+  for (const int i : patch.hull)
+    if (!kept[std::size_t(i)])
+      loss.hausdorff = std::max(loss.hausdorff, distance_to(S, patch.x[std::size_t(i)] - patch.centroid));
+  if (patch.drilling_radius > 0) {
+    double sum = 0;
+    for (const Vec2& x : places(patch, part)) sum += x.norm();
+    loss.torsion = sum / double(part.size()) / patch.drilling_radius;  // (RED-8)
+  }
+  return loss;
+}
+
+int extreme(const PlanarPatch& patch, const Vec2& d, const Vec2& side, double tie) {
+  double far = -kInf, aside = -kInf;
+  for (const Vec2& point : patch.x) far = std::max(far, d.dot(point));
+  const auto tied = [&](const Vec2& point) { return d.dot(point) >= far - tie; };
+  for (const Vec2& point : patch.x)
+    if (tied(point)) aside = std::max(aside, side.dot(point));
+  const double same = kSamePlace * patch.extent;
+  const auto first = std::find_if(patch.x.begin(), patch.x.end(),
+                                  [&](const Vec2& p) { return tied(p) && side.dot(p) >= aside - same; });
+  return int(first - patch.x.begin());
+}
+
+}  // namespace aussois

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// The contacts of one cluster, seen along their mean normal: where they are in the plane, their hull, and how
+// much of it a part of them spans (RED-3), (RED-7).
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "lmd/contact_point.hpp"
+#include "reduction/loss.hpp"
+
+namespace aussois {
+
+/// Members are numbered as they were given.
+struct PlanarPatch {
+  Mat3 frame = Mat3::Identity();  // columns n, u, v, world; n the mean normal, u the principal direction
+  Vec3 origin = Vec3::Zero();     // mean of the members, each at the middle of its proximal points [m]
+  std::vector<Vec2> x{};          // of the members along u and v, about the origin [m]
+  double extent = 0;              // the larger one along u and v [m]
+  std::vector<int> hull{};        // corners of the hull, counter-clockwise, each the first member there; no
+                                  // points on sides (1e-9 of the extent); two for a line, one for a point
+  double area = 0;                // of the hull [m^2]; 0 for a line or a point
+  Vec2 centroid = Vec2::Zero();   // of the hull as an area; middle of a line [m]
+  double drilling_radius = 0;     // mean distance of the hull's area, or line, from the centroid [m] (RED-8)
+};
+
+/// At least one member.
+PlanarPatch planar_patch(const ContactSet& found, std::span<const int> members);
+/// The same of points that are in their plane already.
+PlanarPatch planar_patch(std::vector<Vec2> x);
+
+/// Corners of the hull of some members, as PlanarPatch::hull.
+std::vector<int> hull_of(const PlanarPatch& patch, std::span<const int> members);
+
+/// The margin of a part of the members and the direction in which it is reached (RED-7).
+struct Margin {
+  double value = 1;  // at most 1; -kInf for no members
+  Vec2 direction = Vec2::UnitX();
+};
+Margin margin_of(const PlanarPatch& patch, std::span<const int> part);
+
+/// What a part of the members loses (RED-7), (RED-8), (RED-9); depth is left at 0.
+LossReport loss_of(const PlanarPatch& patch, std::span<const int> part);
+
+/// Of tied members the farthest along `side`, of those at one place the first: E(d, side) of (RED-3). Members
+/// within `tie` [m] of the farthest along `d` are tied.
+int extreme(const PlanarPatch& patch, const Vec2& d, const Vec2& side, double tie);
+
+inline constexpr double kSamePlace = 1e-9;  // fraction of the extent within which points are one point
+
+}  // namespace aussois

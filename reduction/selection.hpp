@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a reducer sees and what it says.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "geometry/se3.hpp"
+#include "reduction/clusters.hpp"
+#include "reduction/loss.hpp"
+
+namespace aussois {
+
+/// What a selector may know of a body.
+struct BodyLoad {
+  SE3 g_wb{};
+  Vec6 twist = Vec6::Zero();   // v_G in the world [m/s], omega in the body [rad/s]
+  Vec6 wrench = Vec6::Zero();  // of all but contacts and joints (gravity, force laws, gyroscopic torque):
+                               // force in the world [N], torque about the centre of mass in the body [N m]
+};
+
+/// All that a selection may depend on. Vectors hold one entry per contact of the set, or none: not known.
+struct ReductionInput {
+  const ContactSet& contacts;
+  std::vector<char> kept_before{};  // 1: it was in the problem of the last step
+  std::vector<Vec3> impulse{};      // of the last step on A, turned to now, world [N s]; zero: none
+  std::vector<double> mu{};         // Coulomb friction [-], >= 0
+  double h = 0;                     // the step that the impulses scale with [s]; 0: not known
+  std::vector<BodyLoad> bodies{};   // by Feature::body; only for Reducer::selector
+};
+
+/// A reducer of one's own: indices of the contacts to keep, in any order. A pure function; the deepest
+/// contact of every cluster is kept besides.
+using ContactSelector = std::function<std::vector<int>(const ReductionInput&, const Clusters&)>;
+
+/// What a reduction kept.
+struct Selection {
+  std::vector<int> kept{};     // indices into the set, ascending
+  std::vector<int> cluster{};  // cluster of every contact of the set
+  int cluster_count = 0;
+  LossReport loss{};  // the worst of all clusters
+};
+
+}  // namespace aussois
