@@ -5,25 +5,24 @@
 #include <numeric>
 
 #include "geometry/check.hpp"
+#include "geometry/parallel.hpp"
 
 namespace aussois {
 
 MatX choice_errors(const SolverView& view, PegScenario scenario, const std::vector<PegSample>& samples,
-                   const std::function<void(int)>& progress) {
+                   int threads, const std::function<void()>& progress) {
   const std::vector<std::vector<int>> choices = peg_choices(scenario);
   MatX errors(choices.size(), samples.size());
-  std::vector<PegContact> picked;
-  for (std::size_t s = 0; s < samples.size(); ++s) {
-    const std::vector<PegContact> all = peg_contacts(scenario, samples[s]);
-    const Vec3 measured = samples[s].plate_force;
+  parallel_for(int(samples.size()), threads, [&](int s) {
+    const PegSample& sample = samples[std::size_t(s)];
+    const std::vector<PegContact> all = peg_contacts(scenario, sample);
+    const Vec3 measured = sample.plate_force;
     for (std::size_t c = 0; c < choices.size(); ++c) {
-      picked.clear();
-      for (const int i : choices[c]) picked.push_back(all[std::size_t(i)]);
-      errors(Eigen::Index(c), Eigen::Index(s)) =
-          (plate_force(view, samples[s], picked) - measured).norm() / measured.norm();
+      const Vec3 force = plate_force(view, sample, picked(all, choices[c]));
+      errors(Eigen::Index(c), s) = (force - measured).norm() / measured.norm();
     }
-    if (progress) progress(int(s) + 1);
-  }
+    if (progress) progress();
+  });
   return errors;
 }
 

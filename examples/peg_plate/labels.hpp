@@ -11,9 +11,9 @@
 namespace aussois {
 
 /// |F - F_e| / |F_e| of every choice (row) for every sample (column) (PEG-9). `progress` hears of each
-/// sample.
+/// sample, from any thread.
 MatX choice_errors(const SolverView& view, PegScenario scenario, const std::vector<PegSample>& samples,
-                   const std::function<void(int)>& progress = {});
+                   int threads = 1, const std::function<void()>& progress = {});
 
 /// Choices by their mean square error over the samples, the best first; ties by index (PEG-10).
 std::vector<int> ranking(const MatX& errors);

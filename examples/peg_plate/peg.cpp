@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "examples/peg_plate/peg.hpp"
 
-#include <algorithm>
-
 namespace aussois {
 
-VecX input_of(const PegSample& s) {
-  VecX x(kPegInputs);
-  x << s.g.p, s.g.R.toRotationMatrix().reshaped(), s.v, s.omega, s.force, s.torque;
-  return x;
+BodyLoad load_of(const PegSample& s) {
+  BodyLoad load{.g_wb = s.g};
+  load.twist << s.v, s.omega;
+  load.wrench << s.force, s.torque - s.omega.cross(Peg().inertia.cwiseProduct(s.omega));
+  return load;
 }
 
 const char* to_string(PegScenario scenario) {

@@ -6,7 +6,7 @@
 #include <array>
 #include <vector>
 
-#include "geometry/se3.hpp"
+#include "reduction/selection.hpp"
 
 namespace aussois {
 
@@ -32,9 +32,8 @@ struct PegSample {
   Vec3 plate_force = Vec3::Zero();  // of the plate on the peg, world [N]
 };
 
-/// [x; columns of R; v; omega; force; torque].
-inline constexpr int kPegInputs = 24;
-VecX input_of(const PegSample& sample);
+/// As a simulation tells it to a learned selector: with the gyroscopic torque.
+BodyLoad load_of(const PegSample& sample);
 
 /// One run of the robot.
 struct PegCase {

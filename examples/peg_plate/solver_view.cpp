@@ -81,6 +81,12 @@ std::vector<PegContact> peg_contacts(PegScenario scenario, const PegSample& samp
   return out;
 }
 
+std::vector<PegContact> picked(const std::vector<PegContact>& all, const std::vector<int>& which) {
+  std::vector<PegContact> out;
+  for (const int i : which) out.push_back(all[std::size_t(i)]);
+  return out;
+}
+
 std::vector<std::vector<int>> peg_choices(PegScenario scenario) {
   std::vector<std::vector<int>> out;
   if (scenario == PegScenario::edge) {
