@@ -30,6 +30,19 @@ void append(std::string& text, const char* name, const MatX& rows) {
   }
 }
 
+std::string text_of(const Network& n) {
+  std::string text = std::string(kFormat) + " " + std::to_string(kVersion) + "\ninputs " +
+                     std::to_string(n.inputs()) + "\nhidden " + std::to_string(n.hidden()) + "\noutputs " +
+                     std::to_string(n.outputs()) + "\n";
+  append(text, "mean", n.mean.transpose());
+  append(text, "scale", n.scale.transpose());
+  append(text, "W1", n.W1);
+  append(text, "b1", n.b1.transpose());
+  append(text, "W2", n.W2);
+  append(text, "b2", n.b2.transpose());
+  return text;
+}
+
 class NetworkReader {
  public:
   explicit NetworkReader(const std::filesystem::path& path) : text_(read_file(path)), reader_(path, text_) {}
@@ -53,10 +66,8 @@ class NetworkReader {
       for (Eigen::Index j = 0; j < columns; ++j) out(i, j) = hexadecimal(name);
     return out;
   }
-  void end() {
-    if (const std::string_view token = reader_.token(); !token.empty())
-      reader_.fail(quoted(token) + " follows the end");
-  }
+  /// Nothing but blanks is left.
+  bool at_end() const { return text_.find_first_not_of(" \t\r\n", reader_.position()) == std::string::npos; }
   const TextReader& reader() const { return reader_; }
 
  private:
@@ -74,33 +85,12 @@ class NetworkReader {
   TextReader reader_;
 };
 
-}  // namespace
-
-void write_network(const std::filesystem::path& path, const LearnedSelector& selector) {
-  validate(selector);
-  const Network& n = selector.network;
-  std::string text = std::string(kFormat) + " " + std::to_string(kVersion) + "\ninputs " +
-                     std::to_string(n.inputs()) + "\nhidden " + std::to_string(n.hidden()) + "\noutputs " +
-                     std::to_string(n.outputs()) + "\nkeep " + std::to_string(selector.keep) + "\n";
-  append(text, "mean", n.mean.transpose());
-  append(text, "scale", n.scale.transpose());
-  append(text, "W1", n.W1);
-  append(text, "b1", n.b1.transpose());
-  append(text, "W2", n.W2);
-  append(text, "b2", n.b2.transpose());
-  MatX places(selector.places.size(), 3);
-  for (std::size_t i = 0; i < selector.places.size(); ++i)
-    places.row(Eigen::Index(i)) = selector.places[i].transpose();
-  append(text, "places", places);
-  write_whole_file(path, text);
-}
-
-LearnedSelector read_network(const std::filesystem::path& path) {
-  NetworkReader in(path);
+// Without places if the file ends before them.
+LearnedSelector read(NetworkReader& in) {
   in.word(kFormat);
   in.word(std::to_string(kVersion).c_str());
   const Eigen::Index inputs = in.size("inputs"), hidden = in.size("hidden"), outputs = in.size("outputs");
-  LearnedSelector out{.keep = int(in.size("keep"))};
+  LearnedSelector out;
   Network& n = out.network;
   n.mean = in.rows("mean", 1, inputs).transpose();
   n.scale = in.rows("scale", 1, inputs).transpose();
@@ -109,10 +99,41 @@ LearnedSelector read_network(const std::filesystem::path& path) {
   n.b1 = in.rows("b1", 1, hidden).transpose();
   n.W2 = in.rows("W2", outputs, hidden);
   n.b2 = in.rows("b2", 1, outputs).transpose();
+  if (in.at_end()) return out;
+  out.keep = int(in.size("keep"));
   const MatX places = in.rows("places", outputs, 3);
   for (Eigen::Index i = 0; i < outputs; ++i) out.places.push_back(places.row(i).transpose());
-  in.end();
+  if (!in.at_end()) in.reader().fail("something follows the last place");
   return out;
+}
+
+}  // namespace
+
+void write_network(const std::filesystem::path& path, const Network& network) {
+  validate(network);
+  write_whole_file(path, text_of(network));
+}
+
+void write_selector(const std::filesystem::path& path, const LearnedSelector& selector) {
+  validate(selector);
+  std::string text = text_of(selector.network) + "keep " + std::to_string(selector.keep) + "\n";
+  MatX places(selector.places.size(), 3);
+  for (std::size_t i = 0; i < selector.places.size(); ++i)
+    places.row(Eigen::Index(i)) = selector.places[i].transpose();
+  append(text, "places", places);
+  write_whole_file(path, text);
+}
+
+Network read_network(const std::filesystem::path& path) {
+  NetworkReader in(path);
+  return read(in).network;
+}
+
+LearnedSelector read_selector(const std::filesystem::path& path) {
+  NetworkReader in(path);
+  LearnedSelector selector = read(in);
+  if (selector.places.empty()) in.reader().fail("the file ends before keep and places");
+  return selector;
 }
 
 }  // namespace aussois

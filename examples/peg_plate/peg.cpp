@@ -10,6 +10,12 @@ BodyLoad load_of(const PegSample& s) {
   return load;
 }
 
+Vec2 centre_of_pressure(const PegSample& s) {
+  const Vec3 F = s.g.R.conjugate() * s.plate_force, torque = -s.torque;  // of the plate, body
+  const double z = -Peg().half_length;
+  return Vec2(z * F.x() - torque.y(), z * F.y() + torque.x()) / F.z();
+}
+
 const char* to_string(PegScenario scenario) {
   return scenario == PegScenario::surface ? "surface" : "edge";
 }

@@ -35,6 +35,10 @@ struct PegSample {
 /// As a simulation tells it to a learned selector: with the gyroscopic torque.
 BodyLoad load_of(const PegSample& sample);
 
+/// Where the plate's force meets the nominal face of a peg at rest, from the sensors: x and y in the body's
+/// frame [m].
+Vec2 centre_of_pressure(const PegSample& sample);
+
 /// One run of the robot.
 struct PegCase {
   double incidence = kPi / 2;  // of the set-point's way to the plate, in the plane of x and z [rad]
