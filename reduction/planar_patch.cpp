@@ -48,6 +48,12 @@ double distance_integral(const Vec2& a, const Vec2& b) {
   return p / 6 * (primitive(side.dot(b) / length) - primitive(side.dot(a) / length));
 }
 
+Vec2 nearest_of(const Vec2& a, const Vec2& b, const Vec2& x) {  // of the segment
+  const Vec2 side = b - a;
+  const double length = side.squaredNorm();
+  return length > 0 ? Vec2(a + std::clamp((x - a).dot(side) / length, 0.0, 1.0) * side) : a;
+}
+
 double distance_to(const std::vector<Vec2>& hull, const Vec2& x) {
   bool inside = hull.size() > 2;
   double nearest = kInf;
@@ -139,31 +145,46 @@ PlanarPatch planar_patch(std::vector<Vec2> x) {
   return patch;
 }
 
-// Andrew's monotone chain.
+// Andrew's monotone chain, whose order bears no tolerance; then without what stands out less than rounding,
+// from a corner that surely does.
 std::vector<int> hull_of(const PlanarPatch& patch, std::span<const int> members) {
-  const double same = kSamePlace * patch.extent;
   const auto at = [&](int i) -> const Vec2& { return patch.x[std::size_t(i)]; };
-  std::vector<int> order(members.begin(), members.end());
-  std::sort(order.begin(), order.end(), [&](int i, int j) {
+  const auto from_left = [&](int i, int j) {
     return std::make_tuple(at(i).x(), at(i).y(), i) < std::make_tuple(at(j).x(), at(j).y(), j);
-  });
+  };
+  std::vector<int> order(members.begin(), members.end());
+  std::sort(order.begin(), order.end(), from_left);
   order.erase(std::unique(order.begin(), order.end(), [&](int i, int j) { return at(i) == at(j); }),
               order.end());
   if (order.size() < 3) return order;
-  const auto corner = [&](int a, int b, int c) {
-    const Vec2 along = at(c) - at(a);
-    return cross(at(b) - at(a), along) > same * along.norm();
+  const auto append = [&](std::vector<int>& chain, std::size_t first, int i, const auto& stands_out) {
+    while (chain.size() >= first + 2 && !stands_out(at(chain[chain.size() - 2]), at(chain.back()), at(i)))
+      chain.pop_back();
+    chain.push_back(i);
   };
-  std::vector<int> hull;
+  std::vector<int> ring;
   for (int side = 0; side < 2; ++side) {  // below from left to right, above from right to left
-    const std::size_t start = hull.size();
-    for (const int i : order) {
-      while (hull.size() >= start + 2 && !corner(hull[hull.size() - 2], hull.back(), i)) hull.pop_back();
-      hull.push_back(i);
-    }
-    hull.pop_back();  // the first of the other side
+    const std::size_t first = ring.size();
+    for (const int i : order)
+      append(ring, first, i,
+             [](const Vec2& a, const Vec2& b, const Vec2& c) { return cross(b - a, c - a) > 0; });
+    ring.pop_back();  // the first of the other side
     std::reverse(order.begin(), order.end());
   }
+  const Vec2 left = at(ring.front());
+  std::rotate(ring.begin(),
+              std::max_element(
+                  ring.begin(), ring.end(),
+                  [&](int i, int j) { return (at(i) - left).squaredNorm() < (at(j) - left).squaredNorm(); }),
+              ring.end());
+  ring.push_back(ring.front());
+  std::vector<int> hull;
+  for (const int i : ring)
+    append(hull, 0, i, [same = kSamePlace * patch.extent](const Vec2& a, const Vec2& b, const Vec2& c) {
+      return (b - nearest_of(a, c, b)).norm() > same;
+    });
+  hull.pop_back();
+  std::rotate(hull.begin(), std::min_element(hull.begin(), hull.end(), from_left), hull.end());
   return hull;
 }
 

@@ -5,13 +5,25 @@
 #include <numeric>
 
 #include "geometry/check.hpp"
+#include "reduction/direction_set.hpp"
 #include "reduction/extreme_points.hpp"
+#include "reduction/hull_area_loss.hpp"
+#include "reduction/hull_exact.hpp"
+#include "reduction/load_carrier.hpp"
+#include "reduction/wrench_cone.hpp"
 
 namespace aussois {
 namespace {
 
-constexpr std::pair<Reducer, const char*> kNames[] = {
-    {Reducer::none, "none"}, {Reducer::extreme_points, "extreme_points"}, {Reducer::selector, "selector"}};
+constexpr std::pair<Reducer, const char*> kNames[] = {{Reducer::none, "none"},
+                                                      {Reducer::extreme_points, "extreme_points"},
+                                                      {Reducer::hull_exact, "hull_exact"},
+                                                      {Reducer::hull_area_loss, "hull_area_loss"},
+                                                      {Reducer::hull_margin, "hull_margin"},
+                                                      {Reducer::direction_set, "direction_set"},
+                                                      {Reducer::wrench_cone, "wrench_cone"},
+                                                      {Reducer::load_carrier, "load_carrier"},
+                                                      {Reducer::selector, "selector"}};
 
 void check(const ReductionInput& input) {
   const std::vector<ContactPoint>& points = input.contacts.points;
@@ -36,11 +48,80 @@ std::vector<int> at(std::span<const int> members, const std::vector<int>& chosen
   return out;
 }
 
+// Members whose contact is marked, as numbers in the cluster.
+std::vector<int> marked(std::span<const int> cluster, const std::vector<char>& mark) {
+  std::vector<int> out;
+  for (std::size_t k = 0; k < cluster.size(); ++k)
+    if (mark[std::size_t(cluster[k])]) out.push_back(int(k));
+  return out;
+}
+
+// Normal impulses of the members in the last step; empty: not known.
+std::vector<double> loads(const ReductionInput& input, std::span<const int> members) {
+  std::vector<double> out;
+  if (input.impulse.empty()) return out;
+  for (const int i : members)
+    out.push_back(input.impulse[std::size_t(i)].dot(input.contacts.points[std::size_t(i)].normal));
+  return out;
+}
+
+// A reducer of one plane, without memory. (The others are not asked here.)
+std::vector<int> fresh_choice(const ReductionInput& input, std::span<const int> members,
+                              const PlanarPatch& patch, const ReductionOptions& o) {
+  switch (o.reducer) {
+    case Reducer::hull_exact:
+      return hull_exact(patch);
+    case Reducer::hull_area_loss:
+      return hull_area_loss(patch, o.corners);
+    case Reducer::hull_margin:
+      return hull_margin(patch, o.hull_margin);
+    case Reducer::direction_set:
+      return direction_set(patch, o.directions, o.tie);
+    case Reducer::load_carrier:
+      return load_carrier(patch, loads(input, members));
+    default:
+      return extreme_points(patch, o.tie, o.paper_exact);
+  }
+}
+
+// How many corners a reducer with a choice may keep; 0: it has no choice, or its own memory.
+int most_corners(const ReductionOptions& o) {
+  switch (o.reducer) {
+    case Reducer::extreme_points:
+      return o.paper_exact ? 0 : 4;
+    case Reducer::hull_area_loss:
+      return o.corners;
+    case Reducer::hull_margin:
+      return o.hull_margin.max_corners;
+    case Reducer::direction_set:
+      return o.directions;
+    default:
+      return 0;
+  }
+}
+
+// Whether the corners of the last step stay (RED-14): about as few, not worse by more than the hysteresis,
+// and no promise broken.
+bool stays(const PlanarPatch& patch, const std::vector<int>& old, const std::vector<int>& fresh,
+           const ReductionOptions& o) {
+  if (old.empty() || int(old.size()) > std::min(most_corners(o), int(fresh.size()) + 1)) return false;
+  const LossReport was = loss_of(patch, old), now = loss_of(patch, fresh);
+  if (o.reducer == Reducer::hull_area_loss) return was.area * (1 + o.hysteresis) >= now.area;
+  const double promised = o.reducer == Reducer::hull_margin ? o.hull_margin.margin : -kInf;
+  return was.margin * (1 + o.hysteresis) >= now.margin && was.margin >= std::min(promised, now.margin);
+}
+
 // What the reducer says of one cluster, or of its closed layer.
 std::vector<int> chosen_of(const ReductionInput& input, std::span<const int> members,
                            const ReductionOptions& options) {
   if (int(members.size()) <= options.min_per_cluster) return {members.begin(), members.end()};
-  return at(members, extreme_points(planar_patch(input.contacts, members), options.tie, options.paper_exact));
+  const PlanarPatch patch = planar_patch(input.contacts, members);
+  const std::vector<int> fresh = fresh_choice(input, members, patch, options);
+  if (options.hysteresis > 0 && most_corners(options) > 0 && !input.kept_before.empty()) {
+    const std::vector<int> old = hull_of(patch, marked(members, input.kept_before));
+    if (stays(patch, old, fresh, options)) return at(members, old);
+  }
+  return at(members, fresh);
 }
 
 // Of all members and of the closed layer (RED-4).
@@ -56,6 +137,43 @@ void add_chosen(const ReductionInput& input, const std::vector<int>& cluster, co
   kept.insert(kept.end(), layer.begin(), layer.end());
 }
 
+// Of all clusters of one body pair together, beginning with their extremes (RED-12).
+std::vector<int> chosen_by_wrench(const ReductionInput& input, std::span<const std::vector<int>> clusters,
+                                  const ReductionOptions& options) {
+  std::vector<int> members, start;
+  for (const std::vector<int>& cluster : clusters) {
+    const int first = int(members.size());
+    start.push_back(first);
+    if (int(cluster.size()) > options.min_per_cluster)
+      for (const int k : extreme_points(planar_patch(input.contacts, cluster), options.tie))
+        start.push_back(first + k);
+    members.insert(members.end(), cluster.begin(), cluster.end());
+  }
+  std::sort(start.begin(), start.end());
+  start.erase(std::unique(start.begin(), start.end()), start.end());
+  if (int(members.size()) <= options.min_per_cluster) return members;
+  return at(members, wrench_cone(unit_wrenches(input, members), start, options.wrench_loss));
+}
+
+// The clusters of one body pair after those of the other.
+std::vector<int> chosen_by_wrenches(const ReductionInput& input, const Clusters& clusters,
+                                    const ReductionOptions& options) {
+  const auto bodies = [&](const std::vector<int>& cluster) {
+    const ContactPoint& c = input.contacts.points[std::size_t(cluster.front())];
+    return std::pair(c.a.body, c.b.body);
+  };
+  std::vector<int> kept;
+  for (auto begin = clusters.begin(); begin != clusters.end();) {
+    const auto end = std::find_if(begin, clusters.end(), [&](const std::vector<int>& cluster) {
+      return bodies(cluster) != bodies(*begin);
+    });
+    const std::vector<int> of_pair = chosen_by_wrench(input, {begin, end}, options);
+    kept.insert(kept.end(), of_pair.begin(), of_pair.end());
+    begin = end;
+  }
+  return kept;
+}
+
 std::vector<int> chosen_by_selector(const ReductionInput& input, const Clusters& clusters,
                                     const ReductionOptions& options) {
   std::vector<int> kept = options.selector(input, clusters);
@@ -64,14 +182,6 @@ std::vector<int> chosen_by_selector(const ReductionInput& input, const Clusters&
             "ReductionOptions::selector: contact " + std::to_string(i) + " must lie in [0, " +
                 std::to_string(input.contacts.points.size()) + ")");
   return kept;
-}
-
-// Members whose contact is marked, as numbers in the cluster.
-std::vector<int> marked(const std::vector<int>& cluster, const std::vector<char>& mark) {
-  std::vector<int> out;
-  for (std::size_t k = 0; k < cluster.size(); ++k)
-    if (mark[std::size_t(cluster[k])]) out.push_back(int(k));
-  return out;
 }
 
 // Adds corners until the margin is met, and says what the cluster loses then (RED-7).
@@ -129,6 +239,18 @@ void validate(const ReductionOptions& options) {
   require_field(options.layer >= 0, "ReductionOptions::layer", options.layer, "be at least 0 m");
   require_field(options.min_margin >= 0 && options.min_margin <= 1, "ReductionOptions::min_margin",
                 options.min_margin, "lie in [0, 1]");
+  require_field(options.hysteresis >= 0 && options.hysteresis < 1, "ReductionOptions::hysteresis",
+                options.hysteresis, "lie in [0, 1)");
+  require_field(options.hull_margin.margin > 0 && options.hull_margin.margin <= 1, "HullMargin::margin",
+                options.hull_margin.margin, "lie in (0, 1]");
+  require_field(options.hull_margin.min_corners >= 3, "HullMargin::min_corners",
+                options.hull_margin.min_corners, "be at least 3");
+  require_field(options.hull_margin.max_corners >= std::max(4, options.hull_margin.min_corners),
+                "HullMargin::max_corners", options.hull_margin.max_corners, "be at least 4 and min_corners");
+  require_field(options.corners >= 3, "ReductionOptions::corners", options.corners, "be at least 3");
+  require_field(options.directions >= 3, "ReductionOptions::directions", options.directions, "be at least 3");
+  require_field(options.wrench_loss >= 0 && options.wrench_loss < 1, "ReductionOptions::wrench_loss",
+                options.wrench_loss, "lie in [0, 1)");
   require(!options.paper_exact || options.reducer == Reducer::extreme_points,
           "ReductionOptions::paper_exact is a choice of reducer extreme_points, not of " +
               std::string(to_string(options.reducer)));
@@ -147,6 +269,8 @@ Selection reduce(const ReductionInput& input, const ReductionOptions& options) {
     std::iota(kept.begin(), kept.end(), 0);
   } else if (options.reducer == Reducer::selector) {
     kept = chosen_by_selector(input, clusters, options);
+  } else if (options.reducer == Reducer::wrench_cone) {
+    kept = chosen_by_wrenches(input, clusters, options);
   } else {
     for (const std::vector<int>& cluster : clusters) add_chosen(input, cluster, options, kept);
   }

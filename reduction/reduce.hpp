@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "reduction/hull_margin.hpp"
 #include "reduction/selection.hpp"
 
 namespace aussois {
@@ -14,6 +15,12 @@ namespace aussois {
 enum class Reducer {
   none,            // keeps everything
   extreme_points,  // four extremes along two in-plane axes (RED-3)
+  hull_exact,      // all corners of the hull (RED-1)
+  hull_area_loss,  // a given number of corners, much area (RED-10)
+  hull_margin,     // the fewest corners with a given margin (RED-11)
+  direction_set,   // extremes along a fan of directions (RED-3)
+  wrench_cone,     // of all normals of a pair together: every wrench with friction up to a factor (RED-12)
+  load_carrier,    // at most three, which carry the load of the last step (RED-13)
   selector,        // ReductionOptions::selector
 };
 const char* to_string(Reducer reducer);
@@ -22,15 +29,21 @@ Reducer reducer(const std::string& name);
 std::vector<std::string> reducer_names();
 
 struct ReductionOptions {
-  Reducer reducer = Reducer::extreme_points;
+  Reducer reducer = Reducer::hull_margin;
   double cluster_angle = 0.1;  // largest angle of a normal to that of its seed [rad], in (0, pi/2]; taste
   int min_per_cluster = 4;     // sets of at most this size are kept whole, >= 1
-  double tie = 1e-3;    // extremes within this fraction of the cluster's extent are tied, in [0, 0.1]; larger
-                        // than the flatness of real meshes, or noise chooses the corners
-  double layer = 1e-5;  // contacts within this of the deepest keep extremes of their own [m], >= 0; taste
+  double layer = 1e-5;  // contacts within this of the deepest are reduced by themselves too [m], >= 0; taste
   double min_margin = 0;  // contacts are added to every cluster until its margin is at least this, in [0, 1];
                           // 0: whatever the reducer leaves
-  bool paper_exact = false;    // extreme_points: as published, without the tie rule
+  double hysteresis = 0.02;  // where a reducer has a choice, it stays with the corners of the last step
+                             // unless others are better by more than this fraction, in [0, 1); 0: no memory
+  double tie = 1e-3;  // extremes within this fraction of the cluster's extent are tied, in [0, 0.1]; larger
+                      // than the flatness of real meshes, or noise chooses the corners
+  bool paper_exact = false;  // extreme_points: as published, neither tie rule nor hysteresis
+  HullMargin hull_margin{};
+  int corners = 4;             // hull_area_loss, >= 3
+  int directions = 4;          // direction_set, >= 3
+  double wrench_loss = 0.1;    // wrench_cone: at least 1 - this of every wrench is kept, in [0, 1)
   ContactSelector selector{};  // of Reducer::selector, which needs one; no other takes one
 };
 void validate(const ReductionOptions& options);  // throws std::invalid_argument: field, value, bound

@@ -37,7 +37,7 @@ NamedMethod reducer_method(Reducer reducer, const SolverView& view) {
               const std::vector<PegContact> all = peg_contacts(PegScenario::surface, sample);
               const ContactSet set = as_contact_set(sample, all);
               ReductionInput input{.contacts = set};
-              if (std::string(to_string(options.reducer)) == "load_carrier") {
+              if (options.reducer == Reducer::load_carrier) {
                 input.h = view.step;
                 for (const Vec3& force : contact_forces(view, sample, all))
                   input.impulse.push_back(view.step * force);
@@ -78,13 +78,13 @@ std::vector<NamedMethod> untrained_methods(PegScenario scenario, const SolverVie
   if (scenario == PegScenario::edge) return {fixed_method("upright", scenario, {kUpright})};
   std::vector<int> all(face_places().size());
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = int(i);
-  std::vector<NamedMethod> out{fixed_method("full", scenario, all)};
-  for (const std::string& name : reducer_names())
-    if (name == "hull_exact" || name == "hull_margin" || name == "extreme_points" || name == "load_carrier")
-      out.push_back(reducer_method(reducer(name), view));
-  out.push_back(mean_method(false, seed));
-  out.push_back(mean_method(true, seed));
-  return out;
+  return {fixed_method("full", scenario, all),
+          reducer_method(Reducer::hull_exact, view),
+          reducer_method(Reducer::hull_margin, view),
+          reducer_method(Reducer::extreme_points, view),
+          reducer_method(Reducer::load_carrier, view),
+          mean_method(false, seed),
+          mean_method(true, seed)};
 }
 
 NamedMethod fixed_method(const std::string& name, PegScenario scenario, std::vector<int> outputs) {

@@ -14,6 +14,7 @@
 namespace aussois {
 namespace {
 
+const ReductionOptions kExtremes{.reducer = Reducer::extreme_points};
 const std::vector<int> kGridCorners = {0, 5, 18, 23};  // of a grid of 6 x 4
 
 TEST(Reduce, KeepsTheFourCornersOfAnAlignedRectangle) {
@@ -27,7 +28,9 @@ TEST(Reduce, KeepsTheFourCornersOfAnAlignedRectangle) {
 TEST(Reduce, KeepsTheCornersOfARotatedRectangle) {
   for (int degree = 0; degree < 360; degree += 5) {
     EXPECT_EQ(reduce(flat(rotated(grid(6, 4, 0.3, 0.1), degree * kPi / 180))).kept, kGridCorners) << degree;
-    EXPECT_EQ(reduce(flat(rotated(grid(6, 4, 0.3, 0.1), degree * kPi / 180)), {.tie = 1e-9}).kept,
+    EXPECT_EQ(reduce(flat(rotated(grid(6, 4, 0.3, 0.1), degree * kPi / 180)),
+                     {.reducer = Reducer::extreme_points, .tie = 1e-9})
+                  .kept,
               kGridCorners);
   }
 }
@@ -42,7 +45,8 @@ TEST(Reduce, KeepsTheCornersOfANoisyRectangle) {
     for (Vec2& p : points) p += 3e-6 * Vec2(random.uniform(-1, 1), random.uniform(-1, 1));
     const ContactSet set = flat(points);
     EXPECT_EQ(reduce(set).kept, kGridCorners) << "trial " << trial;
-    lost_with_a_tight_tie += measure_loss(set, reduce(set, {.tie = 1e-9})).margin < 0.9;
+    EXPECT_EQ(reduce(set, kExtremes).kept, kGridCorners) << "trial " << trial;
+    lost_with_a_tight_tie += reduce(set, {.reducer = Reducer::extreme_points, .tie = 1e-9}).loss.margin < 0.9;
   }
   EXPECT_GT(lost_with_a_tight_tie, 100);
 }
@@ -62,7 +66,7 @@ TEST(Reduce, KeepsTheBestSquareOfADisc) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     ContactSet set = flat(disc(48, 100, seed));
     set.points.back().gap = -1e-9;  // the deepest is an inner point and kept besides
-    const Selection selection = reduce(set);
+    const Selection selection = reduce(set, kExtremes);
     std::vector<int> rim;
     for (const int i : selection.kept)
       if (i < 48) rim.push_back(i);
@@ -260,7 +264,7 @@ TEST(MeasureLoss, OfARectangleIsNothing) {
 TEST(MeasureLoss, OfADiscIsThatOfTheInscribedSquare) {
   ContactSet set = flat(disc(48, 100, 1));
   set.points.back().gap = -1e-9;
-  const LossReport loss = measure_loss(set, reduce(set));
+  const LossReport loss = reduce(set, kExtremes).loss;
   EXPECT_NEAR(loss.margin, std::sqrt(0.5), 1e-12);
   EXPECT_NEAR(loss.area, 2 / (24 * std::sin(7.5 * kPi / 180)), 1e-12);
 }
@@ -269,7 +273,7 @@ TEST(MeasureLoss, OfADiscIsThatOfTheInscribedSquare) {
 // 19/21); the new side has the normal (1, 2), support 4 - 3 * 19/21 against 5 - 3 * 19/21 of the full hull.
 TEST(MeasureLoss, OfAnLIsTheOneByHand) {
   const ContactSet set = flat({{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}});
-  const Selection selection = reduce(set);
+  const Selection selection = reduce(set, kExtremes);
   EXPECT_EQ(selection.kept.size(), 4u);
   const LossReport loss = measure_loss(set, selection);
   EXPECT_NEAR(loss.area, 6.0 / 7, 1e-12);
@@ -290,9 +294,9 @@ TEST(MeasureLoss, OfRandomPatchesIsThatOfThePrototype) {
       points.push_back({radius * std::cos(angle), radius * std::sin(angle)});
     }
     ContactSet set = flat(points);
-    set.points[std::size_t(reduce(set).kept.back())].gap =
+    set.points[std::size_t(reduce(set, kExtremes).kept.back())].gap =
         -1e-9;  // an extreme is the deepest: no fifth point
-    const Selection selection = reduce(set);
+    const Selection selection = reduce(set, kExtremes);
     const LossReport loss = measure_loss(set, selection);
     area += loss.area / trials;
     margin += loss.margin / trials;

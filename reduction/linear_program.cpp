@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reduction/linear_program.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/LU>
+
+namespace aussois {
+namespace {
+
+constexpr double kZero = 1e-10;  // of numbers of size 1
+constexpr int kFastPivots = 50;  // by the steepest cost; a program of six rows needs some ten
+using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
+
+// Columns beyond those of G are the signed unit vectors of phase one.
+class Simplex {
+ public:
+  Simplex(const Generators& G, const ShortVector& g) : G_(G), g_(g), n_(int(G.cols())), rows_(int(G.rows())) {
+    inverse_ = Square::Zero(rows_, rows_);
+    for (int i = 0; i < rows_; ++i) {
+      inverse_(i, i) = g[i] < 0 ? -1 : 1;
+      basis_.push_back(n_ + i);
+    }
+    x_ = inverse_ * g;
+  }
+
+  Combination cheapest(const VecX& cost) {
+    Combination out{.dual = minimise(VecX::Zero(n_), 1)};
+    double infeasibility = 0;
+    for (int i = 0; i < rows_; ++i)
+      if (basis_[std::size_t(i)] >= n_) infeasibility += x_[i];
+    if (infeasibility > kZero * (1 + g_.lpNorm<1>())) return out;
+    out.exists = true;
+    out.cost = 0;
+    out.dual = minimise(cost, 0);
+    std::vector<std::pair<int, double>> used;
+    for (int i = 0; i < rows_; ++i)
+      if (basis_[std::size_t(i)] < n_ && x_[i] > kZero) used.emplace_back(basis_[std::size_t(i)], x_[i]);
+    std::sort(used.begin(), used.end());
+    for (const auto& [column, weight] : used) {
+      out.column.push_back(column);
+      out.weight.push_back(weight);
+      out.cost += weight * cost[column];
+    }
+    return out;
+  }
+
+ private:
+  // With `artificial` the cost of the unit vectors, which never come back; at cost 0 they are held at zero.
+  ShortVector minimise(const VecX& cost, double artificial) {
+    for (int pivots = 0;; ++pivots) {
+      ShortVector c(rows_);
+      for (int i = 0; i < rows_; ++i)
+        c[i] = basis_[std::size_t(i)] < n_ ? cost[basis_[std::size_t(i)]] : artificial;
+      const ShortVector y = inverse_.transpose() * c;
+      int enters = -1;
+      double least = -kZero;
+      for (int j = 0; j < n_; ++j) {
+        const double reduced = cost[j] - y.dot(G_.col(j));
+        if (reduced >= least || std::find(basis_.begin(), basis_.end(), j) != basis_.end()) continue;
+        enters = j;
+        if (pivots >= kFastPivots) break;  // Bland: the first
+        least = reduced;
+      }
+      if (enters < 0) return y;
+      const ShortVector d = inverse_ * G_.col(enters);
+      const int leaves = row_that_leaves(d, artificial);
+      if (leaves < 0) return y;  // cannot be with costs >= 0, but for rounding
+      pivot(leaves, enters, d);
+    }
+  }
+
+  int row_that_leaves(const ShortVector& d, double artificial) const {
+    int leaves = -1;
+    double step = kInf;
+    for (int i = 0; i < rows_; ++i) {
+      const bool held = artificial == 0 && basis_[std::size_t(i)] >= n_;
+      if (held ? std::abs(d[i]) <= kZero : d[i] <= kZero) continue;
+      const double ratio = held ? 0 : std::max(x_[i], 0.0) / d[i];
+      if (ratio < step || (ratio == step && basis_[std::size_t(i)] < basis_[std::size_t(leaves)]))
+        step = ratio, leaves = i;
+    }
+    return leaves;
+  }
+
+  void pivot(int leaves, int enters, const ShortVector& d) {
+    basis_[std::size_t(leaves)] = enters;
+    const Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 6> row =
+        inverse_.row(leaves) / d[leaves];
+    inverse_ -= d * row;
+    inverse_.row(leaves) = row;
+    x_ = inverse_ * g_;
+  }
+
+  const Generators& G_;
+  const ShortVector& g_;
+  int n_ = 0, rows_ = 0;
+  std::vector<int> basis_{};  // by row
+  Square inverse_{};          // of the basic columns
+  ShortVector x_{};           // their weights
+};
+
+}  // namespace
+
+Combination cheapest_combination(const Generators& G, const ShortVector& g, const VecX& cost) {
+  return Simplex(G, g).cheapest(cost);
+}
+
+}  // namespace aussois

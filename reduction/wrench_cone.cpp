@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reduction/wrench_cone.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <Eigen/Geometry>
+
+#include "geometry/frame.hpp"
+
+namespace aussois {
+namespace {
+
+constexpr double kRounding = 1e-9;  // of a factor
+
+Generators columns_of(const UnitWrenches& all, std::span<const int> members) {
+  Eigen::Index count = 0;
+  for (const int k : members) count += all.first[std::size_t(k) + 1] - all.first[std::size_t(k)];
+  Generators out(6, count);
+  Eigen::Index at = 0;
+  for (const int k : members)
+    for (int j = all.first[std::size_t(k)]; j < all.first[std::size_t(k) + 1]; ++j)
+      out.col(at++) = all.g.col(j);
+  return out;
+}
+
+// The least sum of weights that makes this wrench of the kept ones (RED-12).
+Combination smallest_factor(const Generators& kept, const ShortVector& wrench) {
+  return cheapest_combination(kept, wrench, VecX::Ones(kept.cols()));
+}
+
+int owner(const UnitWrenches& all, Eigen::Index column) {
+  return int(std::upper_bound(all.first.begin(), all.first.end(), int(column)) - all.first.begin()) - 1;
+}
+
+// The member that reaches farthest in a direction of wrenches.
+int best_server(const UnitWrenches& all, const ShortVector& direction) {
+  Eigen::Index column = 0;
+  (direction.transpose() * all.g).maxCoeff(&column);
+  return owner(all, column);
+}
+
+}  // namespace
+
+UnitWrenches unit_wrenches(const ReductionInput& input, std::span<const int> members) {
+  const auto contact = [&](int i) -> const ContactPoint& { return input.contacts.points[std::size_t(i)]; };
+  const auto middle = [&](int i) { return Vec3((contact(i).x_a + contact(i).x_b) / 2); };
+  Vec3 mean = Vec3::Zero();
+  for (const int i : members) mean += middle(i) / double(members.size());
+  double length = 0;
+  for (const int i : members) length = std::max(length, (middle(i) - mean).norm());
+  if (length == 0) length = 1;
+
+  UnitWrenches out{.g = Generators(6, Eigen::Index(kFacets * members.size())), .first = {0}};
+  int at = 0;
+  for (const int i : members) {
+    const Mat3 frame = frame_of(contact(i).normal);
+    const double mu = input.mu.empty() ? 0 : input.mu[std::size_t(i)];
+    const Vec3 arm = (middle(i) - mean) / length;
+    for (int k = 0; k < (mu > 0 ? kFacets : 1); ++k) {
+      const double angle = 2 * kPi * k / kFacets;
+      const Vec3 force = frame * Vec3(1, mu * std::cos(angle), mu * std::sin(angle));
+      out.g.col(at++) << force, arm.cross(force);
+    }
+    out.first.push_back(at);
+  }
+  out.g.conservativeResize(6, at);
+  return out;
+}
+
+double wrench_factor(const UnitWrenches& all, std::span<const int> kept) {
+  const Generators G = columns_of(all, kept);
+  double factor = 1;
+  for (Eigen::Index j = 0; j < all.g.cols(); ++j)
+    if (std::ranges::find(kept, owner(all, j)) == kept.end())
+      factor = std::max(factor, smallest_factor(G, all.g.col(j)).cost);
+  return factor;
+}
+
+// Each wrench in turn, the longest moments first; what serves the direction in which it falls short joins.
+// Those that were served before stay so, because the part only grows.
+std::vector<int> wrench_cone(const UnitWrenches& all, std::vector<int> start, double loss) {
+  const double allowed = 1 / (1 - loss) + kRounding;
+  std::vector<Eigen::Index> order(std::size_t(all.g.cols()));
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](Eigen::Index i, Eigen::Index j) {
+    return all.g.col(i).squaredNorm() > all.g.col(j).squaredNorm();
+  });
+  std::vector<int> kept = std::move(start);
+  Generators G = columns_of(all, kept);
+  const auto has = [&](int member) { return std::ranges::find(kept, member) != kept.end(); };
+  for (const Eigen::Index j : order) {
+    while (!has(owner(all, j))) {
+      const Combination found = smallest_factor(G, all.g.col(j));
+      if (found.cost <= allowed) break;
+      const int server = best_server(all, found.dual);
+      kept.push_back(has(server) ? owner(all, j) : server);  // within rounding of what is kept: itself
+      G = columns_of(all, kept);
+    }
+  }
+  std::sort(kept.begin(), kept.end());
+  return kept;
+}
+
+}  // namespace aussois
