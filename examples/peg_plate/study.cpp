@@ -114,12 +114,13 @@ PegData generate(const PegStudyOptions& options) {
 }
 
 PegSplit split_cases(int cases, std::uint64_t seed) {
+  require_field(cases >= 2, "cases", cases, "be at least 2, to train on some and test on others");
   std::vector<int> order(static_cast<std::size_t>(cases));
   std::iota(order.begin(), order.end(), 0);
   Random random(seed);
   for (int i = cases - 1; i > 0; --i)
     std::swap(order[std::size_t(i)], order[std::size_t(random.index(i + 1))]);
-  const auto middle = order.begin() + std::lround(kTrainShare * cases);
+  const auto middle = order.begin() + std::clamp(std::lround(kTrainShare * cases), 1L, cases - 1L);
   PegSplit split{{order.begin(), middle}, {middle, order.end()}};
   std::ranges::sort(split.train);
   std::ranges::sort(split.test);

@@ -12,7 +12,8 @@
 namespace aussois {
 namespace {
 
-constexpr int kMemory = 10;  // of L-BFGS
+constexpr int kMemory = 10;      // of L-BFGS
+constexpr double kStill = 1e-9;  // gradient over weights: nothing is left to learn
 
 // What L-BFGS hands back and forth.
 struct Objective {
@@ -137,6 +138,7 @@ Training train(const MatX& X, const MatX& Y, const TrainingOptions& options,
   lbfgs_parameter_init(&parameter);
   parameter.m = kMemory;
   parameter.max_iterations = options.iterations;
+  parameter.epsilon = kStill;
   double value = 0;
   const int status =
       lbfgs(int(start.size()), x.get(), &value, evaluate_objective, after_iteration, &objective, &parameter);
