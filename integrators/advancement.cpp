@@ -141,8 +141,11 @@ std::vector<StepPair> step_pairs(const StepMotion& estimate, const std::vector<B
   return pairs;
 }
 
+namespace {
+
+// `scratch` is of every pair, or empty.
 ContactSet contacts_of(const Model& model, const State& state, const std::vector<StepPair>& pairs,
-                       const LmdOptions& options) {
+                       const LmdOptions& options, std::span<PairScratch> scratch) {
   std::vector<ContactSet> found(std::size_t(count_of_parts(pairs)));
   for_each_part(pairs, options.threads, [&](int part, std::span<const StepPair> some, int threads) {
     for (const StepPair& pair : some) {
@@ -152,8 +155,10 @@ ContactSet contacts_of(const Model& model, const State& state, const std::vector
       lmd.alpha =
           std::min(0.5, lmd.alpha + pair.rotation);  // contacts that the step's rotation can bring about
       lmd.alpha_ee = std::max(lmd.alpha_ee, lmd.alpha);
-      const ContactSet of_pair =
-          find_contacts(posed_shape(model, state, pair.a), posed_shape(model, state, pair.b), lmd);
+      const PosedShape a = posed_shape(model, state, pair.a), b = posed_shape(model, state, pair.b);
+      const ContactSet of_pair = scratch.empty()
+                                     ? find_contacts(a, b, lmd)
+                                     : find_contacts(a, b, lmd, scratch[std::size_t(&pair - pairs.data())]);
       std::vector<ContactPoint>& points = found[std::size_t(part)].points;
       points.insert(points.end(), of_pair.points.begin(), of_pair.points.end());
     }
@@ -165,6 +170,33 @@ ContactSet contacts_of(const Model& model, const State& state, const std::vector
   for (const ContactSet& some : found)
     all.points.insert(all.points.end(), some.points.begin(), some.points.end());
   return all;  // pairs are sorted, so the whole set is
+}
+
+}  // namespace
+
+ContactSet contacts_of(const Model& model, const State& state, const std::vector<StepPair>& pairs,
+                       const LmdOptions& options) {
+  return contacts_of(model, state, pairs, options, std::span<PairScratch>());
+}
+
+ContactSet contacts_of(const Model& model, const State& state, const std::vector<StepPair>& pairs,
+                       const LmdOptions& options, ContactScratch& scratch) {
+  const std::unique_lock lock(scratch.in_use, std::try_to_lock);
+  if (!lock) return contacts_of(model, state, pairs, options);
+  std::vector<std::pair<int, int>> bodies;
+  std::vector<PairScratch> kept;
+  bodies.reserve(pairs.size());
+  kept.reserve(pairs.size());
+  std::size_t next = 0;
+  for (const StepPair& pair : pairs) {
+    bodies.emplace_back(pair.a, pair.b);
+    while (next < scratch.bodies.size() && scratch.bodies[next] < bodies.back()) ++next;
+    const bool known = next < scratch.bodies.size() && scratch.bodies[next] == bodies.back();
+    kept.push_back(known ? std::move(scratch.pairs[next]) : PairScratch{});
+  }
+  scratch.bodies = std::move(bodies);
+  scratch.pairs = std::move(kept);
+  return contacts_of(model, state, pairs, options, std::span(scratch.pairs));
 }
 
 double required_distance(const StepPair& pair, const AdvancementOptions& o) {

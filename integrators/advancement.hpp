@@ -3,6 +3,7 @@
 // that the base complexes stayed apart? (CA-4) to (CA-6)
 #pragma once
 
+#include <mutex>
 #include <string>
 
 #include "lmd/broad_phase.hpp"
@@ -63,6 +64,16 @@ std::vector<StepPair> step_pairs(const StepMotion& estimate, const std::vector<B
 /// pairs share the threads, few pairs get them all.
 ContactSet contacts_of(const Model& model, const State& state, const std::vector<StepPair>& pairs,
                        const LmdOptions& options);
+
+/// What a scheme keeps of its pairs from step to step: it saves time and changes no result. Who finds it in
+/// use by another thread goes without.
+struct ContactScratch {
+  std::mutex in_use{};
+  std::vector<std::pair<int, int>> bodies{};  // sorted
+  std::vector<PairScratch> pairs{};
+};
+ContactSet contacts_of(const Model& model, const State& state, const std::vector<StepPair>& pairs,
+                       const LmdOptions& options, ContactScratch& scratch);
 
 /// What the base complexes of a pair must keep apart (CA-6) [m].
 double required_distance(const StepPair& pair, const AdvancementOptions& options);

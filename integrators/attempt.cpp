@@ -308,8 +308,8 @@ Found find_ahead(const StepSetting& setting, const State& state, const Estimate&
   const StepOptions& o = setting.options;
   Found found{.v_estimate = estimate.v, .h = h, .scale = state.h > 0 ? h / state.h : 1};
   found.pairs = step_pairs({setting.model, state, estimate.v, h}, setting.bounds, o.advancement,
-                           o.threads);                                     // (CA-4)
-  found.contacts = contacts_of(setting.model, state, found.pairs, o.lmd);  // (LMD-3)
+                           o.threads);                                                       // (CA-4)
+  found.contacts = contacts_of(setting.model, state, found.pairs, o.lmd, *setting.scratch);  // (LMD-3)
   found.count = int(found.contacts.points.size());
   found.min_gap = smallest_gap(found.contacts);
   if (o.advancement.certify) leave_apart(state, estimate, o.advancement, found);  // (CA-16)
@@ -323,7 +323,7 @@ Found found_at(const StepSetting& setting, const State& state, const Found& foun
   const double begin = step_clock();
   const StepOptions& o = setting.options;
   Found out = found;
-  out.contacts = contacts_of(setting.model, at, found.pairs, o.lmd);
+  out.contacts = contacts_of(setting.model, at, found.pairs, o.lmd, *setting.scratch);
   out.warm = warm_start(state.memory, out.contacts, out.scale);
   out.selection = reduce(reduction_input(setting, at, out), o.reduction);
   out.seconds += step_clock() - begin;

@@ -172,21 +172,34 @@ FrictionProblem contact_problem(const FreeMotion& free, const DofMap& dofs,
   for (int i : kept) problem.laws.push_back(rows[std::size_t(i)].law);
   const std::vector<int> first_row = first_rows(problem.laws);
   problem.w = VecX::Zero(first_row.back());
-  std::vector<Triplet> entries;
+  Eigen::Index entries = 0;
+  for (const int i : kept)
+    entries += rows[std::size_t(i)].law.rows * 12 + Eigen::Index(rows[std::size_t(i)].others.size());
+  problem.H = SparseMatrix(dofs.rows, first_row.back());
+  problem.H.reserve(entries);
+  std::vector<std::pair<int, double>> column;  // row, value
   for (std::size_t k = 0; k < kept.size(); ++k) {
     const ContactRow& row = rows[std::size_t(kept[k])];
     problem.w.segment(first_row[k], row.law.rows) = row.w.head(row.law.rows);
-    for (const auto& [body, J] : {std::pair{row.body_a, &row.J_a}, std::pair{row.body_b, &row.J_b}}) {
-      const int first = body < 0 ? -1 : dofs.first[std::size_t(body)];
-      if (first < 0) continue;
-      for (int i = 0; i < 6; ++i)
-        for (int d = 0; d < row.law.rows; ++d) entries.emplace_back(first + i, first_row[k] + d, (*J)(d, i));
+    for (int d = 0; d < row.law.rows; ++d) {
+      column.clear();
+      for (const auto& [body, J] : {std::pair{row.body_a, &row.J_a}, std::pair{row.body_b, &row.J_b}}) {
+        const int first = body < 0 ? -1 : dofs.first[std::size_t(body)];
+        for (int i = 0; first >= 0 && i < 6; ++i) column.emplace_back(first + i, (*J)(d, i));
+      }
+      for (const Triplet& e : row.others)
+        if (e.row() == d) column.emplace_back(e.col(), e.value());
+      const auto by_row = &std::pair<int, double>::first;
+      if (!std::ranges::is_sorted(column, {}, by_row)) std::ranges::stable_sort(column, {}, by_row);
+      problem.H.startVec(first_row[k] + d);
+      for (std::size_t i = 0; i < column.size(); ++i)
+        if (i > 0 && column[i].first == column[i - 1].first)
+          problem.H.valuePtr()[problem.H.data().size() - 1] += column[i].second;
+        else
+          problem.H.insertBackByOuterInner(first_row[k] + d, column[i].first) = column[i].second;
     }
-    for (const Triplet& e : row.others)  // a block may be asked for its normal row only
-      if (e.row() < row.law.rows) entries.emplace_back(e.col(), first_row[k] + e.row(), e.value());
   }
-  problem.H = SparseMatrix(dofs.rows, first_row.back());
-  problem.H.setFromTriplets(entries.begin(), entries.end());
+  problem.H.finalize();
   return problem;
 }
 

@@ -30,6 +30,7 @@ struct StepSetting {
   StepOptions options{};
   DofMap dofs{};
   std::vector<BodyBounds> bounds{};
+  std::shared_ptr<ContactScratch> scratch = std::make_shared<ContactScratch>();
 };
 
 /// Throws std::invalid_argument for a bad option or model, or if two bodies that can touch have no dilation

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -12,6 +13,9 @@
 
 namespace aussois {
 namespace {
+
+constexpr double kWindowOfSteps = 8;   // candidates are to last so long, by the motion since the last query
+constexpr double kRoomOfBounds = 1.2;  // of their threshold and angles
 
 // Inclusive tests can only find a minimum twice. Of those at one place the highest dimensions stay, then the
 // smallest ids: what stays is a function of the pose alone (LMD-10).
@@ -27,6 +31,7 @@ std::vector<FoundMinimum> without_duplicates(const RelativePair& pair,
   for (std::size_t i = 0; i < by_x.size(); ++i)
     for (std::size_t j = i + 1; j < by_x.size() && by_x[j].first - by_x[i].first <= near; ++j) {
       const auto p = std::size_t(by_x[i].second), q = std::size_t(by_x[j].second);
+      if (dropped[p] && dropped[q]) continue;
       if ((found[p].minimum.x_a - found[q].minimum.x_a).norm() <= near &&
           (found[p].minimum.x_b - found[q].minimum.x_b).norm() <= near)
         dropped[rank(found[p]) < rank(found[q]) ? q : p] = 1;
@@ -123,6 +128,28 @@ ContactSet to_contacts(const PosedShape& a, const PosedShape& b, const RelativeP
   return set;
 }
 
+// From one pose of A seen from B to another.
+MotionWindow moved_since(const SE3& before, const SE3& now, const LmdShape& a) {
+  const double rotation = log_so3((before.R.conjugate() * now.R).normalized()).norm();
+  return {(now * a.centre - before * a.centre).norm() +
+              2 * std::sin(std::min(rotation, kPi) / 2) * a.bounding_radius,
+          rotation};
+}
+
+ContactSet contacts_among(const std::vector<LeafPair>& leaves, const PosedShape& a, const PosedShape& b,
+                          const LmdOptions& options) {
+  const RelativePair pair = relative_pair(a, b, options);
+  std::vector<FoundMinimum> found;
+  Leaf leaf_a;
+  for (std::size_t i = 0; i < leaves.size(); ++i) {
+    const auto& [id_a, id_b] = leaves[i];
+    if (i == 0 || id_a != leaves[i - 1].first) leaf_a = leaf_of(*a.shape, id_a);
+    const auto minimum = test_minimum(leaf_a, leaf_of(*b.shape, id_b), pair.R, pair.t, pair.criteria);
+    if (minimum) found.push_back({id_a, id_b, *minimum});
+  }
+  return to_contacts(a, b, pair, found);
+}
+
 }  // namespace
 
 void validate(const LmdOptions& options) {
@@ -161,23 +188,40 @@ Candidates find_candidates(const PosedShape& a, const PosedShape& b, const LmdOp
 
 ContactSet find_contacts(const Candidates& candidates, const PosedShape& a, const PosedShape& b) {
   require(a.shape == candidates.a && b.shape == candidates.b, "the candidates are of other shapes");
-  const SE3 moved = inverse(b.g_ws) * a.g_ws;
-  const double rotation = log_so3((candidates.g_ba.R.conjugate() * moved.R).normalized()).norm();
-  const Vec3& centre = a.shape->centre;
-  const double displacement = (moved * centre - candidates.g_ba * centre).norm() +
-                              2 * std::sin(std::min(rotation, kPi) / 2) * a.shape->bounding_radius;
+  const MotionWindow moved = moved_since(candidates.g_ba, inverse(b.g_ws) * a.g_ws, *a.shape);
   const double size = a.shape->bounding_radius + b.shape->bounding_radius;
-  require_field(rotation <= candidates.window.rotation + 1e-12, "rotation since the search", rotation,
-                "stay within the window [rad]");
-  require_field(displacement <= candidates.window.displacement + 1e-12 * size,
-                "displacement since the search", displacement, "stay within the window [m]");
-  const RelativePair pair = relative_pair(a, b, candidates.options);
-  std::vector<FoundMinimum> found;
-  for (const auto& [id_a, id_b] : candidates.pairs)
-    if (const auto minimum =
-            test_minimum(leaf_of(*a.shape, id_a), leaf_of(*b.shape, id_b), pair.R, pair.t, pair.criteria))
-      found.push_back({id_a, id_b, *minimum});
-  return to_contacts(a, b, pair, std::move(found));
+  require_field(moved.rotation <= candidates.window.rotation + 1e-12, "rotation since the search",
+                moved.rotation, "stay within the window [rad]");
+  require_field(moved.displacement <= candidates.window.displacement + 1e-12 * size,
+                "displacement since the search", moved.displacement, "stay within the window [m]");
+  return contacts_among(candidates.pairs, a, b, candidates.options);
+}
+
+ContactSet find_contacts(const PosedShape& a, const PosedShape& b, const LmdOptions& options,
+                         PairScratch& scratch) {
+  const SE3 g_ba = inverse(b.g_ws) * a.g_ws;
+  Candidates& kept = scratch.candidates;
+  const auto within = [](const MotionWindow& motion, const MotionWindow& window) {
+    return motion.displacement <= window.displacement && motion.rotation <= window.rotation;
+  };
+  if (kept.a == a.shape && kept.b == b.shape && options.threshold <= kept.options.threshold &&
+      options.alpha <= kept.options.alpha && options.alpha_ee <= kept.options.alpha_ee &&
+      within(moved_since(kept.g_ba, g_ba, *a.shape), kept.window))
+    return contacts_among(kept.pairs, a, b, options);
+  const bool again = std::exchange(scratch.asked, true);
+  const MotionWindow last = moved_since(std::exchange(scratch.g_ba, g_ba), g_ba, *a.shape);
+  const MotionWindow window{kWindowOfSteps * last.displacement + options.threshold / 8,
+                            kWindowOfSteps * last.rotation + options.alpha / 64};
+  if (!again || !within(window, {options.threshold, options.alpha})) {
+    kept = {};
+    return find_contacts(a, b, options);
+  }
+  LmdOptions more = options;  // bounds of the steps to come may be a little larger
+  more.threshold *= kRoomOfBounds;
+  more.alpha = std::min(0.5, kRoomOfBounds * options.alpha);
+  more.alpha_ee = std::min(1.0, kRoomOfBounds * options.alpha_ee);
+  kept = find_candidates(a, b, more, window);
+  return contacts_among(kept.pairs, a, b, options);
 }
 
 ContactSet find_contacts_exhaustive(const PosedShape& a, const PosedShape& b, const LmdOptions& options) {

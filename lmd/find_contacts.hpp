@@ -33,6 +33,16 @@ ContactSet find_contacts(const Candidates& candidates, const PosedShape& a, cons
 ContactSet find_contacts(const PosedShape& a, const PosedShape& b, const LmdOptions& options = {},
                          LmdStatistics* statistics = nullptr);
 
+/// What a caller may keep of a pair from query to query. It makes queries of slow motions quicker and never
+/// changes what they find (LMD-12).
+struct PairScratch {
+  bool asked = false;
+  SE3 g_ba{};  // at the last query
+  Candidates candidates{};
+};
+ContactSet find_contacts(const PosedShape& a, const PosedShape& b, const LmdOptions& options,
+                         PairScratch& scratch);
+
 /// The same by looking at every pair of leaves: the oracle.
 ContactSet find_contacts_exhaustive(const PosedShape& a, const PosedShape& b, const LmdOptions& options = {});
 

@@ -22,15 +22,15 @@ constexpr double kWarm = 1e-3;            // residual of a start whose contacts 
 constexpr double kCheap = 50;             // sweeps, of a Newton iteration
 
 // A warm start usually has the right cases already, and then Newton ends in one or two solves where sweeps
-// would creep (AUTO-4). It goes on to a hundredth of the tolerance, so that the next steps start within.
+// would creep (AUTO-4). It goes on to a thousandth of the tolerance, so that the next steps start within.
 Iterate warmed(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report) {
   if (start.residual > kWarm || W.newton_cost(start.r) > kCheap) return start;
   return proximal_steps(W, start,
-                        {.tolerance = options.tolerance / 100,
+                        {.tolerance = options.tolerance / 1e3,
                          .max_steps = 3,
                          .max_iterations = 6,
-                         .alpha = 1e-6,
-                         .accuracy = 1e-9},
+                         .alpha = std::max(1e-6, 10 * start.residual),
+                         .accuracy = 1e-7},
                         report);
 }
 

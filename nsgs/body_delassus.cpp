@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <span>
 
 #include <Eigen/LU>
 
@@ -30,11 +32,10 @@ class BodyDelassus final : public Delassus {
  public:
   BodyDelassus(const FrictionProblem& problem, const MassInverse& inverse) : M_(problem.M) {
     first = first_rows(problem.laws);
-    const SparseMatrix Y = inverse * problem.H;
     begin_.push_back(0);
     VecX diagonal = VecX::Zero(problem.w.size());
     for (std::size_t c = 0; c < problem.laws.size(); ++c) {
-      append(problem.H, Y, first[c], problem.laws[c].rows);
+      append(problem.H, inverse, first[c], problem.laws[c].rows);
       for (std::size_t k = begin_[c]; k < begin_.back(); ++k)
         diagonal.segment(first[c], problem.laws[c].rows) += arms_[k].H.cwiseProduct(arms_[k].Y);
     }
@@ -186,20 +187,41 @@ class BodyDelassus final : public Delassus {
       v_[arms_[k].row] += arms_[k].Y.dot(dr);
   }
 
-  void append(const SparseMatrix& H, const SparseMatrix& Y, int column, int columns) {
+  // The arms of one block: rows that its columns move, and those that M couples these with.
+  void append(const SparseMatrix& H, const MassInverse& inverse, int column, int columns) {
     const std::size_t from = arms_.size();
-    const auto arm = [&](Eigen::Index row) -> Arm<R>& {
-      for (std::size_t k = from; k < arms_.size(); ++k)
-        if (arms_[k].row == int(row)) return arms_[k];
-      arms_.push_back({Rows<R>::Zero(columns), Rows<R>::Zero(columns), int(row)});
-      return arms_.back();
-    };
+    std::vector<int>& coupled = scratch_;  // blocks of M, ascending
+    coupled.clear();
     for (int j = 0; j < columns; ++j) {
-      for (SparseMatrix::InnerIterator it(H, column + j); it; ++it) arm(it.row()).H[j] = it.value();
-      for (SparseMatrix::InnerIterator it(Y, column + j); it; ++it) arm(it.row()).Y[j] = it.value();
+      auto place = coupled.begin();
+      for (SparseMatrix::InnerIterator it(H, column + j); it; ++it) {
+        const int b = inverse.block_of[std::size_t(it.row())];
+        if (place != coupled.begin() && *(place - 1) > b) place = coupled.begin();
+        while (place != coupled.end() && *place < b) ++place;
+        if (place == coupled.end() || *place != b) place = coupled.insert(place, b);
+      }
     }
-    std::sort(arms_.begin() + long(from), arms_.end(),
-              [](const Arm<R>& a, const Arm<R>& b) { return a.row < b.row; });
+    for (const int b : coupled)
+      for (int i = 0; i < inverse.size(b); ++i)
+        arms_.push_back({Rows<R>::Zero(columns), Rows<R>::Zero(columns), inverse.row(b, i)});
+    const auto of_block = std::span(arms_).subspan(from);  // until they are sorted by rows
+    for (int j = 0; j < columns; ++j) {
+      std::size_t k = 0;
+      for (SparseMatrix::InnerIterator it(H, column + j); it; ++it) {
+        while (of_block[k].row != int(it.row())) k = (k + 1) % of_block.size();
+        of_block[k].H[j] = it.value();
+      }
+    }
+    std::size_t at_block = 0;
+    for (const int b : coupled) {
+      const int n = inverse.size(b);
+      const double* inv = inverse.inverse.data() + inverse.at[std::size_t(b)];
+      for (int k = 0; k < n; ++k)
+        for (int i = 0; i < n; ++i)
+          of_block[at_block + std::size_t(i)].Y += inv[i + n * k] * of_block[at_block + std::size_t(k)].H;
+      at_block += std::size_t(n);
+    }
+    if (!std::ranges::is_sorted(of_block, {}, &Arm<R>::row)) std::ranges::sort(of_block, {}, &Arm<R>::row);
     begin_.push_back(arms_.size());
   }
 
@@ -221,13 +243,18 @@ class BodyDelassus final : public Delassus {
   }
   void find_bodies() const {
     looked_for_bodies_ = true;
-    std::vector<std::vector<int>> contacts(std::size_t(v_.size()));
-    for (int c = 0; c < count(); ++c)
-      for (std::size_t k = begin_[std::size_t(c)]; k < begin_[std::size_t(c) + 1]; ++k)
-        contacts[std::size_t(arms_[k].row)].push_back(c);
-    std::vector<int> body(contacts.size());
-    for (std::size_t i = 1, rows = 1; i < contacts.size(); ++i) {
-      const bool same = contacts[i] == contacts[i - 1] && rows < kBodyRows;
+    std::vector<std::size_t> end(std::size_t(v_.size()) + 1), of_row(arms_.size());  // contacts of every row
+    for (const Arm<R>& arm : arms_) ++end[std::size_t(arm.row) + 1];
+    std::partial_sum(end.begin(), end.end(), end.begin());
+    std::vector<std::size_t> next(end.begin(), end.end() - 1);
+    for (std::size_t c = 0; c + 1 < begin_.size(); ++c)
+      for (std::size_t k = begin_[c]; k < begin_[c + 1]; ++k) of_row[next[std::size_t(arms_[k].row)]++] = c;
+    const auto contacts = [&](std::size_t i) {
+      return std::span(of_row).subspan(end[i], end[i + 1] - end[i]);
+    };
+    std::vector<int> body(std::size_t(v_.size()));
+    for (std::size_t i = 1, rows = 1; i < body.size(); ++i) {
+      const bool same = std::ranges::equal(contacts(i), contacts(i - 1)) && rows < kBodyRows;
       body[i] = body[i - 1] + !same;
       rows = same ? rows + 1 : 1;
     }
@@ -240,7 +267,8 @@ class BodyDelassus final : public Delassus {
       });
     for (int j = 0; j < M_.outerSize(); ++j)
       for (SparseMatrix::InnerIterator it(M_, j); it; ++it)
-        couplings.emplace_back(body[std::size_t(it.row())], body[std::size_t(j)]);
+        if (body[std::size_t(it.row())] != body[std::size_t(j)])
+          couplings.emplace_back(body[std::size_t(it.row())], body[std::size_t(j)]);
     lu_.emplace(std::move(body), couplings);
     if (lu_->cost() > kLargestCost) lu_.reset();
   }
@@ -342,6 +370,7 @@ class BodyDelassus final : public Delassus {
   SparseMatrix M_{};
   std::vector<Arm<R>> arms_{};
   std::vector<std::size_t> begin_{};
+  std::vector<int> scratch_{};
   std::vector<Block<R>> diagonal_{};
   VecX v_free_{}, v_{}, w_{}, weight_{};
   std::optional<double> sparse_cost_{};

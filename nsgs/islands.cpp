@@ -164,6 +164,9 @@ std::vector<Island> islands(const LocalProblem& problem, const std::vector<int>&
 }
 
 FrictionProblem part(const FrictionProblem& problem, const Island& island, std::vector<int>& place) {
+  if (Eigen::Index(island.dofs.size()) == problem.f.size() && island.blocks.size() == problem.laws.size() &&
+      Eigen::Index(island.joints.size()) == problem.G.cols())
+    return problem;
   place.resize(std::size_t(problem.f.size()), -1);
   return {.M = sub_matrix(problem.M, island.dofs, island.dofs, place),
           .H = sub_matrix(problem.H, island.dofs, island.rows, place),

@@ -123,11 +123,14 @@ SparseMatrix MassInverse::operator*(const SparseMatrix& X) const {
     touched.clear();
     column.clear();
     for (SparseMatrix::InnerIterator it(X, j); it; ++it) {
-      touched.push_back(block_of[std::size_t(it.row())]);
+      const int b = block_of[std::size_t(it.row())];
+      if (touched.empty() || touched.back() != b) touched.push_back(b);
       x[it.row()] = it.value();
     }
-    std::ranges::sort(touched);
-    touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+    if (!std::ranges::is_sorted(touched)) {  // blocks that lie among each other
+      std::ranges::sort(touched);
+      touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+    }
     for (const int b : touched) {
       const int *of = rows.data() + first[std::size_t(b)], n = size(b);
       const double* inv = inverse.data() + at[std::size_t(b)];
@@ -138,7 +141,7 @@ SparseMatrix MassInverse::operator*(const SparseMatrix& X) const {
       }
     }
     for (SparseMatrix::InnerIterator it(X, j); it; ++it) x[it.row()] = 0;
-    std::ranges::sort(column);
+    if (!std::ranges::is_sorted(column)) std::ranges::sort(column);
     Y.startVec(j);
     for (const auto& [row, value] : column) Y.insertBackByOuterInner(j, row) = value;
   }

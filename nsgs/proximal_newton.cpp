@@ -12,7 +12,7 @@ constexpr double kSmallestAlpha = 1e-8;  // 1e-6 left 1 of 2000 problems above 1
 constexpr double kLargestAlpha = 1e3;
 constexpr int kEasyStep = 5;      // Newton iterations
 constexpr int kNewtonSteps = 30;  // a step that needs more has too small an alpha
-constexpr double kRounding = 1e-15;
+constexpr double kRounding = 4e-15;
 constexpr double kStalled = 1e-12;
 constexpr double kSmallestDamping = 1e-3;
 

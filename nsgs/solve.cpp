@@ -85,7 +85,10 @@ double cancelled(const Part<LocalProblem>&) {
 double cancelled(const Part<FrictionProblem>& part) {
   if (!part.W || part.v_free.size() == 0) return 0;
   const FrictionProblem& p = part.problem;
-  const VecX terms = SparseMatrix(p.H.cwiseAbs()).transpose() * part.v_free.cwiseAbs() + p.w.cwiseAbs();
+  VecX terms = p.w.cwiseAbs();
+  for (int j = 0; j < p.H.outerSize(); ++j)
+    for (SparseMatrix::InnerIterator it(p.H, j); it; ++it)
+      terms[j] += std::abs(it.value() * part.v_free[it.row()]);
   return part.W->scaled.s.cwiseProduct(terms).norm();
 }
 

@@ -172,6 +172,33 @@ TEST_P(LocalMinima, DoNotDependOnTheQuickTests) {
   }
 }
 
+TEST_P(LocalMinima, AreTheSameToTheBitWithWhatWasKeptOfAWalk) {
+  const Scene s = random_scene(GetParam(), 0.05);
+  Random random(2000 + GetParam());
+  const PosedShape b{&s.b, s.g_b, 1};
+  SE3 g = s.g_a;
+  PairScratch scratch;
+  int reused = 0;
+  for (int i = 0; i < 40; ++i) {
+    const double pace = i < 30 ? 1e-4 : 0.05;  // a walk, then leaps
+    g.R = (exp_so3(random.uniform(0, pace) * random.direction()) * g.R).normalized();
+    g.p += random.uniform(0, pace) * random.direction();
+    const LmdOptions options{.threshold = random.uniform(0.04, 0.05), .alpha = random.uniform(0.03, 0.04)};
+    const SE3 searched = scratch.candidates.g_ba;
+    const ContactSet fresh = find_contacts({&s.a, g, 0}, b, options);
+    const ContactSet walked = find_contacts({&s.a, g, 0}, b, options, scratch);
+    reused += scratch.candidates.a && scratch.candidates.g_ba.p == searched.p;
+    ASSERT_EQ(fresh.points.size(), walked.points.size()) << "seed " << GetParam() << " pose " << i;
+    for (std::size_t k = 0; k < fresh.points.size(); ++k) {
+      EXPECT_EQ(key_of(fresh.points[k]), key_of(walked.points[k]));
+      EXPECT_EQ(fresh.points[k].gap, walked.points[k].gap);
+      EXPECT_EQ(fresh.points[k].x_a, walked.points[k].x_a);
+      EXPECT_EQ(fresh.points[k].normal, walked.points[k].normal);
+    }
+  }
+  EXPECT_GT(reused, 15) << "seed " << GetParam();
+}
+
 // Test 9 of the checklist: one search serves every pose within its window.
 TEST_P(LocalMinima, OfAllPosesInAWindowAreAmongTheCandidates) {
   const Scene s = random_scene(GetParam(), 0.05);
