@@ -13,6 +13,7 @@
 #include "examples/assembly/assembly_input.hpp"
 #include "examples/common/audit_report.hpp"
 #include "examples/common/driver.hpp"
+#include "examples/common/match_report.hpp"
 #include "examples/common/progress.hpp"
 #include "examples/common/step_dump.hpp"
 #include "geometry/check.hpp"
@@ -93,6 +94,7 @@ ExitCode drop(const Arguments& a) {
   double energy_before = energy(model, state).total(), energy_rise = 0, min_gap = kInf;
   std::int64_t steps = 0, failures = 0;
   PathAudit audit{.samples = a.certify};
+  MatchTotals matches;
   while (state.t < a.time * (1 - 1e-12)) {
     const State start = state;
     const StepReport report = scheme.step(state, a.time - state.t);
@@ -104,6 +106,7 @@ ExitCode drop(const Arguments& a) {
     }
     audit_path(model, start, report, a.common.threads, audit);
     failures += !report.ok();
+    add_matches(matches, report.matches);
     min_gap = std::min(min_gap, report.min_gap);
     const double now = energy(model, state).total();
     energy_rise = std::max(energy_rise, now - energy_before);
@@ -127,6 +130,7 @@ ExitCode drop(const Arguments& a) {
     summary.set("min_gap", min_gap);
     summary.set("energy_rise", energy_rise);
     summary.set("speed_at_end", speed);
+    set_matches(summary, matches);
     set_audit(summary, audit);
     write_summary(a.common.summary, summary);
   }

@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "examples/common/audit_report.hpp"
+#include "examples/common/match_report.hpp"
 #include "examples/common/progress.hpp"
 #include "examples/common/scheme_flags.hpp"
 #include "examples/common/step_dump.hpp"
@@ -41,6 +42,7 @@ struct Arguments {
 struct Statistics {
   std::int64_t steps = 0, solver_failures = 0, max_contacts = 0;
   double min_gap = kInf, max_displacement = 0, joint_drift = 0, energy_residual = 0, cpu_s = 0;
+  MatchTotals matches{};
   PathAudit audit{};
 };
 
@@ -104,25 +106,32 @@ std::uint64_t fingerprint(const Arguments& a, const SchemeOptions& o) {
 
 Checkpoint checkpoint_of(std::uint64_t print, const State& state, const Statistics& s, std::size_t csv_rows,
                          std::size_t run_rows) {
-  return {.fingerprint = print,
-          .step = s.steps,
-          .state = state,
-          .numbers = {{"min_gap", s.min_gap},
-                      {"max_displacement", s.max_displacement},
-                      {"joint_drift", s.joint_drift},
-                      {"energy_residual", s.energy_residual},
-                      {"cpu_s", s.cpu_s},
-                      {"certify_distance", s.audit.min_distance},
-                      {"certify_slack", s.audit.min_slack}},
-          .counts = {{"solver_failures", s.solver_failures},
-                     {"max_contacts", s.max_contacts},
-                     {"certify_steps", s.audit.steps},
-                     {"certify_violations", s.audit.violations},
-                     {"csv_rows", std::int64_t(csv_rows)},
-                     {"run_rows", std::int64_t(run_rows)}}};
+  Checkpoint out{.fingerprint = print,
+                 .step = s.steps,
+                 .state = state,
+                 .numbers = {{"min_gap", s.min_gap},
+                             {"max_displacement", s.max_displacement},
+                             {"joint_drift", s.joint_drift},
+                             {"energy_residual", s.energy_residual},
+                             {"cpu_s", s.cpu_s},
+                             {"certify_distance", s.audit.min_distance},
+                             {"certify_slack", s.audit.min_slack}},
+                 .counts = {{"solver_failures", s.solver_failures},
+                            {"max_contacts", s.max_contacts},
+                            {"certify_steps", s.audit.steps},
+                            {"certify_violations", s.audit.violations},
+                            {"csv_rows", std::int64_t(csv_rows)},
+                            {"run_rows", std::int64_t(run_rows)}}};
+  MatchTotals matches = s.matches;
+  add_matches(matches, {});  // all of them, also before the first step
+  out.counts.insert(matches.begin(), matches.end());
+  return out;
 }
 
 Statistics statistics_of(const Checkpoint& c) {
+  MatchTotals matches;
+  add_matches(matches, {});
+  for (auto& [name, count] : matches) count = c.counts.at(name);
   return {.steps = c.step,
           .solver_failures = c.counts.at("solver_failures"),
           .max_contacts = c.counts.at("max_contacts"),
@@ -131,6 +140,7 @@ Statistics statistics_of(const Checkpoint& c) {
           .joint_drift = c.numbers.at("joint_drift"),
           .energy_residual = c.numbers.at("energy_residual"),
           .cpu_s = c.numbers.at("cpu_s"),
+          .matches = matches,
           .audit = {.min_distance = c.numbers.at("certify_distance"),
                     .min_slack = c.numbers.at("certify_slack"),
                     .steps = c.counts.at("certify_steps"),
@@ -140,6 +150,7 @@ Statistics statistics_of(const Checkpoint& c) {
 void account(Statistics& s, const StepReport& report, double displacement) {
   ++s.steps;
   s.solver_failures += report.solve.status != SolveStatus::converged;
+  add_matches(s.matches, report.matches);
   s.max_contacts = std::max(s.max_contacts, std::int64_t(report.contacts_found));
   s.min_gap = std::min(s.min_gap, report.min_gap);
   s.max_displacement = std::max(s.max_displacement, displacement);
@@ -166,6 +177,7 @@ Summary summary_of(const Arguments& a, const SchemeOptions& options, const Stati
   out.set("energy_at_end", after.total());
   out.set("energy_residual", s.energy_residual);
   out.set("cpu_s", s.cpu_s);
+  set_matches(out, s.matches);
   set_audit(out, s.audit);
   return out;
 }

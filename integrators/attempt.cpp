@@ -37,7 +37,7 @@ std::vector<double> allowed_speeds(const Found& found) {
 void leave_apart(const State& state, const Estimate& estimate, const AdvancementOptions& o, Found& found) {
   std::set<std::pair<int, int>> asked(estimate.meeting.begin(), estimate.meeting.end());
   for (const RememberedContact& c : state.memory.contacts)
-    if (!c.impulse.isZero(0)) asked.insert({c.key.value[0], c.key.value[3]});
+    if (!c.impulse.isZero(0)) asked.insert({c.key.body_a, c.key.body_b});
   auto now = found.pairs.begin();
   for (const ContactPoint& c : found.contacts.points) {  // both are sorted by bodies
     while (now->a != c.a.body || now->b != c.b.body) ++now;
@@ -71,6 +71,62 @@ ReductionInput reduction_input(const StepSetting& setting, const State& state, c
   for (int b = 0; b < int(state.g.size()); ++b)
     input.bodies.push_back({pose(state, b), twist(state, b), wrench.segment<6>(6 * Eigen::Index(b))});
   return input;
+}
+
+// Velocity of the bodies against each other at a contact, for velocities of all bodies.
+Vec3 relative_velocity_at(const ContactPoint& c, const std::vector<SE3>& g, const VecX& v) {
+  const auto velocity = [&](int body, const Vec3& x) {
+    const auto twist = v.segment<6>(6 * Eigen::Index(body));
+    const SE3& pose = g[std::size_t(body)];
+    return Vec3(twist.head<3>() + (pose.R * Vec3(twist.tail<3>())).cross(x - pose.p));
+  };
+  return velocity(c.a.body, c.x_a) - velocity(c.b.body, c.x_b);
+}
+
+// Which of the contacts there are the last step's (PER-2), which ones the problem begins with (RED-1), and
+// what they start with (PER-7).
+void match_and_reduce(const StepSetting& setting, const State& state, const State& at, Found& found) {
+  const StepOptions& o = setting.options;
+  found.g = at.g;
+  MatchInput since{.scale = found.scale, .g = found.g, .shapes = setting.shapes};
+  for (const ContactPoint& c : found.contacts.points)
+    since.moved.push_back(found.h * relative_velocity_at(c, found.g, found.v_estimate).norm());
+  found.warm = warm_start(state.memory, found.contacts, since, o.persistence);
+  const ReductionInput input = reduction_input(setting, at, found);
+  found.selection = reduce(input, o.reduction);
+  found.start = o.persistence.redistribute
+                    ? redistribute(found.contacts, found.selection, found.warm.impulse, input.mu)
+                    : found.warm.impulse;
+}
+
+// Static friction undoes what it has lost: a bias of the tangential rows (PER-9).
+void pull_back(const Found& found, const PersistenceOptions& options, std::vector<ContactRow>& rows) {
+  for (std::size_t i = 0; i < found.warm.anchor.size(); ++i) {
+    const Anchor& anchor = found.warm.anchor[i];
+    if (!anchor.held || rows[i].law.rows < 3) continue;
+    Vec3 speed = options.anchor_rate / found.h * anchor.drift;
+    const double fast = speed.norm();
+    if (fast > options.anchor_speed) speed *= options.anchor_speed / fast;
+    rows[i].w.segment<2>(1) += rows[i].frame.rightCols<2>().transpose() * speed;
+  }
+}
+
+// Anchors of the solved contacts: held by those that press and do not slip (PER-10).
+std::vector<Anchor> anchors_after(const Found& found, const ImpulseStep& step, int contacts,
+                                  const PersistenceOptions& options) {
+  std::vector<Anchor> out;
+  if (!options.anchors) return out;
+  const FrictionSolution& solution = step.solved.solution;
+  for (int k = 0; k < contacts; ++k) {
+    const int row = step.solved.kept[std::size_t(k)], first = step.solved.first_row[std::size_t(k)];
+    const Anchor& before = found.warm.anchor[std::size_t(row)];
+    Anchor now;
+    now.held = step.rows[std::size_t(row)].law.rows >= 3 && solution.r[first] > 0 &&
+               solution.u.segment<2>(first + 1).norm() <= options.slip_speed;
+    if (now.held && before.held) now.drift = before.drift;
+    out.push_back(now);
+  }
+  return out;
 }
 
 // Those of `apart` whose dilated shapes are not proven to keep apart on the path (CA-16).
@@ -183,7 +239,7 @@ std::vector<RowVector> starts(const ImpulseStep& step, const Found& found, const
   std::vector<RowVector> out(rows.size(), RowVector::Zero());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (rows[i].slot < 0) {
-      out[i].head<3>() = rows[i].frame.transpose() * found.warm.impulse[i];
+      out[i].head<3>() = rows[i].frame.transpose() * found.start[i];
       out[i][3] = found.warm.drilling[i];
     } else if (r.size() > 0) {
       out[i].head(rows[i].law.rows) = found.scale * r.segment(rows[i].slot, rows[i].law.rows);
@@ -282,7 +338,8 @@ StepReport told(const StepSetting& setting, const Found& found, const ImpulseSte
   report.contacts_found = found.count;
   report.contacts_kept = int(impulses.contact.size());
   report.loss = found.selection.loss;
-  report.contacts_matched = found.warm.matched;
+  report.contacts_matched = found.warm.counts.matched();
+  report.matches = found.warm.counts;
   report.min_gap = found.min_gap;
   for (const double gap : step.gap) report.min_gap = std::min(report.min_gap, gap);
   report.solve = step.solved.solution.report;
@@ -313,8 +370,7 @@ Found find_ahead(const StepSetting& setting, const State& state, const Estimate&
   found.count = int(found.contacts.points.size());
   found.min_gap = smallest_gap(found.contacts);
   if (o.advancement.certify) leave_apart(state, estimate, o.advancement, found);  // (CA-16)
-  found.warm = warm_start(state.memory, found.contacts, found.scale);             // (RED-5)
-  found.selection = reduce(reduction_input(setting, state, found), o.reduction);  // (RED-1)
+  match_and_reduce(setting, state, state, found);                                 // (RED-1), (PER-2)
   found.seconds = step_clock() - begin;
   return found;
 }
@@ -324,8 +380,7 @@ Found found_at(const StepSetting& setting, const State& state, const Found& foun
   const StepOptions& o = setting.options;
   Found out = found;
   out.contacts = contacts_of(setting.model, at, found.pairs, o.lmd, *setting.scratch);
-  out.warm = warm_start(state.memory, out.contacts, out.scale);
-  out.selection = reduce(reduction_input(setting, at, out), o.reduction);
+  match_and_reduce(setting, state, at, out);
   out.seconds += step_clock() - begin;
   return out;
 }
@@ -390,7 +445,8 @@ ImpulseStep pose_step(const StepSetting& setting, const State& state, const Foun
   ImpulseStep out{.free = std::move(free),
                   .v_prescribed = prescribed_velocity(setting.model, state, found.h)};
   out.joints = joint_system(setting.model, state, setting.dofs, out.v_prescribed, found.h, theta, o.normal,
-                            o.joints);  // (MJT-10)
+                            o.joints);                                      // (MJT-10)
+  if (o.persistence.anchors) pull_back(found, o.persistence, blocks.rows);  // (PER-9)
   set_rows(std::move(blocks), out);
   out.seconds = step_clock() - begin;
   return out;
@@ -495,7 +551,10 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
       select(found.contacts, {step.solved.kept.begin(), step.solved.kept.begin() + report.contacts_kept});
   for (std::size_t k = 0; k < kept.points.size(); ++k)
     report.contacts.push_back({kept.points[k], impulses.contact[k], impulses.drilling[k]});
-  out.next.memory = remember(kept, impulses.contact, impulses.drilling);
+  out.next.memory = remember(kept, impulses.contact,
+                             {.drilling = impulses.drilling,
+                              .anchors = anchors_after(found, step, report.contacts_kept, o.persistence),
+                              .g = found.g});
   out.next.r = impulses.r;
   report.t = out.next.t;
   report.h = found.h;

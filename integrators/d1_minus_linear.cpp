@@ -84,11 +84,14 @@ std::vector<ContactRow> stage_rows(const std::vector<ContactRow>& rows, const st
 }  // namespace
 
 void validate(const D1MinusLinearOptions& options) {
+  refuse_anchors(options.step, "d1_minus_linear");
   validate(options.step);
 }
 
 D1MinusLinear::D1MinusLinear(const Model& model, const D1MinusLinearOptions& options)
-    : setting_(step_setting(model, options.step)) {}
+    : setting_(step_setting(model, options.step)) {
+  validate(options);
+}
 
 StepReport D1MinusLinear::step(State& state, double h_limit) const {
   const Model& model = setting_.model;

@@ -678,7 +678,7 @@ StepReport Run::go(State& out) {
     drilling.push_back(c.drilling);
     report_.min_gap = std::min(report_.min_gap, c.point.gap);
   }
-  state_.memory = remember(acted, impulse, drilling);
+  state_.memory = remember(acted, impulse, {.drilling = drilling, .anchors = {}, .g = start.g});
   if (!model_.joints.empty()) {
     const JointSystem joints = joint_system(model_, state_, setting_.dofs, VecX::Zero(state_.v.size()),
                                             report_.h, 1, o_.step.normal, o_.step.joints);
@@ -727,6 +727,7 @@ void validate(const EventDrivenOptions& o) {
   require_field(o.stick_speed > 0, "EventDrivenOptions::stick_speed", o.stick_speed, "be positive [m/s]");
   require_field(o.stiff_slip >= 0, "EventDrivenOptions::stiff_slip", o.stiff_slip, "not be negative [m/s]");
   require_field(o.max_events >= 1, "EventDrivenOptions::max_events", o.max_events, "be at least 1");
+  refuse_anchors(o.step, "event_driven");
   validate(o.step);
 }
 

@@ -160,6 +160,7 @@ ImpulseStep position_problem(const StepSetting& setting, const State& state, con
 void validate(const GeneralisedAlphaOptions& o) {
   require_field(o.spectral_radius >= 0 && o.spectral_radius <= 1, "GeneralisedAlphaOptions::spectral_radius",
                 o.spectral_radius, "lie in [0, 1]");
+  refuse_anchors(o.step, "generalised_alpha");
   validate(o.step);
 }
 

@@ -15,6 +15,7 @@ StepOptions step_options(const MoreauJeanOptions& o) {
           .joints = o.joints,
           .lmd = o.lmd,
           .reduction = o.reduction,
+          .persistence = o.persistence,
           .solver = o.solver,
           .advancement = o.advancement,
           .update = o.update,

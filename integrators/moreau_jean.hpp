@@ -34,6 +34,7 @@ struct MoreauJeanOptions {
   JointOptions joints{};
   LmdOptions lmd{};  // its threshold is set in each step by the displacement bound
   ReductionOptions reduction{};
+  PersistenceOptions persistence{};
   SolverOptions solver{};
   AdvancementOptions advancement{};
   GroupUpdate update = GroupUpdate::exponential;

@@ -53,13 +53,16 @@ int make_passive(const DofMap& dofs, double tolerance, ImpulseStep& step, std::v
 }  // namespace
 
 void validate(const PassiveMidpointOptions& options) {
+  refuse_anchors(options.step, "passive_midpoint");
   validate(options.step);
 }
 
 PassiveMidpoint::PassiveMidpoint(const Model& model, const PassiveMidpointOptions& options)
     : setting_(step_setting(model, options.step)),
       gyroscopic_(options.gyroscopic),
-      passive_(options.passive) {}
+      passive_(options.passive) {
+  validate(options);
+}
 
 StepReport PassiveMidpoint::step(State& state, double h_limit) const {
   const Model& model = setting_.model;

@@ -51,6 +51,7 @@ void validate(const SchatzmanPaoliOptions& o) {
       "own for contacts and that one for the stops of joints");
   require(o.step.update == GroupUpdate::exponential,
           "SchatzmanPaoliOptions::step: the update must be exponential, velocities are those of the path");
+  refuse_anchors(o.step, "schatzman_paoli");
   validate(o.step);
 }
 

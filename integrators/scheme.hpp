@@ -28,6 +28,7 @@ struct SchemeOptions {
   JointOptions joints{};
   LmdOptions lmd{};
   ReductionOptions reduction{};
+  PersistenceOptions persistence{};
   SolverOptions solver{};
   AdvancementOptions advancement{};
   int threads = 1;

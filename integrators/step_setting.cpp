@@ -21,7 +21,13 @@ void validate(const StepOptions& o) {
                 "not exceed h [s]");
   validate(o.lmd);
   validate(o.reduction);
+  validate(o.persistence);
   validate(o.solver);
+}
+
+void refuse_anchors(const StepOptions& options, const char* scheme) {
+  require(!options.persistence.anchors, std::string("PersistenceOptions::anchors: ") + scheme +
+                                            " has none; moreau_jean and moreau_jean_projected do");
 }
 
 StepSetting step_setting(const Model& model, const StepOptions& options) {
@@ -37,6 +43,8 @@ StepSetting step_setting(const Model& model, const StepOptions& options) {
   require(!options.advancement.certify || undilated < 2 || !dynamic_undilated,
           "two bodies that can touch have dilation 0: at least one of them needs a positive one [m]");
   StepSetting out{.model = model, .options = options, .dofs = dof_map(model), .bounds = body_bounds(model)};
+  for (const RigidBody& body : model.bodies)
+    out.shapes.push_back(body.shape < 0 ? nullptr : model.shapes[std::size_t(body.shape)].get());
   out.options.lmd.threads = options.threads;
   out.options.solver.for_all = [threads = options.threads](int n, const std::function<void(int)>& f) {
     parallel_for(n, threads, f);

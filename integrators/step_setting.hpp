@@ -7,6 +7,7 @@
 #include "integrators/joint_rows.hpp"
 #include "nsgs/solve.hpp"
 #include "reduction/reduce.hpp"
+#include "reduction/warm_start.hpp"
 
 namespace aussois {
 
@@ -16,6 +17,7 @@ struct StepOptions {
   JointOptions joints{};
   LmdOptions lmd{};  // its threshold is set in each step by the displacement bound
   ReductionOptions reduction{};
+  PersistenceOptions persistence{};
   SolverOptions solver{};
   AdvancementOptions advancement{};
   GroupUpdate update = GroupUpdate::exponential;
@@ -24,12 +26,17 @@ struct StepOptions {
 };
 void validate(const StepOptions& options);  // throws std::invalid_argument: field, value, bound
 
+/// For schemes whose rows say something else than how bodies slip on the step: throws std::invalid_argument
+/// if anchors are asked for.
+void refuse_anchors(const StepOptions& options, const char* scheme);
+
 /// The model must outlive it.
 struct StepSetting {
   const Model& model;
   StepOptions options{};
   DofMap dofs{};
   std::vector<BodyBounds> bounds{};
+  std::vector<const LmdShape*> shapes{};  // of every body; null: none
   std::shared_ptr<ContactScratch> scratch = std::make_shared<ContactScratch>();
 };
 

@@ -11,7 +11,7 @@ namespace aussois {
 namespace {
 
 constexpr const char* kFormat = "aussois-checkpoint";
-constexpr const char* kVersion = "3";
+constexpr const char* kVersion = "4";
 
 std::string hex(std::uint64_t value) {
   char text[24];
@@ -72,18 +72,23 @@ void write_state(hid_t file, const State& state) {
   write_rows(file, "/state/turns", state.turns);
   write_rows(file, "/state/impulse", std::vector<double>(state.r.begin(), state.r.end()));
   write_rows(file, "/state/acceleration", std::vector<double>(state.a.begin(), state.a.end()));
-  using Key = std::array<int, 6>;
   const ContactMemory& memory = state.memory;
-  write_rows(file, "/memory/key",
-             gathered<Key>(memory, [](const auto& contact) { return contact.key.value; }));
-  write_rows(file, "/memory/normal",
-             gathered<Vec3>(memory, [](const auto& contact) { return contact.normal; }));
-  write_rows(file, "/memory/point_a",
-             gathered<Vec3>(memory, [](const auto& contact) { return contact.point_a; }));
-  write_rows(file, "/memory/impulse",
-             gathered<Vec3>(memory, [](const auto& contact) { return contact.impulse; }));
-  write_rows(file, "/memory/drilling",
-             gathered<double>(memory, [](const auto& contact) { return contact.drilling; }));
+  const auto write = [&]<class T>(const char* name, T RememberedContact::*field) {
+    write_rows(file, name, gathered<T>(memory, [&](const auto& contact) { return contact.*field; }));
+  };
+  write_rows(file, "/memory/bodies", gathered<std::array<int, 2>>(memory, [](const auto& contact) {
+               return std::array{contact.key.body_a, contact.key.body_b};
+             }));
+  write_rows(file, "/memory/feature",
+             gathered<std::uint64_t>(memory, [](const auto& contact) { return contact.key.feature; }));
+  write("/memory/normal", &RememberedContact::normal);
+  write("/memory/point_a", &RememberedContact::point_a);
+  write("/memory/point_b", &RememberedContact::point_b);
+  write("/memory/impulse", &RememberedContact::impulse);
+  write("/memory/drilling", &RememberedContact::drilling);
+  write("/memory/anchor_b", &RememberedContact::anchor_b);
+  write_rows(file, "/memory/held",
+             gathered<int>(memory, [](const auto& contact) { return int(contact.held); }));
   write_rows(file, "/state/hash", std::vector<std::uint64_t>{hash(state)});
 }
 
@@ -104,16 +109,29 @@ State read_state(hid_t file) {
   state.turns = read_rows<int>(file, "/state/turns");
   state.r = read_vector(file, "/state/impulse");
   state.a = read_vector(file, "/state/acceleration");
-  const auto key = read_rows<std::array<int, 6>>(file, "/memory/key");
-  const auto normal = read_rows<Vec3>(file, "/memory/normal"),
-             point_a = read_rows<Vec3>(file, "/memory/point_a"),
-             impulse = read_rows<Vec3>(file, "/memory/impulse");
-  const auto drilling = read_rows<double>(file, "/memory/drilling");
-  if (normal.size() != key.size() || point_a.size() != key.size() || impulse.size() != key.size() ||
-      drilling.size() != key.size())
+  const auto bodies = read_rows<std::array<int, 2>>(file, "/memory/bodies");
+  const auto feature = read_rows<std::uint64_t>(file, "/memory/feature");
+  ContactMemory& memory = state.memory;
+  memory.contacts.resize(bodies.size());
+  const auto read = [&]<class T>(const char* name, T RememberedContact::*field) {
+    const std::vector<T> column = read_rows<T>(file, name);
+    if (column.size() != memory.contacts.size())
+      fail_hdf5(file, "/memory", "has columns of different length");
+    for (std::size_t i = 0; i < column.size(); ++i) memory.contacts[i].*field = column[i];
+  };
+  read("/memory/normal", &RememberedContact::normal);
+  read("/memory/point_a", &RememberedContact::point_a);
+  read("/memory/point_b", &RememberedContact::point_b);
+  read("/memory/impulse", &RememberedContact::impulse);
+  read("/memory/drilling", &RememberedContact::drilling);
+  read("/memory/anchor_b", &RememberedContact::anchor_b);
+  const auto held = read_rows<int>(file, "/memory/held");
+  if (feature.size() != bodies.size() || held.size() != bodies.size())
     fail_hdf5(file, "/memory", "has columns of different length");
-  for (std::size_t i = 0; i < key.size(); ++i)
-    state.memory.contacts.push_back({ContactKey{key[i]}, normal[i], point_a[i], impulse[i], drilling[i]});
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    memory.contacts[i].key = {.body_a = bodies[i][0], .body_b = bodies[i][1], .feature = feature[i]};
+    memory.contacts[i].held = held[i] != 0;
+  }
   if (hash(state) != read_one<std::uint64_t>(file, "/state/hash"))
     fail_hdf5(file, "/state/hash", "is not the hash of the state: the file is damaged");
   return state;

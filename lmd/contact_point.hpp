@@ -21,11 +21,22 @@ struct Feature {
   std::array<double, 3> bary{};  // barycentric coordinates of the proximal point on the simplex
 };
 
-/// What tells one contact from another from step to step: (body, dim, region) of both sides.
+/// What tells one contact from another from step to step (PER-1): both bodies, and (dim, region) of both
+/// sides in one word, A's in the upper half. Keys are in the order of (body_a, body_b, dim, region of A, of
+/// B).
 struct ContactKey {
-  std::array<std::int32_t, 6> value{};
+  std::int32_t body_a = -1, body_b = -1;
+  std::uint64_t feature = 0;
   auto operator<=>(const ContactKey&) const = default;
 };
+
+/// Half a feature word: two bits of dim, thirty of region.
+struct KeyFeature {
+  int dim = 0, region = 0;
+};
+std::uint64_t feature_word(const KeyFeature& a, const KeyFeature& b);  // dim in [0, 3], region in [0, 2^30)
+KeyFeature feature_a(const ContactKey& key);
+KeyFeature feature_b(const ContactKey& key);
 
 struct ContactPoint {
   Feature a{}, b{};

@@ -64,9 +64,12 @@ void validate(const Model& model, const State& state) {
   }
   for (std::size_t i = 0; i < state.memory.contacts.size(); ++i) {
     const RememberedContact& c = state.memory.contacts[i];
-    require(
-        c.normal.allFinite() && c.point_a.allFinite() && c.impulse.allFinite() && std::isfinite(c.drilling),
-        "State::memory, contact " + std::to_string(i) + ": normal, point and impulse must be finite");
+    require(c.normal.allFinite() && c.point_a.allFinite() && c.point_b.allFinite() && c.impulse.allFinite() &&
+                std::isfinite(c.drilling) && c.anchor_b.allFinite(),
+            "State::memory, contact " + std::to_string(i) + ": normal, points and impulse must be finite");
+    require(c.key.body_a >= 0 && c.key.body_b >= 0 && std::size_t(c.key.body_a) < count &&
+                std::size_t(c.key.body_b) < count,
+            "State::memory, contact " + std::to_string(i) + ": its bodies must exist");
   }
   require(sorted_by_key(state.memory), "State::memory must be sorted by key");
 }
@@ -123,11 +126,16 @@ std::uint64_t hash(const State& state) {
   for (const double component : state.a) digest.add(component);
   digest.add(std::uint64_t(state.memory.contacts.size()));
   for (const RememberedContact& c : state.memory.contacts) {
-    for (const std::int32_t part : c.key.value) digest.add(std::uint64_t(std::uint32_t(part)));
+    digest.add(std::uint64_t(std::uint32_t(c.key.body_a)));
+    digest.add(std::uint64_t(std::uint32_t(c.key.body_b)));
+    digest.add(c.key.feature);
     digest.add(c.normal);
     digest.add(c.point_a);
+    digest.add(c.point_b);
     digest.add(c.impulse);
     digest.add(c.drilling);
+    digest.add(c.anchor_b);
+    digest.add(std::uint64_t(c.held));
   }
   return digest.value;
 }

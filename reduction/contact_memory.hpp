@@ -1,20 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
-// The contacts of the last step with their impulses, matched to the present ones by feature keys (RED-5),
-// (RED-6).
+// The contacts of the last step with what they did: what persists from step to step (PER-1).
 #pragma once
 
+#include <span>
 #include <vector>
 
+#include "geometry/se3.hpp"
 #include "lmd/contact_point.hpp"
 
 namespace aussois {
 
+/// Static friction that knows where it began (PER-8).
+struct Anchor {
+  bool held = false;          // the contact touched and stuck
+  Vec3 drift = Vec3::Zero();  // how far A's side has slipped off B's since, tangential, world [m]
+};
+
 struct RememberedContact {
   ContactKey key{};
-  Vec3 normal = Vec3::UnitZ();  // world, from B to A
-  Vec3 point_a = Vec3::Zero();  // proximal point on A in world coordinates when it was remembered [m]
-  Vec3 impulse = Vec3::Zero();  // on A, world [N s]
-  double drilling = 0;          // moment of it about the normal, on A [N m s]; 0 without drilling friction
+  Vec3 normal = Vec3::UnitZ();   // world, from B to A
+  Vec3 point_a = Vec3::Zero();   // proximal point on A, in A's frame [m]
+  Vec3 point_b = Vec3::Zero();   // on B, in B's frame [m]
+  Vec3 impulse = Vec3::Zero();   // on A, world [N s]
+  double drilling = 0;           // moment of it about the normal, on A [N m s]; 0 without drilling friction
+  Vec3 anchor_b = Vec3::Zero();  // where the material of point_a began to stick, in B's frame [m] (PER-8)
+  bool held = false;             // there is an anchor; anchor_b is point_b otherwise
 };
 
 /// Part of the State: a plain value, sorted by key, then by the coordinates of point_a. Keys may repeat: two
@@ -23,21 +33,20 @@ struct ContactMemory {
   std::vector<RememberedContact> contacts{};
 };
 
-struct WarmStart {
-  std::vector<Vec3> impulse{};  // on A, world [N s], one per contact of the set; zero where nothing matches
-  std::vector<double> drilling{};  // about the normal, on A [N m s], likewise
-  std::vector<char> remembered{};  // 1: the contact was in the problem of the last step, 0: it is new
-  int matched = 0;
+/// What a solved step has to say of its contacts beyond their impulses; vectors of one entry per contact or
+/// none.
+struct StepTrace {
+  std::vector<double> drilling{};  // about the normal, on A [N m s]
+  std::vector<Anchor> anchors{};
+  std::span<const SE3> g{};  // g_wb of all bodies where the contacts were found; empty: the identity
 };
 
-/// Impulses to start the solver with (RED-5): matched by key, among equal keys the nearest by point_a
-/// (RED-6), turned from the old to the new normal by the smallest rotation; `scale` is h_new / h_old. Each
-/// remembered contact is used at most once; one whose normal turned by a right angle or more is not used.
-WarmStart warm_start(const ContactMemory& memory, const ContactSet& contacts, double scale = 1.0);
-
-/// `impulses[i]` acts on A of contact i, world [N s], `drilling[i]` about its normal [N m s] (empty: zero).
-/// Keeps every contact. Throws std::invalid_argument unless there is one impulse per contact.
+/// Keeps every contact; `impulses[i]` acts on A of contact i, world [N s]. Throws std::invalid_argument
+/// unless there is one impulse per contact.
 ContactMemory remember(const ContactSet& contacts, const std::vector<Vec3>& impulses,
-                       const std::vector<double>& drilling = {});
+                       const StepTrace& trace = {});
+
+/// The pose of a body, the identity where none is given.
+SE3 pose_of(std::span<const SE3> g, int body);
 
 }  // namespace aussois

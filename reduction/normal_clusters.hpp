@@ -5,6 +5,7 @@
 #pragma once
 
 #include "lmd/contact_point.hpp"
+#include "reduction/clusters.hpp"
 #include "reduction/cube_map.hpp"
 #include "reduction/kmeans.hpp"
 
@@ -37,5 +38,9 @@ struct NormalClusters {
 /// are of more than one pair.
 NormalClusters cluster_normals(const ContactSet& contacts, const NormalClusterOptions& options = {},
                                const std::vector<Vec3>& previous = {});
+
+/// The same for any number of pairs, each for itself, as reducers take them: the deepest contact of each
+/// group first. Unlike by angle to a seed, a group may be as wide as NormalClusterOptions::widest allows.
+Clusters clusters_by_normals(const ContactSet& contacts, const NormalClusterOptions& options = {});
 
 }  // namespace aussois

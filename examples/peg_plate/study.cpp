@@ -73,7 +73,7 @@ struct Judge {
   }
   void still(const std::string& item, const std::string& name, const std::string& set, double bound,
              bool four_of_five = false) {
-    line(item + " " + name + ", static |F|", set, bound, false, four_of_five, [&](const PegResult& r) {
+    line(item + " " + name + ", static size", set, bound, false, four_of_five, [&](const PegResult& r) {
       const PegScore* s = find(r, name);
       return s ? s->still_size : -1;
     });
@@ -209,7 +209,7 @@ std::vector<PegVerdict> verdicts(const std::vector<PegResult>& results) {
                 [](const PegScore& a, const PegScore& b) { return a.chatter / b.chatter; });
   }
   for (const std::string set : {"edge_0.1", "edge_0.3"}) {
-    judge.ratio("A-2 mlc_soft / upright, static |F|", "mlc_soft", "upright", set, 0.6, false, false,
+    judge.ratio("A-2 mlc_soft / upright, static size", "mlc_soft", "upright", set, 0.6, false, false,
                 still_ratio);
     const auto share = [](const PegResult& r) { return r.upright_share; };
     judge.line("A-2 share of the upright normal", set, 0.3, true, false, share);

@@ -61,7 +61,7 @@ PegScore score(const NamedMethod& method, const PegData& data, const std::vector
 
 /// One line of the verdict.
 struct PegVerdict {
-  std::string what{};  // "A-1 full, static |F|"
+  std::string what{};  // "A-1 full, static size"
   double value = 0, bound = 0;
   bool at_least = false;  // else at most
   int needed = 0, met = 0, seeds = 0;

@@ -34,8 +34,14 @@ Checkpoint nasty_checkpoint() {
   state.r = Vec2(0.1, -5e-324);
   state.a = Vec3(-0.0, 0.1 + 0.2, -1e300);
   for (int i = 0; i < 3; ++i)
-    state.memory.contacts.push_back({ContactKey{{i, 1, 2, 3, 4, -5 - i}}, Vec3(0.6, -0.0, 0.8),
-                                     Vec3(i, 1e-320, 0.1), Vec3(-0.0, 1.0 / 3, i), 0.1 * i});
+    state.memory.contacts.push_back({.key = {i, 1, 0xfedcba9876543210u + unsigned(i)},
+                                     .normal = Vec3(0.6, -0.0, 0.8),
+                                     .point_a = Vec3(i, 1e-320, 0.1),
+                                     .point_b = Vec3(0.1 + 0.2, -0.0, i),
+                                     .impulse = Vec3(-0.0, 1.0 / 3, i),
+                                     .drilling = 0.1 * i,
+                                     .anchor_b = Vec3(-1e-310, i, 1.0 / 7),
+                                     .held = i == 1});
   checkpoint.numbers = {
       {"peak_force", 12.345}, {"least", -std::numeric_limits<double>::denorm_min()}, {"none", kInf}};
   checkpoint.counts = {{"rows", 12345678901}, {"refused", 0}};
@@ -78,6 +84,8 @@ TEST(Checkpoint, GivesTheStateBackBitForBit) {
     EXPECT_TRUE(same_bits(x.normal.data(), y.normal.data(), 3) &&
                 same_bits(x.point_a.data(), y.point_a.data(), 3) &&
                 same_bits(x.impulse.data(), y.impulse.data(), 3) && same_bits(&x.drilling, &y.drilling, 1));
+    EXPECT_TRUE(same_bits(x.point_b.data(), y.point_b.data(), 3) &&
+                same_bits(x.anchor_b.data(), y.anchor_b.data(), 3) && x.held == y.held);
   }
 }
 

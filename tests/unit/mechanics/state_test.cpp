@@ -26,7 +26,8 @@ State some_state(const Model& model) {
   state.h = 1e-3;
   state.h_next = 2e-3;
   state.memory.contacts.resize(2);
-  state.memory.contacts[1].key.value[5] = 7;
+  state.memory.contacts[0].key = {.body_a = 0, .body_b = 1, .feature = 3};
+  state.memory.contacts[1].key = {.body_a = 0, .body_b = 1, .feature = 7};
   return state;
 }
 
@@ -68,11 +69,15 @@ TEST(State, HashSeesEveryNumber) {
       changes.push_back([=](State& s) { bump(s.g[i].p[k]); });
       changes.push_back([=](State& s) { bump(s.memory.contacts[i].normal[k]); });
       changes.push_back([=](State& s) { bump(s.memory.contacts[i].point_a[k]); });
+      changes.push_back([=](State& s) { bump(s.memory.contacts[i].point_b[k]); });
+      changes.push_back([=](State& s) { bump(s.memory.contacts[i].anchor_b[k]); });
       changes.push_back([=](State& s) { bump(s.memory.contacts[i].impulse[k]); });
     }
     changes.push_back([=](State& s) { bump(s.memory.contacts[i].drilling); });
-    for (std::size_t k = 0; k < 6; ++k)
-      changes.push_back([=](State& s) { ++s.memory.contacts[i].key.value[k]; });
+    changes.push_back([=](State& s) { s.memory.contacts[i].held = true; });
+    changes.push_back([=](State& s) { ++s.memory.contacts[i].key.body_a; });
+    changes.push_back([=](State& s) { ++s.memory.contacts[i].key.body_b; });
+    changes.push_back([=](State& s) { ++s.memory.contacts[i].key.feature; });
   }
   for (int k = 0; k < 12; ++k) changes.push_back([=](State& s) { bump(s.v[k]); });
   changes.push_back([](State& s) { s.t = -0.0; });
@@ -117,6 +122,7 @@ TEST(State, IsRefusedUnlessItFitsTheModel) {
       {[](State& s) { s.g[1].R.coeffs() *= 1.1; }, "body 1 (hand): pose"},
       {[&](State& s) { s.v[7] = nan; }, "body 1 (hand): twist"},
       {[&](State& s) { s.memory.contacts[1].impulse.x() = nan; }, "State::memory, contact 1"},
+      {[](State& s) { s.memory.contacts[1].key.body_b = 2; }, "contact 1: its bodies must exist"},
       {[](State& s) { std::swap(s.memory.contacts[0], s.memory.contacts[1]); }, "sorted by key"}};
   for (const auto& [change, message] : cases) {
     State state = some_state(model);

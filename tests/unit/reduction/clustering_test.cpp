@@ -279,6 +279,37 @@ TEST(NormalClusters, RefuseWhatIsNoNormal) {
   EXPECT_NE(message_of([] { cube_cell(Vec3::Zero()); }).find("unit length"), std::string::npos);
 }
 
+// Every contact once, of one pair and one bundle, the deepest first; whatever the order of the set.
+TEST(NormalClusters, OfManyPairsAreWhatReducersTake) {
+  Random random(9);
+  ContactSet set;
+  for (int pair = 0; pair < 3; ++pair)
+    for (int i = 0; i < 20; ++i) {
+      ContactPoint c;
+      c.a.body = pair, c.b.body = pair + 1 + pair % 2;
+      c.a.simplex = i;
+      c.normal = near(i % 2 ? Vec3::UnitX() : Vec3::UnitZ(), 2 * kDegree, random);
+      c.gap = random.uniform(-1e-3, 0);
+      set.points.push_back(c);
+    }
+  std::vector<int> from;
+  const ContactSet other = shuffled(set, random, from);
+  const Clusters clusters = clusters_by_normals(set), again = clusters_by_normals(other);
+  ASSERT_EQ(clusters.size(), 6u);
+  ASSERT_EQ(again.size(), 6u);
+  for (std::size_t k = 0; k < 6; ++k) {
+    ASSERT_EQ(clusters[k].size(), 10u);
+    for (std::size_t i = 0; i < 10; ++i) {
+      EXPECT_EQ(from[std::size_t(again[k][i])], clusters[k][i]);
+      const ContactPoint &a = set.points[std::size_t(clusters[k][0])],
+                         &b = set.points[std::size_t(clusters[k][i])];
+      EXPECT_LE(a.gap, b.gap);
+      EXPECT_EQ(a.a.body, b.a.body);
+      EXPECT_GT(a.normal.dot(b.normal), 0.9);
+    }
+  }
+}
+
 MatX random_points(Random& random, int dim, int n) {
   MatX out(dim, n);
   for (int i = 0; i < n; ++i)

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // doc/theory/reduction.md, memory and warm start.
-#include "reduction/contact_memory.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "reduction/warm_start.hpp"
 #include "tests/support/random.hpp"
 
 namespace aussois {
@@ -23,35 +22,38 @@ ContactPoint contact(int region_a, int region_b, const Vec3& x_a = Vec3::Zero(),
   return c;
 }
 
+const PersistenceOptions kByKey{.matching = Matching::key};
+
 TEST(WarmStart, GivesBackWhatWasRemembered) {
   const ContactSet set{{contact(3, 1), contact(1, 2), contact(2, 2)}};
   const std::vector<Vec3> r = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}};
   const WarmStart start = warm_start(remember(set, r), set);
   EXPECT_EQ(start.impulse, r);
-  EXPECT_EQ(start.matched, 3);
+  EXPECT_EQ(start.counts.matched(), 3);
 }
 
 TEST(WarmStart, StartsFromZeroWhereNothingMatches) {
   const ContactMemory memory = remember({{contact(1, 1), contact(2, 1)}}, {{0, 0, 1}, {0, 0, 2}});
-  const WarmStart start = warm_start(memory, {{contact(0, 1), contact(2, 1), contact(2, 5)}});
+  const WarmStart start = warm_start(memory, {{contact(0, 1), contact(2, 1), contact(2, 5)}}, {}, kByKey);
   EXPECT_EQ(start.impulse, (std::vector<Vec3>{Vec3::Zero(), {0, 0, 2}, Vec3::Zero()}));
-  EXPECT_EQ(start.matched, 1);
+  EXPECT_EQ(start.counts.matched(), 1);
   EXPECT_EQ(warm_start({}, {{contact(0, 1)}}).impulse, (std::vector<Vec3>{Vec3::Zero()}));
   EXPECT_TRUE(warm_start(memory, {}).impulse.empty());
 }
 
 TEST(WarmStart, ScalesWithTheStep) {
   const ContactSet set{{contact(1, 1)}};
-  EXPECT_EQ(warm_start(remember(set, {{1, 2, 4}}), set, 0.5).impulse[0], Vec3(0.5, 1, 2));
+  EXPECT_EQ(warm_start(remember(set, {{1, 2, 4}}), set, {.scale = 0.5}).impulse[0], Vec3(0.5, 1, 2));
 }
 
 TEST(WarmStart, GivesBackTheDrillingImpulseScaled) {
   const ContactSet set{{contact(3, 1), contact(1, 2)}};
-  const ContactMemory memory = remember(set, {{0, 0, 1}, {0, 0, 2}}, {0.25, -0.5});
-  const WarmStart start = warm_start(memory, {{contact(1, 2), contact(5, 5), contact(3, 1)}}, 2);
+  const ContactMemory memory = remember(set, {{0, 0, 1}, {0, 0, 2}}, {.drilling = {0.25, -0.5}});
+  const WarmStart start =
+      warm_start(memory, {{contact(1, 2), contact(5, 5), contact(3, 1)}}, {.scale = 2}, kByKey);
   EXPECT_EQ(start.drilling, (std::vector<double>{-1, 0, 0.5}));
   EXPECT_EQ(warm_start(remember(set, {{0, 0, 1}, {0, 0, 2}}), set).drilling, (std::vector<double>{0, 0}));
-  EXPECT_THROW(remember(set, {{0, 0, 1}, {0, 0, 2}}, {1}), std::invalid_argument);
+  EXPECT_THROW(remember(set, {{0, 0, 1}, {0, 0, 2}}, {.drilling = {1}}), std::invalid_argument);
 }
 
 TEST(WarmStart, TurnsTheImpulseWithTheNormal) {
@@ -72,8 +74,8 @@ TEST(WarmStart, KeepsTheAngleToTheNormal) {
     const Vec3 old_r = random.vector();
     const ContactMemory memory = remember({{contact(1, 1, Vec3::Zero(), old_normal)}}, {old_r});
     const WarmStart start = warm_start(memory, {{contact(1, 1, Vec3::Zero(), normal)}});
-    EXPECT_EQ(start.matched, normal.dot(old_normal) > 0 ? 1 : 0) << "trial " << trial;
-    if (start.matched == 0) continue;
+    EXPECT_EQ(start.counts.matched(), normal.dot(old_normal) > 0 ? 1 : 0) << "trial " << trial;
+    if (start.counts.matched() == 0) continue;
     ++matched;
     const Vec3 expected = Quat::FromTwoVectors(old_normal, normal) * old_r;
     EXPECT_LT((start.impulse[0] - expected).norm(), 1e-14) << "trial " << trial;
@@ -86,7 +88,7 @@ TEST(WarmStart, KeepsTheAngleToTheNormal) {
 TEST(WarmStart, DoesNotCarryAnImpulseRoundACorner) {
   const ContactMemory memory = remember({{contact(1, 1)}}, {{0, 0, 1}});
   for (const Vec3& normal : {Vec3(-Vec3::UnitZ()), Vec3(Vec3::UnitX())})
-    EXPECT_EQ(warm_start(memory, {{contact(1, 1, Vec3::Zero(), normal)}}).matched, 0);
+    EXPECT_EQ(warm_start(memory, {{contact(1, 1, Vec3::Zero(), normal)}}).counts.matched(), 0);
 }
 
 TEST(WarmStart, ClaimsEachRememberedContactOnce) {
@@ -94,7 +96,7 @@ TEST(WarmStart, ClaimsEachRememberedContactOnce) {
   const WarmStart start =
       warm_start(memory, {{contact(1, 1, {3, 0, 0}), contact(1, 1, {1, 0, 0}), contact(1, 1, {2, 0, 0})}});
   EXPECT_EQ(start.impulse, (std::vector<Vec3>{Vec3::Zero(), {0, 0, 1}, Vec3::Zero()}));
-  EXPECT_EQ(start.matched, 1);
+  EXPECT_EQ(start.counts.matched(), 1);
 }
 
 // Two crossings of one pair of chains move by more than the order of their coordinates can tell: nearest
@@ -119,7 +121,7 @@ TEST(WarmStart, DoesNotDependOnTheOrderOfTheSets) {
       r.push_back(random.vector());
     }
     const WarmStart start = warm_start(remember(old, r), now);
-    EXPECT_GT(start.matched, 10);
+    EXPECT_GT(start.counts.matched(), 10);
     for (std::size_t i = 29; i > 0; --i) {
       const std::size_t j = std::size_t(random.index(int(i) + 1));
       std::swap(old.points[i], old.points[j]);
@@ -130,7 +132,7 @@ TEST(WarmStart, DoesNotDependOnTheOrderOfTheSets) {
     WarmStart again = warm_start(remember(old, r), reversed);
     std::reverse(again.impulse.begin(), again.impulse.end());
     EXPECT_EQ(again.impulse, start.impulse) << "trial " << trial;
-    EXPECT_EQ(again.matched, start.matched);
+    EXPECT_EQ(again.counts.matched(), start.counts.matched());
   }
 }
 

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// T-4.1 and T-4.2 of the specification of persistence: a block on a slope stays where it stuck.
+#include <algorithm>
+
+#include "tests/support/block_scene.hpp"
+
+namespace aussois {
+namespace {
+
+struct Creep {
+  double drift = 0;        // along the slope, at the end [m]
+  double worst = 0;        // at any time [m]
+  double energy_rise = 0;  // largest of the mechanical energy above its lowest value so far [J]
+};
+
+/// 10^5 steps of 1 ms at 0.9 of the critical slope.
+Creep creep(bool anchors, double mu) {
+  Scene s = block_on_plate(mu, 0, std::atan(0.9 * mu));
+  const MoreauJean scheme(s.model, {.h = 1e-3, .persistence = {.anchors = anchors}});
+  Creep out;
+  for (int step = 0; step < 100; ++step) EXPECT_TRUE(scheme.step(s.state).ok());  // the gap closes
+  const double start = pose(s.state, s.block).p.x();
+  double lowest = energy(s.model, s.state).total();
+  for (int step = 0; step < 100000; ++step) {
+    const StepReport report = scheme.step(s.state);
+    if (!report.ok()) {
+      ADD_FAILURE() << report.reason << ", step " << step;
+      break;
+    }
+    const double now = energy(s.model, s.state).total();
+    lowest = std::min(lowest, now);
+    out.energy_rise = std::max(out.energy_rise, now - lowest);
+    out.worst = std::max(out.worst, std::abs(pose(s.state, s.block).p.x() - start));
+  }
+  out.drift = pose(s.state, s.block).p.x() - start;
+  return out;
+}
+
+TEST(Anchors, KeepABlockInPlaceAndFeedNoEnergy) {
+  const double mu = 0.5;
+  const Creep with = creep(true, mu), without = creep(false, mu);
+  const auto text = [](double x) {
+    char out[40];
+    std::snprintf(out, sizeof out, "%.3g", x);
+    return std::string(out);
+  };
+  RecordProperty("drift_with_anchors_m", text(with.drift));
+  RecordProperty("drift_without_anchors_m", text(without.drift));
+  RecordProperty("energy_rise_with_anchors_J", text(with.energy_rise));
+  RecordProperty("energy_rise_without_anchors_J", text(without.energy_rise));
+  EXPECT_LT(with.worst, 1e-6);
+  const double weight = kDensity * kSide * kSide * kSide * kGravity;
+  EXPECT_LT(with.energy_rise, 1e-9 * weight * kSide);  // relative to a fall by its own height
+}
+
+/// How far a block 20 cm off the axis of a table that turns by a radian per second has slipped on it in two
+/// seconds. It stands exactly if every point of it goes round in a circle: the path of a step is its chord.
+double slip_on_a_turntable(bool anchors, double h) {
+  Scene s = block_on_plate(0.5, 0, 0);
+  Trajectory path;
+  for (int i = 0; i <= 60; ++i) {
+    path.t.push_back(0.05 * i);
+    path.pose.push_back(rotation(Vec3::UnitZ(), 0.05 * i));
+  }
+  const int shape = s.model.bodies[std::size_t(s.ground)].shape;
+  s.model.bodies[std::size_t(s.ground)] = prescribed_body("table", shape, path);
+  pose(s.state, s.block).p.x() = 0.2;
+  twist(s.state, s.block) << 0, 0.2, 0, 0, 0, 1;
+  const Vec3 before = inverse(pose(s.state, s.ground)) * pose(s.state, s.block).p;
+  const MoreauJean scheme(s.model, {.h = h, .persistence = {.anchors = anchors}});
+  run(scheme, s.state, 2);
+  const Vec3 after = inverse(pose(s.state, s.ground)) * pose(s.state, s.block).p;
+  return (after - before).head<2>().norm();
+}
+
+TEST(Anchors, HoldABlockOnATurntable) {
+  const double without = slip_on_a_turntable(false, 1e-3), with = slip_on_a_turntable(true, 1e-3);
+  RecordProperty("turntable_without_m", std::to_string(1e6 * without) + "e-6");
+  RecordProperty("turntable_with_m", std::to_string(1e6 * with) + "e-6");
+  EXPECT_NEAR(without, 2000 * 1e-7, 2e-6);  // r w^2 h^2 / 2 in every step
+  EXPECT_NEAR(with, 1e-7 / 0.2, 1e-8);      // of one step, over the rate
+}
+
+}  // namespace
+}  // namespace aussois
