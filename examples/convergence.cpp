@@ -9,7 +9,8 @@
 // code says whether
 //
 // convergence --all makes the whole table. Interrupt it when you like: the next call with the same -o goes
-// on. Several machines share it: --shard 1/4 to 4/4 into one folder, then once without --shard.
+// on. Several machines share it: --shard 1/4 to 4/4 into one folder, then once without --shard; or, where MPI
+// is, mpirun -n 9 convergence --all --farm.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -19,6 +20,7 @@
 #include "examples/common/driver.hpp"
 #include "examples/common/progress.hpp"
 #include "examples/common/scheme_flags.hpp"
+#include "examples/common/task_farm.hpp"
 #include "examples/scenes/study_files.hpp"
 #include "geometry/check.hpp"
 #include "geometry/parallel.hpp"
@@ -32,7 +34,7 @@ struct Arguments {
   std::string case_name{}, shard = "1/1";
   SchemeFlags scheme{};
   StudyOptions study{};
-  bool all = false, list = false, quiet = false;
+  bool all = false, list = false, farm = false, quiet = false;
   int threads = 1;
   std::filesystem::path out = "out", json{};
 };
@@ -86,8 +88,11 @@ struct Results {
   int known = 0;                        // read from the folder
 };
 
-/// Cells share the threads; each is written when it is complete and read back by the next call.
-Results run_cells(const Arguments& a, const std::vector<Cell>& cells) {
+/// Calls of f(i) for all i in [0, n), on threads or elsewhere.
+using ForAll = std::function<void(int n, const std::function<void(int)>& f)>;
+
+/// Each cell is written when it is complete and read back by the next call.
+Results run_cells(const Arguments& a, const std::vector<Cell>& cells, const ForAll& for_all) {
   const std::uint64_t program = program_digest();
   std::vector<Study> studies(cells.size());
   std::vector<std::string> failures(cells.size());
@@ -95,7 +100,7 @@ Results run_cells(const Arguments& a, const std::vector<Cell>& cells) {
   std::mutex mutex;  // of progress and counts
   int levels_done = 0;
   Progress progress("convergence", double(cells.size()) * a.study.levels, Progress::style_of_stderr(a.quiet));
-  parallel_for(int(cells.size()), a.threads, [&](int i) {
+  for_all(int(cells.size()), [&](int i) {
     const Cell& cell = cells[std::size_t(i)];
     const auto& [scheme, options] = cell.variant;
     const Study wanted{.case_name = cell.scene->name, .scheme = label(scheme, options), .options = a.study};
@@ -134,6 +139,7 @@ Results run_cells(const Arguments& a, const std::vector<Cell>& cells) {
 ExitCode run(Arguments a) {
   if (a.list) return list();
   require(a.all || !a.case_name.empty(), "give --case NAME, --all or --list");
+  require(!a.farm || has_task_farm(), "--farm needs a build configured with -DAUSSOIS_WITH_MPI=ON");
   if (!a.case_name.empty()) case_named(a.case_name);
   validate(a.study);
   const std::vector<Cell> cells = shard_of(cells_of(a), a.shard);
@@ -142,7 +148,14 @@ ExitCode run(Arguments a) {
   for (const std::filesystem::path& folder : {a.json.parent_path(), a.out})
     if (!folder.empty()) std::filesystem::create_directories(folder);
 
-  const Results results = run_cells(a, cells);
+  if (a.farm) {
+    Arguments of_rank = a;
+    of_rank.quiet = true;
+    bool goes_on = true;
+    run_cells(of_rank, cells, [&](int n, const auto& f) { goes_on = farm_out(n, f); });
+    if (!goes_on) return interrupted() ? ExitCode::interrupted : ExitCode::ok;
+  }
+  const Results results = run_cells(a, cells, [&](int n, const auto& f) { parallel_for(n, a.threads, f); });
   if (interrupted()) return ExitCode::interrupted;
   bool pictures = true;
   int missed = 0;
@@ -184,6 +197,7 @@ int main(int argc, char** argv) {
   cli.flag("--list", a.list, "names cases and schemes, and ends");
   cli.flag("--all", a.all, "all cases, or the one of --case, by all schemes and settings");
   cli.option("--shard", a.shard, "k/n: the k-th of n parts of --all");
+  cli.flag("--farm", a.farm, "under mpirun: rank 0 hands out cells, the others do them; needs MPI");
   cli.group("stepping");
   add_options(cli, a.scheme);
   cli.option("--h0", a.study.h, "largest step; 0: that of the case", "s", {0, 1});
@@ -191,7 +205,7 @@ int main(int argc, char** argv) {
   cli.option("--phases", a.study.phases, "lengths of the first step that errors are averaged over", "",
              {1, 64});
   cli.group("solver");
-  cli.option("--tolerance", a.study.tolerance, "on the scaled residual", "-", {1e-15, 1e-2});
+  cli.option("--tolerance", a.study.tolerance, "on the scaled residual; 0: that of the case", "-", {0, 1e-2});
   cli.group("output");
   cli.option("-o,--out", a.out,
              "folder of the results, made if missing; studies that it has are not done again");

@@ -99,8 +99,8 @@ std::vector<double> row_of(const Model& model, const State& state, const StepRep
 std::uint64_t fingerprint(const Arguments& a, const SchemeOptions& o) {
   std::ostringstream text;
   text << std::hexfloat << a.scene << ' ' << label(a.scheme.scheme, o) << ' ' << o.h << ' ' << o.theta << ' '
-       << o.normal.gamma << ' ' << o.newton.max_iterations << ' ' << o.spectral_radius << ' ' << a.tolerance
-       << ' ' << a.common.every << ' ' << a.certify;
+       << o.normal.gamma << ' ' << o.newton.max_iterations << ' ' << o.newton.gap_hessians << ' '
+       << o.spectral_radius << ' ' << a.tolerance << ' ' << a.common.every << ' ' << a.certify;
   return fingerprint_of(text.str());
 }
 

@@ -34,12 +34,6 @@ MovingShape moving_shape(const StepMotion& step, int body) {
           .motion = motion_of(step, body)};
 }
 
-PosedShape posed_shape(const Model& model, const State& state, int body) {
-  return {.shape = shape_of(model, body),
-          .g_ws = pose(state, body) * model.bodies[std::size_t(body)].g_bs,
-          .body = body};
-}
-
 struct PairBounds {
   double displacement = 0;  // [m]
   double rotation = 0;      // [rad]

@@ -7,13 +7,12 @@
 #include <iterator>
 #include <set>
 
+#include "integrators/ledgers.hpp"
 #include "nsgs/joint_elimination.hpp"
 
 namespace aussois {
 namespace {
 
-// Of the kinetic energy: above what the solver's tolerance of 1e-8 gives to a body at rest
-constexpr double kGain = 1e-5;
 constexpr double kClosed = 1e-5;   // of the dilations: pairs that near touch already
 constexpr double kReentry = 0.01;  // of the dilations per step; taste, below what the certificate allows
 
@@ -142,76 +141,26 @@ std::vector<std::pair<int, int>> meeting_pairs(const StepSetting& setting, const
   return out;
 }
 
-// Kinetic energy of the coordinates beyond what the mass of the step says of it (GEN-4).
-double change_of_mass(const Model& model, const State& state, const State& next, const FreeMotion& free,
-                      const DofMap& dofs, const VecX& v) {
-  if (model.coordinates.empty()) return 0;
-  double work = 0;
-  for (int i = 0; i < int(model.coordinates.size()); ++i) {
-    const Coordinates& block = model.coordinates[std::size_t(i)];
-    const VecX before = speeds(model, state, i), after = speeds(model, next, i);
-    work += 0.5 * after.dot(block.mass(coordinates(model, next, i)) * after) -
-            0.5 * before.dot(block.mass(coordinates(model, state, i)) * before);
+// Empty if every contact that ends overlapped and closing may go on so for a time (CA-17), otherwise what has
+// no room; where the step cannot be halved there is no choice. With restitution, one that was pushed turns.
+std::string without_room(const StepSetting& setting, const Found& found, const ImpulseStep& step,
+                         const Move& move) {
+  const AdvancementOptions& o = setting.options.advancement;
+  if (move.goes_on == 0 || found.h / 2 < o.min_h) return "";
+  const std::vector<RowVector> r = row_impulses(step);
+  auto pair = found.pairs.begin();
+  for (std::size_t i = 0; i < found.contacts.points.size(); ++i) {  // both are sorted by bodies
+    const ContactPoint& c = found.contacts.points[i];
+    while (pair->a != c.a.body || pair->b != c.b.body) ++pair;
+    const ContactRow& row = step.rows[i];
+    if (row.restitution > 0 && r[i][0] > 0) continue;
+    const double gap = row.gap + found.h * slip_velocity(row, setting.dofs, move.v_path).x(),
+                 speed = slip_velocity(row, setting.dofs, move.v_end).x();
+    if (gap < 0 && speed < 0 && gap + move.goes_on * speed < -o.max_overlap * pair->dilation)
+      return "bodies " + std::to_string(c.a.body) + " and " + std::to_string(c.b.body) +
+             ": the overlap that is allowed leaves no room to stop them";
   }
-  const Eigen::Index n = dofs.rows - dofs.coordinates;
-  VecX change = VecX::Zero(dofs.rows);
-  change.tail(n) = (v - free.v).tail(n);
-  return work - 0.5 * (v + free.v).dot(free.mass * change);
-}
-
-// What changed the velocities in a step, rows of the problem [N s, N m s]; their sum is mass * (v_end - v).
-struct Acting {
-  VecX gravity{}, laws{}, gyroscopic{}, contacts{}, joints{}, numerical{};
-};
-
-// `change` of the velocities over the step, off by `projected` from what its impulses gave.
-Acting acting(const FreeMotion& free, const VecX& contact_impulse, const VecX& joint_impulse,
-              const VecX& change, const VecX& projected) {
-  Acting out{.gravity = free.gravity,
-             .laws = free.laws - free.law_D * change,
-             .gyroscopic = free.gyroscopic - free.gyroscopic_D * change,
-             .contacts = contact_impulse,
-             .joints = VecX::Zero(change.size()),
-             .numerical = VecX::Zero(change.size())};
-  if (joint_impulse.size() > 0) out.joints = joint_impulse + free.M * projected;
-  if (free.joints.size() > 0) out.joints += free.joints;
-  if (free.numerical.size() > 0) out.numerical = free.numerical;
-  return out;
-}
-
-// Work on the mean of both ends' velocities, of gravity and force laws on the path's (MJ-9).
-EnergyLedger energy_ledger(const FreeMotion& free, const Acting& by, const VecX& v_end, const VecX& v_path) {
-  const VecX middle = (v_end + free.v) / 2;
-  return {.kinetic_change = middle.dot(free.mass * (v_end - free.v)),
-          .gravity_work = v_path.dot(by.gravity),
-          .law_work = v_path.dot(by.laws),
-          .contact_work = middle.dot(by.contacts),
-          .gyroscopic_work = middle.dot(by.gyroscopic),
-          .joint_work = middle.dot(by.joints),
-          .numerical_work = middle.dot(by.numerical) + (middle - v_path).dot(by.gravity + by.laws)};
-}
-
-// What impulses in the rows of the problem give to all bodies together (MJ-13).
-Momentum given(const StepSetting& setting, const State& state, const VecX& impulse) {
-  Momentum out;
-  for (std::size_t b = 0; b < state.g.size(); ++b) {
-    const int at = setting.dofs.first[b];
-    if (at < 0) continue;
-    const Vec3 p = impulse.segment<3>(at);
-    out.linear += p;
-    out.angular += state.g[b].p.cross(p) + state.g[b].R * Vec3(impulse.segment<3>(at + 3));
-  }
-  return out;
-}
-
-MomentumLedger momentum_ledger(const StepSetting& setting, const State& state, const VecX& change,
-                               const Acting& by) {
-  const auto sum = [&](const VecX& impulse) { return given(setting, state, impulse); };
-  return {.change = sum(change),
-          .forces = sum(by.gravity + by.laws + by.gyroscopic),
-          .contacts = sum(by.contacts),
-          .joints = sum(by.joints),
-          .numerical = sum(by.numerical)};
+  return "";
 }
 
 // The constant velocities, near `v`, that lead from the poses of `state` to those of `end`; `plain` are those
@@ -285,29 +234,6 @@ VecX total_impulses(const ImpulseStep& step) {
     r.segment(step.solved.first_row[k], count) += step.earlier[row].head(count);
   }
   return r;
-}
-
-// What contacts and gap functions gave on relative velocities, each and together (IMP-6), and whether that is
-// more than rounding.
-void tell_work(const ImpulseStep& step, const VecX& r, const DofMap& dofs, int first_gap, const VecX& v_end,
-               StepReport& report) {
-  double sum = 0;
-  for (std::size_t k = 0; k < step.solved.kept.size(); ++k) {
-    const auto i = std::size_t(step.solved.kept[k]);
-    const ContactRow& row = step.rows[i];
-    if (row.slot >= 0 && row.slot < first_gap) continue;
-    const RowVector u = slip_velocity(row, dofs, step.free.v) + slip_velocity(row, dofs, v_end);
-    double work = step.impact ? step.impact->work[i] : 0;
-    for (int d = 0; d < row.law.rows; ++d) work += u[d] / 2 * r[step.solved.first_row[k] + d];
-    if (row.slot < 0) report.contacts[k].work = work;
-    for (StepGap& gap : report.gaps)
-      if (first_gap + 3 * gap.index == row.slot) gap.work = work;
-    sum += work;
-  }
-  const auto kinetic = [&](const VecX& v) { return v.dot(step.free.mass * v) / 2; };
-  const double scale = std::max({kinetic(step.free.v), kinetic(step.free.v_free), kinetic(v_end)});
-  report.impulse_gain = std::max(0.0, sum);
-  report.energy_rises = sum > kGain * scale;
 }
 
 std::vector<StepGap> step_gaps(const Model& model, const ImpulseStep& step, std::size_t contacts,
@@ -542,6 +468,8 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
     report.min_base_distance = std::min(report.min_base_distance, certificate.min_distance);
     report.seconds_certificate = step_clock() - begin;
     if (!certificate.failure.empty()) return failed(Outcome::not_certified, certificate.failure);
+    const std::string crowded = without_room(setting, found, step, move);  // (CA-17)
+    if (!crowded.empty()) return failed(Outcome::not_certified, crowded);
   }
 
   // The new state
@@ -570,24 +498,13 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
     report.joint_error = joint_error(model, out.next);
     joint_impulse = step.solved.problem.H * impulses.of_joints + step.solved.problem.G * lambda;
   }
-  const VecX v_free_end = free_velocities(setting.dofs, v_end);
-  Acting by = acting(step.free, step.solved.problem.H * (r - impulses.of_joints), joint_impulse,
-                     v_free_end - step.free.v, v_free_end - solution.v);
-  report.energy = energy_ledger(step.free, by, v_free_end, move.v_path);  // (MJ-9)
-  const double by_mass = change_of_mass(model, state, out.next, step.free, setting.dofs, v_free_end);
-  report.energy.kinetic_change += by_mass;
-  report.energy.gyroscopic_work += by_mass;
-  VecX change = step.free.mass * (v_free_end - step.free.v);
-  if (step.impact) {
-    report.energy.kinetic_change += step.impact->kinetic_change;
-    report.energy.contact_work += step.impact->contact_work;
-    report.energy.joint_work += step.impact->joint_work;
-    by.contacts += step.impact->of_contacts;
-    by.joints += step.impact->of_joints;
-    change += step.impact->of_contacts + step.impact->of_joints;
-  }
-  report.momentum = momentum_ledger(setting, state, change, by);  // (MJ-13)
-  tell_work(step, r, setting.dofs, first_gap_row(model), v_free_end, report);
+  tell_ledgers(setting, state, out.next, step,
+               {.r = r,
+                .by_contacts = step.solved.problem.H * (r - impulses.of_joints),
+                .by_joints = joint_impulse,
+                .v_path = move.v_path,
+                .v_end = free_velocities(setting.dofs, v_end)},
+               report);  // (MJ-9), (MJ-13), (IMP-6)
   if (report.solve.status != SolveStatus::converged)
     return failed(Outcome::not_solved,
                   std::string("the solver ended with ") + to_string(report.solve.status));

@@ -109,6 +109,9 @@ struct Attempt {
 struct Move {
   VecX v_path{}, v_end{};
   std::optional<State> end{};  // other poses and coordinates that the path is to end at (PRJ-4)
+  // How long a contact that ends overlapped and closing goes on like that before the scheme turns it [s]; the
+  // step leaves room for it (CA-17)
+  double goes_on = 0;
 };
 /// Goes there if the step keeps the bounds that its contacts were found within (CA-5), nothing meets whose
 /// contacts were not asked (CA-16), and it is proven to keep bodies apart (CA-6); with the report, joints

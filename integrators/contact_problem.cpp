@@ -70,13 +70,13 @@ bool closes(double gap, double speed, double h, NormalLaw law) {
 NormalBias normal_bias(double gap, double u_before, double restitution, double h,
                        const NormalLawOptions& options) {
   const double over_step = gap >= 0 ? gap / h : std::max(gap / h, -options.correction_speed);
-  const double impact = u_before < 0 ? restitution * u_before : 0;
-  const auto averaged = [&](double w) {  // (MJ-10)
+  const double impact = restitution * u_before;  // an opening contact may be hit back (IMP-2)
+  const auto averaged = [&](double w) {          // (MJ-10)
     return options.gamma < 1 ? (w + (1 - options.gamma) * u_before) / options.gamma : w;
   };
   switch (options.law) {
     case NormalLaw::moreau:
-      return {averaged(impact), gap + h / 2 * u_before <= 0};
+      return {averaged(impact), gap + h / 2 * u_before <= options.touching};
     case NormalLaw::gap_over_step:
       break;
     case NormalLaw::combined:

@@ -139,13 +139,19 @@ void sum_up(FreeMotion& out) {
   out.M = out.mass;  // (MJ-4)
   if (out.gyroscopic_D.nonZeros() > 0) out.M += out.gyroscopic_D;
   if (out.law_D.nonZeros() > 0) out.M += out.law_D;
-  const VecX impulse = out.laws + out.gravity + out.gyroscopic;
+  if (out.turning_D.nonZeros() > 0) out.M += out.turning_D;
+  out.M.makeCompressed();
+  out.inverse.reset();
+  if (out.v.size() > 0) out.inverse = invert_mass(out.M);
+  sum_up_impulses(out);
+}
+
+void sum_up_impulses(FreeMotion& out) {
+  VecX impulse = out.laws + out.gravity + out.gyroscopic;
+  if (out.turning.size() > 0) impulse += out.turning;
   out.f = out.M * out.v + impulse;  // (MJ-5)
   out.v_free = out.v;
-  out.inverse.reset();
   if (out.v.size() == 0) return;
-  out.M.makeCompressed();
-  out.inverse = invert_mass(out.M);
   if (out.inverse)
     out.v_free += *out.inverse * impulse;  // not M^-1 f: flights are long, and rounding adds up
   else

@@ -47,6 +47,9 @@ struct FreeMotion {
   SparseMatrix gyroscopic_D{};  // h theta d(omega x J omega)/d omega
   VecX laws{};                  // h F - h^2 theta K v, forces of joint axes and coordinates included
   SparseMatrix law_D{};         // h theta C + h^2 theta^2 K
+  // How contact impulses turn while a fully implicit step converges (MJ-14); empty: they do not
+  VecX turning{};
+  SparseMatrix turning_D{};  // M^ has it too
   // Of schemes that know the motion between contacts before they ask for impulses; empty: none
   VecX joints{};     // impulse of the joints in that motion
   VecX numerical{};  // what the scheme adds of its own
@@ -59,6 +62,8 @@ void add_axis_forces(const Model& model, const State& state, const std::vector<S
 
 /// M, f, v_free and the inverse from the velocity, the impulses and the matrices that they are the sums of.
 void sum_up(FreeMotion& free);
+/// f and v_free alone: M and its inverse stand.
+void sum_up_impulses(FreeMotion& free);
 
 /// `theta` in [1/2, 1].
 FreeMotion free_motion(const Model& model, const State& state, const DofMap& dofs, double h, double theta);

@@ -82,22 +82,33 @@ struct JointStep {
   double h, theta;
   const NormalLawOptions& normal;
   double stabilisation;
-  const State* end = nullptr;  // if velocities there are asked for, instead of those on the path
+  const State* end = nullptr;        // if velocities there are asked for, instead of those on the path
+  const ReachedEnd* mean = nullptr;  // if rows are those of the mean with an end that is known so far
 
   // b of a row that is to move by -`excess` while v_theta acts; what its velocity is off at the start, `lag`,
   // is forgotten (MJT-11).
   double position_bias(const VelocityRow& middle, double excess, double lag) const {
+    return path_bias(middle, -excess / h + (1 - theta) * lag);
+  }
+  // b of a row whose J . v_theta is to be `wanted`.
+  double path_bias(const VelocityRow& middle, double wanted) const {
     const double moved = middle.times(v.moved), free_before = middle.times(v.before) - moved;
-    const double wanted = -excess / h + (1 - theta) * lag;
     return (moved + (1 - theta) * free_before - wanted) / theta;
   }
-  double locked_bias(const VelocityRow& start, const VelocityRow& middle) const {
+  // Newton on the value at the end, which is to be what stabilisation leaves of that at the start (MJT-15).
+  double mean_bias(const VelocityRow& middle, double off_before, double off_now) const {
+    return path_bias(middle, middle.times(mean->v_path) - (off_now - (1 - stabilisation) * off_before) / h);
+  }
+  double locked_bias(const VelocityRow& start, const VelocityRow& middle, double at_end) const {
+    if (mean) return mean_bias(middle, start.value, at_end);
     if (end) return middle.times(v.moved);  // (GA-5)
     return position_bias(middle, stabilisation * start.value, start.times(v.before));
   }
-  double motor_bias(const Motor& motor, const VelocityRow& start, const VelocityRow& middle) const {
+  double motor_bias(const Motor& motor, const VelocityRow& start, const VelocityRow& middle,
+                    double at_end) const {
     const double t = state.t;
     if (motor.kind == MotorKind::speed) return middle.times(v.moved) - motor.target(t + h);
+    if (mean) return mean_bias(middle, start.value - motor.target(t), at_end - motor.target(t + h));
     if (end) return middle.times(v.moved) - target_speed(motor, t + h);
     const double now = motor.target(t), next = motor.target(t + h);
     return position_bias(middle, stabilisation * (start.value - now) - (next - now),
@@ -143,7 +154,7 @@ double motor_error(const JointStep& step, const Motor& motor, int joint, int axi
   return joint_coordinate(step.model, *step.end, joint, axis) - motor.target(step.state.t + step.h);
 }
 
-void add_axis(const JointStep& step, const std::vector<SE3>& middle, int j, int i, Equations& equations,
+void add_axis(const JointStep& step, const JointPoses& middle, int j, int i, Equations& equations,
               std::vector<ContactRow>& rows) {
   const Joint& joint = step.model.joints[std::size_t(j)];
   const JointAxis& axis = joint.axis[std::size_t(i)];
@@ -160,7 +171,8 @@ void add_axis(const JointStep& step, const std::vector<SE3>& middle, int j, int 
     rows.push_back(
         axis_law(joint, mid, 1, dry_friction(axis.friction * step.h), row_mid.times(step.v.moved), slot + 2));
   if (!driven) return;
-  const double bias = step.motor_bias(axis.motor, row_now, row_mid);
+  const double at_end = step.mean ? joint_coordinate(step.model, step.mean->state, j, i) : 0;
+  const double bias = step.motor_bias(axis.motor, row_now, row_mid, at_end);
   if (is_bilateral(axis.motor))
     equations.add(step.dofs, row_mid, bias, motor_error(step, axis.motor, j, i));
   else
@@ -171,23 +183,30 @@ JointSystem system_of(const JointStep& step, std::vector<SE3> middle_poses) {
   const Model& model = step.model;
   const State& state = step.state;
   JointSystem out{.middle = std::move(middle_poses)};
+  const State& last = step.end ? *step.end : step.mean ? step.mean->state : state;
+  const JointPoses middle_at = step.mean ? JointPoses(state.g, last.g) : JointPoses(out.middle);
   Equations equations;
-  const auto add_locked = [&](const VelocityRow& start, const VelocityRow& middle) {
-    equations.add(step.dofs, middle, step.locked_bias(start, middle), middle.value);
+  const auto add_locked = [&](const VelocityRow& start, const VelocityRow& middle, double at_end) {
+    equations.add(step.dofs, middle, step.locked_bias(start, middle, at_end), middle.value);
   };
   for (int j = 0; j < int(model.joints.size()); ++j) {
     const Joint& joint = model.joints[std::size_t(j)];
     out.first.push_back(int(equations.b.size()));
-    const std::vector<JointRow> start = locked_rows(joint, state.g), middle = locked_rows(joint, out.middle);
+    const std::vector<JointRow> start = locked_rows(joint, state.g), middle = locked_rows(joint, middle_at),
+                                end = locked_rows(joint, last.g);
     for (std::size_t k = 0; k < start.size(); ++k)
-      add_locked(velocity_row(joint, start[k]), velocity_row(joint, middle[k]));
-    for (int i = 0; i < axis_count(joint.kind); ++i) add_axis(step, out.middle, j, i, equations, out.rows);
+      add_locked(velocity_row(joint, start[k]), velocity_row(joint, middle[k]), end[k].value);
+    out.locked.insert(out.locked.end(), middle.begin(), middle.end());
+    for (int i = 0; i < axis_count(joint.kind); ++i) add_axis(step, middle_at, j, i, equations, out.rows);
   }
   out.first.push_back(int(equations.b.size()));
-  for (const Coupling& coupling : model.couplings)
+  for (const Coupling& coupling : model.couplings) {
+    const CouplingRow middle = coupling_row(model, coupling, middle_at, last.turns);
     add_locked(velocity_row(model, coupling, coupling_row(model, coupling, state.g, state.turns)),
-               velocity_row(model, coupling,
-                            coupling_row(model, coupling, out.middle, (step.end ? *step.end : state).turns)));
+               velocity_row(model, coupling, middle),
+               coupling_row(model, coupling, last.g, last.turns).value);
+    out.couplings.push_back(middle);
+  }
   const auto columns = Eigen::Index(equations.b.size());
   out.equations.G = SparseMatrix(step.dofs.rows, columns);
   out.equations.G.setFromTriplets(equations.G.begin(), equations.G.end());
@@ -219,6 +238,16 @@ JointSystem joint_system_at(const Model& model, const State& state, const State&
   return system_of(step, end.g);
 }
 
+JointSystem joint_system_on_mean(const Model& model, const State& state, const ReachedEnd& end,
+                                 const DofMap& dofs, const VecX& v_prescribed, double h,
+                                 const NormalLawOptions& normal, const JointOptions& options) {
+  if (model.joints.empty()) return {};
+  const JointStep step{model,   state, dofs,   speeds_of(dofs, state, v_prescribed),
+                       h,       0.5,   normal, options.stabilisation,
+                       nullptr, &end};
+  return system_of(step, moved_poses(model, state, end.v_path, h / 2));
+}
+
 std::vector<StepJoint> step_joints(const Model& model, const JointSystem& system, const VecX& lambda,
                                    const VecX& r, double h) {
   std::vector<StepJoint> out(model.joints.size());
@@ -231,10 +260,11 @@ std::vector<StepJoint> step_joints(const Model& model, const JointSystem& system
     sum.force += force;
     sum.torque += body.R * Vec3(p / h * J_a.tail<3>()) - arm.cross(force);
   };
+  auto locked = system.locked.begin();
   for (int j = 0; j < int(model.joints.size()); ++j) {
     const Joint& joint = model.joints[std::size_t(j)];
     int column = system.first[std::size_t(j)];
-    for (const JointRow& row : locked_rows(joint, system.middle)) push(j, row.J_a, lambda[column++]);
+    for (int k = 0; k < locked_count(joint.kind); ++k) push(j, (locked++)->J_a, lambda[column++]);
     for (int i = 0; i < axis_count(joint.kind); ++i) {
       const auto acts = r.segment<kRowsOfAnAxis>(kRowsOfAJoint * j + kRowsOfAnAxis * i);
       double& effort = out[std::size_t(j)].effort[i];
@@ -243,13 +273,10 @@ std::vector<StepJoint> step_joints(const Model& model, const JointSystem& system
     }
   }
   int column = system.first.back();
-  for (const Coupling& coupling : model.couplings) {
+  for (std::size_t k = 0; k < model.couplings.size(); ++k) {
     const double p = lambda[column++];
-    push(coupling.joint_1,
-         axis_row(model.joints[std::size_t(coupling.joint_1)], system.middle, coupling.axis_1).J_a, p);
-    push(coupling.joint_2,
-         axis_row(model.joints[std::size_t(coupling.joint_2)], system.middle, coupling.axis_2).J_a,
-         -coupling.ratio * p);
+    push(model.couplings[k].joint_1, system.couplings[k].row_1.J_a, p);
+    push(model.couplings[k].joint_2, system.couplings[k].row_2.J_a, p);
   }
   return out;
 }

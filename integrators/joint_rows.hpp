@@ -5,6 +5,7 @@
 
 #include "integrators/reduced_solve.hpp"
 #include "integrators/step_report.hpp"
+#include "mechanics/mechanism.hpp"
 
 namespace aussois {
 
@@ -18,7 +19,9 @@ void validate(const JointOptions& options);  // throws std::invalid_argument: fi
 struct JointSystem {
   JointEquations equations{};
   std::vector<int> first{};        // column of each joint, and at the end that of the couplings
-  std::vector<SE3> middle{};       // poses that the directions of locked rows are taken at
+  std::vector<SE3> middle{};       // poses that the directions of locked rows are taken at, or nearly
+  std::vector<JointRow> locked{};  // of all joints in order
+  std::vector<CouplingRow> couplings{};
   std::vector<ContactRow> rows{};  // stops, dry friction, limited motors
   VecX off{};                      // of each column at the poses `middle` [m, rad]; speed motors: zero
 };
@@ -29,6 +32,17 @@ JointSystem joint_system(const Model& model, const State& state, const DofMap& d
 /// `end`, G^T v+ + b = 0 without stabilisation. Stops are those of the start.
 JointSystem joint_system_at(const Model& model, const State& state, const State& end, const DofMap& dofs,
                             const VecX& v_prescribed, double h, const NormalLawOptions& normal);
+
+/// A velocity of the whole step, mean of its ends, in the places of State::v, and where it leads.
+struct ReachedEnd {
+  const State& state;
+  const VecX& v_path;
+};
+/// For schemes that know an end and come back until it stands: directions on the mean of both ends (MJT-14),
+/// positions at the end by Newton (MJT-15); theta = 1/2.
+JointSystem joint_system_on_mean(const Model& model, const State& state, const ReachedEnd& end,
+                                 const DofMap& dofs, const VecX& v_prescribed, double h,
+                                 const NormalLawOptions& normal, const JointOptions& options);
 
 /// The report of the joints: `lambda` belongs to the columns of G, `r` to the entries of State::r.
 std::vector<StepJoint> step_joints(const Model& model, const JointSystem& system, const VecX& lambda,

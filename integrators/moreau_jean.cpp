@@ -2,9 +2,11 @@
 #include "integrators/moreau_jean.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "geometry/check.hpp"
 #include "integrators/advance_step.hpp"
+#include "integrators/gap_hessians.hpp"
 
 namespace aussois {
 namespace {
@@ -29,9 +31,10 @@ State on_the_way(const StepSetting& setting, const State& start, const VecX& v, 
   return moved(setting.model, start, v_path, v, time);
 }
 
-// What the momentum balance holds for one iterate: forces where it stands, the matrix of the start (MJ-12).
+// What the momentum balance holds for one iterate: forces where it stands, the matrix of the start and how
+// contact impulses `turn` (MJ-12).
 FreeMotion at_iterate(const StepSetting& setting, const State& start, const FreeMotion& first, const VecX& v,
-                      const VecX& v_prescribed, double h, double theta) {
+                      const VecX& v_prescribed, double h, double theta, const SparseMatrix& turn) {
   const VecX v_theta = all_velocities(setting.dofs, theta * v + (1 - theta) * first.v, v_prescribed);
   const State there = on_the_way(setting, start, v_theta, h, theta * h);
   const FreeMotion forces = free_motion(setting.model, there, setting.dofs, h, 0);
@@ -40,10 +43,48 @@ FreeMotion at_iterate(const StepSetting& setting, const State& start, const Free
   out.gravity = forces.gravity;
   out.gyroscopic = forces.gyroscopic + first.gyroscopic_D * change;
   out.laws = forces.laws + first.law_D * change;
-  const VecX impulse = out.laws + out.gravity + out.gyroscopic;
-  out.f = out.M * out.v + impulse;
-  if (out.inverse) out.v_free = out.v + *out.inverse * impulse;
+  if (turn.nonZeros() > 0) {
+    out.turning_D = kept_positive(first.M, turn);
+    out.turning = out.turning_D * change;
+    sum_up(out);
+  } else {
+    sum_up_impulses(out);
+  }
   return out;
+}
+
+// Two solves of one problem differ by what the solver's tolerance leaves: changes of that size that no longer
+// halve are no matter of Newton's [m/s, rad/s per unit of tolerance]. Small bodies turn by 100 of it.
+constexpr double kSolverNoise = 1e3;
+
+bool newton_done(double change, double last, const MoreauJeanOptions& o) {
+  return change <= o.newton.tolerance || (change <= kSolverNoise * o.solver.tolerance && change > last / 2);
+}
+
+// Impulses of all contacts of a solution, to be matched with those of the next iterate.
+ContactMemory remembered(const Found& found, const ImpulseStep& step) {
+  const std::vector<RowVector> r = row_impulses(step);
+  std::vector<Vec3> impulse;
+  std::vector<double> drilling;
+  for (std::size_t i = 0; i < found.contacts.points.size(); ++i) {
+    const Law& law = step.rows[i].law;
+    impulse.push_back(step.rows[i].frame * r[i].head<3>());
+    drilling.push_back(law.rows > 3 ? r[i][3] : 0);
+  }
+  return remember(found.contacts, impulse, {.drilling = drilling, .anchors = {}, .g = found.g});
+}
+
+void start_with_the_last_solve(const Found& found, const ImpulseStep& step, Found& there) {
+  WarmStart last = warm_start(remembered(found, step), there.contacts, {.g = there.g});
+  there.start = std::move(last.impulse);
+  there.warm.drilling = std::move(last.drilling);
+}
+
+std::vector<double> normal_impulses(const Found& found) {
+  std::vector<double> r_N;
+  for (std::size_t i = 0; i < found.contacts.points.size(); ++i)
+    r_N.push_back(found.contacts.points[i].normal.dot(found.start[i]));
+  return r_N;
 }
 
 double time_of(ContactsAt at, double h) {
@@ -103,8 +144,8 @@ Attempt MoreauJean::attempt(const State& state, const FreeMotion& without, const
   // Again where that leads (MJ-11), (MJ-12)
   const int iterations = options_.newton.max_iterations, solves = iterations + (time > 0);
   int made = 1;
-  double change = iterations == 1 ? 0 : kInf;
-  while (made < solves && (made < 2 || change > options_.newton.tolerance)) {
+  double change = iterations == 1 ? 0 : kInf, last = kInf;
+  while (made < solves && (made < 2 || !newton_done(change, last, options_))) {
     const VecX v = step.solved.solution.v;
     if (!v.allFinite()) break;
     const Reached reached{all_velocities(setting_.dofs, theta * v + (1 - theta) * first.v, step.v_prescribed),
@@ -113,24 +154,31 @@ Attempt MoreauJean::attempt(const State& state, const FreeMotion& without, const
     at.v = start.v;
     at.t = start.t;
     Found there = time > 0 ? found_at(setting_, start, found, at) : found;
+    start_with_the_last_solve(found, step, there);
     ContactBlocks blocks =
         after ? after->blocks
               : contact_blocks(setting_, time > 0 ? at : start, there.contacts, h, normal, reached);
+    SparseMatrix turn;  // with theta as of a velocity's part in the path
+    if (options_.newton.gap_hessians && iterations > 1 && time > 0)
+      turn = gap_hessians(setting_.model, at, there.contacts, normal_impulses(there), setting_.dofs,
+                          theta * time);
     step = solve_step(
         setting_, start, there,
-        iterations > 1 ? at_iterate(setting_, start, first, v, step.v_prescribed, h, theta) : first, theta,
-        std::move(blocks));
+        iterations > 1 ? at_iterate(setting_, start, first, v, step.v_prescribed, h, theta, turn) : first,
+        theta, std::move(blocks));
     found = std::move(there);
-    change = (step.solved.solution.v - v).lpNorm<Eigen::Infinity>();
+    last = std::exchange(change, (step.solved.solution.v - v).lpNorm<Eigen::Infinity>());
     ++made;
   }
   if (after) step.impact = after->impact;
   const VecX& v = step.solved.solution.v;
   Attempt out = go(setting_, start, found, step,
-                   {.v_path = theta * v + (1 - theta) * first.v, .v_end = v, .end = {}});  // (MJ-7)
+                   {.v_path = theta * v + (1 - theta) * first.v,  // (MJ-7)
+                    .v_end = v,
+                    .goes_on = 2 * (1 - theta) * options_.advancement.min_h});
   out.report.newton_iterations = made;
   out.report.newton_change = change;
-  if (iterations > 1 && change > options_.newton.tolerance && out.outcome == Outcome::accepted) {
+  if (iterations > 1 && !newton_done(change, last, options_) && out.outcome == Outcome::accepted) {
     out.outcome = Outcome::not_solved;
     out.report.reason = "the Newton loop of the step did not reach its tolerance";
   }

@@ -2,15 +2,19 @@
 #include "integrators/passive_midpoint.hpp"
 
 #include <algorithm>
+#include <utility>
 
+#include "geometry/check.hpp"
 #include "integrators/advance_step.hpp"
 
 namespace aussois {
 namespace {
 
 constexpr double kTheta = 0.5;
-constexpr int kRounds = 20;       // of linearisation and passivity together; 2 or 3 are usual
-constexpr double kExact = 1e-16;  // of the gyroscopic torque: its error is quadratic in that of the guess
+constexpr int kRounds = 20;        // of linearisation and passivity together; 2 or 3 are usual
+constexpr double kSolved = 1e-15;  // change of velocities by mean joints, relative
+constexpr double kGivenUp = 1e-8;  // [m/s, rad/s]; more than that is no solution
+constexpr double kExact = 1e-16;   // of the gyroscopic torque: its error is quadratic in that of the guess
 
 // What (PMI-3), linearised about the mean with `guess`, is off at `v`, relative to the spin.
 double gyroscopic_error(const DofMap& dofs, const VecX& before, const VecX& guess, const VecX& v, double h) {
@@ -50,17 +54,38 @@ int make_passive(const DofMap& dofs, double tolerance, ImpulseStep& step, std::v
   return count;
 }
 
+// Joints on the mean with the end that the last solve leads to (MJT-14), (MJT-15).
+void set_mean_joints(const StepSetting& setting, const State& start, double h, ImpulseStep& step) {
+  const VecX& v = step.solved.solution.v;
+  const VecX mean = all_velocities(setting.dofs, (step.free.v + v) / 2, step.v_prescribed);
+  const VecX path = path_velocity(setting.options.update, setting.model, start, mean, h);
+  const State end = moved(setting.model, start, path, mean, h);
+  step.rows.resize(step.rows.size() - step.joints.rows.size());
+  step.joints = joint_system_on_mean(setting.model, start, {end, mean}, setting.dofs, step.v_prescribed, h,
+                                     setting.options.normal, setting.options.joints);
+  step.rows.insert(step.rows.end(), step.joints.rows.begin(), step.joints.rows.end());
+}
+
+StepOptions without_projection(StepOptions o) {
+  o.joints.project = false;
+  return o;
+}
+
 }  // namespace
 
 void validate(const PassiveMidpointOptions& options) {
   refuse_anchors(options.step, "passive_midpoint");
   validate(options.step);
+  require(!options.mean_joints || options.step.update == GroupUpdate::cayley,
+          std::string("PassiveMidpointOptions::mean_joints needs StepOptions::update = cayley, not ") +
+              to_string(options.step.update));
 }
 
 PassiveMidpoint::PassiveMidpoint(const Model& model, const PassiveMidpointOptions& options)
-    : setting_(step_setting(model, options.step)),
+    : setting_(step_setting(model, options.mean_joints ? without_projection(options.step) : options.step)),
       gyroscopic_(options.gyroscopic),
-      passive_(options.passive) {
+      passive_(options.passive),
+      mean_joints_(options.mean_joints && !model.joints.empty()) {
   validate(options);
 }
 
@@ -77,22 +102,36 @@ StepReport PassiveMidpoint::step(State& state, double h_limit) const {
     ImpulseStep step =
         pose_step(setting_, start, found, with_gyroscopic(model, dofs, h, gyroscopic_, guess, plain), kTheta);
     std::vector<char> stated(step.rows.size(), 0);
+    VecX last = VecX::Constant(dofs.rows, kInf);
+    double change = kInf;
+    bool joints_stand = !mean_joints_;
     for (int k = 0; k < kRounds; ++k) {
       solve_rows(setting_, start, found, step);
       const VecX& v = step.solved.solution.v;
       if (!v.allFinite()) break;
+      if (mean_joints_) {
+        const double before = std::exchange(change, (v - last).lpNorm<Eigen::Infinity>());
+        joints_stand = change <= kSolved * v.lpNorm<Eigen::Infinity>() ||
+                       (change <= kGivenUp && change >= before / 2);  // as far as rounding lets it
+        last = v;
+      }
       const bool off =
           gyroscopic_ == GyroscopicTerm::midpoint && gyroscopic_error(dofs, plain.v, guess, v, h) > kExact;
       const bool gives = passive_ && make_passive(dofs, setting_.options.solver.tolerance, step, stated) > 0;
-      if (!off && !gives) break;
+      if (!off && !gives && joints_stand) break;
       if (off) {
         guess = v;
         step.free = with_gyroscopic(model, dofs, h, gyroscopic_, guess, plain);
       }
+      if (!joints_stand) set_mean_joints(setting_, start, h, step);
     }
+    if (!joints_stand && step.solved.solution.report.status == SolveStatus::converged)
+      step.solved.solution.report.status = SolveStatus::max_iterations;
     const VecX& v = step.solved.solution.v;
     Attempt out = go(setting_, start, found, step,
-                     {.v_path = kTheta * v + (1 - kTheta) * step.free.v, .v_end = v});  // (PMI-4)
+                     {.v_path = kTheta * v + (1 - kTheta) * step.free.v,  // (PMI-4)
+                      .v_end = v,
+                      .goes_on = 2 * (1 - kTheta) * setting_.options.advancement.min_h});
     out.report.contacts_made_passive = int(std::count(stated.begin(), stated.end(), 1));
     return out;
   };

@@ -12,6 +12,9 @@ struct PassiveMidpointOptions {
   /// `midpoint` and StepOptions::update = cayley keep energy and angular momentum of a free body exactly.
   GyroscopicTerm gyroscopic = GyroscopicTerm::midpoint;
   bool passive = true;  // contacts that would give energy get their law at the midpoint (PMI-6)
+  /// Joints on the mean of both ends (MJT-14): they neither drift, nor work, nor turn the whole, to rounding;
+  /// JointOptions::project is then off. Needs StepOptions::update = cayley. False: as in other schemes.
+  bool mean_joints = false;
   StepOptions step{};
 };
 void validate(const PassiveMidpointOptions& options);  // throws std::invalid_argument: field, value, bound
@@ -30,7 +33,7 @@ class PassiveMidpoint {
  private:
   StepSetting setting_;
   GyroscopicTerm gyroscopic_;
-  bool passive_;
+  bool passive_, mean_joints_;
 };
 
 }  // namespace aussois

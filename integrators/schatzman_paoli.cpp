@@ -69,7 +69,8 @@ StepReport SchatzmanPaoli::step(State& state, double h_limit) const {
     const ImpulseStep step = solve_step(setting_, start, found, kick(setting_, start, h, theta_), 1,
                                         blocks_of(setting_, start, found));
     const VecX& v = step.solved.solution.v;
-    return go(setting_, start, found, step, {.v_path = v, .v_end = v, .end = {}});  // (SP-3)
+    const double next = setting_.options.advancement.growth * h;  // the longest that may come (CA-17)
+    return go(setting_, start, found, step, {.v_path = v, .v_end = v, .end = {}, .goes_on = next});  // (SP-3)
   };
   return advance_step(setting_, state, h_limit, {estimate, attempt});
 }

@@ -170,12 +170,13 @@ SchemeTraits passive_midpoint_traits(const SchemeOptions& o) {
 
 Step passive_midpoint_step(const Model& model, const SchemeOptions& o) {
   return step_of<PassiveMidpoint>(
-      model, PassiveMidpointOptions{.gyroscopic = o.gyroscopic, .step = step_options(o)});
+      model, PassiveMidpointOptions{
+                 .gyroscopic = o.gyroscopic, .mean_joints = o.mean_joints, .step = step_options(o)});
 }
 
 std::string passive_midpoint_settings(const SchemeOptions& o) {
   return std::string(o.gyroscopic == GyroscopicTerm::midpoint ? "midpoint " : "start ") +
-         to_string(o.update) + " " + to_string(o.normal.law);
+         to_string(o.update) + " " + to_string(o.normal.law) + (o.mean_joints ? " mean joints" : "");
 }
 
 std::vector<SchemeOptions> passive_midpoint_variants() {

@@ -35,6 +35,7 @@ struct SchemeOptions {
   GroupUpdate update = GroupUpdate::exponential;         // all but event_driven
   double spectral_radius = 0.8;                          // generalised_alpha [-], in [0, 1]
   GyroscopicTerm gyroscopic = GyroscopicTerm::midpoint;  // passive_midpoint
+  bool mean_joints = false;                              // passive_midpoint
 };
 
 struct Scheme {

@@ -13,6 +13,8 @@ void validate(const StepOptions& o) {
   require_field(o.threads >= 1, "StepOptions::threads", o.threads, "be at least 1");
   require_field(o.normal.correction_speed >= 0, "NormalLawOptions::correction_speed",
                 o.normal.correction_speed, "not be negative [m/s]");
+  require_field(std::isfinite(o.normal.touching) && o.normal.touching >= 0, "NormalLawOptions::touching",
+                o.normal.touching, "be finite and not negative [m]");
   require_field(o.normal.gamma >= 0.5 && o.normal.gamma <= 1, "NormalLawOptions::gamma", o.normal.gamma,
                 "lie in [0.5, 1]");
   validate(o.joints);

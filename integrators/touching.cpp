@@ -95,12 +95,6 @@ VecX speeds_of_slots(const StepSetting& setting, const State& state) {
   return Eigen::Map<const VecX>(all.data(), Eigen::Index(all.size()));
 }
 
-PosedShape posed_shape(const Model& model, const State& state, int body) {
-  const RigidBody& b = model.bodies[std::size_t(body)];
-  return {
-      .shape = model.shapes[std::size_t(b.shape)].get(), .g_ws = pose(state, body) * b.g_bs, .body = body};
-}
-
 // u' of a contact for constant twists (EVD-3): the gap by its Hessian, tangents by where the point of contact
 // goes, drilling by where the normal goes.
 VecX contact_bias(const StepSetting& setting, const State& state, const ContactPoint& c, const Mat3& frame,

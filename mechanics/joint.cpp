@@ -15,17 +15,17 @@ const SE3& pose_of(const std::vector<SE3>& g, int body) {
 
 // The two frames of a joint in the world, and what moves them.
 struct Frames {
-  Mat3 R_a, R_b;  // of the bodies
-  Mat3 a, b;      // columns: axes of the frames
-  Vec3 r_a, r_b;  // from the centres of the bodies to the origin of A's frame
-  Vec3 d;         // from the origin of B's frame to that of A's [m]
+  Mat3 to_a, to_b;  // take a moment from the world into the frames of the bodies
+  Mat3 a, b;        // columns: axes of the frames
+  Vec3 r_a, r_b;    // from the centres of the bodies to the origin of A's frame
+  Vec3 d;           // from the origin of B's frame to that of A's [m]
 };
 
 Frames frames_of(const Joint& joint, const std::vector<SE3>& g) {
   const SE3 &body_a = pose_of(g, joint.body_a), &body_b = pose_of(g, joint.body_b);
   const SE3 frame_a = body_a * joint.frame_a, frame_b = body_b * joint.frame_b;
-  return {.R_a = body_a.R.toRotationMatrix(),
-          .R_b = body_b.R.toRotationMatrix(),
+  return {.to_a = body_a.R.toRotationMatrix().transpose(),
+          .to_b = body_b.R.toRotationMatrix().transpose(),
           .a = frame_a.R.toRotationMatrix(),
           .b = frame_b.R.toRotationMatrix(),
           .r_a = frame_a.p - body_a.p,
@@ -33,11 +33,27 @@ Frames frames_of(const Joint& joint, const std::vector<SE3>& g) {
           .d = frame_a.p - frame_b.p};
 }
 
+// On the mean of two places of the bodies (MJT-14). The inverse of a mean of two rotations exists up to half
+// a turn between them.
+Frames frames_of(const Joint& joint, const JointPoses& at) {
+  const Frames f = frames_of(joint, at.start);
+  if (!at.end) return f;
+  const Frames g = frames_of(joint, *at.end);
+  const auto mean = [](const auto& x, const auto& y) { return ((x + y) / 2).eval(); };
+  return {.to_a = mean(f.to_a, g.to_a).transpose().inverse(),
+          .to_b = mean(f.to_b, g.to_b).transpose().inverse(),
+          .a = mean(f.a, g.a),
+          .b = mean(f.b, g.b),
+          .r_a = mean(f.r_a, g.r_a),
+          .r_b = mean(f.r_b, g.r_b),
+          .d = mean(f.d, g.d)};
+}
+
 // A unit force along `axis` on A at the origin of its frame, its opposite on B at the same point (MJT-2).
 JointRow force_along(const Frames& f, const Vec3& axis, double value) {
   JointRow row{.value = value};
-  row.J_a << axis, f.R_a.transpose() * f.r_a.cross(axis);
-  row.J_b << -axis, -(f.R_b.transpose() * f.r_b.cross(axis));
+  row.J_a << axis, f.to_a * f.r_a.cross(axis);
+  row.J_b << -axis, -(f.to_b * f.r_b.cross(axis));
   return row;
 }
 
@@ -50,8 +66,8 @@ JointRow along(const Frames& f, int i) {
 JointRow dot(const Frames& f, int i, int j) {
   const Vec3 axis = f.a.col(i).cross(f.b.col(j));
   JointRow row{.value = f.a.col(i).dot(f.b.col(j))};
-  row.J_a << Vec3::Zero(), f.R_a.transpose() * axis;
-  row.J_b << Vec3::Zero(), -(f.R_b.transpose() * axis);
+  row.J_a << Vec3::Zero(), f.to_a * axis;
+  row.J_b << Vec3::Zero(), -(f.to_b * axis);
   return row;
 }
 
@@ -191,8 +207,8 @@ int locked_count(JointKind kind) {
   return 0;
 }
 
-std::vector<JointRow> locked_rows(const Joint& joint, const std::vector<SE3>& g) {
-  const Frames f = frames_of(joint, g);
+std::vector<JointRow> locked_rows(const Joint& joint, const JointPoses& at) {
+  const Frames f = frames_of(joint, at);
   switch (joint.kind) {
     case JointKind::fixed:
       return {along(f, 0), along(f, 1), along(f, 2), dot(f, 2, 0), dot(f, 2, 1), dot(f, 0, 1)};
@@ -216,9 +232,9 @@ std::vector<JointRow> locked_rows(const Joint& joint, const std::vector<SE3>& g)
   return {};
 }
 
-JointRow axis_row(const Joint& joint, const std::vector<SE3>& g, int axis) {
+JointRow axis_row(const Joint& joint, const JointPoses& at, int axis) {
   AUSSOIS_ASSERT(axis >= 0 && axis < axis_count(joint.kind));
-  const Frames f = frames_of(joint, g);
+  const Frames f = frames_of(joint, at);
   switch (joint.kind) {
     case JointKind::prismatic:
       return along(f, 2);

@@ -85,10 +85,19 @@ struct JointRow {
   double value = 0;  // [m, rad]
   Vec6 J_a = Vec6::Zero(), J_b = Vec6::Zero();
 };
+/// Where a row is taken: at the poses of the bodies, or with an `end` on the mean of both: the matrices of
+/// both ends added up, whose J times the mean velocity of a Cayley step is the row's exact change (MJT-14).
+/// The value of such a row means nothing.
+struct JointPoses {
+  const std::vector<SE3>& start;
+  const std::vector<SE3>* end = nullptr;
+  JointPoses(const std::vector<SE3>& g) : start(g) {}  // NOLINT: poses are what most callers have
+  JointPoses(const std::vector<SE3>& g, const std::vector<SE3>& g_end) : start(g), end(&g_end) {}
+};
 /// Zero where the joint holds: metres for translations, sines of angles for rotations (MJT-3), (MJT-4).
-std::vector<JointRow> locked_rows(const Joint& joint, const std::vector<SE3>& g);
+std::vector<JointRow> locked_rows(const Joint& joint, const JointPoses& at);
 /// The coordinate of a free axis; angles in (-pi, pi] (MJT-5).
-JointRow axis_row(const Joint& joint, const std::vector<SE3>& g, int axis);
+JointRow axis_row(const Joint& joint, const JointPoses& at, int axis);
 
 /// Of the joint's frame on A, in the world.
 SE3 frame_on_a(const Joint& joint, const std::vector<SE3>& g);

@@ -11,9 +11,9 @@ double turned(const std::vector<int>& turns, int joint, int axis) {
   return turns.empty() ? 0 : 2 * kPi * turns[std::size_t(3 * joint + axis)];
 }
 
-JointRow with_turns(const Model& model, const std::vector<SE3>& g, const std::vector<int>& turns, int joint,
+JointRow with_turns(const Model& model, const JointPoses& at, const std::vector<int>& turns, int joint,
                     int axis) {
-  JointRow row = axis_row(model.joints[std::size_t(joint)], g, axis);
+  JointRow row = axis_row(model.joints[std::size_t(joint)], at, axis);
   row.value += turned(turns, joint, axis);
   return row;
 }
@@ -60,10 +60,10 @@ JointError joint_error(const Model& model, const State& state) {
   return worst;
 }
 
-CouplingRow coupling_row(const Model& model, const Coupling& c, const std::vector<SE3>& g,
+CouplingRow coupling_row(const Model& model, const Coupling& c, const JointPoses& at,
                          const std::vector<int>& turns) {
-  CouplingRow row{.row_1 = with_turns(model, g, turns, c.joint_1, c.axis_1),
-                  .row_2 = with_turns(model, g, turns, c.joint_2, c.axis_2)};
+  CouplingRow row{.row_1 = with_turns(model, at, turns, c.joint_1, c.axis_1),
+                  .row_2 = with_turns(model, at, turns, c.joint_2, c.axis_2)};
   row.value = row.row_1.value - c.ratio * row.row_2.value - c.offset;
   row.row_2.J_a *= -c.ratio;
   row.row_2.J_b *= -c.ratio;

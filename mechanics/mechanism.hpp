@@ -23,7 +23,7 @@ struct CouplingRow {
   double value = 0;  // [m, rad], that of axis_1
   JointRow row_1{}, row_2{};
 };
-CouplingRow coupling_row(const Model& model, const Coupling& coupling, const std::vector<SE3>& g,
+CouplingRow coupling_row(const Model& model, const Coupling& coupling, const JointPoses& at,
                          const std::vector<int>& turns);
 
 /// Turns of all angles after a motion from `before` to `after` in which no angle moved by half a turn or more

@@ -12,12 +12,14 @@ void add_options(Cli& cli, SchemeFlags& f) {
   cli.choice("--contacts", f.contacts, "where moreau_jean looks at them", {"start", "midpoint", "end"});
   cli.option("--newton-iterations", f.options.newton.max_iterations,
              "of moreau_jean; 1 is linearly implicit, more is fully implicit", "", {1, 1000});
+  cli.flag("--gap-hessians", f.options.newton.gap_hessians, "in the Newton matrix of moreau_jean");
   cli.choice("--impact-law", f.impact, "of moreau_jean", {"newton", "poisson"});
   cli.choice("--impact-order", f.impact_order, "of several impacts, of moreau_jean",
              {"simultaneous", "sequential"});
   cli.choice("--projection", f.projection, "of moreau_jean_projected", {"direct", "combined"});
   cli.choice("--update", f.update, "of rotations, of all schemes but event_driven",
              {"exponential", "cayley", "screw"});
+  cli.flag("--mean-joints", f.options.mean_joints, "of passive_midpoint; exact, with --update cayley");
   cli.option("--spectral-radius", f.options.spectral_radius, "of generalised_alpha", "-", {0, 1});
 }
 

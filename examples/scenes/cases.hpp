@@ -18,14 +18,15 @@ struct CaseScene {
 
 struct Case {
   std::string name{};
-  std::string what{};     // one line
-  double t_end = 1;       // [s]
-  double h = 1e-2;        // largest step of a study [s]
-  bool smooth = false;    // no impact, no change between stick and slip
-  bool bounces = false;   // needs a scheme with restitution
-  bool lands = false;     // comes to rest by one impact (CONV-9)
-  bool hops_out = false;  // comes to rest by infinitely many, in finite time
-  bool at_once = false;   // several contacts close together: struck one after the other, another motion
+  std::string what{};        // one line
+  double t_end = 1;          // [s]
+  double h = 1e-2;           // largest step of a study [s]
+  double tolerance = 1e-12;  // of the solver, on the scaled residual [-]
+  bool smooth = false;       // no impact, no change between stick and slip
+  bool bounces = false;      // needs a scheme with restitution
+  bool lands = false;        // comes to rest by one impact (CONV-9)
+  bool hops_out = false;     // comes to rest by infinitely many, in finite time
+  bool at_once = false;      // several contacts close together: struck one after the other, another motion
   std::function<CaseScene()> scene{};
   std::function<MotionSample(const CaseScene&, const State&)> observe{};
   std::function<ExactMotion(double t_end)> exact{};  // good up to t_end at least

@@ -36,7 +36,7 @@ void validate(const StudyOptions& o) {
   require_field(std::isfinite(o.h) && o.h >= 0, "StudyOptions::h", o.h, "not be negative [s]");
   require_field(o.levels >= 3 && o.levels <= 16, "StudyOptions::levels", o.levels, "lie in [3, 16]");
   require_field(o.phases >= 1 && o.phases <= 64, "StudyOptions::phases", o.phases, "lie in [1, 64]");
-  require_field(o.tolerance > 0 && o.tolerance < 1, "StudyOptions::tolerance", o.tolerance, "lie in (0, 1)");
+  require_field(o.tolerance >= 0 && o.tolerance < 1, "StudyOptions::tolerance", o.tolerance, "lie in [0, 1)");
 }
 
 bool applies(const Case& c, const SchemeTraits& traits) {
@@ -98,7 +98,7 @@ Study study(const Case& c, const std::string& scheme, SchemeOptions scheme_optio
             .scheme = label(scheme, scheme_options),
             .options = o,
             .expected = expected_orders(c, traits, step_sizes(o.h > 0 ? o.h : c.h, o.levels))};
-  scheme_options.solver.tolerance = o.tolerance;
+  scheme_options.solver.tolerance = o.tolerance > 0 ? o.tolerance : c.tolerance;
   scheme_options.advancement.certify = false;
   const ExactMotion exact = c.exact(c.t_end);
   for (const double h : step_sizes(o.h > 0 ? o.h : c.h, o.levels)) {

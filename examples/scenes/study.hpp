@@ -14,10 +14,10 @@
 namespace aussois {
 
 struct StudyOptions {
-  double h = 0;              // largest step [s]; 0: the one of the case
-  int levels = 6;            // step sizes, each about half of the one before, in [3, 16]
-  int phases = 4;            // errors are means over so many lengths of the first step, in [1, 64]
-  double tolerance = 1e-12;  // of the solver, on the scaled residual [-], in (0, 1)
+  double h = 0;          // largest step [s]; 0: the one of the case
+  int levels = 6;        // step sizes, each about half of the one before, in [3, 16]
+  int phases = 4;        // errors are means over so many lengths of the first step, in [1, 64]
+  double tolerance = 0;  // of the solver, on the scaled residual [-], in [0, 1); 0: the one of the case
 };
 void validate(const StudyOptions& options);  // throws std::invalid_argument: field, value, bound
 
@@ -48,8 +48,8 @@ Errors expected_orders(const Case& c, const SchemeTraits& traits, const std::vec
 ComputedMotion run_case(const Case& c, const std::string& scheme, const SchemeOptions& options, double phase);
 
 /// The study, without certificates: they would cut the long steps, and with them the order. Steps and
-/// tolerance of the scheme are those of `options`. `level_done` is called after each level and ends the study
-/// early if it returns false.
+/// tolerance of the scheme are those of `options`. `level_done` is called after each level and
+/// ends the study early if it returns false.
 Study study(const Case& c, const std::string& scheme, SchemeOptions scheme_options,
             const StudyOptions& options, const std::function<bool(int level)>& level_done = {});
 

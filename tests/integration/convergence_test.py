@@ -71,6 +71,23 @@ class Convergence(DriverTest):
         self.assertEqual((self.folder / "whole/convergence.md").read_bytes(),
                          (self.folder / "parts/convergence.md").read_bytes())
 
+    def test_a_farm_of_three_makes_the_same_table(self):
+        run = self.drive("convergence", "--all", *TOP, "-o", "alone", "--farm")
+        if run.returncode == USAGE:
+            self.assertIn("AUSSOIS_WITH_MPI", run.stderr)
+            self.assertEqual(self.files(), {})
+            self.skipTest("a build without MPI")
+        command = ["mpirun", "-n", "3", "--oversubscribe", Path(os.environ["AUSSOIS_DRIVERS"], "convergence"), "--all",
+                   *TOP, "-o", "farm", "--farm"]
+        root = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}  # in a container
+        run = subprocess.run([str(word) for word in command], cwd=self.folder, env=os.environ | root, timeout=300,
+                             capture_output=True, text=True)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        alone, farm = self.studies("alone"), self.studies("farm")
+        self.assertEqual([alone[name] for name in sorted(alone)], [farm[name] for name in sorted(farm)])
+        self.assertEqual(run.stdout.count("as theory promises"), 1)
+        self.assertIn(f"{len(farm)} of {len(farm)} were in farm already", run.stdout)
+
     def test_goes_on_after_an_interruption(self):
         command = [Path(os.environ["AUSSOIS_DRIVERS"], "convergence"), "--all", "--case", "free_top", "--levels", "4",
                    "--phases", "1", "--quiet", "--threads", "1", "-o", "all"]

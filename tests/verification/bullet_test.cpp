@@ -22,11 +22,11 @@ int phases_of(const SchemeVariant& v) {
 // Dilated shapes may overlap by 4 %: an impact may be so late [s]; later where overlap is taken back.
 constexpr double kSlack = 0.04 * (kBulletRadius + kPaperHalfThickness) / kBulletSpeed + 1e-12;
 
-// 800 m/s cross the overlap that the certificate allows in 0.25 us: a smaller step than 0.1 us must be open.
+// 800 m/s cross the overlap that the certificate allows in 0.25 us: the default smallest step of 0.1 us will
+// do, if a step that ends in an overlap leaves room for the next (CA-17).
 SchemeOptions fast(SchemeOptions o) {
   o.h = kStep;
   o.solver.tolerance = 1e-13;
-  o.advancement.min_h = 1e-12;
   return o;
 }
 
@@ -98,8 +98,7 @@ TEST_P(EverySchemeAndBullet, MeetsThePaperFromEveryStart) {
       wrong += std::abs(of_paper + (1 + e) * share * kBulletSpeed) > 0.02 ||
                std::abs(of_bullet + (share - e * (1 - share)) * kBulletSpeed) > 0.02;
     }
-    // A step that is cut while the bodies overlap does not give back what this scheme's law asks for (SP-5).
-    EXPECT_LE(wrong, v.name == "schatzman_paoli" && e > 0 ? 4 : 0) << "e = " << e;
+    EXPECT_EQ(wrong, 0) << "e = " << e;
   }
 }
 
@@ -154,9 +153,10 @@ TEST_P(EverySchemeAndBullet, MeetsTheSheetOnItsEdge) {
 }
 
 // 10 rad per step: where the tip ends says nothing about what it swept. It meets the sheet in the step in
-// which geometry says so.
+// which geometry says so. Its 4 % of overlap are crossed in 0.04 us.
 TEST_P(EverySchemeAndBullet, StopsANeedleWhoseTipsComeAtFiveHundredMetresPerSecond) {
-  const SchemeVariant& v = GetParam();
+  SchemeVariant v = GetParam();
+  v.options.advancement.min_h = 1e-12;
   for (int phase = 0; phase < 10; ++phase) {
     const double angle = -0.81 + phase / 10.0 * 1.8;
     const CaseScene s = needle_and_sheet(0, angle);
@@ -180,28 +180,28 @@ TEST_P(EverySchemeAndBullet, StopsANeedleWhoseTipsComeAtFiveHundredMetresPerSeco
 INSTANTIATE_TEST_SUITE_P(Schemes, EverySchemeAndBullet, ::testing::ValuesIn(variants()),
                          [](const auto& v) { return name_of(v.param); });
 
-// The overlap that is granted is crossed in 0.25 us; plastic impacts at theta = 1/2 still cross half of it
-// with the default smallest step. Then the scheme refuses, by name, and the bullet stays in front of the
-// paper.
+// The overlap that is granted is crossed in 0.25 us. Where the smallest step is longer, starts that come to
+// it in the wrong place are refused, by name, and the bullet stays in front of the paper.
 TEST(Bullet, IsRefusedRatherThanLetThrough) {
   int refused = 0;
   for (int phase = 0; phase < 100; ++phase) {
     const CaseScene s = bullet_and_paper(0, 0.3 + phase / 100.0 * kBulletSpeed * kStep);
-    const Scheme scheme = make_scheme("moreau_jean", s.model, {.h = kStep, .theta = 0.5});
+    const Scheme scheme =
+        make_scheme("moreau_jean", s.model, {.h = kStep, .theta = 0.5, .advancement = {.min_h = 1e-6}});
     State state = s.state;
     while (state.t < 3e-3) {
       const State before = state;
       const StepReport report = scheme.step(state, kInf);
       if (report.ok()) continue;
       EXPECT_EQ(report.status, StepStatus::refused);
-      EXPECT_EQ(report.reason.rfind("no step of at least 1e-07 s was accepted: bodies 0 and 1", 0), 0U);
+      EXPECT_EQ(report.reason.rfind("no step of at least 1e-06 s was accepted: bodies 0 and 1", 0), 0U);
       EXPECT_EQ(hash(state), hash(before));
       ++refused;
       break;
     }
     EXPECT_GT(pose(state, s.body).p.z() - pose(state, 0).p.z(), 0.95 * kBulletRadius);
   }
-  EXPECT_EQ(refused, 15);
+  EXPECT_GT(refused, 10);
 }
 
 }  // namespace

@@ -21,9 +21,9 @@ struct Weighed {
 };
 Weighed weigh(int beads, const SolverOptions& solver) {
   const CaseScene s = bead_column(beads);
-  const Scheme scheme =
-      make_scheme("moreau_jean", s.model,
-                  {.h = kStep, .theta = 0.5, .solver = solver, .advancement = {.certify = false}});
+  SchemeOptions options{.h = kStep, .theta = 0.5, .advancement = {.certify = false}};
+  options.solver = solver;
+  const Scheme scheme = make_scheme("moreau_jean", s.model, options);
   State state = s.state;
   Weighed out;
   out.report = scheme.step(state, kInf);

@@ -27,7 +27,7 @@ struct Quick {
 };
 class QuickStudy : public ::testing::TestWithParam<Quick> {};
 
-// One of each kind: an impact, a stop by friction, slip to rolling, tops.
+// One of each kind: an impact, a stop by friction, slip to rolling, tops, impacts of a mechanism.
 TEST_P(QuickStudy, ReachesTheOrderOfTheory) {
   const auto& [name, theta, law] = GetParam();
   const Study s = study(case_named(name), "moreau_jean", moreau_jean(theta, law), {.levels = 6, .phases = 4});
@@ -39,6 +39,7 @@ INSTANTIATE_TEST_SUITE_P(Cases, QuickStudy,
                                            Quick{"forced_46", 1, NormalLaw::combined},
                                            Quick{"incline_30_up", 0.5, NormalLaw::combined},
                                            Quick{"bowling", 1, NormalLaw::gap_over_step},
+                                           Quick{"slider_crank", 0.5, NormalLaw::moreau},
                                            Quick{"free_top", 0.5, NormalLaw::combined},
                                            Quick{"free_top", 1, NormalLaw::combined}),
                          [](const auto& quick) {
@@ -47,9 +48,42 @@ INSTANTIATE_TEST_SUITE_P(Cases, QuickStudy,
                                   to_string(quick.param.law);
                          });
 
+// Where contacts are looked at on the way, gaps at rest are rounding of both signs (MJ-6).
+TEST(QuickStudyOnTheWay, ABlockThatStopsOnASlopeIsHeldByContactsAtTheMidpoint) {
+  SchemeOptions options = moreau_jean(0.5, NormalLaw::moreau);
+  options.contacts = ContactsAt::midpoint;
+  const Study s = study(case_named("incline_20_up"), "moreau_jean", options, {});
+  EXPECT_TRUE(as_expected(s)) << to_string(s);
+  EXPECT_TRUE(std::isinf(s.order[v_nodes])) << to_string(s);  // a uniform brake, and rest
+}
+
+// Two solves of one problem differ by the solver's tolerance; Newton's loop takes that for no step (MJ-12).
+TEST(QuickStudyOnTheWay, NewtonsLoopEndsWhereTheSolversToleranceDoes) {
+  SchemeOptions options = moreau_jean(0.5, NormalLaw::moreau);
+  options.contacts = ContactsAt::midpoint;
+  options.newton.max_iterations = 50;
+  for (const double tolerance : {1e-12, 1e-8})
+    EXPECT_EQ(
+        study(case_named("reversal"), "moreau_jean", options, {.levels = 3, .tolerance = tolerance}).cut, 0)
+        << tolerance;
+}
+
+// As the yardstick takes it: velocities at 60001 instants, by the trapezoidal rule. At its shortest steps,
+// with 1.25 instants each, that is 6 % less than the integral (CONV-2).
+double sampled_l1(const ComputedMotion& run, const ExactMotion& exact, double t_end, double h) {
+  constexpr int kIntervals = 60000;
+  double sum = 0;
+  for (int i = 0; i <= kIntervals; ++i) {
+    const double t = t_end * i / kIntervals;
+    const std::size_t node = std::min(std::size_t(t / h + 1e-9), run.node.size() - 1);
+    sum += (run.node[node].v - evaluate(exact, t).v).norm() * (i == 0 || i == kIntervals ? 0.5 : 1);
+  }
+  return sum * t_end / kIntervals;
+}
+
 // moreau_baseline.csv: plain Moreau-Jean of one coordinate, written apart from this kernel, at the same
-// steps. With Moreau's activation both are the same method, so the errors must agree, up to how the yardstick
-// measures: velocities at 60000 instants (a few per step, up to 4 % of L1), graphs as points 2 mm/s apart.
+// steps. With Moreau's activation both are the same method, so the errors must agree to the digits of the
+// file; the yardstick's graphs are points 2 mm/s apart.
 TEST(Yardstick, IsMetByMoreauJeanInAllThreeNorms) {
   const char* data = std::getenv("AUSSOIS_DATA_DIR");
   const std::filesystem::path path =
@@ -68,16 +102,17 @@ TEST(Yardstick, IsMetByMoreauJeanInAllThreeNorms) {
     const bool ball = name == "bouncing_ball_e05";
     Case c = case_named(ball ? "ball_e05" : "oscillator_e08");
     c.t_end = ball ? 1.5 : 30;
-    if (!ball && h < 1e-3) continue;  // the shorter ones take their time and tell nothing new
     SchemeOptions options = moreau_jean(theta, NormalLaw::moreau);
     options.h = h, options.solver.tolerance = 1e-12, options.advancement.certify = false;
-    const Errors errors = errors_of(run_case(c, "moreau_jean", options, 1), c.exact(c.t_end));
+    const ComputedMotion run = run_case(c, "moreau_jean", options, 1);
+    const ExactMotion exact = c.exact(c.t_end);
+    const Errors errors = errors_of(run, exact);
     EXPECT_LT(errors[q_max], 1.001 * q) << line;
-    EXPECT_LT(errors[v_l1], 1.04 * l1) << line;
+    EXPECT_LT(sampled_l1(run, exact, c.t_end, h), 1.001 * l1) << line;
     EXPECT_LT(errors[v_graph], graph + 2e-3) << line;
     ++compared;
   }
-  EXPECT_EQ(compared, 20);
+  EXPECT_EQ(compared, 24);
 }
 
 double observed(const char* name, double theta, NormalLaw law, Measure measure, double h) {

@@ -137,8 +137,11 @@ TEST(SliderCrank, LeavesTheWallTiltedWhenItsCornersAreStruckInTurn) {
                                        .solver = {.tolerance = 1e-12},
                                        .advancement = {.certify = false}});
     State state = s.state;
-    while (state.t < 2.75e-3) ASSERT_TRUE(scheme.step(state, kInf).ok());
-    const double tilting = std::abs(slider_of_bodies(s, state).v[2]);
+    double tilting = 0;  // [rad/s]; the corners that were struck last are soon struck again
+    while (state.t < 2.75e-3) {
+      ASSERT_TRUE(scheme.step(state, kInf).ok());
+      tilting = std::max(tilting, std::abs(slider_of_bodies(s, state).v[2]));
+    }
     if (order == ImpactOrder::simultaneous) {
       EXPECT_LT(tilting, 1e-9);
     } else {

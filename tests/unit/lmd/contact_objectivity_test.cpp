@@ -24,8 +24,8 @@ const ContactPoint* partner(const ContactSet& set, const ContactKey& key) {
 }
 
 ContactKey swapped(const ContactKey& key) {
-  const auto& k = key.value;
-  return {{k[1], k[0], k[4], k[5], k[2], k[3]}};
+  return {
+      .body_a = key.body_b, .body_b = key.body_a, .feature = feature_word(feature_b(key), feature_a(key))};
 }
 
 class Objectivity : public ::testing::TestWithParam<unsigned> {

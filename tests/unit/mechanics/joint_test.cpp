@@ -67,6 +67,51 @@ TEST_P(JointRows, AreTheDerivativesOfTheirValues) {
 }
 INSTANTIATE_TEST_SUITE_P(Seeds, JointRows, ::testing::Range(0u, 50u));
 
+// (MJT-14): over a step of Cayley's map, however long, the row on the mean times the mean velocity is the
+// change of the value; and what it does to both bodies about any point is nothing, with the mean arms.
+TEST_P(JointRows, OnTheMeanOfBothEndsAreTheirExactChange) {
+  Random random(GetParam());
+  for (const JointKind kind : kKinds) {
+    if (kind == JointKind::screw) continue;  // an angle, which is not bilinear
+    const Joint joint{.kind = kind,
+                      .body_a = 0,
+                      .body_b = 1,
+                      .frame_a = random.pose(1),
+                      .frame_b = random.pose(1),
+                      .length = 0.7};
+    std::vector<SE3> start{random.pose(1), random.pose(1)}, end = start;
+    Vec6 step[2];  // mean twists times h: turns of up to 2 rad
+    for (std::size_t i = 0; i < 2; ++i) {
+      step[i] << random.vector(1), random.vector(1);
+      const Vec3 w = step[i].tail<3>();
+      const Mat3 half = skew(w) / 2, cay = (Mat3::Identity() - half).inverse() * (Mat3::Identity() + half);
+      end[i] = {Quat(Mat3(start[i].R.toRotationMatrix() * cay)), start[i].p + step[i].head<3>()};
+    }
+    const std::vector<JointRow> before = locked_rows(joint, start), after = locked_rows(joint, end),
+                                mean = locked_rows(joint, {start, end});
+    for (std::size_t k = 0; k < mean.size(); ++k) {
+      double scale = 1;
+      if (kind == JointKind::distance) {  // |d|^2 is bilinear; its row is that of the mean d, made a unit
+        const auto d = [&](const std::vector<SE3>& g) {
+          return Vec3((g[0] * joint.frame_a).p - (g[1] * joint.frame_b).p);
+        };
+        scale = (d(start) + d(end)).norm() / (d(start).norm() + d(end).norm());
+      }
+      EXPECT_NEAR(scale * (mean[k].J_a.dot(step[0]) + mean[k].J_b.dot(step[1])),
+                  after[k].value - before[k].value, 1e-13)
+          << to_string(kind) << " row " << k;
+      Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
+      for (const std::size_t i : {0, 1}) {
+        const Vec6& J = i == 0 ? mean[k].J_a : mean[k].J_b;
+        const Mat3 R = (start[i].R.toRotationMatrix() + end[i].R.toRotationMatrix()) / 2;
+        force += J.head<3>();
+        moment += ((start[i].p + end[i].p) / 2).cross(Vec3(J.head<3>())) + R * J.tail<3>();
+      }
+      EXPECT_LT(force.norm() + moment.norm(), 1e-13) << to_string(kind) << " row " << k;
+    }
+  }
+}
+
 TEST(Joint, HoldsWhereItWasMade) {
   Random random(7);
   const std::vector<SE3> g{random.pose(1), random.pose(1)};

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tosses of a real cube onto a board, simulated from where they were let go: how far are the roll-outs from
+// what a camera saw?
+//
+// Theory   doc/theory/cube_toss.md
+// Run      cube_toss --data DIR --mu 0.18 --restitution 0 --substeps 10
+//          cube_toss --synthetic 20
+// Expect   mean errors of position and rotation over all tosses; no refused step
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+
+#include "examples/common/progress.hpp"
+#include "examples/common/scheme_flags.hpp"
+#include "examples/toss/toss_fit.hpp"
+#include "examples/toss/toss_report.hpp"
+#include "geometry/check.hpp"
+#include "geometry/parallel.hpp"
+
+using namespace aussois;
+
+namespace {
+
+struct Arguments {
+  std::filesystem::path data{}, json{};
+  int synthetic = 0;
+  std::uint64_t seed = 1;
+  double noise = 5e-4;
+  TossWorld world{};
+  SchemeFlags scheme{};
+  std::string reducer{}, persistence = "on";
+  double scale = 1, tolerance = 1e-8;
+  bool fit = false, measure_board = false, swap = false;
+  std::string replay{};
+  CommonOptions common{};
+  std::string command_line{};
+};
+
+std::vector<Toss> synthetic_tosses(const Arguments& a) {
+  std::vector<Toss> tosses(static_cast<std::size_t>(a.synthetic));
+  parallel_for(a.synthetic, a.common.threads, [&](int i) {
+    tosses[std::size_t(i)] = synthetic_toss(unsigned(a.seed) + unsigned(i), a.world, a.noise);
+  });
+  const std::filesystem::path folder = a.common.out / "synthetic";
+  std::filesystem::create_directories(folder);
+  for (const Toss& toss : tosses) write_toss(folder, toss);
+  return tosses;
+}
+
+// Empty if it was interrupted.
+std::vector<TossRun> roll_out_all(const std::vector<Toss>& tosses, const TossWorld& world, int threads,
+                                  Progress& progress) {
+  constexpr int kAtOnce = 16;
+  std::vector<TossRun> runs(tosses.size());
+  for (int first = 0; first < int(tosses.size()); first += kAtOnce) {
+    const int count = std::min(kAtOnce, int(tosses.size()) - first);
+    parallel_for(count, threads, [&](int i) {
+      runs[std::size_t(first + i)] = roll_out(tosses[std::size_t(first + i)], world);
+    });
+    progress.at(double(first + count));
+    if (interrupted()) return {};
+  }
+  return runs;
+}
+
+void tell(const char* what, const std::vector<TossRun>& runs) {
+  Summary s;
+  set_errors(s, "", runs);
+  const auto value = [&](std::size_t i) { return std::get<double>(s.entries[i].second); };
+  std::printf(
+      "%-12s %4zu tosses: position %.2f +- %.2f %% of the edge (median %.2f), rotation %.2f +- %.2f deg "
+      "(median %.2f), loss %.4f\n",
+      what, runs.size(), value(0), value(1), value(2), value(3), value(4), value(5), value(6));
+}
+
+// The toss whose loss is the median, or the one that was asked for.
+std::size_t shown(const std::vector<Toss>& tosses, const std::vector<TossRun>& runs,
+                  const std::string& name) {
+  if (!name.empty()) {
+    for (std::size_t i = 0; i < tosses.size(); ++i)
+      if (tosses[i].name == name) return i;
+    throw std::invalid_argument("--replay " + name + ": there is no such toss");
+  }
+  std::vector<std::size_t> order(runs.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return runs[i].errors.loss; });
+  return order[order.size() / 2];
+}
+
+std::vector<Toss> every_second(const std::vector<Toss>& tosses, std::size_t from) {
+  std::vector<Toss> out;
+  for (std::size_t i = from; i < tosses.size(); i += 2) out.push_back(tosses[i]);
+  return out;
+}
+
+ExitCode finish(const Arguments& a, Summary& summary, const std::vector<Toss>& tosses,
+                const std::vector<TossRun>& runs, const TossWorld& world) {
+  std::int64_t failures = 0;
+  for (std::size_t i = 0; i < runs.size(); ++i)
+    if (!runs[i].failure.empty()) {
+      ++failures;
+      std::fprintf(stderr, "%s: %s\n", tosses[i].name.c_str(), runs[i].failure.c_str());
+    }
+  summary.set("failures", failures);
+  write_toss_table(a.common.out, tosses, runs);
+  if (!write_toss_histogram(a.common.out, runs))
+    std::fprintf(stderr, "no histogram.png: gnuplot is not installed\n");
+  const std::size_t i = shown(tosses, runs, a.replay);
+  write_toss_replay(a.common.out, tosses[i], runs[i], world, a.command_line);
+  summary.set("replay", tosses[i].name);
+  for (const std::filesystem::path& file : {a.json, a.common.summary})
+    if (!file.empty()) write_summary(file, summary);
+  std::printf("%s: per-toss table, histogram and %s.html\n", a.common.out.c_str(), tosses[i].name.c_str());
+  return failures == 0 ? ExitCode::ok : ExitCode::not_accepted;
+}
+
+ExitCode fit_and_report(const Arguments& a, const std::vector<Toss>& tosses) {
+  require(tosses.size() >= 2, "--fit needs two tosses or more");
+  const std::vector<Toss> seen = every_second(tosses, a.swap ? 1 : 0),
+                          unseen = every_second(tosses, a.swap ? 0 : 1);
+  TossWorld world = a.world;
+  if (a.measure_board) world.board = board_of(seen);
+  TossFit found;
+  {
+    constexpr double kAbout = 30;  // evaluations
+    Progress progress("cube_toss --fit", kAbout, Progress::style_of_stderr(a.common.quiet));
+    found = fit(seen, world, a.common.threads, [&](const TossFit& at) {
+      char note[80];
+      std::snprintf(note, sizeof note, "mu %.4f e %.4f error %.3f mm", at.mu, at.restitution, 1e3 * at.error);
+      progress.at(std::min(double(at.evaluations), kAbout), note);
+      return !interrupted();
+    });
+  }
+  if (interrupted()) return ExitCode::interrupted;
+  world.mu = found.mu;
+  world.restitution = found.restitution;
+  Progress progress("cube_toss", double(tosses.size()), Progress::style_of_stderr(a.common.quiet));
+  const std::vector<TossRun> runs_seen = roll_out_all(seen, world, a.common.threads, progress);
+  const std::vector<TossRun> runs = roll_out_all(unseen, world, a.common.threads, progress);
+  if (interrupted()) return ExitCode::interrupted;
+  std::printf("mu = %.4f, restitution = %.4f, board at %.2f mm after %d evaluations\n", found.mu,
+              found.restitution, 1e3 * world.board, found.evaluations);
+  tell("seen", runs_seen);
+  tell("unseen", runs);
+  Summary summary;
+  summary.set("tosses", std::int64_t(tosses.size()));
+  summary.set("mu", found.mu);
+  summary.set("restitution", found.restitution);
+  summary.set("board_m", world.board);
+  summary.set("evaluations", found.evaluations);
+  set_errors(summary, "seen_", runs_seen);
+  set_errors(summary, "", runs);
+  return finish(a, summary, unseen, runs, world);
+}
+
+ExitCode run(Arguments& a) {
+  require(a.data.empty() != (a.synthetic == 0), "one of --data and --synthetic must be given");
+  a.world.scheme = a.scheme.scheme;
+  a.world.options = scheme_options(a.scheme);
+  a.world.options.solver.tolerance = a.tolerance;
+  a.world.options.reduction.reducer = reducer(a.reducer);
+  if (a.persistence == "off") a.world.options.persistence.matching = Matching::none;
+  make_folders(a.common);
+  if (a.json.has_parent_path()) std::filesystem::create_directories(a.json.parent_path());
+  std::vector<Toss> tosses = a.synthetic > 0 ? synthetic_tosses(a) : read_tosses(a.data);
+  for (Toss& toss : tosses) toss = scaled(std::move(toss), a.scale);
+  if (a.fit) return fit_and_report(a, tosses);
+  Progress progress("cube_toss", double(tosses.size()), Progress::style_of_stderr(a.common.quiet));
+  const std::clock_t begin = std::clock();
+  const std::vector<TossRun> runs = roll_out_all(tosses, a.world, a.common.threads, progress);
+  if (interrupted()) return ExitCode::interrupted;
+  tell(a.synthetic > 0 ? "synthetic" : "all", runs);
+  Summary summary;
+  summary.set("tosses", std::int64_t(tosses.size()));
+  summary.set("synthetic", a.synthetic > 0);
+  summary.set("mu", a.world.mu);
+  summary.set("restitution", a.world.restitution);
+  summary.set("substeps", a.world.substeps);
+  summary.set("scheme", label(a.world.scheme, a.world.options));
+  summary.set("reducer", a.reducer);
+  summary.set("scale", a.scale);
+  set_errors(summary, "", runs);
+  summary.set("cpu_s", double(std::clock() - begin) / CLOCKS_PER_SEC);
+  return finish(a, summary, tosses, runs, a.world);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments a;
+  a.command_line = command_line(argc, argv);
+  a.scheme.normal = to_string(NormalLaw::combined);
+  a.scheme.options.theta = 1;  // gaps close at the end of the step: at 1/2 four tosses are refused
+  a.reducer = to_string(ReductionOptions{}.reducer);
+  Cli cli("cube_toss",
+          "Rolls recorded tosses of a cube out from where they were let go, and tells how far position and "
+          "rotation are from the record: mean over time, then over tosses.");
+  cli.group("data");
+  cli.input("--data", a.data, "folder with toss_*.csv: t_s, px_m ... wz_radps");
+  cli.option("--synthetic", a.synthetic, "instead: so many tosses that the kernel throws itself", "",
+             {0, 999});
+  cli.option("--seed", a.seed, "of the first synthetic toss");
+  cli.option("--noise", a.noise, "of synthetic records", "m", {0, 0.01});
+  cli.option("--scale", a.scale, "recorded lengths are multiplied by it; 1.0225 undoes the data's own error",
+             "-", {0.5, 2});
+  cli.group("world");
+  cli.option("--mu", a.world.mu, "friction of cube and board", "-", {0, 10});
+  cli.option("--restitution", a.world.restitution, "Newton's", "-", {0, 1});
+  cli.option("--board", a.world.board, "height of the board", "m", {-0.01, 0.01});
+  cli.flag("--fit", a.fit, "identify friction and restitution on every second toss, report the others");
+  cli.flag("--measure-board", a.measure_board, "with --fit: the board is where the seen tosses came to rest");
+  cli.flag("--swap", a.swap, "with --fit: identify on the others");
+  cli.group("stepping");
+  cli.option("--substeps", a.world.substeps, "steps per recorded row", "", {1, 1000});
+  add_options(cli, a.scheme);
+  cli.option("--tolerance", a.tolerance, "of the solver, on the scaled residual", "-", {1e-15, 0.1});
+  cli.choice("--reducer", a.reducer, "of contacts", reducer_names());
+  cli.choice("--persistence", a.persistence, "off: every step solves from zero impulses", {"on", "off"});
+  cli.group("results");
+  cli.option("--json", a.json, "file for the key numbers");
+  cli.option("--replay", a.replay, "toss to be shown in the browser, as toss_042; else the median one");
+  cli.common(a.common);
+  cli.example("cube_toss --data cube_toss --json out/toss.json", "347 tosses in some seconds");
+  cli.example("cube_toss --data cube_toss --fit",
+              "friction and restitution from one half, judged on the other");
+  cli.example("cube_toss --synthetic 40 --fit", "finds what its own tosses were thrown with");
+  return run_driver(cli, argc, argv, [&] { return run(a); });
+}

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "examples/toss/toss_report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <sstream>
+
+#include "examples/common/gnuplot.hpp"
+#include "io/atomic_file.hpp"
+#include "io/build_info.hpp"
+#include "io/csv_table.hpp"
+#include "io/record.hpp"
+#include "io/replay_html.hpp"
+
+namespace aussois {
+namespace {
+
+constexpr double kDegrees = 180 / kPi;
+constexpr int kBins = 24;                               // of the histograms
+constexpr double kPositionBin = 2.5, kRotationBin = 5;  // [% of the edge], [deg]
+
+double percent(const TossErrors& e) {
+  return 100 * e.position / kTossEdge;
+}
+
+std::vector<double> each(const std::vector<TossRun>& runs, double (*of)(const TossErrors&)) {
+  std::vector<double> out;
+  for (const TossRun& run : runs) out.push_back(of(run.errors));
+  return out;
+}
+
+// How many values lie in each bin; the last holds all that is beyond.
+std::vector<int> counts(const std::vector<double>& values, double width) {
+  std::vector<int> out(kBins, 0);
+  for (const double v : values) ++out[std::size_t(std::min(int(v / width), kBins - 1))];
+  return out;
+}
+
+}  // namespace
+
+Spread spread_of(std::vector<double> values) {
+  const double n = double(values.size());
+  Spread out{.mean = std::accumulate(values.begin(), values.end(), 0.0) / n};
+  for (const double v : values) out.sd += (v - out.mean) * (v - out.mean);
+  out.sd = std::sqrt(out.sd / std::max(n - 1, 1.0));
+  std::ranges::sort(values);
+  const std::size_t half = values.size() / 2;
+  out.median = values.size() % 2 ? values[half] : (values[half - 1] + values[half]) / 2;
+  return out;
+}
+
+void set_errors(Summary& summary, const std::string& prefix, const std::vector<TossRun>& runs) {
+  const auto set = [&](const std::string& key, const Spread& s) {
+    summary.set(prefix + key + "_mean", s.mean);
+    summary.set(prefix + key + "_sd", s.sd);
+    summary.set(prefix + key + "_median", s.median);
+  };
+  set("position_error_percent", spread_of(each(runs, percent)));
+  set("rotation_error_deg", spread_of(each(runs, [](const TossErrors& e) { return kDegrees * e.rotation; })));
+  summary.set(prefix + "loss_mean", spread_of(each(runs, [](const TossErrors& e) { return e.loss; })).mean);
+}
+
+void write_toss_table(const std::filesystem::path& folder, const std::vector<Toss>& tosses,
+                      const std::vector<TossRun>& runs) {
+  CsvTable csv(folder / "tosses.csv", {"toss", "rows", "start_row", "steps", "most_contacts", "lifted_m",
+                                       "position_error_percent", "rotation_error_deg", "loss"});
+  for (std::size_t i = 0; i < tosses.size(); ++i) {
+    const TossRun& run = runs[i];
+    csv.add({std::strtod(tosses[i].name.c_str() + 5, nullptr), double(tosses[i].t.size()), double(run.start),
+             double(run.steps), double(run.most_contacts), run.lifted, percent(run.errors),
+             kDegrees * run.errors.rotation, run.errors.loss});
+  }
+  csv.close();
+}
+
+bool write_toss_histogram(const std::filesystem::path& folder, const std::vector<TossRun>& runs) {
+  const std::vector<int> position = counts(each(runs, percent), kPositionBin),
+                         rotation =
+                             counts(each(runs, [](const TossErrors&e) { return kDegrees * e.rotation; }),
+                                    kRotationBin);
+  CsvTable csv(folder / "histogram.csv",
+               {"position_percent", "tosses", "rotation_deg", "tosses_by_rotation"});
+  for (int i = 0; i < kBins; ++i)
+    csv.add({(i + 0.5) * kPositionBin, double(position[std::size_t(i)]), (i + 0.5) * kRotationBin,
+             double(rotation[std::size_t(i)])});
+  csv.close();
+  write_whole_file(folder / "histogram.gp",
+                   "# draws histogram.png: gnuplot histogram.gp\n"
+                   "set terminal pngcairo size 1000,420; set output 'histogram.png'\n"
+                   "set datafile separator ','; set style fill solid 0.6; set boxwidth 0.9 relative\n"
+                   "set grid y; unset key; set ylabel 'tosses'; set multiplot layout 1,2\n"
+                   "set xlabel 'position error [% of the edge], the last bin and beyond'\n"
+                   "plot 'histogram.csv' every ::1 using 1:2 with boxes lc rgb '#33658a'\n"
+                   "set xlabel 'rotation error [deg], the last bin and beyond'\n"
+                   "plot 'histogram.csv' every ::1 using 3:4 with boxes lc rgb '#f26419'\n"
+                   "unset multiplot\n");
+  return run_gnuplot(folder, "histogram.gp");
+}
+
+void write_toss_replay(const std::filesystem::path& folder, const Toss& toss, const TossRun& run,
+                       const TossWorld& world, const std::string& command_line) {
+  Model model = toss_model(world);
+  model.bodies[0].name = "simulated";
+  RigidBody recorded = fixed_body("recorded", model.bodies[0].shape);
+  add(model, recorded);
+  State state = rest_state(model);
+  pose(state, 1) = translation(0, 0, world.board);
+  RunHeader header = run_header(model);
+  header.title = "cube_toss " + toss.name + ": simulated and recorded";
+  header.command_line = command_line;
+  header.build = build_info();
+  RunData data{.header = header};
+  for (std::size_t k = 0; k < run.pose.size(); ++k) {
+    state.t = toss.t[run.start + k] - toss.t[run.start];
+    pose(state, 0) = run.pose[k];
+    twist(state, 0) = run.twist[k];
+    pose(state, 2) = toss.pose[run.start + k];
+    data.steps.push_back(run_step(std::int64_t(k), model, state));
+  }
+  write_replay_html(folder / (toss.name + ".html"), data);
+}
+
+}  // namespace aussois

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "examples/toss/toss_rollout.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "geometry/primitives.hpp"
+#include "geometry/so3.hpp"
+
+namespace aussois {
+namespace {
+
+constexpr double kDilation = 5e-5;   // of cube and board [m]: corners are round by so much
+constexpr double kBoardSide = 20;    // [m]
+constexpr double kRate = 148;        // of recordings [1/s]
+constexpr double kClearance = 1e-6;  // of a start that was raised [m]
+constexpr int kCube = 0;
+
+double lowest_corner(const SE3& g) {
+  double z = kInf;
+  for (int i = 0; i < 8; ++i) {
+    const Vec3 corner(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
+    z = std::min(z, (g * (kTossEdge / 2 * corner)).z());
+  }
+  return z;
+}
+
+}  // namespace
+
+Model toss_model(const TossWorld& world) {
+  Model model;
+  model.gravity = {0, 0, -kTossGravity};
+  model.contact_law = {.mu = world.mu, .restitution = world.restitution};
+  const double inner = kTossEdge - 2 * kDilation;
+  const int cube = add(model, prepare(dilate(make_box(inner, inner, inner), kDilation)));
+  const int board = add(model, prepare(dilate(make_plate(kBoardSide, kBoardSide), kDilation)));
+  add(model,
+      RigidBody{
+          .name = "cube", .shape = cube, .mass = kTossMass, .inertia = kTossInertia * Mat3::Identity()});
+  add(model, fixed_body("board", board));
+  return model;
+}
+
+TossRun roll_out(const Toss& toss, const TossWorld& world) {
+  return roll_out(toss, start_of(toss), world);
+}
+
+TossRun roll_out(const Toss& toss, const TossStart& start, const TossWorld& world) {
+  const Model model = toss_model(world);
+  SchemeOptions options = world.options;
+  options.h = (toss.t.back() - toss.t.front()) / double(toss.t.size() - 1) / world.substeps;
+  const Scheme scheme = make_scheme(world.scheme, model, options);
+  State state = rest_state(model);
+  pose(state, 1) = translation(0, 0, world.board - kDilation);
+  pose(state, kCube) = start.pose;
+  twist(state, kCube) = start.twist;
+  TossRun run{.start = start.row};
+  if (const double below = world.board - lowest_corner(start.pose); below > 0) {
+    run.lifted = below + kClearance;
+    pose(state, kCube).p.z() += run.lifted;
+  }
+  for (std::size_t row = start.row; row < toss.t.size() && run.failure.empty(); ++row) {
+    const double until = toss.t[row] - toss.t[start.row];
+    while (state.t < until - 1e-9 * options.h && run.failure.empty()) {
+      const StepReport report = scheme.step(state, until - state.t);
+      ++run.steps;
+      run.most_contacts = std::max(run.most_contacts, report.contacts_found);
+      if (report.status != StepStatus::ok)
+        run.failure = report.reason;
+      else if (report.solve.status != SolveStatus::converged)
+        run.failure = "not solved at t = " + std::to_string(report.t) + " s";
+    }
+    if (!run.failure.empty()) break;
+    run.pose.push_back(pose(state, kCube));
+    run.twist.push_back(twist(state, kCube));
+    run.contacts.push_back(run.most_contacts);
+    const SE3& measured = toss.pose[row];
+    const double dp = (run.pose.back().p - measured.p).norm();
+    const double angle = log_so3((measured.R.conjugate() * run.pose.back().R).normalized()).norm();
+    run.errors.position += dp;
+    run.errors.rotation += angle;
+    run.errors.loss += dp * dp / (kTossEdge / 2) + angle * angle;
+  }
+  const double rows = double(std::max(run.pose.size(), std::size_t(1)));
+  run.errors.position /= rows;
+  run.errors.rotation /= rows;
+  run.errors.loss /= rows;
+  return run;
+}
+
+Toss synthetic_toss(unsigned seed, const TossWorld& world, double noise) {
+  std::mt19937_64 random(seed);
+  const auto uniform = [&](double low, double high) {  // the same on every machine
+    return low + (high - low) * (double(random() >> 11) * 0x1p-53);
+  };
+  const auto normal = [&] {  // sum of twelve
+    double sum = -6;
+    for (int i = 0; i < 12; ++i) sum += uniform(0, 1);
+    return sum;
+  };
+  const auto vector = [&](double size) {
+    Vec3 out = Vec3::Zero();
+    for (int c = 0; c < 3; ++c) out[c] = uniform(-size, size);
+    return out;
+  };
+  const std::string number = std::to_string(seed);
+  Toss toss{.name = "toss_" + std::string(3 - std::min(number.size(), std::size_t(3)), '0') + number};
+  constexpr int kRows = 110;
+  for (int k = 0; k < kRows; ++k) {
+    toss.t.push_back(k / kRate);
+    toss.pose.emplace_back();
+    toss.twist.emplace_back(Vec6::Zero());
+  }
+  TossStart thrown;
+  thrown.pose = {exp_so3(vector(2)), Vec3(0, 0, uniform(0.13, 0.2))};
+  const Vec3 v = vector(1), omega = vector(8);
+  thrown.twist << v, omega;
+  const TossRun run = roll_out(toss, thrown, world);
+  for (std::size_t k = 0; k < toss.t.size(); ++k) {
+    const std::size_t i = std::min(k, run.pose.size() - 1);
+    Vec3 p = run.pose[i].p, turn = Vec3::Zero();
+    for (int c = 0; c < 3; ++c) {
+      p[c] += noise * normal();
+      turn[c] = noise / (kTossEdge / 2) * normal();
+    }
+    toss.pose[k] = {(run.pose[i].R * exp_so3(turn)).normalized(), p};
+    toss.twist[k] = run.twist[i];
+  }
+  return toss;
+}
+
+}  // namespace aussois

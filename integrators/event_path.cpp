@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// Do bodies keep apart between two internal steps? (EVD-10)
+#include <algorithm>
+#include <cmath>
+
+#include "integrators/event_run.hpp"
+#include "lmd/motion_bound.hpp"
+
+namespace aussois {
+namespace {
+
+constexpr double kChord = 1e-3;  // pieces of the certificate follow the path to this part of a dilation
+constexpr double kTiny = 1e-12;  // instead of zero [m/s^2]
+constexpr int kMaxPieces = 256;
+
+}  // namespace
+
+// Are the bodies apart on the way between two states that are one internal step from each other? (EVD-10)
+bool EventRun::certified(const State& from, const State& to, const std::function<State(double)>& at) {
+  const double dt = to.t - from.t;
+  const auto path = [&](const State& a, const State& b) {
+    VecX v = VecX::Zero(a.v.size());
+    for (int k = 0; k < int(model_.bodies.size()); ++k) {
+      v.segment<3>(6 * k) = (pose(b, k).p - pose(a, k).p) / (b.t - a.t);
+      v.segment<3>(6 * k + 3) = log_so3((pose(a, k).R.conjugate() * pose(b, k).R).normalized()) / (b.t - a.t);
+    }
+    return v;
+  };
+  double dilation = kInf, off = 0;
+  for (const auto& shape : model_.shapes)
+    if (shape->radius > 0) dilation = std::min(dilation, shape->radius);
+  if (dilation == kInf) return true;
+  const State middle = at(from.t + dt / 2), straight = glided(
+                                                model_,
+                                                [&] {
+                                                  State s = from;
+                                                  s.v = path(from, to);
+                                                  return s;
+                                                }(),
+                                                dt / 2);
+  for (std::size_t b = 0; b < model_.bodies.size(); ++b)
+    off = std::max(off, (middle.g[b].p - straight.g[b].p).norm() +
+                            setting_.bounds[b].radius * angle_between(middle.g[b].R, straight.g[b].R));
+  const int pieces = std::clamp(int(std::ceil(std::sqrt(off / (kChord * dilation)))), 1, kMaxPieces);
+  State a = from;
+  for (int k = 1; k <= pieces; ++k) {
+    const State b = k == pieces ? to : at(from.t + dt * k / pieces);
+    const VecX v = path(a, b);
+    const StepMotion motion{model_, a, v, b.t - a.t};
+    const AdvancementOptions& o = o_.step.advancement;
+    const StepCertificate proof =
+        certify_step(motion, step_pairs(motion, setting_.bounds, o, o_.step.threads), setting_.bounds, {}, o,
+                     o_.step.threads);
+    report_.certificate_rounds += int(proof.rounds);
+    if (!proof.failure.empty()) {
+      report_.reason = proof.failure;
+      return false;
+    }
+    report_.min_base_distance = std::min(report_.min_base_distance, proof.min_distance);
+    a = b;
+  }
+  return true;
+}
+
+// How far an internal step may go without passing through a body unseen: half a dilation with twice the speed
+// and acceleration of now (EVD-10).
+double EventRun::safe_until(const State& from, double stop) const {
+  const double dt = stop - from.t;
+  std::vector<double> speed, acceleration, reach;
+  for (int b = 0; b < int(model_.bodies.size()); ++b) {
+    const double radius = setting_.bounds[std::size_t(b)].radius;
+    const auto size = [&](const Vec6& v) { return 2 * (v.head<3>().norm() + radius * v.tail<3>().norm()); };
+    speed.push_back(size(twist(from, b)));
+    acceleration.push_back(size(a_.segment<6>(6 * b)));
+    reach.push_back(o_.horizon + dt * (speed.back() + dt * acceleration.back() / 2));
+  }
+  double stride = kInf;
+  for (const StepPair& pair : pairs_within(model_, from, setting_.bounds, reach, o_.step.threads)) {
+    const auto sum = [&](const std::vector<double>& of) {
+      return of[std::size_t(pair.a)] + of[std::size_t(pair.b)];
+    };
+    const double room = pair.dilation / 2;
+    stride = std::min(stride, room / (sum(speed) + std::sqrt(room * (sum(acceleration) + kTiny))));
+  }
+  return std::min(stop, from.t + stride);
+}
+
+// Could a pair have passed through each other in an internal step?
+bool EventRun::leapt(const State& from, const State& to) const {
+  std::vector<double> moved;
+  for (int b = 0; b < int(model_.bodies.size()); ++b)
+    moved.push_back((pose(to, b).p - pose(from, b).p).norm() +
+                    setting_.bounds[std::size_t(b)].radius * angle_between(pose(from, b).R, pose(to, b).R));
+  for (const StepPair& pair : pairs_within(model_, from, setting_.bounds, moved, o_.step.threads))
+    if (moved[std::size_t(pair.a)] + moved[std::size_t(pair.b)] > pair.dilation) return true;
+  return false;
+}
+
+}  // namespace aussois

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+// One step of the event-driven scheme, from event to event: its state, and what its parts share. What happens
+// at an event stands in event_settling.cpp, the differential equation between events in event_motion.cpp, the
+// proof of the path in event_path.cpp, the way through them in event_driven.cpp.
+#pragma once
+
+#include "integrators/event_driven.hpp"
+#include "integrators/touching.hpp"
+
+namespace aussois {
+
+// Rows of paths nearer than this are there: sums of steps round [s]
+inline constexpr double kSameTime = 1e-12;
+
+/// The touch of a list that goes on with each of `old`: the same features, or the nearest contact of the same
+/// bodies that goes on with none of the others; -1: none.
+std::vector<int> matched(const std::vector<Touch>& old, const std::vector<Touch>& now);
+std::vector<Touch> touches_of(const std::vector<Closed>& closed);
+
+/// A touch that opened at the start of the piece; `offset` as far as its gap is known.
+struct LeavingTouch {
+  Touch touch{};
+  double offset = 0;  // [m]
+};
+
+/// Where the parts of the differential equation stand in its vector (EVD-2).
+struct EventLayout {
+  int bodies = 0, q = 0, v = 0, work = 0, impulse = 0, reaction = 0, size = 0;
+  std::vector<int> first_impulse{};  // of every closed touch
+};
+enum EventWork { by_laws, by_contacts, by_joints, by_mass, kWorks };
+
+EventLayout layout_of(const StepSetting& setting, const std::vector<Closed>& closed, int constraints);
+
+/// One step: from event to event.
+class EventRun {
+ public:
+  EventRun(const StepSetting& setting, const EventDrivenOptions& options, const State& start, double h)
+      : setting_(setting), o_(options), model_(setting.model), state_(start), t_end_(start.t + h) {
+    state_.r = row_count(model_) > 0 ? VecX(VecX::Zero(row_count(model_))) : VecX();
+    reaction_ = VecX::Zero(joint_constraints(model_, start, setting.dofs).off.size());
+  }
+
+  StepReport go(State& out);
+
+ private:
+  bool settle(bool first);
+  bool collisions(std::vector<Touch>& touches);
+  bool jump_without_collision(const std::vector<Touch>& touches);
+  bool decide(const std::vector<Touch>& touches);
+  void foretell_rest(const Accelerations& now);
+  void compare(const std::vector<Closed>& before);
+  bool piece();
+  double safe_until(const State& from, double stop) const;
+  bool leapt(const State& from, const State& to) const;
+  bool certified(const State& from, const State& to, const std::function<State(double)>& at);
+
+  VecX packed() const;
+  State unpacked(double t, const VecX& y) const;
+  std::vector<Closed> closed_at(const std::vector<Touch>& touches, std::vector<int>& match) const;
+  bool rate(double t, const VecX& y, VecX& out) const;
+  bool roots(double t, const VecX& y, VecX& out) const;
+  void take(const VecX& y);
+  double next_row() const;
+  void move_prescribed();
+  void add_event(EventKind kind, const Touch& touch, double t, double speed = 0);
+  void add_impulse(const Touch& touch, const VecX& r);
+  bool refused(const std::string& reason) {
+    report_.status = StepStatus::refused;
+    report_.reason = reason;
+    return false;
+  }
+
+  const StepSetting& setting_;
+  const EventDrivenOptions& o_;
+  const Model& model_;
+  State state_;  // where the run is
+  double t_end_;
+  StepReport report_{};
+  VecX reaction_{};  // impulses of the joints so far
+  double work_[kWorks] = {};
+  int stops_ = 0;
+
+  // Of the piece that begins at state_
+  std::vector<Closed> closed_{};
+  std::vector<LeavingTouch> leaving_{};
+  std::vector<VecX> force_{};  // at its start
+  VecX a_{};                   // likewise, in the places of State::v
+  double tolerance_ = 0;       // accelerations below count as zero [m/s^2]
+  EventLayout layout_{};
+  State turned_{};  // the state that turns are counted from
+};
+
+}  // namespace aussois

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a step reports of its energy and momentum, part by part, and of the work of its contacts (MJ-9),
+// (MJ-13), (IMP-6).
+#pragma once
+
+#include "integrators/attempt.hpp"
+
+namespace aussois {
+
+/// What acted over a step and how it moved, rows of the problem.
+struct StepBalance {
+  VecX r{};                // impulses of the problem's blocks, of all stages [N s, N m s]
+  VecX by_contacts{};      // momentum that contacts and gap functions gave [N s, N m s]
+  VecX by_joints{};        // likewise joints and what acts on their axes; empty: none
+  VecX v_path{}, v_end{};  // constant on the path; at its end, after any projection
+};
+/// From `state` to `next`. Fills energy and momentum, the work of each contact and gap function, impulse_gain
+/// and energy_rises of a report that has its contacts and gap functions already.
+void tell_ledgers(const StepSetting& setting, const State& state, const State& next, const ImpulseStep& step,
+                  const StepBalance& balance, StepReport& report);
+
+}  // namespace aussois

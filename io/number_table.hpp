@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// Measured data as text: a header line that names the columns, then rows of finite numbers, comma separated.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace aussois {
+
+struct NumberTable {
+  std::vector<std::string> columns{};
+  std::vector<std::vector<double>> rows{};  // as many numbers as columns each
+};
+
+/// Throws std::runtime_error "path:line: what" for a missing or empty file, a column that is named twice, a
+/// row of another length, or a field that is no finite number. Lines that are empty or begin with # are
+/// skipped.
+NumberTable read_number_table(const std::filesystem::path& path);
+
+/// The place of a column; throws std::runtime_error naming the file, the column and those there are.
+std::size_t column_of(const NumberTable& table, const std::string& name, const std::filesystem::path& path);
+
+}  // namespace aussois

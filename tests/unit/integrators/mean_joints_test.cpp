@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+// Joints on the mean of both ends of a step (MJT-14), (MJT-15): nothing drifts, works or turns by them.
+#include <cmath>
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "integrators/passive_midpoint.hpp"
+#include "mechanics/mechanism.hpp"
+#include "tests/support/message_of.hpp"
+#include "tests/support/random.hpp"
+
+namespace aussois {
+namespace {
+
+PassiveMidpointOptions on_mean(double h) {
+  return {.mean_joints = true,
+          .step = {.h = h, .solver = {.tolerance = 1e-14}, .update = GroupUpdate::cayley}};
+}
+
+void advance(const Model& model, double h, double t_end, State& state,
+             const std::function<void(const StepReport&)>& look = {}) {
+  const PassiveMidpoint scheme(model, on_mean(h));
+  while (state.t < t_end - 1e-12) {
+    const StepReport report = scheme.step(state, t_end - state.t);
+    ASSERT_TRUE(report.ok()) << report.reason << " at t = " << state.t;
+    if (look) look(report);
+  }
+}
+
+// A joint of some kind between two free bodies that tumble, at places and times of no special kind.
+struct Tumbling {
+  Model model{};
+  State state{};
+  explicit Tumbling(JointKind kind) {
+    Random random(11);
+    model.gravity = Vec3::Zero();
+    for (int i = 0; i < 2; ++i)
+      add(model, RigidBody{.name = "body", .mass = 1.0 + i, .inertia = Vec3(0.2, 0.3, 0.4).asDiagonal()});
+    state = rest_state(model);
+    for (SE3& g : state.g) g = random.pose(1);
+    Joint joint = joint_at(kind, "joint", 1, 0, state.g, random.pose(0.5));
+    joint.pitch = 0.5, joint.length = 0.3;
+    if (kind == JointKind::distance) joint.frame_b = joint.frame_b * translation(0.1, 0.2, 0.2);
+    add(model, joint);
+    for (int i = 0; i < 2; ++i) twist(state, i) << random.vector(1), random.vector(3);
+    state = consistent(model, state);
+  }
+};
+
+// A hundred large steps, 0.05 rad each. A screw, whose angle is no bilinear function, only holds.
+TEST(MeanJoints, NeitherDriftNorWorkNorTurnTheWhole) {
+  for (const JointKind kind : {JointKind::fixed, JointKind::revolute, JointKind::prismatic,
+                               JointKind::cylindrical, JointKind::spherical, JointKind::universal,
+                               JointKind::planar, JointKind::screw, JointKind::distance}) {
+    SCOPED_TRACE(to_string(kind));
+    Tumbling s(kind);
+    const double E = energy(s.model, s.state).total();
+    const Momentum before = momentum(s.model, s.state);
+    double pushed = 0;
+    advance(s.model, 1e-2, 1, s.state, [&](const StepReport& report) {
+      EXPECT_LT(report.joint_error.translation + report.joint_error.rotation, 1e-13);
+      EXPECT_LT(std::abs(report.energy.residual()), 1e-13);
+      pushed = std::max(pushed, report.joints[0].force.norm());
+    });
+    EXPECT_GT(pushed, 0.1);
+    const Momentum after = momentum(s.model, s.state);
+    EXPECT_LT((after.linear - before.linear).norm(), 1e-13);
+    EXPECT_LT((after.angular - before.angular).norm(), kind == JointKind::screw ? 1e-3 : 2e-12);
+    EXPECT_LT(std::abs(energy(s.model, s.state).total() - E), kind == JointKind::screw ? 1e-3 : 2e-12);
+  }
+}
+
+// In gravity and on a wall, through long swings: what a chain of hinges loses of its energy is rounding.
+TEST(MeanJoints, KeepTheEnergyOfADoublePendulum) {
+  const auto hinge = rotation(Vec3::UnitX(), kPi / 2);
+  Model model;
+  for (int i = 0; i < 2; ++i)
+    add(model,
+        RigidBody{.name = "rod", .mass = 1, .inertia = Vec3(1.0 / 1200, 1.0 / 12, 1.0 / 12).asDiagonal()});
+  State state = rest_state(model);
+  for (int i = 0; i < 2; ++i) {
+    pose(state, i).p.x() = 0.5 + i;
+    add(model, joint_at(JointKind::revolute, "hinge", i, i - 1, state.g, translation(i, 0, 0) * hinge));
+  }
+  const double E = energy(model, state).total();
+  double worst = 0, fastest = 0;
+  advance(model, 4e-3, 3, state, [&](const StepReport&) {
+    worst = std::max(worst, std::abs(energy(model, state).total() - E));
+    fastest = std::max(fastest, energy(model, state).kinetic);
+  });
+  EXPECT_GT(fastest, 10);
+  EXPECT_LT(worst, 1e-11);  // J; projected, with the rows of a predicted middle: 5e-4
+}
+
+// What is not bilinear is held at the end by Newton: a gear, and a motor that prescribes where its wheel is.
+TEST(MeanJoints, HoldGearsAndMotorsAtTheEnd) {
+  const auto axis = rotation(Vec3::UnitX(), kPi / 2);
+  Model model;
+  for (const double J : {0.5, 3.0})
+    add(model, RigidBody{.name = "wheel", .mass = 1, .inertia = J * Mat3::Identity()});
+  State state = rest_state(model);
+  pose(state, 1).p.x() = 1;
+  add(model, joint_at(JointKind::revolute, "first", 0, -1, state.g, axis));
+  add(model, joint_at(JointKind::revolute, "second", 1, -1, state.g, translation(1, 0, 0) * axis));
+  add(model, Coupling{.name = "gears", .joint_1 = 0, .joint_2 = 1, .ratio = -2.5});
+  const auto wanted = [](double t) { return 1 - std::cos(5 * t); };
+  model.joints[0].axis[0].motor = {.kind = MotorKind::position, .target = wanted};
+  advance(model, 1e-2, 2, state, [&](const StepReport& report) {
+    EXPECT_NEAR(joint_coordinate(model, state, 0), wanted(state.t), 1e-12);
+    EXPECT_NEAR(joint_coordinate(model, state, 1), -wanted(state.t) / 2.5, 1e-12);
+    EXPECT_LT(std::abs(report.energy.residual()), 1e-11);
+  });
+}
+
+TEST(MeanJoints, NeedCayleysMap) {
+  const Tumbling s(JointKind::revolute);
+  const std::string refusal =
+      message_of([&] { PassiveMidpoint(s.model, {.mean_joints = true, .step = {.h = 1e-3}}); });
+  EXPECT_NE(refusal.find("mean_joints"), std::string::npos);
+  EXPECT_NE(refusal.find("cayley, not exponential"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace aussois

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// Acceptance A-7 on recorded tosses, and what persistence and reduction may change in them
+// (doc/theory/cube_toss.md).
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+
+#include "examples/toss/toss_report.hpp"
+#include "geometry/so3.hpp"
+
+namespace aussois {
+namespace {
+
+std::vector<Toss> recorded() {
+  const char* data = std::getenv("AUSSOIS_DATA_DIR");
+  const std::filesystem::path folder = std::filesystem::path(data ? data : "") / "cube_toss";
+  return data && std::filesystem::exists(folder) ? read_tosses(folder) : std::vector<Toss>{};
+}
+
+// As the driver has them.
+TossWorld world() {
+  TossWorld out;
+  out.options.theta = 1;
+  out.options.normal.law = NormalLaw::combined;
+  return out;
+}
+
+struct Means {
+  double position = 0, rotation = 0;  // [% of the edge], [deg]
+};
+Means means(const std::vector<Toss>& tosses, const TossWorld& w) {
+  Means out;
+  for (const Toss& toss : tosses) {
+    const TossRun run = roll_out(toss, w);
+    EXPECT_EQ(run.failure, "") << toss.name;
+    out.position += 100 * run.errors.position / kTossEdge / double(tosses.size());
+    out.rotation += 180 / kPi * run.errors.rotation / double(tosses.size());
+  }
+  return out;
+}
+
+TEST(CubeToss, IsRolledOutAsWellAsByTheBestPublishedSimulator) {
+  const std::vector<Toss> tosses = recorded();
+  if (tosses.empty()) GTEST_SKIP() << "no cube_toss in AUSSOIS_DATA_DIR";
+  const Means ten = means(tosses, world());
+  EXPECT_LE(ten.position, 14.0);  // Drake 13.5, MuJoCo 25.1
+  EXPECT_LE(ten.rotation, 17.0);  // Drake 16.5, MuJoCo 21.7
+  TossWorld coarse = world();
+  coarse.substeps = 1;
+  const Means one = means(tosses, coarse);
+  EXPECT_LE(one.position, 1.1 * ten.position);
+  EXPECT_LE(one.rotation, 1.1 * ten.rotation);
+  std::printf("position %.2f %%, rotation %.2f deg; in one substep %.2f %% and %.2f deg\n", ten.position,
+              ten.rotation, one.position, one.rotation);
+}
+
+// Tosses of the kernel stand in where there are none.
+std::vector<Toss> some() {
+  std::vector<Toss> tosses = recorded();
+  if (tosses.empty())
+    for (unsigned seed = 1; seed <= 40; ++seed) tosses.push_back(synthetic_toss(seed, world(), 5e-4));
+  tosses.resize(40);
+  return tosses;
+}
+
+TEST(CubeToss, IsTheSameToTheBitWithEveryContactKept) {
+  TossWorld all = world();
+  all.options.reduction.reducer = Reducer::none;
+  for (const Toss& toss : some()) {
+    const TossRun a = roll_out(toss, world()), b = roll_out(toss, all);
+    ASSERT_EQ(a.pose.size(), b.pose.size());
+    for (std::size_t k = 0; k < a.pose.size(); ++k) {
+      ASSERT_EQ(a.pose[k].p, b.pose[k].p) << toss.name << " row " << k;
+      ASSERT_EQ(a.pose[k].R.coeffs(), b.pose[k].R.coeffs()) << toss.name << " row " << k;
+    }
+  }
+}
+
+// Beyond two contacts normal impulses share a load in more than one way, and friction with them.
+TEST(CubeToss, DoesNotDependOnPersistenceWhileItsContactsAreFew) {
+  TossWorld precise = world();
+  precise.options.solver.tolerance = 1e-12;
+  TossWorld forgets = precise;
+  forgets.options.persistence.matching = Matching::none;
+  int compared = 0;
+  for (const Toss& toss : some()) {
+    const TossRun a = roll_out(toss, precise), b = roll_out(toss, forgets);
+    for (std::size_t k = 0; k < a.pose.size() && a.contacts[k] <= 2; ++k) {
+      if (a.contacts[k] > 0) ++compared;
+      ASSERT_LT((a.pose[k].p - b.pose[k].p).norm(), 1e-8) << toss.name << " row " << k;
+      ASSERT_LT(log_so3((a.pose[k].R.conjugate() * b.pose[k].R).normalized()).norm(), 1e-6)
+          << toss.name << " row " << k;
+    }
+  }
+  EXPECT_GT(compared, 200);
+}
+
+}  // namespace
+}  // namespace aussois
