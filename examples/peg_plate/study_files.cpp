@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <sstream>
+#include <stdexcept>
 
 #include <nlohmann/json.hpp>
 
@@ -13,6 +14,7 @@
 #include "geometry/check.hpp"
 #include "io/atomic_file.hpp"
 #include "io/csv_table.hpp"
+#include "io/number_table.hpp"
 #include "io/text.hpp"
 #include "reduction/learned_selector.hpp"
 
@@ -212,20 +214,11 @@ void write_samples(const std::filesystem::path& path, const std::vector<PegSampl
 }
 
 std::vector<PegSample> read_samples(const std::filesystem::path& path) {
-  std::string text = read_file(path);
-  std::ranges::replace(text, ',', ' ');
-  TextReader in(path, text);
-  std::string header;
-  for (const std::string& name : kColumns) header += (header.empty() ? "" : " ") + name;
-  if (in.rest_of_line() != header) in.fail("the columns are not those of samples");
+  const NumberTable table = read_number_table(path);
+  if (table.columns != kColumns)
+    throw std::runtime_error(path.string() + ":1: the columns are not those of samples");
   std::vector<PegSample> out;
-  std::vector<std::string_view> token;
-  while (in.next_line(token, 0)) {
-    if (token.size() != kColumns.size())
-      in.fail(std::to_string(token.size()) + " numbers where " + std::to_string(kColumns.size()) +
-              " must stand");
-    std::array<double, 24> x{};
-    for (std::size_t i = 0; i < token.size(); ++i) x[i] = in.number(token[i], kColumns[i].c_str());
+  for (const std::vector<double>& x : table.rows)
     out.push_back({.t = x[0],
                    .is_static = x[1] != 0,
                    .g = {Quat(x[5], x[6], x[7], x[8]), Vec3(x[2], x[3], x[4])},
@@ -234,7 +227,6 @@ std::vector<PegSample> read_samples(const std::filesystem::path& path) {
                    .force = Vec3(x[15], x[16], x[17]),
                    .torque = Vec3(x[18], x[19], x[20]),
                    .plate_force = Vec3(x[21], x[22], x[23])});
-  }
   return out;
 }
 
