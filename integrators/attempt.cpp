@@ -314,7 +314,11 @@ Found found_at(const StepSetting& setting, const State& state, const Found& foun
 ContactBlocks contact_blocks(const StepSetting& setting, const State& state, const ContactSet& contacts,
                              double h, const NormalLawOptions& normal, const Reached& reached) {
   const VecX v_prescribed = prescribed_velocity(setting.model, state, h);
-  ContactBlocks out{.rows = contact_rows(setting.model, state, contacts, v_prescribed, h, normal, reached)};
+  const ReductionOptions& o = setting.options.reduction;
+  std::vector<FrictionPatch> patches;
+  if (o.friction == FrictionAt::patches) patches = friction_patches(contacts, o.cluster_angle, o.layer);
+  ContactBlocks out{
+      .rows = contact_rows(setting.model, state, contacts, v_prescribed, h, normal, reached, patches)};
   GapFunctionRows gaps =
       gap_rows(setting.model, state, setting.dofs, v_prescribed, h, normal, reached);  // (GEN-3)
   out.gap = std::move(gaps.gap);

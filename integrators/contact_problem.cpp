@@ -20,9 +20,10 @@ Mat36 point_jacobian(const State& state, int body, const Vec3& p, const Mat3& fr
 }
 
 // The frictional law of a pair, and its drilling row (MEC-7). What does not rub needs one row, not three.
-Law law_of(const ContactLaw& law) {
+Law law_of(const ContactLaw& law, double patch_radius) {
   if (law.mu == 0) return unilateral();
-  return law.contensou_radius > 0 ? contensou(law.mu, law.contensou_radius) : coulomb(law.mu);
+  const double radius = std::max(law.contensou_radius, patch_radius);
+  return radius > 0 ? contensou(law.mu, radius) : coulomb(law.mu);
 }
 void set_drilling_row(const State& state, int body, double sign, const Vec3& normal, RowJacobian& J) {
   J.row(3).tail<3>() = sign * (pose(state, body).R.toRotationMatrix().transpose() * normal).transpose();
@@ -88,18 +89,24 @@ NormalBias normal_bias(double gap, double u_before, double restitution, double h
 
 std::vector<ContactRow> contact_rows(const Model& model, const State& state, const ContactSet& contacts,
                                      const VecX& v_prescribed, double h, const NormalLawOptions& options,
-                                     const Reached& reached) {
+                                     const Reached& reached, const std::vector<FrictionPatch>& patches) {
   std::vector<ContactRow> rows;
   rows.reserve(contacts.points.size());
-  for (const ContactPoint& c : contacts.points) {
+  for (std::size_t i = 0; i < contacts.points.size(); ++i) {
+    const ContactPoint& c = contacts.points[i];
     ContactRow row{.body_a = c.a.body, .body_b = c.b.body};
     const ContactLaw& law = contact_law(model, row.body_a, row.body_b);
     const Vec3 p = (c.x_a + c.x_b) / 2;
     row.frame = frame_of(c.normal);
-    row.law = law_of(law);
+    row.law = law_of(law, patches.empty() ? 0 : patches[i].radius);
     const int of_frame = std::min(row.law.rows, 3);
     row.J_a.topRows(of_frame) = point_jacobian(state, row.body_a, p, row.frame).topRows(of_frame);
     row.J_b.topRows(of_frame) = -point_jacobian(state, row.body_b, p, row.frame).topRows(of_frame);
+    if (!patches.empty() && of_frame == 3) {
+      const Vec3& centre = patches[i].centre;
+      row.J_a.middleRows<2>(1) = point_jacobian(state, row.body_a, centre, row.frame).bottomRows<2>();
+      row.J_b.middleRows<2>(1) = -point_jacobian(state, row.body_b, centre, row.frame).bottomRows<2>();
+    }
     if (row.law.kind == LawKind::contensou) {
       set_drilling_row(state, row.body_a, 1, c.normal, row.J_a);
       set_drilling_row(state, row.body_b, -1, c.normal, row.J_b);

@@ -6,6 +6,7 @@
 
 #include "integrators/free_motion.hpp"
 #include "nsgs/friction_problem.hpp"
+#include "reduction/friction_patch.hpp"
 
 namespace aussois {
 
@@ -68,10 +69,13 @@ struct Reached {
 bool closes(double gap, double speed, double h, NormalLaw law);
 
 /// Both impulses act at the middle between the two proximal points, so that the pair's angular momentum is
-/// kept. `v_prescribed` as of prescribed_velocity.
+/// kept. `v_prescribed` as of prescribed_velocity. With `patches`, one per contact, friction acts at the
+/// centre of the contact's patch and drills with its radius, or that of the contact law if it is larger
+/// (RED-15).
 std::vector<ContactRow> contact_rows(const Model& model, const State& state, const ContactSet& contacts,
                                      const VecX& v_prescribed, double h, const NormalLawOptions& options,
-                                     const Reached& reached = {});
+                                     const Reached& reached = {},
+                                     const std::vector<FrictionPatch>& patches = {});
 
 /// The rows of the model's gap functions at the start of the step (GEN-3), in their order, and their gaps.
 struct GapFunctionRows {

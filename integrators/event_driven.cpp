@@ -170,6 +170,9 @@ void validate(const EventDrivenOptions& o) {
   require_field(o.max_events >= 1, "EventDrivenOptions::max_events", o.max_events, "be at least 1");
   refuse_anchors(o.step, "event_driven");
   validate(o.step);
+  require(
+      o.step.reduction.friction == FrictionAt::contacts,
+      "ReductionOptions::friction must be contacts with event_driven, whose contacts stand for themselves");
 }
 
 EventDriven::EventDriven(const Model& model, const EventDrivenOptions& options)

@@ -22,7 +22,8 @@ enum class StepStatus {
 };
 const char* to_string(StepStatus status);
 
-/// A contact that took part in the solve, as it stood at the start of the step, and what it did.
+/// A contact that took part in the solve, as it stood at the start of the step, and what it did. With
+/// FrictionAt::patches the tangential part of the impulse acts at the centre of its patch.
 struct StepContact {
   ContactPoint point{};
   Vec3 impulse = Vec3::Zero();  // on A, world [N s]

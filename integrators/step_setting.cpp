@@ -24,6 +24,9 @@ void validate(const StepOptions& o) {
   validate(o.lmd);
   validate(o.reduction);
   validate(o.persistence);
+  require(!o.persistence.anchors || o.reduction.friction == FrictionAt::contacts,
+          "PersistenceOptions::anchors need ReductionOptions::friction at contacts: a patch has no point to "
+          "pull back");
   validate(o.solver);
 }
 

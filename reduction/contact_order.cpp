@@ -2,21 +2,41 @@
 #include "reduction/contact_order.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <tuple>
 
 namespace aussois {
+namespace {
+
+/// What mostly decides, side by side in memory: a set of a million contacts does not fit into a cache.
+struct Rank {
+  int body_a = -1, body_b = -1;
+  double gap = 0;
+  int dim_a = 0, simplex_a = 0;
+  int index = -1;
+};
+
+bool before(const ContactSet& found, const Rank& i, const Rank& j) {
+  const auto key = [](const Rank& r) { return std::tie(r.body_a, r.body_b, r.gap, r.dim_a, r.simplex_a); };
+  if (key(i) != key(j)) return key(i) < key(j);
+  const auto rest = [&](const Rank& rank) {
+    const ContactPoint& c = found.points[std::size_t(rank.index)];
+    const Vec3 at = 0.5 * (c.x_a + c.x_b);
+    return std::make_tuple(c.b.dim, c.b.simplex, at.x(), at.y(), at.z());
+  };
+  return rest(i) < rest(j);
+}
+
+}  // namespace
 
 std::vector<int> canonical_order(const ContactSet& found) {
-  const auto key = [&](int i) {
-    const ContactPoint& c = found.points[std::size_t(i)];
-    const Vec3 at = 0.5 * (c.x_a + c.x_b);
-    return std::make_tuple(c.a.body, c.b.body, c.gap, c.a.dim, c.a.simplex, c.b.dim, c.b.simplex, at.x(),
-                           at.y(), at.z());
-  };
-  std::vector<int> order(found.points.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](int i, int j) { return key(i) < key(j); });
+  std::vector<Rank> ranks;
+  ranks.reserve(found.points.size());
+  for (const ContactPoint& c : found.points)
+    ranks.push_back({c.a.body, c.b.body, c.gap, c.a.dim, c.a.simplex, int(ranks.size())});
+  std::sort(ranks.begin(), ranks.end(), [&](const Rank& i, const Rank& j) { return before(found, i, j); });
+  std::vector<int> order;
+  order.reserve(ranks.size());
+  for (const Rank& rank : ranks) order.push_back(rank.index);
   return order;
 }
 

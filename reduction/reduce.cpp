@@ -29,10 +29,11 @@ void check(const ReductionInput& input) {
   const std::vector<ContactPoint>& points = input.contacts.points;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const ContactPoint& c = points[i];
-    const std::string name = "contact " + std::to_string(i);
-    require(c.x_a.allFinite() && c.x_b.allFinite() && std::isfinite(c.gap),
-            name + ": points and gap must be finite");
-    require(std::abs(c.normal.norm() - 1) <= 1e-6, name + ": the normal must have unit length (within 1e-6)");
+    const bool finite = c.x_a.allFinite() && c.x_b.allFinite() && std::isfinite(c.gap);
+    if (finite && std::abs(c.normal.norm() - 1) <= 1e-6) continue;
+    throw std::invalid_argument(
+        "contact " + std::to_string(i) +
+        (finite ? ": the normal must have unit length (within 1e-6)" : ": points and gap must be finite"));
   }
   for (const auto& [field, size] : {std::pair{"kept_before", input.kept_before.size()},
                                     {"impulse", input.impulse.size()},
@@ -84,31 +85,41 @@ std::vector<int> fresh_choice(const ReductionInput& input, std::span<const int> 
   }
 }
 
-// How many corners a reducer with a choice may keep; 0: it has no choice, or its own memory.
-int most_corners(const ReductionOptions& o) {
+// How many corners a reducer with a choice may keep; 0: it has no choice, or a memory of its own.
+std::size_t most_corners(const ReductionOptions& o) {
   switch (o.reducer) {
     case Reducer::extreme_points:
       return o.paper_exact ? 0 : 4;
     case Reducer::hull_area_loss:
-      return o.corners;
+      return std::size_t(o.corners);
     case Reducer::hull_margin:
-      return o.hull_margin.max_corners;
+      return std::size_t(o.hull_margin.max_corners);
     case Reducer::direction_set:
-      return o.directions;
+      return std::size_t(o.directions);
     default:
       return 0;
   }
 }
 
-// Whether the corners of the last step stay (RED-14): about as few, not worse by more than the hysteresis,
-// and no promise broken.
+// The corners among what was kept in the last step; a new choice among them if the solver had to add many.
+std::vector<int> old_choice(const ReductionInput& input, std::span<const int> members,
+                            const PlanarPatch& patch, const ReductionOptions& o) {
+  const std::vector<int> old = hull_of(patch, marked(members, input.kept_before));
+  if (old.size() <= most_corners(o) + 1) return old;  // the deepest may be one more
+  std::vector<Vec2> x;
+  for (const int k : old) x.push_back(patch.x[std::size_t(k)]);
+  return at(old, fresh_choice(input, at(members, old), planar_patch(std::move(x)), o));
+}
+
+// Whether it stays (RED-14): about as few, not worse by more than the hysteresis, and no promise broken.
 bool stays(const PlanarPatch& patch, const std::vector<int>& old, const std::vector<int>& fresh,
            const ReductionOptions& o) {
-  if (old.empty() || int(old.size()) > std::min(most_corners(o), int(fresh.size()) + 1)) return false;
-  const LossReport was = loss_of(patch, old), now = loss_of(patch, fresh);
-  if (o.reducer == Reducer::hull_area_loss) return was.area * (1 + o.hysteresis) >= now.area;
+  if (old.empty() || old.size() > fresh.size() + 1) return false;
+  if (o.reducer == Reducer::hull_area_loss)
+    return loss_of(patch, old).area * (1 + o.hysteresis) >= loss_of(patch, fresh).area;
+  const double was = margin_of(patch, old).value, now = margin_of(patch, fresh).value;
   const double promised = o.reducer == Reducer::hull_margin ? o.hull_margin.margin : -kInf;
-  return was.margin * (1 + o.hysteresis) >= now.margin && was.margin >= std::min(promised, now.margin);
+  return was * (1 + o.hysteresis) >= now && was >= std::min(promised, now);
 }
 
 // What the reducer says of one cluster, or of its closed layer.
@@ -118,7 +129,7 @@ std::vector<int> chosen_of(const ReductionInput& input, std::span<const int> mem
   const PlanarPatch patch = planar_patch(input.contacts, members);
   const std::vector<int> fresh = fresh_choice(input, members, patch, options);
   if (options.hysteresis > 0 && most_corners(options) > 0 && !input.kept_before.empty()) {
-    const std::vector<int> old = hull_of(patch, marked(members, input.kept_before));
+    const std::vector<int> old = old_choice(input, members, patch, options);
     if (stays(patch, old, fresh, options)) return at(members, old);
   }
   return at(members, fresh);
@@ -315,6 +326,7 @@ LossReport measure_loss(const ContactSet& found, const Selection& selection) {
   for (const int i : selection.kept) mark[std::size_t(i)] = 1;
   LossReport loss;
   for (std::vector<int>& cluster : clusters) {
+    if (cluster.empty()) continue;
     std::swap(cluster.front(), *std::min_element(cluster.begin(), cluster.end(), [&](int i, int j) {
                 return found.points[std::size_t(i)].gap < found.points[std::size_t(j)].gap;
               }));

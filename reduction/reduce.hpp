@@ -28,6 +28,12 @@ const char* to_string(Reducer reducer);
 Reducer reducer(const std::string& name);
 std::vector<std::string> reducer_names();
 
+/// Where Coulomb friction acts.
+enum class FrictionAt {
+  contacts,  // at each contact by itself
+  patches,   // at the centre of the contact's patch, with the drilling torque of even pressure on it (RED-15)
+};
+
 struct ReductionOptions {
   Reducer reducer = Reducer::hull_margin;
   double cluster_angle = 0.1;  // largest angle of a normal to that of its seed [rad], in (0, pi/2]; taste
@@ -41,9 +47,10 @@ struct ReductionOptions {
                       // than the flatness of real meshes, or noise chooses the corners
   bool paper_exact = false;  // extreme_points: as published, neither tie rule nor hysteresis
   HullMargin hull_margin{};
-  int corners = 4;             // hull_area_loss, >= 3
-  int directions = 4;          // direction_set, >= 3
-  double wrench_loss = 0.1;    // wrench_cone: at least 1 - this of every wrench is kept, in [0, 1)
+  int corners = 4;           // hull_area_loss, >= 3
+  int directions = 4;        // direction_set, >= 3
+  double wrench_loss = 0.1;  // wrench_cone: at least 1 - this of every wrench is kept, in [0, 1)
+  FrictionAt friction = FrictionAt::contacts;
   ContactSelector selector{};  // of Reducer::selector, which needs one; no other takes one
 };
 void validate(const ReductionOptions& options);  // throws std::invalid_argument: field, value, bound

@@ -66,6 +66,8 @@ UnitWrenches unit_wrenches(const ReductionInput& input, std::span<const int> mem
     out.first.push_back(at);
   }
   out.g.conservativeResize(6, at);
+  const ShortVector centre = out.g.rowwise().mean();
+  out.g.colwise() -= centre;
   return out;
 }
 

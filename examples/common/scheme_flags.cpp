@@ -19,6 +19,12 @@ void add_options(Cli& cli, SchemeFlags& f) {
   cli.choice("--projection", f.projection, "of moreau_jean_projected", {"direct", "combined"});
   cli.choice("--update", f.update, "of rotations, of all schemes but event_driven",
              {"exponential", "cayley", "screw"});
+  std::vector<std::string> reducers = reducer_names();
+  std::erase(reducers, to_string(Reducer::selector));
+  cli.choice("--reducer", f.reducer, "which contacts of a patch the solver begins with", reducers);
+  cli.option("--min-margin", f.options.reduction.min_margin, "of every patch's support", "-", {0, 1});
+  cli.flag("--patch-friction", f.patch_friction,
+           "friction at the centre of a patch, with its drilling torque");
   cli.flag("--mean-joints", f.options.mean_joints, "of passive_midpoint; exact, with --update cayley");
   cli.option("--spectral-radius", f.options.spectral_radius, "of generalised_alpha", "-", {0, 1});
 }
@@ -31,6 +37,8 @@ SchemeOptions scheme_options(const SchemeFlags& f) {
   out.projection = projection_order(f.projection);
   out.normal.law = normal_law(f.normal);
   out.update = group_update(f.update);
+  out.reduction.reducer = reducer(f.reducer);
+  out.reduction.friction = f.patch_friction ? FrictionAt::patches : FrictionAt::contacts;
   return out;
 }
 

@@ -12,6 +12,8 @@ struct SchemeFlags {
   std::string normal = to_string(NormalLaw::moreau), contacts = to_string(ContactsAt::start);
   std::string impact = to_string(ImpactLaw::newton), impact_order = to_string(ImpactOrder::simultaneous);
   std::string projection = to_string(ProjectionOrder::combined), update = to_string(GroupUpdate::exponential);
+  std::string reducer = to_string(ReductionOptions{}.reducer);
+  bool patch_friction = false;
   SchemeOptions options{};  // but for those names
 };
 

@@ -81,6 +81,38 @@ const std::vector<Bad>& table() {
        {-0.1, 0.2, kNan},
        [](SchemeOptions& o, double x) { o.reduction.tie = x; },
        {}},
+      {"ReductionOptions::min_margin",
+       {-0.1, 1.1, kNan},
+       [](SchemeOptions& o, double x) { o.reduction.min_margin = x; },
+       {}},
+      {"ReductionOptions::hysteresis",
+       {-0.1, 1, kNan},
+       [](SchemeOptions& o, double x) { o.reduction.hysteresis = x; },
+       {}},
+      {"HullMargin::margin",
+       {0, 1.1, kNan},
+       [](SchemeOptions& o, double x) { o.reduction.hull_margin.margin = x; },
+       {}},
+      {"HullMargin::min_corners",
+       {2, -1},
+       [](SchemeOptions& o, double x) { o.reduction.hull_margin.min_corners = int(x); },
+       {}},
+      {"HullMargin::max_corners",
+       {3, -1},
+       [](SchemeOptions& o, double x) { o.reduction.hull_margin.max_corners = int(x); },
+       {}},
+      {"ReductionOptions::corners",
+       {2, -1},
+       [](SchemeOptions& o, double x) { o.reduction.corners = int(x); },
+       {}},
+      {"ReductionOptions::directions",
+       {2, -1},
+       [](SchemeOptions& o, double x) { o.reduction.directions = int(x); },
+       {}},
+      {"ReductionOptions::wrench_loss",
+       {-0.1, 1, kNan},
+       [](SchemeOptions& o, double x) { o.reduction.wrench_loss = x; },
+       {}},
       {"ReductionOptions::layer",
        {-1e-9, kNan},
        [](SchemeOptions& o, double x) { o.reduction.layer = x; },
@@ -143,6 +175,26 @@ TEST(SchemeOptions, AreRefusedOutOfTheirRangesByEverySchemeThatReadsThem) {
         ++refusals;
       }
   EXPECT_GT(refusals, 400);
+}
+
+// Choices that do not go together.
+TEST(SchemeOptions, AreRefusedWhereTheyContradictEachOther) {
+  const Scene s = block_on_plate(0.3, 0, 0);
+  const ContactSelector all = [](const ReductionInput&, const Clusters&) { return std::vector<int>{}; };
+  for (const std::string& name : scheme_names())
+    for (const ReductionOptions& bad :
+         {ReductionOptions{.reducer = Reducer::hull_margin, .paper_exact = true},
+          ReductionOptions{.reducer = Reducer::selector},
+          ReductionOptions{.reducer = Reducer::hull_margin, .selector = all}})
+      EXPECT_THROW(make_scheme(name, s.model, {.reduction = bad}), std::invalid_argument) << name;
+  SchemeOptions pulled{.reduction = {.friction = FrictionAt::patches}};
+  pulled.persistence.anchors = true;
+  EXPECT_NE(message_of([&] { make_scheme("moreau_jean", s.model, pulled); }).find("anchors"),
+            std::string::npos);
+  EXPECT_NE(message_of([&] {
+              make_scheme("event_driven", s.model, {.reduction = {.friction = FrictionAt::patches}});
+            }).find("event_driven"),
+            std::string::npos);
 }
 
 // The door of a step: what is in the way of the certificate, and a limit that is none.

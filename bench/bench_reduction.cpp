@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+// What each reducer costs and what it loses, against the rule of four points that engines use; and the cost
+// per contact from ten to a million contacts in one patch.
+//
+// Theory   doc/theory/reduction.md (RED-1) to (RED-15)
+// Run      bench_reduction
+//          bench_reduction --largest 1000000 --json reduction.json
+// Expect   no family in which hull_margin keeps less margin than the four points do; cost per contact at
+//          most three times that of ten thousand contacts
+#include <algorithm>
+#include <cstdio>
+#include <functional>
+
+#include "bench/call_time.hpp"
+#include "bench/verdict.hpp"
+#include "examples/common/driver.hpp"
+#include "examples/common/random.hpp"
+#include "examples/reduction/patch_of_four.hpp"
+#include "io/csv_table.hpp"
+#include "io/summary.hpp"
+#include "reduction/reduce.hpp"
+
+using namespace aussois;
+
+namespace {
+
+struct Arguments {
+  int largest = 1000000, pairs = 15;
+  std::filesystem::path json{};
+  CommonOptions common{};
+};
+
+ContactSet patch(const std::vector<Vec2>& points) {
+  ContactSet set;
+  for (const Vec2& x : points) {
+    ContactPoint c;
+    c.a = {.body = 0, .simplex = int(set.points.size()), .region = int(set.points.size())};
+    c.b = {.body = 1, .dim = 2};
+    c.x_a = c.x_b = Vec3(x.x(), x.y(), 0);
+    set.points.push_back(c);
+  }
+  return set;
+}
+
+struct Family {
+  std::string name{};
+  ContactSet set{};
+  std::vector<double> mu{};
+  std::vector<Vec3> impulse{};  // as if all carried the same
+
+  Family(std::string name_of, const std::vector<Vec2>& points)
+      : name(std::move(name_of)),
+        set(patch(points)),
+        mu(points.size(), 0.3),
+        impulse(points.size(), Vec3::UnitZ()) {}
+  ReductionInput input() const { return {.contacts = set, .impulse = impulse, .mu = mu}; }
+};
+
+std::vector<Vec2> in_disc(int n, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<Vec2> points;
+  while (int(points.size()) < n) {
+    const Vec2 x(random.uniform(-1, 1), random.uniform(-1, 1));
+    if (x.norm() <= 1) points.push_back(0.05 * x);
+  }
+  return points;
+}
+
+std::vector<Family> families() {
+  std::vector<Vec2> rim, grid, l;
+  for (int i = 0; i < 48; ++i)
+    rim.push_back(0.05 * Vec2(std::cos(2 * kPi * i / 48), std::sin(2 * kPi * i / 48)));
+  for (int i = 0; i < 48; ++i) grid.push_back(Vec2(0.01 * (i % 8), 0.01 * (i / 8)));
+  for (int i = 0; i < 48; ++i)
+    if (i % 8 < 2 || i / 8 < 2) l.push_back(Vec2(0.01 * (i % 8), 0.01 * (i / 8)));
+  return {{"rim", rim}, {"grid", grid}, {"l", l}, {"scattered", in_disc(48, 7)}};
+}
+
+// Microseconds of both calls, the fastest of some batches each, and the median of their ratios, measured in
+// turn.
+struct Paired {
+  double us = kInf, us_other = kInf, ratio = 0;
+};
+Paired paired(const std::function<void()>& call, const std::function<void()>& other, int pairs) {
+  const auto seconds = [](const std::function<void()>& f, int times) {
+    const double begin = cpu_seconds();
+    for (int i = 0; i < times; ++i) f();
+    return (cpu_seconds() - begin) / times;
+  };
+  const int times = std::max(1, int(2e-3 / std::max(seconds(other, 1), 1e-7)));
+  Paired out;
+  std::vector<double> ratios;
+  for (int i = 0; i < pairs; ++i) {
+    const double a = seconds(call, std::max(1, times / 4)), b = seconds(other, times);
+    out.us = std::min(out.us, 1e6 * a);
+    out.us_other = std::min(out.us_other, 1e6 * b);
+    ratios.push_back(a / b);
+  }
+  std::nth_element(ratios.begin(), ratios.begin() + pairs / 2, ratios.end());
+  out.ratio = ratios[std::size_t(pairs / 2)];
+  return out;
+}
+
+struct Rule {
+  std::string name{};
+  ReductionOptions options{};
+};
+std::vector<Rule> rules() {
+  std::vector<Rule> out = {
+      {"patch_of_four", {.reducer = Reducer::selector, .selector = patch_of_four_selector()}},
+      {"paper_exact", {.reducer = Reducer::extreme_points, .paper_exact = true}}};
+  for (const std::string& name : reducer_names())
+    if (name != "selector" && name != "none") out.push_back({name, {.reducer = reducer(name)}});
+  return out;
+}
+
+ExitCode bench(const Arguments& a) {
+  make_folders(a.common);
+  Summary summary;
+  const std::vector<Rule> all = rules();
+  std::vector<std::string> names;
+  for (const Rule& rule : all) names.push_back(rule.name);
+  summary.set("rules", names);
+  double worst_difference = -kInf;
+  for (const Family& family : families()) {
+    std::printf("%s, %zu contacts\n%-15s %5s %7s %6s %8s %9s %7s %6s\n", family.name.c_str(),
+                family.set.points.size(), "", "kept", "margin", "area", "torsion", "d_H mm", "us", "ratio");
+    CsvTable csv(
+        a.common.out / ("bench_reduction_" + family.name + ".csv"),  // a row per rule, as they are printed
+        {"kept", "margin", "area", "torsion", "hausdorff", "us", "ratio"});
+    std::vector<double> margins, ratios, us;
+    const auto four = [&] { reduce(family.input(), all.front().options); };
+    for (const Rule& rule : all) {
+      const Selection selection = reduce(family.input(), rule.options);
+      const Paired time = paired([&] { reduce(family.input(), rule.options); }, four, a.pairs);
+      const LossReport& loss = selection.loss;
+      std::printf("%-15s %5zu %7.3f %6.3f %8.3f %9.3f %7.1f %6.2f\n", rule.name.c_str(),
+                  selection.kept.size(), loss.margin, loss.area, loss.torsion, 1e3 * loss.hausdorff, time.us,
+                  time.ratio);
+      csv.add({double(selection.kept.size()), loss.margin, loss.area, loss.torsion, loss.hausdorff, time.us,
+               time.ratio});
+      margins.push_back(loss.margin);
+      ratios.push_back(time.ratio);
+      us.push_back(time.us);
+      if (rule.name == "hull_margin")
+        worst_difference = std::max(worst_difference, margins.front() - loss.margin);
+    }
+    csv.close();
+    summary.set(family.name + "_margin", margins);
+    summary.set(family.name + "_us", us);
+    summary.set(family.name + "_ratio", ratios);
+  }
+
+  std::printf("ns per contact\n%10s %12s %14s %12s %6s\n", "contacts", "hull_margin", "patch_of_four",
+              "rule alone", "ratio");
+  CsvTable scaling(a.common.out / "bench_reduction_scaling.csv",
+                   {"contacts", "ns_hull_margin", "ns_patch_of_four", "ns_rule_alone", "ratio"});
+  std::vector<double> counts, costs;
+  double at_ten_thousand = std::nan("");  // below, a processor knows the branches of a sort by heart
+  for (int n = 10; n <= a.largest && !interrupted(); n *= 10) {
+    const Family family("disc", in_disc(n, 11));
+    std::vector<int> members(std::size_t(n), 0);
+    for (int i = 0; i < n; ++i) members[std::size_t(i)] = i;
+    const int pairs = n > 100000 ? 3 : a.pairs;
+    const Paired margin = paired([&] { reduce(family.input(), {}); },
+                                 [&] { reduce(family.input(), all.front().options); }, pairs);
+    const Paired alone = paired([&] { patch_of_four(family.set, members); },
+                                [&] { patch_of_four(family.set, members); }, pairs);
+    const double ns = 1e3 / n;
+    std::printf("%10d %12.1f %14.1f %12.1f %6.2f\n", n, ns * margin.us, ns * margin.us_other, ns * alone.us,
+                margin.ratio);
+    std::fflush(stdout);
+    scaling.add({double(n), ns * margin.us, ns * margin.us_other, ns * alone.us, margin.ratio});
+    counts.push_back(n);
+    costs.push_back(ns * margin.us);
+    if (n == 10000) at_ten_thousand = costs.back();
+  }
+  scaling.close();
+  summary.set("contacts", counts);
+  summary.set("ns_hull_margin", costs);
+  std::vector<Verdict> verdicts = {
+      {"margin", "margin of the four points beyond that of hull_margin", "", worst_difference, 0}};
+  if (a.largest >= 10000)
+    verdicts.push_back({"growth", "cost per contact of the most contacts over that of ten thousand", "",
+                        costs.back() / at_ten_thousand, 3});
+  const bool pass = print_verdicts(verdicts);
+  for (const Verdict& v : verdicts) summary.set(v.key, v.value);
+  summary.set("pass", pass);
+  if (!a.json.empty()) write_summary(a.json, summary);
+  if (!a.common.summary.empty()) write_summary(a.common.summary, summary);
+  return pass ? ExitCode::ok : ExitCode::not_accepted;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments a;
+  Cli cli("bench_reduction", "What reducers cost and lose, against the four points of engines.");
+  cli.group("size");
+  cli.option("--largest", a.largest, "number of contacts of one patch", "", {10, 1e7});
+  cli.option("--pairs", a.pairs, "of measurements in turn; their median ratio counts", "", {1, 1000});
+  cli.group("output");
+  cli.option("--json", a.json, "file for all columns");
+  cli.common(a.common);
+  cli.example("bench_reduction", "all families, up to a million contacts");
+  cli.example("bench_reduction --largest 10000 --json reduction.json", "less");
+  return run_driver(cli, argc, argv, [&] { return bench(a); });
+}
