@@ -8,11 +8,6 @@
 #include "geometry/parallel.hpp"
 
 namespace aussois {
-namespace {
-
-constexpr double kWorst = 0.05;  // of an error that a ranking hears: impacts, which no choice gets right
-
-}  // namespace
 
 MatX choice_errors(const SolverView& view, PegScenario scenario, const std::vector<PegSample>& samples,
                    int threads, const std::function<void()>& progress) {
@@ -32,7 +27,7 @@ MatX choice_errors(const SolverView& view, PegScenario scenario, const std::vect
 }
 
 std::vector<int> ranking(const MatX& errors) {
-  const VecX mean_square = errors.cwiseMin(kWorst).rowwise().squaredNorm();
+  const VecX mean_square = errors.rowwise().squaredNorm();
   std::vector<int> order(std::size_t(errors.rows()));
   std::iota(order.begin(), order.end(), 0);
   std::ranges::stable_sort(order, {}, [&](int c) { return mean_square[c]; });

@@ -15,8 +15,7 @@ namespace aussois {
 MatX choice_errors(const SolverView& view, PegScenario scenario, const std::vector<PegSample>& samples,
                    int threads = 1, const std::function<void()>& progress = {});
 
-/// Choices by their mean square error over the samples, errors above 5 % counting as 5 %, the best first;
-/// ties by index (PEG-10).
+/// Choices by their mean square error over the samples, the best first; ties by index (PEG-10).
 std::vector<int> ranking(const MatX& errors);
 
 enum class LabelMode {
