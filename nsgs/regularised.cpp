@@ -2,6 +2,7 @@
 #include "nsgs/regularised.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <Eigen/LU>
 
@@ -11,7 +12,11 @@
 namespace aussois {
 namespace {
 
-constexpr int kMemory = 10;  // of Anderson's acceleration (AA-1)
+constexpr int kMemory = 10;        // of Anderson's acceleration (AA-1)
+constexpr int kGuesses = 20;       // of which contacts are closed
+constexpr int kMostSweeps = 1000;  // on a dense matrix
+constexpr double kStill = 0.1;  // of the tolerance: a sweep that moves less than this of lambda is the last
+constexpr int kFewRows = 200;   // a dense factor of as many costs no more than some hundred sweeps
 
 struct Named {
   FrictionReading reading;
@@ -32,8 +37,10 @@ void check(const LocalProblem& problem, const VecX& R) {
   for (const double r : R) require_field(r >= 0, "R", r, "be at least 0 1/kg");
 }
 
-SolverOptions options_of(const RegularisedOptions& options) {
-  SolverOptions out{.tolerance = options.tolerance, .max_iterations = options.max_iterations};
+SolverOptions options_of(const RegularisedOptions& options, int done = 0) {
+  SolverOptions out{
+      .tolerance = options.tolerance,
+      .max_iterations = done > 0 ? std::max(1, options.max_iterations - done) : options.max_iterations};
   switch (options.reading) {
     case FrictionReading::coulomb_pgs:
       out.method = Method::coulomb_pgs;
@@ -74,6 +81,89 @@ AnyBlock projection_derivative(const Law& law, const AnyRows& y) {
   return D;
 }
 
+// The answer if every contact sticks or is open, the same for all readings (REG-11); empty if not.
+VecX stick_or_open(const MatX& W, const LocalProblem& problem) {
+  const std::vector<int> first = first_rows(problem.laws);
+  const std::size_t count = problem.laws.size();
+  std::vector<char> closed(count, 1);
+  for (int guess = 0; guess < kGuesses; ++guess) {
+    std::vector<int> rows;
+    for (std::size_t c = 0; c < count; ++c)
+      for (int i = 0; closed[c] && i < problem.laws[c].rows; ++i) rows.push_back(first[c] + i);
+    VecX lambda = VecX::Zero(W.rows());
+    const VecX pushed = -problem.q(rows);
+    if (!rows.empty()) lambda(rows) = VecX(MatX(W(rows, rows)).partialPivLu().solve(pushed));
+    const VecX w = W * lambda + problem.q;
+    bool same = true;
+    for (std::size_t c = 0; c < count; ++c) {
+      const char now = closed[c] ? lambda[first[c]] > 0 : w[first[c]] < 0;
+      same = same && now == closed[c];
+      closed[c] = now;
+    }
+    if (!same) continue;
+    for (std::size_t c = 0; c < count; ++c) {
+      const Law& law = problem.laws[c];
+      if (lambda.segment(first[c] + 1, law.rows - 1).norm() > law.mu * lambda[first[c]]) return {};
+    }
+    return lambda;
+  }
+  return {};
+}
+
+// (REG-6) on a dense matrix, up to `most` sweeps or until none moves lambda by more than `small` of it.
+// Returns their number.
+int sweep(const MatX& W, const LocalProblem& problem, double small, int most, VecX& lambda) {
+  const std::vector<int> first = first_rows(problem.laws);
+  const std::size_t count = problem.laws.size();
+  const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows = W;
+  VecX step(W.rows());  // inverse curvature of the normal row, and of the tangential ones together
+  for (std::size_t c = 0; c < count; ++c) {
+    const Eigen::Index k = first[c], tangents = problem.laws[c].rows - 1;
+    step[k] = 1 / W(k, k);
+    if (tangents == 0) continue;
+    const MatX T = W.block(k + 1, k + 1, tangents, tangents);
+    const double mean = T.trace() / double(tangents), shear = 0.5 * (T(0, tangents - 1) + T(tangents - 1, 0));
+    const double largest = tangents == 1 ? mean : mean + std::hypot(0.5 * (T(0, 0) - T(1, 1)), shear);
+    step.segment(k + 1, tangents).setConstant(1 / largest);
+  }
+  for (int done = 1; done <= most; ++done) {
+    double moved = 0;
+    for (std::size_t c = 0; c < count; ++c) {
+      const Eigen::Index k = first[c], tangents = problem.laws[c].rows - 1;
+      const double normal = std::max(0.0, lambda[k] - step[k] * (rows.row(k).dot(lambda) + problem.q[k]));
+      moved = std::max(moved, std::abs(normal - lambda[k]));
+      lambda[k] = normal;
+      if (tangents == 0) continue;
+      Vec2 t = Vec2::Zero();
+      for (Eigen::Index i = 0; i < tangents; ++i)
+        t[i] = lambda[k + 1 + i] - step[k + 1 + i] * (rows.row(k + 1 + i).dot(lambda) + problem.q[k + 1 + i]);
+      const double length = t.norm(), radius = problem.laws[c].mu * normal;
+      if (length > radius) t *= radius / length;
+      for (Eigen::Index i = 0; i < tangents; ++i) {
+        moved = std::max(moved, std::abs(t[i] - lambda[k + 1 + i]));
+        lambda[k + 1 + i] = t[i];
+      }
+    }
+    if (!(moved > small * lambda.cwiseAbs().maxCoeff())) return done;
+  }
+  return most;
+}
+
+// Of problems with few rows: the answer, or nearly, without a sparse method.
+struct Start {
+  VecX lambda{};
+  int sweeps = 0;
+};
+Start dense_start(const LocalProblem& soft, const VecX& lambda_0, const RegularisedOptions& options) {
+  const MatX W = soft.W;
+  if (VecX guess = stick_or_open(W, soft); guess.size() > 0) return {std::move(guess)};
+  if (options.reading != FrictionReading::coulomb_pgs || !(W.diagonal().minCoeff() > 0)) return {lambda_0};
+  Start start{lambda_0.size() > 0 ? lambda_0 : VecX(VecX::Zero(soft.q.size()))};
+  start.sweeps =
+      sweep(W, soft, kStill * options.tolerance, std::min(options.max_iterations, kMostSweeps), start.lambda);
+  return start;
+}
+
 }  // namespace
 
 const char* to_string(FrictionReading reading) {
@@ -108,7 +198,14 @@ RegularisedSolution solve_regularised(const LocalProblem& problem, const VecX& R
                                       const RegularisedOptions& options) {
   check(problem, R);
   const LocalProblem soft{compliant(problem, R, options.reading), problem.q, problem.laws};
-  FrictionSolution found = solve(soft, lambda_0, options_of(options));
+  validate(options_of(options));
+  Start start{lambda_0};
+  const bool dense = problem.q.size() > 0 && problem.q.size() <= kFewRows;
+  if (dense && problem.q.allFinite() && lambda_0.allFinite() &&
+      (lambda_0.size() == 0 || lambda_0.size() == problem.q.size()))
+    start = dense_start(soft, lambda_0, options);
+  FrictionSolution found = solve(soft, start.lambda, options_of(options, start.sweeps));
+  found.report.iterations += start.sweeps;
   RegularisedSolution out{.v = problem.W * found.r + problem.q, .report = found.report};
   const std::vector<int> first = first_rows(problem.laws);
   for (std::size_t c = 0; c < problem.laws.size(); ++c)

@@ -19,6 +19,15 @@ class Random {
   double log_uniform(double lo, double hi) {
     return std::exp(uniform(std::log(lo), std::log(hi)));
   }  // lo > 0
+  /// Of the standard normal distribution (Box and Muller).
+  double normal() {
+    const double radius = std::sqrt(-2 * std::log(1 - uniform()));
+    return radius * std::cos(2 * kPi * uniform());
+  }
+  Vec3 normal_vector() {
+    const double x = normal(), y = normal(), z = normal();
+    return {x, y, z};
+  }
   int index(int n) { return int(bits() % std::uint64_t(n)); }
   Vec3 vector(double half = 1) {
     const double x = uniform(-half, half), y = uniform(-half, half), z = uniform(-half, half);

@@ -74,8 +74,9 @@ TEST(Regularised, T52_CarriesTheWeightButForItsCompliance) {
         const LocalProblem problem = condense(block_on(feet, 0.5, Vec6::Zero()));
         const VecX R = regularisation(problem, rho);
         RegularisedOptions options = sharp(reading);
-        // sweeps move what many contacts share by rho each; the resultant is exact long before
-        if (reading == FrictionReading::coulomb_pgs && feet.size() > 4) options.tolerance = 5e-4;
+        // 300 rows are swept: what contacts share moves by rho a sweep; the resultant is exact long before
+        const bool swept = reading == FrictionReading::coulomb_pgs && feet.size() > 17;
+        if (swept) options.tolerance = 5e-4;
         const RegularisedSolution s = solve_regularised(problem, R, {}, options);
         ASSERT_EQ(s.report.status, SolveStatus::converged)
             << to_string(reading) << " " << feet.size() << " " << s.report.residual;
@@ -86,7 +87,7 @@ TEST(Regularised, T52_CarriesTheWeightButForItsCompliance) {
         for (Eigen::Index k = 0; k < R.size(); k += 3) inverse_r += 1 / R[k];
         const double speed = kG * kH / (1 + inverse_r / kBlockMass);
         EXPECT_NEAR(carried(s.lambda), speed * inverse_r, 10 * options.tolerance * weight);
-        if (options.tolerance < 1e-9) {
+        if (!swept) {
           EXPECT_NEAR(s.violation, speed, 1e-5 * speed);  // residual / rho, times the root of 100
         }
       }

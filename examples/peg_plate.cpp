@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+// A peg pressed on a plate by a robot: which contacts must a simulator keep to tell the force? Reducers,
+// clusterings and a small network on a synthetic reference. Interrupt it when you like: the next call with
+// the same -o goes on.
+//
+// Theory   doc/theory/peg_plate.md (PEG-1) to (PEG-17), [Kim2019]
+// Run      peg_plate generate train evaluate --count 4 --set surface_0.3
+//          peg_plate generate train evaluate --seeds 5 -o study
+// Expect   reducers that keep the hull reach the sensors' floor, means of clusters do not; the exit code says
+// whether
+#include <algorithm>
+#include <cstdio>
+#include <mutex>
+#include <thread>
+
+#include "examples/common/driver.hpp"
+#include "examples/common/progress.hpp"
+#include "examples/peg_plate/study_files.hpp"
+#include "geometry/check.hpp"
+#include "geometry/parallel.hpp"
+#include "io/atomic_file.hpp"
+#include "io/network_file.hpp"
+
+using namespace aussois;
+
+namespace {
+
+struct Arguments {
+  std::vector<std::filesystem::path> stages{};
+  std::string set = "all", reading = to_string(SolverView{}.reading);
+  int seed = 1, seeds = 1;
+  PegStudyOptions study{};
+  std::filesystem::path out = "out";
+  bool quiet = false;
+};
+
+constexpr LabelMode kModes[] = {LabelMode::argmin, LabelMode::soft, LabelMode::ranked};
+constexpr int kUprightNormal = 24;  // (PEG-8)
+
+/// One set with one seed.
+struct Job {
+  PegSet set{};
+  PegStudyOptions options{};
+  std::filesystem::path folder{};
+  std::string name() const { return set.name + " seed " + std::to_string(options.plant.seed); }
+  std::filesystem::path network(LabelMode mode) const {
+    return folder / (std::string("mlc_") + to_string(mode) + ".txt");
+  }
+};
+
+std::vector<Job> jobs_of(const Arguments& a) {
+  std::vector<Job> jobs;
+  for (int seed = a.seed; seed < a.seed + a.seeds; ++seed)
+    for (const PegSet& set : peg_sets()) {
+      if (a.set != "all" && a.set != set.name) continue;
+      Job job{.set = set, .options = a.study};
+      job.options.view.reading = friction_reading_named(a.reading);
+      job.options.plant.scenario = set.scenario;
+      job.options.plant.tilt = set.tilt;
+      job.options.plant.scatter = set.scatter;
+      job.options.plant.seed = job.options.training.seed = std::uint64_t(seed);
+      if (set.scenario == PegScenario::edge)
+        job.options.plant.count = std::max(1, (a.study.plant.count + 1) / 2);
+      job.folder = a.out / ("seed_" + std::to_string(seed)) / set.name;
+      jobs.push_back(job);
+    }
+  return jobs;
+}
+
+int cases_of(const Job& job) {
+  const PlantOptions& p = job.options.plant;
+  return int(peg_cases(p.scenario, p.count, p.leans).size());
+}
+
+void generate(const Job& job, bool quiet) {
+  claim_folder(job.folder, job.options);
+  const PlantOptions& p = job.options.plant;
+  const std::vector<PegCase> cases = peg_cases(p.scenario, p.count, p.leans);
+  const Plant plant = make_plant(p);
+  Progress progress("generate " + job.name(), double(cases.size()), Progress::style_of_stderr(quiet));
+  std::mutex mutex;
+  int done = 0;
+  parallel_for(int(cases.size()), job.options.threads, [&](int i) {
+    const std::filesystem::path file = samples_file(job.folder, i);
+    if (!interrupted() && !std::filesystem::exists(file))
+      write_samples(file, run_case(plant, cases[std::size_t(i)], i));
+    const std::lock_guard lock(mutex);
+    progress.at(++done);
+  });
+}
+
+void train(const Job& job, bool quiet) {
+  claim_folder(job.folder, job.options);
+  const std::filesystem::path lessons_file = job.folder / "lessons.json";
+  const auto is_there = [&](LabelMode mode) { return std::filesystem::exists(job.network(mode)); };
+  if (read_lessons(lessons_file) && std::ranges::all_of(kModes, is_there)) return;
+
+  const PegData data = read_data(job.folder, cases_of(job));
+  Progress progress("train " + job.name(), 4, Progress::style_of_stderr(quiet));
+  const Lessons lessons = make_lessons(data, split_cases(int(data.size()), job.options.plant.seed),
+                                       job.options, [&](double part) { progress.at(part, "labels"); });
+  LessonsLearnt learnt{.best_choice = ranking(lessons.errors).front()};
+  if (job.set.scenario == PegScenario::edge) {
+    const std::vector<int> labels = chosen_labels(lessons.errors, {.mode = LabelMode::argmin});
+    learnt.upright_share = double(std::ranges::count(labels, kUprightNormal)) / double(labels.size());
+  }
+  int done = 0;
+  for (const LabelMode mode : kModes) {
+    ++done;
+    const Training made = train(lessons, job.set.scenario, mode, job.options, [&](int k, double) {
+      progress.at(done + double(k) / job.options.training.iterations, to_string(mode));
+      return !interrupted();
+    });
+    if (interrupted()) return;
+    if (job.set.scenario == PegScenario::surface)
+      write_selector(job.network(mode), {.network = made.network, .places = face_places()});
+    else
+      write_network(job.network(mode), made.network);
+    if (!quiet)
+      std::printf("%s, %s labels: loss %.4f after %d iterations\n", job.name().c_str(), to_string(mode),
+                  made.loss, made.iterations);
+  }
+  write_lessons(lessons_file, learnt);
+}
+
+/// True: the pictures are there.
+bool evaluate(const Job& job, bool quiet) {
+  claim_folder(job.folder, job.options);
+  if (read_result(job.folder / "result.json")) return true;
+  const std::optional<LessonsLearnt> learnt = read_lessons(job.folder / "lessons.json");
+  if (!learnt) throw std::runtime_error(job.folder.string() + "/lessons.json is missing: train first");
+  const PegData data = read_data(job.folder, cases_of(job));
+  const PegSplit split = split_cases(int(data.size()), job.options.plant.seed);
+
+  std::vector<NamedMethod> methods =
+      untrained_methods(job.set.scenario, job.options.view, job.options.plant.seed);
+  methods.push_back(fixed_method("best_fixed", job.set.scenario,
+                                 peg_choices(job.set.scenario)[std::size_t(learnt->best_choice)]));
+  for (const LabelMode mode : kModes)
+    methods.push_back(learned_method(std::string("mlc_") + to_string(mode), job.set.scenario,
+                                     read_network(job.network(mode))));
+  methods.push_back(oracle_method(job.set.scenario, job.options.view));
+
+  PegResult result{.set = job.set.name,
+                   .seed = job.options.plant.seed,
+                   .scores = std::vector<PegScore>(methods.size()),
+                   .upright_share = learnt->upright_share};
+  Progress progress("evaluate " + job.name(), double(methods.size()), Progress::style_of_stderr(quiet));
+  std::mutex mutex;
+  int done = 0;
+  parallel_for(int(methods.size()), job.options.threads, [&](int i) {
+    if (!interrupted())
+      result.scores[std::size_t(i)] = score(methods[std::size_t(i)], data, split.test, job.options);
+    const std::lock_guard lock(mutex);
+    progress.at(++done, methods[std::size_t(i)].name);
+  });
+  if (interrupted()) return true;
+  const LabelMode shown = job.set.scenario == PegScenario::surface ? LabelMode::ranked : LabelMode::soft;
+  const bool drawn =
+      write_pictures(job.folder, data, split.test, methods, read_network(job.network(shown)), job.options);
+  write_result(job.folder / "result.json", result);
+  return drawn;
+}
+
+ExitCode tell(const Arguments& a, const std::vector<Job>& jobs) {
+  std::vector<PegResult> results;
+  for (const Job& job : jobs)
+    if (const std::optional<PegResult> result = read_result(job.folder / "result.json"))
+      results.push_back(*result);
+  const std::vector<PegVerdict> lines = verdicts(results);
+  const std::string table = score_table(results), verdict = to_string(lines);
+  write_whole_file(a.out / "scores.md", table);
+  write_whole_file(a.out / "verdicts.txt", verdict);
+  std::printf("%s\n%s", table.c_str(), verdict.c_str());
+  return std::ranges::all_of(lines, &PegVerdict::accepted) ? ExitCode::ok : ExitCode::not_accepted;
+}
+
+ExitCode run(const Arguments& a) {
+  for (const std::filesystem::path& stage : a.stages)
+    require(stage == "generate" || stage == "train" || stage == "evaluate",
+            "stage " + stage.string() + " must be generate, train or evaluate");
+  const auto asked = [&](const char* stage) { return std::ranges::find(a.stages, stage) != a.stages.end(); };
+  const std::vector<Job> jobs = jobs_of(a);
+  bool drawn = true;
+  for (const Job& job : jobs) {
+    if (asked("generate")) generate(job, a.quiet);
+    if (asked("train") && !interrupted()) train(job, a.quiet);
+    if (asked("evaluate") && !interrupted()) drawn = evaluate(job, a.quiet) && drawn;
+    if (interrupted()) return ExitCode::interrupted;
+  }
+  if (!drawn) std::fprintf(stderr, "no picture: gnuplot is not there, or fails\n");
+  return asked("evaluate") ? tell(a, jobs) : ExitCode::ok;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments a;
+  a.study.threads = int(std::max(1u, std::thread::hardware_concurrency()));
+  std::vector<std::string> sets{"all"};
+  for (const PegSet& set : peg_sets()) sets.push_back(set.name);
+  Cli cli("peg_plate",
+          "Compares ways of choosing contacts by the force that one solve predicts for a peg on a plate; the "
+          "reference "
+          "is synthetic.");
+  cli.files(a.stages, "generate, train, evaluate: what to do, in this order");
+  cli.group("reference");
+  cli.choice("--set", a.set, "scenario and tilt of the plate in degrees", sets);
+  cli.option("--seed", a.seed, "of the plant, of the split of the cases, and of the first weights", "",
+             {0, 1e6});
+  cli.option("--seeds", a.seeds, "this many seeds, from --seed on", "", {1, 100});
+  cli.option("--count", a.study.plant.count, "incidences, and speeds; for the edge half of it", "", {1, 100});
+  cli.option("--leans", a.study.plant.leans, "of the edge", "", {1, 100});
+  cli.option("--step", a.study.plant.step, "of the reference", "s", {1e-6, 5e-5});
+  cli.group("solver");
+  cli.option("--rho", a.study.view.rho, "regularisation", "-", {0, 1});
+  cli.choice("--reading", a.reading, "of the friction", {"coulomb_pgs", "convex_cone", "hybrid"});
+  cli.group("training");
+  cli.option("--hidden", a.study.training.hidden, "units of the hidden layer", "", {1, 10000});
+  cli.option("--iterations", a.study.training.iterations, "of L-BFGS, at most", "", {1, 1e6});
+  cli.group("output");
+  cli.option("-o,--out", a.out, "folder of the study, made if missing; what it has is not made again");
+  cli.option("--threads", a.study.threads, "no result depends on it", "", {1, 256});
+  cli.flag("--quiet", a.quiet, "no progress; warnings stay");
+  cli.example("peg_plate generate train evaluate --count 4 --set surface_0.3",
+              "a small study; open out/seed_1/surface_0.3/forces.png");
+  cli.example("peg_plate generate train evaluate --seeds 5 -o study", "all of it; study/scores.md");
+  return run_driver(cli, argc, argv, [&] { return run(a); });
+}
