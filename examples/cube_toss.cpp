@@ -3,8 +3,8 @@
 // what a camera saw?
 //
 // Theory   doc/theory/cube_toss.md
-// Run      cube_toss --data DIR --mu 0.18 --restitution 0 --substeps 10
-//          cube_toss --synthetic 20
+// Run      cube_toss --synthetic 20 --replay toss_003
+//          cube_toss --synthetic 6 --fit --replay toss_002
 // Expect   mean errors of position and rotation over all tosses; no refused step
 #include <cmath>
 #include <cstdio>
