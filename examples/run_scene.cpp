@@ -189,6 +189,7 @@ ExitCode run(Arguments& a) {
   validate_start(scene.model, scene.state);
   SchemeOptions options = scheme_options(a.scheme);
   options.h = a.h > 0 ? a.h : chosen.h;
+  options.advancement.min_h = std::min(options.advancement.min_h, 1e-4 * options.h);
   options.solver.tolerance = a.tolerance;
   options.threads = options.lmd.threads = a.common.threads;
   const Scheme scheme = make_scheme(a.scheme.scheme, scene.model, options);

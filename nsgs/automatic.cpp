@@ -24,7 +24,7 @@ constexpr double kCheap = 50;             // sweeps, of a Newton iteration
 // A warm start usually has the right cases already, and then Newton ends in one or two solves where sweeps
 // would creep (AUTO-4). It goes on to a thousandth of the tolerance, so that the next steps start within.
 Iterate warmed(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report) {
-  if (start.residual > kWarm || W.newton_cost(start.r) > kCheap) return start;
+  if (start.residual > kWarm || start.r.isZero(0) || W.newton_cost(start.r) > kCheap) return start;
   return proximal_steps(W, start,
                         {.tolerance = options.tolerance / 1e3,
                          .max_steps = 3,
