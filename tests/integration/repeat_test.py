@@ -58,7 +58,7 @@ class Repeat(DriverTest):
         self.repeats(*PEG, "--every", 3)
 
     def test_bolt_nut(self):
-        self.repeats("--builtin", "bolt_nut", "--stride", 40, "--speed", 0.5, "--hold", 0)
+        self.repeats("--builtin", "bolt_nut", "--stride", 40, "--speed", 0.5, "--hold", 0.2)
 
     def test_own_tslot(self):
         self.repeats("--data", self.data(), "--pair", "own_tslot")
