@@ -108,7 +108,7 @@ TEST(Toss, FitFindsTheFrictionThatTossesWereMadeWith) {
   }
   int asked = 0;
   const TossFit found = fit(tosses, guess, 2, [&](const TossFit&) { return ++asked > 0; });
-  EXPECT_EQ(asked, found.evaluations);
+  EXPECT_EQ(asked, found.points);
   EXPECT_NEAR(found.mu, 0.25, 0.03);
   EXPECT_NEAR(found.restitution, 0.1, 0.05);
   EXPECT_NEAR(board_of(tosses), 0, 0.02);  // not all had come to rest
