@@ -33,6 +33,11 @@ TossWorld world_at(TossWorld world, Point p) {
   return world;
 }
 
+// Mean way of the centres of the faces [m]; an edge for a toss that was not rolled out to its end.
+double way_off(const TossRun& run) {
+  return run.failure.empty() ? run.errors.position + kTossEdge / 2 * run.errors.rotation : kTossEdge;
+}
+
 // (TOSS-5) of points of the grid.
 class MeanError {
  public:
@@ -56,8 +61,7 @@ class MeanError {
       parallel_for(int(batch.size()), threads_, [&](int i) {
         const TossRun run = roll_out(tosses_[batch[std::size_t(i)]], world);
         steps[std::size_t(i)] = run.steps;
-        error[batch[std::size_t(i)]] =
-            run.failure.empty() ? run.errors.position + kTossEdge / 2 * run.errors.rotation : kInf;
+        error[batch[std::size_t(i)]] = way_off(run);
       });
       for (const std::size_t k : batch) sum += error[k];
       for (const int n : steps) steps_ += n;
