@@ -40,4 +40,14 @@ std::vector<int> canonical_order(const ContactSet& found) {
   return order;
 }
 
+std::vector<std::vector<int>> contacts_by_pair(const ContactSet& found) {
+  const std::vector<int> order = canonical_order(found);
+  const auto point = [&](int i) -> const ContactPoint& { return found.points[std::size_t(i)]; };
+  std::vector<std::vector<int>> pairs;
+  for (const std::span<const int> pair :
+       runs_of(std::span(order), [&](int i, int j) { return same_pair(point(i), point(j)); }))
+    pairs.emplace_back(pair.begin(), pair.end());
+  return pairs;
+}
+
 }  // namespace aussois
