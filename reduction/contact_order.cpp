@@ -20,7 +20,7 @@ bool before(const ContactSet& found, const Rank& i, const Rank& j) {
   if (key(i) != key(j)) return key(i) < key(j);
   const auto rest = [&](const Rank& rank) {
     const ContactPoint& c = found.points[std::size_t(rank.index)];
-    const Vec3 at = 0.5 * (c.x_a + c.x_b);
+    const Vec3 at = mid_point(c);
     return std::make_tuple(c.b.dim, c.b.simplex, at.x(), at.y(), at.z());
   };
   return rest(i) < rest(j);

@@ -8,8 +8,7 @@ namespace aussois {
 
 std::vector<FrictionPatch> friction_patches(const ContactSet& found, double cluster_angle, double layer) {
   std::vector<FrictionPatch> out(found.points.size());
-  for (std::size_t i = 0; i < out.size(); ++i)
-    out[i].centre = (found.points[i].x_a + found.points[i].x_b) / 2;
+  for (std::size_t i = 0; i < out.size(); ++i) out[i].centre = mid_point(found.points[i]);
   for (const std::vector<int>& cluster : clusters_of(found, cluster_angle)) {
     const std::span<const int> closed = closed_layer(found, cluster, layer);
     if (closed.size() < 2) continue;
