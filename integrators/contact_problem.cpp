@@ -96,7 +96,7 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
     const ContactPoint& c = contacts.points[i];
     ContactRow row{.body_a = c.a.body, .body_b = c.b.body};
     const ContactLaw& law = contact_law(model, row.body_a, row.body_b);
-    const Vec3 p = (c.x_a + c.x_b) / 2;
+    const Vec3 p = mid_point(c);
     row.frame = frame_of(c.normal);
     row.law = law_of(law, patches.empty() ? 0 : patches[i].radius);
     const int of_frame = std::min(row.law.rows, 3);
