@@ -210,7 +210,7 @@ ContactBlocks contact_blocks(const StepSetting& setting, const State& state, con
   const VecX v_prescribed = prescribed_velocity(setting.model, state, h);
   const ReductionOptions& o = setting.options.reduction;
   std::vector<FrictionPatch> patches;
-  if (o.friction == FrictionAt::patches) patches = friction_patches(contacts, o.cluster_angle, o.layer);
+  if (o.friction == FrictionAt::patches) patches = friction_patches(contacts, o.clustering.angle, o.layer);
   ContactBlocks out{
       .rows = contact_rows(setting.model, state, contacts, v_prescribed, h, normal, reached, patches)};
   GapFunctionRows gaps =
