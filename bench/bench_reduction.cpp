@@ -175,6 +175,7 @@ ExitCode bench(const Arguments& a) {
     costs.push_back(ns * margin.us);
     if (n == 10000) at_ten_thousand = costs.back();
   }
+  if (interrupted()) return ExitCode::interrupted;
   scaling.close();
   summary.set("contacts", counts);
   summary.set("ns_hull_margin", costs);

@@ -12,5 +12,6 @@ function(aussois_test name)
   target_link_libraries(${name} PRIVATE ${arg_USES} aussois_warnings GTest::gtest_main)
   target_compile_definitions(${name} PRIVATE AUSSOIS_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   gtest_discover_tests(${name} TEST_PREFIX "${arg_LABEL}." DISCOVERY_TIMEOUT 60
+    NO_PRETTY_VALUES   # the value of a struct is its bytes: hundreds of columns, and other ones in every build
     PROPERTIES LABELS "${arg_LABEL}" TIMEOUT ${arg_TIMEOUT} ENVIRONMENT "AUSSOIS_DATA_DIR=${AUSSOIS_DATA_DIR}")
 endfunction()

@@ -64,13 +64,12 @@ std::vector<TossRun> roll_out_all(const std::vector<Toss>& tosses, const TossWor
 }
 
 void tell(const char* what, const std::vector<TossRun>& runs) {
-  Summary s;
-  set_errors(s, "", runs);
-  const auto value = [&](std::size_t i) { return std::get<double>(s.entries[i].second); };
+  const TossStatistics s = statistics_of(runs);
   std::printf(
       "%-12s %4zu tosses: position %.2f +- %.2f %% of the edge (median %.2f), rotation %.2f +- %.2f deg "
       "(median %.2f), loss %.4f\n",
-      what, runs.size(), value(0), value(1), value(2), value(3), value(4), value(5), value(6));
+      what, runs.size(), s.position.mean, s.position.sd, s.position.median, s.rotation.mean, s.rotation.sd,
+      s.rotation.median, s.loss);
 }
 
 // The toss whose loss is the median, or the one that was asked for.
@@ -148,8 +147,8 @@ ExitCode fit_and_report(const Arguments& a, const std::vector<Toss>& tosses) {
   summary.set("restitution", found.restitution);
   summary.set("board_m", world.board);
   summary.set("evaluations", found.evaluations);
-  set_errors(summary, "seen_", runs_seen);
-  set_errors(summary, "", runs);
+  set_errors(summary, "seen_", statistics_of(runs_seen));
+  set_errors(summary, "", statistics_of(runs));
   return finish(a, summary, unseen, runs, world);
 }
 
@@ -178,7 +177,7 @@ ExitCode run(Arguments& a) {
   summary.set("scheme", label(a.world.scheme, a.world.options));
   summary.set("reducer", a.scheme.reducer);
   summary.set("scale", a.scale);
-  set_errors(summary, "", runs);
+  set_errors(summary, "", statistics_of(runs));
   summary.set("cpu_s", double(std::clock() - begin) / CLOCKS_PER_SEC);
   return finish(a, summary, tosses, runs, a.world);
 }

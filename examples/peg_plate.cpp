@@ -50,7 +50,7 @@ std::vector<Job> jobs_of(const Arguments& a) {
     for (const PegSet& set : peg_sets()) {
       if (a.set != "all" && a.set != set.name) continue;
       Job job{.set = set, .options = options_for(set, a.study)};
-      job.options.view.reading = friction_reading_named(a.reading);
+      job.options.view.reading = friction_reading(a.reading);
       job.options.plant.seed = job.options.training.seed = std::uint64_t(seed);
       if (set.scenario == PegScenario::edge)
         job.options.plant.count = std::max(1, (a.study.plant.count + 1) / 2);

@@ -72,7 +72,7 @@ ContactQuery ask(const ContactReport& report, const SE3& pose, const Arguments& 
     query.contacts = find_contacts({report.a, pose, 0}, {report.b, {}, 1}, report.options, &query.count);
     ms.push_back(cpu_ms(begin, std::clock()));
   }
-  query.ms = spread_of(ms).median;
+  query.ms = quantiles_of(ms).median;
   query.contact_count = query.contacts.points.size();
   query.min_gap = smallest_gap(query.contacts);
   if (a.unchecked) return query;

@@ -23,7 +23,7 @@ using namespace aussois;
 
 namespace {
 
-constexpr double kDilation = 1e-3, kDensity = 1000;
+constexpr double kDilation = 1e-3, kDensity = 1000, kMu = 0.6;
 
 struct Arguments {
   double tilt = 12, towards = 25;  // of gravity [deg]
@@ -52,7 +52,7 @@ Resting resting(const Part& part, const Arguments& a) {
   const double tilt = a.tilt * kPi / 180, towards = a.towards * kPi / 180;
   model.gravity =
       9.81 * Vec3(std::sin(tilt) * std::cos(towards), std::sin(tilt) * std::sin(towards), -std::cos(tilt));
-  model.contact_law = {.mu = 0.6};
+  model.contact_law = {.mu = kMu};
   const int plate = add(model, prepare(dilate(make_plate(0.4, 0.4), kDilation)));
   const int shape = add(model, prepare(dilate(part.complex, kDilation)));
   add(model, fixed_body("plate", plate));
@@ -69,7 +69,7 @@ Resting resting(const Part& part, const Arguments& a) {
   Resting out{.contacts = scheme.contacts(state, 1e-5)};
   const WarmStart warm = warm_start(state.memory, out.contacts);
   out.impulse = warm.impulse;
-  out.mu.assign(out.contacts.points.size(), 0.6);
+  out.mu.assign(out.contacts.points.size(), kMu);
   return out;
 }
 
@@ -106,7 +106,7 @@ ExitCode draw(const Arguments& a) {
     std::vector<double> load;
     for (std::size_t i = 0; i < rest.contacts.points.size(); ++i) {
       const ContactPoint& c = rest.contacts.points[i];
-      points.push_back((0.5 * (c.x_a + c.x_b)).head<2>());
+      points.push_back(mid_point(c).head<2>());
       load.push_back(std::abs(rest.impulse[i].dot(c.normal)));
     }
     const PlanarPatch patch = planar_patch(points);

@@ -3,9 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
-#include <iterator>
-#include <set>
 
 #include "integrators/ledgers.hpp"
 #include "nsgs/joint_elimination.hpp"
@@ -13,7 +10,6 @@
 namespace aussois {
 namespace {
 
-constexpr double kClosed = 1e-5;   // of the dilations: pairs that near touch already
 constexpr double kReentry = 0.01;  // of the dilations per step; taste, below what the certificate allows
 
 bool all_finite(const std::vector<SE3>& poses) {
@@ -22,80 +18,9 @@ bool all_finite(const std::vector<SE3>& poses) {
 
 // How fast each contact may close although it was left out of the problem.
 std::vector<double> allowed_speeds(const Found& found) {
-  std::vector<double> allowed;
-  auto pair = found.pairs.begin();
-  for (const ContactPoint& c : found.contacts.points) {  // both are sorted by bodies
-    while (pair->a != c.a.body || pair->b != c.b.body) ++pair;
-    allowed.push_back(kReentry * pair->dilation / found.h);
-  }
+  std::vector<double> allowed = contact_dilations(found.pairs, found.contacts);
+  for (double& speed : allowed) speed *= kReentry / found.h;
   return allowed;
-}
-
-// Pairs that are fast, neither pushed in the last step nor touch already, and are not known to meet are left
-// out (CA-16).
-void leave_apart(const State& state, const Estimate& estimate, const AdvancementOptions& o, Found& found) {
-  std::set<std::pair<int, int>> asked(estimate.meeting.begin(), estimate.meeting.end());
-  for (const RememberedContact& c : state.memory.contacts)
-    if (!c.impulse.isZero(0)) asked.insert({c.key.body_a, c.key.body_b});
-  auto now = found.pairs.begin();
-  for (const ContactPoint& c : found.contacts.points) {  // both are sorted by bodies
-    while (now->a != c.a.body || now->b != c.b.body) ++now;
-    if (c.gap <= kClosed * now->dilation) asked.insert({now->a, now->b});
-  }
-  const auto is_apart = [&](const StepPair& pair) {
-    const double linear = 2 * o.max_overlap * pair.dilation * pair.dilation;
-    return pair.threshold * pair.threshold > linear && !asked.contains({pair.a, pair.b});
-  };
-  std::ranges::copy_if(found.pairs, std::back_inserter(found.apart), is_apart);
-  if (found.apart.empty()) return;
-  std::erase_if(found.pairs, is_apart);
-  const auto bodies = [](const StepPair& pair) { return std::pair(pair.a, pair.b); };
-  std::erase_if(found.contacts.points, [&](const ContactPoint& c) {
-    return std::ranges::binary_search(found.apart, std::pair(c.a.body, c.b.body), {}, bodies);
-  });
-}
-
-// What a reducer may look at. Only a selector asks for the bodies, whose forces cost as much as a free
-// motion.
-ReductionInput reduction_input(const StepSetting& setting, const State& state, const Found& found) {
-  ReductionInput input{.contacts = found.contacts,
-                       .kept_before = found.warm.remembered,
-                       .impulse = found.warm.impulse,
-                       .h = found.h};
-  for (const ContactPoint& c : found.contacts.points)
-    input.mu.push_back(contact_law(setting.model, c.a.body, c.b.body).mu);
-  if (setting.options.reduction.reducer != Reducer::selector) return input;
-  const VecX wrench =
-      all_velocities(setting.dofs, forces_at(setting.model, state, setting.dofs).sum(), 0 * state.v);
-  for (int b = 0; b < int(state.g.size()); ++b)
-    input.bodies.push_back({pose(state, b), twist(state, b), wrench.segment<6>(6 * Eigen::Index(b))});
-  return input;
-}
-
-// Velocity of the bodies against each other at a contact, for velocities of all bodies.
-Vec3 relative_velocity_at(const ContactPoint& c, const std::vector<SE3>& g, const VecX& v) {
-  const auto velocity = [&](int body, const Vec3& x) {
-    const auto twist = v.segment<6>(6 * Eigen::Index(body));
-    const SE3& pose = g[std::size_t(body)];
-    return Vec3(twist.head<3>() + (pose.R * Vec3(twist.tail<3>())).cross(x - pose.p));
-  };
-  return velocity(c.a.body, c.x_a) - velocity(c.b.body, c.x_b);
-}
-
-// Which of the contacts there are the last step's (PER-2), which ones the problem begins with (RED-1), and
-// what they start with (PER-7).
-void match_and_reduce(const StepSetting& setting, const State& state, const State& at, Found& found) {
-  const StepOptions& o = setting.options;
-  found.g = at.g;
-  MatchInput since{.scale = found.scale, .g = found.g, .shapes = setting.shapes};
-  for (const ContactPoint& c : found.contacts.points)
-    since.moved.push_back(found.h * relative_velocity_at(c, found.g, found.v_estimate).norm());
-  found.warm = warm_start(state.memory, found.contacts, since, o.persistence);
-  const ReductionInput input = reduction_input(setting, at, found);
-  found.selection = reduce(input, o.reduction);
-  found.start = o.persistence.redistribute
-                    ? redistribute(found.contacts, found.selection, found.warm.impulse, input.mu)
-                    : found.warm.impulse;
 }
 
 // Static friction undoes what it has lost: a bias of the tangential rows (PER-9).
@@ -148,15 +73,14 @@ std::string without_room(const StepSetting& setting, const Found& found, const I
   const AdvancementOptions& o = setting.options.advancement;
   if (move.goes_on == 0 || found.h / 2 < o.min_h) return "";
   const std::vector<RowVector> r = row_impulses(step);
-  auto pair = found.pairs.begin();
-  for (std::size_t i = 0; i < found.contacts.points.size(); ++i) {  // both are sorted by bodies
+  const std::vector<double> dilation = contact_dilations(found.pairs, found.contacts);
+  for (std::size_t i = 0; i < found.contacts.points.size(); ++i) {
     const ContactPoint& c = found.contacts.points[i];
-    while (pair->a != c.a.body || pair->b != c.b.body) ++pair;
     const ContactRow& row = step.rows[i];
     if (row.restitution > 0 && r[i][0] > 0) continue;
     const double gap = row.gap + found.h * slip_velocity(row, setting.dofs, move.v_path).x(),
                  speed = slip_velocity(row, setting.dofs, move.v_end).x();
-    if (gap < 0 && speed < 0 && gap + move.goes_on * speed < -o.max_overlap * pair->dilation)
+    if (gap < 0 && speed < 0 && gap + move.goes_on * speed < -o.max_overlap * dilation[i])
       return "bodies " + std::to_string(c.a.body) + " and " + std::to_string(c.b.body) +
              ": the overlap that is allowed leaves no room to stop them";
   }
@@ -264,7 +188,6 @@ StepReport told(const StepSetting& setting, const Found& found, const ImpulseSte
   report.contacts_found = found.count;
   report.contacts_kept = int(impulses.contact.size());
   report.loss = found.selection.loss;
-  report.contacts_matched = found.warm.counts.matched();
   report.matches = found.warm.counts;
   report.min_gap = found.min_gap;
   for (const double gap : step.gap) report.min_gap = std::min(report.min_gap, gap);
@@ -281,35 +204,6 @@ StepReport told(const StepSetting& setting, const Found& found, const ImpulseSte
 }
 
 }  // namespace
-
-double step_clock() {
-  return double(std::clock()) / CLOCKS_PER_SEC;
-}
-
-Found find_ahead(const StepSetting& setting, const State& state, const Estimate& estimate, double h) {
-  const double begin = step_clock();
-  const StepOptions& o = setting.options;
-  Found found{.v_estimate = estimate.v, .h = h, .scale = state.h > 0 ? h / state.h : 1};
-  found.pairs = step_pairs({setting.model, state, estimate.v, h}, setting.bounds, o.advancement,
-                           o.threads);                                                       // (CA-4)
-  found.contacts = contacts_of(setting.model, state, found.pairs, o.lmd, *setting.scratch);  // (LMD-3)
-  found.count = int(found.contacts.points.size());
-  found.min_gap = smallest_gap(found.contacts);
-  if (o.advancement.certify) leave_apart(state, estimate, o.advancement, found);  // (CA-16)
-  match_and_reduce(setting, state, state, found);                                 // (RED-1), (PER-2)
-  found.seconds = step_clock() - begin;
-  return found;
-}
-
-Found found_at(const StepSetting& setting, const State& state, const Found& found, const State& at) {
-  const double begin = step_clock();
-  const StepOptions& o = setting.options;
-  Found out = found;
-  out.contacts = contacts_of(setting.model, at, found.pairs, o.lmd, *setting.scratch);
-  match_and_reduce(setting, state, at, out);
-  out.seconds += step_clock() - begin;
-  return out;
-}
 
 ContactBlocks contact_blocks(const StepSetting& setting, const State& state, const ContactSet& contacts,
                              double h, const NormalLawOptions& normal, const Reached& reached) {

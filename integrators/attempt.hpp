@@ -1,42 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// The parts that the attempts of all schemes are made of, in their order: what may be touched, which impulses
-// that takes, and whether the path that follows may be gone. A scheme is what it does between them.
+// The parts that the attempts of all schemes are made of, once contacts are found: which impulses they take,
+// and whether the path that follows may be gone. A scheme is what it does between them.
 #pragma once
 
 #include <optional>
 
+#include "integrators/find_ahead.hpp"
 #include "integrators/impact.hpp"
 #include "integrators/reduced_solve.hpp"
 #include "integrators/step_report.hpp"
-#include "integrators/step_setting.hpp"
-#include "reduction/redistribute.hpp"
 
 namespace aussois {
-
-/// What an attempt goes by.
-struct Estimate {
-  VecX v{};  // all velocities, in the places of State::v: how far bodies may move (CA-4)
-  std::vector<std::pair<int, int>> meeting{};  // fast pairs that met without contacts, sorted (CA-16)
-};
-
-/// Contacts within the displacement bound of an estimated motion (CA-4), which of them the problem begins
-/// with, and their impulses of the last step.
-struct Found {
-  VecX v_estimate{};  // all velocities, in the places of State::v
-  double h = 0;
-  std::vector<StepPair> pairs{};  // whose contacts are offered to the problem
-  std::vector<StepPair> apart{};  // that have to show that they need none (CA-16)
-  int count = 0;                  // of all contacts, those of `apart` included
-  double min_gap = kInf;          // of them [m]
-  ContactSet contacts{};
-  std::vector<SE3> g{};       // poses of the bodies where the contacts are
-  Selection selection{};      // (RED-1)
-  WarmStart warm{};           // (RED-5)
-  std::vector<Vec3> start{};  // impulses that contacts start with, world [N s] (PER-7)
-  double scale = 1;           // of the last step's impulses
-  double seconds = 0;         // CPU that it took [s]
-};
-Found find_ahead(const StepSetting& setting, const State& state, const Estimate& estimate, double h);
 
 /// The one-step problem of contacts, gap functions and joints, and its solution.
 struct ImpulseStep {
@@ -83,9 +57,6 @@ void solve_rows(const StepSetting& setting, const State& state, const Found& fou
 /// The impulses of a solution, of all rows; zero where a row was left out.
 std::vector<RowVector> row_impulses(const ImpulseStep& step);
 
-/// The contacts of the same pairs at other poses, with the impulses of the last step.
-Found found_at(const StepSetting& setting, const State& state, const Found& found, const State& at);
-
 /// The state after the impact that the step begins with, if there is one (IMP-1); its contacts are kept in
 /// `found`.
 struct AfterImpact {
@@ -125,8 +96,5 @@ State moved(const Model& model, const State& state, const VecX& v_path, const Ve
 /// All velocities that the bodies would end with, were there no contacts; the first estimate of a step.
 VecX estimate_without_contacts(const StepSetting& setting, const State& state, const FreeMotion& free,
                                double h, double theta);
-
-/// CPU time of the process [s], for the reports.
-double step_clock();
 
 }  // namespace aussois

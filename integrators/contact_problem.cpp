@@ -96,7 +96,7 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
     const ContactPoint& c = contacts.points[i];
     ContactRow row{.body_a = c.a.body, .body_b = c.b.body};
     const ContactLaw& law = contact_law(model, row.body_a, row.body_b);
-    const Vec3 p = (c.x_a + c.x_b) / 2;
+    const Vec3 p = mid_point(c);
     row.frame = frame_of(c.normal);
     row.law = law_of(law, patches.empty() ? 0 : patches[i].radius);
     const int of_frame = std::min(row.law.rows, 3);
@@ -199,11 +199,12 @@ FrictionProblem contact_problem(const FreeMotion& free, const DofMap& dofs,
       const auto by_row = &std::pair<int, double>::first;
       if (!std::ranges::is_sorted(column, {}, by_row)) std::ranges::stable_sort(column, {}, by_row);
       problem.H.startVec(first_row[k] + d);
-      for (std::size_t i = 0; i < column.size(); ++i)
-        if (i > 0 && column[i].first == column[i - 1].first)
-          problem.H.valuePtr()[problem.H.data().size() - 1] += column[i].second;
-        else
-          problem.H.insertBackByOuterInner(first_row[k] + d, column[i].first) = column[i].second;
+      for (auto entry = column.begin(); entry != column.end();) {  // entries of one row are summed
+        const int at = entry->first;
+        double& sum = problem.H.insertBackByOuterInner(first_row[k] + d, at);
+        for (sum = entry++->second; entry != column.end() && entry->first == at; ++entry)
+          sum += entry->second;
+      }
     }
   }
   problem.H.finalize();

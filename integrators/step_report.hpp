@@ -112,8 +112,7 @@ struct StepReport {
   int contacts_found = 0;         // local minima within the threshold
   int contacts_kept = 0;          // of them in the problem that was solved
   LossReport loss{};              // the worst of what the first selection lost (RED-7)
-  int contacts_matched = 0;       // of those found, with one of the last step
-  MatchCounts matches{};          // how (PER-3) to (PER-5)
+  MatchCounts matches{};          // of those found, with one of the last step (PER-3) to (PER-5)
   int contacts_made_passive = 0;  // whose law was stated at the midpoint, or they had given energy (PMI-6)
   int attempts = 1;               // times the step was tried (threshold enlarged or step halved)
   double threshold = 0;   // largest distance within which contacts were looked for, beyond the dilations [m]

@@ -2,6 +2,7 @@
 #include "integrators/step_setting.hpp"
 
 #include <cmath>
+#include <ctime>
 
 #include "geometry/check.hpp"
 #include "geometry/parallel.hpp"
@@ -63,6 +64,10 @@ ContactSet contacts_within(const StepSetting& setting, const State& state, doubl
       pairs_within(setting.model, state, setting.bounds, reach, setting.options.threads);
   for (StepPair& pair : pairs) pair.threshold = threshold;
   return contacts_of(setting.model, state, pairs, setting.options.lmd);
+}
+
+double step_clock() {
+  return double(std::clock()) / CLOCKS_PER_SEC;
 }
 
 }  // namespace aussois

@@ -47,4 +47,7 @@ StepSetting step_setting(const Model& model, const StepOptions& options);
 /// Contacts of all pairs of bodies at the state with gap <= threshold [m], as a step would find them.
 ContactSet contacts_within(const StepSetting& setting, const State& state, double threshold);
 
+/// CPU time of the process [s], for the reports.
+double step_clock();
+
 }  // namespace aussois

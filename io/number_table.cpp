@@ -7,42 +7,19 @@
 #include "io/text.hpp"
 
 namespace aussois {
-namespace {
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t begin = std::min(text.find_first_not_of(" \t\r"), text.size());
-  const std::size_t end = text.find_last_not_of(" \t\r") + 1;
-  return text.substr(begin, begin < end ? end - begin : 0);
-}
-
-// The fields of the next line that is neither empty nor a comment; none at the end.
-std::vector<std::string_view> next_fields(TextReader& in) {
-  std::vector<std::string_view> fields;
-  while (!in.at_end() && fields.empty()) {
-    std::string_view line = trimmed(in.rest_of_line());
-    if (line.empty() || line[0] == '#') continue;
-    for (std::size_t comma = line.find(','); comma != line.npos; comma = line.find(',')) {
-      fields.push_back(trimmed(line.substr(0, comma)));
-      line.remove_prefix(comma + 1);
-    }
-    fields.push_back(trimmed(line));
-  }
-  return fields;
-}
-
-}  // namespace
 
 NumberTable read_number_table(const std::filesystem::path& path) {
   const std::string text = read_file(path);
   TextReader in(path, text);
+  std::vector<std::string_view> fields;
   NumberTable table;
-  for (const std::string_view name : next_fields(in)) {
+  if (!in.next_row(fields)) in.fail("file must have a header line that names the columns");
+  for (const std::string_view name : fields) {
     if (std::ranges::find(table.columns, name) != table.columns.end())
       in.fail("column " + quoted(name) + " must stand once in the header");
     table.columns.emplace_back(name);
   }
-  if (table.columns.empty()) in.fail("file must have a header line that names the columns");
-  for (auto fields = next_fields(in); !fields.empty(); fields = next_fields(in)) {
+  while (in.next_row(fields)) {
     if (fields.size() != table.columns.size())
       in.fail("fields = " + std::to_string(fields.size()) + " must be " +
               std::to_string(table.columns.size()) + ", as in the header");

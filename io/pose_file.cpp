@@ -15,20 +15,14 @@ namespace {
 // That of checked_pose: seven printed digits pass, an unscaled axis does not
 constexpr double kUnitTolerance = 1e-6;
 
-std::string_view trimmed(std::string_view text) {
-  const std::size_t begin = std::min(text.find_first_not_of(" \t"), text.size());
-  const std::size_t end = text.find_last_not_of(" \t") + 1;
-  return text.substr(begin, begin < end ? end - begin : 0);
-}
-
 class PoseReader {
  public:
   PoseReader(const std::filesystem::path& path, std::string_view text) : in_(path, text) {}
 
   PoseFile read(double scale) {
-    if (!next_row()) in_.fail("file must have a header line that names the columns");
+    if (!in_.next_row(fields_)) in_.fail("file must have a header line that names the columns");
     read_header();
-    while (next_row()) {
+    while (in_.next_row(fields_)) {
       check_field_count();
       add_time();
       add_pose(scale);
@@ -40,21 +34,6 @@ class PoseReader {
 
  private:
   static constexpr const char* kNames[] = {"x", "y", "z", "qw", "qx", "qy", "qz"};
-
-  bool next_row() {
-    while (!in_.at_end()) {
-      std::string_view line = trimmed(in_.rest_of_line());
-      if (line.empty() || line[0] == '#') continue;
-      fields_.clear();
-      for (std::size_t comma = line.find(','); comma != line.npos; comma = line.find(',')) {
-        fields_.push_back(trimmed(line.substr(0, comma)));
-        line.remove_prefix(comma + 1);
-      }
-      fields_.push_back(trimmed(line));
-      return true;
-    }
-    return false;
-  }
 
   void read_header() {
     for (const char* name : kNames) columns_.push_back(column(name));

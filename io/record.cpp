@@ -64,7 +64,7 @@ RunStep run_step(std::int64_t step, const Model& model, const State& state, cons
   row.attempts = report.attempts;
   row.contacts_found = report.contacts_found;
   row.contacts_kept = report.contacts_kept;
-  row.contacts_matched = report.contacts_matched;
+  row.contacts_matched = report.matches.matched();
   row.certificate_rounds = report.certificate_rounds;
   row.threshold = report.threshold;
   row.min_gap = report.min_gap;

@@ -15,6 +15,12 @@ namespace {
 
 constexpr std::string_view kBlanks = " \t\r\v\f";
 
+std::string_view trimmed(std::string_view text) {
+  const std::size_t begin = std::min(text.find_first_not_of(kBlanks), text.size());
+  const std::size_t end = text.find_last_not_of(kBlanks) + 1;
+  return text.substr(begin, begin < end ? end - begin : 0);
+}
+
 // from_chars knows no leading plus; "+-1" stays an error.
 std::string_view without_plus(std::string_view token) {
   const bool plus = token.size() > 1 && token[0] == '+' && token[1] != '-';
@@ -105,6 +111,21 @@ bool TextReader::next_line(std::vector<std::string_view>& tokens, char comment, 
     }
   }
   return !tokens.empty();
+}
+
+bool TextReader::next_row(std::vector<std::string_view>& fields) {
+  fields.clear();
+  while (!at_end()) {
+    std::string_view line = trimmed(rest_of_line());
+    if (line.empty() || line[0] == '#') continue;
+    for (std::size_t comma = line.find(','); comma != line.npos; comma = line.find(',')) {
+      fields.push_back(trimmed(line.substr(0, comma)));
+      line.remove_prefix(comma + 1);
+    }
+    fields.push_back(trimmed(line));
+    return true;
+  }
+  return false;
 }
 
 double TextReader::number(std::string_view token, const char* name) const {

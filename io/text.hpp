@@ -34,6 +34,10 @@ class TextReader {
   /// have.
   bool next_line(std::vector<std::string_view>& tokens, char comment, char continuation = 0);
 
+  /// The comma separated fields, without blanks around them, of the next line that is neither empty nor
+  /// begins with #. False at the end of the text.
+  bool next_row(std::vector<std::string_view>& fields);
+
   /// Line of the last token, counted from 1.
   int line() const { return token_line_; }
   /// Offset of the next byte to be read.

@@ -91,11 +91,11 @@ constexpr Column kColumns[] = {
     {"leaf_pairs", "", 1, [](const ContactQuery& q) { return double(q.count.leaf_pairs); }},
 };
 
-Spread column_spread(const ContactReport& report, const Column& column) {
+Quantiles column_quantiles(const ContactReport& report, const Column& column) {
   std::vector<double> values;
   for (const ContactQuery& query : report.queries)
     if (const double value = column.value(query); std::isfinite(value)) values.push_back(value);
-  return spread_of(std::move(values));
+  return quantiles_of(std::move(values));
 }
 
 RunStep frame_of_page(const ContactQuery& query, std::int64_t index) {
@@ -139,7 +139,7 @@ std::string contact_table(const ContactReport& report, const ContactQuery& query
   return out;
 }
 
-Spread spread_of(std::vector<double> values) {
+Quantiles quantiles_of(std::vector<double> values) {
   if (values.empty()) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     return {nan, nan, nan, nan};
@@ -154,10 +154,10 @@ Spread spread_of(std::vector<double> values) {
 std::string statistics_table(const ContactReport& report) {
   std::string out = text("%-14s %12s %12s %12s %12s\n", "per pose", "min", "median", "p95", "max");
   for (const Column& column : kColumns) {
-    const Spread s = column_spread(report, column);
+    const Quantiles q = column_quantiles(report, column);
     const std::string name = column.name + (*column.unit ? std::string(" [") + column.unit + "]" : "");
-    out += text("%-14s %12.5g %12.5g %12.5g %12.5g\n", name.c_str(), column.factor * s.smallest,
-                column.factor * s.median, column.factor * s.p95, column.factor * s.largest);
+    out += text("%-14s %12.5g %12.5g %12.5g %12.5g\n", name.c_str(), column.factor * q.smallest,
+                column.factor * q.median, column.factor * q.p95, column.factor * q.largest);
   }
   return out;
 }
@@ -187,11 +187,11 @@ void write_contact_json(const std::filesystem::path& path, const ContactReport& 
       json["contacts"].push_back(contact_json(report, query, c));
   } else {
     for (const Column& column : kColumns) {
-      const Spread s = column_spread(report, column);
-      json["summary"][column.name] = {{"min", number(s.smallest)},
-                                      {"median", number(s.median)},
-                                      {"p95", number(s.p95)},
-                                      {"max", number(s.largest)}};
+      const Quantiles q = column_quantiles(report, column);
+      json["summary"][column.name] = {{"min", number(q.smallest)},
+                                      {"median", number(q.median)},
+                                      {"p95", number(q.p95)},
+                                      {"max", number(q.largest)}};
     }
     json["poses"] = std::move(poses);
   }

@@ -39,13 +39,13 @@ std::string contact_table(const ContactReport& report, const ContactQuery& query
 
 /// Smallest, median, 95th percentile (nearest rank) and largest of what the poses of a path took and gave.
 /// Gaps are those of the poses with a contact.
-struct Spread {
+struct Quantiles {
   double smallest = 0, median = 0, p95 = 0, largest = 0;
 };
-Spread spread_of(std::vector<double> values);  // of none: all nan
+Quantiles quantiles_of(std::vector<double> values);  // of none: all nan
 std::string statistics_table(const ContactReport& report);
 
-/// One pose: all its contacts; a path: a row of numbers per pose and their spreads.
+/// One pose: all its contacts; a path: a row of numbers per pose and their quantiles.
 void write_contact_json(const std::filesystem::path& path, const ContactReport& report);
 
 /// Both parts and all contacts at all poses, as a page that any browser shows.

@@ -16,12 +16,14 @@
 namespace aussois {
 namespace {
 
-constexpr double kDegrees = 180 / kPi;
 constexpr int kBins = 24;                               // of the histograms
 constexpr double kPositionBin = 2.5, kRotationBin = 5;  // [% of the edge], [deg]
 
 double percent(const TossErrors& e) {
   return 100 * e.position / kTossEdge;
+}
+double degrees(const TossErrors& e) {
+  return 180 / kPi * e.rotation;
 }
 
 std::vector<double> each(const std::vector<TossRun>& runs, double (*of)(const TossErrors&)) {
@@ -50,15 +52,21 @@ Spread spread_of(std::vector<double> values) {
   return out;
 }
 
-void set_errors(Summary& summary, const std::string& prefix, const std::vector<TossRun>& runs) {
+TossStatistics statistics_of(const std::vector<TossRun>& runs) {
+  return {.position = spread_of(each(runs, percent)),
+          .rotation = spread_of(each(runs, degrees)),
+          .loss = spread_of(each(runs, [](const TossErrors& e) { return e.loss; })).mean};
+}
+
+void set_errors(Summary& summary, const std::string& prefix, const TossStatistics& errors) {
   const auto set = [&](const std::string& key, const Spread& s) {
     summary.set(prefix + key + "_mean", s.mean);
     summary.set(prefix + key + "_sd", s.sd);
     summary.set(prefix + key + "_median", s.median);
   };
-  set("position_error_percent", spread_of(each(runs, percent)));
-  set("rotation_error_deg", spread_of(each(runs, [](const TossErrors& e) { return kDegrees * e.rotation; })));
-  summary.set(prefix + "loss_mean", spread_of(each(runs, [](const TossErrors& e) { return e.loss; })).mean);
+  set("position_error_percent", errors.position);
+  set("rotation_error_deg", errors.rotation);
+  summary.set(prefix + "loss_mean", errors.loss);
 }
 
 void write_toss_table(const std::filesystem::path& folder, const std::vector<Toss>& tosses,
@@ -69,16 +77,14 @@ void write_toss_table(const std::filesystem::path& folder, const std::vector<Tos
     const TossRun& run = runs[i];
     csv.add({std::strtod(tosses[i].name.c_str() + 5, nullptr), double(tosses[i].t.size()), double(run.start),
              double(run.steps), double(run.most_contacts), run.lifted, percent(run.errors),
-             kDegrees * run.errors.rotation, run.errors.loss});
+             degrees(run.errors), run.errors.loss});
   }
   csv.close();
 }
 
 bool write_toss_histogram(const std::filesystem::path& folder, const std::vector<TossRun>& runs) {
   const std::vector<int> position = counts(each(runs, percent), kPositionBin),
-                         rotation =
-                             counts(each(runs, [](const TossErrors&e) { return kDegrees * e.rotation; }),
-                                    kRotationBin);
+                         rotation = counts(each(runs, degrees), kRotationBin);
   CsvTable csv(folder / "histogram.csv",
                {"position_percent", "tosses", "rotation_deg", "tosses_by_rotation"});
   for (int i = 0; i < kBins; ++i)

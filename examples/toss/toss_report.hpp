@@ -14,9 +14,17 @@ struct Spread {
 };
 Spread spread_of(std::vector<double> values);  // of one or more
 
+/// Over the tosses, of (TOSS-2) and (TOSS-3).
+struct TossStatistics {
+  Spread position{};  // [% of the edge]
+  Spread rotation{};  // [deg]
+  double loss = 0;    // mean
+};
+TossStatistics statistics_of(const std::vector<TossRun>& runs);  // of one or more
+
 /// Keys PREFIXposition_error_percent_mean, ..._sd, ..._median (of the edge), PREFIXrotation_error_deg_...,
 /// PREFIXloss_mean.
-void set_errors(Summary& summary, const std::string& prefix, const std::vector<TossRun>& runs);
+void set_errors(Summary& summary, const std::string& prefix, const TossStatistics& errors);
 
 /// tosses.csv: a row per toss, by the number in its name.
 void write_toss_table(const std::filesystem::path& folder, const std::vector<Toss>& tosses,

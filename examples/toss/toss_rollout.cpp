@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 
+#include "examples/common/random.hpp"
 #include "geometry/primitives.hpp"
 #include "geometry/so3.hpp"
 
@@ -90,20 +90,7 @@ TossRun roll_out(const Toss& toss, const TossStart& start, const TossWorld& worl
 }
 
 Toss synthetic_toss(unsigned seed, const TossWorld& world, double noise) {
-  std::mt19937_64 random(seed);
-  const auto uniform = [&](double low, double high) {  // the same on every machine
-    return low + (high - low) * (double(random() >> 11) * 0x1p-53);
-  };
-  const auto normal = [&] {  // sum of twelve
-    double sum = -6;
-    for (int i = 0; i < 12; ++i) sum += uniform(0, 1);
-    return sum;
-  };
-  const auto vector = [&](double size) {
-    Vec3 out = Vec3::Zero();
-    for (int c = 0; c < 3; ++c) out[c] = uniform(-size, size);
-    return out;
-  };
+  Random random(seed);
   const std::string number = std::to_string(seed);
   Toss toss{.name = "toss_" + std::string(3 - std::min(number.size(), std::size_t(3)), '0') + number};
   constexpr int kRows = 110;
@@ -113,18 +100,16 @@ Toss synthetic_toss(unsigned seed, const TossWorld& world, double noise) {
     toss.twist.emplace_back(Vec6::Zero());
   }
   TossStart thrown;
-  thrown.pose = {exp_so3(vector(2)), Vec3(0, 0, uniform(0.13, 0.2))};
-  const Vec3 v = vector(1), omega = vector(8);
-  thrown.twist << v, omega;
+  thrown.pose.R = exp_so3(random.vector(2));
+  thrown.pose.p.z() = random.uniform(0.13, 0.2);
+  thrown.twist.head<3>() = random.vector(1);
+  thrown.twist.tail<3>() = random.vector(8);
   const TossRun run = roll_out(toss, thrown, world);
   for (std::size_t k = 0; k < toss.t.size(); ++k) {
     const std::size_t i = std::min(k, run.pose.size() - 1);
-    Vec3 p = run.pose[i].p, turn = Vec3::Zero();
-    for (int c = 0; c < 3; ++c) {
-      p[c] += noise * normal();
-      turn[c] = noise / (kTossEdge / 2) * normal();
-    }
-    toss.pose[k] = {(run.pose[i].R * exp_so3(turn)).normalized(), p};
+    const Vec3 shift = noise * random.normal_vector(),
+               turn = noise / (kTossEdge / 2) * random.normal_vector();
+    toss.pose[k] = {(run.pose[i].R * exp_so3(turn)).normalized(), run.pose[i].p + shift};
     toss.twist[k] = run.twist[i];
   }
   return toss;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A run of a scheme by its name, as most tests of mechanisms want it.
+// Runs of a scheme, as most tests of mechanisms want them.
 #pragma once
 
 #include <functional>
@@ -11,17 +11,25 @@
 
 namespace aussois {
 
-/// Steps from the scene's state to t_end; `look` sees the state after each.
+/// Steps of any scheme up to t_end; `look` hears of each, when `state` is already the one after it.
+template <class AnyScheme>
+void advance(const AnyScheme& scheme, State& state, double t_end,
+             const std::function<void(const StepReport&)>& look = {}) {
+  while (state.t < t_end - 1e-12) {
+    const StepReport report = scheme.step(state, t_end - state.t);
+    ASSERT_TRUE(report.ok()) << report.reason << " at t = " << state.t;
+    if (look) look(report);
+  }
+}
+
+/// The same for a scene and the name of a scheme; `look` sees the state after each step.
 inline State run_scene(const CaseScene& scene, const std::string& name, const SchemeOptions& options,
                        double t_end, const std::function<void(const State&, const StepReport&)>& look = {}) {
-  const Scheme scheme = make_scheme(name, scene.model, options);
+  SCOPED_TRACE(name);
   State state = scene.state;
-  while (state.t < t_end * (1 - 1e-12)) {
-    const StepReport report = scheme.step(state, t_end - state.t);
-    EXPECT_TRUE(report.ok()) << name << ": " << report.reason << " at t = " << state.t;
-    if (!report.ok()) break;
+  advance(make_scheme(name, scene.model, options), state, t_end, [&](const StepReport& report) {
     if (look) look(state, report);
-  }
+  });
   return state;
 }
 

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <functional>
 #include <sstream>
 
 #include <gtest/gtest.h>
 
 #include "integrators/moreau_jean.hpp"
 #include "tests/support/message_of.hpp"
+#include "tests/support/stepping.hpp"
 
 namespace aussois {
 namespace {
@@ -18,15 +18,6 @@ constexpr double kG = 9.81;
 
 double order(double coarse, double fine, double ratio) {
   return std::log(coarse / fine) / std::log(ratio);
-}
-
-void advance(const MoreauJean& scheme, State& state, double t_end,
-             const std::function<void(const StepReport&)>& look = {}) {
-  while (state.t < t_end - 1e-12) {
-    const StepReport report = scheme.step(state, t_end - state.t);
-    ASSERT_TRUE(report.ok()) << report.reason << " at t = " << state.t;
-    if (look) look(report);
-  }
 }
 
 // A point of mass 1 on a line: a spring of stiffness k to the origin, a load, and a wall below.

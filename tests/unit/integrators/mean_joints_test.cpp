@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Joints on the mean of both ends of a step (MJT-14), (MJT-15): nothing drifts, works or turns by them.
 #include <cmath>
-#include <functional>
 
 #include <gtest/gtest.h>
 
@@ -9,23 +8,15 @@
 #include "mechanics/mechanism.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/stepping.hpp"
 
 namespace aussois {
 namespace {
 
-PassiveMidpointOptions on_mean(double h) {
-  return {.mean_joints = true,
-          .step = {.h = h, .solver = {.tolerance = 1e-14}, .update = GroupUpdate::cayley}};
-}
-
-void advance(const Model& model, double h, double t_end, State& state,
-             const std::function<void(const StepReport&)>& look = {}) {
-  const PassiveMidpoint scheme(model, on_mean(h));
-  while (state.t < t_end - 1e-12) {
-    const StepReport report = scheme.step(state, t_end - state.t);
-    ASSERT_TRUE(report.ok()) << report.reason << " at t = " << state.t;
-    if (look) look(report);
-  }
+PassiveMidpoint on_mean(const Model& model, double h) {
+  return PassiveMidpoint(
+      model,
+      {.mean_joints = true, .step = {.h = h, .solver = {.tolerance = 1e-14}, .update = GroupUpdate::cayley}});
 }
 
 // A joint of some kind between two free bodies that tumble, at places and times of no special kind.
@@ -58,7 +49,7 @@ TEST(MeanJoints, NeitherDriftNorWorkNorTurnTheWhole) {
     const double E = energy(s.model, s.state).total();
     const Momentum before = momentum(s.model, s.state);
     double pushed = 0;
-    advance(s.model, 1e-2, 1, s.state, [&](const StepReport& report) {
+    advance(on_mean(s.model, 1e-2), s.state, 1, [&](const StepReport& report) {
       EXPECT_LT(report.joint_error.translation + report.joint_error.rotation, 1e-13);
       EXPECT_LT(std::abs(report.energy.residual()), 1e-13);
       pushed = std::max(pushed, report.joints[0].force.norm());
@@ -85,7 +76,7 @@ TEST(MeanJoints, KeepTheEnergyOfADoublePendulum) {
   }
   const double E = energy(model, state).total();
   double worst = 0, fastest = 0;
-  advance(model, 4e-3, 3, state, [&](const StepReport&) {
+  advance(on_mean(model, 4e-3), state, 3, [&](const StepReport&) {
     worst = std::max(worst, std::abs(energy(model, state).total() - E));
     fastest = std::max(fastest, energy(model, state).kinetic);
   });
@@ -106,7 +97,7 @@ TEST(MeanJoints, HoldGearsAndMotorsAtTheEnd) {
   add(model, Coupling{.name = "gears", .joint_1 = 0, .joint_2 = 1, .ratio = -2.5});
   const auto wanted = [](double t) { return 1 - std::cos(5 * t); };
   model.joints[0].axis[0].motor = {.kind = MotorKind::position, .target = wanted};
-  advance(model, 1e-2, 2, state, [&](const StepReport& report) {
+  advance(on_mean(model, 1e-2), state, 2, [&](const StepReport& report) {
     EXPECT_NEAR(joint_coordinate(model, state, 0), wanted(state.t), 1e-12);
     EXPECT_NEAR(joint_coordinate(model, state, 1), -wanted(state.t) / 2.5, 1e-12);
     EXPECT_LT(std::abs(report.energy.residual()), 1e-11);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // doc/theory/mechanical_joints.md: mechanisms against what is known of them by other means.
 #include <cmath>
-#include <functional>
 
 #include <gtest/gtest.h>
 
@@ -9,6 +8,7 @@
 #include "integrators/moreau_jean.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/stepping.hpp"
 
 namespace aussois {
 namespace {
@@ -19,16 +19,6 @@ const SE3 kAboutY = rotation(Vec3::UnitX(), -kPi / 2);  // the joint's z is the 
 RigidBody rod(double mass = 1, double length = 1) {  // along x
   const double J = mass * length * length / 12;
   return {.name = "rod", .mass = mass, .inertia = Vec3(J / 100, J, J).asDiagonal()};
-}
-
-// Steps of `scheme` up to t_end; `look` sees every state.
-void advance(const MoreauJean& scheme, State& state, double t_end,
-             const std::function<void(const StepReport&)>& look = {}) {
-  while (state.t < t_end - 1e-12) {
-    const StepReport report = scheme.step(state, t_end - state.t);
-    ASSERT_TRUE(report.ok()) << report.reason << " at t = " << state.t;
-    if (look) look(report);
-  }
 }
 
 // A chain of rods along x, hinged about y to the world and to each other.

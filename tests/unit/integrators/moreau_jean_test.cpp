@@ -23,7 +23,7 @@ TEST(MoreauJean, ABlockAtRestCarriesItsWeightOnFourContacts) {
   const double weight = kDensity * std::pow(kSide, 3) * kGravity;
   EXPECT_LT((total / report.h + Vec3(0, 0, weight)).norm(), 1e-9 * weight);
   EXPECT_LT(twist(s.state, s.block).norm(), 1e-10);
-  EXPECT_GE(report.contacts_matched, 4);
+  EXPECT_GE(report.matches.matched(), 4);
 }
 
 TEST(MoreauJean, ABlockLandsWithoutOverlapOrBounce) {
