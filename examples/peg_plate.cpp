@@ -6,7 +6,7 @@
 // Theory   doc/theory/peg_plate.md (PEG-1) to (PEG-17), [Kim2019]
 // Run      peg_plate generate train evaluate --count 4 --set surface_0.3
 // Expect   verdicts on one set of a few cases; with --seeds 5 and no more the whole study (20 minutes of one
-// core): reducers that keep the hull reach the sensors' floor, means of clusters do not; the exit code says so
+// core): reducers that keep the hull reach the sensors' floor, means of clusters do not; the exit code tells
 #include <algorithm>
 #include <cstdio>
 #include <mutex>
