@@ -11,6 +11,8 @@ namespace {
 
 using Mat36 = Eigen::Matrix<double, 3, 6>;
 
+constexpr double kTouching = 0.02;  // gaps that this opens in a step count as closed [m/s^2, rad/s^2]
+
 // Velocity of the body's point at p in the contact frame, per unit twist.
 Mat36 point_jacobian(const State& state, int body, const Vec3& p, const Mat3& frame) {
   const SE3& g = pose(state, body);
@@ -77,7 +79,7 @@ NormalBias normal_bias(double gap, double u_before, double restitution, double h
   };
   switch (options.law) {
     case NormalLaw::moreau:
-      return {averaged(impact), gap + h / 2 * u_before <= options.touching};
+      return {averaged(impact), gap + h / 2 * u_before <= std::min(options.touching, kTouching * h * h)};
     case NormalLaw::gap_over_step:
       break;
     case NormalLaw::combined:

@@ -44,8 +44,9 @@ struct ContactRow {
 struct NormalLawOptions {
   NormalLaw law = NormalLaw::combined;
   double correction_speed = 0.01;  // overlaps are pushed apart no faster than this [m/s]
-  double touching = 1e-8;  // gaps up to this are closed to Moreau's law (MJ-6): the solver's tolerance and
-                           // rounding leave such to bodies at rest [m; rad of a turning limit]
+  // Gaps up to this are closed to Moreau's law (MJ-6), less in short steps: the solver's tolerance and
+  // rounding leave such to bodies at rest [m; rad of a turning limit]
+  double touching = 1e-8;
   double gamma = 1;  // the laws of contacts and stops speak of gamma u+ + (1 - gamma) u- [-], in [1/2, 1]
 };
 

@@ -30,14 +30,10 @@ bool EventRun::certified(const State& from, const State& to, const std::function
   for (const auto& shape : model_.shapes)
     if (shape->radius > 0) dilation = std::min(dilation, shape->radius);
   if (dilation == kInf) return true;
-  const State middle = at(from.t + dt / 2), straight = glided(
-                                                model_,
-                                                [&] {
-                                                  State s = from;
-                                                  s.v = path(from, to);
-                                                  return s;
-                                                }(),
-                                                dt / 2);
+  const State middle = at(from.t + dt / 2);
+  State straight = from;
+  straight.v = path(from, to);
+  straight = glided(model_, straight, dt / 2);
   for (std::size_t b = 0; b < model_.bodies.size(); ++b)
     off = std::max(off, (middle.g[b].p - straight.g[b].p).norm() +
                             setting_.bounds[b].radius * angle_between(middle.g[b].R, straight.g[b].R));

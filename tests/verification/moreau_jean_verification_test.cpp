@@ -142,6 +142,8 @@ TEST(MoreauActivation, IsThatOfThePredictedGap) {
   EXPECT_TRUE(normal_bias(h / 2 * 3, -3, e, h, options).active);
   EXPECT_FALSE(normal_bias(h / 2 * 3.001, -3, e, h, options).active);
   EXPECT_FALSE(normal_bias(touching, 1e-3, e, h, options).active);
+  EXPECT_FALSE(normal_bias(touching, 0, e, h / 10, options).active) << "a hundred times less in a tenth of h";
+  EXPECT_TRUE(normal_bias(touching / 100, 0, e, h / 10, options).active);
   EXPECT_DOUBLE_EQ(normal_bias(0, -3, e, h, options).w, -2.4);
   EXPECT_FALSE(normal_bias(0, 3, e, h, options).active);
   EXPECT_DOUBLE_EQ(normal_bias(-1, 3, e, h, options).w, 2.4);  // overlapped, it opens, and may be hit back
