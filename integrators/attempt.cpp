@@ -197,7 +197,7 @@ StepReport told(const StepSetting& setting, const Found& found, const ImpulseSte
     if (step.impact->status != SolveStatus::converged) report.solve.status = step.impact->status;
   }
   if (setting.options.keep_problem)
-    report.problem = StepProblem{step.solved.problem, step.solved.start, step.solved.solution};
+    report.problem = StepProblem{*step.solved.problem, step.solved.start, step.solved.solution};
   report.seconds_contact = found.seconds;
   report.seconds_solve = step.seconds;
   return report;
@@ -256,13 +256,13 @@ void set_rows(ContactBlocks blocks, ImpulseStep& step) {
   step.rows.insert(step.rows.end(), step.joints.rows.begin(), step.joints.rows.end());
 }
 
-ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
+ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, SharedMotion free,
                       double theta) {
   return pose_step(setting, state, found, std::move(free), theta,
                    contact_blocks(setting, state, found.contacts, found.h, setting.options.normal));
 }
 
-ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
+ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, SharedMotion free,
                       double theta, ContactBlocks blocks) {
   const double begin = step_clock();
   const StepOptions& o = setting.options;
@@ -279,19 +279,19 @@ ImpulseStep pose_step(const StepSetting& setting, const State& state, const Foun
 void solve_rows(const StepSetting& setting, const State& state, const Found& found, ImpulseStep& step) {
   const double begin = step_clock();
   step.solved =
-      solve_reduced(step.free, setting.dofs, step.rows, step.joints.equations, found.selection,
+      solve_reduced(*step.free, setting.dofs, step.rows, step.joints.equations, found.selection,
                     starts(step, found, state.r), allowed_speeds(found), setting.options.solver);  // (NSGS-1)
   step.seconds += step_clock() - begin;
 }
 
-ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
+ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, SharedMotion free,
                        double theta) {
   ImpulseStep out = pose_step(setting, state, found, std::move(free), theta);
   solve_rows(setting, state, found, out);
   return out;
 }
 
-ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
+ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, SharedMotion free,
                        double theta, ContactBlocks blocks) {
   ImpulseStep out = pose_step(setting, state, found, std::move(free), theta, std::move(blocks));
   solve_rows(setting, state, found, out);
@@ -385,7 +385,7 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
   report.t = out.next.t;
   report.h = found.h;
   report.v_path = out.v_path;
-  report.physical = physical_residual(solution.u, solution.r, step.solved.problem.laws);
+  report.physical = physical_residual(solution.u, solution.r, step.solved.problem->laws);
   report.gaps = step_gaps(model, step, found.contacts.points.size(), impulses.r);
   if (step.impact) add_impact(*step.impact, step, found.contacts.points.size(), report);
   VecX joint_impulse;
@@ -394,11 +394,11 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
         step.lambda_earlier.size() > 0 ? VecX(solution.lambda + step.lambda_earlier) : solution.lambda;
     report.joints = step_joints(model, step.joints, lambda, impulses.r, found.h);  // (MJT-12)
     report.joint_error = joint_error(model, out.next);
-    joint_impulse = step.solved.problem.H * impulses.of_joints + step.solved.problem.G * lambda;
+    joint_impulse = step.solved.problem->H * impulses.of_joints + step.solved.problem->G * lambda;
   }
   tell_ledgers(setting, state, out.next, step,
                {.r = r,
-                .by_contacts = step.solved.problem.H * (r - impulses.of_joints),
+                .by_contacts = step.solved.problem->H * (r - impulses.of_joints),
                 .by_joints = joint_impulse,
                 .v_path = move.v_path,
                 .v_end = free_velocities(setting.dofs, v_end)},

@@ -29,7 +29,7 @@ struct Found {
   WarmStart warm{};           // (RED-5)
   std::vector<Vec3> start{};  // impulses that contacts start with, world [N s] (PER-7)
   double scale = 1;           // of the last step's impulses
-  double seconds = 0;         // CPU that it took [s]
+  double seconds = 0;         // that it took [s]
 };
 Found find_ahead(const StepSetting& setting, const State& state, const Estimate& estimate, double h);
 

@@ -91,7 +91,7 @@ void tell_work(const ImpulseStep& step, const VecX& r, const DofMap& dofs, int f
     const auto i = std::size_t(step.solved.kept[k]);
     const ContactRow& row = step.rows[i];
     if (row.slot >= 0 && row.slot < first_gap) continue;
-    const RowVector u = slip_velocity(row, dofs, step.free.v) + slip_velocity(row, dofs, v_end);
+    const RowVector u = slip_velocity(row, dofs, step.free->v) + slip_velocity(row, dofs, v_end);
     double work = step.impact ? step.impact->work[i] : 0;
     for (int d = 0; d < row.law.rows; ++d) work += u[d] / 2 * r[step.solved.first_row[k] + d];
     if (row.slot < 0) report.contacts[k].work = work;
@@ -99,8 +99,8 @@ void tell_work(const ImpulseStep& step, const VecX& r, const DofMap& dofs, int f
       if (first_gap + 3 * gap.index == row.slot) gap.work = work;
     sum += work;
   }
-  const auto kinetic = [&](const VecX& v) { return v.dot(step.free.mass * v) / 2; };
-  const double scale = std::max({kinetic(step.free.v), kinetic(step.free.v_free), kinetic(v_end)});
+  const auto kinetic = [&](const VecX& v) { return v.dot(step.free->mass * v) / 2; };
+  const double scale = std::max({kinetic(step.free->v), kinetic(step.free->v_free), kinetic(v_end)});
   report.impulse_gain = std::max(0.0, sum);
   report.energy_rises = sum > kGain * scale;
 }
@@ -111,13 +111,13 @@ void tell_ledgers(const StepSetting& setting, const State& state, const State& n
                   const StepBalance& balance, StepReport& report) {
   const Model& model = setting.model;
   const VecX& v_end = balance.v_end;
-  Acting by = acting(step.free, balance.by_contacts, balance.by_joints, v_end - step.free.v,
+  Acting by = acting(*step.free, balance.by_contacts, balance.by_joints, v_end - step.free->v,
                      v_end - step.solved.solution.v);
-  report.energy = energy_ledger(step.free, by, v_end, balance.v_path);  // (MJ-9)
-  const double by_mass = change_of_mass(model, state, next, step.free, setting.dofs, v_end);
+  report.energy = energy_ledger(*step.free, by, v_end, balance.v_path);  // (MJ-9)
+  const double by_mass = change_of_mass(model, state, next, *step.free, setting.dofs, v_end);
   report.energy.kinetic_change += by_mass;
   report.energy.gyroscopic_work += by_mass;
-  VecX change = step.free.mass * (v_end - step.free.v);
+  VecX change = step.free->mass * (v_end - step.free->v);
   if (step.impact) {
     report.energy.kinetic_change += step.impact->kinetic_change;
     report.energy.contact_work += step.impact->contact_work;
