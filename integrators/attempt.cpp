@@ -54,7 +54,7 @@ std::vector<Anchor> anchors_after(const Found& found, const ImpulseStep& step, i
 }
 
 // Those of `apart` whose dilated shapes are not proven to keep apart on the path (CA-16).
-std::vector<std::pair<int, int>> meeting_pairs(const StepSetting& setting, const StepMotion& path,
+std::vector<std::pair<int, int>> meeting_pairs(const StepSetting& setting, const StepPath& path,
                                                const std::vector<StepPair>& apart, StepReport& report) {
   std::vector<std::pair<int, int>> out;
   for (const StepPair& pair : apart) {
@@ -350,12 +350,11 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
     out.v_path = velocity_to(state, plain, end, out.v_path, found.h);
     v_end = end.v;
   }
-  const StepMotion path{model, state, out.v_path, found.h};
-  for (const std::vector<StepPair>* pairs : {&found.pairs, &found.apart}) {
-    const std::string broken = broken_bound(path, {model, state, found.v_estimate, found.h}, *pairs,
-                                            setting.bounds, o.lmd.alpha, o.advancement);  // (CA-5)
+  const StepPath path = step_path({model, state, out.v_path, found.h}, setting.bounds);
+  for (const std::string& broken :
+       {broken_bound(path, found.pairs, o.lmd.alpha), broken_bound(path, found.apart, o.lmd.alpha),
+        broken_reach(path, found.reach)})  // (CA-5)
     if (!broken.empty()) return failed(Outcome::bound_exceeded, broken);
-  }
   if (o.advancement.certify) {
     const double begin = step_clock();
     out.meeting = meeting_pairs(setting, path, found.apart, report);  // (CA-16)
