@@ -309,13 +309,16 @@ std::vector<RowVector> row_impulses(const ImpulseStep& step) {
 }
 
 State moved(const Model& model, const State& state, const VecX& v_path, const VecX& v_end, double h) {
-  State next = state;
-  next.t += h;
-  next.h = h;
-  next.v = v_end;
-  next.a.resize(0);
-  next.g = moved_poses(model, state, v_path, h);
-  next.q += h * v_path.tail(next.q.size());
+  State next{.t = state.t + h,
+             .h = h,
+             .h_next = state.h_next,
+             .g = moved_poses(model, state, v_path, h),
+             .q = state.q + h * v_path.tail(state.q.size()),
+             .v = v_end,
+             .turns = state.turns,
+             .r = state.r,
+             .a = {},
+             .memory = {}};
   if (!model.joints.empty()) next.turns = counted_turns(model, state, next.g);
   return next;
 }
@@ -374,6 +377,7 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
   if (!all_finite(out.next.g)) return failed(Outcome::not_finite, "a pose is not finite");
   const ContactSet kept =
       select(found.contacts, {step.solved.kept.begin(), step.solved.kept.begin() + report.contacts_kept});
+  report.contacts.reserve(kept.points.size());
   for (std::size_t k = 0; k < kept.points.size(); ++k)
     report.contacts.push_back({kept.points[k], impulses.contact[k], impulses.drilling[k]});
   out.next.memory = remember(kept, impulses.contact,
@@ -387,7 +391,8 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
   report.physical = physical_residual(solution.u, solution.r, step.solved.problem->laws);
   report.gaps = step_gaps(model, step, found.contacts.points.size(), impulses.r);
   if (step.impact) add_impact(*step.impact, step, found.contacts.points.size(), report);
-  VecX joint_impulse;
+  VecX joint_impulse, contact_impulse;
+  if (r.size() > 0) contact_impulse = step.solved.problem->H * (r - impulses.of_joints);
   if (!model.joints.empty()) {
     const VecX lambda =
         step.lambda_earlier.size() > 0 ? VecX(solution.lambda + step.lambda_earlier) : solution.lambda;
@@ -397,7 +402,7 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
   }
   tell_ledgers(setting, state, out.next, step,
                {.r = r,
-                .by_contacts = step.solved.problem->H * (r - impulses.of_joints),
+                .by_contacts = contact_impulse,
                 .by_joints = joint_impulse,
                 .v_path = move.v_path,
                 .v_end = free_velocities(setting.dofs, v_end)},

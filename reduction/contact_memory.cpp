@@ -45,7 +45,8 @@ ContactMemory remember(const ContactSet& contacts, const std::vector<Vec3>& impu
     r.anchor_b = anchor.held ? to_b * Vec3(c.x_b - anchor.drift) : r.point_b;
     memory.contacts.push_back(r);
   }
-  std::stable_sort(memory.contacts.begin(), memory.contacts.end(), before);
+  if (!std::is_sorted(memory.contacts.begin(), memory.contacts.end(), before))
+    std::stable_sort(memory.contacts.begin(), memory.contacts.end(), before);
   return memory;
 }
 
