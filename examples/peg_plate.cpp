@@ -53,7 +53,7 @@ std::vector<Job> jobs_of(const Arguments& a) {
     for (const PegSet& set : peg_sets()) {
       if (a.set != "all" && a.set != set.name) continue;
       Job job{.set = set, .options = a.study};
-      job.options.view.reading = friction_reading_named(a.reading);
+      job.options.view.reading = friction_reading(a.reading);
       job.options.plant.scenario = set.scenario;
       job.options.plant.tilt = set.tilt;
       job.options.plant.scatter = set.scatter;

@@ -106,7 +106,7 @@ ExitCode draw(const Arguments& a) {
     std::vector<double> load;
     for (std::size_t i = 0; i < rest.contacts.points.size(); ++i) {
       const ContactPoint& c = rest.contacts.points[i];
-      points.push_back((0.5 * (c.x_a + c.x_b)).head<2>());
+      points.push_back(mid_point(c).head<2>());
       load.push_back(std::abs(rest.impulse[i].dot(c.normal)));
     }
     const PlanarPatch patch = planar_patch(points);

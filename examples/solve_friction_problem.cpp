@@ -39,7 +39,7 @@ ProxMetric metric_named(const std::string& name) {
 
 ExitCode solve_all(const Arguments& a) {
   const RunOptions options{
-      .solver = {.method = method_named(a.solver),
+      .solver = {.method = method(a.solver),
                  .model = a.model == "convex_cone" ? FrictionModel::convex_cone : FrictionModel::coulomb,
                  .tolerance = a.tolerance,
                  .max_iterations = a.max_iterations,

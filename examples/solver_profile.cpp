@@ -121,7 +121,7 @@ std::string share_lines(const std::vector<std::string>& solvers, const std::vect
 ExitCode profile(const Arguments& a) {
   const std::vector<std::string> solvers = words_of(a.solvers);
   require(!solvers.empty(), "--solvers must name at least one");
-  for (const std::string& solver : solvers) method_named(solver);
+  for (const std::string& solver : solvers) method(solver);  // throws if it is none
   const std::vector<double> tolerances = tolerances_of(a.tolerances);
   const std::vector<std::filesystem::path> files = problem_files(a.files);
   const std::vector<Problem> problems = readable(files);
@@ -144,7 +144,7 @@ ExitCode profile(const Arguments& a) {
             continue;
           }
           progress.at(done, solver + " on " + problem.file.stem().string());
-          const RunOptions options{.solver = {.method = method_named(solver),
+          const RunOptions options{.solver = {.method = method(solver),
                                               .tolerance = tolerance,
                                               .max_iterations = a.max_iterations},
                                    .repeat = a.repeat};

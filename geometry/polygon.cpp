@@ -173,12 +173,18 @@ void make_delaunay(const std::vector<Vec2>& points, Triangles& triangles) {
 
 }  // namespace
 
+Vec2 nearest_on_segment(const Vec2& a, const Vec2& b, const Vec2& x) {
+  const Vec2 side = b - a;
+  const double length2 = side.squaredNorm();
+  return length2 > 0 ? Vec2(a + std::clamp((x - a).dot(side) / length2, 0.0, 1.0) * side) : a;
+}
+
 double twice_area(const std::vector<Vec2>& points, const std::vector<int>& loop) {
   double sum = 0;
   for (std::size_t i = 0; i < loop.size(); ++i) {
     const Vec2 a = points[std::size_t(loop[i])] - points[std::size_t(loop[0])],
                b = points[std::size_t(loop[(i + 1) % loop.size()])] - points[std::size_t(loop[0])];
-    sum += a.x() * b.y() - a.y() * b.x();
+    sum += cross(a, b);
   }
   return sum;
 }

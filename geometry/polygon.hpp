@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plane polygons with holes, cut into triangles. Orientations are decided by exact arithmetic on the given
-// doubles.
+// Plane polygons with holes, cut into triangles, where orientations are decided by exact arithmetic on the
+// given doubles; and what one reckons with in a plane.
 #pragma once
 
 #include <array>
@@ -10,6 +10,14 @@
 #include "geometry/types.hpp"
 
 namespace aussois {
+
+/// a x b: positive if b lies to the left of a.
+inline double cross(const Vec2& a, const Vec2& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+/// The point of the segment from a to b that is nearest to x.
+Vec2 nearest_on_segment(const Vec2& a, const Vec2& b, const Vec2& x);
 
 /// Twice the signed area of a loop of points, positive if it runs counter-clockwise.
 double twice_area(const std::vector<Vec2>& points, const std::vector<int>& loop);

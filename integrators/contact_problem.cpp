@@ -115,7 +115,7 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
     row.body_a = c.a.body;
     row.body_b = c.b.body;
     const ContactLaw& law = contact_law(model, row.body_a, row.body_b);
-    const Vec3 p = (c.x_a + c.x_b) / 2;
+    const Vec3 p = mid_point(c);
     row.frame = frame_of(c.normal);
     row.law = law_of(law, patches.empty() ? 0 : patches[i].radius);
     if (row.law.rows >= 3) set_point_rows<3>(state, patches.empty() ? p : patches[i].centre, row);

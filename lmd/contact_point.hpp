@@ -49,6 +49,11 @@ struct ContactPoint {
 
 ContactKey key_of(const ContactPoint& contact);
 
+/// Between the proximal points: where the contact acts, world [m].
+inline Vec3 mid_point(const ContactPoint& contact) {
+  return 0.5 * (contact.x_a + contact.x_b);
+}
+
 /// Sorted by (a.body, b.body, a.dim, a.simplex, b.dim, b.simplex): the order is part of the result.
 struct ContactSet {
   std::vector<ContactPoint> points{};

@@ -7,16 +7,14 @@
 
 #include <Eigen/Dense>
 
+#include "geometry/polygon.hpp"
+
 namespace aussois {
 namespace {
 
 constexpr double kReach = 1e6;   // where the edges of the vertex end
 constexpr double kRank = 1e-9;   // singular values below this are rounding
 constexpr int kMostSteps = 500;  // of the search: beyond, no split is likely (taste)
-
-double cross(const Vec2& a, const Vec2& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
 
 bool segments_meet(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
   const double abc = cross(b - a, c - a), abd = cross(b - a, d - a), cda = cross(d - c, a - c),

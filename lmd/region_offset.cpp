@@ -186,10 +186,6 @@ std::optional<std::vector<std::array<int, 3>>> cut_face(const Wavefront& wave, c
   return faces;
 }
 
-double cross(const Vec2& a, const Vec2& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
-
 bool cross_each_other(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
   return (cross(b - a, c - a) > 0) != (cross(b - a, d - a) > 0) &&
          (cross(d - c, a - c) > 0) != (cross(d - c, b - c) > 0);

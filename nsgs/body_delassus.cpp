@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <functional>
 #include <span>
 
 #include <Eigen/LU>
@@ -18,6 +18,7 @@ namespace {
 
 constexpr Eigen::Index kDenseSize = 150;  // velocities; above, sparse LU
 constexpr double kLargestCost = 2e7;      // of LU by bodies; above, sparse LU, which knows better orders
+constexpr double kRefined = 1e-10;        // of the right-hand side: Newton makes up for it
 constexpr double kExact = 1e-6;  // what LU by bodies may leave of the right-hand side, after refinement
 
 // One row of the columns of a block, in H and in M^-1 H, scaled.
@@ -27,17 +28,27 @@ struct Arm {
   int row = 0;
 };
 
+// What a block's columns of H do to one body; zero in places that the body does not have.
+template <int R>
+struct Limb {
+  Eigen::Matrix<double, kBodyRows, R, Eigen::ColMajor, kBodyRows, R == Eigen::Dynamic ? kMaxRows : R> H{};
+  int body = 0;
+};
+
 template <int R>
 class BodyDelassus final : public Delassus {
  public:
   BodyDelassus(const FrictionProblem& problem, const MassInverse& inverse) : M_(problem.M) {
     first = first_rows(problem.laws);
+    begin_.reserve(problem.laws.size() + 1);
     begin_.push_back(0);
+    arms_.reserve(std::size_t(problem.H.nonZeros()));
     VecX diagonal = VecX::Zero(problem.w.size());
     for (std::size_t c = 0; c < problem.laws.size(); ++c) {
       append(problem.H, inverse, first[c], problem.laws[c].rows);
-      for (std::size_t k = begin_[c]; k < begin_.back(); ++k)
-        diagonal.segment(first[c], problem.laws[c].rows) += arms_[k].H.cwiseProduct(arms_[k].Y);
+      Rows<R> sum = Rows<R>::Zero(problem.laws[c].rows);
+      for (std::size_t k = begin_[c]; k < begin_.back(); ++k) sum += arms_[k].H.cwiseProduct(arms_[k].Y);
+      diagonal.segment<R>(first[c], problem.laws[c].rows) = sum;
     }
     const VecX v_free = inverse * problem.f;
     scaled = scaling(diagonal, problem.H.transpose() * v_free + problem.w, problem.laws);
@@ -45,7 +56,9 @@ class BodyDelassus final : public Delassus {
     v_free_ = v_free / scaled.size;
     w_ = problem.w.cwiseProduct(scaled.s) / scaled.size;
     v_ = v_free_;
+    diagonal_.reserve(problem.laws.size());
     weight_ = VecX(problem.M.diagonal()).cwiseAbs().cwiseInverse();
+    scale_ = weight_.cwiseSqrt();
     for (int c = 0; c < count(); ++c) {
       const Rows<R> s = scaled.s.segment<R>(at(c), rows(c));
       RowBlock<R> W = RowBlock<R>::Zero(rows(c), rows(c));
@@ -121,11 +134,10 @@ class BodyDelassus final : public Delassus {
   }
   // (W + s)^-1 b = (b - H^T d) / s with (M + H H^T / s) d = H b / s: of the size of the bodies.
   LinearSolve shifted_inverse(double shift) const override {
-    const VecX scale = weight_.cwiseSqrt();
     const LinearSolve solve = factorised(newton_matrix(1 / shift));
     if (!solve) return {};
-    return [this, solve, scale, shift](const VecX& b) -> VecX {
-      const VecX d = scale.cwiseProduct(solve(scale.cwiseProduct(B(b / shift))));
+    return [this, solve, shift](const VecX& b) -> VecX {
+      const VecX d = scale_.cwiseProduct(solve(scale_.cwiseProduct(B(b / shift))));
       return (b - C(d)) / shift;
     };
   }
@@ -165,10 +177,15 @@ class BodyDelassus final : public Delassus {
     return (*sparse_cost_ + assembly) / sweep + 2;
   }
 
-  std::optional<VecX> direction(const std::vector<AnyBlock>& D, const VecX& F) override {
-    if (by_bodies())
-      if (const std::optional<VecX> d = refined(body_inverse(D), D, F, kExact)) return d;
-    return refined(is_dense() ? dense_inverse(D) : sparse_inverse(D), D, F, kInf);
+  NewtonSolve newton_inverse(std::vector<AnyBlock> D) override {
+    LinearSolve bodies = by_bodies() ? body_inverse(D) : LinearSolve();
+    LinearSolve whole = bodies ? LinearSolve() : whole_inverse(D);
+    return [this, D = std::move(D), bodies = std::move(bodies),
+            whole = std::move(whole)](const VecX& F) -> std::optional<VecX> {
+      if (bodies)
+        if (std::optional<VecX> d = refined(bodies, D, F, kExact)) return d;
+      return refined(bodies ? whole_inverse(D) : whole, D, F, kInf);
+    };
   }
 
  private:
@@ -187,41 +204,45 @@ class BodyDelassus final : public Delassus {
       v_[arms_[k].row] += arms_[k].Y.dot(dr);
   }
 
-  // The arms of one block: rows that its columns move, and those that M couples these with.
+  // The arms of one block: rows that its columns move, and those that M couples these with; ascending.
   void append(const SparseMatrix& H, const MassInverse& inverse, int column, int columns) {
+    std::vector<int>& moved = scratch_;
+    moved.clear();
+    for (int j = column; j < column + columns; ++j) {
+      const std::span rows(H.innerIndexPtr() + H.outerIndexPtr()[j],
+                           std::size_t(H.outerIndexPtr()[j + 1] - H.outerIndexPtr()[j]));
+      if (!std::ranges::equal(rows, moved)) moved.insert(moved.end(), rows.begin(), rows.end());
+    }
+    const std::size_t of_columns = moved.size();
+    for (std::size_t k = 0; k < of_columns; ++k)
+      if (const int b = inverse.block_of[std::size_t(moved[k])]; inverse.size(b) > 1)
+        for (int i = 0; i < inverse.size(b); ++i) moved.push_back(inverse.row(b, i));
+    if (std::ranges::adjacent_find(moved, std::greater_equal()) != moved.end()) {
+      std::ranges::sort(moved);
+      moved.erase(std::unique(moved.begin(), moved.end()), moved.end());
+    }
     const std::size_t from = arms_.size();
-    std::vector<int>& coupled = scratch_;  // blocks of M, ascending
-    coupled.clear();
+    for (const int row : moved) arms_.push_back({Rows<R>::Zero(columns), Rows<R>::Zero(columns), row});
+    const auto arms = std::span(arms_).subspan(from);
     for (int j = 0; j < columns; ++j) {
-      auto place = coupled.begin();
-      for (SparseMatrix::InnerIterator it(H, column + j); it; ++it) {
-        const int b = inverse.block_of[std::size_t(it.row())];
-        if (place != coupled.begin() && *(place - 1) > b) place = coupled.begin();
-        while (place != coupled.end() && *place < b) ++place;
-        if (place == coupled.end() || *place != b) place = coupled.insert(place, b);
+      auto arm = arms.begin();
+      for (SparseMatrix::InnerIterator it(H, column + j); it; ++it, ++arm) {
+        while (arm->row != int(it.row())) ++arm;
+        arm->H[j] = it.value();
       }
     }
-    for (const int b : coupled)
-      for (int i = 0; i < inverse.size(b); ++i)
-        arms_.push_back({Rows<R>::Zero(columns), Rows<R>::Zero(columns), inverse.row(b, i)});
-    const auto of_block = std::span(arms_).subspan(from);  // until they are sorted by rows
-    for (int j = 0; j < columns; ++j) {
-      std::size_t k = 0;
-      for (SparseMatrix::InnerIterator it(H, column + j); it; ++it) {
-        while (of_block[k].row != int(it.row())) k = (k + 1) % of_block.size();
-        of_block[k].H[j] = it.value();
-      }
-    }
-    std::size_t at_block = 0;
-    for (const int b : coupled) {
-      const int n = inverse.size(b);
+    for (Arm<R>& arm : arms) {
+      const int b = inverse.block_of[std::size_t(arm.row)], n = inverse.size(b);
       const double* inv = inverse.inverse.data() + inverse.at[std::size_t(b)];
+      if (n == 1) {
+        arm.Y = *inv * arm.H;
+        continue;
+      }
+      int i = 0;
+      while (inverse.row(b, i) != arm.row) ++i;
       for (int k = 0; k < n; ++k)
-        for (int i = 0; i < n; ++i)
-          of_block[at_block + std::size_t(i)].Y += inv[i + n * k] * of_block[at_block + std::size_t(k)].H;
-      at_block += std::size_t(n);
+        arm.Y += inv[i + n * k] * std::ranges::lower_bound(arms, inverse.row(b, k), {}, &Arm<R>::row)->H;
     }
-    if (!std::ranges::is_sorted(of_block, {}, &Arm<R>::row)) std::ranges::sort(of_block, {}, &Arm<R>::row);
     begin_.push_back(arms_.size());
   }
 
@@ -229,10 +250,15 @@ class BodyDelassus final : public Delassus {
   std::optional<VecX> refined(const LinearSolve& solve, const std::vector<AnyBlock>& D, const VecX& F,
                               double allowed) const {
     if (!solve) return std::nullopt;
+    const double whole = size(F);
     VecX d = solve(F);
-    for (int k = 0; k < kRefinements; ++k) d += solve(F - times(D, d));
-    if (!d.allFinite() || (allowed < kInf && !(size(F - times(D, d)) <= allowed * size(F))))
-      return std::nullopt;
+    double left = kInf;
+    for (int k = 0; k <= kRefinements && left > kRefined * whole; ++k) {
+      const VecX rest = F - times(D, d);
+      left = size(rest);
+      if (k < kRefinements && left > kRefined * whole) d += solve(rest);
+    }
+    if (!d.allFinite() || (allowed < kInf && !(left <= allowed * whole))) return std::nullopt;
     return d;
   }
 
@@ -243,18 +269,16 @@ class BodyDelassus final : public Delassus {
   }
   void find_bodies() const {
     looked_for_bodies_ = true;
-    std::vector<std::size_t> end(std::size_t(v_.size()) + 1), of_row(arms_.size());  // contacts of every row
-    for (const Arm<R>& arm : arms_) ++end[std::size_t(arm.row) + 1];
-    std::partial_sum(end.begin(), end.end(), end.begin());
-    std::vector<std::size_t> next(end.begin(), end.end() - 1);
+    // Rows i - 1 and i are of one body if the same contacts move them: as many each as both.
+    std::vector<int> contacts(std::size_t(v_.size())), with_last(contacts.size()), body(contacts.size());
     for (std::size_t c = 0; c + 1 < begin_.size(); ++c)
-      for (std::size_t k = begin_[c]; k < begin_[c + 1]; ++k) of_row[next[std::size_t(arms_[k].row)]++] = c;
-    const auto contacts = [&](std::size_t i) {
-      return std::span(of_row).subspan(end[i], end[i + 1] - end[i]);
-    };
-    std::vector<int> body(std::size_t(v_.size()));
+      for (std::size_t k = begin_[c]; k < begin_[c + 1]; ++k) {
+        const auto row = std::size_t(arms_[k].row);
+        ++contacts[row];
+        if (k > begin_[c] && arms_[k - 1].row == arms_[k].row - 1) ++with_last[row];
+      }
     for (std::size_t i = 1, rows = 1; i < body.size(); ++i) {
-      const bool same = std::ranges::equal(contacts(i), contacts(i - 1)) && rows < kBodyRows;
+      const bool same = with_last[i] == contacts[i] && contacts[i] == contacts[i - 1] && rows < kBodyRows;
       body[i] = body[i - 1] + !same;
       rows = same ? rows + 1 : 1;
     }
@@ -270,7 +294,29 @@ class BodyDelassus final : public Delassus {
         if (body[std::size_t(it.row())] != body[std::size_t(j)])
           couplings.emplace_back(body[std::size_t(it.row())], body[std::size_t(j)]);
     lu_.emplace(std::move(body), couplings);
-    if (lu_->cost() > kLargestCost) lu_.reset();
+    if (lu_->cost() > kLargestCost)
+      lu_.reset();
+    else
+      set_blocks();
+  }
+  // What the Newton matrices of BodyLu are made of, equilibrated.
+  void set_blocks() const {
+    mass_ = lu_->zero();
+    for (int j = 0; j < M_.outerSize(); ++j)
+      for (SparseMatrix::InnerIterator it(M_, j); it; ++it)
+        mass_[std::size_t(lu_->block(lu_->body(int(it.row())), lu_->body(j)))](
+            lu_->place(int(it.row())), lu_->place(j)) += scale_[it.row()] * it.value() * scale_[j];
+    limbs_begin_.push_back(0);
+    for (int c = 0; c < count(); ++c) {
+      for_runs(c, lu_->bodies(), [&](std::size_t from, std::size_t to) {
+        Limb<R>& limb = limbs_.emplace_back();
+        limb.body = lu_->body(arms_[from].row);
+        limb.H.setZero(kBodyRows, rows(c));
+        for (std::size_t k = from; k < to; ++k)
+          limb.H.row(lu_->place(arms_[k].row)) = scale_[arms_[k].row] * arms_[k].H.transpose();
+      });
+      limbs_begin_.push_back(limbs_.size());
+    }
   }
   // Calls f(first arm, one past the last) for all arms of one body.
   template <class F>
@@ -283,31 +329,20 @@ class BodyDelassus final : public Delassus {
   }
 
   LinearSolve body_inverse(const std::vector<AnyBlock>& D) const {
-    const VecX scale = weight_.cwiseSqrt();  // equilibrated: translations beside rotations
-    std::vector<Mat6> blocks = lu_->zero();
-    for (int j = 0; j < M_.outerSize(); ++j)
-      for (SparseMatrix::InnerIterator it(M_, j); it; ++it)
-        blocks[std::size_t(lu_->block(lu_->body(int(it.row())), lu_->body(j)))](
-            lu_->place(int(it.row())), lu_->place(j)) += scale[it.row()] * it.value() * scale[j];
+    std::vector<Mat6> blocks = mass_;
     for (int c = 0; c < count(); ++c) {
       if (D[std::size_t(c)].isZero(0)) continue;
       const RowBlock<R> D_c = D[std::size_t(c)];
-      for_runs(c, lu_->bodies(), [&](std::size_t j0, std::size_t j1) {
-        for_runs(c, lu_->bodies(), [&](std::size_t i0, std::size_t i1) {
-          Mat6& block = blocks[std::size_t(lu_->block(lu_->body(arms_[i0].row), lu_->body(arms_[j0].row)))];
-          for (std::size_t j = j0; j < j1; ++j) {
-            const Rows<R> column = scale[arms_[j].row] * (D_c * arms_[j].H);
-            for (std::size_t i = i0; i < i1; ++i)
-              block(lu_->place(arms_[i].row), lu_->place(arms_[j].row)) +=
-                  scale[arms_[i].row] * arms_[i].H.dot(column);
-          }
-        });
-      });
+      const auto limbs = std::span(limbs_).subspan(
+          limbs_begin_[std::size_t(c)], limbs_begin_[std::size_t(c) + 1] - limbs_begin_[std::size_t(c)]);
+      for (const Limb<R>& j : limbs) {
+        const auto answer = (D_c * j.H.transpose()).eval();
+        for (const Limb<R>& i : limbs)
+          blocks[std::size_t(lu_->block(i.body, j.body))].noalias() += i.H.lazyProduct(answer);
+      }
     }
     if (!lu_->factorise(std::move(blocks))) return {};
-    return [this, scale](const VecX& b) -> VecX {
-      return scale.cwiseProduct(lu_->solve(scale.cwiseProduct(b)));
-    };
+    return [this](const VecX& b) -> VecX { return scale_.cwiseProduct(lu_->solve(scale_.cwiseProduct(b))); };
   }
 
   // H_c D_c H_c^T of all blocks, entry by entry.
@@ -332,14 +367,16 @@ class BodyDelassus final : public Delassus {
     return A(d) + B(s);
   }
 
+  LinearSolve whole_inverse(const std::vector<AnyBlock>& D) const {
+    return is_dense() ? dense_inverse(D) : sparse_inverse(D);
+  }
   LinearSolve dense_inverse(const std::vector<AnyBlock>& D) const {
     MatX J = M_;
     add_compliance(D, [&](int i, int j, double value) { J(i, j) += value; });
-    const VecX scale = weight_.cwiseSqrt();  // equilibrated: translations beside rotations
     const auto factor =
-        std::make_shared<Eigen::PartialPivLU<MatX>>(scale.asDiagonal() * J * scale.asDiagonal());
-    return [factor, scale](const VecX& b) -> VecX {
-      return scale.cwiseProduct(factor->solve(scale.cwiseProduct(b)));
+        std::make_shared<Eigen::PartialPivLU<MatX>>(scale_.asDiagonal() * J * scale_.asDiagonal());
+    return [this, factor](const VecX& b) -> VecX {
+      return scale_.cwiseProduct(factor->solve(scale_.cwiseProduct(b)));
     };
   }
 
@@ -351,8 +388,7 @@ class BodyDelassus final : public Delassus {
     add_compliance(D, [&](int i, int j, double value) { entries.emplace_back(i, j, value); });
     SparseMatrix J(M_.rows(), M_.cols());
     J.setFromTriplets(entries.begin(), entries.end());
-    const VecX scale = weight_.cwiseSqrt();
-    return scale.asDiagonal() * J * scale.asDiagonal();
+    return scale_.asDiagonal() * J * scale_.asDiagonal();
   }
   SparseMatrix newton_matrix(double d) const {  // D = d
     std::vector<AnyBlock> D;
@@ -361,10 +397,10 @@ class BodyDelassus final : public Delassus {
   }
 
   LinearSolve sparse_inverse(const std::vector<AnyBlock>& D) const {
-    const VecX scale = weight_.cwiseSqrt();
     const LinearSolve solve = factorised(newton_matrix(D));
     if (!solve) return {};
-    return [solve, scale](const VecX& b) -> VecX { return scale.cwiseProduct(solve(scale.cwiseProduct(b))); };
+    return
+        [this, solve](const VecX& b) -> VecX { return scale_.cwiseProduct(solve(scale_.cwiseProduct(b))); };
   }
 
   SparseMatrix M_{};
@@ -373,8 +409,12 @@ class BodyDelassus final : public Delassus {
   std::vector<int> scratch_{};
   std::vector<Block<R>> diagonal_{};
   VecX v_free_{}, v_{}, w_{}, weight_{};
+  VecX scale_{};  // equilibrates: translations beside rotations
   std::optional<double> sparse_cost_{};
   mutable std::optional<BodyLu> lu_{};  // and the factors of the last Newton matrix
+  mutable std::vector<Mat6> mass_{};    // as its blocks
+  mutable std::vector<Limb<R>> limbs_{};
+  mutable std::vector<std::size_t> limbs_begin_{};
   mutable bool looked_for_bodies_ = false;
 };
 

@@ -2,8 +2,9 @@
 #include "nsgs/body_lu.hpp"
 
 #include <algorithm>
-
-#include <Eigen/LU>
+#include <array>
+#include <cmath>
+#include <numeric>
 
 #include "nsgs/sparse_lu.hpp"
 
@@ -13,6 +14,32 @@ namespace {
 
 constexpr double kProduct = kBodyRows * kBodyRows * kBodyRows;
 
+// A^-1 in place by Gauss and Jordan's elimination, columns pivoted; false if a pivot vanishes or is not
+// finite.
+bool invert(Mat6& A) {
+  std::array<int, kBodyRows> swapped{};
+  for (int k = 0; k < kBodyRows; ++k) {
+    int p = k;
+    for (int j = k + 1; j < kBodyRows; ++j)
+      if (std::abs(A(k, j)) > std::abs(A(k, p))) p = j;
+    swapped[std::size_t(k)] = p;
+    if (p != k) A.col(k).swap(A.col(p));
+    const double pivot = A(k, k);
+    if (!(std::abs(pivot) > 0) || !std::isfinite(pivot)) return false;
+    A(k, k) = 1;
+    A.col(k) /= pivot;
+    for (int j = 0; j < kBodyRows; ++j) {
+      if (j == k) continue;
+      const double factor = A(k, j);
+      A(k, j) = 0;
+      A.col(j) -= factor * A.col(k);
+    }
+  }
+  for (int k = kBodyRows; k-- > 0;)
+    if (const int p = swapped[std::size_t(k)]; p != k) A.row(k).swap(A.row(p));
+  return true;
+}
+
 }  // namespace
 
 BodyLu::BodyLu(std::vector<int> body, const std::vector<std::pair<int, int>>& couplings)
@@ -21,36 +48,38 @@ BodyLu::BodyLu(std::vector<int> body, const std::vector<std::pair<int, int>>& co
   size_.resize(count);
   for (const int b : body_) place_.push_back(size_[std::size_t(b)]++);
 
-  std::vector<std::vector<int>> graph(count);
-  for (std::size_t b = 0; b < count; ++b) graph[b].push_back(int(b));
+  std::vector<std::pair<int, int>> graph;  // both ways, and every body with itself
+  graph.reserve(2 * couplings.size() + count);
+  for (int b = 0; b < int(count); ++b) graph.emplace_back(b, b);
   for (const auto& [a, b] : couplings)
-    if (a != b) graph[std::size_t(a)].push_back(b), graph[std::size_t(b)].push_back(a);
-  std::vector<int> begin{0}, other;
-  for (std::vector<int>& neighbours : graph) {
-    std::ranges::sort(neighbours);
-    neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
-    other.insert(other.end(), neighbours.begin(), neighbours.end());
-    begin.push_back(int(other.size()));
+    if (a != b) graph.emplace_back(a, b), graph.emplace_back(b, a);
+  std::ranges::sort(graph);
+  graph.erase(std::unique(graph.begin(), graph.end()), graph.end());
+  std::vector<int> begin(count + 1), other;
+  for (const auto& [a, b] : graph) {
+    ++begin[std::size_t(a) + 1];
+    other.push_back(b);
   }
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
   const std::vector<int> order = fill_reducing_order(begin, other);
   node_of_.resize(count);
   for (std::size_t k = 0; k < count; ++k) node_of_[std::size_t(order[k])] = int(k);
 
   // What is eliminated couples all that it was coupled with; the first of them hands that on.
   std::vector<std::vector<int>> later(count);
-  for (std::size_t k = 0; k < count; ++k)
-    for (const int b : graph[std::size_t(order[k])])
-      if (const int node = node_of_[std::size_t(b)]; node > int(k)) later[k].push_back(node);
-  below_.resize(count);
+  for (const auto& [a, b] : graph)
+    if (const int node = node_of_[std::size_t(a)], next = node_of_[std::size_t(b)]; next > node)
+      later[std::size_t(node)].push_back(next);
+  below_begin_.push_back(0);
   block_count_ = int(count);
-  for (std::size_t k = 0; k < count; ++k) {
-    std::vector<int>& nodes = later[k];
+  for (std::vector<int>& nodes : later) {
     std::ranges::sort(nodes);
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
     for (const int node : nodes) {
-      below_[k].push_back({.node = node, .column = block_count_, .row = block_count_ + 1});
+      below_.push_back({.node = node, .column = block_count_, .row = block_count_ + 1});
       block_count_ += 2;
     }
+    below_begin_.push_back(below_.size());
     if (nodes.size() > 1) {
       std::vector<int>& heir = later[std::size_t(nodes.front())];
       heir.insert(heir.end(), nodes.begin() + 1, nodes.end());
@@ -60,10 +89,14 @@ BodyLu::BodyLu(std::vector<int> body, const std::vector<std::pair<int, int>>& co
   }
 }
 
+std::span<const BodyLu::Below> BodyLu::below(std::size_t node) const {
+  return std::span(below_).subspan(below_begin_[node], below_begin_[node + 1] - below_begin_[node]);
+}
+
 int BodyLu::block_between(int a, int b) const {
   if (a == b) return a;
-  const std::vector<Below>& below = below_[std::size_t(std::min(a, b))];
-  const auto found = std::ranges::lower_bound(below, std::max(a, b), {}, &Below::node);
+  const auto found =
+      std::ranges::lower_bound(below(std::size_t(std::min(a, b))), std::max(a, b), {}, &Below::node);
   return a > b ? found->column : found->row;
 }
 
@@ -80,16 +113,14 @@ std::vector<Mat6> BodyLu::zero() const {
 
 bool BodyLu::factorise(std::vector<Mat6> blocks) {
   blocks_ = std::move(blocks);
-  inverse_.resize(below_.size());
-  for (std::size_t k = 0; k < below_.size(); ++k) {
-    const Eigen::PartialPivLU<Mat6> pivot(blocks_[k]);
-    const auto diagonal = pivot.matrixLU().diagonal().array();
-    if (!((diagonal.abs() > 0).all() && diagonal.isFinite().all())) return false;
-    inverse_[k] = pivot.inverse();
-    for (const Below& j : below_[k]) {
+  inverse_.resize(size_.size());
+  for (std::size_t k = 0; k < inverse_.size(); ++k) {
+    inverse_[k] = blocks_[k];
+    if (!invert(inverse_[k])) return false;
+    for (const Below& j : below(k)) {
       Mat6& row = blocks_[std::size_t(j.row)];
       row = (inverse_[k] * row).eval();
-      for (const Below& i : below_[k])
+      for (const Below& i : below(k))
         blocks_[std::size_t(block_between(i.node, j.node))].noalias() -= blocks_[std::size_t(i.column)] * row;
     }
   }
@@ -97,16 +128,15 @@ bool BodyLu::factorise(std::vector<Mat6> blocks) {
 }
 
 VecX BodyLu::solve(const VecX& b) const {
-  std::vector<Vec6> x(below_.size(), Vec6::Zero());
+  std::vector<Vec6> x(size_.size(), Vec6::Zero());
   for (std::size_t i = 0; i < body_.size(); ++i)
     x[std::size_t(node_of_[std::size_t(body_[i])])][place_[i]] = b[Eigen::Index(i)];
   for (std::size_t k = 0; k < x.size(); ++k) {
     x[k] = (inverse_[k] * x[k]).eval();
-    for (const Below& i : below_[k])
-      x[std::size_t(i.node)].noalias() -= blocks_[std::size_t(i.column)] * x[k];
+    for (const Below& i : below(k)) x[std::size_t(i.node)].noalias() -= blocks_[std::size_t(i.column)] * x[k];
   }
   for (std::size_t k = x.size(); k-- > 0;)
-    for (const Below& j : below_[k]) x[k].noalias() -= blocks_[std::size_t(j.row)] * x[std::size_t(j.node)];
+    for (const Below& j : below(k)) x[k].noalias() -= blocks_[std::size_t(j.row)] * x[std::size_t(j.node)];
   VecX out(b.size());
   for (std::size_t i = 0; i < body_.size(); ++i)
     out[Eigen::Index(i)] = x[std::size_t(node_of_[std::size_t(body_[i])])][place_[i]];

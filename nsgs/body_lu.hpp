@@ -4,6 +4,7 @@
 // long (PROX-9). Private to nsgs.
 #pragma once
 
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -37,9 +38,11 @@ class BodyLu {
     int node = 0, column = 0, row = 0;  // a node that is eliminated later; blocks (node, this), (this, node)
   };
   int block_between(int a, int b) const;  // of nodes
+  std::span<const Below> below(std::size_t node) const;
 
   std::vector<int> body_{}, place_{}, node_of_{}, size_{};
-  std::vector<std::vector<Below>> below_{};  // by node: its place in the order of elimination
+  std::vector<Below> below_{};  // of one node after the other, in the order of elimination
+  std::vector<std::size_t> below_begin_{};
   int block_count_ = 0;
   double cost_ = 0;
   std::vector<Mat6> blocks_{};

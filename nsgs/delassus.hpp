@@ -37,6 +37,8 @@ struct SweepCounts {
 using BlockRule = std::function<AnyRows(int c, const AnyRows& u, const AnyRows& r)>;
 /// x of A x = b for one A, factorised; empty if A is singular.
 using LinearSolve = std::function<VecX(const VecX&)>;
+/// The same where it may turn out that there is none.
+using NewtonSolve = std::function<std::optional<VecX>(const VecX&)>;
 
 /// Of the linear systems of Newton, factor by factor (PROX-8).
 inline constexpr int kRefinements = 2;
@@ -79,8 +81,9 @@ class Delassus {
   virtual VecX B(const VecX& dr) const = 0;
   virtual VecX C(const VecX& d) const = 0;
   virtual double size(const VecX& row_of_A) const = 0;  // free of units
-  /// (A + B D C) d = F with D block diagonal; nothing if that is singular.
-  virtual std::optional<VecX> direction(const std::vector<AnyBlock>& D, const VecX& F) = 0;
+  /// d of (A + B D C) d = F with D block diagonal, factorised once; it serves until the next one is made.
+  /// Empty, or without an answer, if that is singular.
+  virtual NewtonSolve newton_inverse(std::vector<AnyBlock> D) = 0;
   /// An iteration of Newton costs about as many sweeps as this, if the blocks with r = 0 stay open.
   virtual double newton_cost(const VecX& r) = 0;
 };

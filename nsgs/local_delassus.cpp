@@ -179,19 +179,28 @@ class LocalDelassus final : public Delassus {
   }
 
   // Blocks with D = 0 do not act on the others: they are left out of the system and follow from it.
-  std::optional<VecX> direction(const std::vector<AnyBlock>& D, const VecX& F) override {
-    const std::vector<int> place = closed_blocks([&](int c) { return !D[std::size_t(c)].isZero(0); });
+  NewtonSolve newton_inverse(std::vector<AnyBlock> D) override {
+    std::vector<int> place = closed_blocks([&](int c) { return !D[std::size_t(c)].isZero(0); });
+    LinearSolve solve =
+        inverse_of(newton_matrix(place, [&](int c) { return RowBlock<R>(D[std::size_t(c)]); }));
+    if (!solve) return {};
+    return [this, D = std::move(D), place = std::move(place), solve = std::move(solve)](const VecX& F) {
+      return refined(solve, place, D, F);
+    };
+  }
+
+ private:
+  // (1 + W D)^-1 F and (PROX-8), with the inverse of the closed blocks.
+  std::optional<VecX> refined(const LinearSolve& solve, const std::vector<int>& place,
+                              const std::vector<AnyBlock>& D, const VecX& F) const {
     const auto each_closed = [&](auto&& f) {
       for (int c = 0; c < count(); ++c)
         if (place[std::size_t(c)] >= 0) f(c, place[std::size_t(c)]);
     };
-    const auto solve =
-        inverse_of(newton_matrix(place, [&](int c) { return RowBlock<R>(D[std::size_t(c)]); }));
-    if (!solve) return std::nullopt;
     Eigen::Index size = 0;
     each_closed([&](int c, int) { size += rows(c); });
     VecX d = VecX::Zero(F.size()), W_dr = VecX::Zero(F.size()), rhs(size);
-    for (int k = 0; k <= kRefinements; ++k) {  // (PROX-8)
+    for (int k = 0; k <= kRefinements; ++k) {
       each_closed([&](int c, int i) {
         rhs.segment<R>(i, rows(c)) =
             F.segment<R>(at(c), rows(c)) - d.segment<R>(at(c), rows(c)) - W_dr.segment<R>(at(c), rows(c));
@@ -210,7 +219,6 @@ class LocalDelassus final : public Delassus {
     return d.allFinite() ? std::optional<VecX>(d) : std::nullopt;
   }
 
- private:
   // The first row of every closed block in a system of these alone, in an order with little fill; -1 of the
   // others.
   template <class IsClosed>

@@ -151,6 +151,7 @@ SparseMatrix MassInverse::operator*(const SparseMatrix& X) const {
 
 std::optional<MassInverse> part(const MassInverse& inverse, const std::vector<int>& some) {
   if (inverse.factor) return std::nullopt;
+  if (some.size() == inverse.block_of.size()) return inverse;
   MassInverse out;
   out.block_of.resize(some.size());
   const auto place = [&](int row) { return int(std::ranges::lower_bound(some, row) - some.begin()); };

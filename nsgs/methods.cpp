@@ -78,7 +78,7 @@ const char* to_string(Method method) {
   return entry(method).name;
 }
 
-Method method_named(const std::string& name) {
+Method method(const std::string& name) {
   std::string names;
   for (const MethodEntry& e : kMethods) {
     if (name == e.name) return e.method;

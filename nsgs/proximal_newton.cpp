@@ -15,6 +15,8 @@ constexpr int kNewtonSteps = 30;  // a step that needs more has too small an alp
 constexpr double kRounding = 4e-15;
 constexpr double kStalled = 1e-12;
 constexpr double kSmallestDamping = 1e-3;
+constexpr double kChord = 0.1;  // what an old inverse must bring F down to
+constexpr double kGain = 1e-2;  // of a step whose alpha and inverse serve again
 
 VecX answers(const std::vector<Law>& laws, const VecX& s) {  // (PROX-3)
   return with_rows(laws, [&]<int R>() {
@@ -56,16 +58,26 @@ Trial tried(const Delassus& W, const Iterate& center, double alpha, const VecX& 
 
 }  // namespace
 
-ProximalStep proximal_step(Delassus& W, const Iterate& center, double alpha, double accuracy) {
+ProximalStep proximal_step(Delassus& W, const Iterate& center, double alpha, double accuracy,
+                           NewtonSolve& inverse) {
   const double momentum = W.size(W.B(center.r)), rounding = kRounding * momentum;
   ProximalStep step;
   Trial now = tried(W, center, alpha, VecX::Zero(W.unknowns()));
   for (; step.iterations < kNewtonSteps; ++step.iterations) {
     step.solved = now.wrong <= accuracy * W.size(W.A(now.d)) + rounding;
     if (step.solved || !std::isfinite(now.wrong)) break;
-    const std::optional<VecX> direction = W.direction(derivatives(W.scaled.laws, now.s, alpha), now.F);
-    if (!direction) break;
     bool moved = false;
+    if (inverse)  // of the solve before (PROX-10)
+      if (const std::optional<VecX> direction = inverse(now.F)) {
+        Trial next = tried(W, center, alpha, now.d - *direction);
+        moved = next.wrong < kChord * now.wrong;
+        if (moved) now = std::move(next);
+      }
+    if (moved) continue;
+    inverse = W.newton_inverse(derivatives(W.scaled.laws, now.s, alpha));
+    const std::optional<VecX> direction = inverse ? inverse(now.F) : std::nullopt;
+    if (!direction) break;
+    ++step.factorised;
     for (double damping = 1; damping >= kSmallestDamping && !moved; damping /= 2) {  // (PROX-6)
       Trial next = tried(W, center, alpha, now.d - damping * *direction);
       moved = next.wrong < now.wrong * (1 - 1e-4 * damping);
@@ -84,15 +96,19 @@ Iterate proximal_steps(Delassus& W, const Iterate& start, const ProximalOptions&
                        SolveReport& report) {
   Iterate best = start, center = start;
   double alpha = options.alpha;
+  NewtonSolve inverse;  // of the last Newton matrix with this alpha
   int iterations = 0;
   for (int step = 0; step < options.max_steps && iterations < options.max_iterations &&
                      best.residual > options.tolerance && alpha <= kLargestAlpha;
        ++step) {
-    const ProximalStep proximal = proximal_step(W, center, alpha, options.accuracy);
+    const ProximalStep proximal = proximal_step(W, center, alpha, options.accuracy, inverse);
     iterations += proximal.iterations;
     Iterate iterate = judged(W, proximal.r, Method::proximal_newton);
+    const bool gained = proximal.solved && iterate.residual <= kGain * center.residual;
     if (proximal.solved || iterate.residual < best.residual) center = iterate;
     if (iterate.residual < best.residual) best = std::move(iterate);
+    if (gained && proximal.factorised <= 1) continue;  // (PROX-10)
+    inverse = {};
     if (!proximal.solved)
       alpha *= 10;
     else

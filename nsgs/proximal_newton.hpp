@@ -21,13 +21,16 @@ struct ProximalOptions {
 struct ProximalStep {
   VecX r{};             // in the sets of the laws
   int iterations = 0;   // Newton iterations: linear solves
+  int factorised = 0;   // of them with a matrix of their own
   bool solved = false;  // the equations (PROX-4) hold to their tolerance
 };
 
 /// Around the impulses and velocities of `center`; alpha > 0. Everything is computed as a change from there,
 /// so that small alpha does not magnify the rounding of velocities (PROX-4). `accuracy` of (PROX-4) is
-/// relative to the change of momentum.
-ProximalStep proximal_step(Delassus& W, const Iterate& center, double alpha, double accuracy);
+/// relative to the change of momentum. `inverse` of the last Newton matrix with this alpha, or empty; left as
+/// the last one made.
+ProximalStep proximal_step(Delassus& W, const Iterate& center, double alpha, double accuracy,
+                           NewtonSolve& inverse);
 
 /// Proximal steps (PROX-7) until the tolerance. The centre walks on while Newton solves the steps, even where
 /// the residual rests on a plateau; what is returned is the best iterate met.

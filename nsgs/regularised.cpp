@@ -170,7 +170,7 @@ const char* to_string(FrictionReading reading) {
   return std::ranges::find(kReadings, reading, &Named::reading)->name;
 }
 
-FrictionReading friction_reading_named(const std::string& name) {
+FrictionReading friction_reading(const std::string& name) {
   const auto* found = std::ranges::find(kReadings, name, &Named::name);
   require(found != std::end(kReadings),
           "friction reading " + name + " must be coulomb_pgs, convex_cone or hybrid");

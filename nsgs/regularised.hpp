@@ -17,7 +17,7 @@ enum class FrictionReading {
 };
 const char* to_string(FrictionReading reading);
 /// By its name; throws std::invalid_argument naming all.
-FrictionReading friction_reading_named(const std::string& name);
+FrictionReading friction_reading(const std::string& name);
 
 struct RegularisedOptions {
   FrictionReading reading = FrictionReading::coulomb_pgs;

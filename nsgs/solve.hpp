@@ -25,7 +25,7 @@ enum class Method {
 };
 const char* to_string(Method method);
 /// By its name; throws std::invalid_argument naming all.
-Method method_named(const std::string& name);
+Method method(const std::string& name);
 
 /// R of the prox methods, from the blocks of W (SORP-3).
 enum class ProxMetric {

@@ -9,27 +9,25 @@
 namespace aussois {
 
 Clusters clusters_of(const ContactSet& found, double angle) {
-  const std::vector<ContactPoint>& c = found.points;
-  std::vector<int> order = canonical_order(found);
-
+  const auto normal = [&](int i) -> const Vec3& { return found.points[std::size_t(i)].normal; };
   const double chord = 2 * std::sin(angle / 2);
   Clusters clusters;
-  for (auto begin = order.begin(); begin != order.end();) {  // one body pair after the other
-    const ContactPoint& first = c[std::size_t(*begin)];
-    const auto end = std::find_if(begin, order.end(), [&](int i) {
-      const ContactPoint& x = c[std::size_t(i)];
-      return x.a.body != first.a.body || x.b.body != first.b.body;
-    });
-    for (auto seed = begin; seed != end;) {
-      const Vec3 normal = c[std::size_t(*seed)].normal;
-      const auto rest = std::stable_partition(
-          seed, end, [&](int i) { return (c[std::size_t(i)].normal - normal).norm() <= chord; });
+  for (std::vector<int>& pair : contacts_by_pair(found))
+    for (auto seed = pair.begin(); seed != pair.end();) {
+      const Vec3& n = normal(*seed);
+      const auto rest =
+          std::stable_partition(seed, pair.end(), [&](int i) { return (normal(i) - n).norm() <= chord; });
       clusters.emplace_back(seed, rest);
       seed = rest;
     }
-    begin = end;
-  }
   return clusters;
+}
+
+std::span<const int> closed_layer(const ContactSet& found, std::span<const int> cluster, double layer) {
+  const auto gap = [&](int i) { return found.points[std::size_t(i)].gap; };
+  const auto open =
+      std::ranges::find_if(cluster, [&](int i) { return gap(i) > gap(cluster.front()) + layer; });
+  return {cluster.begin(), open};
 }
 
 }  // namespace aussois

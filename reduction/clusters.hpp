@@ -2,6 +2,7 @@
 // Contacts of one body pair whose normals almost agree (RED-2).
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "lmd/contact_point.hpp"
@@ -14,5 +15,8 @@ using Clusters = std::vector<std::vector<int>>;
 
 /// `angle`: largest angle of a normal to that of its cluster's deepest contact [rad], in (0, pi/2].
 Clusters clusters_of(const ContactSet& found, double angle);
+
+/// Its first contacts, within `layer` [m] of the deepest; the cluster has at least one.
+std::span<const int> closed_layer(const ContactSet& found, std::span<const int> cluster, double layer);
 
 }  // namespace aussois

@@ -20,7 +20,7 @@ bool before(const ContactSet& found, const Rank& i, const Rank& j) {
   if (key(i) != key(j)) return key(i) < key(j);
   const auto rest = [&](const Rank& rank) {
     const ContactPoint& c = found.points[std::size_t(rank.index)];
-    const Vec3 at = 0.5 * (c.x_a + c.x_b);
+    const Vec3 at = mid_point(c);
     return std::make_tuple(c.b.dim, c.b.simplex, at.x(), at.y(), at.z());
   };
   return rest(i) < rest(j);
@@ -38,6 +38,16 @@ std::vector<int> canonical_order(const ContactSet& found) {
   order.reserve(ranks.size());
   for (const Rank& rank : ranks) order.push_back(rank.index);
   return order;
+}
+
+std::vector<std::vector<int>> contacts_by_pair(const ContactSet& found) {
+  const std::vector<int> order = canonical_order(found);
+  const auto point = [&](int i) -> const ContactPoint& { return found.points[std::size_t(i)]; };
+  std::vector<std::vector<int>> pairs;
+  for (const std::span<const int> pair :
+       runs_of(std::span(order), [&](int i, int j) { return same_pair(point(i), point(j)); }))
+    pairs.emplace_back(pair.begin(), pair.end());
+  return pairs;
 }
 
 }  // namespace aussois

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reduction/friction_patch.hpp"
 
-#include <algorithm>
-
 #include "reduction/clusters.hpp"
 #include "reduction/planar_patch.hpp"
 
@@ -10,14 +8,10 @@ namespace aussois {
 
 std::vector<FrictionPatch> friction_patches(const ContactSet& found, double cluster_angle, double layer) {
   std::vector<FrictionPatch> out(found.points.size());
-  for (std::size_t i = 0; i < out.size(); ++i)
-    out[i].centre = (found.points[i].x_a + found.points[i].x_b) / 2;
+  for (std::size_t i = 0; i < out.size(); ++i) out[i].centre = mid_point(found.points[i]);
   for (const std::vector<int>& cluster : clusters_of(found, cluster_angle)) {
-    const auto gap = [&](int i) { return found.points[std::size_t(i)].gap; };
-    const auto open = std::find_if(cluster.begin(), cluster.end(),
-                                   [&](int i) { return gap(i) > gap(cluster.front()) + layer; });
-    if (open - cluster.begin() < 2) continue;
-    const std::vector<int> closed(cluster.begin(), open);
+    const std::span<const int> closed = closed_layer(found, cluster, layer);
+    if (closed.size() < 2) continue;
     const PlanarPatch patch = planar_patch(found, closed);
     const Vec3 centre = patch.origin + patch.frame.rightCols<2>() * patch.centroid;
     for (const int i : closed) out[std::size_t(i)] = {centre, patch.drilling_radius};

@@ -5,11 +5,13 @@
 #include <queue>
 #include <tuple>
 
+#include "geometry/polygon.hpp"
+
 namespace aussois {
 namespace {
 
 double triangle(const Vec2& a, const Vec2& b, const Vec2& c) {
-  return ((b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x())) / 2;
+  return cross(b - a, c - a) / 2;
 }
 
 std::vector<int> sorted(std::vector<int> members) {

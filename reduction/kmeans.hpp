@@ -34,8 +34,8 @@ struct KMeans {
   MatX centres{};            // one per column
   std::vector<int> label{};  // the nearest centre of each point; the lowest of several
   std::vector<int> count{};  // of points, by centre; a centre without points stays where it was
-  std::vector<double>
-      objective{};  // sum of weight times distance squared, at the seeds and after each iteration
+  // Sum of weight times distance squared, at the seeds and after each iteration
+  std::vector<double> objective{};
   int iterations = 0;
   bool converged = false;  // the last iteration changed no label
 };

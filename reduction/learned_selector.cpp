@@ -74,8 +74,7 @@ ContactSelector contact_selector(LearnedSelector selector, int body) {
       for (const int place : places) {
         const Vec3 wanted = load.g_wb * selector.places[std::size_t(place)];
         kept.push_back(*std::ranges::min_element(cluster, {}, [&](int i) {
-          const ContactPoint& c = input.contacts.points[std::size_t(i)];
-          return (0.5 * (c.x_a + c.x_b) - wanted).squaredNorm();
+          return (mid_point(input.contacts.points[std::size_t(i)]) - wanted).squaredNorm();
         }));
       }
     }

@@ -18,13 +18,13 @@ struct Combination {
   double cost = kInf;
   std::vector<int> column{};     // those with a weight, ascending
   std::vector<double> weight{};  // of them, > 0
-  ShortVector
-      dual{};  // y: y . g = cost and y . G_j <= cost_j; if there is no combination, y . g > 0 >= y . G_j
+  ShortVector dual{};            // y: y . g = cost and y . G_j <= cost_j; without a combination
+                                 // y . g > 0 >= y . G_j
 };
 
-/// Costs must not be negative, so that the program is bounded. Numbers should
-/// be of the size 1: residuals and reduced costs below 1e-10 of it count as zero. Revised simplex method in
-/// two phases; Bland's rule once the fast one has not ended, so it always does.
+/// Costs must not be negative, so that the program is bounded. Numbers should be of the size 1: residuals and
+/// reduced costs below 1e-10 of it count as zero. Revised simplex method in two phases; Bland's rule once the
+/// fast one has not ended, so it always does.
 Combination cheapest_combination(const Generators& G, const ShortVector& g, const VecX& cost);
 
 }  // namespace aussois

@@ -11,10 +11,6 @@
 namespace aussois {
 namespace {
 
-Vec3 mid_point(const ContactPoint& c) {
-  return 0.5 * (c.x_a + c.x_b);
-}
-
 double depth(const ContactPoint& c) {
   return std::max(0.0, -c.gap);
 }
@@ -47,6 +43,40 @@ VecX coordinates(const ContactPoint& c, double mu, const MeanContactOptions& o) 
   return z;
 }
 
+// A contact with all that its mean asks for.
+struct Member {
+  const ContactPoint* contact = nullptr;
+  double weight = 1, mu = 0, force = 1;
+};
+
+MeanContact mean_of(const std::vector<Member>& members) {
+  MeanContact mean{.mu_min = kInf, .count = int(members.size())};
+  Vec3 p = Vec3::Zero(), normal = Vec3::Zero();
+  double weight = 0, gap = kInf, mu = 0, force = 0, mu_by_force = 0;
+  for (const Member& m : members) {
+    p += m.weight * mid_point(*m.contact);
+    normal += m.weight * m.contact->normal;
+    weight += m.weight;
+    gap = std::min(gap, m.contact->gap);
+    mu += m.mu;
+    force += m.force;
+    mu_by_force += m.force * m.mu;
+    mean.mu_min = std::min(mean.mu_min, m.mu);
+    mean.mu_max = std::max(mean.mu_max, m.mu);
+  }
+  p /= weight;
+  mean.mu = force > 0 ? mu_by_force / force : mu / double(members.size());
+  mean.point = *std::ranges::min_element(members, {}, [&](const Member& m) {
+                  return (mid_point(*m.contact) - p).squaredNorm();
+                })->contact;
+  mean.cancelled = normal.norm() <= 1e-6 * weight;
+  if (!mean.cancelled) mean.point.normal = normal.normalized();
+  mean.point.gap = gap;
+  mean.point.x_a = p + gap / 2 * mean.point.normal;
+  mean.point.x_b = p - gap / 2 * mean.point.normal;
+  return mean;
+}
+
 }  // namespace
 
 void validate(const MeanContactOptions& o) {
@@ -69,54 +99,34 @@ MeanContacts mean_contacts(const ContactSet& found, const std::vector<double>& m
   if (n == 0) return out;
 
   const std::vector<int> order = canonical_order(found);
-  const auto mu_of = [&](int i) { return mu.empty() ? 0 : mu[std::size_t(i)]; };
-  const auto force_of = [&](int i) { return force.empty() ? 1 : force[std::size_t(i)]; };
-  const auto point = [&](int i) -> const ContactPoint& { return found.points[std::size_t(i)]; };
-  const int rows = options.rule == MeanRule::position_normal_friction ? 7 : 3;
-  MatX z(rows, Eigen::Index(n));
+  std::vector<Member> members;
+  for (const int at : order) {
+    const std::size_t i = std::size_t(at);
+    members.push_back(
+        {.contact = &found.points[i], .mu = mu.empty() ? 0 : mu[i], .force = force.empty() ? 1 : force[i]});
+    if (options.rule == MeanRule::position_depth)
+      members.back().weight = depth(found.points[i]) + options.depth_floor;  // (CLU-7)
+  }
+  MatX z(options.rule == MeanRule::position_normal_friction ? 7 : 3, Eigen::Index(n));
   VecX weight = VecX::Ones(Eigen::Index(n));
-  for (std::size_t i = 0; i < n; ++i) {
-    z.col(Eigen::Index(i)) = coordinates(point(order[i]), mu_of(order[i]), options);
-    if (options.rule == MeanRule::position_depth)  // (CLU-7)
-      weight[Eigen::Index(i)] = depth(point(order[i])) + options.depth_floor;
+  for (std::size_t k = 0; k < n; ++k) {
+    z.col(Eigen::Index(k)) = coordinates(*members[k].contact, members[k].mu, options);
+    weight[Eigen::Index(k)] = members[k].weight;
   }
   out.found = kmeans(z, weight,
                      {.k = options.k, .seeding = options.seeding, .max_iterations = options.max_iterations});
   out.centres = out.found.centres;
 
   for (int g = 0; g < int(out.centres.cols()); ++g) {
-    std::vector<int> members;  // positions in the order
-    for (int i = 0; i < int(n); ++i)
-      if (out.found.label[std::size_t(i)] == g) members.push_back(i);
-    if (members.empty()) continue;
-    Vec3 p = Vec3::Zero(), normal = Vec3::Zero();
-    double sum = 0, gap = kInf, mu_sum = 0, mu_plain = 0, force_sum = 0;
-    MeanContact mean{.mu_min = kInf, .mu_max = 0, .count = int(members.size())};
-    for (const int i : members) {
-      const int at = order[std::size_t(i)];
-      p += weight[i] * mid_point(point(at));
-      normal += weight[i] * point(at).normal;
-      sum += weight[i];
-      gap = std::min(gap, point(at).gap);
-      mu_sum += force_of(at) * mu_of(at);
-      mu_plain += mu_of(at);
-      force_sum += force_of(at);
-      mean.mu_min = std::min(mean.mu_min, mu_of(at));
-      mean.mu_max = std::max(mean.mu_max, mu_of(at));
-      out.label[std::size_t(at)] = int(out.contacts.size());
+    std::vector<Member> group;
+    for (std::size_t k = 0; k < n; ++k) {
+      if (out.found.label[k] != g) continue;
+      group.push_back(members[k]);
+      out.label[std::size_t(order[k])] = int(out.contacts.size());
     }
-    p /= sum;
-    const int nearest = *std::ranges::min_element(
-        members, {}, [&](int i) { return (mid_point(point(order[std::size_t(i)])) - p).squaredNorm(); });
-    mean.point = point(order[std::size_t(nearest)]);
-    if (normal.norm() > 1e-6 * sum)
-      mean.point.normal = normal.normalized();
-    else
-      ++out.cancelled;
-    mean.point.gap = gap;
-    mean.point.x_a = p + gap / 2 * mean.point.normal;
-    mean.point.x_b = p - gap / 2 * mean.point.normal;
-    mean.mu = force_sum > 0 ? mu_sum / force_sum : mu_plain / double(members.size());
+    if (group.empty()) continue;
+    const MeanContact mean = mean_of(group);
+    out.cancelled += mean.cancelled ? 1 : 0;
     if (mean.mu_max > 0) out.mu_spread = std::max(out.mu_spread, mean.mu_max / mean.mu_min);
     out.contacts.push_back(mean);
   }

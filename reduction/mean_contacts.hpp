@@ -30,6 +30,7 @@ struct MeanContact {
   ContactPoint point{};  // features: of the member nearest to the mean. x_a - x_b = gap * normal
   double mu = 0, mu_min = 0, mu_max = 0;  // weighted mean, bounds of the members
   int count = 0;                          // of members
+  bool cancelled = false;                 // their normals cancel; the nearest member's stands here
 };
 
 struct MeanContacts {
@@ -37,7 +38,7 @@ struct MeanContacts {
   std::vector<int> label{};  // of each contact of the set: which mean stands for it
   MatX centres{};            // in the space of the rule, for SeedWarm
   double mu_spread = 1;      // largest ratio mu_max / mu_min of a mean; report above 1.2
-  int cancelled = 0;         // means whose normals cancelled; the nearest member's stands there
+  int cancelled = 0;         // means whose normals cancelled
   KMeans found{};            // of the contacts in canonical order
 };
 

@@ -149,23 +149,15 @@ NormalClusters cluster_normals(const ContactSet& contacts, const NormalClusterOp
 }
 
 Clusters clusters_by_normals(const ContactSet& contacts, const NormalClusterOptions& options) {
-  const std::vector<ContactPoint>& c = contacts.points;
-  const std::vector<int> order = canonical_order(contacts);
   Clusters out;
-  for (auto begin = order.begin(); begin != order.end();) {  // one body pair after the other
-    const ContactPoint& first = c[std::size_t(*begin)];
-    const auto end = std::find_if(begin, order.end(), [&](int i) {
-      const ContactPoint& x = c[std::size_t(i)];
-      return x.a.body != first.a.body || x.b.body != first.b.body;
-    });
+  for (const std::vector<int>& members : contacts_by_pair(contacts)) {
     ContactSet pair;
-    for (auto i = begin; i != end; ++i) pair.points.push_back(c[std::size_t(*i)]);
+    for (const int i : members) pair.points.push_back(contacts.points[std::size_t(i)]);
     const NormalClusters groups = cluster_normals(pair, options);
     const std::size_t start = out.size();
     out.resize(start + groups.centre.size());
-    for (auto i = begin; i != end; ++i)
-      out[start + std::size_t(groups.label[std::size_t(i - begin)])].push_back(*i);
-    begin = end;
+    for (std::size_t k = 0; k < members.size(); ++k)
+      out[start + std::size_t(groups.label[k])].push_back(members[k]);
   }
   return out;
 }

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "geometry/frame.hpp"
+#include "geometry/polygon.hpp"
 
 namespace aussois {
 namespace {
@@ -16,9 +17,6 @@ namespace {
 constexpr double kIsotropic = 1e-6;  // relative difference of principal moments below which no direction is
                                      // principal: above it, rounding turns the axis by less than 1e-9
 
-double cross(const Vec2& a, const Vec2& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
 Vec2 outward(const Vec2& side) {  // of a side of a hull that is walked counter-clockwise
   return Vec2(side.y(), -side.x()).stableNormalized();
 }
@@ -48,21 +46,13 @@ double distance_integral(const Vec2& a, const Vec2& b) {
   return p / 6 * (primitive(side.dot(b) / length) - primitive(side.dot(a) / length));
 }
 
-Vec2 nearest_of(const Vec2& a, const Vec2& b, const Vec2& x) {  // of the segment
-  const Vec2 side = b - a;
-  const double length = side.squaredNorm();
-  return length > 0 ? Vec2(a + std::clamp((x - a).dot(side) / length, 0.0, 1.0) * side) : a;
-}
-
 double distance_to(const std::vector<Vec2>& hull, const Vec2& x) {
   bool inside = hull.size() > 2;
   double nearest = kInf;
   for (std::size_t i = 0; i < hull.size(); ++i) {
-    const Vec2 a = hull[i], side = hull[(i + 1) % hull.size()] - a;
-    const double s =
-        side.squaredNorm() > 0 ? std::clamp((x - a).dot(side) / side.squaredNorm(), 0.0, 1.0) : 0;
-    nearest = std::min(nearest, (x - a - s * side).norm());
-    inside = inside && cross(side, x - a) >= 0;
+    const Vec2 &a = hull[i], &b = hull[(i + 1) % hull.size()];
+    nearest = std::min(nearest, (x - nearest_on_segment(a, b, x)).norm());
+    inside = inside && cross(b - a, x - a) >= 0;
   }
   return inside ? 0 : nearest;
 }
@@ -99,10 +89,7 @@ std::vector<Vec2> places(const PlanarPatch& patch, std::span<const int> members)
 }  // namespace
 
 PlanarPatch planar_patch(const ContactSet& found, std::span<const int> members) {
-  const auto middle = [&](int i) {
-    const ContactPoint& c = found.points[std::size_t(i)];
-    return Vec3(0.5 * (c.x_a + c.x_b));
-  };
+  const auto middle = [&](int i) { return mid_point(found.points[std::size_t(i)]); };
   Vec3 n = Vec3::Zero(), mean = Vec3::Zero();
   for (const int i : members) {
     n += found.points[std::size_t(i)].normal;  // never zero: all are within a right angle of the seed
@@ -181,7 +168,7 @@ std::vector<int> hull_of(const PlanarPatch& patch, std::span<const int> members)
   std::vector<int> hull;
   for (const int i : ring)
     append(hull, 0, i, [same = kSamePlace * patch.extent](const Vec2& a, const Vec2& b, const Vec2& c) {
-      return (b - nearest_of(a, c, b)).norm() > same;
+      return (b - nearest_on_segment(a, c, b)).norm() > same;
     });
   hull.pop_back();
   std::rotate(hull.begin(), std::min_element(hull.begin(), hull.end(), from_left), hull.end());

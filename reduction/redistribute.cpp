@@ -26,9 +26,7 @@ struct Patch {
   Vec3 centre = Vec3::Zero();
   double size = 1;
 
-  Vec3 point(const ContactPoint& c) const {
-    return frame.transpose() * (0.5 * (c.x_a + c.x_b) - centre) / size;
-  }
+  Vec3 point(const ContactPoint& c) const { return frame.transpose() * (mid_point(c) - centre) / size; }
 };
 
 Patch patch_of(const ContactSet& contacts, const std::vector<int>& kept) {
@@ -37,14 +35,12 @@ Patch patch_of(const ContactSet& contacts, const std::vector<int>& kept) {
   for (const int i : kept) {
     const ContactPoint& c = contacts.points[std::size_t(i)];
     normal += c.normal;
-    patch.centre += 0.5 * (c.x_a + c.x_b) / double(kept.size());
+    patch.centre += mid_point(c) / double(kept.size());
   }
   if (normal.norm() > 0.5) patch.frame = frame_of(normal.normalized());
   double size = 0;
-  for (const int i : kept) {
-    const ContactPoint& c = contacts.points[std::size_t(i)];
-    size = std::max(size, (0.5 * (c.x_a + c.x_b) - patch.centre).norm());
-  }
+  for (const int i : kept)
+    size = std::max(size, (mid_point(contacts.points[std::size_t(i)]) - patch.centre).norm());
   if (size > 0) patch.size = size;
   return patch;
 }

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "geometry/check.hpp"
+#include "reduction/contact_order.hpp"
 #include "reduction/direction_set.hpp"
 #include "reduction/extreme_points.hpp"
 #include "reduction/hull_area_loss.hpp"
@@ -138,13 +139,11 @@ std::vector<int> chosen_of(const ReductionInput& input, std::span<const int> mem
 // Of all members and of the closed layer (RED-4).
 void add_chosen(const ReductionInput& input, const std::vector<int>& cluster, const ReductionOptions& options,
                 std::vector<int>& kept) {
-  const auto gap = [&](int i) { return input.contacts.points[std::size_t(i)].gap; };
-  const auto open = std::find_if(cluster.begin(), cluster.end(),
-                                 [&](int i) { return gap(i) > gap(cluster.front()) + options.layer; });
   const std::vector<int> all = chosen_of(input, cluster, options);
   kept.insert(kept.end(), all.begin(), all.end());
-  if (open == cluster.end()) return;
-  const std::vector<int> layer = chosen_of(input, {cluster.begin(), open}, options);
+  const std::span<const int> closed = closed_layer(input.contacts, cluster, options.layer);
+  if (closed.size() == cluster.size()) return;
+  const std::vector<int> layer = chosen_of(input, closed, options);
   kept.insert(kept.end(), layer.begin(), layer.end());
 }
 
@@ -169,18 +168,14 @@ std::vector<int> chosen_by_wrench(const ReductionInput& input, std::span<const s
 // The clusters of one body pair after those of the other.
 std::vector<int> chosen_by_wrenches(const ReductionInput& input, const Clusters& clusters,
                                     const ReductionOptions& options) {
-  const auto bodies = [&](const std::vector<int>& cluster) {
-    const ContactPoint& c = input.contacts.points[std::size_t(cluster.front())];
-    return std::pair(c.a.body, c.b.body);
+  const auto first = [&](const std::vector<int>& cluster) -> const ContactPoint& {
+    return input.contacts.points[std::size_t(cluster.front())];
   };
   std::vector<int> kept;
-  for (auto begin = clusters.begin(); begin != clusters.end();) {
-    const auto end = std::find_if(begin, clusters.end(), [&](const std::vector<int>& cluster) {
-      return bodies(cluster) != bodies(*begin);
-    });
-    const std::vector<int> of_pair = chosen_by_wrench(input, {begin, end}, options);
-    kept.insert(kept.end(), of_pair.begin(), of_pair.end());
-    begin = end;
+  for (const std::span<const std::vector<int>> pair : runs_of(
+           std::span(clusters), [&](const auto&a, const auto&b) { return same_pair(first(a), first(b)); })) {
+    const std::vector<int> chosen = chosen_by_wrench(input, pair, options);
+    kept.insert(kept.end(), chosen.begin(), chosen.end());
   }
   return kept;
 }

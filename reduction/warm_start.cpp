@@ -10,6 +10,7 @@
 
 #include "geometry/check.hpp"
 #include "lmd/feature_incidence.hpp"
+#include "reduction/contact_order.hpp"
 
 namespace aussois {
 namespace {
@@ -55,12 +56,9 @@ std::vector<Seen> ranked(const ContactSet& contacts, std::span<const SE3> g) {
   };
   if (!std::is_sorted(out.begin(), out.end(), pair_before))
     std::stable_sort(out.begin(), out.end(), pair_before);
-  for (auto first = out.begin(); first != out.end();) {
-    const auto last =
-        std::find_if(first, out.end(), [&](const Seen& c) { return !same_pair(c.key, first->key); });
-    std::stable_sort(first, last, before);
-    first = last;
-  }
+  for (const std::span<Seen> pair :
+       runs_of(std::span(out), [](const Seen&a, const Seen&b) { return same_pair(a.key, b.key); }))
+    std::stable_sort(pair.begin(), pair.end(), before);
   return out;
 }
 
@@ -267,10 +265,9 @@ WarmStart warm_start(const ContactMemory& memory, const ContactSet& contacts, co
     out.match[i] = cascade.match(k);
     out.remembered[i] = 1;
     --out.counts.unmatched;
-    int& count = out.kind[i] == MatchKind::key        ? out.counts.by_key
-                 : out.kind[i] == MatchKind::adjacent ? out.counts.by_adjacency
-                                                      : out.counts.by_geometry;
-    ++count;
+    ++(out.kind[i] == MatchKind::key        ? out.counts.by_key
+       : out.kind[i] == MatchKind::adjacent ? out.counts.by_adjacency
+                                            : out.counts.by_geometry);
   }
   for (const auto& [k, l] : cascade.legacies()) {  // (PER-6)
     const RememberedContact& from = memory.contacts[l];

@@ -35,10 +35,10 @@ void validate(const PersistenceOptions& options);  // throws std::invalid_argume
 struct MatchInput {
   double scale = 1;          // h_new / h_old
   std::span<const SE3> g{};  // g_wb of all bodies now; empty: the identity
-  std::span<const LmdShape* const>
-      shapes{};  // of all bodies, for incidence; empty: no contact is matched by it
-  std::vector<double>
-      moved{};  // how far the two bodies moved against each other at each contact [m]; empty: 0
+  // Of all bodies, for incidence; empty: no contact is matched by it
+  std::span<const LmdShape* const> shapes{};
+  // How far the two bodies moved against each other at each contact [m]; empty: 0
+  std::vector<double> moved{};
 };
 
 enum class MatchKind : std::uint8_t { none, key, adjacent, geometric };

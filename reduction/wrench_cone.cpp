@@ -45,11 +45,10 @@ int best_server(const UnitWrenches& all, const ShortVector& direction) {
 
 UnitWrenches unit_wrenches(const ReductionInput& input, std::span<const int> members) {
   const auto contact = [&](int i) -> const ContactPoint& { return input.contacts.points[std::size_t(i)]; };
-  const auto middle = [&](int i) { return Vec3((contact(i).x_a + contact(i).x_b) / 2); };
   Vec3 mean = Vec3::Zero();
-  for (const int i : members) mean += middle(i) / double(members.size());
+  for (const int i : members) mean += mid_point(contact(i)) / double(members.size());
   double length = 0;
-  for (const int i : members) length = std::max(length, (middle(i) - mean).norm());
+  for (const int i : members) length = std::max(length, (mid_point(contact(i)) - mean).norm());
   if (length == 0) length = 1;
 
   UnitWrenches out{.g = Generators(6, Eigen::Index(kFacets * members.size())), .first = {0}};
@@ -57,7 +56,7 @@ UnitWrenches unit_wrenches(const ReductionInput& input, std::span<const int> mem
   for (const int i : members) {
     const Mat3 frame = frame_of(contact(i).normal);
     const double mu = input.mu.empty() ? 0 : input.mu[std::size_t(i)];
-    const Vec3 arm = (middle(i) - mean) / length;
+    const Vec3 arm = (mid_point(contact(i)) - mean) / length;
     for (int k = 0; k < (mu > 0 ? kFacets : 1); ++k) {
       const double angle = 2 * kPi * k / kFacets;
       const Vec3 force = frame * Vec3(1, mu * std::cos(angle), mu * std::sin(angle));

@@ -6,6 +6,7 @@
 
 #include "geometry/check.hpp"
 #include "geometry/frame.hpp"
+#include "geometry/polygon.hpp"
 
 namespace aussois {
 namespace {
@@ -67,9 +68,6 @@ bool overlap(const Bounds& a, const Bounds& b) {
   return (a.low.array() <= b.high.array()).all() && (b.low.array() <= a.high.array()).all();
 }
 
-double cross(const Vec2& a, const Vec2& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
 double area(const PlanePolygon& polygon) {
   double sum = 0;
   for (std::size_t i = 1; i + 1 < polygon.size(); ++i)

@@ -6,10 +6,7 @@
 namespace aussois {
 
 std::vector<int> patch_of_four(const ContactSet& contacts, std::span<const int> members) {
-  const auto at = [&](int k) {
-    const ContactPoint& c = contacts.points[std::size_t(members[std::size_t(k)])];
-    return Vec3(0.5 * (c.x_a + c.x_b));
-  };
+  const auto at = [&](int k) { return mid_point(contacts.points[std::size_t(members[std::size_t(k)])]); };
   const Vec3 n = contacts.points[std::size_t(members.front())].normal;
   const auto farthest = [&](const auto& measure) {  // of all members; -1 if none measures more than zero
     int best = -1;

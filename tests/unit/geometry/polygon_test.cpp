@@ -29,6 +29,15 @@ double area_of(const std::vector<Vec2>& points, const std::vector<std::array<int
   return sum;
 }
 
+TEST(Segment, IsNearestAtItsFootOrAtAnEnd) {
+  const Vec2 a(1, 1), b(3, 2);
+  EXPECT_LT((nearest_on_segment(a, b, Vec2(2, 1.5) + 0.7 * Vec2(-1, 2)) - Vec2(2, 1.5)).norm(), 1e-15);
+  EXPECT_EQ(nearest_on_segment(a, b, Vec2(-4, 0)), a);
+  EXPECT_EQ(nearest_on_segment(a, b, Vec2(9, 9)), b);
+  EXPECT_EQ(nearest_on_segment(a, a, Vec2(9, 9)), a);
+  EXPECT_EQ(cross(Vec2(2, 0), Vec2(1, 3)), 6);
+}
+
 TEST(Polygon, PointsAlongAStraightSideMakeNoFlatTriangles) {
   const std::vector<Vec2> points = {{0, 0}, {1, 0}, {2, 0}, {3, 0}, {3, 2}, {0, 2}};
   const auto triangles = triangulate(points, {loop(0, 6)});

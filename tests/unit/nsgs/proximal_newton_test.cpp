@@ -27,7 +27,9 @@ TEST(ProximalNewton, SolvesTheCompliantProblem) {
     const auto inverse = invert_mass(problem.M);
     const auto bodies = make_delassus(problem, *inverse), contacts = make_delassus(local);
     for (Delassus* W : {bodies.get(), contacts.get()}) {
-      const ProximalStep step = proximal_step(*W, judged(*W, VecX::Zero(30), Method::automatic), alpha, 1e-9);
+      NewtonSolve newton;
+      const ProximalStep step =
+          proximal_step(*W, judged(*W, VecX::Zero(30), Method::automatic), alpha, 1e-9, newton);
       EXPECT_TRUE(step.solved) << "seed " << seed;
       const VecX r = W->scaled.size * W->scaled.s.cwiseProduct(step.r);
       EXPECT_LE((r - reference.r).norm(), 1e-8 * reference.r.norm()) << "seed " << seed;
@@ -43,9 +45,11 @@ TEST(ProximalNewton, LeavesASolutionWhereItIs) {
   const auto inverse = invert_mass(problem.M);
   const auto W = make_delassus(problem, *inverse);
   const Iterate solution = judged(*W, scaled_start(W->scaled, s.r), Method::automatic);
-  for (const double alpha : {1e-3, 1.0, 1e3})
-    EXPECT_LT((proximal_step(*W, solution, alpha, 1e-9).r - solution.r).norm(), 1e-8 * solution.r.norm())
-        << "alpha " << alpha;
+  for (const double alpha : {1e-3, 1.0, 1e3}) {
+    NewtonSolve newton;
+    const ProximalStep step = proximal_step(*W, solution, alpha, 1e-9, newton);
+    EXPECT_LT((step.r - solution.r).norm(), 1e-8 * solution.r.norm()) << "alpha " << alpha;
+  }
 }
 
 TEST(ProximalNewton, WorksOnManyVelocities) {

@@ -347,13 +347,13 @@ TEST(Regularised, RefusesWhatItCannotMean) {
   EXPECT_NE(message_of([&] { solve_regularised(problem, -R); }).find("R = -"), std::string::npos);
   EXPECT_NE(message_of([&] { with_restitution(problem.q, problem.q, problem.laws, 2); }).find("e = 2"),
             std::string::npos);
-  EXPECT_NE(message_of([] { friction_reading_named("ccp"); }).find("convex_cone"), std::string::npos);
+  EXPECT_NE(message_of([] { friction_reading("ccp"); }).find("convex_cone"), std::string::npos);
   problem.laws[1] = bilateral(3);
   EXPECT_NE(message_of([&] { solve_regularised(problem, R); }).find("laws[1].kind"), std::string::npos);
 }
 
 TEST(Regularised, ReadingsHaveNames) {
-  for (const FrictionReading reading : kAll) EXPECT_EQ(friction_reading_named(to_string(reading)), reading);
+  for (const FrictionReading reading : kAll) EXPECT_EQ(friction_reading(to_string(reading)), reading);
 }
 
 }  // namespace

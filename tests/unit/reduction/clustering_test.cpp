@@ -483,7 +483,7 @@ TEST(MeanContacts, WeighByDepth) {
       mean_contacts(set, {}, {}, {.rule = MeanRule::position_depth, .k = 1, .depth_floor = 1e-12});
   ASSERT_EQ(mean.contacts.size(), 1u);
   const ContactPoint& c = mean.contacts[0].point;
-  EXPECT_LT((0.5 * (c.x_a + c.x_b) - Vec3(0.25, 0, 0)).norm(), 1e-9);
+  EXPECT_LT((mid_point(c) - Vec3(0.25, 0, 0)).norm(), 1e-9);
   EXPECT_LT((c.normal - (3 * Vec3::UnitZ() + Vec3(0, 0.6, 0.8)).normalized()).norm(), 1e-9);
   EXPECT_EQ(c.gap, -3e-3);
   EXPECT_NEAR(c.normal.dot(c.x_a - c.x_b), c.gap, 1e-15);
