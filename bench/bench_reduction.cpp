@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What each reducer costs and what it loses, against the rule of four points that engines use; and the cost
-// per contact from ten to a million contacts in one patch.
+// What each reducer costs and what it loses, and the default one by each clustering, against the rule of four
+// points that engines use; and the cost per contact from ten to a million contacts in one patch.
 //
 // Theory   doc/theory/reduction.md (RED-1) to (RED-15)
 // Run      bench_reduction
@@ -105,12 +105,21 @@ struct Rule {
   std::string name{};
   ReductionOptions options{};
 };
+// Against the whole patch, whatever groups a rule makes of it.
+LossReport loss_of_patch(const ContactSet& set, Selection selection) {
+  selection.cluster.assign(set.points.size(), 0);
+  selection.cluster_count = 1;
+  return measure_loss(set, selection);
+}
+
 std::vector<Rule> rules() {
   std::vector<Rule> out = {
       {"patch_of_four", {.reducer = Reducer::selector, .selector = patch_of_four_selector()}},
       {"paper_exact", {.reducer = Reducer::extreme_points, .paper_exact = true}}};
   for (const std::string& name : reducer_names())
     if (name != "selector" && name != "none") out.push_back({name, {.reducer = reducer(name)}});
+  for (const std::string& name : clustering_names())  // by angle is hull_margin
+    if (name != "angle") out.push_back({"by " + name, {.clustering = {.rule = clustering(name)}}});
   return out;
 }
 
@@ -123,7 +132,7 @@ ExitCode bench(const Arguments& a) {
   summary.set("rules", names);
   double worst_difference = -kInf;
   for (const Family& family : families()) {
-    std::printf("%s, %zu contacts\n%-15s %5s %7s %6s %8s %9s %7s %6s\n", family.name.c_str(),
+    std::printf("%s, %zu contacts\n%-27s %5s %7s %6s %8s %9s %7s %6s\n", family.name.c_str(),
                 family.set.points.size(), "", "kept", "margin", "area", "torsion", "d_H mm", "us", "ratio");
     CsvTable csv(
         a.common.out / ("bench_reduction_" + family.name + ".csv"),  // a row per rule, as they are printed
@@ -133,8 +142,8 @@ ExitCode bench(const Arguments& a) {
     for (const Rule& rule : all) {
       const Selection selection = reduce(family.input(), rule.options);
       const Paired time = paired([&] { reduce(family.input(), rule.options); }, four, a.pairs);
-      const LossReport& loss = selection.loss;
-      std::printf("%-15s %5zu %7.3f %6.3f %8.3f %9.3f %7.1f %6.2f\n", rule.name.c_str(),
+      const LossReport loss = loss_of_patch(family.set, selection);
+      std::printf("%-27s %5zu %7.3f %6.3f %8.3f %9.3f %7.1f %6.2f\n", rule.name.c_str(),
                   selection.kept.size(), loss.margin, loss.area, loss.torsion, 1e3 * loss.hausdorff, time.us,
                   time.ratio);
       csv.add({double(selection.kept.size()), loss.margin, loss.area, loss.torsion, loss.hausdorff, time.us,

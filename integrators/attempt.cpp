@@ -53,6 +53,39 @@ std::vector<Anchor> anchors_after(const Found& found, const ImpulseStep& step, i
   return out;
 }
 
+// Contacts that were left out of the problem and keep their anchors (PER-11): at most `layer` farther open
+// than those of their cluster that hold, they slip against the first of them no faster than (PER-10) allows.
+std::vector<int> waiting_anchors(const StepSetting& setting, const Found& found, const ImpulseStep& step,
+                                 const std::vector<Anchor>& anchors, const VecX& v) {
+  const auto slip = [&](int i) {
+    const ContactRow& row = step.rows[std::size_t(i)];
+    return Vec3(row.frame.rightCols<2>() * slip_velocity(row, setting.dofs, v).segment<2>(1));
+  };
+  const auto gap = [&](int i) { return found.contacts.points[std::size_t(i)].gap; };
+  struct Held {
+    int first = -1;
+    double open = -kInf;
+  };
+  std::vector<Held> clusters(std::size_t(found.selection.cluster_count));
+  std::vector<char> solved(found.contacts.points.size(), 0);
+  for (std::size_t k = 0; k < anchors.size(); ++k) {
+    const int i = step.solved.kept[k];
+    solved[std::size_t(i)] = 1;
+    if (!anchors[k].held) continue;
+    Held& held = clusters[std::size_t(found.selection.cluster[std::size_t(i)])];
+    if (held.first < 0) held.first = i;
+    held.open = std::max(held.open, gap(i) + setting.options.reduction.layer);
+  }
+  std::vector<int> out;
+  for (int i = 0; i < int(solved.size()); ++i) {
+    const Held& held = clusters[std::size_t(found.selection.cluster[std::size_t(i)])];
+    if (!solved[std::size_t(i)] && found.warm.anchor[std::size_t(i)].held && gap(i) <= held.open &&
+        (slip(i) - slip(held.first)).norm() <= setting.options.persistence.slip_speed)
+      out.push_back(i);
+  }
+  return out;
+}
+
 // Those of `apart` whose dilated shapes are not proven to keep apart on the path (CA-16).
 std::vector<std::pair<int, int>> meeting_pairs(const StepSetting& setting, const StepPath& path,
                                                const std::vector<StepPair>& apart, StepReport& report) {
@@ -160,6 +193,27 @@ VecX total_impulses(const ImpulseStep& step) {
   return r;
 }
 
+// What the next step knows of the contacts: the solved ones, the first `contacts` rows of the problem, and
+// those that wait with an anchor.
+ContactMemory memory_after(const StepSetting& setting, const Found& found, const ImpulseStep& step,
+                           const Impulses& impulses, int contacts, const VecX& v) {
+  std::vector<int> members(step.solved.kept.begin(), step.solved.kept.begin() + contacts);
+  std::vector<Vec3> impulse = impulses.contact;
+  StepTrace trace{.drilling = impulses.drilling,
+                  .anchors = anchors_after(found, step, contacts, setting.options.persistence),
+                  .solved = std::vector<char>(members.size(), 1),
+                  .g = found.g};
+  if (!trace.anchors.empty())
+    for (const int i : waiting_anchors(setting, found, step, trace.anchors, v)) {
+      members.push_back(i);
+      impulse.push_back(Vec3::Zero());
+      trace.drilling.push_back(0);
+      trace.anchors.push_back(found.warm.anchor[std::size_t(i)]);
+      trace.solved.push_back(0);
+    }
+  return remember(select(found.contacts, members), impulse, trace);
+}
+
 std::vector<StepGap> step_gaps(const Model& model, const ImpulseStep& step, std::size_t contacts,
                                const VecX& r) {
   std::vector<StepGap> out;
@@ -210,7 +264,7 @@ ContactBlocks contact_blocks(const StepSetting& setting, const State& state, con
   const VecX v_prescribed = prescribed_velocity(setting.model, state, h);
   const ReductionOptions& o = setting.options.reduction;
   std::vector<FrictionPatch> patches;
-  if (o.friction == FrictionAt::patches) patches = friction_patches(contacts, o.cluster_angle, o.layer);
+  if (o.friction == FrictionAt::patches) patches = friction_patches(contacts, o.clustering.angle, o.layer);
   ContactBlocks out{
       .rows = contact_rows(setting.model, state, contacts, v_prescribed, h, normal, reached, patches)};
   GapFunctionRows gaps =
@@ -380,10 +434,7 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
   report.contacts.reserve(kept.points.size());
   for (std::size_t k = 0; k < kept.points.size(); ++k)
     report.contacts.push_back({kept.points[k], impulses.contact[k], impulses.drilling[k]});
-  out.next.memory = remember(kept, impulses.contact,
-                             {.drilling = impulses.drilling,
-                              .anchors = anchors_after(found, step, report.contacts_kept, o.persistence),
-                              .g = found.g});
+  out.next.memory = memory_after(setting, found, step, impulses, report.contacts_kept, move.v_end);
   out.next.r = impulses.r;
   report.t = out.next.t;
   report.h = found.h;

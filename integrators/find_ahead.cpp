@@ -39,7 +39,8 @@ ReductionInput reduction_input(const StepSetting& setting, const State& state, c
   ReductionInput input{.contacts = found.contacts,
                        .kept_before = found.warm.remembered,
                        .impulse = found.warm.impulse,
-                       .h = found.h};
+                       .h = found.h,
+                       .g = found.g};
   for (const ContactPoint& c : found.contacts.points)
     input.mu.push_back(contact_law(setting.model, c.a.body, c.b.body).mu);
   if (setting.options.reduction.reducer != Reducer::selector) return input;

@@ -11,7 +11,7 @@ namespace aussois {
 namespace {
 
 constexpr const char* kFormat = "aussois-checkpoint";
-constexpr const char* kVersion = "4";
+constexpr const char* kVersion = "5";
 
 std::string hex(std::uint64_t value) {
   char text[24];
@@ -89,6 +89,8 @@ void write_state(hid_t file, const State& state) {
   write("/memory/anchor_b", &RememberedContact::anchor_b);
   write_rows(file, "/memory/held",
              gathered<int>(memory, [](const auto& contact) { return int(contact.held); }));
+  write_rows(file, "/memory/solved",
+             gathered<int>(memory, [](const auto& contact) { return int(contact.solved); }));
   write_rows(file, "/state/hash", std::vector<std::uint64_t>{hash(state)});
 }
 
@@ -126,11 +128,13 @@ State read_state(hid_t file) {
   read("/memory/drilling", &RememberedContact::drilling);
   read("/memory/anchor_b", &RememberedContact::anchor_b);
   const auto held = read_rows<int>(file, "/memory/held");
-  if (feature.size() != bodies.size() || held.size() != bodies.size())
+  const auto solved = read_rows<int>(file, "/memory/solved");
+  if (feature.size() != bodies.size() || held.size() != bodies.size() || solved.size() != bodies.size())
     fail_hdf5(file, "/memory", "has columns of different length");
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     memory.contacts[i].key = {.body_a = bodies[i][0], .body_b = bodies[i][1], .feature = feature[i]};
     memory.contacts[i].held = held[i] != 0;
+    memory.contacts[i].solved = solved[i] != 0;
   }
   if (hash(state) != read_one<std::uint64_t>(file, "/state/hash"))
     fail_hdf5(file, "/state/hash", "is not the hash of the state: the file is damaged");

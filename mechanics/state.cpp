@@ -142,6 +142,7 @@ std::uint64_t hash(const State& state) {
     digest.add(c.drilling);
     digest.add(c.anchor_b);
     digest.add(std::uint64_t(c.held));
+    digest.add(std::uint64_t(c.solved));
   }
   return digest.value;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "nsgs/joint_elimination.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -23,6 +24,32 @@ namespace {
 
 constexpr double kProximal = 1e-8;
 constexpr int kProximalSteps = 20;
+
+// A B with few entries in every column, which are in order: without transposing it twice for that.
+SparseMatrix product(const SparseMatrix& A, const SparseMatrix& B) {
+  SparseMatrix out(A.rows(), B.cols());
+  out.reserve(2 * B.nonZeros());
+  std::vector<double> sum(std::size_t(A.rows()), 0);
+  std::vector<int> rows, last(sum.size(), -1);  // column that touched a row last
+  for (int j = 0; j < B.outerSize(); ++j) {
+    rows.clear();
+    for (SparseMatrix::InnerIterator b(B, j); b; ++b)
+      for (SparseMatrix::InnerIterator a(A, int(b.row())); a; ++a) {
+        const auto i = std::size_t(a.row());
+        if (last[i] != j) {
+          last[i] = j;
+          sum[i] = 0;
+          rows.push_back(int(i));
+        }
+        sum[i] += a.value() * b.value();
+      }
+    std::ranges::sort(rows);
+    out.startVec(j);
+    for (const int i : rows) out.insertBackByOuterInner(j, i) = sum[std::size_t(i)];
+  }
+  out.finalize();
+  return out;
+}
 
 }  // namespace
 
@@ -103,6 +130,10 @@ LocalProblem condense(const FrictionProblem& problem) {
 }
 
 LocalProblem condense(const FrictionProblem& problem, const MotionInverse& inverse) {
+  return condense(problem, inverse, free_velocity(problem, inverse));
+}
+
+LocalProblem condense(const FrictionProblem& problem, const MotionInverse& inverse, const VecX& v_free) {
   LocalProblem local;
   local.laws = problem.laws;
   if (problem.laws.empty()) {
@@ -110,9 +141,9 @@ LocalProblem condense(const FrictionProblem& problem, const MotionInverse& inver
     return local;
   }
   const SparseMatrix Ht = problem.H.transpose();
-  local.W = Ht * (inverse * problem.H);
+  local.W = product(Ht, inverse * problem.H);
   if (problem.R.size() > 0) local.W += SparseMatrix(problem.R.asDiagonal());
-  local.q = Ht * free_velocity(problem, inverse) + problem.w;
+  local.q = Ht * v_free + problem.w;
   return local;
 }
 

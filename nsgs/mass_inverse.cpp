@@ -116,7 +116,7 @@ SparseMatrix MassInverse::operator*(const SparseMatrix& X) const {
   }
   SparseMatrix Y(X.rows(), X.cols());
   Y.reserve(2 * X.nonZeros());
-  std::vector<int> touched;
+  std::vector<int> touched;                    // blocks of more than one row
   std::vector<std::pair<int, double>> column;  // row, value
   VecX x = VecX::Zero(X.rows());
   for (int j = 0; j < X.outerSize(); ++j) {
@@ -124,6 +124,10 @@ SparseMatrix MassInverse::operator*(const SparseMatrix& X) const {
     column.clear();
     for (SparseMatrix::InnerIterator it(X, j); it; ++it) {
       const int b = block_of[std::size_t(it.row())];
+      if (size(b) == 1) {
+        column.emplace_back(it.row(), inverse[at[std::size_t(b)]] * it.value());
+        continue;
+      }
       if (touched.empty() || touched.back() != b) touched.push_back(b);
       x[it.row()] = it.value();
     }
@@ -139,8 +143,8 @@ SparseMatrix MassInverse::operator*(const SparseMatrix& X) const {
         for (int k = 0; k < n; ++k) sum += inv[i + n * k] * x[of[k]];
         column.emplace_back(of[i], sum);
       }
+      for (int i = 0; i < n; ++i) x[of[i]] = 0;
     }
-    for (SparseMatrix::InnerIterator it(X, j); it; ++it) x[it.row()] = 0;
     if (!std::ranges::is_sorted(column)) std::ranges::sort(column);
     Y.startVec(j);
     for (const auto& [row, value] : column) Y.insertBackByOuterInner(j, row) = value;

@@ -23,6 +23,16 @@ Clusters clusters_of(const ContactSet& found, double angle) {
   return clusters;
 }
 
+Clusters parts_of(const std::vector<int>& members, const std::vector<int>& label) {
+  Clusters parts;
+  for (std::size_t k = 0; k < members.size(); ++k) {
+    parts.resize(std::max(parts.size(), std::size_t(label[k]) + 1));
+    parts[std::size_t(label[k])].push_back(members[k]);
+  }
+  std::erase_if(parts, [](const std::vector<int>& part) { return part.empty(); });
+  return parts;
+}
+
 std::span<const int> closed_layer(const ContactSet& found, std::span<const int> cluster, double layer) {
   const auto gap = [&](int i) { return found.points[std::size_t(i)].gap; };
   const auto open =

@@ -16,6 +16,9 @@ using Clusters = std::vector<std::vector<int>>;
 /// `angle`: largest angle of a normal to that of its cluster's deepest contact [rad], in (0, pi/2].
 Clusters clusters_of(const ContactSet& found, double angle);
 
+/// The members of each label, which count from 0, in their order; none without members.
+Clusters parts_of(const std::vector<int>& members, const std::vector<int>& label);
+
 /// Its first contacts, within `layer` [m] of the deepest; the cluster has at least one.
 std::span<const int> closed_layer(const ContactSet& found, std::span<const int> cluster, double layer);
 

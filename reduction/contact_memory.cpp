@@ -36,6 +36,7 @@ ContactMemory remember(const ContactSet& contacts, const std::vector<Vec3>& impu
   check_size(impulses.size(), false, "impulses");
   check_size(trace.drilling.size(), true, "drilling impulses");
   check_size(trace.anchors.size(), true, "anchors");
+  check_size(trace.solved.size(), true, "marks");
   ContactMemory memory;
   memory.contacts.reserve(impulses.size());
   const std::vector<SE3> to_body = inverses(impulses.empty() ? std::span<const SE3>() : trace.g);
@@ -49,7 +50,8 @@ ContactMemory remember(const ContactSet& contacts, const std::vector<Vec3>& impu
                         .point_b = to_b * c.x_b,
                         .impulse = impulses[i],
                         .drilling = trace.drilling.empty() ? 0 : trace.drilling[i],
-                        .held = anchor.held};
+                        .held = anchor.held,
+                        .solved = trace.solved.empty() || trace.solved[i] != 0};
     r.anchor_b = anchor.held ? to_b * Vec3(c.x_b - anchor.drift) : r.point_b;
     memory.contacts.push_back(r);
   }

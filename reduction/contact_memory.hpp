@@ -25,6 +25,7 @@ struct RememberedContact {
   double drilling = 0;           // moment of it about the normal, on A [N m s]; 0 without drilling friction
   Vec3 anchor_b = Vec3::Zero();  // where the material of point_a began to stick, in B's frame [m] (PER-8)
   bool held = false;             // there is an anchor; anchor_b is point_b otherwise
+  bool solved = true;            // it was in the problem; if not, it is here for its anchor (PER-11)
 };
 
 /// Part of the State: a plain value, sorted by key, then by the coordinates of point_a. Keys may repeat: two
@@ -38,7 +39,8 @@ struct ContactMemory {
 struct StepTrace {
   std::vector<double> drilling{};  // about the normal, on A [N m s]
   std::vector<Anchor> anchors{};
-  std::span<const SE3> g{};  // g_wb of all bodies where the contacts were found; empty: the identity
+  std::vector<char> solved{};  // none: all
+  std::span<const SE3> g{};    // g_wb of all bodies where the contacts were found; empty: the identity
 };
 
 /// Keeps every contact; `impulses[i]` acts on A of contact i, world [N s]. Throws std::invalid_argument

@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include <Eigen/Geometry>
 
 #include "geometry/check.hpp"
 #include "reduction/contact_order.hpp"
+#include "reduction/selection.hpp"
 
 namespace aussois {
 namespace {
@@ -150,15 +152,9 @@ NormalClusters cluster_normals(const ContactSet& contacts, const NormalClusterOp
 
 Clusters clusters_by_normals(const ContactSet& contacts, const NormalClusterOptions& options) {
   Clusters out;
-  for (const std::vector<int>& members : contacts_by_pair(contacts)) {
-    ContactSet pair;
-    for (const int i : members) pair.points.push_back(contacts.points[std::size_t(i)]);
-    const NormalClusters groups = cluster_normals(pair, options);
-    const std::size_t start = out.size();
-    out.resize(start + groups.centre.size());
-    for (std::size_t k = 0; k < members.size(); ++k)
-      out[start + std::size_t(groups.label[k])].push_back(members[k]);
-  }
+  for (const std::vector<int>& pair : contacts_by_pair(contacts))
+    for (std::vector<int>& part : parts_of(pair, cluster_normals(select(contacts, pair), options).label))
+      out.push_back(std::move(part));
   return out;
 }
 

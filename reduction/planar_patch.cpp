@@ -92,7 +92,7 @@ PlanarPatch planar_patch(const ContactSet& found, std::span<const int> members) 
   const auto middle = [&](int i) { return mid_point(found.points[std::size_t(i)]); };
   Vec3 n = Vec3::Zero(), mean = Vec3::Zero();
   for (const int i : members) {
-    n += found.points[std::size_t(i)].normal;  // never zero: all are within a right angle of the seed
+    n += found.points[std::size_t(i)].normal;  // never zero: clusters hold no normals that cancel
     mean += middle(i);
   }
   mean /= double(members.size());

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "geometry/check.hpp"
+#include "geometry/named.hpp"
 #include "reduction/contact_order.hpp"
 #include "reduction/direction_set.hpp"
 #include "reduction/extreme_points.hpp"
@@ -16,15 +17,15 @@
 namespace aussois {
 namespace {
 
-constexpr std::pair<Reducer, const char*> kNames[] = {{Reducer::none, "none"},
-                                                      {Reducer::extreme_points, "extreme_points"},
-                                                      {Reducer::hull_exact, "hull_exact"},
-                                                      {Reducer::hull_area_loss, "hull_area_loss"},
-                                                      {Reducer::hull_margin, "hull_margin"},
-                                                      {Reducer::direction_set, "direction_set"},
-                                                      {Reducer::wrench_cone, "wrench_cone"},
-                                                      {Reducer::load_carrier, "load_carrier"},
-                                                      {Reducer::selector, "selector"}};
+constexpr Named<Reducer> kNames[] = {{Reducer::none, "none"},
+                                     {Reducer::extreme_points, "extreme_points"},
+                                     {Reducer::hull_exact, "hull_exact"},
+                                     {Reducer::hull_area_loss, "hull_area_loss"},
+                                     {Reducer::hull_margin, "hull_margin"},
+                                     {Reducer::direction_set, "direction_set"},
+                                     {Reducer::wrench_cone, "wrench_cone"},
+                                     {Reducer::load_carrier, "load_carrier"},
+                                     {Reducer::selector, "selector"}};
 
 void check(const ReductionInput& input) {
   const std::vector<ContactPoint>& points = input.contacts.points;
@@ -42,6 +43,10 @@ void check(const ReductionInput& input) {
     require(size == 0 || size == points.size(), std::string("ReductionInput::") + field + ": " +
                                                     std::to_string(size) + " entries for " +
                                                     std::to_string(points.size()) + " contacts");
+  for (const ContactPoint& c : points)
+    require(input.g.empty() || std::size_t(std::max(c.a.body, c.b.body)) < input.g.size(),
+            "ReductionInput::g: " + std::to_string(input.g.size()) + " poses for a contact of body " +
+                std::to_string(std::max(c.a.body, c.b.body)));
 }
 
 std::vector<int> at(std::span<const int> members, const std::vector<int>& chosen) {
@@ -215,29 +220,17 @@ LossReport complete(const ContactSet& found, const std::vector<int>& cluster, do
 }  // namespace
 
 const char* to_string(Reducer reducer) {
-  for (const auto& [value, name] : kNames)
-    if (value == reducer) return name;
-  return "?";
+  return name_of(reducer, kNames);
 }
-
-std::vector<std::string> reducer_names() {
-  std::vector<std::string> names;
-  for (const auto& entry : kNames) names.emplace_back(entry.second);
-  return names;
-}
-
 Reducer reducer(const std::string& name) {
-  std::string all;
-  for (const auto& [value, known] : kNames) {
-    if (name == known) return value;
-    all += (all.empty() ? "" : ", ") + std::string(known);
-  }
-  throw std::invalid_argument("reducer = " + name + " must be one of " + all);
+  return value_named(name, "reducer", kNames);
+}
+std::vector<std::string> reducer_names() {
+  return names_of(kNames);
 }
 
 void validate(const ReductionOptions& options) {
-  require_field(options.cluster_angle > 0 && options.cluster_angle <= kPi / 2,
-                "ReductionOptions::cluster_angle", options.cluster_angle, "lie in (0, pi/2] rad");
+  validate(options.clustering);
   require_field(options.min_per_cluster >= 1, "ReductionOptions::min_per_cluster", options.min_per_cluster,
                 "be at least 1");
   require_field(options.tie >= 0 && options.tie <= 0.1, "ReductionOptions::tie", options.tie,
@@ -268,7 +261,7 @@ void validate(const ReductionOptions& options) {
 Selection reduce(const ReductionInput& input, const ReductionOptions& options) {
   validate(options);
   check(input);
-  const Clusters clusters = clusters_of(input.contacts, options.cluster_angle);
+  const Clusters clusters = clusters_of(input, options.clustering);
   std::vector<int> kept;
   if (options.reducer == Reducer::none) {
     kept.resize(input.contacts.points.size());
@@ -298,18 +291,6 @@ Selection reduce(const ReductionInput& input, const ReductionOptions& options) {
 
 Selection reduce(const ContactSet& found, const ReductionOptions& options) {
   return reduce(ReductionInput{.contacts = found}, options);
-}
-
-ContactSet select(const ContactSet& found, const std::vector<int>& kept) {
-  ContactSet result;
-  result.points.reserve(kept.size());
-  for (const int i : kept) {
-    if (i < 0 || std::size_t(i) >= found.points.size())
-      throw std::invalid_argument("select: index " + std::to_string(i) + " must lie in [0, " +
-                                  std::to_string(found.points.size()) + ")");
-    result.points.push_back(found.points[std::size_t(i)]);
-  }
-  return result;
 }
 
 LossReport measure_loss(const ContactSet& found, const Selection& selection) {

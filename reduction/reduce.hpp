@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fewer contacts that can still carry the same loads (RED-1) to (RED-4), and what the others take with them
-// (RED-7): contacts of one body pair are clustered by normal, and of each cluster some are kept, the deepest
-// one always.
+// (RED-7): contacts of one body pair are clustered, by normal unless asked otherwise, and of each cluster
+// some are kept, the deepest one always.
 #pragma once
 
 #include <string>
 #include <vector>
 
+#include "reduction/clustering.hpp"
 #include "reduction/hull_margin.hpp"
 #include "reduction/selection.hpp"
 
@@ -36,8 +37,8 @@ enum class FrictionAt {
 
 struct ReductionOptions {
   Reducer reducer = Reducer::hull_margin;
-  double cluster_angle = 0.1;  // largest angle of a normal to that of its seed [rad], in (0, pi/2]; taste
-  int min_per_cluster = 4;     // sets of at most this size are kept whole, >= 1
+  ClusteringOptions clustering{};  // which contacts of a pair are reduced together
+  int min_per_cluster = 4;         // sets of at most this size are kept whole, >= 1
   double layer = 1e-5;  // contacts within this of the deepest are reduced by themselves too [m], >= 0; taste
   double min_margin = 0;  // contacts are added to every cluster until its margin is at least this, in [0, 1];
                           // 0: whatever the reducer leaves
@@ -61,9 +62,6 @@ void validate(const ReductionOptions& options);  // throws std::invalid_argument
 /// selector names a contact that is not in it.
 Selection reduce(const ReductionInput& input, const ReductionOptions& options = {});
 Selection reduce(const ContactSet& found, const ReductionOptions& options = {});
-
-/// The kept contacts, in order. Throws std::invalid_argument if an index is out of range.
-ContactSet select(const ContactSet& found, const std::vector<int>& kept);
 
 /// The worst over all clusters of what the kept contacts lost against the full set (RED-7). `selection` as
 /// returned by reduce() for the same set, or any subset of it with the same clusters.

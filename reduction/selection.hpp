@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "geometry/se3.hpp"
@@ -26,6 +27,7 @@ struct ReductionInput {
   std::vector<Vec3> impulse{};      // of the last step on A, turned to now, world [N s]; zero: none
   std::vector<double> mu{};         // Coulomb friction [-], >= 0
   double h = 0;                     // the step that the impulses scale with [s]; 0: not known
+  std::span<const SE3> g{};         // g_wb by Feature::body; empty: the identity
   std::vector<BodyLoad> bodies{};   // by Feature::body; only for Reducer::selector
 };
 
@@ -40,5 +42,8 @@ struct Selection {
   int cluster_count = 0;
   LossReport loss{};  // the worst of all clusters
 };
+
+/// The kept contacts, in order. Throws std::invalid_argument if an index is out of range.
+ContactSet select(const ContactSet& found, const std::vector<int>& kept);
 
 }  // namespace aussois

@@ -200,7 +200,7 @@ class Cascade {
   // Sorted by claim().
   void inherit(const std::vector<Candidate>& candidates) {
     for (const Candidate& c : candidates) {
-      if (taken_[c.old]) continue;
+      if (taken_[c.old] || !old_[c.old].solved) continue;
       taken_[c.old] = 1;
       legacies_.emplace_back(c.now, c.old);
     }
@@ -263,7 +263,7 @@ WarmStart warm_start(const ContactMemory& memory, const ContactSet& contacts, co
     out.anchor[i] = moved_anchor(from, contacts.points[i], input.g);
     out.kind[i] = cascade.kind(k);
     out.match[i] = cascade.match(k);
-    out.remembered[i] = 1;
+    out.remembered[i] = from.solved;
     --out.counts.unmatched;
     ++(out.kind[i] == MatchKind::key        ? out.counts.by_key
        : out.kind[i] == MatchKind::adjacent ? out.counts.by_adjacency

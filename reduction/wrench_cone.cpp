@@ -7,12 +7,25 @@
 
 #include <Eigen/Geometry>
 
-#include "geometry/frame.hpp"
+#include "reduction/contact_memory.hpp"
 
 namespace aussois {
 namespace {
 
 constexpr double kRounding = 1e-9;  // of a factor
+constexpr double kSameAxis = 1e-6;  // of cosines: axes as far across the normal as others
+
+// Columns n and two tangents that turn with body A, whose axes are the columns of `axes`: the first is the
+// one most across the normal, of several the first, so that rounding does not choose (RED-12).
+Mat3 friction_frame(const Vec3& n, const Mat3& axes) {
+  const Vec3 along = (axes.transpose() * n).cwiseAbs();
+  int across = 0;
+  while (along[across] > along.minCoeff() + kSameAxis) ++across;
+  const Vec3 t = (axes.col(across) - n.dot(axes.col(across)) * n).normalized();
+  Mat3 frame;
+  frame << n, t, n.cross(t);
+  return frame;
+}
 
 Generators columns_of(const UnitWrenches& all, std::span<const int> members) {
   Eigen::Index count = 0;
@@ -54,7 +67,8 @@ UnitWrenches unit_wrenches(const ReductionInput& input, std::span<const int> mem
   UnitWrenches out{.g = Generators(6, Eigen::Index(kFacets * members.size())), .first = {0}};
   int at = 0;
   for (const int i : members) {
-    const Mat3 frame = frame_of(contact(i).normal);
+    const Mat3 axes = pose_of(input.g, contact(i).a.body).R.toRotationMatrix();
+    const Mat3 frame = friction_frame(contact(i).normal, axes);
     const double mu = input.mu.empty() ? 0 : input.mu[std::size_t(i)];
     const Vec3 arm = (mid_point(contact(i)) - mean) / length;
     for (int k = 0; k < (mu > 0 ? kFacets : 1); ++k) {

@@ -22,6 +22,9 @@ void add_options(Cli& cli, SchemeFlags& f) {
   std::vector<std::string> reducers = reducer_names();
   std::erase(reducers, to_string(Reducer::selector));
   cli.choice("--reducer", f.reducer, "which contacts of a patch the solver begins with", reducers);
+  cli.choice("--clustering", f.clustering, "how a patch is told from others", clustering_names());
+  cli.option("--clusters", f.options.reduction.clustering.k, "of a body pair, of clusterings by k-means", "",
+             {1, 1000});
   cli.option("--min-margin", f.options.reduction.min_margin, "of every patch's support", "-", {0, 1});
   cli.flag("--patch-friction", f.patch_friction,
            "friction at the centre of a patch, with its drilling torque");
@@ -38,6 +41,7 @@ SchemeOptions scheme_options(const SchemeFlags& f) {
   out.normal.law = normal_law(f.normal);
   out.update = group_update(f.update);
   out.reduction.reducer = reducer(f.reducer);
+  out.reduction.clustering.rule = clustering(f.clustering);
   out.reduction.friction = f.patch_friction ? FrictionAt::patches : FrictionAt::contacts;
   return out;
 }

@@ -13,6 +13,7 @@ struct SchemeFlags {
   std::string impact = to_string(ImpactLaw::newton), impact_order = to_string(ImpactOrder::simultaneous);
   std::string projection = to_string(ProjectionOrder::combined), update = to_string(GroupUpdate::exponential);
   std::string reducer = to_string(ReductionOptions{}.reducer);
+  std::string clustering = to_string(ClusteringOptions{}.rule);
   bool patch_friction = false;
   SchemeOptions options{};  // but for those names
 };

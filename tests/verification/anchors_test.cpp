@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "tests/support/block_scene.hpp"
+#include "tests/support/every_other.hpp"
 
 namespace aussois {
 namespace {
@@ -53,10 +54,50 @@ TEST(Anchors, KeepABlockInPlaceAndFeedNoEnergy) {
   EXPECT_LT(with.energy_rise, 1e-9 * weight * kSide);  // relative to a fall by its own height
 }
 
-/// How far a block 20 cm off the axis of a table that turns by a radian per second has slipped on it in two
+/// A prism of eight sides on a plate; its eight contacts are asked in two sets of four by turns.
+Scene prism_on_plate(double mu, double slope) {
+  Scene s = block_on_plate(mu, 0, slope);
+  const SimplicialComplex prism = make_cylinder(kSide / 2, kSide / 2, 8);
+  const int shape = add(s.model, prepare(dilate(prism, kRadius)));
+  s.model.bodies[std::size_t(s.block)] = solid_body("prism", shape, mass_properties(prism, kDensity));
+  pose(s.state, s.block).p.z() = kSide / 4 + 2 * kRadius;
+  return s;
+}
+
+/// Two schemes that ask different sets, ten steps each by turns.
+struct ByTurns {
+  MoreauJean even, odd;
+  ByTurns(const Model& model, bool anchors)
+      : even(model, asking(anchors, false)), odd(model, asking(anchors, true)) {}
+  static MoreauJeanOptions asking(bool anchors, bool second) {
+    return {.h = 1e-3,
+            .reduction = {.reducer = Reducer::selector, .selector = every_other(second)},
+            .persistence = {.anchors = anchors}};
+  }
+  StepReport step(State& state, int n) const { return (n / 10 % 2 == 0 ? even : odd).step(state); }
+};
+
+TEST(Anchors, KeepAPrismInPlaceWhileTheSelectionSwitches) {
+  Scene s = prism_on_plate(0.5, std::atan(0.9 * 0.5));
+  const ByTurns schemes(s.model, true);
+  for (int n = 0; n < 100; ++n) ASSERT_TRUE(schemes.step(s.state, n).ok());
+  const double start = pose(s.state, s.block).p.x();
+  double worst = 0;
+  int most = 0;
+  for (int n = 0; n < 20000; ++n) {
+    const StepReport report = schemes.step(s.state, n);
+    ASSERT_TRUE(report.ok()) << report.reason << ", step " << n;
+    worst = std::max(worst, std::abs(pose(s.state, s.block).p.x() - start));
+    most = std::max(most, report.contacts_kept);
+  }
+  EXPECT_LT(worst, 1e-6);
+  EXPECT_LT(most, 8);  // the sets do differ
+}
+
+/// How far a body 20 cm off the axis of a table that turns by a radian per second has slipped on it in two
 /// seconds. It stands exactly if every point of it goes round in a circle: the path of a step is its chord.
-double slip_on_a_turntable(bool anchors, double h) {
-  Scene s = block_on_plate(0.5, 0, 0);
+template <class Steps>
+double slip_on_a_turntable(Scene s, const Steps& steps_of) {
   Trajectory path;
   for (int i = 0; i <= 60; ++i) {
     path.t.push_back(0.05 * i);
@@ -67,18 +108,34 @@ double slip_on_a_turntable(bool anchors, double h) {
   pose(s.state, s.block).p.x() = 0.2;
   twist(s.state, s.block) << 0, 0.2, 0, 0, 0, 1;
   const Vec3 before = inverse(pose(s.state, s.ground)) * pose(s.state, s.block).p;
-  const MoreauJean scheme(s.model, {.h = h, .persistence = {.anchors = anchors}});
-  run(scheme, s.state, 2);
+  const auto steps = steps_of(s.model);
+  for (int n = 0; s.state.t < 2 - 1e-12; ++n) EXPECT_TRUE(steps(s.state, n).ok()) << n;
   const Vec3 after = inverse(pose(s.state, s.ground)) * pose(s.state, s.block).p;
   return (after - before).head<2>().norm();
 }
 
 TEST(Anchors, HoldABlockOnATurntable) {
-  const double without = slip_on_a_turntable(false, 1e-3), with = slip_on_a_turntable(true, 1e-3);
+  const auto slip = [](bool anchors) {
+    return slip_on_a_turntable(block_on_plate(0.5, 0, 0), [&](const Model& model) {
+      return [scheme = MoreauJean(model, {.h = 1e-3, .persistence = {.anchors = anchors}})](
+                 State& state, int) { return scheme.step(state, 2 - state.t); };
+    });
+  };
+  const double without = slip(false), with = slip(true);
   RecordProperty("turntable_without_m", std::to_string(1e6 * without) + "e-6");
   RecordProperty("turntable_with_m", std::to_string(1e6 * with) + "e-6");
   EXPECT_NEAR(without, 2000 * 1e-7, 2e-6);  // r w^2 h^2 / 2 in every step
   EXPECT_NEAR(with, 1e-7 / 0.2, 1e-8);      // of one step, over the rate
+}
+
+// Each set starts its anchors when it is first asked, and keeps them while it waits: two sets, twice the
+// slip.
+TEST(Anchors, HoldAPrismOnATurntableWhileTheSelectionSwitches) {
+  const double slip = slip_on_a_turntable(prism_on_plate(0.5, 0), [](const Model& model) {
+    return [schemes = ByTurns(model, true)](State& state, int n) { return schemes.step(state, n); };
+  });
+  RecordProperty("turntable_by_turns_m", std::to_string(1e6 * slip) + "e-6");
+  EXPECT_LT(slip, 2 * 1e-7 / 0.2 + 1e-8);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "integrators/scheme.hpp"
 #include "tests/support/block_scene.hpp"
+#include "tests/support/every_other.hpp"
 
 namespace aussois {
 namespace {
@@ -26,30 +27,6 @@ Scene stack_of_ten() {
     pose(s.state, i + 1) = translation(0, 0, 0.025 + 0.05 * i + 2 * kRadius * (i + 1)) *
                            rotation(Vec3::UnitZ(), i % 2 ? kPi / 4 : 0.0);
   return s;
-}
-
-/// Every other contact of a cluster of eight by angle about its middle, which half depends on `odd`; four are
-/// kept.
-ContactSelector every_other(bool odd) {
-  return [odd](const ReductionInput& input, const Clusters& clusters) {
-    std::vector<int> kept;
-    for (const std::vector<int>& cluster : clusters) {
-      if (cluster.size() < 8) {
-        kept.insert(kept.end(), cluster.begin(), cluster.end());
-        continue;
-      }
-      Vec3 middle = Vec3::Zero();
-      for (const int i : cluster)
-        middle += input.contacts.points[std::size_t(i)].x_a / double(cluster.size());
-      std::vector<int> order = cluster;
-      std::ranges::sort(order, {}, [&](int i) {
-        const Vec3 d = input.contacts.points[std::size_t(i)].x_a - middle;
-        return std::atan2(d.y(), d.x());
-      });
-      for (std::size_t k = odd ? 1 : 0; k < order.size(); k += 2) kept.push_back(order[k]);
-    }
-    return kept;
-  };
 }
 
 /// Sweeps of plain Gauss-Seidel over 22 steps of a stack that has come to rest by the default solver; the

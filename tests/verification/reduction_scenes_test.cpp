@@ -234,5 +234,26 @@ TEST(ReductionInAStep, HasTheSameBitsByAFreshSchemeInEveryStep) {
   }
 }
 
+// Whatever is reduced together, the cylinder stands, by the same bits for any threads and a fresh scheme.
+TEST(ReductionInAStep, StandsByAnyClusteringAndHasTheSameBits) {
+  for (const std::string& name : clustering_names()) {
+    Upright s = upright_cylinder(64, 0.05, 0.06, 0.3, 0.1);
+    State again = s.state;
+    MoreauJeanOptions options{.h = 1e-3, .reduction = {.clustering = {.rule = clustering(name)}}};
+    const MoreauJean scheme(s.model, options);
+    options.threads = 3;
+    int kept = 64;
+    for (int k = 0; k < 20; ++k) {
+      const StepReport report = scheme.step(s.state);
+      ASSERT_TRUE(report.ok()) << name << ": " << report.reason;
+      ASSERT_TRUE(MoreauJean(s.model, options).step(again).ok());
+      ASSERT_EQ(hash(s.state), hash(again)) << name << ", step " << k;
+      kept = std::min(kept, report.contacts_kept);
+    }
+    EXPECT_LT(twist(s.state, s.body).norm(), 1e-6) << name;
+    EXPECT_LT(kept, 64) << name;
+  }
+}
+
 }  // namespace
 }  // namespace aussois

@@ -41,7 +41,8 @@ Checkpoint nasty_checkpoint() {
                                      .impulse = Vec3(-0.0, 1.0 / 3, i),
                                      .drilling = 0.1 * i,
                                      .anchor_b = Vec3(-1e-310, i, 1.0 / 7),
-                                     .held = i == 1});
+                                     .held = i == 1,
+                                     .solved = i != 1});
   checkpoint.numbers = {
       {"peak_force", 12.345}, {"least", -std::numeric_limits<double>::denorm_min()}, {"none", kInf}};
   checkpoint.counts = {{"rows", 12345678901}, {"refused", 0}};
@@ -85,7 +86,8 @@ TEST(Checkpoint, GivesTheStateBackBitForBit) {
                 same_bits(x.point_a.data(), y.point_a.data(), 3) &&
                 same_bits(x.impulse.data(), y.impulse.data(), 3) && same_bits(&x.drilling, &y.drilling, 1));
     EXPECT_TRUE(same_bits(x.point_b.data(), y.point_b.data(), 3) &&
-                same_bits(x.anchor_b.data(), y.anchor_b.data(), 3) && x.held == y.held);
+                same_bits(x.anchor_b.data(), y.anchor_b.data(), 3) && x.held == y.held &&
+                x.solved == y.solved);
   }
 }
 

@@ -75,6 +75,7 @@ TEST(State, HashSeesEveryNumber) {
     }
     changes.push_back([=](State& s) { bump(s.memory.contacts[i].drilling); });
     changes.push_back([=](State& s) { s.memory.contacts[i].held = true; });
+    changes.push_back([=](State& s) { s.memory.contacts[i].solved = false; });
     changes.push_back([=](State& s) { ++s.memory.contacts[i].key.body_a; });
     changes.push_back([=](State& s) { ++s.memory.contacts[i].key.body_b; });
     changes.push_back([=](State& s) { ++s.memory.contacts[i].key.feature; });

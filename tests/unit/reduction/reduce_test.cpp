@@ -113,7 +113,7 @@ TEST(Reduce, NeverPutsOppositeWallsIntoOneCluster) {
     add(set, {p.x(), p.y(), 0}, Vec3::UnitZ());
     add(set, {p.x(), p.y(), 0.01}, -Vec3::UnitZ());
   }
-  const Selection selection = reduce(set, {.cluster_angle = kPi / 2});
+  const Selection selection = reduce(set, {.clustering = {.angle = kPi / 2}});
   EXPECT_EQ(selection.cluster_count, 2);
   EXPECT_EQ(selection.kept.size(), 8u);
   for (std::size_t i = 0; i < set.points.size(); i += 2)
@@ -136,11 +136,11 @@ TEST(Reduce, DoesNotChainRoundACylinder) {
     const Vec3 normal(std::cos(angle), std::sin(angle), 0);
     add(set, normal, normal);
   }
-  const ReductionOptions options{.cluster_angle = 0.1};
+  const ReductionOptions options{.clustering = {.angle = 0.1}};
   const Selection selection = reduce(set, options);
-  EXPECT_GE(selection.cluster_count, int(kPi / options.cluster_angle));  // a cluster spans at most 2 alpha
+  EXPECT_GE(selection.cluster_count, int(kPi / options.clustering.angle));  // a cluster spans at most 2 alpha
   EXPECT_LE(selection.cluster_count,
-            int(2 * kPi / options.cluster_angle) + 1);  // seeds are farther apart than alpha
+            int(2 * kPi / options.clustering.angle) + 1);  // seeds are farther apart than alpha
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < i; ++j) {
       if (selection.cluster[std::size_t(i)] != selection.cluster[std::size_t(j)]) continue;
@@ -155,8 +155,8 @@ TEST(Reduce, ResolvesAnglesThatTheCosineCannot) {
     const double angle = i % 2 == 0 ? 0 : 2e-9;
     add(set, {double(i), 0, 0}, {std::sin(angle), 0, std::cos(angle)});
   }
-  EXPECT_EQ(reduce(set, {.cluster_angle = 1e-9}).cluster_count, 2);
-  EXPECT_EQ(reduce(set, {.cluster_angle = 3e-9}).cluster_count, 1);
+  EXPECT_EQ(reduce(set, {.clustering = {.angle = 1e-9}}).cluster_count, 2);
+  EXPECT_EQ(reduce(set, {.clustering = {.angle = 3e-9}}).cluster_count, 1);
 }
 
 TEST(Reduce, KeepsClosedFeetUnderOpenCorners) {
@@ -336,7 +336,7 @@ TEST(Reduce, RefusesOptionsOutOfRange) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_NO_THROW(validate(ReductionOptions{}));
   for (const double angle : {0.0, -1.0, 1.6, nan})
-    EXPECT_THROW(validate(ReductionOptions{.cluster_angle = angle}), std::invalid_argument);
+    EXPECT_THROW(validate(ReductionOptions{.clustering = {.angle = angle}}), std::invalid_argument);
   for (const double tie : {-1e-9, 0.2, nan})
     EXPECT_THROW(validate(ReductionOptions{.tie = tie}), std::invalid_argument);
   for (const double layer : {-1e-9, nan})

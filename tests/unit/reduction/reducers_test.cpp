@@ -188,7 +188,7 @@ TEST_P(EveryReducer, T_3_3_DoesNotDependOnTheOrderOfTheSet) {
   }
 }
 
-// Pyramids of friction stand as the frame of their normal does, so the wrench cone is asked without friction.
+// Without poses, so the wrench cone is asked without friction; with both it is below.
 TEST_P(EveryReducer, T_3_3_MovesWithTheBodies) {
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
     Random random(seed);
@@ -465,6 +465,65 @@ TEST(WrenchConeRule, T_3_8_KeepsEveryWrenchUpToItsFactor) {
 
 // All normals parallel, no friction: unit wrenches are the points of the plane, and their hull about the
 // mean.
+// Pyramids of friction turn with body A. Those that stand in the world choose otherwise now and then.
+TEST(WrenchConeRule, ChoosesTheSameInATurnedSceneWithFriction) {
+  const ReductionOptions options{.reducer = Reducer::wrench_cone};
+  int otherwise = 0, dropped = 0;
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    Random random(seed);
+    Known known = random_contacts(random, 40, 0.4);
+    for (ContactPoint& c : known.set.points) {
+      c.b.body = 1;
+      const Vec3 off(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+      c.normal = (c.normal + 0.3 * off).normalized();
+    }
+    std::vector<SE3> g = {{random.rotation(), Vec3::Zero()}, {random.rotation(), Vec3::UnitX()}};
+    std::vector<int> all(40);
+    for (int i = 0; i < 40; ++i) all[std::size_t(i)] = i;
+    const auto kept_with = [&](std::span<const SE3> poses) {
+      ReductionInput input = known.input();
+      input.g = poses;
+      const Selection selection = reduce(input, options);
+      EXPECT_LE(wrench_factor(unit_wrenches(input, all), selection.kept),
+                1 / (1 - options.wrench_loss) + 1e-8)
+          << "seed " << seed;
+      return selection.kept;
+    };
+    const std::vector<int> before = kept_with(g), by_the_world = kept_with({});
+    const Quat R = random.rotation();
+    known.set = moved(known.set, R, Vec3(1, 2, 3));
+    for (SE3& pose : g) pose = SE3{R, Vec3(1, 2, 3)} * pose;
+    EXPECT_EQ(kept_with(g), before) << "seed " << seed;
+    otherwise += kept_with({}) != by_the_world ? 1 : 0;
+    dropped += 40 - int(before.size());
+  }
+  EXPECT_GT(otherwise, 5);  // the sample is not hollow
+  EXPECT_GT(dropped, 50);
+}
+
+// A contact inside of four others is made of theirs, friction and all: pyramids of one normal stand alike.
+TEST(WrenchConeRule, LeavesOutWhatLiesWithinAPatchWithFriction) {
+  Known known;
+  for (const Vec2& p : {Vec2(0, 0), Vec2(1, 0), Vec2(0, 1), Vec2(1, 1), Vec2(0.4, 0.3)}) {
+    add(known.set, {p.x(), p.y(), 0}, Vec3::UnitZ());
+    known.mu.push_back(0.7);
+  }
+  const Quat R(0.3, 0.4, 0.5, std::sqrt(0.5));
+  known.set = moved(known.set, R, Vec3::Zero());
+  const std::vector<SE3> g = {{Quat(0.8, 0, 0.6, 0), Vec3::Zero()}, {}};
+  ReductionInput input = known.input();
+  input.g = g;
+  EXPECT_EQ(reduce(input, {.reducer = Reducer::wrench_cone, .wrench_loss = 0}).kept,
+            (std::vector<int>{0, 1, 2, 3}));
+}
+
+TEST(ReductionInput, NeedsAPoseForEveryBodyOrNone) {
+  const ContactSet set = flat({{0, 0}, {1, 0}});
+  const std::vector<SE3> g(1);
+  EXPECT_EQ(message_of([&] { reduce({.contacts = set, .g = g}, {}); }),
+            "ReductionInput::g: 1 poses for a contact of body 1");
+}
+
 TEST(WrenchConeRule, OfOnePlaneIsTheMargin) {
   Known known;
   for (const Vec2& p : ring(64)) add(known.set, {p.x(), p.y(), 0}, Vec3::UnitZ());
