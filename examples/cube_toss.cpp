@@ -105,7 +105,7 @@ ExitCode finish(const Arguments& a, Summary& summary, const std::vector<Toss>& t
   if (!write_toss_histogram(a.common.out, runs))
     std::fprintf(stderr, "no histogram.png: gnuplot is not installed\n");
   const std::size_t i = shown(tosses, runs, a.replay);
-  write_toss_replay(a.common.out, tosses[i], runs[i], world, a.command_line);
+  write_toss_replay(a.common.out, tosses[i], world, a.command_line);
   summary.set("replay", tosses[i].name);
   for (const std::filesystem::path& file : {a.json, a.common.summary})
     if (!file.empty()) write_summary(file, summary);
@@ -121,12 +121,12 @@ ExitCode fit_and_report(const Arguments& a, const std::vector<Toss>& tosses) {
   if (a.measure_board) world.board = board_of(seen);
   TossFit found;
   {
-    constexpr double kAbout = 30;  // evaluations
+    constexpr double kAbout = 35;  // points
     Progress progress("cube_toss --fit", kAbout, Progress::style_of_stderr(a.common.quiet));
     found = fit(seen, world, a.common.threads, [&](const TossFit& at) {
       char note[80];
       std::snprintf(note, sizeof note, "mu %.4f e %.4f error %.3f mm", at.mu, at.restitution, 1e3 * at.error);
-      progress.at(std::min(double(at.evaluations), kAbout), note);
+      progress.at(std::min(double(at.points), kAbout), note);
       return !interrupted();
     });
   }
@@ -137,8 +137,10 @@ ExitCode fit_and_report(const Arguments& a, const std::vector<Toss>& tosses) {
   const std::vector<TossRun> runs_seen = roll_out_all(seen, world, a.common.threads, progress);
   const std::vector<TossRun> runs = roll_out_all(unseen, world, a.common.threads, progress);
   if (interrupted()) return ExitCode::interrupted;
-  std::printf("mu = %.4f, restitution = %.4f, board at %.2f mm after %d evaluations\n", found.mu,
-              found.restitution, 1e3 * world.board, found.evaluations);
+  std::printf(
+      "mu = %.4f, restitution = %.4f, board at %.2f mm: %.3f mm of way after %d points, %.2g million steps\n",
+      found.mu, found.restitution, 1e3 * world.board, 1e3 * found.error, found.points,
+      1e-6 * double(found.steps));
   tell("seen", runs_seen);
   tell("unseen", runs);
   Summary summary;
@@ -146,7 +148,9 @@ ExitCode fit_and_report(const Arguments& a, const std::vector<Toss>& tosses) {
   summary.set("mu", found.mu);
   summary.set("restitution", found.restitution);
   summary.set("board_m", world.board);
-  summary.set("evaluations", found.evaluations);
+  summary.set("fit_error_m", found.error);
+  summary.set("fit_points", found.points);
+  summary.set("fit_steps", found.steps);
   set_errors(summary, "seen_", statistics_of(runs_seen));
   set_errors(summary, "", statistics_of(runs));
   return finish(a, summary, unseen, runs, world);

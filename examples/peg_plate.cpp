@@ -5,8 +5,8 @@
 //
 // Theory   doc/theory/peg_plate.md (PEG-1) to (PEG-17), [Kim2019]
 // Run      peg_plate generate train evaluate --count 4 --set surface_0.3
-// Expect   verdicts on one set of a few cases; with --seeds 5 and no more, in an hour, the whole study:
-// reducers that keep the hull reach the sensors' floor, means of clusters do not; the exit code says whether
+// Expect   verdicts on one set of a few cases; with --seeds 5 and no more the whole study (20 minutes of one
+// core): reducers that keep the hull reach the sensors' floor, means of clusters do not; the exit code tells
 #include <algorithm>
 #include <cstdio>
 #include <mutex>
@@ -33,9 +33,6 @@ struct Arguments {
   bool quiet = false;
 };
 
-constexpr LabelMode kModes[] = {LabelMode::argmin, LabelMode::soft, LabelMode::ranked};
-constexpr int kUprightNormal = 24;  // (PEG-8)
-
 /// One set with one seed.
 struct Job {
   PegSet set{};
@@ -52,11 +49,8 @@ std::vector<Job> jobs_of(const Arguments& a) {
   for (int seed = a.seed; seed < a.seed + a.seeds; ++seed)
     for (const PegSet& set : peg_sets()) {
       if (a.set != "all" && a.set != set.name) continue;
-      Job job{.set = set, .options = a.study};
+      Job job{.set = set, .options = options_for(set, a.study)};
       job.options.view.reading = friction_reading(a.reading);
-      job.options.plant.scenario = set.scenario;
-      job.options.plant.tilt = set.tilt;
-      job.options.plant.scatter = set.scatter;
       job.options.plant.seed = job.options.training.seed = std::uint64_t(seed);
       if (set.scenario == PegScenario::edge)
         job.options.plant.count = std::max(1, (a.study.plant.count + 1) / 2);
@@ -66,23 +60,15 @@ std::vector<Job> jobs_of(const Arguments& a) {
   return jobs;
 }
 
-int cases_of(const Job& job) {
-  const PlantOptions& p = job.options.plant;
-  return int(peg_cases(p.scenario, p.count, p.leans).size());
-}
-
 void generate(const Job& job, bool quiet) {
   claim_folder(job.folder, job.options);
-  const PlantOptions& p = job.options.plant;
-  const std::vector<PegCase> cases = peg_cases(p.scenario, p.count, p.leans);
-  const Plant plant = make_plant(p);
-  Progress progress("generate " + job.name(), double(cases.size()), Progress::style_of_stderr(quiet));
+  const int cases = case_count(job.options);
+  Progress progress("generate " + job.name(), double(cases), Progress::style_of_stderr(quiet));
   std::mutex mutex;
   int done = 0;
-  parallel_for(int(cases.size()), job.options.threads, [&](int i) {
+  parallel_for(cases, job.options.threads, [&](int i) {
     const std::filesystem::path file = samples_file(job.folder, i);
-    if (!interrupted() && !std::filesystem::exists(file))
-      write_samples(file, run_case(plant, cases[std::size_t(i)], i));
+    if (!interrupted() && !std::filesystem::exists(file)) write_samples(file, run_case(job.options, i));
     const std::lock_guard lock(mutex);
     progress.at(++done);
   });
@@ -92,21 +78,16 @@ void train(const Job& job, bool quiet) {
   claim_folder(job.folder, job.options);
   const std::filesystem::path lessons_file = job.folder / "lessons.json";
   const auto is_there = [&](LabelMode mode) { return std::filesystem::exists(job.network(mode)); };
-  if (read_lessons(lessons_file) && std::ranges::all_of(kModes, is_there)) return;
+  if (read_lessons(lessons_file) && std::ranges::all_of(kLabelModes, is_there)) return;
 
-  const PegData data = read_data(job.folder, cases_of(job));
+  const PegData data = read_data(job.folder, case_count(job.options));
   Progress progress("train " + job.name(), 4, Progress::style_of_stderr(quiet));
-  const Lessons lessons = make_lessons(data, split_cases(int(data.size()), job.options.plant.seed),
-                                       job.options, [&](double part) { progress.at(part, "labels"); });
-  LessonsLearnt learnt{.best_choice = ranking(lessons.errors).front()};
-  if (job.set.scenario == PegScenario::edge) {
-    const std::vector<int> labels = chosen_labels(lessons.errors, {.mode = LabelMode::argmin});
-    learnt.upright_share = double(std::ranges::count(labels, kUprightNormal)) / double(labels.size());
-  }
+  const Lessons lessons = make_lessons(data, split_cases(job.options), job.options,
+                                       [&](double part) { progress.at(part, "labels"); });
   int done = 0;
-  for (const LabelMode mode : kModes) {
+  for (const LabelMode mode : kLabelModes) {
     ++done;
-    const Training made = train(lessons, job.set.scenario, mode, job.options, [&](int k, double) {
+    const Training made = train(lessons, mode, job.options, [&](int k, double) {
       progress.at(done + double(k) / job.options.training.iterations, to_string(mode));
       return !interrupted();
     });
@@ -119,7 +100,7 @@ void train(const Job& job, bool quiet) {
       std::printf("%s, %s labels: loss %.4f after %d iterations\n", job.name().c_str(), to_string(mode),
                   made.loss, made.iterations);
   }
-  write_lessons(lessons_file, learnt);
+  write_lessons(lessons_file, learnt_from(lessons, job.set.scenario));
 }
 
 /// True: the pictures are there.
@@ -128,35 +109,27 @@ bool evaluate(const Job& job, bool quiet) {
   if (read_result(job.folder / "result.json")) return true;
   const std::optional<LessonsLearnt> learnt = read_lessons(job.folder / "lessons.json");
   if (!learnt) throw std::runtime_error(job.folder.string() + "/lessons.json is missing: train first");
-  const PegData data = read_data(job.folder, cases_of(job));
-  const PegSplit split = split_cases(int(data.size()), job.options.plant.seed);
+  const PegData data = read_data(job.folder, case_count(job.options));
+  std::vector<Network> networks;
+  for (const LabelMode mode : kLabelModes) networks.push_back(read_network(job.network(mode)));
+  const std::vector<NamedMethod> methods = all_methods(job.options, *learnt, networks);
 
-  std::vector<NamedMethod> methods =
-      untrained_methods(job.set.scenario, job.options.view, job.options.plant.seed);
-  methods.push_back(fixed_method("best_fixed", job.set.scenario,
-                                 peg_choices(job.set.scenario)[std::size_t(learnt->best_choice)]));
-  for (const LabelMode mode : kModes)
-    methods.push_back(learned_method(std::string("mlc_") + to_string(mode), job.set.scenario,
-                                     read_network(job.network(mode))));
-  methods.push_back(oracle_method(job.set.scenario, job.options.view));
-
-  PegResult result{.set = job.set.name,
-                   .seed = job.options.plant.seed,
-                   .scores = std::vector<PegScore>(methods.size()),
-                   .upright_share = learnt->upright_share};
   Progress progress("evaluate " + job.name(), double(methods.size()), Progress::style_of_stderr(quiet));
   std::mutex mutex;
-  int done = 0;
-  parallel_for(int(methods.size()), job.options.threads, [&](int i) {
-    if (!interrupted())
-      result.scores[std::size_t(i)] = score(methods[std::size_t(i)], data, split.test, job.options);
-    const std::lock_guard lock(mutex);
-    progress.at(++done, methods[std::size_t(i)].name);
-  });
+  int begun = 0;
+  const PegResult result{.set = job.set.name,
+                         .seed = job.options.plant.seed,
+                         .scores = score_all(methods, data, job.options,
+                                             [&](const std::string& method) {
+                                               const std::lock_guard lock(mutex);
+                                               progress.at(begun++, method);
+                                               return !interrupted();
+                                             }),
+                         .upright_share = learnt->upright_share};
   if (interrupted()) return true;
   const LabelMode shown = job.set.scenario == PegScenario::surface ? LabelMode::ranked : LabelMode::soft;
-  const bool drawn =
-      write_pictures(job.folder, data, split.test, methods, read_network(job.network(shown)), job.options);
+  const bool drawn = write_pictures(job.folder, data, split_cases(job.options).test, methods,
+                                    read_network(job.network(shown)), job.options);
   write_result(job.folder / "result.json", result);
   return drawn;
 }
@@ -215,6 +188,8 @@ int main(int argc, char** argv) {
   cli.option("--rho", a.study.view.rho, "regularisation", "-", {0, 1});
   cli.choice("--reading", a.reading, "of the friction", {"coulomb_pgs", "convex_cone", "hybrid"});
   cli.group("training");
+  cli.flag("--tilted", a.study.tilted,
+           "as many cases again on plates tilted by up to 0.5 degrees, for the surface");
   cli.option("--hidden", a.study.training.hidden, "units of the hidden layer", "", {1, 10000});
   cli.option("--iterations", a.study.training.iterations, "of L-BFGS, at most", "", {1, 1e6});
   cli.group("output");

@@ -273,8 +273,21 @@ Hdf5Column Hdf5Column::open(hid_t file, std::string name, hid_t type, std::vecto
   if (found != column.extent(column.rows_))
     fail_hdf5(file, column.name_, "has another shape than [rows, ...] of the format");
   if (column.rows_ > hsize_t{1} << 32) fail_hdf5(file, column.name_, "claims more than 2^32 rows");
+  column.check_chunks();
   check_size(file, column.name_, column.dataset_);
   return column;
+}
+
+// HDF5 1.10 takes the chunk of a damaged file at its word and reads beyond what it decompressed.
+void Hdf5Column::check_chunks() const {
+  const Hdf5Id layout(H5Dget_create_plist(dataset_), H5Pclose);
+  if (H5Pget_layout(layout) != H5D_CHUNKED) return;
+  std::vector<hsize_t> chunk(row_shape_.size() + 1);
+  if (H5Pget_chunk(layout, int(chunk.size()), chunk.data()) != int(chunk.size()))
+    fail_hdf5(file_, name_, "has chunks of another rank");
+  for (std::size_t i = 0; i < row_shape_.size(); ++i)
+    if (chunk[i + 1] > std::max<hsize_t>(row_shape_[i], 1))
+      fail_hdf5(file_, name_, "has chunks that are wider than its rows");
 }
 
 std::vector<hsize_t> Hdf5Column::extent(hsize_t rows) const {

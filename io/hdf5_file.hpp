@@ -143,6 +143,7 @@ class Hdf5Column {
   hsize_t values() const;  // rows times the values of one row
 
  private:
+  void check_chunks() const;
   std::vector<hsize_t> extent(hsize_t rows) const;
   hid_t file_ = -1;
   std::string name_{};

@@ -15,6 +15,19 @@ RunMesh run_mesh(const SimplicialComplex& complex) {
   return mesh;
 }
 
+// Where it is; what it did is in the report of a step.
+RunJoint run_joint(const Model& model, const State& state, int index) {
+  RunJoint out;
+  for (int axis = 0; axis < axis_count(model.joints[std::size_t(index)].kind); ++axis) {
+    out.coordinate[axis] = joint_coordinate(model, state, index, axis);
+    out.speed[axis] = joint_speed(model, state, index, axis);
+  }
+  const JointError off = joint_error(model, state, index);
+  out.translation_error = off.translation;
+  out.rotation_error = off.rotation;
+  return out;
+}
+
 }  // namespace
 
 RunHeader run_header(const Model& model) {
@@ -35,6 +48,9 @@ RunHeader run_header(const Model& model) {
     }
     header.bodies.push_back(std::move(row));
   }
+  for (const Joint& joint : model.joints)
+    header.joints.push_back({joint.name, to_string(joint.kind), {joint.body_a, joint.body_b}});
+  for (const Coordinates& block : model.coordinates) header.blocks.push_back({block.name, block.size});
   validate(header);
   return header;
 }
@@ -44,7 +60,11 @@ RunStep run_step(std::int64_t step, const Model& model, const State& state, cons
   row.step = step;
   row.time = state.t;
   row.pose = state.g;
-  row.velocity = state.v.head(6 * Eigen::Index(state.g.size()));
+  const Eigen::Index of_bodies = 6 * Eigen::Index(state.g.size());
+  row.velocity = state.v.head(of_bodies);
+  row.q = state.q;
+  row.q_speed = state.v.tail(state.v.size() - of_bodies);
+  for (int i = 0; i < int(model.joints.size()); ++i) row.joints.push_back(run_joint(model, state, i));
   const Energy now = energy(model, state);
   row.kinetic = now.kinetic;
   row.gravity = now.gravity;
@@ -59,12 +79,22 @@ RunStep run_step(std::int64_t step, const Model& model, const State& state, cons
   RunStep row = run_step(step, model, state, coupling);
   for (const StepContact& contact : report.contacts)
     row.contacts.push_back(run_contact(contact.point, contact.impulse));
+  for (std::size_t i = 0; i < report.joints.size(); ++i) {
+    row.joints[i].force = report.joints[i].force;
+    row.joints[i].torque = report.joints[i].torque;
+    row.joints[i].effort = report.joints[i].effort;
+  }
   row.status = int(report.status);
   row.h = report.h;
   row.attempts = report.attempts;
   row.contacts_found = report.contacts_found;
   row.contacts_kept = report.contacts_kept;
   row.contacts_matched = report.matches.matched();
+  row.matched_by_key = report.matches.by_key;
+  row.matched_by_adjacency = report.matches.by_adjacency;
+  row.matched_by_geometry = report.matches.by_geometry;
+  row.unmatched = report.matches.unmatched;
+  row.inherited = report.matches.inherited;
   row.certificate_rounds = report.certificate_rounds;
   row.threshold = report.threshold;
   row.min_gap = report.min_gap;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <stdexcept>
 #include <tuple>
+#include <type_traits>
 #include <unordered_map>
 
 #include "geometry/check.hpp"
@@ -14,7 +15,7 @@ namespace aussois {
 namespace {
 
 constexpr const char* kFormat = "aussois-run";
-constexpr const char* kVersion = "2";
+constexpr const char* kVersion = "3";
 
 /// One dataset and the member it holds.
 template <class Row, class T>
@@ -26,7 +27,7 @@ struct Field {
 template <class Row, class T>
 Field(const char*, T Row::*, const char*) -> Field<Row, T>;
 
-// The layout of the file, apart from poses and velocities, whose rows depend on the number of bodies.
+// The layout of the file, apart from poses, velocities and coordinates, whose rows depend on the model.
 const auto kStepFields = std::tuple{
     Field{"/state/time", &RunStep::time, "s"},
     Field{"/state/step", &RunStep::step, ""},
@@ -36,6 +37,11 @@ const auto kStepFields = std::tuple{
     Field{"/step/contacts_found", &RunStep::contacts_found, ""},
     Field{"/step/contacts_kept", &RunStep::contacts_kept, ""},
     Field{"/step/contacts_matched", &RunStep::contacts_matched, ""},
+    Field{"/match/by_key", &RunStep::matched_by_key, ""},
+    Field{"/match/by_adjacency", &RunStep::matched_by_adjacency, ""},
+    Field{"/match/by_geometry", &RunStep::matched_by_geometry, ""},
+    Field{"/match/unmatched", &RunStep::unmatched, ""},
+    Field{"/match/inherited", &RunStep::inherited, ""},
     Field{"/step/certificate_rounds", &RunStep::certificate_rounds, ""},
     Field{"/step/threshold", &RunStep::threshold, "m"},
     Field{"/step/min_gap", &RunStep::min_gap, "m"},
@@ -71,8 +77,19 @@ const auto kContactFields = std::tuple{
     Field{"/contact/impulse", &RunContact::impulse, "N s"},
     Field{"/contact/gap", &RunContact::gap, "m"},
 };
+const auto kJointFields = std::tuple{
+    Field{"/joint/coordinate", &RunJoint::coordinate, "m, rad"},
+    Field{"/joint/speed", &RunJoint::speed, "m/s, rad/s"},
+    Field{"/joint/force", &RunJoint::force, "N"},
+    Field{"/joint/torque", &RunJoint::torque, "N m"},
+    Field{"/joint/effort", &RunJoint::effort, "N, N m"},
+    Field{"/joint/translation_error", &RunJoint::translation_error, "m"},
+    Field{"/joint/rotation_error", &RunJoint::rotation_error, "rad"},
+};
 constexpr const char* kPose = "/state/pose";
 constexpr const char* kVelocity = "/state/velocity";
+constexpr const char* kCoordinates = "/state/q";
+constexpr const char* kCoordinateSpeeds = "/state/q_speed";
 constexpr const char* kOffset = "/contact/offset";
 
 template <class Fields, class F>
@@ -86,6 +103,12 @@ PoseRow to_row(const SE3& g) {
 }
 SE3 from_row(const PoseRow& row) {
   return {Quat(row[6], row[3], row[4], row[5]), Vec3(row[0], row[1], row[2])};
+}
+
+std::size_t coordinate_count(const RunHeader& header) {
+  std::size_t count = 0;
+  for (const RunBlock& block : header.blocks) count += std::size_t(block.size);
+  return count;
 }
 
 void write_header(hid_t file, const RunHeader& header) {
@@ -128,6 +151,24 @@ void write_header(hid_t file, const RunHeader& header) {
   write_rows(file, "/body/dilation", dilation, "m");
   write_rows(file, "/body/mass", mass, "kg");
   write_rows(file, "/body/inertia", inertia, "kg m^2");
+
+  std::vector<std::string> joints, kinds, blocks;
+  std::vector<std::array<int, 2>> pairs;
+  std::vector<int> sizes;
+  for (const RunJointName& joint : header.joints) {
+    joints.push_back(joint.name);
+    kinds.push_back(joint.kind);
+    pairs.push_back(joint.pair);
+  }
+  for (const RunBlock& block : header.blocks) {
+    blocks.push_back(block.name);
+    sizes.push_back(block.size);
+  }
+  write_texts(file, "/joint/name", joints);
+  write_texts(file, "/joint/kind", kinds);
+  write_rows(file, "/joint/pair", pairs);
+  write_texts(file, "/coordinates/name", blocks);
+  write_rows(file, "/coordinates/size", sizes);
 }
 
 /// The rows of a dataset that must have as many as there are bodies, steps or contacts.
@@ -164,6 +205,18 @@ RunHeader read_header(hid_t file) {
   for (std::size_t i = 0; i < names.size(); ++i)
     header.bodies.push_back(
         {names[i], meshes[i], from_row(mesh_pose[i]), fixed[i] != 0, dilation[i], mass[i], inertia[i]});
+
+  const std::vector<std::string> joints = read_texts(file, "/joint/name"),
+                                 kinds = read_texts(file, "/joint/kind"),
+                                 blocks = read_texts(file, "/coordinates/name");
+  if (kinds.size() != joints.size()) fail_hdf5(file, "/joint/kind", "has not one row per joint");
+  const auto pairs = read_exactly<std::array<int, 2>>(file, "/joint/pair", joints.size());
+  const auto sizes = read_exactly<int>(file, "/coordinates/size", blocks.size());
+  for (std::size_t i = 0; i < joints.size(); ++i) header.joints.push_back({joints[i], kinds[i], pairs[i]});
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    if (sizes[i] < 1) fail_hdf5(file, "/coordinates/size", "is not positive at row " + std::to_string(i));
+    header.blocks.push_back({blocks[i], sizes[i]});
+  }
   return header;
 }
 
@@ -187,6 +240,14 @@ void validate(const RunHeader& header) {
   for (const RunBody& body : header.bodies)
     require(body.mesh.empty() || header.meshes.count(body.mesh) == 1,
             "RunHeader: body " + body.name + ": there is no mesh '" + body.mesh + "'");
+  for (const RunJointName& joint : header.joints)
+    for (const int body : joint.pair)
+      require(body >= -1 && body < int(header.bodies.size()),
+              "RunHeader: joint " + joint.name + ": body " + std::to_string(body) + " must lie in [-1, " +
+                  std::to_string(header.bodies.size()) + ")");
+  for (const RunBlock& block : header.blocks)
+    require(block.size >= 1, "RunHeader: block " + block.name + ": size = " + std::to_string(block.size) +
+                                 " must be at least 1");
 }
 
 void validate(const RunHeader& header, const RunStep& step) {
@@ -195,6 +256,11 @@ void validate(const RunHeader& header, const RunStep& step) {
                 "be the number of bodies");
   require_field(step.velocity.size() == 6 * bodies, "RunStep::velocity: size", step.velocity.size(),
                 "be six times the number of bodies");
+  require_field(step.joints.size() == header.joints.size(), "RunStep::joints: size", step.joints.size(),
+                "be the number of joints");
+  for (const VecX* values : {&step.q, &step.q_speed})
+    require_field(std::size_t(values->size()) == coordinate_count(header), "RunStep::q, q_speed: size",
+                  values->size(), "be the sum of the sizes of the blocks");
   for (const RunContact& contact : step.contacts)
     for (const int body : contact.pair)
       require_field(body >= 0 && body < bodies, "RunContact::pair", body, "be the index of a body");
@@ -215,11 +281,27 @@ ColumnPlan plan_of(const Field<Row, T>& field) {
   return {field.name, Hdf5Row<T>::type(), Hdf5Row<T>::shape(), kHdf5ChunkRows, field.unit};
 }
 
-std::vector<ColumnPlan> step_columns(std::size_t bodies) {
+// A row holds a field of every joint.
+template <class T>
+std::vector<hsize_t> joint_shape(const Field<RunJoint, T>&, std::size_t joints) {
+  std::vector<hsize_t> shape = Hdf5Row<T>::shape();
+  shape.insert(shape.begin(), joints);
+  return shape;
+}
+
+std::vector<ColumnPlan> step_columns(const RunHeader& header) {
+  const std::size_t bodies = header.bodies.size(), joints = header.joints.size();
+  const std::size_t coordinates = coordinate_count(header);
+  constexpr hsize_t kRows = RunWriter::kBlock;
   std::vector<ColumnPlan> plans;
   for_each_field(kStepFields, [&](const auto& field) { plans.push_back(plan_of(field)); });
-  plans.push_back({kPose, H5T_NATIVE_DOUBLE, {bodies, 7}, RunWriter::kBlock, "m"});
-  plans.push_back({kVelocity, H5T_NATIVE_DOUBLE, {bodies, 6}, RunWriter::kBlock, "m/s, rad/s"});
+  plans.push_back({kPose, H5T_NATIVE_DOUBLE, {bodies, 7}, kRows, "m"});
+  plans.push_back({kVelocity, H5T_NATIVE_DOUBLE, {bodies, 6}, kRows, "m/s, rad/s"});
+  plans.push_back({kCoordinates, H5T_NATIVE_DOUBLE, {coordinates}, kRows, ""});
+  plans.push_back({kCoordinateSpeeds, H5T_NATIVE_DOUBLE, {coordinates}, kRows, ""});
+  for_each_field(kJointFields, [&](const auto& field) {
+    plans.push_back({field.name, H5T_NATIVE_DOUBLE, joint_shape(field, joints), kRows, field.unit});
+  });
   return plans;
 }
 
@@ -229,13 +311,18 @@ std::vector<ColumnPlan> contact_columns() {
   return plans;
 }
 
+// What the rows of a run depend on.
+RunHeader rows_of(const RunHeader& header) {
+  return {.bodies = header.bodies, .joints = header.joints, .blocks = header.blocks};
+}
+
 const ColumnPlan kOffsetColumn = {kOffset, H5T_NATIVE_UINT64, {}, kHdf5ChunkRows, ""};
 
 }  // namespace
 
 struct RunWriter::Impl {
   std::filesystem::path path{};
-  RunHeader header{};  // its bodies, for the checks of append
+  RunHeader header{};  // what rows depend on: bodies, joints, blocks
   Hdf5Id file{};
   std::unordered_map<std::string, Hdf5Column> columns{};  // looked up by name, never iterated
   std::vector<RunStep> pending{};
@@ -252,29 +339,37 @@ struct RunWriter::Impl {
     columns[plan.name].truncate(kept);
   }
 
+  // The field of all items; a row of the column is one item, or those of one step.
   template <class Row, class T>
-  void append(const Field<Row, T>& field, const std::vector<Row>& block) {
+  void append(const Field<Row, T>& field, const std::vector<Row>& items, std::size_t column_rows) {
     std::vector<T> values;
-    values.reserve(block.size());
-    for (const Row& row : block) values.push_back(row.*field.member);
-    columns.at(field.name).append(values.data(), values.size());
+    values.reserve(items.size());
+    for (const Row& item : items) values.push_back(item.*field.member);
+    columns.at(field.name).append(values.data(), column_rows);
   }
 
   void write_pending() {
     std::vector<PoseRow> pose;
-    std::vector<double> velocity;
+    std::vector<double> velocity, q, q_speed;
+    std::vector<RunJoint> joint;
     std::vector<RunContact> contact;
     std::vector<std::uint64_t> offset;
     for (const RunStep& step : pending) {
       for (const SE3& g : step.pose) pose.push_back(to_row(g));
       velocity.insert(velocity.end(), step.velocity.begin(), step.velocity.end());
+      q.insert(q.end(), step.q.begin(), step.q.end());
+      q_speed.insert(q_speed.end(), step.q_speed.begin(), step.q_speed.end());
+      joint.insert(joint.end(), step.joints.begin(), step.joints.end());
       contact.insert(contact.end(), step.contacts.begin(), step.contacts.end());
       offset.push_back(contacts + contact.size());
     }
-    for_each_field(kContactFields, [&](const auto& field) { append(field, contact); });
-    for_each_field(kStepFields, [&](const auto& field) { append(field, pending); });
+    for_each_field(kContactFields, [&](const auto& field) { append(field, contact, contact.size()); });
+    for_each_field(kStepFields, [&](const auto& field) { append(field, pending, pending.size()); });
+    for_each_field(kJointFields, [&](const auto& field) { append(field, joint, pending.size()); });
     columns.at(kPose).append(pose.data(), pending.size());
     columns.at(kVelocity).append(velocity.data(), pending.size());
+    columns.at(kCoordinates).append(q.data(), pending.size());
+    columns.at(kCoordinateSpeeds).append(q_speed.data(), pending.size());
     columns.at(kOffset).append(offset.data(), offset.size());
     rows += pending.size();
     contacts += contact.size();
@@ -290,10 +385,10 @@ RunWriter::RunWriter(std::filesystem::path path, const RunHeader& header) : impl
   validate(header);
   const Hdf5Silence silence;
   impl_->path = std::move(path);
-  impl_->header.bodies = header.bodies;
+  impl_->header = rows_of(header);
   impl_->file = create_hdf5(temporary_name(impl_->path));
   write_header(impl_->file, header);
-  for (const ColumnPlan& plan : step_columns(header.bodies.size())) impl_->create(plan);
+  for (const ColumnPlan& plan : step_columns(header)) impl_->create(plan);
   for (const ColumnPlan& plan : contact_columns()) impl_->create(plan);
   impl_->create(kOffsetColumn);
   const std::uint64_t none = 0;
@@ -306,11 +401,11 @@ RunWriter RunWriter::resume(std::filesystem::path path, std::size_t rows) {
   auto impl = std::make_unique<Impl>();
   impl->path = std::move(path);
   impl->file = open_hdf5(temporary_name(impl->path), Hdf5Access::write);
-  impl->header.bodies = read_header(impl->file).bodies;
+  impl->header = rows_of(read_header(impl->file));
   impl->rows = rows;
   impl->reopen(kOffsetColumn, rows + 1);
   impl->contacts = read_rows<std::uint64_t>(impl->file, kOffset).back();
-  for (const ColumnPlan& plan : step_columns(impl->header.bodies.size())) impl->reopen(plan, rows);
+  for (const ColumnPlan& plan : step_columns(impl->header)) impl->reopen(plan, rows);
   for (const ColumnPlan& plan : contact_columns()) impl->reopen(plan, impl->contacts);
   if (rows > 0) {
     impl->last_step = read_rows<std::int64_t>(impl->file, "/state/step").back();
@@ -366,14 +461,32 @@ void read_into(hid_t file, const Field<Row, T>& field, std::vector<Row>& rows) {
   for (std::size_t i = 0; i < rows.size(); ++i) rows[i].*field.member = values[i];
 }
 
-/// The rows of /state/pose or /state/velocity, one after the other.
-std::vector<double> read_body_rows(hid_t file, const char* name, std::size_t steps, std::size_t bodies,
-                                   hsize_t width) {
-  const Hdf5Column column = Hdf5Column::open(file, name, H5T_NATIVE_DOUBLE, {bodies, width});
+/// Rows of a shape that depends on the model, one after the other.
+std::vector<double> read_wide(hid_t file, const char* name, std::size_t steps, std::vector<hsize_t> shape) {
+  const Hdf5Column column = Hdf5Column::open(file, name, H5T_NATIVE_DOUBLE, std::move(shape));
   if (column.rows() != steps) fail_hdf5(file, name, "has not one row per step");
   std::vector<double> values(column.values());
   column.read(values.data());
   return values;
+}
+
+VecX row_of(const std::vector<double>& values, std::size_t row, std::size_t width) {
+  return Eigen::Map<const VecX>(values.data() + row * width, Eigen::Index(width));
+}
+
+/// A field of every joint at every step.
+template <class T>
+void read_joints(hid_t file, const Field<RunJoint, T>& field, std::size_t joints,
+                 std::vector<RunStep>& steps) {
+  const std::vector<double> values = read_wide(file, field.name, steps.size(), joint_shape(field, joints));
+  const double* next = values.data();
+  for (RunStep& step : steps)
+    for (RunJoint& joint : step.joints) {
+      if constexpr (std::is_same_v<T, double>)
+        joint.*field.member = *next++;
+      else
+        joint.*field.member = Vec3(next[0], next[1], next[2]), next += 3;
+    }
 }
 
 }  // namespace
@@ -382,7 +495,8 @@ RunData read_run(const std::filesystem::path& path) {
   const Hdf5Silence silence;
   const Hdf5Id file = open_hdf5(path, Hdf5Access::read);
   RunData run{read_header(file), {}};
-  const std::size_t bodies = run.header.bodies.size();
+  const std::size_t bodies = run.header.bodies.size(), joints = run.header.joints.size();
+  const std::size_t coordinates = coordinate_count(run.header);
 
   const std::vector<std::uint64_t> offset = read_rows<std::uint64_t>(file, kOffset);
   if (offset.empty() || offset.front() != 0) fail_hdf5(file, kOffset, "does not begin with 0");
@@ -393,8 +507,12 @@ RunData read_run(const std::filesystem::path& path) {
 
   run.steps.resize(steps);
   for_each_field(kStepFields, [&](const auto& field) { read_into(file, field, run.steps); });
-  const std::vector<double> pose = read_body_rows(file, kPose, steps, bodies, 7);
-  const std::vector<double> velocity = read_body_rows(file, kVelocity, steps, bodies, 6);
+  for (RunStep& step : run.steps) step.joints.resize(joints);
+  for_each_field(kJointFields, [&](const auto& field) { read_joints(file, field, joints, run.steps); });
+  const std::vector<double> pose = read_wide(file, kPose, steps, {bodies, 7}),
+                            velocity = read_wide(file, kVelocity, steps, {bodies, 6}),
+                            q = read_wide(file, kCoordinates, steps, {coordinates}),
+                            q_speed = read_wide(file, kCoordinateSpeeds, steps, {coordinates});
   for (std::size_t k = 0; k < steps; ++k) {
     if (offset[k] > offset[k + 1]) fail_hdf5(file, kOffset, "does not ascend at row " + std::to_string(k));
     RunStep& step = run.steps[k];
@@ -403,7 +521,9 @@ RunData read_run(const std::filesystem::path& path) {
       std::copy_n(pose.data() + 7 * (k * bodies + i), 7, row.begin());
       step.pose.push_back(from_row(row));
     }
-    step.velocity = Eigen::Map<const VecX>(velocity.data() + 6 * k * bodies, Eigen::Index(6 * bodies));
+    step.velocity = row_of(velocity, k, 6 * bodies);
+    step.q = row_of(q, k, coordinates);
+    step.q_speed = row_of(q_speed, k, coordinates);
     step.contacts.assign(contacts.begin() + std::ptrdiff_t(offset[k]),
                          contacts.begin() + std::ptrdiff_t(offset[k + 1]));
   }

@@ -31,6 +31,17 @@ struct RunBody {
   Mat3 inertia = Mat3::Zero();  // about the centre of mass, body frame [kg m^2]
 };
 
+struct RunJointName {
+  std::string name{}, kind{};       // to_string(JointKind)
+  std::array<int, 2> pair{-1, -1};  // bodies A and B; -1: the world
+};
+
+/// A block of coordinates beside the bodies.
+struct RunBlock {
+  std::string name{};
+  int size = 0;
+};
+
 /// What does not change during the run.
 struct RunHeader {
   std::string title{};  // of the replay: the driver and its case
@@ -39,6 +50,8 @@ struct RunHeader {
   std::map<std::string, std::string> notes{};  // anything else: options, seed, names of input files
   std::map<std::string, RunMesh> meshes{};     // by name
   std::vector<RunBody> bodies{};
+  std::vector<RunJointName> joints{};
+  std::vector<RunBlock> blocks{};
 };
 
 /// A contact that took part in the step, as it stood when it was found.
@@ -52,17 +65,34 @@ struct RunContact {
   double gap = 0;                               // [m], negative where the dilated shapes overlap
 };
 
+/// A joint at the end of a step, and what it did on its body A, averaged over the step.
+struct RunJoint {
+  Vec3 coordinate = Vec3::Zero();  // of its free axes, turns counted [m, rad]; 0 where it has none
+  Vec3 speed = Vec3::Zero();       // the same [m/s, rad/s]
+  Vec3 force = Vec3::Zero();       // of what it locks, at the joint, world [N]
+  Vec3 torque = Vec3::Zero();      // the same [N m]
+  Vec3 effort = Vec3::Zero();      // along its axes: stops, dry friction, motors [N, N m]
+  double translation_error = 0;    // by how much it is off [m]
+  double rotation_error = 0;       // [rad]
+};
+
 /// One recorded step; the first row of a run is usually its initial state with step = 0 and h = 0.
 struct RunStep {
   std::int64_t step = 0;
   double time = 0;          // reached [s]
   std::vector<SE3> pose{};  // g_wb of every body at that time
   VecX velocity{};          // six per body: v_G in the world [m/s], omega in the body [rad/s]
+  VecX q{};                 // of all blocks of coordinates, in order [units of the block]
+  VecX q_speed{};           // [the same per second]
+  std::vector<RunJoint> joints{};
   std::vector<RunContact> contacts{};
 
   int status = 0;  // 0 ok, 1 refused, 2 not finite
   double h = 0;    // length of the step [s]
   int attempts = 0, contacts_found = 0, contacts_kept = 0, contacts_matched = 0, certificate_rounds = 0;
+  // Of the contacts found: recognised by their features, by incident ones, by their place, or new. Inherited:
+  // contacts that are gone and left their impulse to a neighbour.
+  int matched_by_key = 0, matched_by_adjacency = 0, matched_by_geometry = 0, unmatched = 0, inherited = 0;
   double threshold = 0;             // within which contacts were looked for [m]
   double min_gap = kInf;            // of the contacts found, at the start of the step [m]
   double min_base_distance = kInf;  // lower bound over the step [m]

@@ -2,12 +2,17 @@
 #include "examples/peg_plate/labels.hpp"
 
 #include <algorithm>
-#include <numeric>
+#include <tuple>
 
 #include "geometry/check.hpp"
 #include "geometry/parallel.hpp"
 
 namespace aussois {
+namespace {
+
+using Serves = Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic>;
+
+}  // namespace
 
 MatX choice_errors(const SolverView& view, PegScenario scenario, const std::vector<PegSample>& samples,
                    int threads, const std::function<void()>& progress) {
@@ -26,12 +31,20 @@ MatX choice_errors(const SolverView& view, PegScenario scenario, const std::vect
   return errors;
 }
 
-std::vector<int> ranking(const MatX& errors) {
+std::vector<int> ranking(const MatX& errors, double delta) {
   const VecX mean_square = errors.rowwise().squaredNorm();
-  std::vector<int> order(std::size_t(errors.rows()));
-  std::iota(order.begin(), order.end(), 0);
-  std::ranges::stable_sort(order, {}, [&](int c) { return mean_square[c]; });
-  return order;
+  Serves left = (errors.rowwise() - errors.colwise().minCoeff()).array() <= delta;
+  std::vector<int> order;
+  for (;;) {
+    const Eigen::ArrayXi count = left.cast<int>().rowwise().sum();
+    int best = 0;
+    for (int c = 1; c < count.size(); ++c)
+      if (std::tie(count[c], mean_square[best]) > std::tie(count[best], mean_square[c])) best = c;
+    if (count.size() == 0 || count[best] == 0) return order;
+    order.push_back(best);
+    for (Eigen::Index s = 0; s < left.cols(); ++s)
+      if (left(best, s)) left.col(s).setConstant(false);
+  }
 }
 
 const char* to_string(LabelMode mode) {
@@ -47,17 +60,13 @@ const char* to_string(LabelMode mode) {
 }
 
 std::vector<int> chosen_labels(const MatX& errors, const LabelOptions& options) {
-  std::vector<int> order(std::size_t(errors.rows()));
-  std::iota(order.begin(), order.end(), 0);
-  double delta = 0;
-  if (options.mode == LabelMode::ranked) {
-    order = ranking(errors);
-    delta = options.delta;
-  }
-  std::vector<int> out;
+  std::vector<int> order, out;
+  if (options.mode == LabelMode::ranked) order = ranking(errors, options.delta);
   for (Eigen::Index s = 0; s < errors.cols(); ++s) {
-    const double enough = errors.col(s).minCoeff() + delta;
-    out.push_back(*std::ranges::find_if(order, [&](int c) { return errors(c, s) <= enough; }));
+    Eigen::Index least = 0;
+    const double error = errors.col(s).minCoeff(&least);
+    const auto serves = [&](int c) { return errors(c, s) - error <= options.delta; };
+    out.push_back(options.mode == LabelMode::ranked ? *std::ranges::find_if(order, serves) : int(least));
   }
   return out;
 }

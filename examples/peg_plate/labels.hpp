@@ -15,14 +15,17 @@ namespace aussois {
 MatX choice_errors(const SolverView& view, PegScenario scenario, const std::vector<PegSample>& samples,
                    int threads = 1, const std::function<void()>& progress = {});
 
-/// Choices by their mean square error over the samples, the best first; ties by index (PEG-10).
-std::vector<int> ranking(const MatX& errors);
+/// The choices that suffice, in order (PEG-10): the one that serves most samples, then the one that serves
+/// most of the others, until none is left; it serves a sample if its error is within `delta` of the least.
+/// Ties by mean square error, then by index.
+std::vector<int> ranking(const MatX& errors, double delta);
 
 enum class LabelMode {
   argmin,  // [Kim2019]: the choice of least error, one per sample (degenerate where forces are static)
   soft,    // all choices, by exp(-(e - e_min) / tau) (PEG-11)
-  ranked,  // the best-ranked choice within delta of the least error (PEG-12)
+  ranked,  // the first of the ranking that serves the sample (PEG-12)
 };
+inline constexpr LabelMode kLabelModes[] = {LabelMode::argmin, LabelMode::soft, LabelMode::ranked};
 const char* to_string(LabelMode mode);
 
 struct LabelOptions {

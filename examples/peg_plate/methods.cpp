@@ -11,8 +11,6 @@
 namespace aussois {
 namespace {
 
-constexpr int kUpright = 24;  // of the 49 normals (PEG-8)
-
 // The 17 places as contact determination would hand them over: body 0 is the peg, 1 the plate.
 ContactSet as_contact_set(const PegSample& sample, const std::vector<PegContact>& contacts) {
   ContactSet set;
@@ -75,7 +73,7 @@ NamedMethod mean_method(bool warm, std::uint64_t seed) {
 }  // namespace
 
 std::vector<NamedMethod> untrained_methods(PegScenario scenario, const SolverView& view, std::uint64_t seed) {
-  if (scenario == PegScenario::edge) return {fixed_method("upright", scenario, {kUpright})};
+  if (scenario == PegScenario::edge) return {fixed_method("upright", scenario, {kUprightNormal})};
   std::vector<int> all(face_places().size());
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = int(i);
   return {fixed_method("full", scenario, all),

@@ -135,6 +135,8 @@ void add_patch(std::vector<Vec3>& places, std::vector<double>& stiffness, double
 void validate(const PlantOptions& options) {
   require_field(options.tilt >= 0 && options.tilt <= 1, "PlantOptions::tilt", options.tilt,
                 "lie in [0, 1] deg");
+  require_field(options.tilts >= 0 && options.tilts <= 1, "PlantOptions::tilts", options.tilts,
+                "lie in [0, 1] deg");
   require_field(options.scatter >= 0 && options.scatter <= 1, "PlantOptions::scatter", options.scatter,
                 "lie in [0, 1] deg");
   require_field(options.step > 0 && options.step <= 5e-5, "PlantOptions::step", options.step,
@@ -182,7 +184,6 @@ Plant make_plant(const PlantOptions& options) {
     plant.z[i] = at.z();
     plant.mu[i] = mean_mu * (1 + 0.1 * random.normal());
   }
-  plant.R_wp = exp_so3(kDegree * options.tilt * Vec3(1, -0.7, 0)).toRotationMatrix();
   return plant;
 }
 
@@ -191,6 +192,10 @@ std::vector<PegSample> run_case(const Plant& plant, const PegCase& which, int in
   const Vec3 centre(0, 0, tool.centre), to_flange(0, 0, tool.peg.flange - tool.centre);
   Random random(plant.options.seed * 1000003 + std::uint64_t(index) + 1);
   const Vec3 scatter = plant.options.scatter * kDegree * Vec3(random.normal(), random.normal(), 0);
+  Vec3 tilt = kDegree * plant.options.tilt * Vec3(1, -0.7, 0);
+  if (plant.options.tilts > 0)
+    for (const int i : {0, 1}) tilt[i] += kDegree * plant.options.tilts * random.uniform(-1, 1);
+  const Mat3 R_wp = exp_so3(tilt).toRotationMatrix();  // plate to world, its z the normal
   const SetPoint target = make_set_point(which, exp_so3(Vec3(0, which.lean, 0)) * exp_so3(scatter));
 
   const double h = plant.options.step;
@@ -207,10 +212,10 @@ std::vector<PegSample> run_case(const Plant& plant, const PegCase& which, int in
     const bool moves = t < target.until;
     const Mat3 R_wb = R.toRotationMatrix();
     const Vec3 v_peg = v - R_wb * omega.cross(centre);
-    const Mat3 R_pb = plant.R_wp.transpose() * R_wb;
-    const Wrench contact = patch_forces(plant, R_pb, plant.R_wp.transpose() * (p - R_wb * centre),
-                                        plant.R_wp.transpose() * v_peg, omega, h, bristles);
-    const Vec3 plate_force = plant.R_wp * contact.force, plate_torque = R_pb.transpose() * contact.torque;
+    const Mat3 R_pb = R_wp.transpose() * R_wb;
+    const Wrench contact = patch_forces(plant, R_pb, R_wp.transpose() * (p - R_wb * centre),
+                                        R_wp.transpose() * v_peg, omega, h, bristles);
+    const Vec3 plate_force = R_wp * contact.force, plate_torque = R_pb.transpose() * contact.torque;
 
     const Vec3 pull = kStiffness * (target.start + travelled * target.way - p - R_wb * to_flange) +
                       kDamping * ((moves ? target.way : Vec3::Zero()) - v - R_wb * omega.cross(to_flange));

@@ -14,6 +14,7 @@ namespace aussois {
 struct PlantOptions {
   PegScenario scenario = PegScenario::surface;
   double tilt = 0.1;      // of the plate about x; about y it is -0.7 of this [deg], in [0, 1]
+  double tilts = 0;       // and up to this more about x and y from case to case, at random [deg], in [0, 1]
   double scatter = 0.05;  // of the set-point's orientation from case to case, about x and y [deg], in [0, 1]
   double step = 2e-5;     // [s], in (0, 5e-5]: explicit steps
   double sample = 4e-3;   // between samples [s], >= 1e-3
@@ -28,12 +29,11 @@ struct Plant {
   PlantOptions options{};
   Eigen::ArrayXd x{}, y{}, z{};      // in the body's frame [m]
   Eigen::ArrayXd stiffness{}, mu{};  // [N/m], [-]
-  Mat3 R_wp = Mat3::Identity();      // plate to world, its z the normal
 };
 Plant make_plant(const PlantOptions& options);
 
 /// The samples in contact (more than 2 N on the plate). A pure function of plant, case and its index, which
-/// seeds orientation and noise.
+/// seeds orientations and noise.
 std::vector<PegSample> run_case(const Plant& plant, const PegCase& which, int index);
 
 }  // namespace aussois

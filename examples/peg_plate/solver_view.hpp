@@ -32,6 +32,7 @@ std::vector<Vec3> contact_forces(const SolverView& view, const PegSample& sample
 /// point of its rim with 49 normals, tan of both angles to the vertical in {-45, -30, .., 45} degrees
 /// (PEG-8).
 std::vector<PegContact> peg_contacts(PegScenario scenario, const PegSample& sample);
+inline constexpr int kUprightNormal = 24;  // of the 49
 std::vector<PegContact> picked(const std::vector<PegContact>& all, const std::vector<int>& which);
 /// The 17 places in the body's frame: the centre, eight at half the radius, eight at the radius [m].
 std::vector<Vec3> face_places();

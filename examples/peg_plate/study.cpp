@@ -16,7 +16,7 @@ namespace aussois {
 namespace {
 
 constexpr double kTrainShare = 0.7;
-constexpr int kUprightNormal = 24;  // (PEG-8)
+constexpr double kTilts = 0.5;  // of plates to train on besides [deg]
 
 // Root of the mean square.
 class Rms {
@@ -88,6 +88,16 @@ struct Judge {
   }
 };
 
+std::vector<PegCase> cases_of(const PlantOptions& plant) {
+  return peg_cases(plant.scenario, plant.count, plant.leans);
+}
+int own_cases(const PlantOptions& plant) {
+  return int(cases_of(plant).size());
+}
+bool with_tilted(const PegStudyOptions& options) {
+  return options.tilted && options.plant.scenario == PegScenario::surface;
+}
+
 double still_ratio(const PegScore& a, const PegScore& b) {
   return a.still_size / b.still_size;
 }
@@ -103,13 +113,24 @@ const std::vector<PegSet>& peg_sets() {
   return sets;
 }
 
+int case_count(const PegStudyOptions& options) {
+  return (with_tilted(options) ? 2 : 1) * own_cases(options.plant);
+}
+
+std::vector<PegSample> run_case(const PegStudyOptions& options, int index) {
+  const std::vector<PegCase> cases = cases_of(options.plant);
+  PlantOptions plant = options.plant;
+  if (index >= int(cases.size())) {
+    plant.tilt = 0;
+    plant.tilts = kTilts;
+  }
+  return run_case(make_plant(plant), cases[std::size_t(index) % cases.size()], index);
+}
+
 PegData generate(const PegStudyOptions& options) {
-  const PlantOptions& p = options.plant;
-  const Plant plant = make_plant(p);
-  const std::vector<PegCase> cases = peg_cases(p.scenario, p.count, p.leans);
-  PegData data(cases.size());
-  parallel_for(int(cases.size()), options.threads,
-               [&](int i) { data[std::size_t(i)] = run_case(plant, cases[std::size_t(i)], i); });
+  PegData data(std::size_t(case_count(options)));
+  parallel_for(int(data.size()), options.threads,
+               [&](int i) { data[std::size_t(i)] = run_case(options, i); });
   return data;
 }
 
@@ -124,6 +145,13 @@ PegSplit split_cases(int cases, std::uint64_t seed) {
   PegSplit split{{order.begin(), middle}, {middle, order.end()}};
   std::ranges::sort(split.train);
   std::ranges::sort(split.test);
+  return split;
+}
+
+PegSplit split_cases(const PegStudyOptions& options) {
+  const int own = own_cases(options.plant);
+  PegSplit split = split_cases(own, options.plant.seed);
+  for (int i = own; i < case_count(options); ++i) split.train.push_back(i);
   return split;
 }
 
@@ -148,12 +176,34 @@ Lessons make_lessons(const PegData& data, const PegSplit& split, const PegStudyO
   return out;
 }
 
-Training train(const Lessons& lessons, PegScenario scenario, LabelMode mode, const PegStudyOptions& options,
+Training train(const Lessons& lessons, LabelMode mode, const PegStudyOptions& options,
                const std::function<bool(int, double)>& progress) {
+  const PegScenario scenario = options.plant.scenario;
   const std::vector<std::vector<int>> choices = peg_choices(scenario);
   const int outputs = scenario == PegScenario::surface ? int(face_places().size()) : int(choices.size());
   return train(lessons.X, targets(lessons.errors, choices, outputs, {.mode = mode}), options.training,
                progress);
+}
+
+LessonsLearnt learnt_from(const Lessons& lessons, PegScenario scenario) {
+  LessonsLearnt out{.best_choice = ranking(lessons.errors, LabelOptions{}.delta).front()};
+  if (scenario == PegScenario::edge) {
+    const std::vector<int> labels = chosen_labels(lessons.errors, {.mode = LabelMode::argmin});
+    out.upright_share = double(std::ranges::count(labels, kUprightNormal)) / double(labels.size());
+  }
+  return out;
+}
+
+std::vector<NamedMethod> all_methods(const PegStudyOptions& options, const LessonsLearnt& learnt,
+                                     const std::vector<Network>& networks) {
+  const PegScenario scenario = options.plant.scenario;
+  std::vector<NamedMethod> methods = untrained_methods(scenario, options.view, options.plant.seed);
+  methods.push_back(
+      fixed_method("best_fixed", scenario, peg_choices(scenario)[std::size_t(learnt.best_choice)]));
+  for (std::size_t i = 0; i < networks.size(); ++i)
+    methods.push_back(learned_method(std::string("mlc_") + to_string(kLabelModes[i]), scenario, networks[i]));
+  methods.push_back(oracle_method(scenario, options.view));
+  return methods;
 }
 
 PegScore score(const NamedMethod& method, const PegData& data, const std::vector<int>& cases,
@@ -192,6 +242,18 @@ PegScore score(const NamedMethod& method, const PegData& data, const std::vector
   out.moving = moving.value();
   out.chatter = chatter.value();
   out.case_mean = of_cases.value();
+  return out;
+}
+
+std::vector<PegScore> score_all(const std::vector<NamedMethod>& methods, const PegData& data,
+                                const PegStudyOptions& options,
+                                const std::function<bool(const std::string&)>& progress) {
+  const PegSplit split = split_cases(options);
+  std::vector<PegScore> out(methods.size());
+  parallel_for(int(methods.size()), options.threads, [&](int i) {
+    const NamedMethod& method = methods[std::size_t(i)];
+    if (!progress || progress(method.name)) out[std::size_t(i)] = score(method, data, split.test, options);
+  });
   return out;
 }
 
@@ -268,33 +330,25 @@ std::string score_table(const std::vector<PegResult>& results) {
   return out;
 }
 
-PegResult run_study(const PegSet& set, const PegStudyOptions& of_study) {
-  PegStudyOptions options = of_study;
+PegStudyOptions options_for(const PegSet& set, PegStudyOptions options) {
   options.plant.scenario = set.scenario;
   options.plant.tilt = set.tilt;
   options.plant.scatter = set.scatter;
-  const std::uint64_t seed = options.plant.seed;
+  return options;
+}
+
+PegResult run_study(const PegSet& set, const PegStudyOptions& of_study) {
+  PegStudyOptions options = options_for(set, of_study);
+  options.training.seed = options.plant.seed;
   const PegData data = generate(options);
-  const PegSplit split = split_cases(int(data.size()), seed);
-  const Lessons lessons = make_lessons(data, split, options);
-
-  std::vector<NamedMethod> methods = untrained_methods(set.scenario, options.view, seed);
-  methods.push_back(fixed_method("best_fixed", set.scenario,
-                                 peg_choices(set.scenario)[std::size_t(ranking(lessons.errors).front())]));
-  for (const LabelMode mode : {LabelMode::argmin, LabelMode::soft, LabelMode::ranked})
-    methods.push_back(learned_method(std::string("mlc_") + to_string(mode), set.scenario,
-                                     train(lessons, set.scenario, mode, options).network));
-  methods.push_back(oracle_method(set.scenario, options.view));
-
-  PegResult result{.set = set.name, .seed = seed, .scores = std::vector<PegScore>(methods.size())};
-  parallel_for(int(methods.size()), options.threads, [&](int i) {
-    result.scores[std::size_t(i)] = score(methods[std::size_t(i)], data, split.test, options);
-  });
-  if (set.scenario == PegScenario::edge) {
-    const std::vector<int> labels = chosen_labels(lessons.errors, {.mode = LabelMode::argmin});
-    result.upright_share = double(std::ranges::count(labels, kUprightNormal)) / double(labels.size());
-  }
-  return result;
+  const Lessons lessons = make_lessons(data, split_cases(options), options);
+  const LessonsLearnt learnt = learnt_from(lessons, set.scenario);
+  std::vector<Network> networks;
+  for (const LabelMode mode : kLabelModes) networks.push_back(train(lessons, mode, options).network);
+  return {.set = set.name,
+          .seed = options.plant.seed,
+          .scores = score_all(all_methods(options, learnt, networks), data, options),
+          .upright_share = learnt.upright_share};
 }
 
 }  // namespace aussois

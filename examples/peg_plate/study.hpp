@@ -17,6 +17,7 @@ struct PegStudyOptions {
   int moving_stride = 10;  // of the others, >= 1
   int moving_scored = 8;   // of the others that are scored, >= 1
   int dear_stride = 5;     // of those for methods that are dear, >= 1
+  bool tilted = false;     // train besides on as many cases on plates tilted at random (surface only)
   int threads = 1;         // no result depends on it
 };
 
@@ -28,15 +29,20 @@ struct PegSet {
 };
 const std::vector<PegSet>& peg_sets();
 
+/// Cases of a study, those on tilted plates after all others; and what one of them gives.
+int case_count(const PegStudyOptions& options);
+std::vector<PegSample> run_case(const PegStudyOptions& options, int index);
+
 using PegData = std::vector<std::vector<PegSample>>;  // by case
 PegData generate(const PegStudyOptions& options);
 
 /// 70 of 100 cases to train on, the rest to test; by case, since neighbouring milliseconds are the same
-/// sample.
+/// sample. Cases on tilted plates are to train on.
 struct PegSplit {
   std::vector<int> train{}, test{};  // ascending
 };
 PegSplit split_cases(int cases, std::uint64_t seed);
+PegSplit split_cases(const PegStudyOptions& options);
 
 /// What there is to learn from the training cases.
 struct Lessons {
@@ -45,8 +51,19 @@ struct Lessons {
 };
 Lessons make_lessons(const PegData& data, const PegSplit& split, const PegStudyOptions& options,
                      const std::function<void(double)>& progress = {});  // hears of the part done
-Training train(const Lessons& lessons, PegScenario scenario, LabelMode mode, const PegStudyOptions& options,
+Training train(const Lessons& lessons, LabelMode mode, const PegStudyOptions& options,
                const std::function<bool(int, double)>& progress = {});
+
+/// What lessons tell besides.
+struct LessonsLearnt {
+  int best_choice = 0;       // the first of the ranking
+  double upright_share = 0;  // of the upright normal among the argmin labels; of edge sets
+};
+LessonsLearnt learnt_from(const Lessons& lessons, PegScenario scenario);
+
+/// All of (PEG-14); `networks` in the order of kLabelModes.
+std::vector<NamedMethod> all_methods(const PegStudyOptions& options, const LessonsLearnt& learnt,
+                                     const std::vector<Network>& networks);
 
 /// Errors relative to the plate's force; rms over all samples of the test cases (PEG-16).
 struct PegScore {
@@ -68,13 +85,18 @@ struct PegVerdict {
   bool accepted() const { return met >= needed; }
 };
 
-/// Scores of one set and seed, with the share of samples whose least error is that of the upright normal.
+/// Scores of one set and seed.
 struct PegResult {
   std::string set{};
   std::uint64_t seed = 0;
   std::vector<PegScore> scores{};
-  double upright_share = 0;  // of edge sets
+  double upright_share = 0;  // LessonsLearnt's
 };
+/// Of the scores only: all methods on the test cases. `progress` is told what it scores next, from any
+/// thread; false: no more.
+std::vector<PegScore> score_all(const std::vector<NamedMethod>& methods, const PegData& data,
+                                const PegStudyOptions& options,
+                                const std::function<bool(const std::string&)>& progress = {});
 /// A-1 to A-4 (PEG-17) of all that is there; `value` is the worst of all seeds.
 std::vector<PegVerdict> verdicts(const std::vector<PegResult>& results);
 
@@ -82,7 +104,9 @@ std::vector<PegVerdict> verdicts(const std::vector<PegResult>& results);
 std::string score_table(const std::vector<PegResult>& results);
 std::string to_string(const std::vector<PegVerdict>& verdicts);
 
-/// The whole of one set in memory.
+/// `options` with scenario, tilt and scatter of the set.
+PegStudyOptions options_for(const PegSet& set, PegStudyOptions options);
+/// The whole of one set in memory; one seed for plant, split and first weights.
 PegResult run_study(const PegSet& set, const PegStudyOptions& options);
 
 }  // namespace aussois

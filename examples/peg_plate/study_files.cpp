@@ -35,6 +35,7 @@ Json json_of(const PegStudyOptions& o) {
           {"sample_s", o.plant.sample},
           {"count", o.plant.count},
           {"leans", o.plant.leans},
+          {"tilted", o.tilted},
           {"seed", o.plant.seed},
           {"rho", o.view.rho},
           {"reading", to_string(o.view.reading)},

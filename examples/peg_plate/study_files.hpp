@@ -22,10 +22,6 @@ std::vector<PegSample> read_samples(const std::filesystem::path& path);  // thro
 PegData read_data(const std::filesystem::path& folder, int cases);
 
 /// What training leaves besides its networks: lessons.json.
-struct LessonsLearnt {
-  int best_choice = 0;       // the first of the ranking
-  double upright_share = 0;  // of the argmin labels of an edge set
-};
 void write_lessons(const std::filesystem::path& path, const LessonsLearnt& lessons);
 std::optional<LessonsLearnt> read_lessons(
     const std::filesystem::path& path);  // nothing: not there, or damaged

@@ -11,7 +11,7 @@ namespace aussois {
 
 struct TrainingOptions {
   int hidden = 40;         // >= 1
-  int iterations = 500;    // of L-BFGS, >= 1
+  int iterations = 100;    // of L-BFGS, >= 1; with more it learns the noise (doc/theory/peg_plate.md)
   double decay = 1e-5;     // on the squares of all weights and biases, >= 0
   std::uint64_t seed = 1;  // of the first weights
 };

@@ -39,6 +39,25 @@ std::vector<int> counts(const std::vector<double>& values, double width) {
   return out;
 }
 
+// Where the toss goes: the whole board would reach to the horizon.
+RunMesh board_below(const Toss& toss) {
+  Vec2 lo = Vec2::Constant(kInf), hi = -lo;
+  for (const SE3& g : toss.pose) lo = lo.cwiseMin(g.p.head<2>()), hi = hi.cwiseMax(g.p.head<2>());
+  lo.array() -= 2 * kTossEdge, hi.array() += 2 * kTossEdge;
+  return {.vertices = {{lo.x(), lo.y(), 0}, {hi.x(), lo.y(), 0}, {hi.x(), hi.y(), 0}, {lo.x(), hi.y(), 0}},
+          .faces = {{0, 1, 2}, {0, 2, 3}}};
+}
+
+SE3 recorded_pose(const Toss& toss, double t) {
+  const auto after = std::ranges::lower_bound(toss.t, t);
+  if (after == toss.t.begin()) return toss.pose.front();
+  if (after == toss.t.end()) return toss.pose.back();
+  const auto i = std::size_t(after - toss.t.begin());
+  const SE3 &a = toss.pose[i - 1], &b = toss.pose[i];
+  const double s = (t - toss.t[i - 1]) / (toss.t[i] - toss.t[i - 1]);
+  return {a.R.slerp(s, b.R), (1 - s) * a.p + s * b.p};
+}
+
 }  // namespace
 
 Spread spread_of(std::vector<double> values) {
@@ -104,26 +123,24 @@ bool write_toss_histogram(const std::filesystem::path& folder, const std::vector
   return run_gnuplot(folder, "histogram.gp");
 }
 
-void write_toss_replay(const std::filesystem::path& folder, const Toss& toss, const TossRun& run,
-                       const TossWorld& world, const std::string& command_line) {
-  Model model = toss_model(world);
-  model.bodies[0].name = "simulated";
-  RigidBody recorded = fixed_body("recorded", model.bodies[0].shape);
-  add(model, recorded);
-  State state = rest_state(model);
-  pose(state, 1) = translation(0, 0, world.board);
-  RunHeader header = run_header(model);
-  header.title = "cube_toss " + toss.name + ": simulated and recorded";
-  header.command_line = command_line;
-  header.build = build_info();
-  RunData data{.header = header};
-  for (std::size_t k = 0; k < run.pose.size(); ++k) {
-    state.t = toss.t[run.start + k] - toss.t[run.start];
-    pose(state, 0) = run.pose[k];
-    twist(state, 0) = run.twist[k];
-    pose(state, 2) = toss.pose[run.start + k];
-    data.steps.push_back(run_step(std::int64_t(k), model, state));
-  }
+void write_toss_replay(const std::filesystem::path& folder, const Toss& toss, const TossWorld& world,
+                       const std::string& command_line) {
+  const Model model = toss_model(world);
+  const TossStart start = start_of(toss);
+  RunData data{.header = run_header(model)};
+  data.header.title = "cube_toss " + toss.name + ": simulated and recorded";
+  data.header.command_line = command_line;
+  data.header.build = build_info();
+  data.header.bodies[0].name = "simulated";
+  data.header.bodies.push_back(data.header.bodies[0]);
+  data.header.bodies.back().name = "recorded";
+  data.header.meshes.at("board") = board_below(toss);
+  roll_out(toss, start, world, [&](const State& state, const StepReport& report) {
+    RunStep step = run_step(std::int64_t(data.steps.size()), model, state, report);
+    step.pose.push_back(recorded_pose(toss, toss.t[start.row] + state.t));
+    step.velocity.conservativeResizeLike(VecX::Zero(18));
+    data.steps.push_back(std::move(step));
+  });
   write_replay_html(folder / (toss.name + ".html"), data);
 }
 

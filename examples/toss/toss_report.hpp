@@ -33,8 +33,9 @@ void write_toss_table(const std::filesystem::path& folder, const std::vector<Tos
 /// histogram.csv, histogram.gp and, if gnuplot is there, histogram.png; false if it is not.
 bool write_toss_histogram(const std::filesystem::path& folder, const std::vector<TossRun>& runs);
 
-/// NAME.html: the recorded cube over the simulated one.
-void write_toss_replay(const std::filesystem::path& folder, const Toss& toss, const TossRun& run,
-                       const TossWorld& world, const std::string& command_line);
+/// NAME.html: the toss rolled out once more, every step of it, and the recorded cube beside the simulated
+/// one.
+void write_toss_replay(const std::filesystem::path& folder, const Toss& toss, const TossWorld& world,
+                       const std::string& command_line);
 
 }  // namespace aussois

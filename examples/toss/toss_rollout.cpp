@@ -42,11 +42,11 @@ Model toss_model(const TossWorld& world) {
   return model;
 }
 
-TossRun roll_out(const Toss& toss, const TossWorld& world) {
-  return roll_out(toss, start_of(toss), world);
+TossRun roll_out(const Toss& toss, const TossWorld& world, const LookAtStep& look) {
+  return roll_out(toss, start_of(toss), world, look);
 }
 
-TossRun roll_out(const Toss& toss, const TossStart& start, const TossWorld& world) {
+TossRun roll_out(const Toss& toss, const TossStart& start, const TossWorld& world, const LookAtStep& look) {
   const Model model = toss_model(world);
   SchemeOptions options = world.options;
   options.h = (toss.t.back() - toss.t.front()) / double(toss.t.size() - 1) / world.substeps;
@@ -70,6 +70,7 @@ TossRun roll_out(const Toss& toss, const TossStart& start, const TossWorld& worl
         run.failure = report.reason;
       else if (report.solve.status != SolveStatus::converged)
         run.failure = "not solved at t = " + std::to_string(report.t) + " s";
+      if (look) look(state, report);
     }
     if (!run.failure.empty()) break;
     run.pose.push_back(pose(state, kCube));

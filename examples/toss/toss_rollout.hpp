@@ -2,6 +2,8 @@
 // A toss simulated from its start, and how far that is from what was recorded (TOSS-2), (TOSS-3).
 #pragma once
 
+#include <functional>
+
 #include "examples/toss/toss_data.hpp"
 #include "integrators/scheme.hpp"
 
@@ -36,9 +38,11 @@ struct TossRun {
   std::string failure{};  // empty: every step was taken and solved
 };
 /// From start_of(toss), or from `start`. A step that is refused or not solved ends the run: its errors are
-/// then over the rows that were reached.
-TossRun roll_out(const Toss& toss, const TossWorld& world);
-TossRun roll_out(const Toss& toss, const TossStart& start, const TossWorld& world);
+/// then over the rows that were reached. `look` sees every step and the state after it.
+using LookAtStep = std::function<void(const State&, const StepReport&)>;
+TossRun roll_out(const Toss& toss, const TossWorld& world, const LookAtStep& look = {});
+TossRun roll_out(const Toss& toss, const TossStart& start, const TossWorld& world,
+                 const LookAtStep& look = {});
 
 /// A toss that never happened: thrown by seeded random numbers in the range of the recorded ones, moved by
 /// the kernel, then measured with noise of `noise` [m] and `noise` / (edge / 2) [rad].

@@ -108,10 +108,40 @@ TEST(Toss, FitFindsTheFrictionThatTossesWereMadeWith) {
   }
   int asked = 0;
   const TossFit found = fit(tosses, guess, 2, [&](const TossFit&) { return ++asked > 0; });
-  EXPECT_EQ(asked, found.evaluations);
+  EXPECT_EQ(asked, found.points);
   EXPECT_NEAR(found.mu, 0.25, 0.03);
   EXPECT_NEAR(found.restitution, 0.1, 0.05);
   EXPECT_NEAR(board_of(tosses), 0, 0.02);  // not all had come to rest
+  TossWorld there = guess;
+  there.mu = found.mu, there.restitution = found.restitution;
+  double mean = 0;
+  for (const Toss& toss : tosses) {
+    const TossRun run = roll_out(toss, there);
+    const double way = run.errors.position + kTossEdge / 2 * run.errors.rotation;
+    mean += (run.failure.empty() ? way : kTossEdge) / double(tosses.size());  // one of them is refused
+  }
+  EXPECT_NEAR(found.error, mean, 1e-15);
+}
+
+TEST(Toss, FitHasTheSameBitsForAnyThreadsAndStopsWhenTold) {
+  TossWorld world;
+  world.substeps = 2;
+  std::vector<Toss> tosses;
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    Toss toss = synthetic_toss(seed, world, 1e-3);
+    toss.pose.resize(40), toss.twist.resize(40), toss.t.resize(40);
+    tosses.push_back(std::move(toss));
+  }
+  world.mu = 0.2;
+  const auto always = [](const TossFit&) { return true; };
+  const TossFit one = fit(tosses, world, 1, always), three = fit(tosses, world, 3, always);
+  EXPECT_EQ(one.mu, three.mu);
+  EXPECT_EQ(one.restitution, three.restitution);
+  EXPECT_EQ(one.error, three.error);
+  EXPECT_EQ(one.steps, three.steps);
+  const TossFit stopped = fit(tosses, world, 1, [](const TossFit& at) { return at.points < 3; });
+  EXPECT_EQ(stopped.points, 3);
+  EXPECT_LT(stopped.steps, one.steps);
 }
 
 TEST(Toss, SpreadIsThatOfASample) {

@@ -46,6 +46,8 @@ inline RunHeader peg_header() {
   RunBody bush{"bush", "bush", {}, true, 5e-5, 0, Mat3::Zero()};
   RunBody peg{"peg", "peg", translation(0, 0, -0.015), false, 5e-5, 0.0185, Mat3::Identity() * 1.5e-6};
   header.bodies = {bush, peg};
+  header.joints = {{"guide", "cylindrical", {1, -1}}, {"clamp", "fixed", {1, 0}}};
+  header.blocks = {{"spring", 2}, {"rotor", 1}};
   return header;
 }
 
@@ -57,6 +59,19 @@ inline RunStep peg_step(int k, int last) {
   step.pose = {SE3{},
                translation(0.0001 * std::sin(12 * s), 0, 0.022 - 0.034 * s) * rotation(Vec3::UnitY(), tilt)};
   step.velocity = VecX::LinSpaced(12, -s, 1 + s);
+  step.q = VecX::LinSpaced(3, s, 2 + s);
+  step.q_speed = VecX::LinSpaced(3, -s, 5 * s);
+  for (int i = 0; i < 2; ++i) {
+    RunJoint joint;
+    joint.coordinate = Vec3(0.01 * k + i, 7 * s, 0);
+    joint.speed = Vec3(10 - i, 7, s);
+    joint.force = Vec3(1 + k, 2, 3 + i);
+    joint.torque = Vec3(0.1, 0.2 * i, 0.3 * k);
+    joint.effort = Vec3(-s, -i, 0.5);
+    joint.translation_error = 1e-15 * (k + 2 * i);
+    joint.rotation_error = 1e-14 * (3 * k + i);
+    step.joints.push_back(joint);
+  }
   for (int i = 0; i < k % 6; ++i) {
     const double angle = 1.3 * i + 2 * s;
     RunContact contact;
@@ -73,6 +88,11 @@ inline RunStep peg_step(int k, int last) {
   step.contacts_found = 3 * (k % 6);
   step.contacts_kept = k % 6;
   step.contacts_matched = k % 4;
+  step.matched_by_key = k % 3;
+  step.matched_by_adjacency = k % 5;
+  step.matched_by_geometry = k % 7;
+  step.unmatched = k % 8;
+  step.inherited = k % 9;
   step.attempts = 1 + k % 2;
   step.certificate_rounds = k % 5;
   step.threshold = 1e-4 * (1 + s);

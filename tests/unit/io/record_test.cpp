@@ -54,6 +54,59 @@ TEST(Record, KeepsWiresAndRefusesTwoShapesOfOneName) {
   EXPECT_THROW(run_header(model), std::invalid_argument);
 }
 
+// A hinge about the vertical, once around and 0.3 rad more, off by a millimetre, and a coordinate beside it.
+TEST(Record, TakesJointsCoordinatesAndMatchesIntoARow) {
+  Model model;
+  add(model, RigidBody{.name = "arm", .mass = 1, .inertia = Mat3::Identity()});
+  State state = rest_state(model);
+  add(model, joint_at(JointKind::revolute, "hinge", 0, -1, state.g, SE3{}));
+  add(model, Coordinates{.name = "weight", .size = 2, .mass = [](const VecX&) -> MatX {
+                           return MatX::Identity(2, 2);
+                         }});
+  state = rest_state(model);
+  state.g[0] = translation(0, 0, 1e-3) * rotation(Vec3::UnitZ(), 0.3);
+  state.turns = {1, 0, 0};
+  state.q << 0.5, -0.25;
+  state.v << 0, 0, 0, 0, 0, 4, 7, 8;
+  StepReport report;
+  report.joints = {{.force = {1, 2, 3}, .torque = {4, 5, 6}, .effort = {7, 0, 0}}};
+  report.matches = {.by_key = 5, .by_adjacency = 4, .by_geometry = 3, .unmatched = 2, .inherited = 1};
+
+  const RunHeader header = run_header(model);
+  ASSERT_EQ(header.joints.size(), 1u);
+  EXPECT_EQ(header.joints[0].name, "hinge");
+  EXPECT_EQ(header.joints[0].kind, "revolute");
+  EXPECT_EQ(header.joints[0].pair, (std::array<int, 2>{0, -1}));
+  ASSERT_EQ(header.blocks.size(), 1u);
+  EXPECT_EQ(header.blocks[0].name, "weight");
+  EXPECT_EQ(header.blocks[0].size, 2);
+
+  const RunStep row = run_step(1, model, state, report);
+  validate(header, row);
+  EXPECT_EQ(row.velocity.size(), 6);
+  EXPECT_EQ(row.q, Vec2(0.5, -0.25));
+  EXPECT_EQ(row.q_speed, Vec2(7, 8));
+  const RunJoint& hinge = row.joints.at(0);
+  EXPECT_NEAR(hinge.coordinate.x(), 2 * kPi + 0.3, 1e-14);
+  EXPECT_EQ(hinge.coordinate.tail<2>(), Vec2::Zero());
+  EXPECT_NEAR(hinge.speed.x(), 4, 1e-14);
+  EXPECT_NEAR(hinge.translation_error, 1e-3, 1e-15);
+  EXPECT_NEAR(hinge.rotation_error, 0, 1e-15);
+  EXPECT_EQ(hinge.force, Vec3(1, 2, 3));
+  EXPECT_EQ(hinge.torque, Vec3(4, 5, 6));
+  EXPECT_EQ(hinge.effort, Vec3(7, 0, 0));
+  EXPECT_EQ(row.contacts_matched, 12);
+  EXPECT_EQ(row.matched_by_key, 5);
+  EXPECT_EQ(row.matched_by_adjacency, 4);
+  EXPECT_EQ(row.matched_by_geometry, 3);
+  EXPECT_EQ(row.unmatched, 2);
+  EXPECT_EQ(row.inherited, 1);
+
+  const RunStep start = run_step(0, model, state);
+  EXPECT_EQ(start.joints.at(0).coordinate, hinge.coordinate);
+  EXPECT_EQ(start.joints.at(0).force, Vec3::Zero());
+}
+
 TEST(Record, PutsAStepIntoARow) {
   const Model model = two_balls_on_a_plate();
   State state = rest_state(model);

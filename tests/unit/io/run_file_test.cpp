@@ -33,20 +33,46 @@ void expect_same(const RunContact& a, const RunContact& b) {
   EXPECT_EQ(a.gap, b.gap);
 }
 
+void expect_same(const RunJoint& a, const RunJoint& b) {
+  EXPECT_EQ(a.coordinate, b.coordinate);
+  EXPECT_EQ(a.speed, b.speed);
+  EXPECT_EQ(a.force, b.force);
+  EXPECT_EQ(a.torque, b.torque);
+  EXPECT_EQ(a.effort, b.effort);
+  EXPECT_EQ(a.translation_error, b.translation_error);
+  EXPECT_EQ(a.rotation_error, b.rotation_error);
+}
+
 void expect_same(const RunStep& a, const RunStep& b) {
   SCOPED_TRACE("step " + std::to_string(b.step));
   ASSERT_EQ(a.pose.size(), b.pose.size());
   for (std::size_t i = 0; i < a.pose.size(); ++i) EXPECT_TRUE(same(a.pose[i], b.pose[i]));
   EXPECT_EQ(a.velocity, b.velocity);
+  EXPECT_EQ(a.q, b.q);
+  EXPECT_EQ(a.q_speed, b.q_speed);
+  ASSERT_EQ(a.joints.size(), b.joints.size());
+  for (std::size_t i = 0; i < a.joints.size(); ++i) expect_same(a.joints[i], b.joints[i]);
   ASSERT_EQ(a.contacts.size(), b.contacts.size());
   for (std::size_t i = 0; i < a.contacts.size(); ++i) expect_same(a.contacts[i], b.contacts[i]);
   EXPECT_EQ(a.coupling_force, b.coupling_force);
   EXPECT_EQ(a.coupling_torque, b.coupling_torque);
   const auto counts = [](const RunStep& s) {
-    return std::vector<std::int64_t>{
-        s.step,          s.status,           s.attempts,           s.contacts_found,
-        s.contacts_kept, s.contacts_matched, s.certificate_rounds, s.solver_status,
-        s.iterations,    s.local_failures,   s.local_fail_safes};
+    return std::vector<std::int64_t>{s.step,
+                                     s.status,
+                                     s.attempts,
+                                     s.contacts_found,
+                                     s.contacts_kept,
+                                     s.contacts_matched,
+                                     s.certificate_rounds,
+                                     s.solver_status,
+                                     s.iterations,
+                                     s.local_failures,
+                                     s.local_fail_safes,
+                                     s.matched_by_key,
+                                     s.matched_by_adjacency,
+                                     s.matched_by_geometry,
+                                     s.unmatched,
+                                     s.inherited};
   };
   EXPECT_EQ(counts(a), counts(b));
   const auto numbers = [](const RunStep& s) {
@@ -95,6 +121,17 @@ void expect_same(const RunHeader& a, const RunHeader& b) {
     EXPECT_EQ(a.bodies[i].dilation, b.bodies[i].dilation);
     EXPECT_EQ(a.bodies[i].mass, b.bodies[i].mass);
     EXPECT_EQ(a.bodies[i].inertia, b.bodies[i].inertia);
+  }
+  ASSERT_EQ(a.joints.size(), b.joints.size());
+  for (std::size_t i = 0; i < a.joints.size(); ++i) {
+    EXPECT_EQ(a.joints[i].name, b.joints[i].name);
+    EXPECT_EQ(a.joints[i].kind, b.joints[i].kind);
+    EXPECT_EQ(a.joints[i].pair, b.joints[i].pair);
+  }
+  ASSERT_EQ(a.blocks.size(), b.blocks.size());
+  for (std::size_t i = 0; i < a.blocks.size(); ++i) {
+    EXPECT_EQ(a.blocks[i].name, b.blocks[i].name);
+    EXPECT_EQ(a.blocks[i].size, b.blocks[i].size);
   }
 }
 
@@ -189,7 +226,8 @@ TEST_P(ResumedRunFile, HasTheSameDataAsOneThatWasNeverInterrupted) {
   for (int k = checkpoint; k < 200; ++k) writer.append(run.steps[std::size_t(k)]);
   writer.close();
   const auto whole = datasets_of(folder / "whole.h5"), parts = datasets_of(folder / "parts.h5");
-  EXPECT_EQ(whole.size(), 56u);  // the layout of doc/run_file.md: 2 x 3 mesh, 7 body, 35 step, 8 contact
+  // The layout of doc/run_file.md: 2 x 3 mesh, 7 body, 3 joint, 2 coordinates; 49 of steps, 8 of contacts.
+  EXPECT_EQ(whole.size(), 75u);
   EXPECT_TRUE(whole == parts);
 }
 INSTANTIATE_TEST_SUITE_P(Steps, ResumedRunFile, ::testing::Values(0, 1, 63, 64, 65, 100, 128, 199));
@@ -218,6 +256,14 @@ TEST(RunFile, RefusesStepsThatDoNotFit) {
   bad = peg_step(6, 10);
   bad.time = std::nan("");
   EXPECT_THROW(writer.append(bad), std::invalid_argument);
+  bad = peg_step(6, 10);
+  bad.joints.pop_back();
+  EXPECT_EQ(message_of<std::invalid_argument>([&] { writer.append(bad); }),
+            "RunStep::joints: size = 1 must be the number of joints");
+  bad = peg_step(6, 10);
+  bad.q_speed.conservativeResize(2);
+  EXPECT_EQ(message_of<std::invalid_argument>([&] { writer.append(bad); }),
+            "RunStep::q, q_speed: size = 2 must be the sum of the sizes of the blocks");
   bad = peg_step(10, 10);
   bad.contacts.resize(1);
   bad.contacts[0].pair = {0, 2};
@@ -234,6 +280,14 @@ TEST(RunFile, RefusesHeadersThatDoNotFit) {
   header = peg_header();
   header.meshes["a/b"] = {};
   EXPECT_THROW(RunWriter(path, header), std::invalid_argument);
+  header = peg_header();
+  header.joints[1].pair = {1, 2};
+  EXPECT_EQ(message_of<std::invalid_argument>([&] { RunWriter(path, header); }),
+            "RunHeader: joint clamp: body 2 must lie in [-1, 2)");
+  header = peg_header();
+  header.blocks[0].size = 0;
+  EXPECT_EQ(message_of<std::invalid_argument>([&] { RunWriter(path, header); }),
+            "RunHeader: block spring: size = 0 must be at least 1");
   header = peg_header();
   header.meshes["peg"].faces[3][1] = 999;
   const std::string message = message_of<std::invalid_argument>([&] { RunWriter(path, header); });
@@ -261,12 +315,36 @@ TEST(RunFile, SaysWhatIsWrongWithAFile) {
   }
   EXPECT_NE(wrong("foreign.h5").find("/@format: is not 'aussois-run'"), std::string::npos);
 
+  std::filesystem::copy(folder / "run.h5", folder / "old.h5");
+  {
+    const Hdf5Id file = open_hdf5(folder / "old.h5", Hdf5Access::write);
+    H5Adelete(file, "version");
+    write_text(file, "/", "version", "2");
+  }
+  EXPECT_NE(wrong("old.h5").find("/@version: is 2, this program reads version 3"), std::string::npos);
+
   std::filesystem::copy(folder / "run.h5", folder / "lacking.h5");
   {
     const Hdf5Id file = open_hdf5(folder / "lacking.h5", Hdf5Access::write);
     H5Ldelete(file, "/contact/gap", H5P_DEFAULT);
   }
   EXPECT_NE(wrong("lacking.h5").find("lacking.h5: /contact/gap: is missing"), std::string::npos);
+
+  std::filesystem::copy(folder / "run.h5", folder / "wide.h5");
+  {
+    const Hdf5Id file = open_hdf5(folder / "wide.h5", Hdf5Access::write);
+    H5Ldelete(file, "/contact/normal", H5P_DEFAULT);
+    const hsize_t shape[] = {250, 3}, most[] = {H5S_UNLIMITED, H5S_UNLIMITED}, chunk[] = {1024, 16643};
+    const Hdf5Id space(H5Screate_simple(2, shape, most), H5Sclose);
+    const Hdf5Id layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    H5Pset_chunk(layout, 2, chunk);
+    const Hdf5Id data(
+        H5Dcreate2(file, "/contact/normal", H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, layout, H5P_DEFAULT),
+        H5Dclose);
+    ASSERT_GE(data, 0);
+  }
+  EXPECT_NE(wrong("wide.h5").find("/contact/normal: has chunks that are wider than its rows"),
+            std::string::npos);
 
   std::filesystem::copy(folder / "run.h5", folder / "uneven.h5");
   {
