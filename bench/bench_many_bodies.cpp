@@ -159,7 +159,7 @@ Row measure(const Scene& scene, int n, const Arguments& a) {
   std::vector<StepPair> pairs;
   ContactSet found;
   row.us_pairs = 1e6 / n * fastest(a.repeats, [&] {
-                   pairs = step_pairs(estimate, bounds, advancement, a.common.threads);
+                   pairs = step_pairs(estimate, bounds, advancement, a.common.threads).pairs;
                  });
   row.us_contacts = 1e6 / n * fastest(a.repeats, [&] {
                       found = contacts_of(scene.model, scene.state, pairs, {.threads = a.common.threads});

@@ -17,43 +17,26 @@ constexpr int kPairsOfAPart = 16;  // of a piece of work; so many pairs or fewer
 constexpr int kFineHalvings = 16;  // a near miss by 1 um at 1600 m/s and 1 ms needs 14
 constexpr double kLargestRotation = 0.2;  // [rad]; cones enlarged by more say nothing, the certificate has to
 
-RigidMotion motion_of(const StepMotion& step, int body, double scale = 1) {
-  return {.g = pose(step.state, body),
-          .v = scale * step.v.segment<3>(6 * body),
-          .omega = scale * step.v.segment<3>(6 * body + 3)};
-}
-
 const LmdShape* shape_of(const Model& model, int body) {
   const int shape = model.bodies[std::size_t(body)].shape;
   return shape < 0 ? nullptr : model.shapes[std::size_t(shape)].get();
 }
 
-MovingShape moving_shape(const StepMotion& step, int body) {
-  return {.shape = shape_of(step.model, body),
-          .g_bs = step.model.bodies[std::size_t(body)].g_bs,
-          .motion = motion_of(step, body)};
+MovingShape moving_shape(const StepPath& path, int body) {
+  return {.shape = shape_of(path.model, body),
+          .g_bs = path.model.bodies[std::size_t(body)].g_bs,
+          .motion = path.bodies[std::size_t(body)].motion};
 }
 
-struct PairBounds {
-  double displacement = 0;  // [m]
-  double rotation = 0;      // [rad]
-};
-
-PairBounds bounds_of(const StepMotion& step, const StepPair& pair, const std::vector<BodyBounds>& bounds,
-                     double scale = 1) {
-  const RigidMotion a = motion_of(step, pair.a, scale), b = motion_of(step, pair.b, scale);
-  return {relative_displacement_bound(a, bounds[std::size_t(pair.a)].radius, b,
-                                      bounds[std::size_t(pair.b)].radius, step.h),
-          std::min(relative_rotation_bound(a, b, step.h), kLargestRotation)};
+const SE3& pose_of(const StepPath& path, int body) {
+  return path.bodies[std::size_t(body)].motion.g;
 }
 
-// How far a body reaches: what broad phase inflates it by, and what a step may not exceed.
-double reach_of(const StepMotion& estimate, int body, const std::vector<BodyBounds>& bounds,
-                const AdvancementOptions& o) {
-  const LmdShape* shape = shape_of(estimate.model, body);
-  const double moved = displacement_bound(motion_of(estimate, body, o.enlargement),
-                                          bounds[std::size_t(body)].radius, estimate.h);
-  return shape ? moved + o.floor * shape->radius : 0;
+RelativeBounds bounds_of(const StepPath& path, const StepPair& pair) {
+  RelativeBounds out =
+      relative_bounds(path.bodies[std::size_t(pair.a)], path.bodies[std::size_t(pair.b)], path.h);
+  out.rotation = std::min(out.rotation, kLargestRotation);
+  return out;
 }
 
 int count_of_parts(const std::vector<StepPair>& pairs) {
@@ -121,18 +104,35 @@ std::vector<StepPair> pairs_within(const Model& model, const State& state,
   return pairs;
 }
 
-std::vector<StepPair> step_pairs(const StepMotion& estimate, const std::vector<BodyBounds>& bounds,
-                                 const AdvancementOptions& o, int threads) {
-  std::vector<double> reach;
-  reach.reserve(bounds.size());
-  for (int b = 0; b < int(bounds.size()); ++b) reach.push_back(reach_of(estimate, b, bounds, o));
-  std::vector<StepPair> pairs = pairs_within(estimate.model, estimate.state, bounds, reach, threads);
-  for (StepPair& pair : pairs) {
-    const PairBounds bound = bounds_of(estimate, pair, bounds, o.enlargement);
+StepPath step_path(const StepMotion& step, const std::vector<BodyBounds>& bounds, double enlargement) {
+  StepPath path{.model = step.model, .h = step.h};
+  path.bodies.reserve(bounds.size());
+  for (std::size_t b = 0; b < bounds.size(); ++b) {
+    const auto at = 6 * Eigen::Index(b);
+    path.bodies.push_back(moving_body({.g = step.state.g[b],
+                                       .v = enlargement * step.v.segment<3>(at),
+                                       .omega = enlargement * step.v.segment<3>(at + 3)},
+                                      bounds[b].radius, step.h));
+  }
+  return path;
+}
+
+NearPairs step_pairs(const StepMotion& estimate, const std::vector<BodyBounds>& bounds,
+                     const AdvancementOptions& o, int threads) {
+  const StepPath path = step_path(estimate, bounds, o.enlargement);
+  NearPairs out;
+  out.reach.reserve(bounds.size());
+  for (int b = 0; b < int(bounds.size()); ++b) {
+    const LmdShape* shape = shape_of(path.model, b);
+    out.reach.push_back(shape ? path.bodies[std::size_t(b)].displacement + o.floor * shape->radius : 0);
+  }
+  out.pairs = pairs_within(estimate.model, estimate.state, bounds, out.reach, threads);
+  for (StepPair& pair : out.pairs) {
+    const RelativeBounds bound = bounds_of(path, pair);
     pair.threshold = std::max(o.floor * pair.dilation, bound.displacement);
     pair.rotation = bound.rotation;
   }
-  return pairs;
+  return out;
 }
 
 namespace {
@@ -197,24 +197,26 @@ double required_distance(const StepPair& pair, const AdvancementOptions& o) {
   return std::max(1e-3, 1 - o.max_overlap) * pair.dilation;
 }
 
-std::string broken_bound(const StepMotion& step, const StepMotion& estimate,
-                         const std::vector<StepPair>& pairs, const std::vector<BodyBounds>& bounds,
-                         double alpha, const AdvancementOptions& o) {
-  std::ostringstream text;
+std::string broken_bound(const StepPath& path, const std::vector<StepPair>& pairs, double alpha) {
   for (const StepPair& pair : pairs) {
-    const PairBounds bound = bounds_of(step, pair, bounds);
+    const RelativeBounds bound = bounds_of(path, pair);
     if (bound.displacement <= pair.threshold && bound.rotation <= pair.rotation + alpha) continue;
+    std::ostringstream text;
     text << "bodies " << pair.a << " and " << pair.b << " may move by " << bound.displacement << " m and "
          << bound.rotation << " rad, their contacts were found within " << pair.threshold << " m and "
          << pair.rotation << " rad";
     return text.str();
   }
-  for (int b = 0; b < int(bounds.size()); ++b) {  // pairs that were not even near
-    const double moved = displacement_bound(motion_of(step, b), bounds[std::size_t(b)].radius, step.h);
-    const double reach = reach_of(estimate, b, bounds, o);
-    if (!shape_of(step.model, b) || moved <= reach) continue;
-    text << "body " << b << " may move by " << moved << " m, its neighbours were looked for within " << reach
-         << " m";
+  return {};
+}
+
+std::string broken_reach(const StepPath& path, const std::vector<double>& reach) {
+  for (int b = 0; b < int(reach.size()); ++b) {
+    const double moved = path.bodies[std::size_t(b)].displacement;
+    if (!shape_of(path.model, b) || moved <= reach[std::size_t(b)]) continue;
+    std::ostringstream text;
+    text << "body " << b << " may move by " << moved << " m, its neighbours were looked for within "
+         << reach[std::size_t(b)] << " m";
     return text.str();
   }
   return {};
@@ -223,23 +225,23 @@ std::string broken_bound(const StepMotion& step, const StepMotion& estimate,
 namespace {
 
 // Where a plane may part the pair, from A to B: across its deepest contact, or from centre to centre.
-Vec3 likely_axis(const StepMotion& step, const StepPair& pair, const ContactSet& contacts) {
+Vec3 likely_axis(const StepPath& path, const StepPair& pair, const ContactSet& contacts) {
   const auto bodies = [](const ContactPoint& c) { return std::pair(c.a.body, c.b.body); };
   const std::pair ours(pair.a, pair.b);
   const ContactPoint* deepest = nullptr;
   for (auto c = std::ranges::lower_bound(contacts.points, ours, {}, bodies);
        c != contacts.points.end() && bodies(*c) == ours; ++c)
     if (!deepest || c->gap < deepest->gap) deepest = &*c;
-  return deepest ? Vec3(-deepest->normal) : Vec3(pose(step.state, pair.b).p - pose(step.state, pair.a).p);
+  return deepest ? Vec3(-deepest->normal) : Vec3(pose_of(path, pair.b).p - pose_of(path, pair.a).p);
 }
 
-StepCertificate certify_pair(const StepMotion& step, const StepPair& pair,
+StepCertificate certify_pair(const StepPath& path, const StepPair& pair,
                              const std::vector<BodyBounds>& bounds, const CertificateOptions& options) {
-  const double apart = separation(pose(step.state, pair.a) * bounds[std::size_t(pair.a)].box,
-                                  pose(step.state, pair.b) * bounds[std::size_t(pair.b)].box);
-  if (apart > bounds_of(step, pair, bounds).displacement)  // the dilated shapes cannot even touch
+  const double apart = separation(pose_of(path, pair.a) * bounds[std::size_t(pair.a)].box,
+                                  pose_of(path, pair.b) * bounds[std::size_t(pair.b)].box);
+  if (apart > bounds_of(path, pair).displacement)  // the dilated shapes cannot even touch
     return {.min_distance = options.wanted};
-  const Certificate c = certify(moving_shape(step, pair.a), moving_shape(step, pair.b), step.h, options);
+  const Certificate c = certify(moving_shape(path, pair.a), moving_shape(path, pair.b), path.h, options);
   StepCertificate out{.min_distance = c.min_distance, .rounds = c.rounds};
   if (c.certified) return out;
   std::ostringstream text;
@@ -250,17 +252,17 @@ StepCertificate certify_pair(const StepMotion& step, const StepPair& pair,
 }
 
 // Of some pairs, up to the first that is not certified.
-StepCertificate certify_pairs(const StepMotion& step, std::span<const StepPair> pairs,
+StepCertificate certify_pairs(const StepPath& path, std::span<const StepPair> pairs,
                               const std::vector<BodyBounds>& bounds, const ContactSet& contacts,
                               const AdvancementOptions& o, int threads) {
   StepCertificate out;
   for (const StepPair& pair : pairs) {
     const double required = required_distance(pair, o);
-    const StepCertificate of_pair = certify_pair(step, pair, bounds,
+    const StepCertificate of_pair = certify_pair(path, pair, bounds,
                                                  {.required = required,
                                                   .wanted = std::max(pair.dilation, required),
                                                   .threads = threads,
-                                                  .axis = likely_axis(step, pair, contacts)});
+                                                  .axis = likely_axis(path, pair, contacts)});
     out.rounds += of_pair.rounds;
     out.min_distance = std::min(out.min_distance, of_pair.min_distance);
     out.failure = of_pair.failure;
@@ -271,21 +273,21 @@ StepCertificate certify_pairs(const StepMotion& step, std::span<const StepPair> 
 
 }  // namespace
 
-StepCertificate certify_apart(const StepMotion& step, const StepPair& pair,
+StepCertificate certify_apart(const StepPath& path, const StepPair& pair,
                               const std::vector<BodyBounds>& bounds, int threads) {
-  return certify_pair(step, pair, bounds,
+  return certify_pair(path, pair, bounds,
                       {.required = pair.dilation,
                        .wanted = pair.dilation,
                        .max_halvings = kFineHalvings,
                        .threads = threads});
 }
 
-StepCertificate certify_step(const StepMotion& step, const std::vector<StepPair>& pairs,
+StepCertificate certify_step(const StepPath& path, const std::vector<StepPair>& pairs,
                              const std::vector<BodyBounds>& bounds, const ContactSet& contacts,
                              const AdvancementOptions& o, int threads) {
   std::vector<StepCertificate> of_part(std::size_t(count_of_parts(pairs)));
   for_each_part(pairs, threads, [&](int part, std::span<const StepPair> some, int threads_each) {
-    of_part[std::size_t(part)] = certify_pairs(step, some, bounds, contacts, o, threads_each);
+    of_part[std::size_t(part)] = certify_pairs(path, some, bounds, contacts, o, threads_each);
   });
   StepCertificate out;
   for (const StepCertificate& part : of_part) {
@@ -300,9 +302,10 @@ StepCertificate certify_step(const StepMotion& step, const std::vector<StepPair>
 double min_base_distance(const Model& model, const State& state, double cutoff, int threads) {
   double distance = cutoff;
   const VecX rest = VecX::Zero(state.v.size());
-  const StepMotion still{model, state, rest, 0};
-  for (const StepPair& pair : pairs_within(model, state, body_bounds(model),
-                                           std::vector<double>(model.bodies.size(), cutoff / 2), threads))
+  const std::vector<BodyBounds> bounds = body_bounds(model);
+  const StepPath still = step_path({model, state, rest, 0}, bounds);
+  for (const StepPair& pair :
+       pairs_within(model, state, bounds, std::vector<double>(model.bodies.size(), cutoff / 2), threads))
     distance = base_distance(moving_shape(still, pair.a), moving_shape(still, pair.b), distance, threads);
   return distance;
 }

@@ -8,6 +8,7 @@
 
 #include "lmd/broad_phase.hpp"
 #include "lmd/find_contacts.hpp"
+#include "lmd/motion_bound.hpp"
 #include "mechanics/state.hpp"
 
 namespace aussois {
@@ -34,6 +35,13 @@ struct StepPair {
   double rotation = 0;   // bound of the relative rotation [rad]
 };
 
+/// What a body's shape fits into, seen from the body frame; nothing for a body without a shape.
+struct BodyBounds {
+  double radius = 0;  // of the base complex about the centre of mass [m]
+  DilatedBox box{};   // around the dilated shape
+};
+std::vector<BodyBounds> body_bounds(const Model& model);
+
 /// A step that is tried: all six velocities of every body of the model, constant on the path of the step, and
 /// its length.
 struct StepMotion {
@@ -43,12 +51,13 @@ struct StepMotion {
   double h = 0;
 };
 
-/// What a body's shape fits into, seen from the body frame; nothing for a body without a shape.
-struct BodyBounds {
-  double radius = 0;  // of the base complex about the centre of mass [m]
-  DilatedBox box{};   // around the dilated shape
+/// The same, body by body, with all that the bounds of pairs ask for; speeds times `enlargement`.
+struct StepPath {
+  const Model& model;
+  double h = 0;
+  std::vector<MovingBody> bodies{};
 };
-std::vector<BodyBounds> body_bounds(const Model& model);
+StepPath step_path(const StepMotion& step, const std::vector<BodyBounds>& bounds, double enlargement = 1);
 
 /// Pairs whose boxes come nearer than the sum of their `reach` [m], one per body; thresholds are left at 0.
 /// Sorted by (a, b).
@@ -56,9 +65,13 @@ std::vector<StepPair> pairs_within(const Model& model, const State& state,
                                    const std::vector<BodyBounds>& bounds, const std::vector<double>& reach,
                                    int threads);
 
-/// Pairs that can touch if the bodies move at most as in `estimate`, enlarged; with thresholds (CA-4).
-std::vector<StepPair> step_pairs(const StepMotion& estimate, const std::vector<BodyBounds>& bounds,
-                                 const AdvancementOptions& options, int threads);
+/// What can touch if the bodies move at most as in `estimate`, enlarged.
+struct NearPairs {
+  std::vector<StepPair> pairs{};  // with thresholds (CA-4)
+  std::vector<double> reach{};    // of every body: how far it may move without meeting any other [m]
+};
+NearPairs step_pairs(const StepMotion& estimate, const std::vector<BodyBounds>& bounds,
+                     const AdvancementOptions& options, int threads);
 
 /// Contacts of the pairs within their thresholds, cones enlarged by their rotations; sorted by pair. Many
 /// pairs share the threads, few pairs get them all.
@@ -78,10 +91,11 @@ ContactSet contacts_of(const Model& model, const State& state, const std::vector
 /// What the base complexes of a pair must keep apart (CA-6) [m].
 double required_distance(const StepPair& pair, const AdvancementOptions& options);
 
-/// Empty if the step kept the bounds that its contacts were found within (CA-5), otherwise what broke them.
-std::string broken_bound(const StepMotion& step, const StepMotion& estimate,
-                         const std::vector<StepPair>& pairs, const std::vector<BodyBounds>& bounds,
-                         double alpha, const AdvancementOptions& options);
+/// Empty if the step kept the bounds that the contacts of these pairs were found within (CA-5), otherwise
+/// what broke them.
+std::string broken_bound(const StepPath& path, const std::vector<StepPair>& pairs, double alpha);
+/// The same for bodies and their reach: pairs that were not even near.
+std::string broken_reach(const StepPath& path, const std::vector<double>& reach);
 
 struct StepCertificate {
   double min_distance = kInf;  // of the base complexes, a lower bound over the step [m]
@@ -91,12 +105,12 @@ struct StepCertificate {
 /// Do all pairs keep their distance along the whole path? (CA-6) Pairs whose boxes are farther apart than
 /// they can move, or that one plane parts, do without a look at their simplices. `contacts`, sorted, tell
 /// where that plane may lie (CA-15); the proof does not rely on them.
-StepCertificate certify_step(const StepMotion& step, const std::vector<StepPair>& pairs,
+StepCertificate certify_step(const StepPath& path, const std::vector<StepPair>& pairs,
                              const std::vector<BodyBounds>& bounds, const ContactSet& contacts,
                              const AdvancementOptions& options, int threads);
 
 /// The same for one pair, whose dilated shapes are not even to touch (CA-16); finer in time.
-StepCertificate certify_apart(const StepMotion& step, const StepPair& pair,
+StepCertificate certify_apart(const StepPath& path, const StepPair& pair,
                               const std::vector<BodyBounds>& bounds, int threads);
 
 /// Smallest distance of the base complexes of bodies that can touch [m], or `cutoff`.

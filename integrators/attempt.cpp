@@ -87,7 +87,7 @@ std::vector<int> waiting_anchors(const StepSetting& setting, const Found& found,
 }
 
 // Those of `apart` whose dilated shapes are not proven to keep apart on the path (CA-16).
-std::vector<std::pair<int, int>> meeting_pairs(const StepSetting& setting, const StepMotion& path,
+std::vector<std::pair<int, int>> meeting_pairs(const StepSetting& setting, const StepPath& path,
                                                const std::vector<StepPair>& apart, StepReport& report) {
   std::vector<std::pair<int, int>> out;
   for (const StepPair& pair : apart) {
@@ -251,7 +251,7 @@ StepReport told(const StepSetting& setting, const Found& found, const ImpulseSte
     if (step.impact->status != SolveStatus::converged) report.solve.status = step.impact->status;
   }
   if (setting.options.keep_problem)
-    report.problem = StepProblem{step.solved.problem, step.solved.start, step.solved.solution};
+    report.problem = StepProblem{*step.solved.problem, step.solved.start, step.solved.solution};
   report.seconds_contact = found.seconds;
   report.seconds_solve = step.seconds;
   return report;
@@ -310,13 +310,13 @@ void set_rows(ContactBlocks blocks, ImpulseStep& step) {
   step.rows.insert(step.rows.end(), step.joints.rows.begin(), step.joints.rows.end());
 }
 
-ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
+ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, SharedMotion free,
                       double theta) {
   return pose_step(setting, state, found, std::move(free), theta,
                    contact_blocks(setting, state, found.contacts, found.h, setting.options.normal));
 }
 
-ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
+ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, SharedMotion free,
                       double theta, ContactBlocks blocks) {
   const double begin = step_clock();
   const StepOptions& o = setting.options;
@@ -333,19 +333,19 @@ ImpulseStep pose_step(const StepSetting& setting, const State& state, const Foun
 void solve_rows(const StepSetting& setting, const State& state, const Found& found, ImpulseStep& step) {
   const double begin = step_clock();
   step.solved =
-      solve_reduced(step.free, setting.dofs, step.rows, step.joints.equations, found.selection,
+      solve_reduced(*step.free, setting.dofs, step.rows, step.joints.equations, found.selection,
                     starts(step, found, state.r), allowed_speeds(found), setting.options.solver);  // (NSGS-1)
   step.seconds += step_clock() - begin;
 }
 
-ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
+ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, SharedMotion free,
                        double theta) {
   ImpulseStep out = pose_step(setting, state, found, std::move(free), theta);
   solve_rows(setting, state, found, out);
   return out;
 }
 
-ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
+ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, SharedMotion free,
                        double theta, ContactBlocks blocks) {
   ImpulseStep out = pose_step(setting, state, found, std::move(free), theta, std::move(blocks));
   solve_rows(setting, state, found, out);
@@ -363,13 +363,16 @@ std::vector<RowVector> row_impulses(const ImpulseStep& step) {
 }
 
 State moved(const Model& model, const State& state, const VecX& v_path, const VecX& v_end, double h) {
-  State next = state;
-  next.t += h;
-  next.h = h;
-  next.v = v_end;
-  next.a.resize(0);
-  next.g = moved_poses(model, state, v_path, h);
-  next.q += h * v_path.tail(next.q.size());
+  State next{.t = state.t + h,
+             .h = h,
+             .h_next = state.h_next,
+             .g = moved_poses(model, state, v_path, h),
+             .q = state.q + h * v_path.tail(state.q.size()),
+             .v = v_end,
+             .turns = state.turns,
+             .r = state.r,
+             .a = {},
+             .memory = {}};
   if (!model.joints.empty()) next.turns = counted_turns(model, state, next.g);
   return next;
 }
@@ -404,12 +407,11 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
     out.v_path = velocity_to(state, plain, end, out.v_path, found.h);
     v_end = end.v;
   }
-  const StepMotion path{model, state, out.v_path, found.h};
-  for (const std::vector<StepPair>* pairs : {&found.pairs, &found.apart}) {
-    const std::string broken = broken_bound(path, {model, state, found.v_estimate, found.h}, *pairs,
-                                            setting.bounds, o.lmd.alpha, o.advancement);  // (CA-5)
+  const StepPath path = step_path({model, state, out.v_path, found.h}, setting.bounds);
+  for (const std::string& broken :
+       {broken_bound(path, found.pairs, o.lmd.alpha), broken_bound(path, found.apart, o.lmd.alpha),
+        broken_reach(path, found.reach)})  // (CA-5)
     if (!broken.empty()) return failed(Outcome::bound_exceeded, broken);
-  }
   if (o.advancement.certify) {
     const double begin = step_clock();
     out.meeting = meeting_pairs(setting, path, found.apart, report);  // (CA-16)
@@ -429,6 +431,7 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
   if (!all_finite(out.next.g)) return failed(Outcome::not_finite, "a pose is not finite");
   const ContactSet kept =
       select(found.contacts, {step.solved.kept.begin(), step.solved.kept.begin() + report.contacts_kept});
+  report.contacts.reserve(kept.points.size());
   for (std::size_t k = 0; k < kept.points.size(); ++k)
     report.contacts.push_back({kept.points[k], impulses.contact[k], impulses.drilling[k]});
   out.next.memory = memory_after(setting, found, step, impulses, report.contacts_kept, move.v_end);
@@ -436,20 +439,21 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
   report.t = out.next.t;
   report.h = found.h;
   report.v_path = out.v_path;
-  report.physical = physical_residual(solution.u, solution.r, step.solved.problem.laws);
+  report.physical = physical_residual(solution.u, solution.r, step.solved.problem->laws);
   report.gaps = step_gaps(model, step, found.contacts.points.size(), impulses.r);
   if (step.impact) add_impact(*step.impact, step, found.contacts.points.size(), report);
-  VecX joint_impulse;
+  VecX joint_impulse, contact_impulse;
+  if (r.size() > 0) contact_impulse = step.solved.problem->H * (r - impulses.of_joints);
   if (!model.joints.empty()) {
     const VecX lambda =
         step.lambda_earlier.size() > 0 ? VecX(solution.lambda + step.lambda_earlier) : solution.lambda;
     report.joints = step_joints(model, step.joints, lambda, impulses.r, found.h);  // (MJT-12)
     report.joint_error = joint_error(model, out.next);
-    joint_impulse = step.solved.problem.H * impulses.of_joints + step.solved.problem.G * lambda;
+    joint_impulse = step.solved.problem->H * impulses.of_joints + step.solved.problem->G * lambda;
   }
   tell_ledgers(setting, state, out.next, step,
                {.r = r,
-                .by_contacts = step.solved.problem.H * (r - impulses.of_joints),
+                .by_contacts = contact_impulse,
                 .by_joints = joint_impulse,
                 .v_path = move.v_path,
                 .v_end = free_velocities(setting.dofs, v_end)},

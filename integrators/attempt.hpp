@@ -14,7 +14,7 @@ namespace aussois {
 
 /// The one-step problem of contacts, gap functions and joints, and its solution.
 struct ImpulseStep {
-  FreeMotion free{};
+  SharedMotion free{};
   VecX v_prescribed{};
   std::vector<ContactRow> rows{};  // contacts first, then gap functions, then joint axes
   std::vector<double> gap{};       // of the gap functions [m]
@@ -24,7 +24,7 @@ struct ImpulseStep {
   // Of schemes that solve in stages; empty: none
   std::vector<RowVector> earlier{};  // impulses of the stages before, of all rows
   VecX lambda_earlier{};             // and of the joints
-  double seconds = 0;                // CPU that it took [s]
+  double seconds = 0;                // that it took [s]
 };
 /// The rows of contacts and gap functions, biased for a normal law (MJ-6), in ImpulseStep's order.
 struct ContactBlocks {
@@ -36,17 +36,17 @@ ContactBlocks contact_blocks(const StepSetting& setting, const State& state, con
 
 /// With rows and joints as they are at the start of the step. `theta` as of FreeMotion, for the axes of
 /// joints.
-ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
+ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, SharedMotion free,
                        double theta);
 /// The same with rows of one's own.
-ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
+ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, SharedMotion free,
                        double theta, ContactBlocks blocks);
 
 /// Its two halves: rows and joints, and their solution. Solved again, after a change, it starts from what was
 /// found before.
-ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
+ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, SharedMotion free,
                       double theta);
-ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, FreeMotion free,
+ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, SharedMotion free,
                       double theta, ContactBlocks blocks);
 /// Contacts, gap functions and what acts on the axes of step.joints, biased for a normal law.
 void add_rows(const StepSetting& setting, const State& state, const Found& found,
@@ -90,7 +90,8 @@ struct Move {
 Attempt go(const StepSetting& setting, const State& state, const Found& found, const ImpulseStep& impulses,
            const Move& move);
 
-/// The state at the end of a path of constant velocities, in the places of State::v (MJ-8).
+/// The state at the end of a path of constant velocities, in the places of State::v (MJ-8); it remembers no
+/// contacts.
 State moved(const Model& model, const State& state, const VecX& v_path, const VecX& v_end, double h);
 
 /// All velocities that the bodies would end with, were there no contacts; the first estimate of a step.

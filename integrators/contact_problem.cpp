@@ -2,6 +2,7 @@
 #include "integrators/contact_problem.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "geometry/frame.hpp"
@@ -9,16 +10,23 @@
 namespace aussois {
 namespace {
 
-using Mat36 = Eigen::Matrix<double, 3, 6>;
-
 constexpr double kTouching = 0.02;  // gaps that this opens in a step count as closed [m/s^2, rad/s^2]
 
-// Velocity of the body's point at p in the contact frame, per unit twist.
-Mat36 point_jacobian(const State& state, int body, const Vec3& p, const Mat3& frame) {
+// Velocity of the body's point at p along the first N axes of the contact frame, per unit twist.
+template <int N>
+Eigen::Matrix<double, N, 6> point_jacobian(const State& state, int body, const Vec3& p, const Mat3& frame) {
   const SE3& g = pose(state, body);
-  Mat36 J;
-  J << frame.transpose(), -frame.transpose() * skew(p - g.p) * g.R.toRotationMatrix();
+  const Eigen::Matrix<double, N, 3> axes = frame.transpose().topRows<N>();
+  Eigen::Matrix<double, N, 6> J;
+  J << axes, -axes * skew(p - g.p) * g.R.toRotationMatrix();
   return J;
+}
+
+// Of both bodies, whose points move against each other.
+template <int N>
+void set_point_rows(const State& state, const Vec3& p, ContactRow& row) {
+  row.J_a.topRows<N>() = point_jacobian<N>(state, row.body_a, p, row.frame);
+  row.J_b.topRows<N>() = -point_jacobian<N>(state, row.body_b, p, row.frame);
 }
 
 // The frictional law of a pair, and its drilling row (MEC-7). What does not rub needs one row, not three.
@@ -44,6 +52,15 @@ void set_bias(ContactRow& row, const RowVector& u_before, double restitution, do
   if (options.gamma < 1)
     for (int d = 1; d < row.law.rows; ++d) row.w[d] += (1 - options.gamma) / options.gamma * u_before[d];
   row.w.x() += normal.w;
+}
+
+// Where a body's part of a row stands in the problem; -1: nowhere.
+struct BodyColumns {
+  const RowJacobian* J = nullptr;
+  int first = -1;
+};
+int first_of(const DofMap& dofs, int body) {
+  return body < 0 ? -1 : dofs.first[std::size_t(body)];
 }
 
 }  // namespace
@@ -96,19 +113,15 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
   rows.reserve(contacts.points.size());
   for (std::size_t i = 0; i < contacts.points.size(); ++i) {
     const ContactPoint& c = contacts.points[i];
-    ContactRow row{.body_a = c.a.body, .body_b = c.b.body};
+    ContactRow& row = rows.emplace_back();
+    row.body_a = c.a.body;
+    row.body_b = c.b.body;
     const ContactLaw& law = contact_law(model, row.body_a, row.body_b);
     const Vec3 p = mid_point(c);
     row.frame = frame_of(c.normal);
     row.law = law_of(law, patches.empty() ? 0 : patches[i].radius);
-    const int of_frame = std::min(row.law.rows, 3);
-    row.J_a.topRows(of_frame) = point_jacobian(state, row.body_a, p, row.frame).topRows(of_frame);
-    row.J_b.topRows(of_frame) = -point_jacobian(state, row.body_b, p, row.frame).topRows(of_frame);
-    if (!patches.empty() && of_frame == 3) {
-      const Vec3& centre = patches[i].centre;
-      row.J_a.middleRows<2>(1) = point_jacobian(state, row.body_a, centre, row.frame).bottomRows<2>();
-      row.J_b.middleRows<2>(1) = -point_jacobian(state, row.body_b, centre, row.frame).bottomRows<2>();
-    }
+    if (row.law.rows >= 3) set_point_rows<3>(state, patches.empty() ? p : patches[i].centre, row);
+    if (row.law.rows < 3 || !patches.empty()) set_point_rows<1>(state, p, row);
     if (row.law.kind == LawKind::contensou) {
       set_drilling_row(state, row.body_a, 1, c.normal, row.J_a);
       set_drilling_row(state, row.body_b, -1, c.normal, row.J_b);
@@ -126,7 +139,6 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
                                  row.J_b.row(0).dot(reached.v.segment<6>(6 * row.body_b)));
     set_bias(row, row.J_a * twist_before(row.body_a) + row.J_b * twist_before(row.body_b), law.restitution, h,
              options);
-    rows.push_back(row);
   }
   return rows;
 }
@@ -190,12 +202,22 @@ FrictionProblem contact_problem(const FreeMotion& free, const DofMap& dofs,
   for (std::size_t k = 0; k < kept.size(); ++k) {
     const ContactRow& row = rows[std::size_t(kept[k])];
     problem.w.segment(first_row[k], row.law.rows) = row.w.head(row.law.rows);
+    std::array ends{BodyColumns{&row.J_a, first_of(dofs, row.body_a)},
+                    BodyColumns{&row.J_b, first_of(dofs, row.body_b)}};
+    if (ends[1].first < ends[0].first) std::swap(ends[0], ends[1]);
+    if (row.others.empty() && ends[0].first != ends[1].first) {
+      for (int d = 0; d < row.law.rows; ++d) {
+        problem.H.startVec(first_row[k] + d);
+        for (const BodyColumns& end : ends)
+          for (int i = 0; end.first >= 0 && i < 6; ++i)
+            problem.H.insertBackByOuterInner(first_row[k] + d, end.first + i) = (*end.J)(d, i);
+      }
+      continue;
+    }
     for (int d = 0; d < row.law.rows; ++d) {
       column.clear();
-      for (const auto& [body, J] : {std::pair{row.body_a, &row.J_a}, std::pair{row.body_b, &row.J_b}}) {
-        const int first = body < 0 ? -1 : dofs.first[std::size_t(body)];
-        for (int i = 0; first >= 0 && i < 6; ++i) column.emplace_back(first + i, (*J)(d, i));
-      }
+      for (const BodyColumns& end : ends)
+        for (int i = 0; end.first >= 0 && i < 6; ++i) column.emplace_back(end.first + i, (*end.J)(d, i));
       for (const Triplet& e : row.others)
         if (e.row() == d) column.emplace_back(e.col(), e.value());
       const auto by_row = &std::pair<int, double>::first;

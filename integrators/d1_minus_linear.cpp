@@ -109,13 +109,13 @@ StepReport D1MinusLinear::step(State& state, double h_limit) const {
     add_rows(setting_, from, found, gap, step);
     const std::vector<ContactRow> rows = step.rows;
     const std::vector<char> lasting = lasting_contacts(rows, dofs, start);
-    FreeMotion& free = step.free;
-    free = {.M = start.mass, .v = start.v, .v_free = start.v_free, .mass = start.mass};
+    FreeMotion free{.M = start.mass, .v = start.v, .v_free = start.v_free, .mass = start.mass};
     free.M.makeCompressed();
     free.gyroscopic_D = free.law_D = SparseMatrix(dofs.rows, dofs.rows);
 
     SolveReport total;
     const auto solve_stage = [&] {
+      step.free = std::make_shared<const FreeMotion>(free);
       solve_rows(setting_, from, found, step);
       const SolveReport& report = step.solved.solution.report;
       total.iterations += report.iterations;

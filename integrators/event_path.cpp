@@ -44,9 +44,9 @@ bool EventRun::certified(const State& from, const State& to, const std::function
     const VecX v = path(a, b);
     const StepMotion motion{model_, a, v, b.t - a.t};
     const AdvancementOptions& o = o_.step.advancement;
-    const StepCertificate proof =
-        certify_step(motion, step_pairs(motion, setting_.bounds, o, o_.step.threads), setting_.bounds, {}, o,
-                     o_.step.threads);
+    const StepCertificate proof = certify_step(step_path(motion, setting_.bounds),
+                                               step_pairs(motion, setting_.bounds, o, o_.step.threads).pairs,
+                                               setting_.bounds, {}, o, o_.step.threads);
     report_.certificate_rounds += int(proof.rounds);
     if (!proof.failure.empty()) {
       report_.reason = proof.failure;

@@ -94,8 +94,10 @@ Found find_ahead(const StepSetting& setting, const State& state, const Estimate&
   const double begin = step_clock();
   const StepOptions& o = setting.options;
   Found found{.v_estimate = estimate.v, .h = h, .scale = state.h > 0 ? h / state.h : 1};
-  found.pairs = step_pairs({setting.model, state, estimate.v, h}, setting.bounds, o.advancement,
-                           o.threads);                                                       // (CA-4)
+  NearPairs near = step_pairs({setting.model, state, estimate.v, h}, setting.bounds, o.advancement,
+                              o.threads);  // (CA-4)
+  found.pairs = std::move(near.pairs);
+  found.reach = std::move(near.reach);
   found.contacts = contacts_of(setting.model, state, found.pairs, o.lmd, *setting.scratch);  // (LMD-3)
   found.count = int(found.contacts.points.size());
   found.min_gap = smallest_gap(found.contacts);

@@ -21,6 +21,7 @@ struct Found {
   double h = 0;
   std::vector<StepPair> pairs{};  // whose contacts are offered to the problem
   std::vector<StepPair> apart{};  // that have to show that they need none (CA-16)
+  std::vector<double> reach{};    // of every body: how far it may move (CA-5) [m]
   int count = 0;                  // of all contacts, those of `apart` included
   double min_gap = kInf;          // of them [m]
   ContactSet contacts{};
@@ -29,7 +30,7 @@ struct Found {
   WarmStart warm{};           // (RED-5)
   std::vector<Vec3> start{};  // impulses that contacts start with, world [N s] (PER-7)
   double scale = 1;           // of the last step's impulses
-  double seconds = 0;         // CPU that it took [s]
+  double seconds = 0;         // that it took [s]
 };
 Found find_ahead(const StepSetting& setting, const State& state, const Estimate& estimate, double h);
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <variant>
 
 #include "lmd/motion_bound.hpp"
@@ -133,16 +134,43 @@ class DiagonalBlocks {
   SparseMatrix matrix_;
 };
 
+template <class T>
+bool same_bits(const T* a, const T* b, Eigen::Index count) {
+  return std::memcmp(a, b, std::size_t(count) * sizeof(T)) == 0;
+}
+
+bool same_bits(const SparseMatrix& A, const SparseMatrix& B) {  // compressed
+  return A.rows() == B.rows() && A.cols() == B.cols() && A.nonZeros() == B.nonZeros() &&
+         same_bits(A.outerIndexPtr(), B.outerIndexPtr(), A.cols() + 1) &&
+         same_bits(A.innerIndexPtr(), B.innerIndexPtr(), A.nonZeros()) &&
+         same_bits(A.valuePtr(), B.valuePtr(), A.nonZeros());
+}
+
+std::shared_ptr<const MassInverse> inverse_of(const SparseMatrix& M) {
+  std::optional<MassInverse> inverse = invert_mass(M);
+  return inverse ? std::make_shared<const MassInverse>(std::move(*inverse)) : nullptr;
+}
+
+std::shared_ptr<const MassInverse> inverse_of(const SparseMatrix& M, MassScratch* scratch) {
+  if (!scratch) return inverse_of(M);
+  const std::unique_lock lock(scratch->in_use, std::try_to_lock);
+  if (!lock) return inverse_of(M);
+  if (!scratch->inverse || !same_bits(M, scratch->M)) {
+    scratch->inverse = inverse_of(M);
+    scratch->M = M;
+  }
+  return scratch->inverse;
+}
+
 }  // namespace
 
-void sum_up(FreeMotion& out) {
+void sum_up(FreeMotion& out, MassScratch* scratch) {
   out.M = out.mass;  // (MJ-4)
   if (out.gyroscopic_D.nonZeros() > 0) out.M += out.gyroscopic_D;
   if (out.law_D.nonZeros() > 0) out.M += out.law_D;
   if (out.turning_D.nonZeros() > 0) out.M += out.turning_D;
   out.M.makeCompressed();
-  out.inverse.reset();
-  if (out.v.size() > 0) out.inverse = invert_mass(out.M);
+  out.inverse = out.v.size() > 0 ? inverse_of(out.M, scratch) : nullptr;
   sum_up_impulses(out);
 }
 
@@ -223,7 +251,8 @@ void add_axis_forces(const Model& model, const State& state, const std::vector<S
         add_axis_force(model, state, middle, j, i, t, force);
 }
 
-FreeMotion free_motion(const Model& model, const State& state, const DofMap& dofs, double h, double theta) {
+FreeMotion free_motion(const Model& model, const State& state, const DofMap& dofs, double h, double theta,
+                       MassScratch* scratch) {
   GeneralisedForce force{.f = VecX::Zero(state.v.size()), .K = {}, .C = {}};
   for (const ForceLaw& law : model.forces) law.add_to(model, state, state.t + theta * h, force);
   if (std::ranges::any_of(model.joints, [](const Joint& joint) { return pushes(joint); }))
@@ -263,7 +292,7 @@ FreeMotion free_motion(const Model& model, const State& state, const DofMap& dof
     out.laws -= h * h * theta * (K * out.v);
     subtract_moved_anchors(force, dofs, prescribed_velocity(model, state, h), state.v, h, theta, out.laws);
   }
-  sum_up(out);
+  sum_up(out, scratch);
   return out;
 }
 

@@ -2,6 +2,8 @@
 // What moves over one step of the theta scheme without contacts and joints, linearly implicit (MJ-4), (MJ-5).
 #pragma once
 
+#include <memory>
+#include <mutex>
 #include <string>
 
 #include "mechanics/state.hpp"
@@ -36,11 +38,12 @@ std::vector<SE3> moved_poses(const Model& model, const State& state, const VecX&
 /// Rows of the dynamic bodies and of the coordinates. M^ (v+ - v) = gravity + gyroscopic + laws + H r, where
 /// what depends on v+ stands in M^.
 struct FreeMotion {
-  SparseMatrix M{};                      // M^ = mass + gyroscopic_D + law_D
-  VecX f{};                              // momentum: M^ v_free = f [N s, N m s]
-  VecX v{};                              // velocity at the start of the step
-  VecX v_free{};                         // velocity at its end without contact; not a number if M is singular
-  std::optional<MassInverse> inverse{};  // M^-1; nothing if M is singular, or not summed up here
+  SparseMatrix M{};  // M^ = mass + gyroscopic_D + law_D
+  VecX f{};          // momentum: M^ v_free = f [N s, N m s]
+  VecX v{};          // velocity at the start of the step
+  VecX v_free{};     // velocity at its end without contact; not a number if M is singular
+  // M^-1; null if M is singular, or not summed up here
+  std::shared_ptr<const MassInverse> inverse{};
   SparseMatrix mass{};
   VecX gravity{};               // impulse over the step [N s]
   VecX gyroscopic{};            // h (-omega x J omega) at the start
@@ -55,18 +58,32 @@ struct FreeMotion {
   VecX numerical{};  // what the scheme adds of its own
 };
 
+/// Made once and looked at by all attempts of a step; made in place, since Eigen's sparse matrices are copied
+/// where others are moved.
+using SharedMotion = std::shared_ptr<const FreeMotion>;
+
 /// Adds springs, dampers and effort motors of the joints' axes at time t, with directions at the poses
 /// `middle` (MJT-9).
 void add_axis_forces(const Model& model, const State& state, const std::vector<SE3>& middle, double t,
                      GeneralisedForce& force);
 
+/// The last M^ of a scheme and its inverse. Where bodies do not turn, or are as round as balls and cubes, M^
+/// stays as it is from step to step. It saves time and changes no result; who finds it in use by another
+/// thread goes without.
+struct MassScratch {
+  std::mutex in_use{};
+  SparseMatrix M{};
+  std::shared_ptr<const MassInverse> inverse{};
+};
+
 /// M, f, v_free and the inverse from the velocity, the impulses and the matrices that they are the sums of.
-void sum_up(FreeMotion& free);
+void sum_up(FreeMotion& free, MassScratch* scratch = nullptr);
 /// f and v_free alone: M and its inverse stand.
 void sum_up_impulses(FreeMotion& free);
 
 /// `theta` in [1/2, 1].
-FreeMotion free_motion(const Model& model, const State& state, const DofMap& dofs, double h, double theta);
+FreeMotion free_motion(const Model& model, const State& state, const DofMap& dofs, double h, double theta,
+                       MassScratch* scratch = nullptr);
 
 /// Where the gyroscopic torque of a step is taken (PMI-2), (PMI-3).
 enum class GyroscopicTerm {

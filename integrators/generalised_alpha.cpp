@@ -181,7 +181,7 @@ StepReport GeneralisedAlpha::step(State& state, double h_limit) const {
   const auto attempt = [&](const State& start, const Estimate& ahead, double h) {
     const Found found = find_ahead(setting_, start, ahead, h);
     const SmoothMotion smooth = smooth_from(start, h);
-    ImpulseStep step{.free = free_of(setting_, start, smooth, h),
+    ImpulseStep step{.free = std::make_shared<const FreeMotion>(free_of(setting_, start, smooth, h)),
                      .v_prescribed = prescribed_velocity(model, start, h),
                      .lambda_earlier = h * smooth.lambda};
     NormalLawOptions impact = setting_.options.normal;
@@ -191,9 +191,14 @@ StepReport GeneralisedAlpha::step(State& state, double h_limit) const {
 
     // Where gaps end says which of them take part in the impact (GA-7)
     ImpulseStep mean = position_problem(setting_, start, found, smooth, step);
-    const VecX momentum = step.free.mass * smooth.v_path;
-    mean.free.f = momentum;
-    solve_rows(setting_, start, found, mean);
+    const VecX momentum = step.free->mass * smooth.v_path;
+    const auto solve_mean = [&](const VecX& f) {
+      FreeMotion free = *step.free;
+      free.f = f;
+      mean.free = std::make_shared<const FreeMotion>(free);
+      solve_rows(setting_, start, found, mean);
+    };
+    solve_mean(momentum);
     const std::vector<RowVector> push = row_impulses(mean);
     for (std::size_t i = 0; i < step.rows.size(); ++i)
       if (has_normal(step.rows[i].law))
@@ -204,10 +209,7 @@ StepReport GeneralisedAlpha::step(State& state, double h_limit) const {
 
     // Friction displaces as a constant force does (GA-8)
     const VecX friction = tangential_momentum(step, dofs);
-    if (!friction.isZero(0)) {
-      mean.free.f = momentum + friction / 2;
-      solve_rows(setting_, start, found, mean);
-    }
+    if (!friction.isZero(0)) solve_mean(momentum + friction / 2);
     SolveReport& solve = step.solved.solution.report;
     solve.iterations += mean.solved.solution.report.iterations;
     solve.status = std::max(solve.status, mean.solved.solution.report.status);

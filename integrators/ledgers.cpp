@@ -26,42 +26,57 @@ double change_of_mass(const Model& model, const State& state, const State& next,
   return work - 0.5 * (v + free.v).dot(free.mass * change);
 }
 
-// What changed the velocities in a step, rows of the problem [N s, N m s]; their sum is mass * (v_end - v).
+// What changed the velocities in a step beside gravity, rows of the problem [N s, N m s]; with gravity their
+// sum is mass * (v_end - v). Empty: nothing.
 struct Acting {
-  VecX gravity{}, laws{}, gyroscopic{}, contacts{}, joints{}, numerical{};
+  VecX laws{}, gyroscopic{}, contacts{}, joints{}, numerical{};
 };
+
+VecX less(const VecX& a, const SparseMatrix& D, const VecX& change) {
+  return D.nonZeros() > 0 ? VecX(a - D * change) : a;
+}
+void add(VecX& sum, const VecX& more) {
+  if (sum.size() == 0)
+    sum = more;
+  else if (more.size() > 0)
+    sum += more;
+}
+double work(const VecX& v, const VecX& impulse) {
+  return impulse.size() > 0 ? v.dot(impulse) : 0;
+}
 
 // `change` of the velocities over the step, off by `projected` from what its impulses gave.
 Acting acting(const FreeMotion& free, const VecX& contact_impulse, const VecX& joint_impulse,
               const VecX& change, const VecX& projected) {
-  Acting out{.gravity = free.gravity,
-             .laws = free.laws - free.law_D * change,
-             .gyroscopic = free.gyroscopic - free.gyroscopic_D * change,
+  Acting out{.laws = less(free.laws, free.law_D, change),
+             .gyroscopic = less(free.gyroscopic, free.gyroscopic_D, change),
              .contacts = contact_impulse,
-             .joints = VecX::Zero(change.size()),
-             .numerical = VecX::Zero(change.size())};
-  if (free.turning.size() > 0) out.contacts += free.turning - free.turning_D * change;
+             .joints = {},
+             .numerical = free.numerical};
+  if (free.turning.size() > 0) add(out.contacts, free.turning - free.turning_D * change);
   if (joint_impulse.size() > 0) out.joints = joint_impulse + free.M * projected;
-  if (free.joints.size() > 0) out.joints += free.joints;
-  if (free.numerical.size() > 0) out.numerical = free.numerical;
+  add(out.joints, free.joints);
   return out;
 }
 
-// Work on the mean of both ends' velocities, of gravity and force laws on the path's (MJ-9).
-EnergyLedger energy_ledger(const FreeMotion& free, const Acting& by, const VecX& v_end, const VecX& v_path) {
+// Work on the mean of both ends' velocities, of gravity and force laws on the path's (MJ-9); `gained` is
+// mass * (v_end - v).
+EnergyLedger energy_ledger(const FreeMotion& free, const Acting& by, const VecX& gained, const VecX& v_end,
+                           const VecX& v_path) {
   const VecX middle = (v_end + free.v) / 2;
-  return {.kinetic_change = middle.dot(free.mass * (v_end - free.v)),
-          .gravity_work = v_path.dot(by.gravity),
+  return {.kinetic_change = middle.dot(gained),
+          .gravity_work = v_path.dot(free.gravity),
           .law_work = v_path.dot(by.laws),
-          .contact_work = middle.dot(by.contacts),
+          .contact_work = work(middle, by.contacts),
           .gyroscopic_work = middle.dot(by.gyroscopic),
-          .joint_work = middle.dot(by.joints),
-          .numerical_work = middle.dot(by.numerical) + (middle - v_path).dot(by.gravity + by.laws)};
+          .joint_work = work(middle, by.joints),
+          .numerical_work = work(middle, by.numerical) + (middle - v_path).dot(free.gravity + by.laws)};
 }
 
 // What impulses in the rows of the problem give to all bodies together (MJ-13).
 Momentum given(const StepSetting& setting, const State& state, const VecX& impulse) {
   Momentum out;
+  if (impulse.size() == 0) return out;
   for (std::size_t b = 0; b < state.g.size(); ++b) {
     const int at = setting.dofs.first[b];
     if (at < 0) continue;
@@ -72,11 +87,11 @@ Momentum given(const StepSetting& setting, const State& state, const VecX& impul
   return out;
 }
 
-MomentumLedger momentum_ledger(const StepSetting& setting, const State& state, const VecX& change,
-                               const Acting& by) {
+MomentumLedger momentum_ledger(const StepSetting& setting, const State& state, const VecX& gained,
+                               const VecX& gravity, const Acting& by) {
   const auto sum = [&](const VecX& impulse) { return given(setting, state, impulse); };
-  return {.change = sum(change),
-          .forces = sum(by.gravity + by.laws + by.gyroscopic),
+  return {.change = sum(gained),
+          .forces = sum(gravity + by.laws + by.gyroscopic),
           .contacts = sum(by.contacts),
           .joints = sum(by.joints),
           .numerical = sum(by.numerical)};
@@ -91,7 +106,7 @@ void tell_work(const ImpulseStep& step, const VecX& r, const DofMap& dofs, int f
     const auto i = std::size_t(step.solved.kept[k]);
     const ContactRow& row = step.rows[i];
     if (row.slot >= 0 && row.slot < first_gap) continue;
-    const RowVector u = slip_velocity(row, dofs, step.free.v) + slip_velocity(row, dofs, v_end);
+    const RowVector u = slip_velocity(row, dofs, step.free->v) + slip_velocity(row, dofs, v_end);
     double work = step.impact ? step.impact->work[i] : 0;
     for (int d = 0; d < row.law.rows; ++d) work += u[d] / 2 * r[step.solved.first_row[k] + d];
     if (row.slot < 0) report.contacts[k].work = work;
@@ -99,10 +114,10 @@ void tell_work(const ImpulseStep& step, const VecX& r, const DofMap& dofs, int f
       if (first_gap + 3 * gap.index == row.slot) gap.work = work;
     sum += work;
   }
-  const auto kinetic = [&](const VecX& v) { return v.dot(step.free.mass * v) / 2; };
-  const double scale = std::max({kinetic(step.free.v), kinetic(step.free.v_free), kinetic(v_end)});
+  const auto kinetic = [&](const VecX& v) { return v.dot(step.free->mass * v) / 2; };
   report.impulse_gain = std::max(0.0, sum);
-  report.energy_rises = sum > kGain * scale;
+  report.energy_rises =
+      sum > 0 && sum > kGain * std::max({kinetic(step.free->v), kinetic(step.free->v_free), kinetic(v_end)});
 }
 
 }  // namespace
@@ -110,23 +125,24 @@ void tell_work(const ImpulseStep& step, const VecX& r, const DofMap& dofs, int f
 void tell_ledgers(const StepSetting& setting, const State& state, const State& next, const ImpulseStep& step,
                   const StepBalance& balance, StepReport& report) {
   const Model& model = setting.model;
-  const VecX& v_end = balance.v_end;
-  Acting by = acting(step.free, balance.by_contacts, balance.by_joints, v_end - step.free.v,
-                     v_end - step.solved.solution.v);
-  report.energy = energy_ledger(step.free, by, v_end, balance.v_path);  // (MJ-9)
-  const double by_mass = change_of_mass(model, state, next, step.free, setting.dofs, v_end);
+  const VecX &v = step.free->v, &v_end = balance.v_end;
+  const VecX change = v_end - v;
+  VecX gained = step.free->mass * change;
+  Acting by =
+      acting(*step.free, balance.by_contacts, balance.by_joints, change, v_end - step.solved.solution.v);
+  report.energy = energy_ledger(*step.free, by, gained, v_end, balance.v_path);  // (MJ-9)
+  const double by_mass = change_of_mass(model, state, next, *step.free, setting.dofs, v_end);
   report.energy.kinetic_change += by_mass;
   report.energy.gyroscopic_work += by_mass;
-  VecX change = step.free.mass * (v_end - step.free.v);
   if (step.impact) {
     report.energy.kinetic_change += step.impact->kinetic_change;
     report.energy.contact_work += step.impact->contact_work;
     report.energy.joint_work += step.impact->joint_work;
-    by.contacts += step.impact->of_contacts;
-    by.joints += step.impact->of_joints;
-    change += step.impact->of_contacts + step.impact->of_joints;
+    add(by.contacts, step.impact->of_contacts);
+    add(by.joints, step.impact->of_joints);
+    gained += step.impact->of_contacts + step.impact->of_joints;
   }
-  report.momentum = momentum_ledger(setting, state, change, by);  // (MJ-13)
+  report.momentum = momentum_ledger(setting, state, gained, step.free->gravity, by);  // (MJ-13)
   tell_work(step, balance.r, setting.dofs, first_gap_row(model), v_end, report);
 }
 

@@ -10,7 +10,7 @@ namespace aussois {
 /// What acted over a step and how it moved, rows of the problem.
 struct StepBalance {
   VecX r{};                // impulses of the problem's blocks, of all stages [N s, N m s]
-  VecX by_contacts{};      // momentum that contacts and gap functions gave [N s, N m s]
+  VecX by_contacts{};      // momentum that contacts and gap functions gave [N s, N m s]; empty: none
   VecX by_joints{};        // likewise joints and what acts on their axes; empty: none
   VecX v_path{}, v_end{};  // constant on the path; at its end, after any projection
 };

@@ -125,18 +125,19 @@ MoreauJean::MoreauJean(const Model& model, const MoreauJeanOptions& options)
   validate(options);
 }
 
-FreeMotion MoreauJean::free(const State& state, double h) const {
-  return free_motion(setting_.model, state, setting_.dofs, h, options_.theta);  // (MJ-4), (MJ-5)
+SharedMotion MoreauJean::free(const State& state, double h) const {
+  return SharedMotion(new FreeMotion(free_motion(setting_.model, state, setting_.dofs, h, options_.theta,
+                                                 setting_.mass_scratch.get())));  // (MJ-4), (MJ-5)
 }
 
-Attempt MoreauJean::attempt(const State& state, const FreeMotion& without, const Estimate& ahead,
+Attempt MoreauJean::attempt(const State& state, const SharedMotion& without, const Estimate& ahead,
                             double h) const {
   const double theta = options_.theta, time = time_of(options_.contacts, h);
   const NormalLawOptions& normal = options_.normal;
   Found found = find_ahead(setting_, state, ahead, h);
   const std::optional<AfterImpact> after = after_impact(setting_, state, found, options_.impact, theta);
   const State& start = after ? after->state : state;
-  const FreeMotion first = after ? free(start, h) : without;
+  const SharedMotion first = after ? free(start, h) : without;
   ImpulseStep step =
       solve_step(setting_, start, found, first, theta,
                  after ? after->blocks : contact_blocks(setting_, start, found.contacts, h, normal));
@@ -148,8 +149,8 @@ Attempt MoreauJean::attempt(const State& state, const FreeMotion& without, const
   while (made < solves && (made < 2 || !newton_done(change, last, options_))) {
     const VecX v = step.solved.solution.v;
     if (!v.allFinite()) break;
-    const Reached reached{all_velocities(setting_.dofs, theta * v + (1 - theta) * first.v, step.v_prescribed),
-                          time};
+    const Reached reached{
+        all_velocities(setting_.dofs, theta * v + (1 - theta) * first->v, step.v_prescribed), time};
     State at = on_the_way(setting_, start, reached.v, h, time);
     at.v = start.v;
     at.t = start.t;
@@ -162,10 +163,11 @@ Attempt MoreauJean::attempt(const State& state, const FreeMotion& without, const
     if (options_.newton.gap_hessians && iterations > 1 && time > 0)
       turn = gap_hessians(setting_.model, at, there.contacts, normal_impulses(there), setting_.dofs,
                           theta * time);
-    step = solve_step(
-        setting_, start, there,
-        iterations > 1 ? at_iterate(setting_, start, first, v, step.v_prescribed, h, theta, turn) : first,
-        theta, std::move(blocks));
+    step = solve_step(setting_, start, there,
+                      iterations > 1 ? std::make_shared<const FreeMotion>(at_iterate(
+                                           setting_, start, *first, v, step.v_prescribed, h, theta, turn))
+                                     : first,
+                      theta, std::move(blocks));
     found = std::move(there);
     last = std::exchange(change, (step.solved.solution.v - v).lpNorm<Eigen::Infinity>());
     ++made;
@@ -173,7 +175,7 @@ Attempt MoreauJean::attempt(const State& state, const FreeMotion& without, const
   if (after) step.impact = after->impact;
   const VecX& v = step.solved.solution.v;
   Attempt out = go(setting_, start, found, step,
-                   {.v_path = theta * v + (1 - theta) * first.v,  // (MJ-7)
+                   {.v_path = theta * v + (1 - theta) * first->v,  // (MJ-7)
                     .v_end = v,
                     .goes_on = 2 * (1 - theta) * options_.advancement.min_h});
   out.report.newton_iterations = made;
@@ -186,15 +188,15 @@ Attempt MoreauJean::attempt(const State& state, const FreeMotion& without, const
 }
 
 StepReport MoreauJean::step(State& state, double h_limit) const {
-  FreeMotion without;  // contacts; of the length that is tried, from the start that all attempts share
+  SharedMotion without;  // contacts; of the length that is tried, from the start that all attempts share
   double length = 0;
-  const auto free_for = [&](const State& start, double h) -> const FreeMotion& {
+  const auto free_for = [&](const State& start, double h) -> const SharedMotion& {
     if (h != length) without = free(start, h), length = h;
     return without;
   };
   return advance_step(setting_, state, h_limit,
                       {[&](const State& start, double h) {
-                         return estimate_without_contacts(setting_, start, free_for(start, h), h,
+                         return estimate_without_contacts(setting_, start, *free_for(start, h), h,
                                                           options_.theta);
                        },
                        [&](const State& start, const Estimate& ahead, double h) {

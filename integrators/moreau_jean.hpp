@@ -61,9 +61,9 @@ class MoreauJean {
   ContactSet contacts(const State& state, double threshold) const;
 
  private:
-  FreeMotion free(const State& state, double h) const;
+  SharedMotion free(const State& state, double h) const;
   /// `without` is the free motion of the state.
-  Attempt attempt(const State& state, const FreeMotion& without, const Estimate& ahead, double h) const;
+  Attempt attempt(const State& state, const SharedMotion& without, const Estimate& ahead, double h) const;
 
   StepSetting setting_;
   MoreauJeanOptions options_;

@@ -64,10 +64,11 @@ MoreauJeanProjected::MoreauJeanProjected(const Model& model, const MoreauJeanPro
 StepReport MoreauJeanProjected::step(State& state, double h_limit) const {
   const double theta = options_.theta;
   const auto free = [&](const State& start, double h) {
-    return free_motion(setting_.model, start, setting_.dofs, h, theta);  // (MJ-4), (MJ-5)
+    return SharedMotion(new FreeMotion(free_motion(setting_.model, start, setting_.dofs, h, theta,
+                                                   setting_.mass_scratch.get())));  // (MJ-4), (MJ-5)
   };
   const auto estimate = [&](const State& start, double h) {
-    return estimate_without_contacts(setting_, start, free(start, h), h, theta);
+    return estimate_without_contacts(setting_, start, *free(start, h), h, theta);
   };
   const auto attempt = [&](const State& start, const Estimate& ahead, double h) {
     Found found = find_ahead(setting_, start, ahead, h);
@@ -75,14 +76,14 @@ StepReport MoreauJeanProjected::step(State& state, double h_limit) const {
     for (;;) {  // each round activates at least one contact more
       const ImpulseStep step = solve_step(setting_, start, found, free(start, h), theta, blocks);
       const VecX& v = step.solved.solution.v;
-      Move move{.v_path = theta * v + (1 - theta) * step.free.v, .v_end = v, .end = {}};  // (MJ-7)
+      Move move{.v_path = theta * v + (1 - theta) * step.free->v, .v_end = v, .end = {}};  // (MJ-7)
       if (!v.allFinite()) return go(setting_, start, found, step, move);
       const VecX v_path = path_velocity(setting_.options.update, setting_.model, start,
                                         all_velocities(setting_.dofs, move.v_path, step.v_prescribed), h);
       State plain = moved(setting_.model, start, v_path, start.v, h);
       if (setting_.options.joints.project) plain = consistent(setting_.model, plain);
       const Projection projection =
-          without_overlap(setting_, plain, found.pairs, step.free, step.joints.equations.G, h);  // (PRJ-1)
+          without_overlap(setting_, plain, found.pairs, *step.free, step.joints.equations.G, h);  // (PRJ-1)
       if (options_.order == ProjectionOrder::combined && activate(projection, found, blocks)) continue;
       if (projection.moved > 0) move.end = projection.end;
       Attempt out = go(setting_, start, found, step, move);

@@ -40,9 +40,9 @@ int make_passive(const DofMap& dofs, double tolerance, ImpulseStep& step, std::v
   for (std::size_t i = 0; i < step.rows.size(); ++i) {
     ContactRow& row = step.rows[i];
     if (stated[i] || !has_normal(row.law) || r[i].isZero(0)) continue;
-    const RowVector before = plain_velocity(row, dofs, step.free.v),
+    const RowVector before = plain_velocity(row, dofs, step.free->v),
                     after = plain_velocity(row, dofs, step.solved.solution.v),
-                    without = plain_velocity(row, dofs, step.free.v_free);
+                    without = plain_velocity(row, dofs, step.free->v_free);
     const double noise = tolerance * r[i].norm() * (before.norm() + without.norm());
     if (r[i].dot(before + after) / 2 <= noise) continue;  // (PMI-5)
     const double bias = std::max(row.w[0] - row.moved[0], before[0]);
@@ -57,7 +57,7 @@ int make_passive(const DofMap& dofs, double tolerance, ImpulseStep& step, std::v
 // Joints on the mean with the end that the last solve leads to (MJT-14), (MJT-15).
 void set_mean_joints(const StepSetting& setting, const State& start, double h, ImpulseStep& step) {
   const VecX& v = step.solved.solution.v;
-  const VecX mean = all_velocities(setting.dofs, (step.free.v + v) / 2, step.v_prescribed);
+  const VecX mean = all_velocities(setting.dofs, (step.free->v + v) / 2, step.v_prescribed);
   const VecX path = path_velocity(setting.options.update, setting.model, start, mean, h);
   const State end = moved(setting.model, start, path, mean, h);
   step.rows.resize(step.rows.size() - step.joints.rows.size());
@@ -99,8 +99,10 @@ StepReport PassiveMidpoint::step(State& state, double h_limit) const {
     const Found found = find_ahead(setting_, start, ahead, h);
     const FreeMotion plain = free_motion(model, start, dofs, h, kTheta);  // (MJ-4), (MJ-5)
     VecX guess = plain.v_free;
-    ImpulseStep step =
-        pose_step(setting_, start, found, with_gyroscopic(model, dofs, h, gyroscopic_, guess, plain), kTheta);
+    const auto with_torque = [&] {
+      return std::make_shared<const FreeMotion>(with_gyroscopic(model, dofs, h, gyroscopic_, guess, plain));
+    };
+    ImpulseStep step = pose_step(setting_, start, found, with_torque(), kTheta);
     std::vector<char> stated(step.rows.size(), 0);
     VecX last = VecX::Constant(dofs.rows, kInf);
     double change = kInf;
@@ -121,7 +123,7 @@ StepReport PassiveMidpoint::step(State& state, double h_limit) const {
       if (!off && !gives && joints_stand) break;
       if (off) {
         guess = v;
-        step.free = with_gyroscopic(model, dofs, h, gyroscopic_, guess, plain);
+        step.free = with_torque();
       }
       if (!joints_stand) set_mean_joints(setting_, start, h, step);
     }
@@ -129,7 +131,7 @@ StepReport PassiveMidpoint::step(State& state, double h_limit) const {
       step.solved.solution.report.status = SolveStatus::max_iterations;
     const VecX& v = step.solved.solution.v;
     Attempt out = go(setting_, start, found, step,
-                     {.v_path = kTheta * v + (1 - kTheta) * step.free.v,  // (PMI-4)
+                     {.v_path = kTheta * v + (1 - kTheta) * step.free->v,  // (PMI-4)
                       .v_end = v,
                       .goes_on = 2 * (1 - kTheta) * setting_.options.advancement.min_h});
     out.report.contacts_made_passive = int(std::count(stated.begin(), stated.end(), 1));

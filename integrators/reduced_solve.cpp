@@ -46,21 +46,23 @@ ReducedSolution solve_reduced(const FreeMotion& free, const DofMap& dofs, const 
     out.kept.clear();
     for (int i = 0; i < int(rows.size()); ++i)
       if (in[std::size_t(i)]) out.kept.push_back(i);
-    out.problem = contact_problem(free, dofs, rows, out.kept);
-    out.problem.G = joints.G;
-    out.problem.b = joints.b;
-    out.first_row = first_rows(out.problem.laws);
+    const std::shared_ptr<FrictionProblem> problem(
+        new FrictionProblem(contact_problem(free, dofs, rows, out.kept)));  // in place, as of SharedMotion
+    problem->G = joints.G;
+    problem->b = joints.b;
+    out.problem = problem;
+    out.first_row = first_rows(problem->laws);
     out.start.resize(out.first_row.back());
     for (std::size_t k = 0; k < out.kept.size(); ++k) {
-      const int count = out.problem.laws[k].rows;
+      const int count = problem->laws[k].rows;
       out.start.segment(out.first_row[k], count) = r[std::size_t(out.kept[k])].head(count);
     }
-    out.solution = free.inverse ? solve(out.problem, {*free.inverse, free.v_free}, out.start, options)
-                                : solve(out.problem, out.start, options);
+    out.solution = free.inverse ? solve(*problem, {*free.inverse, free.v_free}, out.start, options)
+                                : solve(*problem, out.start, options);
     add_up(total, out.solution.report);
     if (!out.solution.v.allFinite()) break;
     for (std::size_t k = 0; k < out.kept.size(); ++k) {
-      const int count = out.problem.laws[k].rows;
+      const int count = problem->laws[k].rows;
       r[std::size_t(out.kept[k])].head(count) = out.solution.r.segment(out.first_row[k], count);
     }
     const std::vector<int> more = rows_to_add(rows, in, selection, dofs, out.solution.v, allowed_speed);

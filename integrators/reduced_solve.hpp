@@ -10,11 +10,11 @@
 namespace aussois {
 
 struct ReducedSolution {
-  std::vector<int> kept{};  // rows in the problem, ascending
-  FrictionProblem problem{};
-  std::vector<int> first_row{};  // of each kept row in the problem
-  VecX start{};                  // impulses that the last round started with
-  FrictionSolution solution{};   // its report sums up the rounds
+  std::vector<int> kept{};                           // rows in the problem, ascending
+  std::shared_ptr<const FrictionProblem> problem{};  // with joints
+  std::vector<int> first_row{};                      // of each kept row in the problem
+  VecX start{};                                      // impulses that the last round started with
+  FrictionSolution solution{};                       // its report sums up the rounds
 };
 
 /// The joints of the step's problem, as of FrictionProblem; empty without joints.

@@ -66,8 +66,9 @@ StepReport SchatzmanPaoli::step(State& state, double h_limit) const {
   };
   const auto attempt = [&](const State& start, const Estimate& ahead, double h) {
     const Found found = find_ahead(setting_, start, ahead, h);
-    const ImpulseStep step = solve_step(setting_, start, found, kick(setting_, start, h, theta_), 1,
-                                        blocks_of(setting_, start, found));
+    const ImpulseStep step = solve_step(setting_, start, found,
+                                        std::make_shared<const FreeMotion>(kick(setting_, start, h, theta_)),
+                                        1, blocks_of(setting_, start, found));
     const VecX& v = step.solved.solution.v;
     const double next = setting_.options.advancement.growth * h;  // the longest that may come (CA-17)
     return go(setting_, start, found, step, {.v_path = v, .v_end = v, .end = {}, .goes_on = next});  // (SP-3)

@@ -137,7 +137,8 @@ struct StepReport {
   std::vector<StepJoint> joints{};       // of every joint of the model
   std::vector<StepEvent> events{};       // in order of time; only of schemes that stop at events
   std::optional<StepProblem> problem{};  // the last one solved, also in a step that ended badly; if asked for
-  double seconds_contact = 0, seconds_solve = 0, seconds_certificate = 0, seconds_total = 0;  // CPU [s]
+  double seconds_contact = 0, seconds_solve = 0, seconds_certificate = 0,
+         seconds_total = 0;  // that passed [s]
   bool ok() const { return status == StepStatus::ok && solve.status == SolveStatus::converged; }
 };
 

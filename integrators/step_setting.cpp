@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "integrators/step_setting.hpp"
 
+#include <chrono>
 #include <cmath>
-#include <ctime>
 
 #include "geometry/check.hpp"
 #include "geometry/parallel.hpp"
@@ -67,7 +67,7 @@ ContactSet contacts_within(const StepSetting& setting, const State& state, doubl
 }
 
 double step_clock() {
-  return double(std::clock()) / CLOCKS_PER_SEC;
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 }  // namespace aussois

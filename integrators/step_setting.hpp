@@ -38,6 +38,7 @@ struct StepSetting {
   std::vector<BodyBounds> bounds{};
   std::vector<const LmdShape*> shapes{};  // of every body; null: none
   std::shared_ptr<ContactScratch> scratch = std::make_shared<ContactScratch>();
+  std::shared_ptr<MassScratch> mass_scratch = std::make_shared<MassScratch>();
 };
 
 /// Throws std::invalid_argument for a bad option or model, or if two bodies that can touch have no dilation
@@ -47,7 +48,8 @@ StepSetting step_setting(const Model& model, const StepOptions& options);
 /// Contacts of all pairs of bodies at the state with gap <= threshold [m], as a step would find them.
 ContactSet contacts_within(const StepSetting& setting, const State& state, double threshold);
 
-/// CPU time of the process [s], for the reports.
+/// Time since some moment [s], for the reports. The CPU time of the process costs a system call of 1 us, ten
+/// times a step, and is counted in ticks of some ms on machines that limit it.
 double step_clock();
 
 }  // namespace aussois

@@ -110,7 +110,8 @@ struct RunStep {
   Vec3 coupling_force = Vec3::Zero();   // of the virtual coupling, on its body, world [N]
   Vec3 coupling_torque = Vec3::Zero();  // the same, body frame [N m]
 
-  double seconds_contact = 0, seconds_solve = 0, seconds_certificate = 0, seconds_total = 0;  // CPU [s]
+  double seconds_contact = 0, seconds_solve = 0, seconds_certificate = 0,
+         seconds_total = 0;  // that passed [s]
 };
 
 struct RunData {

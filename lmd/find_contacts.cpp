@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <tuple>
 #include <utility>
 
@@ -93,38 +94,41 @@ Feature make_feature(const LmdShape& shape, LeafId leaf, const Vec3& x, int body
           .bary = barycentric(leaf_of(shape, leaf), x)};
 }
 
+ContactPoint contact_of(const PosedShape& a, const PosedShape& b, const RelativePair& pair,
+                        const FoundMinimum& f) {
+  const LocalMinimum& m = f.minimum;
+  ContactPoint c;
+  c.a = make_feature(*a.shape, f.a, pair.R.transpose() * (m.x_a - pair.t), a.body);
+  c.b = make_feature(*b.shape, f.b, m.x_b, b.body);
+  c.normal = -(b.g_ws.R * m.direction);
+  c.gap = m.distance - a.shape->radius - b.shape->radius;
+  c.x_a = b.g_ws * m.x_a - a.shape->radius * c.normal;
+  c.x_b = b.g_ws * m.x_b + b.shape->radius * c.normal;
+  c.angle_margin = m.angle_margin;
+  return c;
+}
+
 ContactSet to_contacts(const PosedShape& a, const PosedShape& b, const RelativePair& pair,
                        const std::vector<FoundMinimum>& found) {
-  struct Place {  // in the set
-    Feature a, b;
-    double gap;
-    int minimum;
-  };
-  const std::vector<FoundMinimum> minima = without_duplicates(pair, found);
-  std::vector<Place> places;
-  places.reserve(minima.size());
-  for (const FoundMinimum& f : minima)
-    places.push_back({make_feature(*a.shape, f.a, pair.R.transpose() * (f.minimum.x_a - pair.t), a.body),
-                      make_feature(*b.shape, f.b, f.minimum.x_b, b.body), f.minimum.distance,
-                      int(places.size())});
-  std::ranges::sort(places, {}, [&](const Place& p) {
-    const FoundMinimum& f = minima[std::size_t(p.minimum)];
-    return std::tuple(p.a.dim, p.a.simplex, p.b.dim, p.b.simplex, p.gap, f.a, f.b);
-  });
   ContactSet set;
-  set.points.reserve(places.size());
-  for (const Place& p : places) {
-    const LocalMinimum& m = minima[std::size_t(p.minimum)].minimum;
-    ContactPoint c;
-    c.a = p.a;
-    c.b = p.b;
-    c.normal = -(b.g_ws.R * m.direction);
-    c.gap = m.distance - a.shape->radius - b.shape->radius;
-    c.x_a = b.g_ws * m.x_a - a.shape->radius * c.normal;
-    c.x_b = b.g_ws * m.x_b + b.shape->radius * c.normal;
-    c.angle_margin = m.angle_margin;
-    set.points.push_back(c);
+  set.points.reserve(found.size());
+  if (found.size() == 1) set.points.push_back(contact_of(a, b, pair, found.front()));
+  if (found.size() <= 1) return set;
+  const std::vector<FoundMinimum> minima = without_duplicates(pair, found);
+  std::vector<ContactPoint> points;
+  std::vector<int> order;
+  points.reserve(minima.size());
+  order.reserve(minima.size());
+  for (const FoundMinimum& f : minima) {
+    order.push_back(int(points.size()));
+    points.push_back(contact_of(a, b, pair, f));
   }
+  std::ranges::sort(order, {}, [&](int i) {
+    const FoundMinimum& f = minima[std::size_t(i)];
+    const ContactPoint& c = points[std::size_t(i)];
+    return std::tuple(c.a.dim, c.a.simplex, c.b.dim, c.b.simplex, f.minimum.distance, f.a, f.b);
+  });
+  for (const int i : order) set.points.push_back(points[std::size_t(i)]);
   return set;
 }
 
@@ -136,7 +140,7 @@ MotionWindow moved_since(const SE3& before, const SE3& now, const LmdShape& a) {
           rotation};
 }
 
-ContactSet contacts_among(const std::vector<LeafPair>& leaves, const PosedShape& a, const PosedShape& b,
+ContactSet contacts_among(std::span<const LeafPair> leaves, const PosedShape& a, const PosedShape& b,
                           const LmdOptions& options) {
   const RelativePair pair = relative_pair(a, b, options);
   std::vector<FoundMinimum> found;
@@ -149,6 +153,11 @@ ContactSet contacts_among(const std::vector<LeafPair>& leaves, const PosedShape&
   }
   return to_contacts(a, b, pair, found);
 }
+
+bool is_ball(const LmdShape& shape) {
+  return shape.vertices.size() == 1 && shape.edges.empty() && shape.faces.empty();
+}
+constexpr LeafPair kBalls[]{{{0, 0, 1}, {0, 0, 1}}};  // the only pair of leaves of two balls
 
 }  // namespace
 
@@ -199,6 +208,7 @@ ContactSet find_contacts(const Candidates& candidates, const PosedShape& a, cons
 
 ContactSet find_contacts(const PosedShape& a, const PosedShape& b, const LmdOptions& options,
                          PairScratch& scratch) {
+  if (is_ball(*a.shape) && is_ball(*b.shape)) return contacts_among(kBalls, a, b, options);
   const SE3 g_ba = inverse(b.g_ws) * a.g_ws;
   Candidates& kept = scratch.candidates;
   const auto within = [](const MotionWindow& motion, const MotionWindow& window) {

@@ -33,7 +33,8 @@ ContactSet find_contacts(const Candidates& candidates, const PosedShape& a, cons
 ContactSet find_contacts(const PosedShape& a, const PosedShape& b, const LmdOptions& options = {},
                          LmdStatistics* statistics = nullptr);
 
-/// What a caller may keep of a pair from query to query. It makes queries of slow motions quicker and never
+/// What a caller may keep of a pair from query to query; nothing for two balls, whose only pair of leaves is
+/// known. It makes queries of slow motions quicker and never
 /// changes what they find (LMD-12).
 struct PairScratch {
   bool asked = false;

@@ -9,11 +9,11 @@
 namespace aussois {
 namespace {
 
-// Points of a (within radius_a of its reference point) seen from b; constant v and omega on the step.
-double seen_from(const RigidMotion& a, double radius_a, const RigidMotion& b, double dt) {
-  const Vec3 w_a = a.g.R * a.omega, w_b = b.g.R * b.omega, r0 = a.g.p - b.g.p;
-  return dt * ((a.v - b.v - w_b.cross(r0)).norm() + (w_a - w_b).norm() * radius_a) +
-         dt * dt / 2 * w_b.norm() * (a.v - b.v).norm();
+// Points of a seen from b; constant v and omega on the step. `turn` and `speed`: |w_a - w_b| and |v_a - v_b|.
+double seen_from(const MovingBody& a, const MovingBody& b, double turn, double speed, double dt) {
+  const Vec3 r0 = a.motion.g.p - b.motion.g.p;
+  return dt * ((a.motion.v - b.motion.v - b.w.cross(r0)).norm() + turn * a.radius) +
+         dt * dt / 2 * b.spin * speed;
 }
 
 }  // namespace
@@ -28,12 +28,27 @@ double displacement_bound(const RigidMotion& motion, double radius, double dt) {
 
 double relative_displacement_bound(const RigidMotion& a, double radius_a, const RigidMotion& b,
                                    double radius_b, double dt) {
-  return std::min({displacement_bound(a, radius_a, dt) + displacement_bound(b, radius_b, dt),
-                   seen_from(a, radius_a, b, dt), seen_from(b, radius_b, a, dt)});
+  return relative_bounds(moving_body(a, radius_a, dt), moving_body(b, radius_b, dt), dt).displacement;
 }
 
 double relative_rotation_bound(const RigidMotion& a, const RigidMotion& b, double dt) {
   return dt * (a.g.R * a.omega - b.g.R * b.omega).norm();
+}
+
+MovingBody moving_body(const RigidMotion& motion, double radius, double dt) {
+  const Vec3 w = motion.g.R * motion.omega;
+  return {.motion = motion,
+          .radius = radius,
+          .w = w,
+          .spin = w.norm(),
+          .displacement = displacement_bound(motion, radius, dt)};
+}
+
+RelativeBounds relative_bounds(const MovingBody& a, const MovingBody& b, double dt) {
+  const double turn = (a.w - b.w).norm(), speed = (a.motion.v - b.motion.v).norm();
+  return {.displacement = std::min({a.displacement + b.displacement, seen_from(a, b, turn, speed, dt),
+                                    seen_from(b, a, turn, speed, dt)}),
+          .rotation = dt * turn};
 }
 
 Approach approach_of(const RigidMotion& a, const RigidMotion& b, double dt) {

@@ -28,6 +28,23 @@ double relative_displacement_bound(const RigidMotion& a, double radius_a, const 
 /// Bound of the angle of the relative rotation during dt (CA-3) [rad].
 double relative_rotation_bound(const RigidMotion& a, const RigidMotion& b, double dt);
 
+/// A body in a step, with all that the bounds of its pairs ask of it alone.
+struct MovingBody {
+  RigidMotion motion{};
+  double radius = 0;        // of its points about the reference point [m]
+  Vec3 w = Vec3::Zero();    // angular velocity, world [rad/s]
+  double spin = 0;          // |w|
+  double displacement = 0;  // (CA-1) [m]
+};
+MovingBody moving_body(const RigidMotion& motion, double radius, double dt);
+
+struct RelativeBounds {
+  double displacement = 0;  // (CA-2) [m]
+  double rotation = 0;      // (CA-3) [rad]
+};
+/// Both bounds of a pair at once, bit for bit those from above.
+RelativeBounds relative_bounds(const MovingBody& a, const MovingBody& b, double dt);
+
 /// How far points of A can move towards B along a direction that B carries with it (CA-13): what a slide does
 /// not do, however fast. Everything in the world at the start of the step.
 struct Approach {

@@ -19,6 +19,13 @@ SE3 pose_of(std::span<const SE3> g, int body) {
   return g.empty() ? SE3{} : g[std::size_t(body)];
 }
 
+std::vector<SE3> inverses(std::span<const SE3> g) {
+  std::vector<SE3> out;
+  out.reserve(g.size());
+  for (const SE3& pose : g) out.push_back(inverse(pose));
+  return out;
+}
+
 ContactMemory remember(const ContactSet& contacts, const std::vector<Vec3>& impulses,
                        const StepTrace& trace) {
   const auto check_size = [&](std::size_t size, bool may_be_empty, const char* what) {
@@ -32,13 +39,14 @@ ContactMemory remember(const ContactSet& contacts, const std::vector<Vec3>& impu
   check_size(trace.solved.size(), true, "marks");
   ContactMemory memory;
   memory.contacts.reserve(impulses.size());
+  const std::vector<SE3> to_body = inverses(impulses.empty() ? std::span<const SE3>() : trace.g);
   for (std::size_t i = 0; i < impulses.size(); ++i) {
     const ContactPoint& c = contacts.points[i];
     const Anchor anchor = trace.anchors.empty() ? Anchor{} : trace.anchors[i];
-    const SE3 to_b = inverse(pose_of(trace.g, c.b.body));
+    const SE3 to_b = pose_of(to_body, c.b.body);
     RememberedContact r{.key = key_of(c),
                         .normal = c.normal,
-                        .point_a = inverse(pose_of(trace.g, c.a.body)) * c.x_a,
+                        .point_a = pose_of(to_body, c.a.body) * c.x_a,
                         .point_b = to_b * c.x_b,
                         .impulse = impulses[i],
                         .drilling = trace.drilling.empty() ? 0 : trace.drilling[i],
@@ -47,7 +55,8 @@ ContactMemory remember(const ContactSet& contacts, const std::vector<Vec3>& impu
     r.anchor_b = anchor.held ? to_b * Vec3(c.x_b - anchor.drift) : r.point_b;
     memory.contacts.push_back(r);
   }
-  std::stable_sort(memory.contacts.begin(), memory.contacts.end(), before);
+  if (!std::is_sorted(memory.contacts.begin(), memory.contacts.end(), before))
+    std::stable_sort(memory.contacts.begin(), memory.contacts.end(), before);
   return memory;
 }
 

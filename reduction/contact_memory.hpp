@@ -48,6 +48,9 @@ struct StepTrace {
 ContactMemory remember(const ContactSet& contacts, const std::vector<Vec3>& impulses,
                        const StepTrace& trace = {});
 
+/// Of each pose.
+std::vector<SE3> inverses(std::span<const SE3> g);
+
 /// The pose of a body, the identity where none is given.
 SE3 pose_of(std::span<const SE3> g, int body);
 

@@ -119,6 +119,9 @@ std::vector<Vec3> redistribute(const ContactSet& contacts, const Selection& sele
   const std::size_t n = contacts.points.size();
   require(impulse.size() == n && mu.size() == n && selection.cluster.size() == n,
           "redistribute: impulses, friction and selection must be of the same set");
+  std::vector<Vec3> start(n, Vec3::Zero());
+  for (const int i : selection.kept) start[std::size_t(i)] = impulse[std::size_t(i)];
+  if (start == impulse) return start;  // nothing was dropped
   std::vector<std::vector<int>> kept(std::size_t(selection.cluster_count)), dropped = kept;
   std::vector<char> is_kept(n, 0);
   for (const int i : selection.kept) is_kept[std::size_t(i)] = 1;
@@ -129,8 +132,6 @@ std::vector<Vec3> redistribute(const ContactSet& contacts, const Selection& sele
     else if (!impulse[std::size_t(i)].isZero(0))
       dropped[cluster].push_back(i);
   }
-  std::vector<Vec3> start(n, Vec3::Zero());
-  for (const int i : selection.kept) start[std::size_t(i)] = impulse[std::size_t(i)];
   for (std::size_t c = 0; c < kept.size(); ++c)
     if (!dropped[c].empty() && !kept[c].empty()) share(contacts, kept[c], dropped[c], impulse, mu, start);
   return start;

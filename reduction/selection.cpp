@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reduction/selection.hpp"
 
+#include <stdexcept>
 #include <string>
-
-#include "geometry/check.hpp"
 
 namespace aussois {
 
 ContactSet select(const ContactSet& found, const std::vector<int>& kept) {
   ContactSet result;
+  result.points.reserve(kept.size());
   for (const int i : kept) {
-    require(i >= 0 && std::size_t(i) < found.points.size(), "select: index " + std::to_string(i) +
-                                                                " must lie in [0, " +
-                                                                std::to_string(found.points.size()) + ")");
+    if (i < 0 || std::size_t(i) >= found.points.size())
+      throw std::invalid_argument("select: index " + std::to_string(i) + " must lie in [0, " +
+                                  std::to_string(found.points.size()) + ")");
     result.points.push_back(found.points[std::size_t(i)]);
   }
   return result;

@@ -44,11 +44,12 @@ bool before(const Seen& a, const Seen& b) {
 std::vector<Seen> ranked(const ContactSet& contacts, std::span<const SE3> g) {
   std::vector<Seen> out;
   out.reserve(contacts.points.size());
+  const std::vector<SE3> to_body = inverses(g);
   for (const ContactPoint& c : contacts.points)
     out.push_back({.key = key_of(c),
                    .normal = c.normal,
-                   .point_a = inverse(pose_of(g, c.a.body)) * c.x_a,
-                   .point_b = inverse(pose_of(g, c.b.body)) * c.x_b,
+                   .point_a = pose_of(to_body, c.a.body) * c.x_a,
+                   .point_b = pose_of(to_body, c.b.body) * c.x_b,
                    .place = out.size()});
   const auto pair_before = [](const Seen& a, const Seen& b) {
     return a.key.body_a != b.key.body_a ? a.key.body_a < b.key.body_a : a.key.body_b < b.key.body_b;

@@ -196,7 +196,13 @@ TEST_P(LocalMinima, AreTheSameToTheBitWithWhatWasKeptOfAWalk) {
       EXPECT_EQ(fresh.points[k].normal, walked.points[k].normal);
     }
   }
-  EXPECT_GT(reused, 15) << "seed " << GetParam();
+  const auto leaves = [](const LmdShape& shape) {
+    return shape.vertices.size() + shape.edges.size() + shape.faces.size();
+  };
+  if (leaves(s.a) == 1 && leaves(s.b) == 1)
+    EXPECT_EQ(scratch.candidates.a, nullptr) << "two balls: nothing to keep, seed " << GetParam();
+  else
+    EXPECT_GT(reused, 15) << "seed " << GetParam();
 }
 
 // Test 9 of the checklist: one search serves every pose within its window.
