@@ -130,10 +130,6 @@ LocalProblem condense(const FrictionProblem& problem) {
 }
 
 LocalProblem condense(const FrictionProblem& problem, const MotionInverse& inverse) {
-  return condense(problem, inverse, free_velocity(problem, inverse));
-}
-
-LocalProblem condense(const FrictionProblem& problem, const MotionInverse& inverse, const VecX& v_free) {
   LocalProblem local;
   local.laws = problem.laws;
   if (problem.laws.empty()) {
@@ -143,7 +139,7 @@ LocalProblem condense(const FrictionProblem& problem, const MotionInverse& inver
   const SparseMatrix Ht = problem.H.transpose();
   local.W = product(Ht, inverse * problem.H);
   if (problem.R.size() > 0) local.W += SparseMatrix(problem.R.asDiagonal());
-  local.q = Ht * v_free + problem.w;
+  local.q = Ht * free_velocity(problem, inverse) + problem.w;
   return local;
 }
 

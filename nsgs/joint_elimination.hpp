@@ -33,7 +33,5 @@ struct JointedMotion {
 JointedMotion motion(const FrictionProblem& problem, const MotionInverse& inverse, const VecX& r);
 
 LocalProblem condense(const FrictionProblem& problem, const MotionInverse& inverse);
-/// The same where free_velocity() is known.
-LocalProblem condense(const FrictionProblem& problem, const MotionInverse& inverse, const VecX& v_free);
 
 }  // namespace aussois

@@ -46,12 +46,8 @@ void open(Part<FrictionProblem>& part) {
   const bool few_contacts = problem.f.size() > 2 * problem.w.size() || problem.laws.size() == 1;
   const bool condensed =
       part.inverse->mass.factor || part.inverse->joints || problem.R.size() > 0 || few_contacts;
-  if (!condensed)
-    part.W = make_delassus(problem, part.inverse->mass);
-  else if (part.v_free.size() > 0)
-    part.W = make_delassus(condense(problem, *part.inverse, part.v_free));
-  else
-    part.W = make_delassus(condense(problem, *part.inverse));
+  part.W = condensed ? make_delassus(condense(problem, *part.inverse))
+                     : make_delassus(problem, part.inverse->mass);
 }
 
 // The size of the scaled q; not a number if anything is not finite.
