@@ -52,6 +52,32 @@ TEST(ProximalNewton, LeavesASolutionWhereItIs) {
   }
 }
 
+// Near a solution the factors of one step serve the next, and lead to the same answer (PROX-10).
+TEST(ProximalNewton, UsesAFactorisationAgain) {
+  Random random(5);
+  const FrictionProblem problem = random_peg_in_hole(random, 1, 20, 0.2);
+  const FrictionSolution s = solve(problem, {}, {.tolerance = 1e-13});
+  ASSERT_EQ(s.report.status, SolveStatus::converged);
+  const auto inverse = invert_mass(problem.M);
+  const auto bodies = make_delassus(problem, *inverse), contacts = make_delassus(condense(problem));
+  for (Delassus* W : {bodies.get(), contacts.get()}) {
+    const VecX r = scaled_start(W->scaled, s.r);
+    const double alpha = 1e-2, away = 1e-6;
+    const Iterate first = judged(*W, (1 + away) * r, Method::automatic);
+    NewtonSolve kept, fresh;
+    const ProximalStep once = proximal_step(*W, first, alpha, 1e-9, kept);
+    ASSERT_TRUE(once.solved);
+    EXPECT_GE(once.factorised, 1);
+    const Iterate second = judged(*W, once.r, Method::automatic);
+    const ProximalStep again = proximal_step(*W, second, alpha, 1e-9, kept),
+                       anew = proximal_step(*W, second, alpha, 1e-9, fresh);
+    EXPECT_TRUE(again.solved);
+    EXPECT_EQ(again.factorised, 0);
+    EXPECT_TRUE(anew.solved);
+    EXPECT_LE((again.r - anew.r).norm(), 1e-9 * away * r.norm() + 1e-14 * r.norm());
+  }
+}
+
 TEST(ProximalNewton, WorksOnManyVelocities) {
   const FrictionProblem problem = cube_stack(40, 1.0, 0.5);  // 240 velocities: the sparse branch
   const FrictionSolution s = solve(problem, {}, {.method = Method::proximal_newton, .tolerance = 1e-10});
