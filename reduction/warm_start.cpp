@@ -56,8 +56,8 @@ std::vector<Seen> ranked(const ContactSet& contacts, std::span<const SE3> g) {
   };
   if (!std::is_sorted(out.begin(), out.end(), pair_before))
     std::stable_sort(out.begin(), out.end(), pair_before);
-  for (const std::span<Seen> pair :
-       runs_of(std::span(out), [](const Seen&a, const Seen&b) { return same_pair(a.key, b.key); }))
+  const auto of_one_pair = [](const Seen& a, const Seen& b) { return same_pair(a.key, b.key); };
+  for (const std::span<Seen> pair : runs_of(std::span(out), of_one_pair))
     std::stable_sort(pair.begin(), pair.end(), before);
   return out;
 }
