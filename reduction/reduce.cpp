@@ -176,9 +176,9 @@ std::vector<int> chosen_by_wrenches(const ReductionInput& input, const Clusters&
   const auto first = [&](const std::vector<int>& cluster) -> const ContactPoint& {
     return input.contacts.points[std::size_t(cluster.front())];
   };
+  const auto of_one_pair = [&](const auto& a, const auto& b) { return same_pair(first(a), first(b)); };
   std::vector<int> kept;
-  for (const std::span<const std::vector<int>> pair : runs_of(
-           std::span(clusters), [&](const auto&a, const auto&b) { return same_pair(first(a), first(b)); })) {
+  for (const std::span<const std::vector<int>> pair : runs_of(std::span(clusters), of_one_pair)) {
     const std::vector<int> chosen = chosen_by_wrench(input, pair, options);
     kept.insert(kept.end(), chosen.begin(), chosen.end());
   }
