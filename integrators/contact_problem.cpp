@@ -87,6 +87,10 @@ bool closes(double gap, double speed, double h, NormalLaw law) {
   return speed < 0 && gap + (law == NormalLaw::moreau ? h / 2 : h) * speed <= 0;
 }
 
+double closed_gap(const NormalLawOptions& options, double h) {
+  return std::min(options.touching, kTouching * h * h);
+}
+
 NormalBias normal_bias(double gap, double u_before, double restitution, double h,
                        const NormalLawOptions& options) {
   const double over_step = gap >= 0 ? gap / h : std::max(gap / h, -options.correction_speed);
@@ -96,7 +100,7 @@ NormalBias normal_bias(double gap, double u_before, double restitution, double h
   };
   switch (options.law) {
     case NormalLaw::moreau:
-      return {averaged(impact), gap + h / 2 * u_before <= std::min(options.touching, kTouching * h * h)};
+      return {averaged(impact), gap + h / 2 * u_before <= closed_gap(options, h)};
     case NormalLaw::gap_over_step:
       break;
     case NormalLaw::combined:

@@ -50,6 +50,9 @@ struct NormalLawOptions {
   double gamma = 1;  // the laws of contacts and stops speak of gamma u+ + (1 - gamma) u- [-], in [1/2, 1]
 };
 
+/// The largest gap that is closed to Moreau's law in a step of length `h` (MJ-6) [m].
+double closed_gap(const NormalLawOptions& options, double h);
+
 /// Bias of a normal row (MJ-6) with normal velocity `u_before` at the start of the step, and whether the row
 /// takes part at all.
 struct NormalBias {

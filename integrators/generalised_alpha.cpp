@@ -12,9 +12,8 @@ namespace aussois {
 namespace {
 
 constexpr int kNewtonSteps = 20;
-constexpr double kSolved = 1e-12;   // change of velocities, relative
-constexpr double kGivenUp = 1e-8;   // more than that is no solution
-constexpr double kTouching = 1e-9;  // gap at the end that asks for an impulse too [m]; far below any error
+constexpr double kSolved = 1e-12;  // change of velocities, relative
+constexpr double kGivenUp = 1e-8;  // more than that is no solution
 
 // (GA-2)
 struct Weights {
@@ -204,7 +203,7 @@ StepReport GeneralisedAlpha::step(State& state, double h_limit) const {
       if (has_normal(step.rows[i].law))
         step.rows[i].active =
             push[i][0] > 0 ||
-            h * relative_velocity(mean.rows[i], dofs, mean.solved.solution.v)[0] <= kTouching;
+            h * relative_velocity(mean.rows[i], dofs, mean.solved.solution.v)[0] <= closed_gap(impact, h);
     solve_rows(setting_, start, found, step);
 
     // Friction displaces as a constant force does (GA-8)
