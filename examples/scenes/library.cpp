@@ -46,7 +46,7 @@ std::vector<LibraryScene> toys() {
       {"tippe_top_coulomb", "a tippe-top under Coulomb's friction: it never inverts (B6)", 2, 1e-4,
        [] { return tippe_top(0); }},
       {"tippe_top", "the same with friction against pivoting, R_e = 1/3 mm: it inverts (B6)", 2, 1e-4,
-       [] { return tippe_top(5e-4); }},
+       [] { return tippe_top(kTippeTopDrilling); }},
       {"rattleback", "spun the wrong way it turns back (B7)", 5, 1e-3, [] { return rattleback(-5); }},
       {"dimer_drop", "two balls on a rod dropped on a plate (C4)", 0.4, 1e-4, dimer_drop},
       {"dimer_and_rod", "a rod pushed between two balls (C5)", 0.05, 1e-3,

@@ -31,6 +31,7 @@ struct TippeTop {
   double R2 = 0.005, a2 = 0.016;             // stem
   double mu = 0.3;
 };
+inline constexpr double kTippeTopDrilling = 1e-3 / 3;  // R_e = 2/3 of a disc of half a millimetre [m]
 CaseScene tippe_top(double contensou_radius);
 double axis_angle(const CaseScene& s, const State& state);  // between e3 and the vertical [rad]
 double stem_gap(const CaseScene& s, const State& state);    // above the plate [m]
