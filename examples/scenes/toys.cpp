@@ -187,7 +187,7 @@ CaseScene euler_disc(const EulerDisc& disc) {
            const Mat3 R = pose(state, body).R.toRotationMatrix();
            const Vec3 axis = R.col(2), up = Vec3::UnitZ();
            const double round = (R * twist(state, body).tail<3>()).dot(up);
-           // no moment about the vertical, `contour` about the axis, against (TOY-16)
+           // no moment about the vertical, `contour` about the axis (TOY-16)
            const Vec3 rolling = disc.contour / (1 - axis.z() * axis.z()) * (axis - axis.z() * up);
            const Vec3 moment = rolling - std::copysign(disc.pivot, round) * up;
            force.f.segment<3>(6 * body + 3) += R.transpose() * moment;
