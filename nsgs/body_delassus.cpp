@@ -188,7 +188,7 @@ class BodyDelassus final : public Delassus {
   }
 
  private:
-  Eigen::Index at(int c) const { return first[std::size_t(c)]; }
+  Eigen::Index at(int c) const { return R == Eigen::Dynamic ? first[std::size_t(c)] : R * c; }
   int rows(int c) const { return R == Eigen::Dynamic ? scaled.laws[std::size_t(c)].rows : R; }
   bool is_dense() const { return v_.size() <= kDenseSize; }
 
@@ -237,9 +237,10 @@ class BodyDelassus final : public Delassus {
       moved.erase(std::unique(moved.begin(), moved.end()), moved.end());
     }
     const std::size_t from = arms_.size();
-    for (const int row : moved) arms_.push_back({Rows<R>::Zero(columns), Rows<R>::Zero(columns), row});
+    arms_.resize(from + moved.size(), {Rows<R>::Zero(columns), Rows<R>::Zero(columns)});
     begin_.push_back(arms_.size());
     const auto added = std::span(arms_).subspan(from);
+    for (std::size_t k = 0; k < moved.size(); ++k) added[k].row = moved[k];
     for (int j = 0; j < columns; ++j) {
       auto arm = added.begin();
       for (SparseMatrix::InnerIterator it(H, column + j); it; ++it, ++arm) {

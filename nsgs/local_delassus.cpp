@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <span>
-
 #include "nsgs/block_solver.hpp"
 #include "nsgs/delassus.hpp"
 #include "nsgs/factorised.hpp"
@@ -273,7 +271,7 @@ class LocalDelassus final : public Delassus {
     return J;
   }
 
-  Eigen::Index at(int c) const { return first[std::size_t(c)]; }
+  Eigen::Index at(int c) const { return R == Eigen::Dynamic ? first[std::size_t(c)] : R * c; }
   int rows(int c) const { return R == Eigen::Dynamic ? scaled.laws[std::size_t(c)].rows : R; }
   const Block<R>& prepared(int c) {
     std::optional<Block<R>>& block = diagonal_[std::size_t(c)];
@@ -282,11 +280,10 @@ class LocalDelassus final : public Delassus {
   }
   Rows<R> times(int c, const VecX& r) const {
     Rows<R> sum = Rows<R>::Zero(rows(c));
-    const auto from = std::size_t(rows_.begin[std::size_t(c)]),
-               to = std::size_t(rows_.begin[std::size_t(c) + 1]);
-    const RowBlock<R>* block = rows_.block.data() + from;  // bare: sweeps, judge and Newton live on this loop
-    for (const int d : std::span(rows_.other).subspan(from, to - from))
-      sum.noalias() += *block++ * r.segment<R>(at(d), rows(d));
+    for (int k = rows_.begin[std::size_t(c)]; k < rows_.begin[std::size_t(c) + 1]; ++k) {
+      const int d = rows_.other[std::size_t(k)];
+      sum.noalias() += rows_.block[std::size_t(k)] * r.segment<R>(at(d), rows(d));
+    }
     return sum;
   }
   Rows<R> velocity(int c, const VecX& r) const { return times(c, r) + scaled.q.segment<R>(at(c), rows(c)); }
