@@ -7,14 +7,15 @@
 #include "geometry/primitives.hpp"
 #include "integrators/moreau_jean.hpp"
 #include "tests/support/message_of.hpp"
+#include "tests/support/one_axis.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/stepping.hpp"
+#include "tests/support/tumbling.hpp"
 
 namespace aussois {
 namespace {
 
 constexpr double kG = 9.81;
-const SE3 kAboutY = rotation(Vec3::UnitX(), -kPi / 2);  // the joint's z is the world's y
 
 RigidBody rod(double mass = 1, double length = 1) {  // along x
   const double J = mass * length * length / 12;
@@ -166,22 +167,6 @@ TEST(Bricard, MovesAndKeepsItsEnergy) {
   EXPECT_LT(fine, 1e-2);
   EXPECT_GT(order(coarse, fine, 10.0 / 3), 1.8);
 }
-
-// A wheel about the world's y, or a slider along x.
-struct OneAxis {
-  Model model{};
-  State state{};
-  explicit OneAxis(JointKind kind, double mass = 2) {
-    model.gravity = Vec3::Zero();
-    add(model, RigidBody{.name = "part", .mass = mass, .inertia = 0.5 * Mat3::Identity()});
-    state = rest_state(model);
-    const SE3 frame = kind == JointKind::prismatic ? rotation(Vec3::UnitY(), kPi / 2) : kAboutY;
-    add(model, joint_at(kind, "axis", 0, -1, state.g, frame));
-  }
-  JointAxis& axis() { return model.joints[0].axis[0]; }
-  double q() const { return joint_coordinate(model, state, 0); }
-  double speed() const { return joint_speed(model, state, 0); }
-};
 
 TEST(Slider, BouncesBetweenItsStopsExactly) {
   for (const double theta : {0.5, 1.0}) {
@@ -391,19 +376,7 @@ TEST(Mechanism, OfAnyKindHoldsAndDoesNoWorkAtThetaOneHalf) {
                                JointKind::cylindrical, JointKind::spherical, JointKind::universal,
                                JointKind::planar, JointKind::screw, JointKind::distance}) {
     const auto lost = [&](double h) {
-      Random random(11);
-      Model model;
-      model.gravity = Vec3::Zero();
-      for (int i = 0; i < 2; ++i)
-        add(model, RigidBody{.name = "body", .mass = 1.0 + i, .inertia = Vec3(0.2, 0.3, 0.4).asDiagonal()});
-      State state = rest_state(model);
-      for (SE3& g : state.g) g = random.pose(1);
-      Joint joint = joint_at(kind, "joint", 1, 0, state.g, random.pose(0.5));
-      joint.pitch = 0.5, joint.length = 0.3;
-      if (kind == JointKind::distance) joint.frame_b = joint.frame_b * translation(0.1, 0.2, 0.2);
-      add(model, joint);
-      for (int i = 0; i < 2; ++i) twist(state, i) << random.vector(1), random.vector(3);
-      state = consistent(model, state);
+      auto [model, state] = Tumbling(kind);
       const double E = energy(model, state).total();
       const Vec3 p = momentum(model, state).linear;
       double worst = 0;
