@@ -132,12 +132,20 @@ ContactSet to_contacts(const PosedShape& a, const PosedShape& b, const RelativeP
   return set;
 }
 
-// From one pose of A seen from B to another.
-MotionWindow moved_since(const SE3& before, const SE3& now, const LmdShape& a) {
+bool is_ball(const LmdShape& shape) {
+  return shape.complex.vertices.size() == 1;
+}
+
+// From one pose of A seen from B to another. Balls look the same however they are turned: where one of the
+// two is a ball, the motion of its centre seen from the other says as much, without rotation.
+MotionWindow moved_since(const SE3& before, const SE3& now, const LmdShape& a, const LmdShape& b) {
   const double rotation = log_so3((before.R.conjugate() * now.R).normalized()).norm();
-  return {(now * a.centre - before * a.centre).norm() +
-              2 * std::sin(std::min(rotation, kPi) / 2) * a.bounding_radius,
-          rotation};
+  const double displacement = (now * a.centre - before * a.centre).norm() +
+                              2 * std::sin(std::min(rotation, kPi) / 2) * a.bounding_radius;
+  const double of_ball =
+      is_ball(b) ? (inverse(now) * b.centre - inverse(before) * b.centre).norm() : displacement;
+  if ((is_ball(a) || is_ball(b)) && of_ball <= displacement) return {of_ball, 0};
+  return {displacement, rotation};
 }
 
 ContactSet contacts_among(std::span<const LeafPair> leaves, const PosedShape& a, const PosedShape& b,
@@ -154,10 +162,16 @@ ContactSet contacts_among(std::span<const LeafPair> leaves, const PosedShape& a,
   return to_contacts(a, b, pair, found);
 }
 
-bool is_ball(const LmdShape& shape) {
-  return shape.vertices.size() == 1 && shape.edges.empty() && shape.faces.empty();
+// The same of two balls, which have one pair of leaves.
+ContactSet contacts_of_balls(const PosedShape& a, const PosedShape& b, const LmdOptions& options) {
+  constexpr LeafId ball{.index = 0, .dim = 0, .side = 1};
+  const RelativePair pair = relative_pair(a, b, options);
+  const auto minimum =
+      test_minimum(leaf_of(*a.shape, ball), leaf_of(*b.shape, ball), pair.R, pair.t, pair.criteria);
+  ContactSet set;
+  if (minimum) set.points.push_back(contact_of(a, b, pair, {ball, ball, *minimum}));
+  return set;
 }
-constexpr LeafPair kBalls[]{{{0, 0, 1}, {0, 0, 1}}};  // the only pair of leaves of two balls
 
 }  // namespace
 
@@ -197,7 +211,7 @@ Candidates find_candidates(const PosedShape& a, const PosedShape& b, const LmdOp
 
 ContactSet find_contacts(const Candidates& candidates, const PosedShape& a, const PosedShape& b) {
   require(a.shape == candidates.a && b.shape == candidates.b, "the candidates are of other shapes");
-  const MotionWindow moved = moved_since(candidates.g_ba, inverse(b.g_ws) * a.g_ws, *a.shape);
+  const MotionWindow moved = moved_since(candidates.g_ba, inverse(b.g_ws) * a.g_ws, *a.shape, *b.shape);
   const double size = a.shape->bounding_radius + b.shape->bounding_radius;
   require_field(moved.rotation <= candidates.window.rotation + 1e-12, "rotation since the search",
                 moved.rotation, "stay within the window [rad]");
@@ -208,7 +222,7 @@ ContactSet find_contacts(const Candidates& candidates, const PosedShape& a, cons
 
 ContactSet find_contacts(const PosedShape& a, const PosedShape& b, const LmdOptions& options,
                          PairScratch& scratch) {
-  if (is_ball(*a.shape) && is_ball(*b.shape)) return contacts_among(kBalls, a, b, options);
+  if (is_ball(*a.shape) && is_ball(*b.shape)) return contacts_of_balls(a, b, options);
   const SE3 g_ba = inverse(b.g_ws) * a.g_ws;
   Candidates& kept = scratch.candidates;
   const auto within = [](const MotionWindow& motion, const MotionWindow& window) {
@@ -216,10 +230,10 @@ ContactSet find_contacts(const PosedShape& a, const PosedShape& b, const LmdOpti
   };
   if (kept.a == a.shape && kept.b == b.shape && options.threshold <= kept.options.threshold &&
       options.alpha <= kept.options.alpha && options.alpha_ee <= kept.options.alpha_ee &&
-      within(moved_since(kept.g_ba, g_ba, *a.shape), kept.window))
+      within(moved_since(kept.g_ba, g_ba, *a.shape, *b.shape), kept.window))
     return contacts_among(kept.pairs, a, b, options);
   const bool again = std::exchange(scratch.asked, true);
-  const MotionWindow last = moved_since(std::exchange(scratch.g_ba, g_ba), g_ba, *a.shape);
+  const MotionWindow last = moved_since(std::exchange(scratch.g_ba, g_ba), g_ba, *a.shape, *b.shape);
   const MotionWindow window{kWindowOfSteps * last.displacement + options.threshold / 8,
                             kWindowOfSteps * last.rotation + options.alpha / 64};
   if (!again || !within(window, {options.threshold, options.alpha})) {
