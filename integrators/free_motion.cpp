@@ -114,31 +114,41 @@ Mat3 gyroscopic_derivative(const Mat3& J, const Vec3& omega) {
   return skew(omega) * J - skew(J * omega);
 }
 
-// Makes a matrix of square blocks of 3 along the diagonal, in the order of the rows; zeros take no place. In
+// Writes a matrix of square blocks of 3 along the diagonal, in the order of the rows; zeros take no place. In
 // place, since Eigen's sparse matrices are copied where others are moved.
 class DiagonalBlocks {
  public:
   DiagonalBlocks(int n, SparseMatrix& matrix) : matrix_(matrix) {
     matrix_.resize(n, n);
-    matrix_.reserve(3 * n);
+    matrix_.resizeNonZeros(3 * n);
   }
   void add(int row, const Mat3& block) {
     for (int j = 0; j < 3; ++j) {
-      matrix_.startVec(row + j);
       for (int i = 0; i < 3; ++i)
-        if (block(i, j) != 0) matrix_.insertBackByOuterInner(row + j, row + i) = block(i, j);
+        if (block(i, j) != 0) append(row + i, block(i, j));
+      matrix_.outerIndexPtr()[row + j + 1] = count_;
     }
   }
   void add_multiple_of_one(int row, double factor) {
     for (int j = 0; j < 3; ++j) {
-      matrix_.startVec(row + j);
-      if (factor != 0) matrix_.insertBackByOuterInner(row + j, row + j) = factor;
+      if (factor != 0) append(row + j, factor);
+      matrix_.outerIndexPtr()[row + j + 1] = count_;
     }
   }
-  void finish() { matrix_.finalize(); }
+  // Columns of no block are empty; they come last.
+  void finish() {
+    matrix_.resizeNonZeros(count_);
+    matrix_.finalize();
+  }
 
  private:
+  void append(int row, double value) {
+    matrix_.innerIndexPtr()[count_] = row;
+    matrix_.valuePtr()[count_++] = value;
+  }
+
   SparseMatrix& matrix_;
+  int count_ = 0;
 };
 
 template <class T>

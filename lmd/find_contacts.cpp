@@ -17,6 +17,10 @@ namespace {
 
 constexpr double kWindowOfSteps = 8;   // candidates are to last so long, by the motion since the last query
 constexpr double kRoomOfBounds = 1.2;  // of their threshold and angles
+// A window of shapes so small may be wider than the threshold, up to this part of the smaller one: their
+// candidates stay few, and boxes that slide would be searched in each step.
+constexpr std::size_t kFewLeafPairs = 1024;
+constexpr double kPartOfSize = 1.0 / 16;
 
 // Inclusive tests can only find a minimum twice. Of those at one place the highest dimensions stay, then the
 // smallest ids: what stays is a function of the pose alone (LMD-10).
@@ -136,6 +140,14 @@ bool is_ball(const LmdShape& shape) {
   return shape.complex.vertices.size() == 1;
 }
 
+// How far a window may reach for candidates to be worth keeping.
+MotionWindow widest_window(const LmdShape& a, const LmdShape& b, const LmdOptions& options) {
+  const auto leaves = [](const LmdShape& s) { return s.vertices.size() + s.edges.size() + s.faces.size(); };
+  const bool few = leaves(a) * leaves(b) <= kFewLeafPairs;
+  const double size = std::min(a.bounding_radius, b.bounding_radius);
+  return {few ? std::max(options.threshold, kPartOfSize * size) : options.threshold, options.alpha};
+}
+
 // From one pose of A seen from B to another. Balls look the same however they are turned: where one of the
 // two is a ball, the motion of its centre seen from the other says as much, without rotation.
 MotionWindow moved_since(const SE3& before, const SE3& now, const LmdShape& a, const LmdShape& b) {
@@ -236,7 +248,7 @@ ContactSet find_contacts(const PosedShape& a, const PosedShape& b, const LmdOpti
   const MotionWindow last = moved_since(std::exchange(scratch.g_ba, g_ba), g_ba, *a.shape, *b.shape);
   const MotionWindow window{kWindowOfSteps * last.displacement + options.threshold / 8,
                             kWindowOfSteps * last.rotation + options.alpha / 64};
-  if (!again || !within(window, {options.threshold, options.alpha})) {
+  if (!again || !within(window, widest_window(*a.shape, *b.shape, options))) {
     kept = {};
     return find_contacts(a, b, options);
   }

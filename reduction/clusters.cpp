@@ -15,8 +15,10 @@ Clusters clusters_of(const ContactSet& found, double angle) {
     return same_pair(found.points[std::size_t(i)], found.points[std::size_t(j)]);
   };
   std::vector<int> order = canonical_order(found);
+  const std::vector<std::span<int>> pairs = runs_of(std::span(order), of_one_pair);
   Clusters clusters;
-  for (const std::span<int> pair : runs_of(std::span(order), of_one_pair))
+  clusters.reserve(pairs.size());
+  for (const std::span<int> pair : pairs)
     for (auto seed = pair.begin(); seed != pair.end();) {
       const Vec3& n = normal(*seed);
       const auto rest =

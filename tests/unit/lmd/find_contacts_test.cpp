@@ -233,6 +233,29 @@ TEST(PairScratch, IsKeptForABallHoweverItTurns) {
   }
 }
 
+// The threshold of a step is about as far as a box slides in it, a window is to last for eight.
+TEST(PairScratch, IsKeptForABoxThatSlides) {
+  const LmdShape ground = prepared(make_box(80, 80, 1), 1e-3), box = prepared(make_box(20, 20, 1), 1e-3);
+  PairScratch scratch;
+  int searches = 0;
+  for (int i = 0; i < 100; ++i) {
+    const PosedShape a{&ground, SE3{}, 0}, b{&box, translation(2e-3 * i, 1e-3 * i, 1.002), 1};
+    const Vec3 searched = scratch.candidates.g_ba.p;
+    const LmdOptions options{.threshold = 2e-3};
+    const ContactSet fresh = find_contacts(a, b, options), walked = find_contacts(a, b, options, scratch);
+    searches += scratch.candidates.a == nullptr || scratch.candidates.g_ba.p != searched;
+    ASSERT_EQ(fresh.points.size(), 4U) << i;
+    ASSERT_EQ(walked.points.size(), 4U) << i;
+    for (std::size_t k = 0; k < 4; ++k) {
+      EXPECT_EQ(key_of(fresh.points[k]), key_of(walked.points[k])) << i;
+      EXPECT_EQ(fresh.points[k].gap, walked.points[k].gap) << i;
+      EXPECT_EQ(fresh.points[k].x_b, walked.points[k].x_b) << i;
+    }
+  }
+  EXPECT_LT(searches, 20);
+  EXPECT_GT(searches, 2);
+}
+
 // Test 9 of the checklist: one search serves every pose within its window.
 TEST_P(LocalMinima, OfAllPosesInAWindowAreAmongTheCandidates) {
   const Scene s = random_scene(GetParam(), 0.05);
