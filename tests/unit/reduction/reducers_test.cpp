@@ -201,6 +201,35 @@ TEST_P(EveryReducer, T_3_3_MovesWithTheBodies) {
   }
 }
 
+// Patches without a principal direction: a disc and a square take their axis from body A, so that the choice
+// is that of the relative pose, whatever the scene is turned by.
+TEST_P(EveryReducer, T_3_3_MovesWithTheBodiesOnADiscAndASquare) {
+  std::vector<Vec2> disc = ring(48, 0.02);
+  const std::vector<Vec2> inner = ring(16, 0.3);
+  for (const Vec2& x : inner) disc.push_back(0.5 * x);
+  int by_the_world = 0;
+  for (const std::vector<Vec2>& points : {disc, grid(7, 7, 1, 1)})
+    for (std::uint64_t seed = 1; seed <= 25; ++seed) {
+      Random random(seed);
+      const ContactSet set = moved(flat(points), random.rotation(), random.vector(1));
+      std::vector<SE3> g = {{random.rotation(), random.vector(1)}, {random.rotation(), random.vector(1)}};
+      const std::vector<double> mu(points.size(), 0.3);
+      const auto kept = [&](const ContactSet& contacts, std::span<const SE3> poses) {
+        return reduce({.contacts = contacts, .mu = mu, .g = poses}, options()).kept;
+      };
+      const std::vector<int> before = kept(set, g), before_by_the_world = kept(set, {});
+      const SE3 turn{random.rotation(), random.vector(1)};
+      const ContactSet turned = moved(set, turn.R, turn.p);
+      for (SE3& pose : g) pose = turn * pose;
+      ASSERT_EQ(kept(turned, g), before) << "seed " << seed;
+      by_the_world += kept(turned, {}) != before_by_the_world;
+    }
+  // The sample is not hollow: by axes of the world those that look along an axis choose otherwise.
+  const bool chooses = GetParam() == "extreme_points" || GetParam() == "hull_area_loss" ||
+                       GetParam() == "direction_set" || GetParam() == "wrench_cone";
+  EXPECT_EQ(by_the_world > 5, chooses) << by_the_world;
+}
+
 TEST_P(EveryReducer, T_3_3_TakesNoDuplicates) {
   if (GetParam() == "none") return;
   std::vector<Vec2> points = rotated(grid(6, 4, 0.3, 0.1), 0.3);
