@@ -58,7 +58,9 @@ class Simplex {
       double least = -kZero;
       for (int j = 0; j < n_; ++j) {
         const double reduced = cost[j] - y.dot(G_.col(j));
-        if (reduced >= least || std::find(basis_.begin(), basis_.end(), j) != basis_.end()) continue;
+        if (reduced >= least - (enters < 0 ? 0 : kZero) ||
+            std::find(basis_.begin(), basis_.end(), j) != basis_.end())
+          continue;
         enters = j;
         if (pivots >= kFastPivots) break;  // Bland: the first
         least = reduced;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include "reduction/body_frame.hpp"
@@ -14,7 +15,7 @@ namespace aussois {
 namespace {
 
 constexpr double kRounding = 1e-9;  // of a factor
-constexpr double kTied = 1e-6;      // of a reach or a length: within it rounding would choose
+constexpr double kTied = 1e-6;      // of a reach or a length: below it rounding would choose
 
 Generators columns_of(const UnitWrenches& all, std::span<const int> members) {
   Eigen::Index count = 0;
@@ -24,6 +25,18 @@ Generators columns_of(const UnitWrenches& all, std::span<const int> members) {
   for (const int k : members)
     for (int j = all.first[std::size_t(k)]; j < all.first[std::size_t(k) + 1]; ++j)
       out.col(at++) = all.g.col(j);
+  return out;
+}
+
+// Projects on the directions in which the columns truly reach: of parallel normals there are five, and a
+// sixth in which the last digits differ, which nothing could serve.
+Mat6 span_of(const Generators& g) {
+  const Eigen::SelfAdjointEigenSolver<Mat6> directions(Mat6(g * g.transpose()));
+  const Vec6 reach = directions.eigenvalues().cwiseMax(0).cwiseSqrt();
+  Mat6 out = Mat6::Zero();
+  for (int i = 0; i < 6; ++i)
+    if (reach[i] > kTied * reach.maxCoeff())
+      out += directions.eigenvectors().col(i) * directions.eigenvectors().col(i).transpose();
   return out;
 }
 
@@ -70,9 +83,9 @@ UnitWrenches unit_wrenches(const ReductionInput& input, std::span<const int> mem
   int at = 0;
   for (const int i : members) {
     const Mat3 axes = pose_of(input.g, contact(i).a.body).R.toRotationMatrix();
-    const Mat3 frame = body_frame(contact(i).normal, axes);
+    const Mat3 frame = axes.transpose() * body_frame(contact(i).normal, axes);
     const double mu = input.mu.empty() ? 0 : input.mu[std::size_t(i)];
-    const Vec3 arm = (mid_point(contact(i)) - mean) / length;
+    const Vec3 arm = axes.transpose() * (mid_point(contact(i)) - mean) / length;
     for (int k = 0; k < (mu > 0 ? kFacets : 1); ++k) {
       const double angle = 2 * kPi * k / kFacets;
       const Vec3 force = frame * Vec3(1, mu * std::cos(angle), mu * std::sin(angle));
@@ -83,6 +96,7 @@ UnitWrenches unit_wrenches(const ReductionInput& input, std::span<const int> mem
   out.g.conservativeResize(6, at);
   const ShortVector centre = out.g.rowwise().mean();
   out.g.colwise() -= centre;
+  out.g = (span_of(out.g) * out.g).eval();
   return out;
 }
 

@@ -566,6 +566,24 @@ TEST(WrenchConeRule, ChoosesTheSameInATurnedSceneWithFriction) {
   EXPECT_GT(dropped, 50);
 }
 
+// Normals of real contacts differ in their last digits, which must not look like a direction of their own.
+TEST(WrenchConeRule, DoesNotSeeTheRoundingOfNormals) {
+  Known known;
+  for (const Vec2& p : ring(32)) {
+    add(known.set, {0.05 * p.x(), 0.05 * p.y(), 0}, Vec3::UnitZ());
+    known.mu.push_back(0.3);
+  }
+  Random random(1);
+  known.set = moved(known.set, random.rotation(), random.vector(1));
+  const std::vector<int> exact = reduce(known.input(), {.reducer = Reducer::wrench_cone}).kept;
+  EXPECT_LT(exact.size(), 16u);
+  for (const double noise : {1e-15, 1e-13, 1e-11}) {
+    Known noisy = known;
+    for (ContactPoint& c : noisy.set.points) c.normal = (c.normal + noise * random.vector(1)).normalized();
+    EXPECT_EQ(reduce(noisy.input(), {.reducer = Reducer::wrench_cone}).kept, exact) << noise;
+  }
+}
+
 // A contact inside of four others is made of theirs, friction and all: pyramids of one normal stand alike.
 TEST(WrenchConeRule, LeavesOutWhatLiesWithinAPatchWithFriction) {
   Known known;
