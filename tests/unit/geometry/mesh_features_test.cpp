@@ -95,8 +95,7 @@ SimplicialComplex bumpy_sphere(Random& random, int subdivisions, double bumps) {
   return make_complex(vertices, sphere.triangles, {}, true);
 }
 
-// T-1.1
-TEST(MeshFeatures, OfACubeStandInOneTriangleEach) {
+TEST(MeshFeatures, T_1_1_OfACubeStandInOneTriangleEach) {
   const SimplicialComplex cube = make_box(1, 1, 1);
   for (const VertexRule rule : kRules) {
     const MeshFeatures f = features(cube, rule);
@@ -116,8 +115,7 @@ TEST(MeshFeatures, OfACubeStandInOneTriangleEach) {
   EXPECT_LE(vertex_bits(paper), 24);
 }
 
-// T-1.2
-TEST(MeshFeatures, OfARoomAreNone) {
+TEST(MeshFeatures, T_1_2_OfARoomAreNone) {
   for (const VertexRule rule : kRules) {
     const MeshFeatures f = features(turned_inside_out(make_box(1, 1, 1)), rule);
     EXPECT_EQ(edge_bits(f) + vertex_bits(f), 0);
@@ -126,8 +124,7 @@ TEST(MeshFeatures, OfARoomAreNone) {
   }
 }
 
-// T-1.3
-TEST(MeshFeatures, OfAFlatGridAreItsBorder) {
+TEST(MeshFeatures, T_1_3_OfAFlatGridAreItsBorder) {
   constexpr int n = 7;
   const SimplicialComplex grid = make_plate(1, 1, n, n);
   const MeshFeatures cone = features(grid), paper = features(grid, VertexRule::moravanszky_terdiman);
@@ -143,8 +140,7 @@ TEST(MeshFeatures, OfAFlatGridAreItsBorder) {
   EXPECT_EQ(cone.cells.neither, (n - 1) * (n - 1));
 }
 
-// T-1.4
-TEST(MeshFeatures, OfAStepAreNotAtTheEndsOfItsCrease) {
+TEST(MeshFeatures, T_1_4_OfAStepAreNotAtTheEndsOfItsCrease) {
   const SimplicialComplex step = make_extrusion({{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}}, 1);
   for (const VertexRule rule : kRules) {
     const MeshFeatures f = features(step, rule);
@@ -159,8 +155,7 @@ TEST(MeshFeatures, OfAStepAreNotAtTheEndsOfItsCrease) {
   }
 }
 
-// T-1.5
-TEST(MeshFeatures, OfAGroovedPyramidHaveAnApexByTangentConesOnly) {
+TEST(MeshFeatures, T_1_5_OfAGroovedPyramidHaveAnApexByTangentConesOnly) {
   const SimplicialComplex pyramid = grooved_pyramid();
   ASSERT_TRUE(is_closed_oriented(pyramid) && signed_volume(pyramid) > 0);
   const MeshFeatures cone = features(pyramid), paper = features(pyramid, VertexRule::moravanszky_terdiman);
@@ -171,8 +166,7 @@ TEST(MeshFeatures, OfAGroovedPyramidHaveAnApexByTangentConesOnly) {
   expect_each_active_feature_once(cone);
 }
 
-// T-1.6
-TEST(MeshFeatures, OfASubdividedEdgeRepeatByThePaperOnly) {
+TEST(MeshFeatures, T_1_6_OfASubdividedEdgeRepeatByThePaperOnly) {
   const MeshFeatures f = features(make_box(1, 1, 1, 2));
   EXPECT_EQ(f.cells.both, 8);
   EXPECT_EQ(f.cells.only_moravanszky_terdiman, 12);  // the middles of the edges
@@ -180,8 +174,7 @@ TEST(MeshFeatures, OfASubdividedEdgeRepeatByThePaperOnly) {
   EXPECT_EQ(vertex_bits(features(make_box(1, 1, 1, 2), VertexRule::moravanszky_terdiman)), 20);
 }
 
-// T-1.7
-TEST(MeshFeatures, OfThreeTrianglesOnAnEdgeAreActiveOnce) {
+TEST(MeshFeatures, T_1_7_OfThreeTrianglesOnAnEdgeAreActiveOnce) {
   const std::vector<Vec3> v = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {-1, 1, 0}, {-1, -1, 0}};
   for (const VertexRule rule : kRules) {
     const MeshFeatures f = features(make_complex(v, {{0, 1, 2}, {0, 1, 3}, {1, 0, 4}}), rule);
@@ -194,8 +187,7 @@ TEST(MeshFeatures, OfThreeTrianglesOnAnEdgeAreActiveOnce) {
   EXPECT_EQ(count(twisted, EdgeClass::nonmanifold), 1);
 }
 
-// T-1.8
-TEST(MeshFeatures, OfATJunctionAreBoundariesOnBothSides) {
+TEST(MeshFeatures, T_1_8_OfATJunctionAreBoundariesOnBothSides) {
   const std::vector<Vec3> v = {{0, 0, 0}, {2, 0, 0}, {1, 1, 0}, {1, 0, 0}, {1, -1, 0}};
   const MeshFeatures f = features(make_complex(v, {{0, 1, 2}, {0, 4, 3}, {3, 4, 1}}));
   EXPECT_EQ(count(f, EdgeClass::interior), 1);  // between the two small triangles
@@ -203,8 +195,7 @@ TEST(MeshFeatures, OfATJunctionAreBoundariesOnBothSides) {
   EXPECT_EQ(edge_bits(f), 7);
 }
 
-// T-1.9
-TEST(MeshFeatures, OfTwoTrianglesBackToBackAreActive) {
+TEST(MeshFeatures, T_1_9_OfTwoTrianglesBackToBackAreActive) {
   const std::vector<Vec3> v = {{0, 0, 0.1}, {1, 0.3, 0}, {0.2, 1, 0.5}};
   for (const VertexRule rule : kRules) {
     const MeshFeatures f = features(make_complex(v, {{0, 1, 2}, {0, 2, 1}}), rule);
@@ -227,8 +218,7 @@ Classes classes(const MeshFeatures& f, const std::vector<int>& name) {
   return out;
 }
 
-// T-1.10
-TEST(MeshFeatures, DoNotDependOnOrderPoseOrScale) {
+TEST(MeshFeatures, T_1_10_DoNotDependOnOrderPoseOrScale) {
   std::set<int> seen;
   for (unsigned seed = 0; seed < 1000; ++seed) {
     Random random(seed);
@@ -264,8 +254,7 @@ TEST(MeshFeatures, DoNotDependOnOrderPoseOrScale) {
     EXPECT_TRUE(seen.contains(100 + 2 * int(c) + active)) << "the sample has no vertex " << int(c);
 }
 
-// T-1.11
-TEST(MeshFeatures, OfASphereAreAllItsEdgesAndVertices) {
+TEST(MeshFeatures, T_1_11_OfASphereAreAllItsEdgesAndVertices) {
   const SimplicialComplex sphere = make_sphere(1, 4);
   const MeshFeatures f = features(sphere);
   EXPECT_EQ(count(f, EdgeClass::convex), int(sphere.edges.size()));
@@ -302,7 +291,7 @@ int sampled_polar(const SimplicialComplex& k, int v, int n, Random& random) {
   return inside_polar;
 }
 
-TEST(MeshFeatures, OfATorusAreThoseThatSamplingFinds) {
+TEST(MeshFeatures, T_1_11_OfATorusAreThoseThatSamplingFinds) {
   const SimplicialComplex torus = make_torus(2, 0.7, 24, 16);
   const MeshFeatures f = features(torus);
   Random random(11);
@@ -339,8 +328,7 @@ double interior_distance(const std::vector<Vec3>& s, const Vec3& x) {
   return std::abs(n.dot(x - s[0]));
 }
 
-// T-1.12
-TEST(MeshFeatures, AreEnoughForEveryDistance) {
+TEST(MeshFeatures, T_1_12_AreEnoughForEveryDistance) {
   int concave = 0;
   for (unsigned seed = 0; seed < 100; ++seed) {
     Random random(seed);
@@ -378,8 +366,7 @@ TEST(MeshFeatures, AreEnoughForEveryDistance) {
   EXPECT_GT(concave, 1000) << "the sample is not what it should be";
 }
 
-// T-1.13
-TEST(MeshFeatures, OfATerrainSaveThreeQuartersOfTheEdgeTests) {
+TEST(MeshFeatures, T_1_13_OfATerrainSaveThreeQuartersOfTheEdgeTests) {
   SimplicialComplex plate = make_plate(1, 1, 224, 224);
   Random random(13);
   for (Vec3& x : plate.vertices) x.z() = random.uniform(0, 2e-3);

@@ -13,6 +13,7 @@
 #include "reduction/hull_exact.hpp"
 #include "reduction/learned_selector.hpp"
 #include "reduction/load_carrier.hpp"
+#include "reduction/mean_contacts.hpp"
 #include "reduction/reduce.hpp"
 #include "reduction/wrench_cone.hpp"
 #include "tests/support/flat_contacts.hpp"
@@ -118,6 +119,58 @@ TEST(ReducerTable, T_3_1_BestMarginOfEight) {
 TEST(ReducerTable, T_3_1_LargestQuadrilateralOfADiscIsASquare) {
   const Figures found = figures([](const PlanarPatch& p) { return hull_area_loss(p, 4); }, disc_points());
   expect_near(found, 2 / kPi, std::sqrt(0.5), 4, "disc");
+}
+
+// k-means takes what is inside for as much as the rim, and the specification does not say what that was. Its
+// rows for a disc are those of one that is filled evenly; the others are ours, of random starts.
+Figures figures_of_means(const std::vector<Vec2>& points, int k, std::uint64_t seed) {
+  const MeanContacts means = mean_contacts(flat(points), {}, {}, {.k = k, .seeding = SeedRandom{seed}});
+  std::vector<Vec2> all = points;  // the means stand beside them, inside: the hull remains
+  std::vector<int> part;
+  for (Eigen::Index c = 0; c < means.centres.cols(); ++c) {
+    part.push_back(int(all.size()));
+    all.push_back(means.centres.col(c).head<2>());
+  }
+  const LossReport loss = loss_of(planar_patch(all), part);
+  return {loss.area, loss.margin, double(part.size())};
+}
+template <class Points>
+Figures mean_of_means(int k, const Points& points) {
+  Figures mean;
+  constexpr int kTrials = 200;
+  for (std::uint64_t seed = 1; seed <= kTrials; ++seed) {
+    const Figures one = figures_of_means(points(seed), k, seed);
+    mean.area += one.area / kTrials, mean.margin += one.margin / kTrials, mean.kept += one.kept / kTrials;
+  }
+  return mean;
+}
+std::vector<Vec2> filled_disc() {
+  std::vector<Vec2> points = ring(48);
+  constexpr int kInside = 400;  // by the golden angle, evenly
+  for (int i = 0; i < kInside; ++i) {
+    const double radius = std::sqrt((i + 0.5) / kInside), angle = i * kPi * (3 - std::sqrt(5.0));
+    points.push_back({radius * std::cos(angle), radius * std::sin(angle)});
+  }
+  return points;
+}
+void expect_means(int k, const Figures& disc, const Figures& aligned, const Figures& rotated_one,
+                  const Figures& random) {
+  const auto expect = [&](const Figures& row, const char* what, const auto& points) {
+    expect_near(mean_of_means(k, points), row.area, row.margin, row.kept, what);
+  };
+  expect(disc, "disc", [](std::uint64_t) { return filled_disc(); });
+  expect(aligned, "rectangle, aligned", [](std::uint64_t) { return grid(6, 4, 0.3, 0.1); });
+  expect(rotated_one, "rectangle, rotated", [](std::uint64_t) { return rotated(grid(6, 4, 0.3, 0.1), 0.3); });
+  expect(random, "40 random points", [](std::uint64_t seed) {
+    Random numbers(seed);
+    return normal_points(numbers, 40);
+  });
+}
+TEST(ReducerTable, T_3_1_MeansOfThreeClusters) {
+  expect_means(3, {.13, .29, 3}, {.06, .06, 3}, {.06, .06, 3}, {.12, .14, 3});
+}
+TEST(ReducerTable, T_3_1_MeansOfFourClusters) {
+  expect_means(4, {.25, .44, 4}, {.21, .20, 4}, {.21, .20, 4}, {.21, .22, 4});
 }
 
 TEST(ReducerTable, T_3_2_ASquareOfFourCornersKeepsThemAndThePaperLosesOne) {
@@ -489,8 +542,8 @@ TEST(CheapestCombination, IsThatOfAllVertices) {
   EXPECT_LT(exists, 300);
 }
 
-// 500 sets of two to four normals: the certificate of linear programs holds, and so do fresh directions of
-// wrenches.
+// 500 sets of two to four normals: the certificate of linear programs holds, and so do 10^4 fresh directions
+// of wrenches for each.
 TEST(WrenchConeRule, T_3_8_KeepsEveryWrenchUpToItsFactor) {
   int dropped = 0;
   for (std::uint64_t seed = 1; seed <= 500; ++seed) {
@@ -510,20 +563,17 @@ TEST(WrenchConeRule, T_3_8_KeepsEveryWrenchUpToItsFactor) {
     for (int i = 0; i < 16; ++i) all[std::size_t(i)] = i;
     const UnitWrenches wrenches = unit_wrenches(known.input(), all);
     EXPECT_LE(wrench_factor(wrenches, selection.kept), 1 / (1 - loss) + 1e-8) << "seed " << seed;
-    for (int k = 0; k < 20; ++k) {  // 10^4 directions in all
-      ShortVector d(6);
-      for (double& x : d) x = random.uniform(-1, 1);
-      double h_all = 0, h_kept = 0;
-      for (int i = 0; i < 16; ++i) {
-        for (int j = wrenches.first[std::size_t(i)]; j < wrenches.first[std::size_t(i) + 1]; ++j) {
-          const double reach = d.dot(wrenches.g.col(j));
-          h_all = std::max(h_all, reach);
-          if (std::binary_search(selection.kept.begin(), selection.kept.end(), i))
-            h_kept = std::max(h_kept, reach);
-        }
-      }
-      EXPECT_GE(h_kept, (1 - loss) * h_all - 1e-9);  // the specification asks for 1 - 1.5 loss
+    MatX d(10000, 6);
+    for (double& x : d.reshaped()) x = random.uniform(-1, 1);
+    VecX h_all = VecX::Zero(d.rows()), h_kept = h_all;
+    for (int m = 0; m < 16; ++m) {
+      const int first = wrenches.first[std::size_t(m)], end = wrenches.first[std::size_t(m) + 1];
+      const VecX reach = (d * wrenches.g.middleCols(first, end - first)).rowwise().maxCoeff();
+      h_all = h_all.cwiseMax(reach);
+      if (std::ranges::binary_search(selection.kept, m)) h_kept = h_kept.cwiseMax(reach);
     }
+    // the specification asks for 1 - 1.5 loss
+    EXPECT_GE((h_kept - (1 - loss) * h_all).minCoeff(), -1e-9) << "seed " << seed;
   }
   EXPECT_GT(dropped, 500);
 }
