@@ -14,6 +14,8 @@ struct SchemeFlags {
   std::string projection = to_string(ProjectionOrder::combined), update = to_string(GroupUpdate::exponential);
   std::string reducer = to_string(ReductionOptions{}.reducer);
   std::string clustering = to_string(ClusteringOptions{}.rule);
+  std::filesystem::path selector{};  // instead of a reducer; empty: none
+  int selector_body = 0;
   bool patch_friction = false;
   SchemeOptions options{};  // but for those names
 };
@@ -21,7 +23,8 @@ struct SchemeFlags {
 /// --scheme and the settings of schemes, in the group that is open.
 void add_options(Cli& cli, SchemeFlags& flags);
 
-/// What the user said, all names resolved.
+/// What the user said, all names resolved. Throws std::runtime_error "path:line: ..." for a file of
+/// --selector that cannot be read.
 SchemeOptions scheme_options(const SchemeFlags& flags);
 
 }  // namespace aussois

@@ -5,6 +5,7 @@
 
 #include "examples/scenes/mechanisms.hpp"
 #include "examples/scenes/peer_scenes.hpp"
+#include "examples/scenes/pressed_peg.hpp"
 #include "examples/scenes/toys.hpp"
 #include "geometry/check.hpp"
 
@@ -48,6 +49,8 @@ std::vector<LibraryScene> toys() {
       {"tippe_top", "the same with friction against pivoting, R_e = 1/3 mm: it inverts (B6)", 2, 1e-4,
        [] { return tippe_top(5e-4); }},
       {"rattleback", "spun the wrong way it turns back (B7)", 5, 1e-3, [] { return rattleback(-5); }},
+      {"pressed_peg", "a robot presses a peg on a plate, off its middle; for --selector", 0.1, 1e-3,
+       pressed_peg},
       {"dimer_drop", "two balls on a rod dropped on a plate (C4)", 0.4, 1e-4, dimer_drop},
       {"dimer_and_rod", "a rod pushed between two balls (C5)", 0.05, 1e-3,
        [] { return dimer_and_rod(0.015, 1e-3, 0.1); }},
