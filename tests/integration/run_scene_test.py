@@ -43,12 +43,12 @@ class RunScene(DriverTest):
         self.assertNotIn("parts/checkpoint.h5", files)
 
     def test_a_learned_selector_chooses_the_contacts_of_a_peg(self):
-        """Four contacts at most instead of 32, and the peg stays where all of them hold it."""
+        """Five contacts at most instead of 32 (three, the deepest, one that came back), and the peg stays where it is."""
         scene = ("--scene", "pressed_peg", "--quiet")
         self.run_scene(*scene, "--reducer", "none", "-o", "all", "--summary", "all.json")
         self.run_scene(*scene, "--selector", PARTS / "peg_selector.txt", "-o", "learned", "--summary", "learned.json")
-        self.assertGreaterEqual(min(map(float, self.columns("all")["contacts"])), 16)
-        self.assertLessEqual(max(map(float, self.columns("learned")["contacts"])), 4)
+        self.assertGreaterEqual(min(map(float, self.columns("all")["contacts"])), 32)
+        self.assertLessEqual(max(map(float, self.columns("learned")["contacts"])), 5)
         for out in ("all", "learned"):
             self.assertLess(json.loads((self.folder / f"{out}.json").read_text())["max_displacement"], 1e-6)
 
