@@ -9,6 +9,7 @@
 #include "tests/support/message_of.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/stepping.hpp"
+#include "tests/support/tumbling.hpp"
 
 namespace aussois {
 namespace {
@@ -391,19 +392,7 @@ TEST(Mechanism, OfAnyKindHoldsAndDoesNoWorkAtThetaOneHalf) {
                                JointKind::cylindrical, JointKind::spherical, JointKind::universal,
                                JointKind::planar, JointKind::screw, JointKind::distance}) {
     const auto lost = [&](double h) {
-      Random random(11);
-      Model model;
-      model.gravity = Vec3::Zero();
-      for (int i = 0; i < 2; ++i)
-        add(model, RigidBody{.name = "body", .mass = 1.0 + i, .inertia = Vec3(0.2, 0.3, 0.4).asDiagonal()});
-      State state = rest_state(model);
-      for (SE3& g : state.g) g = random.pose(1);
-      Joint joint = joint_at(kind, "joint", 1, 0, state.g, random.pose(0.5));
-      joint.pitch = 0.5, joint.length = 0.3;
-      if (kind == JointKind::distance) joint.frame_b = joint.frame_b * translation(0.1, 0.2, 0.2);
-      add(model, joint);
-      for (int i = 0; i < 2; ++i) twist(state, i) << random.vector(1), random.vector(3);
-      state = consistent(model, state);
+      auto [model, state] = Tumbling(kind);
       const double E = energy(model, state).total();
       const Vec3 p = momentum(model, state).linear;
       double worst = 0;
