@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -414,6 +415,84 @@ TEST(MeshFeatures, CountWhatTheyWeldAndLeaveOut) {
   EXPECT_EQ(count(f, EdgeClass::interior), 1);
   EXPECT_EQ(f.vertex_of[3], f.vertex_of[1]);
   EXPECT_EQ(f.vertex_class[std::size_t(f.vertex_of[6])], VertexClass::unused);
+}
+
+// A cube with what meshes have wrong: everything that is a cube's own keeps its class.
+TEST(MeshFeatures, OfADamagedCubeAreThoseOfTheCube) {
+  const SimplicialComplex cube = make_box(1, 1, 1);
+  const auto expect_cube = [](const MeshFeatures& f) {
+    EXPECT_EQ(count(f, EdgeClass::convex), 12);
+    EXPECT_EQ(count(f, EdgeClass::interior), 6);
+    EXPECT_EQ(edge_bits(f), 12);
+    EXPECT_EQ(vertex_bits(f), 8);
+    expect_each_active_feature_once(f);
+  };
+  std::vector<Vec3> v = cube.vertices;
+  const int n = int(v.size());
+  {  // a soup: every triangle has corners of its own
+    std::vector<Vec3> corners;
+    Triangles triangles;
+    for (const auto& t : cube.triangles) {
+      triangles.push_back({int(corners.size()), int(corners.size()) + 1, int(corners.size()) + 2});
+      for (const int i : t) corners.push_back(v[std::size_t(i)]);
+    }
+    const MeshFeatures f = features(make_complex(corners, triangles));
+    expect_cube(f);
+    EXPECT_EQ(f.welded_vertices, 28);
+  }
+  {  // a triangle without area along an edge of the cube, and one of a single place
+    std::vector<Vec3> more = v;
+    const auto& e = cube.triangles[0];
+    more.push_back((v[std::size_t(e[0])] + v[std::size_t(e[1])]) / 2);
+    more.push_back(v[std::size_t(e[0])]);
+    Triangles triangles = cube.triangles;
+    triangles.push_back({e[0], n, e[1]});
+    triangles.push_back({e[0], n + 1, e[1]});
+    const MeshFeatures f = features(make_complex(more, triangles));
+    expect_cube(f);
+    EXPECT_EQ(f.removed_triangles, 2);
+    EXPECT_EQ(f.vertex_class[std::size_t(f.vertex_of[std::size_t(n)])], VertexClass::unused);
+  }
+  {  // a vertex of no triangle
+    std::vector<Vec3> more = v;
+    more.push_back({3, 3, 3});
+    const MeshFeatures f = features(make_complex(more, cube.triangles));
+    expect_cube(f);
+    EXPECT_EQ(f.vertex_class[std::size_t(f.vertex_of[std::size_t(n)])], VertexClass::unused);
+    EXPECT_FALSE(f.vertex_active[std::size_t(f.vertex_of[std::size_t(n)])]);
+  }
+}
+
+// A fin on one edge of the cube: that edge is nonmanifold, its own two are boundaries, all are active once.
+TEST(MeshFeatures, OfAFinnedCubeHaveOneNonManifoldEdge) {
+  const SimplicialComplex cube = make_box(1, 1, 1);
+  std::vector<Vec3> v = cube.vertices;
+  v.push_back({2, 2, 2});
+  int corner = 0;  // (1, 1, 1) / 2 and the one below
+  while ((v[std::size_t(corner)] - Vec3(0.5, 0.5, 0.5)).norm() > 1e-12) ++corner;
+  int below = 0;
+  while ((v[std::size_t(below)] - Vec3(0.5, 0.5, -0.5)).norm() > 1e-12) ++below;
+  Triangles triangles = cube.triangles;
+  triangles.push_back({corner, below, int(v.size()) - 1});
+  const MeshFeatures f = features(make_complex(v, triangles));
+  EXPECT_EQ(count(f, EdgeClass::nonmanifold), 1);
+  EXPECT_EQ(count(f, EdgeClass::boundary), 2);
+  EXPECT_EQ(count(f, EdgeClass::convex), 11);
+  expect_each_active_feature_once(f);
+  EXPECT_EQ(f.vertex_class[std::size_t(vertex_at(f, v[std::size_t(corner)]))], VertexClass::nonmanifold);
+}
+
+TEST(MeshFeatures, RefuseWhatIsNoNumber) {
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    SimplicialComplex mesh = make_box(1, 1, 1);
+    mesh.vertices[5].y() = bad;
+    const std::string message = message_of([&] { features(mesh); });
+    EXPECT_NE(message.find("SimplicialComplex::vertices[5] = "), std::string::npos) << message;
+    EXPECT_NE(message.find("must be finite"), std::string::npos) << message;
+    EXPECT_NE(message_of([&] { make_complex(mesh.vertices, mesh.triangles); }).find("vertex 5"),
+              std::string::npos);
+  }
 }
 
 TEST(MeshFeatures, RefuseBadAngles) {
