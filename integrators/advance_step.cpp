@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <iterator>
 #include <sstream>
+#include <utility>
 
 #include "geometry/check.hpp"
 
@@ -39,7 +40,7 @@ StepReport advance_step(const StepSetting& setting, State& state, double h_limit
     report.status = status;
     report.seconds_total = step_clock() - begin;
     if (status != StepStatus::ok) report.t = state.t, report.h = 0;
-    return report;
+    return std::move(report);
   };
   if (!estimate.v.allFinite() || !finite_poses) {
     report.reason = "a force, velocity or pose is not finite";

@@ -5,6 +5,7 @@
 #include <functional>
 #include <span>
 #include <sstream>
+#include <utility>
 
 #include "geometry/check.hpp"
 #include "geometry/parallel.hpp"
@@ -84,11 +85,24 @@ std::vector<BodyBounds> body_bounds(const Model& model) {
   return bounds;
 }
 
+namespace {
+
+std::vector<std::pair<int, int>> near_boxes(const std::vector<DilatedBox>& boxes, int threads,
+                                            ContactScratch* scratch) {
+  if (!scratch) return broad_phase(boxes, threads);
+  const std::unique_lock lock(scratch->in_use, std::try_to_lock);
+  return lock ? broad_phase(boxes, threads, scratch->near) : broad_phase(boxes, threads);
+}
+
+}  // namespace
+
 std::vector<StepPair> pairs_within(const Model& model, const State& state,
                                    const std::vector<BodyBounds>& bounds, const std::vector<double>& reach,
-                                   int threads) {
+                                   int threads, ContactScratch* scratch) {
   std::vector<int> body_of;
   std::vector<DilatedBox> boxes;
+  body_of.reserve(bounds.size());
+  boxes.reserve(bounds.size());
   for (int b = 0; b < int(model.bodies.size()); ++b) {
     if (!shape_of(model, b)) continue;
     boxes.push_back(pose(state, b) * bounds[std::size_t(b)].box);
@@ -96,7 +110,7 @@ std::vector<StepPair> pairs_within(const Model& model, const State& state,
     body_of.push_back(b);
   }
   std::vector<StepPair> pairs;
-  for (const auto& [i, j] : broad_phase(boxes, threads)) {  // (CA-12)
+  for (const auto& [i, j] : near_boxes(boxes, threads, scratch)) {  // (CA-12)
     const int a = body_of[std::size_t(i)], b = body_of[std::size_t(j)];
     if (model.passing.contains({a, b})) continue;
     pairs.push_back({.a = a, .b = b, .dilation = shape_of(model, a)->radius + shape_of(model, b)->radius});
@@ -118,7 +132,7 @@ StepPath step_path(const StepMotion& step, const std::vector<BodyBounds>& bounds
 }
 
 NearPairs step_pairs(const StepMotion& estimate, const std::vector<BodyBounds>& bounds,
-                     const AdvancementOptions& o, int threads) {
+                     const AdvancementOptions& o, int threads, ContactScratch* scratch) {
   const StepPath path = step_path(estimate, bounds, o.enlargement);
   NearPairs out;
   out.reach.reserve(bounds.size());
@@ -126,7 +140,7 @@ NearPairs step_pairs(const StepMotion& estimate, const std::vector<BodyBounds>& 
     const LmdShape* shape = shape_of(path.model, b);
     out.reach.push_back(shape ? path.bodies[std::size_t(b)].displacement + o.floor * shape->radius : 0);
   }
-  out.pairs = pairs_within(estimate.model, estimate.state, bounds, out.reach, threads);
+  out.pairs = pairs_within(estimate.model, estimate.state, bounds, out.reach, threads, scratch);
   for (StepPair& pair : out.pairs) {
     const RelativeBounds bound = bounds_of(path, pair);
     pair.threshold = std::max(o.floor * pair.dilation, bound.displacement);
@@ -137,9 +151,22 @@ NearPairs step_pairs(const StepMotion& estimate, const std::vector<BodyBounds>& 
 
 namespace {
 
+// The bodies of the pairs, each posed once by `pose_of(body)`; the others as they are made.
+template <class Posed, class PoseOf>
+std::vector<Posed> posed_once(std::size_t bodies, const std::vector<StepPair>& pairs, const PoseOf& pose_of) {
+  std::vector<Posed> out(bodies);
+  std::vector<char> done(bodies, 0);
+  for (const StepPair& pair : pairs)
+    for (const int body : {pair.a, pair.b})
+      if (!std::exchange(done[std::size_t(body)], 1)) out[std::size_t(body)] = pose_of(body);
+  return out;
+}
+
 // `scratch` is of every pair, or empty.
 ContactSet contacts_of(const Model& model, const State& state, const std::vector<StepPair>& pairs,
                        const LmdOptions& options, std::span<PairScratch> scratch) {
+  const std::vector<PosedShape> posed = posed_once<PosedShape>(
+      model.bodies.size(), pairs, [&](int body) { return posed_shape(model, state, body); });
   std::vector<ContactSet> found(std::size_t(count_of_parts(pairs)));
   for_each_part(pairs, options.threads, [&](int part, std::span<const StepPair> some, int threads) {
     for (const StepPair& pair : some) {
@@ -149,7 +176,7 @@ ContactSet contacts_of(const Model& model, const State& state, const std::vector
       lmd.alpha =
           std::min(0.5, lmd.alpha + pair.rotation);  // contacts that the step's rotation can bring about
       lmd.alpha_ee = std::max(lmd.alpha_ee, lmd.alpha);
-      const PosedShape a = posed_shape(model, state, pair.a), b = posed_shape(model, state, pair.b);
+      const PosedShape &a = posed[std::size_t(pair.a)], &b = posed[std::size_t(pair.b)];
       const ContactSet of_pair = scratch.empty()
                                      ? find_contacts(a, b, lmd)
                                      : find_contacts(a, b, lmd, scratch[std::size_t(&pair - pairs.data())]);
@@ -166,17 +193,8 @@ ContactSet contacts_of(const Model& model, const State& state, const std::vector
   return all;  // pairs are sorted, so the whole set is
 }
 
-}  // namespace
-
-ContactSet contacts_of(const Model& model, const State& state, const std::vector<StepPair>& pairs,
-                       const LmdOptions& options) {
-  return contacts_of(model, state, pairs, options, std::span<PairScratch>());
-}
-
-ContactSet contacts_of(const Model& model, const State& state, const std::vector<StepPair>& pairs,
-                       const LmdOptions& options, ContactScratch& scratch) {
-  const std::unique_lock lock(scratch.in_use, std::try_to_lock);
-  if (!lock) return contacts_of(model, state, pairs, options);
+// What the scratch knows of these pairs, in their order.
+void keep_those_of(const std::vector<StepPair>& pairs, ContactScratch& scratch) {
   std::vector<std::pair<int, int>> bodies;
   std::vector<PairScratch> kept;
   bodies.reserve(pairs.size());
@@ -190,6 +208,23 @@ ContactSet contacts_of(const Model& model, const State& state, const std::vector
   }
   scratch.bodies = std::move(bodies);
   scratch.pairs = std::move(kept);
+}
+
+}  // namespace
+
+ContactSet contacts_of(const Model& model, const State& state, const std::vector<StepPair>& pairs,
+                       const LmdOptions& options) {
+  return contacts_of(model, state, pairs, options, std::span<PairScratch>());
+}
+
+ContactSet contacts_of(const Model& model, const State& state, const std::vector<StepPair>& pairs,
+                       const LmdOptions& options, ContactScratch& scratch) {
+  const std::unique_lock lock(scratch.in_use, std::try_to_lock);
+  if (!lock) return contacts_of(model, state, pairs, options);
+  const auto is_of = [](const StepPair& pair, const std::pair<int, int>& bodies) {
+    return std::pair(pair.a, pair.b) == bodies;
+  };
+  if (!std::ranges::equal(pairs, scratch.bodies, is_of)) keep_those_of(pairs, scratch);
   return contacts_of(model, state, pairs, options, std::span(scratch.pairs));
 }
 
@@ -235,10 +270,13 @@ Vec3 likely_axis(const StepPath& path, const StepPair& pair, const ContactSet& c
   return deepest ? Vec3(-deepest->normal) : Vec3(pose_of(path, pair.b).p - pose_of(path, pair.a).p);
 }
 
-StepCertificate certify_pair(const StepPath& path, const StepPair& pair,
-                             const std::vector<BodyBounds>& bounds, const CertificateOptions& options) {
-  const double apart = separation(pose_of(path, pair.a) * bounds[std::size_t(pair.a)].box,
-                                  pose_of(path, pair.b) * bounds[std::size_t(pair.b)].box);
+DilatedBox posed_box(const StepPath& path, const std::vector<BodyBounds>& bounds, int body) {
+  return pose_of(path, body) * bounds[std::size_t(body)].box;
+}
+
+// `apart`: by how much their boxes are.
+StepCertificate certify_pair(const StepPath& path, const StepPair& pair, double apart,
+                             const CertificateOptions& options) {
   if (apart > bounds_of(path, pair).displacement)  // the dilated shapes cannot even touch
     return {.min_distance = options.wanted};
   const Certificate c = certify(moving_shape(path, pair.a), moving_shape(path, pair.b), path.h, options);
@@ -253,12 +291,13 @@ StepCertificate certify_pair(const StepPath& path, const StepPair& pair,
 
 // Of some pairs, up to the first that is not certified.
 StepCertificate certify_pairs(const StepPath& path, std::span<const StepPair> pairs,
-                              const std::vector<BodyBounds>& bounds, const ContactSet& contacts,
+                              const std::vector<DilatedBox>& boxes, const ContactSet& contacts,
                               const AdvancementOptions& o, int threads) {
   StepCertificate out;
   for (const StepPair& pair : pairs) {
     const double required = required_distance(pair, o);
-    const StepCertificate of_pair = certify_pair(path, pair, bounds,
+    const double apart = separation(boxes[std::size_t(pair.a)], boxes[std::size_t(pair.b)]);
+    const StepCertificate of_pair = certify_pair(path, pair, apart,
                                                  {.required = required,
                                                   .wanted = std::max(pair.dilation, required),
                                                   .threads = threads,
@@ -275,7 +314,8 @@ StepCertificate certify_pairs(const StepPath& path, std::span<const StepPair> pa
 
 StepCertificate certify_apart(const StepPath& path, const StepPair& pair,
                               const std::vector<BodyBounds>& bounds, int threads) {
-  return certify_pair(path, pair, bounds,
+  const double apart = separation(posed_box(path, bounds, pair.a), posed_box(path, bounds, pair.b));
+  return certify_pair(path, pair, apart,
                       {.required = pair.dilation,
                        .wanted = pair.dilation,
                        .max_halvings = kFineHalvings,
@@ -285,9 +325,11 @@ StepCertificate certify_apart(const StepPath& path, const StepPair& pair,
 StepCertificate certify_step(const StepPath& path, const std::vector<StepPair>& pairs,
                              const std::vector<BodyBounds>& bounds, const ContactSet& contacts,
                              const AdvancementOptions& o, int threads) {
+  const std::vector<DilatedBox> boxes =
+      posed_once<DilatedBox>(bounds.size(), pairs, [&](int body) { return posed_box(path, bounds, body); });
   std::vector<StepCertificate> of_part(std::size_t(count_of_parts(pairs)));
   for_each_part(pairs, threads, [&](int part, std::span<const StepPair> some, int threads_each) {
-    of_part[std::size_t(part)] = certify_pairs(path, some, bounds, contacts, o, threads_each);
+    of_part[std::size_t(part)] = certify_pairs(path, some, boxes, contacts, o, threads_each);
   });
   StepCertificate out;
   for (const StepCertificate& part : of_part) {

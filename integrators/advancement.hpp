@@ -59,11 +59,20 @@ struct StepPath {
 };
 StepPath step_path(const StepMotion& step, const std::vector<BodyBounds>& bounds, double enlargement = 1);
 
+/// What a scheme keeps of its pairs from step to step: it saves time and changes no result. Who finds it in
+/// use by another thread goes without.
+struct ContactScratch {
+  std::mutex in_use{};
+  std::vector<std::pair<int, int>> bodies{};  // sorted
+  std::vector<PairScratch> pairs{};
+  BroadPhaseScratch near{};
+};
+
 /// Pairs whose boxes come nearer than the sum of their `reach` [m], one per body; thresholds are left at 0.
 /// Sorted by (a, b).
 std::vector<StepPair> pairs_within(const Model& model, const State& state,
                                    const std::vector<BodyBounds>& bounds, const std::vector<double>& reach,
-                                   int threads);
+                                   int threads, ContactScratch* scratch = nullptr);
 
 /// What can touch if the bodies move at most as in `estimate`, enlarged.
 struct NearPairs {
@@ -71,20 +80,13 @@ struct NearPairs {
   std::vector<double> reach{};    // of every body: how far it may move without meeting any other [m]
 };
 NearPairs step_pairs(const StepMotion& estimate, const std::vector<BodyBounds>& bounds,
-                     const AdvancementOptions& options, int threads);
+                     const AdvancementOptions& options, int threads, ContactScratch* scratch = nullptr);
 
 /// Contacts of the pairs within their thresholds, cones enlarged by their rotations; sorted by pair. Many
 /// pairs share the threads, few pairs get them all.
 ContactSet contacts_of(const Model& model, const State& state, const std::vector<StepPair>& pairs,
                        const LmdOptions& options);
 
-/// What a scheme keeps of its pairs from step to step: it saves time and changes no result. Who finds it in
-/// use by another thread goes without.
-struct ContactScratch {
-  std::mutex in_use{};
-  std::vector<std::pair<int, int>> bodies{};  // sorted
-  std::vector<PairScratch> pairs{};
-};
 ContactSet contacts_of(const Model& model, const State& state, const std::vector<StepPair>& pairs,
                        const LmdOptions& options, ContactScratch& scratch);
 

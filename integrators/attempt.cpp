@@ -430,11 +430,10 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
   // The new state
   out.next = moved(model, state, out.v_path, v_end, found.h);
   if (!all_finite(out.next.g)) return failed(Outcome::not_finite, "a pose is not finite");
-  const ContactSet kept =
-      select(found.contacts, {step.solved.kept.begin(), step.solved.kept.begin() + report.contacts_kept});
-  report.contacts.reserve(kept.points.size());
-  for (std::size_t k = 0; k < kept.points.size(); ++k)
-    report.contacts.push_back({kept.points[k], impulses.contact[k], impulses.drilling[k]});
+  report.contacts.reserve(impulses.contact.size());
+  for (std::size_t k = 0; k < impulses.contact.size(); ++k)
+    report.contacts.push_back(
+        {found.contacts.points[std::size_t(step.solved.kept[k])], impulses.contact[k], impulses.drilling[k]});
   out.next.memory = memory_after(setting, found, step, impulses, report.contacts_kept, move.v_end);
   out.next.r = impulses.r;
   report.t = out.next.t;

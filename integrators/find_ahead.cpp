@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <set>
 
 namespace aussois {
 namespace {
@@ -13,16 +12,18 @@ constexpr double kClosed = 1e-5;  // of the dilations: pairs that near touch alr
 // Pairs that are fast, neither pushed in the last step nor touch already, and are not known to meet are left
 // out (CA-16).
 void leave_apart(const State& state, const Estimate& estimate, const AdvancementOptions& o, Found& found) {
-  std::set<std::pair<int, int>> asked(estimate.meeting.begin(), estimate.meeting.end());
+  std::vector<std::pair<int, int>> asked = estimate.meeting;
   for (const RememberedContact& c : state.memory.contacts)
-    if (!c.impulse.isZero(0)) asked.insert({c.key.body_a, c.key.body_b});
+    if (!c.impulse.isZero(0)) asked.emplace_back(c.key.body_a, c.key.body_b);
   const std::vector<double> dilation = contact_dilations(found.pairs, found.contacts);
   for (std::size_t i = 0; i < dilation.size(); ++i)
     if (const ContactPoint& c = found.contacts.points[i]; c.gap <= kClosed * dilation[i])
-      asked.insert({c.a.body, c.b.body});
+      asked.emplace_back(c.a.body, c.b.body);
+  std::ranges::sort(asked);
   const auto is_apart = [&](const StepPair& pair) {
     const double linear = 2 * o.max_overlap * pair.dilation * pair.dilation;
-    return pair.threshold * pair.threshold > linear && !asked.contains({pair.a, pair.b});
+    return pair.threshold * pair.threshold > linear &&
+           !std::ranges::binary_search(asked, std::pair(pair.a, pair.b));
   };
   std::ranges::copy_if(found.pairs, std::back_inserter(found.apart), is_apart);
   if (found.apart.empty()) return;
@@ -41,6 +42,7 @@ ReductionInput reduction_input(const StepSetting& setting, const State& state, c
                        .impulse = found.warm.impulse,
                        .h = found.h,
                        .g = found.g};
+  input.mu.reserve(found.contacts.points.size());
   for (const ContactPoint& c : found.contacts.points)
     input.mu.push_back(contact_law(setting.model, c.a.body, c.b.body).mu);
   if (setting.options.reduction.reducer != Reducer::selector) return input;
@@ -67,6 +69,7 @@ void match_and_reduce(const StepSetting& setting, const State& state, const Stat
   const StepOptions& o = setting.options;
   found.g = at.g;
   MatchInput since{.scale = found.scale, .g = found.g, .shapes = setting.shapes};
+  since.moved.reserve(found.contacts.points.size());
   for (const ContactPoint& c : found.contacts.points)
     since.moved.push_back(found.h * relative_velocity_at(c, found.g, found.v_estimate).norm());
   found.warm = warm_start(state.memory, found.contacts, since, o.persistence);
@@ -94,8 +97,8 @@ Found find_ahead(const StepSetting& setting, const State& state, const Estimate&
   const double begin = step_clock();
   const StepOptions& o = setting.options;
   Found found{.v_estimate = estimate.v, .h = h, .scale = state.h > 0 ? h / state.h : 1};
-  NearPairs near = step_pairs({setting.model, state, estimate.v, h}, setting.bounds, o.advancement,
-                              o.threads);  // (CA-4)
+  NearPairs near = step_pairs({setting.model, state, estimate.v, h}, setting.bounds, o.advancement, o.threads,
+                              setting.scratch.get());  // (CA-4)
   found.pairs = std::move(near.pairs);
   found.reach = std::move(near.reach);
   found.contacts = contacts_of(setting.model, state, found.pairs, o.lmd, *setting.scratch);  // (LMD-3)

@@ -114,24 +114,41 @@ Mat3 gyroscopic_derivative(const Mat3& J, const Vec3& omega) {
   return skew(omega) * J - skew(J * omega);
 }
 
-// Square blocks of 3 along the diagonal, in the order of the rows; zeros take no place.
+// Writes a matrix of square blocks of 3 along the diagonal, in the order of the rows; zeros take no place. In
+// place, since Eigen's sparse matrices are copied where others are moved.
 class DiagonalBlocks {
  public:
-  explicit DiagonalBlocks(int n) : matrix_(n, n) { matrix_.reserve(3 * n); }
+  DiagonalBlocks(int n, SparseMatrix& matrix) : matrix_(matrix) {
+    matrix_.resize(n, n);
+    matrix_.resizeNonZeros(3 * n);
+  }
   void add(int row, const Mat3& block) {
     for (int j = 0; j < 3; ++j) {
-      matrix_.startVec(row + j);
       for (int i = 0; i < 3; ++i)
-        if (block(i, j) != 0) matrix_.insertBackByOuterInner(row + j, row + i) = block(i, j);
+        if (block(i, j) != 0) append(row + i, block(i, j));
+      matrix_.outerIndexPtr()[row + j + 1] = count_;
     }
   }
-  SparseMatrix take() {
+  void add_multiple_of_one(int row, double factor) {
+    for (int j = 0; j < 3; ++j) {
+      if (factor != 0) append(row + j, factor);
+      matrix_.outerIndexPtr()[row + j + 1] = count_;
+    }
+  }
+  // Columns of no block are empty; they come last.
+  void finish() {
+    matrix_.resizeNonZeros(count_);
     matrix_.finalize();
-    return std::move(matrix_);
   }
 
  private:
-  SparseMatrix matrix_;
+  void append(int row, double value) {
+    matrix_.innerIndexPtr()[count_] = row;
+    matrix_.valuePtr()[count_++] = value;
+  }
+
+  SparseMatrix& matrix_;
+  int count_ = 0;
 };
 
 template <class T>
@@ -260,24 +277,27 @@ FreeMotion free_motion(const Model& model, const State& state, const DofMap& dof
 
   FreeMotion out;
   out.v = out.gravity = out.gyroscopic = out.laws = VecX::Zero(dofs.rows);
-  DiagonalBlocks mass(dofs.rows), gyroscopic(dofs.rows);
+  DiagonalBlocks mass(dofs.rows, out.mass), gyroscopic(dofs.rows, out.gyroscopic_D);
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     const int row = dofs.first[b];
     if (row < 0) continue;
     const RigidBody& body = model.bodies[b];
     const Vec3 omega = state.v.segment<3>(6 * Eigen::Index(b) + 3), momentum = body.inertia * omega;
-    mass.add(row, body.mass * Mat3::Identity());
+    mass.add_multiple_of_one(row, body.mass);
     mass.add(row + 3, body.inertia);
-    gyroscopic.add(row, Mat3::Zero());
-    gyroscopic.add(row + 3, h * theta * gyroscopic_derivative(body.inertia, omega));
+    gyroscopic.add_multiple_of_one(row, 0);
+    if (omega.isZero(0))
+      gyroscopic.add_multiple_of_one(row + 3, 0);
+    else
+      gyroscopic.add(row + 3, h * theta * gyroscopic_derivative(body.inertia, omega));
     out.v.segment<6>(row) = state.v.segment<6>(6 * Eigen::Index(b));
     out.gravity.segment<3>(row) = h * body.mass * model.gravity;
     out.gyroscopic.segment<3>(row + 3) = -h * omega.cross(momentum);
     out.laws.segment<6>(row) = h * force.f.segment<6>(6 * Eigen::Index(b));
   }
-  out.mass = mass.take();
-  out.gyroscopic_D = gyroscopic.take();
-  out.law_D = SparseMatrix(dofs.rows, dofs.rows);
+  mass.finish();
+  gyroscopic.finish();
+  out.law_D.resize(dofs.rows, dofs.rows);
   if (!model.coordinates.empty()) {
     std::vector<Triplet> mass_of_them, law_D;
     out.laws.tail(dofs.rows - dofs.coordinates) += h * force.f.tail(dofs.rows - dofs.coordinates);

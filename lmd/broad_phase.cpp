@@ -2,7 +2,9 @@
 #include "lmd/broad_phase.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <numeric>
+#include <span>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -16,18 +18,16 @@ namespace {
 constexpr int kLeafSize = 4;         // 2 to 12 are within 15 % (decision record 0009)
 constexpr int kParts = 256;          // pieces of work that threads share
 constexpr double kRounding = 1e-14;  // of the coordinates: some ulps of the sums below
+// Rooms are to last for so many queries like the last one, and for a little more of the radius; both are
+// taste.
+constexpr double kRoomOfQueries = 8, kRoomOfRadius = 1.0 / 16;
+constexpr int kNeighboursOfAPart = 1024;  // of a piece of work
 
-struct Bounds {
-  Vec3 lo = Vec3::Constant(kInf), hi = Vec3::Constant(-kInf);
-  void add(const Vec3& a, const Vec3& b) { lo = lo.cwiseMin(a), hi = hi.cwiseMax(b); }
-  double width() const { return (hi - lo).maxCoeff(); }
-  bool meets(const Bounds& b) const {
-    return (lo.array() <= b.hi.array()).all() && (b.lo.array() <= hi.array()).all();
-  }
-};
+using Bounds = StraightBox;
 
 Bounds bounds_of(const DilatedBox& box) {
-  const Vec3 reach = box.axes.cwiseAbs() * box.half + Vec3::Constant(box.radius);
+  Vec3 reach = Vec3::Constant(box.radius);
+  if (!box.half.isZero(0)) reach += box.axes.cwiseAbs() * box.half;
   const Vec3 slack = Vec3::Constant(kRounding * (box.centre.norm() + reach.sum()));
   return {box.centre - reach - slack, box.centre + reach + slack};
 }
@@ -49,13 +49,10 @@ struct Tree {
 // Halves at the median of the centres along the axis of their largest spread.
 class Builder {
  public:
-  explicit Builder(const std::vector<DilatedBox>& boxes) : boxes_(boxes) {
+  Builder(const std::vector<DilatedBox>& boxes, const std::vector<Bounds>& bounds)
+      : boxes_(boxes), bounds_(bounds) {
     tree_.order.resize(boxes.size());
     std::iota(tree_.order.begin(), tree_.order.end(), 0);
-    for (const DilatedBox& box : boxes) {
-      AUSSOIS_ASSERT(box.centre.allFinite());
-      bounds_.push_back(bounds_of(box));
-    }
     tree_.nodes.emplace_back();
     if (!boxes.empty()) fill(0, 0, int(boxes.size()));
     for (int i : tree_.order) tree_.bounds.push_back(bounds_[std::size_t(i)]);
@@ -97,7 +94,7 @@ class Builder {
   }
 
   const std::vector<DilatedBox>& boxes_;
-  std::vector<Bounds> bounds_{};
+  const std::vector<Bounds>& bounds_;
   Tree tree_{};
 };
 
@@ -109,9 +106,12 @@ struct Part {
   BroadPhaseStatistics count{};
 };
 
+// Asks `near(i, j)` of boxes whose bounds meet, unless both are fixed.
+template <class Near>
 class Descent {
  public:
-  Descent(const std::vector<DilatedBox>& boxes, const Tree& tree) : boxes_(boxes), tree_(tree) {}
+  Descent(const std::vector<DilatedBox>& boxes, const Tree& tree, const Near& near)
+      : boxes_(boxes), tree_(tree), near_(near) {}
 
   // One pair of nodes: pairs of boxes if both are leaves, otherwise what is to be looked at next.
   void open(IndexPair at, std::vector<IndexPair>& next, Part& part) const {
@@ -136,13 +136,13 @@ class Descent {
     ++part.count.box_pairs;
     if (!tree_.bounds[std::size_t(p)].meets(tree_.bounds[std::size_t(q)])) return;
     const int i = tree_.order[std::size_t(p)], j = tree_.order[std::size_t(q)];
-    const DilatedBox &a = boxes_[std::size_t(i)], &b = boxes_[std::size_t(j)];
-    if ((a.fixed && b.fixed) || separation(a, b) > 0) return;
-    part.found.push_back(std::minmax(i, j));
+    if (boxes_[std::size_t(i)].fixed && boxes_[std::size_t(j)].fixed) return;
+    if (near_(i, j)) part.found.push_back(std::minmax(i, j));
   }
 
   const std::vector<DilatedBox>& boxes_;
   const Tree& tree_;
+  const Near& near_;
 };
 
 // By counting the pairs of each first index, then sorting its few partners.
@@ -158,6 +158,69 @@ std::vector<IndexPair> sorted(const std::vector<Part>& parts, std::size_t boxes)
   for (std::size_t i = 0; i < boxes; ++i)
     std::sort(all.begin() + std::ptrdiff_t(begin[i]), all.begin() + std::ptrdiff_t(begin[i + 1]));
   return all;
+}
+
+template <class Near>
+std::vector<IndexPair> pairs_in_tree(const std::vector<DilatedBox>& boxes, const std::vector<Bounds>& bounds,
+                                     const Near& near, int threads, BroadPhaseStatistics* statistics) {
+  const Tree tree = Builder(boxes, bounds).tree();
+  const Descent<Near> descent(boxes, tree, near);
+  std::vector<Part> parts(1);
+  std::vector<IndexPair> front{{0, 0}};
+  while (!front.empty() && int(front.size()) < kParts) {  // breadth first until there is enough to share
+    std::vector<IndexPair> next;
+    for (const IndexPair& at : front) descent.open(at, next, parts[0]);
+    front = std::move(next);
+  }
+  parts.resize(1 + front.size());
+  parallel_for(int(front.size()), threads, [&](int k) {
+    std::vector<IndexPair> stack{front[std::size_t(k)]};
+    while (!stack.empty()) {
+      const IndexPair at = stack.back();
+      stack.pop_back();
+      descent.open(at, stack, parts[std::size_t(k) + 1]);
+    }
+  });
+  if (statistics) {
+    *statistics = {};
+    for (const Part& part : parts) {
+      statistics->node_pairs += part.count.node_pairs;
+      statistics->box_pairs += part.count.box_pairs;
+    }
+  }
+  return sorted(parts, boxes.size());
+}
+
+std::vector<Bounds> bounds_of(const std::vector<DilatedBox>& boxes) {
+  std::vector<Bounds> out;
+  out.reserve(boxes.size());
+  for (const DilatedBox& box : boxes) {
+    AUSSOIS_ASSERT(box.centre.allFinite());
+    out.push_back(bounds_of(box));
+  }
+  return out;
+}
+
+bool all_in_their_rooms(const std::vector<DilatedBox>& boxes, const std::vector<Bounds>& bounds,
+                        const BroadPhaseScratch& scratch) {
+  if (boxes.size() != scratch.room.size()) return false;
+  for (std::size_t i = 0; i < boxes.size(); ++i)
+    if (boxes[i].fixed != bool(scratch.fixed[i]) || !scratch.room[i].holds(bounds[i])) return false;
+  return true;
+}
+
+void make_rooms(const std::vector<DilatedBox>& boxes, const std::vector<Bounds>& bounds, int threads,
+                BroadPhaseScratch& scratch) {
+  const bool again = scratch.last.size() == boxes.size();
+  scratch.room.clear();
+  scratch.fixed.clear();
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    const double moved = again ? bounds[i].farthest_side(scratch.last[i]) : 0;
+    scratch.room.push_back(bounds[i].enlarged(kRoomOfQueries * moved + kRoomOfRadius * boxes[i].radius));
+    scratch.fixed.push_back(boxes[i].fixed);
+  }
+  const auto any = [](int, int) { return true; };
+  scratch.neighbours = pairs_in_tree(boxes, scratch.room, any, threads, nullptr);
 }
 
 DilatedBox box_along(const Mat3& axes, const std::vector<Vec3>& points) {
@@ -196,10 +259,14 @@ double separation(const DilatedBox& a, const DilatedBox& b) {
   const double slack = kRounding * (a.centre.norm() + b.centre.norm() + a.half.sum() + b.half.sum() + radii);
   if (a.half.isZero(0) && b.half.isZero(0)) return distance - radii - slack;
   double widest = -kInf;
+  const auto reach_of = [](const DilatedBox& box) {
+    return [&box, is_ball = box.half.isZero(0)](const Vec3& n) {
+      return is_ball ? 0 : box.half.dot((box.axes.transpose() * n).cwiseAbs());
+    };
+  };
+  const auto reach_a = reach_of(a), reach_b = reach_of(b);
   const auto along = [&](const Vec3& n) {
-    const double reach =
-        a.half.dot((a.axes.transpose() * n).cwiseAbs()) + b.half.dot((b.axes.transpose() * n).cwiseAbs());
-    widest = std::max(widest, std::abs(c.dot(n)) - reach);
+    widest = std::max(widest, std::abs(c.dot(n)) - (reach_a(n) + reach_b(n)));
   };
   if (distance > 0) along(c / distance);
   for (int i = 0; i < 3; ++i) along(a.axes.col(i)), along(b.axes.col(i));
@@ -214,32 +281,32 @@ double separation(const DilatedBox& a, const DilatedBox& b) {
 
 std::vector<std::pair<int, int>> broad_phase(const std::vector<DilatedBox>& boxes, int threads,
                                              BroadPhaseStatistics* statistics) {
-  const Tree tree = Builder(boxes).tree();
-  const Descent descent(boxes, tree);
-  std::vector<Part> parts(1);
-  std::vector<IndexPair> front{{0, 0}};
-  while (!front.empty() && int(front.size()) < kParts) {  // breadth first until there is enough to share
-    std::vector<IndexPair> next;
-    for (const IndexPair& at : front) descent.open(at, next, parts[0]);
-    front = std::move(next);
-  }
-  parts.resize(1 + front.size());
-  parallel_for(int(front.size()), threads, [&](int k) {
-    std::vector<IndexPair> stack{front[std::size_t(k)]};
-    while (!stack.empty()) {
-      const IndexPair at = stack.back();
-      stack.pop_back();
-      descent.open(at, stack, parts[std::size_t(k) + 1]);
-    }
+  const auto near = [&](int i, int j) {
+    return !(separation(boxes[std::size_t(i)], boxes[std::size_t(j)]) > 0);
+  };
+  return pairs_in_tree(boxes, bounds_of(boxes), near, threads, statistics);
+}
+
+std::vector<std::pair<int, int>> broad_phase(const std::vector<DilatedBox>& boxes, int threads,
+                                             BroadPhaseScratch& scratch) {
+  std::vector<Bounds> bounds = bounds_of(boxes);
+  if (!all_in_their_rooms(boxes, bounds, scratch)) make_rooms(boxes, bounds, threads, scratch);
+  const auto near = [&](const IndexPair& pair) {
+    const auto i = std::size_t(pair.first), j = std::size_t(pair.second);
+    return bounds[i].meets(bounds[j]) && !(separation(boxes[i], boxes[j]) > 0);
+  };
+  const std::vector<IndexPair>& all = scratch.neighbours;
+  std::vector<std::vector<IndexPair>> found((all.size() + kNeighboursOfAPart - 1) / kNeighboursOfAPart);
+  parallel_for(int(found.size()), threads, [&](int k) {
+    const std::size_t first = std::size_t(k) * kNeighboursOfAPart;
+    const std::size_t count = std::min(all.size() - first, std::size_t(kNeighboursOfAPart));
+    std::ranges::copy_if(std::span(all).subspan(first, count), std::back_inserter(found[std::size_t(k)]),
+                         near);
   });
-  if (statistics) {
-    *statistics = {};
-    for (const Part& part : parts) {
-      statistics->node_pairs += part.count.node_pairs;
-      statistics->box_pairs += part.count.box_pairs;
-    }
-  }
-  return sorted(parts, boxes.size());
+  scratch.last = std::move(bounds);
+  std::vector<IndexPair> pairs;
+  for (const std::vector<IndexPair>& part : found) pairs.insert(pairs.end(), part.begin(), part.end());
+  return pairs;
 }
 
 }  // namespace aussois

@@ -17,6 +17,10 @@ namespace {
 
 constexpr double kWindowOfSteps = 8;   // candidates are to last so long, by the motion since the last query
 constexpr double kRoomOfBounds = 1.2;  // of their threshold and angles
+// A window of shapes so small may be wider than the threshold, up to this part of the smaller one: their
+// candidates stay few, and boxes that slide would be searched in each step.
+constexpr std::size_t kFewLeafPairs = 1024;
+constexpr double kPartOfSize = 1.0 / 16;
 
 // Inclusive tests can only find a minimum twice. Of those at one place the highest dimensions stay, then the
 // smallest ids: what stays is a function of the pose alone (LMD-10).
@@ -132,12 +136,28 @@ ContactSet to_contacts(const PosedShape& a, const PosedShape& b, const RelativeP
   return set;
 }
 
-// From one pose of A seen from B to another.
-MotionWindow moved_since(const SE3& before, const SE3& now, const LmdShape& a) {
+bool is_ball(const LmdShape& shape) {
+  return shape.complex.vertices.size() == 1;
+}
+
+// How far a window may reach for candidates to be worth keeping.
+MotionWindow widest_window(const LmdShape& a, const LmdShape& b, const LmdOptions& options) {
+  const auto leaves = [](const LmdShape& s) { return s.vertices.size() + s.edges.size() + s.faces.size(); };
+  const bool few = leaves(a) * leaves(b) <= kFewLeafPairs;
+  const double size = std::min(a.bounding_radius, b.bounding_radius);
+  return {few ? std::max(options.threshold, kPartOfSize * size) : options.threshold, options.alpha};
+}
+
+// From one pose of A seen from B to another. Balls look the same however they are turned: where one of the
+// two is a ball, the motion of its centre seen from the other says as much, without rotation.
+MotionWindow moved_since(const SE3& before, const SE3& now, const LmdShape& a, const LmdShape& b) {
   const double rotation = log_so3((before.R.conjugate() * now.R).normalized()).norm();
-  return {(now * a.centre - before * a.centre).norm() +
-              2 * std::sin(std::min(rotation, kPi) / 2) * a.bounding_radius,
-          rotation};
+  const double displacement = (now * a.centre - before * a.centre).norm() +
+                              2 * std::sin(std::min(rotation, kPi) / 2) * a.bounding_radius;
+  const double of_ball =
+      is_ball(b) ? (inverse(now) * b.centre - inverse(before) * b.centre).norm() : displacement;
+  if ((is_ball(a) || is_ball(b)) && of_ball <= displacement) return {of_ball, 0};
+  return {displacement, rotation};
 }
 
 ContactSet contacts_among(std::span<const LeafPair> leaves, const PosedShape& a, const PosedShape& b,
@@ -154,10 +174,16 @@ ContactSet contacts_among(std::span<const LeafPair> leaves, const PosedShape& a,
   return to_contacts(a, b, pair, found);
 }
 
-bool is_ball(const LmdShape& shape) {
-  return shape.vertices.size() == 1 && shape.edges.empty() && shape.faces.empty();
+// The same of two balls, which have one pair of leaves.
+ContactSet contacts_of_balls(const PosedShape& a, const PosedShape& b, const LmdOptions& options) {
+  constexpr LeafId ball{.index = 0, .dim = 0, .side = 1};
+  const RelativePair pair = relative_pair(a, b, options);
+  const auto minimum =
+      test_minimum(leaf_of(*a.shape, ball), leaf_of(*b.shape, ball), pair.R, pair.t, pair.criteria);
+  ContactSet set;
+  if (minimum) set.points.push_back(contact_of(a, b, pair, {ball, ball, *minimum}));
+  return set;
 }
-constexpr LeafPair kBalls[]{{{0, 0, 1}, {0, 0, 1}}};  // the only pair of leaves of two balls
 
 }  // namespace
 
@@ -197,7 +223,7 @@ Candidates find_candidates(const PosedShape& a, const PosedShape& b, const LmdOp
 
 ContactSet find_contacts(const Candidates& candidates, const PosedShape& a, const PosedShape& b) {
   require(a.shape == candidates.a && b.shape == candidates.b, "the candidates are of other shapes");
-  const MotionWindow moved = moved_since(candidates.g_ba, inverse(b.g_ws) * a.g_ws, *a.shape);
+  const MotionWindow moved = moved_since(candidates.g_ba, inverse(b.g_ws) * a.g_ws, *a.shape, *b.shape);
   const double size = a.shape->bounding_radius + b.shape->bounding_radius;
   require_field(moved.rotation <= candidates.window.rotation + 1e-12, "rotation since the search",
                 moved.rotation, "stay within the window [rad]");
@@ -208,7 +234,7 @@ ContactSet find_contacts(const Candidates& candidates, const PosedShape& a, cons
 
 ContactSet find_contacts(const PosedShape& a, const PosedShape& b, const LmdOptions& options,
                          PairScratch& scratch) {
-  if (is_ball(*a.shape) && is_ball(*b.shape)) return contacts_among(kBalls, a, b, options);
+  if (is_ball(*a.shape) && is_ball(*b.shape)) return contacts_of_balls(a, b, options);
   const SE3 g_ba = inverse(b.g_ws) * a.g_ws;
   Candidates& kept = scratch.candidates;
   const auto within = [](const MotionWindow& motion, const MotionWindow& window) {
@@ -216,13 +242,13 @@ ContactSet find_contacts(const PosedShape& a, const PosedShape& b, const LmdOpti
   };
   if (kept.a == a.shape && kept.b == b.shape && options.threshold <= kept.options.threshold &&
       options.alpha <= kept.options.alpha && options.alpha_ee <= kept.options.alpha_ee &&
-      within(moved_since(kept.g_ba, g_ba, *a.shape), kept.window))
+      within(moved_since(kept.g_ba, g_ba, *a.shape, *b.shape), kept.window))
     return contacts_among(kept.pairs, a, b, options);
   const bool again = std::exchange(scratch.asked, true);
-  const MotionWindow last = moved_since(std::exchange(scratch.g_ba, g_ba), g_ba, *a.shape);
+  const MotionWindow last = moved_since(std::exchange(scratch.g_ba, g_ba), g_ba, *a.shape, *b.shape);
   const MotionWindow window{kWindowOfSteps * last.displacement + options.threshold / 8,
                             kWindowOfSteps * last.rotation + options.alpha / 64};
-  if (!again || !within(window, {options.threshold, options.alpha})) {
+  if (!again || !within(window, widest_window(*a.shape, *b.shape, options))) {
     kept = {};
     return find_contacts(a, b, options);
   }

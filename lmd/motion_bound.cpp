@@ -36,7 +36,8 @@ double relative_rotation_bound(const RigidMotion& a, const RigidMotion& b, doubl
 }
 
 MovingBody moving_body(const RigidMotion& motion, double radius, double dt) {
-  const Vec3 w = motion.g.R * motion.omega;
+  const bool turns = !motion.omega.isZero(0);  // most bodies of many scenes do not
+  const Vec3 w = turns ? Vec3(motion.g.R * motion.omega) : Vec3::Zero();
   return {.motion = motion,
           .radius = radius,
           .w = w,

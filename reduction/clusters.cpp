@@ -11,8 +11,14 @@ namespace aussois {
 Clusters clusters_of(const ContactSet& found, double angle) {
   const auto normal = [&](int i) -> const Vec3& { return found.points[std::size_t(i)].normal; };
   const double chord = 2 * std::sin(angle / 2);
+  const auto of_one_pair = [&](int i, int j) {
+    return same_pair(found.points[std::size_t(i)], found.points[std::size_t(j)]);
+  };
+  std::vector<int> order = canonical_order(found);
+  const std::vector<std::span<int>> pairs = runs_of(std::span(order), of_one_pair);
   Clusters clusters;
-  for (std::vector<int>& pair : contacts_by_pair(found))
+  clusters.reserve(pairs.size());
+  for (const std::span<int> pair : pairs)
     for (auto seed = pair.begin(); seed != pair.end();) {
       const Vec3& n = normal(*seed);
       const auto rest =

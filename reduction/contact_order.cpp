@@ -33,7 +33,9 @@ std::vector<int> canonical_order(const ContactSet& found) {
   ranks.reserve(found.points.size());
   for (const ContactPoint& c : found.points)
     ranks.push_back({c.a.body, c.b.body, c.gap, c.a.dim, c.a.simplex, int(ranks.size())});
-  std::sort(ranks.begin(), ranks.end(), [&](const Rank& i, const Rank& j) { return before(found, i, j); });
+  const auto in_order = [&](const Rank& i, const Rank& j) { return before(found, i, j); };
+  if (!std::is_sorted(ranks.begin(), ranks.end(), in_order))  // of balls and corners alone it mostly is
+    std::sort(ranks.begin(), ranks.end(), in_order);
   std::vector<int> order;
   order.reserve(ranks.size());
   for (const Rank& rank : ranks) order.push_back(rank.index);

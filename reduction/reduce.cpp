@@ -43,10 +43,11 @@ void check(const ReductionInput& input) {
     require(size == 0 || size == points.size(), std::string("ReductionInput::") + field + ": " +
                                                     std::to_string(size) + " entries for " +
                                                     std::to_string(points.size()) + " contacts");
+  if (input.g.empty()) return;
   for (const ContactPoint& c : points)
-    require(input.g.empty() || std::size_t(std::max(c.a.body, c.b.body)) < input.g.size(),
-            "ReductionInput::g: " + std::to_string(input.g.size()) + " poses for a contact of body " +
-                std::to_string(std::max(c.a.body, c.b.body)));
+    if (const int body = std::max(c.a.body, c.b.body); std::size_t(body) >= input.g.size())
+      throw std::invalid_argument("ReductionInput::g: " + std::to_string(input.g.size()) +
+                                  " poses for a contact of body " + std::to_string(body));
 }
 
 std::vector<int> at(std::span<const int> members, const std::vector<int>& chosen) {
@@ -144,6 +145,7 @@ std::vector<int> chosen_of(const ReductionInput& input, std::span<const int> mem
 // Of all members and of the closed layer (RED-4).
 void add_chosen(const ReductionInput& input, const std::vector<int>& cluster, const ReductionOptions& options,
                 std::vector<int>& kept) {
+  if (cluster.size() == 1) return kept.push_back(cluster.front());
   const std::vector<int> all = chosen_of(input, cluster, options);
   kept.insert(kept.end(), all.begin(), all.end());
   const std::span<const int> closed = closed_layer(input.contacts, cluster, options.layer);
@@ -198,8 +200,8 @@ std::vector<int> chosen_by_selector(const ReductionInput& input, const Clusters&
 // Adds corners until the margin is met, and says what the cluster loses then (RED-7).
 LossReport complete(const ContactSet& found, const std::vector<int>& cluster, double min_margin,
                     std::vector<char>& mark) {
+  if (std::ranges::all_of(cluster, [&](int i) { return mark[std::size_t(i)] != 0; })) return {};
   std::vector<int> part = marked(cluster, mark);
-  if (part.size() == cluster.size()) return {};
   const PlanarPatch patch = planar_patch(found, cluster);
   for (std::size_t n = 0; min_margin > 0 && n < patch.hull.size(); ++n) {
     const Margin margin = margin_of(patch, part);

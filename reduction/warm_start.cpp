@@ -58,7 +58,7 @@ std::vector<Seen> ranked(const ContactSet& contacts, std::span<const SE3> g) {
     std::stable_sort(out.begin(), out.end(), pair_before);
   const auto of_one_pair = [](const Seen& a, const Seen& b) { return same_pair(a.key, b.key); };
   for (const std::span<Seen> pair : runs_of(std::span(out), of_one_pair))
-    std::stable_sort(pair.begin(), pair.end(), before);
+    if (!std::is_sorted(pair.begin(), pair.end(), before)) std::stable_sort(pair.begin(), pair.end(), before);
   return out;
 }
 
@@ -122,15 +122,14 @@ class Cascade {
   }
 
   void match_keys(std::size_t i, std::size_t i_end, std::size_t j, std::size_t j_end) {
-    std::vector<Candidate> candidates;
     while (i < i_end && j < j_end) {
       const std::size_t i_next = end(now_, i, same_key), j_next = end(old_, j, same_key);
       if (now_[i].key == old_[j].key) {
-        candidates.clear();
+        of_one_key_.clear();
         for (std::size_t k = i; k < i_next; ++k)
           for (std::size_t l = j; l < j_next; ++l)
-            if (!turned_away(k, l)) candidates.push_back({squared_distance(k, l), k, l});
-        claim(candidates, MatchKind::key);
+            if (!turned_away(k, l)) of_one_key_.push_back({squared_distance(k, l), k, l});
+        claim(of_one_key_, MatchKind::key);
         i = i_next, j = j_next;
       } else if (now_[i].key < old_[j].key) {
         i = i_next;
@@ -213,6 +212,7 @@ class Cascade {
   std::vector<int> match_;  // by rank
   std::vector<MatchKind> kind_;
   std::vector<char> taken_;
+  std::vector<Candidate> of_one_key_{};                          // kept for its memory
   std::vector<std::pair<std::size_t, std::size_t>> legacies_{};  // (rank now, remembered)
 };
 

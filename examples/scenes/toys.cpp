@@ -157,6 +157,58 @@ CaseScene rattleback(double spin) {
 
 namespace {
 
+/// From the centre of a disc to the lowest point of its rim (world): down along the disc, not along its axis.
+Vec3 to_rim(const SE3& g, double radius) {
+  const Vec3 axis = g.R * Vec3::UnitZ();
+  return radius * (axis.z() * axis - Vec3::UnitZ()).normalized();
+}
+
+}  // namespace
+
+CaseScene euler_disc(const EulerDisc& disc) {
+  constexpr double kGravity = 9.81;
+  CaseScene s;
+  const double across = disc.mass * disc.radius * disc.radius / 4;
+  s.body = add(
+      s.model,
+      RigidBody{.name = "disc", .mass = disc.mass, .inertia = Vec3(across, across, 2 * across).asDiagonal()});
+  add(s.model, GapFunction{.name = "rim on plane",
+                           .evaluate =
+                               [a = disc.radius, body = s.body](const Model&, const State& state, double) {
+                                 const SE3& g = pose(state, body);
+                                 const Vec3 arm = to_rim(g, a);
+                                 return rows_above_plate(state, body, arm, g.p.z() + arm.z());
+                               },
+                           .law = {.mu = disc.mu}});
+  if (disc.contour != 0 || disc.pivot != 0)
+    s.model.forces.push_back(
+        {.name = "losses",
+         .add_to = [disc, body = s.body](const Model&, const State& state, double, GeneralisedForce& force) {
+           const Mat3 R = pose(state, body).R.toRotationMatrix();
+           const Vec3 axis = R.col(2), up = Vec3::UnitZ();
+           const double round = (R * twist(state, body).tail<3>()).dot(up);
+           // no moment about the vertical, `contour` about the axis (TOY-16)
+           const Vec3 rolling = disc.contour / (1 - axis.z() * axis.z()) * (axis - axis.z() * up);
+           const Vec3 moment = rolling - std::copysign(disc.pivot, round) * up;
+           force.f.segment<3>(6 * body + 3) += R.transpose() * moment;
+         }});
+  s.state = rest_state(s.model);
+  SE3& g = pose(s.state, s.body);
+  g.R = rotation(Vec3::UnitX(), disc.tilt).R;
+  g.p.z() = disc.radius * std::sin(disc.tilt) - kTouching;
+  const double W = std::sqrt(4 * kGravity / (disc.radius * std::sin(disc.tilt)));
+  twist(s.state, s.body)[4] = W * std::sin(disc.tilt);  // about the diameter that ends at the contact
+  return s;
+}
+
+double precession(const CaseScene& s, const State& state) {
+  const Mat3 R = pose(state, s.body).R.toRotationMatrix();
+  const Vec3 axis = R.col(2), omega = R * twist(state, s.body).tail<3>();
+  return omega.cross(axis).dot(Vec3::UnitZ().cross(axis)) / axis.head<2>().squaredNorm();
+}
+
+namespace {
+
 int add_dimer(Model& model) {
   const Dimer d;
   const int shape =

@@ -31,6 +31,7 @@ struct TippeTop {
   double R2 = 0.005, a2 = 0.016;             // stem
   double mu = 0.3;
 };
+inline constexpr double kTippeTopDrilling = 1e-3 / 3;  // R_e = 2/3 of a disc of half a millimetre [m]
 CaseScene tippe_top(double contensou_radius);
 double axis_angle(const CaseScene& s, const State& state);  // between e3 and the vertical [rad]
 double stem_gap(const CaseScene& s, const State& state);    // above the plate [m]
@@ -50,6 +51,19 @@ struct Rattleback {
 /// The lowest point of the ellipsoid when `up` points upwards, both seen from the body (TOY-10) [m].
 Vec3 lowest_point(const Rattleback& r, const Vec3& up);
 CaseScene rattleback(double spin);
+
+/// B8. A thin disc on edge, on the plane z = 0: its rim, a circle, is a gap function with Coulomb friction.
+/// It rolls round on a circle of its own radius while its centre rests; its axis e3 is tilted by `tilt` and
+/// goes round by W, W^2 sin(tilt) = 4 g / a (TOY-14). Two losses that are small against its weight:
+struct EulerDisc {
+  double radius = 0.0375, mass = 0.44;  // [m], [kg]
+  double tilt = 0.1;                    // of e3 against the vertical, at the start [rad]
+  double mu = 0.5;
+  double contour = 0;  // moment against the way of the contact along the rim (TOY-16) [N m]
+  double pivot = 0;    // moment against the spin about the vertical [N m]
+};
+CaseScene euler_disc(const EulerDisc& disc);
+double precession(const CaseScene& s, const State& state);  // of e3 about the vertical [rad/s]
 
 /// C4. Two equal spheres on a rod without mass of its own, over a plate; the dimer moves in the plane (x, z)
 /// [Dorbolo2005].

@@ -7,6 +7,7 @@
 #include "geometry/primitives.hpp"
 #include "integrators/moreau_jean.hpp"
 #include "tests/support/message_of.hpp"
+#include "tests/support/one_axis.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/stepping.hpp"
 #include "tests/support/tumbling.hpp"
@@ -15,7 +16,6 @@ namespace aussois {
 namespace {
 
 constexpr double kG = 9.81;
-const SE3 kAboutY = rotation(Vec3::UnitX(), -kPi / 2);  // the joint's z is the world's y
 
 RigidBody rod(double mass = 1, double length = 1) {  // along x
   const double J = mass * length * length / 12;
@@ -167,22 +167,6 @@ TEST(Bricard, MovesAndKeepsItsEnergy) {
   EXPECT_LT(fine, 1e-2);
   EXPECT_GT(order(coarse, fine, 10.0 / 3), 1.8);
 }
-
-// A wheel about the world's y, or a slider along x.
-struct OneAxis {
-  Model model{};
-  State state{};
-  explicit OneAxis(JointKind kind, double mass = 2) {
-    model.gravity = Vec3::Zero();
-    add(model, RigidBody{.name = "part", .mass = mass, .inertia = 0.5 * Mat3::Identity()});
-    state = rest_state(model);
-    const SE3 frame = kind == JointKind::prismatic ? rotation(Vec3::UnitY(), kPi / 2) : kAboutY;
-    add(model, joint_at(kind, "axis", 0, -1, state.g, frame));
-  }
-  JointAxis& axis() { return model.joints[0].axis[0]; }
-  double q() const { return joint_coordinate(model, state, 0); }
-  double speed() const { return joint_speed(model, state, 0); }
-};
 
 TEST(Slider, BouncesBetweenItsStopsExactly) {
   for (const double theta : {0.5, 1.0}) {

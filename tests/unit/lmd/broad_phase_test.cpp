@@ -146,6 +146,35 @@ TEST_P(BroadPhaseScene, FindsExactlyThePairsThatMeetForAnyNumberOfThreads) {
   EXPECT_GT(pairs, 20U);
 }
 
+// A crowd that drifts, turns and breathes, with a leap now and then; rooms last for some steps of the drift.
+TEST_P(BroadPhaseScene, FindsTheSamePairsWithWhatItKeptOfTheLastStep) {
+  Random random(9);
+  int steps = 0, kept = 0;
+  for (const int n : {20, 200}) {
+    Boxes boxes = scene(GetParam(), n, random);
+    BroadPhaseScratch scratch;
+    for (int step = 0; step < 60; ++step, ++steps) {
+      const std::vector<StraightBox> before = scratch.room;
+      EXPECT_EQ(broad_phase(boxes, 1 + step % 3, scratch), broad_phase(boxes)) << n << ", " << step;
+      kept += !before.empty() && before[0].lo == scratch.room[0].lo && before[0].hi == scratch.room[0].hi;
+      if (step == 40) boxes[0].fixed = !boxes[0].fixed;
+      const double pace = step % 20 == 19 ? 1 : 1e-3;
+      for (DilatedBox& box : boxes) {
+        const double size = box.half.norm() + box.radius;
+        const SE3 turn{exp_so3(random.uniform(0, pace) * random.direction()), Vec3::Zero()};
+        box.axes = turn.R.toRotationMatrix() * box.axes;
+        box.centre += pace * size * random.direction();
+        box.radius *= random.uniform(1 - pace / 2, 1 + pace / 2);
+      }
+    }
+    boxes.push_back(boxes.front());
+    EXPECT_EQ(broad_phase(boxes, 1, scratch), broad_phase(boxes)) << "one more";
+  }
+  std::printf("%s: %d of %d steps kept their rooms\n", GetParam(), kept, steps);
+  EXPECT_GT(kept, steps / 4);
+  EXPECT_LT(kept, steps);
+}
+
 class BroadPhaseGrowth : public ::testing::TestWithParam<const char*> {};
 
 // Counted, not timed: what is looked at per n log n + pairs does not grow with n.

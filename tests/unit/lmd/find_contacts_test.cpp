@@ -205,6 +205,57 @@ TEST_P(LocalMinima, AreTheSameToTheBitWithWhatWasKeptOfAWalk) {
     EXPECT_GT(reused, 15) << "seed " << GetParam();
 }
 
+// A ball that rolls fast on a slowly moving part: only the way of its centre counts.
+TEST(PairScratch, IsKeptForABallHoweverItTurns) {
+  const LmdShape plate = prepared(make_box(20, 20, 1), 0.01);
+  const LmdShape ball = prepared(make_point(), 0.5);
+  for (const bool ball_first : {false, true}) {
+    PairScratch scratch;
+    Random random(5);
+    int searches = 0;
+    for (int i = 0; i < 100; ++i) {
+      const PosedShape on{&plate, translation(1e-3 * i, 0, 0), ball_first ? 1 : 0};
+      const PosedShape rolls{
+          &ball, {random.rotation(), Vec3(9.9 + 3e-3 * i, 1e-4 * i, 1.01)}, ball_first ? 0 : 1};
+      const PosedShape &a = ball_first ? rolls : on, &b = ball_first ? on : rolls;
+      const Vec3 searched = scratch.candidates.g_ba.p;
+      const LmdOptions options{.threshold = 0.05};
+      const ContactSet fresh = find_contacts(a, b, options), walked = find_contacts(a, b, options, scratch);
+      searches += scratch.candidates.a == nullptr || scratch.candidates.g_ba.p != searched;
+      ASSERT_EQ(fresh.points.size(), 1U) << i;
+      ASSERT_EQ(walked.points.size(), 1U) << i;
+      EXPECT_EQ(key_of(fresh.points[0]), key_of(walked.points[0])) << i;
+      EXPECT_EQ(fresh.points[0].gap, walked.points[0].gap) << i;
+      EXPECT_EQ(fresh.points[0].x_b, walked.points[0].x_b) << i;
+    }
+    EXPECT_LT(searches, 20) << ball_first;  // of 100; a window lasts for more than eight steps of 2 mm
+    EXPECT_GT(searches, 2) << ball_first;
+  }
+}
+
+// The threshold of a step is about as far as a box slides in it, a window is to last for eight.
+TEST(PairScratch, IsKeptForABoxThatSlides) {
+  const LmdShape ground = prepared(make_box(80, 80, 1), 1e-3), box = prepared(make_box(20, 20, 1), 1e-3);
+  PairScratch scratch;
+  int searches = 0;
+  for (int i = 0; i < 100; ++i) {
+    const PosedShape a{&ground, SE3{}, 0}, b{&box, translation(2e-3 * i, 1e-3 * i, 1.002), 1};
+    const Vec3 searched = scratch.candidates.g_ba.p;
+    const LmdOptions options{.threshold = 2e-3};
+    const ContactSet fresh = find_contacts(a, b, options), walked = find_contacts(a, b, options, scratch);
+    searches += scratch.candidates.a == nullptr || scratch.candidates.g_ba.p != searched;
+    ASSERT_EQ(fresh.points.size(), 4U) << i;
+    ASSERT_EQ(walked.points.size(), 4U) << i;
+    for (std::size_t k = 0; k < 4; ++k) {
+      EXPECT_EQ(key_of(fresh.points[k]), key_of(walked.points[k])) << i;
+      EXPECT_EQ(fresh.points[k].gap, walked.points[k].gap) << i;
+      EXPECT_EQ(fresh.points[k].x_b, walked.points[k].x_b) << i;
+    }
+  }
+  EXPECT_LT(searches, 20);
+  EXPECT_GT(searches, 2);
+}
+
 // Test 9 of the checklist: one search serves every pose within its window.
 TEST_P(LocalMinima, OfAllPosesInAWindowAreAmongTheCandidates) {
   const Scene s = random_scene(GetParam(), 0.05);
