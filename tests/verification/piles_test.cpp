@@ -20,7 +20,7 @@ TEST_P(EveryPile, StandsInEveryScheme) {
     const Scheme scheme = make_scheme(variant.name, scene.model, variant.options);
     State state = scene.state;
     const double before = energy(scene.model, state).total();
-    for (int k = 0; k < (scene.model.bodies.size() > 150 ? 4 : 12); ++k) {
+    for (int k = 0; k < (scene.model.bodies.size() > 150 ? 3 : 8); ++k) {
       const StepReport report = scheme.step(state, pile.h);
       ASSERT_TRUE(report.ok()) << label(variant.name, variant.options) << ": " << report.reason;
       EXPECT_EQ(report.attempts, 1) << label(variant.name, variant.options);
