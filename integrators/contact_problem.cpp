@@ -201,7 +201,9 @@ FrictionProblem contact_problem(const FreeMotion& free, const DofMap& dofs,
   for (const int i : kept)
     entries += rows[std::size_t(i)].law.rows * 12 + Eigen::Index(rows[std::size_t(i)].others.size());
   problem.H = SparseMatrix(dofs.rows, first_row.back());
-  problem.H.reserve(entries);
+  problem.H.resizeNonZeros(entries);
+  int at = 0, *begin = problem.H.outerIndexPtr(), *place = problem.H.innerIndexPtr();
+  double* value = problem.H.valuePtr();
   std::vector<std::pair<int, double>> column;  // row, value
   for (std::size_t k = 0; k < kept.size(); ++k) {
     const ContactRow& row = rows[std::size_t(kept[k])];
@@ -211,10 +213,10 @@ FrictionProblem contact_problem(const FreeMotion& free, const DofMap& dofs,
     if (ends[1].first < ends[0].first) std::swap(ends[0], ends[1]);
     if (row.others.empty() && ends[0].first != ends[1].first) {
       for (int d = 0; d < row.law.rows; ++d) {
-        problem.H.startVec(first_row[k] + d);
+        *begin++ = at;
         for (const BodyColumns& end : ends)
-          for (int i = 0; end.first >= 0 && i < 6; ++i)
-            problem.H.insertBackByOuterInner(first_row[k] + d, end.first + i) = (*end.J)(d, i);
+          for (int i = 0; end.first >= 0 && i < 6; ++i, ++at)
+            place[at] = end.first + i, value[at] = (*end.J)(d, i);
       }
       continue;
     }
@@ -226,16 +228,16 @@ FrictionProblem contact_problem(const FreeMotion& free, const DofMap& dofs,
         if (e.row() == d) column.emplace_back(e.col(), e.value());
       const auto by_row = &std::pair<int, double>::first;
       if (!std::ranges::is_sorted(column, {}, by_row)) std::ranges::stable_sort(column, {}, by_row);
-      problem.H.startVec(first_row[k] + d);
-      for (auto entry = column.begin(); entry != column.end();) {  // entries of one row are summed
-        const int at = entry->first;
-        double& sum = problem.H.insertBackByOuterInner(first_row[k] + d, at);
-        for (sum = entry++->second; entry != column.end() && entry->first == at; ++entry)
-          sum += entry->second;
+      *begin++ = at;
+      for (auto entry = column.begin(); entry != column.end(); ++at) {  // entries of one row are summed
+        place[at] = entry->first;
+        for (value[at] = entry++->second; entry != column.end() && entry->first == place[at]; ++entry)
+          value[at] += entry->second;
       }
     }
   }
-  problem.H.finalize();
+  *begin = at;
+  problem.H.resizeNonZeros(at);
   return problem;
 }
 

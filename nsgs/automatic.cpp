@@ -63,10 +63,11 @@ double sweeps_left(double before, double now, int sweeps, double tolerance) {
 }  // namespace
 
 Iterate automatic(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report) {
+  Iterate begin = warmed(W, start, options, report);
+  if (begin.residual <= options.tolerance) return begin;
   const SweepOptions sweep{.local = options.local, .relaxation = options.relaxation};
   SweepCounts counts;
-  FixedPoint sweeps(W, warmed(W, start, options, report), Method::nsgs, kMemory,
-                    [&](VecX& r) { return W.sweep(r, sweep, counts); });
+  FixedPoint sweeps(W, begin, Method::nsgs, kMemory, [&](VecX& r) { return W.sweep(r, sweep, counts); });
   double window_residual = sweeps.best().residual, newton = kInf;  // what a second phase costs, in sweeps
   int window = kFirstWindow, window_start = 0, phase_start = 0, weighed_at = 0, attempts = 0;
   bool settled_once = false;

@@ -47,7 +47,7 @@ class BodyDelassus final : public Delassus {
     for (std::size_t c = 0; c < problem.laws.size(); ++c) {
       append(problem.H, inverse, first[c], problem.laws[c].rows);
       Rows<R> sum = Rows<R>::Zero(problem.laws[c].rows);
-      for (std::size_t k = begin_[c]; k < begin_.back(); ++k) sum += arms_[k].H.cwiseProduct(arms_[k].Y);
+      for (const Arm<R>& arm : arms(int(c))) sum += arm.H.cwiseProduct(arm.Y);
       diagonal.segment<R>(first[c], problem.laws[c].rows) = sum;
     }
     const VecX v_free = inverse * problem.f;
@@ -56,18 +56,20 @@ class BodyDelassus final : public Delassus {
     v_free_ = v_free / scaled.size;
     w_ = problem.w.cwiseProduct(scaled.s) / scaled.size;
     v_ = v_free_;
-    diagonal_.reserve(problem.laws.size());
+    own_.reserve(problem.laws.size());
+    prepared_.resize(problem.laws.size());
     weight_ = VecX(problem.M.diagonal()).cwiseAbs().cwiseInverse();
     scale_ = weight_.cwiseSqrt();
     for (int c = 0; c < count(); ++c) {
       const Rows<R> s = scaled.s.segment<R>(at(c), rows(c));
       RowBlock<R> W = RowBlock<R>::Zero(rows(c), rows(c));
       for (std::size_t k = begin_[std::size_t(c)]; k < begin_[std::size_t(c) + 1]; ++k) {
-        arms_[k].H.array() *= s.array();
-        arms_[k].Y.array() *= s.array();
-        W += arms_[k].H * arms_[k].Y.transpose();
+        Arm<R>& arm = arms_[k];
+        arm.H.array() *= s.array();
+        arm.Y.array() *= s.array();
+        W += arm.H * arm.Y.transpose();
       }
-      diagonal_.push_back(prepare_block(W, scaled.laws[std::size_t(c)]));
+      own_.push_back(W);
       scaled.finite = scaled.finite && W.allFinite();
     }
   }
@@ -84,7 +86,7 @@ class BodyDelassus final : public Delassus {
     const Law& law = scaled.laws[std::size_t(c)];
     const Rows<R> r_old = r.segment<R>(at(c), rows(c)), u = velocity(c);
     if (has_normal(law) && u[0] >= 0 && r_old[0] == 0) return {};  // stays open (NSGS-6)
-    const Block<R>& block = diagonal_[std::size_t(c)];
+    const Block<R>& block = prepared(c);
     const BlockSolution<R> found = solve_block(block, u - block.W * r_old, law, r_old, options.local);
     const Rows<R> dr = options.relaxation * (found.r - r_old);
     r.segment<R>(at(c), rows(c)) += dr;
@@ -96,11 +98,10 @@ class BodyDelassus final : public Delassus {
     std::vector<std::vector<int>> used(std::size_t(v_.size()));  // per velocity: colours of its blocks so far
     std::vector<int> colour(scaled.laws.size()), last(colour.size() + 1, -1);
     for (std::size_t c = 0; c < colour.size(); ++c) {
-      for (std::size_t k = begin_[c]; k < begin_[c + 1]; ++k)
-        for (const int other : used[std::size_t(arms_[k].row)]) last[std::size_t(other)] = int(c);
+      for (const Arm<R>& arm : arms(int(c)))
+        for (const int other : used[std::size_t(arm.row)]) last[std::size_t(other)] = int(c);
       while (last[std::size_t(colour[c])] == int(c)) ++colour[c];
-      for (std::size_t k = begin_[c]; k < begin_[c + 1]; ++k)
-        used[std::size_t(arms_[k].row)].push_back(colour[c]);
+      for (const Arm<R>& arm : arms(int(c))) used[std::size_t(arm.row)].push_back(colour[c]);
     }
     return colour;
   }
@@ -118,14 +119,14 @@ class BodyDelassus final : public Delassus {
     return std::sqrt(change);
   }
 
-  AnyBlock block(int c) const override { return diagonal_[std::size_t(c)].W; }
+  AnyBlock block(int c) const override { return own_[std::size_t(c)]; }
   SparseMatrix matrix() const override {
     std::vector<Triplet> directions, motions;  // H^T and (M^-1 H), scaled
     for (int c = 0; c < count(); ++c)
-      for (std::size_t k = begin_[std::size_t(c)]; k < begin_[std::size_t(c) + 1]; ++k)
+      for (const Arm<R>& arm : arms(c))
         for (int i = 0; i < rows(c); ++i) {
-          directions.emplace_back(at(c) + i, arms_[k].row, arms_[k].H[i]);
-          motions.emplace_back(arms_[k].row, at(c) + i, arms_[k].Y[i]);
+          directions.emplace_back(at(c) + i, arm.row, arm.H[i]);
+          motions.emplace_back(arm.row, at(c) + i, arm.Y[i]);
         }
     SparseMatrix Ht(scaled.q.size(), v_.size()), Y(v_.size(), scaled.q.size());
     Ht.setFromTriplets(directions.begin(), directions.end());
@@ -148,8 +149,7 @@ class BodyDelassus final : public Delassus {
     VecX momentum = VecX::Zero(v_.size());
     for (int c = 0; c < count(); ++c) {
       const Rows<R> dr_c = dr.segment<R>(at(c), rows(c));
-      for (std::size_t k = begin_[std::size_t(c)]; k < begin_[std::size_t(c) + 1]; ++k)
-        momentum[arms_[k].row] += arms_[k].H.dot(dr_c);
+      for (const Arm<R>& arm : arms(c)) momentum[arm.row] += arm.H.dot(dr_c);
     }
     return momentum;
   }
@@ -157,8 +157,7 @@ class BodyDelassus final : public Delassus {
     VecX du(scaled.q.size());
     for (int c = 0; c < count(); ++c) {
       Rows<R> sum = Rows<R>::Zero(rows(c));
-      for (std::size_t k = begin_[std::size_t(c)]; k < begin_[std::size_t(c) + 1]; ++k)
-        sum += arms_[k].H * d[arms_[k].row];
+      for (const Arm<R>& arm : arms(c)) sum += arm.H * d[arm.row];
       du.segment<R>(at(c), rows(c)) = sum;
     }
     return du;
@@ -189,19 +188,27 @@ class BodyDelassus final : public Delassus {
   }
 
  private:
-  Eigen::Index at(int c) const { return first[std::size_t(c)]; }
+  Eigen::Index at(int c) const { return R == Eigen::Dynamic ? first[std::size_t(c)] : R * c; }
   int rows(int c) const { return R == Eigen::Dynamic ? scaled.laws[std::size_t(c)].rows : R; }
   bool is_dense() const { return v_.size() <= kDenseSize; }
 
+  std::span<const Arm<R>> arms(int c) const {
+    const std::size_t from = begin_[std::size_t(c)];
+    return std::span(arms_).subspan(from, begin_[std::size_t(c) + 1] - from);
+  }
+
   Rows<R> velocity(int c) const {
     Rows<R> u = w_.segment<R>(at(c), rows(c));
-    for (std::size_t k = begin_[std::size_t(c)]; k < begin_[std::size_t(c) + 1]; ++k)
-      u += arms_[k].H * v_[arms_[k].row];
+    for (const Arm<R>& arm : arms(c)) u += arm.H * v_[arm.row];
     return u;
   }
   void add(int c, const Rows<R>& dr) {
-    for (std::size_t k = begin_[std::size_t(c)]; k < begin_[std::size_t(c) + 1]; ++k)
-      v_[arms_[k].row] += arms_[k].Y.dot(dr);
+    for (const Arm<R>& arm : arms(c)) v_[arm.row] += arm.Y.dot(dr);
+  }
+  const Block<R>& prepared(int c) {  // when a sweep first asks
+    std::optional<Block<R>>& block = prepared_[std::size_t(c)];
+    if (!block) block = prepare_block(own_[std::size_t(c)], scaled.laws[std::size_t(c)]);
+    return *block;
   }
 
   // The arms of one block: rows that its columns move, and those that M couples these with; ascending.
@@ -214,36 +221,51 @@ class BodyDelassus final : public Delassus {
       if (!std::ranges::equal(rows, moved)) moved.insert(moved.end(), rows.begin(), rows.end());
     }
     const std::size_t of_columns = moved.size();
-    for (std::size_t k = 0; k < of_columns; ++k)
-      if (const int b = inverse.block_of[std::size_t(moved[k])]; inverse.size(b) > 1)
-        for (int i = 0; i < inverse.size(b); ++i) moved.push_back(inverse.row(b, i));
+    for (std::size_t k = 0; k < of_columns; ++k) {
+      const int b = inverse.block_of[std::size_t(moved[k])], n = inverse.size(b);
+      if (n == 1) continue;
+      const auto coupled =
+          std::span(inverse.rows).subspan(std::size_t(inverse.first[std::size_t(b)]), std::size_t(n));
+      if (const auto here = std::span(moved).first(of_columns).subspan(k);
+          here.size() >= coupled.size() && std::ranges::equal(here.first(coupled.size()), coupled))
+        k += coupled.size() - 1;  // they are all there, as of whole bodies
+      else
+        moved.insert(moved.end(), coupled.begin(), coupled.end());
+    }
     if (std::ranges::adjacent_find(moved, std::greater_equal()) != moved.end()) {
       std::ranges::sort(moved);
       moved.erase(std::unique(moved.begin(), moved.end()), moved.end());
     }
     const std::size_t from = arms_.size();
-    for (const int row : moved) arms_.push_back({Rows<R>::Zero(columns), Rows<R>::Zero(columns), row});
-    const auto arms = std::span(arms_).subspan(from);
+    arms_.resize(from + moved.size(), {Rows<R>::Zero(columns), Rows<R>::Zero(columns)});
+    begin_.push_back(arms_.size());
+    const auto added = std::span(arms_).subspan(from);
+    for (std::size_t k = 0; k < moved.size(); ++k) added[k].row = moved[k];
     for (int j = 0; j < columns; ++j) {
-      auto arm = arms.begin();
+      auto arm = added.begin();
       for (SparseMatrix::InnerIterator it(H, column + j); it; ++it, ++arm) {
         while (arm->row != int(it.row())) ++arm;
         arm->H[j] = it.value();
       }
     }
-    for (Arm<R>& arm : arms) {
-      const int b = inverse.block_of[std::size_t(arm.row)], n = inverse.size(b);
+    for (auto arm = added.begin(); arm != added.end(); ++arm) {
+      const int b = inverse.block_of[std::size_t(arm->row)], n = inverse.size(b);
       const double* inv = inverse.inverse.data() + inverse.at[std::size_t(b)];
       if (n == 1) {
-        arm.Y = *inv * arm.H;
+        arm->Y = *inv * arm->H;
         continue;
       }
       int i = 0;
-      while (inverse.row(b, i) != arm.row) ++i;
-      for (int k = 0; k < n; ++k)
-        arm.Y += inv[i + n * k] * std::ranges::lower_bound(arms, inverse.row(b, k), {}, &Arm<R>::row)->H;
+      while (inverse.row(b, i) != arm->row) ++i;
+      auto other =
+          arm - std::min<std::ptrdiff_t>(i, arm - added.begin());  // where M couples neighbours alone
+      for (int k = 0; k < n; ++k, ++other) {
+        const int row = inverse.row(b, k);
+        if (other == added.end() || other->row != row)
+          other = std::ranges::lower_bound(added, row, {}, &Arm<R>::row);
+        arm->Y += inv[i + n * k] * other->H;
+      }
     }
-    begin_.push_back(arms_.size());
   }
 
   // J^-1 F and (PROX-8); nothing if more than `allowed` of F is left.
@@ -271,24 +293,30 @@ class BodyDelassus final : public Delassus {
     looked_for_bodies_ = true;
     // Rows i - 1 and i are of one body if the same contacts move them: as many each as both.
     std::vector<int> contacts(std::size_t(v_.size())), with_last(contacts.size()), body(contacts.size());
-    for (std::size_t c = 0; c + 1 < begin_.size(); ++c)
-      for (std::size_t k = begin_[c]; k < begin_[c + 1]; ++k) {
-        const auto row = std::size_t(arms_[k].row);
-        ++contacts[row];
-        if (k > begin_[c] && arms_[k - 1].row == arms_[k].row - 1) ++with_last[row];
+    for (int c = 0; c < count(); ++c) {
+      int last = -2;
+      for (const Arm<R>& arm : arms(c)) {
+        ++contacts[std::size_t(arm.row)];
+        with_last[std::size_t(arm.row)] += arm.row == last + 1;
+        last = arm.row;
       }
+    }
     for (std::size_t i = 1, rows = 1; i < body.size(); ++i) {
       const bool same = with_last[i] == contacts[i] && contacts[i] == contacts[i - 1] && rows < kBodyRows;
       body[i] = body[i - 1] + !same;
       rows = same ? rows + 1 : 1;
     }
     std::vector<std::pair<int, int>> couplings;
-    for (int c = 0; c < count(); ++c)
-      for_runs(c, body, [&](std::size_t j, std::size_t) {
-        for_runs(c, body, [&](std::size_t i, std::size_t) {
-          if (i < j) couplings.emplace_back(body[std::size_t(arms_[i].row)], body[std::size_t(arms_[j].row)]);
-        });
+    couplings.reserve(begin_.size());
+    std::vector<int> met;
+    for (int c = 0; c < count(); ++c) {
+      met.clear();
+      for_runs(c, body, [&](std::span<const Arm<R>> run) {
+        const int b = body[std::size_t(run.front().row)];
+        for (const int a : met) couplings.emplace_back(a, b);
+        met.push_back(b);
       });
+    }
     for (int j = 0; j < M_.outerSize(); ++j)
       for (SparseMatrix::InnerIterator it(M_, j); it; ++it)
         if (body[std::size_t(it.row())] != body[std::size_t(j)])
@@ -306,25 +334,27 @@ class BodyDelassus final : public Delassus {
       for (SparseMatrix::InnerIterator it(M_, j); it; ++it)
         mass_[std::size_t(lu_->block(lu_->body(int(it.row())), lu_->body(j)))](
             lu_->place(int(it.row())), lu_->place(j)) += scale_[it.row()] * it.value() * scale_[j];
+    limbs_begin_.reserve(begin_.size());
     limbs_begin_.push_back(0);
+    limbs_.reserve(2 * begin_.size());
     for (int c = 0; c < count(); ++c) {
-      for_runs(c, lu_->bodies(), [&](std::size_t from, std::size_t to) {
+      for_runs(c, lu_->bodies(), [&](std::span<const Arm<R>> run) {
         Limb<R>& limb = limbs_.emplace_back();
-        limb.body = lu_->body(arms_[from].row);
+        limb.body = lu_->body(run.front().row);
         limb.H.setZero(kBodyRows, rows(c));
-        for (std::size_t k = from; k < to; ++k)
-          limb.H.row(lu_->place(arms_[k].row)) = scale_[arms_[k].row] * arms_[k].H.transpose();
+        for (const Arm<R>& arm : run) limb.H.row(lu_->place(arm.row)) = scale_[arm.row] * arm.H.transpose();
       });
       limbs_begin_.push_back(limbs_.size());
     }
   }
-  // Calls f(first arm, one past the last) for all arms of one body.
+  // Calls f with all arms of one body.
   template <class F>
   void for_runs(int c, const std::vector<int>& body, const F& f) const {
-    const std::size_t end = begin_[std::size_t(c) + 1];
-    for (std::size_t from = begin_[std::size_t(c)], to = from; from < end; from = to) {
-      while (to < end && body[std::size_t(arms_[to].row)] == body[std::size_t(arms_[from].row)]) ++to;
-      f(from, to);
+    const std::span<const Arm<R>> all = arms(c);
+    for (std::size_t from = 0, to = 0; from < all.size(); from = to) {
+      const int own = body[std::size_t(all[from].row)];
+      while (to < all.size() && body[std::size_t(all[to].row)] == own) ++to;
+      f(all.subspan(from, to - from));
     }
   }
 
@@ -351,10 +381,9 @@ class BodyDelassus final : public Delassus {
     for (int c = 0; c < count(); ++c) {
       if (D[std::size_t(c)].isZero(0)) continue;
       const RowBlock<R> D_c = D[std::size_t(c)];
-      for (std::size_t j = begin_[std::size_t(c)]; j < begin_[std::size_t(c) + 1]; ++j) {
-        const Rows<R> column = D_c * arms_[j].H;
-        for (std::size_t i = begin_[std::size_t(c)]; i < begin_[std::size_t(c) + 1]; ++i)
-          add_entry(arms_[i].row, arms_[j].row, arms_[i].H.dot(column));
+      for (const Arm<R>& j : arms(c)) {
+        const Rows<R> column = D_c * j.H;
+        for (const Arm<R>& i : arms(c)) add_entry(i.row, j.row, i.H.dot(column));
       }
     }
   }
@@ -407,7 +436,8 @@ class BodyDelassus final : public Delassus {
   std::vector<Arm<R>> arms_{};
   std::vector<std::size_t> begin_{};
   std::vector<int> scratch_{};
-  std::vector<Block<R>> diagonal_{};
+  std::vector<RowBlock<R>> own_{};                   // the diagonal of W
+  std::vector<std::optional<Block<R>>> prepared_{};  // of blocks that a sweep has found closed
   VecX v_free_{}, v_{}, w_{}, weight_{};
   VecX scale_{};  // equilibrates: translations beside rotations
   std::optional<double> sparse_cost_{};

@@ -46,6 +46,7 @@ BodyLu::BodyLu(std::vector<int> body, const std::vector<std::pair<int, int>>& co
     : body_(std::move(body)) {
   const std::size_t count = body_.empty() ? 0 : std::size_t(body_.back()) + 1;
   size_.resize(count);
+  place_.reserve(body_.size());
   for (const int b : body_) place_.push_back(size_[std::size_t(b)]++);
 
   std::vector<std::pair<int, int>> graph;  // both ways, and every body with itself
@@ -56,6 +57,7 @@ BodyLu::BodyLu(std::vector<int> body, const std::vector<std::pair<int, int>>& co
   std::ranges::sort(graph);
   graph.erase(std::unique(graph.begin(), graph.end()), graph.end());
   std::vector<int> begin(count + 1), other;
+  other.reserve(graph.size());
   for (const auto& [a, b] : graph) {
     ++begin[std::size_t(a) + 1];
     other.push_back(b);
@@ -70,6 +72,8 @@ BodyLu::BodyLu(std::vector<int> body, const std::vector<std::pair<int, int>>& co
   for (const auto& [a, b] : graph)
     if (const int node = node_of_[std::size_t(a)], next = node_of_[std::size_t(b)]; next > node)
       later[std::size_t(node)].push_back(next);
+  below_.reserve(graph.size());
+  below_begin_.reserve(count + 1);
   below_begin_.push_back(0);
   block_count_ = int(count);
   for (std::vector<int>& nodes : later) {

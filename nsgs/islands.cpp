@@ -19,19 +19,21 @@ class Groups {
       i = parent_[std::size_t(i)] = parent_[std::size_t(parent_[std::size_t(i)])];
     return i;
   }
-  void join(int a, int b) {
-    const int p = root(a), q = root(b);
-    parent_[std::size_t(std::max(p, q))] = std::min(p, q);
+  /// The root of both.
+  int join(int a, int b) {
+    const int p = root(a), q = root(b), top = std::min(p, q);
+    parent_[std::size_t(p)] = parent_[std::size_t(q)] = top;
+    return top;
   }
-  /// Joins all rows that a column of A touches with its first; that, or -1 of an empty column.
+  /// Joins all rows that a column of A touches with each other; their root, or -1 of an empty column.
   int join_column(const SparseMatrix& A, Eigen::Index column) {
-    int first = -1;
+    int top = -1;
     for (SparseMatrix::InnerIterator it(A, column); it; ++it) {
-      if (it.value() == 0) continue;  // NaN is a coupling
-      if (first < 0) first = int(it.row());
-      join(first, int(it.row()));
+      if (it.value() == 0) continue;                        // NaN is a coupling
+      if (parent_[std::size_t(it.row())] == top) continue;  // as most are: columns resemble each other
+      top = top < 0 ? root(int(it.row())) : join(top, int(it.row()));
     }
-    return first;
+    return top;
   }
 
  private:
@@ -63,6 +65,7 @@ VecX sub_vector(const VecX& x, const std::vector<int>& rows) {
 
 std::vector<Law> sub_laws(const std::vector<Law>& laws, const std::vector<int>& blocks) {
   std::vector<Law> out;
+  out.reserve(blocks.size());
   for (const int c : blocks) out.push_back(laws[std::size_t(c)]);
   return out;
 }
@@ -81,8 +84,7 @@ std::vector<Island> islands(const FrictionProblem& problem) {
     int dof = -1;
     for (int j = first[c]; j < first[c + 1]; ++j)
       if (const int row = groups.join_column(problem.H, j); row >= 0) {
-        if (dof < 0) dof = row;
-        groups.join(dof, row);
+        dof = dof < 0 ? row : groups.join(dof, row);
       }
     dof_of_block.push_back(dof);
   }
@@ -163,10 +165,17 @@ std::vector<Island> islands(const LocalProblem& problem, const std::vector<int>&
   return out;
 }
 
+bool is_whole(const FrictionProblem& problem, const Island& island) {
+  return Eigen::Index(island.dofs.size()) == problem.f.size() &&
+         island.blocks.size() == problem.laws.size() &&
+         Eigen::Index(island.joints.size()) == problem.G.cols();
+}
+
+bool is_whole(const LocalProblem& problem, const Island& island) {
+  return island.blocks.size() == problem.laws.size();
+}
+
 FrictionProblem part(const FrictionProblem& problem, const Island& island, std::vector<int>& place) {
-  if (Eigen::Index(island.dofs.size()) == problem.f.size() && island.blocks.size() == problem.laws.size() &&
-      Eigen::Index(island.joints.size()) == problem.G.cols())
-    return problem;
   place.resize(std::size_t(problem.f.size()), -1);
   return {.M = sub_matrix(problem.M, island.dofs, island.dofs, place),
           .H = sub_matrix(problem.H, island.dofs, island.rows, place),

@@ -25,6 +25,10 @@ std::vector<int> leaders(const LocalProblem& problem);
 std::vector<Island> islands(const LocalProblem& problem, const std::vector<int>& leader,
                             const std::vector<char>& left_out = {});
 
+/// Whether the island has all that the problem has.
+bool is_whole(const FrictionProblem& problem, const Island& island);
+bool is_whole(const LocalProblem& problem, const Island& island);
+
 /// `scratch` is empty at first, and handed from one part to the next.
 FrictionProblem part(const FrictionProblem& problem, const Island& island, std::vector<int>& scratch);
 LocalProblem part(const LocalProblem& problem, const Island& island, std::vector<int>& scratch);

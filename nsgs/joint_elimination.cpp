@@ -29,23 +29,27 @@ constexpr int kProximalSteps = 20;
 SparseMatrix product(const SparseMatrix& A, const SparseMatrix& B) {
   SparseMatrix out(A.rows(), B.cols());
   out.reserve(2 * B.nonZeros());
-  std::vector<double> sum(std::size_t(A.rows()), 0);
-  std::vector<int> rows, last(sum.size(), -1);  // column that touched a row last
+  std::vector<double> sum_of(std::size_t(A.rows()));
+  std::vector<int> rows(sum_of.size()), last_of(sum_of.size(), -1);  // column that touched a row last
+  double* const sum = sum_of.data();                                 // bare: this loop is most of condense()
+  int* const last = last_of.data();
   for (int j = 0; j < B.outerSize(); ++j) {
-    rows.clear();
-    for (SparseMatrix::InnerIterator b(B, j); b; ++b)
+    int* end = rows.data();
+    for (SparseMatrix::InnerIterator b(B, j); b; ++b) {
+      const double factor = b.value();
       for (SparseMatrix::InnerIterator a(A, int(b.row())); a; ++a) {
-        const auto i = std::size_t(a.row());
+        const auto i = a.row();
         if (last[i] != j) {
           last[i] = j;
           sum[i] = 0;
-          rows.push_back(int(i));
+          *end++ = int(i);
         }
-        sum[i] += a.value() * b.value();
+        sum[i] += a.value() * factor;
       }
-    std::ranges::sort(rows);
+    }
+    std::sort(rows.data(), end);
     out.startVec(j);
-    for (const int i : rows) out.insertBackByOuterInner(j, i) = sum[std::size_t(i)];
+    for (const int* i = rows.data(); i < end; ++i) out.insertBackByOuterInner(j, *i) = sum[*i];
   }
   out.finalize();
   return out;
@@ -130,14 +134,9 @@ LocalProblem condense(const FrictionProblem& problem) {
 }
 
 LocalProblem condense(const FrictionProblem& problem, const MotionInverse& inverse) {
-  LocalProblem local;
-  local.laws = problem.laws;
-  if (problem.laws.empty()) {
-    local.q = VecX(0);
-    return local;
-  }
+  if (problem.laws.empty()) return {};
   const SparseMatrix Ht = problem.H.transpose();
-  local.W = product(Ht, inverse * problem.H);
+  LocalProblem local{.W = product(Ht, inverse * problem.H), .laws = problem.laws};
   if (problem.R.size() > 0) local.W += SparseMatrix(problem.R.asDiagonal());
   local.q = Ht * free_velocity(problem, inverse) + problem.w;
   return local;

@@ -271,7 +271,7 @@ class LocalDelassus final : public Delassus {
     return J;
   }
 
-  Eigen::Index at(int c) const { return first[std::size_t(c)]; }
+  Eigen::Index at(int c) const { return R == Eigen::Dynamic ? first[std::size_t(c)] : R * c; }
   int rows(int c) const { return R == Eigen::Dynamic ? scaled.laws[std::size_t(c)].rows : R; }
   const Block<R>& prepared(int c) {
     std::optional<Block<R>>& block = diagonal_[std::size_t(c)];

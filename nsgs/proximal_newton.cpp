@@ -44,16 +44,23 @@ std::vector<AnyBlock> derivatives(const std::vector<Law>& laws, const VecX& s, d
 }
 
 struct Trial {
-  VecX d{}, s{}, r{}, F{};
+  VecX d{}, A_d{}, s{}, r{}, F{};
   double wrong = 0;
 };
 
-Trial tried(const Delassus& W, const Iterate& center, double alpha, const VecX& d) {
-  Trial trial{.d = d, .s = center.r - (center.u + W.C(d)) / alpha};
+Trial tried(const Delassus& W, const Iterate& center, double alpha, VecX d, VecX A_d, const VecX& C_d) {
+  Trial trial{.d = std::move(d), .A_d = std::move(A_d), .s = center.r - (center.u + C_d) / alpha};
   trial.r = answers(W.scaled.laws, trial.s);
-  trial.F = W.A(d) - W.B(trial.r - center.r);  // (PROX-4)
+  trial.F = trial.A_d - W.B(trial.r - center.r);  // (PROX-4)
   trial.wrong = W.size(trial.F);
   return trial;
+}
+Trial tried(const Delassus& W, const Iterate& center, double alpha, const VecX& d) {
+  return tried(W, center, alpha, d, W.A(d), W.C(d));
+}
+Trial tried(const Delassus& W, const Iterate& center, double alpha) {  // d = 0
+  const VecX zero = VecX::Zero(W.unknowns());
+  return tried(W, center, alpha, zero, zero, VecX::Zero(center.r.size()));
 }
 
 }  // namespace
@@ -62,9 +69,9 @@ ProximalStep proximal_step(Delassus& W, const Iterate& center, double alpha, dou
                            NewtonSolve& inverse) {
   const double momentum = W.size(W.B(center.r)), rounding = kRounding * momentum;
   ProximalStep step;
-  Trial now = tried(W, center, alpha, VecX::Zero(W.unknowns()));
+  Trial now = tried(W, center, alpha);
   for (; step.iterations < kNewtonSteps; ++step.iterations) {
-    step.solved = now.wrong <= accuracy * W.size(W.A(now.d)) + rounding;
+    step.solved = now.wrong <= accuracy * W.size(now.A_d) + rounding;
     if (step.solved || !std::isfinite(now.wrong)) break;
     bool moved = false;
     if (inverse)  // of the solve before (PROX-10)

@@ -26,7 +26,8 @@ struct Solved {
 template <class Problem>
 struct Part {
   Island island{};
-  Problem problem{};
+  std::unique_ptr<const Problem> own{};  // of an island among others
+  const Problem* problem = nullptr;      // that, or the whole
   VecX r0{};
   std::optional<MotionInverse> inverse{};  // of bodies; nothing if M is singular
   VecX v_free{};                           // M^-1 f, if it is known
@@ -35,11 +36,11 @@ struct Part {
 };
 
 void open(Part<LocalProblem>& part) {
-  if (!part.problem.laws.empty()) part.W = make_delassus(part.problem);
+  if (!part.problem->laws.empty()) part.W = make_delassus(*part.problem);
 }
 
 void open(Part<FrictionProblem>& part) {
-  const FrictionProblem& problem = part.problem;
+  const FrictionProblem& problem = *part.problem;
   if (!part.inverse) part.inverse = invert_motion(problem.M, problem.G);
   if (!part.inverse || problem.laws.empty()) return;
   // One block is its own W: speeds of the bodies would only bring in their rounding.
@@ -84,11 +85,14 @@ double cancelled(const Part<LocalProblem>&) {
 }
 double cancelled(const Part<FrictionProblem>& part) {
   if (!part.W || part.v_free.size() == 0) return 0;
-  const FrictionProblem& p = part.problem;
+  const FrictionProblem& p = *part.problem;
   VecX terms = p.w.cwiseAbs();
-  for (int j = 0; j < p.H.outerSize(); ++j)
+  for (int j = 0; j < p.H.outerSize(); ++j) {
+    double sum = terms[j];
     for (SparseMatrix::InnerIterator it(p.H, j); it; ++it)
-      terms[j] += std::abs(it.value() * part.v_free[it.row()]);
+      sum += std::abs(it.value() * part.v_free[it.row()]);
+    terms[j] = sum;
+  }
   return part.W->scaled.s.cwiseProduct(terms).norm();
 }
 
@@ -121,10 +125,10 @@ void put_motion(const Part<LocalProblem>&, const VecX&, FrictionSolution&) {}
 void put_motion(const Part<FrictionProblem>& part, const VecX& r, FrictionSolution& out) {
   if (!part.inverse) return;
   if (part.v_free.size() > 0) {
-    put(part.v_free + part.inverse->mass * (part.problem.H * r), part.island.dofs, out.v);
+    put(part.v_free + part.inverse->mass * (part.problem->H * r), part.island.dofs, out.v);
     return;
   }
-  const JointedMotion moved = motion(part.problem, *part.inverse, r);
+  const JointedMotion moved = motion(*part.problem, *part.inverse, r);
   put(moved.v, part.island.dofs, out.v);
   put(moved.lambda, part.island.joints, out.lambda);
 }
@@ -145,7 +149,9 @@ void solve_islands(const Problem& problem, std::vector<Island> all, const KnownM
   std::vector<int> scratch;
   for (Island& island : all) {
     Part<Problem>& now = parts.emplace_back();
-    now.problem = part(problem, island, scratch);
+    if (!is_whole(problem, island))  // in place: sparse matrices are copied where others are moved
+      now.own.reset(new Problem(part(problem, island, scratch)));
+    now.problem = now.own ? now.own.get() : &problem;
     if (r0.size() > 0) now.r0 = r0(island.rows);
     if constexpr (std::is_same_v<Problem, FrictionProblem>)
       if (known) set_known(*known, island.dofs, now);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "nsgs/sparse_lu.hpp"
 
+#include <algorithm>
 #include <klu.h>
 #include <memory>
 #include <numeric>
@@ -15,6 +16,17 @@ namespace {
 constexpr int kDenseSize = 64;
 constexpr double kSlowness = 3;  // of KLU's operations beside those of a product with small blocks, measured
 
+// Read row by row, the neighbours that every node is one of must come as those that it has.
+bool is_symmetric(const std::vector<int>& begin, const std::vector<int>& other) {
+  std::vector<int> next(begin.begin(), begin.end() - 1);
+  for (std::size_t i = 0; i < next.size(); ++i)
+    for (auto k = std::size_t(begin[i]); k < std::size_t(begin[i + 1]); ++k) {
+      const auto j = std::size_t(other[k]);
+      if (next[j] == begin[j + 1] || other[std::size_t(next[j]++)] != int(i)) return false;
+    }
+  return true;
+}
+
 }  // namespace
 
 CompressedColumns compressed(const SparseMatrix& A) {
@@ -25,11 +37,16 @@ CompressedColumns compressed(const SparseMatrix& A) {
 
 std::vector<int> fill_reducing_order(const std::vector<int>& begin, const std::vector<int>& other) {
   const Eigen::Index n = Eigen::Index(begin.size()) - 1;
-  const std::vector<double> one(other.size(), 1);
-  const Eigen::Map<const SparseMatrix> graph(n, n, Eigen::Index(other.size()), begin.data(), other.data(),
-                                             one.data());
+  Eigen::SparseMatrix<char, Eigen::ColMajor, int> graph(n, n);
+  graph.resizeNonZeros(Eigen::Index(other.size()));
+  std::ranges::copy(begin, graph.outerIndexPtr());
+  std::ranges::copy(other, graph.innerIndexPtr());
+  std::fill_n(graph.valuePtr(), other.size(), char(0));
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation;
-  Eigen::AMDOrdering<int>()(SparseMatrix(graph), permutation);
+  if (is_symmetric(begin, other))  // AMDOrdering adds the transposed first, which costs as much as the order
+    Eigen::internal::minimum_degree_ordering(graph, permutation);
+  else
+    Eigen::AMDOrdering<int>()(graph, permutation);
   return {permutation.indices().data(), permutation.indices().data() + n};
 }
 

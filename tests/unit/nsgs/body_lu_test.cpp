@@ -2,8 +2,10 @@
 #include "nsgs/body_lu.hpp"
 
 #include <Eigen/LU>
+#include <Eigen/OrderingMethods>
 #include <gtest/gtest.h>
 
+#include "nsgs/sparse_lu.hpp"
 #include "tests/support/random.hpp"
 
 namespace aussois {
@@ -68,6 +70,27 @@ TEST(BodyLu, OfStarsAndChainsGrowsWithTheirLength) {
     EXPECT_LE(BodyLu(body, star).cost(), 3 * 216 * bodies);
     EXPECT_LE(BodyLu(body, chain).cost(), 3 * 216 * bodies);
   }
+}
+
+// Eigen's own entry adds the transposed to the graph first, which changes nothing in a symmetric one.
+TEST(FillReducingOrder, IsThatOfTheGraphAndItsTransposed) {
+  Random random(31);
+  for (const bool symmetric : {true, false})
+    for (int n = 1; n < 60; ++n) {
+      MatX dense = MatX::Identity(n, n);
+      for (int k = 0; k < 2 * n; ++k) {
+        const int i = random.index(n), j = random.index(n);
+        dense(i, j) = 1;
+        if (symmetric) dense(j, i) = 1;
+      }
+      const SparseMatrix graph = dense.sparseView();
+      const CompressedColumns columns = compressed(graph);
+      Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> expected;
+      Eigen::AMDOrdering<int>()(graph, expected);
+      const std::vector<int> order = fill_reducing_order(columns.begin, columns.row);
+      for (int i = 0; i < n; ++i)
+        EXPECT_EQ(order[std::size_t(i)], expected.indices()[i]) << n << (symmetric ? " symmetric" : "");
+    }
 }
 
 TEST(BodyLu, RefusesASingularPivotAndWhatIsNotFinite) {
