@@ -65,6 +65,26 @@ class RunScene(DriverTest):
         run = self.run_scene(*scene, "--selector", PARTS / "peg_selector.txt", "--selector-body", 7, code=USAGE)
         self.assertIn("--selector-body = 7 must be less than 2", run.stderr)
 
+    def test_a_restart_with_other_settings_is_refused(self):
+        scene = ("--scene", "tower", "--time", "0.1", "--quiet")
+        self.run_scene(*scene, "--stop-after", 2, code=INTERRUPTED)
+        for other in (["--reducer", "none"], ["--patch-friction"], ["--update", "cayley"], ["--gap-hessians"]):
+            before = self.files()
+            run = self.drive("run_scene", *scene, *other, "--resume")
+            self.assertNotEqual(run.returncode, 0, other)
+            self.assertIn("checkpoint", run.stderr)
+            self.assertEqual(self.files(), before)
+        self.run_scene(*scene, "--resume")
+
+    def test_energy_that_contacts_give_is_told(self):
+        pile = ("--scene", "666_elastic", "--time", "0.5", "--h", "0.01", "--quiet", "--summary", "s.json")
+        for scheme, gains in (("schatzman_paoli", True), ("generalised_alpha", False)):
+            run = self.run_scene(*pile, "--scheme", scheme)
+            summary = json.loads((self.folder / "s.json").read_text())
+            self.assertEqual(summary["energy_rises"] > 0, gains)
+            self.assertEqual(summary["impulse_gain"] > 1e3, gains)  # J, of 34 kJ
+            self.assertEqual("contact gave energy" in run.stderr, gains)
+
     def test_summary_tells_what_the_certificate_is_worth(self):
         self.run_scene("--scene", "tower", "--time", "0.1", "--certify", 10, "--quiet", "--summary", "s.json")
         summary = json.loads((self.folder / "s.json").read_text())
@@ -77,7 +97,9 @@ class RunScene(DriverTest):
         for words, arguments in ((["--scene", "perpetuum", "arch"], ["--scene", "perpetuum"]),
                                  (["--scene"], []),
                                  (["--h", "-1"], ["--scene", "arch", "--h", "-1"]),
-                                 (["euler"], ["--scene", "arch", "--scheme", "euler"])):
+                                 (["euler"], ["--scene", "arch", "--scheme", "euler"]),
+                                 (["--impact-law", "generalised_alpha", "moreau_jean"],
+                                  ["--scene", "arch", "--scheme", "generalised_alpha", "--impact-law", "poisson"])):
             run = self.run_scene(*arguments, code=USAGE)
             self.assertRegex(run.stderr, r"\Arun_scene: [^\n]*\n\Z")
             for word in words:
