@@ -5,6 +5,7 @@
 // Theory   doc/index.md: the page of the scheme and of the scene
 // Run      run_scene --scene bricard --time 0.5 --h 2e-3
 //          run_scene --scene rocking_block --scheme generalised_alpha --time 0.3
+//          run_scene --scene pressed_peg --selector data/peg_selector.txt
 // Expect   no refused step, no failure of the solver; the exit code says whether
 #include <cmath>
 #include <cstdio>
@@ -17,6 +18,7 @@
 #include "examples/common/scheme_flags.hpp"
 #include "examples/common/step_dump.hpp"
 #include "examples/scenes/library.hpp"
+#include "geometry/check.hpp"
 #include "integrators/start.hpp"
 #include "io/build_info.hpp"
 #include "io/checkpoint.hpp"
@@ -200,6 +202,9 @@ ExitCode run(Arguments& a) {
   options.advancement.min_h = std::min(options.advancement.min_h, 1e-4 * options.h);
   options.solver.tolerance = a.tolerance;
   options.threads = options.lmd.threads = a.common.threads;
+  require(a.scheme.selector.empty() || a.scheme.selector_body < int(scene.model.bodies.size()),
+          "--selector-body = " + std::to_string(a.scheme.selector_body) + " must be less than " +
+              std::to_string(scene.model.bodies.size()) + ", the bodies of the scene");
   const Scheme scheme = make_scheme(a.scheme.scheme, scene.model, options);
   const double t_end = a.time > 0 ? a.time : chosen.t_end;
   make_folders(a.common);

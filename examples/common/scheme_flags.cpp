@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "io/network_file.hpp"
+
 namespace aussois {
 namespace {
 
@@ -69,6 +71,10 @@ void add_options(Cli& cli, SchemeFlags& f) {
   std::vector<std::string> reducers = reducer_names();
   std::erase(reducers, to_string(Reducer::selector));
   cli.choice("--reducer", f.reducer, "which contacts of a patch the solver begins with", reducers);
+  cli.input("--selector", f.selector,
+            "instead: a learned selector, as peg_plate train writes them (mlc_*.txt of the surface)");
+  cli.option("--selector-body", f.selector_body, "number of the body that it was taught, from 0", "",
+             {0, 1e6});
   cli.choice("--clustering", f.clustering, "how a patch is told from others", clustering_names());
   cli.option("--clusters", f.options.reduction.clustering.k, "of a body pair, of clusterings by k-means", "",
              {1, 1000});
@@ -96,6 +102,10 @@ SchemeOptions scheme_options(const SchemeFlags& f) {
   out.update = group_update(f.update);
   out.gyroscopic = f.gyroscopic == "start" ? GyroscopicTerm::start : GyroscopicTerm::midpoint;
   out.reduction.reducer = reducer(f.reducer);
+  if (!f.selector.empty()) {
+    out.reduction.reducer = Reducer::selector;
+    out.reduction.selector = contact_selector(read_selector(f.selector), f.selector_body);
+  }
   out.reduction.clustering.rule = clustering(f.clustering);
   out.reduction.friction = f.patch_friction ? FrictionAt::patches : FrictionAt::contacts;
   return out;

@@ -15,6 +15,8 @@ struct SchemeFlags {
   std::string gyroscopic = "midpoint";
   std::string reducer = to_string(ReductionOptions{}.reducer);
   std::string clustering = to_string(ClusteringOptions{}.rule);
+  std::filesystem::path selector{};  // instead of a reducer; empty: none
+  int selector_body = 0;
   bool patch_friction = false;
   SchemeOptions options{};  // but for those names
 };
@@ -26,7 +28,8 @@ void add_options(Cli& cli, SchemeFlags& flags);
 /// scheme does not read.
 void refuse_unread(const Cli& cli, const SchemeFlags& flags);
 
-/// What the user said, all names resolved.
+/// What the user said, all names resolved. Throws std::runtime_error "path:line: ..." for a file of
+/// --selector that cannot be read.
 SchemeOptions scheme_options(const SchemeFlags& flags);
 
 }  // namespace aussois
