@@ -43,8 +43,8 @@ struct Arguments {
 /// What the summary tells and a checkpoint keeps.
 struct Statistics {
   std::int64_t steps = 0, solver_failures = 0, energy_rises = 0, max_contacts = 0;
-  double min_gap = kInf, max_displacement = 0, joint_drift = 0, energy_residual = 0, impulse_gain = 0,
-         cpu_s = 0;
+  double min_gap = kInf, max_displacement = 0, joint_drift = 0, joint_drift_angle = 0, energy_residual = 0,
+         impulse_gain = 0, cpu_s = 0;
   MatchTotals matches{};
   PathAudit audit{};
 };
@@ -58,9 +58,20 @@ ExitCode list() {
 // ---- the table of steps: energies, then all coordinates by name
 
 std::vector<std::string> columns_of(const Model& model) {
-  std::vector<std::string> out{"step",         "t",           "h",           "contacts", "min_gap",
-                               "kinetic",      "gravity",     "laws",        "residual", "energy_residual",
-                               "impulse_gain", "joint_drift", "displacement"};
+  std::vector<std::string> out{"step",
+                               "t",
+                               "h",
+                               "contacts",
+                               "min_gap",
+                               "kinetic",
+                               "gravity",
+                               "laws",
+                               "residual",
+                               "energy_residual",
+                               "impulse_gain",
+                               "joint_drift",
+                               "joint_drift_angle",
+                               "displacement"};
   for (const Coordinates& block : model.coordinates)
     for (int i = 0; i < block.size; ++i) out.push_back("q:" + block.name + ":" + std::to_string(i));
   for (const Joint& joint : model.joints)
@@ -90,6 +101,7 @@ std::vector<double> row_of(const Model& model, const State& state, const StepRep
                           report.energy.residual(),
                           report.impulse_gain,
                           report.joint_error.translation,
+                          report.joint_error.rotation,
                           displacement};
   for (const double q : state.q) out.push_back(q);
   for (int j = 0; j < int(model.joints.size()); ++j)
@@ -115,6 +127,7 @@ Checkpoint checkpoint_of(std::uint64_t print, const State& state, const Statisti
                  .numbers = {{"min_gap", s.min_gap},
                              {"max_displacement", s.max_displacement},
                              {"joint_drift", s.joint_drift},
+                             {"joint_drift_angle", s.joint_drift_angle},
                              {"energy_residual", s.energy_residual},
                              {"impulse_gain", s.impulse_gain},
                              {"cpu_s", s.cpu_s},
@@ -144,6 +157,7 @@ Statistics statistics_of(const Checkpoint& c) {
           .min_gap = c.numbers.at("min_gap"),
           .max_displacement = c.numbers.at("max_displacement"),
           .joint_drift = c.numbers.at("joint_drift"),
+          .joint_drift_angle = c.numbers.at("joint_drift_angle"),
           .energy_residual = c.numbers.at("energy_residual"),
           .impulse_gain = c.numbers.at("impulse_gain"),
           .cpu_s = c.numbers.at("cpu_s"),
@@ -164,6 +178,7 @@ void account(Statistics& s, const StepReport& report, double displacement) {
   s.min_gap = std::min(s.min_gap, report.min_gap);
   s.max_displacement = std::max(s.max_displacement, displacement);
   s.joint_drift = std::max(s.joint_drift, report.joint_error.translation);
+  s.joint_drift_angle = std::max(s.joint_drift_angle, report.joint_error.rotation);
   s.energy_residual = std::max(s.energy_residual, std::abs(report.energy.residual()));
 }
 
@@ -181,6 +196,7 @@ Summary summary_of(const Arguments& a, const SchemeOptions& options, const Stati
   out.set("min_gap", s.min_gap);
   out.set("max_displacement", s.max_displacement);
   out.set("joint_drift", s.joint_drift);
+  out.set("joint_drift_angle", s.joint_drift_angle);
   out.set("energy_at_start", before.total());
   out.set("energy_at_end", after.total());
   out.set("energy_residual", s.energy_residual);
@@ -277,10 +293,11 @@ ExitCode run(Arguments& a) {
     write_summary(a.common.summary, summary_of(a, options, s, before, after, report));
   std::printf(
       "%s, %s: %lld steps to t = %.6g s, up to %lld contacts, smallest gap %.4g um, farthest from the start "
-      "%.6g m, joints off by %.2g m, energy %.6g to %.6g J (balance to %.2g J a step), %.3g us a step\n",
+      "%.6g m, joints off by %.2g m, %.2g rad, energy %.6g to %.6g J (balance to %.2g J a step), %.3g us a "
+      "step\n",
       a.scene.c_str(), label(a.scheme.scheme, options).c_str(), static_cast<long long>(s.steps), state.t,
       static_cast<long long>(s.max_contacts), 1e6 * s.min_gap, s.max_displacement, s.joint_drift,
-      before.total(), after.total(), s.energy_residual,
+      s.joint_drift_angle, before.total(), after.total(), s.energy_residual,
       1e6 * s.cpu_s / double(std::max<std::int64_t>(1, s.steps)));
   if (report.status == StepStatus::refused)
     std::fprintf(stderr, "refused at t = %.6g s: %s\n", state.t, report.reason.c_str());
