@@ -199,11 +199,11 @@ int main(int argc, char** argv) {
   cli.option("--shard", a.shard, "k/n: the k-th of n parts of --all");
   cli.flag("--farm", a.farm, "under mpirun: rank 0 hands out cells, the others do them; needs MPI");
   cli.group("stepping");
-  add_options(cli, a.scheme);
   cli.option("--h0", a.study.h, "largest step; 0: that of the case", "s", {0, 1});
   cli.option("--levels", a.study.levels, "number of steps, each about half of the one before", "", {3, 16});
   cli.option("--phases", a.study.phases, "lengths of the first step that errors are averaged over", "",
              {1, 64});
+  add_options(cli, a.scheme);
   cli.group("solver");
   cli.option("--tolerance", a.study.tolerance, "on the scaled residual; 0: that of the case", "-", {0, 1e-2});
   cli.group("output");
@@ -216,5 +216,11 @@ int main(int argc, char** argv) {
   cli.example("convergence --case ball_e05 --theta 1 --normal-law combined",
               "open out/ball_e05_moreau_jean_theta_1_combined.png");
   cli.example("convergence --all -o table", "every scheme on every case; table/convergence.md");
-  return run_driver(cli, argc, argv, [&] { return run(a); });
+  return run_driver(cli, argc, argv, [&] {
+    for (const std::string& flag : cli.given("scheme"))
+      require(!a.all, flag + " does not go with --all, which takes every scheme with its settings");
+    refuse_unread(cli, a.scheme);
+    if (!a.all) a.study.settings = cli.values("scheme");
+    return run(a);
+  });
 }

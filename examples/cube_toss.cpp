@@ -213,16 +213,19 @@ int main(int argc, char** argv) {
   cli.flag("--swap", a.swap, "with --fit: identify on the others");
   cli.group("stepping");
   cli.option("--substeps", a.world.substeps, "steps per recorded row", "", {1, 1000});
-  add_options(cli, a.scheme);
   cli.option("--tolerance", a.tolerance, "of the solver, on the scaled residual", "-", {1e-15, 0.1});
   cli.choice("--persistence", a.persistence, "off: every step solves from zero impulses", {"on", "off"});
   cli.group("results");
   cli.option("--json", a.json, "file for the key numbers");
   cli.option("--replay", a.replay, "toss to be shown in the browser, as toss_042; else the median one");
+  add_options(cli, a.scheme);
   cli.common(a.common);
   cli.example("cube_toss --data cube_toss --json out/toss.json", "347 tosses in some seconds");
   cli.example("cube_toss --data cube_toss --fit",
               "friction and restitution from one half, judged on the other");
   cli.example("cube_toss --synthetic 40 --fit", "finds what its own tosses were thrown with");
-  return run_driver(cli, argc, argv, [&] { return run(a); });
+  return run_driver(cli, argc, argv, [&] {
+    refuse_unread(cli, a.scheme);
+    return run(a);
+  });
 }

@@ -134,12 +134,24 @@ bool evaluate(const Job& job, bool quiet) {
   return drawn;
 }
 
+/// A-5, once per seed.
+std::vector<TrainingCheck> check_trainings(const Arguments& a) {
+  std::vector<TrainingCheck> out;
+  for (int seed = a.seed; seed < a.seed + a.seeds; ++seed) {
+    const std::filesystem::path file = a.out / ("seed_" + std::to_string(seed)) / "training.json";
+    std::optional<TrainingCheck> check = read_training_check(file);
+    if (!check) write_training_check(file, *(check = check_training(std::uint64_t(seed))));
+    out.push_back(*check);
+  }
+  return out;
+}
+
 ExitCode tell(const Arguments& a, const std::vector<Job>& jobs) {
   std::vector<PegResult> results;
   for (const Job& job : jobs)
     if (const std::optional<PegResult> result = read_result(job.folder / "result.json"))
       results.push_back(*result);
-  const std::vector<PegVerdict> lines = verdicts(results);
+  const std::vector<PegVerdict> lines = verdicts(results, check_trainings(a));
   const std::string table = score_table(results), verdict = to_string(lines);
   write_whole_file(a.out / "scores.md", table);
   write_whole_file(a.out / "verdicts.txt", verdict);

@@ -5,6 +5,7 @@
 // Theory   doc/index.md: the page of the scheme and of the scene
 // Run      run_scene --scene bricard --time 0.5 --h 2e-3
 //          run_scene --scene rocking_block --scheme generalised_alpha --time 0.3
+//          run_scene --scene pressed_peg --selector data/peg_selector.txt
 // Expect   no refused step, no failure of the solver; the exit code says whether
 #include <cmath>
 #include <cstdio>
@@ -17,6 +18,7 @@
 #include "examples/common/scheme_flags.hpp"
 #include "examples/common/step_dump.hpp"
 #include "examples/scenes/library.hpp"
+#include "geometry/check.hpp"
 #include "integrators/start.hpp"
 #include "io/build_info.hpp"
 #include "io/checkpoint.hpp"
@@ -35,13 +37,14 @@ struct Arguments {
   int certify = 0, stop_after = 0;
   SchemeFlags scheme{};
   CommonOptions common{};
-  std::string command_line{};
+  std::string command_line{}, settings{};  // settings: of the scheme
 };
 
 /// What the summary tells and a checkpoint keeps.
 struct Statistics {
-  std::int64_t steps = 0, solver_failures = 0, max_contacts = 0;
-  double min_gap = kInf, max_displacement = 0, joint_drift = 0, energy_residual = 0, cpu_s = 0;
+  std::int64_t steps = 0, solver_failures = 0, energy_rises = 0, max_contacts = 0;
+  double min_gap = kInf, max_displacement = 0, joint_drift = 0, joint_drift_angle = 0, energy_residual = 0,
+         impulse_gain = 0, cpu_s = 0;
   MatchTotals matches{};
   PathAudit audit{};
 };
@@ -55,9 +58,20 @@ ExitCode list() {
 // ---- the table of steps: energies, then all coordinates by name
 
 std::vector<std::string> columns_of(const Model& model) {
-  std::vector<std::string> out{"step",        "t",           "h",    "contacts", "min_gap",
-                               "kinetic",     "gravity",     "laws", "residual", "energy_residual",
-                               "joint_drift", "displacement"};
+  std::vector<std::string> out{"step",
+                               "t",
+                               "h",
+                               "contacts",
+                               "min_gap",
+                               "kinetic",
+                               "gravity",
+                               "laws",
+                               "residual",
+                               "energy_residual",
+                               "impulse_gain",
+                               "joint_drift",
+                               "joint_drift_angle",
+                               "displacement"};
   for (const Coordinates& block : model.coordinates)
     for (int i = 0; i < block.size; ++i) out.push_back("q:" + block.name + ":" + std::to_string(i));
   for (const Joint& joint : model.joints)
@@ -85,7 +99,9 @@ std::vector<double> row_of(const Model& model, const State& state, const StepRep
                           now.laws,
                           report.solve.residual,
                           report.energy.residual(),
+                          report.impulse_gain,
                           report.joint_error.translation,
+                          report.joint_error.rotation,
                           displacement};
   for (const double q : state.q) out.push_back(q);
   for (int j = 0; j < int(model.joints.size()); ++j)
@@ -98,9 +114,8 @@ std::vector<double> row_of(const Model& model, const State& state, const StepRep
 
 std::uint64_t fingerprint(const Arguments& a, const SchemeOptions& o) {
   std::ostringstream text;
-  text << std::hexfloat << a.scene << ' ' << label(a.scheme.scheme, o) << ' ' << o.h << ' ' << o.theta << ' '
-       << o.normal.gamma << ' ' << o.newton.max_iterations << ' ' << o.newton.gap_hessians << ' '
-       << o.spectral_radius << ' ' << a.tolerance << ' ' << a.common.every << ' ' << a.certify;
+  text << std::hexfloat << a.scene << ' ' << a.settings << ' ' << o.h << ' ' << a.tolerance << ' '
+       << a.common.every << ' ' << a.certify;
   return fingerprint_of(text.str());
 }
 
@@ -112,11 +127,14 @@ Checkpoint checkpoint_of(std::uint64_t print, const State& state, const Statisti
                  .numbers = {{"min_gap", s.min_gap},
                              {"max_displacement", s.max_displacement},
                              {"joint_drift", s.joint_drift},
+                             {"joint_drift_angle", s.joint_drift_angle},
                              {"energy_residual", s.energy_residual},
+                             {"impulse_gain", s.impulse_gain},
                              {"cpu_s", s.cpu_s},
                              {"certify_distance", s.audit.min_distance},
                              {"certify_slack", s.audit.min_slack}},
                  .counts = {{"solver_failures", s.solver_failures},
+                            {"energy_rises", s.energy_rises},
                             {"max_contacts", s.max_contacts},
                             {"certify_steps", s.audit.steps},
                             {"certify_violations", s.audit.violations},
@@ -134,11 +152,14 @@ Statistics statistics_of(const Checkpoint& c) {
   for (auto& [name, count] : matches) count = c.counts.at(name);
   return {.steps = c.step,
           .solver_failures = c.counts.at("solver_failures"),
+          .energy_rises = c.counts.at("energy_rises"),
           .max_contacts = c.counts.at("max_contacts"),
           .min_gap = c.numbers.at("min_gap"),
           .max_displacement = c.numbers.at("max_displacement"),
           .joint_drift = c.numbers.at("joint_drift"),
+          .joint_drift_angle = c.numbers.at("joint_drift_angle"),
           .energy_residual = c.numbers.at("energy_residual"),
+          .impulse_gain = c.numbers.at("impulse_gain"),
           .cpu_s = c.numbers.at("cpu_s"),
           .matches = matches,
           .audit = {.min_distance = c.numbers.at("certify_distance"),
@@ -150,11 +171,14 @@ Statistics statistics_of(const Checkpoint& c) {
 void account(Statistics& s, const StepReport& report, double displacement) {
   ++s.steps;
   s.solver_failures += report.solve.status != SolveStatus::converged;
+  s.energy_rises += report.energy_rises;
+  if (report.energy_rises) s.impulse_gain += report.impulse_gain;
   add_matches(s.matches, report.matches);
   s.max_contacts = std::max(s.max_contacts, std::int64_t(report.contacts_found));
   s.min_gap = std::min(s.min_gap, report.min_gap);
   s.max_displacement = std::max(s.max_displacement, displacement);
   s.joint_drift = std::max(s.joint_drift, report.joint_error.translation);
+  s.joint_drift_angle = std::max(s.joint_drift_angle, report.joint_error.rotation);
   s.energy_residual = std::max(s.energy_residual, std::abs(report.energy.residual()));
 }
 
@@ -172,9 +196,12 @@ Summary summary_of(const Arguments& a, const SchemeOptions& options, const Stati
   out.set("min_gap", s.min_gap);
   out.set("max_displacement", s.max_displacement);
   out.set("joint_drift", s.joint_drift);
+  out.set("joint_drift_angle", s.joint_drift_angle);
   out.set("energy_at_start", before.total());
   out.set("energy_at_end", after.total());
   out.set("energy_residual", s.energy_residual);
+  out.set("energy_rises", s.energy_rises);
+  out.set("impulse_gain", s.impulse_gain);
   out.set("cpu_s", s.cpu_s);
   set_matches(out, s.matches);
   set_audit(out, s.audit);
@@ -191,6 +218,9 @@ ExitCode run(Arguments& a) {
   options.advancement.min_h = std::min(options.advancement.min_h, 1e-4 * options.h);
   options.solver.tolerance = a.tolerance;
   options.threads = options.lmd.threads = a.common.threads;
+  require(a.scheme.selector.empty() || a.scheme.selector_body < int(scene.model.bodies.size()),
+          "--selector-body = " + std::to_string(a.scheme.selector_body) + " must be less than " +
+              std::to_string(scene.model.bodies.size()) + ", the bodies of the scene");
   const Scheme scheme = make_scheme(a.scheme.scheme, scene.model, options);
   const double t_end = a.time > 0 ? a.time : chosen.t_end;
   make_folders(a.common);
@@ -263,13 +293,17 @@ ExitCode run(Arguments& a) {
     write_summary(a.common.summary, summary_of(a, options, s, before, after, report));
   std::printf(
       "%s, %s: %lld steps to t = %.6g s, up to %lld contacts, smallest gap %.4g um, farthest from the start "
-      "%.6g m, joints off by %.2g m, energy %.6g to %.6g J (balance to %.2g J a step), %.3g us a step\n",
+      "%.6g m, joints off by %.2g m, %.2g rad, energy %.6g to %.6g J (balance to %.2g J a step), %.3g us a "
+      "step\n",
       a.scene.c_str(), label(a.scheme.scheme, options).c_str(), static_cast<long long>(s.steps), state.t,
       static_cast<long long>(s.max_contacts), 1e6 * s.min_gap, s.max_displacement, s.joint_drift,
-      before.total(), after.total(), s.energy_residual,
+      s.joint_drift_angle, before.total(), after.total(), s.energy_residual,
       1e6 * s.cpu_s / double(std::max<std::int64_t>(1, s.steps)));
   if (report.status == StepStatus::refused)
     std::fprintf(stderr, "refused at t = %.6g s: %s\n", state.t, report.reason.c_str());
+  if (s.energy_rises > 0)
+    std::fprintf(stderr, "contact gave energy in %lld steps, %.3g J\n",
+                 static_cast<long long>(s.energy_rises), s.impulse_gain);
   if (s.solver_failures > 0)
     std::fprintf(stderr, "%lld steps were not solved to the tolerance\n",
                  static_cast<long long>(s.solver_failures));
@@ -290,17 +324,21 @@ int main(int argc, char** argv) {
   cli.group("stepping");
   cli.option("--time", a.time, "to simulate; 0: that of the scene", "s", {0, 1e5});
   cli.option("--h", a.h, "largest step; 0: that of the scene", "s", {0, 1});
-  add_options(cli, a.scheme);
   cli.option("--certify", a.certify,
              "look at the path of every step at so many places: a second opinion on the certificate; 0: none",
              "", {0, 1000000});
   cli.option("--stop-after", a.stop_after, "stop with a checkpoint after this many steps; 0: never", "",
              {0, 1e9});
+  add_options(cli, a.scheme);
   cli.group("solver");
   cli.option("--tolerance", a.tolerance, "on the scaled residual", "-", {1e-15, 0.1});
   cli.common(a.common, Cli::Restart::yes);
   cli.example("run_scene --scene woodpecker -o out",
               "angles in out/steps.csv, the replay in out/replay.html");
   cli.example("run_scene --scene arch --scheme moreau_jean_projected --time 1", "another scheme");
-  return run_driver(cli, argc, argv, [&] { return run(a); });
+  return run_driver(cli, argc, argv, [&] {
+    refuse_unread(cli, a.scheme);
+    a.settings = cli.values("scheme");
+    return run(a);
+  });
 }

@@ -277,6 +277,12 @@ bool is_active(EdgeClass c) {
 
 MeshFeatures find_mesh_features(const SimplicialComplex& mesh, const MeshFeatureOptions& options) {
   validate(options);
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+    for (const double x : mesh.vertices[v])
+      if (!std::isfinite(x)) {
+        const std::string field = "SimplicialComplex::vertices[" + std::to_string(v) + "]";
+        require_field(false, field.c_str(), x, "be finite");
+      }
   MeshFeatures f;
   weld(mesh, f);
   const std::size_t edges = f.complex.edges.size(), vertices = f.complex.vertices.size();

@@ -55,7 +55,8 @@ struct MeshFeatures {
   VertexRuleCells cells{};
 };
 
-/// Does not depend on the order of triangles or of their corners (which triangle holds a bit does).
+/// Does not depend on the order of triangles or of their corners (which triangle holds a bit does). Throws
+/// std::invalid_argument naming the vertex if a coordinate is not finite.
 MeshFeatures find_mesh_features(const SimplicialComplex& mesh, const MeshFeatureOptions& options = {});
 
 /// The normal nearest to `normal`, unit and pointing away from the mesh, that a contact on simplex number

@@ -332,9 +332,10 @@ ImpulseStep pose_step(const StepSetting& setting, const State& state, const Foun
 
 void solve_rows(const StepSetting& setting, const State& state, const Found& found, ImpulseStep& step) {
   const double begin = step_clock();
-  step.solved =
-      solve_reduced(*step.free, setting.dofs, step.rows, step.joints.equations, found.selection,
-                    starts(step, found, state.r), allowed_speeds(found), setting.options.solver);  // (NSGS-1)
+  SolverOptions solver = setting.options.solver;
+  solver.tolerance *= step.tolerance_part;
+  step.solved = solve_reduced(*step.free, setting.dofs, step.rows, step.joints.equations, found.selection,
+                              starts(step, found, state.r), allowed_speeds(found), solver);  // (NSGS-1)
   step.seconds += step_clock() - begin;
 }
 

@@ -24,6 +24,7 @@ struct ImpulseStep {
   // Of schemes that solve in stages; empty: none
   std::vector<RowVector> earlier{};  // impulses of the stages before, of all rows
   VecX lambda_earlier{};             // and of the joints
+  double tolerance_part = 1;         // of the solver's tolerance, for a stage that another builds on
   double seconds = 0;                // that it took [s]
 };
 /// The rows of contacts and gap functions, biased for a normal law (MJ-6), in ImpulseStep's order.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "integrators/advance_step.hpp"
 #include "nsgs/joint_elimination.hpp"
@@ -47,22 +48,31 @@ double normal_velocity(const ContactRow& row, const DofMap& dofs, const VecX& v)
   return relative_velocity(row, dofs, v)[0] - row.w[0] + row.moved[0];
 }
 
+// What velocities `dv` change in the normal velocity, by the row's bodies and coordinates each on its own.
+double normal_changes(const ContactRow& row, const DofMap& dofs, const VecX& dv) {
+  double sum = 0;
+  for (const auto& [body, J] : {std::pair(row.body_a, &row.J_a), std::pair(row.body_b, &row.J_b)})
+    if (const int first = body < 0 ? -1 : dofs.first[std::size_t(body)]; first >= 0)
+      sum += std::abs(J->row(0).dot(dv.segment<6>(first)));
+  for (const Triplet& e : row.others)
+    if (e.row() == 0) sum += std::abs(e.value() * dv[e.col()]);
+  return sum;
+}
+
 // Is the gap closed at the end of a step with the velocities v and v_end at its ends? `row`: biased by the
-// gap over the step.
-bool closes(const ContactRow& row, const DofMap& dofs, const VecX& v, const VecX& v_end) {
+// gap over the step; `touching`: of (MJ-6), as a velocity.
+bool closes(const ContactRow& row, const DofMap& dofs, const VecX& v, const VecX& v_end, double touching) {
   return row.w[0] - row.moved[0] + (normal_velocity(row, dofs, v) + normal_velocity(row, dofs, v_end)) / 2 <=
-         0;
+         touching;
 }
 
 std::vector<char> lasting_contacts(const std::vector<ContactRow>& rows, const DofMap& dofs,
-                                   const Start& start) {
+                                   const Start& start, double touching) {
   std::vector<char> out;
-  for (const ContactRow& row : rows) {
-    const bool gap = has_normal(row.law);
-    const double u = gap ? normal_velocity(row, dofs, start.v) : 0,
-                 gained = gap ? normal_velocity(row, dofs, start.v_free) - u : 0;
-    out.push_back(gap && closes(row, dofs, start.v, start.v_free) && u >= -std::abs(gained));  // (DML-3)
-  }
+  for (const ContactRow& row : rows)
+    out.push_back(has_normal(row.law) && closes(row, dofs, start.v, start.v_free, touching) &&
+                  normal_velocity(row, dofs, start.v) >=
+                      -normal_changes(row, dofs, start.v_free - start.v) - touching);  // (DML-3)
   return out;
 }
 
@@ -108,7 +118,8 @@ StepReport D1MinusLinear::step(State& state, double h_limit) const {
     gap.law = NormalLaw::gap_over_step;
     add_rows(setting_, from, found, gap, step);
     const std::vector<ContactRow> rows = step.rows;
-    const std::vector<char> lasting = lasting_contacts(rows, dofs, start);
+    const double touching = closed_gap(gap, h) / h;
+    const std::vector<char> lasting = lasting_contacts(rows, dofs, start, touching);
     FreeMotion free{.M = start.mass, .v = start.v, .v_free = start.v_free, .mass = start.mass};
     free.M.makeCompressed();
     free.gyroscopic_D = free.law_D = SparseMatrix(dofs.rows, dofs.rows);
@@ -128,7 +139,9 @@ StepReport D1MinusLinear::step(State& state, double h_limit) const {
     // Forces of the start: predicted velocity, and with it the pose at the end (DML-2), (DML-4)
     step.rows = stage_rows(rows, lasting, 1);
     free.f = start.mass * start.v + h * start.forces.sum();
+    step.tolerance_part = 0.5;  // half of it is taken to the next stage, which is half as large
     const std::vector<RowVector> r_1 = solve_stage();
+    step.tolerance_part = 1;
     const VecX v_1 = step.solved.solution.v, v_path = (start.v + v_1) / 2;
     const State end = moved(model, from,
                             path_velocity(setting_.options.update, model, from,
@@ -143,6 +156,7 @@ StepReport D1MinusLinear::step(State& state, double h_limit) const {
     step.rows = stage_rows(rows, lasting, 0.5);
     free.f =
         start.mass * start.v + free.gravity + free.laws + free.gyroscopic + momentum_of(rows, dofs, r_1) / 2;
+    step.solved.solution.r /= 2;  // where the solver starts
     const std::vector<RowVector> r_2 = solve_stage();
     const VecX v_2 = step.solved.solution.v;
     step.earlier = r_1;
@@ -153,7 +167,7 @@ StepReport D1MinusLinear::step(State& state, double h_limit) const {
     bool impact = false;
     for (std::size_t i = 0; i < rows.size(); ++i) {
       if (lasting[i] || !has_normal(rows[i].law)) continue;
-      closed[i] = closes(rows[i], dofs, start.v, v_1);
+      closed[i] = closes(rows[i], dofs, start.v, v_1, touching);
       impact = impact || (closed[i] && normal_velocity(rows[i], dofs, v_2) < 0);
     }
     if (impact) {

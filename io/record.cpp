@@ -111,6 +111,7 @@ RunStep run_step(std::int64_t step, const Model& model, const State& state, cons
   row.joint_work = report.energy.joint_work;
   row.numerical_work = report.energy.numerical_work;
   row.energy_residual = report.energy.residual();
+  row.impulse_gain = report.impulse_gain;
   row.seconds_contact = report.seconds_contact;
   row.seconds_solve = report.seconds_solve;
   row.seconds_certificate = report.seconds_certificate;

@@ -61,6 +61,7 @@ const auto kStepFields = std::tuple{
     Field{"/energy/joint_work", &RunStep::joint_work, "J"},
     Field{"/energy/numerical_work", &RunStep::numerical_work, "J"},
     Field{"/energy/residual", &RunStep::energy_residual, "J"},
+    Field{"/energy/impulse_gain", &RunStep::impulse_gain, "J"},
     Field{"/coupling/force", &RunStep::coupling_force, "N"},
     Field{"/coupling/torque", &RunStep::coupling_torque, "N m"},
     Field{"/timing/contact", &RunStep::seconds_contact, "s"},

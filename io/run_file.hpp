@@ -106,6 +106,7 @@ struct RunStep {
   double gyroscopic_work = 0, joint_work = 0;
   double numerical_work = 0;   // of the scheme itself
   double energy_residual = 0;  // of the discrete balance
+  double impulse_gain = 0;     // that contacts gave on their own
 
   Vec3 coupling_force = Vec3::Zero();   // of the virtual coupling, on its body, world [N]
   Vec3 coupling_torque = Vec3::Zero();  // the same, body frame [N m]

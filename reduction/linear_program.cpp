@@ -58,28 +58,38 @@ class Simplex {
       double least = -kZero;
       for (int j = 0; j < n_; ++j) {
         const double reduced = cost[j] - y.dot(G_.col(j));
-        if (reduced >= least || std::find(basis_.begin(), basis_.end(), j) != basis_.end()) continue;
+        if (reduced >= least - (enters < 0 ? 0 : kZero) ||
+            std::find(basis_.begin(), basis_.end(), j) != basis_.end())
+          continue;
         enters = j;
         if (pivots >= kFastPivots) break;  // Bland: the first
         least = reduced;
       }
       if (enters < 0) return y;
       const ShortVector d = inverse_ * G_.col(enters);
-      const int leaves = row_that_leaves(d, artificial);
+      const int leaves = row_that_leaves(d, artificial, pivots >= kFastPivots);
       if (leaves < 0) return y;  // cannot be with costs >= 0, but for rounding
       pivot(leaves, enters, d);
     }
   }
 
-  int row_that_leaves(const ShortVector& d, double artificial) const {
-    int leaves = -1;
+  // The row whose weight first comes to zero: of those that do together the one with the largest pivot, so
+  // that a degenerate vertex does not spoil the inverse, or by Bland the first column.
+  int row_that_leaves(const ShortVector& d, double artificial, bool bland) const {
+    const auto held = [&](int i) { return artificial == 0 && basis_[std::size_t(i)] >= n_; };
+    const auto ratio = [&](int i) {
+      if (held(i)) return std::abs(d[i]) <= kZero ? kInf : 0;
+      return d[i] <= kZero ? kInf : std::max(x_[i], 0.0) / d[i];
+    };
     double step = kInf;
+    for (int i = 0; i < rows_; ++i) step = std::min(step, ratio(i));
+    if (step == kInf) return -1;
+    int leaves = -1;
     for (int i = 0; i < rows_; ++i) {
-      const bool held = artificial == 0 && basis_[std::size_t(i)] >= n_;
-      if (held ? std::abs(d[i]) <= kZero : d[i] <= kZero) continue;
-      const double ratio = held ? 0 : std::max(x_[i], 0.0) / d[i];
-      if (ratio < step || (ratio == step && basis_[std::size_t(i)] < basis_[std::size_t(leaves)]))
-        step = ratio, leaves = i;
+      if (ratio(i) > step + (bland ? 0 : kZero)) continue;
+      if (leaves < 0 || (bland ? basis_[std::size_t(i)] < basis_[std::size_t(leaves)]
+                               : std::abs(d[i]) > std::abs(d[leaves])))
+        leaves = i;
     }
     return leaves;
   }

@@ -8,8 +8,9 @@
 
 #include <Eigen/Geometry>
 
-#include "geometry/frame.hpp"
 #include "geometry/polygon.hpp"
+#include "reduction/body_frame.hpp"
+#include "reduction/contact_memory.hpp"
 
 namespace aussois {
 namespace {
@@ -88,7 +89,7 @@ std::vector<Vec2> places(const PlanarPatch& patch, std::span<const int> members)
 
 }  // namespace
 
-PlanarPatch planar_patch(const ContactSet& found, std::span<const int> members) {
+PlanarPatch planar_patch(const ContactSet& found, std::span<const int> members, std::span<const SE3> g) {
   const auto middle = [&](int i) { return mid_point(found.points[std::size_t(i)]); };
   Vec3 n = Vec3::Zero(), mean = Vec3::Zero();
   for (const int i : members) {
@@ -96,7 +97,8 @@ PlanarPatch planar_patch(const ContactSet& found, std::span<const int> members) 
     mean += middle(i);
   }
   mean /= double(members.size());
-  Mat3 frame = frame_of(n.normalized());
+  const SE3 g_wa = pose_of(g, found.points[std::size_t(members.front())].a.body);
+  Mat3 frame = body_frame(n.normalized(), g_wa.R.toRotationMatrix());
 
   std::vector<Vec2> x;
   x.reserve(members.size());

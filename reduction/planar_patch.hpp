@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "geometry/se3.hpp"
 #include "lmd/contact_point.hpp"
 #include "reduction/loss.hpp"
 
@@ -13,7 +14,8 @@ namespace aussois {
 
 /// Members are numbered as they were given.
 struct PlanarPatch {
-  Mat3 frame = Mat3::Identity();  // columns n, u, v, world; n the mean normal, u the principal direction
+  Mat3 frame = Mat3::Identity();  // columns n, u, v, world; n the mean normal, u the principal direction,
+                                  // or an axis of body A where there is none (RED-3)
   Vec3 origin = Vec3::Zero();     // mean of the members, each at the middle of its proximal points [m]
   std::vector<Vec2> x{};          // of the members along u and v, about the origin [m]
   double extent = 0;              // the larger one along u and v [m]
@@ -24,8 +26,8 @@ struct PlanarPatch {
   double drilling_radius = 0;     // mean distance of the hull's area, or line, from the centroid [m] (RED-8)
 };
 
-/// At least one member.
-PlanarPatch planar_patch(const ContactSet& found, std::span<const int> members);
+/// At least one member, all of one body pair; `g` as ReductionInput::g.
+PlanarPatch planar_patch(const ContactSet& found, std::span<const int> members, std::span<const SE3> g = {});
 /// The same of points that are in their plane already.
 PlanarPatch planar_patch(std::vector<Vec2> x);
 

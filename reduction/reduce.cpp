@@ -133,7 +133,7 @@ bool stays(const PlanarPatch& patch, const std::vector<int>& old, const std::vec
 std::vector<int> chosen_of(const ReductionInput& input, std::span<const int> members,
                            const ReductionOptions& options) {
   if (int(members.size()) <= options.min_per_cluster) return {members.begin(), members.end()};
-  const PlanarPatch patch = planar_patch(input.contacts, members);
+  const PlanarPatch patch = planar_patch(input.contacts, members, input.g);
   const std::vector<int> fresh = fresh_choice(input, members, patch, options);
   if (options.hysteresis > 0 && most_corners(options) > 0 && !input.kept_before.empty()) {
     const std::vector<int> old = old_choice(input, members, patch, options);
@@ -162,7 +162,7 @@ std::vector<int> chosen_by_wrench(const ReductionInput& input, std::span<const s
     const int first = int(members.size());
     start.push_back(first);
     if (int(cluster.size()) > options.min_per_cluster)
-      for (const int k : extreme_points(planar_patch(input.contacts, cluster), options.tie))
+      for (const int k : extreme_points(planar_patch(input.contacts, cluster, input.g), options.tie))
         start.push_back(first + k);
     members.insert(members.end(), cluster.begin(), cluster.end());
   }
@@ -198,11 +198,12 @@ std::vector<int> chosen_by_selector(const ReductionInput& input, const Clusters&
 }
 
 // Adds corners until the margin is met, and says what the cluster loses then (RED-7).
-LossReport complete(const ContactSet& found, const std::vector<int>& cluster, double min_margin,
+LossReport complete(const ReductionInput& input, const std::vector<int>& cluster, double min_margin,
                     std::vector<char>& mark) {
+  const ContactSet& found = input.contacts;
   if (std::ranges::all_of(cluster, [&](int i) { return mark[std::size_t(i)] != 0; })) return {};
   std::vector<int> part = marked(cluster, mark);
-  const PlanarPatch patch = planar_patch(found, cluster);
+  const PlanarPatch patch = planar_patch(found, cluster, input.g);
   for (std::size_t n = 0; min_margin > 0 && n < patch.hull.size(); ++n) {
     const Margin margin = margin_of(patch, part);
     if (margin.value >= min_margin - kSamePlace) break;
@@ -284,7 +285,7 @@ Selection reduce(const ReductionInput& input, const ReductionOptions& options) {
   for (std::size_t k = 0; k < clusters.size(); ++k) {
     for (const int i : clusters[k]) out.cluster[std::size_t(i)] = int(k);
     mark[std::size_t(clusters[k].front())] = 1;  // the deepest, always
-    out.loss = worst(out.loss, complete(input.contacts, clusters[k], options.min_margin, mark));
+    out.loss = worst(out.loss, complete(input, clusters[k], options.min_margin, mark));
   }
   for (std::size_t i = 0; i < mark.size(); ++i)
     if (mark[i]) out.kept.push_back(int(i));
@@ -309,7 +310,7 @@ LossReport measure_loss(const ContactSet& found, const Selection& selection) {
     std::swap(cluster.front(), *std::min_element(cluster.begin(), cluster.end(), [&](int i, int j) {
                 return found.points[std::size_t(i)].gap < found.points[std::size_t(j)].gap;
               }));
-    loss = worst(loss, complete(found, cluster, 0, mark));
+    loss = worst(loss, complete({.contacts = found}, cluster, 0, mark));
   }
   return loss;
 }

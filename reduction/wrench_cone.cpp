@@ -5,27 +5,17 @@
 #include <cmath>
 #include <numeric>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
+#include "reduction/body_frame.hpp"
 #include "reduction/contact_memory.hpp"
 
 namespace aussois {
 namespace {
 
 constexpr double kRounding = 1e-9;  // of a factor
-constexpr double kSameAxis = 1e-6;  // of cosines: axes as far across the normal as others
-
-// Columns n and two tangents that turn with body A, whose axes are the columns of `axes`: the first is the
-// one most across the normal, of several the first, so that rounding does not choose (RED-12).
-Mat3 friction_frame(const Vec3& n, const Mat3& axes) {
-  const Vec3 along = (axes.transpose() * n).cwiseAbs();
-  int across = 0;
-  while (along[across] > along.minCoeff() + kSameAxis) ++across;
-  const Vec3 t = (axes.col(across) - n.dot(axes.col(across)) * n).normalized();
-  Mat3 frame;
-  frame << n, t, n.cross(t);
-  return frame;
-}
+constexpr double kTied = 1e-6;      // of a reach or a length: below it rounding would choose
 
 Generators columns_of(const UnitWrenches& all, std::span<const int> members) {
   Eigen::Index count = 0;
@@ -38,6 +28,18 @@ Generators columns_of(const UnitWrenches& all, std::span<const int> members) {
   return out;
 }
 
+// Projects on the directions in which the columns truly reach: of parallel normals there are five, and a
+// sixth in which the last digits differ, which nothing could serve.
+Mat6 span_of(const Generators& g) {
+  const Eigen::SelfAdjointEigenSolver<Mat6> directions(Mat6(g * g.transpose()));
+  const Vec6 reach = directions.eigenvalues().cwiseMax(0).cwiseSqrt();
+  Mat6 out = Mat6::Zero();
+  for (int i = 0; i < 6; ++i)
+    if (reach[i] > kTied * reach.maxCoeff())
+      out += directions.eigenvectors().col(i) * directions.eigenvectors().col(i).transpose();
+  return out;
+}
+
 // The least sum of weights that makes this wrench of the kept ones (RED-12).
 Combination smallest_factor(const Generators& kept, const ShortVector& wrench) {
   return cheapest_combination(kept, wrench, VecX::Ones(kept.cols()));
@@ -47,11 +49,24 @@ int owner(const UnitWrenches& all, Eigen::Index column) {
   return int(std::upper_bound(all.first.begin(), all.first.end(), int(column)) - all.first.begin()) - 1;
 }
 
-// The member that reaches farthest in a direction of wrenches.
+// The member that reaches farthest in a direction of wrenches, of those as far the first.
 int best_server(const UnitWrenches& all, const ShortVector& direction) {
+  const Eigen::RowVectorXd reach = direction.transpose() * all.g;
+  const double far = reach.maxCoeff() - kTied * reach.cwiseAbs().maxCoeff();
   Eigen::Index column = 0;
-  (direction.transpose() * all.g).maxCoeff(&column);
+  while (reach[column] < far) ++column;
   return owner(all, column);
+}
+
+// All wrenches, the longest first, those as long in their order.
+std::vector<Eigen::Index> longest_first(const UnitWrenches& all) {
+  const Eigen::RowVectorXd length = all.g.colwise().norm();
+  std::vector<Eigen::Index> order(std::size_t(all.g.cols()));
+  std::iota(order.begin(), order.end(), 0);
+  const double grid = kTied * (order.empty() ? 1 : length.maxCoeff());
+  std::ranges::stable_sort(order, std::ranges::greater(),
+                           [&](Eigen::Index j) { return std::round(length[j] / grid); });
+  return order;
 }
 
 }  // namespace
@@ -68,9 +83,9 @@ UnitWrenches unit_wrenches(const ReductionInput& input, std::span<const int> mem
   int at = 0;
   for (const int i : members) {
     const Mat3 axes = pose_of(input.g, contact(i).a.body).R.toRotationMatrix();
-    const Mat3 frame = friction_frame(contact(i).normal, axes);
+    const Mat3 frame = axes.transpose() * body_frame(contact(i).normal, axes);
     const double mu = input.mu.empty() ? 0 : input.mu[std::size_t(i)];
-    const Vec3 arm = (mid_point(contact(i)) - mean) / length;
+    const Vec3 arm = axes.transpose() * (mid_point(contact(i)) - mean) / length;
     for (int k = 0; k < (mu > 0 ? kFacets : 1); ++k) {
       const double angle = 2 * kPi * k / kFacets;
       const Vec3 force = frame * Vec3(1, mu * std::cos(angle), mu * std::sin(angle));
@@ -81,6 +96,7 @@ UnitWrenches unit_wrenches(const ReductionInput& input, std::span<const int> mem
   out.g.conservativeResize(6, at);
   const ShortVector centre = out.g.rowwise().mean();
   out.g.colwise() -= centre;
+  out.g = (span_of(out.g) * out.g).eval();
   return out;
 }
 
@@ -97,15 +113,10 @@ double wrench_factor(const UnitWrenches& all, std::span<const int> kept) {
 // Those that were served before stay so, because the part only grows.
 std::vector<int> wrench_cone(const UnitWrenches& all, std::vector<int> start, double loss) {
   const double allowed = 1 / (1 - loss) + kRounding;
-  std::vector<Eigen::Index> order(std::size_t(all.g.cols()));
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](Eigen::Index i, Eigen::Index j) {
-    return all.g.col(i).squaredNorm() > all.g.col(j).squaredNorm();
-  });
   std::vector<int> kept = std::move(start);
   Generators G = columns_of(all, kept);
   const auto has = [&](int member) { return std::ranges::find(kept, member) != kept.end(); };
-  for (const Eigen::Index j : order) {
+  for (const Eigen::Index j : longest_first(all)) {
     while (!has(owner(all, j))) {
       const Combination found = smallest_factor(G, all.g.col(j));
       if (found.cost <= allowed) break;

@@ -13,7 +13,8 @@ namespace aussois {
 inline constexpr int kFacets = 8;  // of the pyramid inside the cone of friction
 
 /// Unit wrenches of the members: per contact its normal, or with friction the edges of the pyramid about it;
-/// forces, then moments about the mean of the members over the farthest one's distance from it. Columns.
+/// forces, then moments about the mean of the members over the farthest one's distance from it. Columns, in
+/// the frame of body A, about their mean and within the directions in which they reach at all (1e-6).
 struct UnitWrenches {
   Generators g{};
   std::vector<int> first{};  // column of every member; one more, the end

@@ -220,10 +220,18 @@ bool Cli::parse(int argc, const char* const* argv, ExitCode& code) {
   return true;
 }
 
-std::string Cli::values() const {
+std::string Cli::values(const std::string& group) const {
   std::string text;
-  for (const Impl::Entry& entry : impl_->entries) text += entry.flag + " " + entry.value() + "\n";
+  for (const Impl::Entry& entry : impl_->entries)
+    if (group.empty() || entry.group == group) text += entry.flag + " " + entry.value() + "\n";
   return text;
+}
+
+std::vector<std::string> Cli::given(const std::string& group) const {
+  std::vector<std::string> out;
+  for (const Impl::Entry& entry : impl_->entries)
+    if (entry.group == group && impl_->app.count(entry.flag) > 0) out.push_back(entry.flag);
+  return out;
 }
 
 const std::string& Cli::name() const {

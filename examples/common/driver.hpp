@@ -67,7 +67,7 @@ class Cli {
   Cli(const Cli&) = delete;
   Cli& operator=(const Cli&) = delete;
 
-  /// Options that follow stand under this heading of --help: scene, stepping, solver, output.
+  /// Options that follow stand under this heading of --help: scene, stepping, scheme, solver, output.
   void group(std::string heading);
 
   /// `value` holds the default, shown in --help, and receives what the user says. `unit` is "-" for a pure
@@ -102,9 +102,11 @@ class Cli {
   /// Fills the values. True: run. False: nothing to run (--help, --version, or something is wrong), `code`
   /// says why.
   bool parse(int argc, const char* const* argv, ExitCode& code);
-  /// All options with their values in order, one "--flag value" per line: what a fingerprint and the notes of
-  /// a run are made of.
-  std::string values() const;
+  /// All options with their values in order, one "--flag value" per line, or those under one heading: what a
+  /// fingerprint and the notes of a run are made of.
+  std::string values(const std::string& group = "") const;
+  /// The options under a heading that the user said, in order.
+  std::vector<std::string> given(const std::string& group) const;
   std::string help() const;
   const std::string& name() const;
 

@@ -50,6 +50,13 @@ const PegScore* find(const PegResult& result, const std::string& name) {
   return found == result.scores.end() ? nullptr : &*found;
 }
 
+// One more seed.
+void count(PegVerdict& line, double x) {
+  line.value = line.seeds == 0 ? x : line.at_least ? std::min(line.value, x) : std::max(line.value, x);
+  line.met += line.at_least ? x >= line.bound : x <= line.bound;
+  ++line.seeds;
+}
+
 // Collects one line of the verdict over all seeds of a set.
 struct Judge {
   const std::vector<PegResult>& results;
@@ -60,14 +67,8 @@ struct Judge {
   void line(const std::string& what, const std::string& set, double bound, bool at_least, bool four_of_five,
             const Value& value) {
     PegVerdict out{.what = what + ", " + set, .bound = bound, .at_least = at_least};
-    for (const PegResult& result : results) {
-      if (result.set != set) continue;
-      const double x = value(result);
-      if (x < 0) continue;
-      out.value = out.seeds == 0 ? x : at_least ? std::min(out.value, x) : std::max(out.value, x);
-      out.met += at_least ? x >= bound : x <= bound;
-      ++out.seeds;
-    }
+    for (const PegResult& result : results)
+      if (const double x = result.set == set ? value(result) : -1; x >= 0) count(out, x);
     out.needed = four_of_five ? (4 * out.seeds + 4) / 5 : out.seeds;
     if (out.seeds > 0) lines.push_back(out);
   }
@@ -257,7 +258,8 @@ std::vector<PegScore> score_all(const std::vector<NamedMethod>& methods, const P
   return out;
 }
 
-std::vector<PegVerdict> verdicts(const std::vector<PegResult>& results) {
+std::vector<PegVerdict> verdicts(const std::vector<PegResult>& results,
+                                 const std::vector<TrainingCheck>& checks) {
   Judge judge{results};
   for (const std::string set : {"surface_0.1", "surface_0.3"}) {
     for (const char* name : {"full", "hull_exact", "extreme_points"}) judge.still("A-1", name, set, 0.01);
@@ -280,6 +282,19 @@ std::vector<PegVerdict> verdicts(const std::vector<PegResult>& results) {
   for (const char* name : {"full", "kmc", "kmcw", "mlc_ranked"}) judge.still("A-3", name, "surface_0", 0.01);
   for (const std::string set : {"surface_0.1", "surface_0.3", "surface_0"})
     judge.still("A-4", "load_carrier", set, 0.01);
+  if (checks.empty()) return judge.lines;
+  PegVerdict gradient{.what = "A-5 gradient against differences", .bound = 1e-7},
+      bits{.what = "A-5 weights that differ, trained again", .bound = 0},
+      loss{.what = "A-5 loss off that of another library", .bound = 0.05};
+  for (const TrainingCheck& check : checks) {
+    count(gradient, check.gradient);
+    count(bits, check.weights_that_differ);
+    count(loss, check.loss_error());
+  }
+  for (PegVerdict line : {gradient, bits, loss}) {
+    line.needed = line.seeds;
+    judge.lines.push_back(line);
+  }
   return judge.lines;
 }
 
@@ -287,7 +302,7 @@ std::string to_string(const std::vector<PegVerdict>& verdicts) {
   std::string out;
   char line[160];
   for (const PegVerdict& v : verdicts) {
-    std::snprintf(line, sizeof line, "%-58s %8.4f  %s %-6g %d of %d seeds  %s\n", v.what.c_str(), v.value,
+    std::snprintf(line, sizeof line, "%-58s %8.3g  %s %-6g %d of %d seeds  %s\n", v.what.c_str(), v.value,
                   v.at_least ? ">=" : "<=", v.bound, v.met, v.seeds, v.accepted() ? "met" : "MISSED");
     out += line;
   }

@@ -6,6 +6,7 @@
 #include "examples/peg_plate/methods.hpp"
 #include "examples/peg_plate/plant.hpp"
 #include "examples/peg_plate/training.hpp"
+#include "examples/peg_plate/training_check.hpp"
 
 namespace aussois {
 
@@ -97,8 +98,9 @@ struct PegResult {
 std::vector<PegScore> score_all(const std::vector<NamedMethod>& methods, const PegData& data,
                                 const PegStudyOptions& options,
                                 const std::function<bool(const std::string&)>& progress = {});
-/// A-1 to A-4 (PEG-17) of all that is there; `value` is the worst of all seeds.
-std::vector<PegVerdict> verdicts(const std::vector<PegResult>& results);
+/// A-1 to A-5 (PEG-17) of all that is there; `value` is the worst of all seeds.
+std::vector<PegVerdict> verdicts(const std::vector<PegResult>& results,
+                                 const std::vector<TrainingCheck>& checks);
 
 /// Markdown, percentages as mean over seeds (and the largest).
 std::string score_table(const std::vector<PegResult>& results);

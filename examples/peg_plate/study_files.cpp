@@ -276,6 +276,29 @@ std::optional<PegResult> read_result(const std::filesystem::path& path) {
   }
 }
 
+void write_training_check(const std::filesystem::path& path, const TrainingCheck& check) {
+  const Json json{{"seed", check.seed},
+                  {"gradient_error", check.gradient},
+                  {"weights_that_differ", check.weights_that_differ},
+                  {"loss", check.loss},
+                  {"reference_loss", kSciPyLoss},
+                  {"loss_error", check.loss_error()}};
+  write_whole_file(path, json.dump(2) + "\n");
+}
+
+std::optional<TrainingCheck> read_training_check(const std::filesystem::path& path) {
+  const std::optional<Json> json = json_in(path);
+  if (!json) return {};
+  try {
+    return TrainingCheck{.seed = json->at("seed"),
+                         .gradient = json->at("gradient_error"),
+                         .weights_that_differ = json->at("weights_that_differ"),
+                         .loss = json->at("loss")};
+  } catch (const Json::exception&) {
+    return {};
+  }
+}
+
 bool write_pictures(const std::filesystem::path& folder, const PegData& data, const std::vector<int>& cases,
                     const std::vector<NamedMethod>& methods, const Network& network,
                     const PegStudyOptions& options) {

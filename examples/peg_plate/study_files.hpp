@@ -29,6 +29,10 @@ std::optional<LessonsLearnt> read_lessons(
 void write_result(const std::filesystem::path& path, const PegResult& result);
 std::optional<PegResult> read_result(const std::filesystem::path& path);
 
+/// training.json of a seed: what A-5 is judged by. Read: nothing if it is not there, or damaged.
+void write_training_check(const std::filesystem::path& path, const TrainingCheck& check);
+std::optional<TrainingCheck> read_training_check(const std::filesystem::path& path);
+
 /// forces.png: |F| over one test case, measured and by methods; choices.png: what the network chooses, with
 /// centres of pressure (surface) or by normal (edge); each with its CSV and gnuplot script. False: gnuplot is
 /// not there, or fails.

@@ -5,6 +5,7 @@
 
 #include "examples/scenes/mechanisms.hpp"
 #include "examples/scenes/peer_scenes.hpp"
+#include "examples/scenes/pressed_peg.hpp"
 #include "examples/scenes/toys.hpp"
 #include "geometry/check.hpp"
 
@@ -48,6 +49,8 @@ std::vector<LibraryScene> toys() {
       {"tippe_top", "the same with friction against pivoting, R_e = 1/3 mm: it inverts (B6)", 2, 1e-4,
        [] { return tippe_top(kTippeTopDrilling); }},
       {"rattleback", "spun the wrong way it turns back (B7)", 5, 1e-3, [] { return rattleback(-5); }},
+      {"pressed_peg", "a robot presses a peg on a plate, off its middle; for --selector", 0.1, 1e-3,
+       pressed_peg},
       {"euler_disc", "a disc on edge goes round without loss, ten turns (B8)", 0.614, 1e-4,
        [] { return euler_disc({}); }},
       {"euler_disc_descends", "the same with a moment of 80 uN m against rolling on (B8)", 1.5, 1e-4,

@@ -37,8 +37,13 @@ Errors errors_in(const Json& json) {
 
 // What has to agree before a file counts as the study that is wanted.
 Json key_of(const Study& s, std::uint64_t program) {
-  return {{"case", s.case_name},        {"scheme", s.scheme},         {"h", s.options.h},
-          {"levels", s.options.levels}, {"phases", s.options.phases}, {"tolerance", s.options.tolerance},
+  return {{"case", s.case_name},
+          {"scheme", s.scheme},
+          {"h", s.options.h},
+          {"levels", s.options.levels},
+          {"phases", s.options.phases},
+          {"tolerance", s.options.tolerance},
+          {"settings", s.options.settings},
           {"program", program}};
 }
 
@@ -75,6 +80,10 @@ std::vector<std::string> once(std::vector<std::string> names) {
   for (std::string& name : names)
     if (std::find(out.begin(), out.end(), name) == out.end()) out.push_back(std::move(name));
   return out;
+}
+
+std::string scheme_of(const Study& s) {
+  return s.scheme.substr(0, s.scheme.find(' '));
 }
 
 }  // namespace
@@ -167,21 +176,29 @@ bool write_picture(const std::filesystem::path& dir, const Study& s) {
 }
 
 std::string order_table(const std::vector<Study>& studies) {
-  std::vector<std::string> rows, columns;
-  for (const Study& s : studies) rows.push_back(s.case_name), columns.push_back(s.scheme);
-  rows = once(rows), columns = once(columns);
-  std::string head = "| case |", rule = "|---|";
-  for (const std::string& column : columns) head.append(" ").append(column).append(" |"), rule += "---|";
-  std::string out = head + "\n" + rule + "\n";
-  for (const std::string& row : rows) {
-    out.append("| `").append(row).append("` |");
-    for (const std::string& column : columns) {
-      const auto cell = std::find_if(studies.begin(), studies.end(), [&](const Study& s) {
-        return s.case_name == row && s.scheme == column;
-      });
-      out.append(" ").append(cell == studies.end() ? "-" : order_text(*cell)).append(" |");
+  std::vector<std::string> schemes;
+  for (const Study& s : studies) schemes.push_back(scheme_of(s));
+  std::string out;
+  for (const std::string& scheme : once(schemes)) {
+    std::vector<std::string> rows, columns;
+    for (const Study& s : studies)
+      if (scheme_of(s) == scheme) rows.push_back(s.case_name), columns.push_back(s.scheme);
+    rows = once(rows), columns = once(columns);
+    std::string head = "| case |", rule = "|---|";
+    for (const std::string& column : columns)
+      head.append(" ").append(column, std::min(scheme.size() + 1, column.size())).append(" |"),
+          rule += "---|";
+    out += (out.empty() ? "## " : "\n## ") + scheme + "\n\n" + head + "\n" + rule + "\n";
+    for (const std::string& row : rows) {
+      out.append("| `").append(row).append("` |");
+      for (const std::string& column : columns) {
+        const auto cell = std::find_if(studies.begin(), studies.end(), [&](const Study& s) {
+          return s.case_name == row && s.scheme == column;
+        });
+        out.append(" ").append(cell == studies.end() ? "-" : order_text(*cell)).append(" |");
+      }
+      out += '\n';
     }
-    out += '\n';
   }
   return out;
 }

@@ -33,9 +33,9 @@ std::optional<Study> read_study(const std::filesystem::path& path, const Study& 
 /// steps, with the slopes one and two. False: no picture.
 bool write_picture(const std::filesystem::path& dir, const Study& study);
 
-/// A table in Markdown: a row per case, a column per scheme, the fitted orders of the four measures; missed
-/// ones are bold, "exact" stands where nothing but rounding is left, a dash where the scheme has no
-/// restitution.
+/// A table per scheme in Markdown: a row per case, a column per setting, the fitted orders of the four
+/// measures; missed ones are bold, "exact" stands where nothing but rounding is left, a dash where the
+/// setting has no restitution.
 std::string order_table(const std::vector<Study>& studies);
 
 }  // namespace aussois

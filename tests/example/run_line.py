@@ -24,7 +24,7 @@ RESULTS = {
                   *(f"{word}.html" for flag, word in zip(COMMAND, COMMAND[1:]) if flag == "--replay"),
                   *(f"synthetic/toss_{i + 1:03}.csv" for flag, n in zip(COMMAND, COMMAND[1:]) if flag == "--synthetic"
                     for i in range(int(n)))},
-    "peg_plate": {"scores.md", "verdicts.txt",
+    "peg_plate": {"scores.md", "verdicts.txt", "seed_1/training.json",
                   *(f"seed_1/surface_0.3/{name}" for name in (
                       "choices.csv", "choices.gp", "forces.csv", "forces.gp", "lessons.json", "mlc_argmin.txt", "mlc_ranked.txt", "mlc_soft.txt",
                       "options.json", "pressure.csv", "result.json", *(f"samples/{i:03}.csv" for i in range(16)),

@@ -59,6 +59,20 @@ class Convergence(DriverTest):
         self.assertNotIn("already", self.converge(*TOP, "-o", "a", "--tolerance", 1e-10).stdout)
         self.assertNotEqual(self.studies("a"), before)
 
+    def test_studies_of_other_settings_are_others(self):
+        implicit = (*TOP, "-o", "a", "--newton-iterations")  # one name
+        self.converge(*implicit, 40)
+        self.assertNotIn("already", self.converge(*implicit, 41).stdout)
+        self.assertIn("1 of 1 were in a already", self.converge(*implicit, 41).stdout)
+
+    def test_settings_that_nobody_reads_are_refused(self):
+        for flags, words in ((["--scheme", "generalised_alpha", "--gamma", 0.5], ["--gamma", "generalised_alpha"]),
+                             (["--all", "--theta", 1], ["--theta", "--all"])):
+            run = self.converge(*TOP, *flags, code=USAGE)
+            for word in words:
+                self.assertIn(word, run.stderr)
+            self.assertEqual(self.files(), {})
+
     def test_shards_and_threads_make_the_same_table(self):
         self.converge("--all", *TOP, "-o", "whole", "--threads", 1)
         for k in (1, 2):

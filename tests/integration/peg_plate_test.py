@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The peg-and-plate study as a user runs it: stages, files, restarts, refusals; all of it under the label long."""
 
+import json
 import re
 import sys
 import unittest
@@ -34,7 +35,14 @@ class PegPlate(DriverTest):
         self.assertIn(table, run.stdout)
         for name in ("upright", "best_fixed", "mlc_soft", "oracle"):
             self.assertRegex(table, rf"\| {name} \| \d+\.\d\d \|")
-        self.assertEqual(re.findall("A-2", self.files()["out/verdicts.txt"].decode()), ["A-2"] * 3)
+        verdicts = self.files()["out/verdicts.txt"].decode()
+        self.assertEqual(re.findall("A-2", verdicts), ["A-2"] * 3)
+        self.assertEqual(re.findall("A-5 .*  (met|MISSED)", verdicts), ["met"] * 3)
+        check = json.loads(self.files()["out/seed_1/training.json"])
+        self.assertLess(0, check["gradient_error"])
+        self.assertLess(check["gradient_error"], 1e-7)
+        self.assertEqual(check["weights_that_differ"], 0)
+        self.assertAlmostEqual(check["loss"] / check["reference_loss"], 1, delta=0.05)
 
     def test_an_interrupted_study_goes_on_to_the_same_bytes(self):
         self.peg_plate(*ALL, *SMALL, "--threads", 1)
@@ -58,7 +66,7 @@ class PegPlate(DriverTest):
         """The whole study of doc/theory/peg_plate.md."""
         run = self.peg_plate(*ALL, "--seeds", 5, "--quiet", codes=(0,))
         verdicts = re.findall(r"^A-\d .* of 5 seeds  (met|MISSED)$", run.stdout, re.MULTILINE)
-        self.assertEqual(verdicts, ["met"] * 27)
+        self.assertEqual(verdicts, ["met"] * 30)
 
 
 if __name__ == "__main__":

@@ -7,9 +7,9 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from drivers import DriverTest
+from drivers import PARTS, DriverTest
 
-NOT_ACCEPTED, USAGE, INTERRUPTED = 1, 2, 130
+NOT_ACCEPTED, USAGE, MISSING, INTERRUPTED = 1, 2, 3, 130
 
 
 class RunScene(DriverTest):
@@ -42,6 +42,49 @@ class RunScene(DriverTest):
         self.assertEqual(files["whole/steps.csv"], files["parts/steps.csv"])
         self.assertNotIn("parts/checkpoint.h5", files)
 
+    def test_a_learned_selector_chooses_the_contacts_of_a_peg(self):
+        """Five contacts at most instead of 32 (three, the deepest, one that came back), and the peg stays where it is."""
+        scene = ("--scene", "pressed_peg", "--quiet")
+        self.run_scene(*scene, "--reducer", "none", "-o", "all", "--summary", "all.json")
+        self.run_scene(*scene, "--selector", PARTS / "peg_selector.txt", "-o", "learned", "--summary", "learned.json")
+        self.assertGreaterEqual(min(map(float, self.columns("all")["contacts"])), 32)
+        self.assertLessEqual(max(map(float, self.columns("learned")["contacts"])), 5)
+        for out in ("all", "learned"):
+            self.assertLess(json.loads((self.folder / f"{out}.json").read_text())["max_displacement"], 1e-6)
+
+    def test_a_selector_that_is_not_one_is_refused_by_file_and_line(self):
+        scene = ("--scene", "pressed_peg")
+        text = (PARTS / "peg_selector.txt").read_text().replace("hidden 8", "hidden eight")
+        (self.folder / "broken.txt").write_text(text)
+        run = self.run_scene(*scene, "--selector", "broken.txt", code=MISSING)
+        self.assertRegex(run.stderr, r"\Arun_scene: \S*broken.txt:3: [^\n]*eight[^\n]*\n\Z")
+        (self.folder / "network.txt").write_text(text[:text.index("keep")].replace("eight", "8"))
+        run = self.run_scene(*scene, "--selector", "network.txt", code=MISSING)
+        self.assertIn("the file ends before keep and places", run.stderr)
+        self.run_scene(*scene, "--selector", "nowhere.txt", code=MISSING)
+        run = self.run_scene(*scene, "--selector", PARTS / "peg_selector.txt", "--selector-body", 7, code=USAGE)
+        self.assertIn("--selector-body = 7 must be less than 2", run.stderr)
+
+    def test_a_restart_with_other_settings_is_refused(self):
+        scene = ("--scene", "tower", "--time", "0.1", "--quiet")
+        self.run_scene(*scene, "--stop-after", 2, code=INTERRUPTED)
+        for other in (["--reducer", "none"], ["--patch-friction"], ["--update", "cayley"], ["--gap-hessians"]):
+            before = self.files()
+            run = self.drive("run_scene", *scene, *other, "--resume")
+            self.assertNotEqual(run.returncode, 0, other)
+            self.assertIn("checkpoint", run.stderr)
+            self.assertEqual(self.files(), before)
+        self.run_scene(*scene, "--resume")
+
+    def test_energy_that_contacts_give_is_told(self):
+        pile = ("--scene", "666_elastic", "--time", "0.5", "--h", "0.01", "--quiet", "--summary", "s.json")
+        for scheme, gains in (("schatzman_paoli", True), ("generalised_alpha", False)):
+            run = self.run_scene(*pile, "--scheme", scheme)
+            summary = json.loads((self.folder / "s.json").read_text())
+            self.assertEqual(summary["energy_rises"] > 0, gains)
+            self.assertEqual(summary["impulse_gain"] > 1e3, gains)  # J, of 34 kJ
+            self.assertEqual("contact gave energy" in run.stderr, gains)
+
     def test_summary_tells_what_the_certificate_is_worth(self):
         self.run_scene("--scene", "tower", "--time", "0.1", "--certify", 10, "--quiet", "--summary", "s.json")
         summary = json.loads((self.folder / "s.json").read_text())
@@ -54,7 +97,9 @@ class RunScene(DriverTest):
         for words, arguments in ((["--scene", "perpetuum", "arch"], ["--scene", "perpetuum"]),
                                  (["--scene"], []),
                                  (["--h", "-1"], ["--scene", "arch", "--h", "-1"]),
-                                 (["euler"], ["--scene", "arch", "--scheme", "euler"])):
+                                 (["euler"], ["--scene", "arch", "--scheme", "euler"]),
+                                 (["--impact-law", "generalised_alpha", "moreau_jean"],
+                                  ["--scene", "arch", "--scheme", "generalised_alpha", "--impact-law", "poisson"])):
             run = self.run_scene(*arguments, code=USAGE)
             self.assertRegex(run.stderr, r"\Arun_scene: [^\n]*\n\Z")
             for word in words:

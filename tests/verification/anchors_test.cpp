@@ -37,7 +37,7 @@ Creep creep(bool anchors, double mu) {
   return out;
 }
 
-TEST(Anchors, KeepABlockInPlaceAndFeedNoEnergy) {
+TEST(Anchors, T_4_1_T_4_2_KeepABlockInPlaceAndFeedNoEnergy) {
   const double mu = 0.5;
   const Creep with = creep(true, mu), without = creep(false, mu);
   const auto text = [](double x) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Orders of Moreau-Jean on exact motions, its errors against a measured yardstick, and where it misses the
+// Orders on exact motions, the errors of Moreau-Jean against a measured yardstick, and where it misses the
 // order that theory promises.
 #include <algorithm>
 #include <cmath>
@@ -47,6 +47,21 @@ INSTANTIATE_TEST_SUITE_P(Cases, QuickStudy,
                                   (quick.param.theta < 1 ? "_midpoint_" : "_euler_") +
                                   to_string(quick.param.law);
                          });
+
+// Every other scheme in its first setting: impacts, a stop and a way back by friction, a smooth motion.
+class QuickStudyOf : public ::testing::TestWithParam<std::string> {};
+TEST_P(QuickStudyOf, ReachesTheOrderOfTheory) {
+  const std::vector<SchemeVariant> variants = scheme_variants();
+  const auto first = std::ranges::find(variants, GetParam(), &SchemeVariant::name);
+  for (const char* name : {"forced_46", "incline_30_up", "free_top"}) {
+    const Study s = study(case_named(name), first->name, first->options, {.levels = 6, .phases = 4});
+    EXPECT_TRUE(as_expected(s)) << name << '\n' << to_string(s);
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Schemes, QuickStudyOf,
+                         ::testing::Values("moreau_jean_projected", "schatzman_paoli", "passive_midpoint",
+                                           "generalised_alpha", "d1_minus_linear"),
+                         [](const auto& each) { return each.param; });
 
 // Where contacts are looked at on the way, gaps at rest are rounding of both signs (MJ-6).
 TEST(QuickStudyOnTheWay, ABlockThatStopsOnASlopeIsHeldByContactsAtTheMidpoint) {

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Acceptance A-7 on recorded tosses, and what persistence and reduction may change in them
 // (doc/theory/cube_toss.md).
+#include <cmath>
 #include <cstdlib>
 
 #include <gtest/gtest.h>
 
+#include "examples/toss/toss_fit.hpp"
 #include "examples/toss/toss_report.hpp"
 #include "geometry/so3.hpp"
 
@@ -63,17 +65,29 @@ std::vector<Toss> some() {
   return tosses;
 }
 
-TEST(CubeToss, IsTheSameToTheBitWithEveryContactKept) {
-  TossWorld all = world();
-  all.options.reduction.reducer = Reducer::none;
-  for (const Toss& toss : some()) {
-    const TossRun a = roll_out(toss, world()), b = roll_out(toss, all);
-    ASSERT_EQ(a.pose.size(), b.pose.size());
-    for (std::size_t k = 0; k < a.pose.size(); ++k) {
-      ASSERT_EQ(a.pose[k].p, b.pose[k].p) << toss.name << " row " << k;
-      ASSERT_EQ(a.pose[k].R.coeffs(), b.pose[k].R.coeffs()) << toss.name << " row " << k;
+// A face has four corners, and every reducer keeps sets of four whole.
+TEST(CubeToss, IsTheSameToTheBitByEveryReducer) {
+  std::vector<Toss> tosses = some();
+  tosses.resize(12);
+  int flat = 0;
+  for (const Toss& toss : tosses) {
+    TossWorld all = world();
+    all.options.reduction.reducer = Reducer::none;
+    const TossRun a = roll_out(toss, all);
+    flat += a.most_contacts >= 4;
+    for (const std::string& name : reducer_names()) {
+      if (name == "none" || name == "selector") continue;
+      TossWorld reduced = world();
+      reduced.options.reduction.reducer = reducer(name);
+      const TossRun b = roll_out(toss, reduced);
+      ASSERT_EQ(a.pose.size(), b.pose.size()) << name;
+      for (std::size_t k = 0; k < a.pose.size(); ++k) {
+        ASSERT_EQ(a.pose[k].p, b.pose[k].p) << name << ", " << toss.name << " row " << k;
+        ASSERT_EQ(a.pose[k].R.coeffs(), b.pose[k].R.coeffs()) << name << ", " << toss.name << " row " << k;
+      }
     }
   }
+  EXPECT_GT(flat, 6);  // they come to lie on a face
 }
 
 // Beyond two contacts normal impulses share a load in more than one way, and friction with them.
@@ -93,6 +107,54 @@ TEST(CubeToss, DoesNotDependOnPersistenceWhileItsContactsAreFew) {
     }
   }
   EXPECT_GT(compared, 200);
+}
+
+// Beyond two it does, by little: three unknowns of a flat landing are shared by four normal impulses, and
+// friction depends on how. (The specification asks for no more than the solver's tolerance.)
+TEST(CubeToss, DependsOnPersistenceByAThousandthOfTheEdgeAtMost) {
+  const std::vector<Toss> tosses = recorded();
+  if (tosses.empty()) GTEST_SKIP() << "no cube_toss in AUSSOIS_DATA_DIR";
+  for (const auto& [substeps, every] : {std::pair{1, 1}, std::pair{10, 8}}) {
+    TossWorld remembers = world();
+    remembers.substeps = substeps;
+    TossWorld forgets = remembers;
+    forgets.options.persistence.matching = Matching::none;
+    double largest = 0;
+    int compared = 0, changed = 0;
+    for (std::size_t i = 0; i < tosses.size(); i += std::size_t(every)) {
+      const double change = 100 / kTossEdge *
+                            std::abs(roll_out(tosses[i], remembers).errors.position -
+                                     roll_out(tosses[i], forgets).errors.position);
+      largest = std::max(largest, change);
+      changed += change > 1e-3;
+      ++compared;
+    }
+    EXPECT_LE(largest, 0.1) << substeps << " substeps";
+    EXPECT_GT(changed, 0) << "it changes nothing: then say so";
+    std::printf("persistence at %d substeps: %d of %d errors change by more than 0.001 %%, at most %.3f %%\n",
+                substeps, changed, compared, largest);
+  }
+}
+
+// --fit --measure-board from where the search ends, (0.18, 0.05): it stays there, and the half that it has
+// not seen is as near as was asked for. The search from elsewhere takes three times as long
+// (doc/theory/cube_toss.md).
+TEST(CubeToss, FitOnOneHalfMeetsItsBoundsOnTheOther) {
+  const std::vector<Toss> tosses = recorded();
+  if (tosses.empty()) GTEST_SKIP() << "no cube_toss in AUSSOIS_DATA_DIR";
+  std::vector<Toss> seen, unseen;
+  for (std::size_t i = 0; i < tosses.size(); ++i) (i % 2 ? unseen : seen).push_back(tosses[i]);
+  TossWorld w = world();
+  w.board = board_of(seen);
+  w.restitution = 0.05;
+  const TossFit found = fit(seen, w, 2, [](const TossFit&) { return true; });
+  w.mu = found.mu, w.restitution = found.restitution;
+  const Means errors = means(unseen, w);
+  EXPECT_LE(errors.position, 13.0);
+  EXPECT_LE(errors.rotation, 16.5);
+  std::printf("mu = %.4f, e = %.4f after %d points and %.2g million steps: %.2f %%, %.2f deg unseen\n",
+              found.mu, found.restitution, found.points, 1e-6 * double(found.steps), errors.position,
+              errors.rotation);
 }
 
 }  // namespace

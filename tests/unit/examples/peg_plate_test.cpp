@@ -194,23 +194,6 @@ TEST(PegLabels, AreWhatOneChoosesByHand) {
   EXPECT_THROW(targets(errors, choices, 3, {.mode = LabelMode::soft, .tau = 0}), std::invalid_argument);
 }
 
-// Inputs and classes by formula, which the reference run made too.
-MatX formula_inputs(int n) {
-  MatX X(24, n);
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j < 24; ++j)
-      X(j, i) = std::sin(0.37 * (j + 1) * (i + 1) + 0.01 * (j + 1) * (j + 1) * (i + 1));
-  return X;
-}
-MatX formula_targets(const MatX& X) {
-  MatX Y = MatX::Zero(17, X.cols());
-  for (Eigen::Index i = 0; i < X.cols(); ++i) {
-    const double x = std::tanh(1.5 * (X(0, i) + X(1, i) * X(2, i) - 0.5 * X(3, i)));
-    Y(std::clamp(int(std::floor(17 * (0.5 + 0.5 * x))), 0, 16), i) = 1;
-  }
-  return Y;
-}
-
 TEST(PegTraining, A5_TheGradientIsTheDerivative) {
   const MatX X = formula_inputs(60), Y = formula_targets(X);
   for (unsigned seed = 1; seed <= 3; ++seed) {
@@ -240,6 +223,16 @@ TEST(PegTraining, A5_FindsTheLossOfAnotherLibrary) {
     EXPECT_NEAR(made.loss, reference, 0.05 * reference);
     EXPECT_NEAR(training_loss(made.network, X, Y, decay).value, made.loss, 1e-12);
   }
+}
+
+// What `evaluate` prints, for one more seed than the tests above.
+TEST(PegTraining, A5_IsCheckedFromAnySeed) {
+  const TrainingCheck check = check_training(7);
+  EXPECT_GT(check.gradient, 0);
+  EXPECT_LE(check.gradient, 1e-7);
+  EXPECT_EQ(check.weights_that_differ, 0);
+  EXPECT_LE(check.loss_error(), 0.05);
+  EXPECT_NE(check.loss, check_training(8).loss);
 }
 
 TEST(PegTraining, A5_GivesTheSameBitsAgain) {
@@ -372,7 +365,10 @@ TEST(PegStudy, VerdictsCountSeeds) {
                                   {.name = "kmcw", .still_size = 0.025, .chatter = 0.2},
                                   {.name = "mlc_ranked", .still_size = ranked}}});
   }
-  const std::vector<PegVerdict> lines = verdicts(results);
+  const std::vector<TrainingCheck> checks{
+      {.seed = 1, .gradient = 1e-9, .loss = 1.04 * kSciPyLoss},
+      {.seed = 2, .gradient = 2e-9, .weights_that_differ = 1, .loss = 0.94 * kSciPyLoss}};
+  const std::vector<PegVerdict> lines = verdicts(results, checks);
   const auto line = [&](const std::string& what) {
     return *std::ranges::find_if(lines, [&](const PegVerdict& v) { return v.what.starts_with(what); });
   };
@@ -383,6 +379,13 @@ TEST(PegStudy, VerdictsCountSeeds) {
   EXPECT_TRUE(line("A-1 kmc / kmcw").accepted());
   EXPECT_NEAR(line("A-1 kmc / kmcw").value, 1.2, 1e-12);
   EXPECT_NEAR(line("A-1 chatter").value, 5, 1e-12);
+  EXPECT_TRUE(line("A-5 gradient").accepted());
+  EXPECT_EQ(line("A-5 gradient").value, 2e-9);
+  EXPECT_EQ(line("A-5 weights").met, 1);
+  EXPECT_FALSE(line("A-5 weights").accepted());
+  EXPECT_NEAR(line("A-5 loss").value, 0.06, 1e-12);
+  EXPECT_EQ(line("A-5 loss").met, 1);
+  EXPECT_FALSE(line("A-5 loss").accepted());
   EXPECT_NE(to_string(lines).find("MISSED"), std::string::npos);
   EXPECT_NE(score_table(results).find("synthetic"), std::string::npos);
 }
@@ -408,6 +411,16 @@ TEST(PegFiles, GiveBackWhatWasWritten) {
   write_lessons(folder / "lessons.json", {.best_choice = 17, .upright_share = 0.25});
   EXPECT_EQ(read_lessons(folder / "lessons.json")->best_choice, 17);
   EXPECT_EQ(read_lessons(folder / "lessons.json")->upright_share, 0.25);
+
+  EXPECT_FALSE(read_training_check(folder / "training.json"));
+  write_training_check(folder / "training.json",
+                       {.seed = 3, .gradient = 1e-10, .weights_that_differ = 2, .loss = 0.34});
+  const std::optional<TrainingCheck> check = read_training_check(folder / "training.json");
+  ASSERT_TRUE(check);
+  EXPECT_EQ(check->seed, 3u);
+  EXPECT_EQ(check->gradient, 1e-10);
+  EXPECT_EQ(check->weights_that_differ, 2);
+  EXPECT_EQ(check->loss, 0.34);
 
   const PegResult result{
       .set = "edge_0.1", .seed = 3, .scores = {{.name = "upright", .still_size = 0.1, .chatter = 0.3}}};

@@ -148,10 +148,16 @@ TEST(StudyFile, ReadsBackWhatItHoldsForThisProgramOnly) {
 TEST(OrderTable, MarksWhatIsMissedExactOrNotThere) {
   Study late = made_up(0.5);
   late.case_name = "block", late.scheme = "euler theta 1";
-  EXPECT_EQ(order_table({made_up(1), late}),
-            "| case | euler theta 0.5 | euler theta 1 |\n|---|---|---|\n"
+  Study other = made_up(1);
+  other.scheme = "heun";
+  EXPECT_EQ(order_table({made_up(1), other, late}),
+            "## euler\n\n"
+            "| case | theta 0.5 | theta 1 |\n|---|---|---|\n"
             "| `ball` | 1.00 1.00 2.00 exact | - |\n"
-            "| `block` | - | **0.50** 1.00 2.00 exact |\n");
+            "| `block` | - | **0.50** 1.00 2.00 exact |\n"
+            "\n## heun\n\n"
+            "| case |  |\n|---|---|\n"
+            "| `ball` | 1.00 1.00 2.00 exact |\n");
 }
 
 }  // namespace

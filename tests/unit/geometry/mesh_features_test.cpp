@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -95,8 +96,7 @@ SimplicialComplex bumpy_sphere(Random& random, int subdivisions, double bumps) {
   return make_complex(vertices, sphere.triangles, {}, true);
 }
 
-// T-1.1
-TEST(MeshFeatures, OfACubeStandInOneTriangleEach) {
+TEST(MeshFeatures, T_1_1_OfACubeStandInOneTriangleEach) {
   const SimplicialComplex cube = make_box(1, 1, 1);
   for (const VertexRule rule : kRules) {
     const MeshFeatures f = features(cube, rule);
@@ -116,8 +116,7 @@ TEST(MeshFeatures, OfACubeStandInOneTriangleEach) {
   EXPECT_LE(vertex_bits(paper), 24);
 }
 
-// T-1.2
-TEST(MeshFeatures, OfARoomAreNone) {
+TEST(MeshFeatures, T_1_2_OfARoomAreNone) {
   for (const VertexRule rule : kRules) {
     const MeshFeatures f = features(turned_inside_out(make_box(1, 1, 1)), rule);
     EXPECT_EQ(edge_bits(f) + vertex_bits(f), 0);
@@ -126,8 +125,7 @@ TEST(MeshFeatures, OfARoomAreNone) {
   }
 }
 
-// T-1.3
-TEST(MeshFeatures, OfAFlatGridAreItsBorder) {
+TEST(MeshFeatures, T_1_3_OfAFlatGridAreItsBorder) {
   constexpr int n = 7;
   const SimplicialComplex grid = make_plate(1, 1, n, n);
   const MeshFeatures cone = features(grid), paper = features(grid, VertexRule::moravanszky_terdiman);
@@ -143,8 +141,7 @@ TEST(MeshFeatures, OfAFlatGridAreItsBorder) {
   EXPECT_EQ(cone.cells.neither, (n - 1) * (n - 1));
 }
 
-// T-1.4
-TEST(MeshFeatures, OfAStepAreNotAtTheEndsOfItsCrease) {
+TEST(MeshFeatures, T_1_4_OfAStepAreNotAtTheEndsOfItsCrease) {
   const SimplicialComplex step = make_extrusion({{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}}, 1);
   for (const VertexRule rule : kRules) {
     const MeshFeatures f = features(step, rule);
@@ -159,8 +156,7 @@ TEST(MeshFeatures, OfAStepAreNotAtTheEndsOfItsCrease) {
   }
 }
 
-// T-1.5
-TEST(MeshFeatures, OfAGroovedPyramidHaveAnApexByTangentConesOnly) {
+TEST(MeshFeatures, T_1_5_OfAGroovedPyramidHaveAnApexByTangentConesOnly) {
   const SimplicialComplex pyramid = grooved_pyramid();
   ASSERT_TRUE(is_closed_oriented(pyramid) && signed_volume(pyramid) > 0);
   const MeshFeatures cone = features(pyramid), paper = features(pyramid, VertexRule::moravanszky_terdiman);
@@ -171,8 +167,7 @@ TEST(MeshFeatures, OfAGroovedPyramidHaveAnApexByTangentConesOnly) {
   expect_each_active_feature_once(cone);
 }
 
-// T-1.6
-TEST(MeshFeatures, OfASubdividedEdgeRepeatByThePaperOnly) {
+TEST(MeshFeatures, T_1_6_OfASubdividedEdgeRepeatByThePaperOnly) {
   const MeshFeatures f = features(make_box(1, 1, 1, 2));
   EXPECT_EQ(f.cells.both, 8);
   EXPECT_EQ(f.cells.only_moravanszky_terdiman, 12);  // the middles of the edges
@@ -180,8 +175,7 @@ TEST(MeshFeatures, OfASubdividedEdgeRepeatByThePaperOnly) {
   EXPECT_EQ(vertex_bits(features(make_box(1, 1, 1, 2), VertexRule::moravanszky_terdiman)), 20);
 }
 
-// T-1.7
-TEST(MeshFeatures, OfThreeTrianglesOnAnEdgeAreActiveOnce) {
+TEST(MeshFeatures, T_1_7_OfThreeTrianglesOnAnEdgeAreActiveOnce) {
   const std::vector<Vec3> v = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {-1, 1, 0}, {-1, -1, 0}};
   for (const VertexRule rule : kRules) {
     const MeshFeatures f = features(make_complex(v, {{0, 1, 2}, {0, 1, 3}, {1, 0, 4}}), rule);
@@ -194,8 +188,7 @@ TEST(MeshFeatures, OfThreeTrianglesOnAnEdgeAreActiveOnce) {
   EXPECT_EQ(count(twisted, EdgeClass::nonmanifold), 1);
 }
 
-// T-1.8
-TEST(MeshFeatures, OfATJunctionAreBoundariesOnBothSides) {
+TEST(MeshFeatures, T_1_8_OfATJunctionAreBoundariesOnBothSides) {
   const std::vector<Vec3> v = {{0, 0, 0}, {2, 0, 0}, {1, 1, 0}, {1, 0, 0}, {1, -1, 0}};
   const MeshFeatures f = features(make_complex(v, {{0, 1, 2}, {0, 4, 3}, {3, 4, 1}}));
   EXPECT_EQ(count(f, EdgeClass::interior), 1);  // between the two small triangles
@@ -203,8 +196,7 @@ TEST(MeshFeatures, OfATJunctionAreBoundariesOnBothSides) {
   EXPECT_EQ(edge_bits(f), 7);
 }
 
-// T-1.9
-TEST(MeshFeatures, OfTwoTrianglesBackToBackAreActive) {
+TEST(MeshFeatures, T_1_9_OfTwoTrianglesBackToBackAreActive) {
   const std::vector<Vec3> v = {{0, 0, 0.1}, {1, 0.3, 0}, {0.2, 1, 0.5}};
   for (const VertexRule rule : kRules) {
     const MeshFeatures f = features(make_complex(v, {{0, 1, 2}, {0, 2, 1}}), rule);
@@ -227,8 +219,7 @@ Classes classes(const MeshFeatures& f, const std::vector<int>& name) {
   return out;
 }
 
-// T-1.10
-TEST(MeshFeatures, DoNotDependOnOrderPoseOrScale) {
+TEST(MeshFeatures, T_1_10_DoNotDependOnOrderPoseOrScale) {
   std::set<int> seen;
   for (unsigned seed = 0; seed < 1000; ++seed) {
     Random random(seed);
@@ -264,8 +255,7 @@ TEST(MeshFeatures, DoNotDependOnOrderPoseOrScale) {
     EXPECT_TRUE(seen.contains(100 + 2 * int(c) + active)) << "the sample has no vertex " << int(c);
 }
 
-// T-1.11
-TEST(MeshFeatures, OfASphereAreAllItsEdgesAndVertices) {
+TEST(MeshFeatures, T_1_11_OfASphereAreAllItsEdgesAndVertices) {
   const SimplicialComplex sphere = make_sphere(1, 4);
   const MeshFeatures f = features(sphere);
   EXPECT_EQ(count(f, EdgeClass::convex), int(sphere.edges.size()));
@@ -302,7 +292,7 @@ int sampled_polar(const SimplicialComplex& k, int v, int n, Random& random) {
   return inside_polar;
 }
 
-TEST(MeshFeatures, OfATorusAreThoseThatSamplingFinds) {
+TEST(MeshFeatures, T_1_11_OfATorusAreThoseThatSamplingFinds) {
   const SimplicialComplex torus = make_torus(2, 0.7, 24, 16);
   const MeshFeatures f = features(torus);
   Random random(11);
@@ -339,8 +329,7 @@ double interior_distance(const std::vector<Vec3>& s, const Vec3& x) {
   return std::abs(n.dot(x - s[0]));
 }
 
-// T-1.12
-TEST(MeshFeatures, AreEnoughForEveryDistance) {
+TEST(MeshFeatures, T_1_12_AreEnoughForEveryDistance) {
   int concave = 0;
   for (unsigned seed = 0; seed < 100; ++seed) {
     Random random(seed);
@@ -378,8 +367,7 @@ TEST(MeshFeatures, AreEnoughForEveryDistance) {
   EXPECT_GT(concave, 1000) << "the sample is not what it should be";
 }
 
-// T-1.13
-TEST(MeshFeatures, OfATerrainSaveThreeQuartersOfTheEdgeTests) {
+TEST(MeshFeatures, T_1_13_OfATerrainSaveThreeQuartersOfTheEdgeTests) {
   SimplicialComplex plate = make_plate(1, 1, 224, 224);
   Random random(13);
   for (Vec3& x : plate.vertices) x.z() = random.uniform(0, 2e-3);
@@ -427,6 +415,84 @@ TEST(MeshFeatures, CountWhatTheyWeldAndLeaveOut) {
   EXPECT_EQ(count(f, EdgeClass::interior), 1);
   EXPECT_EQ(f.vertex_of[3], f.vertex_of[1]);
   EXPECT_EQ(f.vertex_class[std::size_t(f.vertex_of[6])], VertexClass::unused);
+}
+
+// A cube with what meshes have wrong: everything that is a cube's own keeps its class.
+TEST(MeshFeatures, OfADamagedCubeAreThoseOfTheCube) {
+  const SimplicialComplex cube = make_box(1, 1, 1);
+  const auto expect_cube = [](const MeshFeatures& f) {
+    EXPECT_EQ(count(f, EdgeClass::convex), 12);
+    EXPECT_EQ(count(f, EdgeClass::interior), 6);
+    EXPECT_EQ(edge_bits(f), 12);
+    EXPECT_EQ(vertex_bits(f), 8);
+    expect_each_active_feature_once(f);
+  };
+  std::vector<Vec3> v = cube.vertices;
+  const int n = int(v.size());
+  {  // a soup: every triangle has corners of its own
+    std::vector<Vec3> corners;
+    Triangles triangles;
+    for (const auto& t : cube.triangles) {
+      triangles.push_back({int(corners.size()), int(corners.size()) + 1, int(corners.size()) + 2});
+      for (const int i : t) corners.push_back(v[std::size_t(i)]);
+    }
+    const MeshFeatures f = features(make_complex(corners, triangles));
+    expect_cube(f);
+    EXPECT_EQ(f.welded_vertices, 28);
+  }
+  {  // a triangle without area along an edge of the cube, and one of a single place
+    std::vector<Vec3> more = v;
+    const auto& e = cube.triangles[0];
+    more.push_back((v[std::size_t(e[0])] + v[std::size_t(e[1])]) / 2);
+    more.push_back(v[std::size_t(e[0])]);
+    Triangles triangles = cube.triangles;
+    triangles.push_back({e[0], n, e[1]});
+    triangles.push_back({e[0], n + 1, e[1]});
+    const MeshFeatures f = features(make_complex(more, triangles));
+    expect_cube(f);
+    EXPECT_EQ(f.removed_triangles, 2);
+    EXPECT_EQ(f.vertex_class[std::size_t(f.vertex_of[std::size_t(n)])], VertexClass::unused);
+  }
+  {  // a vertex of no triangle
+    std::vector<Vec3> more = v;
+    more.push_back({3, 3, 3});
+    const MeshFeatures f = features(make_complex(more, cube.triangles));
+    expect_cube(f);
+    EXPECT_EQ(f.vertex_class[std::size_t(f.vertex_of[std::size_t(n)])], VertexClass::unused);
+    EXPECT_FALSE(f.vertex_active[std::size_t(f.vertex_of[std::size_t(n)])]);
+  }
+}
+
+// A fin on one edge of the cube: that edge is nonmanifold, its own two are boundaries, all are active once.
+TEST(MeshFeatures, OfAFinnedCubeHaveOneNonManifoldEdge) {
+  const SimplicialComplex cube = make_box(1, 1, 1);
+  std::vector<Vec3> v = cube.vertices;
+  v.push_back({2, 2, 2});
+  int corner = 0;  // (1, 1, 1) / 2 and the one below
+  while ((v[std::size_t(corner)] - Vec3(0.5, 0.5, 0.5)).norm() > 1e-12) ++corner;
+  int below = 0;
+  while ((v[std::size_t(below)] - Vec3(0.5, 0.5, -0.5)).norm() > 1e-12) ++below;
+  Triangles triangles = cube.triangles;
+  triangles.push_back({corner, below, int(v.size()) - 1});
+  const MeshFeatures f = features(make_complex(v, triangles));
+  EXPECT_EQ(count(f, EdgeClass::nonmanifold), 1);
+  EXPECT_EQ(count(f, EdgeClass::boundary), 2);
+  EXPECT_EQ(count(f, EdgeClass::convex), 11);
+  expect_each_active_feature_once(f);
+  EXPECT_EQ(f.vertex_class[std::size_t(vertex_at(f, v[std::size_t(corner)]))], VertexClass::nonmanifold);
+}
+
+TEST(MeshFeatures, RefuseWhatIsNoNumber) {
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    SimplicialComplex mesh = make_box(1, 1, 1);
+    mesh.vertices[5].y() = bad;
+    const std::string message = message_of([&] { features(mesh); });
+    EXPECT_NE(message.find("SimplicialComplex::vertices[5] = "), std::string::npos) << message;
+    EXPECT_NE(message.find("must be finite"), std::string::npos) << message;
+    EXPECT_NE(message_of([&] { make_complex(mesh.vertices, mesh.triangles); }).find("vertex 5"),
+              std::string::npos);
+  }
 }
 
 TEST(MeshFeatures, RefuseBadAngles) {

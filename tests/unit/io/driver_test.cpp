@@ -150,6 +150,9 @@ TEST(Driver, ValuesTellRunsApart) {
   b.run({"--mu", "0.30000000000000004"});
   EXPECT_NE(a.cli.values(), b.cli.values());
   EXPECT_EQ(a.cli.values().substr(0, a.cli.values().find('\n')), "--mu 0.3");
+  EXPECT_EQ(a.cli.values("stepping").substr(0, 8), "--steps ");
+  EXPECT_EQ(b.cli.given("scene"), (std::vector<std::string>{"--mu"}));
+  EXPECT_TRUE(b.cli.given("stepping").empty());
 }
 
 TEST(Driver, WritesTheCommandLineAsOneWouldTypeIt) {

@@ -123,6 +123,7 @@ TEST(Record, PutsAStepIntoARow) {
   report.solve.residual = 1e-5;
   report.energy.kinetic_change = 1;
   report.energy.contact_work = -0.25;
+  report.impulse_gain = 0.5;
   StepContact contact;
   contact.point.a = {1, 0, 0, 4, {}};
   contact.point.b = {0, 2, 7, 3, {}};
@@ -144,6 +145,7 @@ TEST(Record, PutsAStepIntoARow) {
   EXPECT_NEAR(row.kinetic, 0.5 * 2 * 9, 1e-14);
   EXPECT_NEAR(row.gravity, 2 * 9.81 * 1, 1e-12);  // the high ball, one metre above the origin
   EXPECT_EQ(row.energy_residual, 1.25);
+  EXPECT_EQ(row.impulse_gain, 0.5);
   EXPECT_EQ(row.coupling_force, Vec3(1, 0, 0));
   EXPECT_EQ(row.coupling_torque, Vec3(0, 2, 0));
   ASSERT_EQ(row.contacts.size(), 1u);

@@ -92,6 +92,7 @@ void expect_same(const RunStep& a, const RunStep& b) {
                                s.joint_work,
                                s.numerical_work,
                                s.energy_residual,
+                               s.impulse_gain,
                                s.seconds_contact,
                                s.seconds_solve,
                                s.seconds_certificate,
@@ -227,7 +228,7 @@ TEST_P(ResumedRunFile, HasTheSameDataAsOneThatWasNeverInterrupted) {
   writer.close();
   const auto whole = datasets_of(folder / "whole.h5"), parts = datasets_of(folder / "parts.h5");
   // The layout of doc/run_file.md: 2 x 3 mesh, 7 body, 3 joint, 2 coordinates; 49 of steps, 8 of contacts.
-  EXPECT_EQ(whole.size(), 75u);
+  EXPECT_EQ(whole.size(), 76u);
   EXPECT_TRUE(whole == parts);
 }
 INSTANTIATE_TEST_SUITE_P(Steps, ResumedRunFile, ::testing::Values(0, 1, 63, 64, 65, 100, 128, 199));

@@ -19,7 +19,7 @@ namespace aussois {
 namespace {
 
 #ifndef AUSSOIS_TEST_MUJOCO
-TEST(Regularised, T51_FindsMuJoCosForces) {
+TEST(Regularised, T_5_1_FindsMuJoCosForces) {
   GTEST_SKIP() << "built without MuJoCo (Debian: libmujoco-dev)";
 }
 #else
@@ -65,7 +65,7 @@ Model model_of(const std::string& text) {
   return model;
 }
 
-TEST(Regularised, T51_FindsMuJoCosForces) {
+TEST(Regularised, T_5_1_FindsMuJoCosForces) {
   int sliding = 0, open = 0;
   double worst = 0;
   for (unsigned seed = 0; seed < 200; ++seed) {

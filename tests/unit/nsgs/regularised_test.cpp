@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compliant contact in three readings (regularised.md). T51 to T59 are the numbers of its specification.
+// Compliant contact in three readings (regularised.md). T_5_1 to T_5_9 are the numbers of its specification.
 #include "nsgs/regularised.hpp"
 
 #include <cmath>
@@ -67,16 +67,17 @@ double kinetic_energy(const FrictionProblem& problem, const VecX& v) {
   return 0.5 * v.dot(problem.M * v);
 }
 
-TEST(Regularised, T52_CarriesTheWeightButForItsCompliance) {
+TEST(Regularised, T_5_2_CarriesTheWeightButForItsCompliance) {
   for (const FrictionReading reading : kAll)
     for (const double rho : {1e-3, 1e-2})
       for (const std::vector<Vec2>& feet : {grid(2, 2), rings(), grid(10, 10)}) {
         const LocalProblem problem = condense(block_on(feet, 0.5, Vec6::Zero()));
         const VecX R = regularisation(problem, rho);
         RegularisedOptions options = sharp(reading);
-        // 300 rows are swept: what contacts share moves by rho a sweep; the resultant is exact long before
+        // 300 rows are swept: what contacts share moves by rho a sweep and stands still at up to 1.6e-4 of
+        // the residual; the resultant, which is what is asked for, is exact long before
         const bool swept = reading == FrictionReading::coulomb_pgs && feet.size() > 17;
-        if (swept) options.tolerance = 5e-4;
+        if (swept) options.tolerance = 2e-4;
         const RegularisedSolution s = solve_regularised(problem, R, {}, options);
         ASSERT_EQ(s.report.status, SolveStatus::converged)
             << to_string(reading) << " " << feet.size() << " " << s.report.residual;
@@ -93,7 +94,7 @@ TEST(Regularised, T52_CarriesTheWeightButForItsCompliance) {
       }
 }
 
-TEST(Regularised, T52_SharesSmoothlyWhenContactsAreAdded) {
+TEST(Regularised, T_5_2_SharesSmoothlyWhenContactsAreAdded) {
   // A foot added where others stand takes part of their load: none of the others gets more.
   const std::vector<Vec2> all = rings();
   VecX before;
@@ -110,13 +111,13 @@ TEST(Regularised, T52_SharesSmoothlyWhenContactsAreAdded) {
   }
 }
 
-TEST(Regularised, T53_PgsAndTheShiftFindTheSameImpulses) {
+TEST(Regularised, T_5_3_PgsAndTheShiftFindTheSameImpulses) {
   int compared = 0, slipping = 0;
   for (unsigned seed = 0; seed < 500; ++seed) {
     Random random(seed);
     const LocalProblem problem =
         condense(random_peg_in_hole(random, 1 + int(seed % 2), 2 + int(seed % 7), random.uniform(0.05, 0.6)));
-    const VecX R = regularisation(problem, random.log_uniform(1e-2, 0.3));
+    const VecX R = regularisation(problem, random.log_uniform(1e-3, 0.3));
     const RegularisedSolution pgs = solve_regularised(problem, R, {}, sharp(FrictionReading::coulomb_pgs)),
                               hybrid = solve_regularised(problem, R, {}, sharp(FrictionReading::hybrid));
     if (pgs.report.status != SolveStatus::converged || hybrid.report.status != SolveStatus::converged)
@@ -126,11 +127,11 @@ TEST(Regularised, T53_PgsAndTheShiftFindTheSameImpulses) {
     for (Eigen::Index k = 0; k < R.size(); k += 3)
       slipping += hybrid.lambda[k] > 0 && hybrid.v.segment<2>(k + 1).norm() > 1e-3 * hybrid.v.norm();
   }
-  EXPECT_GE(compared, 490);  // or it says nothing
+  EXPECT_EQ(compared, 500);  // all converge
   EXPECT_GT(slipping, 200);
 }
 
-TEST(Regularised, T54_OnlyTheConvexConeLiftsWhatSlides) {
+TEST(Regularised, T_5_4_OnlyTheConvexConeLiftsWhatSlides) {
   Vec6 v = Vec6::Zero();
   v[0] = 1;
   const double mu = 0.5;
@@ -153,7 +154,7 @@ TEST(Regularised, T54_OnlyTheConvexConeLiftsWhatSlides) {
   }
 }
 
-TEST(Regularised, T55_ASlidingBlockBrakesWithMuG) {
+TEST(Regularised, T_5_5_ASlidingBlockBrakesWithMuG) {
   const double mu = 0.4;
   for (const FrictionReading reading : {FrictionReading::coulomb_pgs, FrictionReading::hybrid}) {
     Vec6 v = Vec6::Zero();
@@ -173,7 +174,7 @@ TEST(Regularised, T55_ASlidingBlockBrakesWithMuG) {
   }
 }
 
-TEST(Regularised, T56_ASymmetricProblemHasSymmetricForces) {
+TEST(Regularised, T_5_6_ASymmetricProblemHasSymmetricForces) {
   for (const FrictionReading reading : kAll) {
     Vec6 v = Vec6::Zero();
     v[0] = 0.3;  // the mirror image in y is the same problem
@@ -193,7 +194,7 @@ TEST(Regularised, T56_ASymmetricProblemHasSymmetricForces) {
   }
 }
 
-TEST(Regularised, T57_APointMassBouncesWithE) {
+TEST(Regularised, T_5_7_APointMassBouncesWithE) {
   const double e = 0.6, rho = 1e-6, m = 0.5;
   for (const FrictionReading reading : kAll)
     for (const double speed : {1.5, 0.005}) {  // the second is below the threshold
@@ -210,7 +211,7 @@ TEST(Regularised, T57_APointMassBouncesWithE) {
     }
 }
 
-TEST(Regularised, T58_EnergyNeverRisesWithoutRestitutionOrForces) {
+TEST(Regularised, T_5_8_EnergyNeverRisesWithoutRestitutionOrForces) {
   int lost = 0;
   for (unsigned seed = 0; seed < 200; ++seed) {
     Random random(seed);
@@ -232,7 +233,7 @@ TEST(Regularised, T58_EnergyNeverRisesWithoutRestitutionOrForces) {
   EXPECT_GT(lost, 300);
 }
 
-TEST(Regularised, T58_ASingleContactTakesBackEOfItsSpeed) {
+TEST(Regularised, T_5_8_ASingleContactTakesBackEOfItsSpeed) {
   for (unsigned seed = 0; seed < 100; ++seed) {
     Random random(seed);
     FrictionProblem bodies = random_peg_in_hole(random, 1, 1, random.uniform(0, 0.5));
@@ -255,7 +256,7 @@ TEST(Regularised, T58_ASingleContactTakesBackEOfItsSpeed) {
   }
 }
 
-TEST(Regularised, T59_SensitivityIsTheDerivative) {
+TEST(Regularised, T_5_9_SensitivityIsTheDerivative) {
   int compared = 0;
   for (unsigned seed = 0; seed < 60; ++seed) {
     Random random(seed);

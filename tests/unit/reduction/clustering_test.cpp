@@ -54,8 +54,7 @@ ContactSet shuffled(const ContactSet& set, Random& random, std::vector<int>& fro
   return out;
 }
 
-// T-2.1
-TEST(CubeMap, HasEveryCellAndEachDirectionInOne) {
+TEST(CubeMap, T_2_1_HasEveryCellAndEachDirectionInOne) {
   for (const bool equi_angular : {false, true})
     for (const int cells : {1, 2, 3, 4, 7}) {
       std::set<int> seen;
@@ -78,8 +77,7 @@ TEST(CubeMap, HasEveryCellAndEachDirectionInOne) {
     }
 }
 
-// T-2.2
-TEST(CubeMap, PutsAxesAndBordersWhereTheirLowestAxisSays) {
+TEST(CubeMap, T_2_2_PutsAxesAndBordersWhereTheirLowestAxisSays) {
   for (int axis = 0; axis < 3; ++axis)
     for (const double sign : {1.0, -1.0}) {
       Vec3 d = Vec3::Zero();
@@ -103,8 +101,7 @@ TEST(CubeMap, PutsAxesAndBordersWhereTheirLowestAxisSays) {
   EXPECT_EQ(cells.size(), 12u);
 }
 
-// T-2.3
-TEST(CubeMap, MergesABundleThatABorderSplits) {
+TEST(CubeMap, T_2_3_MergesABundleThatABorderSplits) {
   for (const Vec3& border : {Vec3(1, 0.5, 0.2), Vec3(1, 1, 0.1), Vec3(0.3, -1, 1), Vec3(-1, -0.1, 0)}) {
     Random random(5);
     std::vector<Vec3> bundle;
@@ -121,7 +118,7 @@ TEST(CubeMap, MergesABundleThatABorderSplits) {
 }
 
 // T-2.4, and the solid angles of equi-angular cells.
-TEST(CubeMap, HasCellsAsWideAsComputed) {
+TEST(CubeMap, T_2_4_HasCellsAsWideAsComputed) {
   constexpr int kCells = 4, kGrid = 12;
   std::vector<std::vector<Vec3>> cell(6 * kCells * kCells);
   for (int i = 0; i <= kCells * kGrid; ++i)
@@ -159,8 +156,7 @@ TEST(CubeMap, HasCellsAsWideAsComputed) {
   }
 }
 
-// T-2.5, T-2.6
-TEST(NormalClusters, AreTheBundlesAndNeverOppositeOnes) {
+TEST(NormalClusters, T_2_5_T_2_6_AreTheBundlesAndNeverOppositeOnes) {
   Random random(21);
   const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ();
   const std::vector<std::vector<Vec3>> scenes = {
@@ -194,7 +190,7 @@ TEST(NormalClusters, AreTheBundlesAndNeverOppositeOnes) {
 }
 
 // Fewer groups than directions: k-means with k = 1 would average them to nothing.
-TEST(NormalClusters, AreSplitByTheGuardWhereNormalsCancel) {
+TEST(NormalClusters, T_2_6_AreSplitByTheGuardWhereNormalsCancel) {
   const NormalClusters found =
       cluster_normals(contacts_of({Vec3::UnitX(), -Vec3::UnitX(), Vec3::UnitX(), -Vec3::UnitX()}), {.k = 1});
   EXPECT_EQ(found.label, (std::vector<int>{1, 0, 1, 0}));  // the last is the deepest
@@ -202,8 +198,7 @@ TEST(NormalClusters, AreSplitByTheGuardWhereNormalsCancel) {
   EXPECT_EQ(found.centre, (std::vector<Vec3>{-Vec3::UnitX(), Vec3::UnitX()}));
 }
 
-// T-2.7
-TEST(NormalClusters, DoNotDependOnTheOrderOfTheSet) {
+TEST(NormalClusters, T_2_7_DoNotDependOnTheOrderOfTheSet) {
   for (unsigned seed = 0; seed < 200; ++seed) {
     Random random(seed);
     std::vector<Vec3> normals;
@@ -223,8 +218,7 @@ TEST(NormalClusters, DoNotDependOnTheOrderOfTheSet) {
   }
 }
 
-// T-2.8
-TEST(NormalClusters, AreAtRestAfterThreeIterationsIfBundlesAreApart) {
+TEST(NormalClusters, T_2_8_AreAtRestAfterThreeIterationsIfBundlesAreApart) {
   for (unsigned seed = 0; seed < 10000; ++seed) {
     Random random(seed);
     std::vector<Vec3> centre = {random.direction()};
@@ -241,8 +235,7 @@ TEST(NormalClusters, AreAtRestAfterThreeIterationsIfBundlesAreApart) {
   }
 }
 
-// T-2.9
-TEST(NormalClusters, KeepTheirLabelsWhileNormalsTurnSlowly) {
+TEST(NormalClusters, T_2_9_KeepTheirLabelsWhileNormalsTurnSlowly) {
   Random random(31);
   std::vector<Vec3> normals;
   for (const Vec3& b : {Vec3(1, 0, 0), Vec3(0, 1, 0.2), Vec3(-0.5, 0.1, 1)})
@@ -321,8 +314,7 @@ std::vector<KMeansSeeding> every_seeding(const MatX& points) {
   return {SeedFarthest{}, SeedRandom{7}, SeedPlusPlus{7}, SeedWarm{points.leftCols(2)}};
 }
 
-// T-2.10, T-2.11, T-2.12
-TEST(KMeans, DescendsToAFixedPointAndStaysThere) {
+TEST(KMeans, T_2_10_T_2_11_T_2_12_DescendsToAFixedPointAndStaysThere) {
   for (unsigned seed = 0; seed < 200; ++seed) {
     Random random(seed);
     const int dim = 2 + int(seed % 6);
@@ -432,8 +424,7 @@ double margin(const MeanContacts& means) {
   return least;
 }
 
-// T-2.13
-TEST(MeanContacts, ShrinkTheSupportOfADisc) {
+TEST(MeanContacts, T_2_13_ShrinkTheSupportOfADisc) {
   const MeanContacts three = mean_contacts(disc(), {}, {}, {.k = 3});
   ASSERT_EQ(three.contacts.size(), 3u);
   RecordProperty("margin_of_3", std::to_string(margin(three)));

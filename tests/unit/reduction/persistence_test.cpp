@@ -134,8 +134,7 @@ Shares shares(const Motion& m, double jump) {
   return out;
 }
 
-// T-4.3
-TEST(Persistence, CarriesImpulsesWhileABoxTips) {
+TEST(Persistence, T_4_3_CarriesImpulsesWhileABoxTips) {
   const Vec3 edge(0.05, 0, -0.05);
   const Motion m{.a = shape_of(make_box(0.1, 0.1, 0.1), 1e-3),
                  .b = shape_of(make_plate(1, 1, 5, 5), 1e-3),
@@ -153,7 +152,7 @@ TEST(Persistence, CarriesImpulsesWhileABoxTips) {
   EXPECT_GE(s.carried, 0.95 * s.exist);
 }
 
-TEST(Persistence, CarriesImpulsesWhileABoxSlides) {
+TEST(Persistence, T_4_3_CarriesImpulsesWhileABoxSlides) {
   SimplicialComplex floor = make_plate(0.6, 0.4, 30, 20);  // cells of 2 cm, uneven by half a millimetre
   Random random(3);
   for (Vec3& x : floor.vertices) x.z() = random.uniform(-5e-4, 5e-4);
@@ -172,7 +171,7 @@ TEST(Persistence, CarriesImpulsesWhileABoxSlides) {
   EXPECT_LT(s.carried_by_key, s.carried) << "keys alone do as well: the scene says nothing";
 }
 
-TEST(Persistence, CarriesImpulsesWhileACapsuleRolls) {
+TEST(Persistence, T_4_3_CarriesImpulsesWhileACapsuleRolls) {
   std::vector<Vec2> teeth = {{0.2, -0.02}, {0.2, 0}};
   for (int i = 9; i > -10; --i) teeth.push_back({0.02 * i, i % 2 ? 0.006 : 0.0});
   teeth.push_back({-0.2, 0}), teeth.push_back({-0.2, -0.02});
@@ -213,7 +212,7 @@ int closest(const ContactSet& set) {
 
 // T-4.4: the closest pair of two convex bodies, followed through small steps; where its feet jump farther
 // than the bodies move, two faces or edges were parallel.
-TEST(Persistence, FindsTheSuccessorAcrossFeatures) {
+TEST(Persistence, T_4_4_FindsTheSuccessorAcrossFeatures) {
   int changes = 0, found = 0, flips = 0;
   std::array<int, 4> kinds{};
   Motion m{.steps = 1, .threshold = 0.5};
@@ -262,14 +261,15 @@ TEST(Persistence, FindsTheSuccessorAcrossFeatures) {
   RecordProperty("by_adjacency", kinds[2]);
   RecordProperty("by_geometry", kinds[3]);
   RecordProperty("by_a_twin", changes - flips - found);
-  EXPECT_GE(found, 0.98 * (changes - flips));
+  EXPECT_EQ(found, changes - flips);
   EXPECT_GT(changes - flips, 150);
 }
 
-// T-4.6: CPU time per contact of 10^3 and of 10^6, in pairs of a hundred. A factor of ten allows for memory
-// that no longer fits a cache which others use too; a search of all by all would be a thousand times as slow.
-// The page has the instructions.
-TEST(Persistence, CostsAboutTheSamePerContact) {
+// T-4.6: CPU time per contact of 10^3 and of 10^6, in pairs of a hundred. The specification
+// asks for 30 per cent, which holds for instructions (1071 and 1074, on the page); time is 2.4 times as much
+// here, because a million contacts do not fit a cache, and five times allows for others who use it. A search
+// of all by all would be a thousand times as slow.
+TEST(Persistence, T_4_6_CostsAboutTheSamePerContact) {
   const auto cost = [](int n) {
     Random random(1);
     ContactSet set;
@@ -292,7 +292,7 @@ TEST(Persistence, CostsAboutTheSamePerContact) {
   const double thousand = cost(1000), million = cost(1000000);
   RecordProperty("microseconds_per_contact_of_1e3", std::to_string(thousand * 1e6 / CLOCKS_PER_SEC));
   RecordProperty("microseconds_per_contact_of_1e6", std::to_string(million * 1e6 / CLOCKS_PER_SEC));
-  EXPECT_LT(million, 10 * thousand);
+  EXPECT_LT(million, 5 * thousand);
 }
 
 TEST(Persistence, CountsEveryContactOnceByItsKind) {

@@ -2,6 +2,7 @@
 // Every clustering as the first half of a reduction: what reducers may count on, and what tells each of them
 // from the others.
 #include <algorithm>
+#include <limits>
 #include <numeric>
 #include <set>
 
@@ -111,6 +112,34 @@ TEST_P(EveryClustering, BearsNothingOnePointAndOnePlace) {
   const Selection one_place = reduce(flat(std::vector<Vec2>(9, Vec2(1, 2))), o);
   EXPECT_FALSE(one_place.kept.empty());
   EXPECT_EQ(one_place.loss.margin, 1);
+}
+
+// Ten contacts on a line that is no axis: every group keeps its two ends, whatever the groups are.
+TEST_P(EveryClustering, KeepsTheEndsOfEveryPartOfALine) {
+  Known line;
+  for (const int i : {3, 0, 7, 5, 9, 1, 2, 8, 4, 6}) add(line.set, {0.06 * i, -0.08 * i, 0}, Vec3::UnitZ());
+  const Selection selection = reduce(line.input(), {.clustering = options(), .min_per_cluster = 1});
+  EXPECT_NEAR(selection.loss.margin, 1, 1e-12);
+  for (const int end : {1, 4}) EXPECT_TRUE(std::ranges::binary_search(selection.kept, end));
+  std::vector<int> in_group(std::size_t(selection.cluster_count), 0);
+  for (const int c : selection.cluster) ++in_group[std::size_t(c)];
+  std::size_t corners = 0;  // besides, the deepest by order, which is an inner one perhaps
+  for (const int n : in_group) corners += std::size_t(std::min(n, 2));
+  EXPECT_GE(selection.kept.size(), corners);
+  EXPECT_LE(selection.kept.size(), corners + in_group.size());
+}
+
+TEST_P(EveryClustering, RefusesWhatIsNoNumberByItsContact) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto message = [&](auto&& spoil) {
+    Known known = random_contacts(1, 20);
+    spoil(known.set.points[3]);
+    return message_of([&] { reduce(known.input(), {.clustering = options()}); });
+  };
+  EXPECT_NE(message([&](ContactPoint& c) { c.x_a.y() = nan; }).find("contact 3"), std::string::npos);
+  EXPECT_NE(message([&](ContactPoint& c) { c.gap = nan; }).find("contact 3"), std::string::npos);
+  EXPECT_NE(message([&](ContactPoint& c) { c.normal.x() = nan; }).find("contact 3"), std::string::npos);
+  EXPECT_EQ(message([](ContactPoint&) {}), "");
 }
 
 INSTANTIATE_TEST_SUITE_P(Clusterings, EveryClustering, ::testing::ValuesIn(clustering_names()),
