@@ -5,6 +5,7 @@ it, as lines "file:line: what"; the order of the rooms is the one of doc/archite
     python3 house.py ROOT RULE        prints the offences of one rule; exit code 1 if there are any
 """
 
+import fnmatch
 import os
 import re
 import sys
@@ -153,8 +154,17 @@ def references(root):
     return [f"{place}: {match[1]} does not stand in doc/references.bib" for place, match in cited if match[1] not in known]
 
 
+def tests(root):
+    """Every test that a page names, such as `Suite.Test`, `Suite.Begins*` or `Suite.*`, exists."""
+    known = {f"{match[1]}.{match[2]}"
+             for _, match in lines(root, files(root / "tests", ".cpp"), r"^\s*TEST(?:_P|_F)?\((\w+), (\w+)")}
+    named = lines(root, files(root / "doc", ".md"), r"`(?:\w+/)?([A-Z]\w+\.(?:[A-Z]\w*)?\*?)`")
+    return [f"{place}: there is no test {match[1]}" for place, match in named
+            if not fnmatch.filter(known, match[1])]
+
+
 RULES = {rule.__name__: rule for rule in (includes, public_headers, listed, equations, licence, links, pages,
-                                      references)}
+                                      references, tests)}
 
 
 def main():

@@ -90,6 +90,15 @@ class House(unittest.TestCase):
                          ["doc/a.md:1: Moreau1988a does not stand in doc/references.bib",
                           "nsgs/a.hpp:1: Jean1999 does not stand in doc/references.bib"])
 
+    def test_tests_that_pages_name_exist(self):
+        tree = {"tests/unit/a.cpp": "TEST(Ball, Bounces) {}\nTEST_P(EveryScheme, HoldsAJoint) {}\n",
+                "doc/a.md": "`Ball.Bounces`, `Ball.*`, `Schemes/EveryScheme.Holds*`, `normal.law`, `Ball.radius`\n"}
+        self.assertEqual(self.offences(house.tests, tree), [])
+        tree["doc/a.md"] += "`Ball.Rests`, `Box.*`\n`EveryScheme.Keeps*`\n"
+        self.assertEqual(self.offences(house.tests, tree),
+                         ["doc/a.md:2: there is no test Ball.Rests", "doc/a.md:2: there is no test Box.*",
+                          "doc/a.md:3: there is no test EveryScheme.Keeps*"])
+
 
 if __name__ == "__main__":
     unittest.main()

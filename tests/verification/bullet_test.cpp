@@ -138,17 +138,24 @@ TEST_P(EverySchemeAndBullet, HitsWhatItDoesNotMiss) {
   }
 }
 
-// Head-on at the edge of an upright sheet of a tenth of a millimetre.
+// Head-on at the edge of an upright sheet of a tenth of a millimetre: (TOY-1) again. Contacts that Newton's
+// loop looks for in the middle of an elastic step may be those of a bullet that straddles the sheet: left
+// out.
 TEST_P(EverySchemeAndBullet, MeetsTheSheetOnItsEdge) {
   const SchemeVariant& v = GetParam();
   const double share = kBulletMass / (kBulletMass + kPaperMass);
-  for (int phase = 0; phase < 10; ++phase) {
-    const CaseScene s = bullet_on_edge(0, 0.3 + phase / 10.0 * kBulletSpeed * kStep, 0);
-    const Shot shot = shoot(s, v);
-    ASSERT_TRUE(shot.ok);
-    EXPECT_NEAR(twist(shot.end, 0)[2], -share * kBulletSpeed, 0.02) << "phase " << phase;
-    EXPECT_NEAR(twist(shot.end, s.body)[2], -share * kBulletSpeed, 0.02) << "phase " << phase;
-    EXPECT_LT(twist(shot.end, 0).tail<3>().norm(), 1e-6);
+  const bool straddles = v.options.newton.max_iterations > 1 && v.options.contacts == ContactsAt::midpoint;
+  for (const double e : {0.0, 1.0}) {
+    if (e > 0 && (straddles || !scheme_traits(v.name, v.options).restitution)) continue;
+    for (int phase = 0; phase < 10; ++phase) {
+      const CaseScene s = bullet_on_edge(e, 0.3 + phase / 10.0 * kBulletSpeed * kStep, 0);
+      const Shot shot = shoot(s, v);
+      ASSERT_TRUE(shot.ok);
+      EXPECT_NEAR(twist(shot.end, 0)[2], -(1 + e) * share * kBulletSpeed, 0.02) << "phase " << phase;
+      EXPECT_NEAR(twist(shot.end, s.body)[2], -(share - e * (1 - share)) * kBulletSpeed, 0.02)
+          << "phase " << phase;
+      EXPECT_LT(twist(shot.end, 0).tail<3>().norm(), 1e-6);
+    }
   }
 }
 
