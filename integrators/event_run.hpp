@@ -17,7 +17,8 @@ inline constexpr double kSameTime = 1e-12;
 std::vector<int> matched(const std::vector<Touch>& old, const std::vector<Touch>& now);
 std::vector<Touch> touches_of(const std::vector<Closed>& closed);
 
-/// A touch that opened at the start of the piece; `offset` as far as its gap is known.
+/// A touch that opened at the start of the piece; `offset` by how much it overlapped, and as far as its gap
+/// is known.
 struct LeavingTouch {
   Touch touch{};
   double offset = 0;  // [m]

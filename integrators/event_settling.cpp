@@ -16,6 +16,11 @@ double kinetic(const StepSetting& setting, const State& state) {
   return energy(setting.model, state).kinetic;
 }
 
+/// What opens from an overlap has come back when it is deeper than that.
+double overlap_of(const Touch& touch) {
+  return std::max(0.0, -touch.gap);
+}
+
 }  // namespace
 
 void EventRun::add_event(EventKind kind, const Touch& touch, double t, double speed) {
@@ -125,7 +130,7 @@ bool EventRun::decide(const std::vector<Touch>& touches) {
   for (const Touch& touch : touches) {
     if (touch.gap > o_.gap_tolerance) continue;
     if (has_gap(touch) && touch.u[0] > o_.rest_speed) {
-      leaving_.push_back({touch, 0});
+      leaving_.push_back({touch, overlap_of(touch)});
       continue;
     }
     if (!touch.kinematics_defined)
@@ -161,7 +166,7 @@ bool EventRun::decide(const std::vector<Touch>& touches) {
   force_.clear();
   for (std::size_t i = 0; i < closed_.size(); ++i) {
     if (has_gap(closed_[i].touch) && now.force[i][0] <= 0 && now.rate[i][0] > tolerance_ / 2) {
-      leaving_.push_back({closed_[i].touch, kLiftOff});
+      leaving_.push_back({closed_[i].touch, kLiftOff + overlap_of(closed_[i].touch)});
       continue;
     }
     stay.push_back(closed_[i]);

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "examples/scenes/cases.hpp"
+#include "examples/scenes/mechanisms.hpp"
 
 namespace aussois {
 namespace {
@@ -199,6 +199,27 @@ TEST(EventDriven, SlidesWhereAForceDoes) {
   EXPECT_TRUE(report.events.empty());
   EXPECT_GT(state.r[0], 0);
   EXPECT_NEAR(state.r[1], 0.5 * state.r[0], 1e-12);
+}
+
+// A wall lets go of the slider-crank again and again, at gaps that are rounding of either sign, each time of
+// both corners: 0.2 s, the closed motion of C2 at the end of each step.
+TEST(EventDriven, LeavesAWallFromAnOverlapOfRounding) {
+  const CaseScene s = slider_crank_of_angles(0);
+  const ExactMotion exact = slider_crank_motion(0.2);
+  const EventDriven scheme(s.model, options(1e-3));
+  State state = s.state;
+  int releases = 0, hits = 0;
+  while (state.t < 0.2 - 1e-12) {
+    const StepReport report = scheme.step(state, 0.2 - state.t);
+    ASSERT_TRUE(report.ok()) << report.reason;
+    for (const StepEvent& e : report.events) {
+      releases += e.kind == EventKind::release;
+      hits += e.kind == EventKind::impact && e.speed > 0.02;
+    }
+    EXPECT_LT((slider_of_angles(s, state).q - evaluate(exact, state.t).q).norm(), 2e-8) << state.t;
+  }
+  EXPECT_GT(releases, 10);
+  EXPECT_EQ(hits, 2 * 43);  // both corners
 }
 
 /// 1 kg on a slide along z, which pulls down by gravity if `falls`.
