@@ -55,7 +55,13 @@ ExitCode list() {
   return ExitCode::ok;
 }
 
-// ---- the table of steps: energies, then all coordinates by name
+// ---- the table of steps: energies, work of contacts by their laws, then all coordinates by name
+
+std::string name_of(const ContactLaw& law) {
+  char text[80];
+  std::snprintf(text, sizeof text, "mu %g e %g R_e %g", law.mu, law.restitution, law.contensou_radius);
+  return text;
+}
 
 std::vector<std::string> columns_of(const Model& model) {
   std::vector<std::string> out{"step",
@@ -72,6 +78,7 @@ std::vector<std::string> columns_of(const Model& model) {
                                "joint_drift",
                                "joint_drift_angle",
                                "displacement"};
+  for (const ContactLaw& law : contact_laws(model)) out.push_back("work:" + name_of(law));
   for (const Coordinates& block : model.coordinates)
     for (int i = 0; i < block.size; ++i) out.push_back("q:" + block.name + ":" + std::to_string(i));
   for (const Joint& joint : model.joints)
@@ -103,6 +110,7 @@ std::vector<double> row_of(const Model& model, const State& state, const StepRep
                           report.joint_error.translation,
                           report.joint_error.rotation,
                           displacement};
+  out.insert(out.end(), report.law_work.begin(), report.law_work.end());
   for (const double q : state.q) out.push_back(q);
   for (int j = 0; j < int(model.joints.size()); ++j)
     for (int axis = 0; axis < axis_count(model.joints[std::size_t(j)].kind); ++axis)

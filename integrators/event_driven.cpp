@@ -7,6 +7,7 @@
 #include "geometry/check.hpp"
 #include "integrators/attempt.hpp"
 #include "integrators/event_run.hpp"
+#include "integrators/ledgers.hpp"
 
 namespace aussois {
 namespace {
@@ -44,15 +45,18 @@ bool EventRun::piece() {
       .rate = [&](double t, const VecX& y, VecX& out) { return rate(t, y, out); },
       .roots = [&](double t, const VecX& y, VecX& out) { return roots(t, y, out); },
       .root_count = 1 + 2 * int(closed_.size()),
-      .unjudged = layout_.size - layout_.impulse};  // redundant contacts share their load as they like
+      .unjudged = layout_.touch_work - layout_.impulse,  // redundant contacts share their load as they like
+      .sums = layout_.size - layout_.touch_work};
   OdeOptions ode = o_.ode;
   if (std::ranges::any_of(closed_, [&](const Closed& c) {
         return c.friction == Friction::slips && c.along.size() > 1 &&
                slip_of(c.touch, c.touch.u).norm() < o_.stiff_slip;
       }))
     ode.method = OdeMethod::bdf;
+  const std::size_t gone = report_.pieces.size();
   for (int retry = 0; retry < kMaxRetries; ++retry) {
     turned_ = state_;
+    report_.pieces.resize(gone);
     OdePiece run(problem, ode, state_.t, packed());
     State last = state_;
     OdeStop what = OdeStop::stepped;
@@ -78,7 +82,11 @@ bool EventRun::piece() {
     take(run.state());
     state_.t = last.t, state_.g = last.g, state_.q = last.q, state_.v = last.v, state_.turns = last.turns;
     if (what == OdeStop::at_end) state_.t = stop;
-    if (!model_.joints.empty()) state_ = consistent(model_, state_);  // (EVD-5)
+    if (!model_.joints.empty()) {  // (EVD-5)
+      const Momentum before = momentum(model_, state_);
+      state_ = consistent(model_, state_);
+      momentum_.joints += momentum(model_, state_) - before;
+    }
     return true;
   }
   return refused("no path is proven to keep bodies apart: " + report_.reason);
@@ -89,6 +97,7 @@ StepReport EventRun::go(State& out) {
   const State start = state_;
   move_prescribed();
   const Energy before = energy(model_, state_);
+  const Momentum momentum_before = momentum(model_, state_);
   bool alive = state_.v.allFinite();
   if (!alive) report_.status = StepStatus::not_finite, report_.reason = "a velocity is not finite";
   alive = alive && settle(true);
@@ -135,6 +144,14 @@ StepReport EventRun::go(State& out) {
                     .contact_work = work_[by_contacts],
                     .gyroscopic_work = work_[by_mass],
                     .joint_work = work_[by_joints]};
+  report_.momentum = momentum_;  // (EVD-11)
+  report_.momentum.change = momentum(model_, state_) - momentum_before;
+  std::ranges::sort(report_.gaps, {}, &StepGap::index);
+  report_.law_work.assign(setting_.laws.size(), 0);
+  for (const StepContact& c : report_.contacts)
+    add_work(setting_, contact_law(model_, c.point.a.body, c.point.b.body), c.work, report_);
+  for (const StepGap& gap : report_.gaps)
+    add_work(setting_, model_.gaps[std::size_t(gap.index)].law, gap.work, report_);
   out = std::move(state_);
   return report_;
 }

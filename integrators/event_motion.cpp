@@ -3,13 +3,14 @@
 #include <cmath>
 
 #include "integrators/event_run.hpp"
+#include "integrators/ledgers.hpp"
 #include "lmd/motion_bound.hpp"
 
 namespace aussois {
 namespace {
 
-constexpr double kDirection = 1e-10;  // slips slower than this keep the direction they began with [m/s]
-constexpr double kSurelyOff = 1e-9;   // until then a contact that just opened is not asked whether it did [s]
+constexpr double kDirection = 1e-8;  // slips slower than this keep the direction they began with [m/s]
+constexpr double kSurelyOff = 1e-9;  // until then a contact that just opened is not asked whether it did [s]
 
 bool same(const Touch& a, const Touch& b) {
   return a.slot == b.slot && (a.slot >= 0 || key_of(a.point) == key_of(b.point));
@@ -56,7 +57,9 @@ EventLayout layout_of(const StepSetting& setting, const std::vector<Closed>& clo
     out.first_impulse.push_back(out.reaction);
     out.reaction += c.touch.law.rows;
   }
-  out.size = out.reaction + constraints;
+  out.touch_work = out.reaction + constraints;
+  out.momentum = out.touch_work + int(closed.size());
+  out.size = out.momentum + 6 * kMomenta;
   return out;
 }
 
@@ -105,7 +108,8 @@ std::vector<Closed> EventRun::closed_at(const std::vector<Touch>& touches, std::
     if (c.friction == Friction::slips) {
       const VecX slip = slip_of(c.touch, c.touch.u);
       const double sign = slip.dot(closed_[i].along) < 0 ? -1 : 1;
-      c.along = (sign * slip + kDirection * closed_[i].along).normalized();
+      const double keeps = kDirection / (1 + slip.squaredNorm() / (kDirection * kDirection));
+      c.along = (sign * slip + keeps * closed_[i].along).normalized();
     }
     out.push_back(std::move(c));
   }
@@ -134,17 +138,27 @@ bool EventRun::rate(double t, const VecX& y, VecX& out) const {
   out.segment(layout_.q, s.q.size()) = v.tail(s.q.size());
   out.segment(layout_.v, v.size()) = now.a;
   out[layout_.work + by_laws] = forces.laws.dot(v);
+  const auto push = [&](EventMomentum part, const VecX& force) {  // (EVD-11)
+    const Momentum rate = momentum_given(setting_, s, force);
+    out.segment<3>(layout_.momentum + 6 * part) += rate.linear;
+    out.segment<3>(layout_.momentum + 6 * part + 3) += rate.angular;
+  };
+  push(of_forces, forces.applied);
   std::size_t k = 0;
   for (std::size_t i = 0; i < closed_.size(); ++i) {
     if (match[i] < 0) continue;
     const Touch& touch = closed[k].touch;
-    const bool of_joint = touch.slot >= 0 && touch.slot < first_gap_row(model_);
-    out[layout_.work + (of_joint ? by_joints : by_contacts)] += v.dot(touch.N * now.force[k]);
+    const VecX force = touch.N * now.force[k];
+    out[layout_.work + (of_a_joint(touch) ? by_joints : by_contacts)] += v.dot(force);
+    push(of_a_joint(touch) ? of_joints : of_contacts, force);
     out.segment(layout_.first_impulse[i], touch.law.rows) = now.force[k];
+    out[layout_.touch_work + Eigen::Index(i)] = touch.u.dot(now.force[k]);
     ++k;
   }
   if (reaction_.size() > 0) {
-    out[layout_.work + by_joints] += v.dot(joint_constraints(model_, s, setting_.dofs).G * now.reaction);
+    const VecX force = joint_constraints(model_, s, setting_.dofs).G * now.reaction;
+    out[layout_.work + by_joints] += v.dot(force);
+    push(of_joints, force);
     out.segment(layout_.reaction, reaction_.size()) = now.reaction;
   }
   if (!model_.coordinates.empty())
@@ -210,9 +224,17 @@ bool EventRun::roots(double t, const VecX& y, VecX& out) const {
 // Quadratures of the piece, once it is accepted.
 void EventRun::take(const VecX& y) {
   for (int k = 0; k < kWorks; ++k) work_[k] += y[layout_.work + k];
-  for (std::size_t i = 0; i < closed_.size(); ++i)
-    add_impulse(closed_[i].touch, y.segment(layout_.first_impulse[i], closed_[i].touch.law.rows));
+  for (std::size_t i = 0; i < closed_.size(); ++i) {
+    add_impulse(closed_[i].touch, y.segment(layout_.first_impulse[i], closed_[i].touch.law.rows),
+                y[layout_.touch_work + Eigen::Index(i)]);
+  }
   if (reaction_.size() > 0) reaction_ += y.segment(layout_.reaction, reaction_.size());
+  const auto part = [&](EventMomentum k) {
+    return Momentum{y.segment<3>(layout_.momentum + 6 * k), y.segment<3>(layout_.momentum + 6 * k + 3)};
+  };
+  momentum_.forces += part(of_forces);
+  momentum_.contacts += part(of_contacts);
+  momentum_.joints += part(of_joints);
 }
 
 }  // namespace aussois

@@ -53,6 +53,7 @@ bool EventRun::certified(const State& from, const State& to, const std::function
       return false;
     }
     report_.min_base_distance = std::min(report_.min_base_distance, proof.min_distance);
+    report_.pieces.push_back({.t = a.t, .h = b.t - a.t, .g = a.g, .v = v});
     a = b;
   }
   return true;

@@ -26,10 +26,11 @@ struct LeavingTouch {
 
 /// Where the parts of the differential equation stand in its vector (EVD-2).
 struct EventLayout {
-  int bodies = 0, q = 0, v = 0, work = 0, impulse = 0, reaction = 0, size = 0;
+  int bodies = 0, q = 0, v = 0, work = 0, impulse = 0, reaction = 0, touch_work = 0, momentum = 0, size = 0;
   std::vector<int> first_impulse{};  // of every closed touch
 };
 enum EventWork { by_laws, by_contacts, by_joints, by_mass, kWorks };
+enum EventMomentum { of_forces, of_contacts, of_joints, kMomenta };  // six entries each: linear, angular
 
 EventLayout layout_of(const StepSetting& setting, const std::vector<Closed>& closed, int constraints);
 
@@ -65,7 +66,9 @@ class EventRun {
   double next_row() const;
   void move_prescribed();
   void add_event(EventKind kind, const Touch& touch, double t, double speed = 0);
-  void add_impulse(const Touch& touch, const VecX& r);
+  void add_impulse(const Touch& touch, const VecX& r, double work);
+  void add_reaction(const VecX& impulse);
+  bool of_a_joint(const Touch& touch) const { return touch.slot >= 0 && touch.slot < first_gap_row(model_); }
   bool refused(const std::string& reason) {
     report_.status = StepStatus::refused;
     report_.reason = reason;
@@ -80,6 +83,7 @@ class EventRun {
   StepReport report_{};
   VecX reaction_{};  // impulses of the joints so far
   double work_[kWorks] = {};
+  MomentumLedger momentum_{};  // its parts so far
   int stops_ = 0;
 
   // Of the piece that begins at state_

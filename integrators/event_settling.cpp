@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "integrators/event_run.hpp"
+#include "integrators/ledgers.hpp"
 
 namespace aussois {
 namespace {
@@ -14,6 +15,11 @@ constexpr double kPush = 1e-9;           // forces act so long to see which jump
 
 double kinetic(const StepSetting& setting, const State& state) {
   return energy(setting.model, state).kinetic;
+}
+
+// Of an impulse on the relative velocity, mean of before and after.
+double work_on(const Touch& touch, const VecX& change, const VecX& r) {
+  return r.dot(touch.u + touch.N.transpose() * change / 2);
 }
 
 /// What opens from an overlap has come back when it is deeper than that.
@@ -33,9 +39,17 @@ void EventRun::add_event(EventKind kind, const Touch& touch, double t, double sp
                             .speed = speed});
 }
 
-void EventRun::add_impulse(const Touch& touch, const VecX& r) {
+void EventRun::add_impulse(const Touch& touch, const VecX& r, double work) {
   if (touch.slot >= 0) {
     state_.r.segment(touch.slot, r.size()) += r;
+    if (of_a_joint(touch)) return;
+    const int index = (touch.slot - first_gap_row(model_)) / 3;
+    const auto known = std::ranges::find(report_.gaps, index, &StepGap::index);
+    StepGap& gap = known == report_.gaps.end()
+                       ? report_.gaps.emplace_back(StepGap{.index = index, .gap = touch.gap})
+                       : *known;
+    gap.impulse.head(r.size()) += r;
+    gap.work += work;
     return;
   }
   const auto known = std::ranges::find_if(
@@ -46,6 +60,7 @@ void EventRun::add_impulse(const Touch& touch, const VecX& r) {
   const Eigen::Index of_frame = std::min<Eigen::Index>(3, r.size());  // one row without friction
   contact.impulse += touch.frame.leftCols(of_frame) * r.head(of_frame);
   if (r.size() > 3) contact.drilling += r[3];
+  contact.work += work;
 }
 
 // (EVD-7), and (EVD-9) for what would leave too slowly.
@@ -69,9 +84,11 @@ bool EventRun::collisions(std::vector<Touch>& touches) {
   state_.v = all_velocities(setting_.dofs, hit.v, state_.v);
   double by_contact = 0;
   for (std::size_t i = 0; i < near.size(); ++i) {
-    const double work = middle.dot(near[i].N * hit.impulse[i]);
-    if (near[i].slot < 0 || near[i].slot >= first_gap_row(model_)) by_contact += work;
-    add_impulse(near[i], hit.impulse[i]);
+    const VecX impulse = near[i].N * hit.impulse[i];
+    if (!of_a_joint(near[i])) by_contact += middle.dot(impulse);
+    (of_a_joint(near[i]) ? momentum_.joints : momentum_.contacts) +=
+        momentum_given(setting_, state_, impulse);
+    add_impulse(near[i], hit.impulse[i], work_on(near[i], hit.v - before, hit.impulse[i]));
     const double closing = has_gap(near[i]) ? -near[i].u[0] : 0;
     if (closing <= kAtRest) continue;
     const bool ends = near[i].restitution > 0 && restitution[i] == 0;
@@ -79,7 +96,7 @@ bool EventRun::collisions(std::vector<Touch>& touches) {
   }
   work_[by_contacts] += by_contact;
   work_[by_joints] += kinetic(setting_, state_) - kinetic_before - by_contact;
-  if (reaction_.size() > 0) reaction_ += hit.reaction;
+  add_reaction(hit.reaction);
   touches = touches_at(setting_, state_, o_.horizon);
   return true;
 }
@@ -98,12 +115,24 @@ bool EventRun::jump_without_collision(const std::vector<Touch>& touches) {
   const VecX middle = (before + hit.v) / 2;
   state_.v = all_velocities(setting_.dofs, hit.v, state_.v);
   for (std::size_t i = 0; i < near.size(); ++i) {
-    work_[by_contacts] += middle.dot(near[i].N * hit.impulse[i]);
-    add_impulse(near[i], hit.impulse[i]);
+    const VecX impulse = near[i].N * hit.impulse[i];
+    work_[by_contacts] += middle.dot(impulse);
+    (of_a_joint(near[i]) ? momentum_.joints : momentum_.contacts) +=
+        momentum_given(setting_, state_, impulse);
+    add_impulse(near[i], hit.impulse[i], work_on(near[i], hit.v - before, hit.impulse[i]));
     if (hit.impulse[i].norm() > 0) add_event(EventKind::tangential_impact, near[i], state_.t);
   }
-  if (reaction_.size() > 0) reaction_ += hit.reaction;
+  momentum_.forces += momentum_given(setting_, state_, push);
+  add_reaction(hit.reaction);
   return true;
+}
+
+// Impulses of the joints in a jump at the present poses.
+void EventRun::add_reaction(const VecX& impulse) {
+  if (reaction_.size() == 0) return;
+  reaction_ += impulse;
+  momentum_.joints +=
+      momentum_given(setting_, state_, joint_constraints(model_, state_, setting_.dofs).G * impulse);
 }
 
 // The impacts that were left out would have ended after a geometric series of flights (EVD-9).

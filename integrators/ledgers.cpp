@@ -73,8 +73,57 @@ EnergyLedger energy_ledger(const FreeMotion& free, const Acting& by, const VecX&
           .numerical_work = work(middle, by.numerical) + (middle - v_path).dot(free.gravity + by.laws)};
 }
 
-// What impulses in the rows of the problem give to all bodies together (MJ-13).
-Momentum given(const StepSetting& setting, const State& state, const VecX& impulse) {
+// `impact`: of an impact that `state` has behind it; `gained`: of the step with it. What the angular momentum
+// of the states did beside `gained` is the scheme's: it turns with the start (MJ-13).
+MomentumLedger momentum_ledger(const StepSetting& setting, const State& state, const State& next,
+                               const VecX& gained, const VecX& impact, const VecX& gravity,
+                               const Acting& by) {
+  const auto sum = [&](const VecX& impulse) { return momentum_given(setting, state, impulse); };
+  MomentumLedger out{.change = momentum(setting.model, next) - momentum(setting.model, state),
+                     .forces = sum(gravity + by.laws),
+                     .contacts = sum(by.contacts),
+                     .joints = sum(by.joints),
+                     .numerical = sum(by.numerical)};
+  out.change += sum(impact);
+  out.numerical.angular += sum(by.gyroscopic).angular + out.change.angular - sum(gained).angular;
+  return out;
+}
+
+// What contacts and gap functions gave on relative velocities, each and together (IMP-6), and whether that is
+// more than rounding.
+void tell_work(const StepSetting& setting, const ImpulseStep& step, const VecX& r, const VecX& v_end,
+               StepReport& report) {
+  const DofMap& dofs = setting.dofs;
+  const int first_gap = first_gap_row(setting.model);
+  report.law_work.assign(setting.laws.size(), 0);
+  double sum = 0;
+  for (std::size_t k = 0; k < step.solved.kept.size(); ++k) {
+    const auto i = std::size_t(step.solved.kept[k]);
+    const ContactRow& row = step.rows[i];
+    if (row.slot >= 0 && row.slot < first_gap) continue;
+    const RowVector u = slip_velocity(row, dofs, step.free->v) + slip_velocity(row, dofs, v_end);
+    double work = step.impact ? step.impact->work[i] : 0;
+    for (int d = 0; d < row.law.rows; ++d) work += u[d] / 2 * r[step.solved.first_row[k] + d];
+    if (row.slot < 0) {
+      report.contacts[k].work = work;
+      add_work(setting, contact_law(setting.model, row.body_a, row.body_b), work, report);
+    }
+    for (StepGap& gap : report.gaps)
+      if (first_gap + 3 * gap.index == row.slot) {
+        gap.work = work;
+        add_work(setting, setting.model.gaps[std::size_t(gap.index)].law, work, report);
+      }
+    sum += work;
+  }
+  const auto kinetic = [&](const VecX& v) { return v.dot(step.free->mass * v) / 2; };
+  report.impulse_gain = std::max(0.0, sum);
+  report.energy_rises =
+      sum > 0 && sum > kGain * std::max({kinetic(step.free->v), kinetic(step.free->v_free), kinetic(v_end)});
+}
+
+}  // namespace
+
+Momentum momentum_given(const StepSetting& setting, const State& state, const VecX& impulse) {
   Momentum out;
   if (impulse.size() == 0) return out;
   for (std::size_t b = 0; b < state.g.size(); ++b) {
@@ -87,47 +136,16 @@ Momentum given(const StepSetting& setting, const State& state, const VecX& impul
   return out;
 }
 
-MomentumLedger momentum_ledger(const StepSetting& setting, const State& state, const VecX& gained,
-                               const VecX& gravity, const Acting& by) {
-  const auto sum = [&](const VecX& impulse) { return given(setting, state, impulse); };
-  return {.change = sum(gained),
-          .forces = sum(gravity + by.laws + by.gyroscopic),
-          .contacts = sum(by.contacts),
-          .joints = sum(by.joints),
-          .numerical = sum(by.numerical)};
+void add_work(const StepSetting& setting, const ContactLaw& law, double work, StepReport& report) {
+  report.law_work[std::size_t(std::ranges::find(setting.laws, law) - setting.laws.begin())] += work;
 }
-
-// What contacts and gap functions gave on relative velocities, each and together (IMP-6), and whether that is
-// more than rounding.
-void tell_work(const ImpulseStep& step, const VecX& r, const DofMap& dofs, int first_gap, const VecX& v_end,
-               StepReport& report) {
-  double sum = 0;
-  for (std::size_t k = 0; k < step.solved.kept.size(); ++k) {
-    const auto i = std::size_t(step.solved.kept[k]);
-    const ContactRow& row = step.rows[i];
-    if (row.slot >= 0 && row.slot < first_gap) continue;
-    const RowVector u = slip_velocity(row, dofs, step.free->v) + slip_velocity(row, dofs, v_end);
-    double work = step.impact ? step.impact->work[i] : 0;
-    for (int d = 0; d < row.law.rows; ++d) work += u[d] / 2 * r[step.solved.first_row[k] + d];
-    if (row.slot < 0) report.contacts[k].work = work;
-    for (StepGap& gap : report.gaps)
-      if (first_gap + 3 * gap.index == row.slot) gap.work = work;
-    sum += work;
-  }
-  const auto kinetic = [&](const VecX& v) { return v.dot(step.free->mass * v) / 2; };
-  report.impulse_gain = std::max(0.0, sum);
-  report.energy_rises =
-      sum > 0 && sum > kGain * std::max({kinetic(step.free->v), kinetic(step.free->v_free), kinetic(v_end)});
-}
-
-}  // namespace
 
 void tell_ledgers(const StepSetting& setting, const State& state, const State& next, const ImpulseStep& step,
                   const StepBalance& balance, StepReport& report) {
   const Model& model = setting.model;
   const VecX &v = step.free->v, &v_end = balance.v_end;
   const VecX change = v_end - v;
-  VecX gained = step.free->mass * change;
+  VecX gained = step.free->mass * change, impact;
   Acting by =
       acting(*step.free, balance.by_contacts, balance.by_joints, change, v_end - step.solved.solution.v);
   report.energy = energy_ledger(*step.free, by, gained, v_end, balance.v_path);  // (MJ-9)
@@ -140,10 +158,11 @@ void tell_ledgers(const StepSetting& setting, const State& state, const State& n
     report.energy.joint_work += step.impact->joint_work;
     add(by.contacts, step.impact->of_contacts);
     add(by.joints, step.impact->of_joints);
-    gained += step.impact->of_contacts + step.impact->of_joints;
+    impact = step.impact->of_contacts + step.impact->of_joints;
+    gained += impact;
   }
-  report.momentum = momentum_ledger(setting, state, gained, step.free->gravity, by);  // (MJ-13)
-  tell_work(step, balance.r, setting.dofs, first_gap_row(model), v_end, report);
+  report.momentum = momentum_ledger(setting, state, next, gained, impact, step.free->gravity, by);  // (MJ-13)
+  tell_work(setting, step, balance.r, v_end, report);
 }
 
 }  // namespace aussois

@@ -14,6 +14,13 @@ struct StepBalance {
   VecX by_joints{};        // likewise joints and what acts on their axes; empty: none
   VecX v_path{}, v_end{};  // constant on the path; at its end, after any projection
 };
+/// What impulses or forces in the rows of the problem give to all bodies together, about the world's origin
+/// (MJ-13).
+Momentum momentum_given(const StepSetting& setting, const State& state, const VecX& impulse);
+
+/// Adds to the work of a contact law in a report that has one entry for each of setting.laws.
+void add_work(const StepSetting& setting, const ContactLaw& law, double work, StepReport& report);
+
 /// From `state` to `next`. Fills energy and momentum, the work of each contact and gap function, impulse_gain
 /// and energy_rises of a report that has its contacts and gap functions already.
 void tell_ledgers(const StepSetting& setting, const State& state, const State& next, const ImpulseStep& step,

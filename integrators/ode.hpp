@@ -30,7 +30,8 @@ struct OdeProblem {
   std::function<bool(double t, const VecX& y, VecX& rate)> rate{};
   std::function<bool(double t, const VecX& y, VecX& value)> roots{};  // may be empty
   int root_count = 0;
-  int unjudged = 0;  // so many entries at the end of y do not shorten the step, however rough their rate is
+  int unjudged = 0;  // so many entries of y do not shorten the step, however rough their rate is
+  int sums = 0;      // and so many after them, at the end of y, change nothing at all
 };
 
 enum class OdeStop { stepped, at_end, at_root, failed };

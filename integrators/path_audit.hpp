@@ -11,7 +11,7 @@
 namespace aussois {
 
 struct PathAudit {
-  int samples = 0;              // per step, its end included; 0: nothing is looked at
+  int samples = 0;  // per step, its end included, and of every piece one at least; 0: nothing is looked at
   double min_distance = kInf;   // of the base complexes, of all samples so far [m]; infinity: nothing near
   double min_slack = kInf;      // by which samples lie above the certificate of their step, at least [m]
   std::int64_t steps = 0;       // looked at
@@ -19,7 +19,8 @@ struct PathAudit {
 };
 
 /// Looks at the path of an accepted step that began at `start`. Distances above twice the largest sum of two
-/// dilations are not looked at. Throws std::invalid_argument if the report has no path (event_driven).
+/// dilations are not looked at; nor is a model in which no two bodies have shapes, or none a dilation. Throws
+/// std::invalid_argument if the report has no path (event_driven without its certificate).
 void audit_path(const Model& model, const State& start, const StepReport& report, int threads,
                 PathAudit& audit);
 

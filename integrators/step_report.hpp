@@ -46,6 +46,13 @@ struct StepJoint {
   Vec3 effort = Vec3::Zero();  // along its axes: stops, dry friction, speed and position motors [N, N m]
 };
 
+/// A stretch of the path of a step with constant velocities.
+struct PathPiece {
+  double t = 0, h = 0;   // where it begins and how long it is [s]
+  std::vector<SE3> g{};  // poses at its start
+  VecX v{};              // in the places of State::v
+};
+
 enum class EventKind {
   impact,            // closed with a jump of the velocity
   rest,              // the end of infinitely many impacts
@@ -92,16 +99,15 @@ struct EnergyLedger {
 
 /// Where the momentum of the dynamic bodies went in a step, about the world's origin with the arms of the
 /// start (MJ-13): what acts between two of them cancels, its moments as far as it was posed with those arms.
-/// Not told by event_driven, whose arms move meanwhile.
+/// In event_driven all of it along the motion, arms too (EVD-11).
 struct MomentumLedger {
-  Momentum change{};    // an impact at the start of the step included, here and in its parts
-  Momentum forces{};    // gravity, force laws, gyroscopic torque
-  Momentum contacts{};  // and gap functions
-  Momentum joints{};    // couplings, stops, dry friction, motors; projection of velocities
-  Momentum numerical{};
+  Momentum change{};     // from the state before to the state after; parts hold an impact at the start too
+  Momentum forces{};     // gravity and force laws
+  Momentum contacts{};   // and gap functions
+  Momentum joints{};     // couplings, stops, dry friction, motors; projection of velocities
+  Momentum numerical{};  // of the scheme: its damping, and what arms and attitudes of the start leave to it
   Momentum residual() const {  // zero to rounding: the balance of (MJ-13)
-    return {change.linear - forces.linear - contacts.linear - joints.linear - numerical.linear,
-            change.angular - forces.angular - contacts.angular - joints.angular - numerical.angular};
+    return change - forces - contacts - joints - numerical;
   }
 };
 
@@ -131,9 +137,11 @@ struct StepReport {
   double projection = 0;      // what contacts were projected by, at most [m, rad] (PRJ-3)
   double overlap_left = 0;    // of the deepest one that projection found [m]
   VecX v_path{};  // all velocities, constant on the path of the step; empty in event_driven, whose path bends
-  JointError joint_error{};  // of all joints at the end of the step, at most
+  std::vector<PathPiece> pieces{};  // event_driven's: chords of it, that its certificate speaks of (EVD-10)
+  JointError joint_error{};         // of all joints at the end of the step, at most
   std::vector<StepContact> contacts{};
   std::vector<StepGap> gaps{};           // of the active gap functions
+  std::vector<double> law_work{};        // of both, added up for each of contact_laws(model) [J]
   std::vector<StepJoint> joints{};       // of every joint of the model
   std::vector<StepEvent> events{};       // in order of time; only of schemes that stop at events
   std::optional<StepProblem> problem{};  // the last one solved, also in a step that ended badly; if asked for

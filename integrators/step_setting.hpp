@@ -37,6 +37,7 @@ struct StepSetting {
   DofMap dofs{};
   std::vector<BodyBounds> bounds{};
   std::vector<const LmdShape*> shapes{};  // of every body; null: none
+  std::vector<ContactLaw> laws{};         // contact_laws(model)
   std::shared_ptr<ContactScratch> scratch = std::make_shared<ContactScratch>();
   std::shared_ptr<MassScratch> mass_scratch = std::make_shared<MassScratch>();
 };

@@ -300,12 +300,15 @@ SmoothForces smooth_forces(const StepSetting& setting, const State& state) {
     if (const Coordinates& block = model.coordinates[std::size_t(i)]; block.force)
       out.laws.segment(dofs.coordinates + first_coordinate(model, i), block.size) +=
           block.force(state.t, coordinates(model, state, i), speeds(model, state, i)).f;
-  out.all = out.laws;
+  out.applied = out.laws;
+  for (std::size_t b = 0; b < model.bodies.size(); ++b)
+    if (const int row = dofs.first[b]; row >= 0)
+      out.applied.segment<3>(row) += model.bodies[b].mass * model.gravity;
+  out.all = out.applied;
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     const int row = dofs.first[b];
     if (row < 0) continue;
     const Vec3 omega = twist(state, int(b)).tail<3>();
-    out.all.segment<3>(row) += model.bodies[b].mass * model.gravity;
     out.all.segment<3>(row + 3) -= omega.cross(model.bodies[b].inertia * omega);
   }
   return out;

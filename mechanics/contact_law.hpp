@@ -11,6 +11,7 @@ struct ContactLaw {
   double restitution = 0.0;     // Newton restitution e [-], in [0, 1]
   double contensou_radius = 0;  // R_e of Coulomb-Contensou's ellipsoid: drilling torque up to mu r_N R_e [m],
                                 // >= 0; 0: contacts do not resist drilling
+  bool operator==(const ContactLaw&) const = default;
 };
 
 }  // namespace aussois

@@ -180,6 +180,16 @@ const ContactLaw& contact_law(const Model& model, int body_a, int body_b) {
   return named == model.pair_laws.end() ? model.contact_law : named->second;
 }
 
+std::vector<ContactLaw> contact_laws(const Model& model) {
+  std::vector<ContactLaw> out{model.contact_law};
+  const auto add = [&](const ContactLaw& law) {
+    if (std::ranges::find(out, law) == out.end()) out.push_back(law);
+  };
+  for (const auto& named : model.pair_laws) add(named.second);
+  for (const GapFunction& gap : model.gaps) add(gap.law);
+  return out;
+}
+
 int first_coordinate(const Model& model, int block) {
   int first = 0;
   for (int i = 0; i < block; ++i) first += model.coordinates[std::size_t(i)].size;

@@ -40,6 +40,9 @@ int add(Model& model, Coordinates block);   // returns its index; throws like va
 int add(Model& model, GapFunction gap);     // returns its index; throws like validate
 void add(Model& model, ForceLaw law);
 const ContactLaw& contact_law(const Model& model, int body_a, int body_b);
+/// The different laws of a model, each once: of pairs that are not named, of those that are, of gap
+/// functions.
+std::vector<ContactLaw> contact_laws(const Model& model);
 
 /// Length of State::v: six per body, then the coordinates.
 int velocity_count(const Model& model);

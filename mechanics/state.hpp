@@ -62,7 +62,14 @@ Energy energy(const Model& model, const State& state);
 /// Linear momentum of the dynamic bodies [N s] and their angular momentum about the world's origin [N m s].
 struct Momentum {
   Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
+  Momentum& operator+=(const Momentum& other) {
+    linear += other.linear, angular += other.angular;
+    return *this;
+  }
 };
+inline Momentum operator-(const Momentum& a, const Momentum& b) {
+  return {a.linear - b.linear, a.angular - b.angular};
+}
 Momentum momentum(const Model& model, const State& state);
 
 }  // namespace aussois

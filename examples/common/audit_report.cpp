@@ -14,7 +14,9 @@ void set_audit(Summary& summary, const PathAudit& audit) {
 }
 
 bool tell(const PathAudit& audit) {
-  if (audit.samples > 0)
+  if (audit.samples > 0 && audit.steps == 0)
+    std::printf("certify: nothing to look at, no two bodies that can touch\n");
+  else if (audit.samples > 0)
     std::printf(
         "certify: %d places of each of %lld steps, base distance at least %.4g um, %.4g um above the "
         "certificate, %lld violations\n",

@@ -93,6 +93,23 @@ class RunScene(DriverTest):
         self.assertGreater(summary["certify_min_distance"], 0)
         self.assertLess(summary["max_displacement"], 1e-8)
 
+    def test_every_scheme_is_certified_and_what_cannot_touch_has_nothing_to_show(self):
+        for scheme in ("event_driven", "generalised_alpha", "moreau_jean_projected"):
+            self.run_scene("--scene", "tower", "--scheme", scheme, "--time", "0.03", "--certify", 10, "--quiet",
+                           "--summary", "s.json")
+            summary = json.loads((self.folder / "s.json").read_text())
+            self.assertEqual((summary["certify_steps"], summary["certify_violations"]), (summary["steps"], 0))
+        run = self.run_scene("--scene", "bricard", "--time", "0.01", "--certify", 10, "--quiet", "--summary", "s.json")
+        self.assertIn("nothing to look at", run.stdout)
+        self.assertEqual(json.loads((self.folder / "s.json").read_text())["certify_steps"], 0)
+
+    def test_steps_tell_the_work_of_every_contact_law(self):
+        self.run_scene("--scene", "tippe_top", "--time", "0.01", "--quiet")
+        head, *rows = (self.folder / "out/steps.csv").read_text().splitlines()
+        work = [i for i, name in enumerate(head.split(",")) if name.startswith("work:mu ")]
+        self.assertGreaterEqual(len(work), 1)
+        self.assertLess(sum(float(row.split(",")[i]) for row in rows for i in work), 0)
+
     def test_bad_input_is_refused_without_a_trace(self):
         for words, arguments in ((["--scene", "perpetuum", "arch"], ["--scene", "perpetuum"]),
                                  (["--scene"], []),

@@ -2,7 +2,7 @@
 // The second opinion on certificates (CA-9): it finds nothing in honest steps, and everything in others.
 #include "integrators/path_audit.hpp"
 
-#include "integrators/moreau_jean.hpp"
+#include "integrators/scheme.hpp"
 #include "tests/support/block_scene.hpp"
 #include "tests/support/message_of.hpp"
 
@@ -16,21 +16,61 @@ Scene thrown_block() {
   return s;
 }
 
-TEST(PathAudit, FindsNoViolationOfATumblingBlockAndTheDistanceItSaw) {
+class EverySchemeAudited : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(EverySchemeAudited, HasNoViolationOfATumblingBlockAndTheDistanceItSaw) {
   Scene s = thrown_block();
-  const MoreauJean scheme(s.model, {.h = 5e-3});
+  const Scheme scheme = make_scheme(GetParam(), s.model, {.h = 5e-3});
   PathAudit audit{.samples = 17};
-  for (int k = 0; k < 100; ++k) {
+  for (int k = 0; k < 50; ++k) {
     const State start = s.state;
-    const StepReport report = scheme.step(s.state);
+    const StepReport report = scheme.step(s.state, kInf);
     ASSERT_TRUE(report.ok()) << report.reason;
     audit_path(s.model, start, report, 1, audit);
   }
-  EXPECT_EQ(audit.steps, 100);
+  EXPECT_EQ(audit.steps, 50);
   EXPECT_EQ(audit.violations, 0);
   EXPECT_GT(audit.min_distance, 0.96 * 2 * kRadius);
   EXPECT_LT(audit.min_distance, 2 * kRadius * 1.01);  // it did touch
   EXPECT_GE(audit.min_slack, -1e-14);
+}
+INSTANTIATE_TEST_SUITE_P(Registry, EverySchemeAudited, ::testing::ValuesIn(scheme_names()),
+                         [](const auto& name) { return name.param; });
+
+// Nothing can touch: nothing is looked at, and nothing is found.
+TEST_P(EverySchemeAudited, HasNothingToShowWhereNoTwoBodiesHaveShapes) {
+  Scene s = thrown_block();
+  s.model.bodies[std::size_t(s.ground)].shape = -1;
+  const Scheme scheme = make_scheme(GetParam(), s.model, {.h = 5e-3});
+  PathAudit audit{.samples = 17};
+  const State start = s.state;
+  audit_path(s.model, start, scheme.step(s.state, kInf), 1, audit);
+  EXPECT_EQ(audit.steps, 0);
+  EXPECT_EQ(audit.violations, 0);
+}
+
+// The chords of the reference, one after the other from the start of the step to its end.
+TEST(PathAudit, FollowsTheReferenceThroughItsImpacts) {
+  Scene s = thrown_block();
+  const Scheme scheme = make_scheme("event_driven", s.model, {.h = 0.05});
+  const State start = s.state;
+  const StepReport report = scheme.step(s.state, kInf);
+  ASSERT_TRUE(report.ok()) << report.reason;
+  ASSERT_FALSE(report.events.empty());
+  ASSERT_GT(report.pieces.size(), 10U);
+  double t = start.t;
+  for (const PathPiece& piece : report.pieces) {
+    EXPECT_NEAR(piece.t, t, 1e-12);
+    t = piece.t + piece.h;
+  }
+  EXPECT_NEAR(t, s.state.t, 1e-12);
+  StepReport deeper = report;
+  PathAudit honest{.samples = 3}, forged = honest;
+  audit_path(s.model, start, report, 1, honest);
+  EXPECT_EQ(honest.violations, 0);
+  for (PathPiece& piece : deeper.pieces) piece.g[std::size_t(s.block)].p.z() -= 2e-4;
+  audit_path(s.model, start, deeper, 1, forged);
+  EXPECT_EQ(forged.violations, 1);
 }
 
 // A report that claims more than the path keeps, and a path through the plate.

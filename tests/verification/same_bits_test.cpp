@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // H4: the same bits for any number of threads, by a fresh scheme in each step and after any restart, whatever
-// the scheme.
+// the scheme; and the same motion whatever the order of the bodies.
 #include <algorithm>
 
 #include "integrators/scheme.hpp"
@@ -49,14 +49,33 @@ Scene tumbling_blocks() {
   return s;
 }
 
+/// Everything that the registry compares, the reference, and settings that it does not compare.
+std::vector<SchemeVariant> all_settings() {
+  constexpr NormalLaw kMoreau = NormalLaw::moreau;
+  std::vector<SchemeVariant> out = scheme_variants();
+  out.push_back({"event_driven", {}});
+  out.push_back({"moreau_jean", {.theta = 0.5, .normal = {.law = kMoreau, .gamma = 0.75}}});
+  out.push_back({"moreau_jean",
+                 {.theta = 0.5,
+                  .contacts = ContactsAt::end,
+                  .newton = {.max_iterations = 50, .gap_hessians = true},
+                  .normal = {.law = NormalLaw::gap_over_step}}});
+  out.push_back({"moreau_jean_projected", {.theta = 1, .normal = {.law = kMoreau}}});
+  out.push_back({"passive_midpoint", {.normal = {.law = kMoreau}, .gyroscopic = GyroscopicTerm::start}});
+  out.push_back(
+      {"passive_midpoint", {.normal = {.law = kMoreau}, .update = GroupUpdate::cayley, .mean_joints = true}});
+  return out;
+}
+
 class EveryScheme : public ::testing::TestWithParam<SchemeVariant> {
  protected:
-  static constexpr int kSteps = 80;
   Scene scene_ = tumbling_blocks();
+  const bool reference_ = GetParam().name == "event_driven";
+  const int steps_ = reference_ ? 6 : 80;
 
   SchemeOptions options(int threads = 1) const {
     SchemeOptions out = GetParam().options;
-    out.h = 2e-3, out.threads = threads;
+    out.h = reference_ ? 8e-3 : 2e-3, out.threads = threads;
     out.lmd.threads = threads;
     return out;
   }
@@ -67,7 +86,7 @@ class EveryScheme : public ::testing::TestWithParam<SchemeVariant> {
   /// States after each step; the scheme is asked for anew in each.
   std::vector<State> run(State state, int first, const std::function<Scheme()>& scheme) const {
     std::vector<State> out;
-    for (int k = first; k < kSteps; ++k) {
+    for (int k = first; k < steps_; ++k) {
       const StepReport report = scheme().step(state, kInf);
       EXPECT_TRUE(report.ok()) << report.reason << ", step " << k;
       if (!report.ok()) break;
@@ -80,10 +99,10 @@ class EveryScheme : public ::testing::TestWithParam<SchemeVariant> {
 TEST_P(EveryScheme, HasTheSameBitsForAnyThreadsAndAfterAnyRestart) {
   const Scheme one = scheme(), three = scheme(3);
   const std::vector<State> reference = run(scene_.state, 0, [&] { return one; });
-  ASSERT_EQ(int(reference.size()), kSteps);
+  ASSERT_EQ(int(reference.size()), steps_);
   std::size_t touching = 0;
   for (const State& state : reference) touching += state.memory.contacts.size();
-  EXPECT_GT(touching, 30u) << "nothing touches: the test says nothing";
+  EXPECT_GT(touching, reference_ ? 5u : 20u) << "nothing touches: the test says nothing";
   const std::vector<State> threaded = run(scene_.state, 0, [&] { return three; });
   const std::vector<State> fresh = run(scene_.state, 0, [&] { return scheme(); });
   ASSERT_EQ(threaded.size(), reference.size());
@@ -93,7 +112,7 @@ TEST_P(EveryScheme, HasTheSameBitsForAnyThreadsAndAfterAnyRestart) {
     ASSERT_EQ(hash(fresh[k]), hash(reference[k])) << "a fresh scheme, step " << k;
   }
   const std::filesystem::path file = fresh_folder() / "state.h5";
-  for (int k = 4; k + 1 < kSteps; k += 11) {
+  for (int k = 4; k + 1 < steps_; k += 11) {
     write_checkpoint(file, {.fingerprint = 1, .step = k, .state = reference[std::size_t(k)]});
     const std::vector<State> rest = run(read_checkpoint(file, 1).state, k + 1, [&] { return scheme(); });
     ASSERT_FALSE(rest.empty());
@@ -101,7 +120,60 @@ TEST_P(EveryScheme, HasTheSameBitsForAnyThreadsAndAfterAnyRestart) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Registry, EveryScheme, ::testing::ValuesIn(scheme_variants()), [](const auto& each) {
+/// The same scene with body i as body order[i].
+Scene renumbered(const Scene& s, const std::vector<int>& order) {
+  Scene out = s;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const auto to = std::size_t(order[i]);
+    out.model.bodies[to] = s.model.bodies[i];
+    out.state.g[to] = s.state.g[i];
+    out.state.v.segment<6>(6 * Eigen::Index(to)) = s.state.v.segment<6>(6 * Eigen::Index(i));
+  }
+  for (Joint& joint : out.model.joints) {
+    joint.body_a = order[std::size_t(joint.body_a)];
+    joint.body_b = order[std::size_t(joint.body_b)];
+  }
+  out.model.passing.clear();
+  for (const auto& [a, b] : s.model.passing)
+    out.model.passing.insert(std::minmax(order[std::size_t(a)], order[std::size_t(b)]));
+  return out;
+}
+
+/// The largest difference of poses after any of the first steps, and how many contacts pushed.
+struct Compared {
+  double off = 0;
+  std::size_t touching = 0;
+};
+Compared compared(const Scene& s, const std::string& name, const SchemeOptions& options, int steps) {
+  const std::vector<int> order{3, 0, 4, 2, 1};
+  Scene other = renumbered(s, order);
+  State plain = s.state;
+  const Scheme here = make_scheme(name, s.model, options), there = make_scheme(name, other.model, options);
+  Compared out;
+  for (int k = 0; k < steps; ++k) {
+    EXPECT_TRUE(here.step(plain, kInf).ok()) << k;
+    EXPECT_TRUE(there.step(other.state, kInf).ok()) << k;
+    for (const RememberedContact& c : plain.memory.contacts) out.touching += !c.impulse.isZero(0);
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      const SE3 &a = plain.g[i], &b = other.state.g[std::size_t(order[i])];
+      out.off = std::max({out.off, (a.p - b.p).norm(), angle_between(a.R, b.R)});
+    }
+  }
+  return out;
+}
+
+// Sums and sweeps go another way round: rounding and the tolerances of the solver and of the reference are
+// all that may differ. For so many steps corners touch; where faces slide on faces several shares of the load
+// solve Coulomb's law, each to 1e-13, and which of them a sweep finds decides how the body turns.
+TEST_P(EveryScheme, MovesBodiesThatAreNumberedOtherwiseTheSameWay) {
+  SchemeOptions o = options();
+  o.solver.tolerance = 1e-12;
+  const Compared runs = compared(scene_, GetParam().name, o, reference_ ? steps_ : 30);
+  EXPECT_GT(runs.touching, 2u);
+  EXPECT_LT(runs.off, reference_ ? 1e-9 : 1e-11);
+}
+
+INSTANTIATE_TEST_SUITE_P(Registry, EveryScheme, ::testing::ValuesIn(all_settings()), [](const auto& each) {
   std::string name = label(each.param.name, each.param.options);
   std::replace_if(
       name.begin(), name.end(), [](char c) { return c == ' ' || c == '.'; }, '_');

@@ -72,7 +72,7 @@ TEST(GeneralisedAlpha, LandsAtBothLevels) {
   for (int k = 0; k < 60; ++k) {
     const StepReport report = scheme.step(s.state);
     ASSERT_TRUE(report.ok());
-    EXPECT_NEAR(report.energy.residual(), 0, 1e-12);
+    EXPECT_NEAR(report.energy.residual(), 0, 1e-13);
     const double gap = pose(s.state, s.block).p.z() - kSide / 2 - 2 * kRadius;
     EXPECT_GT(gap, -1e-12);
     landed = landed || gap < 1e-9;
@@ -92,7 +92,7 @@ TEST(GeneralisedAlpha, BouncesByNewtonsLaw) {
   for (int k = 0; k < 100; ++k) {
     const StepReport report = scheme.step(s.state);
     ASSERT_TRUE(report.ok());
-    EXPECT_NEAR(report.energy.residual(), 0, 1e-12);
+    EXPECT_NEAR(report.energy.residual(), 0, 1e-13);
     const double now = twist(s.state, s.block)[2];
     if (now > 0) {
       EXPECT_NEAR(now, -0.6 * before, 1e-9);  // of the speed at the start of that step
@@ -127,7 +127,7 @@ TEST(GeneralisedAlpha, HoldsJointsAtBothLevelsAndTellsTheirForce) {
     while (state.t < 1 - h / 2) {
       report = scheme.step(state);
       EXPECT_TRUE(report.ok());
-      EXPECT_NEAR(report.energy.residual(), 0, 1e-11);
+      EXPECT_NEAR(report.energy.residual(), 0, 1e-13);
       EXPECT_LT(report.joint_error.translation, 1e-13);
       EXPECT_LT((consistent_velocity(model, state) - state.v).norm(), 1e-12);
     }

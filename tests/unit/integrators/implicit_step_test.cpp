@@ -65,7 +65,7 @@ TEST(ImplicitStep, HoldsTheGapAtTheEnd) {
       const StepReport report = scheme.step(s.state);
       EXPECT_TRUE(report.ok()) << report.reason;
       if (!report.ok()) break;
-      EXPECT_LT(std::abs(report.energy.residual()), 1e-10);
+      EXPECT_LT(std::abs(report.energy.residual()), 1e-13);
       most = std::max(most, report.newton_iterations);
       const ContactSet end = scheme.contacts(s.state, 1e-4);
       for (const StepContact& c : report.contacts) out = std::max(out, gap_of(c, end));
@@ -108,9 +108,9 @@ Loop loop_of(const Model& model, const State& start, double h, double t_end, boo
     const StepReport report = scheme.step(out.end, t_end - out.end.t);
     EXPECT_TRUE(report.ok()) << report.reason;
     if (!report.ok()) break;
-    EXPECT_LT(std::abs(report.energy.residual()), 1e-11);
+    EXPECT_LT(std::abs(report.energy.residual()), 1e-13);
     const Momentum off = report.momentum.residual();
-    EXPECT_LT(off.linear.norm() + off.angular.norm(), 1e-11);
+    EXPECT_LT(off.linear.norm() + off.angular.norm(), 1e-13);
     if (report.contacts.empty()) continue;
     ++out.steps;
     out.iterations += report.newton_iterations;

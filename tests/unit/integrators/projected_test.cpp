@@ -39,7 +39,7 @@ TEST(MoreauJeanProjected, LeavesNoOverlap) {
       for (int k = 0; k < 600; ++k) {
         const StepReport report = project ? scheme.step(s.state) : moreau.step(s.state);
         ASSERT_TRUE(report.ok()) << report.reason;
-        ASSERT_LT(std::abs(report.energy.residual()), 1e-10);
+        ASSERT_LT(std::abs(report.energy.residual()), 1e-13);
         largest = std::max(largest, report.projection);
         double& deepest = project ? projected : plain;
         deepest = std::max(deepest, -gap_now(s));
@@ -122,7 +122,7 @@ TEST(MoreauJeanProjected, HoldsGapFunctionsAndJoints) {
       q_least = std::min(q_least, state.q[0] + state.q[0] * state.q[0]);
       joint = std::max({joint, report.joint_error.translation, report.joint_error.rotation});
       deepest = std::max(deepest, -smallest_gap(MoreauJean(hinged, {}).contacts(state, 1e-3)));
-      ASSERT_LT(std::abs(report.energy.residual()), 1e-9);
+      ASSERT_LT(std::abs(report.energy.residual()), 1e-13);
     }
     EXPECT_GT(projections, 1);
     EXPECT_GT(q_least, -1e-12);

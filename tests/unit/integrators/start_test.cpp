@@ -22,7 +22,12 @@ TEST(Start, IsRefusedInOverlapBeyondTheDilations) {
   EXPECT_EQ(refusal(s.model, s.state), "");
   for (const double depth : {0.5 * kRadius, 3 * kRadius, 0.4 * kSide}) {
     pose(s.state, s.block).p.z() = kSide / 2 + 2 * kRadius - depth;
-    expect_names(refusal(s.model, s.state), "start: bodies 0 (ground) and 1 (block): base distance = ");
+    const double distance = std::max(0.0, 2 * kRadius - depth);  // of the bases
+    const std::string message = refusal(s.model, s.state),
+                      begin = "start: bodies 0 (ground) and 1 (block): base distance = ";
+    ASSERT_EQ(message.find(begin), 0U) << message;
+    EXPECT_NEAR(std::stod(message.substr(begin.size())), distance, 1e-15);
+    expect_names(message, " must be at least 0.001920 [m]");
     State tried = s.state;  // and the scheme would not have taken it
     EXPECT_EQ(MoreauJean(s.model, {}).step(tried).status, StepStatus::refused);
   }

@@ -3,12 +3,15 @@
 #include "mechanics/virtual_coupling.hpp"
 
 #include <cmath>
+#include <iomanip>
 #include <limits>
+#include <sstream>
 
 #include <gtest/gtest.h>
 
 #include "mechanics/model.hpp"
 #include "mechanics/state.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/random.hpp"
 
 namespace aussois {
@@ -252,25 +255,36 @@ TEST(VirtualCoupling, ReturnsCritically) {
 TEST(VirtualCoupling, RefusesOptionsOutOfRange) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_NO_THROW(validate(VirtualCouplingOptions{}));
+  const auto refuses = [](const VirtualCouplingOptions& o, const char* field, double value,
+                          const char* bound) {
+    std::ostringstream text;
+    text << "VirtualCouplingOptions::" << field << " = " << std::setprecision(17) << value << " must "
+         << bound;
+    EXPECT_EQ(message_of([&] { validate(o); }), text.str());
+  };
   for (const double bad : {0.0, -1.0, nan}) {
-    EXPECT_THROW(validate(VirtualCouplingOptions{.stiffness = bad}), std::invalid_argument);
-    EXPECT_THROW(validate(VirtualCouplingOptions{.rotation_stiffness = bad}), std::invalid_argument);
-    EXPECT_THROW(validate(VirtualCouplingOptions{.force_limit = bad}), std::invalid_argument);
-    EXPECT_THROW(validate(VirtualCouplingOptions{.torque_limit = bad}), std::invalid_argument);
+    refuses({.stiffness = bad}, "stiffness", bad, "be positive and finite [N/m]");
+    refuses({.rotation_stiffness = bad}, "rotation_stiffness", bad, "be positive and finite [N m/rad]");
+    refuses({.force_limit = bad}, "force_limit", bad, "be positive [N]");
+    refuses({.torque_limit = bad}, "torque_limit", bad, "be positive [N m]");
   }
   for (const double bad : {-0.1, kInf, nan})
-    EXPECT_THROW(validate(VirtualCouplingOptions{.damping_ratio = bad}), std::invalid_argument);
-  EXPECT_THROW(validate(VirtualCouplingOptions{.stiffness = kInf}), std::invalid_argument);
+    refuses({.damping_ratio = bad}, "damping_ratio", bad, "be at least 0 and finite");
+  refuses({.stiffness = kInf}, "stiffness", kInf, "be positive and finite [N/m]");
 }
 
 TEST(VirtualCoupling, RefusesWhatItCannotPull) {
   const Model model = one_part();
   const Trajectory path = path_through(SE3{}, Vec6::Zero());
-  EXPECT_THROW(virtual_coupling(model, 0, path), std::invalid_argument);  // fixed
-  EXPECT_THROW(virtual_coupling(model, 2, path), std::invalid_argument);  // not there
-  EXPECT_THROW(virtual_coupling(model, -1, path), std::invalid_argument);
-  EXPECT_THROW(virtual_coupling(model, 1, Trajectory{}), std::invalid_argument);
-  EXPECT_THROW(virtual_coupling(model, 1, path, {.stiffness = -1}), std::invalid_argument);
+  const auto refusal = [&](int body, const Trajectory& p, const VirtualCouplingOptions& o = {}) {
+    return message_of([&] { virtual_coupling(model, body, p, o); });
+  };
+  EXPECT_EQ(refusal(0, path).find("virtual_coupling: body 0 ("), 0U) << refusal(0, path);
+  EXPECT_NE(refusal(0, path).find(") must be dynamic"), std::string::npos) << refusal(0, path);
+  EXPECT_EQ(refusal(2, path), "virtual_coupling: body = 2 must lie in [0, 2)");
+  EXPECT_EQ(refusal(-1, path), "virtual_coupling: body = -1 must lie in [0, 2)");
+  EXPECT_NE(refusal(1, Trajectory{}), "");
+  EXPECT_EQ(refusal(1, path, {.stiffness = -1}).find("VirtualCouplingOptions::stiffness = -1 must "), 0U);
 }
 
 }  // namespace
