@@ -15,12 +15,16 @@ class EveryPile : public ::testing::TestWithParam<const char*> {};
 TEST_P(EveryPile, StandsInEveryScheme) {
   const LibraryScene& pile = library_scene(GetParam());
   const CaseScene scene = pile.make();
+  const bool large = scene.model.bodies.size() > 150;  // three steps of each scheme's first setting do
+  std::string last;
   for (SchemeVariant variant : scheme_variants()) {
+    if (large && variant.name == last) continue;
+    last = variant.name;
     variant.options.h = pile.h;
     const Scheme scheme = make_scheme(variant.name, scene.model, variant.options);
     State state = scene.state;
     const double before = energy(scene.model, state).total();
-    for (int k = 0; k < (scene.model.bodies.size() > 150 ? 3 : 8); ++k) {
+    for (int k = 0; k < (large ? 3 : 8); ++k) {
       const StepReport report = scheme.step(state, pile.h);
       ASSERT_TRUE(report.ok()) << label(variant.name, variant.options) << ": " << report.reason;
       EXPECT_EQ(report.attempts, 1) << label(variant.name, variant.options);

@@ -376,7 +376,9 @@ TEST(Mechanism, OfAnyKindHoldsAndDoesNoWorkAtThetaOneHalf) {
                                JointKind::cylindrical, JointKind::spherical, JointKind::universal,
                                JointKind::planar, JointKind::screw, JointKind::distance}) {
     const auto lost = [&](double h) {
-      auto [model, state] = Tumbling(kind);
+      Tumbling tumbling(kind);
+      const Model& model = tumbling.model;
+      State& state = tumbling.state;
       const double E = energy(model, state).total();
       const Vec3 p = momentum(model, state).linear;
       double worst = 0;
