@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <variant>
 
 #include "lmd/motion_bound.hpp"
@@ -151,31 +150,18 @@ class DiagonalBlocks {
   int count_ = 0;
 };
 
-template <class T>
-bool same_bits(const T* a, const T* b, Eigen::Index count) {
-  return std::memcmp(a, b, std::size_t(count) * sizeof(T)) == 0;
-}
-
-bool same_bits(const SparseMatrix& A, const SparseMatrix& B) {  // compressed
-  return A.rows() == B.rows() && A.cols() == B.cols() && A.nonZeros() == B.nonZeros() &&
-         same_bits(A.outerIndexPtr(), B.outerIndexPtr(), A.cols() + 1) &&
-         same_bits(A.innerIndexPtr(), B.innerIndexPtr(), A.nonZeros()) &&
-         same_bits(A.valuePtr(), B.valuePtr(), A.nonZeros());
-}
-
-std::shared_ptr<const MassInverse> inverse_of(const SparseMatrix& M) {
-  std::optional<MassInverse> inverse = invert_mass(M);
+std::shared_ptr<const MassInverse> shared(std::optional<MassInverse> inverse) {
   return inverse ? std::make_shared<const MassInverse>(std::move(*inverse)) : nullptr;
 }
 
 std::shared_ptr<const MassInverse> inverse_of(const SparseMatrix& M, MassScratch* scratch) {
-  if (!scratch) return inverse_of(M);
+  if (!scratch) return shared(invert_mass(M));
   const std::unique_lock lock(scratch->in_use, std::try_to_lock);
-  if (!lock) return inverse_of(M);
-  if (!scratch->inverse || !same_bits(M, scratch->M)) {
-    scratch->inverse = inverse_of(M);
-    scratch->M = M;
-  }
+  if (!lock) return shared(invert_mass(M));
+  if (scratch->inverse && same_bits(M, scratch->M)) return scratch->inverse;
+  scratch->inverse =
+      shared(scratch->inverse ? invert_mass(M, scratch->M, *scratch->inverse) : invert_mass(M));
+  scratch->M = M;
   return scratch->inverse;
 }
 

@@ -68,8 +68,8 @@ void add_axis_forces(const Model& model, const State& state, const std::vector<S
                      GeneralisedForce& force);
 
 /// The last M^ of a scheme and its inverse. Where bodies do not turn, or are as round as balls and cubes, M^
-/// stays as it is from step to step. It saves time and changes no result; who finds it in use by another
-/// thread goes without.
+/// stays as it is from step to step; else blocks of it do. It saves time and changes no result; who finds it
+/// in use by another thread goes without.
 struct MassScratch {
   std::mutex in_use{};
   SparseMatrix M{};

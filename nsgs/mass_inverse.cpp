@@ -2,6 +2,7 @@
 #include "nsgs/mass_inverse.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <numeric>
 
 #include <Eigen/LU>
@@ -14,6 +15,17 @@ struct SparseFactor {
 };
 
 namespace {
+
+template <class T>
+bool same_bits(const T* a, const T* b, Eigen::Index count) {
+  return std::memcmp(a, b, std::size_t(count) * sizeof(T)) == 0;
+}
+
+bool same_pattern(const SparseMatrix& A, const SparseMatrix& B) {
+  return A.rows() == B.rows() && A.cols() == B.cols() && A.nonZeros() == B.nonZeros() &&
+         same_bits(A.outerIndexPtr(), B.outerIndexPtr(), A.cols() + 1) &&
+         same_bits(A.innerIndexPtr(), B.innerIndexPtr(), A.nonZeros());
+}
 
 bool all_finite(const SparseMatrix& M) {
   for (int j = 0; j < M.outerSize(); ++j)
@@ -85,7 +97,16 @@ bool invert_block(const SparseMatrix& M, const int* rows, int size, double* inve
   }
 }
 
+bool invert_block(const SparseMatrix& M, int b, MassInverse& out) {
+  return invert_block(M, out.rows.data() + out.first[std::size_t(b)], out.size(b),
+                      out.inverse.data() + out.at[std::size_t(b)]);
+}
+
 }  // namespace
+
+bool same_bits(const SparseMatrix& A, const SparseMatrix& B) {
+  return same_pattern(A, B) && same_bits(A.valuePtr(), B.valuePtr(), A.nonZeros());
+}
 
 VecX MassInverse::operator*(const VecX& x) const {
   if (factor) return factor->lu.solve(x);
@@ -200,9 +221,27 @@ std::optional<MassInverse> invert_mass(const SparseMatrix& M) {
   }
   out.inverse.resize(entries);
   for (int b = 0; b < blocks; ++b)
-    if (!invert_block(M, out.rows.data() + out.first[std::size_t(b)], out.size(b),
-                      out.inverse.data() + out.at[std::size_t(b)]))
-      return std::nullopt;
+    if (!invert_block(M, b, out)) return std::nullopt;
+  return out;
+}
+
+std::optional<MassInverse> invert_mass(const SparseMatrix& M, const SparseMatrix& last_M,
+                                       const MassInverse& last) {
+  if (last.factor || !same_pattern(M, last_M)) return invert_mass(M);
+  std::vector<int> changed;  // blocks; M's columns belong to one block each
+  for (int j = 0; j < M.outerSize(); ++j) {
+    const int begin = M.outerIndexPtr()[j], end = M.outerIndexPtr()[j + 1];
+    const double *now = M.valuePtr(), *before = last_M.valuePtr();
+    if (same_bits(now + begin, before + begin, end - begin)) continue;
+    for (int k = begin; k < end; ++k)  // a coupling that comes or goes makes other blocks
+      if (!std::isfinite(now[k]) || (now[k] == 0) != (before[k] == 0)) return invert_mass(M);
+    changed.push_back(last.block_of[std::size_t(j)]);
+  }
+  std::ranges::sort(changed);
+  changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
+  MassInverse out = last;
+  for (const int b : changed)
+    if (!invert_block(M, b, out)) return std::nullopt;
   return out;
 }
 

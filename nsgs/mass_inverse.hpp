@@ -35,7 +35,13 @@ inline constexpr int kLargestMassBlock = 24;  // rows: four coupled rigid bodies
 /// Of some rows, ascending: those of whole blocks. Nothing if `factor` is set.
 std::optional<MassInverse> part(const MassInverse& inverse, const std::vector<int>& some);
 
+bool same_bits(const SparseMatrix& A, const SparseMatrix& B);  // compressed
+
 /// Nothing if M is not finite, or singular to working precision.
 std::optional<MassInverse> invert_mass(const SparseMatrix& M);
+/// The same, bit by bit: blocks that M shares with `last_M`, whose inverse is `last`, are not inverted again.
+/// Both matrices are compressed.
+std::optional<MassInverse> invert_mass(const SparseMatrix& M, const SparseMatrix& last_M,
+                                       const MassInverse& last);
 
 }  // namespace aussois
