@@ -14,6 +14,9 @@ namespace {
 constexpr int kNewtonSteps = 20;
 constexpr double kSolved = 1e-12;  // change of velocities, relative
 constexpr double kGivenUp = 1e-8;  // more than that is no solution
+// A contact's speed, relative to the largest, that the solver may leave per unit of its tolerance: a thousand
+// for mass ratios of a million.
+constexpr double kSolverNoise = 1e3;
 
 // (GA-2)
 struct Weights {
@@ -188,7 +191,8 @@ StepReport GeneralisedAlpha::step(State& state, double h_limit) const {
     step.joints = joint_system_at(model, start, smooth.end, dofs, step.v_prescribed, h, impact);
     add_rows(setting_, start, found, impact, step);
 
-    // Where gaps end says which of them take part in the impact (GA-7)
+    // Where gaps end says which of them take part in the impact (GA-7); what a sweep has left of an impulse
+    // at a gap that ends open does not
     ImpulseStep mean = position_problem(setting_, start, found, smooth, step);
     const VecX momentum = step.free->mass * smooth.v_path;
     const auto solve_mean = [&](const VecX& f) {
@@ -199,11 +203,13 @@ StepReport GeneralisedAlpha::step(State& state, double h_limit) const {
     };
     solve_mean(momentum);
     const std::vector<RowVector> push = row_impulses(mean);
+    const VecX& v_mean = mean.solved.solution.v;
+    const double noise = kSolverNoise * setting_.options.solver.tolerance * v_mean.lpNorm<Eigen::Infinity>();
     for (std::size_t i = 0; i < step.rows.size(); ++i)
-      if (has_normal(step.rows[i].law))
-        step.rows[i].active =
-            push[i][0] > 0 ||
-            h * relative_velocity(mean.rows[i], dofs, mean.solved.solution.v)[0] <= closed_gap(impact, h);
+      if (has_normal(step.rows[i].law)) {
+        const double u = relative_velocity(mean.rows[i], dofs, v_mean)[0];
+        step.rows[i].active = h * u <= closed_gap(impact, h) || (push[i][0] > 0 && u <= noise);
+      }
     solve_rows(setting_, start, found, step);
 
     // Friction displaces as a constant force does (GA-8)

@@ -128,9 +128,11 @@ ContactRow axis_law(const Joint& joint, const JointRow& row, double sign, Law la
 ContactRow stop(const JointStep& step, const Joint& joint, const JointAxis& axis, const JointRow& now,
                 double sign, double limit, int slot) {
   const VelocityRow row = velocity_row(joint, now);
-  const NormalBias bias = normal_bias(sign * (now.value - limit), sign * row.times(step.v.before),
-                                      axis.restitution, step.h, step.normal);
+  const double gap = sign * (now.value - limit);
+  const NormalBias bias =
+      normal_bias(gap, sign * row.times(step.v.before), axis.restitution, step.h, step.normal);
   ContactRow out = axis_law(joint, now, sign, unilateral(), sign * row.times(step.v.moved) + bias.w, slot);
+  out.gap = gap;
   out.restitution = axis.restitution;
   out.moved[0] = sign * row.times(step.v.moved);
   out.active = bias.active;

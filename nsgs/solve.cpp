@@ -8,6 +8,7 @@
 #include "geometry/check.hpp"
 #include "nsgs/block_solver.hpp"
 #include "nsgs/islands.hpp"
+#include "nsgs/joint_elimination.hpp"
 #include "nsgs/method.hpp"
 
 namespace aussois {
@@ -78,19 +79,19 @@ Solved solve_rows(Delassus& W, const VecX& r0, const SolverOptions& options) {
   return out;
 }
 
-// The size, scaled as q is, that the rounding of q is relative to: bodies that fall together leave nothing
-// but rounding in q. 0: not known.
+// The size, scaled as q is, that the rounding of q is relative to: bodies that fall together, or hang on one
+// hinge, leave nothing but rounding in q. 0: not known.
 double cancelled(const Part<LocalProblem>&) {
   return 0;
 }
 double cancelled(const Part<FrictionProblem>& part) {
-  if (!part.W || part.v_free.size() == 0) return 0;
+  if (!part.W) return 0;
   const FrictionProblem& p = *part.problem;
+  const VecX v_free = part.v_free.size() > 0 ? part.v_free : free_velocity(p, *part.inverse);
   VecX terms = p.w.cwiseAbs();
   for (int j = 0; j < p.H.outerSize(); ++j) {
     double sum = terms[j];
-    for (SparseMatrix::InnerIterator it(p.H, j); it; ++it)
-      sum += std::abs(it.value() * part.v_free[it.row()]);
+    for (SparseMatrix::InnerIterator it(p.H, j); it; ++it) sum += std::abs(it.value() * v_free[it.row()]);
     terms[j] = sum;
   }
   return part.W->scaled.s.cwiseProduct(terms).norm();

@@ -13,8 +13,8 @@ namespace {
 
 /// A hinged pair of blocks with a stop and dry friction, and two loose ones, all falling on a plate at odd
 /// angles and with spin.
-Scene tumbling_blocks() {
-  Scene s = block_on_plate(0.4, 0.3, 0.1, 0.02);
+Scene tumbling_blocks(double mu = 0.4, double hinge_friction = 0.01) {
+  Scene s = block_on_plate(mu, 0.3, 0.1, 0.02);
   const SimplicialComplex box = make_box(kSide, kSide, kSide);
   const int shape = s.model.bodies[std::size_t(s.block)].shape;
   for (int i = 0; i < 3; ++i) add(s.model, solid_body("block", shape, mass_properties(box, kDensity)));
@@ -39,7 +39,7 @@ Scene tumbling_blocks() {
                          SE3{exp_so3(Vec3(kPi / 2, 0, 0)), Vec3(0.065, 0, 0.1)});
   hinge.axis[0].lower = -0.2;
   hinge.axis[0].upper = 0.2;
-  hinge.axis[0].friction = 0.01;
+  hinge.axis[0].friction = hinge_friction;
   add(s.model, hinge);
   s.state.turns.clear();
   const State full = rest_state(s.model);
@@ -171,6 +171,17 @@ TEST_P(EveryScheme, MovesBodiesThatAreNumberedOtherwiseTheSameWay) {
   const Compared runs = compared(scene_, GetParam().name, o, reference_ ? steps_ : 30);
   EXPECT_GT(runs.touching, 2u);
   EXPECT_LT(runs.off, reference_ ? 1e-9 : 1e-11);
+}
+
+// Without Coulomb's friction the velocities are unique, and nothing in between decides by rounding.
+TEST_P(EveryScheme, MovesThemTheSameWayForLongWithoutFriction) {
+  SchemeOptions o = options();
+  o.solver.tolerance = 1e-12;
+  for (const double hinge_friction : {0.01, 0.0}) {
+    const Compared runs = compared(tumbling_blocks(0, hinge_friction), GetParam().name, o, steps_);
+    EXPECT_GT(runs.touching, reference_ ? 2u : 10u);
+    EXPECT_LT(runs.off, reference_ ? 1e-9 : 1e-10) << "hinge friction " << hinge_friction;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Registry, EveryScheme, ::testing::ValuesIn(all_settings()), [](const auto& each) {

@@ -44,7 +44,7 @@ class EverySchemeAndJoint : public ::testing::TestWithParam<SchemeVariant> {
              alpha = v.name == "generalised_alpha", mean_joints = v.options.mean_joints,
              cayley = v.options.update == GroupUpdate::cayley,
              first_order = scheme_traits(v.name, v.options).smooth < 2,
-             stops_bounce = scheme_traits(v.name, v.options).restitution && !paoli;
+             stops_bounce = scheme_traits(v.name, v.options).restitution;
 
   Scheme scheme(const Model& model, double h) const {
     SchemeOptions o = v.options;
@@ -76,8 +76,8 @@ TEST_P(EverySchemeAndJoint, HoldsWhateverItsKind) {
   }
 }
 
-// Between stops with e = 0.8, or onto a plastic one where the scheme knows no restitution of stops: up to a
-// step of way beyond them.
+// Between stops with e = 0.8, or onto a plastic one where the scheme knows no restitution: up to a step of
+// way beyond them. That of Schatzman and Paoli takes two steps.
 TEST_P(EverySchemeAndJoint, TurnsBackAtItsStops) {
   const double h = 1e-3;
   OneAxis s(JointKind::prismatic);
@@ -87,7 +87,7 @@ TEST_P(EverySchemeAndJoint, TurnsBackAtItsStops) {
   double before = s.speed();
   advance(scheme(s.model, h), s.state, 1, [&](const StepReport&) {
     if (s.speed() * before < 0) ++impacts;
-    if (stops_bounce) {
+    if (stops_bounce && (!paoli || s.speed() == before)) {
       EXPECT_NEAR(std::abs(s.speed()), std::pow(0.8, impacts), 1e-12);
     }
     before = s.speed();

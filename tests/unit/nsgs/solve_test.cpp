@@ -78,6 +78,31 @@ TEST(Solve, HoldsAHeavyCubeOnALightOne) {
   EXPECT_NEAR(s.r[0] + s.r[3] + s.r[6] + s.r[9], (1 + 1e6) * weight, 1e-3 * 1e6 * weight);
 }
 
+// Two bodies, one of them with a third on a joint, move at 1 m/s and 10 um/s towards each other. Stop and dry
+// friction act along one direction, and their speeds differ by a rounding of 1 m/s, which is 1e-11 of q: load
+// goes from one to the other by that much a sweep until all of it has gone.
+TEST(Solve, TakesRoundingOfWhatCancelsForNoneWithJointsToo) {
+  for (const bool joint : {false, true}) {
+    FrictionProblem problem;
+    const Vec3 mass(1, 2, 3);
+    problem.M = MatX(mass.asDiagonal()).sparseView();
+    problem.f = mass;
+    problem.H = (MatX(3, 2) << 1, 1, -1, -1, 0, 0).finished().sparseView();
+    problem.w = Vec2(-1e-5, -1e-5 + 1e-16);
+    problem.laws = {unilateral(), dry_friction(1e-6)};
+    if (joint) {
+      problem.G = (MatX(3, 1) << 0, 1, -1).finished().sparseView();
+      problem.b = VecX::Zero(1);
+    }
+    const FrictionSolution s = solve(problem, {}, {.tolerance = 1e-12});
+    EXPECT_EQ(s.report.status, SolveStatus::converged);
+    EXPECT_LT(s.report.iterations, 10);
+    EXPECT_LT(s.u.norm(), 1e-15);
+    const double m = joint ? 5.0 / 6 : 2.0 / 3;
+    EXPECT_NEAR(s.r.sum(), 1e-5 * m, 1e-15);
+  }
+}
+
 TEST(Solve, NeverAddsKineticEnergy) {
   int dissipating = 0;
   for (unsigned seed = 0; seed < 300; ++seed) {
