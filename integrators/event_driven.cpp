@@ -89,7 +89,10 @@ bool EventRun::piece() {
     }
     return true;
   }
-  return refused("no path is proven to keep bodies apart: " + report_.reason);
+  const std::optional<Overlap> overlap =
+      deepest_overlap(model_, state_, setting_.bounds, o_.step.advancement, o_.step.threads);
+  return refused("no path is proven to keep bodies apart: " +
+                 (overlap ? "start: " + text_of(model_, *overlap) : report_.reason));
 }
 
 StepReport EventRun::go(State& out) {
