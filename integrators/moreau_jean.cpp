@@ -43,6 +43,12 @@ FreeMotion at_iterate(const StepSetting& setting, const State& start, const Free
   out.gravity = forces.gravity;
   out.gyroscopic = forces.gyroscopic + first.gyroscopic_D * change;
   out.laws = forces.laws + first.law_D * change;
+  const VecX all_change = all_velocities(setting.dofs, change, 0 * v_prescribed);
+  for (AxisImpulse& a : out.axes) {
+    a.motor = 0;
+    a.spring = a.D * speed_along(setting.model.joints[std::size_t(a.joint)], a.row, all_change);
+  }
+  out.axes.insert(out.axes.end(), forces.axes.begin(), forces.axes.end());
   if (turn.nonZeros() > 0) {
     out.turning_D = kept_positive(first.M, turn);
     out.turning = out.turning_D * change;

@@ -72,7 +72,13 @@ StepReport SchatzmanPaoli::step(State& state, double h_limit) const {
     solve_rows(setting_, start, found, step);
     const VecX& v = step.solved.solution.v;
     const double next = setting_.options.advancement.growth * h;  // the longest that may come (CA-17)
-    return go(setting_, start, found, step, {.v_path = v, .v_end = v, .end = {}, .goes_on = next});  // (SP-3)
+    return go(setting_, start, found, step,
+              {.v_path = v,
+               .v_end = v,
+               .end = {},
+               .goes_on = next,
+               .lasts = (1 + start.h / h) / 2,
+               .about = (1 - start.h / h) / 4});  // (SP-3)
   };
   return advance_step(setting_, state, h_limit, {estimate, attempt});
 }

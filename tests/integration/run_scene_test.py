@@ -110,6 +110,16 @@ class RunScene(DriverTest):
         self.assertGreaterEqual(len(work), 1)
         self.assertLess(sum(float(row.split(",")[i]) for row in rows for i in work), 0)
 
+    def test_steps_tell_the_work_of_every_joint(self):
+        self.run_scene("--scene", "squeezer", "--theta", "0.5", "--time", "0.005", "--quiet")
+        head, *lines = (self.folder / "out/steps.csv").read_text().splitlines()
+        names, rows = head.split(","), [[float(x) for x in line.split(",")] for line in lines]
+        work = [i for i, name in enumerate(names) if name.startswith("work:joint:")]
+        self.assertGreaterEqual(len(work), 7)
+        stored = [row[names.index("kinetic")] + row[names.index("laws")] for row in rows]
+        given = sum(row[i] for row in rows[1:] for i in work)  # by the motor: bodies and spring have it
+        self.assertAlmostEqual(given, stored[-1] - stored[0], delta=1e-3 * given)
+
     def test_bad_input_is_refused_without_a_trace(self):
         for words, arguments in ((["--scene", "perpetuum", "arch"], ["--scene", "perpetuum"]),
                                  (["--scene"], []),
