@@ -278,7 +278,9 @@ DilatedBox posed_box(const StepPath& path, const std::vector<BodyBounds>& bounds
 // `apart`: by how much their boxes are.
 StepCertificate certify_pair(const StepPath& path, const StepPair& pair, double apart,
                              const CertificateOptions& options) {
-  if (apart > bounds_of(path, pair).displacement)  // the dilated shapes cannot even touch
+  const double moved =
+      path.bodies[std::size_t(pair.a)].displacement + path.bodies[std::size_t(pair.b)].displacement;
+  if (apart > moved || apart > bounds_of(path, pair).displacement)  // the dilated shapes cannot even touch
     return {.min_distance = options.wanted};
   const Certificate c = certify(moving_shape(path, pair.a), moving_shape(path, pair.b), path.h, options);
   StepCertificate out{.min_distance = c.min_distance, .rounds = c.rounds};

@@ -111,9 +111,10 @@ std::string without_room(const StepSetting& setting, const Found& found, const I
     const ContactPoint& c = found.contacts.points[i];
     const ContactRow& row = step.rows[i];
     if (row.restitution > 0 && r[i][0] > 0) continue;
-    const double gap = row.gap + found.h * slip_velocity(row, setting.dofs, move.v_path).x(),
-                 speed = slip_velocity(row, setting.dofs, move.v_end).x();
-    if (gap < 0 && speed < 0 && gap + move.goes_on * speed < -o.max_overlap * dilation[i])
+    const double gap = row.gap + found.h * slip_velocity(row, setting.dofs, move.v_path).x();
+    if (!(gap < 0)) continue;
+    const double speed = slip_velocity(row, setting.dofs, move.v_end).x();
+    if (speed < 0 && gap + move.goes_on * speed < -o.max_overlap * dilation[i])
       return "bodies " + std::to_string(c.a.body) + " and " + std::to_string(c.b.body) +
              ": the overlap that is allowed leaves no room to stop them";
   }

@@ -101,9 +101,12 @@ void tell_work(const StepSetting& setting, const ImpulseStep& step, const VecX& 
     const auto i = std::size_t(step.solved.kept[k]);
     const ContactRow& row = step.rows[i];
     if (row.slot >= 0 && row.slot < first_gap) continue;
-    const RowVector u = slip_velocity(row, dofs, step.free->v) + slip_velocity(row, dofs, v_end);
+    const VecX::ConstSegmentReturnType r_k = r.segment(step.solved.first_row[k], row.law.rows);
     double work = step.impact ? step.impact->work[i] : 0;
-    for (int d = 0; d < row.law.rows; ++d) work += u[d] / 2 * r[step.solved.first_row[k] + d];
+    if (!r_k.isZero(0)) {  // as of most where much is near
+      const RowVector u = slip_velocity(row, dofs, step.free->v) + slip_velocity(row, dofs, v_end);
+      for (int d = 0; d < row.law.rows; ++d) work += u[d] / 2 * r_k[d];
+    }
     if (row.slot < 0) {
       report.contacts[k].work = work;
       add_work(setting, contact_law(setting.model, row.body_a, row.body_b), work, report);

@@ -17,6 +17,8 @@ namespace {
 
 constexpr double kNoise = 1e-6;      // an island with less of the whole |q| is solved to that much of it only
 constexpr double kRounding = 1e-15;  // of what cancels in q: as good as zero
+constexpr double kGoodStart = 1e-3;  // residual of a start that need not be compared with none
+constexpr double kOpening = 2;       // times as fast as what may push it: a block opens whatever that does
 
 struct Solved {
   VecX r{}, u{};
@@ -66,10 +68,11 @@ Solved solve_rows(Delassus& W, const VecX& r0, const SolverOptions& options) {
   Solved out;
   W.scaled.model = options.model;
   const Scaling& scaled = W.scaled;
-  Iterate start = judged(W, scaled_start(scaled, {}), options.method);
-  if (r0.size() > 0)
-    if (Iterate warm = judged(W, scaled_start(scaled, r0), options.method); warm.residual < start.residual)
-      start = std::move(warm);
+  Iterate start;
+  if (r0.size() > 0) start = judged(W, scaled_start(scaled, r0), options.method);
+  if (start.residual > kGoodStart)
+    if (Iterate none = judged(W, scaled_start(scaled, {}), options.method); !(start.residual < none.residual))
+      start = std::move(none);
   const Iterate best = start.residual <= options.tolerance ? start : run(W, start, options, out.report);
   out.report.residual = best.residual;
   out.report.coulomb_residual = natural_map(best.u, best.r, scaled.laws);
@@ -255,20 +258,75 @@ void validate_start(const VecX& r0, Eigen::Index rows) {
   require_field(r0.size() == 0 || r0.size() == rows, "r0.size()", r0.size(), bound.c_str());
 }
 
+// Blocks without an impulse at the start that open whatever the others do (ISL-2): faster than twice what may
+// push their bodies, and than their bodies move, each on its own.
+std::vector<char> opening_blocks(const FrictionProblem& problem, const VecX& v_free, const VecX& r0) {
+  const std::vector<int> first = first_rows(problem.laws);
+  std::vector<char> opens(problem.laws.size());
+  VecX u = problem.w, fastest = VecX::Zero(v_free.size());  // of the blocks that may push a velocity
+  for (std::size_t c = 0; c < opens.size(); ++c) {
+    const int k = first[c], rows = problem.laws[c].rows;
+    double moves = 0;
+    for (SparseMatrix::InnerIterator it(problem.H, k); it; ++it) {
+      const double part = it.value() * v_free[it.row()];
+      u[k] += part;
+      moves += std::abs(part);
+    }
+    opens[c] = has_normal(problem.laws[c]) && u[k] > kOpening * moves &&
+               (r0.size() == 0 || r0.segment(k, rows).isZero(0));
+    if (opens[c]) continue;
+    for (int j = k + 1; j < k + rows; ++j) u[j] += problem.H.col(j).dot(v_free);
+    const double speed = u.segment(k, rows).norm();
+    for (SparseMatrix::InnerIterator it(problem.H, k); it; ++it)
+      fastest[it.row()] = std::max(fastest[it.row()], speed);
+  }
+  for (std::size_t c = 0; c < opens.size(); ++c)
+    for (SparseMatrix::InnerIterator it(problem.H, first[c]); it && opens[c]; ++it)
+      opens[c] = u[first[c]] > kOpening * fastest[it.row()];
+  return opens;
+}
+
+// Velocities of the blocks left out. Those that close are taken in (ISL-3); whether there are any.
+bool take_in(const FrictionProblem& problem, FrictionSolution& out, std::vector<char>& left_out) {
+  bool some = false;
+  int next = 0;
+  for (std::size_t c = 0; c < left_out.size(); ++c) {
+    const int k = std::exchange(next, next + problem.laws[c].rows);
+    if (!left_out[c]) continue;
+    for (int j = k; j < next; ++j) out.u[j] += problem.H.col(j).dot(out.v);
+    left_out[c] = out.u[k] >= 0;
+    some = some || !left_out[c];
+  }
+  return some;
+}
+
 FrictionSolution solve_bodies(const FrictionProblem& problem, const KnownMotion* known, const VecX& r0,
                               const SolverOptions& options) {
   validate(problem);
   validate(options);
   validate_start(r0, problem.w.size());
-  FrictionSolution out{.v = known ? known->v_free : VecX::Zero(problem.f.size()),
-                       .u = problem.w,
-                       .r = VecX::Zero(problem.w.size()),
-                       .lambda = VecX::Zero(problem.b.size())};
-  if (known && problem.laws.empty()) return out;
-  std::vector<Island> all = islands(problem);
-  if (known && all.back().blocks.empty()) all.pop_back();  // what feels no contact
-  solve_islands(problem, std::move(all), known, r0, 0, options, out);
-  return out;
+  const FrictionSolution without{.v = known ? known->v_free : VecX::Zero(problem.f.size()),
+                                 .u = problem.w,
+                                 .r = VecX::Zero(problem.w.size()),
+                                 .lambda = VecX::Zero(problem.b.size())};
+  if (known && problem.laws.empty()) return without;
+  const bool screened = known && options.model == FrictionModel::coulomb;
+  std::vector<char> left_out =
+      screened ? opening_blocks(problem, known->v_free, r0) : std::vector<char>(problem.laws.size(), 0);
+  SolveReport before;
+  for (VecX start = r0;;) {
+    FrictionSolution out = without;
+    std::vector<Island> all = islands(problem, left_out);
+    if (known && !all.empty() && all.back().blocks.empty()) all.pop_back();  // what feels no contact
+    solve_islands(problem, std::move(all), known, start, 0, options, out);
+    out.report.iterations += before.iterations;
+    out.report.newton_iterations += before.newton_iterations;
+    out.report.local_failures += before.local_failures;
+    out.report.local_fail_safes += before.local_fail_safes;
+    if (!take_in(problem, out, left_out)) return out;
+    before = out.report;
+    start = out.r;
+  }
 }
 
 }  // namespace

@@ -213,6 +213,64 @@ TEST(Solve, WithoutContactsIsFreeMotion) {
   EXPECT_EQ(solve(LocalProblem{}, {}).report.status, SolveStatus::converged);
 }
 
+// Beads on a line, the first three touching, the first heavy and fast: what its neighbours do says that the
+// gap to the fourth opens (ISL-2), and it closes. The last two meet far away, or not.
+FrictionProblem beads_on_a_line(VecX& v_free, double crash) {
+  const Eigen::Index n = 6;
+  v_free = VecX::Zero(n);
+  v_free[0] = 10;
+  v_free[4] = crash;
+  VecX mass = VecX::Ones(n);
+  mass[0] = 1000;
+  FrictionProblem problem{.M = SparseMatrix(mass.asDiagonal()),
+                          .H = SparseMatrix(n, 4),
+                          .f = mass.cwiseProduct(v_free),
+                          .w = Eigen::Vector4d(0, 0, 5, 0),
+                          .laws = std::vector<Law>(4, unilateral())};
+  for (int c = 0; c < 4; ++c) {
+    const int bead = c < 3 ? c : 4;
+    problem.H.insert(bead, c) = -1;
+    problem.H.insert(bead + 1, c) = 1;
+  }
+  problem.H.makeCompressed();
+  return problem;
+}
+
+TEST(Solve, TakesInAGapThatClosesAgainstTheGuess) {
+  const double together = 10005.0 / 1003;  // of three beads, and the fourth slower by 5: momentum
+  VecX before;
+  for (const double crash : {0.0, 1e3}) {
+    VecX v_free;
+    const FrictionProblem problem = beads_on_a_line(v_free, crash);
+    const std::optional<MassInverse> inverse = invert_mass(problem.M);
+    const FrictionSolution s = solve(problem, {*inverse, v_free}, {}, {.tolerance = 1e-12});
+    ASSERT_EQ(s.report.status, SolveStatus::converged);
+    for (int i = 0; i < 4; ++i) EXPECT_NEAR(s.v[i], i < 3 ? together : together - 5, 1e-9) << i;
+    EXPECT_NEAR(s.r[2], together - 5, 1e-9);
+    EXPECT_NEAR(s.v[4], crash / 2, 1e-9);
+    const VecX now = s.v.head(4);
+    EXPECT_EQ(now, crash > 0 ? before : now);  // they do not feel the crash
+    before = now;
+  }
+}
+
+TEST(Solve, OfAKnownMotionSolvesTheWholeProblem) {
+  int open = 0, blocks = 0;
+  for (unsigned seed = 0; seed < 60; ++seed) {
+    Random random(seed);
+    const FrictionProblem problem = random_peg_in_hole(random, 1 + int(seed % 2), 40, 0.2);
+    const std::optional<MassInverse> inverse = invert_mass(problem.M);
+    const FrictionSolution s = solve(problem, {*inverse, *inverse * problem.f}, {}, {.tolerance = 1e-10});
+    ASSERT_EQ(s.report.status, SolveStatus::converged) << "seed " << seed;
+    const LocalProblem local = condense(problem);
+    EXPECT_LE(scaled_residual(local, s.r), 1.01e-10) << "seed " << seed;  // W has its own rounding
+    EXPECT_LT((local.W * s.r + local.q - s.u).norm(), 1e-10 * local.q.norm()) << "seed " << seed;
+    for (int c = 0; c < 40; ++c) open += s.u[3 * c] > 0;
+    blocks += 40;
+  }
+  EXPECT_GT(open, blocks / 4);  // there was something to leave out
+}
+
 TEST(Solve, SolvesOneBodyOnManyContacts) {
   Random random(12);
   const FrictionProblem problem = random_peg_in_hole(random, 1, 10000, 0.3);
