@@ -32,6 +32,18 @@ class RunScene(DriverTest):
             run = self.drive("run_scene", "--scene", name, "--time", 2 * float(h), "--quiet", "-o", name)
             self.assertEqual(run.returncode, 0, f"{name}: {run.stderr}{run.stdout}")
 
+    def test_every_scheme_reads_the_settings_that_are_its_own(self):
+        scene = ("--scene", "ball_e05", "--time", "0.02", "--quiet", "--summary", "s.json")
+        for scheme, flags, told in (("schatzman_paoli", ("--force-theta", 1), "theta 1"),
+                                    ("passive_midpoint", ("--not-passive",), "not passive"),
+                                    ("event_driven", ("--ode-relative", 1e-6), "relative 1e-06"),
+                                    ("event_driven", ("--ode-absolute", 1e-7), "absolute 1e-07")):
+            self.run_scene(*scene, "--scheme", scheme, *flags, "-o", "out")
+            self.assertIn(told, json.loads((self.folder / "s.json").read_text())["scheme"])
+            run = self.run_scene(*scene, "--scheme", "generalised_alpha", *flags, "-o", "refused", code=USAGE)
+            for word in (flags[0], scheme, "generalised_alpha"):
+                self.assertIn(word, run.stderr)
+
     def test_a_restart_changes_no_bit(self):
         scene = ("--scene", "bricard", "--h", "2e-3", "--time", "0.1", "--quiet")
         self.run_scene(*scene, "-o", "whole")
