@@ -85,9 +85,13 @@ bool EventRun::piece() {
     return true;
   }
   const std::optional<Overlap> overlap =
-      deepest_overlap(model_, state_, setting_.bounds, o_.step.advancement, o_.step.threads);
-  return refused("no path is proven to keep bodies apart: " +
-                 (overlap ? "start: " + text_of(model_, *overlap) : report_.reason));
+      o_.step.advancement.certify
+          ? deepest_overlap(model_, state_, setting_.bounds, o_.step.advancement, o_.step.threads)
+          : std::nullopt;
+  std::ostringstream text;
+  text << "no path from t = " << state_.t
+       << " s is proven to keep bodies apart: " << (overlap ? text_of(model_, *overlap) : report_.reason);
+  return refused(text.str());
 }
 
 StepReport EventRun::go(State& out) {

@@ -103,7 +103,7 @@ void tell_work(const StepSetting& setting, const ImpulseStep& step, const VecX& 
     if (row.slot >= 0 && row.slot < first_gap) continue;
     const VecX::ConstSegmentReturnType r_k = r.segment(step.solved.first_row[k], row.law.rows);
     double work = step.impact ? step.impact->work[i] : 0;
-    if (!r_k.isZero(0)) {  // as of most where much is near
+    if (!r_k.isZero(0)) {  // most contacts of a pile have none
       const RowVector u = slip_velocity(row, dofs, step.free->v) + slip_velocity(row, dofs, v_end);
       for (int d = 0; d < row.law.rows; ++d) work += u[d] / 2 * r_k[d];
     }

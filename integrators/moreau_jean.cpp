@@ -194,7 +194,7 @@ Attempt MoreauJean::attempt(const State& state, const SharedMotion& without, con
                     .goes_on = 2 * (1 - theta) * options_.advancement.min_h});
   out.report.newton_iterations = made;
   out.report.newton_change = change;
-  if (growths == kDivergent) {
+  if (growths == kDivergent && out.outcome != Outcome::not_finite) {
     out.outcome = Outcome::not_certified;
     out.report.reason = "the Newton loop of the step diverges";
   } else if (iterations > 1 && !newton_done(change, last, options_) && out.outcome == Outcome::accepted) {

@@ -28,13 +28,16 @@ double position_bias(const ContactRow& row, double u_before, bool acted, double 
   return (1 + e) * row.gap / (acted ? h_before : h) - e * u_before;
 }
 
-// Of contacts, gap functions and stops.
-void set_position_biases(const StepSetting& setting, const State& state, const Found& found,
-                         std::vector<ContactRow>& rows) {
+// Biases of contacts, gap functions and stops; friction and limited motors of axes act as long as forces do.
+void set_position_laws(const StepSetting& setting, const State& state, const Found& found,
+                       std::vector<ContactRow>& rows) {
   const VecX v = free_velocities(setting.dofs, state.v);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     ContactRow& row = rows[i];
-    if (!has_normal(row.law)) continue;
+    if (!has_normal(row.law)) {
+      row.law.limit *= (1 + state.h / found.h) / 2;  // (SP-2)
+      continue;
+    }
     const bool acted = row.slot < 0 ? found.warm.impulse[i].dot(row.frame.col(0)) > 0
                                     : state.r.size() > 0 && state.r[row.slot] > 0;
     row.w.x() = row.moved.x() + position_bias(row, slip_velocity(row, setting.dofs, v).x(), acted, found.h,
@@ -68,7 +71,7 @@ StepReport SchatzmanPaoli::step(State& state, double h_limit) const {
     const Found found = find_ahead(setting_, start, ahead, h);
     ImpulseStep step = pose_step(setting_, start, found,
                                  std::make_shared<const FreeMotion>(kick(setting_, start, h, theta_)), 1);
-    set_position_biases(setting_, start, found, step.rows);
+    set_position_laws(setting_, start, found, step.rows);
     solve_rows(setting_, start, found, step);
     const VecX& v = step.solved.solution.v;
     const double next = setting_.options.advancement.growth * h;  // the longest that may come (CA-17)

@@ -52,7 +52,8 @@ struct JointWork {
   double total() const { return locked + couplings + stops + friction + motors + springs + supports; }
 };
 
-/// What a joint did, on A at the origin of its frame there, in the world, averaged over the step.
+/// What a joint did, on A at the origin of its frame there, in the world; averaged over the step, or as the
+/// scheme has it (MJT-17).
 struct StepJoint {
   Vec3 force = Vec3::Zero();   // of the locked motions and of couplings [N]
   Vec3 torque = Vec3::Zero();  // [N m]

@@ -33,7 +33,7 @@ struct Part {
   const Problem* problem = nullptr;      // that, or the whole
   VecX r0{};
   std::optional<MotionInverse> inverse{};  // of bodies; nothing if M is singular
-  VecX v_free{};                           // M^-1 f, if it is known
+  VecX v_free{};                           // of bodies
   std::unique_ptr<Delassus> W{};           // nothing without contacts, or without `inverse`
   Solved solved{};
 };
@@ -46,6 +46,7 @@ void open(Part<FrictionProblem>& part) {
   const FrictionProblem& problem = *part.problem;
   if (!part.inverse) part.inverse = invert_motion(problem.M, problem.G);
   if (!part.inverse || problem.laws.empty()) return;
+  if (part.v_free.size() == 0) part.v_free = free_velocity(problem, *part.inverse);
   // One block is its own W: speeds of the bodies would only bring in their rounding.
   const bool few_contacts = problem.f.size() > 2 * problem.w.size() || problem.laws.size() == 1;
   const bool condensed =
@@ -90,11 +91,11 @@ double cancelled(const Part<LocalProblem>&) {
 double cancelled(const Part<FrictionProblem>& part) {
   if (!part.W) return 0;
   const FrictionProblem& p = *part.problem;
-  const VecX v_free = part.v_free.size() > 0 ? part.v_free : free_velocity(p, *part.inverse);
   VecX terms = p.w.cwiseAbs();
   for (int j = 0; j < p.H.outerSize(); ++j) {
     double sum = terms[j];
-    for (SparseMatrix::InnerIterator it(p.H, j); it; ++it) sum += std::abs(it.value() * v_free[it.row()]);
+    for (SparseMatrix::InnerIterator it(p.H, j); it; ++it)
+      sum += std::abs(it.value() * part.v_free[it.row()]);
     terms[j] = sum;
   }
   return part.W->scaled.s.cwiseProduct(terms).norm();
@@ -128,7 +129,7 @@ void put(const VecX& part, const std::vector<int>& rows, VecX& whole) {
 void put_motion(const Part<LocalProblem>&, const VecX&, FrictionSolution&) {}
 void put_motion(const Part<FrictionProblem>& part, const VecX& r, FrictionSolution& out) {
   if (!part.inverse) return;
-  if (part.v_free.size() > 0) {
+  if (part.problem->G.cols() == 0 && part.v_free.size() > 0) {
     put(part.v_free + part.inverse->mass * (part.problem->H * r), part.island.dofs, out.v);
     return;
   }
@@ -286,18 +287,26 @@ std::vector<char> opening_blocks(const FrictionProblem& problem, const VecX& v_f
   return opens;
 }
 
-// Velocities of the blocks left out. Those that close are taken in (ISL-3); whether there are any.
-bool take_in(const FrictionProblem& problem, FrictionSolution& out, std::vector<char>& left_out) {
-  bool some = false;
+// Velocities of the blocks left out. Those that close, or are not finite, are taken in (ISL-3), `with_all` of
+// their island of the whole problem; whether there are any.
+bool take_in(const FrictionProblem& problem, bool with_all, FrictionSolution& out,
+             std::vector<char>& left_out) {
+  std::vector<char> closes(left_out.size());
   int next = 0;
   for (std::size_t c = 0; c < left_out.size(); ++c) {
     const int k = std::exchange(next, next + problem.laws[c].rows);
     if (!left_out[c]) continue;
     for (int j = k; j < next; ++j) out.u[j] += problem.H.col(j).dot(out.v);
-    left_out[c] = out.u[k] >= 0;
-    some = some || !left_out[c];
+    closes[c] = !(out.u[k] >= 0 && out.u.segment(k, next - k).allFinite());
   }
-  return some;
+  if (std::ranges::find(closes, 1) == closes.end()) return false;
+  if (with_all)
+    for (const Island& island : islands(problem))
+      if (std::ranges::any_of(island.blocks, [&](int c) { return closes[std::size_t(c)]; }))
+        for (const int c : island.blocks) closes[std::size_t(c)] = 1;
+  for (std::size_t c = 0; c < closes.size(); ++c)
+    if (closes[c]) left_out[c] = 0;
+  return true;
 }
 
 FrictionSolution solve_bodies(const FrictionProblem& problem, const KnownMotion* known, const VecX& r0,
@@ -314,18 +323,17 @@ FrictionSolution solve_bodies(const FrictionProblem& problem, const KnownMotion*
   std::vector<char> left_out =
       screened ? opening_blocks(problem, known->v_free, r0) : std::vector<char>(problem.laws.size(), 0);
   SolveReport before;
-  for (VecX start = r0;;) {
+  for (int pass = 1;; ++pass) {  // each from the same start: islands do not feel that others are solved again
     FrictionSolution out = without;
     std::vector<Island> all = islands(problem, left_out);
     if (known && !all.empty() && all.back().blocks.empty()) all.pop_back();  // what feels no contact
-    solve_islands(problem, std::move(all), known, start, 0, options, out);
+    solve_islands(problem, std::move(all), known, r0, 0, options, out);
     out.report.iterations += before.iterations;
     out.report.newton_iterations += before.newton_iterations;
     out.report.local_failures += before.local_failures;
     out.report.local_fail_safes += before.local_fail_safes;
-    if (!take_in(problem, out, left_out)) return out;
+    if (!take_in(problem, pass > 1, out, left_out)) return out;
     before = out.report;
-    start = out.r;
   }
 }
 

@@ -162,9 +162,9 @@ TEST_P(EverySchemeAndBullet, MeetsTheSheetOnItsEdge) {
 // A micrometre beside, the normal leans by 2e-4 and the bullet goes off sideways by 0.035 (1 + e) m/s. In a
 // step of 0.1 m each solve of Newton's loop would multiply the lean by some 20, and end with a bullet that
 // went round the edge (MJ-16).
-TEST_P(EverySchemeAndBullet, IsNotKnockedAsideByNewtonsLoop) {
+class EveryLoopAndBullet : public EverySchemeAndBullet {};
+TEST_P(EveryLoopAndBullet, IsNotKnockedAsideByNewtonsLoop) {
   const SchemeVariant& v = GetParam();
-  if (v.options.newton.max_iterations == 1) return;
   const double share = kBulletMass / (kBulletMass + kPaperMass), beside = 1e-6;
   for (const double e : {0.0, 1.0}) {
     if (e > 0 && !scheme_traits(v.name, v.options).restitution) continue;
@@ -178,7 +178,7 @@ TEST_P(EverySchemeAndBullet, IsNotKnockedAsideByNewtonsLoop) {
       }
       EXPECT_NEAR(twist(state, s.body)[2], -(share - e * (1 - share)) * kBulletSpeed, 0.02)
           << "phase " << phase;
-      EXPECT_NEAR(twist(state, s.body)[0], 0.035 * (1 + e), 0.1) << "phase " << phase;
+      EXPECT_NEAR(twist(state, s.body)[0], 0.035 * (1 + e), 0.1) << "phase " << phase;  // it was 170
     }
   }
 }
@@ -213,7 +213,15 @@ TEST_P(EverySchemeAndBullet, StopsANeedleWhoseTipsComeAtFiveHundredMetresPerSeco
   }
 }
 
+std::vector<SchemeVariant> with_newtons_loop() {
+  std::vector<SchemeVariant> out = variants();
+  std::erase_if(out, [](const SchemeVariant& v) { return v.options.newton.max_iterations == 1; });
+  return out;
+}
+
 INSTANTIATE_TEST_SUITE_P(Schemes, EverySchemeAndBullet, ::testing::ValuesIn(variants()),
+                         [](const auto& v) { return name_of(v.param); });
+INSTANTIATE_TEST_SUITE_P(Schemes, EveryLoopAndBullet, ::testing::ValuesIn(with_newtons_loop()),
                          [](const auto& v) { return name_of(v.param); });
 
 // The overlap that is granted is crossed in 0.25 us. Where the smallest step is longer, starts that come to

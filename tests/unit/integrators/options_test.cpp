@@ -244,7 +244,7 @@ TEST(EveryScheme, RefusesToBeginInOverlapAndKeepsTheState) {
   pose(s.state, s.block) = translation(0, 0, -0.3 * kRadius) * plain;
   pose(s.state, tilted) =
       translation(0.5, 0, kSide / 2 * (std::cos(0.3) + std::sin(0.3)) + 4e-4) * rotation(Vec3::UnitY(), 0.3);
-  const std::string begin = "start: bodies 0 (ground) and 2 (block): base distance = ";
+  const std::string begin = "bodies 0 (ground) and 2 (block): base distance = ";
   const std::uint64_t before = hash(s.state);
   std::vector<std::string> told{message_of([&] { validate_start(s.model, s.state); })};
   for (const std::string& name : scheme_names()) {
