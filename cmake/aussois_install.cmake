@@ -54,7 +54,8 @@ list(REMOVE_DUPLICATES AUSSOIS_DEBS)
 
 list(TRANSFORM libraries PREPEND aussois_ OUTPUT_VARIABLE targets)
 install(TARGETS ${targets} aussois_options aussois_kernel EXPORT aussoisTargets
-  FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/aussois)
+  FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/aussois
+  FILE_SET without_source DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/aussois)
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/aussois)
 install(EXPORT aussoisTargets NAMESPACE aussois:: DESTINATION ${config_dir})
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/aussoisConfig.cmake.in

@@ -8,10 +8,20 @@ function(aussois_library name)
   cmake_parse_arguments(arg "" "" "SOURCES;HEADERS;USES;HEAVY" ${ARGN})
   add_library(aussois_${name})
   add_library(aussois::${name} ALIAS aussois_${name})
-  set_target_properties(aussois_${name} PROPERTIES EXPORT_NAME ${name} VERIFY_INTERFACE_HEADER_SETS ON
+  foreach(header IN LISTS arg_HEADERS)   # its own source includes it first (rule own_header_first): it compiles alone
+    string(REGEX REPLACE "hpp$" "cpp" source ${header})
+    if(source IN_LIST arg_SOURCES)
+      list(APPEND with_source ${header})
+    else()
+      list(APPEND without_source ${header})
+    endif()
+  endforeach()
+  set_target_properties(aussois_${name} PROPERTIES EXPORT_NAME ${name}
+    VERIFY_INTERFACE_HEADER_SETS ON INTERFACE_HEADER_SETS_TO_VERIFY without_source
     POSITION_INDEPENDENT_CODE ON VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   target_sources(aussois_${name} PRIVATE ${arg_SOURCES}
-    PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${arg_HEADERS})
+    PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${with_source}
+           FILE_SET without_source TYPE HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${without_source})
   target_link_libraries(aussois_${name} PUBLIC aussois_options Eigen3::Eigen ${arg_USES}
     PRIVATE $<BUILD_INTERFACE:aussois_warnings>)
   foreach(library IN LISTS arg_HEAVY)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # aussois_test(<name> LABEL <label> SOURCES ... USES ...): one GoogleTest executable, its tests discovered.
-# Tests read AUSSOIS_DATA_DIR from the environment (empty: skip) and AUSSOIS_SOURCE_DIR for their small inputs.
+# Tests read AUSSOIS_DATA_DIR from the environment (empty: skip). Sources that read small inputs of the project are
+# given AUSSOIS_SOURCE_DIR one by one: the others compile to the same in every checkout.
 include(GoogleTest)
 function(aussois_test name)
   cmake_parse_arguments(arg "" "LABEL;TIMEOUT" "SOURCES;USES" ${ARGN})
@@ -10,7 +11,6 @@ function(aussois_test name)
   add_executable(${name} ${arg_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${arg_USES} aussois_warnings GTest::gtest_main)
-  target_compile_definitions(${name} PRIVATE AUSSOIS_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   gtest_discover_tests(${name} TEST_PREFIX "${arg_LABEL}." DISCOVERY_TIMEOUT 60
     NO_PRETTY_VALUES   # the value of a struct is its bytes: hundreds of columns, and other ones in every build
     PROPERTIES LABELS "${arg_LABEL}" TIMEOUT ${arg_TIMEOUT} ENVIRONMENT "AUSSOIS_DATA_DIR=${AUSSOIS_DATA_DIR}")

@@ -79,6 +79,7 @@ std::vector<std::string> columns_of(const Model& model) {
                                "joint_drift_angle",
                                "displacement"};
   for (const ContactLaw& law : contact_laws(model)) out.push_back("work:" + name_of(law));
+  for (const Joint& joint : model.joints) out.push_back("work:joint:" + joint.name);
   for (const Coordinates& block : model.coordinates)
     for (int i = 0; i < block.size; ++i) out.push_back("q:" + block.name + ":" + std::to_string(i));
   for (const Joint& joint : model.joints)
@@ -111,6 +112,7 @@ std::vector<double> row_of(const Model& model, const State& state, const StepRep
                           report.joint_error.rotation,
                           displacement};
   out.insert(out.end(), report.law_work.begin(), report.law_work.end());
+  for (const StepJoint& joint : report.joints) out.push_back(joint.work.total());
   for (const double q : state.q) out.push_back(q);
   for (int j = 0; j < int(model.joints.size()); ++j)
     for (int axis = 0; axis < axis_count(model.joints[std::size_t(j)].kind); ++axis)

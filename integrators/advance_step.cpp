@@ -87,7 +87,11 @@ StepReport advance_step(const StepSetting& setting, State& state, double h_limit
     }
   }
   std::ostringstream text;
-  text << "no step of at least " << min_h << " s was accepted: " << report.reason;
+  text << "no step of at least " << min_h << " s was accepted: ";
+  const std::optional<Overlap> overlap =
+      o.certify ? deepest_overlap(setting.model, state, setting.bounds, o, setting.options.threads)
+                : std::nullopt;
+  text << (overlap ? "start: " + text_of(setting.model, *overlap) : report.reason);
   report.reason = text.str();
   return ended(StepStatus::refused);
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <iomanip>
 #include <span>
 #include <sstream>
 #include <utility>
@@ -277,7 +278,9 @@ DilatedBox posed_box(const StepPath& path, const std::vector<BodyBounds>& bounds
 // `apart`: by how much their boxes are.
 StepCertificate certify_pair(const StepPath& path, const StepPair& pair, double apart,
                              const CertificateOptions& options) {
-  if (apart > bounds_of(path, pair).displacement)  // the dilated shapes cannot even touch
+  const double moved =
+      path.bodies[std::size_t(pair.a)].displacement + path.bodies[std::size_t(pair.b)].displacement;
+  if (apart > moved || apart > bounds_of(path, pair).displacement)  // the dilated shapes cannot even touch
     return {.min_distance = options.wanted};
   const Certificate c = certify(moving_shape(path, pair.a), moving_shape(path, pair.b), path.h, options);
   StepCertificate out{.min_distance = c.min_distance, .rounds = c.rounds};
@@ -339,6 +342,37 @@ StepCertificate certify_step(const StepPath& path, const std::vector<StepPair>& 
     if (!out.failure.empty()) break;
   }
   return out;
+}
+
+std::optional<Overlap> deepest_overlap(const Model& model, const State& state,
+                                       const std::vector<BodyBounds>& bounds,
+                                       const AdvancementOptions& options, int threads) {
+  const VecX rest = VecX::Zero(state.v.size());
+  const StepPath still = step_path({model, state, rest, 0}, bounds);
+  std::optional<Overlap> out;
+  for (const StepPair& pair :
+       pairs_within(model, state, bounds, std::vector<double>(model.bodies.size(), 0), threads)) {
+    const Overlap here{
+        pair.a, pair.b,
+        base_distance(moving_shape(still, pair.a), moving_shape(still, pair.b), pair.dilation, threads),
+        required_distance(pair, options)};
+    if (here.distance < here.required &&
+        (!out || here.required - here.distance > out->required - out->distance))
+      out = here;
+  }
+  return out;
+}
+
+std::string text_of(const Model& model, const Overlap& overlap) {
+  const auto name = [&](int body) {
+    return std::to_string(body) + " (" + model.bodies[std::size_t(body)].name + ")";
+  };
+  std::ostringstream text;
+  text.precision(17);
+  text << "bodies " << name(overlap.a) << " and " << name(overlap.b)
+       << ": base distance = " << overlap.distance << " must be at least " << std::setprecision(6)
+       << overlap.required << " [m]";
+  return text.str();
 }
 
 double min_base_distance(const Model& model, const State& state, double cutoff, int threads) {

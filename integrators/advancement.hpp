@@ -4,6 +4,7 @@
 #pragma once
 
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "lmd/broad_phase.hpp"
@@ -114,6 +115,18 @@ StepCertificate certify_step(const StepPath& path, const std::vector<StepPair>& 
 /// The same for one pair, whose dilated shapes are not even to touch (CA-16); finer in time.
 StepCertificate certify_apart(const StepPath& path, const StepPair& pair,
                               const std::vector<BodyBounds>& bounds, int threads);
+
+/// Two bodies whose base complexes are nearer than the certificate will allow.
+struct Overlap {
+  int a = 0, b = 0;
+  double distance = 0, required = 0;  // of the base complexes; by (CA-6) [m]
+};
+/// The pair that is farthest beyond what is allowed at the state, if there is one.
+std::optional<Overlap> deepest_overlap(const Model& model, const State& state,
+                                       const std::vector<BodyBounds>& bounds,
+                                       const AdvancementOptions& options, int threads);
+/// Bodies with their names, value and bound.
+std::string text_of(const Model& model, const Overlap& overlap);
 
 /// Smallest distance of the base complexes of bodies that can touch [m], or `cutoff`.
 double min_base_distance(const Model& model, const State& state, double cutoff, int threads);

@@ -111,9 +111,10 @@ std::string without_room(const StepSetting& setting, const Found& found, const I
     const ContactPoint& c = found.contacts.points[i];
     const ContactRow& row = step.rows[i];
     if (row.restitution > 0 && r[i][0] > 0) continue;
-    const double gap = row.gap + found.h * slip_velocity(row, setting.dofs, move.v_path).x(),
-                 speed = slip_velocity(row, setting.dofs, move.v_end).x();
-    if (gap < 0 && speed < 0 && gap + move.goes_on * speed < -o.max_overlap * dilation[i])
+    const double gap = row.gap + found.h * slip_velocity(row, setting.dofs, move.v_path).x();
+    if (!(gap < 0)) continue;
+    const double speed = slip_velocity(row, setting.dofs, move.v_end).x();
+    if (speed < 0 && gap + move.goes_on * speed < -o.max_overlap * dilation[i])
       return "bodies " + std::to_string(c.a.body) + " and " + std::to_string(c.b.body) +
              ": the overlap that is allowed leaves no room to stop them";
   }
@@ -233,6 +234,47 @@ void add_impact(const ImpactJump& impact, const ImpulseStep& step, std::size_t c
   for (StepGap& gap : report.gaps) gap.impulse += impact.r[contacts + std::size_t(gap.index)].head<3>();
 }
 
+double speed_of(const ContactRow& row, const VecX& all) {
+  double out = 0;
+  for (const auto& [body, J] : {std::pair(row.body_a, &row.J_a), std::pair(row.body_b, &row.J_b)})
+    if (body >= 0) out += J->row(0).dot(all.segment<6>(6 * body));
+  return out;
+}
+
+// What acted at the joints (MJT-12), (MJT-16): impulses `r` of the problem's blocks, `lambda` of the columns,
+// and `held` that projected to the end `next`.
+std::vector<StepJoint> step_joints(const StepSetting& setting, const ImpulseStep& step, const Move& move,
+                                   double h, const VecX& r, const VecX& lambda, const ProjectedState& held,
+                                   const State& next) {
+  const Model& model = setting.model;
+  const DofMap& dofs = setting.dofs;
+  const VecX &v = step.free->v, &v_solved = step.solved.solution.v, &moved = step.v_prescribed;
+  const VecX middle = (v + free_velocities(dofs, next.v)) / 2;
+  const WorkedOn mean{all_velocities(dofs, middle, moved), moved};
+  const double time = move.lasts * h;
+  std::vector<StepJoint> out =
+      step.impact ? step.impact->joints : std::vector<StepJoint>(model.joints.size());
+  add_forces(model, step.joints.columns, lambda, step.joints.middle, time, out);
+  if (step.between.empty()) {
+    add_work(model, step.joints.columns, lambda, mean, out);
+    add_forces(model, held.columns, held.lambda, next.g, time, out);
+  } else {
+    add_work(model, step.joints.columns, step.solved.solution.lambda, mean, out);
+    for (const JointImpulses& p : step.between) add_work(model, p.columns, p.lambda, mean, out);
+  }
+  add_work(model, held.columns, held.lambda, mean, out);
+  for (std::size_t k = 0; k < step.solved.kept.size(); ++k) {
+    const ContactRow& row = step.rows[std::size_t(step.solved.kept[k])];
+    if (row.slot < 0 || row.slot >= first_gap_row(model)) continue;
+    const double p = r[step.solved.first_row[k]];
+    add_effort(row.slot, p, time, out);
+    add_work(row.slot, p, speed_of(row, mean.v), speed_of(row, moved), out);
+  }
+  const VecX path = all_velocities(dofs, move.v_path, moved);
+  add_work(model, step.free->axes, all_velocities(dofs, v_solved - v, 0 * moved), {path, moved}, out);
+  return out;
+}
+
 // What the attempt can tell before it moves anything.
 StepReport told(const StepSetting& setting, const Found& found, const ImpulseStep& step,
                 const Impulses& impulses) {
@@ -281,11 +323,16 @@ std::optional<AfterImpact> after_impact(const StepSetting& setting, const State&
   const StepOptions& o = setting.options;
   const ContactBlocks blocks = contact_blocks(setting, state, found.contacts, found.h, o.normal);
   const VecX v_prescribed = prescribed_velocity(model, state, found.h);
-  const SparseMatrix G =
-      joint_system(model, state, setting.dofs, v_prescribed, found.h, theta, o.normal, o.joints).equations.G;
-  std::optional<ImpactJump> met =
-      impact_jump(model, state, setting.dofs, blocks.rows, G, found.h, o.normal.law, options, o.solver);
+  const JointSystem joints =
+      joint_system(model, state, setting.dofs, v_prescribed, found.h, theta, o.normal, o.joints);
+  std::optional<ImpactJump> met = impact_jump(model, state, setting.dofs, blocks.rows, joints.equations.G,
+                                              found.h, o.normal.law, options, o.solver);
   if (!met) return std::nullopt;
+  const VecX middle = (free_velocities(setting.dofs, state.v) + met->v) / 2;
+  met->joints.resize(model.joints.size());
+  add_forces(model, joints.columns, met->lambda, joints.middle, found.h, met->joints);
+  add_work(model, joints.columns, met->lambda,
+           {all_velocities(setting.dofs, middle, v_prescribed), v_prescribed}, met->joints);
   for (int i = 0; i < int(found.contacts.points.size()); ++i)  // they are reported, and held from now on
     if (!met->r[std::size_t(i)].isZero(0) &&
         std::ranges::find(found.selection.kept, i) == found.selection.kept.end())
@@ -399,14 +446,15 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
   out.v_path = path_velocity(o.update, model, state,
                              all_velocities(setting.dofs, move.v_path, step.v_prescribed), found.h);
   VecX v_end = all_velocities(setting.dofs, move.v_end, step.v_prescribed);
+  ProjectedState held;
   if (move.end ||
       (o.joints.project && !model.joints.empty())) {  // the path is the one to the projected poses
     const State plain = moved(model, state, out.v_path, v_end, found.h);
-    State end = move.end ? *move.end : plain;
-    end.v = v_end;
-    if (o.joints.project) end = consistent(model, end);  // (MJT-13)
-    out.v_path = velocity_to(state, plain, end, out.v_path, found.h);
-    v_end = end.v;
+    held.state = move.end ? *move.end : plain;
+    held.state.v = v_end;
+    if (o.joints.project) held = projected(model, held.state);  // (MJT-13)
+    out.v_path = velocity_to(state, plain, held.state, out.v_path, found.h);
+    v_end = held.state.v;
   }
   const StepPath path = step_path({model, state, out.v_path, found.h}, setting.bounds);
   for (const std::string& broken :
@@ -447,7 +495,8 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
   if (!model.joints.empty()) {
     const VecX lambda =
         step.lambda_earlier.size() > 0 ? VecX(solution.lambda + step.lambda_earlier) : solution.lambda;
-    report.joints = step_joints(model, step.joints, lambda, impulses.r, found.h);  // (MJT-12)
+    report.joints = step_joints(setting, step, move, found.h, r, lambda, held, out.next);
+    report.t_joints = state.t + move.about * found.h;
     report.joint_error = joint_error(model, out.next);
     joint_impulse = step.solved.problem->H * impulses.of_joints + step.solved.problem->G * lambda;
   }

@@ -12,6 +12,12 @@
 
 namespace aussois {
 
+/// Impulses along columns of G.
+struct JointImpulses {
+  std::vector<JointColumn> columns{};
+  VecX lambda{};  // [N s, N m s]
+};
+
 /// The one-step problem of contacts, gap functions and joints, and its solution.
 struct ImpulseStep {
   SharedMotion free{};
@@ -21,6 +27,9 @@ struct ImpulseStep {
   JointSystem joints{};
   ReducedSolution solved{};
   std::optional<ImpactJump> impact{};  // that came before, at the same poses
+  // Of schemes that know the motion between contacts before they ask for impulses: what joints give in it in
+  // the mean, where lambda_earlier is what they are told to give
+  std::vector<JointImpulses> between{};
   // Of schemes that solve in stages; empty: none
   std::vector<RowVector> earlier{};  // impulses of the stages before, of all rows
   VecX lambda_earlier{};             // and of the joints
@@ -84,6 +93,8 @@ struct Move {
   // How long a contact that ends overlapped and closing goes on like that before the scheme turns it [s]; the
   // step leaves room for it (CA-17)
   double goes_on = 0;
+  // Impulses act for `lasts`; forces of joints are means about the time `about`; parts of h (MJT-17)
+  double lasts = 1, about = 0.5;
 };
 /// Goes there if the step keeps the bounds that its contacts were found within (CA-5), nothing meets whose
 /// contacts were not asked (CA-16), and it is proven to keep bodies apart (CA-6); with the report, joints

@@ -29,6 +29,14 @@ void set_point_rows(const State& state, const Vec3& p, ContactRow& row) {
   row.J_b.topRows<N>() = -point_jacobian<N>(state, row.body_b, p, row.frame);
 }
 
+// J v of the rows that the law has.
+RowVector product(const RowJacobian& J, const Vec6& v, const Law& law) {
+  RowVector u = RowVector::Zero();
+  for (int d = 0; d < law.rows; ++d)
+    for (int i = 0; i < 6; ++i) u[d] += J(d, i) * v[i];
+  return u;
+}
+
 // The frictional law of a pair, and its drilling row (MEC-7). What does not rub needs one row, not three.
 Law law_of(const ContactLaw& law, double patch_radius) {
   if (law.mu == 0) return unilateral();
@@ -130,8 +138,8 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
       set_drilling_row(state, row.body_a, 1, c.normal, row.J_a);
       set_drilling_row(state, row.body_b, -1, c.normal, row.J_b);
     }
-    row.w =
-        row.J_a * v_prescribed.segment<6>(6 * row.body_a) + row.J_b * v_prescribed.segment<6>(6 * row.body_b);
+    row.w = product(row.J_a, v_prescribed.segment<6>(6 * row.body_a), row.law) +
+            product(row.J_b, v_prescribed.segment<6>(6 * row.body_b), row.law);
     row.moved = row.w;
     const auto twist_before = [&](int body) {  // of a moved body: that of its path on this step
       return is_dynamic(model.bodies[std::size_t(body)]) ? twist(state, body)
@@ -141,8 +149,10 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
     if (reached.time > 0)
       row.gap -= reached.time * (row.J_a.row(0).dot(reached.v.segment<6>(6 * row.body_a)) +
                                  row.J_b.row(0).dot(reached.v.segment<6>(6 * row.body_b)));
-    set_bias(row, row.J_a * twist_before(row.body_a) + row.J_b * twist_before(row.body_b), law.restitution, h,
-             options);
+    set_bias(row,
+             product(row.J_a, twist_before(row.body_a), row.law) +
+                 product(row.J_b, twist_before(row.body_b), row.law),
+             law.restitution, h, options);
   }
   return rows;
 }
@@ -245,7 +255,7 @@ RowVector relative_velocity(const ContactRow& row, const DofMap& dofs, const Vec
   RowVector u = row.w;
   const auto add = [&](int body, const RowJacobian& J) {
     const int first = body < 0 ? -1 : dofs.first[std::size_t(body)];
-    if (first >= 0) u += J * v.segment<6>(first);
+    if (first >= 0) u += product(J, v.segment<6>(first), row.law);
   };
   add(row.body_a, row.J_a);
   add(row.body_b, row.J_b);

@@ -34,7 +34,7 @@ struct ContactRow {
   std::vector<Triplet> others{};        // (row of the block, row of the problem, value)
   RowVector w = RowVector::Zero();      // bias: normal law and what moves by itself [m/s, rad/s]
   RowVector moved = RowVector::Zero();  // the part of w that moves by itself; of rows with a normal
-  double gap = 0;                       // [m]; of a contact or gap function
+  double gap = 0;                       // [m, rad]; of a row with a normal
   double restitution = 0;               // of a row with a normal [-]
   Law law{};
   bool active = true;  // false: the normal law leaves the block out of this step

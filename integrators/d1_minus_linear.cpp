@@ -153,6 +153,7 @@ StepReport D1MinusLinear::step(State& state, double h_limit) const {
     free.gravity = h / 2 * (start.forces.gravity + forces.gravity);
     free.laws = h / 2 * (start.forces.laws + forces.laws);
     free.gyroscopic = h / 2 * (start.forces.gyroscopic + forces.gyroscopic);
+    free.axes = trapezoid(h, start.forces.axes, forces.axes);
     step.rows = stage_rows(rows, lasting, 0.5);
     free.f =
         start.mass * start.v + free.gravity + free.laws + free.gyroscopic + momentum_of(rows, dofs, r_1) / 2;

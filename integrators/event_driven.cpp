@@ -39,7 +39,7 @@ double EventRun::next_row() const {
 
 // From settled to the next stop.
 bool EventRun::piece() {
-  layout_ = layout_of(setting_, closed_, int(reaction_.size()));
+  layout_ = layout_of(setting_, closed_);
   const double stop = next_row();
   const OdeProblem problem{
       .rate = [&](double t, const VecX& y, VecX& out) { return rate(t, y, out); },
@@ -82,14 +82,16 @@ bool EventRun::piece() {
     take(run.state());
     state_.t = last.t, state_.g = last.g, state_.q = last.q, state_.v = last.v, state_.turns = last.turns;
     if (what == OdeStop::at_end) state_.t = stop;
-    if (!model_.joints.empty()) {  // (EVD-5)
-      const Momentum before = momentum(model_, state_);
-      state_ = consistent(model_, state_);
-      momentum_.joints += momentum(model_, state_) - before;
-    }
     return true;
   }
-  return refused("no path is proven to keep bodies apart: " + report_.reason);
+  const std::optional<Overlap> overlap =
+      o_.step.advancement.certify
+          ? deepest_overlap(model_, state_, setting_.bounds, o_.step.advancement, o_.step.threads)
+          : std::nullopt;
+  std::ostringstream text;
+  text << "no path from t = " << state_.t
+       << " s is proven to keep bodies apart: " << (overlap ? text_of(model_, *overlap) : report_.reason);
+  return refused(text.str());
 }
 
 StepReport EventRun::go(State& out) {
@@ -132,9 +134,10 @@ StepReport EventRun::go(State& out) {
   }
   state_.memory = remember(acted, impulse, {.drilling = drilling, .anchors = {}, .g = start.g});
   if (!model_.joints.empty()) {
-    const JointSystem joints = joint_system(model_, state_, setting_.dofs, VecX::Zero(state_.v.size()),
-                                            report_.h, 1, o_.step.normal, o_.step.joints);
-    report_.joints = step_joints(model_, joints, reaction_, state_.r, report_.h);
+    report_.joints = std::move(joints_);
+    for (StepJoint& joint : report_.joints)
+      for (Vec3* mean : {&joint.force, &joint.torque, &joint.effort}) *mean /= report_.h;
+    report_.t_joints = start.t + report_.h / 2;
     report_.joint_error = joint_error(model_, state_);
   }
   const Energy after = energy(model_, state_);

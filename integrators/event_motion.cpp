@@ -12,6 +12,23 @@ namespace {
 constexpr double kDirection = 1e-8;  // slips slower than this keep the direction they began with [m/s]
 constexpr double kSurelyOff = 1e-9;  // until then a contact that just opened is not asked whether it did [s]
 
+JointSums sums_of(const StepJoint& joint) {
+  const JointWork& w = joint.work;
+  JointSums out;
+  out << joint.force, joint.torque, joint.effort, w.locked, w.couplings, w.stops, w.friction, w.motors,
+      w.springs, w.supports;
+  return out;
+}
+void add_sums(const JointSums& sums, StepJoint& joint) {
+  joint.force += sums.head<3>();
+  joint.torque += sums.segment<3>(3);
+  joint.effort += sums.segment<3>(6);
+  JointWork& w = joint.work;
+  int k = 9;
+  for (double* part : {&w.locked, &w.couplings, &w.stops, &w.friction, &w.motors, &w.springs, &w.supports})
+    *part += sums[k++];
+}
+
 bool same(const Touch& a, const Touch& b) {
   return a.slot == b.slot && (a.slot >= 0 || key_of(a.point) == key_of(b.point));
 }
@@ -46,21 +63,27 @@ std::vector<Touch> touches_of(const std::vector<Closed>& closed) {
   return out;
 }
 
-EventLayout layout_of(const StepSetting& setting, const std::vector<Closed>& closed, int constraints) {
+EventLayout layout_of(const StepSetting& setting, const std::vector<Closed>& closed) {
   EventLayout out;
   out.q = 7 * (setting.dofs.coordinates / 6);
   out.v = out.q + (setting.dofs.rows - setting.dofs.coordinates);
   out.work = out.v + setting.dofs.rows;
   out.impulse = out.work + kWorks;
-  out.reaction = out.impulse;
+  out.touch_work = out.impulse;
   for (const Closed& c : closed) {
-    out.first_impulse.push_back(out.reaction);
-    out.reaction += c.touch.law.rows;
+    out.first_impulse.push_back(out.touch_work);
+    out.touch_work += c.touch.law.rows;
   }
-  out.touch_work = out.reaction + constraints;
   out.momentum = out.touch_work + int(closed.size());
-  out.size = out.momentum + 6 * kMomenta;
+  out.joints = out.momentum + 6 * kMomenta;
+  out.size = out.joints + kJointSums * int(setting.model.joints.size());
   return out;
+}
+
+void add_touch(const Touch& touch, double p, const VecX& v, const VecX& on, std::vector<StepJoint>& joints) {
+  const double moved = touch.u[0] - touch.N.col(0).dot(v);
+  add_effort(touch.slot, p, 1, joints);
+  add_work(touch.slot, p, moved + touch.N.col(0).dot(on), moved, joints);
 }
 
 VecX EventRun::packed() const {
@@ -144,6 +167,7 @@ bool EventRun::rate(double t, const VecX& y, VecX& out) const {
     out.segment<3>(layout_.momentum + 6 * part + 3) += rate.angular;
   };
   push(of_forces, forces.applied);
+  std::vector<StepJoint> joints(model_.joints.size());
   std::size_t k = 0;
   for (std::size_t i = 0; i < closed_.size(); ++i) {
     if (match[i] < 0) continue;
@@ -151,15 +175,22 @@ bool EventRun::rate(double t, const VecX& y, VecX& out) const {
     const VecX force = touch.N * now.force[k];
     out[layout_.work + (of_a_joint(touch) ? by_joints : by_contacts)] += v.dot(force);
     push(of_a_joint(touch) ? of_joints : of_contacts, force);
+    if (of_a_joint(touch)) add_touch(touch, now.force[k][0], v, v, joints);
     out.segment(layout_.first_impulse[i], touch.law.rows) = now.force[k];
     out[layout_.touch_work + Eigen::Index(i)] = touch.u.dot(now.force[k]);
     ++k;
   }
-  if (reaction_.size() > 0) {
-    const VecX force = joint_constraints(model_, s, setting_.dofs).G * now.reaction;
+  if (!joints.empty()) {
+    const JointConstraints held = joint_constraints(model_, s, setting_.dofs);
+    const VecX force = held.G * now.reaction;
     out[layout_.work + by_joints] += v.dot(force);
     push(of_joints, force);
-    out.segment(layout_.reaction, reaction_.size()) = now.reaction;
+    const WorkedOn on = worked_on(s, v);
+    add_forces(model_, held.columns, now.reaction, s.g, 1, joints);
+    add_work(model_, held.columns, now.reaction, on, joints);
+    add_work(model_, forces.axes, 0 * s.v, on, joints);
+    for (std::size_t j = 0; j < joints.size(); ++j)
+      out.segment<kJointSums>(layout_.joints + kJointSums * Eigen::Index(j)) = sums_of(joints[j]);
   }
   if (!model_.coordinates.empty())
     out[layout_.work + by_mass] = rate_along(model_, s, [&](const State& moved) -> VecX {
@@ -228,7 +259,8 @@ void EventRun::take(const VecX& y) {
     add_impulse(closed_[i].touch, y.segment(layout_.first_impulse[i], closed_[i].touch.law.rows),
                 y[layout_.touch_work + Eigen::Index(i)]);
   }
-  if (reaction_.size() > 0) reaction_ += y.segment(layout_.reaction, reaction_.size());
+  for (std::size_t j = 0; j < joints_.size(); ++j)
+    add_sums(y.segment<kJointSums>(layout_.joints + kJointSums * Eigen::Index(j)), joints_[j]);
   const auto part = [&](EventMomentum k) {
     return Momentum{y.segment<3>(layout_.momentum + 6 * k), y.segment<3>(layout_.momentum + 6 * k + 3)};
   };

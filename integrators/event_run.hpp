@@ -26,13 +26,19 @@ struct LeavingTouch {
 
 /// Where the parts of the differential equation stand in its vector (EVD-2).
 struct EventLayout {
-  int bodies = 0, q = 0, v = 0, work = 0, impulse = 0, reaction = 0, touch_work = 0, momentum = 0, size = 0;
+  int bodies = 0, q = 0, v = 0, work = 0, impulse = 0, touch_work = 0, momentum = 0, joints = 0, size = 0;
   std::vector<int> first_impulse{};  // of every closed touch
 };
 enum EventWork { by_laws, by_contacts, by_joints, by_mass, kWorks };
 enum EventMomentum { of_forces, of_contacts, of_joints, kMomenta };  // six entries each: linear, angular
+inline constexpr int kJointSums = 16;  // of every joint: force, torque, effort, parts of the work
+using JointSums = Eigen::Matrix<double, kJointSums, 1>;
 
-EventLayout layout_of(const StepSetting& setting, const std::vector<Closed>& closed, int constraints);
+EventLayout layout_of(const StepSetting& setting, const std::vector<Closed>& closed);
+
+/// What the stop or dry friction of a joint does to it with `p`, on the velocity `on`; `v` is that of the
+/// touch.
+void add_touch(const Touch& touch, double p, const VecX& v, const VecX& on, std::vector<StepJoint>& joints);
 
 /// One step: from event to event.
 class EventRun {
@@ -40,7 +46,7 @@ class EventRun {
   EventRun(const StepSetting& setting, const EventDrivenOptions& options, const State& start, double h)
       : setting_(setting), o_(options), model_(setting.model), state_(start), t_end_(start.t + h) {
     state_.r = row_count(model_) > 0 ? VecX(VecX::Zero(row_count(model_))) : VecX();
-    reaction_ = VecX::Zero(joint_constraints(model_, start, setting.dofs).off.size());
+    joints_.resize(model_.joints.size());
   }
 
   StepReport go(State& out);
@@ -67,7 +73,9 @@ class EventRun {
   void move_prescribed();
   void add_event(EventKind kind, const Touch& touch, double t, double speed = 0);
   void add_impulse(const Touch& touch, const VecX& r, double work);
-  void add_reaction(const VecX& impulse);
+  void add_jump(const std::vector<Touch>& near, const Collision& hit, const VecX& before);
+  WorkedOn worked_on(const State& state, const VecX& v) const;
+  void project();
   bool of_a_joint(const Touch& touch) const { return touch.slot >= 0 && touch.slot < first_gap_row(model_); }
   bool refused(const std::string& reason) {
     report_.status = StepStatus::refused;
@@ -81,7 +89,7 @@ class EventRun {
   State state_;  // where the run is
   double t_end_;
   StepReport report_{};
-  VecX reaction_{};  // impulses of the joints so far
+  std::vector<StepJoint> joints_{};  // their impulses and work so far
   double work_[kWorks] = {};
   MomentumLedger momentum_{};  // its parts so far
   int stops_ = 0;

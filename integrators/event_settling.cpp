@@ -79,24 +79,14 @@ bool EventRun::collisions(std::vector<Touch>& touches) {
   const VecX before = free_velocities(setting_.dofs, state_.v);
   const Collision hit = collide(setting_, state_, near, restitution);
   if (!hit.solved) return refused("the impact was not solved");
-  const VecX middle = (before + hit.v) / 2;
-  const double kinetic_before = kinetic(setting_, state_);
   state_.v = all_velocities(setting_.dofs, hit.v, state_.v);
-  double by_contact = 0;
+  add_jump(near, hit, before);
   for (std::size_t i = 0; i < near.size(); ++i) {
-    const VecX impulse = near[i].N * hit.impulse[i];
-    if (!of_a_joint(near[i])) by_contact += middle.dot(impulse);
-    (of_a_joint(near[i]) ? momentum_.joints : momentum_.contacts) +=
-        momentum_given(setting_, state_, impulse);
-    add_impulse(near[i], hit.impulse[i], work_on(near[i], hit.v - before, hit.impulse[i]));
     const double closing = has_gap(near[i]) ? -near[i].u[0] : 0;
     if (closing <= kAtRest) continue;
     const bool ends = near[i].restitution > 0 && restitution[i] == 0;
     add_event(ends ? EventKind::rest : EventKind::impact, near[i], state_.t, closing);
   }
-  work_[by_contacts] += by_contact;
-  work_[by_joints] += kinetic(setting_, state_) - kinetic_before - by_contact;
-  add_reaction(hit.reaction);
   touches = touches_at(setting_, state_, o_.horizon);
   return true;
 }
@@ -112,27 +102,52 @@ bool EventRun::jump_without_collision(const std::vector<Touch>& touches) {
   const double jump = hit.solved ? (hit.v - before).cwiseAbs().maxCoeff() : 0;
   if (!hit.solved || jump < o_.stick_speed + 100 * push.cwiseAbs().maxCoeff())
     return refused("no finite forces keep the closed contacts closed, and no impulse opens them (Painleve)");
-  const VecX middle = (before + hit.v) / 2;
   state_.v = all_velocities(setting_.dofs, hit.v, state_.v);
-  for (std::size_t i = 0; i < near.size(); ++i) {
-    const VecX impulse = near[i].N * hit.impulse[i];
-    work_[by_contacts] += middle.dot(impulse);
-    (of_a_joint(near[i]) ? momentum_.joints : momentum_.contacts) +=
-        momentum_given(setting_, state_, impulse);
-    add_impulse(near[i], hit.impulse[i], work_on(near[i], hit.v - before, hit.impulse[i]));
+  add_jump(near, hit, before);
+  for (std::size_t i = 0; i < near.size(); ++i)
     if (hit.impulse[i].norm() > 0) add_event(EventKind::tangential_impact, near[i], state_.t);
-  }
   momentum_.forces += momentum_given(setting_, state_, push);
-  add_reaction(hit.reaction);
+  work_[by_laws] += push.dot(before + hit.v) / 2;
   return true;
 }
 
-// Impulses of the joints in a jump at the present poses.
-void EventRun::add_reaction(const VecX& impulse) {
-  if (reaction_.size() == 0) return;
-  reaction_ += impulse;
-  momentum_.joints +=
-      momentum_given(setting_, state_, joint_constraints(model_, state_, setting_.dofs).G * impulse);
+// What all impulses of a jump from `before` gave, at the present poses.
+void EventRun::add_jump(const std::vector<Touch>& near, const Collision& hit, const VecX& before) {
+  const VecX middle = (before + hit.v) / 2;
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    const bool joint = of_a_joint(near[i]);
+    const VecX impulse = near[i].N * hit.impulse[i];
+    work_[joint ? by_joints : by_contacts] += middle.dot(impulse);
+    (joint ? momentum_.joints : momentum_.contacts) += momentum_given(setting_, state_, impulse);
+    add_impulse(near[i], hit.impulse[i], work_on(near[i], hit.v - before, hit.impulse[i]));
+    if (joint) add_touch(near[i], hit.impulse[i][0], before, middle, joints_);
+  }
+  if (joints_.empty()) return;
+  const JointConstraints held = joint_constraints(model_, state_, setting_.dofs);
+  const VecX impulse = held.G * hit.reaction;
+  work_[by_joints] += middle.dot(impulse);
+  momentum_.joints += momentum_given(setting_, state_, impulse);
+  add_forces(model_, held.columns, hit.reaction, state_.g, 1, joints_);
+  add_work(model_, held.columns, hit.reaction, worked_on(state_, middle), joints_);
+}
+
+WorkedOn EventRun::worked_on(const State& state, const VecX& v) const {
+  return {all_velocities(setting_.dofs, v, state.v),
+          all_velocities(setting_.dofs, VecX::Zero(v.size()), state.v)};
+}
+
+// Joints back to where they hold (EVD-5), also when the velocity of a moved body jumps.
+void EventRun::project() {
+  const Momentum before = momentum(model_, state_);
+  const double kinetic_before = kinetic(setting_, state_);
+  const VecX v = state_.v;
+  ProjectedState held = projected(model_, state_);
+  state_ = std::move(held.state);
+  momentum_.joints += momentum(model_, state_) - before;
+  work_[by_joints] += kinetic(setting_, state_) - kinetic_before;
+  add_forces(model_, held.columns, held.lambda, state_.g, 1, joints_);
+  add_work(model_, held.columns, held.lambda,
+           worked_on(state_, free_velocities(setting_.dofs, (v + state_.v) / 2)), joints_);
 }
 
 // The impacts that were left out would have ended after a geometric series of flights (EVD-9).
@@ -227,6 +242,7 @@ void EventRun::compare(const std::vector<Closed>& before) {
 // Impacts, then what is closed and how, at the present state.
 bool EventRun::settle(bool first) {
   move_prescribed();
+  if (!model_.joints.empty()) project();
   const std::vector<Closed> before = std::move(closed_);
   std::vector<Touch> touches = touches_at(setting_, state_, o_.horizon);
   if (!collisions(touches)) return false;

@@ -49,26 +49,26 @@ void add_outer(std::vector<Triplet>& matrix, int row, int column, double factor,
 }
 
 // Spring, damper and effort motor of an axis; directions at the middle of the step (MJT-9).
-void add_axis_force(const Model& model, const State& state, const std::vector<SE3>& middle, int j, int i,
-                    double t, GeneralisedForce& force) {
+AxisImpulse add_axis_force(const Model& model, const State& state, const std::vector<SE3>& middle, int j,
+                           int i, double t, GeneralisedForce& force) {
   const Joint& joint = model.joints[std::size_t(j)];
   const JointAxis& axis = joint.axis[std::size_t(i)];
   const JointRow row = axis_row(joint, middle, i);
   std::vector<std::pair<int, Vec6>> ends;  // (first velocity, J)
   if (joint.body_a >= 0) ends.emplace_back(6 * joint.body_a, row.J_a);
   if (joint.body_b >= 0) ends.emplace_back(6 * joint.body_b, row.J_b);
-  double speed = 0;
-  for (const auto& [at, J] : ends) speed += J.dot(state.v.segment<6>(at));
-  const double push = axis.motor.kind == MotorKind::effort ? axis.motor.target(t) : 0;
-  const double effort =
-      push - axis.stiffness * (joint_coordinate(model, state, j, i) - axis.rest) - axis.damping * speed;
+  AxisImpulse out{.joint = j, .axis = i, .row = row};
+  out.motor = axis.motor.kind == MotorKind::effort ? axis.motor.target(t) : 0;
+  out.spring = -axis.stiffness * (joint_coordinate(model, state, j, i) - axis.rest) -
+               axis.damping * speed_along(joint, row, state.v);
   for (const auto& [at, J] : ends) {
-    force.f.segment<6>(at) += effort * J;
+    force.f.segment<6>(at) += (out.motor + out.spring) * J;
     for (const auto& [with, L] : ends) {
       add_outer(force.K, at, with, axis.stiffness, J, L);
       add_outer(force.C, at, with, axis.damping, J, L);
     }
   }
+  return out;
 }
 
 bool pushes(const JointAxis& axis) {
@@ -77,6 +77,24 @@ bool pushes(const JointAxis& axis) {
 bool pushes(const Joint& joint) {
   return std::any_of(joint.axis.begin(), joint.axis.begin() + axis_count(joint.kind),
                      [](const JointAxis& axis) { return pushes(axis); });
+}
+
+// What forces of axes give over a step that is implicit in them (MJ-4); moved bodies go on as they are moved.
+std::vector<AxisImpulse> implicit(const Model& model, const State& state, double h, double theta,
+                                  std::vector<AxisImpulse> forces) {
+  VecX moved = prescribed_velocity(model, state, h);
+  for (std::size_t b = 0; b < model.bodies.size(); ++b)
+    if (const auto at = 6 * Eigen::Index(b); is_dynamic(model.bodies[b]))
+      moved.segment<6>(at) = state.v.segment<6>(at);
+  for (AxisImpulse& f : forces) {
+    const Joint& joint = model.joints[std::size_t(f.joint)];
+    const JointAxis& axis = joint.axis[std::size_t(f.axis)];
+    const double speed = speed_along(joint, f.row, moved), jump = speed - speed_along(joint, f.row, state.v);
+    f.motor *= h;
+    f.spring = h * (f.spring - h * theta * axis.stiffness * speed - theta * axis.damping * jump);
+    f.D = h * theta * (axis.damping + h * theta * axis.stiffness);
+  }
+  return forces;
 }
 
 // A matrix of the wrong size ends as not_finite; validate_start names it.
@@ -189,6 +207,13 @@ void sum_up_impulses(FreeMotion& out) {
     out.v_free.setConstant(std::nan(""));  // ends as not_finite in this very step
 }
 
+double speed_along(const Joint& joint, const JointRow& row, const VecX& v) {
+  double out = 0;
+  if (joint.body_a >= 0) out += row.J_a.dot(v.segment<6>(6 * joint.body_a));
+  if (joint.body_b >= 0) out += row.J_b.dot(v.segment<6>(6 * joint.body_b));
+  return out;
+}
+
 DofMap dof_map(const Model& model) {
   DofMap dofs;
   for (const RigidBody& body : model.bodies) {
@@ -246,22 +271,32 @@ std::vector<SE3> moved_poses(const Model& model, const State& state, const VecX&
   return g;
 }
 
-void add_axis_forces(const Model& model, const State& state, const std::vector<SE3>& middle, double t,
-                     GeneralisedForce& force) {
+std::vector<AxisImpulse> add_axis_forces(const Model& model, const State& state,
+                                         const std::vector<SE3>& middle, double t, GeneralisedForce& force) {
+  std::vector<AxisImpulse> out;
   for (int j = 0; j < int(model.joints.size()); ++j)
     for (int i = 0; i < axis_count(model.joints[std::size_t(j)].kind); ++i)
       if (pushes(model.joints[std::size_t(j)].axis[std::size_t(i)]))
-        add_axis_force(model, state, middle, j, i, t, force);
+        out.push_back(add_axis_force(model, state, middle, j, i, t, force));
+  return out;
+}
+
+std::vector<AxisImpulse> trapezoid(double h, std::vector<AxisImpulse> start,
+                                   const std::vector<AxisImpulse>& end) {
+  start.insert(start.end(), end.begin(), end.end());
+  for (AxisImpulse& f : start) f.motor *= h / 2, f.spring *= h / 2;
+  return start;
 }
 
 FreeMotion free_motion(const Model& model, const State& state, const DofMap& dofs, double h, double theta,
                        MassScratch* scratch) {
   GeneralisedForce force{.f = VecX::Zero(state.v.size()), .K = {}, .C = {}};
   for (const ForceLaw& law : model.forces) law.add_to(model, state, state.t + theta * h, force);
-  if (std::ranges::any_of(model.joints, [](const Joint& joint) { return pushes(joint); }))
-    add_axis_forces(model, state, moved_poses(model, state, state.v, h / 2), state.t + theta * h, force);
-
   FreeMotion out;
+  if (std::ranges::any_of(model.joints, [](const Joint& joint) { return pushes(joint); }))
+    out.axes = implicit(
+        model, state, h, theta,
+        add_axis_forces(model, state, moved_poses(model, state, state.v, h / 2), state.t + theta * h, force));
   out.v = out.gravity = out.gyroscopic = out.laws = VecX::Zero(dofs.rows);
   DiagonalBlocks mass(dofs.rows, out.mass), gyroscopic(dofs.rows, out.gyroscopic_D);
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
@@ -329,10 +364,8 @@ FreeMotion with_gyroscopic(const Model& model, const DofMap& dofs, double h, Gyr
 Forces forces_at(const Model& model, const State& state, const DofMap& dofs) {
   GeneralisedForce force{.f = VecX::Zero(state.v.size()), .K = {}, .C = {}};
   for (const ForceLaw& law : model.forces) law.add_to(model, state, state.t, force);
-  for (int j = 0; j < int(model.joints.size()); ++j)
-    for (int i = 0; i < axis_count(model.joints[std::size_t(j)].kind); ++i)
-      add_axis_force(model, state, state.g, j, i, state.t, force);
   Forces out;
+  out.axes = add_axis_forces(model, state, state.g, state.t, force);
   out.gravity = out.gyroscopic = VecX::Zero(dofs.rows);
   out.laws = free_velocities(dofs, force.f);
   std::vector<Triplet> mass, K = dynamic_entries(force.K, dofs), C = dynamic_entries(force.C, dofs);

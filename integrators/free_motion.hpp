@@ -35,6 +35,19 @@ VecX free_velocities(const DofMap& dofs, const VecX& all);
 /// path.
 std::vector<SE3> moved_poses(const Model& model, const State& state, const VecX& v, double time);
 
+/// J . v of a row, with v in the places of State::v.
+double speed_along(const Joint& joint, const JointRow& row, const VecX& v);
+
+/// What a spring and damper and an effort motor give along an axis of a joint: an impulse over a step
+/// [N s, N m s], or a force [N, N m].
+struct AxisImpulse {
+  int joint = -1, axis = 0;
+  JointRow row{};
+  double motor = 0;
+  double spring = 0;  // and damper, if the velocity does not change
+  double D = 0;       // what it loses of J times the change of the velocity [N s^2/m, N m s^2]
+};
+
 /// Rows of the dynamic bodies and of the coordinates. M^ (v+ - v) = gravity + gyroscopic + laws + H r, where
 /// what depends on v+ stands in M^.
 struct FreeMotion {
@@ -45,16 +58,17 @@ struct FreeMotion {
   // M^-1; null if M is singular, or not summed up here
   std::shared_ptr<const MassInverse> inverse{};
   SparseMatrix mass{};
-  VecX gravity{};               // impulse over the step [N s]
-  VecX gyroscopic{};            // h (-omega x J omega) at the start
-  SparseMatrix gyroscopic_D{};  // h theta d(omega x J omega)/d omega
-  VecX laws{};                  // h F - h^2 theta K v, forces of joint axes and coordinates included
-  SparseMatrix law_D{};         // h theta C + h^2 theta^2 K
+  VecX gravity{};                   // impulse over the step [N s]
+  VecX gyroscopic{};                // h (-omega x J omega) at the start
+  SparseMatrix gyroscopic_D{};      // h theta d(omega x J omega)/d omega
+  VecX laws{};                      // h F - h^2 theta K v, forces of joint axes and coordinates included
+  SparseMatrix law_D{};             // h theta C + h^2 theta^2 K
+  std::vector<AxisImpulse> axes{};  // part of `laws` and `law_D`
   // How contact impulses turn while a fully implicit step converges (MJ-14); empty: they do not
   VecX turning{};
   SparseMatrix turning_D{};  // M^ has it too
   // Of schemes that know the motion between contacts before they ask for impulses; empty: none
-  VecX joints{};     // impulse of the joints in that motion
+  VecX joints{};     // impulse of the joints in that motion beside that of the solve
   VecX numerical{};  // what the scheme adds of its own
 };
 
@@ -63,9 +77,12 @@ struct FreeMotion {
 using SharedMotion = std::shared_ptr<const FreeMotion>;
 
 /// Adds springs, dampers and effort motors of the joints' axes at time t, with directions at the poses
-/// `middle` (MJT-9).
-void add_axis_forces(const Model& model, const State& state, const std::vector<SE3>& middle, double t,
-                     GeneralisedForce& force);
+/// `middle` (MJT-9), and tells them one by one.
+std::vector<AxisImpulse> add_axis_forces(const Model& model, const State& state,
+                                         const std::vector<SE3>& middle, double t, GeneralisedForce& force);
+/// Impulses of forces that are these at the ends of a step.
+std::vector<AxisImpulse> trapezoid(double h, std::vector<AxisImpulse> start,
+                                   const std::vector<AxisImpulse>& end);
 
 /// The last M^ of a scheme and its inverse. Where bodies do not turn, or are as round as balls and cubes, M^
 /// stays as it is from step to step; else blocks of it do. It saves time and changes no result; who finds it
@@ -100,6 +117,7 @@ struct Forces {
   SparseMatrix mass{};                   // at the state's coordinates
   VecX gravity{}, gyroscopic{}, laws{};  // [N, N m]
   SparseMatrix K{}, C{};                 // -df/dq and -df/dv of the sum
+  std::vector<AxisImpulse> axes{};       // part of `laws`
   VecX sum() const { return gravity + gyroscopic + laws; }
 };
 Forces forces_at(const Model& model, const State& state, const DofMap& dofs);

@@ -14,6 +14,9 @@ namespace {
 constexpr int kNewtonSteps = 20;
 constexpr double kSolved = 1e-12;  // change of velocities, relative
 constexpr double kGivenUp = 1e-8;  // more than that is no solution
+// A contact's speed, relative to the largest, that the solver may leave per unit of its tolerance: a thousand
+// for mass ratios of a million.
+constexpr double kSolverNoise = 1e3;
 
 // (GA-2)
 struct Weights {
@@ -101,29 +104,55 @@ void split(const DofMap& dofs, const VecX& from, VecX& bodies, VecX& coordinates
   coordinates.tail(dofs.rows - dofs.coordinates) += from.tail(dofs.rows - dofs.coordinates);
 }
 
-// What the problem of velocities starts from, with the impulses between contacts by their origin (GA-10).
-FreeMotion free_of(const StepSetting& setting, const State& state, const SmoothMotion& smooth, double h) {
+// Impulses along the columns of G that come nearest to a momentum.
+VecX nearest_impulses(const SparseMatrix& M, const SparseMatrix& G, const VecX& momentum) {
+  const FrictionProblem problem{
+      .M = M, .H = SparseMatrix(M.rows(), 0), .f = momentum, .G = G, .b = VecX::Zero(G.cols())};
+  const std::optional<MotionInverse> inverse = invert_motion(problem.M, problem.G);
+  return inverse ? VecX(-motion(problem, *inverse, VecX()).lambda) : problem.b;
+}
+
+// What the problem of velocities starts from: impulses between contacts by their origin (GA-10), and the part
+// of joints by columns.
+struct BetweenContacts {
+  FreeMotion free{};
+  std::vector<JointImpulses> joints{};
+};
+BetweenContacts between_contacts(const StepSetting& setting, const State& state, const SmoothMotion& smooth,
+                                 double h) {
   const DofMap& dofs = setting.dofs;
   const bool fresh = state.a.size() == 0;
   const SparseMatrix& M = smooth.forces.mass;
   const Forces before = fresh ? smooth.forces : forces_at(setting.model, state, dofs);
   const VecX& rate_before = fresh ? smooth.rate : smooth.rate_before;
   const Weights& w = smooth.weights;
-  FreeMotion out{.M = M, .f = M * smooth.v, .v = smooth.v_before, .v_free = smooth.v, .mass = M};
-  out.M.makeCompressed();
-  out.gyroscopic_D = out.law_D = SparseMatrix(dofs.rows, dofs.rows);
-  out.gravity = h / 2 * (before.gravity + smooth.forces.gravity);
-  out.laws = h / 2 * (before.laws + smooth.forces.laws);
-  out.gyroscopic = h / 2 * (before.gyroscopic + smooth.forces.gyroscopic);
+  BetweenContacts out{
+      .free = {.M = M, .f = M * smooth.v, .v = smooth.v_before, .v_free = smooth.v, .mass = M}};
+  FreeMotion& free = out.free;
+  free.M.makeCompressed();
+  free.gyroscopic_D = free.law_D = SparseMatrix(dofs.rows, dofs.rows);
+  free.gravity = h / 2 * (before.gravity + smooth.forces.gravity);
+  free.laws = h / 2 * (before.laws + smooth.forces.laws);
+  free.axes = trapezoid(h, before.axes, smooth.forces.axes);
+  free.gyroscopic = h / 2 * (before.gyroscopic + smooth.forces.gyroscopic);
   const VecX mean = (rate_before + smooth.rate) / 2;
-  out.numerical = h * (M * ((1 - w.gamma) * smooth.a_before + w.gamma * smooth.a - mean));
-  const VecX other = h * (M * mean) - (out.gravity + out.laws + out.gyroscopic);
-  if (setting.model.joints.empty()) {
-    split(dofs, other, out.numerical, out.gyroscopic);
-  } else {  // go counts h G lambda of the end; the rest is what the trapezoid makes of it
-    out.joints = -h * (smooth.joints.equations.G * smooth.lambda);
-    split(dofs, other, out.joints, out.gyroscopic);
+  free.numerical = h * (M * ((1 - w.gamma) * smooth.a_before + w.gamma * smooth.a - mean));
+  VecX other = h * (M * mean) - (free.gravity + free.laws + free.gyroscopic);
+  if (!setting.model.joints.empty()) {
+    const SparseMatrix& G = smooth.joints.equations.G;
+    JointImpulses end{smooth.joints.columns, h / 2 * smooth.lambda}, start = end;
+    VecX given = 2 * (G * end.lambda);
+    if (!fresh) {
+      JointConstraints there = joint_constraints(setting.model, state, dofs);
+      const VecX left = h / 2 * (before.mass * rate_before - before.sum());
+      start = {std::move(there.columns), nearest_impulses(before.mass, there.G, left)};
+      given = G * end.lambda + there.G * start.lambda;
+    }
+    other -= given;
+    free.joints = given - h * (G * smooth.lambda);  // go counts that of the end
+    out.joints = {std::move(start), std::move(end)};
   }
+  split(dofs, other, free.numerical, free.gyroscopic);
   return out;
 }
 
@@ -180,15 +209,18 @@ StepReport GeneralisedAlpha::step(State& state, double h_limit) const {
   const auto attempt = [&](const State& start, const Estimate& ahead, double h) {
     const Found found = find_ahead(setting_, start, ahead, h);
     const SmoothMotion smooth = smooth_from(start, h);
-    ImpulseStep step{.free = std::make_shared<const FreeMotion>(free_of(setting_, start, smooth, h)),
+    BetweenContacts between = between_contacts(setting_, start, smooth, h);
+    ImpulseStep step{.free = std::make_shared<const FreeMotion>(std::move(between.free)),
                      .v_prescribed = prescribed_velocity(model, start, h),
+                     .between = std::move(between.joints),
                      .lambda_earlier = h * smooth.lambda};
     NormalLawOptions impact = setting_.options.normal;
     impact.law = NormalLaw::moreau;
     step.joints = joint_system_at(model, start, smooth.end, dofs, step.v_prescribed, h, impact);
     add_rows(setting_, start, found, impact, step);
 
-    // Where gaps end says which of them take part in the impact (GA-7)
+    // Where gaps end says which of them take part in the impact (GA-7); what a sweep has left of an impulse
+    // at a gap that ends open does not
     ImpulseStep mean = position_problem(setting_, start, found, smooth, step);
     const VecX momentum = step.free->mass * smooth.v_path;
     const auto solve_mean = [&](const VecX& f) {
@@ -199,11 +231,13 @@ StepReport GeneralisedAlpha::step(State& state, double h_limit) const {
     };
     solve_mean(momentum);
     const std::vector<RowVector> push = row_impulses(mean);
+    const VecX& v_mean = mean.solved.solution.v;
+    const double noise = kSolverNoise * setting_.options.solver.tolerance * v_mean.lpNorm<Eigen::Infinity>();
     for (std::size_t i = 0; i < step.rows.size(); ++i)
-      if (has_normal(step.rows[i].law))
-        step.rows[i].active =
-            push[i][0] > 0 ||
-            h * relative_velocity(mean.rows[i], dofs, mean.solved.solution.v)[0] <= closed_gap(impact, h);
+      if (has_normal(step.rows[i].law)) {
+        const double u = relative_velocity(mean.rows[i], dofs, v_mean)[0];
+        step.rows[i].active = h * u <= closed_gap(impact, h) || (push[i][0] > 0 && u <= noise);
+      }
     solve_rows(setting_, start, found, step);
 
     // Friction displaces as a constant force does (GA-8)
@@ -214,8 +248,9 @@ StepReport GeneralisedAlpha::step(State& state, double h_limit) const {
     solve.status = std::max(solve.status, mean.solved.solution.report.status);
     step.seconds += mean.seconds;
     if (!smooth.solved && solve.status == SolveStatus::converged) solve.status = SolveStatus::max_iterations;
-    Attempt out = go(setting_, start, found, step,
-                     {.v_path = mean.solved.solution.v, .v_end = step.solved.solution.v});  // (GA-9)
+    Attempt out =
+        go(setting_, start, found, step,
+           {.v_path = mean.solved.solution.v, .v_end = step.solved.solution.v, .about = 1});  // (GA-9)
     out.next.a.resize(2 * start.v.size());
     const VecX none = VecX::Zero(start.v.size());
     out.next.a << all_velocities(dofs, smooth.a, none), all_velocities(dofs, smooth.rate, none);

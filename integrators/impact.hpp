@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "integrators/reduced_solve.hpp"
+#include "integrators/step_report.hpp"
 
 namespace aussois {
 
@@ -43,6 +44,7 @@ struct ImpactJump {
   VecX of_contacts{}, of_joints{};  // impulses on the rows of the problem
   double kinetic_change = 0, contact_work = 0, joint_work = 0;  // [J]
   std::vector<double> work{};                                   // of every row on relative velocities [J]
+  std::vector<StepJoint> joints{};                              // forces over the step that follows
   int solves = 0;
   SolveStatus status = SolveStatus::converged;
 };

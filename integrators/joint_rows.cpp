@@ -50,11 +50,30 @@ VelocityRow velocity_row(const Joint& joint, const JointRow& row) {
   append(out, joint, row);
   return out;
 }
-VelocityRow velocity_row(const Model& model, const Coupling& coupling, const CouplingRow& row) {
-  VelocityRow out{.value = row.value};
-  append(out, model.joints[std::size_t(coupling.joint_1)], row.row_1);
-  append(out, model.joints[std::size_t(coupling.joint_2)], row.row_2);
+VelocityRow velocity_row(const Model& model, const JointColumn& column) {
+  VelocityRow out = velocity_row(model.joints[std::size_t(column.joint)], column.row);
+  if (column.other >= 0) append(out, model.joints[std::size_t(column.other)], column.of_other);
   return out;
+}
+JointColumn column_of(const Model& model, const Coupling& coupling, const JointPoses& at,
+                      const std::vector<int>& turns) {
+  const CouplingRow row = coupling_row(model, coupling, at, turns);
+  JointColumn out{.kind = ColumnKind::coupling,
+                  .joint = coupling.joint_1,
+                  .row = row.row_1,
+                  .other = coupling.joint_2,
+                  .of_other = row.row_2};
+  out.row.value = row.value;
+  return out;
+}
+// f(joint, row, impulse) of every row of every column.
+template <class F>
+void for_each_row(const std::vector<JointColumn>& columns, const VecX& lambda, const F& f) {
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    const JointColumn& c = columns[k];
+    f(c, c.joint, c.row, lambda[Eigen::Index(k)]);
+    if (c.other >= 0) f(c, c.other, c.of_other, lambda[Eigen::Index(k)]);
+  }
 }
 
 void append_column(std::vector<Triplet>& G, const DofMap& dofs, const VelocityRow& row, int column) {
@@ -128,9 +147,11 @@ ContactRow axis_law(const Joint& joint, const JointRow& row, double sign, Law la
 ContactRow stop(const JointStep& step, const Joint& joint, const JointAxis& axis, const JointRow& now,
                 double sign, double limit, int slot) {
   const VelocityRow row = velocity_row(joint, now);
-  const NormalBias bias = normal_bias(sign * (now.value - limit), sign * row.times(step.v.before),
-                                      axis.restitution, step.h, step.normal);
+  const double gap = sign * (now.value - limit);
+  const NormalBias bias =
+      normal_bias(gap, sign * row.times(step.v.before), axis.restitution, step.h, step.normal);
   ContactRow out = axis_law(joint, now, sign, unilateral(), sign * row.times(step.v.moved) + bias.w, slot);
+  out.gap = gap;
   out.restitution = axis.restitution;
   out.moved[0] = sign * row.times(step.v.moved);
   out.active = bias.active;
@@ -139,9 +160,11 @@ ContactRow stop(const JointStep& step, const Joint& joint, const JointAxis& axis
 
 // Equations in the order of the columns of G.
 struct Equations {
+  std::vector<JointColumn> columns{};
   std::vector<Triplet> G{};
   std::vector<double> b{}, off{};
-  void add(const DofMap& dofs, const VelocityRow& row, double bias, double off_by) {
+  void add(const DofMap& dofs, JointColumn column, const VelocityRow& row, double bias, double off_by) {
+    columns.push_back(std::move(column));
     append_column(G, dofs, row, int(b.size()));
     b.push_back(bias);
     off.push_back(off_by);
@@ -174,7 +197,8 @@ void add_axis(const JointStep& step, const JointPoses& middle, int j, int i, Equ
   const double at_end = step.mean ? joint_coordinate(step.model, step.mean->state, j, i) : 0;
   const double bias = step.motor_bias(axis.motor, row_now, row_mid, at_end);
   if (is_bilateral(axis.motor))
-    equations.add(step.dofs, row_mid, bias, motor_error(step, axis.motor, j, i));
+    equations.add(step.dofs, {ColumnKind::motor, j, i, mid}, row_mid, bias,
+                  motor_error(step, axis.motor, j, i));
   else
     rows.push_back(axis_law(joint, mid, 1, dry_friction(axis.motor.limit * step.h), bias, slot + 3));
 }
@@ -186,27 +210,24 @@ JointSystem system_of(const JointStep& step, std::vector<SE3> middle_poses) {
   const State& last = step.end ? *step.end : step.mean ? step.mean->state : state;
   const JointPoses middle_at = step.mean ? JointPoses(state.g, last.g) : JointPoses(out.middle);
   Equations equations;
-  const auto add_locked = [&](const VelocityRow& start, const VelocityRow& middle, double at_end) {
-    equations.add(step.dofs, middle, step.locked_bias(start, middle, at_end), middle.value);
+  const auto add_locked = [&](const VelocityRow& start, JointColumn column, double at_end) {
+    const VelocityRow middle = velocity_row(model, column);
+    const double bias = step.locked_bias(start, middle, at_end);
+    equations.add(step.dofs, std::move(column), middle, bias, middle.value);
   };
   for (int j = 0; j < int(model.joints.size()); ++j) {
     const Joint& joint = model.joints[std::size_t(j)];
-    out.first.push_back(int(equations.b.size()));
     const std::vector<JointRow> start = locked_rows(joint, state.g), middle = locked_rows(joint, middle_at),
                                 end = locked_rows(joint, last.g);
     for (std::size_t k = 0; k < start.size(); ++k)
-      add_locked(velocity_row(joint, start[k]), velocity_row(joint, middle[k]), end[k].value);
-    out.locked.insert(out.locked.end(), middle.begin(), middle.end());
+      add_locked(velocity_row(joint, start[k]), {ColumnKind::locked, j, 0, middle[k]}, end[k].value);
     for (int i = 0; i < axis_count(joint.kind); ++i) add_axis(step, middle_at, j, i, equations, out.rows);
   }
-  out.first.push_back(int(equations.b.size()));
-  for (const Coupling& coupling : model.couplings) {
-    const CouplingRow middle = coupling_row(model, coupling, middle_at, last.turns);
-    add_locked(velocity_row(model, coupling, coupling_row(model, coupling, state.g, state.turns)),
-               velocity_row(model, coupling, middle),
+  for (const Coupling& coupling : model.couplings)
+    add_locked(velocity_row(model, column_of(model, coupling, state.g, state.turns)),
+               column_of(model, coupling, middle_at, last.turns),
                coupling_row(model, coupling, last.g, last.turns).value);
-    out.couplings.push_back(middle);
-  }
+  out.columns = std::move(equations.columns);
   const auto columns = Eigen::Index(equations.b.size());
   out.equations.G = SparseMatrix(step.dofs.rows, columns);
   out.equations.G.setFromTriplets(equations.G.begin(), equations.G.end());
@@ -248,67 +269,109 @@ JointSystem joint_system_on_mean(const Model& model, const State& state, const R
   return system_of(step, moved_poses(model, state, end.v_path, h / 2));
 }
 
-std::vector<StepJoint> step_joints(const Model& model, const JointSystem& system, const VecX& lambda,
-                                   const VecX& r, double h) {
-  std::vector<StepJoint> out(model.joints.size());
-  // A row of impulse p at a joint: its wrench on A, moved to the joint's frame (MJT-12)
-  const auto push = [&](int j, const Vec6& J_a, double p) {
-    const Joint& joint = model.joints[std::size_t(j)];
-    const SE3 body = joint.body_a < 0 ? SE3{} : system.middle[std::size_t(joint.body_a)];
-    const Vec3 force = p / h * J_a.head<3>(), arm = frame_on_a(joint, system.middle).p - body.p;
-    StepJoint& sum = out[std::size_t(j)];
-    sum.force += force;
-    sum.torque += body.R * Vec3(p / h * J_a.tail<3>()) - arm.cross(force);
-  };
-  auto locked = system.locked.begin();
-  for (int j = 0; j < int(model.joints.size()); ++j) {
-    const Joint& joint = model.joints[std::size_t(j)];
-    int column = system.first[std::size_t(j)];
-    for (int k = 0; k < locked_count(joint.kind); ++k) push(j, (locked++)->J_a, lambda[column++]);
-    for (int i = 0; i < axis_count(joint.kind); ++i) {
-      const auto acts = r.segment<kRowsOfAnAxis>(kRowsOfAJoint * j + kRowsOfAnAxis * i);
-      double& effort = out[std::size_t(j)].effort[i];
-      effort = (acts[0] - acts[1] + acts[2] + acts[3]) / h;
-      if (is_bilateral(joint.axis[std::size_t(i)].motor)) effort += lambda[column++] / h;
+// A row of impulse p at a joint: its wrench on A, moved to the joint's frame (MJT-12).
+void add_forces(const Model& model, const std::vector<JointColumn>& columns, const VecX& lambda,
+                const std::vector<SE3>& g, double time, std::vector<StepJoint>& joints) {
+  for_each_row(columns, lambda, [&](const JointColumn& column, int j, const JointRow& row, double p) {
+    StepJoint& out = joints[std::size_t(j)];
+    if (column.kind == ColumnKind::motor) {
+      out.effort[column.axis] += p / time;
+      return;
     }
+    const Joint& joint = model.joints[std::size_t(j)];
+    const SE3 body = joint.body_a < 0 ? SE3{} : g[std::size_t(joint.body_a)];
+    const Vec3 force = p / time * row.J_a.head<3>(), arm = frame_on_a(joint, g).p - body.p;
+    out.force += force;
+    out.torque += body.R * Vec3(p / time * row.J_a.tail<3>()) - arm.cross(force);
+  });
+}
+
+namespace {
+
+// Of an axis: stops, dry friction, limited motor.
+enum AxisSlot { lower_stop, upper_stop, of_friction, of_motor };
+AxisSlot kind_of(int slot) {
+  return AxisSlot(slot % kRowsOfAnAxis);
+}
+
+// Of an impulse along a row: `part` on both bodies, and what that leaves to moved ones.
+void add_row_work(const Joint& joint, const JointRow& row, double p, const WorkedOn& on, double& part,
+                  double& supports) {
+  part += p * speed_along(joint, row, on.v);
+  supports -= p * speed_along(joint, row, on.moved);
+}
+
+}  // namespace
+
+void add_effort(int slot, double p, double time, std::vector<StepJoint>& joints) {
+  Vec3& effort = joints[std::size_t(slot / kRowsOfAJoint)].effort;
+  effort[slot % kRowsOfAJoint / kRowsOfAnAxis] += (kind_of(slot) == upper_stop ? -p : p) / time;
+}
+
+void add_work(const Model& model, const std::vector<JointColumn>& columns, const VecX& lambda,
+              const WorkedOn& on, std::vector<StepJoint>& joints) {
+  for_each_row(columns, lambda, [&](const JointColumn& column, int j, const JointRow& row, double p) {
+    JointWork& work = joints[std::size_t(j)].work;
+    double& part = column.kind == ColumnKind::locked  ? work.locked
+                   : column.kind == ColumnKind::motor ? work.motors
+                                                      : work.couplings;
+    add_row_work(model.joints[std::size_t(j)], row, p, on, part, work.supports);
+  });
+}
+
+void add_work(int slot, double p, double u, double moved, std::vector<StepJoint>& joints) {
+  JointWork& work = joints[std::size_t(slot / kRowsOfAJoint)].work;
+  const AxisSlot kind = kind_of(slot);
+  (kind == of_motor ? work.motors : kind == of_friction ? work.friction : work.stops) += p * u;
+  work.supports -= p * moved;
+}
+
+void add_work(const Model& model, const std::vector<AxisImpulse>& axes, const VecX& change,
+              const WorkedOn& on, std::vector<StepJoint>& joints) {
+  for (const AxisImpulse& axis : axes) {
+    const Joint& joint = model.joints[std::size_t(axis.joint)];
+    JointWork& work = joints[std::size_t(axis.joint)].work;
+    const double spring = axis.spring - axis.D * speed_along(joint, axis.row, change);
+    add_row_work(joint, axis.row, axis.motor, on, work.motors, work.supports);
+    add_row_work(joint, axis.row, spring, on, work.springs, work.supports);
   }
-  int column = system.first.back();
-  for (std::size_t k = 0; k < model.couplings.size(); ++k) {
-    const double p = lambda[column++];
-    push(model.couplings[k].joint_1, system.couplings[k].row_1.J_a, p);
-    push(model.couplings[k].joint_2, system.couplings[k].row_2.J_a, p);
-  }
-  return out;
 }
 
 namespace {
 
 // Everything that must hold at a state: positions (locked rows, couplings, position motors), and velocities
 // (also speed motors).
-std::vector<VelocityRow> constraints(const Model& model, const State& state, bool velocities) {
-  std::vector<VelocityRow> out;
+struct Constraints {
+  std::vector<JointColumn> columns{};
+  std::vector<VelocityRow> rows{};
+};
+Constraints constraints(const Model& model, const State& state, bool velocities) {
+  Constraints out;
+  const auto add = [&](JointColumn column) {
+    out.rows.push_back(velocity_row(model, column));
+    out.columns.push_back(std::move(column));
+  };
   for (int j = 0; j < int(model.joints.size()); ++j) {
     const Joint& joint = model.joints[std::size_t(j)];
-    for (const JointRow& row : locked_rows(joint, state.g)) out.push_back(velocity_row(joint, row));
+    for (const JointRow& row : locked_rows(joint, state.g)) add({ColumnKind::locked, j, 0, row});
     for (int i = 0; i < axis_count(joint.kind); ++i) {
       const Motor& motor = joint.axis[std::size_t(i)].motor;
       const bool of_position = motor.kind == MotorKind::position;
       if (!is_bilateral(motor) || !(velocities || of_position)) continue;
-      VelocityRow row = velocity_row(joint, axis_row(joint, state.g, i));
+      add({ColumnKind::motor, j, i, axis_row(joint, state.g, i)});
+      VelocityRow& row = out.rows.back();
       row.value = of_position ? joint_coordinate(model, state, j, i) - motor.target(state.t) : 0;
       row.speed = of_position ? target_speed(motor, state.t) : motor.target(state.t);
-      out.push_back(std::move(row));
     }
   }
-  for (const Coupling& coupling : model.couplings)
-    out.push_back(velocity_row(model, coupling, coupling_row(model, coupling, state.g, state.turns)));
+  for (const Coupling& coupling : model.couplings) add(column_of(model, coupling, state.g, state.turns));
   return out;
 }
 
 // The smallest step in the metric of the masses along which the constraints change by -`change` (MJT-13);
 // nothing if something is not finite.
-std::optional<VecX> nearest(const Model& model, const DofMap& dofs, const std::vector<VelocityRow>& rows,
-                            const VecX& change) {
+std::optional<JointedMotion> nearest(const Model& model, const DofMap& dofs,
+                                     const std::vector<VelocityRow>& rows, const VecX& change) {
   std::vector<Triplet> M, G;
   for (std::size_t b = 0; b < model.bodies.size(); ++b)
     if (const int at = dofs.first[b]; at >= 0) {
@@ -326,7 +389,7 @@ std::optional<VecX> nearest(const Model& model, const DofMap& dofs, const std::v
   problem.H = SparseMatrix(dofs.coordinates, 0);
   const std::optional<MotionInverse> inverse = invert_motion(problem.M, problem.G);
   if (!inverse) return std::nullopt;
-  return free_velocity(problem, *inverse);
+  return motion(problem, *inverse, VecX());
 }
 
 // `step`, rows of the dynamic bodies, in the places of State::v.
@@ -340,36 +403,53 @@ VecX spread(const Model& model, const State& state, const DofMap& dofs, const Ve
 }  // namespace
 
 JointConstraints joint_constraints(const Model& model, const State& state, const DofMap& dofs) {
-  const std::vector<VelocityRow> rows = constraints(model, state, true);
-  const auto count = Eigen::Index(rows.size());
-  JointConstraints out{.G = SparseMatrix(dofs.rows, count), .value = VecX(count), .off = VecX(count)};
+  Constraints now = constraints(model, state, true);
+  const auto count = Eigen::Index(now.rows.size());
+  JointConstraints out{.columns = std::move(now.columns),
+                       .G = SparseMatrix(dofs.rows, count),
+                       .value = VecX(count),
+                       .off = VecX(count)};
   std::vector<Triplet> G;
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    append_column(G, dofs, rows[k], int(k));
-    out.value[Eigen::Index(k)] = rows[k].value;
-    out.off[Eigen::Index(k)] = rows[k].times(state.v) - rows[k].speed;
+  for (std::size_t k = 0; k < now.rows.size(); ++k) {
+    append_column(G, dofs, now.rows[k], int(k));
+    out.value[Eigen::Index(k)] = now.rows[k].value;
+    out.off[Eigen::Index(k)] = now.rows[k].times(state.v) - now.rows[k].speed;
   }
   out.G.setFromTriplets(G.begin(), G.end());
   return out;
 }
 
-VecX consistent_velocity(const Model& model, const State& state) {
-  const std::vector<VelocityRow> rows = constraints(model, state, true);
+namespace {
+
+ProjectedState with_consistent_velocity(const Model& model, const State& state) {
+  Constraints now = constraints(model, state, true);
   const DofMap dofs = dof_map(model);
-  VecX off(Eigen::Index(rows.size()));
-  for (std::size_t k = 0; k < rows.size(); ++k) off[Eigen::Index(k)] = rows[k].times(state.v) - rows[k].speed;
-  const std::optional<VecX> step = nearest(model, dofs, rows, off);
-  return step ? VecX(state.v + spread(model, state, dofs, *step)) : state.v;
+  VecX off(Eigen::Index(now.rows.size()));
+  for (std::size_t k = 0; k < now.rows.size(); ++k)
+    off[Eigen::Index(k)] = now.rows[k].times(state.v) - now.rows[k].speed;
+  const std::optional<JointedMotion> step = nearest(model, dofs, now.rows, off);
+  ProjectedState out{.state = state};
+  if (!step) return out;
+  out.state.v += spread(model, state, dofs, step->v);
+  out.columns = std::move(now.columns);
+  out.lambda = step->lambda;
+  return out;
 }
 
-State consistent(const Model& model, const State& state) {
+}  // namespace
+
+VecX consistent_velocity(const Model& model, const State& state) {
+  return with_consistent_velocity(model, state).state.v;
+}
+
+ProjectedState projected(const Model& model, const State& state) {
+  if (model.joints.empty()) return {.state = state};
   State out = state;
-  if (model.joints.empty()) return out;
   const DofMap dofs = dof_map(model);
   State tried = state;
   double least = kInf;
   for (int k = 0; k < kProjectionSteps; ++k) {
-    const std::vector<VelocityRow> rows = constraints(model, tried, false);
+    const std::vector<VelocityRow> rows = constraints(model, tried, false).rows;
     VecX error(Eigen::Index(rows.size()));
     for (std::size_t i = 0; i < rows.size(); ++i) error[Eigen::Index(i)] = rows[i].value;
     const double now = error.size() > 0 ? error.cwiseAbs().maxCoeff() : 0;
@@ -377,9 +457,9 @@ State consistent(const Model& model, const State& state) {
     least = now;
     out = tried;
     if (now <= kProjected) break;
-    const std::optional<VecX> step = nearest(model, dofs, rows, error);
+    const std::optional<JointedMotion> step = nearest(model, dofs, rows, error);
     if (!step) break;
-    const VecX all = spread(model, state, dofs, *step);
+    const VecX all = spread(model, state, dofs, step->v);
     for (std::size_t b = 0; b < model.bodies.size(); ++b) {
       const auto at = 6 * Eigen::Index(b);
       if (all.segment<6>(at).isZero(0)) continue;  // keeps its bits
@@ -388,8 +468,11 @@ State consistent(const Model& model, const State& state) {
     }
     tried.turns = counted_turns(model, out, tried.g);
   }
-  out.v = consistent_velocity(model, out);
-  return out;
+  return with_consistent_velocity(model, out);
+}
+
+State consistent(const Model& model, const State& state) {
+  return projected(model, state).state;
 }
 
 }  // namespace aussois

@@ -15,13 +15,21 @@ struct JointOptions {
 };
 void validate(const JointOptions& options);  // throws std::invalid_argument: field, value, bound
 
-/// What acts at one joint; a column of G for every locked row and bilateral motor, then one per coupling.
+/// A column of G.
+enum class ColumnKind { locked, motor, coupling };
+struct JointColumn {
+  ColumnKind kind = ColumnKind::locked;
+  int joint = -1, axis = 0;  // axis: of a motor
+  JointRow row{};
+  int other = -1;  // a coupling's second joint
+  JointRow of_other{};
+};
+
+/// What acts at the joints; a column of G for every locked row and bilateral motor, then one per coupling.
 struct JointSystem {
   JointEquations equations{};
-  std::vector<int> first{};        // column of each joint, and at the end that of the couplings
+  std::vector<JointColumn> columns{};
   std::vector<SE3> middle{};       // poses that the directions of locked rows are taken at, or nearly
-  std::vector<JointRow> locked{};  // of all joints in order
-  std::vector<CouplingRow> couplings{};
   std::vector<ContactRow> rows{};  // stops, dry friction, limited motors
   VecX off{};                      // of each column at the poses `middle` [m, rad]; speed motors: zero
 };
@@ -44,13 +52,29 @@ JointSystem joint_system_on_mean(const Model& model, const State& state, const R
                                  const DofMap& dofs, const VecX& v_prescribed, double h,
                                  const NormalLawOptions& normal, const JointOptions& options);
 
-/// The report of the joints: `lambda` belongs to the columns of G, `r` to the entries of State::r.
-std::vector<StepJoint> step_joints(const Model& model, const JointSystem& system, const VecX& lambda,
-                                   const VecX& r, double h);
+/// Velocities that impulses work on, in the places of State::v.
+struct WorkedOn {
+  VecX v{};      // all
+  VecX moved{};  // those of moved bodies, zero elsewhere
+};
+/// Adds to the report of the joints what impulses do over `time` [s]: `lambda` along columns, at the poses
+/// `g`; `p` of the row that begins at an entry of State::r.
+void add_forces(const Model& model, const std::vector<JointColumn>& columns, const VecX& lambda,
+                const std::vector<SE3>& g, double time, std::vector<StepJoint>& joints);
+void add_effort(int slot, double p, double time, std::vector<StepJoint>& joints);
+/// And their work (MJT-16); of a row on its speed `u`, of which `moved` is that of moved bodies.
+void add_work(const Model& model, const std::vector<JointColumn>& columns, const VecX& lambda,
+              const WorkedOn& on, std::vector<StepJoint>& joints);
+void add_work(int slot, double p, double u, double moved, std::vector<StepJoint>& joints);
+/// Of springs, dampers and effort motors, with the velocity at the end off by `change` from that of the
+/// start.
+void add_work(const Model& model, const std::vector<AxisImpulse>& axes, const VecX& change,
+              const WorkedOn& on, std::vector<StepJoint>& joints);
 
 /// What must hold at a state: joints, couplings, bilateral motors; in the order of the columns of
 /// JointSystem.
 struct JointConstraints {
+  std::vector<JointColumn> columns{};
   SparseMatrix G{};  // directions as columns, in the rows of DofMap
   VecX value{};      // zero where positions hold [m, rad]; of speed motors always
   VecX off{};        // J v - what it is to be [m/s, rad/s]
@@ -61,6 +85,13 @@ JointConstraints joint_constraints(const Model& model, const State& state, const
 /// a limit hold (Newton, to 1e-13 m and rad or as far as rounding lets it), and the nearest velocities that
 /// keep them so, and speed motors too (MJT-13). Also the way to a consistent start.
 State consistent(const Model& model, const State& state);
+/// The same with the impulses that the velocities changed by.
+struct ProjectedState {
+  State state{};
+  std::vector<JointColumn> columns{};
+  VecX lambda{};  // [N s, N m s]
+};
+ProjectedState projected(const Model& model, const State& state);
 
 /// The velocities only, at the poses of the state.
 VecX consistent_velocity(const Model& model, const State& state);

@@ -45,7 +45,7 @@ double work(const VecX& v, const VecX& impulse) {
   return impulse.size() > 0 ? v.dot(impulse) : 0;
 }
 
-// `change` of the velocities over the step, off by `projected` from what its impulses gave.
+// `change` of the velocities by the impulses of the step, `projected` by what came after.
 Acting acting(const FreeMotion& free, const VecX& contact_impulse, const VecX& joint_impulse,
               const VecX& change, const VecX& projected) {
   Acting out{.laws = less(free.laws, free.law_D, change),
@@ -54,7 +54,7 @@ Acting acting(const FreeMotion& free, const VecX& contact_impulse, const VecX& j
              .joints = {},
              .numerical = free.numerical};
   if (free.turning.size() > 0) add(out.contacts, free.turning - free.turning_D * change);
-  if (joint_impulse.size() > 0) out.joints = joint_impulse + free.M * projected;
+  if (joint_impulse.size() > 0) out.joints = joint_impulse + free.mass * projected;
   add(out.joints, free.joints);
   return out;
 }
@@ -101,9 +101,12 @@ void tell_work(const StepSetting& setting, const ImpulseStep& step, const VecX& 
     const auto i = std::size_t(step.solved.kept[k]);
     const ContactRow& row = step.rows[i];
     if (row.slot >= 0 && row.slot < first_gap) continue;
-    const RowVector u = slip_velocity(row, dofs, step.free->v) + slip_velocity(row, dofs, v_end);
+    const VecX::ConstSegmentReturnType r_k = r.segment(step.solved.first_row[k], row.law.rows);
     double work = step.impact ? step.impact->work[i] : 0;
-    for (int d = 0; d < row.law.rows; ++d) work += u[d] / 2 * r[step.solved.first_row[k] + d];
+    if (!r_k.isZero(0)) {  // most contacts of a pile have none
+      const RowVector u = slip_velocity(row, dofs, step.free->v) + slip_velocity(row, dofs, v_end);
+      for (int d = 0; d < row.law.rows; ++d) work += u[d] / 2 * r_k[d];
+    }
     if (row.slot < 0) {
       report.contacts[k].work = work;
       add_work(setting, contact_law(setting.model, row.body_a, row.body_b), work, report);
@@ -143,11 +146,9 @@ void add_work(const StepSetting& setting, const ContactLaw& law, double work, St
 void tell_ledgers(const StepSetting& setting, const State& state, const State& next, const ImpulseStep& step,
                   const StepBalance& balance, StepReport& report) {
   const Model& model = setting.model;
-  const VecX &v = step.free->v, &v_end = balance.v_end;
-  const VecX change = v_end - v;
-  VecX gained = step.free->mass * change, impact;
-  Acting by =
-      acting(*step.free, balance.by_contacts, balance.by_joints, change, v_end - step.solved.solution.v);
+  const VecX &v = step.free->v, &v_solved = step.solved.solution.v, &v_end = balance.v_end;
+  VecX gained = step.free->mass * (v_end - v), impact;
+  Acting by = acting(*step.free, balance.by_contacts, balance.by_joints, v_solved - v, v_end - v_solved);
   report.energy = energy_ledger(*step.free, by, gained, v_end, balance.v_path);  // (MJ-9)
   const double by_mass = change_of_mass(model, state, next, *step.free, setting.dofs, v_end);
   report.energy.kinetic_change += by_mass;

@@ -43,6 +43,12 @@ FreeMotion at_iterate(const StepSetting& setting, const State& start, const Free
   out.gravity = forces.gravity;
   out.gyroscopic = forces.gyroscopic + first.gyroscopic_D * change;
   out.laws = forces.laws + first.law_D * change;
+  const VecX all_change = all_velocities(setting.dofs, change, 0 * v_prescribed);
+  for (AxisImpulse& a : out.axes) {
+    a.motor = 0;
+    a.spring = a.D * speed_along(setting.model.joints[std::size_t(a.joint)], a.row, all_change);
+  }
+  out.axes.insert(out.axes.end(), forces.axes.begin(), forces.axes.end());
   if (turn.nonZeros() > 0) {
     out.turning_D = kept_positive(first.M, turn);
     out.turning = out.turning_D * change;
@@ -59,6 +65,13 @@ constexpr double kSolverNoise = 1e3;
 
 bool newton_done(double change, double last, const MoreauJeanOptions& o) {
   return change <= o.newton.tolerance || (change <= kSolverNoise * o.solver.tolerance && change > last / 2);
+}
+
+// A loop whose changes grow so often in a row leads away from the solution next to its start, and may end at
+// another one (MJ-16). One growth is a contact that comes or goes, or load that shifts among several.
+constexpr int kDivergent = 2;
+bool grows(double change, double last, double speed, const MoreauJeanOptions& o) {
+  return change > 1.1 * last && change > kSolverNoise * o.solver.tolerance * speed;
 }
 
 // Impulses of all contacts of a solution, to be matched with those of the next iterate.
@@ -144,9 +157,9 @@ Attempt MoreauJean::attempt(const State& state, const SharedMotion& without, con
 
   // Again where that leads (MJ-11), (MJ-12)
   const int iterations = options_.newton.max_iterations, solves = iterations + (time > 0);
-  int made = 1;
+  int made = 1, growths = 0;
   double change = iterations == 1 ? 0 : kInf, last = kInf;
-  while (made < solves && (made < 2 || !newton_done(change, last, options_))) {
+  while (made < solves && growths < kDivergent && (made < 2 || !newton_done(change, last, options_))) {
     const VecX v = step.solved.solution.v;
     if (!v.allFinite()) break;
     const Reached reached{
@@ -170,6 +183,7 @@ Attempt MoreauJean::attempt(const State& state, const SharedMotion& without, con
                       theta, std::move(blocks));
     found = std::move(there);
     last = std::exchange(change, (step.solved.solution.v - v).lpNorm<Eigen::Infinity>());
+    growths = grows(change, last, v.lpNorm<Eigen::Infinity>(), options_) ? growths + 1 : 0;
     ++made;
   }
   if (after) step.impact = after->impact;
@@ -180,7 +194,10 @@ Attempt MoreauJean::attempt(const State& state, const SharedMotion& without, con
                     .goes_on = 2 * (1 - theta) * options_.advancement.min_h});
   out.report.newton_iterations = made;
   out.report.newton_change = change;
-  if (iterations > 1 && !newton_done(change, last, options_) && out.outcome == Outcome::accepted) {
+  if (growths == kDivergent && out.outcome != Outcome::not_finite) {
+    out.outcome = Outcome::not_certified;
+    out.report.reason = "the Newton loop of the step diverges";
+  } else if (iterations > 1 && !newton_done(change, last, options_) && out.outcome == Outcome::accepted) {
     out.outcome = Outcome::not_solved;
     out.report.reason = "the Newton loop of the step did not reach its tolerance";
   }

@@ -20,8 +20,8 @@ ContactsAt contacts_at(const std::string& name);
 /// The Newton loop of the fully implicit step (MJ-12). One iteration, the default: linearly implicit.
 struct NewtonOptions {
   int max_iterations = 1;    // >= 1; contacts at the midpoint or the end take one solve more, their predictor
-  double tolerance = 1e-10;  // largest change of a velocity [m/s, rad/s], > 0; if the loop misses it, the
-                             // step is halved
+  double tolerance = 1e-10;  // largest change of a velocity [m/s, rad/s], > 0; if the loop misses it, or
+                             // diverges (MJ-16), the step is halved
   // In its matrix (MJ-14): curved contacts under a load take fewer iterations; bodies that touch are coupled
   // in it, which large stacks pay for. Without effect at max_iterations = 1 and with contacts at the start.
   bool gap_hessians = false;

@@ -28,27 +28,30 @@ double position_bias(const ContactRow& row, double u_before, bool acted, double 
   return (1 + e) * row.gap / (acted ? h_before : h) - e * u_before;
 }
 
-ContactBlocks blocks_of(const StepSetting& setting, const State& state, const Found& found) {
-  ContactBlocks out = contact_blocks(setting, state, found.contacts, found.h, setting.options.normal);
-  for (std::size_t i = 0; i < out.rows.size(); ++i) {
-    ContactRow& row = out.rows[i];
+// Biases of contacts, gap functions and stops; friction and limited motors of axes act as long as forces do.
+void set_position_laws(const StepSetting& setting, const State& state, const Found& found,
+                       std::vector<ContactRow>& rows) {
+  const VecX v = free_velocities(setting.dofs, state.v);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    ContactRow& row = rows[i];
+    if (!has_normal(row.law)) {
+      row.law.limit *= (1 + state.h / found.h) / 2;  // (SP-2)
+      continue;
+    }
     const bool acted = row.slot < 0 ? found.warm.impulse[i].dot(row.frame.col(0)) > 0
                                     : state.r.size() > 0 && state.r[row.slot] > 0;
-    const double u_before = slip_velocity(row, setting.dofs, free_velocities(setting.dofs, state.v)).x();
-    row.w.x() = row.moved.x() + position_bias(row, u_before, acted, found.h, state.h,
-                                              setting.options.normal.correction_speed);
+    row.w.x() = row.moved.x() + position_bias(row, slip_velocity(row, setting.dofs, v).x(), acted, found.h,
+                                              state.h, setting.options.normal.correction_speed);
   }
-  return out;
 }
 
 }  // namespace
 
 void validate(const SchatzmanPaoliOptions& o) {
   require_field(o.theta >= 0 && o.theta <= 1, "SchatzmanPaoliOptions::theta", o.theta, "lie in [0, 1]");
-  require(
-      o.step.normal.law == NormalLaw::gap_over_step && o.step.normal.gamma == 1,
-      "SchatzmanPaoliOptions::step: the normal law must be gap_over_step with gamma 1, it is the scheme's "
-      "own for contacts and that one for the stops of joints");
+  require(o.step.normal.law == NormalLaw::gap_over_step && o.step.normal.gamma == 1,
+          "SchatzmanPaoliOptions::step: the normal law must be gap_over_step with gamma 1, the scheme has "
+          "its own");
   require(o.step.update == GroupUpdate::exponential,
           "SchatzmanPaoliOptions::step: the update must be exponential, velocities are those of the path");
   refuse_anchors(o.step, "schatzman_paoli");
@@ -66,12 +69,19 @@ StepReport SchatzmanPaoli::step(State& state, double h_limit) const {
   };
   const auto attempt = [&](const State& start, const Estimate& ahead, double h) {
     const Found found = find_ahead(setting_, start, ahead, h);
-    const ImpulseStep step = solve_step(setting_, start, found,
-                                        std::make_shared<const FreeMotion>(kick(setting_, start, h, theta_)),
-                                        1, blocks_of(setting_, start, found));
+    ImpulseStep step = pose_step(setting_, start, found,
+                                 std::make_shared<const FreeMotion>(kick(setting_, start, h, theta_)), 1);
+    set_position_laws(setting_, start, found, step.rows);
+    solve_rows(setting_, start, found, step);
     const VecX& v = step.solved.solution.v;
     const double next = setting_.options.advancement.growth * h;  // the longest that may come (CA-17)
-    return go(setting_, start, found, step, {.v_path = v, .v_end = v, .end = {}, .goes_on = next});  // (SP-3)
+    return go(setting_, start, found, step,
+              {.v_path = v,
+               .v_end = v,
+               .end = {},
+               .goes_on = next,
+               .lasts = (1 + start.h / h) / 2,
+               .about = (1 - start.h / h) / 4});  // (SP-3)
   };
   return advance_step(setting_, state, h_limit, {estimate, attempt});
 }

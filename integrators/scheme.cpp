@@ -147,13 +147,13 @@ SchemeTraits schatzman_paoli_traits(const SchemeOptions&) {
 }
 
 Step schatzman_paoli_step(const Model& model, const SchemeOptions& o) {
-  SchatzmanPaoliOptions options{.step = step_options(o)};
+  SchatzmanPaoliOptions options{.theta = o.force_theta, .step = step_options(o)};
   options.step.normal.law = NormalLaw::gap_over_step;  // its own
   return step_of<SchatzmanPaoli>(model, options);
 }
 
-std::string schatzman_paoli_settings(const SchemeOptions&) {
-  return "central";
+std::string schatzman_paoli_settings(const SchemeOptions& o) {
+  return o.force_theta == 0 ? "central" : number("theta %g", o.force_theta);
 }
 
 std::vector<SchemeOptions> schatzman_paoli_variants() {
@@ -169,14 +169,16 @@ SchemeTraits passive_midpoint_traits(const SchemeOptions& o) {
 }
 
 Step passive_midpoint_step(const Model& model, const SchemeOptions& o) {
-  return step_of<PassiveMidpoint>(
-      model, PassiveMidpointOptions{
-                 .gyroscopic = o.gyroscopic, .mean_joints = o.mean_joints, .step = step_options(o)});
+  return step_of<PassiveMidpoint>(model, PassiveMidpointOptions{.gyroscopic = o.gyroscopic,
+                                                                .passive = o.passive,
+                                                                .mean_joints = o.mean_joints,
+                                                                .step = step_options(o)});
 }
 
 std::string passive_midpoint_settings(const SchemeOptions& o) {
   return std::string(o.gyroscopic == GyroscopicTerm::midpoint ? "midpoint " : "start ") +
-         to_string(o.update) + " " + to_string(o.normal.law) + (o.mean_joints ? " mean joints" : "");
+         to_string(o.update) + " " + to_string(o.normal.law) + (o.mean_joints ? " mean joints" : "") +
+         (o.passive ? "" : " not passive");
 }
 
 std::vector<SchemeOptions> passive_midpoint_variants() {
@@ -234,7 +236,7 @@ SchemeTraits event_driven_traits(const SchemeOptions&) {
 }
 
 Step event_driven_step(const Model& model, const SchemeOptions& o) {
-  EventDrivenOptions options;
+  EventDrivenOptions options{.ode = o.ode};
   const double tolerance = std::min(o.solver.tolerance, options.step.solver.tolerance);
   options.step = step_options(o);
   options.step.update = GroupUpdate::exponential;  // its path is the dense one of the integration
@@ -242,9 +244,14 @@ Step event_driven_step(const Model& model, const SchemeOptions& o) {
   return step_of<EventDriven>(model, options);
 }
 
-std::string no_settings(const SchemeOptions&) {
-  return "";
+std::string event_driven_settings(const SchemeOptions& o) {
+  const OdeOptions usual;
+  std::string text;
+  if (o.ode.relative != usual.relative) text += number("relative %g ", o.ode.relative);
+  if (o.ode.absolute != usual.absolute) text += number("absolute %g ", o.ode.absolute);
+  return text.empty() ? text : text.substr(0, text.size() - 1);
 }
+
 // Its errors are those of tolerances: they do not fall with h, they grow with the number of starts.
 std::vector<SchemeOptions> no_variants() {
   return {};
@@ -253,7 +260,7 @@ std::vector<SchemeOptions> no_variants() {
 const std::vector<Entry>& entries() {
   static const std::vector<Entry> all = {
       {"moreau_jean", moreau_jean_traits, moreau_jean_step, moreau_jean_settings, moreau_jean_variants},
-      {"event_driven", event_driven_traits, event_driven_step, no_settings, no_variants},
+      {"event_driven", event_driven_traits, event_driven_step, event_driven_settings, no_variants},
       {"moreau_jean_projected", projected_traits, projected_step, projected_settings, projected_variants},
       {"schatzman_paoli", schatzman_paoli_traits, schatzman_paoli_step, schatzman_paoli_settings,
        schatzman_paoli_variants},

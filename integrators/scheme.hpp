@@ -11,6 +11,7 @@
 #include "integrators/generalised_alpha.hpp"
 #include "integrators/moreau_jean.hpp"
 #include "integrators/moreau_jean_projected.hpp"
+#include "integrators/ode.hpp"
 #include "integrators/passive_midpoint.hpp"
 #include "integrators/schatzman_paoli.hpp"
 
@@ -36,6 +37,9 @@ struct SchemeOptions {
   double spectral_radius = 0.8;                          // generalised_alpha [-], in [0, 1]
   GyroscopicTerm gyroscopic = GyroscopicTerm::midpoint;  // passive_midpoint
   bool mean_joints = false;                              // passive_midpoint
+  bool passive = true;                                   // passive_midpoint
+  double force_theta = 0;                                // schatzman_paoli [-], in [0, 1]
+  OdeOptions ode{};                                      // event_driven
 };
 
 struct Scheme {

@@ -6,33 +6,10 @@
 #include <Eigen/Cholesky>
 
 #include "geometry/check.hpp"
-#include "lmd/certificate.hpp"
 #include "mechanics/mechanism.hpp"
 
 namespace aussois {
 namespace {
-
-MovingShape at_rest(const Model& model, const State& state, int body) {
-  const RigidBody& b = model.bodies[std::size_t(body)];
-  return {.shape = model.shapes[std::size_t(b.shape)].get(),
-          .g_bs = b.g_bs,
-          .motion = {.g = pose(state, body), .v = Vec3::Zero(), .omega = Vec3::Zero()}};
-}
-
-void check_overlap(const Model& model, const State& state, const AdvancementOptions& options) {
-  const std::vector<double> reach(model.bodies.size(), 0);
-  for (const StepPair& pair : pairs_within(model, state, body_bounds(model), reach, 1)) {
-    const double required = required_distance(pair, options);
-    const double distance =
-        base_distance(at_rest(model, state, pair.a), at_rest(model, state, pair.b), pair.dilation);
-    const auto name = [&](int body) {
-      return std::to_string(body) + " (" + model.bodies[std::size_t(body)].name + ")";
-    };
-    require_field(distance >= required,
-                  ("start: bodies " + name(pair.a) + " and " + name(pair.b) + ": base distance").c_str(),
-                  distance, ("be at least " + std::to_string(required) + " [m]").c_str());
-  }
-}
 
 void check_joints(const Model& model, const State& state, double tolerance) {
   const std::string bound = "be at most " + std::to_string(tolerance) + "; see consistent()";
@@ -102,7 +79,9 @@ void validate_start(const Model& model, const State& state, const AdvancementOpt
   check_coordinates(model, state);
   check_gaps(model, state);
   check_joints(model, state, joint_tolerance);
-  if (options.certify) check_overlap(model, state, options);
+  if (!options.certify) return;
+  const std::optional<Overlap> overlap = deepest_overlap(model, state, body_bounds(model), options, 1);
+  require(!overlap, overlap ? "start: " + text_of(model, *overlap) : "");
 }
 
 }  // namespace aussois

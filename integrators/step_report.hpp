@@ -39,11 +39,26 @@ struct StepGap {
   double work = 0;              // as that of a contact [J]
 };
 
-/// What a joint did, on A at the origin of its frame there, in the world, averaged over the step.
+/// Work of what acts at a joint on relative velocities, mean of start and end; springs, dampers and effort
+/// motors along the path of the step (MJT-16) [J].
+struct JointWork {
+  double locked = 0;     // of the locked motions: what the discrete step leaves of nothing
+  double couplings = 0;  // to other joints, that have the opposite
+  double stops = 0;
+  double friction = 0;  // dry
+  double motors = 0;    // of all kinds
+  double springs = 0;   // and dampers
+  double supports = 0;  // what moved bodies give through the joint
+  double total() const { return locked + couplings + stops + friction + motors + springs + supports; }
+};
+
+/// What a joint did, on A at the origin of its frame there, in the world; averaged over the step, or as the
+/// scheme has it (MJT-17).
 struct StepJoint {
   Vec3 force = Vec3::Zero();   // of the locked motions and of couplings [N]
   Vec3 torque = Vec3::Zero();  // [N m]
   Vec3 effort = Vec3::Zero();  // along its axes: stops, dry friction, speed and position motors [N, N m]
+  JointWork work{};
 };
 
 /// A stretch of the path of a step with constant velocities.
@@ -89,9 +104,10 @@ struct EnergyLedger {
   double contact_work =
       0;  // of the impulses of contacts and gap functions; never positive for e = 0 against bodies at rest
   double gyroscopic_work = 0;  // of the gyroscopic term as discretised, and of masses that change with q
-  double joint_work = 0;       // of joints, couplings, stops, dry friction, speed and position motors
-  double numerical_work = 0;   // of the scheme itself: its damping (MJ-9), (GA-10)
-  double residual() const {    // zero to rounding: the balance of (MJ-9)
+  double joint_work = 0;  // of joints, couplings, stops, dry friction, speed and position motors; with the
+                          // other laws of their axes the sum of JointWork::total
+  double numerical_work = 0;  // of the scheme itself: its damping (MJ-9), (GA-10)
+  double residual() const {   // zero to rounding: the balance of (MJ-9)
     return kinetic_change - gravity_work - law_work - contact_work - gyroscopic_work - joint_work -
            numerical_work;
   }
@@ -143,6 +159,7 @@ struct StepReport {
   std::vector<StepGap> gaps{};           // of the active gap functions
   std::vector<double> law_work{};        // of both, added up for each of contact_laws(model) [J]
   std::vector<StepJoint> joints{};       // of every joint of the model
+  double t_joints = 0;                   // that their forces are means about, or belong to (MJT-17) [s]
   std::vector<StepEvent> events{};       // in order of time; only of schemes that stop at events
   std::optional<StepProblem> problem{};  // the last one solved, also in a step that ended badly; if asked for
   double seconds_contact = 0, seconds_solve = 0, seconds_certificate = 0,

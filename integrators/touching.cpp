@@ -294,8 +294,9 @@ SmoothForces smooth_forces(const StepSetting& setting, const State& state) {
   const DofMap& dofs = setting.dofs;
   GeneralisedForce force{.f = VecX::Zero(state.v.size()), .K = {}, .C = {}};
   for (const ForceLaw& law : model.forces) law.add_to(model, state, state.t, force);
-  add_axis_forces(model, state, state.g, state.t, force);
-  SmoothForces out{.M = mass_of(setting, state), .laws = free_velocities(dofs, force.f)};
+  SmoothForces out{.axes = add_axis_forces(model, state, state.g, state.t, force)};
+  out.M = mass_of(setting, state);
+  out.laws = free_velocities(dofs, force.f);
   for (int i = 0; i < int(model.coordinates.size()); ++i)
     if (const Coordinates& block = model.coordinates[std::size_t(i)]; block.force)
       out.laws.segment(dofs.coordinates + first_coordinate(model, i), block.size) +=

@@ -32,9 +32,10 @@ std::vector<Touch> touches_at(const StepSetting& setting, const State& state, do
 /// Mass and forces of everything that does not touch, in the rows of DofMap.
 struct SmoothForces {
   SparseMatrix M{};
-  VecX all{};      // [N, N m]
-  VecX laws{};     // of them those of force laws, axes and coordinates
-  VecX applied{};  // laws and gravity: all but the gyroscopic torque
+  VecX all{};                       // [N, N m]
+  VecX laws{};                      // of them those of force laws, axes and coordinates
+  VecX applied{};                   // laws and gravity: all but the gyroscopic torque
+  std::vector<AxisImpulse> axes{};  // part of `laws`, as forces
 };
 SparseMatrix mass_of(const StepSetting& setting, const State& state);
 SmoothForces smooth_forces(const StepSetting& setting, const State& state);

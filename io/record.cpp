@@ -80,10 +80,20 @@ RunStep run_step(std::int64_t step, const Model& model, const State& state, cons
   for (const StepContact& contact : report.contacts)
     row.contacts.push_back(run_contact(contact.point, contact.impulse));
   for (std::size_t i = 0; i < report.joints.size(); ++i) {
-    row.joints[i].force = report.joints[i].force;
-    row.joints[i].torque = report.joints[i].torque;
-    row.joints[i].effort = report.joints[i].effort;
+    const StepJoint& joint = report.joints[i];
+    RunJoint& out = row.joints[i];
+    out.force = joint.force;
+    out.torque = joint.torque;
+    out.effort = joint.effort;
+    out.work_locked = joint.work.locked;
+    out.work_couplings = joint.work.couplings;
+    out.work_stops = joint.work.stops;
+    out.work_friction = joint.work.friction;
+    out.work_motors = joint.work.motors;
+    out.work_springs = joint.work.springs;
+    out.work_supports = joint.work.supports;
   }
+  row.joint_time = report.t_joints;
   row.status = int(report.status);
   row.h = report.h;
   row.attempts = report.attempts;

@@ -87,6 +87,17 @@ const auto kJointFields = std::tuple{
     Field{"/joint/translation_error", &RunJoint::translation_error, "m"},
     Field{"/joint/rotation_error", &RunJoint::rotation_error, "rad"},
 };
+// Files of version 3 may lack these, together.
+const auto kJointTime = Field{"/joint/time", &RunStep::joint_time, "s"};
+const auto kJointWorkFields = std::tuple{
+    Field{"/joint/work_locked", &RunJoint::work_locked, "J"},
+    Field{"/joint/work_couplings", &RunJoint::work_couplings, "J"},
+    Field{"/joint/work_stops", &RunJoint::work_stops, "J"},
+    Field{"/joint/work_friction", &RunJoint::work_friction, "J"},
+    Field{"/joint/work_motors", &RunJoint::work_motors, "J"},
+    Field{"/joint/work_springs", &RunJoint::work_springs, "J"},
+    Field{"/joint/work_supports", &RunJoint::work_supports, "J"},
+};
 constexpr const char* kPose = "/state/pose";
 constexpr const char* kVelocity = "/state/velocity";
 constexpr const char* kCoordinates = "/state/q";
@@ -300,9 +311,12 @@ std::vector<ColumnPlan> step_columns(const RunHeader& header) {
   plans.push_back({kVelocity, H5T_NATIVE_DOUBLE, {bodies, 6}, kRows, "m/s, rad/s"});
   plans.push_back({kCoordinates, H5T_NATIVE_DOUBLE, {coordinates}, kRows, ""});
   plans.push_back({kCoordinateSpeeds, H5T_NATIVE_DOUBLE, {coordinates}, kRows, ""});
-  for_each_field(kJointFields, [&](const auto& field) {
+  const auto of_joints = [&](const auto& field) {
     plans.push_back({field.name, H5T_NATIVE_DOUBLE, joint_shape(field, joints), kRows, field.unit});
-  });
+  };
+  for_each_field(kJointFields, of_joints);
+  for_each_field(kJointWorkFields, of_joints);
+  plans.push_back(plan_of(kJointTime));
   return plans;
 }
 
@@ -366,7 +380,10 @@ struct RunWriter::Impl {
     }
     for_each_field(kContactFields, [&](const auto& field) { append(field, contact, contact.size()); });
     for_each_field(kStepFields, [&](const auto& field) { append(field, pending, pending.size()); });
-    for_each_field(kJointFields, [&](const auto& field) { append(field, joint, pending.size()); });
+    const auto of_joints = [&](const auto& field) { append(field, joint, pending.size()); };
+    for_each_field(kJointFields, of_joints);
+    for_each_field(kJointWorkFields, of_joints);
+    append(kJointTime, pending, pending.size());
     columns.at(kPose).append(pose.data(), pending.size());
     columns.at(kVelocity).append(velocity.data(), pending.size());
     columns.at(kCoordinates).append(q.data(), pending.size());
@@ -509,7 +526,12 @@ RunData read_run(const std::filesystem::path& path) {
   run.steps.resize(steps);
   for_each_field(kStepFields, [&](const auto& field) { read_into(file, field, run.steps); });
   for (RunStep& step : run.steps) step.joints.resize(joints);
-  for_each_field(kJointFields, [&](const auto& field) { read_joints(file, field, joints, run.steps); });
+  const auto of_joints = [&](const auto& field) { read_joints(file, field, joints, run.steps); };
+  for_each_field(kJointFields, of_joints);
+  if (has_link(file, kJointTime.name)) {
+    for_each_field(kJointWorkFields, of_joints);
+    read_into(file, kJointTime, run.steps);
+  }
   const std::vector<double> pose = read_wide(file, kPose, steps, {bodies, 7}),
                             velocity = read_wide(file, kVelocity, steps, {bodies, 6}),
                             q = read_wide(file, kCoordinates, steps, {coordinates}),

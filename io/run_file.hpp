@@ -74,6 +74,9 @@ struct RunJoint {
   Vec3 effort = Vec3::Zero();      // along its axes: stops, dry friction, motors [N, N m]
   double translation_error = 0;    // by how much it is off [m]
   double rotation_error = 0;       // [rad]
+  // Done in the step (JointWork) [J]
+  double work_locked = 0, work_couplings = 0, work_stops = 0, work_friction = 0, work_motors = 0,
+         work_springs = 0, work_supports = 0;
 };
 
 /// One recorded step; the first row of a run is usually its initial state with step = 0 and h = 0.
@@ -107,6 +110,7 @@ struct RunStep {
   double numerical_work = 0;   // of the scheme itself
   double energy_residual = 0;  // of the discrete balance
   double impulse_gain = 0;     // that contacts gave on their own
+  double joint_time = 0;       // that the forces of joints are means about [s]
 
   Vec3 coupling_force = Vec3::Zero();   // of the virtual coupling, on its body, world [N]
   Vec3 coupling_torque = Vec3::Zero();  // the same, body frame [N m]

@@ -229,6 +229,13 @@ DilatedBox box_along(const Mat3& axes, const std::vector<Vec3>& points) {
   return {.centre = axes * (b.lo + b.hi) / 2, .axes = axes, .half = (b.hi - b.lo) / 2};
 }
 
+// A ball's centre and a box without dilation; negative inside.
+double distance_of(const Vec3& centre, const DilatedBox& box) {
+  const Vec3 beyond = (box.axes.transpose() * (centre - box.centre)).cwiseAbs() - box.half;
+  const double farthest = beyond.maxCoeff();
+  return farthest > 0 ? beyond.cwiseMax(0).norm() : farthest;
+}
+
 }  // namespace
 
 DilatedBox box_around(const std::vector<Vec3>& points) {
@@ -257,16 +264,16 @@ double separation(const DilatedBox& a, const DilatedBox& b) {
   const Vec3 c = b.centre - a.centre;
   const double distance = c.norm(), radii = a.radius + b.radius;
   const double slack = kRounding * (a.centre.norm() + b.centre.norm() + a.half.sum() + b.half.sum() + radii);
-  if (a.half.isZero(0) && b.half.isZero(0)) return distance - radii - slack;
+  const bool a_is_ball = a.half.isZero(0), b_is_ball = b.half.isZero(0);
+  if (a_is_ball && b_is_ball) return distance - radii - slack;
+  if (a_is_ball) return distance_of(a.centre, b) - radii - slack;
+  if (b_is_ball) return distance_of(b.centre, a) - radii - slack;
   double widest = -kInf;
-  const auto reach_of = [](const DilatedBox& box) {
-    return [&box, is_ball = box.half.isZero(0)](const Vec3& n) {
-      return is_ball ? 0 : box.half.dot((box.axes.transpose() * n).cwiseAbs());
-    };
+  const auto reach = [](const DilatedBox& box, const Vec3& n) {
+    return box.half.dot((box.axes.transpose() * n).cwiseAbs());
   };
-  const auto reach_a = reach_of(a), reach_b = reach_of(b);
   const auto along = [&](const Vec3& n) {
-    widest = std::max(widest, std::abs(c.dot(n)) - (reach_a(n) + reach_b(n)));
+    widest = std::max(widest, std::abs(c.dot(n)) - (reach(a, n) + reach(b, n)));
   };
   if (distance > 0) along(c / distance);
   for (int i = 0; i < 3; ++i) along(a.axes.col(i)), along(b.axes.col(i));

@@ -20,16 +20,21 @@ constexpr int kAttempts = 8;              // after these sweeps go on alone
 constexpr double kSettlingCost = 100;     // sweeps, of the steps of a settling phase, about
 constexpr double kWarm = 1e-3;            // residual of a start whose contacts are settled but for a few
 constexpr double kCheap = 50;             // sweeps, of a Newton iteration
+constexpr double kGiving = 100;  // compliance of its first step over its residual: 10 was too little for most
+                                 // steps of balls that roll
+constexpr double kMoving = 10;   // tolerances, of a warm start: the next one will not be within either
 
 // A warm start usually has the right cases already, and then Newton ends in one or two solves where sweeps
-// would creep (AUTO-4). It goes on to a thousandth of the tolerance, so that the next steps start within.
+// would creep (AUTO-4). It goes on to a thousandth of the tolerance, so that the next steps start within;
+// where that is in vain, to a tenth.
 Iterate warmed(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report) {
   if (start.residual > kWarm || start.r.isZero(0) || W.newton_cost(start.r) > kCheap) return start;
+  const bool is_moving = start.residual > kMoving * options.tolerance;
   return proximal_steps(W, start,
-                        {.tolerance = options.tolerance / 1e3,
+                        {.tolerance = options.tolerance / (is_moving ? 10 : 1e3),
                          .max_steps = 3,
                          .max_iterations = 6,
-                         .alpha = std::max(1e-6, 10 * start.residual),
+                         .alpha = std::clamp(kGiving * start.residual, 1e-6, 1e-2),
                          .accuracy = 1e-7},
                         report);
 }

@@ -72,8 +72,9 @@ std::vector<Law> sub_laws(const std::vector<Law>& laws, const std::vector<int>& 
 
 }  // namespace
 
-std::vector<Island> islands(const FrictionProblem& problem) {
+std::vector<Island> islands(const FrictionProblem& problem, const std::vector<char>& left_out) {
   const std::vector<int> first = first_rows(problem.laws);
+  const auto is_left_out = [&](std::size_t c) { return !left_out.empty() && left_out[c]; };
   Groups groups(problem.f.size());
   for (Eigen::Index j = 0; j < problem.M.cols(); ++j)
     if (const int row = groups.join_column(problem.M, j); row >= 0) groups.join(row, int(j));
@@ -82,7 +83,7 @@ std::vector<Island> islands(const FrictionProblem& problem) {
     dof_of_joint.push_back(groups.join_column(problem.G, j));
   for (std::size_t c = 0; c < problem.laws.size(); ++c) {
     int dof = -1;
-    for (int j = first[c]; j < first[c + 1]; ++j)
+    for (int j = first[c]; j < first[c + 1] && !is_left_out(c); ++j)
       if (const int row = groups.join_column(problem.H, j); row >= 0) {
         dof = dof < 0 ? row : groups.join(dof, row);
       }
@@ -106,6 +107,7 @@ std::vector<Island> islands(const FrictionProblem& problem) {
     out[std::size_t(island_of[root])].dofs.push_back(i);
   }
   for (std::size_t c = 0; c < problem.laws.size(); ++c) {
+    if (is_left_out(c)) continue;
     if (dof_of_block[c] < 0) out.emplace_back();  // nothing moves it: its own trouble, told by the solver
     Island& island = dof_of_block[c] < 0
                          ? out.back()

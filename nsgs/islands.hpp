@@ -16,8 +16,8 @@ struct Island {
 };
 
 /// Ordered by their first dof, or block; then blocks that nothing moves, one by one; at the end all that
-/// feels no contact.
-std::vector<Island> islands(const FrictionProblem& problem);
+/// feels no contact. As if there were none of the blocks left out (none if empty).
+std::vector<Island> islands(const FrictionProblem& problem, const std::vector<char>& left_out = {});
 
 /// Of every block the first one of its island.
 std::vector<int> leaders(const LocalProblem& problem);

@@ -186,6 +186,10 @@ std::optional<MassInverse> part(const MassInverse& inverse, const std::vector<in
   if (some.size() == inverse.block_of.size()) return inverse;
   MassInverse out;
   out.block_of.resize(some.size());
+  out.rows.reserve(some.size());
+  out.first.reserve(some.size() + 1);
+  out.at.reserve(some.size());
+  out.inverse.reserve(some.size());
   const auto place = [&](int row) { return int(std::ranges::lower_bound(some, row) - some.begin()); };
   for (const int row : some) {
     const int b = inverse.block_of[std::size_t(row)], n = inverse.size(b);

@@ -8,6 +8,7 @@
 #include "geometry/check.hpp"
 #include "nsgs/block_solver.hpp"
 #include "nsgs/islands.hpp"
+#include "nsgs/joint_elimination.hpp"
 #include "nsgs/method.hpp"
 
 namespace aussois {
@@ -16,6 +17,8 @@ namespace {
 
 constexpr double kNoise = 1e-6;      // an island with less of the whole |q| is solved to that much of it only
 constexpr double kRounding = 1e-15;  // of what cancels in q: as good as zero
+constexpr double kGoodStart = 1e-3;  // residual of a start that need not be compared with none
+constexpr double kOpening = 2;       // times as fast as what may push it: a block opens whatever that does
 
 struct Solved {
   VecX r{}, u{};
@@ -30,7 +33,7 @@ struct Part {
   const Problem* problem = nullptr;      // that, or the whole
   VecX r0{};
   std::optional<MotionInverse> inverse{};  // of bodies; nothing if M is singular
-  VecX v_free{};                           // M^-1 f, if it is known
+  VecX v_free{};                           // of bodies
   std::unique_ptr<Delassus> W{};           // nothing without contacts, or without `inverse`
   Solved solved{};
 };
@@ -43,6 +46,7 @@ void open(Part<FrictionProblem>& part) {
   const FrictionProblem& problem = *part.problem;
   if (!part.inverse) part.inverse = invert_motion(problem.M, problem.G);
   if (!part.inverse || problem.laws.empty()) return;
+  if (part.v_free.size() == 0) part.v_free = free_velocity(problem, *part.inverse);
   // One block is its own W: speeds of the bodies would only bring in their rounding.
   const bool few_contacts = problem.f.size() > 2 * problem.w.size() || problem.laws.size() == 1;
   const bool condensed =
@@ -65,10 +69,11 @@ Solved solve_rows(Delassus& W, const VecX& r0, const SolverOptions& options) {
   Solved out;
   W.scaled.model = options.model;
   const Scaling& scaled = W.scaled;
-  Iterate start = judged(W, scaled_start(scaled, {}), options.method);
-  if (r0.size() > 0)
-    if (Iterate warm = judged(W, scaled_start(scaled, r0), options.method); warm.residual < start.residual)
-      start = std::move(warm);
+  Iterate start;
+  if (r0.size() > 0) start = judged(W, scaled_start(scaled, r0), options.method);
+  if (start.residual > kGoodStart)
+    if (Iterate none = judged(W, scaled_start(scaled, {}), options.method); !(start.residual < none.residual))
+      start = std::move(none);
   const Iterate best = start.residual <= options.tolerance ? start : run(W, start, options, out.report);
   out.report.residual = best.residual;
   out.report.coulomb_residual = natural_map(best.u, best.r, scaled.laws);
@@ -78,13 +83,13 @@ Solved solve_rows(Delassus& W, const VecX& r0, const SolverOptions& options) {
   return out;
 }
 
-// The size, scaled as q is, that the rounding of q is relative to: bodies that fall together leave nothing
-// but rounding in q. 0: not known.
+// The size, scaled as q is, that the rounding of q is relative to: bodies that fall together, or hang on one
+// hinge, leave nothing but rounding in q. 0: not known.
 double cancelled(const Part<LocalProblem>&) {
   return 0;
 }
 double cancelled(const Part<FrictionProblem>& part) {
-  if (!part.W || part.v_free.size() == 0) return 0;
+  if (!part.W) return 0;
   const FrictionProblem& p = *part.problem;
   VecX terms = p.w.cwiseAbs();
   for (int j = 0; j < p.H.outerSize(); ++j) {
@@ -124,7 +129,7 @@ void put(const VecX& part, const std::vector<int>& rows, VecX& whole) {
 void put_motion(const Part<LocalProblem>&, const VecX&, FrictionSolution&) {}
 void put_motion(const Part<FrictionProblem>& part, const VecX& r, FrictionSolution& out) {
   if (!part.inverse) return;
-  if (part.v_free.size() > 0) {
+  if (part.problem->G.cols() == 0 && part.v_free.size() > 0) {
     put(part.v_free + part.inverse->mass * (part.problem->H * r), part.island.dofs, out.v);
     return;
   }
@@ -254,20 +259,82 @@ void validate_start(const VecX& r0, Eigen::Index rows) {
   require_field(r0.size() == 0 || r0.size() == rows, "r0.size()", r0.size(), bound.c_str());
 }
 
+// Blocks without an impulse at the start that open whatever the others do (ISL-2): faster than twice what may
+// push their bodies, and than their bodies move, each on its own.
+std::vector<char> opening_blocks(const FrictionProblem& problem, const VecX& v_free, const VecX& r0) {
+  const std::vector<int> first = first_rows(problem.laws);
+  std::vector<char> opens(problem.laws.size());
+  VecX u = problem.w, fastest = VecX::Zero(v_free.size());  // of the blocks that may push a velocity
+  for (std::size_t c = 0; c < opens.size(); ++c) {
+    const int k = first[c], rows = problem.laws[c].rows;
+    double moves = 0;
+    for (SparseMatrix::InnerIterator it(problem.H, k); it; ++it) {
+      const double part = it.value() * v_free[it.row()];
+      u[k] += part;
+      moves += std::abs(part);
+    }
+    opens[c] = has_normal(problem.laws[c]) && u[k] > kOpening * moves &&
+               (r0.size() == 0 || r0.segment(k, rows).isZero(0));
+    if (opens[c]) continue;
+    for (int j = k + 1; j < k + rows; ++j) u[j] += problem.H.col(j).dot(v_free);
+    const double speed = u.segment(k, rows).norm();
+    for (SparseMatrix::InnerIterator it(problem.H, k); it; ++it)
+      fastest[it.row()] = std::max(fastest[it.row()], speed);
+  }
+  for (std::size_t c = 0; c < opens.size(); ++c)
+    for (SparseMatrix::InnerIterator it(problem.H, first[c]); it && opens[c]; ++it)
+      opens[c] = u[first[c]] > kOpening * fastest[it.row()];
+  return opens;
+}
+
+// Velocities of the blocks left out. Those that close, or are not finite, are taken in (ISL-3), `with_all` of
+// their island of the whole problem; whether there are any.
+bool take_in(const FrictionProblem& problem, bool with_all, FrictionSolution& out,
+             std::vector<char>& left_out) {
+  std::vector<char> closes(left_out.size());
+  int next = 0;
+  for (std::size_t c = 0; c < left_out.size(); ++c) {
+    const int k = std::exchange(next, next + problem.laws[c].rows);
+    if (!left_out[c]) continue;
+    for (int j = k; j < next; ++j) out.u[j] += problem.H.col(j).dot(out.v);
+    closes[c] = !(out.u[k] >= 0 && out.u.segment(k, next - k).allFinite());
+  }
+  if (std::ranges::find(closes, 1) == closes.end()) return false;
+  if (with_all)
+    for (const Island& island : islands(problem))
+      if (std::ranges::any_of(island.blocks, [&](int c) { return closes[std::size_t(c)]; }))
+        for (const int c : island.blocks) closes[std::size_t(c)] = 1;
+  for (std::size_t c = 0; c < closes.size(); ++c)
+    if (closes[c]) left_out[c] = 0;
+  return true;
+}
+
 FrictionSolution solve_bodies(const FrictionProblem& problem, const KnownMotion* known, const VecX& r0,
                               const SolverOptions& options) {
   validate(problem);
   validate(options);
   validate_start(r0, problem.w.size());
-  FrictionSolution out{.v = known ? known->v_free : VecX::Zero(problem.f.size()),
-                       .u = problem.w,
-                       .r = VecX::Zero(problem.w.size()),
-                       .lambda = VecX::Zero(problem.b.size())};
-  if (known && problem.laws.empty()) return out;
-  std::vector<Island> all = islands(problem);
-  if (known && all.back().blocks.empty()) all.pop_back();  // what feels no contact
-  solve_islands(problem, std::move(all), known, r0, 0, options, out);
-  return out;
+  const FrictionSolution without{.v = known ? known->v_free : VecX::Zero(problem.f.size()),
+                                 .u = problem.w,
+                                 .r = VecX::Zero(problem.w.size()),
+                                 .lambda = VecX::Zero(problem.b.size())};
+  if (known && problem.laws.empty()) return without;
+  const bool screened = known && options.model == FrictionModel::coulomb;
+  std::vector<char> left_out =
+      screened ? opening_blocks(problem, known->v_free, r0) : std::vector<char>(problem.laws.size(), 0);
+  SolveReport before;
+  for (int pass = 1;; ++pass) {  // each from the same start: islands do not feel that others are solved again
+    FrictionSolution out = without;
+    std::vector<Island> all = islands(problem, left_out);
+    if (known && !all.empty() && all.back().blocks.empty()) all.pop_back();  // what feels no contact
+    solve_islands(problem, std::move(all), known, r0, 0, options, out);
+    out.report.iterations += before.iterations;
+    out.report.newton_iterations += before.newton_iterations;
+    out.report.local_failures += before.local_failures;
+    out.report.local_fail_safes += before.local_fail_safes;
+    if (!take_in(problem, pass > 1, out, left_out)) return out;
+    before = out.report;
+  }
 }
 
 }  // namespace

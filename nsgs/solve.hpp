@@ -62,7 +62,8 @@ struct SolveReport {
   Method found_by = Method::automatic;  // the phase that the returned iterate comes from
   int iterations = 0;                   // sweeps or steps
   int newton_iterations = 0;            // linear solves of Newton phases
-  double residual = 0;          // scaled_residual of what is returned (NSGS-9), of the model asked for
+  double residual = 0;          // scaled_residual of what is returned (NSGS-9), of the model asked for; of a
+                                // KnownMotion at least that
   double coulomb_residual = 0;  // of Coulomb's law, whatever the model
   int local_failures = 0;       // one-block problems that no local method solved to its tolerance
   int local_fail_safes = 0;     // those that Newton gave to its fail-safe
@@ -87,8 +88,9 @@ struct KnownMotion {
   const MassInverse& inverse;
   const VecX& v_free;  // n [m/s, rad/s]
 };
-/// The same solution but for rounding, sooner: bodies without contacts need not be looked at. With joints
-/// `known` is of no use, and not used.
+/// A solution of the same problem to the same tolerance, sooner: bodies without contacts need not be looked
+/// at, and blocks that open whatever the others do are left out (ISL-2), of |q| in the report's residuals
+/// too: they are not less than those of the whole. With joints `known` is of no use, and not used.
 FrictionSolution solve(const FrictionProblem& problem, const KnownMotion& known, const VecX& r0,
                        const SolverOptions& options = {});
 

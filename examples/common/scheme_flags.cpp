@@ -29,6 +29,10 @@ const std::vector<Reader>& readers() {
        {"moreau_jean", "moreau_jean_projected", "passive_midpoint", "generalised_alpha", "d1_minus_linear"}},
       {"--gyroscopic", {"passive_midpoint"}},
       {"--mean-joints", {"passive_midpoint"}},
+      {"--not-passive", {"passive_midpoint"}},
+      {"--force-theta", {"schatzman_paoli"}},
+      {"--ode-relative", {"event_driven"}},
+      {"--ode-absolute", {"event_driven"}},
       {"--spectral-radius", {"generalised_alpha"}},
   };
   return all;
@@ -67,6 +71,13 @@ void add_options(Cli& cli, SchemeFlags& f) {
   cli.choice("--gyroscopic", f.gyroscopic, "torque of the mean or the first attitude, " + of("--gyroscopic"),
              {"midpoint", "start"});
   cli.flag("--mean-joints", f.options.mean_joints, of("--mean-joints") + "; exact, with --update cayley");
+  cli.flag("--not-passive", f.not_passive, of("--not-passive") + "; its contacts may give energy");
+  cli.option("--force-theta", f.options.force_theta,
+             "where in the step force laws act, " + of("--force-theta"), "-", {0, 1});
+  cli.option("--ode-relative", f.options.ode.relative, "tolerance, " + of("--ode-relative"), "-",
+             {1e-14, 1e-2});
+  cli.option("--ode-absolute", f.options.ode.absolute, "tolerance, " + of("--ode-absolute"), "m, m/s, rad",
+             {1e-16, 1e-2});
   cli.option("--spectral-radius", f.options.spectral_radius, of("--spectral-radius"), "-", {0, 1});
   std::vector<std::string> reducers = reducer_names();
   std::erase(reducers, to_string(Reducer::selector));
@@ -101,6 +112,7 @@ SchemeOptions scheme_options(const SchemeFlags& f) {
   out.normal.law = normal_law(f.normal);
   out.update = group_update(f.update);
   out.gyroscopic = f.gyroscopic == "start" ? GyroscopicTerm::start : GyroscopicTerm::midpoint;
+  out.passive = !f.not_passive;
   out.reduction.reducer = reducer(f.reducer);
   if (!f.selector.empty()) {
     out.reduction.reducer = Reducer::selector;

@@ -17,7 +17,7 @@ struct SchemeFlags {
   std::string clustering = to_string(ClusteringOptions{}.rule);
   std::filesystem::path selector{};  // instead of a reducer; empty: none
   int selector_body = 0;
-  bool patch_friction = false;
+  bool patch_friction = false, not_passive = false;
   SchemeOptions options{};  // but for those names
 };
 

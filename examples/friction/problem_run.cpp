@@ -56,12 +56,22 @@ double joint_velocity(const FrictionProblem& problem, const FrictionSolution& so
   return VecX(problem.G.transpose() * solution.v + problem.b).cwiseAbs().maxCoeff();
 }
 
+FrictionSolution solved(const LocalProblem& problem, const VecX& r0, const SolverOptions& options) {
+  return solve(problem, r0, options);
+}
+// As a step does that knows its free motion, so that what it dumped has the same bits.
+FrictionSolution solved(const FrictionProblem& problem, const VecX& r0, const SolverOptions& options) {
+  const std::optional<MassInverse> inverse = problem.G.cols() > 0 ? std::nullopt : invert_mass(problem.M);
+  return inverse ? solve(problem, {*inverse, *inverse * problem.f}, r0, options)
+                 : solve(problem, r0, options);
+}
+
 template <class Problem>
 FclibValues run_on(const Problem& problem, const VecX& r0, const RunOptions& options, ProblemRun& run) {
   FrictionSolution solution;
   for (int i = 0; i < options.repeat; ++i) {
     const double begin = cpu_seconds();
-    solution = solve(problem, r0, options.solver);
+    solution = solved(problem, r0, options.solver);
     const double took = cpu_seconds() - begin;
     run.cpu_s = i == 0 ? took : std::min(run.cpu_s, took);
   }

@@ -55,6 +55,18 @@ def includes(root):
     return bad
 
 
+def own_header_first(root):
+    """A source includes the header of its name before any other: so every header that has one is seen to compile alone."""
+    bad = []
+    for path in sources(root, ".cpp"):
+        name = path.relative_to(root).as_posix()
+        header = name[:-3] + "hpp"
+        first = re.search(r'^\s*#\s*include\s*[<"]([^>"]+)', path.read_text(encoding="utf-8"), re.MULTILINE)
+        if (root / header).is_file() and (first is None or first[1] != header):
+            bad.append(f'{name}:1: does not include "{header}" first')
+    return bad
+
+
 def plan(root, room):
     """{"SOURCES": [...], "HEADERS": [...], ...} of the aussois_library call in a room's CMakeLists.txt."""
     path = root / room / "CMakeLists.txt"
@@ -163,8 +175,8 @@ def tests(root):
             if not fnmatch.filter(known, match[1])]
 
 
-RULES = {rule.__name__: rule for rule in (includes, public_headers, listed, equations, licence, links, pages,
-                                      references, tests)}
+RULES = {rule.__name__: rule for rule in (includes, own_header_first, public_headers, listed, equations, licence,
+                                      links, pages, references, tests)}
 
 
 def main():

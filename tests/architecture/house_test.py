@@ -40,6 +40,13 @@ class House(unittest.TestCase):
         self.assertEqual(self.offences(house.includes, tree),
                          ['lmd/cone.cpp:1: there is no "cone.hpp" seen from the root'])
 
+    def test_a_source_includes_its_own_header_first(self):
+        tree = {"lmd/a.hpp": "", "lmd/a.cpp": '#include "lmd/a.hpp"\n', "lmd/alone.cpp": "#include <vector>\n",
+                "lmd/b.hpp": "", "lmd/b.cpp": '#include <vector>\n#include "lmd/b.hpp"\n', "lmd/c.hpp": "", "lmd/c.cpp": ""}
+        self.assertEqual(self.offences(house.own_header_first, tree),
+                         ['lmd/b.cpp:1: does not include "lmd/b.hpp" first',
+                          'lmd/c.cpp:1: does not include "lmd/c.hpp" first'])
+
     def test_public_headers_include_nothing_heavy_and_nothing_private(self):
         tree = {"io/CMakeLists.txt": "aussois_library(io\n  SOURCES a.cpp file.hpp\n  HEADERS a.hpp\n  HEAVY hdf5::hdf5)\n",
                 "io/a.hpp": '#include <Eigen/Core>\n#include <vector>\n#include <hdf5.h>\n#include "io/file.hpp"\n',

@@ -32,6 +32,18 @@ class RunScene(DriverTest):
             run = self.drive("run_scene", "--scene", name, "--time", 2 * float(h), "--quiet", "-o", name)
             self.assertEqual(run.returncode, 0, f"{name}: {run.stderr}{run.stdout}")
 
+    def test_every_scheme_reads_the_settings_that_are_its_own(self):
+        scene = ("--scene", "ball_e05", "--time", "0.02", "--quiet", "--summary", "s.json")
+        for scheme, flags, told in (("schatzman_paoli", ("--force-theta", 1), "theta 1"),
+                                    ("passive_midpoint", ("--not-passive",), "not passive"),
+                                    ("event_driven", ("--ode-relative", 1e-6), "relative 1e-06"),
+                                    ("event_driven", ("--ode-absolute", 1e-7), "absolute 1e-07")):
+            self.run_scene(*scene, "--scheme", scheme, *flags, "-o", "out")
+            self.assertIn(told, json.loads((self.folder / "s.json").read_text())["scheme"])
+            run = self.run_scene(*scene, "--scheme", "generalised_alpha", *flags, "-o", "refused", code=USAGE)
+            for word in (flags[0], scheme, "generalised_alpha"):
+                self.assertIn(word, run.stderr)
+
     def test_a_restart_changes_no_bit(self):
         scene = ("--scene", "bricard", "--h", "2e-3", "--time", "0.1", "--quiet")
         self.run_scene(*scene, "-o", "whole")
@@ -109,6 +121,16 @@ class RunScene(DriverTest):
         work = [i for i, name in enumerate(head.split(",")) if name.startswith("work:mu ")]
         self.assertGreaterEqual(len(work), 1)
         self.assertLess(sum(float(row.split(",")[i]) for row in rows for i in work), 0)
+
+    def test_steps_tell_the_work_of_every_joint(self):
+        self.run_scene("--scene", "squeezer", "--theta", "0.5", "--time", "0.005", "--quiet")
+        head, *lines = (self.folder / "out/steps.csv").read_text().splitlines()
+        names, rows = head.split(","), [[float(x) for x in line.split(",")] for line in lines]
+        work = [i for i, name in enumerate(names) if name.startswith("work:joint:")]
+        self.assertGreaterEqual(len(work), 7)
+        stored = [row[names.index("kinetic")] + row[names.index("laws")] for row in rows]
+        given = sum(row[i] for row in rows[1:] for i in work)  # by the motor: bodies and spring have it
+        self.assertAlmostEqual(given, stored[-1] - stored[0], delta=1e-3 * given)
 
     def test_bad_input_is_refused_without_a_trace(self):
         for words, arguments in ((["--scene", "perpetuum", "arch"], ["--scene", "perpetuum"]),

@@ -93,6 +93,24 @@ TEST(Cradle, OfEqualBallsSharesTheBlowOrPassesItOn) {
   }
 }
 
+// A micrometre apart, in steps a thousand times longer than it takes to close. Moreau's law asks what closes
+// by itself, so the blow is passed on; the combined law asks all that come within the step, so it is shared,
+// up to the speed that closes the gap in a step.
+TEST(Cradle, OfBallsThatNearlyTouchFollowsItsNormalLaw) {
+  constexpr double kGap = 1e-6;
+  for (const NormalLaw law : {NormalLaw::moreau, NormalLaw::combined}) {
+    CaseScene s = cradle({1, 1, 1});
+    for (int i = 0; i < 3; ++i) pose(s.state, i).p.x() += kGap * i;
+    SchemeOptions options = mechanism_options(kStep);
+    options.normal.law = law;
+    const State end = run_scene(s, "moreau_jean", options, 10 * kStep);
+    const Vec3 v(twist(end, 0)[0], twist(end, 1)[0], twist(end, 2)[0]);
+    const bool shares = law == NormalLaw::combined;
+    const Vec3 right = shares ? Vec3(-1, 2, 2) / 3 : Vec3(0, 0, 1);
+    EXPECT_LT((v - right).norm(), shares ? kGap / kStep : 1e-12) << to_string(law) << ": " << v.transpose();
+  }
+}
+
 // Unequal ones, e = 1: at once all but the first leave as one body of their common mass; pair by pair each
 // hands over 2 m / (m + m').
 TEST(Cradle, OfUnequalBallsDoesTheSameWithTheirMasses) {

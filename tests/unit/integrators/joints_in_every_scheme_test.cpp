@@ -44,7 +44,7 @@ class EverySchemeAndJoint : public ::testing::TestWithParam<SchemeVariant> {
              alpha = v.name == "generalised_alpha", mean_joints = v.options.mean_joints,
              cayley = v.options.update == GroupUpdate::cayley,
              first_order = scheme_traits(v.name, v.options).smooth < 2,
-             stops_bounce = scheme_traits(v.name, v.options).restitution && !paoli;
+             stops_bounce = scheme_traits(v.name, v.options).restitution;
 
   Scheme scheme(const Model& model, double h) const {
     SchemeOptions o = v.options;
@@ -76,18 +76,19 @@ TEST_P(EverySchemeAndJoint, HoldsWhateverItsKind) {
   }
 }
 
-// Between stops with e = 0.8, or onto a plastic one where the scheme knows no restitution of stops: up to a
-// step of way beyond them.
+// Between stops with e = 0.8, or onto a plastic one where the scheme knows no restitution: up to a step of
+// way beyond them. That of Schatzman and Paoli takes two steps.
 TEST_P(EverySchemeAndJoint, TurnsBackAtItsStops) {
   const double h = 1e-3;
   OneAxis s(JointKind::prismatic);
   s.axis() = {.lower = -0.1, .upper = 0.2, .restitution = 0.8};
   s.state.v[0] = 1;
-  int impacts = 0;
+  int impacts = 0, checked = 0;
   double before = s.speed();
   advance(scheme(s.model, h), s.state, 1, [&](const StepReport&) {
     if (s.speed() * before < 0) ++impacts;
-    if (stops_bounce) {
+    if (stops_bounce && (!paoli || std::abs(s.speed() - before) < 1e-12)) {
+      ++checked;
       EXPECT_NEAR(std::abs(s.speed()), std::pow(0.8, impacts), 1e-12);
     }
     before = s.speed();
@@ -96,6 +97,7 @@ TEST_P(EverySchemeAndJoint, TurnsBackAtItsStops) {
   });
   if (stops_bounce) {
     EXPECT_EQ(impacts, 2);
+    EXPECT_GT(checked, event_driven ? 0 : 900);
   } else {
     EXPECT_NEAR(s.q(), 0.2, h + 0.8 * NormalLawOptions{}.correction_speed);  // leaves at that
     EXPECT_LT(std::abs(s.speed()), NormalLawOptions{}.correction_speed + 1e-12);
@@ -120,8 +122,8 @@ TEST_P(EverySchemeAndJoint, IsStoppedAndHeldByDryFriction) {
   s.axis().friction = 4;
   s.state.v[0] = 1;
   const Scheme step = scheme(s.model, h);
-  advance(step, s.state, 0.49);
-  EXPECT_NEAR(s.speed(), 0.02, 1e-12);
+  advance(step, s.state, 0.49, [](const StepReport& r) { EXPECT_NEAR(r.joints[0].effort[0], -4, 1e-11); });
+  EXPECT_NEAR(s.speed(), paoli ? 0.03 : 0.02, 1e-12);  // half a step old (SP-2)
   advance(step, s.state, 1, [&](const StepReport& r) { EXPECT_LE(r.energy.joint_work, 1e-15); });
   EXPECT_NEAR(s.speed(), 0, 1e-12);
   EXPECT_NEAR(s.q(), 0.25, first_order ? 0.51 * h : 1e-12);
@@ -183,7 +185,7 @@ TEST_P(EverySchemeAndJoint, FollowsALimitedMotorOrRefusesIt) {
   }
   const Scheme step = scheme(w.model, h);
   advance(step, w.state, 0.3);
-  EXPECT_NEAR(w.speed(), 5 / 0.5 * 0.3, 1e-12);
+  EXPECT_NEAR(w.speed(), 5 / 0.5 * (paoli ? 0.3 - h / 2 : 0.3), 1e-12);
   advance(step, w.state, 0.5);
   EXPECT_NEAR(w.speed(), 4, 1e-12);
 }

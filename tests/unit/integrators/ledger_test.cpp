@@ -99,8 +99,9 @@ TEST(Ledger, SharesTheWorkOfContactsOutAmongContactsAndTheirLaws) {
       double sum[2] = {0, 0};
       for (const StepContact& c : report.contacts)
         sum[std::max(c.point.a.body, c.point.b.body) == rider] += c.work;
-      EXPECT_LT(sum[0], -1e-3) << name;
-      EXPECT_LT(sum[1], -1e-5) << name;
+      const double part = report.h / options.h;  // implicit loops may cut a step
+      EXPECT_LT(sum[0], -1e-3 * part) << name;
+      EXPECT_LT(sum[1], -1e-5 * part) << name;
       ASSERT_EQ(report.law_work.size(), 2U);
       for (const int i : {0, 1}) EXPECT_NEAR(report.law_work[std::size_t(i)], sum[i], 1e-15) << name;
       const double off = variant.name == "event_driven" ? 1e-11 : 1e-13;

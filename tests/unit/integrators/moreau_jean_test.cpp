@@ -179,7 +179,7 @@ TEST(MoreauJean, RefusesAStepThatStartsInOverlapAndLeavesTheState) {
   const std::uint64_t before = hash(s.state);
   const StepReport report = scheme.step(s.state);
   EXPECT_EQ(report.status, StepStatus::refused);
-  EXPECT_NE(report.reason.find("bodies 0 and 1"), std::string::npos) << report.reason;
+  EXPECT_NE(report.reason.find("bodies 0 (ground) and 1 (block)"), std::string::npos) << report.reason;
   EXPECT_EQ(hash(s.state), before);
 }
 

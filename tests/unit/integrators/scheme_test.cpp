@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "integrators/event_driven.hpp"
 #include "tests/support/block_scene.hpp"
 #include "tests/support/message_of.hpp"
 
@@ -30,6 +31,39 @@ TEST(Scheme, IsTheClassItNames) {
       ASSERT_EQ(hash(by_name), hash(by_class)) << label(variant.name, options) << ", step " << k;
     }
   }
+}
+
+// A ball on a spring falls on a plate: settings that no comparison goes through arrive, and say something.
+TEST(Scheme, HandsOnTheSettingsOfEachClass) {
+  Scene s = block_on_plate(0.3, 1, 0, 0.01);
+  twist(s.state, s.block) << 0.5, 0, -1, 3, 2, 1;
+  s.model.forces.push_back(
+      {.name = "spring", .add_to = [](const Model&, const State& state, double, GeneralisedForce& force) {
+         force.f[6] -= 1e3 * pose(state, 1).p.x();
+         force.K.emplace_back(6, 6, 1e3);
+       }});
+  const auto compare = [&](const char* name, const SchemeOptions& options, auto&& direct) {
+    State by_name = s.state, by_class = s.state, by_default = s.state;
+    const Scheme scheme = make_scheme(name, s.model, options),
+                 plain = make_scheme(name, s.model, {.h = 2e-3});
+    for (int k = 0; k < 20; ++k) {
+      ASSERT_TRUE(scheme.step(by_name, kInf).ok());
+      ASSERT_TRUE(direct.step(by_class).ok());
+      ASSERT_TRUE(plain.step(by_default, kInf).ok());
+    }
+    EXPECT_EQ(hash(by_name), hash(by_class)) << name;
+    EXPECT_NE(hash(by_name), hash(by_default)) << name;
+    EXPECT_NE(label(name, options), label(name, {})) << name;
+  };
+  SchatzmanPaoliOptions damped{.theta = 1};
+  damped.step.h = 2e-3;
+  compare("schatzman_paoli", {.h = 2e-3, .force_theta = 1}, SchatzmanPaoli(s.model, damped));
+  PassiveMidpointOptions active{.passive = false, .step = {.h = 2e-3}};
+  compare("passive_midpoint", {.h = 2e-3, .passive = false}, PassiveMidpoint(s.model, active));
+  EventDrivenOptions coarse{.ode = {.relative = 1e-6, .absolute = 1e-8}};
+  coarse.step.h = 2e-3;
+  compare("event_driven", {.h = 2e-3, .ode = {.relative = 1e-6, .absolute = 1e-8}},
+          EventDriven(s.model, coarse));
 }
 
 // The reference is made by its name, and stands in no comparison of orders in h.

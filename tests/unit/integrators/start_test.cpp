@@ -27,7 +27,7 @@ TEST(Start, IsRefusedInOverlapBeyondTheDilations) {
                       begin = "start: bodies 0 (ground) and 1 (block): base distance = ";
     ASSERT_EQ(message.find(begin), 0U) << message;
     EXPECT_NEAR(std::stod(message.substr(begin.size())), distance, 1e-15);
-    expect_names(message, " must be at least 0.001920 [m]");
+    expect_names(message, " must be at least 0.00192 [m]");
     State tried = s.state;  // and the scheme would not have taken it
     EXPECT_EQ(MoreauJean(s.model, {}).step(tried).status, StepStatus::refused);
   }

@@ -70,6 +70,10 @@ inline RunStep peg_step(int k, int last) {
     joint.effort = Vec3(-s, -i, 0.5);
     joint.translation_error = 1e-15 * (k + 2 * i);
     joint.rotation_error = 1e-14 * (3 * k + i);
+    int part = 0;
+    for (double* work : {&joint.work_locked, &joint.work_couplings, &joint.work_stops, &joint.work_friction,
+                         &joint.work_motors, &joint.work_springs, &joint.work_supports})
+      *work = 1e-3 * k + i - 0.1 * part++;
     step.joints.push_back(joint);
   }
   for (int i = 0; i < k % 6; ++i) {
@@ -112,6 +116,7 @@ inline RunStep peg_step(int k, int last) {
   step.contact_work = -3e-7 * k;
   step.gyroscopic_work = 1e-12 * k;
   step.joint_work = 4e-7 * k;
+  step.joint_time = step.time - h / 2;
   step.numerical_work = -5e-8 * k;
   step.energy_residual = 1e-18 * k;
   step.coupling_force = Vec3(0.1 * s, 0, -5 - 20 * s + 3 * std::sin(30 * s));

@@ -69,7 +69,17 @@ TEST(Record, TakesJointsCoordinatesAndMatchesIntoARow) {
   state.q << 0.5, -0.25;
   state.v << 0, 0, 0, 0, 0, 4, 7, 8;
   StepReport report;
-  report.joints = {{.force = {1, 2, 3}, .torque = {4, 5, 6}, .effort = {7, 0, 0}}};
+  report.joints = {{.force = {1, 2, 3},
+                    .torque = {4, 5, 6},
+                    .effort = {7, 0, 0},
+                    .work = {.locked = 1,
+                             .couplings = 2,
+                             .stops = 3,
+                             .friction = 4,
+                             .motors = 5,
+                             .springs = 6,
+                             .supports = 7}}};
+  report.t_joints = 0.25;
   report.matches = {.by_key = 5, .by_adjacency = 4, .by_geometry = 3, .unmatched = 2, .inherited = 1};
 
   const RunHeader header = run_header(model);
@@ -95,6 +105,14 @@ TEST(Record, TakesJointsCoordinatesAndMatchesIntoARow) {
   EXPECT_EQ(hinge.force, Vec3(1, 2, 3));
   EXPECT_EQ(hinge.torque, Vec3(4, 5, 6));
   EXPECT_EQ(hinge.effort, Vec3(7, 0, 0));
+  EXPECT_EQ(hinge.work_locked, 1);
+  EXPECT_EQ(hinge.work_couplings, 2);
+  EXPECT_EQ(hinge.work_stops, 3);
+  EXPECT_EQ(hinge.work_friction, 4);
+  EXPECT_EQ(hinge.work_motors, 5);
+  EXPECT_EQ(hinge.work_springs, 6);
+  EXPECT_EQ(hinge.work_supports, 7);
+  EXPECT_EQ(row.joint_time, 0.25);
   EXPECT_EQ(row.contacts_matched, 12);
   EXPECT_EQ(row.matched_by_key, 5);
   EXPECT_EQ(row.matched_by_adjacency, 4);

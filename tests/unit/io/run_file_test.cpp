@@ -41,6 +41,11 @@ void expect_same(const RunJoint& a, const RunJoint& b) {
   EXPECT_EQ(a.effort, b.effort);
   EXPECT_EQ(a.translation_error, b.translation_error);
   EXPECT_EQ(a.rotation_error, b.rotation_error);
+  const auto work = [](const RunJoint& j) {
+    return std::vector<double>{j.work_locked, j.work_couplings, j.work_stops,   j.work_friction,
+                               j.work_motors, j.work_springs,   j.work_supports};
+  };
+  EXPECT_EQ(work(a), work(b));
 }
 
 void expect_same(const RunStep& a, const RunStep& b) {
@@ -90,6 +95,7 @@ void expect_same(const RunStep& a, const RunStep& b) {
                                s.contact_work,
                                s.gyroscopic_work,
                                s.joint_work,
+                               s.joint_time,
                                s.numerical_work,
                                s.energy_residual,
                                s.impulse_gain,
@@ -227,8 +233,8 @@ TEST_P(ResumedRunFile, HasTheSameDataAsOneThatWasNeverInterrupted) {
   for (int k = checkpoint; k < 200; ++k) writer.append(run.steps[std::size_t(k)]);
   writer.close();
   const auto whole = datasets_of(folder / "whole.h5"), parts = datasets_of(folder / "parts.h5");
-  // The layout of doc/run_file.md: 2 x 3 mesh, 7 body, 3 joint, 2 coordinates; 49 of steps, 8 of contacts.
-  EXPECT_EQ(whole.size(), 76u);
+  // The layout of doc/run_file.md: 2 x 3 mesh, 7 body, 3 joint, 2 coordinates; 57 of steps, 8 of contacts.
+  EXPECT_EQ(whole.size(), 84u);
   EXPECT_TRUE(whole == parts);
 }
 INSTANTIATE_TEST_SUITE_P(Steps, ResumedRunFile, ::testing::Values(0, 1, 63, 64, 65, 100, 128, 199));
@@ -294,6 +300,25 @@ TEST(RunFile, RefusesHeadersThatDoNotFit) {
   const std::string message = message_of<std::invalid_argument>([&] { RunWriter(path, header); });
   EXPECT_EQ(message, "RunHeader: mesh peg, face 3: vertex 999 must lie in [0, 256)");
   EXPECT_FALSE(std::filesystem::exists(temporary_name(path)));
+}
+
+TEST(RunFile, MayLackTheWorkOfJoints) {
+  const auto path = fresh_folder() / "run.h5";
+  RunData run = peg_run(10);
+  write_run(path, run);
+  {
+    const Hdf5Id file = open_hdf5(path, Hdf5Access::write);
+    for (const char* name : {"time", "work_locked", "work_couplings", "work_stops", "work_friction",
+                             "work_motors", "work_springs", "work_supports"})
+      ASSERT_GE(H5Ldelete(file, (std::string("/joint/") + name).c_str(), H5P_DEFAULT), 0) << name;
+  }
+  for (RunStep& step : run.steps) {
+    step.joint_time = 0;
+    for (RunJoint& j : step.joints)
+      j.work_locked = j.work_couplings = j.work_stops = j.work_friction = j.work_motors = j.work_springs =
+          j.work_supports = 0;
+  }
+  expect_same(read_run(path), run);
 }
 
 TEST(RunFile, SaysWhatIsWrongWithAFile) {

@@ -78,6 +78,31 @@ TEST(Solve, HoldsAHeavyCubeOnALightOne) {
   EXPECT_NEAR(s.r[0] + s.r[3] + s.r[6] + s.r[9], (1 + 1e6) * weight, 1e-3 * 1e6 * weight);
 }
 
+// Two bodies, one of them with a third on a joint, move at 1 m/s and 10 um/s towards each other. Stop and dry
+// friction act along one direction, and their speeds differ by a rounding of 1 m/s, which is 1e-11 of q: load
+// goes from one to the other by that much a sweep until all of it has gone.
+TEST(Solve, TakesRoundingOfWhatCancelsForNoneWithJointsToo) {
+  for (const bool joint : {false, true}) {
+    FrictionProblem problem;
+    const Vec3 mass(1, 2, 3);
+    problem.M = MatX(mass.asDiagonal()).sparseView();
+    problem.f = mass;
+    problem.H = (MatX(3, 2) << 1, 1, -1, -1, 0, 0).finished().sparseView();
+    problem.w = Vec2(-1e-5, -1e-5 + 1e-16);
+    problem.laws = {unilateral(), dry_friction(1e-6)};
+    if (joint) {
+      problem.G = (MatX(3, 1) << 0, 1, -1).finished().sparseView();
+      problem.b = VecX::Zero(1);
+    }
+    const FrictionSolution s = solve(problem, {}, {.tolerance = 1e-12});
+    EXPECT_EQ(s.report.status, SolveStatus::converged);
+    EXPECT_LT(s.report.iterations, 10);
+    EXPECT_LT(s.u.norm(), 1e-15);
+    const double m = joint ? 5.0 / 6 : 2.0 / 3;
+    EXPECT_NEAR(s.r.sum(), 1e-5 * m, 1e-15);
+  }
+}
+
 TEST(Solve, NeverAddsKineticEnergy) {
   int dissipating = 0;
   for (unsigned seed = 0; seed < 300; ++seed) {
@@ -186,6 +211,117 @@ TEST(Solve, WithoutContactsIsFreeMotion) {
   EXPECT_EQ(s.report.iterations, 0);
   EXPECT_NEAR(s.v[2], -9.81e-3, 1e-15);
   EXPECT_EQ(solve(LocalProblem{}, {}).report.status, SolveStatus::converged);
+}
+
+// Beads on a line, the first three touching, the first heavy and fast: what its neighbours do says that the
+// gap to the fourth opens (ISL-2), and it closes. The last two meet far away, or not.
+FrictionProblem beads_on_a_line(VecX& v_free, double crash) {
+  const Eigen::Index n = 6;
+  v_free = VecX::Zero(n);
+  v_free[0] = 10;
+  v_free[4] = crash;
+  VecX mass = VecX::Ones(n);
+  mass[0] = 1000;
+  FrictionProblem problem{.M = SparseMatrix(mass.asDiagonal()),
+                          .H = SparseMatrix(n, 4),
+                          .f = mass.cwiseProduct(v_free),
+                          .w = Eigen::Vector4d(0, 0, 5, 0),
+                          .laws = std::vector<Law>(4, unilateral())};
+  for (int c = 0; c < 4; ++c) {
+    const int bead = c < 3 ? c : 4;
+    problem.H.insert(bead, c) = -1;
+    problem.H.insert(bead + 1, c) = 1;
+  }
+  problem.H.makeCompressed();
+  return problem;
+}
+
+TEST(Solve, TakesInAGapThatClosesAgainstTheGuess) {
+  const double together = 10005.0 / 1003;  // of three beads, and the fourth slower by 5: momentum
+  VecX before;
+  for (const double crash : {0.0, 1e3}) {
+    VecX v_free;
+    const FrictionProblem problem = beads_on_a_line(v_free, crash);
+    const std::optional<MassInverse> inverse = invert_mass(problem.M);
+    const FrictionSolution s = solve(problem, {*inverse, v_free}, {}, {.tolerance = 1e-12});
+    ASSERT_EQ(s.report.status, SolveStatus::converged);
+    for (int i = 0; i < 4; ++i) EXPECT_NEAR(s.v[i], i < 3 ? together : together - 5, 1e-9) << i;
+    EXPECT_NEAR(s.r[2], together - 5, 1e-9);
+    EXPECT_NEAR(s.v[4], crash / 2, 1e-9);
+    const VecX now = s.v.head(4);
+    EXPECT_EQ(now, crash > 0 ? before : now);  // they do not feel the crash
+    before = now;
+  }
+}
+
+TEST(Solve, TakesInAGapWithoutATraceElsewhere) {
+  VecX v_free, last;
+  for (const double w : {5.0, 50.0}) {
+    FrictionProblem problem = beads_on_a_line(v_free, 1.0 / 3);
+    problem.w[2] = w;
+    const std::optional<MassInverse> inverse = invert_mass(problem.M);
+    const FrictionSolution s = solve(problem, {*inverse, v_free}, VecX(), {.tolerance = 1e-6});
+    EXPECT_EQ(s.r[2] > 0, w < 10);
+    EXPECT_TRUE(last.size() == 0 || s.v.tail(2) == last);
+    last = s.v.tail(2);
+  }
+}
+
+// Each gap of the row opens by what is known, and closes as the one before it does: all are taken in at once.
+TEST(Solve, TakesInARowOfGapsThatCloseOneAfterTheOther) {
+  const Eigen::Index n = 300;
+  VecX v_free = VecX::Zero(n);
+  v_free[0] = 1;
+  FrictionProblem problem{.M = SparseMatrix(VecX(VecX::Ones(n)).asDiagonal()),
+                          .H = SparseMatrix(n, n - 1),
+                          .f = v_free,
+                          .w = VecX::Constant(n - 1, 1e-3),
+                          .laws = std::vector<Law>(std::size_t(n - 1), unilateral())};
+  for (int c = 0; c + 1 < n; ++c) {
+    problem.H.insert(c, c) = -1;
+    problem.H.insert(c + 1, c) = 1;
+  }
+  problem.H.makeCompressed();
+  const std::optional<MassInverse> inverse = invert_mass(problem.M);
+  const FrictionSolution s = solve(problem, {*inverse, v_free}, VecX(), {.tolerance = 1e-10});
+  ASSERT_EQ(s.report.status, SolveStatus::converged);
+  const FrictionSolution whole = solve(problem, VecX(), {.tolerance = 1e-10});
+  EXPECT_LT((s.v - whole.v).norm(), 1e-8);
+  EXPECT_LE(s.report.iterations + s.report.newton_iterations,
+            2 * (whole.report.iterations + whole.report.newton_iterations));
+}
+
+TEST(Solve, OfAKnownMotionSolvesTheWholeProblem) {
+  int left_out = 0;
+  for (unsigned seed = 0; seed < 60; ++seed) {
+    Random random(seed);
+    const FrictionProblem problem = random_peg_in_hole(random, 1 + int(seed % 2), 40, 0.2);
+    const std::optional<MassInverse> inverse = invert_mass(problem.M);
+    const FrictionSolution s = solve(problem, {*inverse, *inverse * problem.f}, {}, {.tolerance = 1e-10});
+    ASSERT_EQ(s.report.status, SolveStatus::converged) << "seed " << seed;
+    const LocalProblem local = condense(problem);
+    EXPECT_LE(scaled_residual(local, s.r), 1.01e-10) << "seed " << seed;  // W has its own rounding
+    EXPECT_LT((local.W * s.r + local.q - s.u).norm(), 1e-10 * local.q.norm()) << "seed " << seed;
+    const VecX v_free = *inverse * problem.f, u_free = problem.H.transpose() * v_free + problem.w;
+    const VecX moves = problem.H.cwiseAbs().transpose() * v_free.cwiseAbs();
+    double fastest = 0;
+    for (int c = 0; c < 40; ++c)
+      if (u_free[3 * c] <= 2 * moves[3 * c]) fastest = std::max(fastest, u_free.segment<3>(3 * c).norm());
+    for (int c = 0; c < 40; ++c) left_out += u_free[3 * c] > 2 * std::max(moves[3 * c], fastest);
+  }
+  EXPECT_GT(left_out, 50);
+}
+
+TEST(Solve, SaysWhenABlockThatOpensIsNotFinite) {
+  for (const int row : {0, 1}) {
+    FrictionProblem problem = cube_stack(1, 1.0, 0.5);
+    problem.w[0] = 100;
+    problem.w[row] = kInf;
+    const std::optional<MassInverse> inverse = invert_mass(problem.M);
+    const VecX v_free = *inverse * problem.f;
+    const FrictionSolution s = solve(problem, {*inverse, v_free}, VecX());
+    EXPECT_EQ(s.report.status, SolveStatus::not_finite) << "row " << row;
+  }
 }
 
 TEST(Solve, SolvesOneBodyOnManyContacts) {
