@@ -33,8 +33,9 @@ struct Part {
   const Problem* problem = nullptr;      // that, or the whole
   VecX r0{};
   std::optional<MotionInverse> inverse{};  // of bodies; nothing if M is singular
-  VecX v_free{};                           // of bodies
+  VecX v_free{};                           // M^-1 f, if it is known
   std::unique_ptr<Delassus> W{};           // nothing without contacts, or without `inverse`
+  double cancelled = 0;  // the size, scaled as q is, that the rounding of q is relative to; 0: not known
   Solved solved{};
 };
 
@@ -42,17 +43,30 @@ void open(Part<LocalProblem>& part) {
   if (!part.problem->laws.empty()) part.W = make_delassus(*part.problem);
 }
 
+// Bodies that fall together, or hang on one hinge, leave nothing but rounding in q.
+double cancelled(const Part<FrictionProblem>& part) {
+  const FrictionProblem& p = *part.problem;
+  const VecX v_free = part.v_free.size() > 0 ? part.v_free : free_velocity(p, *part.inverse);
+  VecX terms = p.w.cwiseAbs();
+  for (int j = 0; j < p.H.outerSize(); ++j) {
+    double sum = terms[j];
+    for (SparseMatrix::InnerIterator it(p.H, j); it; ++it) sum += std::abs(it.value() * v_free[it.row()]);
+    terms[j] = sum;
+  }
+  return part.W->scaled.s.cwiseProduct(terms).norm();
+}
+
 void open(Part<FrictionProblem>& part) {
   const FrictionProblem& problem = *part.problem;
   if (!part.inverse) part.inverse = invert_motion(problem.M, problem.G);
   if (!part.inverse || problem.laws.empty()) return;
-  if (part.v_free.size() == 0) part.v_free = free_velocity(problem, *part.inverse);
   // One block is its own W: speeds of the bodies would only bring in their rounding.
   const bool few_contacts = problem.f.size() > 2 * problem.w.size() || problem.laws.size() == 1;
   const bool condensed =
       part.inverse->mass.factor || part.inverse->joints || problem.R.size() > 0 || few_contacts;
   part.W = condensed ? make_delassus(condense(problem, *part.inverse))
                      : make_delassus(problem, part.inverse->mass);
+  part.cancelled = cancelled(part);
 }
 
 // The size of the scaled q; not a number if anything is not finite.
@@ -83,24 +97,6 @@ Solved solve_rows(Delassus& W, const VecX& r0, const SolverOptions& options) {
   return out;
 }
 
-// The size, scaled as q is, that the rounding of q is relative to: bodies that fall together, or hang on one
-// hinge, leave nothing but rounding in q. 0: not known.
-double cancelled(const Part<LocalProblem>&) {
-  return 0;
-}
-double cancelled(const Part<FrictionProblem>& part) {
-  if (!part.W) return 0;
-  const FrictionProblem& p = *part.problem;
-  VecX terms = p.w.cwiseAbs();
-  for (int j = 0; j < p.H.outerSize(); ++j) {
-    double sum = terms[j];
-    for (SparseMatrix::InnerIterator it(p.H, j); it; ++it)
-      sum += std::abs(it.value() * part.v_free[it.row()]);
-    terms[j] = sum;
-  }
-  return part.W->scaled.s.cwiseProduct(terms).norm();
-}
-
 // The tolerance of a part, relative to its own q, where neither the whole (kNoise) nor rounding asks for
 // more.
 SolverOptions with_tolerance_of(SolverOptions options, double q, double whole, double rounding = 0) {
@@ -129,7 +125,7 @@ void put(const VecX& part, const std::vector<int>& rows, VecX& whole) {
 void put_motion(const Part<LocalProblem>&, const VecX&, FrictionSolution&) {}
 void put_motion(const Part<FrictionProblem>& part, const VecX& r, FrictionSolution& out) {
   if (!part.inverse) return;
-  if (part.problem->G.cols() == 0 && part.v_free.size() > 0) {
+  if (part.v_free.size() > 0) {
     put(part.v_free + part.inverse->mass * (part.problem->H * r), part.island.dofs, out.v);
     return;
   }
@@ -170,7 +166,7 @@ void solve_islands(const Problem& problem, std::vector<Island> all, const KnownM
   for (const Part<Problem>& now : parts)
     if (const double q = size(now); std::isfinite(q)) {
       whole = std::hypot(whole, q);
-      rounding = std::hypot(rounding, kRounding * cancelled(now));
+      rounding = std::hypot(rounding, kRounding * now.cancelled);
     }
   const double reported = std::max(whole, rounding / options.tolerance);
   each([&](Part<Problem>& now) {
