@@ -95,6 +95,42 @@ TEST(PathAudit, CatchesACertificateThatClaimsTooMuch) {
   EXPECT_LE(through.min_distance, 0);
 }
 
+// A ball of 5 mm and a crumb of 0.05 mm rest on paper: what the crumb may come near says nothing of the ball.
+TEST(PathAudit, JudgesEveryPairByItsOwnDilations) {
+  constexpr double kBall = 5e-3, kCrumb = 5e-5, kDensity = 1000;
+  for (const double paper : {5e-5, 0.0}) {
+    Model model;
+    add(model, fixed_body("paper", add(model, prepare(dilate(make_plate(0.1, 0.1), paper)))));
+    for (const double radius : {kBall, kCrumb}) {
+      const double mass = 4 * kPi / 3 * kDensity * radius * radius * radius;
+      add(model, RigidBody{.name = "ball",
+                           .shape = add(model, prepare(dilate(make_point(), radius))),
+                           .mass = mass,
+                           .inertia = 0.4 * mass * radius * radius * Mat3::Identity()});
+    }
+    State state = rest_state(model);
+    pose(state, 1).p.z() = kBall + paper;
+    pose(state, 2).p = Vec3(0.02, 0, kCrumb + paper);
+    const State start = state;
+    const StepReport honest = MoreauJean(model, {}).step(state);
+    ASSERT_TRUE(honest.ok()) << honest.reason;
+    ASSERT_LE(honest.min_base_distance, kCrumb + paper);
+    const auto violations = [&](double deeper, double claim) {
+      StepReport report = honest;
+      report.v_path[6 * 1 + 2] -= deeper * (kBall + paper) / report.h;
+      report.min_base_distance = claim;
+      PathAudit audit{.samples = 5};
+      audit_path(model, start, report, 1, audit);
+      return audit.violations;
+    };
+    const double claim = honest.min_base_distance;
+    EXPECT_EQ(violations(0, claim), 0);
+    EXPECT_EQ(violations(0.03, claim), 0);  // an overlap that is granted
+    EXPECT_EQ(violations(0.05, claim), 1);  // one that is not (CA-6): 250 times deeper than the crumb's
+    EXPECT_EQ(violations(0.03, kBall + paper), 1);
+  }
+}
+
 TEST(PathAudit, IsFreeIfNothingIsAskedAndRefusesAStepWithoutAPath) {
   const Scene s = thrown_block();
   PathAudit none, asked{.samples = 1};
