@@ -139,6 +139,7 @@ Results run_cells(const Arguments& a, const std::vector<Cell>& cells, const ForA
 ExitCode run(Arguments a) {
   if (a.list) return list();
   require(a.all || !a.case_name.empty(), "give --case NAME, --all or --list");
+  require(a.all || a.shard == "1/1", "--shard " + a.shard + " goes with --all");
   require(!a.farm || has_task_farm(), "--farm needs a build configured with -DAUSSOIS_WITH_MPI=ON");
   if (!a.case_name.empty()) case_named(a.case_name);
   validate(a.study);
@@ -203,6 +204,9 @@ int main(int argc, char** argv) {
   cli.option("--levels", a.study.levels, "number of steps, each about half of the one before", "", {3, 16});
   cli.option("--phases", a.study.phases, "lengths of the first step that errors are averaged over", "",
              {1, 64});
+  std::erase(a.scheme.schemes, "event_driven");
+  a.scheme.not_offered =
+      "errors of event_driven are those of its tolerances, not of h: doc/theory/event_driven.md";
   add_options(cli, a.scheme);
   cli.group("solver");
   cli.option("--tolerance", a.study.tolerance, "on the scaled residual; 0: that of the case", "-", {0, 1e-2});

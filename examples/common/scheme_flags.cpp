@@ -53,7 +53,7 @@ std::string of(const std::string& flag) {
 
 void add_options(Cli& cli, SchemeFlags& f) {
   cli.group("scheme");
-  cli.choice("--scheme", f.scheme, "by its name", scheme_names());
+  cli.choice("--scheme", f.scheme, "by its name", f.schemes, f.not_offered);
   cli.option("--theta", f.options.theta, "where in the step forces act, " + of("--theta"), "-", {0.5, 1});
   cli.choice("--normal-law", f.normal, of("--normal-law") + "; the others have their own",
              {"moreau", "combined", "gap_over_step"});
@@ -74,10 +74,12 @@ void add_options(Cli& cli, SchemeFlags& f) {
   cli.flag("--not-passive", f.not_passive, of("--not-passive") + "; its contacts may give energy");
   cli.option("--force-theta", f.options.force_theta,
              "where in the step force laws act, " + of("--force-theta"), "-", {0, 1});
-  cli.option("--ode-relative", f.options.ode.relative, "tolerance, " + of("--ode-relative"), "-",
-             {1e-14, 1e-2});
-  cli.option("--ode-absolute", f.options.ode.absolute, "tolerance, " + of("--ode-absolute"), "m, m/s, rad",
-             {1e-16, 1e-2});
+  if (std::ranges::find(f.schemes, "event_driven") != f.schemes.end()) {
+    cli.option("--ode-relative", f.options.ode.relative, "tolerance, " + of("--ode-relative"), "-",
+               {1e-14, 1e-2});
+    cli.option("--ode-absolute", f.options.ode.absolute, "tolerance, " + of("--ode-absolute"), "m, m/s, rad",
+               {1e-16, 1e-2});
+  }
   cli.option("--spectral-radius", f.options.spectral_radius, of("--spectral-radius"), "-", {0, 1});
   std::vector<std::string> reducers = reducer_names();
   std::erase(reducers, to_string(Reducer::selector));

@@ -131,11 +131,13 @@ class Convergence(DriverTest):
                 (["--case NAME"], []),
                 (["perpetuum", "ball_e0"], ["--case", "perpetuum"]),
                 (["no restitution"], ["--case", "ball_e05", "--normal-law", "gap_over_step"]),
+                (["--shard 2/2", "--all"], ["--case", "free_top", "--shard", "2/2"]),
                 (["3/2"], ["--all", "--shard", "3/2"]),
                 (["1/2x"], ["--all", "--shard", "1/2x"]),
                 (["--theta", "1.5"], ["--case", "free_top", "--theta", "1.5"]),
                 (["--levels", "2"], ["--case", "free_top", "--levels", "2"]),
-                (["euler", "moreau_jean"], ["--case", "free_top", "--scheme", "euler"])):
+                (["euler", "moreau_jean"], ["--case", "free_top", "--scheme", "euler"]),
+                (["event_driven", "doc/theory/event_driven.md"], ["--case", "free_top", "--scheme", "event_driven"])):
             run = self.converge(*arguments, code=USAGE)
             self.assertRegex(run.stderr, r"\Aconvergence: [^\n]*\n\Z")
             for word in words:
