@@ -11,6 +11,8 @@
 // convergence --all makes the whole table. Interrupt it when you like: the next call with the same -o goes
 // on. Several machines share it: --shard 1/4 to 4/4 into one folder, then once without --shard; or, where MPI
 // is, mpirun -n 9 convergence --all --farm.
+#include "examples/common/convergence.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -144,8 +146,13 @@ ExitCode run(Arguments a) {
   if (!a.case_name.empty()) case_named(a.case_name);
   validate(a.study);
   const std::vector<Cell> cells = shard_of(cells_of(a), a.shard);
-  if (!a.all)  // told before a folder is made
-    require_applies(*cells.front().scene, a.scheme.scheme, cells.front().variant.options);
+  if (!a.all) {  // told before a folder is made
+    const auto& [scene, variant] = cells.front();
+    require_applies(*scene, variant.name, variant.options);
+    const double min_h = variant.options.advancement.min_h;
+    require_field(min_h <= step_sizes(a.study.h > 0 ? a.study.h : scene->h, a.study.levels).back(),
+                  "AdvancementOptions::min_h", min_h, "not exceed the shortest step of the study [s]");
+  }
   for (const std::filesystem::path& folder : {a.json.parent_path(), a.out})
     if (!folder.empty()) std::filesystem::create_directories(folder);
 

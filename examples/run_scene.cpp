@@ -225,7 +225,7 @@ ExitCode run(Arguments& a) {
   validate_start(scene.model, scene.state);
   SchemeOptions options = scheme_options(a.scheme);
   options.h = a.h > 0 ? a.h : chosen.h;
-  options.advancement.min_h = std::min(options.advancement.min_h, 1e-4 * options.h);
+  if (a.scheme.min_h == 0) options.advancement.min_h = std::min(options.advancement.min_h, 1e-4 * options.h);
   options.solver.tolerance = a.tolerance;
   options.threads = options.lmd.threads = a.common.threads;
   require(a.scheme.selector.empty() || a.scheme.selector_body < int(scene.model.bodies.size()),

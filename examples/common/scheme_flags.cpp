@@ -34,6 +34,9 @@ const std::vector<Reader>& readers() {
       {"--ode-relative", {"event_driven"}},
       {"--ode-absolute", {"event_driven"}},
       {"--spectral-radius", {"generalised_alpha"}},
+      {"--min-h",
+       {"moreau_jean", "moreau_jean_projected", "schatzman_paoli", "passive_midpoint", "generalised_alpha",
+        "d1_minus_linear"}},
   };
   return all;
 }
@@ -81,6 +84,10 @@ void add_options(Cli& cli, SchemeFlags& f) {
                {1e-16, 1e-2});
   }
   cli.option("--spectral-radius", f.options.spectral_radius, of("--spectral-radius"), "-", {0, 1});
+  cli.option(
+      "--min-h", f.min_h,
+      "a step that needs less is refused, " + of("--min-h") + "; 0: 1e-7, less for short steps of run_scene",
+      "s", {0, 1});
   std::vector<std::string> reducers = reducer_names();
   std::erase(reducers, to_string(Reducer::selector));
   cli.choice("--reducer", f.reducer, "which contacts of a patch the solver begins with", reducers);
@@ -107,6 +114,7 @@ void refuse_unread(const Cli& cli, const SchemeFlags& f) {
 
 SchemeOptions scheme_options(const SchemeFlags& f) {
   SchemeOptions out = f.options;
+  if (f.min_h > 0) out.advancement.min_h = f.min_h;
   out.contacts = contacts_at(f.contacts);
   out.impact.law = impact_law(f.impact);
   out.impact.order = impact_order(f.impact_order);

@@ -20,6 +20,7 @@ struct SchemeFlags {
   std::filesystem::path selector{};  // instead of a reducer; empty: none
   int selector_body = 0;
   bool patch_friction = false, not_passive = false;
+  double min_h = 0;         // AdvancementOptions::min_h [s]; 0: what the driver takes
   SchemeOptions options{};  // but for those names
 };
 

@@ -64,6 +64,9 @@ class Convergence(DriverTest):
         self.converge(*implicit, 40)
         self.assertNotIn("already", self.converge(*implicit, 41).stdout)
         self.assertIn("1 of 1 were in a already", self.converge(*implicit, 41).stdout)
+        self.assertNotIn("already", self.converge(*implicit, 41, "--min-h", 1e-9).stdout)
+        settings = json.loads(next(iter(self.studies("a").values())))["settings"]
+        self.assertIn("--min-h 1e-09\n", settings)
 
     def test_settings_that_nobody_reads_are_refused(self):
         for flags, words in ((["--scheme", "generalised_alpha", "--gamma", 0.5], ["--gamma", "generalised_alpha"]),
@@ -132,6 +135,8 @@ class Convergence(DriverTest):
                 (["perpetuum", "ball_e0"], ["--case", "perpetuum"]),
                 (["no restitution"], ["--case", "ball_e05", "--normal-law", "gap_over_step"]),
                 (["--shard 2/2", "--all"], ["--case", "free_top", "--shard", "2/2"]),
+                (["min_h", "0.01", "shortest step"], ["--case", "free_top", "--min-h", "0.01"]),
+                (["--min-h", "-1"], ["--case", "free_top", "--min-h", "-1"]),
                 (["3/2"], ["--all", "--shard", "3/2"]),
                 (["1/2x"], ["--all", "--shard", "1/2x"]),
                 (["--theta", "1.5"], ["--case", "free_top", "--theta", "1.5"]),
