@@ -4,6 +4,7 @@
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -45,6 +46,13 @@ class Convergence(DriverTest):
         for ratio, step in zip(ratios, steps):
             self.assertAlmostEqual(ratio, step**2, delta=0.1 * step**2)
         self.assertAlmostEqual(study["order"]["q_max"], 2, delta=0.05)
+
+    @unittest.skipUnless(shutil.which("gnuplot"), "gnuplot is not installed")
+    def test_a_picture_shows_the_orders(self):
+        self.converge(*TOP)
+        pictures = [content for name, content in self.files().items() if name.endswith(".png")]
+        self.assertEqual(len(pictures), 1)
+        self.assertTrue(pictures[0].startswith(b"\x89PNG\r\n") and len(pictures[0]) > 5000)
 
     def test_a_missed_order_is_an_exit_code(self):
         # Steps of three tenths of a second are no steps for a ball that comes to rest in 1.35 s.

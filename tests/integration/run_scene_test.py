@@ -116,6 +116,13 @@ class RunScene(DriverTest):
         self.assertIn("nothing to look at", run.stdout)
         self.assertEqual(json.loads((self.folder / "s.json").read_text())["certify_steps"], 0)
 
+    def test_a_replay_has_bodies_or_is_not_there(self):
+        self.run_scene("--scene", "arch", "--time", "0.02", "--quiet")
+        self.assertIn("out/replay.html", self.files())
+        run = self.run_scene("--scene", "woodpecker", "--time", "1e-4", "--quiet")
+        self.assertEqual(set(self.files()), {"out/run.h5", "out/steps.csv"})
+        self.assertIn("no replay: no body of this scene has a shape", run.stdout)
+
     def test_a_needle_of_ten_rad_a_step_asks_for_steps_of_its_own(self):
         """Its tips cross the overlap that is granted in 0.04 us (doc/theory/toys.md, A5)."""
         needle = ("--scene", "needle", "--h", "1e-3", "--quiet", "--summary", "s.json")
