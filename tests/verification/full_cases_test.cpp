@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cases of the verification list (doc/theory/verification_list.md) at their full length and in every scheme,
-// where other tests look at the beginning or at one scheme. What takes longer is in full_cases_slow_test.cpp.
+// where other tests look at the beginning or at one scheme. Scenes of the peers are in
+// peer_scenes_long_test.cpp, mechanisms of minutes in long_mechanisms_test.cpp.
 #include <algorithm>
 #include <cmath>
 
