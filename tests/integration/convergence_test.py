@@ -18,6 +18,7 @@ from drivers import DriverTest
 NOT_ACCEPTED, USAGE, INTERRUPTED = 1, 2, 130
 SMALL = ("--levels", 3, "--phases", 1, "--quiet")
 TOP = ("--case", "free_top", "--h0", 0.02, *SMALL)
+BRAKE = ("--case", "incline_20_up", *SMALL)  # a second for all schemes
 
 
 class Convergence(DriverTest):
@@ -85,10 +86,10 @@ class Convergence(DriverTest):
             self.assertEqual(self.files(), {})
 
     def test_shards_and_threads_make_the_same_table(self):
-        self.converge("--all", *TOP, "-o", "whole", "--threads", 1)
+        self.converge("--all", *BRAKE, "-o", "whole", "--threads", 1)
         for k in (1, 2):
-            self.converge("--all", *TOP, "-o", "parts", "--shard", f"{k}/2", "--threads", 2)
-        run = self.converge("--all", *TOP, "-o", "parts")
+            self.converge("--all", *BRAKE, "-o", "parts", "--shard", f"{k}/2", "--threads", 2)
+        run = self.converge("--all", *BRAKE, "-o", "parts")
         whole, parts = self.studies("whole"), self.studies("parts")
         self.assertGreater(len(whole), 6)
         self.assertIn(f"{len(whole)} of {len(whole)} were in parts already", run.stdout)
@@ -97,13 +98,13 @@ class Convergence(DriverTest):
                          (self.folder / "parts/convergence.md").read_bytes())
 
     def test_a_farm_of_three_makes_the_same_table(self):
-        run = self.drive("convergence", "--all", *TOP, "-o", "alone", "--farm")
+        run = self.drive("convergence", "--all", *BRAKE, "-o", "alone", "--farm")
         if run.returncode == USAGE:
             self.assertIn("AUSSOIS_WITH_MPI", run.stderr)
             self.assertEqual(self.files(), {})
             self.skipTest("a build without MPI")
         command = ["mpirun", "-n", "3", "--oversubscribe", Path(os.environ["AUSSOIS_DRIVERS"], "convergence"), "--all",
-                   *TOP, "-o", "farm", "--farm"]
+                   *BRAKE, "-o", "farm", "--farm"]
         root = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}  # in a container
         run = subprocess.run([str(word) for word in command], cwd=self.folder, env=os.environ | root, timeout=300,
                              capture_output=True, text=True)
