@@ -11,6 +11,8 @@
 // convergence --all makes the whole table. Interrupt it when you like: the next call with the same -o goes
 // on. Several machines share it: --shard 1/4 to 4/4 into one folder, then once without --shard; or, where MPI
 // is, mpirun -n 9 convergence --all --farm.
+#include "examples/common/convergence.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -139,12 +141,18 @@ Results run_cells(const Arguments& a, const std::vector<Cell>& cells, const ForA
 ExitCode run(Arguments a) {
   if (a.list) return list();
   require(a.all || !a.case_name.empty(), "give --case NAME, --all or --list");
+  require(a.all || a.shard == "1/1", "--shard " + a.shard + " goes with --all");
   require(!a.farm || has_task_farm(), "--farm needs a build configured with -DAUSSOIS_WITH_MPI=ON");
   if (!a.case_name.empty()) case_named(a.case_name);
   validate(a.study);
   const std::vector<Cell> cells = shard_of(cells_of(a), a.shard);
-  if (!a.all)  // told before a folder is made
-    require_applies(*cells.front().scene, a.scheme.scheme, cells.front().variant.options);
+  if (!a.all) {  // told before a folder is made
+    const auto& [scene, variant] = cells.front();
+    require_applies(*scene, variant.name, variant.options);
+    const double min_h = variant.options.advancement.min_h;
+    require_field(min_h <= step_sizes(a.study.h > 0 ? a.study.h : scene->h, a.study.levels).back(),
+                  "AdvancementOptions::min_h", min_h, "not exceed the shortest step of the study [s]");
+  }
   for (const std::filesystem::path& folder : {a.json.parent_path(), a.out})
     if (!folder.empty()) std::filesystem::create_directories(folder);
 
@@ -203,6 +211,9 @@ int main(int argc, char** argv) {
   cli.option("--levels", a.study.levels, "number of steps, each about half of the one before", "", {3, 16});
   cli.option("--phases", a.study.phases, "lengths of the first step that errors are averaged over", "",
              {1, 64});
+  std::erase(a.scheme.schemes, "event_driven");
+  a.scheme.not_offered =
+      "errors of event_driven are those of its tolerances, not of h: doc/theory/event_driven.md";
   add_options(cli, a.scheme);
   cli.group("solver");
   cli.option("--tolerance", a.study.tolerance, "on the scaled residual; 0: that of the case", "-", {0, 1e-2});

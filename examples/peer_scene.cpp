@@ -126,8 +126,11 @@ ExitCode run(const Arguments& a) {
 
 int main(int argc, char** argv) {
   Arguments a;
-  Cli cli("peer_scene",
-          "Runs a scene that engines of rigid bodies are compared on, tells its error and draws it.");
+  Cli cli(
+      "peer_scene",
+      "Runs a scene that engines of rigid bodies are compared on, tells its error and draws it. run_scene "
+      "runs the same scenes by any scheme (--scheme) and audits the certificate of every step "
+      "(--certify).");
   cli.group("scene");
   cli.choice("--scene", a.scene, "its name", peer_scene_names());
   cli.option("--stones", a.arch.stones, "of the arch", "", {3, 1001});

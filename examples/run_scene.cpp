@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any scene of the library by any scheme: a run file, a replay in the browser, energies, coordinates of
-// joints.
+// Any scene of the library by any scheme: a run file, a replay in the browser where bodies have
+// shapes, energies, coordinates of joints.
 //
 // Theory   doc/index.md: the page of the scheme and of the scene
 // Run      run_scene --scene bricard --time 0.5 --h 2e-3
 //          run_scene --scene rocking_block --scheme generalised_alpha --time 0.3
 //          run_scene --scene pressed_peg --selector data/peg_selector.txt
 // Expect   no refused step, no failure of the solver; the exit code says whether
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
@@ -225,7 +226,7 @@ ExitCode run(Arguments& a) {
   validate_start(scene.model, scene.state);
   SchemeOptions options = scheme_options(a.scheme);
   options.h = a.h > 0 ? a.h : chosen.h;
-  options.advancement.min_h = std::min(options.advancement.min_h, 1e-4 * options.h);
+  if (a.scheme.min_h == 0) options.advancement.min_h = std::min(options.advancement.min_h, 1e-4 * options.h);
   options.solver.tolerance = a.tolerance;
   options.threads = options.lmd.threads = a.common.threads;
   require(a.scheme.selector.empty() || a.scheme.selector_body < int(scene.model.bodies.size()),
@@ -294,7 +295,13 @@ ExitCode run(Arguments& a) {
   csv.close();
   file.close();
   std::filesystem::remove(checkpoint_file);
-  write_replay_html(a.common.out / "replay.html", read_run(a.common.out / "run.h5"));
+  const std::filesystem::path replay = a.common.out / "replay.html";
+  if (std::ranges::any_of(scene.model.bodies, [](const RigidBody& b) { return b.shape >= 0; })) {
+    write_replay_html(replay, read_run(a.common.out / "run.h5"));
+  } else {
+    std::filesystem::remove(replay);  // that of another scene
+    std::printf("no replay: no body of this scene has a shape\n");
+  }
   if (report.status == StepStatus::not_finite)
     throw NumericalFailure("step " + std::to_string(s.steps + 1) + ": " + report.reason);
 
@@ -343,8 +350,8 @@ int main(int argc, char** argv) {
   cli.group("solver");
   cli.option("--tolerance", a.tolerance, "on the scaled residual", "-", {1e-15, 0.1});
   cli.common(a.common, Cli::Restart::yes);
-  cli.example("run_scene --scene woodpecker -o out",
-              "angles in out/steps.csv, the replay in out/replay.html");
+  cli.example("run_scene --scene arch -o out", "25 stones stand; the replay in out/replay.html");
+  cli.example("run_scene --scene woodpecker -o out", "angles in out/steps.csv; no body has a shape to show");
   cli.example("run_scene --scene arch --scheme moreau_jean_projected --time 1", "another scheme");
   return run_driver(cli, argc, argv, [&] {
     refuse_unread(cli, a.scheme);

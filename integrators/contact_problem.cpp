@@ -102,20 +102,19 @@ double closed_gap(const NormalLawOptions& options, double h) {
 NormalBias normal_bias(double gap, double u_before, double restitution, double h,
                        const NormalLawOptions& options) {
   const double over_step = gap >= 0 ? gap / h : std::max(gap / h, -options.correction_speed);
-  const double impact = restitution * u_before;  // an opening contact may be hit back (IMP-2)
-  const auto averaged = [&](double w) {          // (MJ-10)
-    return options.gamma < 1 ? (w + (1 - options.gamma) * u_before) / options.gamma : w;
-  };
+  const double averaged = options.gamma < 1 ? (1 - options.gamma) / options.gamma : 0;  // (MJ-10)
+  const double impact =
+      std::max(restitution, averaged) * u_before;  // an opening contact may be hit back (IMP-2)
   switch (options.law) {
     case NormalLaw::moreau:
-      return {averaged(impact), gap + h / 2 * u_before <= closed_gap(options, h)};
+      return {impact, gap + h / 2 * u_before <= closed_gap(options, h)};
     case NormalLaw::gap_over_step:
       break;
     case NormalLaw::combined:
-      if (restitution > 0 && closes(gap, u_before, h, options.law)) return {averaged(impact), true};
+      if (restitution > 0 && closes(gap, u_before, h, options.law)) return {impact, true};
       break;
   }
-  return {averaged(over_step), true};
+  return {over_step / options.gamma + averaged * u_before, true};
 }
 
 std::vector<ContactRow> contact_rows(const Model& model, const State& state, const ContactSet& contacts,

@@ -47,7 +47,9 @@ struct NormalLawOptions {
   // Gaps up to this are closed to Moreau's law (MJ-6), less in short steps: the solver's tolerance and
   // rounding leave such to bodies at rest [m; rad of a turning limit]
   double touching = 1e-8;
-  double gamma = 1;  // the laws of contacts and stops speak of gamma u+ + (1 - gamma) u- [-], in [1/2, 1]
+  // The laws of contacts and stops speak of gamma u+ + (1 - gamma) u- [-], in [1/2, 1]; that is a restitution
+  // of (1 - gamma) / gamma (MJ-10)
+  double gamma = 1;
 };
 
 /// The largest gap that is closed to Moreau's law in a step of length `h` (MJ-6) [m].

@@ -5,29 +5,13 @@
 #include <cmath>
 
 #include "geometry/check.hpp"
-#include "integrators/advancement.hpp"
 #include "integrators/free_motion.hpp"
+#include "lmd/certificate.hpp"
 
 namespace aussois {
 namespace {
 
-constexpr double kRounding = 1e-12;  // of the cutoff
-
-// Of the bodies that have shapes.
-struct Dilations {
-  int count = 0;
-  double least = kInf, most = 0;  // [m]
-};
-Dilations dilations(const Model& model) {
-  Dilations out;
-  for (const RigidBody& body : model.bodies) {
-    if (body.shape < 0) continue;
-    const double radius = model.shapes[std::size_t(body.shape)]->radius;
-    ++out.count;
-    out.least = std::min(out.least, radius), out.most = std::max(out.most, radius);
-  }
-  return out;
-}
+constexpr double kRounding = 1e-14;  // of what coordinates and bodies measure
 
 // The stretches of the step, whichever way its scheme told them.
 std::vector<PathPiece> pieces_of(const State& start, const StepReport& report) {
@@ -37,15 +21,45 @@ std::vector<PathPiece> pieces_of(const State& start, const StepReport& report) {
   return report.pieces;
 }
 
+// What a certificate says of a pair: (CA-6), and the bound of the report. That speaks of the pairs that came
+// near; the others are proven to be farther apart than their dilations.
+double certified_distance(const StepPair& pair, const StepReport& report, double max_overlap) {
+  return std::max(required_distance(pair, {.max_overlap = max_overlap}),
+                  std::min(report.min_base_distance, pair.dilation));
+}
+
+// Are all pairs as far apart as certified? What is farther than the cutoff changes neither minimum.
+bool looked_at(const Model& model, const State& there, const std::vector<BodyBounds>& bounds,
+               const StepReport& report, int threads, PathAudit& audit) {
+  const auto shape = [&](int b) {
+    const RigidBody& body = model.bodies[std::size_t(b)];
+    return MovingShape{model.shapes[std::size_t(body.shape)].get(), body.g_bs, {.g = pose(there, b)}};
+  };
+  const auto extent = [&](int b) { return pose(there, b).p.norm() + bounds[std::size_t(b)].radius; };
+  std::vector<double> dilation;
+  for (const BodyBounds& body : bounds) dilation.push_back(body.box.radius);
+  bool kept = true;
+  for (const StepPair& pair : pairs_within(model, there, bounds, dilation, threads)) {
+    const double certified = certified_distance(pair, report, audit.max_overlap);
+    const double cutoff =
+        std::min(2 * pair.dilation, std::max({certified, certified + audit.min_slack, audit.min_distance}));
+    const double distance = base_distance(shape(pair.a), shape(pair.b), cutoff, threads);
+    if (distance < cutoff) {
+      audit.min_distance = std::min(audit.min_distance, distance);
+      audit.min_slack = std::min(audit.min_slack, distance - certified);
+    }
+    kept = kept && distance >= certified - kRounding * (extent(pair.a) + extent(pair.b));
+  }
+  return kept;
+}
+
 }  // namespace
 
 void audit_path(const Model& model, const State& start, const StepReport& report, int threads,
                 PathAudit& audit) {
-  const auto [count, least, most] = dilations(model);
-  if (audit.samples == 0 || count < 2 || most == 0) return;
-  const double cutoff = 4 * most;
-  const double claimed =
-      std::min(report.min_base_distance, 2 * least);  // what it does not speak of is farther
+  const auto has_shape = [](const RigidBody& body) { return body.shape >= 0; };
+  if (audit.samples == 0 || std::ranges::count_if(model.bodies, has_shape) < 2) return;
+  const std::vector<BodyBounds> bounds = body_bounds(model);
   bool kept = true;
   for (const PathPiece& piece : pieces_of(start, report)) {
     const int places = std::max(1, int(std::ceil(audit.samples * piece.h / report.h)));
@@ -54,10 +68,7 @@ void audit_path(const Model& model, const State& start, const StepReport& report
     for (int i = 1; i <= places; ++i) {
       State there = from;
       there.g = moved_poses(model, from, piece.v, piece.h * i / places);
-      const double distance = min_base_distance(model, there, cutoff, threads);
-      if (distance < cutoff) audit.min_distance = std::min(audit.min_distance, distance);
-      audit.min_slack = std::min(audit.min_slack, distance - claimed);
-      kept = kept && distance > 0 && distance >= claimed - kRounding * cutoff;
+      kept = looked_at(model, there, bounds, report, threads, audit) && kept;
     }
   }
   ++audit.steps;

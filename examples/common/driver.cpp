@@ -136,9 +136,10 @@ void Cli::flag(const std::string& flag, bool& value, const std::string& what) {
   impl_->app.add_flag(flag, value);
 }
 void Cli::choice(const std::string& flag, std::string& value, const std::string& what,
-                 const std::vector<std::string>& choices) {
+                 const std::vector<std::string>& choices, const std::string& note) {
   std::string list;
   for (const std::string& choice : choices) list += (list.empty() ? "" : ", ") + choice;
+  if (!note.empty()) list += " (" + note + ")";
   impl_->add(flag, value, "NAME", what, "", "one of " + list)
       ->check([choices, list](const std::string& word) {
         const bool known = std::find(choices.begin(), choices.end(), word) != choices.end();

@@ -83,9 +83,9 @@ class Cli {
   void option(const std::string& flag, std::string& value, const std::string& what);
   void option(const std::string& flag, std::filesystem::path& value, const std::string& what);
   void flag(const std::string& flag, bool& value, const std::string& what);
-  /// One of `choices`.
+  /// One of `choices`; `note` stands behind their list, in --help and where another is refused.
   void choice(const std::string& flag, std::string& value, const std::string& what,
-              const std::vector<std::string>& choices);
+              const std::vector<std::string>& choices, const std::string& note = "");
   /// A path that must exist: otherwise exit code 3 before anything runs. Not looked at if the user leaves it
   /// empty.
   void input(const std::string& flag, std::filesystem::path& value, const std::string& what);

@@ -34,6 +34,9 @@ const std::vector<Reader>& readers() {
       {"--ode-relative", {"event_driven"}},
       {"--ode-absolute", {"event_driven"}},
       {"--spectral-radius", {"generalised_alpha"}},
+      {"--min-h",
+       {"moreau_jean", "moreau_jean_projected", "schatzman_paoli", "passive_midpoint", "generalised_alpha",
+        "d1_minus_linear"}},
   };
   return all;
 }
@@ -53,7 +56,7 @@ std::string of(const std::string& flag) {
 
 void add_options(Cli& cli, SchemeFlags& f) {
   cli.group("scheme");
-  cli.choice("--scheme", f.scheme, "by its name", scheme_names());
+  cli.choice("--scheme", f.scheme, "by its name", f.schemes, f.not_offered);
   cli.option("--theta", f.options.theta, "where in the step forces act, " + of("--theta"), "-", {0.5, 1});
   cli.choice("--normal-law", f.normal, of("--normal-law") + "; the others have their own",
              {"moreau", "combined", "gap_over_step"});
@@ -74,11 +77,17 @@ void add_options(Cli& cli, SchemeFlags& f) {
   cli.flag("--not-passive", f.not_passive, of("--not-passive") + "; its contacts may give energy");
   cli.option("--force-theta", f.options.force_theta,
              "where in the step force laws act, " + of("--force-theta"), "-", {0, 1});
-  cli.option("--ode-relative", f.options.ode.relative, "tolerance, " + of("--ode-relative"), "-",
-             {1e-14, 1e-2});
-  cli.option("--ode-absolute", f.options.ode.absolute, "tolerance, " + of("--ode-absolute"), "m, m/s, rad",
-             {1e-16, 1e-2});
+  if (std::ranges::find(f.schemes, "event_driven") != f.schemes.end()) {
+    cli.option("--ode-relative", f.options.ode.relative, "tolerance, " + of("--ode-relative"), "-",
+               {1e-14, 1e-2});
+    cli.option("--ode-absolute", f.options.ode.absolute, "tolerance, " + of("--ode-absolute"), "m, m/s, rad",
+               {1e-16, 1e-2});
+  }
   cli.option("--spectral-radius", f.options.spectral_radius, of("--spectral-radius"), "-", {0, 1});
+  cli.option(
+      "--min-h", f.min_h,
+      "a step that needs less is refused, " + of("--min-h") + "; 0: 1e-7, less for short steps of run_scene",
+      "s", {0, 1});
   std::vector<std::string> reducers = reducer_names();
   std::erase(reducers, to_string(Reducer::selector));
   cli.choice("--reducer", f.reducer, "which contacts of a patch the solver begins with", reducers);
@@ -105,6 +114,7 @@ void refuse_unread(const Cli& cli, const SchemeFlags& f) {
 
 SchemeOptions scheme_options(const SchemeFlags& f) {
   SchemeOptions out = f.options;
+  if (f.min_h > 0) out.advancement.min_h = f.min_h;
   out.contacts = contacts_at(f.contacts);
   out.impact.law = impact_law(f.impact);
   out.impact.order = impact_order(f.impact_order);

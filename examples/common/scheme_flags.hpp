@@ -9,6 +9,8 @@ namespace aussois {
 
 struct SchemeFlags {
   std::string scheme = "moreau_jean";
+  std::vector<std::string> schemes = scheme_names();  // offered
+  std::string not_offered{};                          // which are not, and why
   std::string normal = to_string(NormalLaw::moreau), contacts = to_string(ContactsAt::start);
   std::string impact = to_string(ImpactLaw::newton), impact_order = to_string(ImpactOrder::simultaneous);
   std::string projection = to_string(ProjectionOrder::combined), update = to_string(GroupUpdate::exponential);
@@ -18,6 +20,7 @@ struct SchemeFlags {
   std::filesystem::path selector{};  // instead of a reducer; empty: none
   int selector_body = 0;
   bool patch_friction = false, not_passive = false;
+  double min_h = 0;         // AdvancementOptions::min_h [s]; 0: what the driver takes
   SchemeOptions options{};  // but for those names
 };
 

@@ -4,6 +4,7 @@
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -17,6 +18,7 @@ from drivers import DriverTest
 NOT_ACCEPTED, USAGE, INTERRUPTED = 1, 2, 130
 SMALL = ("--levels", 3, "--phases", 1, "--quiet")
 TOP = ("--case", "free_top", "--h0", 0.02, *SMALL)
+BRAKE = ("--case", "incline_20_up", *SMALL)  # a second for all schemes
 
 
 class Convergence(DriverTest):
@@ -46,6 +48,13 @@ class Convergence(DriverTest):
             self.assertAlmostEqual(ratio, step**2, delta=0.1 * step**2)
         self.assertAlmostEqual(study["order"]["q_max"], 2, delta=0.05)
 
+    @unittest.skipUnless(shutil.which("gnuplot"), "gnuplot is not installed")
+    def test_a_picture_shows_the_orders(self):
+        self.converge(*TOP)
+        pictures = [content for name, content in self.files().items() if name.endswith(".png")]
+        self.assertEqual(len(pictures), 1)
+        self.assertTrue(pictures[0].startswith(b"\x89PNG\r\n") and len(pictures[0]) > 5000)
+
     def test_a_missed_order_is_an_exit_code(self):
         # Steps of three tenths of a second are no steps for a ball that comes to rest in 1.35 s.
         run = self.converge("--case", "ball_e05", "--h0", 0.3, *SMALL, code=NOT_ACCEPTED)
@@ -64,6 +73,9 @@ class Convergence(DriverTest):
         self.converge(*implicit, 40)
         self.assertNotIn("already", self.converge(*implicit, 41).stdout)
         self.assertIn("1 of 1 were in a already", self.converge(*implicit, 41).stdout)
+        self.assertNotIn("already", self.converge(*implicit, 41, "--min-h", 1e-9).stdout)
+        settings = json.loads(next(iter(self.studies("a").values())))["settings"]
+        self.assertIn("--min-h 1e-09\n", settings)
 
     def test_settings_that_nobody_reads_are_refused(self):
         for flags, words in ((["--scheme", "generalised_alpha", "--gamma", 0.5], ["--gamma", "generalised_alpha"]),
@@ -74,10 +86,10 @@ class Convergence(DriverTest):
             self.assertEqual(self.files(), {})
 
     def test_shards_and_threads_make_the_same_table(self):
-        self.converge("--all", *TOP, "-o", "whole", "--threads", 1)
+        self.converge("--all", *BRAKE, "-o", "whole", "--threads", 1)
         for k in (1, 2):
-            self.converge("--all", *TOP, "-o", "parts", "--shard", f"{k}/2", "--threads", 2)
-        run = self.converge("--all", *TOP, "-o", "parts")
+            self.converge("--all", *BRAKE, "-o", "parts", "--shard", f"{k}/2", "--threads", 2)
+        run = self.converge("--all", *BRAKE, "-o", "parts")
         whole, parts = self.studies("whole"), self.studies("parts")
         self.assertGreater(len(whole), 6)
         self.assertIn(f"{len(whole)} of {len(whole)} were in parts already", run.stdout)
@@ -86,13 +98,13 @@ class Convergence(DriverTest):
                          (self.folder / "parts/convergence.md").read_bytes())
 
     def test_a_farm_of_three_makes_the_same_table(self):
-        run = self.drive("convergence", "--all", *TOP, "-o", "alone", "--farm")
+        run = self.drive("convergence", "--all", *BRAKE, "-o", "alone", "--farm")
         if run.returncode == USAGE:
             self.assertIn("AUSSOIS_WITH_MPI", run.stderr)
             self.assertEqual(self.files(), {})
             self.skipTest("a build without MPI")
         command = ["mpirun", "-n", "3", "--oversubscribe", Path(os.environ["AUSSOIS_DRIVERS"], "convergence"), "--all",
-                   *TOP, "-o", "farm", "--farm"]
+                   *BRAKE, "-o", "farm", "--farm"]
         root = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}  # in a container
         run = subprocess.run([str(word) for word in command], cwd=self.folder, env=os.environ | root, timeout=300,
                              capture_output=True, text=True)
@@ -131,11 +143,15 @@ class Convergence(DriverTest):
                 (["--case NAME"], []),
                 (["perpetuum", "ball_e0"], ["--case", "perpetuum"]),
                 (["no restitution"], ["--case", "ball_e05", "--normal-law", "gap_over_step"]),
+                (["--shard 2/2", "--all"], ["--case", "free_top", "--shard", "2/2"]),
+                (["min_h", "0.01", "shortest step"], ["--case", "free_top", "--min-h", "0.01"]),
+                (["--min-h", "-1"], ["--case", "free_top", "--min-h", "-1"]),
                 (["3/2"], ["--all", "--shard", "3/2"]),
                 (["1/2x"], ["--all", "--shard", "1/2x"]),
                 (["--theta", "1.5"], ["--case", "free_top", "--theta", "1.5"]),
                 (["--levels", "2"], ["--case", "free_top", "--levels", "2"]),
-                (["euler", "moreau_jean"], ["--case", "free_top", "--scheme", "euler"])):
+                (["euler", "moreau_jean"], ["--case", "free_top", "--scheme", "euler"]),
+                (["event_driven", "doc/theory/event_driven.md"], ["--case", "free_top", "--scheme", "event_driven"])):
             run = self.converge(*arguments, code=USAGE)
             self.assertRegex(run.stderr, r"\Aconvergence: [^\n]*\n\Z")
             for word in words:

@@ -80,7 +80,8 @@ class RunScene(DriverTest):
     def test_a_restart_with_other_settings_is_refused(self):
         scene = ("--scene", "tower", "--time", "0.1", "--quiet")
         self.run_scene(*scene, "--stop-after", 2, code=INTERRUPTED)
-        for other in (["--reducer", "none"], ["--patch-friction"], ["--update", "cayley"], ["--gap-hessians"]):
+        for other in (["--reducer", "none"], ["--patch-friction"], ["--update", "cayley"], ["--gap-hessians"],
+                      ["--min-h", "1e-9"]):
             before = self.files()
             run = self.drive("run_scene", *scene, *other, "--resume")
             self.assertNotEqual(run.returncode, 0, other)
@@ -115,6 +116,22 @@ class RunScene(DriverTest):
         self.assertIn("nothing to look at", run.stdout)
         self.assertEqual(json.loads((self.folder / "s.json").read_text())["certify_steps"], 0)
 
+    def test_a_replay_has_bodies_or_is_not_there(self):
+        self.run_scene("--scene", "arch", "--time", "0.02", "--quiet")
+        self.assertIn("out/replay.html", self.files())
+        run = self.run_scene("--scene", "woodpecker", "--time", "1e-4", "--quiet")
+        self.assertEqual(set(self.files()), {"out/run.h5", "out/steps.csv"})
+        self.assertIn("no replay: no body of this scene has a shape", run.stdout)
+
+    def test_a_needle_of_ten_rad_a_step_asks_for_steps_of_its_own(self):
+        """Its tips cross the overlap that is granted in 0.04 us (doc/theory/toys.md, A5)."""
+        needle = ("--scene", "needle", "--h", "1e-3", "--quiet", "--summary", "s.json")
+        self.assertIn("1e-07", self.run_scene(*needle, code=NOT_ACCEPTED).stderr)
+        self.run_scene(*needle, "--min-h", "1e-12", "--certify", 100)
+        summary = json.loads((self.folder / "s.json").read_text())
+        self.assertEqual((summary["refused_steps"], summary["certify_violations"]), (0, 0))
+        self.assertAlmostEqual(summary["t"], 1e-3, delta=1e-15)
+
     def test_steps_tell_the_work_of_every_contact_law(self):
         self.run_scene("--scene", "tippe_top", "--time", "0.01", "--quiet")
         head, *rows = (self.folder / "out/steps.csv").read_text().splitlines()
@@ -136,6 +153,10 @@ class RunScene(DriverTest):
         for words, arguments in ((["--scene", "perpetuum", "arch"], ["--scene", "perpetuum"]),
                                  (["--scene"], []),
                                  (["--h", "-1"], ["--scene", "arch", "--h", "-1"]),
+                                 (["--min-h", "2"], ["--scene", "needle", "--min-h", "2"]),
+                                 (["min_h", "0.5"], ["--scene", "needle", "--min-h", "0.5"]),
+                                 (["--min-h", "event_driven"],
+                                  ["--scene", "needle", "--scheme", "event_driven", "--min-h", "1e-12"]),
                                  (["euler"], ["--scene", "arch", "--scheme", "euler"]),
                                  (["--impact-law", "generalised_alpha", "moreau_jean"],
                                   ["--scene", "arch", "--scheme", "generalised_alpha", "--impact-law", "poisson"])):

@@ -14,11 +14,6 @@ namespace {
 
 constexpr double kStep = 1e-3;  // 0.8 m
 
-// Starts of the bullet, spread over a step; the event-driven reference takes half a second for each.
-int phases_of(const SchemeVariant& v) {
-  return v.name == "event_driven" ? 10 : 100;
-}
-
 // Dilated shapes may overlap by 4 %: an impact may be so late [s]; later where overlap is taken back.
 constexpr double kSlack = 0.04 * (kBulletRadius + kPaperHalfThickness) / kBulletSpeed + 1e-12;
 
@@ -30,13 +25,21 @@ SchemeOptions fast(SchemeOptions o) {
   return o;
 }
 
-std::vector<SchemeVariant> variants() {
-  std::vector<SchemeVariant> out = scheme_variants();
-  out.push_back({"event_driven", {}});
-  for (SchemeVariant& v : out) v.options = fast(v.options);
+struct Gun {
+  SchemeVariant scheme{};
+  int phases = 100;  // starts of the bullet, spread over a step
+};
+std::vector<Gun> guns() {
+  std::vector<Gun> out;
+  for (const SchemeVariant& v : scheme_variants()) out.push_back({{v.name, fast(v.options)}});
   return out;
 }
-std::string name_of(const SchemeVariant& v) {
+/// The reference, which takes some tenths of a second for each start.
+Gun reference(int phases) {
+  return {{"event_driven", fast({})}, phases};
+}
+std::string name_of(const ::testing::TestParamInfo<Gun>& gun) {
+  const SchemeVariant& v = gun.param.scheme;
   std::string out = label(v.name, v.options);
   std::ranges::replace_if(
       out, [](char c) { return c == ' ' || c == '.'; }, '_');
@@ -73,12 +76,11 @@ Shot shoot(const CaseScene& s, const SchemeVariant& v) {
   return out;
 }
 
-class EverySchemeAndBullet : public ::testing::TestWithParam<SchemeVariant> {};
+class EverySchemeAndBullet : public ::testing::TestWithParam<Gun> {};
 
 // The bullet hands on what momentum says, at the time when it is there, and stays in front of the paper.
 TEST_P(EverySchemeAndBullet, MeetsThePaperFromEveryStart) {
-  const SchemeVariant& v = GetParam();
-  const int phases = phases_of(v);
+  const auto& [v, phases] = GetParam();
   const double share = kBulletMass / (kBulletMass + kPaperMass), momentum_before = kBulletMass * kBulletSpeed;
   for (const double e : {0.0, 1.0}) {
     if (e > 0 && !scheme_traits(v.name, v.options).restitution) continue;
@@ -104,9 +106,7 @@ TEST_P(EverySchemeAndBullet, MeetsThePaperFromEveryStart) {
 
 // 0 false hits: a micrometre beside each other, closing at 1600 m/s and 1.6 m per step.
 TEST_P(EverySchemeAndBullet, PassesByWhatItMissesByAMicrometre) {
-  const SchemeVariant& v = GetParam();
-  if (!scheme_traits(v.name, v.options).restitution) return;
-  const int phases = phases_of(v);
+  const auto& [v, phases] = GetParam();
   for (int phase = 0; phase < phases; ++phase) {
     const CaseScene s = crossing_bullets(1e-6, 0.3 + double(phase) / phases * 2 * kBulletSpeed * kStep);
     const Scheme scheme = make_scheme(v.name, s.model, v.options);
@@ -124,7 +124,7 @@ TEST_P(EverySchemeAndBullet, PassesByWhatItMissesByAMicrometre) {
 
 // Not a miss: 5 % of the radii overlap, more than the certificate forgives.
 TEST_P(EverySchemeAndBullet, HitsWhatItDoesNotMiss) {
-  const SchemeVariant& v = GetParam();
+  const SchemeVariant& v = GetParam().scheme;
   for (int phase = 0; phase < 10; ++phase) {
     const CaseScene s =
         crossing_bullets(-0.05 * 2 * kBulletRadius, 0.3 + phase / 10.0 * 2 * kBulletSpeed * kStep);
@@ -140,8 +140,7 @@ TEST_P(EverySchemeAndBullet, HitsWhatItDoesNotMiss) {
 
 // Head-on at the edge of an upright sheet of a tenth of a millimetre: (TOY-1) again.
 TEST_P(EverySchemeAndBullet, MeetsTheSheetOnItsEdge) {
-  const SchemeVariant& v = GetParam();
-  const int phases = phases_of(v);
+  const auto& [v, phases] = GetParam();
   const double share = kBulletMass / (kBulletMass + kPaperMass);
   for (const double e : {0.0, 1.0}) {
     if (e > 0 && !scheme_traits(v.name, v.options).restitution) continue;
@@ -164,7 +163,7 @@ TEST_P(EverySchemeAndBullet, MeetsTheSheetOnItsEdge) {
 // went round the edge (MJ-16).
 class EveryLoopAndBullet : public EverySchemeAndBullet {};
 TEST_P(EveryLoopAndBullet, IsNotKnockedAsideByNewtonsLoop) {
-  const SchemeVariant& v = GetParam();
+  const SchemeVariant& v = GetParam().scheme;
   const double share = kBulletMass / (kBulletMass + kPaperMass), beside = 1e-6;
   for (const double e : {0.0, 1.0}) {
     if (e > 0 && !scheme_traits(v.name, v.options).restitution) continue;
@@ -188,9 +187,8 @@ TEST_P(EveryLoopAndBullet, IsNotKnockedAsideByNewtonsLoop) {
 // first impulse only brakes it. Stopped at its tip it goes up by up to 144 m/s, by how far out the tip is
 // when the step begins.
 TEST_P(EverySchemeAndBullet, StopsANeedleWhoseTipsComeAtFiveHundredMetresPerSecond) {
-  SchemeVariant v = GetParam();
+  auto [v, phases] = GetParam();
   v.options.advancement.min_h = 1e-12;
-  const int phases = phases_of(v);
   for (int phase = 0; phase < phases; ++phase) {
     const double angle = -0.81 + double(phase) / phases * 1.72;
     const CaseScene s = needle_and_sheet(0, angle);
@@ -213,16 +211,16 @@ TEST_P(EverySchemeAndBullet, StopsANeedleWhoseTipsComeAtFiveHundredMetresPerSeco
   }
 }
 
-std::vector<SchemeVariant> with_newtons_loop() {
-  std::vector<SchemeVariant> out = variants();
-  std::erase_if(out, [](const SchemeVariant& v) { return v.options.newton.max_iterations == 1; });
+std::vector<Gun> with_newtons_loop() {
+  std::vector<Gun> out = guns();
+  std::erase_if(out, [](const Gun& gun) { return gun.scheme.options.newton.max_iterations == 1; });
   return out;
 }
 
-INSTANTIATE_TEST_SUITE_P(Schemes, EverySchemeAndBullet, ::testing::ValuesIn(variants()),
-                         [](const auto& v) { return name_of(v.param); });
-INSTANTIATE_TEST_SUITE_P(Schemes, EveryLoopAndBullet, ::testing::ValuesIn(with_newtons_loop()),
-                         [](const auto& v) { return name_of(v.param); });
+INSTANTIATE_TEST_SUITE_P(Schemes, EverySchemeAndBullet, ::testing::ValuesIn(guns()), name_of);
+INSTANTIATE_TEST_SUITE_P(Reference, EverySchemeAndBullet, ::testing::Values(reference(10)), name_of);
+INSTANTIATE_TEST_SUITE_P(ReferenceInFull, EverySchemeAndBullet, ::testing::Values(reference(100)), name_of);
+INSTANTIATE_TEST_SUITE_P(Schemes, EveryLoopAndBullet, ::testing::ValuesIn(with_newtons_loop()), name_of);
 
 // The overlap that is granted is crossed in 0.25 us. Where the smallest step is longer, starts that come to
 // it in the wrong place are refused, by name, and the bullet stays in front of the paper.
