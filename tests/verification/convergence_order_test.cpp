@@ -64,25 +64,26 @@ INSTANTIATE_TEST_SUITE_P(Schemes, QuickStudyOf,
                          [](const auto& each) { return each.param; });
 
 // A column of the matrix for every scheme: impacts, changes of stick and slip, rotation, a mechanism. The
-// block and the elastic ball scatter from level to level and need all six; with five they would be 0.02
-// short.
+// rocking block scatters from level to level and needs all six, a quarter of a minute for each scheme: the
+// others are left to `convergence --all`.
 struct Column {
   const char* name = "";
   int levels = 6;
+  std::string scheme = "";  // the only one
 };
 class FirstSettings : public ::testing::TestWithParam<Column> {};
 TEST_P(FirstSettings, ReachTheOrderOfTheoryInEveryScheme) {
-  const auto& [name, levels] = GetParam();
+  const auto& [name, levels, scheme] = GetParam();
   std::string last;
   for (const SchemeVariant& v : scheme_variants()) {
-    if (v.name == last) continue;
+    if (v.name == last || (!scheme.empty() && v.name != scheme)) continue;
     last = v.name;
     const Study s = study(case_named(name), v.name, v.options, {.levels = levels});
     EXPECT_TRUE(as_expected(s)) << s.scheme << '\n' << to_string(s);
   }
 }
 INSTANTIATE_TEST_SUITE_P(Cases, FirstSettings,
-                         ::testing::Values(Column{"rocking_block"}, Column{"ball_e1"}, Column{"ball_e05", 5},
+                         ::testing::Values(Column{"rocking_block", 6, "moreau_jean"}, Column{"ball_e05", 5},
                                            Column{"oscillator_e08", 5}, Column{"stick_slip", 5},
                                            Column{"heavy_top", 4}, Column{"slider_crank", 4}),
                          [](const auto& column) { return std::string(column.param.name); });
