@@ -280,6 +280,7 @@ StepCertificate certify_pair(const StepPath& path, const StepPair& pair, double 
                              const CertificateOptions& options) {
   const double moved =
       path.bodies[std::size_t(pair.a)].displacement + path.bodies[std::size_t(pair.b)].displacement;
+  // Both ways bound how far the pair comes nearer; the sum costs nothing
   if (apart > moved || apart > bounds_of(path, pair).displacement)  // the dilated shapes cannot even touch
     return {.min_distance = options.wanted};
   const Certificate c = certify(moving_shape(path, pair.a), moving_shape(path, pair.b), path.h, options);

@@ -234,47 +234,6 @@ void add_impact(const ImpactJump& impact, const ImpulseStep& step, std::size_t c
   for (StepGap& gap : report.gaps) gap.impulse += impact.r[contacts + std::size_t(gap.index)].head<3>();
 }
 
-double speed_of(const ContactRow& row, const VecX& all) {
-  double out = 0;
-  for (const auto& [body, J] : {std::pair(row.body_a, &row.J_a), std::pair(row.body_b, &row.J_b)})
-    if (body >= 0) out += J->row(0).dot(all.segment<6>(6 * body));
-  return out;
-}
-
-// What acted at the joints (MJT-12), (MJT-16): impulses `r` of the problem's blocks, `lambda` of the columns,
-// and `held` that projected to the end `next`.
-std::vector<StepJoint> step_joints(const StepSetting& setting, const ImpulseStep& step, const Move& move,
-                                   double h, const VecX& r, const VecX& lambda, const ProjectedState& held,
-                                   const State& next) {
-  const Model& model = setting.model;
-  const DofMap& dofs = setting.dofs;
-  const VecX &v = step.free->v, &v_solved = step.solved.solution.v, &moved = step.v_prescribed;
-  const VecX middle = (v + free_velocities(dofs, next.v)) / 2;
-  const WorkedOn mean{all_velocities(dofs, middle, moved), moved};
-  const double time = move.lasts * h;
-  std::vector<StepJoint> out =
-      step.impact ? step.impact->joints : std::vector<StepJoint>(model.joints.size());
-  add_forces(model, step.joints.columns, lambda, step.joints.middle, time, out);
-  if (step.between.empty()) {
-    add_work(model, step.joints.columns, lambda, mean, out);
-    add_forces(model, held.columns, held.lambda, next.g, time, out);
-  } else {
-    add_work(model, step.joints.columns, step.solved.solution.lambda, mean, out);
-    for (const JointImpulses& p : step.between) add_work(model, p.columns, p.lambda, mean, out);
-  }
-  add_work(model, held.columns, held.lambda, mean, out);
-  for (std::size_t k = 0; k < step.solved.kept.size(); ++k) {
-    const ContactRow& row = step.rows[std::size_t(step.solved.kept[k])];
-    if (row.slot < 0 || row.slot >= first_gap_row(model)) continue;
-    const double p = r[step.solved.first_row[k]];
-    add_effort(row.slot, p, time, out);
-    add_work(row.slot, p, speed_of(row, mean.v), speed_of(row, moved), out);
-  }
-  const VecX path = all_velocities(dofs, move.v_path, moved);
-  add_work(model, step.free->axes, all_velocities(dofs, v_solved - v, 0 * moved), {path, moved}, out);
-  return out;
-}
-
 // What the attempt can tell before it moves anything.
 StepReport told(const StepSetting& setting, const Found& found, const ImpulseStep& step,
                 const Impulses& impulses) {

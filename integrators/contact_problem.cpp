@@ -145,9 +145,7 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
                                                          : Vec6(v_prescribed.segment<6>(6 * body));
     };
     row.gap = c.gap;
-    if (reached.time > 0)
-      row.gap -= reached.time * (row.J_a.row(0).dot(reached.v.segment<6>(6 * row.body_a)) +
-                                 row.J_b.row(0).dot(reached.v.segment<6>(6 * row.body_b)));
+    if (reached.time > 0) row.gap -= reached.time * speed_along(row, reached.v);
     set_bias(row,
              product(row.J_a, twist_before(row.body_a), row.law) +
                  product(row.J_b, twist_before(row.body_b), row.law),
@@ -248,6 +246,13 @@ FrictionProblem contact_problem(const FreeMotion& free, const DofMap& dofs,
   *begin = at;
   problem.H.resizeNonZeros(at);
   return problem;
+}
+
+double speed_along(const ContactRow& row, const VecX& v) {
+  double out = 0;
+  for (const auto& [body, J] : {std::pair(row.body_a, &row.J_a), std::pair(row.body_b, &row.J_b)})
+    if (body >= 0) out += J->row(0).dot(v.segment<6>(6 * body));
+  return out;
 }
 
 RowVector relative_velocity(const ContactRow& row, const DofMap& dofs, const VecX& v) {

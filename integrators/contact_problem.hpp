@@ -95,6 +95,9 @@ GapFunctionRows gap_rows(const Model& model, const State& state, const DofMap& d
 FrictionProblem contact_problem(const FreeMotion& free, const DofMap& dofs,
                                 const std::vector<ContactRow>& rows, const std::vector<int>& kept);
 
+/// J v of the first row of a block, with v in the places of State::v; without coordinates and bias.
+double speed_along(const ContactRow& row, const VecX& v);
+
 /// u of a row, bias included, for the velocities v of the dynamic rows [m/s, rad/s].
 RowVector relative_velocity(const ContactRow& row, const DofMap& dofs, const VecX& v);
 /// The same without the bias of the normal law: how fast the two sides really move apart.

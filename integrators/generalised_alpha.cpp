@@ -14,9 +14,6 @@ namespace {
 constexpr int kNewtonSteps = 20;
 constexpr double kSolved = 1e-12;  // change of velocities, relative
 constexpr double kGivenUp = 1e-8;  // more than that is no solution
-// A contact's speed, relative to the largest, that the solver may leave per unit of its tolerance: a thousand
-// for mass ratios of a million.
-constexpr double kSolverNoise = 1e3;
 
 // (GA-2)
 struct Weights {

@@ -166,4 +166,36 @@ void tell_ledgers(const StepSetting& setting, const State& state, const State& n
   tell_work(setting, step, balance.r, v_end, report);
 }
 
+std::vector<StepJoint> step_joints(const StepSetting& setting, const ImpulseStep& step, const Move& move,
+                                   double h, const VecX& r, const VecX& lambda, const ProjectedState& held,
+                                   const State& next) {
+  const Model& model = setting.model;
+  const DofMap& dofs = setting.dofs;
+  const VecX &v = step.free->v, &v_solved = step.solved.solution.v, &moved = step.v_prescribed;
+  const VecX middle = (v + free_velocities(dofs, next.v)) / 2;
+  const WorkedOn mean{all_velocities(dofs, middle, moved), moved};
+  const double time = move.lasts * h;
+  std::vector<StepJoint> out =
+      step.impact ? step.impact->joints : std::vector<StepJoint>(model.joints.size());
+  add_forces(model, step.joints.columns, lambda, step.joints.middle, time, out);
+  if (step.between.empty()) {
+    add_work(model, step.joints.columns, lambda, mean, out);
+    add_forces(model, held.columns, held.lambda, next.g, time, out);
+  } else {
+    add_work(model, step.joints.columns, step.solved.solution.lambda, mean, out);
+    for (const JointImpulses& p : step.between) add_work(model, p.columns, p.lambda, mean, out);
+  }
+  add_work(model, held.columns, held.lambda, mean, out);
+  for (std::size_t k = 0; k < step.solved.kept.size(); ++k) {
+    const ContactRow& row = step.rows[std::size_t(step.solved.kept[k])];
+    if (row.slot < 0 || row.slot >= first_gap_row(model)) continue;
+    const double p = r[step.solved.first_row[k]];
+    add_effort(row.slot, p, time, out);
+    add_work(row.slot, p, speed_along(row, mean.v), speed_along(row, moved), out);
+  }
+  const VecX path = all_velocities(dofs, move.v_path, moved);
+  add_work(model, step.free->axes, all_velocities(dofs, v_solved - v, 0 * moved), {path, moved}, out);
+  return out;
+}
+
 }  // namespace aussois

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a step reports of its energy and momentum, part by part, and of the work of its contacts (MJ-9),
-// (MJ-13), (IMP-6).
+// What a step reports of its energy and momentum, part by part, and of what its contacts and joints did
+// (MJ-9), (MJ-13), (IMP-6), (MJT-16).
 #pragma once
 
 #include "integrators/attempt.hpp"
@@ -25,5 +25,11 @@ void add_work(const StepSetting& setting, const ContactLaw& law, double work, St
 /// and energy_rises of a report that has its contacts and gap functions already.
 void tell_ledgers(const StepSetting& setting, const State& state, const State& next, const ImpulseStep& step,
                   const StepBalance& balance, StepReport& report);
+
+/// What acted at the joints (MJT-12), (MJT-16) in a step of length `h`: impulses `r` of the problem's blocks,
+/// `lambda` of the columns [N s, N m s], and `held` that projected to the end `next`.
+std::vector<StepJoint> step_joints(const StepSetting& setting, const ImpulseStep& step, const Move& move,
+                                   double h, const VecX& r, const VecX& lambda, const ProjectedState& held,
+                                   const State& next);
 
 }  // namespace aussois

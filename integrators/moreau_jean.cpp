@@ -59,10 +59,8 @@ FreeMotion at_iterate(const StepSetting& setting, const State& start, const Free
   return out;
 }
 
-// Two solves of one problem differ by what the solver's tolerance leaves: changes of that size that no longer
-// halve are no matter of Newton's [m/s, rad/s per unit of tolerance]. Small bodies turn by 100 of it.
-constexpr double kSolverNoise = 1e3;
-
+// Changes of the size of the solver's noise that no longer halve are no matter of Newton's. Small bodies turn
+// by a tenth of it.
 bool newton_done(double change, double last, const MoreauJeanOptions& o) {
   return change <= o.newton.tolerance || (change <= kSolverNoise * o.solver.tolerance && change > last / 2);
 }

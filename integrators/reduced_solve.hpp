@@ -23,6 +23,10 @@ struct JointEquations {
   VecX b{};
 };
 
+/// What velocities of two solves of one problem, or one that is to vanish, may be off by per unit of the
+/// solver's tolerance, relative to the largest or in m/s, rad/s: a thousand for mass ratios of a million.
+inline constexpr double kSolverNoise = 1e3;
+
 /// The first rows are those of `selection`'s contacts, the others are never left out. `warm[i]` are the
 /// impulses that row i starts with [N s, N m s]; a contact that was left out re-enters when it closes faster
 /// than `allowed_speed[i]` [m/s], the worst of each cluster per round.

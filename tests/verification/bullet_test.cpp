@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "examples/scenes/toys.hpp"
-#include "integrators/scheme.hpp"
+#include "tests/support/scheme_variants.hpp"
 
 namespace aussois {
 namespace {
@@ -39,11 +39,7 @@ Gun reference(int phases) {
   return {{"event_driven", fast({})}, phases};
 }
 std::string name_of(const ::testing::TestParamInfo<Gun>& gun) {
-  const SchemeVariant& v = gun.param.scheme;
-  std::string out = label(v.name, v.options);
-  std::ranges::replace_if(
-      out, [](char c) { return c == ' ' || c == '.'; }, '_');
-  return out;
+  return test_name(gun.param.scheme);
 }
 
 double relative_speed(const CaseScene& s, const State& state, int axis) {

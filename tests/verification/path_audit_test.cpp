@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "integrators/scheme.hpp"
 #include "tests/support/block_scene.hpp"
 #include "tests/support/message_of.hpp"
+#include "tests/support/scheme_variants.hpp"
 
 namespace aussois {
 namespace {
@@ -66,12 +66,7 @@ std::vector<SchemeVariant> audited_variants() {
   return out;
 }
 INSTANTIATE_TEST_SUITE_P(Registry, EverySchemeAudited, ::testing::ValuesIn(audited_variants()),
-                         [](const auto& v) {
-                           std::string name = label(v.param.name, v.param.options);
-                           std::ranges::replace_if(
-                               name, [](char c) { return c == ' ' || c == '.'; }, '_');
-                           return name;
-                         });
+                         [](const auto& v) { return test_name(v.param); });
 
 // The chords of the reference, one after the other from the start of the step to its end.
 TEST(PathAudit, FollowsTheReferenceThroughItsImpacts) {

@@ -3,10 +3,10 @@
 // the scheme; and the same motion whatever the order of the bodies.
 #include <algorithm>
 
-#include "integrators/scheme.hpp"
 #include "io/checkpoint.hpp"
 #include "tests/support/block_scene.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/scheme_variants.hpp"
 
 namespace aussois {
 namespace {
@@ -194,12 +194,8 @@ TEST_P(EveryScheme, MovesThemTheSameWayForLongWithoutFriction) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Registry, EveryScheme, ::testing::ValuesIn(all_settings()), [](const auto& each) {
-  std::string name = label(each.param.name, each.param.options);
-  std::replace_if(
-      name.begin(), name.end(), [](char c) { return c == ' ' || c == '.'; }, '_');
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Registry, EveryScheme, ::testing::ValuesIn(all_settings()),
+                         [](const auto& each) { return test_name(each.param); });
 
 }  // namespace
 }  // namespace aussois

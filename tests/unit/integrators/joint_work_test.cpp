@@ -5,27 +5,13 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/gear_pair.hpp"
 #include "tests/support/one_axis.hpp"
+#include "tests/support/scheme_variants.hpp"
 #include "tests/support/stepping.hpp"
 
 namespace aussois {
 namespace {
-
-std::vector<SchemeVariant> variants() {
-  std::vector<SchemeVariant> out = scheme_variants();
-  out.push_back({"event_driven", {}});
-  SchemeOptions mean{.update = GroupUpdate::cayley};
-  mean.mean_joints = true;
-  out.push_back({"passive_midpoint", mean});
-  for (SchemeVariant& v : out) v.options.solver.tolerance = 1e-12;
-  return out;
-}
-std::string name_of(const SchemeVariant& v) {
-  std::string out = label(v.name, v.options);
-  std::ranges::replace_if(
-      out, [](char c) { return c == ' ' || c == '.'; }, '_');
-  return out;
-}
 
 void add(const JointWork& step, JointWork& sum) {
   sum.locked += step.locked;
@@ -127,16 +113,9 @@ TEST_P(JointWorkInEveryScheme, OfSpringsIsWhatTheirPotentialLost) {
 
 // Gears carry what the motor of one wheel gives to the other one.
 TEST_P(JointWorkInEveryScheme, OfGearsGoesFromOneJointToTheOther) {
-  Model model;
-  model.gravity = Vec3::Zero();
-  for (const double J : {0.5, 3.0})
-    add(model, RigidBody{.name = "wheel", .mass = 1, .inertia = J * Mat3::Identity()});
-  State state = rest_state(model);
-  state.g[1].p.x() = 1;
-  add(model, joint_at(JointKind::revolute, "first", 0, -1, state.g, kAboutY));
-  add(model, joint_at(JointKind::revolute, "second", 1, -1, state.g, translation(1, 0, 0) * kAboutY));
-  add(model, Coupling{.name = "gears", .joint_1 = 0, .joint_2 = 1, .ratio = -2.5});
-  model.joints[0].axis[0].motor = {.kind = MotorKind::effort, .target = [](double) { return 7; }};
+  GearPair gears;
+  Model& model = gears.model;
+  State& state = gears.state;
   const std::vector<JointWork> of = work(model, state, 1e-2, 0.5);
   const double second = 1.5 * std::pow(joint_speed(model, state, 1), 2);
   EXPECT_GT(second, 0.5);
@@ -246,8 +225,8 @@ TEST_P(JointWorkInEveryScheme, ForcesBelongToTheTimeThatIsTold) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Schemes, JointWorkInEveryScheme, ::testing::ValuesIn(variants()),
-                         [](const auto& v) { return name_of(v.param); });
+INSTANTIATE_TEST_SUITE_P(Schemes, JointWorkInEveryScheme, ::testing::ValuesIn(variants_with_joints()),
+                         [](const auto& v) { return test_name(v.param); });
 
 }  // namespace
 }  // namespace aussois

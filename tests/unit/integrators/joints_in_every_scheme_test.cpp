@@ -9,6 +9,7 @@
 #include "geometry/primitives.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/one_axis.hpp"
+#include "tests/support/scheme_variants.hpp"
 #include "tests/support/stepping.hpp"
 #include "tests/support/tumbling.hpp"
 
@@ -16,22 +17,6 @@ namespace aussois {
 namespace {
 
 constexpr double kG = 9.81;
-
-std::vector<SchemeVariant> variants() {
-  std::vector<SchemeVariant> out = scheme_variants();
-  out.push_back({"event_driven", {}});
-  SchemeOptions mean{.update = GroupUpdate::cayley};
-  mean.mean_joints = true;
-  out.push_back({"passive_midpoint", mean});
-  for (SchemeVariant& v : out) v.options.solver.tolerance = 1e-12;
-  return out;
-}
-std::string name_of(const SchemeVariant& v) {
-  std::string out = label(v.name, v.options);
-  std::ranges::replace_if(
-      out, [](char c) { return c == ' ' || c == '.'; }, '_');
-  return out;
-}
 
 constexpr JointKind kKinds[] = {JointKind::fixed,       JointKind::revolute,  JointKind::prismatic,
                                 JointKind::cylindrical, JointKind::spherical, JointKind::universal,
@@ -297,8 +282,8 @@ TEST_P(EverySchemeAndJoint, FallsOnTheGroundOnItsHinge) {
   EXPECT_NEAR(carried, weight, (still_pushed ? 0.1 : alpha ? 1e-3 : 1e-9) * weight);
 }
 
-INSTANTIATE_TEST_SUITE_P(Schemes, EverySchemeAndJoint, ::testing::ValuesIn(variants()),
-                         [](const auto& v) { return name_of(v.param); });
+INSTANTIATE_TEST_SUITE_P(Schemes, EverySchemeAndJoint, ::testing::ValuesIn(variants_with_joints()),
+                         [](const auto& v) { return test_name(v.param); });
 
 }  // namespace
 }  // namespace aussois

@@ -6,6 +6,7 @@
 
 #include "geometry/primitives.hpp"
 #include "integrators/moreau_jean.hpp"
+#include "tests/support/gear_pair.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/one_axis.hpp"
 #include "tests/support/random.hpp"
@@ -282,16 +283,9 @@ TEST(Wheel, StopsBeyondHalfATurn) {
 
 // The torque on the first of two wheels turns both, by the ratio, over several turns.
 TEST(GearPair, KeepsItsRatioAndItsEnergy) {
-  Model model;
-  model.gravity = Vec3::Zero();
-  for (const double J : {0.5, 3.0})
-    add(model, RigidBody{.name = "wheel", .mass = 1, .inertia = J * Mat3::Identity()});
-  State state = rest_state(model);
-  state.g[1].p.x() = 1;
-  add(model, joint_at(JointKind::revolute, "first", 0, -1, state.g, kAboutY));
-  add(model, joint_at(JointKind::revolute, "second", 1, -1, state.g, translation(1, 0, 0) * kAboutY));
-  add(model, Coupling{.name = "gears", .joint_1 = 0, .joint_2 = 1, .ratio = -2.5});
-  model.joints[0].axis[0].motor = {.kind = MotorKind::effort, .target = [](double) { return 7; }};
+  GearPair gears;
+  Model& model = gears.model;
+  State& state = gears.state;
   const double acceleration = 7 / (0.5 + 3.0 / (2.5 * 2.5));
   const MoreauJean scheme(model, {.h = 1e-2, .theta = 0.5});
   advance(scheme, state, 3, [&](const StepReport& report) {
