@@ -21,7 +21,7 @@ namespace aussois {
 namespace {
 
 constexpr const char* kFormat = "aussois-lmd-shape";
-constexpr const char* kVersion = "2";  // raise it when a table, or what prepare() puts into one, changes
+constexpr const char* kVersion = "3";  // raise it when a table, or what prepare() puts into one, changes
 
 std::string hex(std::uint64_t value) {
   char text[24];
@@ -56,10 +56,13 @@ struct Row<VertexLeaf> {
 
 template <>
 struct Row<EdgeLeaf> {
-  using type = std::array<int, 7>;
+  using type = std::array<int, 8>;
   static type of(const EdgeLeaf& leaf) {
-    const auto& [first, last, conormals, path, path_length, is_wide] = leaf;
-    return {first, last, conormals[0], conormals[1], path, int(path_length), int(is_wide)};
+    const auto& [first, last, conormals, path, path_length, is_wide, misfit] = leaf;
+    return {first,        last,
+            conormals[0], conormals[1],
+            path,         int(path_length),
+            int(is_wide), std::bit_cast<int>(misfit)};
   }
   static EdgeLeaf back(const type& row) {
     return {.first = row[0],
@@ -67,8 +70,19 @@ struct Row<EdgeLeaf> {
             .conormals = {row[2], row[3]},
             .path = row[4],
             .path_length = std::uint32_t(row[5]) & 0x7fffffffU,
-            .is_wide = row[6] != 0};
+            .is_wide = row[6] != 0,
+            .misfit = std::bit_cast<float>(row[7])};
   }
+};
+
+template <>
+struct Row<MovedVertex> {
+  using type = std::array<double, 4>;
+  static type of(const MovedVertex& moved) {
+    const auto& [vertex, from] = moved;
+    return {double(vertex), from.x(), from.y(), from.z()};
+  }
+  static MovedVertex back(const type& row) { return {int(row[0]), {row[1], row[2], row[3]}}; }
 };
 
 template <>
@@ -151,14 +165,15 @@ void visit_mesh(Archive& archive, M& mesh) {
 /// then).
 template <class Archive, class Shape>
 void visit_shape(Archive& archive, Shape& shape) {
-  auto& [complex, radius, centre, bounding_radius, tolerance, regions, triangle_region, triangle_sign, rays,
-         paths, vertices, edges, faces, rest, vertex_tree, wide_vertex_tree, edge_tree, wide_edge_tree,
-         face_tree, rest_tree, narrow_vertices, narrow_edges, flat_triangles] = shape;
+  auto& [complex, radius, centre, bounding_radius, tolerance, straightened, regions, triangle_region,
+         triangle_sign, rays, paths, vertices, edges, faces, rest, vertex_tree, wide_vertex_tree, edge_tree,
+         wide_edge_tree, face_tree, rest_tree, narrow_vertices, narrow_edges, flat_triangles] = shape;
   static_cast<void>(complex);  // follows from the mesh
   archive.one("/radius", radius);
   archive.one("/centre", centre);
   archive.one("/bounding_radius", bounding_radius);
   archive.one("/tolerance", tolerance);
+  archive.table("/straightened", straightened);
   archive.table("/regions", regions);
   archive.table("/triangle_region", triangle_region);
   archive.table("/triangle_sign", triangle_sign);
@@ -308,6 +323,7 @@ class Check {
                  ? within(e.path, mesh_edges)
                  : e.path_length > 1 && e.path >= 0 && std::size_t(e.path) + e.path_length <= s_.paths.size(),
              "/edges", "leaves its path");
+      expect(e.misfit >= 0 && e.misfit <= 2, "/edges", "has a misfit that is no sum of two sines");
     }
     for (const BaseSimplex& simplex : s_.rest) {
       expect(simplex.dim >= 0 && simplex.dim <= 2, "/rest", "has a dimension outside 0, 1, 2");
@@ -419,6 +435,15 @@ SimplicialComplex complex_of(hid_t file, Mesh mesh) {
   }
 }
 
+Mesh before_straightening(hid_t file, Mesh mesh, const std::vector<MovedVertex>& straightened) {
+  for (const MovedVertex& moved : straightened) {
+    if (moved.vertex < 0 || std::size_t(moved.vertex) >= mesh.vertices.size())
+      fail_hdf5(file, "/straightened", "leaves the vertices of the mesh");
+    mesh.vertices[std::size_t(moved.vertex)] = moved.from;
+  }
+  return mesh;
+}
+
 // `complex`: what the file must hold; building it again would be half of the time. Null: whatever it holds.
 LmdShape read_hdf5(const std::filesystem::path& path, std::uint64_t key, const SimplicialComplex* complex) {
   const Hdf5Silence silence;
@@ -434,8 +459,10 @@ LmdShape read_hdf5(const std::filesystem::path& path, std::uint64_t key, const S
   visit_mesh(reader, mesh);
   visit_shape(reader, shape);
   if (complex) {
-    if (!same_bits(mesh, mesh_of(*complex))) fail_hdf5(file, "/mesh", "is another one with the same key");
+    if (!same_bits(before_straightening(file, mesh, shape.straightened), mesh_of(*complex)))
+      fail_hdf5(file, "/mesh", "is another one with the same key");
     shape.complex = *complex;
+    shape.complex.vertices = std::move(mesh.vertices);
   } else {
     shape.complex = complex_of(file, std::move(mesh));
   }

@@ -178,7 +178,50 @@ void trace_chains(const SimplicialComplex& k, Idealisation& out) {
   }
 }
 
+double squared(double x) {
+  return x * x;
+}
+
 }  // namespace
+
+std::vector<MovedVertex> straighten(SimplicialComplex& complex, const Idealisation& ideal, double foot) {
+  std::vector<MovedVertex> moved;
+  for (const Chain& chain : ideal.chains) {
+    const Vec3 a = complex.vertices[std::size_t(chain.first)];
+    const double length = (complex.vertices[std::size_t(chain.last)] - a).norm();
+    for (std::size_t i = 1; i + 1 < chain.vertices.size(); ++i) {
+      Vec3& x = complex.vertices[std::size_t(chain.vertices[i])];
+      const Vec3 on_chord = a + std::clamp(chain.direction.dot(x - a), 0.0, length) * chain.direction;
+      if ((x - on_chord).squaredNorm() <= squared(foot)) continue;
+      moved.push_back({chain.vertices[i], x});
+      x = on_chord;
+    }
+  }
+  std::ranges::sort(moved, {}, &MovedVertex::vertex);
+  return moved;
+}
+
+std::vector<double> misfit_at_vertices(const SimplicialComplex& complex, const Idealisation& ideal) {
+  constexpr double kRounding = 1e-9;  // over the distances of contacts this is below the tolerance of feet
+  std::vector<std::array<double, 2>> largest(complex.vertices.size(), {0, 0});
+  const auto add = [&](int v, double sine) {
+    auto& [first, second] = largest[std::size_t(v)];
+    second = std::max(second, std::min(first, sine));
+    first = std::max(first, sine);
+  };
+  for (const Chain& chain : ideal.chains)
+    for (const int t : complex.edge_triangles[chain.edges.front()]) {
+      const auto region = std::size_t(ideal.triangle_region[std::size_t(t)]);
+      const double sine = std::abs(ideal.region_normal[region].dot(chain.direction));
+      add(chain.first, sine);
+      add(chain.last, sine);
+    }
+  std::vector<double> misfit;
+  misfit.reserve(largest.size());
+  for (const auto& [first, second] : largest)
+    misfit.push_back(first + second > kRounding ? first + second : 0);
+  return misfit;
+}
 
 Idealisation idealise(const SimplicialComplex& complex, double tolerance) {
   Idealisation out;

@@ -18,6 +18,13 @@ struct Chain {
   Vec3 direction = Vec3::UnitX();  // unit, from first to last
 };
 
+/// A vertex inside a chain that was put on the chord.
+struct MovedVertex {
+  int vertex = 0;
+  Vec3 from = Vec3::Zero();  // where it was [m]
+  bool operator==(const MovedVertex&) const = default;
+};
+
 struct Idealisation {
   double tolerance = 0;  // tau_f [m]
   std::vector<int> triangle_region{};
@@ -34,5 +41,14 @@ struct Idealisation {
 /// the seed's plane and the normal within 1 degree (slivers excepted); chains are split where they leave a
 /// straight line by more.
 Idealisation idealise(const SimplicialComplex& complex, double tolerance);
+
+/// Puts the vertices inside chains on their chords, where they are off by more than `foot`: the faces on both
+/// sides then end where the chain begins, and no slit is left between them (LMD-14). Vertices move by at most
+/// the tolerance of the idealisation, which holds for the straightened complex as well.
+std::vector<MovedVertex> straighten(SimplicialComplex& complex, const Idealisation& ideal, double foot);
+
+/// For each vertex, how far chords and planes that meet there are from parallel: the sum of the two largest
+/// sines |n . d| of a chain's direction and the normal of a region beside it (LMD-15); 0 below 1e-9.
+std::vector<double> misfit_at_vertices(const SimplicialComplex& complex, const Idealisation& ideal);
 
 }  // namespace aussois

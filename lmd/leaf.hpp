@@ -23,6 +23,7 @@ struct Leaf {
   Vec3 direction = Vec3::UnitZ();  // chains: unit, from x[0] to x[1]; faces: normal of the region, this side
   double extent = 0;  // chains: length [m]; faces: offset of the region's plane along `direction` [m]
   double turn = 1;    // faces: +1 if the corners run counter-clockwise seen along -direction
+  double misfit = 0;  // chains: sine of how far a foot may lie beyond the ends (LMD-15)
   std::array<Vec3, 2> conormals{};  // chains: unit, into the triangles
   std::size_t conormal_count = 0;
   std::span<const Vec3> rays{};  // corners: of the tangent cone

@@ -36,6 +36,7 @@ struct EdgeLanes {
   V4 p, e;            // first end, chord
   V4 g[2];            // conormals; zero: none
   F4 square, length;  // of the chord
+  F4 misfit;          // how far feet may lie beyond the ends, per distance
 };
 struct FaceLanes {
   V4 x[3], n;    // corners, normal
@@ -66,6 +67,7 @@ AUSSOIS_INLINE EdgeLanes edge_lanes(const LeafFrame& f, int first, int count) {
     const Eigen::Vector3f q = f.point(f.shape->complex.vertices[std::size_t(e.last)]);
     set(out.p, k, p);
     set(out.e, k, q - p);
+    out.misfit[k] = e.misfit;
     for (int c = 0; c < 2; ++c) {
       const int region = e.conormals[std::size_t(c)];
       const Eigen::Vector3f normal =
@@ -127,14 +129,14 @@ AUSSOIS_INLINE int may_touch(const LeafFrame& frame, const VertexLeaf& v, const 
                              const FilterLimits& limits) {
   const V4 w = p - e.p;
   const F4 s = dot(e.e, w) / e.square;
-  const F4 slack = limits.foot / e.length;
+  const F4 slack = (limits.foot + limits.reach * e.misfit) / e.length;
   const V4 d = w - s * e.e;  // from the foot to the vertex
   const F4 square = dot(d, d);
   I4 in = (s >= -slack) & (s <= 1.0F + slack) & (square <= limits.reach * limits.reach);
   for (const V4& g : e.g) in &= dot(g, d) <= limits.foot;
   if (!bits(in)) return 0;
-  return bits(
-      in & in_vertex_cone(frame, v, V4{-d.x, -d.y, -d.z}, limits.sin_vertex * sqrt4(square) + limits.foot));
+  return bits(in & in_vertex_cone(frame, v, V4{-d.x, -d.y, -d.z},
+                                  (limits.sin_vertex + 2.0F * e.misfit) * sqrt4(square) + limits.foot));
 }
 
 AUSSOIS_INLINE int may_touch(const LeafFrame& frame, const VertexLeaf& v, const V4& p,

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "geometry/check.hpp"
-#include "lmd/idealisation.hpp"
 #include "lmd/normal_cone.hpp"
 
 namespace aussois {
@@ -20,10 +19,8 @@ Vec3 in_plane(const Vec3& d, const Vec3& n) {
   return d - n.dot(d) * n;
 }
 
-enum class Crease { convex, concave, other };
-
 struct ChainCone {
-  Crease crease = Crease::other;
+  double rise = 0;  // solids: sine of the angle by which one side rises above the other; negative: convex
   std::optional<SimplexClass> simplex_class{};  // none: silent
   std::array<int, 2> conormals{};
   Vec3 axis = Vec3::UnitZ();  // of a cap around the normal cone
@@ -54,9 +51,8 @@ ChainCone chain_cone(const SimplicialComplex& k, const Idealisation& ideal, cons
     const int t = k.edge_triangles[chain.edges.front()][0];
     const Vec3 n = ideal.triangle_sign[std::size_t(t)] *
                    ideal.region_normal[std::size_t(ideal.triangle_region[std::size_t(t)])];
-    const double rise = n.dot(conormals[1]);
-    out.crease = rise < 0 ? Crease::convex : Crease::concave;
-    if (rise >= -1e-12) return out;  // concave or flat: N = {0}
+    out.rise = n.dot(conormals[1]);
+    if (out.rise >= -1e-12) return out;  // concave or flat: N = {0}
   }
   const NormalCone cone = edge_cone(chain.direction, conormals);
   if (cone.lineality != 1) return out;
@@ -92,16 +88,18 @@ std::vector<Vec3> vertex_directions(const SimplicialComplex& k, const Idealisati
   return directions;
 }
 
-// A pointed hull is a corner of a solid, or the complement of a pit: a concave crease on an extreme ray
-// tells.
+// A pointed hull is a corner of a solid, or the complement of a pit: the creases on its extreme rays are all
+// convex or all concave. The sharpest tells, since rounding may turn one that is nearly flat.
 bool is_pit(const Idealisation& ideal, const std::vector<ChainCone>& cones, const NormalCone& cone, int v) {
+  double sharpest = 0;
   for (int c : ideal.vertex_chains[v]) {
     const Chain& chain = ideal.chains[std::size_t(c)];
     const Vec3 d = chain.first == v ? chain.direction : Vec3(-chain.direction);
     const bool extreme = std::ranges::any_of(cone.rays, [&](const Vec3& g) { return (g - d).norm() < 1e-6; });
-    if (extreme && cones[std::size_t(c)].crease == Crease::concave) return true;
+    const double rise = cones[std::size_t(c)].rise;
+    if (extreme && std::abs(rise) > std::abs(sharpest)) sharpest = rise;
   }
-  return false;
+  return sharpest > 0;
 }
 
 double height(const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -161,18 +159,21 @@ void add_edges(LmdShape& shape, const Idealisation& ideal, const std::vector<Cha
   const SimplicialComplex& k = shape.complex;
   std::vector<EdgeLeaf> narrow, wide;
   std::vector<ConeTreeItem> narrow_items, wide_items;
+  const std::vector<double> misfit = misfit_at_vertices(k, ideal);
   for (std::size_t c = 0; c < ideal.chains.size(); ++c) {
     if (!cones[c].simplex_class) continue;
     const Chain& chain = ideal.chains[c];
+    const double beyond = std::max(misfit[std::size_t(chain.first)], misfit[std::size_t(chain.last)]);
     const EdgeLeaf leaf{.first = chain.first,
                         .last = chain.last,
                         .conormals = cones[c].conormals,
                         .path = chain.edges.size() == 1 ? chain.edges[0] : int(shape.paths.size()),
                         .path_length = std::uint32_t(chain.edges.size()) & 0x7fffffffU,
-                        .is_wide = *cones[c].simplex_class == SimplexClass::e_wide};
+                        .is_wide = *cones[c].simplex_class == SimplexClass::e_wide,
+                        .misfit = float(beyond)};
     if (chain.edges.size() > 1) shape.paths.insert(shape.paths.end(), chain.edges.begin(), chain.edges.end());
-    const ConeTreeItem item =
-        tree_item({at(k, chain.first), at(k, chain.last)}, cones[c].axis, cones[c].half_angle);
+    const ConeTreeItem item = tree_item({at(k, chain.first), at(k, chain.last)}, cones[c].axis,
+                                        cones[c].half_angle + 1.01 * beyond);
     (leaf.is_wide ? wide : narrow).push_back(leaf);
     (leaf.is_wide ? wide_items : narrow_items).push_back(item);
   }
@@ -242,6 +243,8 @@ LmdShape prepare(DilatedShape dilated, const LmdShapeOptions& options) {
     shape.tolerance = std::min(shape.tolerance, 1e-3 * shape.radius);  // far below what contacts can feel
 
   const Idealisation ideal = idealise(shape.complex, shape.tolerance);
+  shape.straightened =
+      straighten(shape.complex, ideal, 1e-10 * box.diagonal());  // a tenth of what feet forgive
   for (std::size_t r = 0; r < ideal.region_normal.size(); ++r)
     shape.regions.push_back({ideal.region_normal[r], ideal.region_offset[r]});
   shape.triangle_region = ideal.triangle_region;

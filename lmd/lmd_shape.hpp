@@ -9,6 +9,7 @@
 
 #include "geometry/dilated_shape.hpp"
 #include "lmd/cone_tree.hpp"
+#include "lmd/idealisation.hpp"
 
 namespace aussois {
 
@@ -47,6 +48,7 @@ struct EdgeLeaf {
                                    // edge is named here itself
   std::uint32_t path_length : 31 = 1;
   std::uint32_t is_wide : 1 = 0;  // wire or border
+  float misfit = 0;               // sine of how far a foot may lie beyond its ends, at least 0 (LMD-15)
 };
 
 SimplexClass class_of(const VertexLeaf& leaf);
@@ -66,10 +68,11 @@ struct BaseSimplex {
 
 struct LmdShape {
   SimplicialComplex complex{};
-  double radius = 0;           // dilation [m]
-  Vec3 centre = Vec3::Zero();  // of a small ball around the vertices, frame of the shape [m]
-  double bounding_radius = 0;  // of that ball, without dilation [m]
-  double tolerance = 0;        // of regions and chains, tau_f [m]
+  double radius = 0;                        // dilation [m]
+  Vec3 centre = Vec3::Zero();               // of a small ball around the vertices, frame of the shape [m]
+  double bounding_radius = 0;               // of that ball, without dilation [m]
+  double tolerance = 0;                     // of regions and chains, tau_f [m]
+  std::vector<MovedVertex> straightened{};  // vertices of the complex that were put on the chords of chains
 
   std::vector<RegionPlane> regions{};
   std::vector<int> triangle_region{};        // of each triangle

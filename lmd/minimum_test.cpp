@@ -24,20 +24,29 @@ bool in_polar(std::span<const Vec3> rays, const Vec3& d, double tolerance) {
 std::optional<Vec3> foot_on_face(const Leaf& face, const Vec3& p, double tolerance) {
   const double h = face.direction.dot(p) - face.extent;
   if (h <= 0) return std::nullopt;  // behind this side
+  const Vec3 foot = p - h * face.direction;
   for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3 inward = face.turn * face.direction.cross(face.x[(k + 1) % 3] - face.x[k]);
+    const Vec3 side = face.x[(k + 1) % 3] - face.x[k];
+    const Vec3 inward = face.turn * face.direction.cross(side);
     const double inside = inward.dot(p - face.x[k]);
-    if (inside < 0 && inside < -tolerance * inward.norm()) return std::nullopt;
+    if (inside >= 0) continue;
+    if (inside < -tolerance * inward.norm()) return std::nullopt;
+    // Beyond the tip of a needle its long sides are near, the triangle is not.
+    const double along = side.dot(foot - face.x[k]), length = side.norm();
+    if (along < -tolerance * length || along > (length + tolerance) * length) return std::nullopt;
   }
-  return p - h * face.direction;
+  return foot;
 }
 
 std::optional<Vec3> foot_on_chain(const Leaf& chain, const Vec3& p, double tolerance) {
   const double s = chain.direction.dot(p - chain.x[0]);
-  if (s < -tolerance || s > chain.extent + tolerance) return std::nullopt;
-  const Vec3 foot = chain.x[0] + s * chain.direction;
-  if (!in_polar(cone_of(chain).rays, p - foot, tolerance)) return std::nullopt;
-  return foot;
+  const double beyond = std::max(-s, s - chain.extent);
+  if (beyond > tolerance && chain.misfit == 0) return std::nullopt;
+  const Vec3 foot = chain.x[0] + s * chain.direction, off = p - foot;
+  if (!in_polar(cone_of(chain).rays, off, tolerance)) return std::nullopt;
+  if (beyond <= tolerance) return foot;
+  if (beyond > tolerance + chain.misfit * off.norm()) return std::nullopt;
+  return s < 0 ? chain.x[0] : chain.x[1];
 }
 
 // V | B: x2 is an exact local minimiser of |p - .| on the simplex `on`, and the direction is in N_V enlarged

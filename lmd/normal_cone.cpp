@@ -14,6 +14,10 @@ namespace aussois {
 namespace {
 
 constexpr double kMerge = 1e-7;  // directions closer than this are one [rad]
+// Rays that leave the plane of two others by less are in it. Facets that CAD programs cut into triangles bend
+// by 1e-6 and less at coordinates that were rounded: a coarser bound takes the concave crease for the convex
+// one.
+constexpr double kFlat = 1e-10;  // [rad]
 constexpr double kLineality = kHullContainsOrigin;
 
 void merge_close(std::vector<Vec3>& g) {
@@ -48,8 +52,9 @@ std::vector<Vec3> wrap(const std::vector<Vec3>& g, const Vec3& inside) {
         next = j;
         continue;
       }
-      const double side = g[at].cross(g[next]).dot(g[j]);  // negative: j lies outside the arc at -> next
-      const bool tie = std::abs(side) <= kMerge;
+      const Vec3 across = g[at].cross(g[next]);
+      const double side = across.dot(g[j]);  // negative: j lies outside the arc at -> next
+      const bool tie = std::abs(side) <= kFlat * across.norm();
       const bool farther = g[at].dot(g[j]) < g[at].dot(g[next]);
       if ((!tie && side < 0) || (tie && farther)) next = j;
     }
@@ -228,7 +233,7 @@ double angle_to(const ConeView& cone, const Vec3& u) {
   const std::size_t m = g.size();
   const auto feasible = [&](const Vec3& p, std::size_t a, std::size_t b) {
     for (std::size_t k = 0; k < m; ++k)
-      if (k != a && k != b && g[k].dot(p) > 1e-14) return false;
+      if (k != a && k != b && g[k].dot(p) > 2 * kFlat) return false;
     return true;
   };
   Vec3 projection = Vec3::Zero();

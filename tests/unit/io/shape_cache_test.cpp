@@ -48,8 +48,9 @@ std::string difference(const LmdShape& a, const LmdShape& b) {
   };
   const auto edge = [](const EdgeLeaf& x, const EdgeLeaf& y) {
     return x.first == y.first && x.last == y.last && x.conormals == y.conormals && x.path == y.path &&
-           x.path_length == y.path_length && x.is_wide == y.is_wide;
+           x.path_length == y.path_length && x.is_wide == y.is_wide && x.misfit == y.misfit;
   };
+  if (a.straightened != b.straightened) return "straightened";
   if (!same(a.complex, b.complex)) return "complex";
   if (a.radius != b.radius || a.bounding_radius != b.bounding_radius || a.tolerance != b.tolerance ||
       std::memcmp(&a.centre, &b.centre, sizeof a.centre) != 0)
@@ -85,16 +86,32 @@ SimplicialComplex mixed_complex() {
                       {{0, 1, 2}, {0, 2, 3}, {0, 1, 9}}, {{0, 4}, {5, 6}, {6, 7}});
 }
 
+/// A square whose lower side has a vertex 0.2 um inside: prepared, it stands on the side.
+SimplicialComplex bent_square() {
+  return make_complex({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 2e-7, 0}},
+                      {{0, 4, 3}, {4, 2, 3}, {4, 1, 2}});
+}
+
 LmdShape small_shape() {
   return prepare(dilate(mixed_complex(), 0.01));
 }
 
 }  // namespace
 
+TEST(ShapeCache, IsFoundByTheMeshAsItWasBeforeItsChainsWereStraightened) {
+  const auto folder = fresh_folder();
+  const CachedShape made = prepare_cached(dilate(bent_square(), 0.01), {}, folder);
+  const CachedShape again = prepare_cached(dilate(bent_square(), 0.01), {}, folder);
+  EXPECT_TRUE(made.kept && again.loaded) << again.warning;
+  EXPECT_EQ(again.shape->straightened.size(), 1U);
+  EXPECT_EQ(difference(*made.shape, *again.shape), "");
+}
+
 TEST(ShapeCache, GivesEveryTableBackBitForBit) {
   const auto path = fresh_folder() / "shape.h5";
   std::vector<LmdShape> shapes = {small_shape(), prepare(dilate(make_bolt(), 1e-5)),
-                                  prepare(dilate(make_point(), 0)), prepare(dilate(make_l_shape(1), 0.1))};
+                                  prepare(dilate(make_point(), 0)), prepare(dilate(make_l_shape(1), 0.1)),
+                                  prepare(dilate(bent_square(), 0.01))};
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     Random random(seed);
     shapes.push_back(prepare(dilate(random_shape(random), random.uniform(0, 0.1)), {.planarity = 1e-4}));
@@ -103,6 +120,7 @@ TEST(ShapeCache, GivesEveryTableBackBitForBit) {
     write_lmd_shape(path, shapes[i], i);
     EXPECT_EQ(difference(read_lmd_shape(path, i), shapes[i]), "") << "shape " << i;
   }
+  EXPECT_EQ(shapes[4].straightened.size(), 1U);
   const LmdShape& small = shapes[0];  // the sample has every kind of table
   EXPECT_TRUE(!small.rays.empty() && !small.rest.empty() && small.flat_triangles == 1 &&
               !small.wide_edge_tree.nodes.empty() && !shapes[1].paths.empty() &&

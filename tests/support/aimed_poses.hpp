@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+// Poses that put a corner, a crease or a face of a small probe just where the tests of neighbouring simplices
+// of a shape meet: above its vertices and the borders of its regions, along the normals of the regions,
+// exactly or a little beside. Random poses never hit such places, features cut by one CAD program do. The
+// judge is the distance of the base complexes, which knows no regions, no chains and no cones (lmd.md,
+// Coverage).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include <Eigen/Geometry>
+
+#include "geometry/primitives.hpp"
+#include "lmd/certificate.hpp"
+#include "lmd/find_contacts.hpp"
+#include "tests/support/random.hpp"
+
+namespace aussois {
+
+/// What poses were judged, and how far the smallest gap was from the distance of the bases less the
+/// dilations.
+struct CoverageAudit {
+  long poses = 0;            // judged; bases that touch have no contacts
+  long beside = 0;           // of them: another place of the shape was nearer than the one aimed at
+  long holes = 0;            // no contact as near as the bases, or no contact at all
+  long early = 0;            // a contact nearer than the bases
+  double worst = 0;          // difference over the tolerances of both shapes [-]
+  std::string first_hole{};  // for the message of a test
+};
+
+/// A place on a border of the base complex where |n . (x - y)| of the tests of its neighbours is zero.
+struct Aim {
+  Vec3 x = Vec3::Zero();        // frame of the shape [m]
+  Vec3 u = Vec3::UnitZ();       // unit, away from the shape, on the border of the normal cone
+  Vec3 beside = Vec3::UnitX();  // unit, across u
+};
+
+class AimedPoses {
+ public:
+  explicit AimedPoses(const LmdShape& shape) : s_(shape), k_(shape.complex) {
+    for (int e = 0; e < int(k_.edges.size()); ++e) {
+      const auto around = k_.edge_triangles[e];
+      if (around.empty()) continue;
+      const bool inside = around.size() == 2 && region(around[0]) == region(around[1]);
+      if (!inside) borders_.push_back(e);
+    }
+    std::vector<int> border_edges(k_.vertices.size(), 0);
+    for (const int e : borders_)
+      for (const int v : k_.edges[std::size_t(e)]) ++border_edges[std::size_t(v)];
+    std::vector<char> essential(k_.vertices.size(), 0);
+    for (const VertexLeaf& leaf : s_.vertices) essential[std::size_t(leaf.vertex)] = 1;
+    for (const int e : borders_)
+      for (const int v : k_.edges[std::size_t(e)])
+        if (border_edges[std::size_t(v)] == 2 && !essential[std::size_t(v)]) bent_.push_back(e);
+  }
+  bool empty() const { return borders_.empty(); }
+
+  Aim aim(Random& random) const {
+    // Half of all aims go to where a chain has a vertex inside, on the scale of what its neighbours are off.
+    const std::vector<int>& edges = bent_.empty() || random.index(2) ? borders_ : bent_;
+    const int e = edges[std::size_t(random.index(int(edges.size())))];
+    const auto& ends = k_.edges[std::size_t(e)];
+    const Vec3 &p = k_.vertices[std::size_t(ends[0])], &q = k_.vertices[std::size_t(ends[1])];
+    const Vec3 along = (q - p).normalized();
+    const double s = random.index(3) ? double(random.index(2)) : random.uniform();
+    const auto around = s == 0   ? k_.vertex_triangles[ends[0]]
+                        : s == 1 ? k_.vertex_triangles[ends[1]]
+                                 : k_.edge_triangles[e];
+    const auto normal = [&] {
+      const int t = around[std::size_t(random.index(int(around.size())))];
+      const double side = k_.solid || random.index(2) ? 1 : -1;
+      return Vec3(side * double(s_.triangle_sign[std::size_t(t)]) * s_.regions[region(t)].normal);
+    };
+    Aim aim{.x = p + s * (q - p), .u = normal()};
+    if (random.index(4) == 0) aim.u = (aim.u + random.uniform() * normal()).stableNormalized();
+    if (!(aim.u.norm() > 0.5)) aim.u = Vec3::UnitZ();
+    const Vec3 across[] = {along.cross(aim.u), along, random.direction()};
+    aim.beside = across[random.index(3)];
+    aim.beside = (aim.beside - aim.beside.dot(aim.u) * aim.u).stableNormalized();
+    if (!(aim.beside.norm() > 0.5)) aim.beside = aim.u.unitOrthogonal();
+    return aim;
+  }
+
+ private:
+  std::size_t region(int t) const { return std::size_t(s_.triangle_region[std::size_t(t)]); }
+  const LmdShape& s_;
+  const SimplicialComplex& k_;
+  std::vector<int> borders_{}, bent_{};  // edges; those with an end inside a chain
+};
+
+/// A probe: its frame is put on the aim with z along u.
+struct Probe {
+  LmdShape shape{};
+  Vec3 place = Vec3::Zero();  // of the probe, that comes above the aim; frame of the probe
+};
+
+/// A point, a corner, a crease and a face (in the middle, on a border, at a corner), of size `size`, looking
+/// down.
+inline std::vector<Probe> make_probes(double size, double dilation) {
+  const SimplicialComplex corner = make_complex(
+      {{0, 0, 0}, {0.4 * size, 0, size}, {-0.2 * size, 0.34 * size, size}, {-0.2 * size, -0.34 * size, size}},
+      {{0, 2, 1}, {0, 3, 2}, {0, 1, 3}, {1, 2, 3}}, {}, true);
+  const double h = size / 2;
+  const SimplicialComplex crease = make_complex(
+      {{-h, 0, 0}, {-h, h, h}, {-h, -h, h}, {h, 0, 0}, {h, h, h}, {h, -h, h}},
+      {{0, 2, 1}, {3, 4, 5}, {0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}, {2, 0, 3}, {2, 3, 5}}, {}, true);
+  const SimplicialComplex box = transformed(make_box(size, size, size), translation(0, 0, h));
+  std::vector<Probe> probes;
+  for (const auto& [complex, place] :
+       std::initializer_list<std::pair<SimplicialComplex, Vec3>>{{make_point(), Vec3::Zero()},
+                                                                 {corner, Vec3::Zero()},
+                                                                 {crease, Vec3(0.3 * h, 0, 0)},
+                                                                 {crease, Vec3(h, 0, 0)},
+                                                                 {box, Vec3(0.3 * h, 0.1 * h, 0)},
+                                                                 {box, Vec3(h, 0.1 * h, 0)},
+                                                                 {box, Vec3(h, h, 0)}})
+    probes.push_back({prepare(dilate(complex, dilation)), place});
+  return probes;
+}
+
+/// Sum of the solid angles of the triangles seen from p over 4 pi (van Oosterom and Strackee): 1 in a solid.
+inline double winding_number(const SimplicialComplex& k, const Vec3& p) {
+  double sum = 0;
+  for (const auto& t : k.triangles) {
+    const Vec3 a = k.vertices[std::size_t(t[0])] - p, b = k.vertices[std::size_t(t[1])] - p,
+               c = k.vertices[std::size_t(t[2])] - p;
+    const double la = a.norm(), lb = b.norm(), lc = c.norm();
+    sum += std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+  }
+  return sum / (2 * kPi);
+}
+
+/// Is the first vertex of one in the other? Surfaces that do not meet are then nested, and have no contacts.
+inline bool nested(const PosedShape& a, const PosedShape& b) {
+  const auto in = [](const PosedShape& one, const PosedShape& other) {
+    const SimplicialComplex &k = one.shape->complex, &l = other.shape->complex;
+    return l.solid && winding_number(l, inverse(other.g_ws) * (one.g_ws * k.vertices[0])) > 0.5;
+  };
+  return in(a, b) || in(b, a);
+}
+
+inline std::string in_words(const PosedShape& a, const char* what, double distance, double late) {
+  const auto& [R, p] = a.g_ws;
+  char text[400];
+  std::snprintf(text, sizeof text,
+                "%s at a base distance of %.9g m: smallest gap %.3g tolerances late; wxyz %.17g %.17g %.17g "
+                "%.17g, xyz %.17g %.17g %.17g",
+                what, distance, late, R.w(), R.x(), R.y(), R.z(), p.x(), p.y(), p.z());
+  return text;
+}
+
+/// Judges one pose: gap = base distance - dilations, to two tolerances of each shape.
+inline void judge_coverage(const PosedShape& a, const PosedShape& b, const char* what, CoverageAudit& audit) {
+  const double dilation = a.shape->radius + b.shape->radius;
+  const double tolerance = a.shape->tolerance + b.shape->tolerance;
+  const double d = base_distance({a.shape, {}, {.g = a.g_ws}}, {b.shape, {}, {.g = b.g_ws}}, 100 * dilation);
+  if (d < 1e-3 * dilation || d >= 100 * dilation) return;
+  const ContactSet found = find_contacts(a, b, {.threshold = std::max(0.0, d - dilation + 4 * tolerance)});
+  double gap = kInf;
+  for (const ContactPoint& c : found.points) gap = std::min(gap, c.gap);
+  const double off = gap - (d - dilation);
+  if (off > 2 * tolerance && nested(a, b)) return;
+  ++audit.poses;
+  if (off > 2 * tolerance) {
+    ++audit.holes;
+    if (audit.first_hole.empty()) audit.first_hole = in_words(a, what, d, off / tolerance);
+    return;
+  }
+  audit.early += off < -2 * tolerance;
+  audit.worst = std::max(audit.worst, std::abs(off) / tolerance);
+}
+
+/// `poses` poses of the probes aimed at the borders of `shape`, from the seed.
+inline CoverageAudit audit_coverage(const LmdShape& shape, long poses, std::uint64_t seed) {
+  constexpr double kBeside[] = {0, 1e-12, 1e-10, 1e-8, 1e-6};
+  CoverageAudit audit;
+  const AimedPoses aimed(shape);
+  if (aimed.empty()) return audit;
+  Random random(seed);
+  const double size = 2 * shape.bounding_radius;
+  const std::vector<Probe> probes = make_probes(std::max(0.02 * size, 10 * shape.radius), shape.radius);
+  for (long i = 0; i < poses; ++i) {
+    const std::size_t which = std::size_t(random.index(int(probes.size())));
+    const Aim aim = aimed.aim(random);
+    const double beside =
+        random.index(2) ? size * kBeside[random.index(5)] : size * random.log_uniform(1e-11, 1e-6);
+    const double away = shape.radius * random.log_uniform(0.1, 20);
+    Mat3 axes;
+    const double turn = random.index(3) ? random.uniform(0, 2 * kPi) : 0;
+    const Vec3 y = aim.u.cross(aim.beside);
+    axes << std::cos(turn) * aim.beside + std::sin(turn) * y,
+        std::cos(turn) * y - std::sin(turn) * aim.beside, aim.u;
+    Quat R(axes);
+    if (random.index(3) == 0) R = R * exp_so3(random.log_uniform(1e-10, 0.5) * random.direction());
+    R.normalize();
+    const Vec3 p =
+        aim.x + away * aim.u + (random.index(2) ? beside : -beside) * aim.beside - R * probes[which].place;
+    static const char* const kNames[] = {"point", "corner",           "crease",          "end of a crease",
+                                         "face",  "border of a face", "corner of a face"};
+    judge_coverage({&probes[which].shape, {R, p}, 0}, {&shape, {}, 1}, kNames[which], audit);
+  }
+  return audit;
+}
+
+}  // namespace aussois

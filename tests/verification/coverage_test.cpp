@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// Is there a place without a contact? The smallest gap is the distance of the base complexes less the
+// dilations, to the tolerance of regions and chains, wherever a probe is aimed at (doc/theory/lmd.md,
+// Coverage).
+#include <cstdlib>
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "examples/assembly/assembly_input.hpp"
+#include "tests/support/aimed_poses.hpp"
+#include "tests/support/mesh_damage.hpp"
+
+namespace aussois {
+namespace {
+
+constexpr double kDilation = 1e-3;
+
+void expect_covered(const CoverageAudit& audit, long poses) {
+  EXPECT_GT(audit.poses, poses / 5) << "the sample is hollow";
+  EXPECT_EQ(audit.holes, 0) << audit.first_hole;
+  EXPECT_EQ(audit.early, 0);
+}
+
+/// A box of 1 m about the origin; the vertices of `front` stand between the left and the right lower corner
+/// of its face y = -0.5 and its upper border, at (x, depth behind the face) each.
+SimplicialComplex box_with_border(const std::vector<Vec2>& front) {
+  std::vector<Vec3> v;
+  for (const double y : {-0.5, 0.5})
+    for (const double z : {-0.5, 0.5})
+      for (const double x : {-0.5, 0.5}) v.emplace_back(x, y, z);
+  std::vector<std::array<int, 3>> t{{4, 6, 7}, {4, 7, 5},   // back
+                                    {0, 4, 5}, {0, 5, 1},   // below
+                                    {0, 2, 6}, {0, 6, 4},   // left
+                                    {1, 5, 7}, {1, 7, 3}};  // right
+  std::vector<int> border{2};
+  for (const Vec2& p : front) {
+    border.push_back(int(v.size()));
+    v.emplace_back(p.x(), -0.5 + p.y(), 0.5);
+  }
+  border.push_back(3);
+  for (std::size_t i = 0; i + 1 < border.size(); ++i) {
+    t.push_back({0, border[i + 1], border[i]});
+    t.push_back({6, border[i], border[i + 1]});
+  }
+  t.push_back({0, 1, 3});
+  t.push_back({6, 3, 7});
+  return make_complex(v, t, {}, true);
+}
+
+// A chain's vertex 0.8 um inside of its chord: within the tolerance of chains, outside that of feet.
+TEST(Coverage, ThereIsNoSlitBesideAVertexInsideAChain) {
+  const LmdShape shape = prepare(dilate(box_with_border({{0.1, 0.8e-6}}), kDilation));
+  ASSERT_EQ(shape.straightened.size(), 1U);
+  expect_covered(audit_coverage(shape, 20000, 1), 20000);
+}
+
+// A face that a CAD program cut into triangles and wrote with rounded coordinates: creases of 1e-6, some of
+// them concave, run out of its corner.
+TEST(Coverage, ACornerOfAFaceThatIsNearlyFlatIsNoPit) {
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed);
+    std::vector<Vec2> front;
+    for (double x = -0.5 + random.uniform(0, 0.2); x < 0.5; x += random.uniform(0.01, 0.1))
+      front.emplace_back(x, (random.index(2) ? 1 : -1) * random.log_uniform(1e-7, 1e-6));
+    const LmdShape shape = prepare(dilate(box_with_border(front), 1e-4));
+    expect_covered(audit_coverage(shape, 500, seed), 500);
+  }
+}
+
+// The long sides of a needle are near each other far beyond its tip: a foot there is none.
+TEST(Coverage, NoFaceReachesBeyondTheTipOfANeedle) {
+  const std::vector<Vec3> v{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5 - 2e-9, 0.5 + 2e-9, 0}};
+  const LmdShape sheet =
+      prepare(dilate(make_complex(v, {{0, 1, 2}, {0, 2, 4}, {0, 4, 3}, {4, 2, 3}}), kDilation));
+  ASSERT_EQ(sheet.flat_triangles, 0);
+  const LmdShape point = prepare(dilate(make_point(), kDilation));
+  Random random(3);
+  for (int i = 0; i < 1000; ++i) {
+    const double beyond = random.uniform(0.01, 0.3);
+    const SE3 g = translation(1 + beyond, 1 + beyond, random.uniform(0.02, 0.05));
+    const double distance = base_distance({&point, {}, {.g = g}}, {&sheet, {}, {}}, 1);
+    const ContactSet found = find_contacts_exhaustive({&point, g, 0}, {&sheet, {}, 1}, {.threshold = 1});
+    ASSERT_NEAR(smallest_gap(found), distance - 2 * kDilation, 1e-9);
+  }
+}
+
+// Soups, T-junctions, needles and cuts, put together again by the repair.
+TEST(Coverage, IsThatOfRepairedMeshesToo) {
+  for (unsigned seed = 0; seed < 30; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed);
+    LooseMesh mesh = loose(seed % 3 == 0   ? make_cylinder(0.5, 1, 12)
+                           : seed % 3 == 1 ? make_box(1, 0.8, 0.6, 2)
+                                           : make_torus(0.6, 0.2, 8, 6));
+    for (int i = 0; i < 12; ++i)
+      cut_a_side(mesh, Cut(random.index(3)), 1e-3, random.log_uniform(1e-9, 1e-6), random);
+    const RepairedMesh repaired = repair_mesh(complex_of(soup_of(mesh, 1e-8, random)));
+    const LmdShape shape = prepare(dilate(repaired.complex, kDilation));
+    expect_covered(audit_coverage(shape, 600, seed), 600);
+  }
+}
+
+TEST(Coverage, StraightenedVerticesMoveByNoMoreThanTheTolerance) {
+  const SimplicialComplex file = box_with_border({{-0.2, 0.8e-6}, {0.1, -0.5e-6}, {0.3, 1e-12}});
+  const LmdShape shape = prepare(dilate(file, kDilation));
+  ASSERT_EQ(shape.straightened.size(), 2U) << "the third is on the chord to rounding";
+  for (const auto& [v, from] : shape.straightened) {
+    EXPECT_EQ(from, file.vertices[std::size_t(v)]);
+    EXPECT_LE((shape.complex.vertices[std::size_t(v)] - from).norm(), shape.tolerance);
+    EXPECT_EQ(shape.complex.vertices[std::size_t(v)].y(), -0.5);
+  }
+}
+
+// All shared meshes; AUSSOIS_AIMED_POSES of each.
+TEST(SharedMeshes, HaveAContactWhereverAProbeIsAimed) {
+  const char* data = std::getenv("AUSSOIS_DATA_DIR");
+  if (!data || !*data) GTEST_SKIP() << "AUSSOIS_DATA_DIR names no folder";
+  const char* count = std::getenv("AUSSOIS_AIMED_POSES");
+  const long poses = count && *count ? std::atol(count) : 1000;
+  std::vector<std::filesystem::path> meshes;
+  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(data) / "meshes"))
+    if (entry.path().extension() == ".obj") meshes.push_back(entry.path());
+  std::ranges::sort(meshes);
+  long judged = 0;
+  double worst = 0;
+  for (const auto& mesh : meshes) {
+    SCOPED_TRACE(mesh.filename().string());
+    const AssemblyPart part = read_part(mesh, 1e-3);
+    if (part.complex.triangles.empty()) continue;
+    const LmdShape shape = prepare(dilate(part.complex, 1e-4 * part.report.box.diagonal()));
+    const CoverageAudit audit = audit_coverage(shape, poses, 1);
+    expect_covered(audit, poses);
+    judged += audit.poses;
+    worst = std::max(worst, audit.worst);
+  }
+  EXPECT_GT(judged, 20 * poses);
+  std::printf("%ld aimed poses, worst difference %.3g of the tolerances\n", judged, worst);
+}
+
+}  // namespace
+}  // namespace aussois
