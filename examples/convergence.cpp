@@ -27,6 +27,7 @@
 #include "geometry/check.hpp"
 #include "geometry/parallel.hpp"
 #include "io/atomic_file.hpp"
+#include "io/build_info.hpp"
 
 using namespace aussois;
 

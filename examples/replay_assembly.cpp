@@ -20,6 +20,7 @@
 #include "examples/common/audit_report.hpp"
 #include "examples/common/driver.hpp"
 #include "examples/common/progress.hpp"
+#include "examples/common/restart.hpp"
 #include "examples/common/step_dump.hpp"
 #include "geometry/check.hpp"
 #include "io/build_info.hpp"
@@ -249,18 +250,11 @@ Checkpoint checkpoint_of(std::uint64_t print, const State& state, const Statisti
                      {"run_rows", std::int64_t(run_rows)}}};
 }
 
-template <class Value>
-Value entry(const std::map<std::string, Value>& values, const std::string& key) {
-  const auto found = values.find(key);
-  if (found == values.end()) throw std::runtime_error("checkpoint.h5: " + key + " is missing");
-  return found->second;
-}
-
 Statistics statistics_of(const Checkpoint& c) {
-  const auto number = [&](const char* key) { return entry(c.numbers, key); };
+  const auto number = [&](const char* key) { return checkpoint_number(c, key); };
   return {.steps = c.step,
-          .solver_failures = entry(c.counts, "solver_failures"),
-          .max_contacts = entry(c.counts, "max_contacts"),
+          .solver_failures = checkpoint_count(c, "solver_failures"),
+          .max_contacts = checkpoint_count(c, "max_contacts"),
           .min_gap = number("min_gap"),
           .min_base_distance = number("min_base_distance"),
           .peak_force = number("peak_force"),
@@ -272,8 +266,8 @@ Statistics statistics_of(const Checkpoint& c) {
           .cpu_s = number("cpu_s"),
           .audit = {.min_distance = number("certify_distance"),
                     .min_slack = number("certify_slack"),
-                    .steps = entry(c.counts, "certify_steps"),
-                    .violations = entry(c.counts, "certify_violations")}};
+                    .steps = checkpoint_count(c, "certify_steps"),
+                    .violations = checkpoint_count(c, "certify_violations")}};
 }
 
 void account(Statistics& s, const AssemblyScene& scene, const State& state, const StepReport& report,
@@ -311,19 +305,22 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
   State state = start_of(scene);
   Statistics s;
   std::size_t csv_rows = 0, run_rows = 0;
+  std::string program = program_version();
   if (a.common.resume) {
-    const Checkpoint c = read_checkpoint(checkpoint_file, print);
+    const Checkpoint c = checkpoint_to_resume(a.common, checkpoint_file, print);
     validate(scene.model, c.state);
     state = c.state;
     s = statistics_of(c);
-    csv_rows = std::size_t(entry(c.counts, "csv_rows"));
-    run_rows = std::size_t(entry(c.counts, "run_rows"));
+    program = c.program;
+    csv_rows = std::size_t(checkpoint_count(c, "csv_rows"));
+    run_rows = std::size_t(checkpoint_count(c, "run_rows"));
   }
   s.audit.samples = a.certify;
   RunWriter run = a.common.resume ? RunWriter::resume(a.common.out / "run.h5", run_rows)
                                   : RunWriter(a.common.out / "run.h5", header_of(input, scene, a));
   CsvTable csv = a.common.resume ? CsvTable::resume(a.common.out / "steps.csv", kColumns, csv_rows)
                                  : CsvTable(a.common.out / "steps.csv", kColumns);
+  note_other_program(run, program, s.steps);
   if (!a.common.resume) run.append(run_step(0, scene.model, state));
 
   const auto keep = [&] {

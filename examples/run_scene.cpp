@@ -16,6 +16,7 @@
 #include "examples/common/audit_report.hpp"
 #include "examples/common/match_report.hpp"
 #include "examples/common/progress.hpp"
+#include "examples/common/restart.hpp"
 #include "examples/common/scheme_flags.hpp"
 #include "examples/common/step_dump.hpp"
 #include "examples/scenes/library.hpp"
@@ -160,23 +161,23 @@ Checkpoint checkpoint_of(std::uint64_t print, const State& state, const Statisti
 Statistics statistics_of(const Checkpoint& c) {
   MatchTotals matches;
   add_matches(matches, {});
-  for (auto& [name, count] : matches) count = c.counts.at(name);
+  for (auto& [name, count] : matches) count = checkpoint_count(c, name);
   return {.steps = c.step,
-          .solver_failures = c.counts.at("solver_failures"),
-          .energy_rises = c.counts.at("energy_rises"),
-          .max_contacts = c.counts.at("max_contacts"),
-          .min_gap = c.numbers.at("min_gap"),
-          .max_displacement = c.numbers.at("max_displacement"),
-          .joint_drift = c.numbers.at("joint_drift"),
-          .joint_drift_angle = c.numbers.at("joint_drift_angle"),
-          .energy_residual = c.numbers.at("energy_residual"),
-          .impulse_gain = c.numbers.at("impulse_gain"),
-          .cpu_s = c.numbers.at("cpu_s"),
+          .solver_failures = checkpoint_count(c, "solver_failures"),
+          .energy_rises = checkpoint_count(c, "energy_rises"),
+          .max_contacts = checkpoint_count(c, "max_contacts"),
+          .min_gap = checkpoint_number(c, "min_gap"),
+          .max_displacement = checkpoint_number(c, "max_displacement"),
+          .joint_drift = checkpoint_number(c, "joint_drift"),
+          .joint_drift_angle = checkpoint_number(c, "joint_drift_angle"),
+          .energy_residual = checkpoint_number(c, "energy_residual"),
+          .impulse_gain = checkpoint_number(c, "impulse_gain"),
+          .cpu_s = checkpoint_number(c, "cpu_s"),
           .matches = matches,
-          .audit = {.min_distance = c.numbers.at("certify_distance"),
-                    .min_slack = c.numbers.at("certify_slack"),
-                    .steps = c.counts.at("certify_steps"),
-                    .violations = c.counts.at("certify_violations")}};
+          .audit = {.min_distance = checkpoint_number(c, "certify_distance"),
+                    .min_slack = checkpoint_number(c, "certify_slack"),
+                    .steps = checkpoint_count(c, "certify_steps"),
+                    .violations = checkpoint_count(c, "certify_violations")}};
 }
 
 void account(Statistics& s, const StepReport& report, double displacement) {
@@ -242,13 +243,15 @@ ExitCode run(Arguments& a) {
   State state = scene.state;
   Statistics s;
   std::size_t csv_rows = 0, run_rows = 0;
+  std::string program = program_version();
   if (a.common.resume) {
-    const Checkpoint c = read_checkpoint(checkpoint_file, print);
+    const Checkpoint c = checkpoint_to_resume(a.common, checkpoint_file, print);
     validate(scene.model, c.state);
     state = c.state;
     s = statistics_of(c);
-    csv_rows = std::size_t(c.counts.at("csv_rows"));
-    run_rows = std::size_t(c.counts.at("run_rows"));
+    program = c.program;
+    csv_rows = std::size_t(checkpoint_count(c, "csv_rows"));
+    run_rows = std::size_t(checkpoint_count(c, "run_rows"));
   }
   s.audit.samples = a.certify;
   RunHeader header = run_header(scene.model);
@@ -260,6 +263,7 @@ ExitCode run(Arguments& a) {
                                    : RunWriter(a.common.out / "run.h5", header);
   CsvTable csv = a.common.resume ? CsvTable::resume(a.common.out / "steps.csv", columns, csv_rows)
                                  : CsvTable(a.common.out / "steps.csv", columns);
+  note_other_program(file, program, s.steps);
   if (!a.common.resume) file.append(run_step(0, scene.model, state));
 
   Progress progress("run_scene", t_end, Progress::style_of_stderr(a.common.quiet));

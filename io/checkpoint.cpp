@@ -5,13 +5,14 @@
 #include <stdexcept>
 
 #include "io/atomic_file.hpp"
+#include "io/build_info.hpp"
 #include "io/hdf5_file.hpp"
 
 namespace aussois {
 namespace {
 
 constexpr const char* kFormat = "aussois-checkpoint";
-constexpr const char* kVersion = "5";
+constexpr const char* kVersion = "6";
 
 std::string hex(std::uint64_t value) {
   char text[24];
@@ -48,6 +49,16 @@ std::map<std::string, T> read_named(hid_t file, const std::string& group) {
   std::map<std::string, T> values;
   for (std::size_t i = 0; i < names.size(); ++i) values[names[i]] = rows[i];
   return values;
+}
+
+template <class Value>
+Value entry(const Checkpoint& checkpoint, const std::map<std::string, Value>& values,
+            const std::string& name) {
+  const auto found = values.find(name);
+  if (found == values.end())
+    throw std::runtime_error("checkpoint: '" + name + "' is missing; it was written by " +
+                             checkpoint.program);
+  return found->second;
 }
 
 template <class T>
@@ -113,6 +124,10 @@ State read_state(hid_t file) {
   state.a = read_vector(file, "/state/acceleration");
   const auto bodies = read_rows<std::array<int, 2>>(file, "/memory/bodies");
   const auto feature = read_rows<std::uint64_t>(file, "/memory/feature");
+  const auto held = read_rows<int>(file, "/memory/held");
+  const auto solved = read_rows<int>(file, "/memory/solved");
+  if (feature.size() != bodies.size() || held.size() != bodies.size() || solved.size() != bodies.size())
+    fail_hdf5(file, "/memory", "has columns of different length");
   ContactMemory& memory = state.memory;
   memory.contacts.resize(bodies.size());
   const auto read = [&]<class T>(const char* name, T RememberedContact::*field) {
@@ -127,10 +142,6 @@ State read_state(hid_t file) {
   read("/memory/impulse", &RememberedContact::impulse);
   read("/memory/drilling", &RememberedContact::drilling);
   read("/memory/anchor_b", &RememberedContact::anchor_b);
-  const auto held = read_rows<int>(file, "/memory/held");
-  const auto solved = read_rows<int>(file, "/memory/solved");
-  if (feature.size() != bodies.size() || held.size() != bodies.size() || solved.size() != bodies.size())
-    fail_hdf5(file, "/memory", "has columns of different length");
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     memory.contacts[i].key = {.body_a = bodies[i][0], .body_b = bodies[i][1], .feature = feature[i]};
     memory.contacts[i].held = held[i] != 0;
@@ -145,26 +156,30 @@ State read_state(hid_t file) {
 
 void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint) {
   const Hdf5Silence silence;
-  const std::filesystem::path temporary = temporary_name(path);
-  {
+  write_atomically(path, [&](const std::filesystem::path& temporary) {
     const Hdf5Id file = create_hdf5(temporary);
     write_text(file, "/", "format", kFormat);
     write_text(file, "/", "version", kVersion);
+    write_text(file, "/", "program", checkpoint.program.empty() ? program_version() : checkpoint.program);
     write_rows(file, "/fingerprint", std::vector<std::uint64_t>{checkpoint.fingerprint});
     write_rows(file, "/step", std::vector<std::int64_t>{checkpoint.step});
     write_state(file, checkpoint.state);
     write_named(file, "/numbers", checkpoint.numbers);
     write_named(file, "/counts", checkpoint.counts);
     flush_hdf5(file);
-  }
-  publish(temporary, path);
+  });
 }
 
-Checkpoint read_checkpoint(const std::filesystem::path& path, std::uint64_t fingerprint) {
+Checkpoint read_checkpoint(const std::filesystem::path& path, std::uint64_t fingerprint, OtherProgram other) {
   const Hdf5Silence silence;
   const Hdf5Id file = open_hdf5(path, Hdf5Access::read);
   check_format(file, kFormat, kVersion);
   Checkpoint checkpoint;
+  checkpoint.program = read_text(file, "/", "program");
+  if (other == OtherProgram::refuse && checkpoint.program != program_version())
+    fail_hdf5(file, "/@program",
+              "the checkpoint was written by " + checkpoint.program + ", this is " + program_version() +
+                  ", which may go on with other bits: continue with that program, or with --resume-anyway");
   checkpoint.fingerprint = read_one<std::uint64_t>(file, "/fingerprint");
   if (checkpoint.fingerprint != fingerprint)
     fail_hdf5(file, "/fingerprint",
@@ -175,6 +190,14 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, std::uint64_t fing
   checkpoint.numbers = read_named<double>(file, "/numbers");
   checkpoint.counts = read_named<std::int64_t>(file, "/counts");
   return checkpoint;
+}
+
+double checkpoint_number(const Checkpoint& checkpoint, const std::string& name) {
+  return entry(checkpoint, checkpoint.numbers, name);
+}
+
+std::int64_t checkpoint_count(const Checkpoint& checkpoint, const std::string& name) {
+  return entry(checkpoint, checkpoint.counts, name);
 }
 
 std::uint64_t fingerprint_of(const std::string& text) {

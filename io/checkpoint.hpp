@@ -19,15 +19,25 @@ struct Checkpoint {
   State state{};
   std::map<std::string, double> numbers{};       // running statistics of the driver
   std::map<std::string, std::int64_t> counts{};  // counters, rows of the output files
+  std::string program{};  // program_version() of the one that wrote it; where it is written, empty: this one
 };
 
-/// Writes all bits (also -0.0 and subnormal numbers) as HDF5, under a temporary name that is then renamed:
-/// the last whole checkpoint survives a process that dies here. Throws std::runtime_error with the path.
+/// The entry of that name. Throws std::runtime_error naming it and the program that left it out.
+double checkpoint_number(const Checkpoint& checkpoint, const std::string& name);
+std::int64_t checkpoint_count(const Checkpoint& checkpoint, const std::string& name);
+
+/// A run that one program began and another goes on with has no program that gives its bits.
+enum class OtherProgram { refuse, accept };
+
+/// Writes all bits (also -0.0 and subnormal numbers) as HDF5, by write_atomically: the last whole checkpoint
+/// survives whatever ends the process here. Throws std::runtime_error with the path.
 void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
 
 /// Throws std::runtime_error if the file is missing, truncated, damaged (the hash of the state is stored and
-/// compared), or of another version; and if its fingerprint is not `fingerprint` (the message names both).
-Checkpoint read_checkpoint(const std::filesystem::path& path, std::uint64_t fingerprint);
+/// compared), or of another version of the format; unless `other` accepts it, if another program wrote it
+/// (the message names both and --resume-anyway); and if its fingerprint is not `fingerprint` (it names both).
+Checkpoint read_checkpoint(const std::filesystem::path& path, std::uint64_t fingerprint,
+                           OtherProgram other = OtherProgram::refuse);
 
 /// 64-bit FNV-1a of a text: a fingerprint is made of the options written as text and the names of input
 /// files.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/csv_table.hpp"
 
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <stdexcept>
 #include <system_error>
@@ -24,18 +26,18 @@ std::string header_line(const std::vector<std::string>& columns) {
 }
 
 /// Bytes of the header and the first `rows` rows.
-std::uintmax_t size_of_rows(const std::filesystem::path& temporary, const std::string& header,
+std::uintmax_t size_of_rows(const std::filesystem::path& growing, const std::string& header,
                             std::size_t rows) {
-  std::ifstream file(temporary, std::ios::binary);
-  if (!file) throw std::runtime_error(temporary.string() + ": cannot be opened to resume the table");
+  std::ifstream file(growing, std::ios::binary);
+  if (!file) throw std::runtime_error(growing.string() + ": cannot be opened to resume the table");
   std::string line;
   std::getline(file, line);
   if (line + '\n' != header || file.eof())
-    throw std::runtime_error(temporary.string() + ":1: the columns are '" + line + "', not '" +
+    throw std::runtime_error(growing.string() + ":1: the columns are '" + line + "', not '" +
                              header.substr(0, header.size() - 1) + "'");
   for (std::size_t row = 0; row < rows; ++row)
     if (!std::getline(file, line) || file.eof())  // a row without its line end was not finished
-      throw std::runtime_error(temporary.string() + ": has " + std::to_string(row) + " whole rows, " +
+      throw std::runtime_error(growing.string() + ": has " + std::to_string(row) + " whole rows, " +
                                std::to_string(rows) + " are needed to resume");
   return std::uintmax_t(file.tellg());
 }
@@ -45,23 +47,30 @@ std::uintmax_t size_of_rows(const std::filesystem::path& temporary, const std::s
 CsvTable::CsvTable(std::filesystem::path path, const std::vector<std::string>& columns)
     : path_(std::move(path)), columns_(columns.size()) {
   const std::string header = header_line(columns);
-  file_.reset(std::fopen(temporary_name(path_).c_str(), "wb"));
-  if (!file_) throw std::runtime_error(path_.string() + ": cannot be created");
+  const std::filesystem::path growing = growing_name(path_);
+  {
+    WriterLock left(growing);
+    left.remove_file();
+    file_.reset(std::fopen(growing.c_str(), "wbx"));
+    if (!file_) throw std::runtime_error(path_.string() + ": cannot be created: " + std::strerror(errno));
+  }
+  lock_ = WriterLock(growing);
   write(header);
 }
 
 CsvTable CsvTable::resume(std::filesystem::path path, const std::vector<std::string>& columns,
                           std::size_t rows) {
-  const std::filesystem::path temporary = temporary_name(path);
-  const std::uintmax_t size = size_of_rows(temporary, header_line(columns), rows);
-  std::error_code failed;
-  std::filesystem::resize_file(temporary, size, failed);
+  const std::filesystem::path growing = growing_name(path);
   CsvTable table;
+  table.lock_ = WriterLock(growing);
+  const std::uintmax_t size = size_of_rows(growing, header_line(columns), rows);
+  std::error_code failed;
+  std::filesystem::resize_file(growing, size, failed);
   table.path_ = std::move(path);
   table.columns_ = columns.size();
   table.rows_ = rows;
-  if (!failed) table.file_.reset(std::fopen(temporary.c_str(), "ab"));
-  if (!table.file_) throw std::runtime_error(temporary.string() + ": cannot be cut and reopened");
+  if (!failed) table.file_.reset(std::fopen(growing.c_str(), "ab"));
+  if (!table.file_) throw std::runtime_error(growing.string() + ": cannot be cut and reopened");
   return table;
 }
 
@@ -83,14 +92,16 @@ void CsvTable::write(const std::string& text) {
 }
 
 void CsvTable::flush() {
-  if (file_ && std::fflush(file_.get()) != 0)
-    throw std::runtime_error(path_.string() + ": cannot be written");
+  if (!file_) return;
+  if (std::fflush(file_.get()) != 0) throw std::runtime_error(path_.string() + ": cannot be written");
+  sync_to_disk(growing_name(path_));
 }
 
 void CsvTable::close() {
   if (!file_) return;
   if (std::fclose(file_.release()) != 0) throw std::runtime_error(path_.string() + ": cannot be written");
-  publish(temporary_name(path_), path_);
+  publish(growing_name(path_), path_);
+  lock_ = {};
 }
 
 }  // namespace aussois

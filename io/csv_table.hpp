@@ -11,19 +11,21 @@
 #include <string>
 #include <vector>
 
+#include "io/atomic_file.hpp"
+
 namespace aussois {
 
-/// Rows go to PATH.tmp, which becomes PATH at close(). Doubles are written in the shortest form that reads
-/// back as the same bits; whole numbers without a point; nan and inf as these words. Without close() (an
-/// error, an interruption) the rows stay in PATH.tmp for `resume`.
+/// Rows go to PATH.tmp, which nobody else may write meanwhile and which becomes PATH at close(). Doubles are
+/// written in the shortest form that reads back as the same bits; whole numbers without a point; nan and inf
+/// as these words. Without close() (an error, an interruption) the rows stay in PATH.tmp for `resume`.
 class CsvTable {
  public:
   /// Throws std::invalid_argument for no columns or a name with a comma, quote or line end;
-  /// std::runtime_error if the file cannot be created.
+  /// std::runtime_error if the file cannot be created, or another run is writing it.
   CsvTable(std::filesystem::path path, const std::vector<std::string>& columns);
 
   /// Reopens PATH.tmp, keeps its first `rows` rows and cuts off the rest, even half a line. Throws
-  /// std::runtime_error if the file is missing, has other columns, or fewer rows.
+  /// std::runtime_error if the file is missing, has other columns, fewer rows, or another writer.
   static CsvTable resume(std::filesystem::path path, const std::vector<std::string>& columns,
                          std::size_t rows);
 
@@ -31,7 +33,7 @@ class CsvTable {
   void add(std::span<const double> values);
   void add(std::initializer_list<double> values) { add(std::span(values.begin(), values.size())); }
 
-  void flush();  // to the operating system; call it before a checkpoint counts the rows
+  void flush();  // to the disk; call it before a checkpoint counts the rows
   void close();  // flush and rename; further rows are refused
   std::size_t rows() const { return rows_; }
 
@@ -46,6 +48,7 @@ class CsvTable {
   std::size_t columns_ = 0;
   std::size_t rows_ = 0;
   std::unique_ptr<std::FILE, CloseFile> file_{};
+  WriterLock lock_{};
 };
 
 }  // namespace aussois

@@ -70,7 +70,7 @@ std::vector<int> read_indices(hid_t file, const std::string& name, std::size_t c
   return indices;
 }
 
-/// The column (or row) of each entry from the starts of the columns (or rows).
+/// Where the entries of each of `outer` columns (or rows) begin, and where the last ones end.
 std::vector<int> read_starts(hid_t file, const std::string& name, int outer) {
   const std::vector<int> starts = read_integers(file, name);
   if (starts.size() != std::size_t(outer) + 1)
@@ -79,10 +79,15 @@ std::vector<int> read_starts(hid_t file, const std::string& name, int outer) {
   for (std::size_t k = 0; k < starts.size(); ++k)
     if (k == 0 ? starts[k] != 0 : starts[k] < starts[k - 1])
       fail_hdf5(file, name, entry(k, starts[k]) + " must be 0 first and not descend");
-  std::vector<int> outer_of(std::size_t(starts.back()));
-  for (int k = 0; k < outer; ++k)
-    std::fill(outer_of.begin() + starts[std::size_t(k)], outer_of.begin() + starts[std::size_t(k) + 1], k);
-  return outer_of;
+  return starts;
+}
+
+/// The column (or row) of each entry from the starts of the columns (or rows).
+std::vector<int> outer_of(const std::vector<int>& starts) {
+  std::vector<int> outer(std::size_t(starts.back()));
+  for (std::size_t k = 0; k + 1 < starts.size(); ++k)
+    std::fill(outer.begin() + starts[k], outer.begin() + starts[k + 1], int(k));
+  return outer;
 }
 
 /// The matrix must be rows x cols: what its vectors say is known before it is read.
@@ -98,13 +103,15 @@ SparseMatrix read_matrix(hid_t file, const std::string& name, Eigen::Index rows,
               "is " + std::to_string(nz) +
                   ", must be -1 (compressed columns), -2 (compressed rows) or a number of triplets");
   // Of triplets p has columns and i rows: the comment in fclib.h says the opposite, the files do not.
-  std::vector<int> row, col;
+  std::vector<int> row, col;  // the file holds one of them; the other is made when its size is known to fit
   if (nz == -1) {
-    col = read_starts(file, name + "/p", n);
-    row = read_indices(file, name + "/i", col.size(), m);
+    const std::vector<int> starts = read_starts(file, name + "/p", n);
+    row = read_indices(file, name + "/i", std::size_t(starts.back()), m);
+    col = outer_of(starts);
   } else if (nz == -2) {
-    row = read_starts(file, name + "/p", m);
-    col = read_indices(file, name + "/i", row.size(), n);
+    const std::vector<int> starts = read_starts(file, name + "/p", m);
+    col = read_indices(file, name + "/i", std::size_t(starts.back()), n);
+    row = outer_of(starts);
   } else {
     col = read_indices(file, name + "/p", std::size_t(nz), n);
     row = read_indices(file, name + "/i", std::size_t(nz), m);
@@ -436,21 +443,18 @@ FclibFile read_fclib(const std::filesystem::path& path) {
       out.guesses.push_back(read_values(file, "/guesses/" + std::to_string(i), sizes));
   }
   if (has_link(file, "/solution")) out.solution = read_values(file, "/solution", sizes);
+  try {
+    validate(out);
+  } catch (const std::invalid_argument& error) {
+    fail_hdf5(file, form.group, error.what());
+  }
   return out;
 }
 
 void write_fclib(const std::filesystem::path& path, const FclibFile& file) {
   validate(file);
   const Hdf5Silence silence;
-  const std::filesystem::path temporary = temporary_name(path);
-  try {
-    write_all(temporary, file);
-    publish(temporary, path);
-  } catch (...) {
-    std::error_code ignored;
-    std::filesystem::remove(temporary, ignored);
-    throw;
-  }
+  write_atomically(path, [&](const std::filesystem::path& temporary) { write_all(temporary, file); });
 }
 
 }  // namespace aussois

@@ -15,17 +15,33 @@ std::string file_name(hid_t file) {
   return name;
 }
 
-/// A dataset's size may be damaged: it must not ask for all memory, and HDF5 reads over the end of one that
-/// lies in its header. Elsewhere deflate makes at most 1032 bytes from one; zeros may not be stored at all.
+hsize_t chunk_bytes(hid_t layout, hsize_t value_size) {
+  std::vector<hsize_t> sides(H5S_MAX_RANK);
+  const int rank = H5Pget_chunk(layout, int(sides.size()), sides.data());
+  hsize_t bytes = value_size;  // below 2^32: HDF5 makes and reads no larger chunks
+  for (int i = 0; i < rank; ++i) bytes *= sides[std::size_t(i)];
+  return bytes;
+}
+
+/// A dataset's size may be damaged: it must not ask for more memory than its bytes can hold, and HDF5 reads
+/// over the end of one that lies in its header. Deflate, which chunks may have, makes at most 1032 bytes from
+/// one. Zeros may not be stored at all: such a dataset may be as large as the file.
 void check_size(hid_t file, const std::string& name, hid_t dataset) {
   const Hdf5Id space(H5Dget_space(dataset), H5Sclose), type(H5Dget_type(dataset), H5Tclose),
       list(H5Dget_create_plist(dataset), H5Pclose);
-  const hssize_t points = H5Sget_simple_extent_npoints(space);
-  const hsize_t values = hsize_t(std::max<hssize_t>(points, 0)), size = H5Tget_size(type);
+  const hsize_t values = value_count(space), size = H5Tget_size(type);
+  const H5D_layout_t layout = H5Pget_layout(list);
+  const hsize_t stored = H5Dget_storage_size(dataset);
   hsize_t bytes = 0;
   H5Fget_filesize(file, &bytes);
-  bytes = H5Pget_layout(list) == H5D_COMPACT ? H5Dget_storage_size(dataset) : 1032 * bytes;
-  if (points < 0 || (values > 0 && size > bytes / values))
+  if (stored > 0 || layout == H5D_COMPACT) bytes = std::min(bytes, stored);
+  if (stored > 0 && layout == H5D_CHUNKED) {
+    bytes *= 1032;
+    if (const hsize_t chunk = chunk_bytes(list, size); chunk > bytes)  // HDF5 makes all of it to read a value
+      fail_hdf5(file, name,
+                "has chunks of " + std::to_string(chunk) + " bytes, more than its bytes can hold");
+  }
+  if (values > 0 && size > bytes / values)
     fail_hdf5(file, name, "claims " + std::to_string(values) + " values, more than its bytes can hold");
 }
 
@@ -76,12 +92,22 @@ Hdf5Silence::~Hdf5Silence() {
   H5Eset_auto2(H5E_DEFAULT, print_, data_);
 }
 
+hsize_t value_count(hid_t space) {
+  if (H5Sget_simple_extent_type(space) != H5S_SIMPLE) return H5Sget_simple_extent_type(space) == H5S_SCALAR;
+  std::vector<hsize_t> sides(H5S_MAX_RANK);
+  sides.resize(std::size_t(std::max(H5Sget_simple_extent_dims(space, sides.data(), nullptr), 0)));
+  if (std::ranges::count(sides, hsize_t{0}) > 0) return 0;
+  hsize_t values = 1;
+  for (const hsize_t side : sides) values = side > kManyValues / values ? kManyValues : values * side;
+  return values;
+}
+
 void fail_hdf5(hid_t file, const std::string& name, const std::string& what) {
   throw std::runtime_error(file_name(file) + ": " + name + ": " + what);
 }
 
 Hdf5Id create_hdf5(const std::filesystem::path& path) {
-  Hdf5Id file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
+  Hdf5Id file(H5Fcreate(path.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
   if (file < 0) throw std::runtime_error(path.string() + ": cannot be created");
   return file;
 }
@@ -118,7 +144,10 @@ std::string read_text(hid_t file, const std::string& object, const std::string& 
   const Hdf5Id type(H5Aget_type(id), H5Tclose);
   if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0)
     fail_hdf5(file, object + "@" + attribute, "is not a text of fixed length");
-  std::string text(H5Tget_size(type), '\0');
+  const std::size_t length = H5Tget_size(type);
+  if (H5Aget_storage_size(id) != length)
+    fail_hdf5(file, object + "@" + attribute, "is not one text of " + std::to_string(length) + " bytes");
+  std::string text(length, '\0');
   if (H5Aread(id, type, text.data()) < 0) fail_hdf5(file, object + "@" + attribute, "cannot be read");
   return without_padding(text.data(), text.size());
 }
@@ -176,14 +205,13 @@ std::string read_text_dataset(hid_t file, const std::string& name) {
   const Hdf5Id id(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
   if (id < 0) fail_hdf5(file, name, "is missing");
   const Hdf5Id type(H5Dget_type(id), H5Tclose), space(H5Dget_space(id), H5Sclose);
-  if (H5Tget_class(type) != H5T_STRING || H5Sget_simple_extent_npoints(space) != 1)
-    fail_hdf5(file, name, "is not one text");
+  if (H5Tget_class(type) != H5T_STRING || value_count(space) != 1) fail_hdf5(file, name, "is not one text");
   check_size(file, name, id);
   if (H5Tis_variable_str(type) > 0) {
     char* text = nullptr;
     if (H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, &text) < 0 || text == nullptr)
       fail_hdf5(file, name, "cannot be read");
-    const std::string copy = text;
+    std::string copy = text;
     H5Dvlen_reclaim(type, space, H5P_DEFAULT, &text);
     return copy;
   }

@@ -100,7 +100,7 @@ struct Hdf5Row<std::array<T, n>> : Hdf5Row<T> {
   }
 };
 
-Hdf5Id create_hdf5(const std::filesystem::path& path);
+Hdf5Id create_hdf5(const std::filesystem::path& path);  // fails where a file is already
 enum class Hdf5Access { read, write };
 Hdf5Id open_hdf5(const std::filesystem::path& path, Hdf5Access access);
 void flush_hdf5(hid_t file);
@@ -116,6 +116,10 @@ std::vector<std::string> read_texts(hid_t file, const std::string& name);
 void write_text_dataset(hid_t file, const std::string& name, const std::string& text);
 /// Of fixed or variable length.
 std::string read_text_dataset(hid_t file, const std::string& name);
+
+/// Values of a data space, as far as kManyValues: HDF5 multiplies modulo 2^64.
+hsize_t value_count(hid_t space);
+inline constexpr hsize_t kManyValues = hsize_t{1} << 62;
 
 /// Fails unless the root carries these attributes `format` and `version`.
 void check_format(hid_t file, const std::string& format, const std::string& version);

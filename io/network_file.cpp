@@ -61,6 +61,10 @@ class NetworkReader {
   }
   MatX rows(const char* name, Eigen::Index rows, Eigen::Index columns) {
     word(name);
+    const std::size_t numbers = std::size_t(rows * columns), bytes = text_.size() - reader_.position();
+    if (numbers > bytes / 2)  // a blank and a digit each: no memory is asked for what cannot follow
+      reader_.fail(std::string(name) + " needs " + std::to_string(numbers) + " numbers, " +
+                   std::to_string(bytes) + " bytes follow");
     MatX out(rows, columns);
     for (Eigen::Index i = 0; i < rows; ++i)
       for (Eigen::Index j = 0; j < columns; ++j) out(i, j) = hexadecimal(name);

@@ -301,7 +301,7 @@ std::vector<hsize_t> joint_shape(const Field<RunJoint, T>&, std::size_t joints) 
   return shape;
 }
 
-std::vector<ColumnPlan> step_columns(const RunHeader& header) {
+std::vector<ColumnPlan> step_columns(const RunHeader& header, bool with_joint_work = true) {
   const std::size_t bodies = header.bodies.size(), joints = header.joints.size();
   const std::size_t coordinates = coordinate_count(header);
   constexpr hsize_t kRows = RunWriter::kBlock;
@@ -315,8 +315,10 @@ std::vector<ColumnPlan> step_columns(const RunHeader& header) {
     plans.push_back({field.name, H5T_NATIVE_DOUBLE, joint_shape(field, joints), kRows, field.unit});
   };
   for_each_field(kJointFields, of_joints);
-  for_each_field(kJointWorkFields, of_joints);
-  plans.push_back(plan_of(kJointTime));
+  if (with_joint_work) {
+    for_each_field(kJointWorkFields, of_joints);
+    plans.push_back(plan_of(kJointTime));
+  }
   return plans;
 }
 
@@ -364,6 +366,7 @@ struct RunWriter::Impl {
   }
 
   void write_pending() {
+    const Hdf5Silence silence;
     std::vector<PoseRow> pose;
     std::vector<double> velocity, q, q_speed;
     std::vector<RunJoint> joint;
@@ -392,6 +395,7 @@ struct RunWriter::Impl {
     rows += pending.size();
     contacts += contact.size();
     pending.clear();
+    flush_hdf5(file);
   }
 };
 
@@ -404,7 +408,10 @@ RunWriter::RunWriter(std::filesystem::path path, const RunHeader& header) : impl
   const Hdf5Silence silence;
   impl_->path = std::move(path);
   impl_->header = rows_of(header);
-  impl_->file = create_hdf5(temporary_name(impl_->path));
+  const std::filesystem::path growing = growing_name(impl_->path);
+  WriterLock left(growing);
+  left.remove_file();
+  impl_->file = create_hdf5(growing);
   write_header(impl_->file, header);
   for (const ColumnPlan& plan : step_columns(header)) impl_->create(plan);
   for (const ColumnPlan& plan : contact_columns()) impl_->create(plan);
@@ -418,7 +425,9 @@ RunWriter RunWriter::resume(std::filesystem::path path, std::size_t rows) {
   const Hdf5Silence silence;
   auto impl = std::make_unique<Impl>();
   impl->path = std::move(path);
-  impl->file = open_hdf5(temporary_name(impl->path), Hdf5Access::write);
+  const std::filesystem::path growing = growing_name(impl->path);
+  { const WriterLock nobody_else(growing); }  // HDF5, which locks it next, would call the file damaged
+  impl->file = open_hdf5(growing, Hdf5Access::write);
   impl->header = rows_of(read_header(impl->file));
   impl->rows = rows;
   impl->reopen(kOffsetColumn, rows + 1);
@@ -435,7 +444,7 @@ RunWriter RunWriter::resume(std::filesystem::path path, std::size_t rows) {
 RunWriter::~RunWriter() {
   if (!impl_ || impl_->file < 0) return;
   try {
-    flush();
+    impl_->write_pending();
   } catch (const std::runtime_error&) {  // nobody left to tell: what was flushed before is still there
   }
 }
@@ -449,22 +458,28 @@ void RunWriter::append(RunStep step) {
   impl_->last_step = step.step;
   impl_->last_time = step.time;
   impl_->pending.push_back(std::move(step));
-  if (impl_->pending.size() >= std::size_t(kBlock)) flush();
+  if (impl_->pending.size() >= std::size_t(kBlock)) impl_->write_pending();
+}
+
+void RunWriter::note(const std::string& name, const std::string& text) {
+  require(impl_->file >= 0, "RunWriter::note: the run is closed");
+  const Hdf5Silence silence;
+  H5Adelete_by_name(impl_->file, "/notes", name.c_str(), H5P_DEFAULT);  // an older one, if any
+  write_text(impl_->file, "/notes", name, text);
 }
 
 void RunWriter::flush() {
   if (impl_->file < 0) return;
-  const Hdf5Silence silence;
   impl_->write_pending();
-  flush_hdf5(impl_->file);
+  sync_to_disk(growing_name(impl_->path));
 }
 
 void RunWriter::close() {
   if (impl_->file < 0) return;
-  flush();
+  impl_->write_pending();
   impl_->columns.clear();  // datasets first: an open one keeps the file open
   impl_->file = Hdf5Id();
-  publish(temporary_name(impl_->path), impl_->path);
+  publish(growing_name(impl_->path), impl_->path);
 }
 
 std::size_t RunWriter::rows() const {
@@ -472,6 +487,14 @@ std::size_t RunWriter::rows() const {
 }
 
 namespace {
+
+/// All columns have so many rows: asked before memory for rows is, which hold all columns.
+void check_rows(hid_t file, const std::vector<ColumnPlan>& plans, std::size_t rows) {
+  for (const ColumnPlan& plan : plans)
+    if (const hsize_t found = Hdf5Column::open(file, plan.name, plan.type, plan.row_shape).rows();
+        found != rows)
+      fail_hdf5(file, plan.name, "has " + std::to_string(found) + " rows instead of " + std::to_string(rows));
+}
 
 template <class Row, class T>
 void read_into(hid_t file, const Field<Row, T>& field, std::vector<Row>& rows) {
@@ -482,7 +505,7 @@ void read_into(hid_t file, const Field<Row, T>& field, std::vector<Row>& rows) {
 /// Rows of a shape that depends on the model, one after the other.
 std::vector<double> read_wide(hid_t file, const char* name, std::size_t steps, std::vector<hsize_t> shape) {
   const Hdf5Column column = Hdf5Column::open(file, name, H5T_NATIVE_DOUBLE, std::move(shape));
-  if (column.rows() != steps) fail_hdf5(file, name, "has not one row per step");
+  AUSSOIS_ASSERT(column.rows() == steps);  // check_rows
   std::vector<double> values(column.values());
   column.read(values.data());
   return values;
@@ -519,8 +542,11 @@ RunData read_run(const std::filesystem::path& path) {
   const std::vector<std::uint64_t> offset = read_rows<std::uint64_t>(file, kOffset);
   if (offset.empty() || offset.front() != 0) fail_hdf5(file, kOffset, "does not begin with 0");
   const std::size_t steps = offset.size() - 1;
-  std::vector<RunContact> contacts(read_rows<double>(file, "/contact/gap").size());
-  if (offset.back() != contacts.size()) fail_hdf5(file, kOffset, "does not end with the number of contacts");
+  for (std::size_t k = 0; k < steps; ++k)
+    if (offset[k] > offset[k + 1]) fail_hdf5(file, kOffset, "does not ascend at row " + std::to_string(k));
+  check_rows(file, contact_columns(), offset.back());
+  check_rows(file, step_columns(run.header, has_link(file, kJointTime.name)), steps);
+  std::vector<RunContact> contacts(offset.back());
   for_each_field(kContactFields, [&](const auto& field) { read_into(file, field, contacts); });
 
   run.steps.resize(steps);
@@ -537,7 +563,6 @@ RunData read_run(const std::filesystem::path& path) {
                             q = read_wide(file, kCoordinates, steps, {coordinates}),
                             q_speed = read_wide(file, kCoordinateSpeeds, steps, {coordinates});
   for (std::size_t k = 0; k < steps; ++k) {
-    if (offset[k] > offset[k + 1]) fail_hdf5(file, kOffset, "does not ascend at row " + std::to_string(k));
     RunStep& step = run.steps[k];
     for (std::size_t i = 0; i < bodies; ++i) {
       PoseRow row{};

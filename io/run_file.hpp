@@ -125,19 +125,20 @@ struct RunData {
 };
 
 /// Appends steps to PATH.tmp in blocks, each flushed, and renames it to PATH at close(). A killed process
-/// leaves PATH.tmp readable up to the last flushed block.
+/// leaves PATH.tmp readable up to the last flushed block. Nobody else may write PATH.tmp meanwhile.
 class RunWriter {
  public:
   // Steps per write: one by one is fifty times slower (2000 frames, 3 bodies)
   static constexpr int kBlock = 64;
 
   /// Throws std::invalid_argument for a header that does not fit together (a mesh that is missing, an index
-  /// out of range, a mesh name with '/'), std::runtime_error if the file cannot be created.
+  /// out of range, a mesh name with '/'), std::runtime_error if the file cannot be created, or
+  /// another run is writing it.
   RunWriter(std::filesystem::path path, const RunHeader& header);
 
   /// Reopens PATH.tmp, keeps its first `rows` steps and forgets the rest: what is appended then makes the
-  /// same data as a run that was never interrupted. Throws std::runtime_error if PATH.tmp is missing, damaged
-  /// or shorter.
+  /// same data as a run that was never interrupted. Throws std::runtime_error if PATH.tmp is missing,
+  /// damaged, shorter, or another run is writing it.
   static RunWriter resume(std::filesystem::path path, std::size_t rows);
 
   RunWriter(RunWriter&&) noexcept;
@@ -146,7 +147,8 @@ class RunWriter {
 
   /// Throws std::invalid_argument unless sizes fit the bodies, and step and time ascend.
   void append(RunStep step);
-  void flush();  // call it before a checkpoint counts the rows
+  void note(const std::string& name, const std::string& text);  // into the notes of the header
+  void flush();  // to the disk; call it before a checkpoint counts the rows
   void close();
   std::size_t rows() const;  // appended so far, flushed or not
 

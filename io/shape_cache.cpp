@@ -8,7 +8,6 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
-#include <random>
 #include <stdexcept>
 
 #include "geometry/digest.hpp"
@@ -229,14 +228,11 @@ class Writer {
 
 class Reader {
  public:
-  Reader(hid_t file, std::uintmax_t file_bytes) : file_(file), file_bytes_(file_bytes) {}
+  explicit Reader(hid_t file) : file_(file) {}
   template <class T>
   void table(const char* name, std::vector<T>& values) {
     using R = typename Row<T>::type;
     const Hdf5Column column = Hdf5Column::open(file_, name, Hdf5Row<R>::type(), Hdf5Row<R>::shape());
-    // A byte of deflate holds at most 1032: no damaged size makes us ask for more memory than that.
-    if (column.rows() * sizeof(R) / 1032 > file_bytes_)
-      fail_hdf5(file_, name, "claims more rows than the file holds");
     std::vector<R> rows(column.rows());
     column.read(rows.data());
     values.clear();
@@ -254,7 +250,6 @@ class Reader {
 
  private:
   hid_t file_;
-  std::uintmax_t file_bytes_;
 };
 
 // ---- is it a shape that a search can walk through?
@@ -404,14 +399,6 @@ bool is_sealed(const std::filesystem::path& path) {
 
 // ---- a cache of files
 
-std::filesystem::path temporary_of_ours(const std::filesystem::path& path) {
-  std::random_device random;
-  std::filesystem::path ours = path;
-  ours += ".";
-  ours += hex(std::uint64_t{random()} << 32 | random());
-  return temporary_name(ours);
-}
-
 void write_hdf5(const std::filesystem::path& path, const LmdShape& shape, std::uint64_t key) {
   const Mesh mesh = mesh_of(shape.complex);
   const Hdf5Id file = create_hdf5(path);
@@ -455,7 +442,7 @@ LmdShape read_hdf5(const std::filesystem::path& path, std::uint64_t key, const S
     fail_hdf5(file, "/@key", "is " + found + ", this mesh with these options has " + hex(key));
   Mesh mesh;
   LmdShape shape;
-  Reader reader(file, std::filesystem::file_size(path));
+  Reader reader(file);
   visit_mesh(reader, mesh);
   visit_shape(reader, shape);
   if (complex) {
@@ -485,16 +472,10 @@ std::uint64_t shape_key(const DilatedShape& shape, const LmdShapeOptions& option
 
 void write_lmd_shape(const std::filesystem::path& path, const LmdShape& shape, std::uint64_t key) {
   const Hdf5Silence silence;
-  const std::filesystem::path temporary = temporary_of_ours(path);
-  try {
+  write_atomically(path, [&](const std::filesystem::path& temporary) {
     write_hdf5(temporary, shape, key);
     seal(temporary);
-    publish(temporary, path);
-  } catch (...) {
-    std::error_code ignored;
-    std::filesystem::remove(temporary, ignored);
-    throw;
-  }
+  });
 }
 
 LmdShape read_lmd_shape(const std::filesystem::path& path, std::uint64_t key) {

@@ -77,6 +77,7 @@ struct Cli::Impl {
   std::vector<std::pair<std::string, std::string>> examples{};
   std::vector<std::pair<std::string, const std::filesystem::path*>> inputs{};
   const std::vector<std::filesystem::path>* files = nullptr;
+  CommonOptions* restarts = nullptr;
   CLI::App app{};
   bool show_help = false, show_version = false;
 
@@ -164,6 +165,9 @@ void Cli::common(CommonOptions& options, Restart restart) {
   if (restart == Restart::no) return;
   option("--checkpoint-every", options.checkpoint_every, "wall time between checkpoints", "s", {0, 1e9});
   flag("--resume", options.resume, "continue from the checkpoint in the folder of the results");
+  flag("--resume-anyway", options.resume_anyway,
+       "the same, also from a checkpoint of another build of the program");
+  impl_->restarts = &options;
 }
 void Cli::example(std::string command, std::string shows) {
   impl_->examples.emplace_back(std::move(command), std::move(shows));
@@ -213,6 +217,7 @@ bool Cli::parse(int argc, const char* const* argv, ExitCode& code) {
     fail(impl_->name, "give at least one FILE (try --help)", code = ExitCode::usage);
     return false;
   }
+  if (impl_->restarts != nullptr && impl_->restarts->resume_anyway) impl_->restarts->resume = true;
   for (const auto& [flag, path] : impl_->inputs)
     if (!path->empty() && !std::filesystem::exists(*path)) {
       fail(impl_->name, flag + " " + path->string() + ": no such file or folder", code = ExitCode::missing);

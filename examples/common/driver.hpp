@@ -56,6 +56,7 @@ struct CommonOptions {
   int every = 1;  // record each n-th step
   bool quiet = false;
   bool resume = false;           // continue from the checkpoint in `out`
+  bool resume_anyway = false;    // the same, also from that of another program
   double checkpoint_every = 60;  // wall time between checkpoints [s]
 };
 
@@ -93,7 +94,7 @@ class Cli {
   /// which of them are bad and does the others. A command line without any is refused.
   void files(std::vector<std::filesystem::path>& value, const std::string& what);
   /// The group "output" with -o, --summary, --threads, --every, --quiet; in drivers whose runs can be
-  /// continued also --resume and --checkpoint-every.
+  /// continued also --resume, --resume-anyway and --checkpoint-every.
   enum class Restart { no, yes };
   void common(CommonOptions& options, Restart restart = Restart::no);
   /// A command line that works and what it shows; --help prints them all.

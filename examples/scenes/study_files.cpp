@@ -4,13 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <span>
 #include <sstream>
 
 #include <nlohmann/json.hpp>
 
 #include "examples/common/gnuplot.hpp"
-#include "geometry/digest.hpp"
 #include "io/atomic_file.hpp"
 #include "io/csv_table.hpp"
 #include "io/text.hpp"
@@ -92,15 +90,6 @@ std::string file_stem(const Study& s) {
   std::string out = s.case_name + "_" + s.scheme;
   std::replace(out.begin(), out.end(), ' ', '_');
   return out;
-}
-
-std::uint64_t program_digest() {
-  const std::filesystem::path self = "/proc/self/exe";
-  Digest digest;
-  if (!std::filesystem::exists(self)) return 0;
-  const std::string bytes = read_file(self);
-  digest.add(std::as_bytes(std::span(bytes.data(), bytes.size())));
-  return digest.value;
 }
 
 std::string to_json(const Study& study, std::uint64_t program) {

@@ -16,11 +16,7 @@ namespace aussois {
 /// "ball_e05_moreau_jean_theta_0.5_combined": the name of a study's files.
 std::string file_stem(const Study& study);
 
-/// `program` tells one build from another: a digest of the bytes of the program that runs; 0 where the system
-/// does not say.
-std::uint64_t program_digest();
-
-/// All of a study as JSON text; infinite orders are null.
+/// All of a study as JSON text; infinite orders are null. `program` is program_digest().
 std::string to_json(const Study& study, std::uint64_t program);
 /// Of several, as a list.
 std::string to_json(const std::vector<Study>& studies, std::uint64_t program);

@@ -2,7 +2,11 @@
 """Bad input ends with one line that names file and line, or field, value and bound; with the exit code of its kind
 (2 usage, 3 files); and without a trace in the folder."""
 
+import os
+import signal
+import subprocess
 import sys
+import time
 import unittest
 from pathlib import Path
 
@@ -165,6 +169,49 @@ class BadInput(DriverTest):
         self.refused_replay(FILES, ["out/checkpoint.h5", "fingerprint"], *self.with_peg("--mu", "0.3"), "--resume")
         whole = self.drive("replay_assembly", *self.with_peg(), "--resume")  # the refusal has spoilt nothing
         self.assertEqual(whole.returncode, 0, whole.stderr)
+
+    def test_resume_by_another_build(self):
+        """The program with one byte more is another one: refused with both versions, unless the user insists."""
+        self.hdf5()
+        for driver, scene in (("replay_assembly", self.with_peg()),
+                              ("run_scene", ["--scene", "tower", "--time", "0.1", "--quiet"])):
+            with self.subTest(driver):
+                program = Path(os.environ["AUSSOIS_DRIVERS"], driver)
+                other = self.folder / f"other_{driver}"
+                other.write_bytes(program.read_bytes() + b"\0")
+                other.chmod(0o755)
+                self.drive(driver, *scene, "-o", "whole")
+                stopped = self.drive(driver, *scene, "--stop-after", 2)
+                self.assertEqual(stopped.returncode, INTERRUPTED, stopped.stderr)
+                before = self.files()
+                run = self.drive(other, *scene, "--resume")
+                self.assertEqual(run.returncode, FILES, run.stderr)
+                self.assertRegex(run.stderr, r"\A\w+: out/checkpoint.h5: /@program: [^\n]*written by aussois [^\n]*, program "
+                                 r"[0-9a-f]{16}, this is aussois [^\n]*, program [0-9a-f]{16}[^\n]*--resume-anyway\n\Z")
+                self.assertEqual(self.files(), before)
+                run = self.drive(other, *scene, "--resume-anyway")
+                self.assertEqual(run.returncode, 0, run.stderr)
+                self.assertIn("continued by aussois", run.stderr)
+                with self.hdf5().File(self.folder / "out/run.h5") as h5:
+                    self.assertRegex(h5["notes"].attrs["continued_by"].decode(), "program [0-9a-f]{16} after step 2 of aussois")
+                self.assertEqual((self.folder / "out/steps.csv").read_bytes().count(b"\n"),
+                                 (self.folder / "whole/steps.csv").read_bytes().count(b"\n"))
+
+    def test_two_runs_in_one_folder(self):
+        """The second is refused while the first is at work, which ends as if there had been none."""
+        scene = ["--scene", "tower", "--time", "1", "--quiet"]
+        first = subprocess.Popen([Path(os.environ["AUSSOIS_DRIVERS"], "run_scene"), *scene], cwd=self.folder,
+                                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(first.wait)
+        self.addCleanup(first.kill)
+        while first.poll() is None and not (self.folder / "out/steps.csv.tmp").exists():
+            time.sleep(0.001)
+        first.send_signal(signal.SIGSTOP)
+        self.refused(FILES, ["out/run.h5.tmp", "another run is writing it"], "run_scene", *scene)
+        self.refused(FILES, ["checkpoint.h5"], "run_scene", *scene, "--resume")
+        first.send_signal(signal.SIGCONT)
+        self.assertEqual(first.wait(), 0)
+        self.assertTrue((self.folder / "out/run.h5").exists() and (self.folder / "out/steps.csv").exists())
 
     def test_resume_where_nothing_can_be_resumed(self):
         self.refused_replay(USAGE, ["--resume"], *self.with_peg("--mode", "kinematic"), "--resume")

@@ -5,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "io/atomic_file.hpp"
+#include "io/build_info.hpp"
 #include "io/hdf5_file.hpp"
 #include "tests/unit/io/io_samples.hpp"
 
@@ -55,7 +55,7 @@ TEST(Checkpoint, GivesTheStateBackBitForBit) {
   const auto path = fresh_folder() / "checkpoint.h5";
   const Checkpoint written = nasty_checkpoint();
   write_checkpoint(path, written);
-  EXPECT_FALSE(std::filesystem::exists(temporary_name(path)));
+  EXPECT_EQ(names_in(path.parent_path()), std::set<std::string>{"checkpoint.h5"});
   const Checkpoint back = read_checkpoint(path, written.fingerprint);
 
   EXPECT_EQ(back.fingerprint, written.fingerprint);
@@ -141,13 +141,43 @@ TEST(Checkpoint, WithAnotherNumberInsideIsDamaged) {
   EXPECT_NE(message.find("/state/hash: is not the hash of the state"), std::string::npos) << message;
 }
 
-TEST(Checkpoint, ThatCannotBeWrittenLeavesTheOldOne) {
+TEST(Checkpoint, OfAnotherProgramIsRefusedNamingBothAndTheWayOn) {
   const auto path = fresh_folder() / "checkpoint.h5";
   Checkpoint checkpoint = nasty_checkpoint();
   write_checkpoint(path, checkpoint);
-  std::filesystem::create_directories(temporary_name(path));  // in the way of the next one
-  EXPECT_THROW(write_checkpoint(path, {}), std::runtime_error);
-  EXPECT_EQ(read_checkpoint(path, checkpoint.fingerprint).step, checkpoint.step);
+  EXPECT_EQ(read_checkpoint(path, checkpoint.fingerprint).program, program_version());
+  checkpoint.program = "aussois 0.0.9, program 0123456789abcdef";
+  write_checkpoint(path, checkpoint);
+  const std::string message =
+      message_of<std::runtime_error>([&] { read_checkpoint(path, checkpoint.fingerprint); });
+  EXPECT_NE(message.find("checkpoint.h5: /@program: "), std::string::npos) << message;
+  for (const std::string& part : {checkpoint.program, program_version(), std::string("--resume-anyway")})
+    EXPECT_NE(message.find(part), std::string::npos) << part << " / " << message;
+  const Checkpoint back = read_checkpoint(path, checkpoint.fingerprint, OtherProgram::accept);
+  EXPECT_EQ(back.program, checkpoint.program);
+  EXPECT_EQ(back.step, checkpoint.step);
+  EXPECT_THROW(read_checkpoint(path, 1, OtherProgram::accept),
+               std::runtime_error);  // other options stay refused
+}
+
+TEST(Checkpoint, NamesTheEntryThatItsProgramLeftOut) {
+  Checkpoint checkpoint = nasty_checkpoint();
+  checkpoint.program = "aussois 0.0.9";
+  EXPECT_EQ(checkpoint_number(checkpoint, "peak_force"), 12.345);
+  EXPECT_EQ(checkpoint_count(checkpoint, "rows"), 12345678901);
+  for (const auto& message : {message_of<std::runtime_error>([&] { checkpoint_number(checkpoint, "rows"); }),
+                              message_of<std::runtime_error>([&] { checkpoint_count(checkpoint, "rows "); })})
+    EXPECT_NE(message.find("is missing; it was written by aussois 0.0.9"), std::string::npos) << message;
+}
+
+TEST(ProgramVersion, IsTheVersionAndTheBytesOfThisProgram) {
+  const std::string version = program_version();
+  EXPECT_EQ(version.rfind("aussois ", 0), 0U) << version;
+  EXPECT_EQ(build_info().rfind(version.substr(0, version.find(',')), 0), 0U) << version;
+  EXPECT_NE(program_digest(), 0U);
+  char digest[24];
+  std::snprintf(digest, sizeof digest, "%016llx", static_cast<unsigned long long>(program_digest()));
+  EXPECT_NE(version.find(digest), std::string::npos) << version;
 }
 
 TEST(Checkpoint, FingerprintsDifferByOneCharacter) {

@@ -21,7 +21,7 @@ TEST(CsvTable, IsThePlainTextOneExpects) {
   EXPECT_FALSE(std::filesystem::exists(path)) << "the table must not appear before it is complete";
   table.close();
   EXPECT_EQ(content_of(path), "step,t [s],gap\n0,0.1,-1e-06\n1,0.30000000000000004,inf\n");
-  EXPECT_FALSE(std::filesystem::exists(temporary_name(path)));
+  EXPECT_FALSE(std::filesystem::exists(growing_name(path)));
 }
 
 TEST(CsvTable, ReadsBackAsTheSameBits) {
@@ -60,8 +60,8 @@ TEST(CsvTable, ResumedIsTheSameAsNeverInterrupted) {
   {
     CsvTable table(folder / "parts.csv", {"k", "k2"});
     for (int k = 0; k < 7; ++k) table.add({double(k), double(k * k)});
-  }                                                                             // interrupted: no close
-  std::ofstream(temporary_name(folder / "parts.csv"), std::ios::app) << "7,4";  // and half a line
+  }                                                                           // interrupted: no close
+  std::ofstream(growing_name(folder / "parts.csv"), std::ios::app) << "7,4";  // and half a line
   CsvTable table = CsvTable::resume(folder / "parts.csv", {"k", "k2"}, 5);
   EXPECT_EQ(table.rows(), 5u);
   for (int k = 5; k < 10; ++k) table.add({double(k), double(k * k)});
@@ -73,7 +73,7 @@ TEST(CsvTable, RefusesToResumeWhatDoesNotFit) {
   const auto path = fresh_folder() / "table.csv";
   EXPECT_THROW(CsvTable::resume(path, {"a"}, 0), std::runtime_error);
   { CsvTable(path, {"a", "b"}).add({1, 2}); }
-  std::ofstream(temporary_name(path), std::ios::app) << "3,4";  // a row without its line end is not whole
+  std::ofstream(growing_name(path), std::ios::app) << "3,4";  // a row without its line end is not whole
   EXPECT_NE(message_of<std::runtime_error>([&] {
               CsvTable::resume(path, {"a", "b"}, 2);
             }).find("has 1 whole rows, 2"),

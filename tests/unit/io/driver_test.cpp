@@ -73,6 +73,17 @@ TEST(Driver, FillsTheValuesAndRunsTheBody) {
   EXPECT_EQ(driver.out + driver.err, "");
 }
 
+TEST(Driver, ResumeAnywayIsAWayToResume) {
+  CommonOptions common;
+  Cli cli("sample", "Stops and goes on.");
+  cli.common(common, Cli::Restart::yes);
+  const char* words[] = {"sample", "--resume-anyway"};
+  ExitCode code = ExitCode::usage;
+  EXPECT_TRUE(cli.parse(2, words, code));
+  EXPECT_TRUE(common.resume && common.resume_anyway);
+  EXPECT_NE(cli.help().find("also from a checkpoint of another build"), std::string::npos);
+}
+
 TEST(Driver, HelpNamesDefaultUnitRangeAndExamples) {
   SampleDriver driver;
   EXPECT_EQ(driver.run({"--help"}), 0);

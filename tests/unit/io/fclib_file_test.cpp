@@ -12,6 +12,7 @@
 #include "io/fclib_file.hpp"
 #include "io/hdf5_file.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/little_memory.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/random.hpp"
 
@@ -296,7 +297,7 @@ TEST(FclibFile, HoldsProblemsWithoutContacts) {
 TEST(FclibFile, LeavesNoTemporaryFileAndTheOldOneIfItFails) {
   const fs::path path = fresh_folder() / "problem.hdf5";
   write_fclib(path, small_local());
-  EXPECT_FALSE(fs::exists(temporary_name(path)));
+  EXPECT_EQ(names_in(path.parent_path()), std::set<std::string>{path.filename().string()});
   const std::string before = content_of(path);
   FclibFile wrong = small_local();
   std::get<LocalProblem>(wrong.problem).q = VecX::Zero(5);
@@ -507,10 +508,53 @@ TEST(FclibFile, ComplainsWithDatasetValueAndBound) {
          write_rows<double>(f, "/guesses/1/r", {1});
        },
        "/guesses/1/r: has 1 values, must have 6"},
+      {"a compliance below zero", small_mixed(),
+       [](hid_t f) {
+         write_rows<double>(f, "/aussois_global/vectors/R", {0, -62, 1});
+       },
+       "/aussois_global: FrictionProblem::R[1] = -62 must be >= 0"},
       {"a solution of another size", small_global(),
        [](hid_t f) { write_rows<double>(f, "/solution/v", {1}); }, "/solution/v: has 1 values, must have 4"},
   };
   for (const auto& wrong : cases) EXPECT_EQ(complaint(wrong.good, wrong.change), wrong.says) << wrong.what;
+}
+
+// A few bytes that announce eight gigabytes: refused with the same words where there is no memory for them.
+TEST(FclibFile, AsksForNoMemoryThatItsBytesDoNotFill) {
+  const fs::path path = fresh_folder() / "bomb.hdf5";
+  for (const int storage : {-1, -2}) {
+    write_fclib(path, small_local());
+    {
+      const Hdf5Id file = open_hdf5(path, Hdf5Access::write);
+      replace<int>(file, "/fclib_local/W/nz", {storage});
+      replace<int>(file, "/fclib_local/W/p", {0, 0, 0, 0, 0, 0, 2147483647});
+      replace<int>(file, "/fclib_local/W/nzmax", {2147483647});
+    }
+    EXPECT_LT(fs::file_size(path), 30000U);
+    EXPECT_EQ(message_with_little_memory([&] { read_fclib(path); }),
+              path.string() + ": /fclib_local/W/i: has 6 values, the matrix has 2147483647");
+  }
+}
+
+// 7 times its inverse modulo 2^64 is one: for HDF5, these are a dataset of one text.
+TEST(FclibFile, CountsTheValuesOfADatasetWithoutOverflow) {
+  const fs::path path = fresh_folder() / "wraps.hdf5";
+  write_fclib(path, small_local());
+  {
+    const Hdf5Id file = open_hdf5(path, Hdf5Access::write);
+    remove_link(file, "/fclib_local/info/title");
+    const hsize_t sides[] = {7, 0x6db6db6db6db6db7}, endless[] = {H5S_UNLIMITED, H5S_UNLIMITED},
+                  chunk[] = {7, 1000};
+    const Hdf5Id space(H5Screate_simple(2, sides, endless), H5Sclose), type(H5Tcopy(H5T_C_S1), H5Tclose),
+        layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    ASSERT_EQ(H5Sget_simple_extent_npoints(space), 1);
+    H5Pset_chunk(layout, 2, chunk);
+    const Hdf5Id title(
+        H5Dcreate2(file, "/fclib_local/info/title", type, space, H5P_DEFAULT, layout, H5P_DEFAULT), H5Dclose);
+    ASSERT_GE(title, 0);
+  }
+  EXPECT_EQ(message_of<std::runtime_error>([&] { read_fclib(path); }),
+            path.string() + ": /fclib_local/info/title: is not one text");
 }
 
 TEST(FclibFile, ComplainsAboutFilesThatAreNone) {

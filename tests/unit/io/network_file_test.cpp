@@ -88,6 +88,9 @@ TEST(NetworkFile, NamesTheLineOfWhatIsBroken) {
   EXPECT_NE(message(with("aussois_network 1", "aussois_network 2")).find("must be 1"), std::string::npos);
   EXPECT_NE(message(with("hidden 40", "hidden 0")).find("broken.txt:3: hidden = 0"), std::string::npos);
   EXPECT_NE(message(with("outputs 17", "outputs 999999")).find("outputs = 999999"), std::string::npos);
+  EXPECT_NE(message("aussois_network 1\ninputs 10000\nhidden 10000\noutputs 1\nmean 0")
+                .find("broken.txt:5: mean needs 10000 numbers, 2 bytes follow"),
+            std::string::npos);
   EXPECT_NE(message(with("mean ", "mean inf ")).find("mean = "), std::string::npos);
   EXPECT_NE(message(with("W1 ", "W3 ")).find("must be W1"), std::string::npos);
   EXPECT_NE(message(text.substr(0, text.size() / 2)), "");

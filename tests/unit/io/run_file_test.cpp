@@ -8,6 +8,7 @@
 
 #include "io/atomic_file.hpp"
 #include "io/hdf5_file.hpp"
+#include "tests/support/little_memory.hpp"
 #include "tests/unit/io/io_samples.hpp"
 
 namespace aussois {
@@ -183,7 +184,7 @@ TEST(RunFile, GivesBackEverythingThatWasWritten) {
     step.velocity = VecX::LinSpaced(18, -1, 1);
   }
   write_run(path, run);
-  EXPECT_FALSE(std::filesystem::exists(temporary_name(path)));
+  EXPECT_FALSE(std::filesystem::exists(growing_name(path)));
   expect_same(read_run(path), run);
 }
 
@@ -299,7 +300,7 @@ TEST(RunFile, RefusesHeadersThatDoNotFit) {
   header.meshes["peg"].faces[3][1] = 999;
   const std::string message = message_of<std::invalid_argument>([&] { RunWriter(path, header); });
   EXPECT_EQ(message, "RunHeader: mesh peg, face 3: vertex 999 must lie in [0, 256)");
-  EXPECT_FALSE(std::filesystem::exists(temporary_name(path)));
+  EXPECT_FALSE(std::filesystem::exists(growing_name(path)));
 }
 
 TEST(RunFile, MayLackTheWorkOfJoints) {
@@ -378,6 +379,73 @@ TEST(RunFile, SaysWhatIsWrongWithAFile) {
     Hdf5Column::open(file, "/solver/residual", H5T_NATIVE_DOUBLE, {}).truncate(99);
   }
   EXPECT_NE(wrong("uneven.h5").find("/solver/residual: has 99 rows instead of 100"), std::string::npos);
+}
+
+// Forty kilobytes of zeros that announce four million steps, three gigabytes of rows that nothing fills.
+TEST(RunFile, AsksForNoMemoryThatItsBytesDoNotFill) {
+  const auto path = fresh_folder() / "run.h5";
+  write_run(path, peg_run(5));
+  {
+    const Hdf5Id file = open_hdf5(path, Hdf5Access::write);
+    H5Ldelete(file, "/contact/offset", H5P_DEFAULT);
+    std::vector<std::uint64_t> offset(4000001, 0);
+    offset.back() = 10;  // contacts, as there are
+    write_rows(file, "/contact/offset", offset);
+  }
+  const std::string message = message_with_little_memory([&] { read_run(path); });
+  EXPECT_NE(message.find("/state/time: has 5 rows instead of 4000000"), std::string::npos) << message;
+}
+
+// Damage in the layout of columns: chunks of 2^28 rows, two gigabytes, of which HDF5 would make one to read
+// it.
+TEST(RunFile, AsksForNoChunkThatItsBytesDoNotFill) {
+  const auto path = fresh_folder() / "run.h5";
+  write_run(path, peg_run(5));
+  std::string bytes = content_of(path);
+  const std::string rows_and_size("\0\4\0\0\10\0\0\0", 8);  // 1024 rows of 8 bytes
+  int layouts = 0;
+  for (std::size_t at = bytes.find(rows_and_size); at != std::string::npos;
+       at = bytes.find(rows_and_size, at + 1))
+    if (at > 11 && bytes.substr(at - 11, 3) == "\3\2\2") {  // version, chunked, rank + 1; then an address
+      bytes.replace(at, 4, std::string("\0\0\0\20", 4));
+      ++layouts;
+    }
+  EXPECT_GT(layouts, 10);
+  write_bytes(path, bytes);
+  const std::string message = message_with_little_memory([&] { read_run(path); });
+  EXPECT_NE(message.find("has chunks of 2147483648 bytes, more than its bytes can hold"), std::string::npos)
+      << message;
+}
+
+// Offsets that leave the contacts and come back: no step may take what is behind them.
+TEST(RunFile, RefusesOffsetsThatDescendBeforeItReadsThem) {
+  const auto path = fresh_folder() / "run.h5";
+  write_run(path, peg_run(5));
+  {
+    const Hdf5Id file = open_hdf5(path, Hdf5Access::write);
+    H5Ldelete(file, "/contact/offset", H5P_DEFAULT);
+    write_rows(file, "/contact/offset", std::vector<std::uint64_t>{0, 1u << 30, 2, 3, 4, 10});
+  }
+  EXPECT_EQ(message_with_little_memory([&] { read_run(path); }),
+            path.string() + ": /contact/offset: does not ascend at row 1");
+}
+
+// An attribute of many texts is longer than one of them.
+TEST(RunFile, RefusesATitleOfManyTexts) {
+  const auto path = fresh_folder() / "run.h5";
+  write_run(path, peg_run(5));
+  {
+    const Hdf5Id file = open_hdf5(path, Hdf5Access::write);
+    H5Adelete(file, "title");
+    const hsize_t texts = 1000;
+    const Hdf5Id type(H5Tcopy(H5T_C_S1), H5Tclose), space(H5Screate_simple(1, &texts, nullptr), H5Sclose);
+    H5Tset_size(type, 32);
+    const Hdf5Id title(H5Acreate2(file, "title", type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+    ASSERT_GE(H5Awrite(title, type, std::string(32000, 'x').data()), 0);
+  }
+  EXPECT_NE(
+      message_of<std::runtime_error>([&] { read_run(path); }).find("/@title: is not one text of 32 bytes"),
+      std::string::npos);
 }
 
 // Any single wrong byte may be harmless or an error, but never a crash (run under the sanitizers). HDF5 1.10

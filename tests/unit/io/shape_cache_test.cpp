@@ -188,6 +188,7 @@ TEST(ShapeCache, AnotherFormatOrVersionIsRefused) {
   const auto path = fresh_folder() / "shape.h5";
   const auto refusal = [&](const char* format, const char* version) {
     {
+      std::filesystem::remove(path);
       const Hdf5Id file = create_hdf5(path);
       write_text(file, "/", "format", format);
       write_text(file, "/", "version", version);

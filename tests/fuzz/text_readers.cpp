@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fstream>
+
+#include "geometry/simplicial_complex.hpp"
+#include "io/mesh_file.hpp"
+#include "io/network_file.hpp"
+#include "io/number_table.hpp"
+#include "io/pose_file.hpp"
+#include "tests/fuzz/readers.hpp"
+
+namespace aussois {
+namespace {
+
+namespace fs = std::filesystem;
+
+void use_mesh(const fs::path& file) {
+  MeshFile mesh = read_mesh(file, 1e-3);
+  weld(mesh);
+  if (!mesh.vertices.empty()) make_complex(mesh.vertices, mesh.triangles, mesh.wires);
+}
+
+void use_network(const fs::path& file) {
+  const Network network = read_network(file);
+  validate(network);
+  write_selector(file, read_selector(file));
+}
+
+void use_poses(const fs::path& file) {
+  write_poses(file, read_poses(file, 1e-3), 1e-3);
+  read_poses(file, 1e-3);
+}
+
+void use_numbers(const fs::path& file) {
+  const NumberTable table = read_number_table(file);
+  column_of(table, table.columns.front(), file);
+}
+
+}  // namespace
+
+void write_input(const fs::path& file, Bytes input) {
+  std::ofstream(file, std::ios::binary)
+      .write(reinterpret_cast<const char*>(input.data()), std::streamsize(input.size()));
+}
+
+std::vector<FuzzedReader> text_readers() {
+  return {{"obj", ".obj", write_input, use_mesh},        {"stl", ".stl", write_input, use_mesh},
+          {"ply", ".ply", write_input, use_mesh},        {"off", ".off", write_input, use_mesh},
+          {"network", ".txt", write_input, use_network}, {"poses", ".csv", write_input, use_poses},
+          {"numbers", ".csv", write_input, use_numbers}};
+}
+
+}  // namespace aussois
