@@ -95,6 +95,7 @@ ExitCode drop(const Arguments& a) {
   std::int64_t steps = 0, failures = 0;
   PathAudit audit{.samples = a.certify};
   MatchTotals matches;
+  Uncertified uncertified;
   while (state.t < a.time * (1 - 1e-12)) {
     const State start = state;
     const StepReport report = scheme.step(state, a.time - state.t);
@@ -104,7 +105,8 @@ ExitCode drop(const Arguments& a) {
       std::fprintf(stderr, "refused at t = %.6g s: %s\n", state.t, report.reason.c_str());
       return ExitCode::not_accepted;
     }
-    audit_path(model, start, report, a.common.threads, audit);
+    audit_path(model, start, state, report, a.common.threads, audit);
+    add(uncertified, report);
     failures += !report.ok();
     add_matches(matches, report.matches);
     min_gap = std::min(min_gap, report.min_gap);
@@ -131,15 +133,16 @@ ExitCode drop(const Arguments& a) {
     summary.set("energy_rise", energy_rise);
     summary.set("speed_at_end", speed);
     set_matches(summary, matches);
-    set_audit(summary, audit);
+    set_uncertified(summary, uncertified);
+    set_audit(summary, audit, model);
     write_summary(a.common.summary, summary);
   }
   std::printf(
       "drop_part: %lld steps, smallest gap %.3g um, speed at the end %.3g m/s, largest rise of energy %.3g J "
       "of %.3g J\n",
       static_cast<long long>(steps), 1e6 * min_gap, speed, energy_rise, energy_scale);
-  const bool accepted = failures == 0 && tell(audit) && speed < 1e-3 && min_gap > -0.05 * 2 * a.dilation &&
-                        energy_rise < 1e-4 * energy_scale;
+  const bool accepted = failures == 0 && tell(audit, model) && speed < 1e-3 &&
+                        min_gap > -0.05 * 2 * a.dilation && energy_rise < 1e-4 * energy_scale;
   return accepted ? ExitCode::ok : ExitCode::not_accepted;
 }
 

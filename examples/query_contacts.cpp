@@ -5,7 +5,8 @@
 // Run      query_contacts --builtin box_on_plate --json out/contacts.json
 //          query_contacts --builtin gear --threads 2 --picture out/gear.html
 //          query_contacts --builtin bolt_nut --threshold 1e-4 --csv out/poses.csv --json out/poses.json
-// Expect   four contacts of a box on a plate; no pose at which the bases touch
+// Expect   four contacts of a box on a plate; no pose at which the bases touch or one part is inside the
+// other
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
@@ -64,7 +65,8 @@ ContactPair read_pair(const Arguments& a) {
   return pair;
 }
 
-ContactQuery ask(const ContactReport& report, const SE3& pose, const Arguments& a) {
+ContactQuery ask(const ContactReport& report, const SE3& pose, const Pieces& pieces_a, const Pieces& pieces_b,
+                 const Arguments& a) {
   ContactQuery query{.pose = pose};
   std::vector<double> ms;
   for (int i = 0; i < a.repeat; ++i) {
@@ -79,6 +81,8 @@ ContactQuery ask(const ContactReport& report, const SE3& pose, const Arguments& 
   const double touching = 1e-9 * report.a->bounding_radius;
   query.bases_touch = base_distance({report.a, {}, {.g = pose}}, {report.b, {}, {}}, touching,
                                     report.options.threads) < touching;
+  if (!*query.bases_touch)
+    query.nesting = find_nesting({report.a, pose, 0}, pieces_a, {report.b, {}, 1}, pieces_b);
   return query;
 }
 
@@ -122,12 +126,14 @@ ExitCode query(const Arguments& a) {
   // 1. Ask.
   Progress progress("query_contacts", double(pair.poses.size()),
                     Progress::style_of_stderr(a.quiet || pair.poses.size() == 1));
-  std::size_t touching = 0, first_touching = 0;
+  const Pieces pieces_a = connected_pieces(shape_a.complex), pieces_b = connected_pieces(shape_b.complex);
+  std::size_t touching = 0, first_touching = 0, nested = 0, first_nested = 0;
   for (const SE3& pose : pair.poses) {
-    report.queries.push_back(ask(report, pose, a));
+    report.queries.push_back(ask(report, pose, pieces_a, pieces_b, a));
     if (pair.poses.size() > 1 && a.picture.empty()) report.queries.back().contacts = {};
     if (report.queries.back().bases_touch.value_or(false) && ++touching == 1)
       first_touching = report.queries.size() - 1;
+    if (report.queries.back().nesting && ++nested == 1) first_nested = report.queries.size() - 1;
     progress.at(double(report.queries.size()));
     if (interrupted()) return ExitCode::interrupted;
   }
@@ -156,12 +162,18 @@ ExitCode query(const Arguments& a) {
   }
   if (!a.json.empty()) write_contact_json(a.json, report);
   if (!a.picture.empty()) write_contact_page(a.picture, report);
-  if (touching == 0) return ExitCode::ok;
-  std::fprintf(
-      stderr,
-      "the bases of %s and %s touch at %zu of %zu poses, first at pose %zu: contacts are missing there\n",
-      pair.a.name.c_str(), pair.b.name.c_str(), touching, pair.poses.size(), first_touching);
-  return ExitCode::not_accepted;
+  if (touching > 0)
+    std::fprintf(
+        stderr,
+        "the bases of %s and %s touch at %zu of %zu poses, first at pose %zu: contacts are missing there\n",
+        pair.a.name.c_str(), pair.b.name.c_str(), touching, pair.poses.size(), first_touching);
+  if (nested > 0)
+    std::fprintf(
+        stderr,
+        "%s at pose %zu, the first of %zu of %zu poses with one inside the other: contacts do not see it\n",
+        to_string(*report.queries[first_nested].nesting, pair.a.name, pair.b.name).c_str(), first_nested,
+        nested, pair.poses.size());
+  return touching + nested == 0 ? ExitCode::ok : ExitCode::not_accepted;
 }
 
 }  // namespace
@@ -193,7 +205,8 @@ int main(int argc, char** argv) {
   cli.option("--threads", a.threads, "threads; the contacts do not depend on it", "", {1, 256});
   cli.option("--repeat", a.repeat, "ask each pose so often; the median time counts", "", {1, 1e6});
   cli.flag("--unchecked", a.unchecked,
-           "do not look whether the bases are apart, which may take longer than the query");
+           "do not look whether the bases are apart and outside of each other, which may take longer than "
+           "the query");
   cli.group("output");
   cli.option("--rows", a.rows, "most contacts in the table of one pose", "", {0, 1e9});
   cli.option("--json", a.json, "write all contacts of one pose, or the numbers of all poses, to this file");

@@ -57,6 +57,7 @@ struct Statistics {
   double min_gap = kInf, min_base_distance = kInf, peak_force = 0, peak_torque = 0, peak_contact_force = 0,
          max_lag = 0, final_lag = 0;
   double energy_error = 0, energy_scale = 0, cpu_s = 0;
+  Uncertified uncertified{};
   PathAudit audit{};
   double energy_residual() const { return energy_scale > 0 ? energy_error / energy_scale : 0; }
 };
@@ -145,7 +146,8 @@ Summary summary_of(const AssemblyInput& input, const AssemblyScene& scene, const
   out.set("mass_source", scene.mass_source);
   out.set("h", scene.h);
   out.set("path_time", scene.path.t.back());
-  set_audit(out, s.audit);
+  set_uncertified(out, s.uncertified);
+  set_audit(out, s.audit, scene.model);
   return out;
 }
 
@@ -228,26 +230,29 @@ std::uint64_t fingerprint(const AssemblyInput& input, const Arguments& a) {
 
 Checkpoint checkpoint_of(std::uint64_t print, const State& state, const Statistics& s, std::size_t csv_rows,
                          std::size_t run_rows) {
-  return {.fingerprint = print,
-          .step = s.steps,
-          .state = state,
-          .numbers = {{"min_gap", s.min_gap},
-                      {"min_base_distance", s.min_base_distance},
-                      {"peak_force", s.peak_force},
-                      {"peak_torque", s.peak_torque},
-                      {"peak_contact_force", s.peak_contact_force},
-                      {"max_lag", s.max_lag},
-                      {"energy_error", s.energy_error},
-                      {"energy_scale", s.energy_scale},
-                      {"cpu_s", s.cpu_s},
-                      {"certify_distance", s.audit.min_distance},
-                      {"certify_slack", s.audit.min_slack}},
-          .counts = {{"solver_failures", s.solver_failures},
-                     {"certify_steps", s.audit.steps},
-                     {"certify_violations", s.audit.violations},
-                     {"max_contacts", s.max_contacts},
-                     {"csv_rows", std::int64_t(csv_rows)},
-                     {"run_rows", std::int64_t(run_rows)}}};
+  Checkpoint out{.fingerprint = print,
+                 .step = s.steps,
+                 .state = state,
+                 .numbers = {{"min_gap", s.min_gap},
+                             {"min_base_distance", s.min_base_distance},
+                             {"peak_force", s.peak_force},
+                             {"peak_torque", s.peak_torque},
+                             {"peak_contact_force", s.peak_contact_force},
+                             {"max_lag", s.max_lag},
+                             {"energy_error", s.energy_error},
+                             {"energy_scale", s.energy_scale},
+                             {"cpu_s", s.cpu_s},
+                             {"certify_distance", s.audit.min_distance},
+                             {"certify_slack", s.audit.min_slack}},
+                 .counts = {{"solver_failures", s.solver_failures},
+                            {"certify_steps", s.audit.steps},
+                            {"certify_violations", s.audit.violations},
+                            {"certify_nested", s.audit.nested},
+                            {"max_contacts", s.max_contacts},
+                            {"csv_rows", std::int64_t(csv_rows)},
+                            {"run_rows", std::int64_t(run_rows)}}};
+  keep(s.uncertified, out);
+  return out;
 }
 
 Statistics statistics_of(const Checkpoint& c) {
@@ -264,10 +269,12 @@ Statistics statistics_of(const Checkpoint& c) {
           .energy_error = number("energy_error"),
           .energy_scale = number("energy_scale"),
           .cpu_s = number("cpu_s"),
+          .uncertified = uncertified_of(c),
           .audit = {.min_distance = number("certify_distance"),
                     .min_slack = number("certify_slack"),
                     .steps = checkpoint_count(c, "certify_steps"),
-                    .violations = checkpoint_count(c, "certify_violations")}};
+                    .violations = checkpoint_count(c, "certify_violations"),
+                    .nested = checkpoint_count(c, "certify_nested")}};
 }
 
 void account(Statistics& s, const AssemblyScene& scene, const State& state, const StepReport& report,
@@ -277,6 +284,7 @@ void account(Statistics& s, const AssemblyScene& scene, const State& state, cons
   s.max_contacts = std::max(s.max_contacts, std::int64_t(report.contacts_found));
   s.min_gap = std::min(s.min_gap, report.min_gap);
   s.min_base_distance = std::min(s.min_base_distance, report.min_base_distance);
+  add(s.uncertified, report);
   s.peak_force = std::max(s.peak_force, pull.force.norm());
   s.peak_torque = std::max(s.peak_torque, pull.torque.norm());
   Vec3 contact = Vec3::Zero();
@@ -341,7 +349,7 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
     const CouplingWrench pull =
         coupling_wrench(scene.model, state, scene.moving, scene.target, scene.coupling, state.t);
     account(s, scene, state, report, pull);
-    audit_path(scene.model, start, report, a.common.threads, s.audit);
+    audit_path(scene.model, start, state, report, a.common.threads, s.audit);
     if (s.steps % a.common.every == 0) run.append(run_step(s.steps, scene.model, state, report, pull));
     csv.add({double(s.steps), report.t, report.h, double(report.contacts_found), double(report.contacts_kept),
              double(report.solve.iterations), double(report.solve.newton_iterations), report.solve.residual,
@@ -384,8 +392,10 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
   if (!arrived)
     std::fprintf(stderr, "the part did not arrive: %.4g mm behind the end of its path, more than %.4g mm\n",
                  1e3 * s.final_lag, 1e3 * kArrival * scene.radius);
-  const bool accepted = tell(s.audit) && arrived && s.refused_steps == 0 && s.solver_failures == 0 &&
-                        s.min_base_distance > 0 && s.min_gap >= -0.05 * 2 * scene.dilation;
+  tell(s.uncertified);
+  const bool accepted = tell(s.audit, scene.model) && arrived && s.refused_steps == 0 &&
+                        s.solver_failures == 0 && s.min_base_distance > 0 &&
+                        s.min_gap >= -0.05 * 2 * scene.dilation;
   return accepted ? ExitCode::ok : ExitCode::not_accepted;
 }
 

@@ -48,6 +48,7 @@ struct Statistics {
   double min_gap = kInf, max_displacement = 0, joint_drift = 0, joint_drift_angle = 0, energy_residual = 0,
          impulse_gain = 0, cpu_s = 0;
   MatchTotals matches{};
+  Uncertified uncertified{};
   PathAudit audit{};
 };
 
@@ -150,11 +151,13 @@ Checkpoint checkpoint_of(std::uint64_t print, const State& state, const Statisti
                             {"max_contacts", s.max_contacts},
                             {"certify_steps", s.audit.steps},
                             {"certify_violations", s.audit.violations},
+                            {"certify_nested", s.audit.nested},
                             {"csv_rows", std::int64_t(csv_rows)},
                             {"run_rows", std::int64_t(run_rows)}}};
   MatchTotals matches = s.matches;
   add_matches(matches, {});  // all of them, also before the first step
   out.counts.insert(matches.begin(), matches.end());
+  keep(s.uncertified, out);
   return out;
 }
 
@@ -174,10 +177,12 @@ Statistics statistics_of(const Checkpoint& c) {
           .impulse_gain = checkpoint_number(c, "impulse_gain"),
           .cpu_s = checkpoint_number(c, "cpu_s"),
           .matches = matches,
+          .uncertified = uncertified_of(c),
           .audit = {.min_distance = checkpoint_number(c, "certify_distance"),
                     .min_slack = checkpoint_number(c, "certify_slack"),
                     .steps = checkpoint_count(c, "certify_steps"),
-                    .violations = checkpoint_count(c, "certify_violations")}};
+                    .violations = checkpoint_count(c, "certify_violations"),
+                    .nested = checkpoint_count(c, "certify_nested")}};
 }
 
 void account(Statistics& s, const StepReport& report, double displacement) {
@@ -186,6 +191,7 @@ void account(Statistics& s, const StepReport& report, double displacement) {
   s.energy_rises += report.energy_rises;
   if (report.energy_rises) s.impulse_gain += report.impulse_gain;
   add_matches(s.matches, report.matches);
+  add(s.uncertified, report);
   s.max_contacts = std::max(s.max_contacts, std::int64_t(report.contacts_found));
   s.min_gap = std::min(s.min_gap, report.min_gap);
   s.max_displacement = std::max(s.max_displacement, displacement);
@@ -194,7 +200,7 @@ void account(Statistics& s, const StepReport& report, double displacement) {
   s.energy_residual = std::max(s.energy_residual, std::abs(report.energy.residual()));
 }
 
-Summary summary_of(const Arguments& a, const SchemeOptions& options, const Statistics& s,
+Summary summary_of(const Arguments& a, const Model& model, const SchemeOptions& options, const Statistics& s,
                    const Energy& before, const Energy& after, const StepReport& last) {
   Summary out;
   out.set("scene", a.scene);
@@ -216,7 +222,8 @@ Summary summary_of(const Arguments& a, const SchemeOptions& options, const Stati
   out.set("impulse_gain", s.impulse_gain);
   out.set("cpu_s", s.cpu_s);
   set_matches(out, s.matches);
-  set_audit(out, s.audit);
+  set_uncertified(out, s.uncertified);
+  set_audit(out, s.audit, model);
   return out;
 }
 
@@ -277,7 +284,7 @@ ExitCode run(Arguments& a) {
     if (report.status != StepStatus::ok) break;
     const double displacement = displacement_of(scene.state, state);
     account(s, report, displacement);
-    audit_path(scene.model, start, report, a.common.threads, s.audit);
+    audit_path(scene.model, start, state, report, a.common.threads, s.audit);
     if (s.steps % a.common.every == 0) {
       file.append(run_step(s.steps, scene.model, state, report));
       csv.add(row_of(scene.model, state, report, s.steps, displacement));
@@ -311,7 +318,7 @@ ExitCode run(Arguments& a) {
 
   const Energy before = energy(scene.model, scene.state), after = energy(scene.model, state);
   if (!a.common.summary.empty())
-    write_summary(a.common.summary, summary_of(a, options, s, before, after, report));
+    write_summary(a.common.summary, summary_of(a, scene.model, options, s, before, after, report));
   std::printf(
       "%s, %s: %lld steps to t = %.6g s, up to %lld contacts, smallest gap %.4g um, farthest from the start "
       "%.6g m, joints off by %.2g m, %.2g rad, energy %.6g to %.6g J (balance to %.2g J a step), %.3g us a "
@@ -328,7 +335,9 @@ ExitCode run(Arguments& a) {
   if (s.solver_failures > 0)
     std::fprintf(stderr, "%lld steps were not solved to the tolerance\n",
                  static_cast<long long>(s.solver_failures));
-  const bool accepted = tell(s.audit) && report.status == StepStatus::ok && s.solver_failures == 0;
+  tell(s.uncertified);
+  const bool accepted =
+      tell(s.audit, scene.model) && report.status == StepStatus::ok && s.solver_failures == 0;
   return accepted ? ExitCode::ok : ExitCode::not_accepted;
 }
 

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <numeric>
 
+#include "geometry/point_in_solid.hpp"
 #include "geometry/self_intersections.hpp"
 
 namespace aussois {
@@ -65,24 +66,6 @@ void count_vertices(const SimplicialComplex& complex, MeshReport& report) {
   }
 }
 
-int count_components(const SimplicialComplex& complex) {
-  std::vector<int> parent(complex.vertices.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](int v) {
-    while (parent[std::size_t(v)] != v)
-      v = parent[std::size_t(v)] = parent[std::size_t(parent[std::size_t(v)])];
-    return v;
-  };
-  int components = int(complex.vertices.size());
-  for (const auto& [a, b] : complex.edges) {
-    const int i = root(a), j = root(b);
-    if (i == j) continue;
-    parent[std::size_t(std::max(i, j))] = std::min(i, j);
-    --components;
-  }
-  return components;
-}
-
 int count_duplicate_vertices(const SimplicialComplex& complex) {
   const std::vector<int> first = first_at_same_place(complex.vertices);
   int count = 0;
@@ -130,7 +113,7 @@ MeshReport report_mesh(const SimplicialComplex& complex) {
   report.edges = int(complex.edges.size());
   report.triangles = int(complex.triangles.size());
   report.box = bounding_box(complex);
-  report.components = count_components(complex);
+  report.components = int(connected_pieces(complex).vertex.size());
   measure_triangles(complex, report);
   count_edges(complex, report);
   count_vertices(complex, report);

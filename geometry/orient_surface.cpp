@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cmath>
 
 #include <Eigen/Geometry>
 
 #include "geometry/box_tree.hpp"
+#include "geometry/point_in_solid.hpp"
 #include "geometry/repair_steps.hpp"
 
 namespace aussois {
@@ -141,17 +141,14 @@ class Orientation {
     return std::abs(sum) > 1e-12 * scale ? sum / 6 : 0;
   }
 
-  // By the winding number: the sum of the solid angles of the triangles is 4 pi or 0 [vanOosterom1983].
+  // Goes the shell round it, whichever way it faces? (CPX-13)
   bool is_inside(const Vec3& place, const Piece& shell) const {
-    double angle = 0;
+    int turns = 0;
     for (const int t : shell.triangles) {
       const auto [i, j, k] = corners(t);
-      const Vec3 a = x(i) - place, b = x(j) - place, c = x(k) - place;
-      const double la = a.norm(), lb = b.norm(), lc = c.norm();
-      angle +=
-          2 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+      turns += crossing(place, x(i), x(j), x(k));
     }
-    return std::abs(angle) > 2 * kPi;
+    return turns != 0;
   }
 
   const SimplicialComplex& complex_;

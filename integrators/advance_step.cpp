@@ -46,6 +46,13 @@ StepReport advance_step(const StepSetting& setting, State& state, double h_limit
     report.reason = "a force, velocity or pose is not finite";
     return ended(StepStatus::not_finite);
   }
+  if (o.certify && state.h == 0) {  // from here on the certificate keeps surfaces apart (CA-19)
+    report.reason = nested_at(setting.model, state, setting.bounds, setting.pieces, setting.options.threads);
+    if (!report.reason.empty()) {
+      report.reason = "start: " + report.reason;
+      return ended(StepStatus::refused);
+    }
+  }
   int unsolved = 0, enlarged = 0;
   const auto halve = [&] {  // in half the time other pairs meet, or none
     h /= 2;
@@ -88,10 +95,10 @@ StepReport advance_step(const StepSetting& setting, State& state, double h_limit
   }
   std::ostringstream text;
   text << "no step of at least " << min_h << " s was accepted: ";
-  const std::optional<Overlap> overlap =
-      o.certify ? deepest_overlap(setting.model, state, setting.bounds, o, setting.options.threads)
-                : std::nullopt;
-  text << (overlap ? "start: " + text_of(setting.model, *overlap) : report.reason);
+  const std::string wrong = o.certify ? wrong_start(setting.model, state, setting.bounds, setting.pieces, o,
+                                                    setting.options.threads)
+                                      : "";
+  text << (wrong.empty() ? report.reason : "start: " + wrong);
   report.reason = text.str();
   return ended(StepStatus::refused);
 }

@@ -97,9 +97,8 @@ std::vector<std::pair<int, int>> near_boxes(const std::vector<DilatedBox>& boxes
 
 }  // namespace
 
-std::vector<StepPair> pairs_within(const Model& model, const State& state,
-                                   const std::vector<BodyBounds>& bounds, const std::vector<double>& reach,
-                                   int threads, ContactScratch* scratch) {
+NearPairs near_pairs(const Model& model, const State& state, const std::vector<BodyBounds>& bounds,
+                     std::vector<double> reach, int threads, ContactScratch* scratch) {
   std::vector<int> body_of;
   std::vector<DilatedBox> boxes;
   body_of.reserve(bounds.size());
@@ -110,13 +109,22 @@ std::vector<StepPair> pairs_within(const Model& model, const State& state,
     boxes.back().radius += reach[std::size_t(b)];
     body_of.push_back(b);
   }
-  std::vector<StepPair> pairs;
+  NearPairs out{.reach = std::move(reach)};
   for (const auto& [i, j] : near_boxes(boxes, threads, scratch)) {  // (CA-12)
     const int a = body_of[std::size_t(i)], b = body_of[std::size_t(j)];
-    if (model.passing.contains({a, b})) continue;
-    pairs.push_back({.a = a, .b = b, .dilation = shape_of(model, a)->radius + shape_of(model, b)->radius});
+    if (model.passing.contains({a, b}))
+      ++out.passing;
+    else
+      out.pairs.push_back(
+          {.a = a, .b = b, .dilation = shape_of(model, a)->radius + shape_of(model, b)->radius});
   }
-  return pairs;
+  return out;
+}
+
+std::vector<StepPair> pairs_within(const Model& model, const State& state,
+                                   const std::vector<BodyBounds>& bounds, const std::vector<double>& reach,
+                                   int threads, ContactScratch* scratch) {
+  return near_pairs(model, state, bounds, reach, threads, scratch).pairs;
 }
 
 StepPath step_path(const StepMotion& step, const std::vector<BodyBounds>& bounds, double enlargement) {
@@ -135,13 +143,13 @@ StepPath step_path(const StepMotion& step, const std::vector<BodyBounds>& bounds
 NearPairs step_pairs(const StepMotion& estimate, const std::vector<BodyBounds>& bounds,
                      const AdvancementOptions& o, int threads, ContactScratch* scratch) {
   const StepPath path = step_path(estimate, bounds, o.enlargement);
-  NearPairs out;
-  out.reach.reserve(bounds.size());
+  std::vector<double> reach;
+  reach.reserve(bounds.size());
   for (int b = 0; b < int(bounds.size()); ++b) {
     const LmdShape* shape = shape_of(path.model, b);
-    out.reach.push_back(shape ? path.bodies[std::size_t(b)].displacement + o.floor * shape->radius : 0);
+    reach.push_back(shape ? path.bodies[std::size_t(b)].displacement + o.floor * shape->radius : 0);
   }
-  out.pairs = pairs_within(estimate.model, estimate.state, bounds, out.reach, threads, scratch);
+  NearPairs out = near_pairs(estimate.model, estimate.state, bounds, std::move(reach), threads, scratch);
   for (StepPair& pair : out.pairs) {
     const RelativeBounds bound = bounds_of(path, pair);
     pair.threshold = std::max(o.floor * pair.dilation, bound.displacement);
@@ -345,6 +353,62 @@ StepCertificate certify_step(const StepPath& path, const std::vector<StepPair>& 
   return out;
 }
 
+std::vector<Pieces> pieces_of_shapes(const Model& model) {
+  std::vector<Pieces> out;
+  out.reserve(model.shapes.size());
+  for (const auto& shape : model.shapes) out.push_back(connected_pieces(shape->complex));
+  return out;
+}
+
+std::vector<StepPair> driven_pairs(const StepPath& path, const std::vector<BodyBounds>& bounds, int threads) {
+  const std::vector<RigidBody>& bodies = path.model.bodies;
+  const auto is_moved = [](const RigidBody& b) {
+    return b.shape >= 0 && std::holds_alternative<Prescribed>(b.motion);
+  };
+  if (std::ranges::none_of(bodies, is_moved)) return {};
+  std::vector<int> body_of;
+  std::vector<DilatedBox> boxes;
+  for (int b = 0; b < int(bodies.size()); ++b) {
+    const RigidBody& body = bodies[std::size_t(b)];
+    if (body.shape < 0 || is_dynamic(body)) continue;
+    boxes.push_back(posed_box(path, bounds, b));
+    boxes.back().radius += path.bodies[std::size_t(b)].displacement;
+    boxes.back().fixed = !is_moved(body);
+    body_of.push_back(b);
+  }
+  std::vector<StepPair> out;
+  for (const auto& [i, j] : broad_phase(boxes, threads)) {
+    const int a = body_of[std::size_t(i)], b = body_of[std::size_t(j)];
+    const double dilation = shape_of(path.model, a)->radius + shape_of(path.model, b)->radius;
+    if (dilation > 0 && !path.model.passing.contains({a, b}))
+      out.push_back({.a = a, .b = b, .dilation = dilation});
+  }
+  return out;
+}
+
+std::vector<std::pair<int, int>> driven_overlaps(const StepPath& path, const std::vector<BodyBounds>& bounds,
+                                                 const std::vector<Pieces>& pieces,
+                                                 const AdvancementOptions& o, int threads) {
+  const auto posed = [&](int body) {
+    const MovingShape shape = moving_shape(path, body);
+    return PosedShape{shape.shape, shape.motion.g * shape.g_bs, body};
+  };
+  const auto pieces_of = [&](int body) -> const Pieces& {
+    return pieces[std::size_t(path.model.bodies[std::size_t(body)].shape)];
+  };
+  std::vector<std::pair<int, int>> out;
+  for (const StepPair& pair : driven_pairs(path, bounds, threads)) {
+    const double required = required_distance(pair, o);
+    const double apart = separation(posed_box(path, bounds, pair.a), posed_box(path, bounds, pair.b));
+    const StepCertificate proof =
+        certify_pair(path, pair, apart, {.required = required, .wanted = required, .threads = threads});
+    if (!proof.failure.empty() ||
+        find_nesting(posed(pair.a), pieces_of(pair.a), posed(pair.b), pieces_of(pair.b)))
+      out.emplace_back(pair.a, pair.b);
+  }
+  return out;
+}
+
 std::optional<Overlap> deepest_overlap(const Model& model, const State& state,
                                        const std::vector<BodyBounds>& bounds,
                                        const AdvancementOptions& options, int threads) {
@@ -364,16 +428,53 @@ std::optional<Overlap> deepest_overlap(const Model& model, const State& state,
   return out;
 }
 
+namespace {
+
+std::string name_of(const Model& model, int body) {
+  return std::to_string(body) + " (" + model.bodies[std::size_t(body)].name + ")";
+}
+
 std::string text_of(const Model& model, const Overlap& overlap) {
-  const auto name = [&](int body) {
-    return std::to_string(body) + " (" + model.bodies[std::size_t(body)].name + ")";
-  };
   std::ostringstream text;
   text.precision(17);
-  text << "bodies " << name(overlap.a) << " and " << name(overlap.b)
+  text << "bodies " << name_of(model, overlap.a) << " and " << name_of(model, overlap.b)
        << ": base distance = " << overlap.distance << " must be at least " << std::setprecision(6)
        << overlap.required << " [m]";
+  for (std::size_t j = 0; j < model.joints.size(); ++j)
+    if (const Joint& joint = model.joints[j];
+        joint.collide &&
+        std::pair<int, int>(std::minmax(joint.body_a, joint.body_b)) == std::pair(overlap.a, overlap.b)) {
+      text << "; they touch each other because joint " << j << " (" << joint.name << ") has collide";
+      break;
+    }
   return text.str();
+}
+
+}  // namespace
+
+std::string nested_pair(const Model& model, const State& state, const std::vector<StepPair>& pairs,
+                        const std::vector<Pieces>& pieces) {
+  const auto pieces_of = [&](int body) -> const Pieces& {
+    return pieces[std::size_t(model.bodies[std::size_t(body)].shape)];
+  };
+  for (const StepPair& pair : pairs)
+    if (const auto nesting = find_nesting(posed_shape(model, state, pair.a), pieces_of(pair.a),
+                                          posed_shape(model, state, pair.b), pieces_of(pair.b)))
+      return to_string(*nesting, "body " + name_of(model, pair.a), "body " + name_of(model, pair.b));
+  return {};
+}
+
+std::string nested_at(const Model& model, const State& state, const std::vector<BodyBounds>& bounds,
+                      const std::vector<Pieces>& pieces, int threads) {
+  if (std::ranges::none_of(model.shapes, [](const auto& shape) { return shape->complex.solid; })) return {};
+  const std::vector<double> reach(model.bodies.size(), 0);
+  return nested_pair(model, state, pairs_within(model, state, bounds, reach, threads), pieces);
+}
+
+std::string wrong_start(const Model& model, const State& state, const std::vector<BodyBounds>& bounds,
+                        const std::vector<Pieces>& pieces, const AdvancementOptions& options, int threads) {
+  const std::optional<Overlap> overlap = deepest_overlap(model, state, bounds, options, threads);
+  return overlap ? text_of(model, *overlap) : nested_at(model, state, bounds, pieces, threads);
 }
 
 double min_base_distance(const Model& model, const State& state, double cutoff, int threads) {

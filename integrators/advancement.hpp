@@ -10,6 +10,7 @@
 #include "lmd/broad_phase.hpp"
 #include "lmd/find_contacts.hpp"
 #include "lmd/motion_bound.hpp"
+#include "lmd/nesting.hpp"
 #include "mechanics/state.hpp"
 
 namespace aussois {
@@ -69,17 +70,21 @@ struct ContactScratch {
   BroadPhaseScratch near{};
 };
 
+/// Who is near whom.
+struct NearPairs {
+  std::vector<StepPair> pairs{};  // sorted by (a, b)
+  std::vector<double> reach{};    // of every body: how far it may move without meeting any other [m]
+  int passing = 0;                // pairs that are near too, but pass through each other (Model::passing)
+};
 /// Pairs whose boxes come nearer than the sum of their `reach` [m], one per body; thresholds are left at 0.
 /// Sorted by (a, b).
+NearPairs near_pairs(const Model& model, const State& state, const std::vector<BodyBounds>& bounds,
+                     std::vector<double> reach, int threads, ContactScratch* scratch = nullptr);
 std::vector<StepPair> pairs_within(const Model& model, const State& state,
                                    const std::vector<BodyBounds>& bounds, const std::vector<double>& reach,
                                    int threads, ContactScratch* scratch = nullptr);
 
 /// What can touch if the bodies move at most as in `estimate`, enlarged.
-struct NearPairs {
-  std::vector<StepPair> pairs{};  // with thresholds (CA-4)
-  std::vector<double> reach{};    // of every body: how far it may move without meeting any other [m]
-};
 NearPairs step_pairs(const StepMotion& estimate, const std::vector<BodyBounds>& bounds,
                      const AdvancementOptions& options, int threads, ContactScratch* scratch = nullptr);
 
@@ -116,6 +121,18 @@ StepCertificate certify_step(const StepPath& path, const std::vector<StepPair>& 
 StepCertificate certify_apart(const StepPath& path, const StepPair& pair,
                               const std::vector<BodyBounds>& bounds, int threads);
 
+/// The pieces of the complex of every shape of a model.
+std::vector<Pieces> pieces_of_shapes(const Model& model);
+
+/// Pairs of moved and fixed bodies, at least one of them moved, that can touch on the path; thresholds are
+/// left at 0. Nothing can stop them (CA-20). Sorted. Without those of no dilation: nothing can be proven of
+/// them.
+std::vector<StepPair> driven_pairs(const StepPath& path, const std::vector<BodyBounds>& bounds, int threads);
+/// Those of them that are not proven to keep the distance (CA-6), or of which one is inside the other.
+std::vector<std::pair<int, int>> driven_overlaps(const StepPath& path, const std::vector<BodyBounds>& bounds,
+                                                 const std::vector<Pieces>& pieces,
+                                                 const AdvancementOptions& options, int threads);
+
 /// Two bodies whose base complexes are nearer than the certificate will allow.
 struct Overlap {
   int a = 0, b = 0;
@@ -125,8 +142,19 @@ struct Overlap {
 std::optional<Overlap> deepest_overlap(const Model& model, const State& state,
                                        const std::vector<BodyBounds>& bounds,
                                        const AdvancementOptions& options, int threads);
-/// Bodies with their names, value and bound.
-std::string text_of(const Model& model, const Overlap& overlap);
+
+/// The first of the pairs of which one is inside the other (CA-19), in words; empty: none.
+std::string nested_pair(const Model& model, const State& state, const std::vector<StepPair>& pairs,
+                        const std::vector<Pieces>& pieces);
+
+/// The same of all that are near; empty as well if no shape is a solid.
+std::string nested_at(const Model& model, const State& state, const std::vector<BodyBounds>& bounds,
+                      const std::vector<Pieces>& pieces, int threads);
+
+/// Why no run can begin at a state: overlap beyond what is allowed, with names, value and bound, or a body
+/// inside another. Empty if one can.
+std::string wrong_start(const Model& model, const State& state, const std::vector<BodyBounds>& bounds,
+                        const std::vector<Pieces>& pieces, const AdvancementOptions& options, int threads);
 
 /// Smallest distance of the base complexes of bodies that can touch [m], or `cutoff`.
 double min_base_distance(const Model& model, const State& state, double cutoff, int threads);

@@ -244,6 +244,7 @@ StepReport told(const StepSetting& setting, const Found& found, const ImpulseSte
   report.contacts_kept = int(impulses.contact.size());
   report.loss = found.selection.loss;
   report.matches = found.warm.counts;
+  report.passing_pairs = found.passing;
   report.min_gap = found.min_gap;
   for (const double gap : step.gap) report.min_gap = std::min(report.min_gap, gap);
   report.solve = step.solved.solution.report;
@@ -432,6 +433,8 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
     if (!certificate.failure.empty()) return failed(Outcome::not_certified, certificate.failure);
     const std::string crowded = without_room(setting, found, step, move);  // (CA-17)
     if (!crowded.empty()) return failed(Outcome::not_certified, crowded);
+    report.driven_overlaps =
+        driven_overlaps(path, setting.bounds, setting.pieces, o.advancement, o.threads);  // (CA-20)
   }
 
   // The new state

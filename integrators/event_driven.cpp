@@ -54,9 +54,11 @@ bool EventRun::piece() {
       }))
     ode.method = OdeMethod::bdf;
   const std::size_t gone = report_.pieces.size();
+  const std::vector<std::pair<int, int>> driven = report_.driven_overlaps;
   for (int retry = 0; retry < kMaxRetries; ++retry) {
     turned_ = state_;
     report_.pieces.resize(gone);
+    report_.driven_overlaps = driven;
     OdePiece run(problem, ode, state_.t, packed());
     State last = state_;
     OdeStop what = OdeStop::stepped;
@@ -84,13 +86,13 @@ bool EventRun::piece() {
     if (what == OdeStop::at_end) state_.t = stop;
     return true;
   }
-  const std::optional<Overlap> overlap =
-      o_.step.advancement.certify
-          ? deepest_overlap(model_, state_, setting_.bounds, o_.step.advancement, o_.step.threads)
-          : std::nullopt;
+  const std::string wrong = o_.step.advancement.certify
+                                ? wrong_start(model_, state_, setting_.bounds, setting_.pieces,
+                                              o_.step.advancement, o_.step.threads)
+                                : "";
   std::ostringstream text;
   text << "no path from t = " << state_.t
-       << " s is proven to keep bodies apart: " << (overlap ? text_of(model_, *overlap) : report_.reason);
+       << " s is proven to keep bodies apart: " << (wrong.empty() ? report_.reason : wrong);
   return refused(text.str());
 }
 
@@ -102,6 +104,10 @@ StepReport EventRun::go(State& out) {
   const Momentum momentum_before = momentum(model_, state_);
   bool alive = state_.v.allFinite();
   if (!alive) report_.status = StepStatus::not_finite, report_.reason = "a velocity is not finite";
+  if (alive && o_.step.advancement.certify && start.h == 0) {  // (CA-19)
+    const std::string nested = nested_at(model_, state_, setting_.bounds, setting_.pieces, o_.step.threads);
+    alive = nested.empty() || refused("start: " + nested);
+  }
   alive = alive && settle(true);
   while (alive && state_.t < t_end_ - kSameTime) {
     if (++stops_ > o_.max_events) {

@@ -2,6 +2,7 @@
 // Do bodies keep apart between two internal steps? (EVD-10)
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "integrators/event_run.hpp"
 #include "lmd/motion_bound.hpp"
@@ -44,9 +45,10 @@ bool EventRun::certified(const State& from, const State& to, const std::function
     const VecX v = path(a, b);
     const StepMotion motion{model_, a, v, b.t - a.t};
     const AdvancementOptions& o = o_.step.advancement;
-    const StepCertificate proof = certify_step(step_path(motion, setting_.bounds),
-                                               step_pairs(motion, setting_.bounds, o, o_.step.threads).pairs,
-                                               setting_.bounds, {}, o, o_.step.threads);
+    const StepPath gone = step_path(motion, setting_.bounds);
+    const StepCertificate proof =
+        certify_step(gone, step_pairs(motion, setting_.bounds, o, o_.step.threads).pairs, setting_.bounds, {},
+                     o, o_.step.threads);
     report_.certificate_rounds += int(proof.rounds);
     if (!proof.failure.empty()) {
       report_.reason = proof.failure;
@@ -54,6 +56,11 @@ bool EventRun::certified(const State& from, const State& to, const std::function
     }
     report_.min_base_distance = std::min(report_.min_base_distance, proof.min_distance);
     report_.pieces.push_back({.t = a.t, .h = b.t - a.t, .g = a.g, .v = v});
+    std::vector<std::pair<int, int>> told;
+    std::ranges::set_union(report_.driven_overlaps,
+                           driven_overlaps(gone, setting_.bounds, setting_.pieces, o, o_.step.threads),
+                           std::back_inserter(told));
+    report_.driven_overlaps = std::move(told);
     a = b;
   }
   return true;
@@ -83,12 +90,14 @@ double EventRun::safe_until(const State& from, double stop) const {
 }
 
 // Could a pair have passed through each other in an internal step?
-bool EventRun::leapt(const State& from, const State& to) const {
+bool EventRun::leapt(const State& from, const State& to) {
   std::vector<double> moved;
   for (int b = 0; b < int(model_.bodies.size()); ++b)
     moved.push_back((pose(to, b).p - pose(from, b).p).norm() +
                     setting_.bounds[std::size_t(b)].radius * angle_between(pose(from, b).R, pose(to, b).R));
-  for (const StepPair& pair : pairs_within(model_, from, setting_.bounds, moved, o_.step.threads))
+  const NearPairs near = near_pairs(model_, from, setting_.bounds, moved, o_.step.threads);
+  report_.passing_pairs = std::max(report_.passing_pairs, near.passing);
+  for (const StepPair& pair : near.pairs)
     if (moved[std::size_t(pair.a)] + moved[std::size_t(pair.b)] > pair.dilation) return true;
   return false;
 }

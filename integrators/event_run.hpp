@@ -60,7 +60,7 @@ class EventRun {
   void compare(const std::vector<Closed>& before);
   bool piece();
   double safe_until(const State& from, double stop) const;
-  bool leapt(const State& from, const State& to) const;
+  bool leapt(const State& from, const State& to);
   bool certified(const State& from, const State& to, const std::function<State(double)>& at);
 
   VecX packed() const;

@@ -101,6 +101,7 @@ Found find_ahead(const StepSetting& setting, const State& state, const Estimate&
                               setting.scratch.get());  // (CA-4)
   found.pairs = std::move(near.pairs);
   found.reach = std::move(near.reach);
+  found.passing = near.passing;
   found.contacts = contacts_of(setting.model, state, found.pairs, o.lmd, *setting.scratch);  // (LMD-3)
   found.count = int(found.contacts.points.size());
   found.min_gap = smallest_gap(found.contacts);

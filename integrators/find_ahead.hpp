@@ -22,6 +22,7 @@ struct Found {
   std::vector<StepPair> pairs{};  // whose contacts are offered to the problem
   std::vector<StepPair> apart{};  // that have to show that they need none (CA-16)
   std::vector<double> reach{};    // of every body: how far it may move (CA-5) [m]
+  int passing = 0;                // pairs that are near and not looked at
   int count = 0;                  // of all contacts, those of `apart` included
   double min_gap = kInf;          // of them [m]
   ContactSet contacts{};

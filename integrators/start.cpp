@@ -80,8 +80,9 @@ void validate_start(const Model& model, const State& state, const AdvancementOpt
   check_gaps(model, state);
   check_joints(model, state, joint_tolerance);
   if (!options.certify) return;
-  const std::optional<Overlap> overlap = deepest_overlap(model, state, body_bounds(model), options, 1);
-  require(!overlap, overlap ? "start: " + text_of(model, *overlap) : "");
+  const std::string wrong =
+      wrong_start(model, state, body_bounds(model), pieces_of_shapes(model), options, 1);
+  require(wrong.empty(), "start: " + wrong);
 }
 
 }  // namespace aussois

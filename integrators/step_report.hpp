@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lmd/contact_point.hpp"
@@ -141,6 +142,10 @@ struct StepReport {
   double min_gap = kInf;  // smallest of contacts found and gap functions, at the start of the step [m]
   double min_base_distance = kInf;  // lower bound of the distance of the base complexes over the step [m]
   int certificate_rounds = 0;
+  int passing_pairs = 0;  // that came near and were not looked at: the model lets them pass (Model::passing)
+  // Moved and fixed bodies that are not proven to keep apart in the step and cannot be stopped (CA-20),
+  // sorted
+  std::vector<std::pair<int, int>> driven_overlaps{};
   SolveReport solve{};
   PhysicalResidual physical{};
   EnergyLedger energy{};

@@ -48,7 +48,11 @@ StepSetting step_setting(const Model& model, const StepOptions& options) {
   }
   require(!options.advancement.certify || undilated < 2 || !dynamic_undilated,
           "two bodies that can touch have dilation 0: at least one of them needs a positive one [m]");
-  StepSetting out{.model = model, .options = options, .dofs = dof_map(model), .bounds = body_bounds(model)};
+  StepSetting out{.model = model,
+                  .options = options,
+                  .dofs = dof_map(model),
+                  .bounds = body_bounds(model),
+                  .pieces = pieces_of_shapes(model)};
   out.laws = contact_laws(model);
   for (const RigidBody& body : model.bodies)
     out.shapes.push_back(body.shape < 0 ? nullptr : model.shapes[std::size_t(body.shape)].get());

@@ -36,6 +36,7 @@ struct StepSetting {
   StepOptions options{};
   DofMap dofs{};
   std::vector<BodyBounds> bounds{};
+  std::vector<Pieces> pieces{};           // of every shape
   std::vector<const LmdShape*> shapes{};  // of every body; null: none
   std::vector<ContactLaw> laws{};         // contact_laws(model)
   std::shared_ptr<ContactScratch> scratch = std::make_shared<ContactScratch>();

@@ -54,7 +54,10 @@ struct JointAxis {
 struct Joint {
   std::string name{};
   JointKind kind = JointKind::fixed;
-  int body_a = -1, body_b = -1;     // index of the body, -1: the world
+  int body_a = -1, body_b = -1;  // index of the body, -1: the world
+  // true: its two bodies touch each other like any others, and may not overlap at the start; false: they pass
+  // through each other, unseen by contacts and certificate (Model::passing)
+  bool collide = false;
   SE3 frame_a{}, frame_b{};         // seen from the frames of the bodies
   double pitch = 0;                 // of a screw, with its sign [m/turn], not 0
   double length = 0;                // of a distance [m], > 0

@@ -98,6 +98,15 @@ void check_joint(const Joint& joint, int index, const std::vector<RigidBody>& bo
     check_axis(joint.axis[std::size_t(i)], who + "axis[" + std::to_string(i) + "].");
 }
 
+// Joint::collide and Model::passing must not contradict each other.
+void check_collide(const Joint& joint, int index, const Model& model) {
+  if (!joint.collide) return;
+  const std::string who = "joint " + std::to_string(index) + " (" + joint.name + "): collide ";
+  require(joint.body_a >= 0 && joint.body_b >= 0, who + "needs two bodies: the world has no shape");
+  require(!model.passing.contains(std::minmax(joint.body_a, joint.body_b)),
+          who + "contradicts Model::passing, where its bodies are; joints without collide put them there");
+}
+
 void check_coupling(const Coupling& coupling, int index, const std::vector<Joint>& joints) {
   const std::string who = "coupling " + std::to_string(index) + " (" + coupling.name + "): ";
   const auto check_end = [&](int joint, int axis, const char* field_joint, const char* field_axis) {
@@ -148,7 +157,15 @@ int add(Model& model, RigidBody body) {
 int add(Model& model, Joint joint) {
   const int index = int(model.joints.size());
   check_joint(joint, index, model.bodies);
-  if (joint.body_a >= 0 && joint.body_b >= 0) model.passing.insert(std::minmax(joint.body_a, joint.body_b));
+  check_collide(joint, index, model);
+  if (!joint.collide && joint.body_a >= 0 && joint.body_b >= 0) {
+    const auto pair = std::minmax(joint.body_a, joint.body_b);
+    for (const Joint& other : model.joints)
+      require(!other.collide || std::minmax(other.body_a, other.body_b) != pair,
+              "joint " + std::to_string(index) + " (" + joint.name + "): without collide contradicts joint " +
+                  other.name + " of the same bodies, which has it");
+    model.passing.insert(pair);
+  }
   model.joints.push_back(std::move(joint));
   return index;
 }
@@ -228,7 +245,10 @@ void validate(const Model& model) {
     require(0 <= a && a < b && b < count, "model: passing{" + std::to_string(a) + ", " + std::to_string(b) +
                                               "}: bodies must be different, in [0, " + std::to_string(count) +
                                               ") and the smaller first");
-  for (std::size_t i = 0; i < model.joints.size(); ++i) check_joint(model.joints[i], int(i), model.bodies);
+  for (std::size_t i = 0; i < model.joints.size(); ++i) {
+    check_joint(model.joints[i], int(i), model.bodies);
+    check_collide(model.joints[i], int(i), model);
+  }
   for (std::size_t i = 0; i < model.couplings.size(); ++i)
     check_coupling(model.couplings[i], int(i), model.joints);
   for (std::size_t i = 0; i < model.coordinates.size(); ++i) check_block(model.coordinates[i], int(i));

@@ -20,7 +20,8 @@ struct Model {
   Vec3 gravity = {0, 0, -9.81};                           // [m/s^2]
   ContactLaw contact_law{};                               // of every pair that is not named below
   std::map<std::pair<int, int>, ContactLaw> pair_laws{};  // by body indices, the smaller first
-  std::set<std::pair<int, int>> passing{};                // pairs that never touch, the smaller first
+  // Pairs that pass through each other, the smaller first: no contacts, no certificate
+  std::set<std::pair<int, int>> passing{};
   std::vector<std::shared_ptr<const LmdShape>> shapes{};  // immutable, shared between bodies
   std::vector<RigidBody> bodies{};
   std::vector<Joint> joints{};
@@ -32,8 +33,8 @@ struct Model {
 
 int add(Model& model, LmdShape shape);  // returns its index
 int add(Model& model, RigidBody body);  // returns its index; throws like validate
-/// Returns its index; throws like validate. The two bodies pass through each other from now on: erase the
-/// pair from Model::passing if they are to touch.
+/// Returns its index; throws like validate. Without Joint::collide the two bodies pass through each other
+/// from now on (Model::passing). All joints of two bodies say the same: throws if another one says otherwise.
 int add(Model& model, Joint joint);
 void add(Model& model, Coupling coupling);  // throws like validate
 int add(Model& model, Coordinates block);   // returns its index; throws like validate

@@ -7,6 +7,7 @@
 #include "geometry/check.hpp"
 #include "io/shape_cache.hpp"
 #include "lmd/certificate.hpp"
+#include "lmd/nesting.hpp"
 
 namespace aussois {
 namespace {
@@ -35,10 +36,16 @@ std::shared_ptr<const LmdShape> prepared(AssemblyScene& scene, const AssemblyPar
 double smallest_clearance(const AssemblyInput& input, const LmdShape& fixed, const LmdShape& moving,
                           int threads, const std::function<void(int, int)>& progress) {
   double clearance = input.moving.report.box.diagonal();  // farther apart is no fit
+  const Pieces pieces_fixed = connected_pieces(fixed.complex),
+               pieces_moving = connected_pieces(moving.complex);
   for (std::size_t i = 0; i < input.poses.size(); ++i) {
     if (progress) progress(int(i) + 1, int(input.poses.size()));
     clearance = base_distance({&moving, {}, {.g = input.poses[i]}}, {&fixed, {}, {}}, clearance, threads);
-    require(clearance > 0, "pose " + std::to_string(i) + " of the path has the two parts in contact");
+    const std::string pose = "pose " + std::to_string(i) + " of the path: ";
+    require(clearance > 0, pose + input.moving.name + " and " + input.fixed.name + " are in contact");
+    if (const auto nesting =
+            find_nesting({&moving, input.poses[i], 0}, pieces_moving, {&fixed, {}, 1}, pieces_fixed))
+      throw std::invalid_argument(pose + to_string(*nesting, input.moving.name, input.fixed.name));
   }
   return clearance;
 }

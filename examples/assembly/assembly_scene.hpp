@@ -50,8 +50,8 @@ struct AssemblyScene {
 };
 
 /// `progress(i, n)` is called while the clearance is measured. Throws std::invalid_argument if a recorded
-/// pose has the parts in contact (naming the pose), if the dilations do not fit the clearance, or for an
-/// option out of range.
+/// pose has the parts in contact or one inside the other (naming the pose), if the dilations do not fit the
+/// clearance, or for an option out of range.
 AssemblyScene make_assembly_scene(const AssemblyInput& input, const AssemblyOptions& options, int threads,
                                   const std::function<void(int, int)>& progress = {});
 

@@ -1,28 +1,85 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "examples/common/audit_report.hpp"
 
+#include <algorithm>
 #include <cstdio>
 
 namespace aussois {
+namespace {
 
-void set_audit(Summary& summary, const PathAudit& audit) {
+std::vector<std::string> names_of_skipped(const Model& model) {
+  std::vector<std::string> out;
+  for (const auto& [a, b] : skipped_pairs(model))
+    out.push_back(model.bodies[std::size_t(a)].name + " and " + model.bodies[std::size_t(b)].name);
+  return out;
+}
+
+std::string nearest_of(const PathAudit& audit) {
+  if (!(audit.min_distance < kInf)) return "no two bodies came within twice their dilations";
+  char text[100];
+  std::snprintf(text, sizeof text, "base distance at least %.4g um, %.4g um above the certificate",
+                1e6 * audit.min_distance, 1e6 * audit.min_slack);
+  return text;
+}
+
+}  // namespace
+
+void set_audit(Summary& summary, const PathAudit& audit, const Model& model) {
   if (audit.samples == 0) return;
   summary.set("certify_samples", std::int64_t(audit.samples));
   summary.set("certify_steps", audit.steps);
   summary.set("certify_violations", audit.violations);
+  summary.set("certify_nested", audit.nested);
   summary.set("certify_min_distance", audit.min_distance);
+  summary.set("certify_skipped", names_of_skipped(model));
 }
 
-bool tell(const PathAudit& audit) {
-  if (audit.samples > 0 && audit.steps == 0)
+bool tell(const PathAudit& audit, const Model& model) {
+  if (audit.samples == 0) return true;
+  if (audit.steps == 0)
     std::printf("certify: nothing to look at, no two bodies that can touch\n");
-  else if (audit.samples > 0)
-    std::printf(
-        "certify: %d places of each of %lld steps, base distance at least %.4g um, %.4g um above the "
-        "certificate, %lld violations\n",
-        audit.samples, static_cast<long long>(audit.steps), 1e6 * audit.min_distance, 1e6 * audit.min_slack,
-        static_cast<long long>(audit.violations));
+  else
+    std::printf("certify: %d places of each of %lld steps and their ends, %s, %lld violations\n",
+                audit.samples, static_cast<long long>(audit.steps), nearest_of(audit).c_str(),
+                static_cast<long long>(audit.violations));
+  if (audit.nested > 0)
+    std::printf("certify: a body was inside another in %lld steps\n", static_cast<long long>(audit.nested));
+  const std::vector<std::string> skipped = names_of_skipped(model);
+  if (!skipped.empty())
+    std::printf("certify: not looked at, because they pass through each other: %s%s\n",
+                skipped.front().c_str(),
+                skipped.size() > 1 ? (", and " + std::to_string(skipped.size() - 1) + " more").c_str() : "");
   return audit.violations == 0;
+}
+
+void add(Uncertified& run, const StepReport& report) {
+  run.passing_pairs = std::max(run.passing_pairs, std::int64_t(report.passing_pairs));
+  if (report.driven_overlaps.empty()) return;
+  if (run.driven_overlaps++ == 0) run.driven_t = report.t - report.h;
+}
+
+void set_uncertified(Summary& summary, const Uncertified& run) {
+  summary.set("passing_pairs", run.passing_pairs);
+  summary.set("driven_overlaps", run.driven_overlaps);
+  summary.set("driven_overlap_t", run.driven_t);
+}
+
+void tell(const Uncertified& run) {
+  if (run.driven_overlaps > 0)
+    std::fprintf(stderr, "moved and fixed bodies overlapped in %lld steps, first from t = %.6g s on\n",
+                 static_cast<long long>(run.driven_overlaps), run.driven_t);
+}
+
+void keep(const Uncertified& run, Checkpoint& checkpoint) {
+  checkpoint.counts["passing_pairs"] = run.passing_pairs;
+  checkpoint.counts["driven_overlaps"] = run.driven_overlaps;
+  checkpoint.numbers["driven_overlap_t"] = run.driven_t;
+}
+
+Uncertified uncertified_of(const Checkpoint& checkpoint) {
+  return {.passing_pairs = checkpoint.counts.at("passing_pairs"),
+          .driven_overlaps = checkpoint.counts.at("driven_overlaps"),
+          .driven_t = checkpoint.numbers.at("driven_overlap_t")};
 }
 
 }  // namespace aussois

@@ -8,6 +8,7 @@
 #include "examples/contacts/contact_pair.hpp"
 #include "lmd/contact_kinematics.hpp"
 #include "lmd/find_contacts.hpp"
+#include "lmd/nesting.hpp"
 
 namespace aussois {
 
@@ -21,6 +22,7 @@ struct ContactQuery {
   double ms = 0;                      // CPU
   std::optional<bool> bases_touch{};  // then contacts are missing: there a normal is not defined;
                                       // empty: nobody looked
+  std::optional<Nesting> nesting{};   // of bases that do not touch: then contacts see nothing of it
 };
 
 struct ContactReport {

@@ -11,7 +11,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from drivers import PARTS, PEG, SOURCE, DriverTest
+from drivers import PARTS, PEG, SOURCE, DriverTest, box_obj
 
 USAGE, FILES, INTERRUPTED = 2, 3, 130
 
@@ -80,6 +80,22 @@ class BadInput(DriverTest):
     def test_path_through_the_partner(self):
         path = self.changed("peg_out.csv", "0,0,0,0.5,1,0,0,0", "0,3,0,0.5,1,0,0,0")
         self.refused_replay(USAGE, ["pose 0 of the path", "in contact"], *self.with_peg("--path", path))
+
+    def test_part_inside_the_partner(self):
+        """In the wall of the socket no face would see it; in the hole it is where it belongs. A lump of two counts."""
+        (self.folder / "cube.obj").write_text(box_obj(4))
+        (self.folder / "path.csv").write_text("x,y,z,qw,qx,qy,qz\n10,0,10,1,0,0,0\n10,1,10,1,0,0,0\n")
+        files = ("--fixed", PARTS / "socket.obj", "--moving", "cube.obj", "--path", "path.csv", "--quiet")
+        for mode in ("dynamic", "kinematic"):
+            self.refused_replay(USAGE, ["pose 0 of the path: cube lies inside the solid of socket"], *files, "--mode", mode)
+        (self.folder / "path.csv").write_text("x,y,z,qw,qx,qy,qz\n0,0,10,1,0,0,0\n10,0,10,1,0,0,0\n")
+        self.refused_replay(USAGE, ["pose 1 of the path: cube lies inside"], *files)
+        lines = box_obj(4).splitlines()
+        beside = [f"v {float(x) + 30} {y} {z}" for _, x, y, z in map(str.split, lines[:8])]
+        faces = ["f " + " ".join(str(int(v) + 8) for v in line.split()[1:]) for line in lines[8:]]
+        (self.folder / "cube.obj").write_text("\n".join(lines + beside + faces) + "\n")
+        self.refused_replay(USAGE, ["pose 1 of the path: 1 of 2 pieces of cube lie inside the solid of socket, one at"],
+                            *files)
 
     def test_every_broken_mesh_of_ours(self):
         """What the unit tests of the readers refuse, a driver refuses with the same line."""

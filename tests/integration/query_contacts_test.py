@@ -8,7 +8,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from drivers import PARTS, DriverTest
+from drivers import PARTS, DriverTest, box_obj
 
 USAGE, FILES, NOT_ACCEPTED = 2, 3, 1
 PARTS_OF_PEG = ("--a", PARTS / "peg.obj", "--b", PARTS / "socket.obj")
@@ -109,6 +109,22 @@ class QueryContacts(DriverTest):
         self.assertIs(result["bases_touch"], True)
         _, result = self.ask(*PARTS_OF_PEG, "--pose", "1,0,0.5,1,0,0,0", "--unchecked")
         self.assertIsNone(result["bases_touch"])
+
+    def test_a_part_inside_the_other_is_told(self):
+        (self.folder / "cube.obj").write_text(box_obj(4))
+        cube = ("--a", "cube.obj", "--b", PARTS / "socket.obj")
+        _, result = self.ask(*cube, "--pose", "0,0,10,1,0,0,0")
+        self.assertIs(result["nested"], False)
+        _, result = self.ask(*cube, "--pose", "10,0,10,1,0,0,0", code=NOT_ACCEPTED)
+        self.assertEqual((result["nested"], result["bases_touch"], result["contacts"]), (True, False, []))
+        _, result = self.ask(*cube, "--pose", "10,0,10,1,0,0,0", "--unchecked")
+        self.assertIsNone(result["nested"])
+        (self.folder / "path.csv").write_text("x,y,z,qw,qx,qy,qz\n0,0,10,1,0,0,0\n10,0,10,1,0,0,0\n-9,0,9,1,0,0,0\n")
+        run = self.drive("query_contacts", *cube, "--path", "path.csv", "--json", "result.json")
+        self.assertEqual(run.returncode, NOT_ACCEPTED)
+        self.assertIn("cube lies inside the solid of socket at pose 1, the first of 2 of 3 poses", run.stderr)
+        poses = json.loads((self.folder / "result.json").read_text())["poses"]
+        self.assertEqual([pose["nested"] for pose in poses], [False, True, True])
 
     def test_bad_input_is_named(self):
         at = (*PARTS_OF_PEG, "--pose")

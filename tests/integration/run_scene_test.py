@@ -105,6 +105,11 @@ class RunScene(DriverTest):
         self.assertEqual((summary["certify_steps"], summary["certify_violations"]), (summary["steps"], 0))
         self.assertGreater(summary["certify_min_distance"], 0)
         self.assertLess(summary["max_displacement"], 1e-8)
+        self.assertEqual((summary["certify_nested"], summary["certify_skipped"]), (0, []))
+        self.assertEqual((summary["passing_pairs"], summary["driven_overlaps"], summary["driven_overlap_t"]), (0, 0, None))
+        run = self.run_scene("--scene", "ball_e05", "--time", "0.01", "--certify", 2, "--quiet", "--summary", "s.json")
+        self.assertIn("no two bodies came within twice their dilations, 0 violations", run.stdout)
+        self.assertIsNone(json.loads((self.folder / "s.json").read_text())["certify_min_distance"])
 
     def test_every_scheme_is_certified_and_what_cannot_touch_has_nothing_to_show(self):
         for scheme in ("event_driven", "generalised_alpha", "moreau_jean_projected"):

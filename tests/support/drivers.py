@@ -16,6 +16,14 @@ PARTS = SOURCE / "examples" / "data"
 PEG = ("--fixed", PARTS / "socket.obj", "--moving", PARTS / "peg.obj", "--path", PARTS / "peg_out.csv")
 
 
+def box_obj(side):
+    """A cube around the origin as the text of an OBJ file."""
+    corners = [(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]
+    faces = ((1, 3, 4, 2), (5, 6, 8, 7), (1, 2, 6, 5), (3, 7, 8, 4), (1, 5, 7, 3), (2, 4, 8, 6))
+    return "".join(f"v {side * x / 2} {side * y / 2} {side * z / 2}\n" for x, y, z in corners) + "".join(
+        f"f {a} {b} {c}\nf {a} {c} {d}\n" for a, b, c, d in faces)
+
+
 class DriverTest(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory(prefix="aussois-")

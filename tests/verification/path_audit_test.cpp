@@ -37,7 +37,7 @@ TEST_P(EverySchemeAudited, HasNoViolationOfATumblingBlockAndTheDistanceItSaw) {
     const State start = s.state;
     const StepReport report = scheme.step(s.state, kInf);
     ASSERT_TRUE(report.ok()) << report.reason;
-    audit_path(s.model, start, report, 1, audit);
+    audit_path(s.model, start, s.state, report, 1, audit);
     at_ends = std::min(at_ends, min_base_distance(s.model, s.state, 4 * kRadius, 1));
     for (const StepContact& c : report.contacts) pushed = pushed || !c.impulse.isZero(0);
   }
@@ -55,7 +55,8 @@ TEST_P(EverySchemeAudited, HasNothingToShowWhereNoTwoBodiesHaveShapes) {
   const Scheme scheme = scheme_of(s.model);
   PathAudit audit{.samples = 17};
   const State start = s.state;
-  audit_path(s.model, start, scheme.step(s.state, kInf), 1, audit);
+  const StepReport report = scheme.step(s.state, kInf);
+  audit_path(s.model, start, s.state, report, 1, audit);
   EXPECT_EQ(audit.steps, 0);
   EXPECT_EQ(audit.violations, 0);
 }
@@ -85,10 +86,10 @@ TEST(PathAudit, FollowsTheReferenceThroughItsImpacts) {
   EXPECT_NEAR(t, s.state.t, 1e-12);
   StepReport deeper = report;
   PathAudit honest{.samples = 3}, forged = honest;
-  audit_path(s.model, start, report, 1, honest);
+  audit_path(s.model, start, s.state, report, 1, honest);
   EXPECT_EQ(honest.violations, 0);
   for (PathPiece& piece : deeper.pieces) piece.g[std::size_t(s.block)].p.z() -= 2e-4;
-  audit_path(s.model, start, deeper, 1, forged);
+  audit_path(s.model, start, s.state, deeper, 1, forged);
   EXPECT_EQ(forged.violations, 1);
 }
 
@@ -101,17 +102,38 @@ TEST(PathAudit, CatchesACertificateThatClaimsTooMuch) {
   do start = s.state, report = scheme.step(s.state);
   while (report.min_gap > 1e-4);
   PathAudit honest{.samples = 17}, forged = honest, through = honest;
-  audit_path(s.model, start, report, 1, honest);
+  audit_path(s.model, start, s.state, report, 1, honest);
   EXPECT_EQ(honest.violations, 0);
   report.min_base_distance = 2 * kRadius;
   report.v_path[6 * s.block + 2] -= 5e-4 / report.h;  // half a millimetre deeper
-  audit_path(s.model, start, report, 1, forged);
+  audit_path(s.model, start, s.state, report, 1, forged);
   EXPECT_EQ(forged.violations, 1);
   report.min_base_distance = 0;
   report.v_path[6 * s.block + 2] -= 5e-3 / report.h;
-  audit_path(s.model, start, report, 1, through);
+  audit_path(s.model, start, s.state, report, 1, through);
   EXPECT_EQ(through.violations, 1);
   EXPECT_LE(through.min_distance, 0);
+}
+
+// The certificate speaks of the path; a state elsewhere is not certified, on whichever side of the plate.
+TEST(PathAudit, CatchesAnEndThatThePathDoesNotLeadTo) {
+  Scene s = thrown_block();
+  const MoreauJean scheme(s.model, {.h = 5e-3});
+  StepReport report;
+  State start;
+  do start = s.state, report = scheme.step(s.state);
+  while (report.min_gap > 1e-4);
+  const auto violations = [&](double deeper) {
+    State end = s.state;
+    pose(end, s.block).p.z() -= deeper;
+    PathAudit audit{.samples = 3};
+    audit_path(s.model, start, end, report, 1, audit);
+    return audit.violations;
+  };
+  EXPECT_EQ(violations(0), 0);
+  EXPECT_EQ(violations(1e-3), 1);
+  EXPECT_EQ(violations(0.4), 1);  // beyond the plate, far from it again
+  EXPECT_EQ(violations(-0.4), 1);
 }
 
 // A ball of 5 mm and a crumb of 0.05 mm rest on paper: what the crumb may come near says nothing of the ball.
@@ -139,7 +161,7 @@ TEST(PathAudit, JudgesEveryPairByItsOwnDilations) {
       report.v_path[6 * 1 + 2] -= deeper * (kBall + paper) / report.h;
       report.min_base_distance = claim;
       PathAudit audit{.samples = 5};
-      audit_path(model, start, report, 1, audit);
+      audit_path(model, start, state, report, 1, audit);
       return audit.violations;
     };
     const double claim = honest.min_base_distance;
@@ -153,9 +175,10 @@ TEST(PathAudit, JudgesEveryPairByItsOwnDilations) {
 TEST(PathAudit, IsFreeIfNothingIsAskedAndRefusesAStepWithoutAPath) {
   const Scene s = thrown_block();
   PathAudit none, asked{.samples = 1};
-  audit_path(s.model, s.state, {}, 1, none);
+  audit_path(s.model, s.state, s.state, {}, 1, none);
   EXPECT_EQ(none.steps, 0);
-  EXPECT_NE(message_of([&] { audit_path(s.model, s.state, {}, 1, asked); }).find("path"), std::string::npos);
+  EXPECT_NE(message_of([&] { audit_path(s.model, s.state, s.state, {}, 1, asked); }).find("path"),
+            std::string::npos);
 }
 
 }  // namespace

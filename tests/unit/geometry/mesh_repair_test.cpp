@@ -11,6 +11,7 @@
 #include "geometry/fastener.hpp"
 #include "geometry/primitives.hpp"
 #include "geometry/repair_steps.hpp"
+#include "tests/support/compound.hpp"
 #include "tests/support/mesh_damage.hpp"
 #include "tests/support/message_of.hpp"
 
@@ -43,27 +44,6 @@ Places places_of(const SimplicialComplex& complex) {
 
 SimplicialComplex soup_of(const SimplicialComplex& complex, double jiggle, Random& random) {
   return complex_of(soup_of(loose(complex), jiggle, random));
-}
-
-SimplicialComplex merged(const std::vector<SimplicialComplex>& parts) {
-  std::vector<Vec3> vertices;
-  Triangles triangles;
-  for (const SimplicialComplex& part : parts) {
-    const int n = int(vertices.size());
-    vertices.insert(vertices.end(), part.vertices.begin(), part.vertices.end());
-    for (const auto& [a, b, c] : part.triangles) triangles.push_back({n + a, n + b, n + c});
-  }
-  return make_complex(vertices, triangles);
-}
-
-SimplicialComplex inside_out(const SimplicialComplex& complex) {
-  Triangles triangles = complex.triangles;
-  for (Triangle& t : triangles) std::swap(t[1], t[2]);
-  return make_complex(complex.vertices, triangles);
-}
-
-SimplicialComplex moved(const SimplicialComplex& complex, double x, double y, double z) {
-  return transformed(complex, translation(x, y, z));
 }
 
 // The box [-1, 1]^3 whose face x = 1 has the edge y = 1 in `pieces`, while the face y = 1 keeps it whole:

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/block_scene.hpp"
+#include "tests/support/compound.hpp"
 #include "tests/support/message_of.hpp"
 
 namespace aussois {
@@ -35,6 +36,39 @@ TEST(Start, IsRefusedInOverlapBeyondTheDilations) {
   EXPECT_EQ(refusal(s.model, s.state), "");
   EXPECT_EQ(message_of([&] { validate_start(s.model, s.state, {.max_overlap = 2}); }).find("Advancement"),
             0U);
+}
+
+// Overlap of bodies that a joint lets pass is nobody's business; of those that collide by it, it names it.
+TEST(Start, IsRefusedWithAJointWhoseCollidingBodiesOverlap) {
+  const auto hinged = [](bool collide) {
+    Scene s = block_on_plate(0.3, 0, 0, -0.5 * kRadius);
+    Joint joint = joint_at(JointKind::planar, "table", s.block, s.ground, s.state.g, SE3{});
+    joint.collide = collide;
+    add(s.model, joint);
+    return s;
+  };
+  const Scene passing = hinged(false), colliding = hinged(true);
+  EXPECT_EQ(refusal(passing.model, passing.state), "");
+  const std::string message = refusal(colliding.model, colliding.state);
+  expect_names(message, "start: bodies 0 (ground) and 1 (block): base distance = ");
+  expect_names(message, "[m]; they touch each other because joint 0 (table) has collide");
+}
+
+TEST(Start, IsRefusedWithAPieceOfABodyInsideAnother) {
+  Scene s = block_on_plate(0.3, 0, 0, 0.1);
+  const SimplicialComplex lump = make_box(0.01, 0.01, 0.01);
+  const int lumps = add(s.model, prepare(dilate(merged({lump, moved(lump, 1, 0, 0)}, true), kRadius)));
+  const int dumbbell =
+      add(s.model, solid_body("dumbbell", lumps, mass_properties(make_box(1, 0.01, 0.01), kDensity)));
+  s.state = rest_state(s.model);
+  pose(s.state, s.block).p.z() = 1;
+  pose(s.state, dumbbell).p = Vec3(-1, 0, 1);
+  expect_names(refusal(s.model, s.state),
+               "start: 1 of 2 pieces of body 2 (dumbbell) lie inside the solid of body 1 (block), one at (");
+  pose(s.state, dumbbell).p.x() = -0.5;
+  EXPECT_EQ(refusal(s.model, s.state), "");
+  pose(s.state, dumbbell).p.x() = -0.05;  // crosses a face
+  expect_names(refusal(s.model, s.state), "base distance = 0 ");
 }
 
 TEST(Start, IsRefusedWithAJointThatDoesNotHoldUntilItIsMadeConsistent) {

@@ -241,6 +241,33 @@ TEST(Joint, LetsItsBodiesPassUnlessToldOtherwise) {
   EXPECT_FALSE(model.passing.contains({0, 2}));
 }
 
+TEST(Joint, MakesItsBodiesCollideIfToldSo) {
+  Model model = hinged();
+  add(model, Joint{.name = "slide", .kind = JointKind::prismatic, .body_a = 1, .body_b = 0, .collide = true});
+  EXPECT_TRUE(model.passing.empty());
+  add(model, Joint{.name = "stay",
+                   .kind = JointKind::distance,
+                   .body_a = 0,
+                   .body_b = 1,
+                   .collide = true,
+                   .length = 1});
+  const auto refused = [&](Joint joint) {
+    joint.kind = JointKind::revolute;
+    return message_of([&] { add(model, joint); });
+  };
+  expect_names(refused({.name = "pin", .body_a = 0, .body_b = 1}),
+               "joint 2 (pin): without collide contradicts joint slide of the same bodies");
+  EXPECT_TRUE(model.passing.empty());
+  expect_names(refused({.name = "pin", .body_a = 0, .collide = true}),
+               "joint 2 (pin): collide needs two bodies");
+  EXPECT_EQ(refused({.name = "hinge", .body_a = 0, .body_b = 2}), "");
+  expect_names(refused({.name = "pin", .body_a = 2, .body_b = 0, .collide = true}),
+               "joint 3 (pin): collide contradicts Model::passing");
+  EXPECT_EQ(message_of([&] { validate(model); }), "");
+  model.passing.insert({0, 1});
+  expect_names(message_of([&] { validate(model); }), "joint 0 (slide): collide contradicts Model::passing");
+}
+
 TEST(Model, RefusesBlocksAndGapsThatCannotBe) {
   Model model;
   EXPECT_NE(message_of([&] { validate(model); }).find("neither bodies nor coordinates"), std::string::npos);

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "geometry/point_in_solid.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+
+namespace aussois {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+
+Kernel::Point_2 flat(const Vec3& x) {
+  return {x.x(), x.y()};
+}
+Kernel::Point_3 point(const Vec3& x) {
+  return {x.x(), x.y(), x.z()};
+}
+
+}  // namespace
+
+Pieces connected_pieces(const SimplicialComplex& complex) {
+  std::vector<int> parent(complex.vertices.size());  // never above its vertex: roots are the lowest of pieces
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](int v) {
+    while (parent[std::size_t(v)] != v)
+      v = parent[std::size_t(v)] = parent[std::size_t(parent[std::size_t(v)])];
+    return v;
+  };
+  for (const auto& [a, b] : complex.edges) {
+    const int i = root(a), j = root(b);
+    parent[std::size_t(std::max(i, j))] = std::min(i, j);
+  }
+  Pieces out;
+  out.of_vertex.resize(parent.size());
+  for (int v = 0; v < int(parent.size()); ++v) {
+    const int first = root(v);
+    if (first == v) {
+      out.of_vertex[std::size_t(v)] = int(out.vertex.size());
+      out.vertex.push_back(v);
+      out.box.emplace_back();
+    } else {
+      out.of_vertex[std::size_t(v)] = out.of_vertex[std::size_t(first)];
+    }
+    const Vec3& x = complex.vertices[std::size_t(v)];
+    Box& box = out.box[std::size_t(out.of_vertex[std::size_t(v)])];
+    box.lo = box.lo.cwiseMin(x), box.hi = box.hi.cwiseMax(x);
+  }
+  return out;
+}
+
+// Seen along z: how often the triangle goes round p, counted on the half-line from p along x. An edge that p
+// lies on, or an end of it, is on one side for both of its triangles, so none is crossed twice or never.
+int crossing(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+  if (std::max({a.z(), b.z(), c.z()}) <= p.z()) return 0;
+  int turns = 0;
+  for (const auto& [u, v] : {std::pair(&a, &b), std::pair(&b, &c), std::pair(&c, &a)}) {
+    const bool from_below = u->y() <= p.y(), to_below = v->y() <= p.y();
+    if (from_below == to_below || std::max(u->x(), v->x()) <= p.x()) continue;
+    const Vec3 &lower = from_below ? *u : *v, &upper = from_below ? *v : *u;
+    if (std::min(u->x(), v->x()) > p.x() ||
+        CGAL::orientation(flat(lower), flat(upper), flat(p)) == CGAL::LEFT_TURN)
+      turns += from_below ? 1 : -1;
+  }
+  if (turns == 0) return 0;
+  const CGAL::Orientation side = CGAL::orientation(point(a), point(b), point(c), point(p));
+  return int(side) * turns < 0 ? turns : 0;  // above p
+}
+
+bool is_inside(const SimplicialComplex& solid, const Pieces& pieces, const Vec3& p) {
+  std::vector<char> counts;  // pieces whose box holds the point: the others do not go round it
+  counts.reserve(pieces.box.size());
+  bool any = false;
+  for (const Box& box : pieces.box) {
+    counts.push_back((box.lo.array() <= p.array()).all() && (p.array() <= box.hi.array()).all());
+    any = any || counts.back();
+  }
+  if (!any) return false;
+  int turns = 0;
+  for (const auto& [i, j, k] : solid.triangles)
+    if (counts[std::size_t(pieces.of_vertex[std::size_t(i)])])
+      turns += crossing(p, solid.vertices[std::size_t(i)], solid.vertices[std::size_t(j)],
+                        solid.vertices[std::size_t(k)]);
+  return turns > 0;  // (CPX-13)
+}
+
+}  // namespace aussois
