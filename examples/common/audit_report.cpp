@@ -77,9 +77,9 @@ void keep(const Uncertified& run, Checkpoint& checkpoint) {
 }
 
 Uncertified uncertified_of(const Checkpoint& checkpoint) {
-  return {.passing_pairs = checkpoint.counts.at("passing_pairs"),
-          .driven_overlaps = checkpoint.counts.at("driven_overlaps"),
-          .driven_t = checkpoint.numbers.at("driven_overlap_t")};
+  return {.passing_pairs = checkpoint_count(checkpoint, "passing_pairs"),
+          .driven_overlaps = checkpoint_count(checkpoint, "driven_overlaps"),
+          .driven_t = checkpoint_number(checkpoint, "driven_overlap_t")};
 }
 
 }  // namespace aussois
