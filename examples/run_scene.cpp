@@ -181,7 +181,7 @@ Statistics statistics_of(const Checkpoint& c) {
 
 void account(Statistics& s, const StepReport& report, double displacement) {
   ++s.steps;
-  s.solver_failures += report.solve.status != SolveStatus::converged;
+  s.solver_failures += !is_solved(report.solve.status);
   s.energy_rises += report.energy_rises;
   if (report.energy_rises) s.impulse_gain += report.impulse_gain;
   add_matches(s.matches, report.matches);
@@ -270,7 +270,7 @@ ExitCode run(Arguments& a) {
     const std::clock_t begin = std::clock();
     report = scheme.step(state, t_end - state.t);
     s.cpu_s += double(std::clock() - begin) / CLOCKS_PER_SEC;
-    if (report.status != StepStatus::ok) break;
+    if (!report.moved()) break;
     const double displacement = displacement_of(scene.state, state);
     account(s, report, displacement);
     audit_path(scene.model, start, report, a.common.threads, s.audit);
@@ -324,7 +324,7 @@ ExitCode run(Arguments& a) {
   if (s.solver_failures > 0)
     std::fprintf(stderr, "%lld steps were not solved to the tolerance\n",
                  static_cast<long long>(s.solver_failures));
-  const bool accepted = tell(s.audit) && report.status == StepStatus::ok && s.solver_failures == 0;
+  const bool accepted = tell(s.audit) && report.moved() && s.solver_failures == 0;
   return accepted ? ExitCode::ok : ExitCode::not_accepted;
 }
 
