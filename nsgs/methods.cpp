@@ -91,8 +91,6 @@ const char* to_string(SolveStatus status) {
   switch (status) {
     case SolveStatus::converged:
       return "converged";
-    case SolveStatus::at_rounding:
-      return "at_rounding";
     case SolveStatus::stagnated:
       return "stagnated";
     case SolveStatus::max_iterations:
