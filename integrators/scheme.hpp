@@ -19,11 +19,11 @@ namespace aussois {
 
 /// What a comparison of schemes sets; each scheme reads what it knows, and leaves what it does not.
 struct SchemeOptions {
-  double h = 1e-3;                           // largest step [s], > 0
-  double theta = MoreauJeanOptions{}.theta;  // moreau_jean, moreau_jean_projected [-], in [1/2, 1]
-  ContactsAt contacts = ContactsAt::start;   // moreau_jean
-  NewtonOptions newton{};                    // moreau_jean
-  ImpactOptions impact{};                    // moreau_jean
+  double h = 1e-3;                          // largest step [s], > 0
+  double theta = 0.5;                       // moreau_jean, moreau_jean_projected [-], in [1/2, 1]
+  ContactsAt contacts = ContactsAt::start;  // moreau_jean
+  NewtonOptions newton{};                   // moreau_jean
+  ImpactOptions impact{};                   // moreau_jean
   ProjectionOrder projection = ProjectionOrder::combined;  // moreau_jean_projected
   NormalLawOptions normal{};  // its law: moreau_jean, passive_midpoint; the others have laws of their own
   JointOptions joints{};

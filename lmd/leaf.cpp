@@ -22,7 +22,7 @@ Leaf leaf_of(const LmdShape& shape, LeafId id) {
     const Vec3 chord = leaf.x[1] - leaf.x[0];
     leaf.extent = chord.norm();
     leaf.direction = chord / leaf.extent;
-    leaf.misfit = double(e.misfit);
+    leaf.misfit = double(misfit_of(shape, id.index));
     for (int region : e.conormals) {
       if (region == 0) continue;
       const double sign = region > 0 ? 1 : -1;

@@ -62,12 +62,13 @@ AUSSOIS_INLINE EdgeLanes edge_lanes(const LeafFrame& f, int first, int count) {
   EdgeLanes out{};
   V4 n[2];
   for (int k = 0; k < 4; ++k) {
-    const EdgeLeaf& e = f.shape->edges[std::size_t(first + std::min(k, count - 1))];
+    const int i = first + std::min(k, count - 1);
+    const EdgeLeaf& e = f.shape->edges[std::size_t(i)];
     const Eigen::Vector3f p = f.point(f.shape->complex.vertices[std::size_t(e.first)]);
     const Eigen::Vector3f q = f.point(f.shape->complex.vertices[std::size_t(e.last)]);
     set(out.p, k, p);
     set(out.e, k, q - p);
-    out.misfit[k] = e.misfit;
+    out.misfit[k] = misfit_of(*f.shape, i);
     for (int c = 0; c < 2; ++c) {
       const int region = e.conormals[std::size_t(c)];
       const Eigen::Vector3f normal =

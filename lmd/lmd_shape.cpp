@@ -159,21 +159,22 @@ void add_edges(LmdShape& shape, const Idealisation& ideal, const std::vector<Cha
   const SimplicialComplex& k = shape.complex;
   std::vector<EdgeLeaf> narrow, wide;
   std::vector<ConeTreeItem> narrow_items, wide_items;
-  const std::vector<double> misfit = misfit_at_vertices(k, ideal);
+  const std::vector<double> misfits = misfit_at_vertices(k, ideal);
+  const auto misfit = [&](int first, int last) {
+    return std::max(misfits[std::size_t(first)], misfits[std::size_t(last)]);
+  };
   for (std::size_t c = 0; c < ideal.chains.size(); ++c) {
     if (!cones[c].simplex_class) continue;
     const Chain& chain = ideal.chains[c];
-    const double beyond = std::max(misfit[std::size_t(chain.first)], misfit[std::size_t(chain.last)]);
     const EdgeLeaf leaf{.first = chain.first,
                         .last = chain.last,
                         .conormals = cones[c].conormals,
                         .path = chain.edges.size() == 1 ? chain.edges[0] : int(shape.paths.size()),
                         .path_length = std::uint32_t(chain.edges.size()) & 0x7fffffffU,
-                        .is_wide = *cones[c].simplex_class == SimplexClass::e_wide,
-                        .misfit = float(beyond)};
+                        .is_wide = *cones[c].simplex_class == SimplexClass::e_wide};
     if (chain.edges.size() > 1) shape.paths.insert(shape.paths.end(), chain.edges.begin(), chain.edges.end());
     const ConeTreeItem item = tree_item({at(k, chain.first), at(k, chain.last)}, cones[c].axis,
-                                        cones[c].half_angle + 1.01 * beyond);
+                                        cones[c].half_angle + 1.01 * misfit(chain.first, chain.last));
     (leaf.is_wide ? wide : narrow).push_back(leaf);
     (leaf.is_wide ? wide_items : narrow_items).push_back(item);
   }
@@ -182,6 +183,8 @@ void add_edges(LmdShape& shape, const Idealisation& ideal, const std::vector<Cha
   shape.narrow_edges = int(narrow.size());
   shape.edges = std::move(narrow);
   shape.edges.insert(shape.edges.end(), wide.begin(), wide.end());
+  for (const EdgeLeaf& leaf : shape.edges) shape.misfits.push_back(float(misfit(leaf.first, leaf.last)));
+  if (std::ranges::all_of(shape.misfits, [](float m) { return m == 0; })) shape.misfits = {};
 }
 
 // Triangles are faces of contacts and simplices of the base complex; the latter has wires and points as well.
@@ -268,7 +271,7 @@ SimplexClass class_of(const EdgeLeaf& leaf) {
 std::size_t search_bytes(const LmdShape& s) {
   std::size_t total = bytes(s.complex.vertices) + bytes(s.complex.triangles) + bytes(s.regions) +
                       bytes(s.triangle_region) + bytes(s.triangle_sign) + bytes(s.rays) + bytes(s.paths) +
-                      bytes(s.vertices) + bytes(s.edges) + bytes(s.faces) + bytes(s.rest);
+                      bytes(s.vertices) + bytes(s.edges) + bytes(s.misfits) + bytes(s.faces) + bytes(s.rest);
   for (const ConeTree* tree :
        {&s.vertex_tree, &s.wide_vertex_tree, &s.edge_tree, &s.wide_edge_tree, &s.face_tree, &s.rest_tree})
     total += bytes(tree->nodes);

@@ -48,7 +48,6 @@ struct EdgeLeaf {
                                    // edge is named here itself
   std::uint32_t path_length : 31 = 1;
   std::uint32_t is_wide : 1 = 0;  // wire or border
-  float misfit = 0;               // sine of how far a foot may lie beyond its ends, at least 0 (LMD-15)
 };
 
 SimplexClass class_of(const VertexLeaf& leaf);
@@ -81,13 +80,19 @@ struct LmdShape {
   std::vector<int> paths{};
   std::vector<VertexLeaf> vertices{};
   std::vector<EdgeLeaf> edges{};
-  std::vector<int> faces{};         // triangles; those of sheets have two sides
+  std::vector<float> misfits{};  // of the edges: how far feet may lie beyond the ends, per distance (LMD-15);
+                                 // empty if it is 0 for all
+  std::vector<int> faces{};      // triangles; those of sheets have two sides
   std::vector<BaseSimplex> rest{};  // base simplices that are no faces: too flat for a normal, wires, points
   // The hierarchies (LMD-9). The class set of a node is that of its tree.
   ConeTree vertex_tree{}, wide_vertex_tree{}, edge_tree{}, wide_edge_tree{}, face_tree{}, rest_tree{};
   int narrow_vertices = 0, narrow_edges = 0;  // the wide ones follow
   int flat_triangles = 0;  // triangles too flat to be faces of their own; their edges still count
 };
+
+inline float misfit_of(const LmdShape& shape, int edge) {
+  return shape.misfits.empty() ? 0.0F : shape.misfits[std::size_t(edge)];
+}
 
 /// Throws std::invalid_argument for an empty complex, a dilation that is no length or a bad option.
 LmdShape prepare(DilatedShape shape, const LmdShapeOptions& options = {});

@@ -48,9 +48,9 @@ std::string difference(const LmdShape& a, const LmdShape& b) {
   };
   const auto edge = [](const EdgeLeaf& x, const EdgeLeaf& y) {
     return x.first == y.first && x.last == y.last && x.conormals == y.conormals && x.path == y.path &&
-           x.path_length == y.path_length && x.is_wide == y.is_wide && x.misfit == y.misfit;
+           x.path_length == y.path_length && x.is_wide == y.is_wide;
   };
-  if (a.straightened != b.straightened) return "straightened";
+  if (a.straightened != b.straightened || a.misfits != b.misfits) return "straightened";
   if (!same(a.complex, b.complex)) return "complex";
   if (a.radius != b.radius || a.bounding_radius != b.bounding_radius || a.tolerance != b.tolerance ||
       std::memcmp(&a.centre, &b.centre, sizeof a.centre) != 0)
