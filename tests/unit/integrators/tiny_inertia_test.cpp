@@ -77,7 +77,8 @@ End run(const std::string& scheme, Scene s, double h, double t_end) {
 }
 
 // A change of the tiny moment by 1e-6 of the others changes the motion by some 1e-5 of a metre, less in
-// proportion: joints hold to rounding and energy is off as much as without it.
+// proportion: joints hold to rounding, and energy is off as much as without it, to a millionth of the joules
+// that swing to and fro: where S is kept (kLightest) each step may lose six of its sixteen digits.
 TEST(TinyInertia, ThatJointsHoldChangesNoMotion) {
   for (const std::string& scheme : scheme_names())
     for (const int count : {1, 2, 15}) {  // 15: above what is factorised as one dense matrix
@@ -88,7 +89,7 @@ TEST(TinyInertia, ThatJointsHoldChangesNoMotion) {
         const End with = run(scheme, Rods(count, tiny), 2.5e-3, t_end);
         EXPECT_LT(with.joints, 1e-12) << scheme << " " << count << " rods, " << tiny;
         EXPECT_LT((with.last - without.last).norm(), 1e-3) << scheme << " " << count << " rods, " << tiny;
-        EXPECT_NEAR(with.energy, without.energy, 1e-3 * std::abs(without.energy) + 1e-8)
+        EXPECT_NEAR(with.energy, without.energy, 1e-3 * std::abs(without.energy) + 1e-6)
             << scheme << " " << count << " rods, " << tiny;
       }
       const End tinier = run(scheme, Rods(count, 1e-10), 2.5e-3, t_end),
