@@ -202,7 +202,7 @@ std::vector<MovedVertex> straighten(SimplicialComplex& complex, const Idealisati
 }
 
 std::vector<double> misfit_at_vertices(const SimplicialComplex& complex, const Idealisation& ideal) {
-  constexpr double kRounding = 1e-9;  // over the distances of contacts this is below the tolerance of feet
+  constexpr double kRounding = 1e-6;  // up to a distance of 1e-3 of the size, feet are forgiven as much
   std::vector<std::array<double, 2>> largest(complex.vertices.size(), {0, 0});
   const auto add = [&](int v, double sine) {
     auto& [first, second] = largest[std::size_t(v)];

@@ -48,7 +48,7 @@ Idealisation idealise(const SimplicialComplex& complex, double tolerance);
 std::vector<MovedVertex> straighten(SimplicialComplex& complex, const Idealisation& ideal, double foot);
 
 /// For each vertex, how far chords and planes that meet there are from parallel: the sum of the two largest
-/// sines |n . d| of a chain's direction and the normal of a region beside it (LMD-15); 0 below 1e-9.
+/// sines |n . d| of a chain's direction and the normal of a region beside it (LMD-15); 0 below 1e-6.
 std::vector<double> misfit_at_vertices(const SimplicialComplex& complex, const Idealisation& ideal);
 
 }  // namespace aussois
