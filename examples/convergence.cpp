@@ -197,7 +197,6 @@ ExitCode run(Arguments a) {
 
 int main(int argc, char** argv) {
   Arguments a;
-  a.scheme.options.theta = 0.5;  // of order two where motion is smooth
   a.threads = int(std::max(1u, std::thread::hardware_concurrency()));
   Cli cli("convergence",
           "Measures the order of convergence of time-stepping schemes on exact motions with impacts and "

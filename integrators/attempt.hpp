@@ -64,10 +64,6 @@ void add_rows(const StepSetting& setting, const State& state, const Found& found
 /// Other blocks, before what acts on the axes of step.joints.
 void set_rows(ContactBlocks blocks, ImpulseStep& step);
 void solve_rows(const StepSetting& setting, const State& state, const Found& found, ImpulseStep& step);
-/// Solves again without what pushes overlaps apart, if anything does: the push moves bodies along the path
-/// and leaves them no speed at its end (MJ-17).
-void solve_without_push(const StepSetting& setting, const State& state, const Found& found,
-                        ImpulseStep& step);
 /// The impulses of a solution, of all rows; zero where a row was left out.
 std::vector<RowVector> row_impulses(const ImpulseStep& step);
 

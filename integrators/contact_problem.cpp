@@ -57,7 +57,6 @@ void set_bias(ContactRow& row, const RowVector& u_before, double restitution, do
   const NormalBias normal = normal_bias(row.gap, u_before.x(), restitution, h, options);
   row.restitution = restitution;
   row.active = normal.active;
-  row.push = normal.push;
   if (options.gamma < 1)
     for (int d = 1; d < row.law.rows; ++d) row.w[d] += (1 - options.gamma) / options.gamma * u_before[d];
   row.w.x() += normal.w;
@@ -115,8 +114,7 @@ NormalBias normal_bias(double gap, double u_before, double restitution, double h
       if (restitution > 0 && closes(gap, u_before, h, options.law)) return {impact, true};
       break;
   }
-  return {over_step / options.gamma + averaged * u_before, true,
-          options.gamma == 1 ? std::min(0.0, over_step) : 0};
+  return {over_step / options.gamma + averaged * u_before, true};
 }
 
 std::vector<ContactRow> contact_rows(const Model& model, const State& state, const ContactSet& contacts,
@@ -161,10 +159,17 @@ GapFunctionRows gap_rows(const Model& model, const State& state, const DofMap& d
   GapFunctionRows out;
   for (int i = 0; i < int(model.gaps.size()); ++i) {
     const GapFunction& gap = model.gaps[std::size_t(i)];
-    const GapRows now = gap_function(model, state, i, state.t + reached.time);
+    const GapRows now = gap.evaluate(model, state, state.t + reached.time);
     const Eigen::Index size = gap_columns(model, gap),
                        first = gap.block < 0 ? 0 : first_speed(model, gap.block);
     ContactRow row{.law = law_of(gap.law, now.J.rows()), .slot = first_gap_row(model) + 3 * i};
+    if (now.J.cols() != size || now.J.rows() < 1 || now.J.rows() > 3) {  // ends as not_finite
+      row.law = unilateral();
+      row.w.setConstant(std::nan(""));
+      out.rows.push_back(row);
+      out.gap.push_back(now.gap);
+      continue;
+    }
     RowVector u_before = RowVector::Zero();
     row.gap = now.gap;
     if (reached.time > 0 && now.rate.size() > 0) row.gap -= reached.time * now.rate[0];

@@ -36,7 +36,6 @@ struct ContactRow {
   RowVector moved = RowVector::Zero();  // the part of w that moves by itself; of rows with a normal
   double gap = 0;                       // [m, rad]; of a row with a normal
   double restitution = 0;               // of a row with a normal [-]
-  double push = 0;                      // the part of w that pushes an overlap apart [m/s, rad/s], <= 0
   Law law{};
   bool active = true;  // false: the normal law leaves the block out of this step
   int slot = -1;       // its first entry of State::r; -1: a contact, kept in the memory
@@ -61,7 +60,6 @@ double closed_gap(const NormalLawOptions& options, double h);
 struct NormalBias {
   double w = 0;
   bool active = true;
-  double push = 0;  // as of ContactRow
 };
 NormalBias normal_bias(double gap, double u_before, double restitution, double h,
                        const NormalLawOptions& options);

@@ -185,11 +185,10 @@ Attempt MoreauJean::attempt(const State& state, const SharedMotion& without, con
     ++made;
   }
   if (after) step.impact = after->impact;
-  const VecX v_path = theta * step.solved.solution.v + (1 - theta) * first->v;  // (MJ-7)
-  if (theta < 1) solve_without_push(setting_, start, found, step);
+  const VecX& v = step.solved.solution.v;
   Attempt out = go(setting_, start, found, step,
-                   {.v_path = v_path,
-                    .v_end = step.solved.solution.v,
+                   {.v_path = theta * v + (1 - theta) * first->v,  // (MJ-7)
+                    .v_end = v,
                     .goes_on = 2 * (1 - theta) * options_.advancement.min_h});
   out.report.newton_iterations = made;
   out.report.newton_change = change;
