@@ -386,6 +386,14 @@ std::vector<StepPair> driven_pairs(const StepPath& path, const std::vector<BodyB
   return out;
 }
 
+namespace {
+
+const Pieces& pieces_of(const Model& model, const std::vector<Pieces>& pieces, int body) {
+  return pieces[std::size_t(model.bodies[std::size_t(body)].shape)];
+}
+
+}  // namespace
+
 std::vector<std::pair<int, int>> driven_overlaps(const StepPath& path, const std::vector<BodyBounds>& bounds,
                                                  const std::vector<Pieces>& pieces,
                                                  const AdvancementOptions& o, int threads) {
@@ -393,17 +401,14 @@ std::vector<std::pair<int, int>> driven_overlaps(const StepPath& path, const std
     const MovingShape shape = moving_shape(path, body);
     return PosedShape{shape.shape, shape.motion.g * shape.g_bs, body};
   };
-  const auto pieces_of = [&](int body) -> const Pieces& {
-    return pieces[std::size_t(path.model.bodies[std::size_t(body)].shape)];
-  };
   std::vector<std::pair<int, int>> out;
   for (const StepPair& pair : driven_pairs(path, bounds, threads)) {
     const double required = required_distance(pair, o);
     const double apart = separation(posed_box(path, bounds, pair.a), posed_box(path, bounds, pair.b));
     const StepCertificate proof =
         certify_pair(path, pair, apart, {.required = required, .wanted = required, .threads = threads});
-    if (!proof.failure.empty() ||
-        find_nesting(posed(pair.a), pieces_of(pair.a), posed(pair.b), pieces_of(pair.b)))
+    if (!proof.failure.empty() || find_nesting(posed(pair.a), pieces_of(path.model, pieces, pair.a),
+                                               posed(pair.b), pieces_of(path.model, pieces, pair.b)))
       out.emplace_back(pair.a, pair.b);
   }
   return out;
@@ -454,12 +459,10 @@ std::string text_of(const Model& model, const Overlap& overlap) {
 
 std::string nested_pair(const Model& model, const State& state, const std::vector<StepPair>& pairs,
                         const std::vector<Pieces>& pieces) {
-  const auto pieces_of = [&](int body) -> const Pieces& {
-    return pieces[std::size_t(model.bodies[std::size_t(body)].shape)];
-  };
   for (const StepPair& pair : pairs)
-    if (const auto nesting = find_nesting(posed_shape(model, state, pair.a), pieces_of(pair.a),
-                                          posed_shape(model, state, pair.b), pieces_of(pair.b)))
+    if (const auto nesting =
+            find_nesting(posed_shape(model, state, pair.a), pieces_of(model, pieces, pair.a),
+                         posed_shape(model, state, pair.b), pieces_of(model, pieces, pair.b)))
       return to_string(*nesting, "body " + name_of(model, pair.a), "body " + name_of(model, pair.b));
   return {};
 }

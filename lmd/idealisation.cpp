@@ -178,10 +178,6 @@ void trace_chains(const SimplicialComplex& k, Idealisation& out) {
   }
 }
 
-double squared(double x) {
-  return x * x;
-}
-
 }  // namespace
 
 std::vector<MovedVertex> straighten(SimplicialComplex& complex, const Idealisation& ideal, double foot) {
@@ -192,7 +188,7 @@ std::vector<MovedVertex> straighten(SimplicialComplex& complex, const Idealisati
     for (std::size_t i = 1; i + 1 < chain.vertices.size(); ++i) {
       Vec3& x = complex.vertices[std::size_t(chain.vertices[i])];
       const Vec3 on_chord = a + std::clamp(chain.direction.dot(x - a), 0.0, length) * chain.direction;
-      if ((x - on_chord).squaredNorm() <= squared(foot)) continue;
+      if ((x - on_chord).norm() <= foot) continue;
       moved.push_back({chain.vertices[i], x});
       x = on_chord;
     }

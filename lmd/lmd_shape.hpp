@@ -90,6 +90,7 @@ struct LmdShape {
   int flat_triangles = 0;  // triangles too flat to be faces of their own; their edges still count
 };
 
+/// How far a foot may lie beyond the ends of LmdShape::edges[edge], per distance from the foot [-] (LMD-15).
 inline float misfit_of(const LmdShape& shape, int edge) {
   return shape.misfits.empty() ? 0.0F : shape.misfits[std::size_t(edge)];
 }

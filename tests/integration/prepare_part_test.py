@@ -29,6 +29,16 @@ class PreparePart(DriverTest):
         self.assertAlmostEqual(part["edge_rounding"], 1e-3 * (math.sqrt(2) - 1), delta=1e-15)
         self.assertAlmostEqual(part["rounding"], 1e-3 * (math.sqrt(3) - 1), delta=1e-15)
 
+    def test_a_vertex_inside_a_chain_is_put_on_it_and_told(self):
+        corners = [(x, y, z) for z in (-0.5, 0.5) for y in (-0.5, 0.5) for x in (-0.5, 0.5)]
+        lines = ["v %.9g %.9g %.9g" % v for v in corners + [(0.4999992, 0, 0.5)]]   # 0.8 um inside of its edge
+        faces = "134 142 126 165 378 384 157 173 759 569 987 249 489 629".split()
+        (self.folder / "slit.obj").write_text("\n".join(lines + ["f " + " ".join(f) for f in faces]) + "\n")
+        run, part = self.prepare("--mesh", self.folder / "slit.obj", "--dilation", "1e-3")
+        self.assertEqual(part["straightened_vertices"], 1)
+        self.assertAlmostEqual(part["straightened_by"], 8e-7, delta=1e-12)
+        self.assertRegex(run.stdout, r"vertices put on straight chains\s+1, moved by up to 0\.8")
+
     def test_the_eroded_mesh_reads_back_in_the_units_of_the_file(self):
         mesh = PARTS / "socket.obj"
         self.prepare("--mesh", mesh, "--dilation", "5e-5", "--erode")

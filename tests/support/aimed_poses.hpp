@@ -16,6 +16,7 @@
 #include "geometry/primitives.hpp"
 #include "lmd/certificate.hpp"
 #include "lmd/find_contacts.hpp"
+#include "lmd/nesting.hpp"
 #include "tests/support/random.hpp"
 
 namespace aussois {
@@ -121,25 +122,10 @@ inline std::vector<Probe> make_probes(double size, double dilation) {
   return probes;
 }
 
-/// Sum of the solid angles of the triangles seen from p over 4 pi (van Oosterom and Strackee): 1 in a solid.
-inline double winding_number(const SimplicialComplex& k, const Vec3& p) {
-  double sum = 0;
-  for (const auto& t : k.triangles) {
-    const Vec3 a = k.vertices[std::size_t(t[0])] - p, b = k.vertices[std::size_t(t[1])] - p,
-               c = k.vertices[std::size_t(t[2])] - p;
-    const double la = a.norm(), lb = b.norm(), lc = c.norm();
-    sum += std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
-  }
-  return sum / (2 * kPi);
-}
-
-/// Is the first vertex of one in the other? Surfaces that do not meet are then nested, and have no contacts.
+/// Surfaces that do not meet may be nested: they have no contacts then.
 inline bool nested(const PosedShape& a, const PosedShape& b) {
-  const auto in = [](const PosedShape& one, const PosedShape& other) {
-    const SimplicialComplex &k = one.shape->complex, &l = other.shape->complex;
-    return l.solid && winding_number(l, inverse(other.g_ws) * (one.g_ws * k.vertices[0])) > 0.5;
-  };
-  return in(a, b) || in(b, a);
+  return find_nesting(a, connected_pieces(a.shape->complex), b, connected_pieces(b.shape->complex))
+      .has_value();
 }
 
 inline std::string in_words(const PosedShape& a, const char* what, double distance, double late) {

@@ -93,14 +93,19 @@ TEST(PathAudit, FollowsTheReferenceThroughItsImpacts) {
   EXPECT_EQ(forged.violations, 1);
 }
 
+/// Steps until the block comes near the plate: where the last step began, and its report.
+std::pair<State, StepReport> landing_step(const MoreauJean& scheme, Scene& s) {
+  for (;;) {
+    const State start = s.state;
+    if (const StepReport report = scheme.step(s.state); report.min_gap <= 1e-4) return {start, report};
+  }
+}
+
 // A report that claims more than the path keeps, and a path through the plate.
 TEST(PathAudit, CatchesACertificateThatClaimsTooMuch) {
   Scene s = thrown_block();
   const MoreauJean scheme(s.model, {.h = 5e-3});
-  StepReport report;
-  State start;
-  do start = s.state, report = scheme.step(s.state);
-  while (report.min_gap > 1e-4);
+  auto [start, report] = landing_step(scheme, s);
   PathAudit honest{.samples = 17}, forged = honest, through = honest;
   audit_path(s.model, start, s.state, report, 1, honest);
   EXPECT_EQ(honest.violations, 0);
@@ -119,10 +124,7 @@ TEST(PathAudit, CatchesACertificateThatClaimsTooMuch) {
 TEST(PathAudit, CatchesAnEndThatThePathDoesNotLeadTo) {
   Scene s = thrown_block();
   const MoreauJean scheme(s.model, {.h = 5e-3});
-  StepReport report;
-  State start;
-  do start = s.state, report = scheme.step(s.state);
-  while (report.min_gap > 1e-4);
+  auto [start, report] = landing_step(scheme, s);
   const auto violations = [&](double deeper) {
     State end = s.state;
     pose(end, s.block).p.z() -= deeper;
