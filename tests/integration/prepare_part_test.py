@@ -34,7 +34,7 @@ class PreparePart(DriverTest):
         lines = ["v %.9g %.9g %.9g" % v for v in corners + [(0.4999992, 0, 0.5)]]   # 0.8 um inside of its edge
         faces = "134 142 126 165 378 384 157 173 759 569 987 249 489 629".split()
         (self.folder / "slit.obj").write_text("\n".join(lines + ["f " + " ".join(f) for f in faces]) + "\n")
-        run, part = self.prepare("--mesh", self.folder / "slit.obj", "--dilation", "1e-3")
+        run, part = self.prepare("--mesh", self.folder / "slit.obj", "--scale", "1", "--dilation", "1e-3")
         self.assertEqual(part["straightened_vertices"], 1)
         self.assertAlmostEqual(part["straightened_by"], 8e-7, delta=1e-12)
         self.assertRegex(run.stdout, r"vertices put on straight chains\s+1, moved by up to 0\.8")
