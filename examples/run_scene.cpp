@@ -236,7 +236,7 @@ ExitCode run(Arguments& a) {
   options.h = a.h > 0 ? a.h : chosen.h;
   if (a.scheme.min_h == 0) options.advancement.min_h = std::min(options.advancement.min_h, 1e-4 * options.h);
   options.solver.tolerance = a.tolerance;
-  options.threads = options.lmd.threads = a.common.threads;
+  options.threads = a.common.threads;
   require(a.scheme.selector.empty() || a.scheme.selector_body < int(scene.model.bodies.size()),
           "--selector-body = " + std::to_string(a.scheme.selector_body) + " must be less than " +
               std::to_string(scene.model.bodies.size()) + ", the bodies of the scene");

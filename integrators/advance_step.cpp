@@ -6,8 +6,6 @@
 #include <sstream>
 #include <utility>
 
-#include "geometry/check.hpp"
-
 namespace aussois {
 
 const char* to_string(StepStatus status) {
@@ -25,7 +23,7 @@ const char* to_string(StepStatus status) {
 StepReport advance_step(const StepSetting& setting, State& state, double h_limit, const StepMethod& method) {
   const AdvancementOptions& o = setting.options.advancement;
   const double h_largest = setting.options.h;
-  require_field(h_limit > 0, "h_limit", h_limit, "be positive [s]");
+  check_fits(setting, state, h_limit);
   const double begin = step_clock();
   const double h_control = state.h_next > 0 ? std::min(h_largest, state.h_next) : h_largest;
   double h = std::min(h_control, h_limit);
@@ -46,6 +44,8 @@ StepReport advance_step(const StepSetting& setting, State& state, double h_limit
     report.reason = "a force, velocity or pose is not finite";
     return ended(StepStatus::not_finite);
   }
+  report.reason = joint_that_is_off(setting, state);
+  if (!report.reason.empty()) return ended(StepStatus::refused);
   if (o.certify && state.h == 0) {  // from here on the certificate keeps surfaces apart (CA-19)
     report.reason = nested_at(setting.model, state, setting.bounds, setting.pieces, setting.options.threads);
     if (!report.reason.empty()) {

@@ -462,6 +462,9 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
     report.joint_error = joint_error(model, out.next);
     joint_impulse = step.solved.problem->H * impulses.of_joints + step.solved.problem->G * lambda;
   }
+  if (const JointError& off = report.joint_error;
+      o.joints.project && !(std::max(off.translation, off.rotation) <= o.joints.tolerance))
+    return failed(Outcome::not_certified, text_of(off, o.joints));
   tell_ledgers(setting, state, out.next, step,
                {.r = r,
                 .by_contacts = contact_impulse,

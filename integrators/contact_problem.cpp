@@ -159,17 +159,10 @@ GapFunctionRows gap_rows(const Model& model, const State& state, const DofMap& d
   GapFunctionRows out;
   for (int i = 0; i < int(model.gaps.size()); ++i) {
     const GapFunction& gap = model.gaps[std::size_t(i)];
-    const GapRows now = gap.evaluate(model, state, state.t + reached.time);
+    const GapRows now = gap_function(model, state, i, state.t + reached.time);
     const Eigen::Index size = gap_columns(model, gap),
                        first = gap.block < 0 ? 0 : first_speed(model, gap.block);
     ContactRow row{.law = law_of(gap.law, now.J.rows()), .slot = first_gap_row(model) + 3 * i};
-    if (now.J.cols() != size || now.J.rows() < 1 || now.J.rows() > 3) {  // ends as not_finite
-      row.law = unilateral();
-      row.w.setConstant(std::nan(""));
-      out.rows.push_back(row);
-      out.gap.push_back(now.gap);
-      continue;
-    }
     RowVector u_before = RowVector::Zero();
     row.gap = now.gap;
     if (reached.time > 0 && now.rate.size() > 0) row.gap -= reached.time * now.rate[0];

@@ -13,6 +13,16 @@ namespace aussois {
 namespace {
 
 constexpr int kMaxRetries = 20;
+constexpr double kTolerated = 0.1;  // time that may bring an error of the tolerances [s] (EVD-12)
+constexpr double kFinest = 1e-14;   // relative tolerance; below it steps are lost in rounding
+
+// A start costs an error of the tolerances, however short what follows.
+OdeOptions for_a_step(OdeOptions o, double h) {
+  const double part = std::min(1.0, h / kTolerated);
+  o.relative = std::max(part * o.relative, std::min(o.relative, kFinest));
+  o.absolute *= part;
+  return o;
+}
 
 }  // namespace
 
@@ -47,7 +57,7 @@ bool EventRun::piece() {
       .root_count = 1 + 2 * int(closed_.size()),
       .unjudged = layout_.touch_work - layout_.impulse,  // redundant contacts share their load as they like
       .sums = layout_.size - layout_.touch_work};
-  OdeOptions ode = o_.ode;
+  OdeOptions ode = for_a_step(o_.ode, t_end_ - t_begin_);
   if (std::ranges::any_of(closed_, [&](const Closed& c) {
         return c.friction == Friction::slips && c.along.size() > 1 &&
                slip_of(c.touch, c.touch.u).norm() < o_.stiff_slip;
@@ -65,6 +75,12 @@ bool EventRun::piece() {
     bool proven = true;
     while (proven && what == OdeStop::stepped) {
       const double until = safe_until(last, stop);
+      if (ode_steps_++ == o_.ode.max_steps) {
+        std::ostringstream text;
+        text << "more than " << o_.ode.max_steps
+             << " steps of the differential equation from t = " << t_begin_ << " to " << last.t << " s";
+        return refused(text.str());
+      }
       what = run.advance(until);
       if (what == OdeStop::at_end && until < stop) what = OdeStop::stepped;
       if (what == OdeStop::failed && ode.method == OdeMethod::adams) {
@@ -104,6 +120,8 @@ StepReport EventRun::go(State& out) {
   const Momentum momentum_before = momentum(model_, state_);
   bool alive = state_.v.allFinite();
   if (!alive) report_.status = StepStatus::not_finite, report_.reason = "a velocity is not finite";
+  if (const std::string off = joint_that_is_off(setting_, state_); alive && !off.empty())
+    alive = refused(off);
   if (alive && o_.step.advancement.certify && start.h == 0) {  // (CA-19)
     const std::string nested = nested_at(model_, state_, setting_.bounds, setting_.pieces, o_.step.threads);
     alive = nested.empty() || refused("start: " + nested);
@@ -117,6 +135,11 @@ StepReport EventRun::go(State& out) {
       break;
     }
     alive = piece() && settle(false);
+  }
+  if (alive && !model_.joints.empty()) {
+    const JointError off = joint_error(model_, state_);
+    if (!(std::max(off.translation, off.rotation) <= o_.step.joints.tolerance))
+      alive = refused(text_of(off, o_.step.joints));
   }
   report_.seconds_total = step_clock() - begin;
   report_.t = start.t;
@@ -214,7 +237,7 @@ EventDriven::EventDriven(const Model& model, const EventDrivenOptions& options)
 }
 
 StepReport EventDriven::step(State& state, double h_limit) const {
-  require_field(h_limit > 0, "h_limit", h_limit, "be positive [s]");
+  check_fits(setting_, state, h_limit);
   return EventRun(setting_, options_, state, std::min(options_.step.h, h_limit)).go(state);
 }
 

@@ -31,8 +31,8 @@ class EventDriven {
   EventDriven(Model&&, const EventDrivenOptions&) = delete;  // the model must outlive the scheme
 
   /// Advances by min(options.step.h, h_limit), through all events between. The state is unchanged unless the
-  /// report's status is ok. Never throws for numerical trouble, only for h_limit <= 0.
-  StepReport step(State& state, double h_limit = kInf) const;
+  /// report's status is ok. Throws for what does not fit (check_fits), not for trouble of numbers.
+  [[nodiscard]] StepReport step(State& state, double h_limit = kInf) const;
 
  private:
   StepSetting setting_;

@@ -44,7 +44,12 @@ void add_touch(const Touch& touch, double p, const VecX& v, const VecX& on, std:
 class EventRun {
  public:
   EventRun(const StepSetting& setting, const EventDrivenOptions& options, const State& start, double h)
-      : setting_(setting), o_(options), model_(setting.model), state_(start), t_end_(start.t + h) {
+      : setting_(setting),
+        o_(options),
+        model_(setting.model),
+        state_(start),
+        t_begin_(start.t),
+        t_end_(start.t + h) {
     state_.r = row_count(model_) > 0 ? VecX(VecX::Zero(row_count(model_))) : VecX();
     joints_.resize(model_.joints.size());
   }
@@ -87,12 +92,13 @@ class EventRun {
   const EventDrivenOptions& o_;
   const Model& model_;
   State state_;  // where the run is
-  double t_end_;
+  double t_begin_, t_end_;
   StepReport report_{};
   std::vector<StepJoint> joints_{};  // their impulses and work so far
   double work_[kWorks] = {};
   MomentumLedger momentum_{};  // its parts so far
   int stops_ = 0;
+  long ode_steps_ = 0;
 
   // Of the piece that begins at state_
   std::vector<Closed> closed_{};

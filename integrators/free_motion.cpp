@@ -97,11 +97,6 @@ std::vector<AxisImpulse> implicit(const Model& model, const State& state, double
   return forces;
 }
 
-// A matrix of the wrong size ends as not_finite; validate_start names it.
-MatX sized(const MatX& A, Eigen::Index rows, Eigen::Index columns) {
-  return A.rows() == rows && A.cols() == columns ? A : MatX(MatX::Constant(rows, columns, std::nan("")));
-}
-
 void append(std::vector<Triplet>& out, int at, const MatX& block, double scale) {
   for (int j = 0; j < block.cols(); ++j)
     for (int i = 0; i < block.rows(); ++i)
@@ -116,13 +111,13 @@ void add_coordinates(const Model& model, const State& state, const DofMap& dofs,
     const Coordinates& block = model.coordinates[std::size_t(i)];
     const int row = dofs.coordinates + first_coordinate(model, i);
     const VecX q_i = coordinates(model, state, i), v_i = speeds(model, state, i);
-    append(mass, row, sized(block.mass(q_i + h / 2 * v_i), block.size, block.size), 1);
+    append(mass, row, block_mass(model, i, q_i + h / 2 * v_i), 1);
     v.segment(row, block.size) = v_i;
     if (!block.force) continue;
-    const CoordinateForce force = block.force(state.t + theta * h, q_i + theta * h * v_i, v_i);
-    laws.segment(row, block.size) += h * sized(force.f, block.size, 1);
-    if (force.C.size() > 0) append(law_D, row, sized(force.C, block.size, block.size), h * theta);
-    if (force.K.size() > 0) append(law_D, row, sized(force.K, block.size, block.size), h * h * theta * theta);
+    const CoordinateForce force = block_force(model, i, state.t + theta * h, q_i + theta * h * v_i, v_i);
+    laws.segment(row, block.size) += h * force.f;
+    append(law_D, row, force.C, h * theta);
+    append(law_D, row, force.K, h * h * theta * theta);
   }
 }
 
@@ -290,8 +285,7 @@ std::vector<AxisImpulse> trapezoid(double h, std::vector<AxisImpulse> start,
 
 FreeMotion free_motion(const Model& model, const State& state, const DofMap& dofs, double h, double theta,
                        MassScratch* scratch) {
-  GeneralisedForce force{.f = VecX::Zero(state.v.size()), .K = {}, .C = {}};
-  for (const ForceLaw& law : model.forces) law.add_to(model, state, state.t + theta * h, force);
+  GeneralisedForce force = total_force(model, state, state.t + theta * h);
   FreeMotion out;
   if (std::ranges::any_of(model.joints, [](const Joint& joint) { return pushes(joint); }))
     out.axes = implicit(
@@ -362,8 +356,7 @@ FreeMotion with_gyroscopic(const Model& model, const DofMap& dofs, double h, Gyr
 }
 
 Forces forces_at(const Model& model, const State& state, const DofMap& dofs) {
-  GeneralisedForce force{.f = VecX::Zero(state.v.size()), .K = {}, .C = {}};
-  for (const ForceLaw& law : model.forces) law.add_to(model, state, state.t, force);
+  GeneralisedForce force = total_force(model, state, state.t);
   Forces out;
   out.axes = add_axis_forces(model, state, state.g, state.t, force);
   out.gravity = out.gyroscopic = VecX::Zero(dofs.rows);
@@ -384,12 +377,12 @@ Forces forces_at(const Model& model, const State& state, const DofMap& dofs) {
     const Coordinates& block = model.coordinates[std::size_t(i)];
     const int row = dofs.coordinates + first_coordinate(model, i);
     const VecX q = coordinates(model, state, i), v = speeds(model, state, i);
-    append(mass, row, sized(block.mass(q), block.size, block.size), 1);
+    append(mass, row, block_mass(model, i, q), 1);
     if (!block.force) continue;
-    const CoordinateForce own = block.force(state.t, q, v);
-    out.laws.segment(row, block.size) += sized(own.f, block.size, 1);
-    if (own.C.size() > 0) append(C, row, sized(own.C, block.size, block.size), 1);
-    if (own.K.size() > 0) append(K, row, sized(own.K, block.size, block.size), 1);
+    const CoordinateForce own = block_force(model, i, state.t, q, v);
+    out.laws.segment(row, block.size) += own.f;
+    append(C, row, own.C, 1);
+    append(K, row, own.K, 1);
   }
   out.mass = matrix_of(dofs.rows, mass);
   out.K = matrix_of(dofs.rows, K);

@@ -25,8 +25,7 @@ SparseMatrix mass_at(const Model& model, const State& state, const DofMap& dofs)
     append(dofs.first[b] + 3, model.bodies[b].inertia);
   }
   for (int i = 0; i < int(model.coordinates.size()); ++i)
-    append(dofs.coordinates + first_coordinate(model, i),
-           model.coordinates[std::size_t(i)].mass(coordinates(model, state, i)));
+    append(dofs.coordinates + first_coordinate(model, i), block_mass(model, i, coordinates(model, state, i)));
   SparseMatrix out(dofs.rows, dofs.rows);
   out.setFromTriplets(M.begin(), M.end());
   return out;

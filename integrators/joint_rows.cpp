@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "geometry/check.hpp"
 #include "nsgs/joint_elimination.hpp"
@@ -241,6 +242,14 @@ JointSystem system_of(const JointStep& step, std::vector<SE3> middle_poses) {
 void validate(const JointOptions& options) {
   require_field(options.stabilisation >= 0 && options.stabilisation <= 1, "JointOptions::stabilisation",
                 options.stabilisation, "lie in [0, 1]");
+  require_field(options.tolerance > 0, "JointOptions::tolerance", options.tolerance, "be positive [m, rad]");
+}
+
+std::string text_of(const JointError& error, const JointOptions& options) {
+  std::ostringstream text;
+  text << "joints are off by " << error.translation << " m and " << error.rotation
+       << " rad after the projection, at most " << options.tolerance << " is allowed";
+  return text.str();
 }
 
 JointSystem joint_system(const Model& model, const State& state, const DofMap& dofs, const VecX& v_prescribed,

@@ -12,7 +12,11 @@ namespace aussois {
 struct JointOptions {
   bool project = true;         // joints hold to rounding after each step, positions and velocities (MJT-13)
   double stabilisation = 0.2;  // part of the drift that a step takes back [-], in [0, 1] (MJT-11)
+  double tolerance = 1e-6;     // before the first step and after each projection; what is off by more is
+                               // refused [m, rad], > 0
 };
+/// That joints are off by more than the tolerance.
+std::string text_of(const JointError& error, const JointOptions& options);
 void validate(const JointOptions& options);  // throws std::invalid_argument: field, value, bound
 
 /// A column of G.

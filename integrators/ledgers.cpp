@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "geometry/check.hpp"
+
 namespace aussois {
 namespace {
 
@@ -15,10 +17,9 @@ double change_of_mass(const Model& model, const State& state, const State& next,
   if (model.coordinates.empty()) return 0;
   double work = 0;
   for (int i = 0; i < int(model.coordinates.size()); ++i) {
-    const Coordinates& block = model.coordinates[std::size_t(i)];
     const VecX before = speeds(model, state, i), after = speeds(model, next, i);
-    work += 0.5 * after.dot(block.mass(coordinates(model, next, i)) * after) -
-            0.5 * before.dot(block.mass(coordinates(model, state, i)) * before);
+    work += 0.5 * after.dot(block_mass(model, i, coordinates(model, next, i)) * after) -
+            0.5 * before.dot(block_mass(model, i, coordinates(model, state, i)) * before);
   }
   const Eigen::Index n = dofs.rows - dofs.coordinates;
   VecX change = VecX::Zero(dofs.rows);
@@ -140,7 +141,9 @@ Momentum momentum_given(const StepSetting& setting, const State& state, const Ve
 }
 
 void add_work(const StepSetting& setting, const ContactLaw& law, double work, StepReport& report) {
-  report.law_work[std::size_t(std::ranges::find(setting.laws, law) - setting.laws.begin())] += work;
+  const auto known = std::ranges::find(setting.laws, law);
+  require(known != setting.laws.end(), "model: a contact law has changed since the scheme was made");
+  report.law_work[std::size_t(known - setting.laws.begin())] += work;
 }
 
 void tell_ledgers(const StepSetting& setting, const State& state, const State& next, const ImpulseStep& step,

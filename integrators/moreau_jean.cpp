@@ -7,6 +7,7 @@
 #include "geometry/check.hpp"
 #include "integrators/advance_step.hpp"
 #include "integrators/gap_hessians.hpp"
+#include "integrators/projection.hpp"
 
 namespace aussois {
 namespace {
@@ -98,6 +99,38 @@ std::vector<double> normal_impulses(const Found& found) {
   return r_N;
 }
 
+// What lands - takes an impulse, took none in the step before, and would end overlapped on `v_path` - ends
+// closed, and is stopped if it still closes then; nothing else gets closer than closed (MJ-17). Returns the
+// velocities of that path; `step` gets the impulses.
+VecX land(const StepSetting& setting, const State& start, const Found& found, const VecX& v_path,
+          ImpulseStep& step) {
+  constexpr double kRounding = 1e-13;  // [m], of coordinates of some metres
+  const std::vector<RowVector> r = row_impulses(step);
+  const VecX v_end = step.solved.solution.v;
+  std::vector<ContactRow> opening;
+  bool lands = false, closes_on = false;
+  for (std::size_t i = 0; i < step.rows.size(); ++i) {
+    ContactRow& row = step.rows[i];
+    if (row.law.kind == LawKind::dry_friction) continue;
+    const double before = row.slot < 0         ? found.contacts.points[i].normal.dot(found.warm.impulse[i])
+                          : start.r.size() > 0 ? start.r[row.slot]
+                                               : 0;
+    const double ahead = row.gap + found.h * slip_velocity(row, setting.dofs, v_path).x();
+    const bool landing = r[i][0] > 0 && !(before > 0) && ahead < -kRounding;
+    opening.push_back(row);
+    opening.back().w.x() = landing ? ahead : std::max(0.0, ahead);
+    lands |= landing;
+    if (!landing || slip_velocity(row, setting.dofs, v_end).x() >= 0) continue;
+    row.w.x() = row.moved.x();
+    closes_on = true;
+  }
+  if (!lands) return v_path;
+  if (closes_on) solve_rows(setting, start, found, step);
+  return v_path + opening_displacement(setting, step.free->mass, std::move(opening), step.joints.equations.G,
+                                       found.h) /
+                      found.h;
+}
+
 double time_of(ContactsAt at, double h) {
   return at == ContactsAt::start ? 0 : at == ContactsAt::midpoint ? h / 2 : h;
 }
@@ -185,10 +218,12 @@ Attempt MoreauJean::attempt(const State& state, const SharedMotion& without, con
     ++made;
   }
   if (after) step.impact = after->impact;
-  const VecX& v = step.solved.solution.v;
+  VecX v_path = theta * step.solved.solution.v + (1 - theta) * first->v;  // (MJ-7)
+  if (theta < 1 && normal.gamma == 1 && normal.law != NormalLaw::moreau && v_path.allFinite())
+    v_path = land(setting_, start, found, v_path, step);
   Attempt out = go(setting_, start, found, step,
-                   {.v_path = theta * v + (1 - theta) * first->v,  // (MJ-7)
-                    .v_end = v,
+                   {.v_path = v_path,
+                    .v_end = step.solved.solution.v,
                     .goes_on = 2 * (1 - theta) * options_.advancement.min_h});
   out.report.newton_iterations = made;
   out.report.newton_change = change;

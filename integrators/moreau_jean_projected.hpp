@@ -31,7 +31,7 @@ class MoreauJeanProjected {
   MoreauJeanProjected(Model&&, const MoreauJeanProjectedOptions&) = delete;  // the model outlives the scheme
 
   /// As MoreauJean::step. The certified path is the one to the projected poses.
-  StepReport step(State& state, double h_limit = kInf) const;
+  [[nodiscard]] StepReport step(State& state, double h_limit = kInf) const;
 
  private:
   StepSetting setting_;

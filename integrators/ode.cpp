@@ -2,6 +2,7 @@
 #include "integrators/ode.hpp"
 
 #include <cmath>
+#include <exception>
 #include <stdexcept>
 #include <vector>
 
@@ -27,20 +28,34 @@ void store(const VecX& values, double* out) {
 constexpr double kUnjudged = 1e20;  // tolerance of what is not looked at
 constexpr int kTryShorter = 1;      // CVODE's word for a function that has no value here
 
-int rate(double t, N_Vector y, N_Vector out, void* problem) {
-  VecX value(N_VGetLength(y));
-  if (!static_cast<const OdeProblem*>(problem)->rate(t, values(y), value) || !value.allFinite())
-    return kTryShorter;
-  store(value, N_VGetArrayPointer(out));
-  return 0;
+// What CVODE calls with: exceptions of the problem wait until C is left.
+struct Called {
+  const OdeProblem& problem;
+  std::exception_ptr thrown{};
+};
+template <class F>
+int call(void* called, Eigen::Index size, double* out, const F& f) {
+  constexpr int kStop = -1;
+  auto& c = *static_cast<Called*>(called);
+  try {
+    VecX value(size);
+    if (!f(c.problem, value) || !value.allFinite()) return kTryShorter;
+    store(value, out);
+    return 0;
+  } catch (...) {
+    c.thrown = std::current_exception();
+    return kStop;
+  }
 }
 
-int roots(double t, N_Vector y, double* out, void* problem) {
-  const auto& p = *static_cast<const OdeProblem*>(problem);
-  VecX value(p.root_count);
-  if (!p.roots(t, values(y), value) || !value.allFinite()) return kTryShorter;
-  store(value, out);
-  return 0;
+int rate(double t, N_Vector y, N_Vector out, void* called) {
+  return call(called, N_VGetLength(y), N_VGetArrayPointer(out),
+              [&](const OdeProblem& p, VecX& value) { return p.rate(t, values(y), value); });
+}
+
+int roots(double t, N_Vector y, double* out, void* called) {
+  return call(called, static_cast<Called*>(called)->problem.root_count, out,
+              [&](const OdeProblem& p, VecX& value) { return p.roots(t, values(y), value); });
 }
 
 void require_ok(bool ok) {
@@ -58,6 +73,8 @@ void validate(const OdeOptions& o) {
 }
 
 struct OdePiece::Memory {
+  Called called;
+  explicit Memory(const OdeProblem& problem) : called{problem} {}
   SUNContext context = nullptr;
   void* cvode = nullptr;
   N_Vector y = nullptr, dense = nullptr;
@@ -65,7 +82,6 @@ struct OdePiece::Memory {
   SUNLinearSolver linear = nullptr;
   SUNNonlinearSolver fixed_point = nullptr;
   double t = 0, t_stop = -kInf;
-  long steps_left = 0;
   VecX now{};
   std::string reason{};
 
@@ -81,9 +97,9 @@ struct OdePiece::Memory {
 };
 
 OdePiece::OdePiece(const OdeProblem& problem, const OdeOptions& o, double t, const VecX& y)
-    : memory_(std::make_unique<Memory>()) {
+    : memory_(std::make_unique<Memory>(problem)) {
   Memory& m = *memory_;
-  m.t = t, m.now = y, m.steps_left = o.max_steps;
+  m.t = t, m.now = y;
   const auto n = sunindextype(y.size());
   require_ok(SUNContext_Create(nullptr, &m.context) == 0);
   m.y = N_VNew_Serial(n, m.context);
@@ -94,7 +110,7 @@ OdePiece::OdePiece(const OdeProblem& problem, const OdeOptions& o, double t, con
   require_ok(CVodeInit(m.cvode, rate, t, m.y) == CV_SUCCESS);
   require_ok(CVodeSetErrHandlerFn(
                  m.cvode, [](int, const char*, const char*, char*, void*) {}, nullptr) == CV_SUCCESS);
-  require_ok(CVodeSetUserData(m.cvode, const_cast<OdeProblem*>(&problem)) == CV_SUCCESS);
+  require_ok(CVodeSetUserData(m.cvode, &m.called) == CV_SUCCESS);
   // CVODE's norm is a mean over all entries: sums would loosen it
   const double share = std::sqrt(1 - double(problem.sums) / double(n));
   VecX absolute = VecX::Constant(y.size(), share * o.absolute);
@@ -126,9 +142,9 @@ OdeStop OdePiece::advance(double t_end) {
     m.reason = reason;
     return OdeStop::failed;
   };
-  if (m.steps_left-- == 0) return failed("too many steps of the differential equation");
   if (m.t_stop != t_end) CVodeSetStopTime(m.cvode, m.t_stop = t_end);
   const int flag = CVode(m.cvode, t_end, m.y, &m.t, CV_ONE_STEP);
+  if (m.called.thrown) std::rethrow_exception(m.called.thrown);
   m.now = values(m.y);
   switch (flag) {
     case CV_SUCCESS:

@@ -18,9 +18,11 @@ enum class OdeMethod {
 
 struct OdeOptions {
   OdeMethod method = OdeMethod::adams;
-  double relative = 1e-10, absolute = 1e-12;  // tolerances of every component, > 0
-  double largest_step = kInf;                 // [s], > 0
-  long max_steps = 100000;                    // between two starts, >= 1
+  // Tolerances of every component, > 0, for each 0.1 s: event_driven asks for less, in proportion, in shorter
+  // steps, for no less than 1e-14 relative (EVD-12)
+  double relative = 1e-10, absolute = 1e-12;
+  double largest_step = kInf;  // [s], > 0
+  long max_steps = 100000;     // internal ones in one step of event_driven, >= 1; more are refused
 };
 void validate(const OdeOptions& options);  // throws std::invalid_argument: field, value, bound
 
@@ -45,7 +47,8 @@ class OdePiece {
   OdePiece& operator=(const OdePiece&) = delete;
   ~OdePiece();
 
-  /// One internal step, cut at t_end; then time() and state() are those reached.
+  /// One internal step, cut at t_end; passes on what the problem throws; then time() and state() are those
+  /// reached.
   OdeStop advance(double t_end);
   double time() const;
   const VecX& state() const;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace aussois {
 namespace {
@@ -20,11 +21,7 @@ ContactBlocks openings(const StepSetting& setting, const State& at, const Contac
   GapFunctionRows gaps = gap_rows(setting.model, resting, setting.dofs, none, 1, over_step);
   out.rows.insert(out.rows.end(), gaps.rows.begin(), gaps.rows.end());
   out.gap = std::move(gaps.gap);
-  for (ContactRow& row : out.rows) {
-    row.law = unilateral();
-    row.w.setZero();
-    row.w.x() = row.gap;
-  }
+  for (ContactRow& row : out.rows) row.w.x() = row.gap;
   return out;
 }
 
@@ -44,13 +41,31 @@ State displaced(const StepSetting& setting, const State& at, const VecX& d) {
 
 }  // namespace
 
+// In the units of the step, d / h and w / h.
+VecX opening_displacement(const StepSetting& setting, const SparseMatrix& mass, std::vector<ContactRow> rows,
+                          const SparseMatrix& G, double h) {
+  for (ContactRow& row : rows) {
+    row.law = unilateral();
+    row.w /= h;
+  }
+  FreeMotion none;
+  none.M = mass;
+  none.f = VecX::Zero(setting.dofs.rows);
+  std::vector<int> all(rows.size());
+  std::iota(all.begin(), all.end(), 0);
+  FrictionProblem problem = contact_problem(none, setting.dofs, rows, all);
+  problem.G = G;
+  problem.b = VecX::Zero(G.cols());
+  SolverOptions solver = setting.options.solver;
+  solver.tolerance = std::min(solver.tolerance, 1e-12);
+  return h * solve(problem, VecX(), solver).v;
+}
+
 Projection without_overlap(const StepSetting& setting, const State& plain, const std::vector<StepPair>& pairs,
                            const FreeMotion& free, const SparseMatrix& G, double h) {
   Projection out{.end = plain, .overlap = kInf};
   State tried = plain;
   VecX total = VecX::Zero(setting.dofs.rows);
-  SolverOptions solver = setting.options.solver;
-  solver.tolerance = std::min(solver.tolerance, 1e-12);
   for (int round = 0; round < kRounds; ++round) {
     const ContactSet contacts = contacts_of(setting.model, tried, pairs, setting.options.lmd);
     const ContactBlocks blocks = openings(setting, tried, contacts);
@@ -68,17 +83,7 @@ Projection without_overlap(const StepSetting& setting, const State& plain, const
       else
         out.gaps.push_back(int(i - contacts.points.size()));
     }
-    // min d^T M d / 2 with J d + gap >= 0; in the units of the step, d / h and gap / h (PRJ-1)
-    FreeMotion none;
-    none.M = free.mass;
-    none.f = VecX::Zero(setting.dofs.rows);
-    std::vector<int> all(blocks.rows.size());
-    for (std::size_t i = 0; i < all.size(); ++i) all[i] = int(i);
-    FrictionProblem problem = contact_problem(none, setting.dofs, blocks.rows, all);
-    problem.w /= h;
-    problem.G = G;
-    problem.b = VecX::Zero(G.cols());
-    const VecX d = h * solve(problem, VecX(), solver).v;
+    const VecX d = opening_displacement(setting, free.mass, blocks.rows, G, h);
     if (!d.allFinite()) break;
     total += d;
     tried = displaced(setting, tried, d);

@@ -23,7 +23,7 @@ class SchatzmanPaoli {
   SchatzmanPaoli(Model&&, const SchatzmanPaoliOptions&) = delete;  // the model outlives the scheme
 
   /// As MoreauJean::step. A step after one of another length keeps the restitution of what it began (SP-5).
-  StepReport step(State& state, double h_limit = kInf) const;
+  [[nodiscard]] StepReport step(State& state, double h_limit = kInf) const;
 
  private:
   StepSetting setting_;

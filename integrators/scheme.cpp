@@ -30,17 +30,25 @@ struct Entry {
 };
 
 // Moreau's law stops a body up to half a step before the plate: if that is where the step ends it falls once
-// more, for a time O(sqrt h). The other laws push an overlap O(h) out at a speed that does not depend on h.
-double landing_order(NormalLaw law, double theta, bool stops_first) {
+// more, for a time O(sqrt h). With the other laws it ends closed (MJ-17), or overlapped by O(h) and is pushed
+// out at a speed that does not depend on h.
+double landing_order(NormalLaw law, double theta, bool stops_first, bool overlaps) {
   if (law == NormalLaw::moreau) return theta == 1 || stops_first ? 0.5 : 1;
-  return theta == 1 ? 1 : 0;
+  return overlaps ? 0 : 1;
+}
+
+bool speaks_of_the_mean(const SchemeOptions& o) {
+  return o.theta == 0.5 && o.contacts == ContactsAt::midpoint && o.normal.law == NormalLaw::gap_over_step &&
+         o.normal.gamma == 0.5;
 }
 
 // The impact law and the gap over the step are of order one in h; the midpoint is of order two between.
 SchemeTraits moreau_jean_traits(const SchemeOptions& o) {
   return {.nonsmooth = 1,
           .smooth = o.theta == 0.5 ? 2.0 : 1.0,
-          .landing = landing_order(o.normal.law, o.theta, o.impact.order == ImpactOrder::sequential),
+          .rolling = speaks_of_the_mean(o) ? 2.0 : 1.0,
+          .landing = landing_order(o.normal.law, o.theta, o.impact.order == ImpactOrder::sequential,
+                                   o.theta < 1 && o.normal.gamma < 1),
           .restitution = o.normal.law != NormalLaw::gap_over_step || o.normal.gamma < 1,
           .pairwise = o.impact.order == ImpactOrder::sequential};
 }
@@ -164,7 +172,7 @@ std::vector<SchemeOptions> schatzman_paoli_variants() {
 SchemeTraits passive_midpoint_traits(const SchemeOptions& o) {
   return {.nonsmooth = 1,
           .smooth = o.gyroscopic == GyroscopicTerm::midpoint ? 2.0 : 1.0,
-          .landing = landing_order(o.normal.law, 0.5, false),
+          .landing = landing_order(o.normal.law, 0.5, false, true),
           .restitution = o.normal.law != NormalLaw::gap_over_step};
 }
 
@@ -232,7 +240,7 @@ std::vector<SchemeOptions> d1_minus_linear_variants() {
 // At the ends of steps the error is that of the tolerances. What a line between two of them misses is an
 // impact between (order one) or a curve (order two).
 SchemeTraits event_driven_traits(const SchemeOptions&) {
-  return {.nonsmooth = 1, .smooth = 2};
+  return {.nonsmooth = 1, .smooth = 2, .rolling = 2};
 }
 
 Step event_driven_step(const Model& model, const SchemeOptions& o) {
@@ -296,6 +304,14 @@ std::vector<SchemeVariant> scheme_variants() {
   for (const Entry& e : entries())
     for (const SchemeOptions& options : e.variants()) out.push_back({e.name, options});
   return out;
+}
+
+SchemeOptions rolling_options(SchemeOptions others) {
+  others.theta = 0.5;
+  others.contacts = ContactsAt::midpoint;
+  others.normal.law = NormalLaw::gap_over_step;
+  others.normal.gamma = 0.5;
+  return others;
 }
 
 SchemeTraits scheme_traits(const std::string& name, const SchemeOptions& options) {

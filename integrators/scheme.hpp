@@ -17,7 +17,7 @@
 
 namespace aussois {
 
-/// What a comparison of schemes sets; each scheme reads what it knows.
+/// What a comparison of schemes sets; each scheme reads what it knows, and leaves what it does not.
 struct SchemeOptions {
   double h = 1e-3;                          // largest step [s], > 0
   double theta = 0.5;                       // moreau_jean, moreau_jean_projected [-], in [1/2, 1]
@@ -25,12 +25,12 @@ struct SchemeOptions {
   NewtonOptions newton{};                   // moreau_jean
   ImpactOptions impact{};                   // moreau_jean
   ProjectionOrder projection = ProjectionOrder::combined;  // moreau_jean_projected
-  NormalLawOptions normal{};
+  NormalLawOptions normal{};  // its law: moreau_jean, passive_midpoint; the others have laws of their own
   JointOptions joints{};
   LmdOptions lmd{};
   ReductionOptions reduction{};
   PersistenceOptions persistence{};
-  SolverOptions solver{};
+  SolverOptions solver{};  // event_driven takes a tolerance of 1e-13 if it is larger
   AdvancementOptions advancement{};
   int threads = 1;
   GroupUpdate update = GroupUpdate::exponential;         // all but event_driven
@@ -51,11 +51,17 @@ struct Scheme {
 /// What theory promises: the error is O(h^order).
 struct SchemeTraits {
   double nonsmooth = 1;     // order over impacts and over changes between stick and slip
-  double smooth = 1;        // order where no contact changes its state
+  double smooth = 1;        // order where no contact changes its state, and closed ones keep their normals
+  double rolling = 1;       // the same where closed contacts roll, slide or turn on curved surfaces
   double landing = 1;       // order in the graph of v where an impact brings a body to rest (CONV-9)
   bool restitution = true;  // false: every impact is plastic, whatever the law of the contact says
   bool pairwise = false;    // contacts that close together are struck one after the other
 };
+
+/// moreau_jean for what rolls on curved surfaces (rattleback, rolling disc): contacts at the midpoint, no
+/// slip and gap in the mean velocity of the step (MJ-10). Of order two where all others are of order one; the
+/// price is that what hits bounces with e = 1.
+SchemeOptions rolling_options(SchemeOptions others = {});
 
 /// One way of using a scheme that is worth comparing with others.
 struct SchemeVariant {

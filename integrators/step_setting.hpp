@@ -30,9 +30,15 @@ void validate(const StepOptions& options);  // throws std::invalid_argument: fie
 /// if anchors are asked for.
 void refuse_anchors(const StepOptions& options, const char* scheme);
 
-/// The model must outlive it.
+/// How much of everything a model has: what schemes copy sizes of.
+struct ModelSize {
+  std::size_t bodies = 0, shapes = 0, joints = 0, couplings = 0, coordinates = 0, gaps = 0;
+};
+
+/// The model must outlive it, and stay as it is.
 struct StepSetting {
   const Model& model;
+  ModelSize size{};
   StepOptions options{};
   DofMap dofs{};
   std::vector<BodyBounds> bounds{};
@@ -46,6 +52,15 @@ struct StepSetting {
 /// Throws std::invalid_argument for a bad option or model, or if two bodies that can touch have no dilation
 /// at all.
 StepSetting step_setting(const Model& model, const StepOptions& options);
+
+/// The door of every step, in release builds too: throws std::invalid_argument if the model has grown or
+/// shrunk since the scheme was made, or the state does not fit it, has an orientation that is none, or no
+/// positive `h_limit` [s]. Numbers that are not finite are left to the status.
+void check_fits(const StepSetting& setting, const State& state, double h_limit = kInf);
+
+/// Which joint is off by more than JointOptions::tolerance before the first step, and by how much; empty:
+/// none, or joints are not projected, and pulled together in their own time.
+std::string joint_that_is_off(const StepSetting& setting, const State& state);
 
 /// Contacts of all pairs of bodies at the state with gap <= threshold [m], as a step would find them.
 ContactSet contacts_within(const StepSetting& setting, const State& state, double threshold);

@@ -74,7 +74,7 @@ void add_gap_functions(const StepSetting& setting, const State& state, std::vect
   const Model& model = setting.model;
   for (int i = 0; i < int(model.gaps.size()); ++i) {
     const GapFunction& gap = model.gaps[std::size_t(i)];
-    const GapRows now = gap.evaluate(model, state, state.t);
+    const GapRows now = gap_function(model, state, i, state.t);
     MatX J = MatX::Zero(now.J.rows(), state.v.size());
     J.middleCols(gap.block < 0 ? 0 : first_speed(model, gap.block), now.J.cols()) = now.J;
     const VecX rate = now.rate.size() > 0 ? now.rate : VecX(VecX::Zero(J.rows()));
@@ -173,7 +173,7 @@ SparseMatrix mass_of(const StepSetting& setting, const State& state) {
     add_block(M, row + 3, row + 3, model.bodies[b].inertia);
   }
   for (int i = 0; i < int(model.coordinates.size()); ++i) {
-    const MatX block = model.coordinates[std::size_t(i)].mass(coordinates(model, state, i));
+    const MatX block = block_mass(model, i, coordinates(model, state, i));
     const int row = dofs.coordinates + first_coordinate(model, i);
     for (int k = 0; k < block.cols(); ++k)
       for (int j = 0; j < block.rows(); ++j) M.emplace_back(row + j, row + k, block(j, k));
@@ -292,15 +292,13 @@ std::vector<Touch> touches_at(const StepSetting& setting, const State& state, do
 SmoothForces smooth_forces(const StepSetting& setting, const State& state) {
   const Model& model = setting.model;
   const DofMap& dofs = setting.dofs;
-  GeneralisedForce force{.f = VecX::Zero(state.v.size()), .K = {}, .C = {}};
-  for (const ForceLaw& law : model.forces) law.add_to(model, state, state.t, force);
+  GeneralisedForce force = total_force(model, state, state.t);
   SmoothForces out{.axes = add_axis_forces(model, state, state.g, state.t, force)};
   out.M = mass_of(setting, state);
   out.laws = free_velocities(dofs, force.f);
   for (int i = 0; i < int(model.coordinates.size()); ++i)
-    if (const Coordinates& block = model.coordinates[std::size_t(i)]; block.force)
-      out.laws.segment(dofs.coordinates + first_coordinate(model, i), block.size) +=
-          block.force(state.t, coordinates(model, state, i), speeds(model, state, i)).f;
+    out.laws.segment(dofs.coordinates + first_coordinate(model, i), model.coordinates[std::size_t(i)].size) +=
+        block_force(model, i, state.t, coordinates(model, state, i), speeds(model, state, i)).f;
   out.applied = out.laws;
   for (std::size_t b = 0; b < model.bodies.size(); ++b)
     if (const int row = dofs.first[b]; row >= 0)

@@ -13,10 +13,58 @@ namespace aussois {
 struct Model;
 struct State;
 
+/// A vector that is written from outside: what does not fit throws std::invalid_argument, in release builds
+/// too.
+class ForceVector : public VecX {
+ public:
+  ForceVector() = default;
+  template <class Other>
+  ForceVector(const Eigen::MatrixBase<Other>& other) : VecX(other) {}  // NOLINT: as VecX does
+  using VecX::operator=;
+
+  double& operator[](Eigen::Index i) { return coeffRef(checked(i, 1)); }
+  double operator[](Eigen::Index i) const { return coeff(checked(i, 1)); }
+  double& operator()(Eigen::Index i) { return coeffRef(checked(i, 1)); }
+  double operator()(Eigen::Index i) const { return coeff(checked(i, 1)); }
+  template <int N>
+  auto segment(Eigen::Index first) {
+    return VecX::segment<N>(checked(first, N));
+  }
+  template <int N>
+  auto segment(Eigen::Index first) const {
+    return VecX::segment<N>(checked(first, N));
+  }
+  auto segment(Eigen::Index first, Eigen::Index count) { return VecX::segment(checked(first, count), count); }
+  auto segment(Eigen::Index first, Eigen::Index count) const {
+    return VecX::segment(checked(first, count), count);
+  }
+  template <int N>
+  auto head() {
+    return segment<N>(0);
+  }
+  template <int N>
+  auto tail() {
+    return segment<N>(size() - N);
+  }
+  auto head(Eigen::Index count) { return segment(0, count); }
+  auto head(Eigen::Index count) const { return segment(0, count); }
+  auto tail(Eigen::Index count) { return segment(size() - count, count); }
+  auto tail(Eigen::Index count) const { return segment(size() - count, count); }
+
+ private:
+  Eigen::Index checked(Eigen::Index first, Eigen::Index count) const {
+    if (first < 0 || count < 0 || first > size() - count) refuse(first, count);
+    return first;
+  }
+  [[noreturn]] void refuse(Eigen::Index first, Eigen::Index count) const;
+};
+
 /// Forces and their derivatives in the velocity coordinates: six rows per body of the model (fixed ones too),
-/// force in the world at the centre of mass [N], torque in the body [N m]; then one per coordinate.
+/// force in the world at the centre of mass [N], torque in the body [N m]; then one per coordinate. Without K
+/// and C a force that depends on poses or velocities is integrated explicitly: the theta scheme is of order
+/// one then, whatever theta is, and stiff ones are unstable.
 struct GeneralisedForce {
-  VecX f{};                  // as State::v
+  ForceVector f{};           // as State::v
   std::vector<Triplet> K{};  // -df/dq along the twist coordinates [N/m, N, N m]
   std::vector<Triplet> C{};  // -df/dv [N s/m, N s, N m s]
 };
@@ -34,5 +82,9 @@ struct ForceLaw {
   /// Potential energy [J] at the state; empty: none (dissipative or not conservative).
   std::function<double(const Model&, const State&, double t)> potential{};
 };
+
+/// Of all laws of the model. Throws std::invalid_argument naming the law that writes outside of the model's
+/// velocities.
+GeneralisedForce total_force(const Model& model, const State& state, double t);
 
 }  // namespace aussois

@@ -75,6 +75,12 @@ void check_axis(const JointAxis& axis, const std::string& who) {
           who + "motor.target must be callable");
 }
 
+// An axis that the joint has not: nothing acts along it.
+bool is_plain(const JointAxis& axis) {
+  return axis.lower == -kInf && axis.upper == kInf && axis.friction == 0 && axis.stiffness == 0 &&
+         axis.damping == 0 && axis.motor.kind == MotorKind::none;
+}
+
 void check_joint(const Joint& joint, int index, const std::vector<RigidBody>& bodies) {
   const std::string who = "joint " + std::to_string(index) + " (" + joint.name + "): ";
   const int count = int(bodies.size());
@@ -96,6 +102,10 @@ void check_joint(const Joint& joint, int index, const std::vector<RigidBody>& bo
                   "be positive and finite [m]");
   for (int i = 0; i < axis_count(joint.kind); ++i)
     check_axis(joint.axis[std::size_t(i)], who + "axis[" + std::to_string(i) + "].");
+  for (std::size_t i = std::size_t(axis_count(joint.kind)); i < joint.axis.size(); ++i)
+    require(is_plain(joint.axis[i]),
+            who + "axis[" + std::to_string(i) + "] has a stop, friction, spring or " + "motor, but a " +
+                to_string(joint.kind) + " joint has " + std::to_string(axis_count(joint.kind)) + " axes");
 }
 
 // Joint::collide and Model::passing must not contradict each other.

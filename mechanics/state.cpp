@@ -103,6 +103,47 @@ VecX speeds(const Model& model, const State& state, int block) {
   return state.v.segment(first_speed(model, block), model.coordinates[std::size_t(block)].size);
 }
 
+namespace {
+
+void check_size(const MatX& A, Eigen::Index rows, Eigen::Index columns, const std::string& who) {
+  if (A.rows() == rows && A.cols() == columns) return;
+  const auto text = [](Eigen::Index m, Eigen::Index n) {
+    return std::to_string(m) + " x " + std::to_string(n);
+  };
+  require_field(false, who.c_str(), text(A.rows(), A.cols()), ("be " + text(rows, columns)).c_str());
+}
+
+}  // namespace
+
+MatX block_mass(const Model& model, int block, const VecX& q) {
+  const Coordinates& c = model.coordinates[std::size_t(block)];
+  MatX M = c.mass(q);
+  check_size(M, c.size, c.size, "coordinates " + std::to_string(block) + " (" + c.name + "): mass");
+  return M;
+}
+
+CoordinateForce block_force(const Model& model, int block, double t, const VecX& q, const VecX& v) {
+  const Coordinates& c = model.coordinates[std::size_t(block)];
+  if (!c.force) return {.f = VecX::Zero(c.size), .K = {}, .C = {}};
+  CoordinateForce out = c.force(t, q, v);
+  const std::string who = "coordinates " + std::to_string(block) + " (" + c.name + "): force.";
+  check_size(out.f, c.size, 1, who + "f");
+  if (out.K.size() > 0) check_size(out.K, c.size, c.size, who + "K");
+  if (out.C.size() > 0) check_size(out.C, c.size, c.size, who + "C");
+  return out;
+}
+
+GapRows gap_function(const Model& model, const State& state, int gap, double t) {
+  const GapFunction& g = model.gaps[std::size_t(gap)];
+  GapRows out = g.evaluate(model, state, t);
+  const std::string who = "gap function " + std::to_string(gap) + " (" + g.name + "): ";
+  require_field(out.J.rows() >= 1 && out.J.rows() <= 3, (who + "rows of J").c_str(), out.J.rows(),
+                "lie in [1, 3]");
+  check_size(out.J, out.J.rows(), gap_columns(model, g), who + "J");
+  if (out.rate.size() > 0) check_size(out.rate, out.J.rows(), 1, who + "rate");
+  return out;
+}
+
 int first_gap_row(const Model& model) {
   return kRowsOfAJoint * int(model.joints.size());
 }
@@ -163,7 +204,7 @@ Energy energy(const Model& model, const State& state) {  // (MEC-4)
   for (int i = 0; i < int(model.coordinates.size()); ++i) {
     const Coordinates& block = model.coordinates[std::size_t(i)];
     const VecX q = coordinates(model, state, i), v = speeds(model, state, i);
-    energy.kinetic += 0.5 * v.dot(block.mass(q) * v);
+    energy.kinetic += 0.5 * v.dot(block_mass(model, i, q) * v);
     if (block.potential) energy.laws += block.potential(q);
   }
   return energy;

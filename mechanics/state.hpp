@@ -40,6 +40,11 @@ PosedShape posed_shape(const Model& model, const State& state, int body);
 /// Coordinates of a block and their speeds.
 VecX coordinates(const Model& model, const State& state, int block);
 VecX speeds(const Model& model, const State& state, int block);
+/// What blocks and gap functions of a model say; throw std::invalid_argument naming what has another size
+/// than it must have, with both.
+MatX block_mass(const Model& model, int block, const VecX& q);
+CoordinateForce block_force(const Model& model, int block, double t, const VecX& q, const VecX& v);
+GapRows gap_function(const Model& model, const State& state, int gap, double t);
 
 /// 64-bit hash of all bits of the state: equal states have equal hashes, whatever computed them; -0.0 differs
 /// from 0.0.

@@ -100,8 +100,9 @@ TEST(Toss, FitFindsTheFrictionThatTossesWereMadeWith) {
   made.mu = 0.25;
   made.restitution = 0.1;
   guess.substeps = made.substeps = 3;
+  guess.options.theta = made.options.theta = 1;  // as cube_toss
   std::vector<Toss> tosses;
-  for (unsigned seed = 1; seed <= 8; ++seed) {
+  for (unsigned seed = 1; seed <= 16; ++seed) {
     Toss toss = synthetic_toss(seed, made, 0);
     toss.pose.resize(60), toss.twist.resize(60), toss.t.resize(60);
     tosses.push_back(std::move(toss));

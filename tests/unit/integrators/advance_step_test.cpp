@@ -69,7 +69,7 @@ TEST(AdvanceStep, GrowsAgainStepByStepAfterACutOne) {
 TEST(AdvanceStep, GrowsByItsOptionAndNotLessAfterAShortRest) {
   Scripted s;
   s.script = [](double h, int) { return h > 3e-3 ? Outcome::not_certified : Outcome::accepted; };
-  s.step({.growth = 1});
+  EXPECT_TRUE(s.step({.growth = 1}).ok());
   EXPECT_EQ(s.state.h_next, 2.5e-3);
   s.script = [](double, int) { return Outcome::accepted; };
   EXPECT_EQ(s.step({.growth = 1}, 1e-5).h, 1e-5);
@@ -98,7 +98,7 @@ TEST(AdvanceStep, GathersWhatMeetsUntilItHalves) {
   s.script = [](double, int tried) {
     return tried < 2 ? Outcome::meets : tried == 2 ? Outcome::not_certified : Outcome::accepted;
   };
-  s.step();
+  EXPECT_TRUE(s.step().ok());
   ASSERT_EQ(s.asked.size(), 4U);
   const std::vector<std::pair<int, int>> one{{1, 9}}, two{{1, 9}, {2, 9}}, none;
   EXPECT_EQ(s.asked[1].meeting, one);

@@ -214,7 +214,8 @@ TEST(Ledger, NamesWhatTheSchemeMakesOfAFreeTopsMomentum) {
     return out;
   };
   EXPECT_LT(defect("passive_midpoint", {.h = 1e-2, .update = GroupUpdate::cayley}), 1e-14);
-  const double coarse = defect("moreau_jean", {.h = 1e-2}), fine = defect("moreau_jean", {.h = 5e-3});
+  const double coarse = defect("moreau_jean", {.h = 1e-2, .theta = 0.5}),
+               fine = defect("moreau_jean", {.h = 5e-3, .theta = 0.5});
   EXPECT_GT(fine, 1e-9);
   EXPECT_NEAR(std::log2(coarse / fine), 3, 0.2);
 }

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "integrators/scheme.hpp"
 #include "tests/support/block_scene.hpp"
 #include "tests/support/compound.hpp"
 #include "tests/support/message_of.hpp"
@@ -83,7 +84,7 @@ TEST(Start, IsRefusedWithAJointThatDoesNotHoldUntilItIsMadeConsistent) {
   expect_names(refusal(s.model, s.state), "rotation error [rad] = ");
 }
 
-TEST(Start, IsRefusedWithMatricesOfTheWrongSizeWhichEndAStepAsNotFinite) {
+TEST(Start, IsRefusedWithMatricesOfTheWrongSizeAndSoIsEveryStep) {
   const auto with = [](MatX mass, VecX f, MatX K, MatX J) {
     Model model;
     add(model, Coordinates{.name = "x",
@@ -98,8 +99,16 @@ TEST(Start, IsRefusedWithMatricesOfTheWrongSizeWhichEndAStepAsNotFinite) {
                            }});
     State state = rest_state(model);
     const std::string message = refusal(model, state);
-    const StepStatus status = MoreauJean(model, {}).step(state).status;
-    EXPECT_EQ(status == StepStatus::not_finite, !message.empty()) << message;
+    State moved = state;
+    for (const std::string& scheme : scheme_names()) {
+      const std::string refused = message_of<std::invalid_argument>(
+          [&] { EXPECT_TRUE(make_scheme(scheme, model, {}).step(moved, 1e-3).ok()) << scheme; });
+      EXPECT_EQ(refused.empty(), message.empty()) << scheme;
+      if (!refused.empty()) {
+        EXPECT_EQ("start: " + refused, message) << scheme;
+        EXPECT_EQ(hash(moved), hash(state)) << scheme;
+      }
+    }
     return message;
   };
   const MatX I = MatX::Identity(2, 2), none, J = MatX::Ones(1, 2);

@@ -33,6 +33,34 @@ TEST(JointElimination, CondensesLikeDenseAlgebra) {
   }
 }
 
+// What is locked does not move, so its mass does not matter: P = Z (Z^T M Z)^-1 Z^T on the null space Z of
+// G^T.
+TEST(JointElimination, CondensesLightDirectionsThatAreLockedLikeTheNullSpace) {
+  for (const double light : {1e-6, 1e-9, 1e-12})
+    for (unsigned seed = 0; seed < 20; ++seed) {
+      Random random(seed);
+      FrictionProblem problem = jointed(random, 5);
+      const VecX d = VecX(uniform_vector(random, 12, -1, 1)).normalized();
+      MatX G(12, 7), M = problem.M;
+      G.leftCols(5) = MatX(problem.G);
+      G.col(5) = G.col(4) + 0.7 * d;   // d is in the range of G, and in no column alone
+      G.col(6) = G.col(0) - G.col(5);  // one column is redundant
+      const VecX Md = M * d;
+      M -= (1 - light) / d.dot(Md) * Md * Md.transpose();  // positive definite
+      problem.M = M.sparseView();
+      problem.G = G.sparseView();
+      problem.b = VecX::Zero(7);
+      const MatX Z = MatX(G.transpose()).fullPivLu().kernel(), H = problem.H;
+      ASSERT_EQ(Z.cols(), 6);
+      const MatX P = Z * (Z.transpose() * M * Z).inverse() * Z.transpose(), W = H.transpose() * P * H;
+      const LocalProblem local = condense(problem);
+      const VecX q = H.transpose() * P * problem.f + problem.w;
+      EXPECT_LT((MatX(local.W) - W).norm(), 1e-9 * W.norm()) << "seed " << seed << ", " << light;
+      EXPECT_LT((local.q - q).norm(), 1e-9 * (problem.f.norm() + q.norm()))
+          << "seed " << seed << ", " << light;
+    }
+}
+
 TEST(JointElimination, SolutionsObeyTheJointsAndTheMomentum) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     Random random(seed);

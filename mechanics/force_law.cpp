@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mechanics/force_law.hpp"
+
+#include "geometry/check.hpp"
+#include "mechanics/state.hpp"
+
+namespace aussois {
+namespace {
+
+void check_entries(const std::vector<Triplet>& entries, std::size_t first, const char* name, int size) {
+  for (std::size_t k = first; k < entries.size(); ++k) {
+    const auto [i, j] = std::pair(entries[k].row(), entries[k].col());
+    if (i >= 0 && j >= 0 && i < size && j < size) continue;
+    std::ostringstream text;
+    text << name << ": entry (" << i << ", " << j << ") must have both indices in [0, " << size << ")";
+    throw std::invalid_argument(text.str());
+  }
+}
+
+}  // namespace
+
+void ForceVector::refuse(Eigen::Index first, Eigen::Index count) const {
+  throw std::invalid_argument("GeneralisedForce::f: entries " + std::to_string(first) + " to " +
+                              std::to_string(first + count - 1) + " must lie in [0, " +
+                              std::to_string(size()) + ")");
+}
+
+GeneralisedForce total_force(const Model& model, const State& state, double t) {
+  const int size = velocity_count(model);
+  GeneralisedForce out{.f = VecX::Zero(size), .K = {}, .C = {}};
+  for (const ForceLaw& law : model.forces) {
+    const std::size_t K = out.K.size(), C = out.C.size();
+    try {
+      law.add_to(model, state, t, out);
+      require_field(out.f.size() == size, "size of GeneralisedForce::f", out.f.size(),
+                    ("stay " + std::to_string(size)).c_str());
+      check_entries(out.K, K, "GeneralisedForce::K", size);
+      check_entries(out.C, C, "GeneralisedForce::C", size);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument("force law (" + law.name + "): " + error.what());
+    }
+  }
+  return out;
+}
+
+}  // namespace aussois

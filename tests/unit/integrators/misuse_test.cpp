@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+// What does not fit is refused at the door of every step, by name, and the state stays.
+#include <gtest/gtest.h>
+
+#include "geometry/primitives.hpp"
+#include "integrators/run_until.hpp"
+#include "integrators/scheme.hpp"
+#include "tests/support/message_of.hpp"
+
+namespace aussois {
+namespace {
+
+struct TwoBalls {
+  Model model{};
+  State state{};
+  TwoBalls() {
+    const int ball = add(model, prepare(dilate(make_point(), 0.05)));
+    for (int i = 0; i < 2; ++i) add(model, body(ball));
+    state = rest_state(model);
+    state.g[1].p.x() = 1;
+  }
+  static RigidBody body(int shape) {
+    return {.name = "ball", .shape = shape, .mass = 1, .inertia = 1e-3 * Mat3::Identity()};
+  }
+};
+
+void expect_refusal(const Model& model, State state, const std::string& part,
+                    const std::function<void()>& after_making = {}) {
+  for (const std::string& name : scheme_names()) {
+    const Scheme scheme = make_scheme(name, model, {});
+    if (after_making) after_making();
+    const std::uint64_t before = hash(state);
+    const std::string message = message_of([&] { EXPECT_FALSE(scheme.step(state, 1e-3).ok()); });
+    EXPECT_NE(message.find(part), std::string::npos) << name << ": " << message;
+    EXPECT_EQ(hash(state), before) << name;
+    if (after_making) break;  // the model is another one now
+  }
+}
+
+TEST(Step, RefusesAStateThatDoesNotFitItsModel) {
+  const TwoBalls s;
+  const auto with = [&](const auto& change, const char* part) {
+    State state = s.state;
+    change(state);
+    expect_refusal(s.model, state, part);
+  };
+  with([](State& x) { x.v.conservativeResize(6); },
+       "size of State::v = 6 must be 12, as the model wants it: see rest_state");
+  with([](State& x) { x.v = VecX::Zero(18); }, "size of State::v = 18 must be 12");
+  with([](State& x) { x.g.resize(1); }, "size of State::g = 1 must be 2");
+  with([](State& x) { x.q = VecX::Zero(1); }, "size of State::q = 1 must be 0");
+  with([](State& x) { x.turns = {0}; }, "size of State::turns = 1 must be 0");
+  with([](State& x) { x.r = VecX::Zero(2); }, "size of State::r = 2 must be 0");
+  with([](State& x) { x.a = VecX::Zero(2); }, "size of State::a = 2 must be 24");
+  with([](State& x) { x.g[1].R.coeffs() *= 2; }, "State::g, body 1 (ball): |R| = 2 must be 1 within 1e-6");
+}
+
+TEST(Step, RefusesAModelThatHasChangedSinceTheSchemeWasMade) {
+  for (const std::string& name : scheme_names()) {
+    const auto refused = [&](const std::function<void(Model&)>& change) {
+      TwoBalls s;
+      const Scheme scheme = make_scheme(name, s.model, {});
+      change(s.model);
+      State old = s.state, fresh = rest_state(s.model);
+      const std::string message = message_of([&] { EXPECT_FALSE(scheme.step(old, 1e-3).ok()); });
+      EXPECT_EQ(message_of([&] { EXPECT_FALSE(scheme.step(fresh, 1e-3).ok()); }), message);
+      return message;
+    };
+    EXPECT_EQ(refused([](Model& m) { add(m, TwoBalls::body(0)); }),
+              "model: number of bodies = 3 must be 2, as when the scheme was made: make a new one")
+        << name;
+    EXPECT_NE(refused([](Model& m) { m.bodies.pop_back(); }).find("number of bodies = 1"), std::string::npos);
+    EXPECT_NE(refused([](Model& m) { m.bodies[1].motion = Fixed{}; }).find("motion of body 1 (ball)"),
+              std::string::npos);
+    EXPECT_NE(refused([](Model& m) {
+                add(m, Joint{.kind = JointKind::spherical, .body_a = 0, .body_b = 1});
+              }).find("number of joints = 1"),
+              std::string::npos);
+    EXPECT_NE(refused([](Model& m) {
+                add(m, Coordinates{.name = "x", .size = 1, .mass = [](const VecX&) {
+                                     return MatX(MatX::Identity(1, 1));
+                                   }});
+              }).find("blocks of coordinates = 1"),
+              std::string::npos);
+  }
+}
+
+TEST(Step, RefusesAForceLawThatWritesOutsideOfTheVelocities) {
+  const auto with = [](const std::function<void(GeneralisedForce&)>& writes, const std::string& part) {
+    TwoBalls s;
+    add(s.model,
+        ForceLaw{.name = "spring",
+                 .add_to = [=](const Model&, const State&, double, GeneralisedForce& out) { writes(out); }});
+    expect_refusal(s.model, s.state, "force law (spring): GeneralisedForce::" + part);
+  };
+  with([](auto& out) { out.f.template segment<3>(12) += Vec3(1, 2, 3); },
+       "f: entries 12 to 14 must lie in [0, 12)");
+  with([](auto& out) { out.f.segment(10, 3).setZero(); }, "f: entries 10 to 12 must lie in [0, 12)");
+  with([](auto& out) { out.f[-1] = 1; }, "f: entries -1 to -1 must lie in [0, 12)");
+  with([](auto& out) { out.K.emplace_back(0, 12, 1); }, "K: entry (0, 12) must have both indices in [0, 12)");
+  with([](auto& out) { out.C.emplace_back(-1, 0, 1); }, "C: entry (-1, 0) must have both indices in [0, 12)");
+  TwoBalls s;
+  add(s.model,
+      ForceLaw{.name = "spring", .add_to = [](const Model&, const State&, double, GeneralisedForce& out) {
+                 out.f = VecX::Zero(3);
+               }});
+  expect_refusal(s.model, s.state, "force law (spring): size of GeneralisedForce::f = 3 must stay 12");
+}
+
+// Through the integrator, which is C and calls back.
+TEST(EventDriven, RefusesAForceLawThatWritesOutsideLaterInTheStep) {
+  TwoBalls s;
+  add(s.model,
+      ForceLaw{.name = "late", .add_to = [](const Model&, const State&, double t, GeneralisedForce& out) {
+                 if (t > 5e-4) out.f[12] = 1;
+               }});
+  const std::uint64_t before = hash(s.state);
+  EXPECT_EQ(
+      message_of([&] { EXPECT_FALSE(make_scheme("event_driven", s.model, {}).step(s.state, 1e-3).ok()); }),
+      "force law (late): GeneralisedForce::f: entries 12 to 12 must lie in [0, 12)");
+  EXPECT_EQ(hash(s.state), before);
+}
+
+TEST(Step, RefusesWhatGapFunctionsSayInTheWrongSizeByTheirName) {
+  TwoBalls s;
+  add(s.model, GapFunction{.name = "wall", .evaluate = [](const Model&, const State&, double) {
+                             return GapRows{.gap = 1, .J = MatX::Zero(1, 3)};
+                           }});
+  expect_refusal(s.model, s.state, "gap function 0 (wall): J = 1 x 3 must be 1 x 12");
+}
+
+TEST(Joint, RefusesWhatActsAlongAnAxisThatItHasNot) {
+  TwoBalls s;
+  const auto message = [&](JointKind kind, int axis, const JointAxis& with) {
+    Joint joint{.name = "j", .kind = kind, .body_a = 0, .body_b = -1, .length = 1};
+    joint.axis[std::size_t(axis)] = with;
+    return message_of([&] { add(s.model, joint); });
+  };
+  const Motor motor{.kind = MotorKind::speed, .target = [](double) { return 1.0; }};
+  for (const JointAxis& axis :
+       {JointAxis{.lower = 0}, JointAxis{.upper = 0}, JointAxis{.friction = 1}, JointAxis{.stiffness = 1},
+        JointAxis{.damping = 1}, JointAxis{.motor = motor}}) {
+    EXPECT_EQ(message(JointKind::revolute, 1, axis),
+              "joint 0 (j): axis[1] has a stop, friction, spring or motor, but a revolute joint has 1 axes");
+    EXPECT_NE(message(JointKind::spherical, 0, axis), "");
+    EXPECT_NE(message(JointKind::distance, 2, axis), "");
+  }
+  EXPECT_EQ(message(JointKind::cylindrical, 1, {.friction = 1}), "");
+}
+
+TEST(StepOptions, RefuseThreadsThatAStepWouldOverrule) {
+  const TwoBalls s;
+  EXPECT_EQ(message_of([&] { make_scheme("moreau_jean", s.model, {.lmd = {.threads = 4}}); }),
+            "StepOptions::lmd.threads = 4 must not be set: StepOptions::threads is for all");
+  EXPECT_NE(message_of([&] {
+              make_scheme("moreau_jean", s.model,
+                          {.solver = {.for_all = [](int, const std::function<void(int)>&) {}}});
+            }).find("solver.for_all must be empty"),
+            std::string::npos);
+}
+
+// A loop on the time alone would not end.
+TEST(RunUntil, EndsWithTheFirstReportThatIsNotOk) {
+  TwoBalls s;
+  int steps = 0;
+  const auto count = [&](const StepReport&) { ++steps; };
+  const MoreauJean scheme(s.model, {.h = 1e-2});
+  EXPECT_TRUE(run_until(scheme, s.state, 0.1, count).ok());
+  EXPECT_EQ(steps, 10);
+  EXPECT_NEAR(s.state.t, 0.1, 1e-15);
+  EXPECT_EQ(run_until(scheme, s.state, 0.1, count).h, 0);
+  EXPECT_EQ(steps, 10);
+  s.state.g[1].p = s.state.g[0].p + Vec3(0.01, 0, 0);  // in each other
+  EXPECT_EQ(run_until(scheme, s.state, 0.2, count).status, StepStatus::refused);
+  EXPECT_EQ(steps, 11);
+}
+
+// A ball in oil: v = exp(-t), to a power of h that the law's derivative decides.
+TEST(ForceLaw, WithoutItsDerivativesCostsAnOrder) {
+  const auto order = [](bool with_C) {
+    const auto error = [&](double h) {
+      Model model{.gravity = Vec3::Zero()};
+      add(model, TwoBalls::body(-1));
+      add(model,
+          ForceLaw{.name = "oil", .add_to = [=](const Model&, const State& s, double, GeneralisedForce& out) {
+                     out.f.head<3>() -= s.v.head<3>();
+                     if (with_C) add_block(out.C, 0, 0, Mat3::Identity());
+                   }});
+      State state = rest_state(model);
+      state.v[0] = 1;
+      EXPECT_TRUE(run_until(MoreauJean(model, {.h = h, .theta = 0.5}), state, 1).ok());
+      return std::abs(state.v[0] - std::exp(-1));
+    };
+    return std::log2(error(0.02) / error(0.01));
+  };
+  EXPECT_NEAR(order(true), 2, 0.05);
+  EXPECT_NEAR(order(false), 1, 0.05);
+}
+
+// Three equal balls in touch, the first with speed 1, plastic: by momentum, a third each.
+TEST(PlasticImpact, OfThreeBallsInTouchSharesTheMomentumWhateverTheStep) {
+  for (const double theta : {0.5, 0.75, 1.0})
+    for (const NormalLaw law : {NormalLaw::combined, NormalLaw::gap_over_step, NormalLaw::moreau})
+      for (const double h : {1e-2, 1e-3, 1e-4}) {
+        Model model{.gravity = Vec3::Zero()};
+        const int ball = add(model, prepare(dilate(make_point(), 0.05)));
+        for (int i = 0; i < 3; ++i) add(model, TwoBalls::body(ball));
+        State state = rest_state(model);
+        for (int i = 0; i < 3; ++i) state.g[std::size_t(i)].p.x() = 0.1 * i;
+        state.v[0] = 1;
+        const Scheme scheme =
+            make_scheme("moreau_jean", model, {.h = h, .theta = theta, .normal = {.law = law}});
+        ASSERT_TRUE(run_until(scheme, state, 200 * h).ok());
+        for (const int i : {0, 6, 12}) EXPECT_NEAR(state.v[i], 1. / 3, 1e-7) << theta << to_string(law) << h;
+        const double overlap = state.g[0].p.x() + 0.1 - state.g[1].p.x();  // Moreau's law leaves it (MJ-17)
+        EXPECT_LT(overlap, law == NormalLaw::moreau ? h : 1e-12) << theta << to_string(law) << h;
+      }
+}
+
+}  // namespace
+}  // namespace aussois
