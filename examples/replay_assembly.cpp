@@ -248,6 +248,7 @@ Checkpoint checkpoint_of(std::uint64_t print, const State& state, const Statisti
                             {"certify_steps", s.audit.steps},
                             {"certify_violations", s.audit.violations},
                             {"certify_nested", s.audit.nested},
+                            {"certify_uncovered", s.audit.uncovered},
                             {"max_contacts", s.max_contacts},
                             {"csv_rows", std::int64_t(csv_rows)},
                             {"run_rows", std::int64_t(run_rows)}}};
@@ -274,7 +275,8 @@ Statistics statistics_of(const Checkpoint& c) {
                     .min_slack = number("certify_slack"),
                     .steps = checkpoint_count(c, "certify_steps"),
                     .violations = checkpoint_count(c, "certify_violations"),
-                    .nested = checkpoint_count(c, "certify_nested")}};
+                    .nested = checkpoint_count(c, "certify_nested"),
+                    .uncovered = checkpoint_count(c, "certify_uncovered")}};
 }
 
 void account(Statistics& s, const AssemblyScene& scene, const State& state, const StepReport& report,

@@ -7,6 +7,7 @@
 #include "geometry/check.hpp"
 #include "integrators/free_motion.hpp"
 #include "lmd/certificate.hpp"
+#include "lmd/coverage.hpp"
 
 namespace aussois {
 namespace {
@@ -90,6 +91,20 @@ Seen look_at(const Audited& step, const State& there, PathAudit& audit) {
   return out;
 }
 
+// Is the smallest gap of every pair its distance less the dilations (LMD-14)? Bases that all but touch have
+// no direction.
+bool is_covered(const Audited& step, const State& there) {
+  return std::ranges::all_of(pairs_at(step, there), [&](const StepPair& pair) {
+    const PosedShape a = posed_shape(step.model, there, pair.a), b = posed_shape(step.model, there, pair.b);
+    const double cutoff = 2 * pair.dilation,
+                 distance = base_distance({a.shape, {}, {.g = a.g_ws}}, {b.shape, {}, {.g = b.g_ws}}, cutoff,
+                                          step.threads);
+    return distance < 1e-3 * pair.dilation || distance >= cutoff ||
+           std::abs(gap_beyond_distance(a, b, distance, step.threads)) <=
+               coverage_tolerance(*a.shape, *b.shape);
+  });
+}
+
 // A pair that is certified where the path ends cannot pass through each other on a way to the state that is
 // shorter than their distance.
 bool leads_to(const Audited& step, const State& path_end, const State& end, double max_overlap) {
@@ -130,9 +145,11 @@ void audit_path(const Model& model, const State& start, const State& end, const 
     }
   }
   look(end);
+  const bool covered = seen.nested || is_covered(step, end);
   ++audit.steps;
   audit.nested += seen.nested;
-  audit.violations += !seen.kept || seen.nested || !leads_to(step, there, end, audit.max_overlap);
+  audit.uncovered += !covered;
+  audit.violations += !seen.kept || seen.nested || !covered || !leads_to(step, there, end, audit.max_overlap);
 }
 
 std::vector<std::pair<int, int>> skipped_pairs(const Model& model) {

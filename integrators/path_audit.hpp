@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A second opinion on the certificate: the distance of every two base complexes at many places of a step's
-// path and where it ends, each looked at by itself, and whether one is inside the other. Slow, and no proof;
-// the certificate has to stay below what it finds (CA-9).
+// path and where it ends, each looked at by itself, whether one is inside the other, and whether the contacts
+// at the end are as near as the bodies. Slow, and no proof; the certificate has to stay below what it finds
+// (CA-9).
 #pragma once
 
 #include <cstdint>
@@ -18,8 +19,10 @@ struct PathAudit {
   double min_slack = kInf;      // by which samples lie above what is certified of their pair, at least [m]
   std::int64_t steps = 0;       // looked at
   std::int64_t violations = 0;  // of them with a sample below what is certified of its pair, with a body
-                                // inside another, or with an end that the path does not lead to
+                                // inside another, with an end that the path does not lead to, or uncovered
   std::int64_t nested = 0;      // of them with a body inside another (CA-19)
+  std::int64_t uncovered = 0;   // of them with an end where the smallest gap of a pair is not its distance
+                                // less the dilations, to (LMD-14)
 };
 
 /// Looks at the path of an accepted step from `start` to `end`, and at the state `end` itself: every place is

@@ -30,6 +30,7 @@ void set_audit(Summary& summary, const PathAudit& audit, const Model& model) {
   summary.set("certify_steps", audit.steps);
   summary.set("certify_violations", audit.violations);
   summary.set("certify_nested", audit.nested);
+  summary.set("certify_uncovered", audit.uncovered);
   summary.set("certify_min_distance", audit.min_distance);
   summary.set("certify_skipped", names_of_skipped(model));
 }
@@ -44,6 +45,9 @@ bool tell(const PathAudit& audit, const Model& model) {
                 static_cast<long long>(audit.violations));
   if (audit.nested > 0)
     std::printf("certify: a body was inside another in %lld steps\n", static_cast<long long>(audit.nested));
+  if (audit.uncovered > 0)
+    std::printf("certify: contacts and base distances disagree at the ends of %lld steps\n",
+                static_cast<long long>(audit.uncovered));
   const std::vector<std::string> skipped = names_of_skipped(model);
   if (!skipped.empty())
     std::printf("certify: not looked at, because they pass through each other: %s%s\n",

@@ -8,9 +8,9 @@
 
 namespace aussois {
 
-/// certify_samples, certify_steps, certify_violations, certify_nested, certify_min_distance [m; null: no two
-/// bodies came near] and certify_skipped, the names of the pairs that nobody looks at; nothing if nothing was
-/// asked.
+/// certify_samples, certify_steps, certify_violations, certify_nested, certify_uncovered,
+/// certify_min_distance [m; null: no two bodies came near] and certify_skipped, the names of the pairs that
+/// nobody looks at; nothing if nothing was asked.
 void set_audit(Summary& summary, const PathAudit& audit, const Model& model);
 
 /// Prints one line if samples were asked for, and one on the pairs that are skipped. True: no violation.

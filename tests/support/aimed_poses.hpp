@@ -15,7 +15,7 @@
 
 #include "geometry/primitives.hpp"
 #include "lmd/certificate.hpp"
-#include "lmd/find_contacts.hpp"
+#include "lmd/coverage.hpp"
 #include "lmd/nesting.hpp"
 #include "tests/support/random.hpp"
 
@@ -144,10 +144,7 @@ inline void judge_coverage(const PosedShape& a, const PosedShape& b, const char*
   const double tolerance = a.shape->tolerance + b.shape->tolerance;
   const double d = base_distance({a.shape, {}, {.g = a.g_ws}}, {b.shape, {}, {.g = b.g_ws}}, 100 * dilation);
   if (d < 1e-3 * dilation || d >= 100 * dilation) return;
-  const ContactSet found = find_contacts(a, b, {.threshold = std::max(0.0, d - dilation + 4 * tolerance)});
-  double gap = kInf;
-  for (const ContactPoint& c : found.points) gap = std::min(gap, c.gap);
-  const double off = gap - (d - dilation);
+  const double off = gap_beyond_distance(a, b, d);
   if (off > 2 * tolerance && nested(a, b)) return;
   ++audit.poses;
   if (off > 2 * tolerance) {

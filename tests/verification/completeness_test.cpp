@@ -8,6 +8,7 @@
 #include "bench/peer_fcl.hpp"
 #include "examples/assembly/assembly_input.hpp"
 #include "lmd/certificate.hpp"
+#include "lmd/coverage.hpp"
 #include "lmd/find_contacts.hpp"
 
 namespace aussois {
@@ -38,7 +39,7 @@ TEST_P(Completeness, SmallestDistanceOfTheContactsIsThatOfTheMeshes) {
     EXPECT_NEAR(smallest_gap(found) + 2 * dilation, distance, 1e-6 * part) << "pose " << i;
     // Of the same base complexes the two agree to what regions and chains are off (lmd.md, Coverage).
     const double base = base_distance({&a, {}, {.g = g}}, {&b, {}, {}}, 1.01 * distance);
-    EXPECT_NEAR(smallest_gap(found) + 2 * dilation, base, 2 * (a.tolerance + b.tolerance)) << "pose " << i;
+    EXPECT_NEAR(smallest_gap(found) + 2 * dilation, base, coverage_tolerance(a, b)) << "pose " << i;
   }
 }
 

@@ -120,6 +120,21 @@ TEST(PathAudit, CatchesACertificateThatClaimsTooMuch) {
   EXPECT_LE(through.min_distance, 0);
 }
 
+// A plate whose faces look into it has no contacts on top; its distance from the block is what it was.
+TEST(PathAudit, CatchesAContactThatIsMissing) {
+  Scene s = thrown_block();
+  const MoreauJean scheme(s.model, {.h = 5e-3});
+  const auto [start, report] = landing_step(scheme, s);
+  auto& plate = s.model.shapes[std::size_t(s.model.bodies[std::size_t(s.ground)].shape)];
+  LmdShape turned = *plate;
+  for (RegionPlane& region : turned.regions) region = {-region.normal, -region.offset};
+  plate = std::make_shared<const LmdShape>(std::move(turned));
+  PathAudit audit{.samples = 3};
+  audit_path(s.model, start, s.state, report, 1, audit);
+  EXPECT_EQ(audit.uncovered, 1);
+  EXPECT_EQ(audit.violations, 1);
+}
+
 // The certificate speaks of the path; a state elsewhere is not certified, on whichever side of the plate.
 TEST(PathAudit, CatchesAnEndThatThePathDoesNotLeadTo) {
   Scene s = thrown_block();

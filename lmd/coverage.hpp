@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// Do the contacts of a pair cover the space around its bases? Judged by the distance of the bases, which
+// knows no regions, chains and cones (LMD-14).
+#pragma once
+
+#include "lmd/posed_shape.hpp"
+
+namespace aussois {
+
+/// By how much the smallest gap of the pair lies above `distance` less the dilations [m], `distance` > 0
+/// being that of the base complexes; infinity: no contact there at all, as of nested bodies. Negative: a
+/// contact is nearer than the bases.
+double gap_beyond_distance(const PosedShape& a, const PosedShape& b, double distance, int threads = 1);
+
+/// What idealised planes and chains may make of it, either way (LMD-14) [m].
+double coverage_tolerance(const LmdShape& a, const LmdShape& b);
+
+}  // namespace aussois
