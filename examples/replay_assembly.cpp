@@ -19,6 +19,7 @@
 #include "examples/assembly/assembly_scene.hpp"
 #include "examples/common/audit_report.hpp"
 #include "examples/common/driver.hpp"
+#include "examples/common/energy_report.hpp"
 #include "examples/common/progress.hpp"
 #include "examples/common/restart.hpp"
 #include "examples/common/step_dump.hpp"
@@ -57,6 +58,7 @@ struct Statistics {
   double min_gap = kInf, min_base_distance = kInf, peak_force = 0, peak_torque = 0, peak_contact_force = 0,
          max_lag = 0, final_lag = 0;
   double energy_error = 0, energy_scale = 0, cpu_s = 0;
+  EnergyGain gain{};
   Uncertified uncertified{};
   PathAudit audit{};
   double energy_residual() const { return energy_scale > 0 ? energy_error / energy_scale : 0; }
@@ -136,6 +138,7 @@ Summary summary_of(const AssemblyInput& input, const AssemblyScene& scene, const
   out.set("max_lag", s.max_lag);
   out.set("max_contacts", s.max_contacts);
   out.set("energy_residual", s.energy_residual());
+  set_gain(out, s.gain);
   out.set("cpu_s", s.cpu_s);
   out.set("final_lag", s.final_lag);
   out.set("peak_torque", s.peak_torque);
@@ -252,6 +255,7 @@ Checkpoint checkpoint_of(std::uint64_t print, const State& state, const Statisti
                             {"max_contacts", s.max_contacts},
                             {"csv_rows", std::int64_t(csv_rows)},
                             {"run_rows", std::int64_t(run_rows)}}};
+  keep(s.gain, out);
   keep(s.uncertified, out);
   return out;
 }
@@ -270,6 +274,7 @@ Statistics statistics_of(const Checkpoint& c) {
           .energy_error = number("energy_error"),
           .energy_scale = number("energy_scale"),
           .cpu_s = number("cpu_s"),
+          .gain = energy_gain_of(c),
           .uncertified = uncertified_of(c),
           .audit = {.min_distance = number("certify_distance"),
                     .min_slack = number("certify_slack"),
@@ -313,7 +318,7 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
   const double t_end = scene.path.t.back() + a.scene.hold;
 
   State state = start_of(scene);
-  Statistics s;
+  Statistics s{.gain = energy_gain(scene.model, state)};
   std::size_t csv_rows = 0, run_rows = 0;
   std::string program = program_version();
   if (a.common.resume) {
@@ -351,6 +356,7 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
     const CouplingWrench pull =
         coupling_wrench(scene.model, state, scene.moving, scene.target, scene.coupling, state.t);
     account(s, scene, state, report, pull);
+    add(scene.model, state, report, s.gain);
     audit_path(scene.model, start, state, report, a.common.threads, s.audit);
     if (s.steps % a.common.every == 0) run.append(run_step(s.steps, scene.model, state, report, pull));
     csv.add({double(s.steps), report.t, report.h, double(report.contacts_found), double(report.contacts_kept),
@@ -394,6 +400,7 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
   if (!arrived)
     std::fprintf(stderr, "the part did not arrive: %.4g mm behind the end of its path, more than %.4g mm\n",
                  1e3 * s.final_lag, 1e3 * kArrival * scene.radius);
+  tell(s.gain);
   tell(s.uncertified);
   const bool accepted = tell(s.audit, scene.model) && arrived && s.refused_steps == 0 &&
                         s.solver_failures == 0 && s.min_base_distance > 0 &&

@@ -14,6 +14,7 @@
 #include <sstream>
 
 #include "examples/common/audit_report.hpp"
+#include "examples/common/energy_report.hpp"
 #include "examples/common/match_report.hpp"
 #include "examples/common/progress.hpp"
 #include "examples/common/restart.hpp"
@@ -48,6 +49,7 @@ struct Statistics {
   double min_gap = kInf, max_displacement = 0, joint_drift = 0, joint_drift_angle = 0, energy_residual = 0,
          impulse_gain = 0, cpu_s = 0;
   MatchTotals matches{};
+  EnergyGain gain{};
   Uncertified uncertified{};
   PathAudit audit{};
 };
@@ -158,6 +160,7 @@ Checkpoint checkpoint_of(std::uint64_t print, const State& state, const Statisti
   MatchTotals matches = s.matches;
   add_matches(matches, {});  // all of them, also before the first step
   out.counts.insert(matches.begin(), matches.end());
+  keep(s.gain, out);
   keep(s.uncertified, out);
   return out;
 }
@@ -178,6 +181,7 @@ Statistics statistics_of(const Checkpoint& c) {
           .impulse_gain = checkpoint_number(c, "impulse_gain"),
           .cpu_s = checkpoint_number(c, "cpu_s"),
           .matches = matches,
+          .gain = energy_gain_of(c),
           .uncertified = uncertified_of(c),
           .audit = {.min_distance = checkpoint_number(c, "certify_distance"),
                     .min_slack = checkpoint_number(c, "certify_slack"),
@@ -222,6 +226,7 @@ Summary summary_of(const Arguments& a, const Model& model, const SchemeOptions& 
   out.set("energy_residual", s.energy_residual);
   out.set("energy_rises", s.energy_rises);
   out.set("impulse_gain", s.impulse_gain);
+  set_gain(out, s.gain);
   out.set("cpu_s", s.cpu_s);
   set_matches(out, s.matches);
   set_uncertified(out, s.uncertified);
@@ -250,7 +255,7 @@ ExitCode run(Arguments& a) {
   const std::filesystem::path checkpoint_file = a.common.out / "checkpoint.h5";
   const std::vector<std::string> columns = columns_of(scene.model);
   State state = scene.state;
-  Statistics s;
+  Statistics s{.gain = energy_gain(scene.model, scene.state)};
   std::size_t csv_rows = 0, run_rows = 0;
   std::string program = program_version();
   if (a.common.resume) {
@@ -286,6 +291,7 @@ ExitCode run(Arguments& a) {
     if (report.status != StepStatus::ok) break;
     const double displacement = displacement_of(scene.state, state);
     account(s, report, displacement);
+    add(scene.model, state, report, s.gain);
     audit_path(scene.model, start, state, report, a.common.threads, s.audit);
     if (s.steps % a.common.every == 0) {
       file.append(run_step(s.steps, scene.model, state, report));
@@ -334,6 +340,7 @@ ExitCode run(Arguments& a) {
   if (s.energy_rises > 0)
     std::fprintf(stderr, "contact gave energy in %lld steps, %.3g J\n",
                  static_cast<long long>(s.energy_rises), s.impulse_gain);
+  tell(s.gain);
   if (s.solver_failures > 0)
     std::fprintf(stderr, "%lld steps were not solved to the tolerance\n",
                  static_cast<long long>(s.solver_failures));

@@ -98,6 +98,22 @@ class RunScene(DriverTest):
             self.assertEqual(summary["impulse_gain"] > 1e3, gains)  # J, of 34 kJ
             self.assertEqual("contact gave energy" in run.stderr, gains)
 
+    def test_energy_that_a_run_gains_little_by_little_is_told(self):
+        """One per cent in a thousand steps by the explicit trapezoidal rule, through a restart too; none at the midpoint."""
+        top = ("--scene", "free_top", "--time", "100", "--quiet", "--summary", "s.json", "--scheme")
+        summary = lambda: json.loads((self.folder / "s.json").read_text())
+        self.run_scene(*top, "d1_minus_linear", "--stop-after", 400, code=INTERRUPTED)
+        run = self.run_scene(*top, "d1_minus_linear", "--resume")
+        self.assertRegex(run.stderr, r"energy rose by \S+ J that nothing gave")
+        parts = summary()
+        self.run_scene(*top, "d1_minus_linear", "-o", "whole")
+        self.assertEqual(parts["energy_gain"], summary()["energy_gain"])
+        self.assertGreater(parts["energy_gain"], 5e-3 * parts["energy_at_start"])
+        self.assertEqual(parts["energy_rises"], 0)
+        run = self.run_scene(*top, "passive_midpoint")
+        self.assertNotIn("energy rose", run.stderr)
+        self.assertLess(summary()["energy_gain"], 1e-12)
+
     def test_summary_tells_what_the_certificate_is_worth(self):
         self.run_scene("--scene", "tower", "--time", "0.1", "--certify", 10, "--quiet", "--summary", "s.json")
         summary = json.loads((self.folder / "s.json").read_text())

@@ -43,7 +43,8 @@ TEST(GeneralisedAlpha, DampsStiffMotionsByItsSpectralRadius) {
   }
 }
 
-// The numerical work is zero for rho = 1, takes energy for less, and is all that is missing in the balance.
+// The numerical work is zero for rho = 1 and takes energy for less: what poses and velocities have lost, but
+// for what the works of the spring's force and its potential differ by, of order two.
 TEST(GeneralisedAlpha, TellsWhatItDamps) {
   for (const double rho : {0.5, 1.0}) {
     Spring s(400);
@@ -53,7 +54,6 @@ TEST(GeneralisedAlpha, TellsWhatItDamps) {
     for (int k = 0; k < 200; ++k) {
       const StepReport report = scheme.step(s.state);
       ASSERT_TRUE(report.ok());
-      EXPECT_NEAR(report.energy.residual(), 0, 1e-12 * E);
       numerical += report.energy.numerical_work;
     }
     if (rho == 1)
@@ -62,6 +62,14 @@ TEST(GeneralisedAlpha, TellsWhatItDamps) {
       EXPECT_LT(numerical, -0.1 * E);
     EXPECT_LT(energy(s.model, s.state).total(), (rho == 1 ? 1.2 : 0.9) * E);
   }
+  const auto unexplained = [](double h) {
+    Spring s(400);
+    const GeneralisedAlpha scheme(s.model, {.spectral_radius = 0.5, .step = {.h = h}});
+    double lost = energy(s.model, s.state).total();
+    while (s.state.t < 0.4 - h / 2) lost += scheme.step(s.state).energy.numerical_work;
+    return std::abs(lost - s.state.v.squaredNorm() / 2 - 200 * s.state.g[0].p.squaredNorm());
+  };
+  EXPECT_GT(std::log2(unexplained(4e-3) / unexplained(2e-3)), 1.9);
 }
 
 // A block lands flat: from the step of the impact on the gap is zero and so is the speed.
