@@ -72,6 +72,9 @@ class Repeat(DriverTest):
     def test_factory_peg_round_loose(self):
         self.repeats("--data", self.data(), "--pair", "factory_peg_round_loose")
 
+    def test_beginning_of_factory_m16_loose(self):
+        self.repeats(*self.beginning("factory_m16_loose", 3))
+
     def test_factory_m16_loose(self):
         self.repeats("--data", self.data(), "--pair", "factory_m16_loose")
 

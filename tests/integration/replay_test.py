@@ -49,6 +49,11 @@ class Replay(DriverTest):
     def test_factory_peg_round_loose(self):
         self.ends_well_on("factory_peg_round_loose")
 
+    def test_beginning_of_factory_m16_loose(self):
+        """Five eighths of a turn of nine, all threads engaged."""
+        self.ends_well(*self.beginning("factory_m16_loose", 6))
+        self.assertGreater(min(map(int, self.columns("out")["contacts_found"])), 1000)
+
     def test_factory_m16_loose(self):
         self.ends_well_on("factory_m16_loose")
 

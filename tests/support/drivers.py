@@ -4,6 +4,7 @@
 Environment: AUSSOIS_DRIVERS, the folder of the programs; AUSSOIS_DATA_DIR, shared meshes and paths, or empty.
 """
 
+import csv
 import json
 import os
 import subprocess
@@ -61,6 +62,15 @@ class DriverTest(unittest.TestCase):
         if not os.environ.get("AUSSOIS_DATA_DIR"):
             self.skipTest("AUSSOIS_DATA_DIR names no folder of shared data")
         return Path(os.environ["AUSSOIS_DATA_DIR"])
+
+    def beginning(self, pair, poses):
+        """The arguments of a replay of the first `poses` poses of a pair of the shared data."""
+        data = self.data()
+        with open(data / "assembly/pairs.csv", newline="") as pairs:
+            row = next(row for row in csv.DictReader(pairs) if row["name"] == pair)
+        path = self.folder / f"{pair}_{poses}.csv"
+        path.write_text("".join((data / "assembly" / row["trajectory"]).read_text().splitlines(True)[:1 + poses]))
+        return ("--fixed", data / f"meshes/{row['fixed']}.obj", "--moving", data / f"meshes/{row['moving']}.obj", "--path", path)
 
     def hdf5(self):
         """The module h5py; without it the test is skipped."""

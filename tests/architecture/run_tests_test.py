@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: Apache-2.0
+"""tools/run_tests on a build of five tests: what passed is not repeated, what did not run is told with its reason."""
+
+import os
+import signal
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+TOOL = Path(__file__).resolve().parents[2] / "tools/run_tests"
+SKIPS = r"""/source/a_test.cpp:12: Skipped
+no folder of shared data
+
+[  SKIPPED ] A.skips (0 ms)"""
+TESTS = f"""
+add_test(a.passes "{{0}}/program")
+add_test(a.fails "/bin/sh" "-c" "test -e {{0}}/mended")
+add_test(a.skips "/bin/echo" [==[{SKIPS}]==])
+set_tests_properties(a.skips PROPERTIES SKIP_REGULAR_EXPRESSION "SKIPPED")
+add_test(b.skips "/bin/echo" "test_b (B.test_b) ... skipped 'no h5py'")
+set_tests_properties(b.skips PROPERTIES SKIP_REGULAR_EXPRESSION "skipped")
+add_test(b.takes_long "/bin/true")
+set_tests_properties(b.takes_long PROPERTIES LABELS "slow;long" DISABLED ON)
+"""
+
+
+class RunTests(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="aussois-")
+        self.addCleanup(folder.cleanup)
+        self.build = Path(folder.name)
+        self.program("exit 0")
+        (self.build / "CTestTestfile.cmake").write_text(TESTS.format(self.build))
+
+    def program(self, body):
+        (self.build / "program").write_text(f"#!/bin/sh\n{body}\n")
+        (self.build / "program").chmod(0o755)
+
+    def check(self, *arguments, code):
+        run = subprocess.run([TOOL, *arguments], capture_output=True, text=True)
+        self.assertEqual(run.returncode, code, run.stdout + run.stderr)
+        return run.stdout
+
+    def test_says_what_did_not_run_and_why(self):
+        said = self.check(self.build, code=1)
+        self.assertIn("3 tests did not run:\n", said)
+        self.assertIn("\n     1  skipped: no folder of shared data: a.skips\n", said)
+        self.assertIn("\n     1  skipped: no h5py: b.skips\n", said)
+        self.assertIn("\n     1  disabled: many minutes (label long), run by ./check --all: b.takes_long\n", said)
+
+    def test_repeats_nothing_that_passed_on_this_build(self):
+        self.assertIn("1: a.passes", self.check("--all", self.build, code=1))
+        (self.build / "mended").touch()
+        again = self.check("--all", self.build, code=0)
+        self.assertIn("1 of 5 tests passed on this very build before", again)
+        self.assertNotIn("Test #1: a.passes", again)
+        self.assertIn("Test #2: a.fails", again)
+        self.assertRegex(again, r"\nall +2 +0 +3 +\d+\n")
+        self.assertRegex(again, r"\n  skipped +0 s  b.takes_long\n")
+        self.program("exit 0  # another program")
+        self.assertIn("Test #1: a.passes", self.check("--all", self.build, code=0))
+        self.assertIn("Test #1: a.passes", self.check(self.build, code=0))  # without --all everything runs
+
+    def test_keeps_what_passed_before_it_was_interrupted(self):
+        (self.build / "CTestTestfile.cmake").write_text(
+            f'add_test(first "{self.build}/program")\nadd_test(second "/bin/sh" "-c" "test -e {self.build}/mended || sleep 60")')
+        run = subprocess.Popen([TOOL, "--all", self.build], stdout=subprocess.PIPE, text=True, start_new_session=True)
+        for line in run.stdout:
+            if "Start 2" in line:
+                break
+        os.killpg(run.pid, signal.SIGINT)  # as Ctrl-C does
+        self.assertEqual(run.wait(timeout=30), 130)
+        run.stdout.close()
+        (self.build / "mended").touch()
+        again = self.check("--all", self.build, code=0)
+        self.assertNotIn("Test #1", again)
+        self.assertIn("Test #2", again)
+
+    def test_a_filter_that_finds_nothing_is_an_error(self):
+        self.check(self.build, "-R", "no_such_test", code=1)
+
+
+if __name__ == "__main__":
+    unittest.main()
