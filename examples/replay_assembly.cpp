@@ -34,9 +34,6 @@ using namespace aussois;
 
 namespace {
 
-constexpr double kArrival =
-    0.1;  // of the part's radius: a part that ends farther from the end of its path is stuck
-
 struct Arguments {
   std::filesystem::path data{}, fixed{}, moving{}, path{};
   std::string pair{}, builtin{}, mode = "dynamic", gravity = "-5.66,-5.66,-5.66";
@@ -98,11 +95,12 @@ void print_parts(const AssemblyInput& input, const AssemblyScene& scene, const A
     std::printf("%s\n%s", part->name.c_str(), to_string(part->report).c_str());
   for (const std::string& line : scene.cache) std::printf("cache: %s\n", line.c_str());
   std::printf(
-      "clearance %.4g um along %zu poses, dilation %.4g um each, moving part %.4g kg (%s), largest step %.4g "
-      "ms, path %.4g s\n",
+      "clearance %.4g um along %zu poses, dilation %.4g um each, moving part %.4g kg (%s) at %.4g Hz, "
+      "largest "
+      "step %.4g ms, path %.4g s\n",
       1e6 * scene.clearance, scene.poses.size(), 1e6 * scene.dilation,
-      scene.model.bodies[std::size_t(scene.moving)].mass, scene.mass_source.c_str(), 1e3 * scene.h,
-      scene.path.t.back());
+      scene.model.bodies[std::size_t(scene.moving)].mass, scene.mass_source.c_str(), scene.frequency,
+      1e3 * scene.h, scene.path.t.back());
   std::fflush(stdout);
 }
 
@@ -146,6 +144,8 @@ Summary summary_of(const AssemblyInput& input, const AssemblyScene& scene, const
   out.set("mass_source", scene.mass_source);
   out.set("h", scene.h);
   out.set("path_time", scene.path.t.back());
+  out.set("frequency", scene.frequency);
+  out.set("sag", scene.sag);
   set_uncertified(out, s.uncertified);
   set_audit(out, s.audit, scene.model);
   return out;
@@ -388,10 +388,15 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
       s.peak_force, s.peak_torque, 1e3 * s.max_lag, static_cast<long long>(s.max_contacts), s.cpu_s);
   if (report.status == StepStatus::refused)
     std::fprintf(stderr, "refused at t = %.6g s: %s\n", state.t, report.reason.c_str());
-  const bool arrived = s.final_lag <= kArrival * scene.radius;
+  const double arrival = kArrival * scene.radius + std::abs(scene.misalignment);
+  const bool arrived = s.final_lag <= arrival;
   if (!arrived)
-    std::fprintf(stderr, "the part did not arrive: %.4g mm behind the end of its path, more than %.4g mm\n",
-                 1e3 * s.final_lag, 1e3 * kArrival * scene.radius);
+    std::fprintf(stderr,
+                 "the part did not arrive: %.4g mm behind the end of its path, more than %.4g mm; its weight "
+                 "of %.4g N alone makes it hang up to %.4g mm off the path (--frequency = %.4g Hz)\n",
+                 1e3 * s.final_lag, 1e3 * arrival,
+                 scene.model.bodies[std::size_t(scene.moving)].mass * scene.model.gravity.norm(),
+                 1e3 * scene.sag, scene.frequency);
   tell(s.uncertified);
   const bool accepted = tell(s.audit, scene.model) && arrived && s.refused_steps == 0 &&
                         s.solver_failures == 0 && s.min_base_distance > 0 &&
@@ -449,7 +454,9 @@ int main(int argc, char** argv) {
              {1e-6, 1e3});
   cli.option("--misalignment", a.scene.misalignment,
              "of the coupling's target along (1, 1, 1), in clearances", "-", {-1e6, 1e6});
-  cli.option("--frequency", a.scene.frequency, "of the part on its coupling", "Hz", {1e-3, 1e5});
+  cli.option("--frequency", a.scene.frequency,
+             "of the part on its coupling; 0: 20, more for a part so small that its weight would pull it off",
+             "Hz", {0, 1e5});
   cli.option("--damping-ratio", a.scene.damping_ratio, "of the coupling", "-", {0, 100});
   cli.option("--force-limit", a.scene.force_limit, "largest pull of the coupling", "N", {1e-9, kInf});
   cli.option("--torque-limit", a.scene.torque_limit, "largest torque of the coupling", "N m", {1e-12, kInf});

@@ -17,7 +17,7 @@ void validate(const AssemblyOptions& o) {
   require_field(o.speed > 0, "--speed", o.speed, "be positive [m/s]");
   require_field(o.stride > 0, "--stride", o.stride, "be positive");
   require_field(o.h >= 0, "--h", o.h, "not be negative [s]");
-  require_field(o.frequency > 0, "--frequency", o.frequency, "be positive [Hz]");
+  require_field(o.frequency >= 0, "--frequency", o.frequency, "not be negative [Hz]");
   require_field(o.density > 0, "--density", o.density, "be positive [kg/m^3]");
   require_field(o.mass >= 0, "--mass", o.mass, "not be negative [kg]");
   require_field(std::isfinite(o.misalignment), "--misalignment", o.misalignment, "be finite");
@@ -48,6 +48,12 @@ double smallest_clearance(const AssemblyInput& input, const LmdShape& fixed, con
       throw std::invalid_argument(pose + to_string(*nesting, input.moving.name, input.fixed.name));
   }
   return clearance;
+}
+
+constexpr double kFrequency = 20;  // of parts that it holds up [Hz]
+
+double default_frequency(double gravity, double radius) {
+  return std::max(kFrequency, std::sqrt(gravity / (kArrival / 2 * radius)) / (2 * kPi));
 }
 
 // Poses in time such that no point of the part moves faster than `speed`.
@@ -104,9 +110,12 @@ AssemblyScene make_assembly_scene(const AssemblyInput& input, const AssemblyOpti
   scene.h = options.h > 0 ? options.h : options.stride * 2 * scene.dilation / options.speed;
 
   scene.target = scene.path;
-  for (SE3& pose : scene.target.pose)
-    pose.p += options.misalignment * scene.clearance * Vec3(1, 1, 1).normalized();
-  const double omega = 2 * kPi * options.frequency;
+  scene.misalignment = options.misalignment * scene.clearance;
+  for (SE3& pose : scene.target.pose) pose.p += scene.misalignment * Vec3(1, 1, 1).normalized();
+  const double gravity = options.gravity.norm();
+  scene.frequency = options.frequency > 0 ? options.frequency : default_frequency(gravity, scene.radius);
+  const double omega = 2 * kPi * scene.frequency;
+  scene.sag = gravity / (omega * omega);
   scene.coupling = {.stiffness = mass.properties.mass * omega * omega,
                     .rotation_stiffness = mass.properties.inertia.trace() / 3 * omega * omega,
                     .damping_ratio = options.damping_ratio,

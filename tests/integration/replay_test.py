@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The main job: replays end at the end of their path, without a refused step, a failed solve or an overlap."""
 
+import math
 import sys
 import unittest
 from pathlib import Path
@@ -51,6 +52,21 @@ class Replay(DriverTest):
 
     def test_factory_m16_loose(self):
         self.ends_well_on("factory_m16_loose")
+
+    def test_a_small_part_arrives_by_default(self):
+        """A tenth of the peg hangs free at the end: at 20 Hz its weight pulls it g / omega^2 = 0.62 mm off."""
+        small = (*PEG, "--scale", "1e-4")
+        self.ends_well(*small)
+        summary = self.summary("out")
+        self.assertGreater(summary["frequency"], 20)
+        self.assertAlmostEqual(summary["sag"], 9.803407 / (2 * math.pi * summary["frequency"]) ** 2, 9)
+        run = self.replay("soft", *small, "--frequency", "20", code=1)
+        self.assertRegex(run.stderr, r"the part did not arrive: .* its weight of \S+ N alone makes it hang up to "
+                                     r"0\.6208 mm off the path \(--frequency = 20 Hz\)")
+
+    def test_a_part_of_centimetres_keeps_its_coupling(self):
+        self.replay("out", *PEG, "--mode", "kinematic")
+        self.assertEqual(self.summary("out")["frequency"], 20)
 
     def test_kinematic_gaps_are_the_clearances_of_the_recorded_poses(self):
         """At a recorded pose the smallest gap is the distance of the base complexes less the two dilations."""
