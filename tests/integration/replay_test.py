@@ -79,6 +79,7 @@ class Replay(DriverTest):
                 near += 1
         self.assertGreater(near, 10)
         self.assertAlmostEqual(summary["min_base_distance"], summary["clearance"], 12)
+        self.assertGreater(summary["cpu_s"], 1.1e-3 * sum(map(float, poses["ms_query"])))  # queries are not all
 
     def test_a_cache_changes_nothing_but_what_the_summary_says_of_it(self):
         runs = []
