@@ -206,10 +206,11 @@ ExitCode replay_kinematic(const AssemblyInput& input, const AssemblyScene& scene
   finish(input, scene, a, s, run);
   std::ranges::sort(ms);
   std::printf(
-      "%s: %lld poses, smallest gap %.4g um (base distance %.4g um), up to %lld contacts within %.4g um, "
+      "%s: %lld poses, %s (base distance %.4g um), up to %lld contacts within %.4g um, "
       "query median %.3g ms, slowest %.3g ms, %.3g s CPU in all\n",
-      input.name.c_str(), static_cast<long long>(s.steps), 1e6 * s.min_gap, 1e6 * s.min_base_distance,
-      static_cast<long long>(s.max_contacts), 1e6 * threshold, ms[ms.size() / 2], ms.back(), s.cpu_s);
+      input.name.c_str(), static_cast<long long>(s.steps), gap_text(s.min_gap).c_str(),
+      1e6 * s.min_base_distance, static_cast<long long>(s.max_contacts), 1e6 * threshold, ms[ms.size() / 2],
+      ms.back(), s.cpu_s);
   return s.min_base_distance > 0 ? ExitCode::ok : ExitCode::not_accepted;
 }
 
@@ -349,6 +350,9 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
     csv.flush();
     write_checkpoint(checkpoint_file, checkpoint_of(print, state, s, csv.rows(), run.rows()));
   };
+  if (!a.common.quiet)
+    std::printf("%.0f steps to take, more if some are cut\n", std::ceil((t_end - state.t) / scene.h - 1e-9));
+  std::fflush(stdout);
   Progress progress("replay_assembly", t_end, Progress::style_of_stderr(a.common.quiet));
   std::time_t last_checkpoint = std::time(nullptr);
   StepReport report;
@@ -393,11 +397,12 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
   if (report.status == StepStatus::not_finite)
     throw NumericalFailure("step " + std::to_string(s.steps + 1) + ": " + report.reason);
   std::printf(
-      "%s: %lld steps, smallest gap %.4g um, base distance at least %.4g um, pull up to %.3g N and %.3g N m, "
+      "%s: %lld steps, %s, base distance at least %.4g um, pull up to %.3g N and %.3g N m, "
       "lag up to %.3g mm, "
       "up to %lld contacts, %.3g s CPU\n",
-      input.name.c_str(), static_cast<long long>(s.steps), 1e6 * s.min_gap, 1e6 * s.min_base_distance,
-      s.peak_force, s.peak_torque, 1e3 * s.max_lag, static_cast<long long>(s.max_contacts), s.cpu_s);
+      input.name.c_str(), static_cast<long long>(s.steps), gap_text(s.min_gap).c_str(),
+      1e6 * s.min_base_distance, s.peak_force, s.peak_torque, 1e3 * s.max_lag,
+      static_cast<long long>(s.max_contacts), s.cpu_s);
   if (report.status == StepStatus::refused)
     std::fprintf(stderr, "refused at t = %.6g s: %s\n", state.t, report.reason.c_str());
   const double arrival = kArrival * scene.radius + std::abs(scene.misalignment);

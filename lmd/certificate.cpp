@@ -369,7 +369,8 @@ class DistanceDescent {
       for (int i = 0; i < a.count(); ++i) {
         if (are_apart(p_[i].points(), q.points(), part_.distance + fine_rounding_)) continue;
         ++part_.simplex_pairs;
-        part_.distance = std::min(part_.distance, closest_points(p_[i].points(), q.points()).distance);
+        const ClosestPoints closest = closest_points(p_[i].points(), q.points());
+        if (closest.distance < part_.distance) part_.distance = closest.distance, part_.place = closest.x_a;
       }
     }
   }
@@ -482,7 +483,7 @@ BaseDistance find_base_distance(const MovingShape& a, const MovingShape& b, doub
   BaseDistance out{cutoff};
   for (const BaseDistance& part :
        over_base_trees<BaseDistance>(*a.shape, *b.shape, threads, {cutoff}, descend)) {
-    out.distance = std::min(out.distance, part.distance);
+    if (part.distance < out.distance) out.distance = part.distance, out.place = part.place;
     out.simplex_pairs += part.simplex_pairs;
   }
   return out;

@@ -35,8 +35,9 @@ struct Certificate {
 Certificate certify(const MovingShape& a, const MovingShape& b, double dt, const CertificateOptions& options);
 
 struct BaseDistance {
-  double distance = kInf;  // [m]
-  long simplex_pairs = 0;  // looked at
+  double distance = kInf;     // [m]
+  long simplex_pairs = 0;     // looked at
+  Vec3 place = Vec3::Zero();  // where A is that near, world [m]; of no meaning at the cutoff
 };
 
 /// Smallest distance of the base complexes at s = 0 [m], if it is below `cutoff`; otherwise `cutoff`. What is

@@ -57,9 +57,9 @@ struct AssemblyScene {
   std::vector<std::string> cache{}, cache_warnings{};
 };
 
-/// `progress(i, n)` is called while the clearance is measured. Throws std::invalid_argument if a recorded
-/// pose has the parts in contact or one inside the other (naming the pose), if the dilations do not fit the
-/// clearance, or for an option out of range.
+/// `progress(i, n)` is called while the clearance is measured. Throws std::runtime_error if recorded poses
+/// have the parts in contact or one inside the other (naming line and place of the first, and how many more),
+/// std::invalid_argument if the dilations do not fit the clearance, or for an option out of range.
 AssemblyScene make_assembly_scene(const AssemblyInput& input, const AssemblyOptions& options, int threads,
                                   const std::function<void(int, int)>& progress = {});
 

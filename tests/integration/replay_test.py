@@ -68,6 +68,30 @@ class Replay(DriverTest):
         self.replay("out", *PEG, "--mode", "kinematic")
         self.assertEqual(self.summary("out")["frequency"], 20)
 
+    def test_the_number_of_steps_is_told_before_the_first(self):
+        run = self.drive("replay_assembly", *PEG, "-o", "out", "--summary", "out/summary.json")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        told = run.stdout.index(" steps to take")
+        self.assertLess(told, run.stdout.index("smallest gap"))
+        taken = self.summary("out")["steps"]
+        self.assertEqual(int(run.stdout[:told].split()[-1]), taken)  # none is cut
+        self.assertEqual(run.stderr, "")  # no terminal, and done within ten seconds
+
+    def test_wires_and_points_are_parts(self):
+        """They touch nothing where they hang in the socket: a zigzag of two edges and a ball, whose mass is by hand."""
+        (self.folder / "wire.obj").write_text("v 0 0 5\nv 1 0 8\nv 1 1 9\nl 1 2 3\n")
+        (self.folder / "point.obj").write_text("v 0 0 10\np 1\n")
+        (self.folder / "path.csv").write_text("x,y,z,qw,qx,qy,qz\n0,0,0,1,0,0,0\n0,0,1,1,0,0,0\n")
+        for name in ("wire", "point"):
+            run = self.drive("replay_assembly", "--fixed", PEG[1], "--moving", f"{name}.obj", "--path", "path.csv", "--dilation",
+                             "1e-4", "--threshold", "1e-4", "--mode", "kinematic", "-o", "out", "--summary", "out/summary.json")
+            self.assertEqual(run.returncode, 0, run.stderr)
+            self.assertIn("2 poses, no contact", run.stdout)
+            self.assertNotIn("sheets", run.stderr)
+        summary = self.summary("out")
+        self.assertEqual(summary["mass_source"], "balls and capsules")
+        self.assertAlmostEqual(summary["mass"], 7850 * 4 / 3 * math.pi * 1e-12, 18)
+
     def test_kinematic_gaps_are_the_clearances_of_the_recorded_poses(self):
         """At a recorded pose the smallest gap is the distance of the base complexes less the two dilations."""
         self.replay("out", *PEG, "--mode", "kinematic")
