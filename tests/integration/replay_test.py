@@ -23,7 +23,7 @@ class Replay(DriverTest):
         self.assertEqual(len(numbers["t"]), summary["steps"])
         self.assertGreater(summary["min_base_distance"], 0)
         self.assertGreater(min(numbers["min_base_distance"]), 0)
-        allowed = -0.05 * 2 * summary["dilation"]
+        allowed = -(0.04 + 2e-3) * 2 * summary["dilation"]  # (CA-6), and what planes are off by (LMD-14)
         self.assertGreaterEqual(summary["min_gap"], allowed)
         self.assertGreaterEqual(min(numbers["min_gap"]), allowed)
         self.assertLessEqual(2 * summary["dilation"], 2 / 3 * summary["clearance"] * (1 + 1e-12))
