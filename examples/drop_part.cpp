@@ -54,7 +54,7 @@ ExitCode drop(const Arguments& a) {
   // 1. The scene: a plate as wide as the part may roll, and the part.
   const AssemblyPart part = part_of(a);
   for (const std::string& note : part.notes) std::fprintf(stderr, "warning: %s\n", note.c_str());
-  const PartMass mass = part_mass(part, a.density, a.mass);
+  const PartMass mass = part_mass(part, a.dilation, a.density, a.mass);
   const double size = part.report.box.diagonal();
   Model model;
   model.contact_law = {.mu = a.mu, .restitution = a.restitution};
@@ -138,9 +138,9 @@ ExitCode drop(const Arguments& a) {
     write_summary(a.common.summary, summary);
   }
   std::printf(
-      "drop_part: %lld steps, smallest gap %.3g um, speed at the end %.3g m/s, largest rise of energy %.3g J "
+      "drop_part: %lld steps, %s, speed at the end %.3g m/s, largest rise of energy %.3g J "
       "of %.3g J\n",
-      static_cast<long long>(steps), 1e6 * min_gap, speed, energy_rise, energy_scale);
+      static_cast<long long>(steps), gap_text(min_gap).c_str(), speed, energy_rise, energy_scale);
   const bool accepted = failures == 0 && tell(audit, model) && speed < 1e-3 &&
                         min_gap > -0.05 * 2 * a.dilation && energy_rise < 1e-4 * energy_scale;
   return accepted ? ExitCode::ok : ExitCode::not_accepted;

@@ -146,10 +146,9 @@ ExitCode query(const Arguments& a) {
                 1e6 * report.options.threshold);
   } else {
     if (a.rows > 0) std::printf("%s", contact_table(report, first, a.rows).c_str());
-    std::printf(
-        "%s: %zu contacts within %.4g um, smallest gap %.6g um, %.3g ms, %ld node pairs, %ld leaf pairs\n",
-        pair.name.c_str(), first.contact_count, 1e6 * report.options.threshold, 1e6 * first.min_gap, first.ms,
-        first.count.node_pairs, first.count.leaf_pairs);
+    std::printf("%s: %zu contacts within %.4g um, %s, %.3g ms, %ld node pairs, %ld leaf pairs\n",
+                pair.name.c_str(), first.contact_count, 1e6 * report.options.threshold,
+                gap_text(first.min_gap).c_str(), first.ms, first.count.node_pairs, first.count.leaf_pairs);
   }
   if (!a.csv.empty()) {
     CsvTable csv(a.csv, {"pose", "contacts", "min_gap", "ms", "node_pairs", "leaf_pairs"});

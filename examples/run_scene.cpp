@@ -328,11 +328,11 @@ ExitCode run(Arguments& a) {
   if (!a.common.summary.empty())
     write_summary(a.common.summary, summary_of(a, scene.model, options, s, before, after, report));
   std::printf(
-      "%s, %s: %lld steps to t = %.6g s, up to %lld contacts, smallest gap %.4g um, farthest from the start "
+      "%s, %s: %lld steps to t = %.6g s, up to %lld contacts, %s, farthest from the start "
       "%.6g m, joints off by %.2g m, %.2g rad, energy %.6g to %.6g J (balance to %.2g J a step), %.3g us a "
       "step\n",
       a.scene.c_str(), label(a.scheme.scheme, options).c_str(), static_cast<long long>(s.steps), state.t,
-      static_cast<long long>(s.max_contacts), 1e6 * s.min_gap, s.max_displacement, s.joint_drift,
+      static_cast<long long>(s.max_contacts), gap_text(s.min_gap).c_str(), s.max_displacement, s.joint_drift,
       s.joint_drift_angle, before.total(), after.total(), s.energy_residual,
       1e6 * s.cpu_s / double(std::max<std::int64_t>(1, s.steps)));
   if (report.status == StepStatus::refused)

@@ -20,6 +20,33 @@ void check_density(double density) {
   require_field(std::isfinite(density) && density > 0, "density [kg/m^3]", density, "be finite and > 0");
 }
 
+// Of a ball if both ends are one place (MASS-4).
+MassProperties capsule(const Vec3& a, const Vec3& b, double radius, double density) {
+  const Vec3 axis = b - a;
+  const double length = axis.norm(), square = radius * radius;
+  const double cylinder = density * kPi * square * length, ball = density * 4 / 3 * kPi * square * radius;
+  const double along = cylinder * square / 2 + ball * 2 / 5 * square;
+  const double across = cylinder * (length * length / 12 + square / 4) +
+                        ball * (2.0 / 5 * square + length * length / 4 + 3.0 / 8 * length * radius);
+  const Vec3 n = length > 0 ? Vec3(axis / length) : Vec3::UnitX();
+  const Mat3 N = n * n.transpose();
+  return {.volume = (cylinder + ball) / density,
+          .mass = cylinder + ball,
+          .centre = (a + b) / 2,
+          .inertia = along * N + across * (Mat3::Identity() - N)};
+}
+
+MassProperties sum_of(const std::vector<MassProperties>& parts) {
+  MassProperties out;
+  for (const MassProperties& part : parts) out.volume += part.volume, out.mass += part.mass;
+  for (const MassProperties& part : parts) out.centre += part.mass / out.mass * part.centre;
+  for (const MassProperties& part : parts) {  // Huygens and Steiner
+    const Vec3 arm = part.centre - out.centre;
+    out.inertia += part.inertia + part.mass * (arm.squaredNorm() * Mat3::Identity() - arm * arm.transpose());
+  }
+  return out;
+}
+
 }  // namespace
 
 MassProperties mass_properties(const SimplicialComplex& complex, double density) {
@@ -58,6 +85,20 @@ MassProperties mass_properties(const SimplicialComplex& complex, double density)
 MassProperties convex_hull_mass_properties(const SimplicialComplex& complex, double density) {
   check_density(density);
   return mass_properties(make_complex(complex.vertices, convex_hull(complex.vertices)), density);
+}
+
+MassProperties wire_mass_properties(const SimplicialComplex& complex, double radius, double density) {
+  check_density(density);
+  require_field(std::isfinite(radius) && radius > 0, "radius [m]", radius, "be finite and > 0");
+  require(complex.triangles.empty(), "a wire's mass is that of edges and points, without triangles");
+  std::vector<MassProperties> parts;
+  for (int v = 0; v < int(complex.vertices.size()); ++v)
+    if (const Vec3& x = complex.vertices[std::size_t(v)]; complex.vertex_edges[v].empty())
+      parts.push_back(capsule(x, x, radius, density));
+  for (const auto& [i, j] : complex.edges)
+    parts.push_back(
+        capsule(complex.vertices[std::size_t(i)], complex.vertices[std::size_t(j)], radius, density));
+  return sum_of(parts);
 }
 
 }  // namespace aussois

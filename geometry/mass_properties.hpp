@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Volume, centre of mass and inertia of a closed oriented complex (MASS-1) to (MASS-3).
+// Volume, centre of mass and inertia of a closed oriented complex (MASS-1) to (MASS-3), and of dilated wires
+// and points (MASS-4).
 #pragma once
 
 #include "geometry/simplicial_complex.hpp"
@@ -20,5 +21,10 @@ MassProperties mass_properties(const SimplicialComplex& complex, double density)
 /// The same for the convex hull of the vertices: the stand-in for meshes that bound no volume (an upper bound
 /// of it). Throws std::invalid_argument if the vertices are coplanar.
 MassProperties convex_hull_mass_properties(const SimplicialComplex& complex, double density);
+
+/// Of a complex without triangles that is dilated: a ball around each vertex alone, a capsule around each
+/// edge (MASS-4). What several of them share counts for each. Throws std::invalid_argument if there are
+/// triangles, or unless radius > 0 [m] and density > 0.
+MassProperties wire_mass_properties(const SimplicialComplex& complex, double radius, double density);
 
 }  // namespace aussois

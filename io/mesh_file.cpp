@@ -17,6 +17,15 @@ namespace {
 // Vertices are counted by int: 4 GiB cannot hold more than 2^31 of them in any of the formats.
 constexpr std::uintmax_t kLargestFile = std::uintmax_t(1) << 32;
 
+// Curved surfaces become triangles elsewhere: gmsh reads these (doc/howto/import_a_cad_mesh.md).
+std::string how_to_convert(const std::filesystem::path& path, const std::string& extension) {
+  for (const char* cad : {".stp", ".step", ".igs", ".iges", ".brep"})
+    if (extension == cad)
+      return "; make triangles of it first: gmsh -2 " + path.string() + " -format stl -bin -o " +
+             std::filesystem::path(path).replace_extension(".stl").string();
+  return {};
+}
+
 MeshFile read_by_extension(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
@@ -36,7 +45,7 @@ MeshFile read_by_extension(const std::filesystem::path& path) {
       read_file(path);  // before the extension, so that a missing file is called missing
   if (!reader)
     throw std::runtime_error(path.string() + ": extension '" + extension +
-                             "' must be .obj, .stl, .ply or .off");
+                             "' must be .obj, .stl, .ply or .off" + how_to_convert(path, extension));
   return reader(path, bytes);
 }
 

@@ -78,6 +78,7 @@ class PoseReader {
     // q and -q are one rotation; the nearer one keeps interpolation and differences on the short way.
     if (!poses_.pose.empty() && g.R.dot(poses_.pose.back().R) < 0) g.R.coeffs() = -g.R.coeffs();
     poses_.pose.push_back(g);
+    poses_.line.push_back(in_.line());
   }
 
   static constexpr std::size_t kNone = std::size_t(-1);

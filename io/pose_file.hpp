@@ -16,6 +16,7 @@ struct PoseFile {
   std::vector<double> t{};  // ascending [s]; empty if the file has no column t
   std::vector<SE3> pose{};  // [m] if `scale` was metres per unit of the file; R is unit and keeps to one
                             // hemisphere: no quaternion has a negative dot product with the one before
+  std::vector<int> line{};  // of the file; nothing to write_poses
 };
 
 /// Reads at least two poses and multiplies positions by `scale`. Throws std::runtime_error "path:line: what"

@@ -340,19 +340,16 @@ class CertificateDescent {
 };
 
 // The same descent for the smallest distance at the start.
-struct Nearest {
-  double distance = kInf;
-};
-
 class DistanceDescent {
  public:
   DistanceDescent(const MovingShape& a, const MovingShape& b, const Instant& now_a, const Instant& now_b,
-                  double rounding, int first_a, int first_b, Nearest& part)
+                  double scale, int first_a, int first_b, BaseDistance& part)
       : a_(a),
         b_(b),
         now_a_(now_a),
         now_b_(now_b),
-        rounding_(rounding),
+        rounding_(4e-6 * scale),
+        fine_rounding_(1e-14 * (scale + now_a.t.norm() + now_b.t.norm())),
         first_a_(first_a),
         first_b_(first_b),
         part_(part) {}
@@ -363,22 +360,28 @@ class DistanceDescent {
     const I4 still = dot(d, d) <= reach * reach;
     return bits(still) ? bits(boxes_near(four, one, d, limit, still)) : 0;
   }
-  void open(const ConeSlot&) {}
+  void open(const ConeSlot& a) {
+    for (int i = 0; i < a.count(); ++i) p_[i] = moving(*a_.shape, first_a_ + a.first() + i, now_a_);
+  }
   void buckets(const ConeSlot& a, const ConeSlot& b) {
-    for (int i = 0; i < a.count(); ++i)
-      for (int j = 0; j < b.count(); ++j) {
-        const MovingSimplex p = moving(*a_.shape, first_a_ + a.first() + i, now_a_);
-        const MovingSimplex q = moving(*b_.shape, first_b_ + b.first() + j, now_b_);
-        part_.distance = std::min(part_.distance, closest_points(p.points(), q.points()).distance);
+    for (int j = 0; j < b.count(); ++j) {
+      const MovingSimplex q = moving(*b_.shape, first_b_ + b.first() + j, now_b_);
+      for (int i = 0; i < a.count(); ++i) {
+        if (are_apart(p_[i].points(), q.points(), part_.distance + fine_rounding_)) continue;
+        ++part_.simplex_pairs;
+        const ClosestPoints closest = closest_points(p_[i].points(), q.points());
+        if (closest.distance < part_.distance) part_.distance = closest.distance, part_.place = closest.x_a;
       }
+    }
   }
 
  private:
   const MovingShape &a_, &b_;
   const Instant &now_a_, &now_b_;
-  double rounding_;
+  double rounding_, fine_rounding_;  // of the trees, in single precision, and of the simplices
   int first_a_, first_b_;
-  Nearest& part_;
+  BaseDistance& part_;
+  MovingSimplex p_[kBucket];  // of A's open bucket
 };
 
 // Calls descend(tree_a, tree_b, first_a, first_b, part) for all pairs of base trees and parts of their
@@ -468,19 +471,26 @@ Certificate certify(const MovingShape& a, const MovingShape& b, double dt,
   return out;
 }
 
-double base_distance(const MovingShape& a, const MovingShape& b, double cutoff, int threads) {
-  if (!is_finite(a.motion) || !is_finite(b.motion)) return std::numeric_limits<double>::quiet_NaN();
+BaseDistance find_base_distance(const MovingShape& a, const MovingShape& b, double cutoff, int threads) {
+  if (!is_finite(a.motion) || !is_finite(b.motion)) return {std::numeric_limits<double>::quiet_NaN()};
   const Instant now_a = at_time(a, 0), now_b = at_time(b, 0);
   const BaseFrames frames = base_frames(a, b, now_a, now_b);
   const auto descend = [&](const ConeTree& tree_a, const ConeTree& tree_b, int first_a, int first_b, int cut,
-                           Nearest& part) {
-    DistanceDescent tests(a, b, now_a, now_b, 4e-6 * frames.scale, first_a, first_b, part);
+                           BaseDistance& part) {
+    DistanceDescent tests(a, b, now_a, now_b, frames.scale, first_a, first_b, part);
     DualDescent<DistanceDescent>(tree_a, tree_b, frames.motion, tests).run(cut);
   };
-  double distance = cutoff;
-  for (const Nearest& part : over_base_trees<Nearest>(*a.shape, *b.shape, threads, {cutoff}, descend))
-    distance = std::min(distance, part.distance);
-  return distance;
+  BaseDistance out{cutoff};
+  for (const BaseDistance& part :
+       over_base_trees<BaseDistance>(*a.shape, *b.shape, threads, {cutoff}, descend)) {
+    if (part.distance < out.distance) out.distance = part.distance, out.place = part.place;
+    out.simplex_pairs += part.simplex_pairs;
+  }
+  return out;
+}
+
+double base_distance(const MovingShape& a, const MovingShape& b, double cutoff, int threads) {
+  return find_base_distance(a, b, cutoff, threads).distance;
 }
 
 }  // namespace aussois

@@ -34,7 +34,16 @@ struct Certificate {
 
 Certificate certify(const MovingShape& a, const MovingShape& b, double dt, const CertificateOptions& options);
 
-/// Smallest distance of the base complexes at s = 0 [m], if it is below `cutoff`; otherwise `cutoff`.
+struct BaseDistance {
+  double distance = kInf;     // [m]
+  long simplex_pairs = 0;     // looked at
+  Vec3 place = Vec3::Zero();  // where A is that near, world [m]; of no meaning at the cutoff
+};
+
+/// Smallest distance of the base complexes at s = 0 [m], if it is below `cutoff`; otherwise `cutoff`. What is
+/// surely farther apart than the smallest so far is not looked at: where surfaces conform, a cutoff near the
+/// distance saves most of the work.
+BaseDistance find_base_distance(const MovingShape& a, const MovingShape& b, double cutoff, int threads = 1);
 double base_distance(const MovingShape& a, const MovingShape& b, double cutoff, int threads = 1);
 
 }  // namespace aussois

@@ -56,7 +56,33 @@ void take(ClosestPoints& best, const ClosestPoints& other) {
   if (other.distance < best.distance) best = other;
 }
 
+struct Extent {
+  double lo = kInf, hi = -kInf;
+};
+Extent along(const Vec3& n, std::span<const Vec3> simplex) {
+  Extent out;
+  for (const Vec3& x : simplex) out.lo = std::min(out.lo, n.dot(x)), out.hi = std::max(out.hi, n.dot(x));
+  return out;
+}
+
+Vec3 mean(std::span<const Vec3> simplex) {
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3& x : simplex) sum += x;
+  return sum / double(simplex.size());
+}
+
 }  // namespace
+
+bool are_apart(std::span<const Vec3> a, std::span<const Vec3> b, double distance) {
+  const auto parts = [&](const Vec3& n) {
+    const Extent of_a = along(n, a), of_b = along(n, b);
+    return std::max(of_b.lo - of_a.hi, of_a.lo - of_b.hi) > distance * n.norm();
+  };
+  const auto plane_parts = [&](std::span<const Vec3> k) {
+    return k.size() == 3 && parts((k[1] - k[0]).cross(k[2] - k[0]));
+  };
+  return parts(mean(b) - mean(a)) || plane_parts(a) || plane_parts(b);
+}
 
 ClosestPoints closest_points(std::span<const Vec3> a, std::span<const Vec3> b) {
   const std::size_t n = a.size(), m = b.size();

@@ -16,7 +16,7 @@ constexpr int kMemory = 10;        // of Anderson's acceleration (AA-1)
 constexpr int kGuesses = 20;       // of which contacts are closed
 constexpr int kMostSweeps = 1000;  // on a dense matrix
 constexpr double kStill = 0.1;  // of the tolerance: a sweep that moves less than this of lambda is the last
-constexpr int kFewRows = 200;   // a dense factor of as many costs no more than some hundred sweeps
+constexpr int kFewRows = 320;   // a dense factor of as many costs no more than a hundred sweeps
 
 struct Named {
   FrictionReading reading;

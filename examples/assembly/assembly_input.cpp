@@ -29,7 +29,7 @@ void settle(AssemblyPart& part, const SimplicialComplex& complex, const RepairOp
   part.report = part.repair.after;
   std::istringstream lines(to_string(part.repair));
   for (std::string line; std::getline(lines, line);) part.notes.push_back(part.name + ": " + line);
-  if (!part.complex.solid)
+  if (!part.complex.solid && !part.complex.triangles.empty())
     part.notes.push_back(part.name +
                          ": used as sheets, both sides, because it is no solid: " + part.repair.reason);
 }
@@ -81,7 +81,9 @@ AssemblyPart read_part(const std::filesystem::path& path, double scale, const Re
 AssemblyInput read_assembly_files(const std::filesystem::path& fixed, const std::filesystem::path& moving,
                                   const std::filesystem::path& path, double scale) {
   AssemblyInput input{.name = moving.stem().string() + "_in_" + fixed.stem().string()};
-  input.poses = read_poses(path, scale).pose;
+  const PoseFile poses = read_poses(path, scale);
+  input.poses = poses.pose;
+  for (const int line : poses.line) input.place_of_pose.push_back(path.string() + ":" + std::to_string(line));
   input.fixed = read_part(fixed, scale);
   input.moving = read_part(moving, scale);
   if (input.moving.name == input.fixed.name) input.moving.name += "_moving";
@@ -116,11 +118,14 @@ AssemblyInput builtin_assembly(const std::string& name) {
   return input;
 }
 
-PartMass part_mass(const AssemblyPart& part, double density, double mass) {
+PartMass part_mass(const AssemblyPart& part, double dilation, double density, double mass) {
   PartMass out;
-  out.source = part.complex.solid ? "solid" : "convex hull";
-  out.properties = part.complex.solid ? mass_properties(part.complex, density)
-                                      : convex_hull_mass_properties(part.complex, density);
+  if (part.complex.solid)
+    out = {mass_properties(part.complex, density), "solid"};
+  else if (part.complex.triangles.empty())
+    out = {wire_mass_properties(part.complex, dilation, density), "balls and capsules"};
+  else
+    out = {convex_hull_mass_properties(part.complex, density), "convex hull"};
   if (mass > 0) {
     out.properties.inertia *= mass / out.properties.mass;
     out.properties.mass = mass;

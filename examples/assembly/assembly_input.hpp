@@ -23,12 +23,14 @@ struct AssemblyPart {
 struct AssemblyInput {
   std::string name{};
   AssemblyPart fixed{}, moving{};
-  std::vector<SE3> poses{};   // of the moving part's mesh in the frame of the fixed part's
-  std::string fingerprint{};  // of the content of all files, as text
+  std::vector<SE3> poses{};                  // of the moving part's mesh in the frame of the fixed part's
+  std::vector<std::string> place_of_pose{};  // "path.csv:12"; empty if they are of our own making
+  std::string fingerprint{};                 // of the content of all files, as text
 };
 
 /// Reads a mesh and repairs it (repair_mesh), with a note for each kind of repair. What is no solid then is
-/// used as two-sided sheets, with a note that says why. Errors as of read_mesh.
+/// used as two-sided sheets, with a note that says why; wires and points are what they are. Errors as of
+/// read_mesh.
 AssemblyPart read_part(const std::filesystem::path& path, double scale, const RepairOptions& options = {});
 
 /// DIR/assembly/pairs.csv names the meshes (DIR/meshes/NAME.obj) and the path (DIR/assembly/FILE). Throws
@@ -41,12 +43,12 @@ AssemblyInput read_assembly_files(const std::filesystem::path& fixed, const std:
 /// Shapes of our own: "bolt_nut", a nut unscrewed from its bolt by a turn and a half.
 AssemblyInput builtin_assembly(const std::string& name);
 
-/// Mass of a part: of its volume if it is a solid, otherwise of its convex hull; `mass` > 0 replaces the
-/// total [kg].
+/// Mass of a part: of its volume if it is a solid; of its balls and capsules (MASS-4) if it has no triangles;
+/// otherwise of its convex hull. `mass` > 0 replaces the total [kg].
 struct PartMass {
   MassProperties properties{};
-  std::string source{};  // "solid", "convex hull", with ", given mass" if it was
+  std::string source{};  // "solid", "balls and capsules", "convex hull", with ", given mass" if it was
 };
-PartMass part_mass(const AssemblyPart& part, double density, double mass);
+PartMass part_mass(const AssemblyPart& part, double dilation, double density, double mass);
 
 }  // namespace aussois

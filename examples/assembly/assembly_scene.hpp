@@ -11,17 +11,22 @@
 
 namespace aussois {
 
+/// Of the part's radius, beside the misalignment: a part that ends farther from the end of its path is stuck.
+inline constexpr double kArrival = 0.1;
+
 /// Zero means: derived from the parts and their path; what was chosen stands in AssemblyScene.
 struct AssemblyOptions {
-  double dilation = 0;         // of each part [m]; 0: three tenths of the smallest clearance along the path
-  double mu = 0.2;             // friction [-]
-  double restitution = 0;      // [-]
-  double density = 7850;       // steel [kg/m^3]
-  double mass = 0;             // of the moving part [kg]; 0: from density and volume
-  double speed = 0.05;         // of the farthest point of the moving part along the path [m/s]
-  double stride = 4;           // largest motion per step, in sums of the dilations [-]
-  double h = 0;                // largest step [s]; 0: from stride and speed
-  double frequency = 20;       // of the part on its coupling alone [Hz]
+  double dilation = 0;     // of each part [m]; 0: three tenths of the smallest clearance along the path
+  double mu = 0.2;         // friction [-]
+  double restitution = 0;  // [-]
+  double density = 7850;   // steel [kg/m^3]
+  double mass = 0;         // of the moving part [kg]; 0: from density and volume
+  double speed = 0.05;     // of the farthest point of the moving part along the path [m/s]
+  double stride = 4;       // largest motion per step, in sums of the dilations [-]
+  double h = 0;            // largest step [s]; 0: from stride and speed
+  // Of the part on its coupling alone [Hz]; 0: 20, or more if its weight would pull it more than half of what
+  // counts as arrived off its path (VC-7)
+  double frequency = 0;
   double damping_ratio = 1;    // of the coupling [-]
   double force_limit = kInf;   // [N]
   double torque_limit = kInf;  // [N m]
@@ -40,18 +45,21 @@ struct AssemblyScene {
   Trajectory target{};        // what the coupling pulls towards: the path, misaligned
   std::vector<SE3> poses{};   // the recorded poses, of that frame
   VirtualCouplingOptions coupling{};
-  double radius = 0;     // of the moving part about its centre of mass [m]
-  double clearance = 0;  // smallest distance of the base complexes at the recorded poses [m]
-  double dilation = 0;   // of each part [m]
-  double h = 0;          // largest step [s]
+  double frequency = 0;     // of the part on its coupling [Hz]
+  double sag = 0;           // how far its weight pulls it off its path where it hangs free (VC-7) [m]
+  double radius = 0;        // of the moving part about its centre of mass [m]
+  double clearance = 0;     // smallest distance of the base complexes at the recorded poses [m]
+  double misalignment = 0;  // of the coupling's target [m]
+  double dilation = 0;      // of each part [m]
+  double h = 0;             // largest step [s]
   std::string mass_source{};
   // A line per shape on what the cache did, and what it could not use or write; empty without a cache
   std::vector<std::string> cache{}, cache_warnings{};
 };
 
-/// `progress(i, n)` is called while the clearance is measured. Throws std::invalid_argument if a recorded
-/// pose has the parts in contact or one inside the other (naming the pose), if the dilations do not fit the
-/// clearance, or for an option out of range.
+/// `progress(i, n)` is called while the clearance is measured. Throws std::runtime_error if recorded poses
+/// have the parts in contact or one inside the other (naming line and place of the first, and how many more),
+/// std::invalid_argument if the dilations do not fit the clearance, or for an option out of range.
 AssemblyScene make_assembly_scene(const AssemblyInput& input, const AssemblyOptions& options, int threads,
                                   const std::function<void(int, int)>& progress = {});
 

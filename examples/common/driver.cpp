@@ -271,6 +271,13 @@ bool interrupted() {
   return stop_requested != 0;
 }
 
+std::string gap_text(double smallest_gap) {
+  if (smallest_gap == std::numeric_limits<double>::infinity()) return "no contact";
+  char text[48];
+  std::snprintf(text, sizeof text, "smallest gap %.4g um", 1e6 * smallest_gap);
+  return text;
+}
+
 std::string command_line(int argc, const char* const* argv) {
   std::string line;
   for (int i = 0; i < argc; ++i) {

@@ -32,7 +32,7 @@ enum class ExitCode : int {
   ok = 0,
   not_accepted = 1,   // it ran, but an acceptance failed: not converged, penetration, energy gain
   usage = 2,          // the command line, or a value in it or in an input
-  missing = 3,        // a file or a dependency is missing, unreadable, or cannot be written
+  missing = 3,        // a file or a dependency is missing, unreadable, does not fit, or cannot be written
   numerical = 4,      // not a number, singular, out of memory, our own mistake
   interrupted = 130,  // SIGINT or SIGTERM, after a checkpoint
 };
@@ -127,6 +127,9 @@ void make_folders(const CommonOptions& options);
 
 /// True since SIGINT or SIGTERM: write a checkpoint and return ExitCode::interrupted. A second signal kills.
 bool interrupted();
+
+/// "smallest gap 12.3 um"; "no contact" if there was none [m].
+std::string gap_text(double smallest_gap);
 
 /// The command line as one would type it again.
 std::string command_line(int argc, const char* const* argv);

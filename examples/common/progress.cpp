@@ -45,16 +45,21 @@ std::string Progress::line(double done, double elapsed, std::string_view note) c
   return text;
 }
 
+bool Progress::due_in_log(double done, double elapsed) {
+  const bool any = next_ > kFirstLine;
+  if (done >= total_) return any;
+  if (elapsed < next_) return false;
+  next_ = 2 * elapsed;
+  return true;
+}
+
 void Progress::at(double done, std::string_view note) {
   if (style_ == Style::none) return;
   const Clock::time_point now = Clock::now();
   const double elapsed = std::chrono::duration<double>(now - start_).count();
   const bool complete = done >= total_;
   if (style_ == Style::log) {
-    const int tenths = int(std::floor(10 * std::clamp(done / total_, 0.0, 1.0) + 1e-9));
-    if (tenths <= tenths_) return;
-    tenths_ = tenths;
-    std::fprintf(stderr, "%s\n", line(done, elapsed, note).c_str());
+    if (due_in_log(done, elapsed)) std::fprintf(stderr, "%s\n", line(done, elapsed, note).c_str());
     return;
   }
   if (!complete && now - shown_ < std::chrono::milliseconds(100)) return;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How far a run has come, on stderr: a line that is rewritten at most ten times a second on a terminal, with
-// the time left; elsewhere (a log file) a line every ten percent.
+// the time left; elsewhere (a log file) a line after 10 s, and one each time the run has doubled.
 #pragma once
 
 #include <chrono>
@@ -27,15 +27,18 @@ class Progress {
   void at(double done, std::string_view note = {});
   /// The line for `done` after `elapsed` seconds, without line end: "drop_part  42 %  1 min 03 s left  note".
   std::string line(double done, double elapsed, std::string_view note) const;
+  /// Does a log get a line after `elapsed` seconds? Nothing of what is done before the first is due.
+  bool due_in_log(double done, double elapsed);
 
  private:
+  static constexpr double kFirstLine = 10;  // in a log [s]
   using Clock = std::chrono::steady_clock;
   std::string what_{};
   double total_ = 1;
   Style style_ = Style::none;
   Clock::time_point start_ = Clock::now(), shown_{};
-  int tenths_ = 0;         // the last tenth that the log has seen
-  std::size_t width_ = 0;  // of the line on the terminal
+  double next_ = kFirstLine;  // line of a log [s]
+  std::size_t width_ = 0;     // of the line on the terminal
 };
 
 }  // namespace aussois

@@ -3,6 +3,7 @@
 (2 usage, 3 files); and without a trace in the folder."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -25,9 +26,10 @@ class BadInput(DriverTest):
         for word in words:
             self.assertIn(word, run.stderr)
         self.assertEqual(self.files(), before)
+        return run
 
     def refused_replay(self, code, words, *arguments):
-        self.refused(code, words, "replay_assembly", *arguments)
+        return self.refused(code, words, "replay_assembly", *arguments)
 
     def changed(self, name, old, new):
         """A copy of one of our own input files with `old`, which stands there once, replaced."""
@@ -79,7 +81,20 @@ class BadInput(DriverTest):
 
     def test_path_through_the_partner(self):
         path = self.changed("peg_out.csv", "0,0,0,0.5,1,0,0,0", "0,3,0,0.5,1,0,0,0")
-        self.refused_replay(USAGE, ["pose 0 of the path", "in contact"], *self.with_peg("--path", path))
+        line = path.read_text().splitlines().index("0,3,0,0.5,1,0,0,0") + 1
+        run = self.refused_replay(FILES, [f"{path}:{line}: pose 0 of the path: peg and socket are in contact at ("],
+                                  *self.with_peg("--path", path))
+        self.assertNotIn("more", run.stderr)
+        place = [float(x) for x in re.search(r"at \((.*)\) m", run.stderr)[1].split(",")]
+        self.assertTrue(5e-3 <= place[0] <= 8e-3 + 1e-9, place)  # the peg pushed 3 mm into the wall x > 5 mm
+
+    def test_path_with_several_poses_through_the_partner(self):
+        rows = (PARTS / "peg_out.csv").read_text().splitlines()
+        path = self.folder / "path.csv"
+        start = rows.index("0,0,0,0.5,1,0,0,0")
+        path.write_text("\n".join(rows[:start] + ["0,3,0,0.5,1,0,0,0"] * 5 + rows[start:]) + "\n")
+        self.refused_replay(FILES, [f"{path}:{start + 1}: ", f"; wrong as well are 4 more of the {len(rows) - start + 5} poses"],
+                            *self.with_peg("--path", path))
 
     def test_part_inside_the_partner(self):
         """In the wall of the socket no face would see it; in the hole it is where it belongs. A lump of two counts."""
@@ -87,14 +102,14 @@ class BadInput(DriverTest):
         (self.folder / "path.csv").write_text("x,y,z,qw,qx,qy,qz\n10,0,10,1,0,0,0\n10,1,10,1,0,0,0\n")
         files = ("--fixed", PARTS / "socket.obj", "--moving", "cube.obj", "--path", "path.csv", "--quiet")
         for mode in ("dynamic", "kinematic"):
-            self.refused_replay(USAGE, ["pose 0 of the path: cube lies inside the solid of socket"], *files, "--mode", mode)
+            self.refused_replay(FILES, ["pose 0 of the path: cube lies inside the solid of socket"], *files, "--mode", mode)
         (self.folder / "path.csv").write_text("x,y,z,qw,qx,qy,qz\n0,0,10,1,0,0,0\n10,0,10,1,0,0,0\n")
-        self.refused_replay(USAGE, ["pose 1 of the path: cube lies inside"], *files)
+        self.refused_replay(FILES, ["pose 1 of the path: cube lies inside"], *files)
         lines = box_obj(4).splitlines()
         beside = [f"v {float(x) + 30} {y} {z}" for _, x, y, z in map(str.split, lines[:8])]
         faces = ["f " + " ".join(str(int(v) + 8) for v in line.split()[1:]) for line in lines[8:]]
         (self.folder / "cube.obj").write_text("\n".join(lines + beside + faces) + "\n")
-        self.refused_replay(USAGE, ["pose 1 of the path: 1 of 2 pieces of cube lie inside the solid of socket, one at"],
+        self.refused_replay(FILES, ["pose 1 of the path: 1 of 2 pieces of cube lie inside the solid of socket, one at"],
                             *files)
 
     def test_every_broken_mesh_of_ours(self):
@@ -134,8 +149,9 @@ class BadInput(DriverTest):
             self.refused(USAGE, ["--dilation", "-1e-5", "must be in ["], driver, "--dilation", "-1e-5")
 
     def test_dilation_that_does_not_fit(self):
-        self.refused_replay(USAGE, ["--dilation = 0.001", "half of the smallest clearance"],
-                            *self.with_peg("--dilation", "1e-3"))
+        run = self.refused_replay(USAGE, [], *self.with_peg("--dilation", "6e-4"))
+        self.assertRegex(run.stderr, r"--dilation = 0\.0006 m must be less than half of the smallest clearance, "
+                                     r"2\.\d{1,5}e-05 m$")
 
     def test_number_that_is_none(self):
         self.refused_replay(USAGE, ["--mu", "'nan' is not a number"], "--mu", "nan")

@@ -41,7 +41,7 @@ TEST(OpenMesh, BecomesAPartOfSheetsWithTheMassOfItsHull) {
   EXPECT_FALSE(open.complex.solid);
   ASSERT_EQ(open.notes.size(), 1U);
   EXPECT_NE(open.notes[0].find("3 border edges"), std::string::npos) << open.notes[0];
-  const PartMass solid = part_mass(whole, 7850, 0), hull = part_mass(open, 7850, 0);
+  const PartMass solid = part_mass(whole, 0, 7850, 0), hull = part_mass(open, 0, 7850, 0);
   EXPECT_EQ(solid.source, "solid");
   EXPECT_EQ(hull.source, "convex hull");
   EXPECT_NEAR(hull.properties.mass, solid.properties.mass, 1e-12 * solid.properties.mass);  // convex anyway

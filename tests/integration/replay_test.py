@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The main job: replays end at the end of their path, without a refused step, a failed solve or an overlap."""
 
+import math
 import sys
 import unittest
 from pathlib import Path
@@ -22,7 +23,7 @@ class Replay(DriverTest):
         self.assertEqual(len(numbers["t"]), summary["steps"])
         self.assertGreater(summary["min_base_distance"], 0)
         self.assertGreater(min(numbers["min_base_distance"]), 0)
-        allowed = -0.05 * 2 * summary["dilation"]
+        allowed = -(0.04 + 2e-3) * 2 * summary["dilation"]  # (CA-6), and what planes are off by (LMD-14)
         self.assertGreaterEqual(summary["min_gap"], allowed)
         self.assertGreaterEqual(min(numbers["min_gap"]), allowed)
         self.assertLessEqual(2 * summary["dilation"], 2 / 3 * summary["clearance"] * (1 + 1e-12))
@@ -57,6 +58,45 @@ class Replay(DriverTest):
     def test_factory_m16_loose(self):
         self.ends_well_on("factory_m16_loose")
 
+    def test_a_small_part_arrives_by_default(self):
+        """A tenth of the peg hangs free at the end: at 20 Hz its weight pulls it g / omega^2 = 0.62 mm off."""
+        small = (*PEG, "--scale", "1e-4")
+        self.ends_well(*small)
+        summary = self.summary("out")
+        self.assertGreater(summary["frequency"], 20)
+        self.assertAlmostEqual(summary["sag"], 9.803407 / (2 * math.pi * summary["frequency"]) ** 2, 9)
+        run = self.replay("soft", *small, "--frequency", "20", code=1)
+        self.assertRegex(run.stderr, r"the part did not arrive: .* its weight of \S+ N alone makes it hang up to "
+                                     r"0\.6208 mm off the path \(--frequency = 20 Hz\)")
+
+    def test_a_part_of_centimetres_keeps_its_coupling(self):
+        self.replay("out", *PEG, "--mode", "kinematic")
+        self.assertEqual(self.summary("out")["frequency"], 20)
+
+    def test_the_number_of_steps_is_told_before_the_first(self):
+        run = self.drive("replay_assembly", *PEG, "-o", "out", "--summary", "out/summary.json")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        told = run.stdout.index(" steps to take")
+        self.assertLess(told, run.stdout.index("smallest gap"))
+        taken = self.summary("out")["steps"]
+        self.assertEqual(int(run.stdout[:told].split()[-1]), taken)  # none is cut
+        self.assertEqual(run.stderr, "")  # no terminal, and done within ten seconds
+
+    def test_wires_and_points_are_parts(self):
+        """They touch nothing where they hang in the socket: a zigzag of two edges and a ball, whose mass is by hand."""
+        (self.folder / "wire.obj").write_text("v 0 0 5\nv 1 0 8\nv 1 1 9\nl 1 2 3\n")
+        (self.folder / "point.obj").write_text("v 0 0 10\np 1\n")
+        (self.folder / "path.csv").write_text("x,y,z,qw,qx,qy,qz\n0,0,0,1,0,0,0\n0,0,1,1,0,0,0\n")
+        for name in ("wire", "point"):
+            run = self.drive("replay_assembly", "--fixed", PEG[1], "--moving", f"{name}.obj", "--path", "path.csv", "--dilation",
+                             "1e-4", "--threshold", "1e-4", "--mode", "kinematic", "-o", "out", "--summary", "out/summary.json")
+            self.assertEqual(run.returncode, 0, run.stderr)
+            self.assertIn("2 poses, no contact", run.stdout)
+            self.assertNotIn("sheets", run.stderr)
+        summary = self.summary("out")
+        self.assertEqual(summary["mass_source"], "balls and capsules")
+        self.assertAlmostEqual(summary["mass"], 7850 * 4 / 3 * math.pi * 1e-12, 18)
+
     def test_kinematic_gaps_are_the_clearances_of_the_recorded_poses(self):
         """At a recorded pose the smallest gap is the distance of the base complexes less the two dilations."""
         self.replay("out", *PEG, "--mode", "kinematic")
@@ -68,6 +108,7 @@ class Replay(DriverTest):
                 near += 1
         self.assertGreater(near, 10)
         self.assertAlmostEqual(summary["min_base_distance"], summary["clearance"], 12)
+        self.assertGreater(summary["cpu_s"], 1.1e-3 * sum(map(float, poses["ms_query"])))  # queries are not all
 
     def test_a_cache_changes_nothing_but_what_the_summary_says_of_it(self):
         runs = []

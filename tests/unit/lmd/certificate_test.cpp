@@ -70,6 +70,57 @@ TEST(MotionBound, HoldsAtAllTimes) {
   }
 }
 
+// All pairs of simplices, each with closest_points.
+double distance_of_all_pairs(const LmdShape& a, const SE3& g, const LmdShape& b) {
+  double least = kInf;
+  const auto place = [](const LmdShape& shape, const std::array<int, 3>& triangle, const SE3& at) {
+    std::vector<Vec3> out;
+    for (const int v : triangle) out.push_back(at * shape.complex.vertices[std::size_t(v)]);
+    return out;
+  };
+  for (const auto& p : a.complex.triangles)
+    for (const auto& q : b.complex.triangles)
+      least = std::min(least, closest_points(place(a, p, g), place(b, q, {})).distance);
+  return least;
+}
+
+TEST(AreApart, IsNeverSaidOfWhatIsNear) {
+  Random random(21);
+  int said = 0, apart = 0;
+  for (int sample = 0; sample < 20000; ++sample) {
+    std::vector<Vec3> a, b;
+    const int n = 1 + random.index(3), m = 1 + random.index(3);
+    const Vec3 shift = random.vector(3), far_off = random.vector(1e3);
+    for (int i = 0; i < n; ++i) a.push_back(far_off + random.vector());
+    for (int i = 0; i < m; ++i) b.push_back(far_off + random.vector() + shift);
+    const double distance = closest_points(a, b).distance;
+    EXPECT_FALSE(are_apart(a, b, distance + 1e-11)) << sample;
+    said += are_apart(a, b, 0.9 * distance);
+    apart += distance > 0;
+  }
+  EXPECT_GT(said, apart / 2);  // it would be of no use otherwise
+}
+
+// A ball in a hollow ball, turned a little: all of their triangles are nearly as far apart.
+TEST(BaseDistance, OfConformingSurfacesLooksAtFewPairsAndIsThatOfAllPairs) {
+  SimplicialComplex hollow = make_sphere(0.0102, 3);
+  for (auto& triangle : hollow.triangles) std::swap(triangle[1], triangle[2]);
+  const LmdShape ball = prepare({.complex = make_sphere(0.01, 3)}),
+                 shell = prepare({.complex = make_complex(hollow.vertices, hollow.triangles)});
+  Random random(22);
+  for (int sample = 0; sample < 3; ++sample) {
+    const SE3 g{exp_so3(random.vector(1)), random.vector(2e-5)};
+    const double expected = distance_of_all_pairs(ball, g, shell);
+    const MovingShape a{&ball, {}, {.g = g}}, b{&shell, {}, {}};
+    const BaseDistance wide = find_base_distance(a, b, 1), tight = find_base_distance(a, b, 1.001 * expected);
+    EXPECT_NEAR(wide.distance, expected, 1e-16);  // rounding of coordinates of a centimetre
+    EXPECT_EQ(tight.distance, wide.distance);
+    const long facing = long(ball.complex.triangles.size());  // each has one across the gap, or more
+    EXPECT_LT(wide.simplex_pairs, facing);
+    EXPECT_LT(tight.simplex_pairs, facing / 50);
+  }
+}
+
 // A point across the axis whose chord lies along v; seen from a body at rest both bounds are reached.
 TEST(MotionBound, IsAttained) {
   const double dt = 1e-3, radius = 0.3;

@@ -109,6 +109,22 @@ TEST(ReducerTable, T_3_1_LeastAreaRemovedToSix) {
   expect_row([](const PlanarPatch& p) { return hull_area_loss(p, 6); }, {.80, .75, 6}, {1, 1, 4}, {1, 1, 4},
              {.98, .93, 6}, {1, 1, 5});
 }
+// Which of the equal ones goes first decides: corners off by 1e-12 reach the prototype's figures as well.
+TEST(ReducerTable, T_3_1_OnADiscEqualTrianglesReachTheFiguresOfThePrototype) {
+  for (const auto& [corners, ours, prototypes] : {std::tuple{4, 0.44, 0.50}, std::tuple{6, 0.75, 0.80}}) {
+    double least = 1, most = 0;
+    Random random(31);
+    for (int trial = 0; trial < 2000; ++trial) {
+      std::vector<Vec2> points = ring(48);
+      for (Vec2& x : points) x *= 1 + 1e-12 * random.uniform(-1, 1);
+      const double margin =
+          figures([&](const PlanarPatch& p) { return least_area_removed(p, corners); }, points).margin;
+      least = std::min(least, margin), most = std::max(most, margin);
+    }
+    EXPECT_LE(least, ours + 0.02) << corners;
+    EXPECT_GE(most, prototypes - 0.02) << corners;
+  }
+}
 // The prototype took corners away one by one and came to A .89, m .87 on the disc; the bound is .900 and
 // .924.
 TEST(ReducerTable, T_3_1_BestMarginOfEight) {
