@@ -80,6 +80,7 @@ void write_dynamics_json(const std::filesystem::path& path, const std::vector<Sc
     Json of{{"scene", scene.of.scene},
             {"h", scene.of.h},
             {"t_end", scene.t_end},
+            {"t_timed", scene.t_timed},
             {"error_is_of", what_of(scene.of)},
             {"engines", Json::object()}};
     for (const EngineCost& e : scene.engines)

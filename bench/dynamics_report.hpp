@@ -16,7 +16,8 @@ std::vector<Verdict> dynamics_verdicts(const std::vector<SceneCost>& scenes);
 std::string dynamics_table_head();
 std::string lines_of(const SceneCost& scene);  // a line per engine
 
-/// {"scenes": [{"scene", "h", "t_end", "engines": {"aussois": {"error", "fall_time", "us", "ratio", ...},
+/// {"scenes": [{"scene", "h", "t_end", "t_timed", "engines": {"aussois": {"error", "fall_time", "us",
+/// "ratio", ...},
 /// ...}}], "summary": {...}}; what is not is null. `ratio`: of the time, to Bullet's.
 void write_dynamics_json(const std::filesystem::path& path, const std::vector<SceneCost>& scenes);
 

@@ -43,9 +43,12 @@ struct World {
   std::vector<std::unique_ptr<btRigidBody>> bodies{};
   std::vector<Vec3> force{};
   btDiscreteDynamicsWorld dynamics{&dispatcher, &broad_phase, &solver, &configuration};
-  double h = 0, t = 0;
+  int steps = 1;
+  double h = 0, t = 0;  // of one of its own steps
 
-  World(const PeerScene& scene, double step) : h(step) {
+  World(const PeerScene& scene, double step, const PeerTuning& tuning)
+      : steps(tuning.steps), h(step / tuning.steps) {
+    dynamics.getSolverInfo().m_numIterations *= tuning.iterations;
     gCalculateCombinedFrictionCallback = smaller_friction;
     dynamics.setGravity(to_bullet(scene.gravity));
     for (const PeerShape& shape : scene.shapes) shapes.push_back(make_shape(shape));
@@ -73,6 +76,9 @@ struct World {
   World& operator=(const World&) = delete;
 
   void advance() {
+    for (int k = 0; k < steps; ++k) advance_once();
+  }
+  void advance_once() {
     for (std::size_t b = 0; b < bodies.size(); ++b)
       if (!force[b].isZero(0)) bodies[b]->applyCentralForce(to_bullet(force[b]));
     dynamics.stepSimulation(h, 0);
@@ -92,9 +98,10 @@ struct World {
 
 }  // namespace
 
-PeerEngine bullet_engine() {
-  return {"bullet", [](const PeerScene& scene, double h) -> std::optional<EngineRun> {
-            const auto world = std::make_shared<World>(scene, h);
+PeerEngine bullet_engine(const PeerTuning& tuning) {
+  return {peer_name("bullet", tuning),
+          [tuning](const PeerScene& scene, double h) -> std::optional<EngineRun> {
+            const auto world = std::make_shared<World>(scene, h, tuning);
             return EngineRun{[world] { world->advance(); }, [world] { return world->look(); }};
           }};
 }

@@ -31,17 +31,24 @@ PeerEngine aussois_engine() {
           }};
 }
 
+std::string peer_name(const char* name, const PeerTuning& tuning) {
+  return std::string(name) + (tuning.steps > 1 || tuning.iterations > 1 ? "+" : "");
+}
+
 std::vector<PeerEngine> engines() {
   std::vector<PeerEngine> out{aussois_engine()};
+  for (const PeerTuning& tuning : {PeerTuning{}, kTuned}) {
 #ifdef AUSSOIS_BENCH_BULLET
-  out.push_back(bullet_engine());
+    out.push_back(bullet_engine(tuning));
 #endif
 #ifdef AUSSOIS_BENCH_ODE
-  out.push_back(ode_engine());
+    out.push_back(ode_engine(tuning));
 #endif
 #ifdef AUSSOIS_BENCH_MUJOCO
-  out.push_back(mujoco_engine());
+    out.push_back(mujoco_engine(tuning));
 #endif
+    (void)tuning;  // no peer may be there
+  }
   return out;
 }
 

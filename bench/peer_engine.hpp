@@ -22,13 +22,24 @@ struct PeerEngine {
   std::function<std::optional<EngineRun>(const PeerScene&, double h)> start{};
 };
 
-// All of them with their defaults, sleeping off, double precision.
-PeerEngine aussois_engine();
-PeerEngine bullet_engine();  // sequential impulses, 10 sweeps; hulls moved in by the margin
-PeerEngine ode_engine();  // QuickStep, 20 sweeps, friction pyramid; no hulls: its collider aborts on arches
-PeerEngine mujoco_engine();  // Newton, elliptic cones; restitution by a spring of ten steps contact time
+/// A peer with its defaults, or as a user who wants accuracy would set it.
+struct PeerTuning {
+  int steps = 1;       // of its own in each step that it is asked for
+  int iterations = 1;  // of its solver, times its default
+};
+inline constexpr PeerTuning kTuned{.steps = 10, .iterations = 10};
 
-/// Ours first, then the peers that were there when this was configured.
+// All of them without sleeping, in double precision; tuned ones are called NAME+.
+PeerEngine aussois_engine();
+PeerEngine bullet_engine(const PeerTuning& tuning = {});  // sequential impulses, 10 sweeps; hulls moved in by
+                                                          // the margin
+PeerEngine ode_engine(const PeerTuning& tuning = {});     // QuickStep, 20 sweeps, friction pyramid; no hulls:
+                                                       // its collider aborts on arches
+PeerEngine mujoco_engine(const PeerTuning& tuning = {});  // Newton, 100 iterations at most, elliptic cones;
+                                                          // restitution by a spring of ten steps contact time
+std::string peer_name(const char* name, const PeerTuning& tuning);
+
+/// Ours first, then the peers that were there when this was configured, each with its defaults and tuned.
 std::vector<PeerEngine> engines();
 
 }  // namespace aussois

@@ -83,8 +83,10 @@ struct World {
   std::vector<SE3> start{};
   std::vector<char> fixed{};
 
-  World(const PeerScene& scene, double h) {
-    const std::string text = model_of(scene, h);
+  int steps = 1;
+
+  World(const PeerScene& scene, double h, const PeerTuning& tuning) : steps(tuning.steps) {
+    const std::string text = model_of(scene, h / tuning.steps);
     mjVFS files;
     mj_defaultVFS(&files);
     mj_makeEmptyFileVFS(&files, "scene.xml", int(text.size()));
@@ -93,6 +95,8 @@ struct World {
     model = mj_loadXML("scene.xml", &files, error, sizeof error);
     mj_deleteVFS(&files);
     if (!model) throw std::runtime_error(std::string("MuJoCo: ") + error);
+    model->opt.iterations *= tuning.iterations;
+    if (tuning.iterations > 1) model->opt.tolerance = 0;  // its default, 1e-8, ends most solves before
     data = mj_makeData(model);
     for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
       start.push_back(scene.bodies[b].g);
@@ -107,7 +111,9 @@ struct World {
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
-  void advance() { mj_step(model, data); }
+  void advance() {
+    for (int k = 0; k < steps; ++k) mj_step(model, data);
+  }
   PeerSample look() const {
     PeerSample out{.t = data->time, .g = start, .v = std::vector<Vec3>(start.size(), Vec3::Zero())};
     const mjtNum *q = data->qpos, *v = data->qvel;
@@ -124,9 +130,10 @@ struct World {
 
 }  // namespace
 
-PeerEngine mujoco_engine() {
-  return {"mujoco", [](const PeerScene& scene, double h) -> std::optional<EngineRun> {
-            const auto world = std::make_shared<World>(scene, h);
+PeerEngine mujoco_engine(const PeerTuning& tuning) {
+  return {peer_name("mujoco", tuning),
+          [tuning](const PeerScene& scene, double h) -> std::optional<EngineRun> {
+            const auto world = std::make_shared<World>(scene, h, tuning);
             return EngineRun{[world] { world->advance(); }, [world] { return world->look(); }};
           }};
 }

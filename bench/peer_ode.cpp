@@ -18,11 +18,14 @@ struct World {
   std::vector<double> mu{};
   std::vector<Vec3> force{};
   std::vector<SE3> start{};
-  double restitution = 0, h = 0, t = 0;
+  int steps = 1;
+  double restitution = 0, h = 0, t = 0;  // h of one of its own steps
 
-  World(const PeerScene& scene, double step) : restitution(scene.restitution), h(step) {
+  World(const PeerScene& scene, double step, const PeerTuning& tuning)
+      : steps(tuning.steps), restitution(scene.restitution), h(step / tuning.steps) {
     dInitODE2(0);
     world = dWorldCreate();
+    dWorldSetQuickStepNumIterations(world, tuning.iterations * dWorldGetQuickStepNumIterations(world));
     space = dHashSpaceCreate(nullptr);
     contacts = dJointGroupCreate(0);
     dWorldSetGravity(world, scene.gravity.x(), scene.gravity.y(), scene.gravity.z());
@@ -77,6 +80,9 @@ struct World {
   }
 
   void advance() {
+    for (int k = 0; k < steps; ++k) advance_once();
+  }
+  void advance_once() {
     dSpaceCollide(space, this, &near);
     for (std::size_t b = 0; b < bodies.size(); ++b)
       if (!force[b].isZero(0)) dBodyAddForce(bodies[b], force[b].x(), force[b].y(), force[b].z());
@@ -100,11 +106,11 @@ struct World {
 
 }  // namespace
 
-PeerEngine ode_engine() {
-  return {"ode", [](const PeerScene& scene, double h) -> std::optional<EngineRun> {
+PeerEngine ode_engine(const PeerTuning& tuning) {
+  return {peer_name("ode", tuning), [tuning](const PeerScene& scene, double h) -> std::optional<EngineRun> {
             for (const PeerShape& shape : scene.shapes)
               if (shape.kind == PeerShapeKind::prism) return std::nullopt;
-            const auto world = std::make_shared<World>(scene, h);
+            const auto world = std::make_shared<World>(scene, h, tuning);
             return EngineRun{[world] { world->advance(); }, [world] { return world->look(); }};
           }};
 }

@@ -22,7 +22,7 @@ using namespace aussois;
 namespace {
 
 struct Arguments {
-  std::filesystem::path data{}, json{};
+  std::filesystem::path data{}, test{}, json{};
   int synthetic = 0;
   std::uint64_t seed = 1;
   double noise = 5e-4;
@@ -113,10 +113,17 @@ ExitCode finish(const Arguments& a, Summary& summary, const std::vector<Toss>& t
   return failures == 0 ? ExitCode::ok : ExitCode::not_accepted;
 }
 
+std::vector<Toss> read_scaled(const std::filesystem::path& folder, double scale) {
+  std::vector<Toss> tosses = read_tosses(folder);
+  for (Toss& toss : tosses) toss = scaled(std::move(toss), scale);
+  return tosses;
+}
+
 ExitCode fit_and_report(const Arguments& a, const std::vector<Toss>& tosses) {
   require(tosses.size() >= 2, "--fit needs two tosses or more");
-  const std::vector<Toss> seen = every_second(tosses, a.swap ? 1 : 0),
-                          unseen = every_second(tosses, a.swap ? 0 : 1);
+  const std::vector<Toss> seen = a.test.empty() ? every_second(tosses, a.swap ? 1 : 0) : tosses,
+                          unseen = a.test.empty() ? every_second(tosses, a.swap ? 0 : 1)
+                                                  : read_scaled(a.test, a.scale);
   TossWorld world = a.world;
   if (a.measure_board) world.board = board_of(seen);
   TossFit found;
@@ -133,7 +140,8 @@ ExitCode fit_and_report(const Arguments& a, const std::vector<Toss>& tosses) {
   if (interrupted()) return ExitCode::interrupted;
   world.mu = found.mu;
   world.restitution = found.restitution;
-  Progress progress("cube_toss", double(tosses.size()), Progress::style_of_stderr(a.common.quiet));
+  Progress progress("cube_toss", double(seen.size() + unseen.size()),
+                    Progress::style_of_stderr(a.common.quiet));
   const std::vector<TossRun> runs_seen = roll_out_all(seen, world, a.common.threads, progress);
   const std::vector<TossRun> runs = roll_out_all(unseen, world, a.common.threads, progress);
   if (interrupted()) return ExitCode::interrupted;
@@ -144,7 +152,8 @@ ExitCode fit_and_report(const Arguments& a, const std::vector<Toss>& tosses) {
   tell("seen", runs_seen);
   tell("unseen", runs);
   Summary summary;
-  summary.set("tosses", std::int64_t(tosses.size()));
+  summary.set("tosses", std::int64_t(seen.size() + unseen.size()));
+  summary.set("unseen", std::int64_t(unseen.size()));
   summary.set("mu", found.mu);
   summary.set("restitution", found.restitution);
   summary.set("board_m", world.board);
@@ -158,14 +167,18 @@ ExitCode fit_and_report(const Arguments& a, const std::vector<Toss>& tosses) {
 
 ExitCode run(Arguments& a) {
   require(a.data.empty() != (a.synthetic == 0), "one of --data and --synthetic must be given");
+  require(a.fit || (!a.swap && !a.measure_board && a.test.empty()),
+          "--swap, --measure-board and --test belong to --fit");
+  require(a.test.empty() || !a.swap, "--swap and --test exclude each other: all of --data is seen");
   a.world.scheme = a.scheme.scheme;
   a.world.options = scheme_options(a.scheme);
   a.world.options.solver.tolerance = a.tolerance;
   if (a.persistence == "off") a.world.options.persistence.matching = Matching::none;
   make_folders(a.common);
   if (a.json.has_parent_path()) std::filesystem::create_directories(a.json.parent_path());
-  std::vector<Toss> tosses = a.synthetic > 0 ? synthetic_tosses(a) : read_tosses(a.data);
-  for (Toss& toss : tosses) toss = scaled(std::move(toss), a.scale);
+  std::vector<Toss> tosses = a.synthetic > 0 ? synthetic_tosses(a) : read_scaled(a.data, a.scale);
+  if (a.synthetic > 0)
+    for (Toss& toss : tosses) toss = scaled(std::move(toss), a.scale);
   if (a.fit) return fit_and_report(a, tosses);
   Progress progress("cube_toss", double(tosses.size()), Progress::style_of_stderr(a.common.quiet));
   const std::clock_t begin = std::clock();
@@ -180,6 +193,10 @@ ExitCode run(Arguments& a) {
   summary.set("substeps", a.world.substeps);
   summary.set("scheme", label(a.world.scheme, a.world.options));
   summary.set("reducer", a.scheme.reducer);
+  summary.set("cut", a.world.cut);
+  std::int64_t reduced = 0;
+  for (const TossRun& r : runs) reduced += r.reduced_steps;
+  summary.set("reduced_steps", reduced);
   summary.set("scale", a.scale);
   set_errors(summary, "", statistics_of(runs));
   summary.set("cpu_s", double(std::clock() - begin) / CLOCKS_PER_SEC);
@@ -211,6 +228,8 @@ int main(int argc, char** argv) {
   cli.flag("--fit", a.fit, "identify friction and restitution on every second toss, report the others");
   cli.flag("--measure-board", a.measure_board, "with --fit: the board is where the seen tosses came to rest");
   cli.flag("--swap", a.swap, "with --fit: identify on the others");
+  cli.input("--test", a.test, "with --fit: identify on all tosses of --data, report those of this folder");
+  cli.option("--cut", a.world.cut, "cut off the corners of the cube, so far along its edges", "m", {0, 0.05});
   cli.group("stepping");
   cli.option("--substeps", a.world.substeps, "steps per recorded row", "", {1, 1000});
   cli.option("--tolerance", a.tolerance, "of the solver, on the scaled residual", "-", {1e-15, 0.1});
@@ -223,6 +242,7 @@ int main(int argc, char** argv) {
   cli.example("cube_toss --data cube_toss --json out/toss.json", "347 tosses in some seconds");
   cli.example("cube_toss --data cube_toss --fit",
               "friction and restitution from one half, judged on the other");
+  cli.example("cube_toss --data first --fit --test second", "the same with two folders");
   cli.example("cube_toss --synthetic 40 --fit", "finds what its own tosses were thrown with");
   return run_driver(cli, argc, argv, [&] {
     refuse_unread(cli, a.scheme);

@@ -15,6 +15,8 @@
 namespace aussois {
 namespace {
 
+constexpr double kSurely = 1 - 1e-9;  // what is nearer than so much of a distance is so beyond rounding
+
 // A body at some time of the step, seen from the world: what the separation bound needs of it.
 struct Instant {
   Mat3 R = Mat3::Identity();  // shape frame to world
@@ -165,6 +167,15 @@ class PairCheck {
     if (halvings == 0) {
       part.failed = true;
       part.min_distance = std::min(part.min_distance, bound);
+      return;
+    }
+    // Bodies that run into each other mostly end too near: then halving finds nothing but more rounds.
+    const double at_end = closest_points(moving(*a_.shape, i, at_time(a_, s1)).points(),
+                                         moving(*b_.shape, j, at_time(b_, s1)).points())
+                              .distance;
+    if (at_end < kSurely * options_.required) {
+      part.failed = true;
+      part.min_distance = std::min(part.min_distance, at_end);
       return;
     }
     const double middle = (s0 + s1) / 2;

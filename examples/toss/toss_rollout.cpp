@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "examples/common/random.hpp"
+#include "geometry/check.hpp"
+#include "geometry/convex_hull.hpp"
 #include "geometry/primitives.hpp"
 #include "geometry/so3.hpp"
 
@@ -26,14 +28,29 @@ double lowest_corner(const SE3& g) {
   return z;
 }
 
+// Each corner becomes three, one on each of its edges.
+SimplicialComplex cut_cube(double edge, double cut) {
+  if (cut == 0) return make_box(edge, edge, edge);
+  std::vector<Vec3> corners;
+  for (int i = 0; i < 8; ++i)
+    for (int axis = 0; axis < 3; ++axis) {
+      Vec3 x = edge / 2 * Vec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
+      x[axis] *= 1 - 2 * cut / edge;
+      corners.push_back(x);
+    }
+  return make_complex(corners, convex_hull(corners), {}, true);
+}
+
 }  // namespace
 
 Model toss_model(const TossWorld& world) {
+  require_field(world.cut >= 0 && world.cut < kTossEdge / 2 - kDilation, "TossWorld::cut", world.cut,
+                "lie in [0, half an edge) [m]");
   Model model;
   model.gravity = {0, 0, -kTossGravity};
   model.contact_law = {.mu = world.mu, .restitution = world.restitution};
   const double inner = kTossEdge - 2 * kDilation;
-  const int cube = add(model, prepare(dilate(make_box(inner, inner, inner), kDilation)));
+  const int cube = add(model, prepare(dilate(cut_cube(inner, world.cut), kDilation)));
   const int board = add(model, prepare(dilate(make_plate(kBoardSide, kBoardSide), kDilation)));
   add(model,
       RigidBody{
@@ -65,6 +82,7 @@ TossRun roll_out(const Toss& toss, const TossStart& start, const TossWorld& worl
     while (state.t < until - 1e-9 * options.h && run.failure.empty()) {
       const StepReport report = scheme.step(state, until - state.t);
       ++run.steps;
+      run.reduced_steps += report.contacts_kept < report.contacts_found;
       run.most_contacts = std::max(run.most_contacts, report.contacts_found);
       if (report.status != StepStatus::ok)
         run.failure = report.reason;

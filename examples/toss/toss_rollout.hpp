@@ -14,6 +14,9 @@ struct TossWorld {
   double restitution = 0;  // Newton's [-], in [0, 1]
   int substeps = 10;       // of every row, >= 1
   double board = 0;        // height of the board's surface [m]
+  // The cube's corners are cut off so far along its edges [m], in [0, edge / 2): faces are octagons then, on
+  // which it lies with eight contacts
+  double cut = 0;
   std::string scheme = "moreau_jean";
   SchemeOptions options{};  // but for h
 };
@@ -34,6 +37,7 @@ struct TossRun {
   std::vector<int> contacts{};  // the most of a step up to that row
   TossErrors errors{};
   int steps = 0, most_contacts = 0;
+  int reduced_steps = 0;  // in which fewer contacts were kept than found
   double lifted = 0;      // the recorded start was below the board by this, and raised by it [m]
   std::string failure{};  // empty: every step was taken and solved
 };

@@ -48,6 +48,27 @@ class CubeToss(DriverTest):
         for key in ("seen_position_error_percent_mean", "seen_rotation_error_deg_mean", "mu", "restitution", "board_m", "fit_error_m"):
             self.assertTrue(math.isfinite(summary[key]), key)
 
+    def test_a_fit_is_judged_on_another_folder(self):
+        """All tosses of --data are seen, and those of --test are not: the same world, thrown with other seeds."""
+        for seed, folder in ((1, "first"), (50, "second")):
+            self.cube_toss("--synthetic", 3, "--seed", seed, "--substeps", 1, "-o", folder)
+        self.cube_toss("--data", "first/synthetic", "--test", "second/synthetic", "--fit", "--substeps", 2, "--json",
+                       "fit.json", "-o", "out")
+        summary = json.loads((self.folder / "fit.json").read_text())
+        self.assertEqual((summary["tosses"], summary["unseen"]), (6, 3))
+        self.assertEqual(self.columns("out", "tosses.csv")["toss"], ["50", "51", "52"])
+        self.check("out", summary)
+        for flags in (("--test", "second/synthetic"), ("--swap",), ("--measure-board",),
+                      ("--fit", "--swap", "--test", "second/synthetic")):
+            self.cube_toss("--data", "first/synthetic", *flags, code=USAGE)
+
+    def test_cut_corners_let_reducers_remove_contacts(self):
+        for cut in (0, 2e-3):
+            self.cube_toss("--synthetic", 2, "--substeps", 2, "--cut", cut, "--json", "toss.json", "-o", "out")
+            summary = json.loads((self.folder / "toss.json").read_text())
+            self.assertEqual(max(self.columns("out", "tosses.csv")["most_contacts"]), "8" if cut else "4")
+        self.assertGreater(summary["reduced_steps"], 50)
+
     def test_recorded_tosses_have_the_keys_of_the_protocol(self):
         tosses = self.data() / "cube_toss"
         if not tosses.is_dir():

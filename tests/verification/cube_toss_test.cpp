@@ -30,11 +30,12 @@ TossWorld world() {
 struct Means {
   double position = 0, rotation = 0;  // [% of the edge], [deg]
 };
-Means means(const std::vector<Toss>& tosses, const TossWorld& w) {
+Means means(const std::vector<Toss>& tosses, const TossWorld& w, int* reduced_steps = nullptr) {
   Means out;
   for (const Toss& toss : tosses) {
     const TossRun run = roll_out(toss, w);
     EXPECT_EQ(run.failure, "") << toss.name;
+    if (reduced_steps) *reduced_steps += run.reduced_steps;
     out.position += 100 * run.errors.position / kTossEdge / double(tosses.size());
     out.rotation += 180 / kPi * run.errors.rotation / double(tosses.size());
   }
@@ -136,25 +137,58 @@ TEST(CubeToss, DependsOnPersistenceByAThousandthOfTheEdgeAtMost) {
   }
 }
 
-// --fit --measure-board from where the search ends, (0.18, 0.05): it stays there, and the half that it has
-// not seen is as near as was asked for. The search from elsewhere takes three times as long
-// (doc/theory/cube_toss.md).
-TEST(CubeToss, FitOnOneHalfMeetsItsBoundsOnTheOther) {
+// With its corners cut off by 2 mm the cube lies on octagons: reducers do remove contacts, and what that
+// changes is a tenth of what means over all tosses are known to (0.65 % of the edge, 1.5 degrees). Faces lie
+// on their eight corners, so hull_exact has nothing to remove.
+TEST(CubeToss, IsNearlyTheSameByReducersThatRemoveContacts) {
   const std::vector<Toss> tosses = recorded();
   if (tosses.empty()) GTEST_SKIP() << "no cube_toss in AUSSOIS_DATA_DIR";
-  std::vector<Toss> seen, unseen;
-  for (std::size_t i = 0; i < tosses.size(); ++i) (i % 2 ? unseen : seen).push_back(tosses[i]);
   TossWorld w = world();
-  w.board = board_of(seen);
-  w.restitution = 0.05;
-  const TossFit found = fit(seen, w, 2, [](const TossFit&) { return true; });
-  w.mu = found.mu, w.restitution = found.restitution;
-  const Means errors = means(unseen, w);
-  EXPECT_LE(errors.position, 13.0);
-  EXPECT_LE(errors.rotation, 16.5);
-  std::printf("mu = %.4f, e = %.4f after %d points and %.2g million steps: %.2f %%, %.2f deg unseen\n",
-              found.mu, found.restitution, found.points, 1e-6 * double(found.steps), errors.position,
-              errors.rotation);
+  w.substeps = 3, w.cut = 2e-3;
+  const auto rolled = [&](const std::string& name) {
+    w.options.reduction.reducer = reducer(name);
+    int reduced = 0;
+    const Means errors = means(tosses, w, &reduced);
+    return std::pair(errors, reduced);
+  };
+  const auto [all, left_out] = rolled("none");  // contacts that stay open are left out of any problem
+  for (const std::string& name : reducer_names()) {
+    if (name == "none" || name == "selector") continue;
+    const auto [errors, reduced] = rolled(name);
+    if (name == "hull_exact")
+      EXPECT_EQ(reduced, left_out);
+    else
+      EXPECT_GT(reduced, left_out + 50000) << name;
+    EXPECT_NEAR(errors.position, all.position, 0.065) << name;
+    EXPECT_NEAR(errors.rotation, all.rotation, 0.15) << name;
+  }
+}
+
+// --fit --measure-board from far off its end. On the odd half it meets what was asked for; the even one is
+// harder, and held to that and two standard errors of a mean of 173 (doc/theory/cube_toss.md).
+TEST(CubeToss, FitOnOneHalfMeetsItsBoundsOnTheOddHalfOnly) {
+  const std::vector<Toss> tosses = recorded();
+  if (tosses.empty()) GTEST_SKIP() << "no cube_toss in AUSSOIS_DATA_DIR";
+  std::vector<Toss> even, odd;
+  for (std::size_t i = 0; i < tosses.size(); ++i) (i % 2 ? odd : even).push_back(tosses[i]);
+  const auto judged = [](const std::vector<Toss>& seen, const std::vector<Toss>& unseen) {
+    TossWorld w = world();
+    w.board = board_of(seen);
+    w.mu = 0.3, w.restitution = 0.3;
+    const TossFit found = fit(seen, w, 2, [](const TossFit&) { return true; });
+    EXPECT_NEAR(found.mu, 0.18, 0.01);
+    w.mu = found.mu, w.restitution = found.restitution;
+    const Means errors = means(unseen, w);
+    std::printf("mu = %.4f, e = %.4f after %d points and %.2g million steps: %.2f %%, %.2f deg unseen\n",
+                found.mu, found.restitution, found.points, 1e-6 * double(found.steps), errors.position,
+                errors.rotation);
+    return errors;
+  };
+  const Means of_odd = judged(even, odd), of_even = judged(odd, even);
+  EXPECT_LE(of_odd.position, 13.0);
+  EXPECT_LE(of_odd.rotation, 16.5);
+  EXPECT_LE(of_even.position, 13.0 + 2 * 0.65);
+  EXPECT_LE(of_even.rotation, 16.5 + 2 * 1.5);
 }
 
 }  // namespace

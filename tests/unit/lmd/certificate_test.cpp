@@ -70,6 +70,21 @@ TEST(MotionBound, HoldsAtAllTimes) {
   }
 }
 
+// Balls of 0.1 m that fall on a slab at 10 m/s, for 10 ms: halving would find out in sixteen rounds where
+// they come too near.
+TEST(Certificate, FailsAtOnceForWhatEndsTooNear) {
+  const LmdShape ball = prepare(dilate(make_point(), 0.1)), slab = prepare({.complex = make_box(10, 10, 1)});
+  Random random(41);
+  for (int sample = 0; sample < 100; ++sample) {
+    const Vec3 at(random.uniform(-4, 4), random.uniform(-4, 4), 0.5 + 0.1 + random.uniform(0, 0.05));
+    const MovingShape a{&ball, {}, {.g = {Quat::Identity(), at}, .v = Vec3(0, 0, -10)}}, b{&slab, {}, {}};
+    const Certificate found = certify(a, b, 1e-2, {.required = 0.1, .wanted = 0.1, .max_halvings = 16});
+    EXPECT_FALSE(found.certified) << sample;
+    EXPECT_LE(found.min_distance, 0.1) << sample;
+    EXPECT_LE(found.rounds, 2 * found.simplex_pairs) << sample;
+  }
+}
+
 // All pairs of simplices, each with closest_points.
 double distance_of_all_pairs(const LmdShape& a, const SE3& g, const LmdShape& b) {
   double least = kInf;
