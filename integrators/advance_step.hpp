@@ -15,7 +15,7 @@ struct StepMethod {
 };
 
 /// Advances by at most min(options.h, h_limit); shorter if the advancement needs it. The state is unchanged
-/// unless the report's status is ok. Never throws for numerical trouble, only for h_limit <= 0.
+/// unless the report says moved(). Never throws for numerical trouble, only for h_limit <= 0.
 StepReport advance_step(const StepSetting& setting, State& state, double h_limit, const StepMethod& method);
 
 }  // namespace aussois

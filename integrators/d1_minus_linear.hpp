@@ -23,7 +23,7 @@ class D1MinusLinear {
   D1MinusLinear(Model&&, const D1MinusLinearOptions&) = delete;  // the model must outlive the scheme
 
   /// Advances by at most min(options.step.h, h_limit); shorter if the advancement needs it. The state is
-  /// unchanged unless the report's status is ok. Never throws for numerical trouble, only for h_limit <= 0.
+  /// unchanged unless the report says moved(). Never throws for numerical trouble, only for h_limit <= 0.
   /// Explicit in the forces: a spring k of a mass m wants h < 2 sqrt(m / k).
   StepReport step(State& state, double h_limit = kInf) const;
 

@@ -31,7 +31,7 @@ class EventDriven {
   EventDriven(Model&&, const EventDrivenOptions&) = delete;  // the model must outlive the scheme
 
   /// Advances by min(options.step.h, h_limit), through all events between. The state is unchanged unless the
-  /// report's status is ok. Never throws for numerical trouble, only for h_limit <= 0.
+  /// report says moved(). Never throws for numerical trouble, only for h_limit <= 0.
   StepReport step(State& state, double h_limit = kInf) const;
 
  private:

@@ -24,7 +24,7 @@ class GeneralisedAlpha {
   GeneralisedAlpha(Model&&, const GeneralisedAlphaOptions&) = delete;  // the model must outlive the scheme
 
   /// Advances by at most min(options.step.h, h_limit); shorter if the advancement needs it. The state is
-  /// unchanged unless the report's status is ok. Never throws for numerical trouble, only for h_limit <= 0.
+  /// unchanged unless the report says moved(). Never throws for numerical trouble, only for h_limit <= 0.
   /// Keeps accelerations in State::a; a state without them is a fresh start.
   StepReport step(State& state, double h_limit = kInf) const;
 

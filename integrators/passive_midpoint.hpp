@@ -27,7 +27,7 @@ class PassiveMidpoint {
   PassiveMidpoint(Model&&, const PassiveMidpointOptions&) = delete;  // the model must outlive the scheme
 
   /// Advances by at most min(options.step.h, h_limit); shorter if the advancement needs it. The state is
-  /// unchanged unless the report's status is ok. Never throws for numerical trouble, only for h_limit <= 0.
+  /// unchanged unless the report says moved(). Never throws for numerical trouble, only for h_limit <= 0.
   StepReport step(State& state, double h_limit = kInf) const;
 
  private:

@@ -91,6 +91,8 @@ const char* to_string(SolveStatus status) {
   switch (status) {
     case SolveStatus::converged:
       return "converged";
+    case SolveStatus::at_rounding:
+      return "at_rounding";
     case SolveStatus::stagnated:
       return "stagnated";
     case SolveStatus::max_iterations:

@@ -66,10 +66,10 @@ TossRun roll_out(const Toss& toss, const TossStart& start, const TossWorld& worl
       const StepReport report = scheme.step(state, until - state.t);
       ++run.steps;
       run.most_contacts = std::max(run.most_contacts, report.contacts_found);
-      if (report.status != StepStatus::ok)
-        run.failure = report.reason;
-      else if (report.solve.status != SolveStatus::converged)
+      if (report.status == StepStatus::not_solved)
         run.failure = "not solved at t = " + std::to_string(report.t) + " s";
+      else if (!report.ok())
+        run.failure = report.reason;
       if (look) look(state, report);
     }
     if (!run.failure.empty()) break;

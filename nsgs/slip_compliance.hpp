@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// One contact with three rows, stick or slip, to 32 digits (ONE-4) to (ONE-6). Private to nsgs: what sweeps
+// ask where arithmetic of doubles does not do.
+#pragma once
+
+#include "geometry/types.hpp"
+
+namespace aussois {
+
+struct ExactContact {
+  Vec3 r = Vec3::Zero();  // rounded to doubles
+  double wrong = kInf;    // its natural map before that rounding
+};
+
+/// For q_N < 0. There is an answer if the symmetric part of W is positive definite, whatever its condition.
+ExactContact solve_by_slip_compliance(const Mat3& W, const Vec3& q, double mu);
+
+}  // namespace aussois
