@@ -20,8 +20,8 @@ enum class StepStatus {
   ok,
   refused,     // no step above the minimal one could be accepted; the state is unchanged
   not_finite,  // a force, velocity or pose stopped being a number; the state is unchanged
-  not_solved,  // taken, but with the best impulses that were found: the solver failed in the shortest attempt
-               // too
+  not_solved,  // taken, but with the best impulses that were found: the solver, or the loop of an implicit
+               // step (newton_change), failed in the shortest attempt too
 };
 const char* to_string(StepStatus status);
 

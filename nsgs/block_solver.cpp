@@ -99,18 +99,24 @@ Candidate<R> proximal(const Block<R>& block, const Rows<R>& q, const Law& law, c
   return best;
 }
 
-// Stick or slip to 32 digits (ONE-4), (ONE-5); a planar contact has a third row in which nothing moves.
+// Stick or slip by the compliance of the slip (ONE-4), (ONE-5); a planar contact has a third row in which
+// nothing moves.
 template <int R>
 Candidate<R> enumerated(const Block<R>& block, const Rows<R>& q, const Law& law) {
   Mat3 W = Mat3::Identity();
   W.topLeftCorner<R, R>() = block.W;
   Vec3 q_3 = Vec3::Zero();
   q_3.head<R>() = q;
-  const ExactContact exact = solve_by_slip_compliance(W, q_3, law.mu);
+  Candidate<R> near =
+      judged<R>(block, q, law, solve_by_slip_compliance(W, q_3, law.mu, Digits::sixteen).r.template head<R>());
+  if (!near.good) near = newton<R>(block, q, law, near.r);
+  if (near.good) return near;
+  const ExactContact exact = solve_by_slip_compliance(W, q_3, law.mu, Digits::thirty_two);
   const Rows<R> r = exact.r.head<R>();
   const bool representable = block.norm * r.norm() <= kLargestImpulse * q.norm();
   if (representable && exact.wrong <= allowed<R>(block, q, r)) return {r, exact.wrong, true};
-  return judged<R>(block, q, law, r);
+  const Candidate<R> rounded = judged<R>(block, q, law, r);
+  return rounded.wrong < near.wrong ? rounded : near;
 }
 
 // A planar contact slips one way or the other (ONE-8).

@@ -11,6 +11,9 @@ namespace aussois {
 
 namespace {
 
+constexpr double kRounding = 4e-15;    // of what cancels in W r + q: as good as zero
+constexpr double kMostExcused = 1e-6;  // by that: impulses may be as large as they like
+
 using MethodFunction = Iterate (*)(Delassus&, const Iterate&, const SolverOptions&, SolveReport&);
 struct MethodEntry {
   Method method;
@@ -72,6 +75,12 @@ Iterate judged(Delassus& W, VecX r, Method by) {
   const double residual = natural_map(iterate.u, iterate.r, W.scaled.laws, W.scaled.model);
   iterate.residual = std::isfinite(residual) ? residual : kInf;
   return iterate;
+}
+
+bool is_at_rounding(const Delassus& W, const Iterate& iterate) {
+  if (!(iterate.residual <= kMostExcused)) return false;
+  const VecX terms = W.matrix().cwiseAbs() * iterate.r.cwiseAbs() + W.scaled.q.cwiseAbs();
+  return iterate.residual <= kRounding * terms.norm();
 }
 
 const char* to_string(Method method) {

@@ -15,9 +15,9 @@ namespace aussois {
 
 namespace {
 
-constexpr double kRounding = 1e-15;  // of what cancels in q and in W r: as good as zero
-constexpr double kMostExcused =
-    1e-6;                            // of |q|, by the rounding of W r: impulses may be as large as they like
+constexpr double kRounding = 1e-15;  // of what cancels in q: as good as zero
+constexpr double kFewDigits = 1e-6;  // of q are rounding: more digits are not asked for, else they are,
+constexpr int kFurther = 5;          // by so many iterations
 constexpr double kFiner = 1e-3;      // of the residual has the answer that errors are seen against,
 constexpr double kExact = 1e-13;     // or this
 constexpr double kGoodStart = 1e-3;  // residual of a start that need not be compared with none
@@ -82,12 +82,6 @@ double size(const Part<Problem>& part) {
                                                       : std::nan("");
 }
 
-// What rounding of W r and q may make of the residual, relative to |q| (SOL-3).
-double rounding_of_impulses(const Delassus& W, const VecX& r) {
-  const VecX terms = W.matrix().cwiseAbs() * r.cwiseAbs() + W.scaled.q.cwiseAbs();
-  return std::min(kRounding * terms.norm(), kMostExcused);
-}
-
 // How far the velocities of `found` are from those of a better answer, relative to |q| (SOL-4).
 double estimated_error(Delassus& W, const Iterate& found) {
   if (found.residual <= kExact) return found.residual;
@@ -95,6 +89,19 @@ double estimated_error(Delassus& W, const Iterate& found) {
   const Iterate better =
       automatic(W, found, {.tolerance = std::max(kFiner * found.residual, kExact)}, unused);
   return better.residual <= 0.1 * found.residual ? (better.u - found.u).norm() : kInf;
+}
+
+// Where q has digits enough an answer that is within its rounding is often a few iterations from the
+// tolerance.
+Iterate further(Delassus& W, Iterate start, SolverOptions options, SolveReport& report) {
+  SolveReport more;
+  options.max_iterations = kFurther;
+  Iterate best = run(W, start, options, more);
+  report.iterations += more.iterations;
+  report.newton_iterations += more.newton_iterations;
+  report.local_failures += more.local_failures;
+  report.local_fail_safes += more.local_fail_safes;
+  return best.residual < start.residual ? best : start;
 }
 
 // `floor`: the residual that the rounding of q leaves.
@@ -109,9 +116,12 @@ Solved solve_rows(Delassus& W, const VecX& r0, SolverOptions options, double flo
   if (start.residual > kGoodStart)
     if (Iterate none = judged(W, scaled_start(scaled, {}), options.method); !(start.residual < none.residual))
       start = std::move(none);
-  const Iterate best = start.residual <= options.tolerance ? start : run(W, start, options, out.report);
-  if (best.residual > asked && std::isfinite(best.residual) &&
-      (best.residual <= options.tolerance || best.residual <= rounding_of_impulses(W, best.r)))
+  Iterate best = start.residual <= options.tolerance ? start : run(W, start, options, out.report);
+  if (best.residual > asked && best.residual <= floor && floor <= kFewDigits) {
+    options.tolerance = asked;
+    best = further(W, std::move(best), options, out.report);
+  }
+  if (best.residual > asked && (best.residual <= std::min(floor, 1.0) || is_at_rounding(W, best)))
     out.report.status = SolveStatus::at_rounding;
   if (options.estimate_error && options.model == FrictionModel::coulomb)
     out.report.error = estimated_error(W, best);
@@ -229,18 +239,21 @@ std::vector<char> lone_blocks(const std::vector<int>& leader) {
 template <int R>
 double solve_lone_blocks(const LocalProblem& problem, const VecX& r0, const SolverOptions& options,
                          std::vector<char>& lone, FrictionSolution& out) {
-  const VecX diagonal = problem.W.diagonal();
+  if (std::ranges::find(lone, 1) == lone.end()) return 0;
+  const VecX all_scales = scales(problem.W.diagonal(), problem.laws);
   double size = 0;
   Eigen::Index next = 0;
   for (std::size_t c = 0; c < lone.size(); ++c) {
     const int rows = problem.laws[c].rows;
     const Eigen::Index k = std::exchange(next, next + rows);
     if (!lone[c]) continue;
-    const Scaling scaled = scaling(diagonal.segment(k, rows), problem.q.segment(k, rows), {problem.laws[c]});
-    lone[c] = scaled.finite;
+    const Rows<R> s = all_scales.segment<R>(k, rows);
+    Rows<R> q = s.cwiseProduct(problem.q.segment<R>(k, rows));
+    const double own = q.norm(), unit = own > 0 ? own : 1;
+    lone[c] = are_scales(s) && std::isfinite(own);
     if (!lone[c]) continue;
-    const Law& law = scaled.laws[0];
-    const Rows<R> s = scaled.s, q = scaled.q;
+    q /= unit;
+    const Law law = scaled(problem.laws[c], s.data(), unit);
     RowBlock<R> W(rows, rows);
     for (int j = 0; j < rows; ++j)
       for (int i = 0; i < rows; ++i) W(i, j) = problem.W.coeff(k + i, k + j) * s[i] * s[j];
@@ -250,7 +263,8 @@ double solve_lone_blocks(const LocalProblem& problem, const VecX& r0, const Solv
     Rows<R> r = Rows<R>::Zero(rows);
     SolveReport report{.found_by = Method::nsgs, .residual = residual(r)};
     if (r0.size() > 0)
-      if (const Rows<R> warm = scaled_start(scaled, r0.segment(k, rows)); residual(warm) < report.residual)
+      if (const Rows<R> warm = project<R>(law, r0.segment<R>(k, rows).cwiseQuotient(s) / unit);
+          residual(warm) < report.residual)
         r = warm, report.residual = residual(r);
     const auto exact = [&] { return solve_block(prepare_block(W, law), q, law, r, options.local).r; };
     if (report.residual > options.tolerance) {
@@ -262,9 +276,8 @@ double solve_lone_blocks(const LocalProblem& problem, const VecX& r0, const Solv
     if (!lone[c]) continue;
     if (options.estimate_error) report.error = Rows<R>(W * (exact() - r)).norm();
     report.coulomb_residual = report.worst_island = report.residual;
-    const double own = scaled.size * q.norm();
-    out.r.segment<R>(k, rows) = scaled.size * s.cwiseProduct(r);
-    out.u.segment<R>(k, rows) = scaled.size * Rows<R>(W * r + q).cwiseQuotient(s);
+    out.r.segment<R>(k, rows) = unit * s.cwiseProduct(r);
+    out.u.segment<R>(k, rows) = unit * Rows<R>(W * r + q).cwiseQuotient(s);
     add(out.report, report, own);
     out.report.found_by = report.found_by;
     size = std::hypot(size, own);
