@@ -107,8 +107,8 @@ Candidate<R> enumerated(const Block<R>& block, const Rows<R>& q, const Law& law)
   W.topLeftCorner<R, R>() = block.W;
   Vec3 q_3 = Vec3::Zero();
   q_3.head<R>() = q;
-  Candidate<R> near =
-      judged<R>(block, q, law, solve_by_slip_compliance(W, q_3, law.mu, Digits::sixteen).r.template head<R>());
+  Candidate<R> near = judged<R>(
+      block, q, law, solve_by_slip_compliance(W, q_3, law.mu, Digits::sixteen).r.template head<R>());
   if (!near.good) near = newton<R>(block, q, law, near.r);
   if (near.good) return near;
   const ExactContact exact = solve_by_slip_compliance(W, q_3, law.mu, Digits::thirty_two);

@@ -151,7 +151,8 @@ TEST(ReducedCylinder, T_3_7_StandsInAStepAsLongAsWithAllContacts) {
       margin = std::min(margin, report.loss.margin);
     }
     EXPECT_LT(report.contacts_kept, report.contacts_found) << to_string(which);
-    if (which == Reducer::hull_margin) {  // less than the load's 0.98 may be kept: it rocks onto what re-enters
+    if (which ==
+        Reducer::hull_margin) {  // less than the load's 0.98 may be kept: it rocks onto what re-enters
       EXPECT_GE(margin, 0.9);
       EXPECT_LT(tilt, 0.01 * 2 * kRadius / (2 * radius));  // alone, what is kept lets it fall by 1e-2
     } else {
