@@ -18,7 +18,7 @@ struct World {
   void advance() {
     t += h;
     while (scene.state.t < t - 1e-9 * h)
-      if (scheme.step(scene.state, t - scene.state.t).status != StepStatus::ok) return;
+      if (!scheme.step(scene.state, t - scene.state.t).moved()) return;
   }
 };
 

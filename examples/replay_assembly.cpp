@@ -316,7 +316,7 @@ Statistics statistics_of(const Checkpoint& c) {
 void account(Statistics& s, const AssemblyScene& scene, const State& state, const StepReport& report,
              const CouplingWrench& pull) {
   ++s.steps;
-  s.solver_failures += report.solve.status != SolveStatus::converged;
+  s.solver_failures += !is_solved(report.solve.status);
   s.max_contacts = std::max(s.max_contacts, std::int64_t(report.contacts_found));
   s.min_gap = std::min(s.min_gap, report.min_gap);
   s.min_base_distance = std::min(s.min_base_distance, report.min_base_distance);
@@ -384,7 +384,7 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
     const State start = state;
     report = scheme.step(state, t_end - state.t);
     dump.step(s.steps + 1, report);
-    if (report.status != StepStatus::ok) break;
+    if (!report.moved()) break;
     const CouplingWrench pull =
         coupling_wrench(scene.model, state, scene.moving, scene.target, scene.coupling, state.t);
     account(s, scene, state, report, pull);

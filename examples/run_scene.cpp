@@ -193,7 +193,7 @@ Statistics statistics_of(const Checkpoint& c) {
 
 void account(Statistics& s, const StepReport& report, double displacement) {
   ++s.steps;
-  s.solver_failures += report.solve.status != SolveStatus::converged;
+  s.solver_failures += !is_solved(report.solve.status);
   s.energy_rises += report.energy_rises;
   if (report.energy_rises) s.impulse_gain += report.impulse_gain;
   add_matches(s.matches, report.matches);
@@ -288,7 +288,7 @@ ExitCode run(Arguments& a) {
     const std::clock_t begin = std::clock();
     report = scheme.step(state, t_end - state.t);
     s.cpu_s += double(std::clock() - begin) / CLOCKS_PER_SEC;
-    if (report.status != StepStatus::ok) break;
+    if (!report.moved()) break;
     const double displacement = displacement_of(scene.state, state);
     account(s, report, displacement);
     add(scene.model, state, report, s.gain);
@@ -345,8 +345,7 @@ ExitCode run(Arguments& a) {
     std::fprintf(stderr, "%lld steps were not solved to the tolerance\n",
                  static_cast<long long>(s.solver_failures));
   tell(s.uncertified);
-  const bool accepted =
-      tell(s.audit, scene.model) && report.status == StepStatus::ok && s.solver_failures == 0;
+  const bool accepted = tell(s.audit, scene.model) && report.moved() && s.solver_failures == 0;
   return accepted ? ExitCode::ok : ExitCode::not_accepted;
 }
 

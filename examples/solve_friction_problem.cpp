@@ -23,7 +23,7 @@ struct Arguments {
   double tolerance = 1e-8, relaxation = 1;
   int max_iterations = SolverOptions{}.max_iterations, anderson = 0, threads = 1, repeat = 1;
   std::filesystem::path json{}, save{};
-  bool quiet = false;
+  bool quiet = false, estimate_error = false;
 };
 
 LocalSolver local_named(const std::string& name) {
@@ -37,21 +37,24 @@ ProxMetric metric_named(const std::string& name) {
   return name == "split" ? ProxMetric::split : name == "spectral" ? ProxMetric::spectral : ProxMetric::blocks;
 }
 
+SolverOptions solver_of(const Arguments& a) {
+  return {.method = method(a.solver),
+          .model = a.model == "convex_cone" ? FrictionModel::convex_cone : FrictionModel::coulomb,
+          .tolerance = a.tolerance,
+          .max_iterations = a.max_iterations,
+          .relaxation = a.relaxation,
+          .local = local_named(a.local),
+          .prox = metric_named(a.prox),
+          .anderson = a.anderson,
+          .estimate_error = a.estimate_error,
+          .for_all = [threads = a.threads](int n, const std::function<void(int)>& f) {
+            parallel_for(n, threads, f);
+          }};
+}
+
 ExitCode solve_all(const Arguments& a) {
   const RunOptions options{
-      .solver = {.method = method(a.solver),
-                 .model = a.model == "convex_cone" ? FrictionModel::convex_cone : FrictionModel::coulomb,
-                 .tolerance = a.tolerance,
-                 .max_iterations = a.max_iterations,
-                 .relaxation = a.relaxation,
-                 .local = local_named(a.local),
-                 .prox = metric_named(a.prox),
-                 .anderson = a.anderson,
-                 .for_all = [threads = a.threads](
-                                int n, const std::function<void(int)>& f) { parallel_for(n, threads, f); }},
-      .start = start_named(a.start),
-      .repeat = a.repeat,
-      .save = a.save};
+      .solver = solver_of(a), .start = start_named(a.start), .repeat = a.repeat, .save = a.save};
   validate(options.solver);
   const std::vector<std::filesystem::path> files = problem_files(a.files);
   if (a.json.has_parent_path()) std::filesystem::create_directories(a.json.parent_path());
@@ -111,6 +114,9 @@ int main(int argc, char** argv) {
   cli.option("--relaxation", a.relaxation, "of nsgs, sor_prox, jor_prox, admm, inside (0, 2)", "-",
              {1e-3, 1.999});
   cli.option("--anderson", a.anderson, "iterates that Anderson acceleration combines; 0: none", "", {0, 20});
+  cli.flag(
+      "--estimate-error", a.estimate_error,
+      "how far velocities are from exact ones, of |q|: those of an answer that is solved on from it (SOL-4)");
   cli.option("--threads", a.threads, "for islands and colours; the results do not depend on it", "",
              {1, 256});
   cli.group("output");

@@ -12,6 +12,8 @@ const char* to_string(StepStatus status) {
   switch (status) {
     case StepStatus::ok:
       return "ok";
+    case StepStatus::not_solved:
+      return "not solved";
     case StepStatus::refused:
       return "refused";
     case StepStatus::not_finite:
@@ -37,7 +39,7 @@ StepReport advance_step(const StepSetting& setting, State& state, double h_limit
   const auto ended = [&](StepStatus status) {
     report.status = status;
     report.seconds_total = step_clock() - begin;
-    if (status != StepStatus::ok) report.t = state.t, report.h = 0;
+    if (!report.moved()) report.t = state.t, report.h = 0;
     return std::move(report);
   };
   if (!estimate.v.allFinite() || !finite_poses) {
@@ -77,7 +79,7 @@ StepReport advance_step(const StepSetting& setting, State& state, double h_limit
         state = std::move(trial.next);
         state.h_next = h < h_asked ? o.growth * h
                                    : std::max(h_control, o.growth * h);  // only a cut step makes it smaller
-        return ended(StepStatus::ok);
+        return ended(trial.outcome == Outcome::accepted ? StepStatus::ok : StepStatus::not_solved);
       case Outcome::bound_exceeded:
         estimate.v = trial.v_path;
         if (++enlarged % 4 == 0) halve();

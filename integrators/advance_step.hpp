@@ -15,7 +15,7 @@ struct StepMethod {
 };
 
 /// Advances by at most min(options.h, h_limit); shorter if the advancement needs it. The state is unchanged
-/// unless the report's status is ok. Throws for what does not fit (check_fits), not for trouble of numbers.
+/// unless the report says moved(). Throws for what does not fit (check_fits), not for trouble of numbers.
 StepReport advance_step(const StepSetting& setting, State& state, double h_limit, const StepMethod& method);
 
 }  // namespace aussois

@@ -250,7 +250,7 @@ StepReport told(const StepSetting& setting, const Found& found, const ImpulseSte
   report.solve = step.solved.solution.report;
   if (step.impact) {
     report.impact_solves = step.impact->solves;
-    if (step.impact->status != SolveStatus::converged) report.solve.status = step.impact->status;
+    report.solve.status = std::max(report.solve.status, step.impact->status);
   }
   if (setting.options.keep_problem)
     report.problem = StepProblem{*step.solved.problem, step.solved.start, step.solved.solution};
@@ -472,7 +472,7 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
                 .v_path = move.v_path,
                 .v_end = free_velocities(setting.dofs, v_end)},
                report);  // (MJ-9), (MJ-13), (IMP-6)
-  if (report.solve.status != SolveStatus::converged)
+  if (!is_solved(report.solve.status))
     return failed(Outcome::not_solved,
                   std::string("the solver ended with ") + to_string(report.solve.status));
   return out;

@@ -23,7 +23,7 @@ class D1MinusLinear {
   D1MinusLinear(Model&&, const D1MinusLinearOptions&) = delete;  // the model must outlive the scheme
 
   /// Advances by at most min(options.step.h, h_limit); shorter if the advancement needs it. The state is
-  /// unchanged unless the report's status is ok. Throws for what does not fit (check_fits), not for trouble
+  /// unchanged unless the report says moved(). Throws for what does not fit (check_fits), not for trouble
   /// of numbers. Explicit in the forces: a spring k of a mass m wants h < 2 sqrt(m / k).
   [[nodiscard]] StepReport step(State& state, double h_limit = kInf) const;
 

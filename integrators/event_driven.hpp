@@ -31,7 +31,7 @@ class EventDriven {
   EventDriven(Model&&, const EventDrivenOptions&) = delete;  // the model must outlive the scheme
 
   /// Advances by min(options.step.h, h_limit), through all events between. The state is unchanged unless the
-  /// report's status is ok. Throws for what does not fit (check_fits), not for trouble of numbers.
+  /// report says moved(). Throws for what does not fit (check_fits), not for trouble of numbers.
   [[nodiscard]] StepReport step(State& state, double h_limit = kInf) const;
 
  private:

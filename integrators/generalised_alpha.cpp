@@ -244,7 +244,7 @@ StepReport GeneralisedAlpha::step(State& state, double h_limit) const {
     solve.iterations += mean.solved.solution.report.iterations;
     solve.status = std::max(solve.status, mean.solved.solution.report.status);
     step.seconds += mean.seconds;
-    if (!smooth.solved && solve.status == SolveStatus::converged) solve.status = SolveStatus::max_iterations;
+    if (!smooth.solved && is_solved(solve.status)) solve.status = SolveStatus::max_iterations;
     Attempt out =
         go(setting_, start, found, step,
            {.v_path = mean.solved.solution.v, .v_end = step.solved.solution.v, .about = 1});  // (GA-9)

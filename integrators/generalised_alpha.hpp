@@ -24,7 +24,7 @@ class GeneralisedAlpha {
   GeneralisedAlpha(Model&&, const GeneralisedAlphaOptions&) = delete;  // the model must outlive the scheme
 
   /// Advances by at most min(options.step.h, h_limit); shorter if the advancement needs it. The state is
-  /// unchanged unless the report's status is ok. Throws for what does not fit (check_fits), not for trouble
+  /// unchanged unless the report says moved(). Throws for what does not fit (check_fits), not for trouble
   /// of numbers. Keeps accelerations in State::a; a state without them is a fresh start.
   [[nodiscard]] StepReport step(State& state, double h_limit = kInf) const;
 

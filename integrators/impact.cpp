@@ -99,7 +99,7 @@ void solve_shock(const Setting& s, const std::vector<int>& of, std::vector<Conta
   }
   const FrictionSolution solved = solve(problem, VecX(), s.solver);
   ++out.solves;
-  if (solved.report.status != SolveStatus::converged) out.status = solved.report.status;
+  out.status = std::max(out.status, solved.report.status);
   const std::vector<int> first = first_rows(problem.laws);
   for (std::size_t k = 0; k < rows.size(); ++k) {
     RowVector& r = out.r[std::size_t(target[k])];

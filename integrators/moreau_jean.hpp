@@ -54,7 +54,7 @@ class MoreauJean {
   MoreauJean(Model&&, const MoreauJeanOptions&) = delete;  // the model must outlive the scheme
 
   /// Advances by at most min(options.h, h_limit); shorter if the advancement needs it. The state is unchanged
-  /// unless the report's status is ok. Throws for what does not fit (check_fits), not for trouble of numbers.
+  /// unless the report says moved(). Throws for what does not fit (check_fits), not for trouble of numbers.
   [[nodiscard]] StepReport step(State& state, double h_limit = kInf) const;
 
   /// Contacts of all pairs of bodies at the state with gap <= threshold [m], as a step would find them.

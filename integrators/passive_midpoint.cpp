@@ -127,7 +127,7 @@ StepReport PassiveMidpoint::step(State& state, double h_limit) const {
       }
       if (!joints_stand) set_mean_joints(setting_, start, h, step);
     }
-    if (!joints_stand && step.solved.solution.report.status == SolveStatus::converged)
+    if (!joints_stand && is_solved(step.solved.solution.report.status))
       step.solved.solution.report.status = SolveStatus::max_iterations;
     const VecX& v = step.solved.solution.v;
     Attempt out = go(setting_, start, found, step,

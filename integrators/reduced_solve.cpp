@@ -27,6 +27,9 @@ void add_up(SolveReport& total, const SolveReport& round) {
   total.local_fail_safes += round.local_fail_safes;
   total.status = round.status;
   total.residual = round.residual;
+  total.worst_island = round.worst_island;
+  total.coulomb_residual = round.coulomb_residual;
+  total.error = round.error;
   total.found_by = round.found_by;
 }
 

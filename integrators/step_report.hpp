@@ -20,6 +20,8 @@ enum class StepStatus {
   ok,
   refused,     // no step above the minimal one could be accepted; the state is unchanged
   not_finite,  // a force, velocity or pose stopped being a number; the state is unchanged
+  not_solved,  // taken, but with the best impulses that were found: the solver, or the loop of an implicit
+               // step (newton_change), failed in the shortest attempt too
 };
 const char* to_string(StepStatus status);
 
@@ -169,7 +171,9 @@ struct StepReport {
   std::optional<StepProblem> problem{};  // the last one solved, also in a step that ended badly; if asked for
   double seconds_contact = 0, seconds_solve = 0, seconds_certificate = 0,
          seconds_total = 0;  // that passed [s]
-  bool ok() const { return status == StepStatus::ok && solve.status == SolveStatus::converged; }
+  bool ok() const { return status == StepStatus::ok && is_solved(solve.status); }
+  /// The state is that at `t`; otherwise it is unchanged.
+  bool moved() const { return status == StepStatus::ok || status == StepStatus::not_solved; }
 };
 
 }  // namespace aussois

@@ -234,7 +234,7 @@ VecX polished(const MatX& W, const VecX& q, const std::vector<Law>& laws, const 
 }
 
 bool good(const SolveReport& report) {
-  return report.status == SolveStatus::converged ||
+  return is_solved(report.status) ||
          (report.status != SolveStatus::not_finite && report.residual <= kResidual);
 }
 

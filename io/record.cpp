@@ -28,6 +28,23 @@ RunJoint run_joint(const Model& model, const State& state, int index) {
   return out;
 }
 
+// Numbers of the file: what is new comes last.
+int status_code(SolveStatus status) {
+  switch (status) {
+    case SolveStatus::converged:
+      return 0;
+    case SolveStatus::stagnated:
+      return 1;
+    case SolveStatus::max_iterations:
+      return 2;
+    case SolveStatus::not_finite:
+      return 3;
+    case SolveStatus::at_rounding:
+      return 4;
+  }
+  return -1;
+}
+
 }  // namespace
 
 RunHeader run_header(const Model& model) {
@@ -109,7 +126,7 @@ RunStep run_step(std::int64_t step, const Model& model, const State& state, cons
   row.threshold = report.threshold;
   row.min_gap = report.min_gap;
   row.min_base_distance = report.min_base_distance;
-  row.solver_status = int(report.solve.status);
+  row.solver_status = status_code(report.solve.status);
   row.iterations = report.solve.iterations;
   row.local_failures = report.solve.local_failures;
   row.local_fail_safes = report.solve.local_fail_safes;

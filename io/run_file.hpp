@@ -100,7 +100,7 @@ struct RunStep {
   double min_gap = kInf;            // of the contacts found, at the start of the step [m]
   double min_base_distance = kInf;  // lower bound over the step [m]
 
-  int solver_status = 0;  // 0 converged, 1 stagnated, 2 max_iterations, 3 not finite
+  int solver_status = 0;  // 0 converged, 1 stagnated, 2 max_iterations, 3 not finite, 4 at_rounding
   int iterations = 0, local_failures = 0, local_fail_safes = 0;
   double residual = 0;  // scaled [-]
 

@@ -13,6 +13,8 @@ namespace {
 
 constexpr int kMemory = 5;                // steps that Anderson acceleration combines
 constexpr int kFirstWindow = 5;           // sweeps until their contraction is judged
+constexpr double kAim = 1e-8;             // residual that sweeps are taken to aim at
+constexpr double kLeastAhead = 100;       // by which they are taken to have to fall, at least
 constexpr double kNewtonIterations = 30;  // about, of a second phase
 constexpr double kLeastCost = 2;          // of a Newton iteration in sweeps, about; counted only above
 constexpr double kLongestWait = 300;      // sweeps before Newton may take over, at most
@@ -58,11 +60,10 @@ Iterate second_phase(Delassus& W, const Iterate& start, int attempt, const Solve
   return proximal_steps(W, from, way, report);
 }
 
-// Sweeps until the tolerance, at the rate of the last ones (AUTO-1).
-double sweeps_left(double before, double now, int sweeps, double tolerance) {
-  if (now <= tolerance) return 0;
+// Sweeps that are left at the rate of the last ones, whatever the tolerance (AUTO-1).
+double sweeps_left(double before, double now, int sweeps) {
   if (!(now < before)) return kInf;
-  return sweeps * std::log(now / tolerance) / std::log(before / now);
+  return sweeps * std::log(std::max(now / kAim, kLeastAhead)) / std::log(before / now);
 }
 
 }  // namespace
@@ -86,7 +87,7 @@ Iterate automatic(Delassus& W, const Iterate& start, const SolverOptions& option
     }
     if (report.iterations - window_start < window) continue;
     const Iterate& now = sweeps.now();
-    const double left = sweeps_left(window_residual, now.residual, window, options.tolerance);
+    const double left = sweeps_left(window_residual, now.residual, window);
     window_start = report.iterations;
     window_residual = now.residual;
     if (left <= kLeastCost * kNewtonIterations || attempts == kAttempts) continue;
@@ -104,6 +105,7 @@ Iterate automatic(Delassus& W, const Iterate& start, const SolverOptions& option
     if (left <= newton || swept < std::min(newton / 10, kLongestWait)) continue;  // (AUTO-2)
     sweeps.offer(second_phase(W, attempts == 0 ? now : sweeps.best(), attempts, options, report));
     ++attempts;
+    if (sweeps.best().residual > options.tolerance && is_at_rounding(W, sweeps.best())) break;
     sweeps.resume();  // where Newton fails, the sweeps go on from where they were, with more room
     window *= 2;
     phase_start = report.iterations;

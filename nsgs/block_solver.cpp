@@ -7,7 +7,7 @@
 #include <Eigen/LU>
 #include <Eigen/QR>
 
-#include "nsgs/slip_directions.hpp"
+#include "nsgs/slip_compliance.hpp"
 
 namespace aussois {
 
@@ -36,7 +36,8 @@ Block<R> prepared(const RowBlock<R>& W, const Law& law) {
 
 constexpr double kLocked =
     1e-12;  // normal of a block of unit size that no impulse can move, but for rounding
-constexpr double kTolerance = 3e-14;  // a few roundings of W r + q (ONE-6)
+constexpr double kTolerance = 3e-14;      // a few roundings of W r + q (ONE-6)
+constexpr double kLargestImpulse = 1e13;  // |W| |r| over |q|: beyond, the rounding of r is a thousandth of q
 constexpr int kNewtonSteps = 20;
 
 template <int R>
@@ -47,12 +48,16 @@ struct Candidate {
 };
 
 template <int R>
+double allowed(const Block<R>& block, const Rows<R>& q, const Rows<R>& r) {  // (ONE-6)
+  const double size = q.norm();
+  return std::min(kTolerance * (size + block.norm * r.norm()), 1e-6 * size);
+}
+
+template <int R>
 Candidate<R> judged(const Block<R>& block, const Rows<R>& q, const Law& law, const Rows<R>& r) {
   const Rows<R> u = block.W * r + q;
   const double wrong = (r - project<R>(law, r - modified_velocity<R>(law, u))).norm();
-  const double size = q.norm();
-  const double allowed = std::min(kTolerance * (size + block.norm * r.norm()), 1e-6 * size);
-  return {r, std::isfinite(wrong) ? wrong : kInf, wrong <= allowed};
+  return {r, std::isfinite(wrong) ? wrong : kInf, wrong <= allowed<R>(block, q, r)};
 }
 
 // r = answer(r - rho u) by Newton (ONE-2).
@@ -94,18 +99,24 @@ Candidate<R> proximal(const Block<R>& block, const Rows<R>& q, const Law& law, c
   return best;
 }
 
-// Stick, slip by the roots of the quartic, and the best of all polished by Newton.
-inline Candidate<3> enumerated(const Block<3>& block, const Vec3& q, const Law& law) {
-  const Vec3 stick = Eigen::FullPivLU<Mat3>(block.W).solve(-q);
-  Candidate<3> best = judged<3>(block, q, law, stick);
-  if (best.good) return best;
-  const SlipCandidates slips = slip_candidates(block.W, q, law.mu);
-  for (int i = 0; i < slips.count; ++i)
-    if (const Candidate<3> now = judged<3>(block, q, law, slips.r[std::size_t(i)]); now.wrong < best.wrong)
-      best = now;
-  if (best.good || !best.r.allFinite()) return best;
-  const Candidate<3> polished = newton<3>(block, q, law, best.r);
-  return polished.wrong < best.wrong ? polished : best;
+// Stick or slip by the compliance of the slip (ONE-4), (ONE-5); a planar contact has a third row in which
+// nothing moves.
+template <int R>
+Candidate<R> enumerated(const Block<R>& block, const Rows<R>& q, const Law& law) {
+  Mat3 W = Mat3::Identity();
+  W.topLeftCorner<R, R>() = block.W;
+  Vec3 q_3 = Vec3::Zero();
+  q_3.head<R>() = q;
+  Candidate<R> near = judged<R>(
+      block, q, law, solve_by_slip_compliance(W, q_3, law.mu, Digits::sixteen).r.template head<R>());
+  if (!near.good) near = newton<R>(block, q, law, near.r);
+  if (near.good) return near;
+  const ExactContact exact = solve_by_slip_compliance(W, q_3, law.mu, Digits::thirty_two);
+  const Rows<R> r = exact.r.head<R>();
+  const bool representable = block.norm * r.norm() <= kLargestImpulse * q.norm();
+  if (representable && exact.wrong <= allowed<R>(block, q, r)) return {r, exact.wrong, true};
+  const Candidate<R> rounded = judged<R>(block, q, law, r);
+  return rounded.wrong < near.wrong ? rounded : near;
 }
 
 // A planar contact slips one way or the other (ONE-8).
@@ -161,9 +172,9 @@ BlockSolution<R> solved(const Block<R>& block, const Rows<R>& q, const Law& law,
   }
   if (found.good || solver == LocalSolver::alart_curnier) return {found.r, found.good};
   const bool fail_safe = solver == LocalSolver::hybrid;
-  if constexpr (R == 3) {
-    const Candidate<R> now = enumerated(block, q, law);
-    if (now.wrong < found.wrong) found = now;
+  if constexpr (R == 2 || R == 3) {
+    const Candidate<R> now = enumerated<R>(block, q, law);
+    if (now.good || now.wrong < found.wrong) found = now;
   } else {
     const Candidate<R> now = proximal<R>(block, q, law, answer<R>(law, start));
     if (now.wrong < found.wrong) found = now;

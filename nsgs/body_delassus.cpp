@@ -53,9 +53,7 @@ class BodyDelassus final : public Delassus {
     const VecX v_free = inverse * problem.f;
     scaled = scaling(diagonal, problem.H.transpose() * v_free + problem.w, problem.laws);
     if (!scaled.finite) return;
-    v_free_ = v_free / scaled.size;
-    w_ = problem.w.cwiseProduct(scaled.s) / scaled.size;
-    v_ = v_free_;
+    dv_ = VecX::Zero(v_free.size());
     own_.reserve(problem.laws.size());
     prepared_.resize(problem.laws.size());
     weight_ = VecX(problem.M.diagonal()).cwiseAbs().cwiseInverse();
@@ -75,7 +73,7 @@ class BodyDelassus final : public Delassus {
   }
 
   VecX velocity(const VecX& r) override {
-    v_ = v_free_;
+    dv_.setZero();
     for (int c = 0; c < count(); ++c) add(c, r.segment<R>(at(c), rows(c)));
     VecX u(r.size());
     for (int c = 0; c < count(); ++c) u.segment<R>(at(c), rows(c)) = velocity(c);
@@ -95,7 +93,8 @@ class BodyDelassus final : public Delassus {
   }
 
   std::vector<int> colours() const override {
-    std::vector<std::vector<int>> used(std::size_t(v_.size()));  // per velocity: colours of its blocks so far
+    std::vector<std::vector<int>> used(
+        std::size_t(dv_.size()));  // per velocity: colours of its blocks so far
     std::vector<int> colour(scaled.laws.size()), last(colour.size() + 1, -1);
     for (std::size_t c = 0; c < colour.size(); ++c) {
       for (const Arm<R>& arm : arms(int(c)))
@@ -128,7 +127,7 @@ class BodyDelassus final : public Delassus {
           directions.emplace_back(at(c) + i, arm.row, arm.H[i]);
           motions.emplace_back(arm.row, at(c) + i, arm.Y[i]);
         }
-    SparseMatrix Ht(scaled.q.size(), v_.size()), Y(v_.size(), scaled.q.size());
+    SparseMatrix Ht(scaled.q.size(), dv_.size()), Y(dv_.size(), scaled.q.size());
     Ht.setFromTriplets(directions.begin(), directions.end());
     Y.setFromTriplets(motions.begin(), motions.end());
     return Ht * Y;
@@ -143,10 +142,10 @@ class BodyDelassus final : public Delassus {
     };
   }
 
-  Eigen::Index unknowns() const override { return v_.size(); }
+  Eigen::Index unknowns() const override { return dv_.size(); }
   VecX A(const VecX& d) const override { return M_ * d; }
   VecX B(const VecX& dr) const override {
-    VecX momentum = VecX::Zero(v_.size());
+    VecX momentum = VecX::Zero(dv_.size());
     for (int c = 0; c < count(); ++c) {
       const Rows<R> dr_c = dr.segment<R>(at(c), rows(c));
       for (const Arm<R>& arm : arms(c)) momentum[arm.row] += arm.H.dot(dr_c);
@@ -164,7 +163,7 @@ class BodyDelassus final : public Delassus {
   }
   double size(const VecX& row) const override { return std::sqrt(row.cwiseAbs2().dot(weight_)); }
   double newton_cost(const VecX&) override {
-    const double n = double(v_.size()), arms = double(arms_.size()), contacts = count(),
+    const double n = double(dv_.size()), arms = double(arms_.size()), contacts = count(),
                  sweep = contacts * 80 + 12 * arms,  // the blocks' own solves, and velocities
         assembly = 6 * arms * arms / contacts;
     if (by_bodies()) return (by_bodies()->cost() + assembly) / sweep + 1;
@@ -190,7 +189,7 @@ class BodyDelassus final : public Delassus {
  private:
   Eigen::Index at(int c) const { return R == Eigen::Dynamic ? first[std::size_t(c)] : R * c; }
   int rows(int c) const { return R == Eigen::Dynamic ? scaled.laws[std::size_t(c)].rows : R; }
-  bool is_dense() const { return v_.size() <= kDenseSize; }
+  bool is_dense() const { return dv_.size() <= kDenseSize; }
 
   std::span<const Arm<R>> arms(int c) const {
     const std::size_t from = begin_[std::size_t(c)];
@@ -198,12 +197,12 @@ class BodyDelassus final : public Delassus {
   }
 
   Rows<R> velocity(int c) const {
-    Rows<R> u = w_.segment<R>(at(c), rows(c));
-    for (const Arm<R>& arm : arms(c)) u += arm.H * v_[arm.row];
+    Rows<R> u = scaled.q.segment<R>(at(c), rows(c));
+    for (const Arm<R>& arm : arms(c)) u += arm.H * dv_[arm.row];
     return u;
   }
   void add(int c, const Rows<R>& dr) {
-    for (const Arm<R>& arm : arms(c)) v_[arm.row] += arm.Y.dot(dr);
+    for (const Arm<R>& arm : arms(c)) dv_[arm.row] += arm.Y.dot(dr);
   }
   const Block<R>& prepared(int c) {  // when a sweep first asks
     std::optional<Block<R>>& block = prepared_[std::size_t(c)];
@@ -292,7 +291,7 @@ class BodyDelassus final : public Delassus {
   void find_bodies() const {
     looked_for_bodies_ = true;
     // Rows i - 1 and i are of one body if the same contacts move them: as many each as both.
-    std::vector<int> contacts(std::size_t(v_.size())), with_last(contacts.size()), body(contacts.size());
+    std::vector<int> contacts(std::size_t(dv_.size())), with_last(contacts.size()), body(contacts.size());
     for (int c = 0; c < count(); ++c) {
       int last = -2;
       for (const Arm<R>& arm : arms(c)) {
@@ -438,7 +437,8 @@ class BodyDelassus final : public Delassus {
   std::vector<int> scratch_{};
   std::vector<RowBlock<R>> own_{};                   // the diagonal of W
   std::vector<std::optional<Block<R>>> prepared_{};  // of blocks that a sweep has found closed
-  VecX v_free_{}, v_{}, w_{}, weight_{};
+  VecX weight_{};
+  VecX dv_{};     // by the impulses: speeds that cancel in q are not there to be rounded again
   VecX scale_{};  // equilibrates: translations beside rotations
   std::optional<double> sparse_cost_{};
   mutable std::optional<BodyLu> lu_{};  // and the factors of the last Newton matrix

@@ -11,6 +11,9 @@ namespace aussois {
 
 namespace {
 
+constexpr double kRounding = 4e-15;    // of what cancels in W r + q: as good as zero
+constexpr double kMostExcused = 1e-6;  // by that: impulses may be as large as they like
+
 using MethodFunction = Iterate (*)(Delassus&, const Iterate&, const SolverOptions&, SolveReport&);
 struct MethodEntry {
   Method method;
@@ -74,6 +77,12 @@ Iterate judged(Delassus& W, VecX r, Method by) {
   return iterate;
 }
 
+bool is_at_rounding(const Delassus& W, const Iterate& iterate) {
+  if (!(iterate.residual <= kMostExcused)) return false;
+  const VecX terms = W.matrix().cwiseAbs() * iterate.r.cwiseAbs() + W.scaled.q.cwiseAbs();
+  return iterate.residual <= kRounding * terms.norm();
+}
+
 const char* to_string(Method method) {
   return entry(method).name;
 }
@@ -91,6 +100,8 @@ const char* to_string(SolveStatus status) {
   switch (status) {
     case SolveStatus::converged:
       return "converged";
+    case SolveStatus::at_rounding:
+      return "at_rounding";
     case SolveStatus::stagnated:
       return "stagnated";
     case SolveStatus::max_iterations:

@@ -9,16 +9,16 @@
 namespace aussois {
 
 enum class LocalSolver {
-  enumerative,    // separation, stick, slip by the roots of a quartic
+  enumerative,    // separation, stick, slip by its compliance (ONE-5)
   alart_curnier,  // semismooth Newton
   projection,     // one projection step
-  hybrid,         // Newton, with the enumeration as fail-safe
+  hybrid,         // Newton, with (ONE-5) as fail-safe
 };
 
 struct LocalSolution {
   Vec3 r = Vec3::Zero();   // normal first [N s]
   bool solved = true;      // the scaled natural map of this contact is below the local tolerance (ONE-6)
-  bool fail_safe = false;  // the enumeration had to help
+  bool fail_safe = false;  // (ONE-5) had to help
 };
 
 /// W need not be symmetric; its symmetric part should be positive semidefinite with W_NN > 0.

@@ -7,8 +7,6 @@
 
 namespace aussois {
 
-namespace {
-
 Law scaled(Law law, const double* s, double size) {
   switch (law.kind) {
     case LawKind::rolling:
@@ -26,26 +24,27 @@ Law scaled(Law law, const double* s, double size) {
   return law;
 }
 
-}  // namespace
-
-Scaling scaling(const VecX& diagonal, const VecX& q, const std::vector<Law>& laws) {
-  Scaling out{.s = row_scales(diagonal, laws), .q = q};
-  for (double& w : out.s) {
-    out.finite = out.finite && std::isfinite(w) && w > 0;
-    w = 1 / std::sqrt(w);
-  }
+VecX scales(const VecX& diagonal, const std::vector<Law>& laws) {
+  VecX s = row_scales(diagonal, laws);
+  for (double& w : s) w = 1 / std::sqrt(w);
   Eigen::Index k = 0;
   for (const Law& law : laws) {
-    if (law.kind == LawKind::contensou) out.s[k + 3] *= law.radius;
+    if (law.kind == LawKind::contensou) s[k + 3] *= law.radius;
     k += law.rows;
   }
+  return s;
+}
+
+Scaling scaling(const VecX& diagonal, const VecX& q, const std::vector<Law>& laws) {
+  Scaling out{.s = scales(diagonal, laws), .q = q};
+  out.finite = are_scales(out.s);
   out.q.array() *= out.s.array();
   out.finite = out.finite && out.q.allFinite();
   if (const double size = out.q.norm(); size > 0) out.size = size;
   out.finite = out.finite && std::isfinite(out.size);
   out.q /= out.size;
   out.laws.reserve(laws.size());
-  k = 0;
+  Eigen::Index k = 0;
   for (const Law& law : laws) {
     out.laws.push_back(scaled(law, out.s.data() + k, out.size));
     k += law.rows;

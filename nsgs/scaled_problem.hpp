@@ -16,6 +16,15 @@ struct Scaling {
   bool finite = true;  // false: nothing of it may be used
 };
 
+/// Scaling::s; what are_scales() refuses belongs to a diagonal that is not positive and finite.
+VecX scales(const VecX& diagonal, const std::vector<Law>& laws);
+template <class Vector>
+bool are_scales(const Vector& s) {
+  return s.allFinite() && (s.array() > 0).all();
+}
+/// The law of a block with these scales of its rows.
+Law scaled(Law law, const double* s, double size);
+
 /// From the diagonal of W, q and the laws.
 Scaling scaling(const VecX& diagonal, const VecX& q, const std::vector<Law>& laws);
 

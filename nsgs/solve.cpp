@@ -15,8 +15,11 @@ namespace aussois {
 
 namespace {
 
-constexpr double kNoise = 1e-6;      // an island with less of the whole |q| is solved to that much of it only
 constexpr double kRounding = 1e-15;  // of what cancels in q: as good as zero
+constexpr double kFewDigits = 1e-6;  // of q are rounding: more digits are not asked for, else they are,
+constexpr int kFurther = 5;          // by so many iterations
+constexpr double kFiner = 1e-3;      // of the residual has the answer that errors are seen against,
+constexpr double kExact = 1e-13;     // or this
 constexpr double kGoodStart = 1e-3;  // residual of a start that need not be compared with none
 constexpr double kOpening = 2;       // times as fast as what may push it: a block opens whatever that does
 
@@ -79,17 +82,50 @@ double size(const Part<Problem>& part) {
                                                       : std::nan("");
 }
 
-Solved solve_rows(Delassus& W, const VecX& r0, const SolverOptions& options) {
+// How far the velocities of `found` are from those of a better answer, relative to |q| (SOL-4).
+double estimated_error(Delassus& W, const Iterate& found) {
+  if (found.residual <= kExact) return found.residual;
+  SolveReport unused;
+  const Iterate better =
+      automatic(W, found, {.tolerance = std::max(kFiner * found.residual, kExact)}, unused);
+  return better.residual <= 0.1 * found.residual ? (better.u - found.u).norm() : kInf;
+}
+
+// Where q has digits enough an answer that is within its rounding is often a few iterations from the
+// tolerance.
+Iterate further(Delassus& W, Iterate start, SolverOptions options, SolveReport& report) {
+  SolveReport more;
+  options.max_iterations = kFurther;
+  Iterate best = run(W, start, options, more);
+  report.iterations += more.iterations;
+  report.newton_iterations += more.newton_iterations;
+  report.local_failures += more.local_failures;
+  report.local_fail_safes += more.local_fail_safes;
+  return best.residual < start.residual ? best : start;
+}
+
+// `floor`: the residual that the rounding of q leaves.
+Solved solve_rows(Delassus& W, const VecX& r0, SolverOptions options, double floor) {
   Solved out;
+  const double asked = options.tolerance;
+  options.tolerance = std::min(std::max(asked, floor), 1.0);
   W.scaled.model = options.model;
   const Scaling& scaled = W.scaled;
   Iterate start;
-  if (r0.size() > 0) start = judged(W, scaled_start(scaled, r0), options.method);
+  if (r0.size() > 0 && !scaled.q.isZero(0)) start = judged(W, scaled_start(scaled, r0), options.method);
   if (start.residual > kGoodStart)
     if (Iterate none = judged(W, scaled_start(scaled, {}), options.method); !(start.residual < none.residual))
       start = std::move(none);
-  const Iterate best = start.residual <= options.tolerance ? start : run(W, start, options, out.report);
-  out.report.residual = best.residual;
+  Iterate best = start.residual <= options.tolerance ? start : run(W, start, options, out.report);
+  if (best.residual > asked && best.residual <= floor && floor <= kFewDigits) {
+    options.tolerance = asked;
+    best = further(W, std::move(best), options, out.report);
+  }
+  if (best.residual > asked && (best.residual <= std::min(floor, 1.0) || is_at_rounding(W, best)))
+    out.report.status = SolveStatus::at_rounding;
+  if (options.estimate_error && options.model == FrictionModel::coulomb)
+    out.report.error = estimated_error(W, best);
+  out.report.residual = out.report.worst_island = best.residual;
   out.report.coulomb_residual = natural_map(best.u, best.r, scaled.laws);
   out.report.found_by = best.by;
   out.r = scaled.size * scaled.s.cwiseProduct(best.r);
@@ -97,25 +133,18 @@ Solved solve_rows(Delassus& W, const VecX& r0, const SolverOptions& options) {
   return out;
 }
 
-// The tolerance of a part, relative to its own q, where neither the whole (kNoise) nor rounding asks for
-// more.
-SolverOptions with_tolerance_of(SolverOptions options, double q, double whole, double rounding = 0) {
-  if (q > 0)
-    options.tolerance =
-        std::min(std::max(options.tolerance * std::max(1.0, kNoise * whole / q), rounding / q), 1.0);
-  return options;
-}
-
-// Reports of islands make one: the worst status, the longest iteration, all work, and the residual of the
-// whole.
-void add(SolveReport& total, const SolveReport& part, double share) {
+// Reports of islands make one: the worst status, the longest iteration, all work, the worst residual, and
+// what makes the residual of the whole, with the size of the island's q still in it.
+void add(SolveReport& total, const SolveReport& part, double q) {
   total.status = std::max(total.status, part.status);
   total.iterations = std::max(total.iterations, part.iterations);
   total.newton_iterations += part.newton_iterations;
   total.local_failures += part.local_failures;
   total.local_fail_safes += part.local_fail_safes;
-  total.residual = std::hypot(total.residual, share * part.residual);
-  total.coulomb_residual = std::hypot(total.coulomb_residual, share * part.coulomb_residual);
+  total.worst_island = std::max(total.worst_island, part.worst_island);
+  total.error = std::max(total.error, part.error);
+  total.residual = std::hypot(total.residual, q * part.residual);
+  total.coulomb_residual = std::hypot(total.coulomb_residual, q * part.coulomb_residual);
 }
 
 void put(const VecX& part, const std::vector<int>& rows, VecX& whole) {
@@ -162,28 +191,29 @@ void solve_islands(const Problem& problem, std::vector<Island> all, const KnownM
     for_all(options, int(parts.size()), [&](int i) { f(parts[std::size_t(i)]); });
   };
   each([](Part<Problem>& now) { open(now); });
-  double whole = size_done, rounding = 0;
+  double whole = size_done;
   for (const Part<Problem>& now : parts)
-    if (const double q = size(now); std::isfinite(q)) {
-      whole = std::hypot(whole, q);
-      rounding = std::hypot(rounding, kRounding * now.cancelled);
-    }
-  const double reported = std::max(whole, rounding / options.tolerance);
+    if (const double q = size(now); std::isfinite(q)) whole = std::hypot(whole, q);
   each([&](Part<Problem>& now) {
     const double q = size(now);
     now.solved.r.setZero(Eigen::Index(now.island.rows.size()));
     if (now.W && std::isfinite(q))
-      now.solved = solve_rows(*now.W, now.r0, with_tolerance_of(options, q, whole, rounding));
+      now.solved = solve_rows(*now.W, now.r0, options, q > 0 ? kRounding * now.cancelled / q : 0);
   });
   std::size_t largest = 0;
   for (Part<Problem>& now : parts) {
     const double q = size(now);
     if (!std::isfinite(q)) {
-      add(out.report, {.status = SolveStatus::not_finite, .residual = kInf, .coulomb_residual = kInf}, 1);
+      add(out.report,
+          {.status = SolveStatus::not_finite,
+           .residual = kInf,
+           .worst_island = kInf,
+           .coulomb_residual = kInf},
+          1);
       continue;
     }
     if (now.W) {
-      add(out.report, now.solved.report, reported > 0 ? q / reported : 1);
+      add(out.report, now.solved.report, q);
       if (now.island.blocks.size() > largest) {
         largest = now.island.blocks.size();
         out.report.found_by = now.solved.report.found_by;
@@ -193,6 +223,7 @@ void solve_islands(const Problem& problem, std::vector<Island> all, const KnownM
     put(now.solved.r, now.island.rows, out.r);
     put_motion(now, now.solved.r, out);
   }
+  if (whole > 0) out.report.residual /= whole, out.report.coulomb_residual /= whole;
 }
 
 std::vector<char> lone_blocks(const std::vector<int>& leader) {
@@ -209,43 +240,47 @@ template <int R>
 double solve_lone_blocks(const LocalProblem& problem, const VecX& r0, const SolverOptions& options,
                          std::vector<char>& lone, FrictionSolution& out) {
   if (std::ranges::find(lone, 1) == lone.end()) return 0;
-  const Scaling scaled = scaling(problem.W.diagonal(), problem.q, problem.laws);
-  if (!scaled.finite) {
-    lone.clear();
-    return 0;
-  }
-  const VecX start = scaled_start(scaled, r0);
+  const VecX all_scales = scales(problem.W.diagonal(), problem.laws);
   double size = 0;
   Eigen::Index next = 0;
   for (std::size_t c = 0; c < lone.size(); ++c) {
-    const Law& law = scaled.laws[c];
-    const Eigen::Index k = std::exchange(next, next + law.rows);
+    const int rows = problem.laws[c].rows;
+    const Eigen::Index k = std::exchange(next, next + rows);
     if (!lone[c]) continue;
-    const Rows<R> s = scaled.s.segment<R>(k, law.rows), q = scaled.q.segment<R>(k, law.rows);
-    RowBlock<R> W(law.rows, law.rows);
-    for (int j = 0; j < law.rows; ++j)
-      for (int i = 0; i < law.rows; ++i) W(i, j) = problem.W.coeff(k + i, k + j) * s[i] * s[j];
+    const Rows<R> s = all_scales.segment<R>(k, rows);
+    Rows<R> q = s.cwiseProduct(problem.q.segment<R>(k, rows));
+    const double own = q.norm(), unit = own > 0 ? own : 1;
+    lone[c] = are_scales(s) && std::isfinite(own);
+    if (!lone[c]) continue;
+    q /= unit;
+    const Law law = scaled(problem.laws[c], s.data(), unit);
+    RowBlock<R> W(rows, rows);
+    for (int j = 0; j < rows; ++j)
+      for (int i = 0; i < rows; ++i) W(i, j) = problem.W.coeff(k + i, k + j) * s[i] * s[j];
     const auto residual = [&](const Rows<R>& r) {
       return (r - project<R>(law, r - modified_velocity<R>(law, Rows<R>(W * r + q)))).norm();
     };
-    const double own = q.norm(), tolerance = own * with_tolerance_of(options, own, 1).tolerance;
-    Rows<R> r = Rows<R>::Zero(law.rows);
+    Rows<R> r = Rows<R>::Zero(rows);
     SolveReport report{.found_by = Method::nsgs, .residual = residual(r)};
-    if (const Rows<R> warm = start.segment<R>(k, law.rows); residual(warm) < report.residual)
-      r = warm, report.residual = residual(r);
-    if (report.residual > tolerance) {
-      r = solve_block(prepare_block(W, law), q, law, r, options.local).r;
+    if (r0.size() > 0)
+      if (const Rows<R> warm = project<R>(law, r0.segment<R>(k, rows).cwiseQuotient(s) / unit);
+          residual(warm) < report.residual)
+        r = warm, report.residual = residual(r);
+    const auto exact = [&] { return solve_block(prepare_block(W, law), q, law, r, options.local).r; };
+    if (report.residual > options.tolerance) {
+      r = exact();
       report.residual = residual(r);
       report.iterations = 1;
     }
-    lone[c] = report.residual <= tolerance;
+    lone[c] = report.residual <= options.tolerance;
     if (!lone[c]) continue;
-    report.coulomb_residual = report.residual;
-    out.r.segment<R>(k, law.rows) = scaled.size * s.cwiseProduct(r);
-    out.u.segment<R>(k, law.rows) = scaled.size * Rows<R>(W * r + q).cwiseQuotient(s);
-    add(out.report, report, 1);
+    if (options.estimate_error) report.error = Rows<R>(W * (exact() - r)).norm();
+    report.coulomb_residual = report.worst_island = report.residual;
+    out.r.segment<R>(k, rows) = unit * s.cwiseProduct(r);
+    out.u.segment<R>(k, rows) = unit * Rows<R>(W * r + q).cwiseQuotient(s);
+    add(out.report, report, own);
     out.report.found_by = report.found_by;
-    size = std::hypot(size, scaled.size * own);
+    size = std::hypot(size, own);
   }
   return size;
 }

@@ -36,21 +36,27 @@ enum class ProxMetric {
 
 enum class SolveStatus {  // of islands the last in this order counts
   converged,              // the residual is within the tolerance
+  at_rounding,            // it is not, but within what rounding makes of it (SOL-3): as good as it gets
   stagnated,              // it no longer falls, and nothing else helped: limit cycle, or no solution
   max_iterations,         // the iterations are used up
   not_finite,  // a number of the problem or iteration is not finite, M is singular, or a block of W zero
 };
 const char* to_string(SolveStatus status);
+/// Converged, or as good as arithmetic lets it be.
+inline bool is_solved(SolveStatus status) {
+  return status <= SolveStatus::at_rounding;
+}
 
 struct SolverOptions {
   Method method = Method::automatic;
   FrictionModel model = FrictionModel::coulomb;  // convex_cone: admm, projected_gradient, interior_point
-  double tolerance = 1e-8;                       // on the scaled residual [-], in (0, 1)
-  int max_iterations = 10000;                    // sweeps or steps of the method, >= 1
-  double relaxation = 1.0;                       // of nsgs, sor_prox, jor_prox, admm, in (0, 2)
-  LocalSolver local = LocalSolver::hybrid;       // of nsgs
-  ProxMetric prox = ProxMetric::blocks;          // of sor_prox, jor_prox
-  int anderson = 0;  // iterates that Anderson acceleration of sweeps and admm combines, in [0, 20]
+  double tolerance = 1e-8;  // on the scaled residual of each island [-], in (0, 1); what it is worth: SOL-4
+  int max_iterations = 10000;               // sweeps or steps of the method, >= 1
+  double relaxation = 1.0;                  // of nsgs, sor_prox, jor_prox, admm, in (0, 2)
+  LocalSolver local = LocalSolver::hybrid;  // of nsgs
+  ProxMetric prox = ProxMetric::blocks;     // of sor_prox, jor_prox
+  int anderson = 0;             // iterates that Anderson acceleration of sweeps and admm combines, in [0, 20]
+  bool estimate_error = false;  // solve on for SolveReport::error; the answer stays the same
   /// Calls f(i) for all i in [0, n) in any order, on as many threads as it has, and ends when all are done;
   /// for islands, and the blocks of a colour. Empty: one after the other. No result depends on it.
   std::function<void(int n, const std::function<void(int)>& f)> for_all{};
@@ -64,9 +70,14 @@ struct SolveReport {
   int newton_iterations = 0;            // linear solves of Newton phases
   double residual = 0;          // scaled_residual of what is returned (NSGS-9), of the model asked for; of a
                                 // KnownMotion at least that
+  double worst_island = 0;      // the largest of the islands', each relative to its own |q|: what is held to
+                                // the tolerance
   double coulomb_residual = 0;  // of Coulomb's law, whatever the model
-  int local_failures = 0;       // one-block problems that no local method solved to its tolerance
-  int local_fail_safes = 0;     // those that Newton gave to its fail-safe
+  double error = -1;       // estimate of |u - exact u| / |q|, scaled, of the island with the largest (SOL-4);
+                           // infinite: no estimate could be had; negative: not asked for, or the model is not
+                           // Coulomb's
+  int local_failures = 0;  // one-block problems that no local method solved to its tolerance
+  int local_fail_safes = 0;  // those that Newton gave to its fail-safe
 };
 
 struct FrictionSolution {

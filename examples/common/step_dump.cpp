@@ -71,8 +71,7 @@ void StepDump::step(std::int64_t number, const StepReport& report) {
   about << "step " << number << " of " << name_ << ", to t = " << report.t << " s with h = " << report.h
         << " s; " << to_string(report.solve.status) << ", scaled residual " << report.solve.residual
         << "; guess 1: warm start"
-        << (report.solve.status == SolveStatus::converged ? "\n" : ", guess 2: the best that was found\n")
-        << build_info();
+        << (is_solved(report.solve.status) ? "\n" : ", guess 2: the best that was found\n") << build_info();
   FclibFile file{.problem = step.problem,
                  .title = name_ + tail,
                  .description = about.str(),
@@ -80,7 +79,7 @@ void StepDump::step(std::int64_t number, const StepReport& report) {
                  .guesses = {{.r = step.start}}};
   FclibValues answer{
       .r = step.solution.r, .u = step.solution.u, .v = step.solution.v, .l = step.solution.lambda};
-  if (report.solve.status == SolveStatus::converged)
+  if (is_solved(report.solve.status))
     file.solution = std::move(answer);
   else
     file.guesses.push_back(std::move(answer));

@@ -83,8 +83,7 @@ FclibValues run_on(const Problem& problem, const VecX& r0, const RunOptions& opt
   run.scaled_residual = scaled_residual(judged, solution.r, options.solver.model);
   run.physical = physical_residual(VecX(judged.W * solution.r + judged.q), solution.r, judged.laws);
   run.worst_joint_velocity = joint_velocity(problem, solution);
-  run.solved =
-      solution.report.status == SolveStatus::converged && run.scaled_residual <= options.solver.tolerance;
+  run.solved = is_solved(solution.report.status) && run.scaled_residual <= options.solver.tolerance;
   return {.r = solution.r, .u = solution.u, .v = solution.v, .l = solution.lambda};
 }
 
@@ -120,6 +119,8 @@ Json json_of(const ProblemRun& run) {
   out["natural_map_residual"] = number(run.natural_map_residual);
   out["scaled_residual"] = number(run.scaled_residual);
   out["coulomb_residual"] = number(run.report.coulomb_residual);
+  out["worst_island_residual"] = number(run.report.worst_island);
+  if (run.report.error >= 0) out["error_estimate"] = number(run.report.error);
   out["worst_normal_velocity"] = number(run.physical.worst_normal_approach);
   out["worst_cone_violation"] = number(run.physical.worst_cone_violation);
   out["worst_complementarity"] = number(run.physical.worst_complementarity);
@@ -205,8 +206,9 @@ ProblemRun run_problem(const std::filesystem::path& path, const RunOptions& opti
 
 std::string table_head(const std::vector<std::filesystem::path>& files) {
   char line[256];
-  std::snprintf(line, sizeof line, "%-*s %8s %-14s %10s %9s %9s %9s %9s %9s\n", name_width(files), "problem",
-                "contacts", "status", "iterations", "scaled", "on |q|", "-u_N m/s", "cone N s", "cpu s");
+  std::snprintf(line, sizeof line, "%-*s %8s %-14s %10s %9s %9s %9s %9s %9s %9s\n", name_width(files),
+                "problem", "contacts", "status", "iterations", "scaled", "error", "on |q|", "-u_N m/s",
+                "cone N s", "cpu s");
   return line;
 }
 
@@ -218,9 +220,11 @@ std::string table_row(const ProblemRun& run, const std::vector<std::filesystem::
                   run.status.c_str());
     return line + run.reason + "\n";
   }
-  std::snprintf(line, sizeof line, "%-*.*s %8d %-14s %10d %9.2e %9.2e %9.2e %9.2e %9.2e\n", width, width,
+  char error[16] = "-";
+  if (run.report.error >= 0) std::snprintf(error, sizeof error, "%.2e", run.report.error);
+  std::snprintf(line, sizeof line, "%-*.*s %8d %-14s %10d %9.2e %9s %9.2e %9.2e %9.2e %9.2e\n", width, width,
                 run.problem.c_str(), run.contacts, run.status.c_str(), run.report.iterations,
-                run.scaled_residual, run.natural_map_residual, run.physical.worst_normal_approach,
+                run.scaled_residual, error, run.natural_map_residual, run.physical.worst_normal_approach,
                 run.physical.worst_cone_violation, run.cpu_s);
   return line;
 }

@@ -39,7 +39,7 @@ struct ProblemRun {
   PhysicalResidual physical{};
   double worst_joint_velocity = 0;  // max of |G^T v + b| [m/s, rad/s]
   double cpu_s = 0;                 // of solve() in this process, all its threads
-  bool solved = false;              // converged, and the judge agrees
+  bool solved = false;              // says the solver, and the judge agrees on the whole
 };
 
 /// Folders become the *.hdf5 and *.h5 in them, sorted by name; files stay as they are, also missing ones.

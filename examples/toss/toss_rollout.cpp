@@ -84,10 +84,10 @@ TossRun roll_out(const Toss& toss, const TossStart& start, const TossWorld& worl
       ++run.steps;
       run.reduced_steps += report.contacts_kept < report.contacts_found;
       run.most_contacts = std::max(run.most_contacts, report.contacts_found);
-      if (report.status != StepStatus::ok)
-        run.failure = report.reason;
-      else if (report.solve.status != SolveStatus::converged)
+      if (report.status == StepStatus::not_solved)
         run.failure = "not solved at t = " + std::to_string(report.t) + " s";
+      else if (!report.ok())
+        run.failure = report.reason;
       if (look) look(state, report);
     }
     if (!run.failure.empty()) break;

@@ -34,6 +34,12 @@ inline Scene block_on_plate(double mu, double restitution, double slope, double 
   return s;
 }
 
+/// All but the Newton loop of an implicit step went well: contacts come and go between its iterates.
+inline bool is_loop_left_open(const StepReport& report) {
+  return report.status == StepStatus::not_solved && is_solved(report.solve.status) &&
+         report.newton_change > NewtonOptions{}.tolerance;
+}
+
 inline StepReport run(const MoreauJean& scheme, State& state, double t_end) {
   StepReport report;
   while (state.t < t_end - 1e-12) {

@@ -140,10 +140,24 @@ TEST(ReducedCylinder, T_3_7_StandsInAStepAsLongAsWithAllContacts) {
                               Reducer::wrench_cone, Reducer::direction_set}) {
     Upright s = upright_cylinder(64, radius, height, 2, 0.98 * tips);
     const MoreauJean scheme(s.model, {.h = 1e-3, .reduction = {.reducer = which}});
-    const StepReport report = run(scheme, s.state, 0.02);
-    EXPECT_LT(twist(s.state, s.body).norm(), 1e-6) << to_string(which);
+    const Quat upright = pose(s.state, s.body).R;
+    double speed = 0, tilt = 0, margin = 1;
+    StepReport report;
+    while (s.state.t < 0.2 - 1e-9) {
+      report = scheme.step(s.state, 0.2 - s.state.t);
+      ASSERT_TRUE(report.ok()) << report.reason;
+      speed = std::max(speed, twist(s.state, s.body).norm());
+      tilt = std::max(tilt, pose(s.state, s.body).R.angularDistance(upright));
+      margin = std::min(margin, report.loss.margin);
+    }
     EXPECT_LT(report.contacts_kept, report.contacts_found) << to_string(which);
-    EXPECT_TRUE(which != Reducer::hull_margin || report.loss.margin >= 0.9);
+    if (which ==
+        Reducer::hull_margin) {  // less than the load's 0.98 may be kept: it rocks onto what re-enters
+      EXPECT_GE(margin, 0.9);
+      EXPECT_LT(tilt, 0.01 * 2 * kRadius / (2 * radius));  // alone, what is kept lets it fall by 1e-2
+    } else {
+      EXPECT_LT(speed, 1e-6) << to_string(which);
+    }
   }
 }
 

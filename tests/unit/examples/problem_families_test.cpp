@@ -133,6 +133,22 @@ TEST_P(Families, AreSolvedByTheAutomaticSolver) {
     }
 }
 
+// The way to the answer is the same, and ends sooner.
+TEST_P(Families, AskNoMoreWorkForLessAccuracy) {
+  for (const int size : {40, 300})
+    for (const std::uint64_t seed : {1u, 2u}) {
+      const FrictionProblem problem = friction_problem(family_scene(GetParam(), size, seed));
+      SolveReport finer{.iterations = 1 << 30, .newton_iterations = 1 << 30};
+      for (const double tolerance : {1e-10, 1e-8, 1e-6}) {
+        const SolveReport now = solve(problem, {}, {.tolerance = tolerance}).report;
+        EXPECT_LE(now.iterations, finer.iterations) << size << " seed " << seed << " to " << tolerance;
+        EXPECT_LE(now.newton_iterations, finer.newton_iterations)
+            << size << " seed " << seed << " to " << tolerance;
+        finer = now;
+      }
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(All, Families,
                          ::testing::ValuesIn(problem_families().begin(), problem_families().end()),
                          [](const auto& family) { return std::string(family.param.name); });

@@ -41,6 +41,19 @@ TEST(MoreauJean, ABlockLandsWithoutOverlapOrBounce) {
   EXPECT_NEAR(pose(s.state, s.block).p.z(), kSide / 2 + 2 * kRadius, 1e-8);
 }
 
+TEST(MoreauJean, AStepThatIsNotSolvedAfterTheLastHalvingIsNotOk) {
+  Scene s = block_on_plate(0.3, 0, 0);
+  const SolverOptions one_sweep{.method = Method::nsgs, .tolerance = 1e-15, .max_iterations = 1};
+  const StepReport report = MoreauJean(s.model, {.h = 1e-3, .solver = one_sweep}).step(s.state);
+  EXPECT_EQ(report.status, StepStatus::not_solved);
+  EXPECT_EQ(report.solve.status, SolveStatus::max_iterations);
+  EXPECT_FALSE(report.ok());
+  EXPECT_TRUE(report.moved());
+  EXPECT_EQ(report.attempts, 4);
+  EXPECT_EQ(s.state.t, 1e-3 / 8);
+  EXPECT_EQ(report.t, s.state.t);
+}
+
 TEST(MoreauJean, AnIsolatedPairKeepsItsMomenta) {
   Random random(4);
   Model model;

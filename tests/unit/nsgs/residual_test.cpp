@@ -41,6 +41,23 @@ TEST(Residual, DoesNotDependOnUnitsWhenScaled) {
   EXPECT_GT(std::abs(natural_map_residual(other, 1e3 * r) / natural_map_residual(problem, r) - 1), 0.1);
 }
 
+// (NSGS-15), on anything but a solution; and factors of that size do occur.
+TEST(Residual, OnQIsBoundedByTheScaledOneTimesWhatUnitsMakeOfIt) {
+  double largest = 0;
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    Random random(seed);
+    LocalProblem problem = condense(random_peg_in_hole(random, 1 + int(seed % 2), 10, 0.4));
+    problem.W *= random.log_uniform(1e-6, 1e6);
+    const VecX w = row_scales(problem.W.diagonal(), problem.laws);
+    const VecX r = VecX(uniform_vector(random, 30, -1, 1) * problem.q.norm()).cwiseQuotient(w);
+    const double longest = std::max(std::sqrt(w.maxCoeff()), 1 / std::sqrt(w.minCoeff()));
+    const double bound = longest / std::sqrt(w.minCoeff()), scaled = scaled_residual(problem, r);
+    EXPECT_LE(natural_map_residual(problem, r), bound * scaled * (1 + 1e-12)) << "seed " << seed;
+    largest = std::max(largest, natural_map_residual(problem, r) / scaled);
+  }
+  EXPECT_GT(largest, 1e3);
+}
+
 TEST(Residual, OfNothingIsZeroAndOfNanIsNan) {
   EXPECT_EQ(scaled_residual(LocalProblem{}, VecX(0)), 0);
   LocalProblem problem = one_contact(Mat3::Identity(), Vec3::Zero(), 0.3);

@@ -94,13 +94,154 @@ TEST(Solve, TakesRoundingOfWhatCancelsForNoneWithJointsToo) {
       problem.G = (MatX(3, 1) << 0, 1, -1).finished().sparseView();
       problem.b = VecX::Zero(1);
     }
-    const FrictionSolution s = solve(problem, {}, {.tolerance = 1e-12});
-    EXPECT_EQ(s.report.status, SolveStatus::converged);
-    EXPECT_LT(s.report.iterations, 10);
-    EXPECT_LT(s.u.norm(), 1e-15);
-    const double m = joint ? 5.0 / 6 : 2.0 / 3;
-    EXPECT_NEAR(s.r.sum(), 1e-5 * m, 1e-15);
+    for (const double tolerance : {1e-12, 1e-15}) {
+      const FrictionSolution s = solve(problem, {}, {.tolerance = tolerance});
+      EXPECT_EQ(s.report.status, SolveStatus::at_rounding);
+      EXPECT_LT(s.report.iterations, 10);
+      EXPECT_LT(s.u.norm(), 1e-15);
+      const double m = joint ? 5.0 / 6 : 2.0 / 3;
+      EXPECT_NEAR(s.r.sum(), 1e-5 * m, 1e-15);
+      const double judge = scaled_residual(condense(problem), s.r);  // q has five digits less than 1 m/s
+      EXPECT_NEAR(s.report.residual, judge, 1e-10);
+      EXPECT_GT(s.report.residual, 1e-12);
+      EXPECT_LT(s.report.residual, 1e-9);
+    }
   }
+}
+
+// Parts of one problem that do not feel each other.
+FrictionProblem beside(const std::vector<FrictionProblem>& parts) {
+  FrictionProblem out;
+  std::vector<Triplet> M, H;
+  Eigen::Index n = 0, m = 0;
+  const auto append = [](const SparseMatrix& A, Eigen::Index row, Eigen::Index column,
+                         std::vector<Triplet>& to) {
+    for (int j = 0; j < A.outerSize(); ++j)
+      for (SparseMatrix::InnerIterator it(A, j); it; ++it)
+        to.emplace_back(int(row + it.row()), int(column) + j, it.value());
+  };
+  for (const FrictionProblem& part : parts) {
+    append(part.M, n, n, M);
+    append(part.H, n, m, H);
+    n += part.f.size();
+    m += part.w.size();
+    out.f.conservativeResize(n);
+    out.f.tail(part.f.size()) = part.f;
+    out.w.conservativeResize(m);
+    out.w.tail(part.w.size()) = part.w;
+    out.laws.insert(out.laws.end(), part.laws.begin(), part.laws.end());
+  }
+  out.M.resize(n, n);
+  out.M.setFromTriplets(M.begin(), M.end());
+  out.H.resize(n, m);
+  out.H.setFromTriplets(H.begin(), H.end());
+  return out;
+}
+
+// Boxes on a heavy car, everything at 100 m/s in each direction: in every row these speeds cancel, and
+// gravity, which the car does not feel, leaves 1 cm/s.
+FrictionProblem train(int boxes) {
+  FrictionProblem problem = cube_stack(boxes + 1, 10.0, 0.5);
+  for (int i = 0; i < 6; ++i) problem.M.coeffRef(i, i) *= 1e3;
+  problem.f[2] = 0;
+  VecX v = VecX::Zero(problem.f.size());
+  for (int b = 0; b <= boxes; ++b) v.segment<3>(6 * b).setConstant(100);
+  problem.f += problem.M * v;
+  problem.H = SparseMatrix(problem.H.rightCols(problem.H.cols() - 12));  // the car touches nothing below it
+  problem.w = VecX(problem.w.tail(problem.H.cols()));
+  problem.laws.resize(problem.laws.size() - 4);
+  return problem;
+}
+
+// Ten cubes of 1 mg at rest, a ton that comes in at 100 m/s, a block of 1000 t at 1 km/s, and the train.
+std::vector<FrictionProblem> unequal_islands() {
+  std::vector<FrictionProblem> parts{cube_stack(10, 1e-6, 0.5), cube_stack(1, 1e3, 0.5),
+                                     cube_stack(1, 1e6, 0.3), train(6)};
+  parts[1].f[2] -= 1e3 * 100;
+  parts[1].f[0] += 1e3 * 30;
+  parts[2].f[2] -= 1e6 * 1000;
+  return parts;
+}
+
+TEST(Solve, GivesEachIslandTheBitsThatItHasAlone) {
+  const std::vector<FrictionProblem> parts = unequal_islands();
+  const FrictionProblem whole = beside(parts);
+  const LocalProblem local = condense(whole);
+  for (const double tolerance : {1e-6, 1e-8, 1e-10}) {
+    const SolverOptions options{.tolerance = tolerance};
+    const FrictionSolution together = solve(whole, {}, options), condensed = solve(local, {}, options);
+    EXPECT_EQ(together.report.status, SolveStatus::converged);
+    EXPECT_EQ(condensed.report.status, SolveStatus::converged);
+    EXPECT_LE(together.report.worst_island, tolerance);
+    EXPECT_NEAR(together.report.residual, scaled_residual(local, together.r), 1e-12);
+    Eigen::Index row = 0, dof = 0;
+    double worst = 0;
+    for (const FrictionProblem& part : parts) {
+      const Eigen::Index m = part.w.size(), n = part.f.size();
+      const FrictionSolution alone = solve(part, {}, options);
+      EXPECT_EQ(alone.r, VecX(together.r.segment(row, m)));
+      EXPECT_EQ(alone.v, VecX(together.v.segment(dof, n)));
+      EXPECT_EQ(solve(condense(part), {}, options).r, VecX(condensed.r.segment(row, m)));
+      EXPECT_DOUBLE_EQ(alone.report.residual, alone.report.worst_island);
+      EXPECT_LE(scaled_residual(condense(part), together.r.segment(row, m)), 1.01 * tolerance + 1e-14);
+      worst = std::max(worst, alone.report.worst_island);
+      row += m;
+      dof += n;
+    }
+    EXPECT_EQ(together.report.worst_island, worst);
+  }
+}
+
+TEST(Solve, OfATrainAtSpeedIsAsGoodAsAtRest) {
+  const FrictionProblem fast = train(6);
+  FrictionProblem slow = fast;
+  VecX v = VecX::Zero(fast.f.size());
+  for (int b = 0; b < 7; ++b) v.segment<3>(6 * b).setConstant(100);
+  slow.f -= slow.M * v;
+  const FrictionSolution a = solve(fast, {}, {.tolerance = 1e-10}), b = solve(slow, {}, {.tolerance = 1e-10});
+  EXPECT_EQ(a.report.status, SolveStatus::converged);
+  EXPECT_EQ(b.report.status, SolveStatus::converged);
+  // f holds 1e-2 of 1e5 m/s, so q has 1e-14 * 1e3 / 1e-2 of its digits
+  EXPECT_LT((a.u - b.u).norm(), 1e-9 * 9.81e-3);
+  EXPECT_LE(scaled_residual(condense(fast), a.r), 1e-9);
+}
+
+TEST(Solve, SaysThatImpulsesAreAsGoodAsRoundingLetsThem) {
+  FrictionProblem problem = cube_stack(2, 1e-3, 0.5);
+  for (int i = 6; i < 12; ++i) problem.M.coeffRef(i, i) *= 1e6;
+  problem.f.tail<6>() *= 1e6;
+  const FrictionSolution s = solve(problem, {}, {.tolerance = 1e-16});
+  EXPECT_EQ(s.report.status, SolveStatus::at_rounding);
+  EXPECT_GT(s.report.residual, 1e-16);
+  EXPECT_LT(s.report.residual, 1e-8);  // 1e-15 of impulses that are 1e6 of |q|, some of them for each cube
+  EXPECT_TRUE(is_solved(s.report.status));
+  EXPECT_FALSE(is_solved(SolveStatus::stagnated));
+}
+
+TEST(Solve, EstimatesHowFarVelocitiesAreFromTheExactOnes) {
+  int seen = 0;
+  for (unsigned seed = 0; seed < 60; ++seed) {
+    Random random(seed);
+    const FrictionProblem problem = random_peg_in_hole(random, 1 + int(seed % 2), 30, 0.2);
+    const LocalProblem local = condense(problem);
+    const VecX s = row_scales(local.W.diagonal(), local.laws).cwiseSqrt().cwiseInverse();
+    for (const double tolerance : {1e-3, 1e-5}) {
+      const FrictionSolution plain = solve(problem, {}, {.tolerance = tolerance});
+      const FrictionSolution told = solve(problem, {}, {.tolerance = tolerance, .estimate_error = true});
+      EXPECT_EQ(plain.r, told.r) << "seed " << seed;
+      EXPECT_LT(plain.report.error, 0);
+      const SolverOptions sweeps{.method = Method::nsgs, .tolerance = 1e-13, .max_iterations = 100000};
+      const FrictionSolution exact =
+          solve(problem, told.r, sweeps);  // of several solutions the one next to it
+      if (!is_solved(exact.report.status)) continue;
+      const double error = (told.u - exact.u).cwiseProduct(s).norm() / local.q.cwiseProduct(s).norm();
+      if (error < 1e-11) continue;  // the reference has no more digits
+      ++seen;
+      EXPECT_LT(told.report.error, 2 * error) << "seed " << seed << " tolerance " << tolerance;
+      EXPECT_GT(told.report.error, error / 2) << "seed " << seed << " tolerance " << tolerance;
+    }
+  }
+  EXPECT_GT(seen, 60);
 }
 
 TEST(Solve, NeverAddsKineticEnergy) {
