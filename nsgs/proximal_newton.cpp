@@ -15,9 +15,10 @@ constexpr int kNewtonSteps = 30;  // a step that needs more has too small an alp
 constexpr double kRounding = 4e-15;
 constexpr double kStalled = 1e-12;
 constexpr double kSmallestDamping = 1e-3;
-constexpr double kChord = 0.1;       // what an old inverse must bring F down to
-constexpr double kGain = 1e-2;       // of a step whose alpha and inverse serve again
-constexpr double kNearRounding = 4;  // times (SOL-3): a step that does not halve the residual is the last
+constexpr double kChord = 0.1;         // what an old inverse must bring F down to
+constexpr double kGain = 1e-2;         // of a step whose alpha and inverse serve again
+constexpr double kLastDigits = 1e-10;  // above, impulses are so large that other ways may round less
+constexpr double kNearRounding = 4;    // times (SOL-3): a step that does not halve the residual is the last
 
 VecX answers(const std::vector<Law>& laws, const VecX& s) {  // (PROX-3)
   return with_rows(laws, [&]<int R>() {
@@ -116,7 +117,7 @@ Iterate proximal_steps(Delassus& W, const Iterate& start, const ProximalOptions&
     const bool gained = proximal.solved && iterate.residual <= kGain * center.residual;
     if (proximal.solved || iterate.residual < best.residual) center = iterate;
     if (iterate.residual < best.residual) best = std::move(iterate);
-    if (idle && is_at_rounding(W, best, kNearRounding)) break;
+    if (idle && best.residual <= kLastDigits && is_at_rounding(W, best, kNearRounding)) break;
     if (gained && proximal.factorised <= 1) continue;  // (PROX-10)
     inverse = {};
     if (!proximal.solved)
