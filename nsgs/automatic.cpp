@@ -105,7 +105,6 @@ Iterate automatic(Delassus& W, const Iterate& start, const SolverOptions& option
     if (left <= newton || swept < std::min(newton / 10, kLongestWait)) continue;  // (AUTO-2)
     sweeps.offer(second_phase(W, attempts == 0 ? now : sweeps.best(), attempts, options, report));
     ++attempts;
-    if (sweeps.best().residual > options.tolerance && is_at_rounding(W, sweeps.best())) break;
     sweeps.resume();  // where Newton fails, the sweeps go on from where they were, with more room
     window *= 2;
     phase_start = report.iterations;

@@ -17,8 +17,9 @@ struct Iterate {
 /// Velocities of r afresh, and the judge. A residual that is not a number becomes infinite.
 Iterate judged(Delassus& W, VecX r, Method by);
 
-/// Whether the residual is no more than rounding of W r and q may make of it (SOL-3). As dear as forming W.
-bool is_at_rounding(const Delassus& W, const Iterate& iterate);
+/// Whether the residual is at most `times` what rounding of W r and q may make of it (SOL-3). As dear as
+/// forming W.
+bool is_at_rounding(const Delassus& W, const Iterate& iterate, double times = 1);
 
 /// When the judge is asked: a product with W costs as much as a sweep. At each of the first sweeps, then at
 /// steps that grow, and when the change of r says that it may be time.

@@ -11,7 +11,7 @@ namespace aussois {
 
 namespace {
 
-constexpr double kRounding = 4e-15;    // of what cancels in W r + q: as good as zero
+constexpr double kRounding = 1e-15;    // of what cancels in W r + q: as good as zero
 constexpr double kMostExcused = 1e-6;  // by that: impulses may be as large as they like
 
 using MethodFunction = Iterate (*)(Delassus&, const Iterate&, const SolverOptions&, SolveReport&);
@@ -77,10 +77,10 @@ Iterate judged(Delassus& W, VecX r, Method by) {
   return iterate;
 }
 
-bool is_at_rounding(const Delassus& W, const Iterate& iterate) {
+bool is_at_rounding(const Delassus& W, const Iterate& iterate, double times) {
   if (!(iterate.residual <= kMostExcused)) return false;
   const VecX terms = W.matrix().cwiseAbs() * iterate.r.cwiseAbs() + W.scaled.q.cwiseAbs();
-  return iterate.residual <= kRounding * terms.norm();
+  return iterate.residual <= times * kRounding * terms.norm();
 }
 
 const char* to_string(Method method) {

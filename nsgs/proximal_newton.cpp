@@ -15,9 +15,10 @@ constexpr int kNewtonSteps = 30;  // a step that needs more has too small an alp
 constexpr double kRounding = 4e-15;
 constexpr double kStalled = 1e-12;
 constexpr double kSmallestDamping = 1e-3;
-constexpr double kChord = 0.1;  // what an old inverse must bring F down to
-constexpr double kGain = 1e-2;  // of a step whose alpha and inverse serve again
-constexpr int kPatience = 2;    // steps that do not halve the residual, where that may be rounding
+constexpr double kChord = 0.1;         // what an old inverse must bring F down to
+constexpr double kGain = 1e-2;         // of a step whose alpha and inverse serve again
+constexpr double kLastDigits = 1e-10;  // above, impulses are so large that other ways may round less
+constexpr double kNearRounding = 4;    // times (SOL-3): a step that does not halve the residual is the last
 
 VecX answers(const std::vector<Law>& laws, const VecX& s) {  // (PROX-3)
   return with_rows(laws, [&]<int R>() {
@@ -105,18 +106,18 @@ Iterate proximal_steps(Delassus& W, const Iterate& start, const ProximalOptions&
   Iterate best = start, center = start;
   double alpha = options.alpha;
   NewtonSolve inverse;  // of the last Newton matrix with this alpha
-  int iterations = 0, idle = 0;
+  int iterations = 0;
   for (int step = 0; step < options.max_steps && iterations < options.max_iterations &&
                      best.residual > options.tolerance && alpha <= kLargestAlpha;
        ++step) {
     const ProximalStep proximal = proximal_step(W, center, alpha, options.accuracy, inverse);
     iterations += proximal.iterations;
     Iterate iterate = judged(W, proximal.r, Method::proximal_newton);
-    idle = iterate.residual <= best.residual / 2 ? 0 : idle + 1;
+    const bool idle = iterate.residual > best.residual / 2;
     const bool gained = proximal.solved && iterate.residual <= kGain * center.residual;
     if (proximal.solved || iterate.residual < best.residual) center = iterate;
     if (iterate.residual < best.residual) best = std::move(iterate);
-    if (idle >= kPatience && is_at_rounding(W, best)) break;
+    if (idle && best.residual <= kLastDigits && is_at_rounding(W, best, kNearRounding)) break;
     if (gained && proximal.factorised <= 1) continue;  // (PROX-10)
     inverse = {};
     if (!proximal.solved)

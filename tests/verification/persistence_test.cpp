@@ -47,7 +47,7 @@ int sweeps(const PersistenceOptions& persistence, bool switching) {
       options.reduction = {.reducer = Reducer::selector, .selector = every_other(step / 10 % 2 == 1)};
     const MoreauJean scheme(s.model, options);
     const StepReport report = scheme.step(s.state);
-    EXPECT_EQ(report.status, StepStatus::ok) << report.reason;
+    EXPECT_TRUE(report.moved()) << report.reason;  // cold sweeps may end at their limit
     if (step >= kSettled) total += report.solve.iterations;
   }
   return total;
