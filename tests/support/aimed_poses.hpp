@@ -16,6 +16,7 @@
 #include "geometry/primitives.hpp"
 #include "lmd/certificate.hpp"
 #include "lmd/coverage.hpp"
+#include "lmd/find_contacts.hpp"
 #include "lmd/nesting.hpp"
 #include "tests/support/random.hpp"
 
