@@ -34,7 +34,7 @@ PeerEngine aussois_engine();
 PeerEngine bullet_engine(const PeerTuning& tuning = {});  // sequential impulses, 10 sweeps; hulls moved in by
                                                           // the margin
 PeerEngine ode_engine(const PeerTuning& tuning = {});     // QuickStep, 20 sweeps, friction pyramid; no hulls:
-                                                       // its collider aborts on arches
+                                                          // its collider aborts on arches
 PeerEngine mujoco_engine(const PeerTuning& tuning = {});  // Newton, 100 iterations at most, elliptic cones;
                                                           // restitution by a spring of ten steps contact time
 std::string peer_name(const char* name, const PeerTuning& tuning);

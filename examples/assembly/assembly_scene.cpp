@@ -70,7 +70,7 @@ class PoseCheck {
 double smallest_clearance(const AssemblyInput& input, const LmdShape& fixed, const LmdShape& moving,
                           int threads, const std::function<void(int, int)>& progress) {
   const PoseCheck wrong_with(input, fixed, moving, threads);
-  const double size = input.moving.report.box.diagonal();  // a point has none
+  const double size = input.moving.report.box.diagonal();                  // a point has none
   double clearance = size > 0 ? size : input.fixed.report.box.diagonal();  // farther apart is no fit
   std::string first;
   int more = 0;
