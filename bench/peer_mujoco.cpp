@@ -96,7 +96,7 @@ struct World {
     mj_deleteVFS(&files);
     if (!model) throw std::runtime_error(std::string("MuJoCo: ") + error);
     model->opt.iterations *= tuning.iterations;
-    if (tuning.iterations > 1) model->opt.tolerance = 0;  // its default, 1e-8, ends most solves before
+    if (tuning.iterations > 1) model->opt.tolerance = 1e-15;  // its default, 1e-8, ends most solves before
     data = mj_makeData(model);
     for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
       start.push_back(scene.bodies[b].g);

@@ -85,6 +85,11 @@ foreach(unit IN ITEMS kernel io)
 endforeach()
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/NOTICE ${PROJECT_SOURCE_DIR}/io/viewer/LICENSE.three.txt
   DESTINATION ${CMAKE_INSTALL_DOCDIR})
+# The manual and the drivers as they are written: pages link to each other, and to the sources of the drivers.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/doc/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/doc
+  FILES_MATCHING PATTERN "*.md" PATTERN "*.bib" PATTERN "*.png" PATTERN "*.svg")
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples
+  FILES_MATCHING PATTERN "*.[ch]pp" PATTERN "*.md" PATTERN "*.obj" PATTERN "*.csv")
 
 if(PROJECT_IS_TOP_LEVEL)
   set(CPACK_GENERATOR DEB TGZ)

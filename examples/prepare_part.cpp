@@ -121,16 +121,12 @@ void report_mesh_and_classes(Report& report, const AssemblyPart& part, const Lmd
   report.add("active_vertices_neither", cells.neither);
   report.add("active_vertices_only_moravanszky_terdiman", cells.only_moravanszky_terdiman);
   report.add("active_vertices_only_tangent_cone", cells.only_tangent_cone);
-  report.show("active edges of the triangles", std::to_string(active_edges));
-  report.show("active vertices: both rules, neither",
-              std::to_string(cells.both) + ", " + std::to_string(cells.neither));
-  report.show("  paper only, tangent cones only", std::to_string(cells.only_moravanszky_terdiman) + ", " +
-                                                      std::to_string(cells.only_tangent_cone));
+  report.show("edges that contacts can lie on", std::to_string(active_edges));
   const double bend = 180 / kPi * median_bend(part.complex, ideal);
   report.add("median_bend_degrees", bend);
   char text[40];
   std::snprintf(text, sizeof text, "%.3g deg", bend);
-  report.show("median bend of chains", text);
+  report.show("bend at an edge, median", text);
   if (bend > 0 && bend < a.alpha / 3)
     std::fprintf(
         stderr,

@@ -21,8 +21,8 @@ constexpr std::uintmax_t kLargestFile = std::uintmax_t(1) << 32;
 std::string how_to_convert(const std::filesystem::path& path, const std::string& extension) {
   for (const char* cad : {".stp", ".step", ".igs", ".iges", ".brep"})
     if (extension == cad)
-      return "; make triangles of it first: gmsh -2 " + path.string() + " -format stl -bin -o " +
-             std::filesystem::path(path).replace_extension(".stl").string();
+      return "; make triangles of it first: gmsh -2 " + path.filename().string() + " -format stl -bin -o " +
+             path.stem().string() + ".stl";
   return {};
 }
 

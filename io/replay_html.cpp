@@ -101,6 +101,22 @@ void add_contacts(PageArrays& arrays, const RunData& run, const std::vector<std:
   arrays.add("contact.gap", gap);
 }
 
+/// Of every joint at every frame: three numbers along its axes, or the size of a vector.
+void add_joints(PageArrays& arrays, const RunData& run, const std::vector<std::size_t>& rows) {
+  std::vector<float> coordinate, force, torque, effort;
+  for (const std::size_t row : rows)
+    for (const RunJoint& joint : run.steps[row].joints) {
+      append(coordinate, joint.coordinate);
+      force.push_back(float(joint.force.norm()));
+      torque.push_back(float(joint.torque.norm()));
+      append(effort, joint.effort);
+    }
+  arrays.add("joint.coordinate", coordinate);
+  arrays.add("joint.force", force);
+  arrays.add("joint.torque", torque);
+  arrays.add("joint.effort", effort);
+}
+
 double contact_force(const RunHeader& header, const RunStep& step) {
   Vec3 sum = Vec3::Zero();
   for (const RunContact& contact : step.contacts) sum += shown(header, step, contact).force;
@@ -187,6 +203,11 @@ Summary page_header(const RunData& run, const std::vector<std::size_t>& rows) {
   page.set("body_mesh", mesh);
   page.set("body_fixed", fixed);
   page.set("body_dilation", dilation);
+  std::vector<std::string> joint_names, joint_kinds;
+  for (const RunJointName& joint : header.joints)
+    joint_names.push_back(joint.name), joint_kinds.push_back(joint.kind);
+  page.set("joint_name", joint_names);
+  page.set("joint_kind", joint_kinds);
   return page;
 }
 
@@ -220,6 +241,7 @@ void write_replay_html(const std::filesystem::path& html, const RunData& run, co
   add_meshes(arrays, run.header);
   add_poses(arrays, run, rows, origin);
   add_contacts(arrays, run, rows, origin);
+  add_joints(arrays, run, rows);
   add_quantities(arrays, run, rows, options.max_plot_points);
 
   write_page(html, page_header(run, rows), arrays);

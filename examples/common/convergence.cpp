@@ -77,7 +77,7 @@ void write_convergence(const std::filesystem::path& dir, const std::string& name
   std::ostringstream gp;
   gp << "# draws " << name << ".png: gnuplot " << name << ".gp\n"
      << "set terminal pngcairo size 800,600; set output '" << name << ".png'\n"
-     << "set datafile separator ','; set logscale xy; set format '10^{%L}'; set key left top; set grid\n"
+     << "set datafile separator ','; set logscale xy; set format '%g'; set key left top; set grid\n"
      << "set xlabel 'step h [s]'; set ylabel '" << quantity << "'\n"
      << "plot '" << name
      << ".csv' every ::1 using 1:2 with linespoints pt 7 title sprintf('observed order %.3f', " << s.order

@@ -81,6 +81,24 @@ struct Cli::Impl {
   CLI::App app{};
   bool show_help = false, show_version = false;
 
+  // A flag stands where the value of another one should: that one is to be named, not what comes after.
+  std::string without_value(int argc, const char* const* argv) const {
+    const auto entry_of = [&](const std::string& word) {
+      return std::ranges::find_if(entries, [&](const Entry& e) {
+        return ("," + e.flag + ",").find("," + word + ",") != std::string::npos;
+      });
+    };
+    for (int i = 1; i < argc; ++i) {
+      const auto entry = entry_of(argv[i]);
+      if (argv[i][0] != '-' || entry == entries.end() || entry->placeholder.empty()) continue;
+      if (++i == argc) return std::string(argv[i - 1]) + " needs a value";
+      if (const std::string next = argv[i];
+          next.starts_with("--") || next == "-o" || (next[0] == '-' && entry_of(next) != entries.end()))
+        return std::string(argv[i - 1]) + " needs a value, not " + argv[i];
+    }
+    return {};
+  }
+
   template <class T>
   CLI::Option* add(const std::string& flag, T& value, const std::string& placeholder, const std::string& text,
                    const std::string& unit, const std::string& bound) {
@@ -204,6 +222,10 @@ std::string Cli::help() const {
 
 bool Cli::parse(int argc, const char* const* argv, ExitCode& code) {
   code = ExitCode::ok;
+  if (const std::string flag = impl_->without_value(argc, argv); !flag.empty()) {
+    fail(impl_->name, flag + " (try --help)", code = ExitCode::usage);
+    return false;
+  }
   try {
     impl_->app.parse(argc, argv);
   } catch (const CLI::ParseError& wrong) {

@@ -71,7 +71,7 @@ void draw(std::string& out, const View& view, const SelectionPanel& panel) {
 
 std::string selection_svg(const std::vector<SelectionPanel>& panels) {
   const int rows = (int(panels.size()) + kColumns - 1) / kColumns;
-  const double width = kColumns * kPanel, height = rows * (kHead + kPanel + kFoot);
+  const double width = kColumns * kPanel, height = rows * (kHead + kPanel + kFoot) + kHead;
   std::string out;
   print(out,
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%.0f\" height=\"%.0f\" viewBox=\"0 0 %.0f %.0f\" "
@@ -83,6 +83,11 @@ std::string selection_svg(const std::vector<SelectionPanel>& panels) {
     view.corner = Vec2(double(i % kColumns) * kPanel, double(i / kColumns) * (kHead + kPanel + kFoot));
     draw(out, view, panels[i]);
   }
+  print(out,
+        "<text x=\"%.1f\" y=\"%.1f\" fill=\"#555\">red: kept; m, A, t: what is left of the least support in "
+        "any "
+        "direction, of the area, of the drilling torque (1: all)</text>\n",
+        width / 2, height - 8);
   return out + "</svg>\n";
 }
 

@@ -144,18 +144,24 @@ bool write_picture(const std::filesystem::path& dir, const Study& s) {
   for (const double e : s.errors.front()) lowest = e > 0 ? std::min(lowest, e) : lowest;
   std::ostringstream gp;
   gp << "# draws " << stem << ".png: gnuplot " << stem << ".gp\n"
-     << "set terminal pngcairo size 900,700; set output '" << stem << ".png'\n"
-     << "set datafile separator ','; set logscale xy; set format '10^{%L}'; set grid; set key outside bottom "
-        "center horizontal\n"
+     << "set terminal pngcairo size 1100,700; set output '" << stem << ".png'\n"
+     << "set datafile separator ','; set logscale xy; set format y '%.0e'; set grid; set key outside right "
+        "center vertical\n"
      << "set title '" << s.case_name << ", " << s.scheme
-     << "' noenhanced; set xlabel 'step h [s]'; set ylabel 'error'\n"
+     << "' noenhanced; set xlabel 'step h [s]'; set ylabel 'error [SI units of the case]'\nset xtics (";
+  for (std::size_t i = 0; i < s.h.size(); ++i) {
+    char tick[48];
+    std::snprintf(tick, sizeof tick, "%s'%.2g' %.17g", i > 0 ? ", " : "", s.h[i], s.h[i]);
+    gp << tick;
+  }
+  gp << ") rotate by 30 right\n"
      << "plot [" << 0.8 * s.h.back() << ":" << 1.25 * range << "] \\\n";
   for (std::size_t m = 0; m < kMeasures.size(); ++m) {
     char title[80];
     std::snprintf(title, sizeof title, std::isinf(s.order[m]) ? "%s, exact" : "%s, order %.2f", kMeasures[m],
                   s.order[m]);
-    gp << "  '" << stem << ".csv' every ::1 using 1:" << m + 2 << " with linespoints pt 7 title '" << title
-       << "' noenhanced, \\\n";
+    gp << "  '" << stem << ".csv' every ::1 using 1:" << m + 2 << " with linespoints pt " << 4 + 2 * m
+       << " ps " << 2.2 - 0.4 * double(m) << " lw " << 4 - m << " title '" << title << "' noenhanced, \\\n";
   }
   for (int p = 1; p <= 2; ++p)
     gp << "  " << 0.5 * lowest << "*(x/" << range << ")**" << p << " with lines dt 2 lc 'grey" << 30 * p

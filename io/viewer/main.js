@@ -9,6 +9,30 @@ import { Scene, colours } from './scene.js';
 
 const $ = id => document.getElementById(id);
 
+const isSome = values => values.some(x => Number.isFinite(x) && x !== 0);
+const pushes = run => isSome(run.array('contact.force'));
+
+// Of the free axes of a joint, in order (mechanics/joint.hpp).
+const jointAxes = { revolute: ['rad'], prismatic: ['m'], cylindrical: ['m', 'rad'], universal: ['rad', 'rad'], planar: ['m', 'm', 'rad'], screw: ['rad'] };
+/** A row per joint: where it is along its free axes, what it holds, and what stops, friction and motors do. */
+function makeJoints(run) {
+  const names = run.joint_name ?? [], table = $('joints');
+  if (!names.length) return () => {};
+  const row = texts => {
+    const line = document.createElement('tr');
+    line.append(...texts.map(text => Object.assign(document.createElement('td'), { textContent: text })));
+    return line;
+  };
+  const three = (name, i) => [...run.array(name).slice(3 * i, 3 * i + 3)];
+  return frame => table.replaceChildren(row(['joint', 'at', 'holds', 'on its axes']), ...names.map((name, j) => {
+    const at = frame * names.length + j, axes = jointAxes[run.joint_kind[j]] ?? [];
+    const list = (values, unit) => axes.map((axis, i) => si(values[i], unit(axis))).join(', ') || '\u2013';
+    return row([`${name} (${run.joint_kind[j]})`, list(three('joint.coordinate', at), axis => axis),
+      `${si(run.array('joint.force')[at], 'N')}, ${si(run.array('joint.torque')[at], 'N m')}`,
+      list(three('joint.effort', at), axis => axis === 'm' ? 'N' : 'N m')]);
+  }));
+}
+
 function describe(run, scene) {
   const hex = colour => `#${colour.toString(16).padStart(6, '0')}`;
   const entry = (colour, text, kind = '') => {
@@ -18,15 +42,17 @@ function describe(run, scene) {
     line.append(text);
   };
   run.body_name.forEach((name, i) => {
-    const size = scene.local[i].isEmpty() ? [] : scene.local[i].getSize(scene.camera.position.clone()).toArray();
+    const size = scene.local[i].isEmpty() ? [] : scene.local[i].getSize(scene.camera.position.clone()).toArray().filter(x => x > 0);
     const skin = scene.bodies[i].children.find(part => part.name === 'skin');
     const box = size.length ? `  ${size.map(x => si(x, 'm')).join(' \u00d7 ')}` : '';
     if (run.body_name.length <= 8) entry(skin?.material.color.getHex() ?? 0x888888, `${name}${run.body_fixed[i] ? ' (fixed)' : ''}${box}`);
   });
-  entry(colours.open, 'contact, gap \u2265 0');
-  entry(colours.overlap, 'contact, gap < 0');
-  entry(colours.force, 'contact force on the moving part', 'bar');
-  entry(colours.normal, 'contact normal', 'bar');
+  if (run.array('contact.gap').length) {
+    entry(colours.open, 'contact, gap \u2265 0; pale behind a surface');
+    entry(colours.overlap, 'contact, gap < 0');
+    if (pushes(run)) entry(colours.force, 'contact force on the moving part', 'bar');
+    entry(colours.normal, 'contact normal', 'bar');
+  }
   $('title').textContent = run.title || 'Aussois replay';
   $('subtitle').textContent = run.command_line;
   $('subtitle').title = `${run.command_line}\n${run.build}`;
@@ -43,6 +69,7 @@ function start(run) {
     while (lo < hi) { const mid = (lo + hi + 1) >> 1; if (time[mid] <= t) lo = mid; else hi = mid - 1; }
     return lo;
   };
+  const joints = makeJoints(run), pulls = isSome(value('coupling'));
   const plots = new Plots($('plots'), run, t => { clock = t; show(frameAt(t)); });
   const contactsOf = () => ({ dots: $('dots').checked, normals: $('normals').checked, forces: $('forces').checked,
     scale: 10 ** $('scale').value, dotSize: 10 ** ($('size').value / 2) });
@@ -51,10 +78,11 @@ function start(run) {
     frame = Math.max(0, Math.min(last, k));
     scene.show(frame, contactsOf());
     plots.draw(frame, time[frame]);
+    joints(frame);
     $('time').value = frame;
-    const facts = [['t', si(time[frame], 's', 4)], ['step', run.step[frame]], ['h', si(value('h')[frame], 's')],
-      ['contacts', value('contacts')[frame]], ['smallest gap', si(value('min_gap')[frame], 'm')],
-      ['pull', si(value('coupling')[frame], 'N')], ['contacts push', si(value('contact_force')[frame], 'N')],
+    const found = [['contacts', value('contacts')[frame]], ['smallest gap', si(value('min_gap')[frame], 'm')]];
+    const facts = last === 0 ? found : [['t', si(time[frame], 's', 4)], ['step', run.step[frame]], ['h', si(value('h')[frame], 's')], ...found,
+      ...(pulls ? [['pull', si(value('coupling')[frame], 'N')]] : []), ['contacts push', si(value('contact_force')[frame], 'N')],
       ['kinetic energy', si(value('kinetic')[frame], 'J')], ['sweeps', value('iterations')[frame]], ['residual', power(value('residual')[frame])]];
     $('info').replaceChildren(...facts.map(([name, text]) => {
       const fact = document.createElement('div'), label = document.createElement('span'), number = document.createElement('b');
@@ -96,8 +124,11 @@ function start(run) {
   const resize = () => { scene.resize(); plots.resize(); plots.draw(frame, time[frame]); };
   addEventListener('resize', resize);
 
+  document.querySelector('footer').hidden = last === 0 && !$('note').textContent;  // nothing to play
+  if (!pushes(run)) for (const id of ['forces', 'scale']) $(id).parentElement.hidden = true;
   describe(run, scene);
   dress();
+  joints(0);
   resize();
   scene.look();
   show(0);

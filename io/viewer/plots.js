@@ -18,7 +18,6 @@ class Plot {
       const f = y(v);
       if (Number.isFinite(f)) { lo = Math.min(lo, f); hi = Math.max(hi, f); }
     }
-    if (!Number.isFinite(lo)) { lo = 0; hi = 1; this.empty = true; }
     this.extremes = log ? [10 ** lo, 10 ** hi] : [lo, hi];
     const margin = hi > lo ? 0.06 * (hi - lo) : Math.max(Math.abs(hi), 1e-12);
     Object.assign(this, { lo: lo - margin, hi: hi + margin });
@@ -66,12 +65,16 @@ class Plot {
       g.stroke();
     }
     g.font = '11px system-ui, sans-serif';
-    g.fillStyle = '#8a94a2';
     g.textAlign = 'right';
-    if (!this.empty) {
-      g.fillText(this.text(this.extremes[1]), this.width - right - 4, top + 12);
-      g.fillText(this.text(this.extremes[0]), this.width - right - 4, this.height - bottom - 4);
-    }
+    const label = (text, y) => {  // on a ground of its own, so that no curve runs through it
+      const width = g.measureText(text).width;
+      g.fillStyle = '#f6f8fae6';
+      g.fillRect(this.width - right - 6 - width, y - 10, width + 4, 13);
+      g.fillStyle = '#5c6878';
+      g.fillText(text, this.width - right - 4, y);
+    };
+    label(this.text(this.extremes[1]), top + 12);
+    if (this.extremes[0] !== this.extremes[1]) label(this.text(this.extremes[0]), this.height - bottom - 4);
   }
 
   draw(frame, time) {
@@ -103,12 +106,15 @@ export class Plots {
     const curve = (quantity, colour, name = '') =>
       ({ name, colour, time, y: run.array(`curve.${quantity}`), now: run.array(`frame.${quantity}`) });
     const power = x => Number.isFinite(x) && x > 0 ? x.toExponential(1) : '0';
-    this.plots = [
-      new Plot(parent, 'force', 'N', [curve('coupling', '#2a62b8', 'pull'), curve('contact_force', '#c2185b', 'contacts')], { seek }),
-      new Plot(parent, 'smallest gap', 'm', [curve('min_gap', '#1f8a5b')], { seek }),
-      new Plot(parent, 'energy', 'J', [curve('kinetic', '#b26a00', 'kinetic'), curve('total', '#5c6878', 'total')], { seek }),
-      new Plot(parent, 'residual', '', [curve('residual', '#6a4fb3')], { seek, log: true, text: power }),
+    const wanted = [
+      ['force', 'N', [curve('coupling', '#2a62b8', 'pull'), curve('contact_force', '#c2185b', 'contacts')]],
+      ['smallest gap', 'm', [curve('min_gap', '#1f8a5b')]],
+      ['energy', 'J', [curve('kinetic', '#b26a00', 'kinetic'), curve('total', '#5c6878', 'total')]],
+      ['residual', '', [curve('residual', '#6a4fb3')], { log: true, text: power }],
     ];
+    const tells = c => c.y.some(v => Number.isFinite(v) && v !== 0);  // of a run without coupling, no pull
+    this.plots = time.length < 2 ? [] : wanted.map(([title, unit, curves, how]) => [title, unit, curves.filter(tells), how])
+      .filter(([, , curves]) => curves.length).map(([title, unit, curves, how]) => new Plot(parent, title, unit, curves, { ...how, seek }));
   }
   resize() { for (const plot of this.plots) plot.resize(); }
   draw(frame, time) { for (const plot of this.plots) plot.draw(frame, time); }

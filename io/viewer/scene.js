@@ -187,15 +187,21 @@ export class Scene extends Stage {
     let most = 1;
     for (let k = 0; k < run.frames; ++k) most = Math.max(most, this.offset[k + 1] - this.offset[k]);
     this.dots = new THREE.InstancedMesh(new THREE.SphereGeometry(1, 16, 12),
-      new THREE.MeshBasicMaterial({ depthTest: false, transparent: true }), most);
+      new THREE.MeshBasicMaterial({ transparent: true }), most);
     this.dots.setColorAt(0, new THREE.Color());
+    // The same behind surfaces, pale: which side of a part a contact is on can be seen
+    this.ghosts = new THREE.InstancedMesh(this.dots.geometry, new THREE.MeshBasicMaterial({ transparent: true, opacity: 0.25, depthTest: false }), most);
+    this.ghosts.instanceMatrix = this.dots.instanceMatrix;
+    this.ghosts.instanceColor = this.dots.instanceColor;
+    this.ghosts.frustumCulled = false;
+    this.ghosts.renderOrder = 3;
     this.dots.frustumCulled = false;
     this.dots.renderOrder = 4;
     this.normals = new Arrows(most, colours.normal);
     this.forces = new Arrows(most, colours.force);
     this.paths = new THREE.Group();
     run.body_fixed.forEach((fixed, i) => fixed || this.paths.add(this.makePath(i)));
-    this.scene.add(this.dots, this.normals, this.forces, this.paths);
+    this.scene.add(this.dots, this.ghosts, this.normals, this.forces, this.paths);
     this.forceUnit = 0.3 * this.size / this.largeForce();
     this.options = { dots: true, normals: false, forces: true, scale: 1, dotSize: 1, opacity: 0.4, section: null };
     this.frame = 0;
@@ -279,6 +285,7 @@ export class Scene extends Stage {
       this.orbit.target.add(moved);
     }
     Object.assign(this.dots, { visible: dots });
+    Object.assign(this.ghosts, { visible: dots });
     Object.assign(this.normals, { visible: normals });
     Object.assign(this.forces, { visible: forces });
     const point = this.run.array('contact.point'), normal = this.run.array('contact.normal'), force = this.run.array('contact.force'), gap = this.run.array('contact.gap');
@@ -296,7 +303,7 @@ export class Scene extends Stage {
       const newton = direction.length();
       if (newton > 0) this.forces.put(from, direction.divideScalar(newton), this.forceUnit * scale * newton, width);
     }
-    this.dots.count = count;
+    this.dots.count = this.ghosts.count = count;
     this.dots.instanceMatrix.needsUpdate = this.dots.instanceColor.needsUpdate = true;
     this.normals.end();
     this.forces.end();

@@ -22,7 +22,7 @@ if (!errors.length) {
   await page.evaluate(([k, code]) => { replay.show(k); if (code) new Function(code)(); }, [+frame, script]);
   await page.waitForTimeout(400);
   await page.screenshot({ path: out });
-  if (await page.locator('#play').count()) await page.locator('#play').click();
+  if (await page.locator('#play').isVisible()) await page.locator('#play').click();
   await page.waitForTimeout(1000);
   const { frames, cost } = await page.evaluate(() => {
     const begin = performance.now();

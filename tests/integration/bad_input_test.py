@@ -153,6 +153,11 @@ class BadInput(DriverTest):
         self.assertRegex(run.stderr, r"--dilation = 0\.0006 m must be less than half of the smallest clearance, "
                                      r"2\.\d{1,5}e-05 m$")
 
+    def test_option_without_its_value(self):
+        files = ("--builtin", "peg", "--picture")
+        self.refused(USAGE, ["--picture needs a value, not -o"], "query_contacts", *files, "-o", "gear")
+        self.refused(USAGE, ["--picture needs a value"], "query_contacts", *files)
+
     def test_number_that_is_none(self):
         self.refused_replay(USAGE, ["--mu", "'nan' is not a number"], "--mu", "nan")
         self.refused_replay(USAGE, ["--gravity = 0,0,nan", "three numbers"], *self.with_peg("--gravity", "0,0,nan"))

@@ -16,6 +16,12 @@ file(REMOVE_RECURSE ${WORK})
 try(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/first)
 file(RENAME ${WORK}/first ${WORK}/moved)
 
+file(GLOB_RECURSE texts ${WORK}/moved/share/doc/*/doc/theory/lmd.md ${WORK}/moved/share/doc/*/examples/sliding_block.cpp)
+list(LENGTH texts count)
+if(NOT count EQUAL 2)
+  message(FATAL_ERROR "the manual and the sources of the drivers must be installed, found: ${texts}")
+endif()
+
 message("-- by find_package")
 try(${CMAKE_COMMAND} -G Ninja -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK}/build -DCMAKE_PREFIX_PATH=${WORK}/moved
   -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_CXX_FLAGS=${FLAGS})

@@ -346,7 +346,9 @@ INSTANTIATE_TEST_SUITE_P(
         Broken{"two_coordinates.obj", ":2: coordinates of the vertex = 2 must be at least 3"},
         Broken{"two_corners.obj", ":4: corners = 2 must be at least 3"},
         Broken{"two_vertices_ascii.stl", ":6: 'endloop' must be 'vertex'"},
-        Broken{"cad.stp", "-format stl -bin -o"},
+        Broken{"cad.stp",
+               ": extension '.stp' must be .obj, .stl, .ply or .off; make triangles of it first: gmsh -2 "
+               "cad.stp -format stl -bin -o cad.stl"},
         Broken{"unknown_extension.xyz", ": extension '.xyz' must be .obj, .stl, .ply or .off"},
         Broken{"unknown_format.ply",
                ":2: format = 'ebcdic' must be ascii, binary_little_endian or binary_big_endian"},

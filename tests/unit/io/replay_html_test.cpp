@@ -107,6 +107,24 @@ TEST(ReplayHtml, NeedsNothingButItself) {
   EXPECT_EQ(html.find("<!--RUN-->"), std::string::npos);
 }
 
+TEST(ReplayHtml, TellsOfJoints) {
+  const auto path = fresh_folder() / "replay.html";
+  RunData run = peg_run(3);
+  run.header.joints = {{"guide", "prismatic", {1, -1}}, {"clamp", "fixed", {1, 0}}};
+  for (RunStep& step : run.steps)
+    step.joints = {{.coordinate = Vec3(0.1, 0, 0), .force = Vec3(3, 0, 4), .effort = Vec3(7, 0, 0)},
+                   {.torque = Vec3(0, 0, double(step.step))}};
+  write_replay_html(path, run);
+  const Page page(path);
+  EXPECT_EQ(page.header["joint_name"], (std::vector<std::string>{"guide", "clamp"}));
+  EXPECT_EQ(page.header["joint_kind"], (std::vector<std::string>{"prismatic", "fixed"}));
+  EXPECT_EQ(page.floats("joint.force"), (std::vector<float>{5, 0, 5, 0, 5, 0}));
+  EXPECT_EQ(page.floats("joint.coordinate").size(), 18u);
+  EXPECT_EQ(page.floats("joint.coordinate")[6], 0.1F);
+  EXPECT_EQ(page.floats("joint.effort")[12], 7);
+  EXPECT_EQ(page.floats("joint.torque")[5], float(run.steps[2].step));
+}
+
 TEST(ReplayHtml, HoldsTheRun) {
   const auto path = fresh_folder() / "replay.html";
   const RunData run = peg_run(120);
