@@ -156,7 +156,7 @@ TEST(Study, TakesSchemesAsTheyAreDelivered) {
   const Study s = study(case_named("ball_e0"), "moreau_jean", moreau(0.5), {.levels = 3, .phases = 4});
   EXPECT_GT(s.cut[0], 0) << to_string(s);
   ASSERT_EQ(s.h.size(), 6U) << to_string(s);
-  for (const std::size_t i : {3, 4, 5}) EXPECT_EQ(s.cut[i], 0);
+  for (const std::size_t i : {3U, 4U, 5U}) EXPECT_EQ(s.cut[i], 0);
   EXPECT_EQ(verdict(s), Verdict::met) << to_string(s);
   EXPECT_NE(to_string(s).find("steps shortened"), std::string::npos);
 }
