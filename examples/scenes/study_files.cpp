@@ -48,13 +48,15 @@ Json key_of(const Study& s, std::uint64_t program) {
 Json json_of(const Study& s, std::uint64_t program) {
   Json out = key_of(s, program);
   out["as_expected"] = as_expected(s);
+  out["verdict"] = to_string(verdict(s));
   out["order"] = json_of(s.order);
   out["expected"] = json_of(s.expected);
+  for (std::size_t m = 0; m < s.why.size(); ++m) out["why"][kMeasures[m]] = s.why[m];
   out["steps"] = s.steps;
-  out["cut"] = s.cut;
   for (std::size_t i = 0; i < s.h.size(); ++i) {
     Json level = json_of(s.errors[i]);
     level["h_s"] = s.h[i];
+    level["cut"] = s.cut[i];
     out["levels_done"].push_back(level);
   }
   return out;
@@ -64,12 +66,14 @@ std::string order_text(const Study& s) {
   std::string out;
   char text[24];
   for (std::size_t m = 0; m < s.order.size(); ++m) {
-    std::snprintf(text, sizeof text, std::isinf(s.order[m]) ? "exact" : "%.2f", s.order[m]);
-    const bool missed = !(s.order[m] >= s.expected[m] - kOrderSlack);
+    const bool exact = std::isinf(s.order[m]), missed = !(s.order[m] >= s.expected[m] - kOrderSlack);
+    const bool less = !exact && !missed && s.expected[m] < 1;
+    std::snprintf(text, sizeof text, exact ? "exact" : less ? "(%.2f)" : "%.2f", s.order[m]);
     if (m > 0) out += ' ';
     out.append(missed ? "**" : "").append(text).append(missed ? "**" : "");
   }
-  return out;
+  if (verdict(s) == Verdict::not_judged) out = "not judged";
+  return std::ranges::count(s.cut, 0) < std::ptrdiff_t(s.cut.size()) ? out + " c" : out;
 }
 
 // Every value of `names` once, in the order in which they come.
@@ -111,11 +115,13 @@ std::optional<Study> read_study(const std::filesystem::path& path, const Study& 
       if (json.at(field.key()) != field.value()) return {};
     Study out = wanted;
     out.order = errors_in(json.at("order")), out.expected = errors_in(json.at("expected"));
-    out.steps = json.at("steps"), out.cut = json.at("cut");
-    out.h.clear(), out.errors.clear();
+    for (std::size_t m = 0; m < out.why.size(); ++m) out.why[m] = json.at("why").at(kMeasures[m]);
+    out.steps = json.at("steps");
+    out.h.clear(), out.errors.clear(), out.cut.clear();
     for (const Json& level : json.at("levels_done")) {
       out.h.push_back(level.at("h_s"));
       out.errors.push_back(errors_in(level));
+      out.cut.push_back(level.at("cut"));
     }
     return out;
   } catch (const std::exception&) {  // empty or damaged: done again

@@ -30,8 +30,9 @@ std::optional<Study> read_study(const std::filesystem::path& path, const Study& 
 bool write_picture(const std::filesystem::path& dir, const Study& study);
 
 /// A table per scheme in Markdown: a row per case, a column per setting, the fitted orders of the four
-/// measures; missed ones are bold, "exact" stands where nothing but rounding is left, a dash where the
-/// setting has no restitution.
+/// measures; missed ones are bold, in brackets those of which theory promises less than one, "exact" stands
+/// where nothing but rounding is left, a dash where the setting has no restitution, c where steps were
+/// shortened at some step sizes.
 std::string order_table(const std::vector<Study>& studies);
 
 }  // namespace aussois

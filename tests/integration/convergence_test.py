@@ -58,7 +58,7 @@ class Convergence(DriverTest):
     def test_a_missed_order_is_an_exit_code(self):
         # Steps of three tenths of a second are no steps for a ball that comes to rest in 1.35 s.
         run = self.converge("--case", "ball_e05", "--h0", 0.3, *SMALL, code=NOT_ACCEPTED)
-        self.assertIn("0 of 1 as theory promises", run.stdout)
+        self.assertIn("0 of 1 met", run.stdout)
 
     def test_studies_that_are_there_are_not_done_again(self):
         self.converge(*TOP, "-o", "a")
@@ -111,7 +111,7 @@ class Convergence(DriverTest):
         self.assertEqual(run.returncode, 0, run.stderr)
         alone, farm = self.studies("alone"), self.studies("farm")
         self.assertEqual([alone[name] for name in sorted(alone)], [farm[name] for name in sorted(farm)])
-        self.assertEqual(run.stdout.count("as theory promises"), 1)
+        self.assertEqual(run.stdout.count("met the orders of theory"), 1)
         self.assertIn(f"{len(farm)} of {len(farm)} were in farm already", run.stdout)
 
     def test_goes_on_after_an_interruption(self):
@@ -134,9 +134,22 @@ class Convergence(DriverTest):
 
     def test_every_scheme_reaches_its_order_on_every_case(self):
         run = self.converge("--all", "--quiet", "-o", "table")
-        done, of = re.search(r"convergence: (\d+) of (\d+) as theory promises", run.stdout).groups()
-        self.assertEqual(done, of)
-        self.assertGreater(int(of), 400)
+        met, of, less, none, unjudged, missed = map(int, re.search(
+            r"convergence: (\d+) of (\d+) met.*?; (\d+) met less.*?; (\d+) have no.*?; (\d+) not.*?; (\d+) missed",
+            run.stdout).groups())
+        self.assertEqual((met + less + none, unjudged, missed), (of, 0, 0))
+        self.assertGreater(met, 500)
+        self.assertLess(none, 7)
+
+    def test_what_theory_does_not_promise_is_told_and_not_counted_as_met(self):
+        run = self.converge("--case", "ball_e0", "--normal-law", "combined", "--h0", 1e-3, "--levels", 3)
+        self.assertIn("theory promises none", run.stdout)
+        self.assertIn("convergence: 0 of 1 met", run.stdout)
+        self.assertIn("; 1 have no order of the graph promised;", run.stdout)
+        study = json.loads(next(iter(self.studies("out").values())))
+        self.assertEqual(study["verdict"], "no order of the graph is promised")
+        self.assertIn("theory promises none", study["why"]["v_graph"])
+        self.assertEqual(study["expected"]["v_graph"], 0)
 
     def test_bad_input_is_refused_without_a_trace(self):
         for words, arguments in (
