@@ -104,11 +104,14 @@ ExitCode run(const Arguments& a) {
   if (interrupted()) return ExitCode::interrupted;
   if (!a.quiet) std::printf("%s", to_text(list).c_str());
   if (!a.json.empty()) write_whole_file(a.json, to_json(list));
-  if (!a.page.empty()) write_whole_file(a.page, with_list(read_file(a.page), to_markdown(list)));
   if (known > 0) std::printf("%d of %zu cases were in %s already\n", known, list.size(), a.out.c_str());
   const int failed = count(list, Verdict::fail), skipped = count(list, Verdict::skipped);
   std::printf("verify: %d rows hold, %d fail, %d are skipped%s\n", count(list, Verdict::pass), failed,
               skipped, skipped > 0 ? " without the shared data (AUSSOIS_DATA_DIR)" : "");
+  if (!a.page.empty() && failed + skipped == 0)
+    write_whole_file(a.page, with_list(read_file(a.page), to_markdown(list)));
+  else if (!a.page.empty())
+    std::fprintf(stderr, "verify: %s is left as it is: not all rows hold\n", a.page.c_str());
   return failed == 0 ? ExitCode::ok : ExitCode::not_accepted;
 }
 
@@ -131,7 +134,8 @@ int main(int argc, char** argv) {
   cli.option("-o,--out", a.out,
              "folder of the results, made if missing; cases that it has of this program are not run again");
   cli.option("--json", a.json, "also write the rows to this file");
-  cli.option("--page", a.page, "also write the rows into this page, doc/theory/verification_list.md");
+  cli.option("--page", a.page,
+             "also write the rows into this page if all hold: doc/theory/verification_list.md");
   cli.option("--threads", a.threads, "cases at the same time; the results do not depend on it", "", {1, 256});
   cli.flag("--quiet", a.quiet, "no progress and no rows; the count stays");
   cli.example("verify --group A -o verified", "all impacts without friction");
