@@ -3,8 +3,7 @@
 //
 // Theory   doc/theory/verification_list.md
 // Run      verify --list
-//          verify --case A4
-//          verify --group B1,B2,B3 --json out/verified.json
+//          verify --case A4.unequal_balls --json out/verified.json
 // Expect   "holds" in every row; the exit code says whether
 //
 // verify --all runs the whole list. Interrupt it when you like: the next call of the same program with the
