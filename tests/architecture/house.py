@@ -167,12 +167,15 @@ def references(root):
 
 
 def tests(root):
-    """Every test that a page names, such as `Suite.Test`, `Suite.Begins*` or `Suite.*`, exists."""
+    """Every test that a page names, such as `Suite.Test`, `Suite.Begins*` or `Suite.*`, and every case of the
+    verification list, such as `A4.column` or its row `A4.column.weight`, exists."""
     known = {f"{match[1]}.{match[2]}"
              for _, match in lines(root, files(root / "tests", ".cpp"), r"^\s*TEST(?:_P|_F)?\((\w+), (\w+)")}
     named = lines(root, files(root / "doc", ".md"), r"`(?:\w+/)?([A-Z]\w+\.(?:[A-Z]\w*)?\*?)`")
-    return [f"{place}: there is no test {match[1]}" for place, match in named
-            if not fnmatch.filter(known, match[1])]
+    bad = [f"{place}: there is no test {match[1]}" for place, match in named if not fnmatch.filter(known, match[1])]
+    cases = {match[1] for _, match in lines(root, files(root / "examples", ".cpp"), r'"([A-H]\d+\.\w+)"')}
+    named = lines(root, files(root / "doc", ".md"), r"`([A-H]\d+\.[a-z]\w*)(?:\.\w+)?`")
+    return bad + [f"{place}: the verification list has no case {match[1]}" for place, match in named if match[1] not in cases]
 
 
 RULES = {rule.__name__: rule for rule in (includes, own_header_first, public_headers, listed, equations, licence,

@@ -106,6 +106,11 @@ class House(unittest.TestCase):
                          ["doc/a.md:2: there is no test Ball.Rests", "doc/a.md:2: there is no test Box.*",
                           "doc/a.md:3: there is no test EveryScheme.Keeps*"])
 
+    def test_cases_of_the_verification_list_that_pages_name_exist(self):
+        tree = {"examples/verification/a.cpp": '{.name = "A1.ball"}\n', "doc/a.md": "`A1.ball`, `A1.ball.energy`, `B4.ball`, `A1.cube.energy`\n"}
+        self.assertEqual(self.offences(house.tests, tree), ["doc/a.md:1: the verification list has no case B4.ball",
+                                                            "doc/a.md:1: the verification list has no case A1.cube"])
+
 
 if __name__ == "__main__":
     unittest.main()

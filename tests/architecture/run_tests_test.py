@@ -44,7 +44,7 @@ class RunTests(unittest.TestCase):
 
     def test_says_what_did_not_run_and_why(self):
         said = self.check(self.build, code=1)
-        self.assertIn("3 tests did not run:\n", said)
+        self.assertIn("\ndid not run: 3\n", said)
         self.assertIn("\n     1  skipped: no folder of shared data: a.skips\n", said)
         self.assertIn("\n     1  skipped: no h5py: b.skips\n", said)
         self.assertIn("\n     1  disabled: many minutes (label long), run by ./check --all: b.takes_long\n", said)
@@ -58,6 +58,11 @@ class RunTests(unittest.TestCase):
         self.assertIn("Test #2: a.fails", again)
         self.assertRegex(again, r"\nall +2 +0 +3 +\d+\n")
         self.assertRegex(again, r"\n  skipped +0 s  b.takes_long\n")
+        filtered = self.check("--all", self.build, "-R", "fails|b.skips", code=0)
+        self.assertIn("1 of 2 tests passed on this very build before", filtered)
+        self.assertNotIn("a.fails ..", filtered)
+        self.assertIn("Test #4: b.skips", filtered)
+        self.assertNotIn("Test #", self.check("--all", self.build, "-R", "fails", code=0))
         self.program("exit 0  # another program")
         self.assertIn("Test #1: a.passes", self.check("--all", self.build, code=0))
         self.assertIn("Test #1: a.passes", self.check(self.build, code=0))  # without --all everything runs
@@ -76,6 +81,14 @@ class RunTests(unittest.TestCase):
         again = self.check("--all", self.build, code=0)
         self.assertNotIn("Test #1", again)
         self.assertIn("Test #2", again)
+
+    def test_repeats_tests_that_share_a_name(self):
+        (self.build / "CTestTestfile.cmake").write_text("subdirs(a b)\n")
+        for folder, command in (("a", "true"), ("b", "false")):
+            (self.build / folder).mkdir()
+            (self.build / folder / "CTestTestfile.cmake").write_text(f"add_test(same /bin/{command})\n")
+        for _ in range(2):
+            self.assertIn("Test #2", self.check("--all", self.build, code=1))
 
     def test_a_filter_that_finds_nothing_is_an_error(self):
         self.check(self.build, "-R", "no_such_test", code=1)
