@@ -188,7 +188,7 @@ ExitCode run(Arguments a) {
   const Results results = run_cells(a, cells, [&](int n, const auto& f) { parallel_for(n, a.threads, f); });
   if (interrupted()) return ExitCode::interrupted;
   bool pictures = true;
-  std::map<Verdict, int> count;
+  std::map<OrderVerdict, int> count;
   for (const Study& s : results.done) {
     if (!a.all && !a.quiet)
       std::printf("%s, %s\n%s", s.case_name.c_str(), s.scheme.c_str(), to_string(s).c_str());
@@ -212,10 +212,11 @@ ExitCode run(Arguments a) {
       "convergence: %d of %zu met the orders of theory, one or more; %d met less than one, as theory says; "
       "%d "
       "have no order of the graph promised; %d not judged; %d missed\n",
-      count[Verdict::met], cells.size(), count[Verdict::less], count[Verdict::none],
-      count[Verdict::not_judged], count[Verdict::missed]);
+      count[OrderVerdict::met], cells.size(), count[OrderVerdict::less], count[OrderVerdict::none],
+      count[OrderVerdict::not_judged], count[OrderVerdict::missed]);
   if (!results.failures.empty()) return ExitCode::numerical;
-  return count[Verdict::missed] + count[Verdict::not_judged] == 0 ? ExitCode::ok : ExitCode::not_accepted;
+  return count[OrderVerdict::missed] + count[OrderVerdict::not_judged] == 0 ? ExitCode::ok
+                                                                            : ExitCode::not_accepted;
 }
 
 }  // namespace

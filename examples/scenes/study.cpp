@@ -109,34 +109,34 @@ std::pair<Errors, Reasons> expected_orders(const Case& c, const SchemeTraits& tr
   return {out, why};
 }
 
-const char* to_string(Verdict verdict) {
+const char* to_string(OrderVerdict verdict) {
   switch (verdict) {
-    case Verdict::met:
+    case OrderVerdict::met:
       return "met";
-    case Verdict::less:
+    case OrderVerdict::less:
       return "met, less than order one is promised";
-    case Verdict::none:
+    case OrderVerdict::none:
       return "no order of the graph is promised";
-    case Verdict::missed:
+    case OrderVerdict::missed:
       return "missed";
-    case Verdict::not_judged:
+    case OrderVerdict::not_judged:
       return "not judged: steps were shortened at too many step sizes";
   }
   return "?";
 }
 
-Verdict verdict(const Study& s) {
-  if (whole_steps(s).size() < kFewest) return Verdict::not_judged;
+OrderVerdict verdict(const Study& s) {
+  if (whole_steps(s).size() < kFewest) return OrderVerdict::not_judged;
   for (std::size_t m = 0; m < s.order.size(); ++m)
     if (!(s.order[m] >= s.expected[m] - kOrderSlack) || shortened_steps_are_worse(s, m))
-      return Verdict::missed;
+      return OrderVerdict::missed;
   const double least = *std::ranges::min_element(s.expected);
-  return least == 0 ? Verdict::none : least < 1 ? Verdict::less : Verdict::met;
+  return least == 0 ? OrderVerdict::none : least < 1 ? OrderVerdict::less : OrderVerdict::met;
 }
 
 bool as_expected(const Study& s) {
-  const Verdict v = verdict(s);
-  return v != Verdict::missed && v != Verdict::not_judged;
+  const OrderVerdict v = verdict(s);
+  return v != OrderVerdict::missed && v != OrderVerdict::not_judged;
 }
 
 ComputedMotion run_case(const Case& c, const std::string& scheme_name, const SchemeOptions& options,

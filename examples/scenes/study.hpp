@@ -40,15 +40,15 @@ struct Study {
 /// Fitted orders may miss the promised ones by this: what the phases of the impacts leave of their scatter.
 inline constexpr double kOrderSlack = 0.1;
 
-enum class Verdict {
+enum class OrderVerdict {
   met,         // all orders are those of theory, one or more
   less,        // they are, but theory promises less than one of some
   none,        // they are, but theory promises no convergence of some
   missed,      // one is below what theory promises, or shortened steps are worse than whole ones
   not_judged,  // too few step sizes without a step that was shortened
 };
-const char* to_string(Verdict verdict);
-Verdict verdict(const Study& study);
+const char* to_string(OrderVerdict verdict);
+OrderVerdict verdict(const Study& study);
 /// Nothing that theory promises is missed: met, less or none.
 bool as_expected(const Study& study);
 

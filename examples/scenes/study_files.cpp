@@ -72,7 +72,7 @@ std::string order_text(const Study& s) {
     if (m > 0) out += ' ';
     out.append(missed ? "**" : "").append(text).append(missed ? "**" : "");
   }
-  if (verdict(s) == Verdict::not_judged) out = "not judged";
+  if (verdict(s) == OrderVerdict::not_judged) out = "not judged";
   return std::ranges::count(s.cut, 0) < std::ptrdiff_t(s.cut.size()) ? out + " c" : out;
 }
 
