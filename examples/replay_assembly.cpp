@@ -176,16 +176,6 @@ double base_distance_at(const AssemblyScene& scene, const State& state, const Co
                                            : min_base_distance(scene.model, state, cutoff, threads);
 }
 
-// Is a contact missing, or nearer than the bases (LMD-14)? Bases that all but touch have no direction.
-bool is_covered(const AssemblyScene& scene, double gap, double distance, double threshold) {
-  const auto shape = [&](int body) -> const LmdShape& {
-    return *scene.model.shapes[std::size_t(scene.model.bodies[std::size_t(body)].shape)];
-  };
-  const double dilation = 2 * scene.dilation, expected = distance - dilation;
-  return distance < 1e-3 * dilation || !(expected < threshold) ||
-         std::abs(gap - expected) <= coverage_tolerance(shape(scene.fixed), shape(scene.moving));
-}
-
 // ---- kinematic: the part stands at each recorded pose; nothing moves it but the path
 
 ExitCode replay_kinematic(const AssemblyInput& input, const AssemblyScene& scene, const Arguments& a) {
@@ -209,7 +199,9 @@ ExitCode replay_kinematic(const AssemblyInput& input, const AssemblyScene& scene
     row.contacts_found = int(found.points.size());
     row.min_gap = smallest_gap(found);
     row.min_base_distance = distance;
-    s.uncovered += !is_covered(scene, row.min_gap, distance, threshold);
+    s.uncovered += distance < threshold + 2 * scene.dilation &&
+                   !is_covered(posed_shape(scene.model, state, scene.fixed),
+                               posed_shape(scene.model, state, scene.moving), distance, a.common.threads);
     run.append(row);
     csv.add({double(s.steps), double(found.points.size()), row.min_gap, distance, ms.back()});
     s.min_gap = std::min(s.min_gap, row.min_gap);

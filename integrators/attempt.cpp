@@ -53,10 +53,11 @@ std::vector<Anchor> anchors_after(const Found& found, const ImpulseStep& step, i
   return out;
 }
 
-// Contacts that were left out of the problem and keep their anchors (PER-11): at most `layer` farther open
+// Contacts that were left out of the problem, and keep their anchors (PER-11): at most `layer` farther open
 // than those of their cluster that hold, they slip against the first of them no faster than (PER-10) allows.
+// Solved ones that bear no share of the load keep theirs likewise, in `anchors`.
 std::vector<int> waiting_anchors(const StepSetting& setting, const Found& found, const ImpulseStep& step,
-                                 const std::vector<Anchor>& anchors, const VecX& v) {
+                                 std::vector<Anchor>& anchors, const VecX& v) {
   const auto slip = [&](int i) {
     const ContactRow& row = step.rows[std::size_t(i)];
     return Vec3(row.frame.rightCols<2>() * slip_velocity(row, setting.dofs, v).segment<2>(1));
@@ -76,12 +77,19 @@ std::vector<int> waiting_anchors(const StepSetting& setting, const Found& found,
     if (held.first < 0) held.first = i;
     held.open = std::max(held.open, gap(i) + setting.options.reduction.layer);
   }
+  const auto waits = [&](int i) {
+    const Held& held = clusters[std::size_t(found.selection.cluster[std::size_t(i)])];
+    return found.warm.anchor[std::size_t(i)].held && gap(i) <= held.open &&
+           (slip(i) - slip(held.first)).norm() <= setting.options.persistence.slip_speed;
+  };
+  for (std::size_t k = 0; k < anchors.size(); ++k) {
+    const int i = step.solved.kept[k];
+    if (!anchors[k].held && !(step.solved.solution.r[step.solved.first_row[k]] > 0) && waits(i))
+      anchors[k] = found.warm.anchor[std::size_t(i)];
+  }
   std::vector<int> out;
   for (int i = 0; i < int(solved.size()); ++i) {
-    const Held& held = clusters[std::size_t(found.selection.cluster[std::size_t(i)])];
-    if (!solved[std::size_t(i)] && found.warm.anchor[std::size_t(i)].held && gap(i) <= held.open &&
-        (slip(i) - slip(held.first)).norm() <= setting.options.persistence.slip_speed)
-      out.push_back(i);
+    if (!solved[std::size_t(i)] && waits(i)) out.push_back(i);
   }
   return out;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "integrators/moreau_jean.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -99,24 +100,38 @@ std::vector<double> normal_impulses(const Found& found) {
   return r_N;
 }
 
-// What lands - takes an impulse, took none in the step before, and would end overlapped on `v_path` - ends
-// closed, and is stopped if it still closes then; nothing else gets closer than closed (MJ-17). Returns the
-// velocities of that path; `step` gets the impulses.
+// How fast a closed contact may close again by the turning of its bodies alone: its arms and its normal are
+// others after a step (MJ-17) [m/s].
+double closing_by_turning(const StepSetting& setting, const State& start, const ContactRow& row, double slip,
+                          double h) {
+  double out = 0;
+  for (const int body : {row.body_a, row.body_b}) {
+    const double spin = twist(start, body).tail<3>().norm();
+    out += h * spin * (spin * setting.bounds[std::size_t(body)].radius + slip);
+  }
+  return out;
+}
+
+// What lands - was closing on the path, faster than a closed contact does, and would end overlapped - ends
+// closed, and is stopped if it still closes then; nothing else gets closer than closed (MJ-17). Whether a row
+// lands is a matter of velocities, which are unique where shares of a load are not. Returns the velocities of
+// that path; `step` gets the impulses.
 VecX land(const StepSetting& setting, const State& start, const Found& found, const VecX& v_path,
           ImpulseStep& step) {
   constexpr double kRounding = 1e-13;  // [m], of coordinates of some metres
-  const std::vector<RowVector> r = row_impulses(step);
   const VecX v_end = step.solved.solution.v;
   std::vector<ContactRow> opening;
   bool lands = false, closes_on = false;
-  for (std::size_t i = 0; i < step.rows.size(); ++i) {
-    ContactRow& row = step.rows[i];
+  for (ContactRow& row : step.rows) {
     if (row.law.kind == LawKind::dry_friction) continue;
-    const double before = row.slot < 0         ? found.contacts.points[i].normal.dot(found.warm.impulse[i])
-                          : start.r.size() > 0 ? start.r[row.slot]
-                                               : 0;
     const double ahead = row.gap + found.h * slip_velocity(row, setting.dofs, v_path).x();
-    const bool landing = r[i][0] > 0 && !(before > 0) && ahead < -kRounding;
+    bool landing = ahead < -kRounding;
+    if (landing && row.slot < 0) {
+      const RowVector before = slip_velocity(row, setting.dofs, step.free->v);
+      landing = -before.x() > closing_by_turning(setting, start, row, before.head<3>().norm(), found.h);
+    } else if (landing) {  // of gap functions and stops: none that bore a load
+      landing = start.r.size() == 0 || !(start.r[row.slot] > 0);
+    }
     opening.push_back(row);
     opening.back().w.x() = landing ? ahead : std::max(0.0, ahead);
     lands |= landing;
@@ -125,10 +140,13 @@ VecX land(const StepSetting& setting, const State& start, const Found& found, co
     closes_on = true;
   }
   if (!lands) return v_path;
+  const SolveStatus first = step.solved.solution.report.status;
   if (closes_on) solve_rows(setting, start, found, step);
-  return v_path + opening_displacement(setting, step.free->mass, std::move(opening), step.joints.equations.G,
-                                       found.h) /
-                      found.h;
+  const auto [d, status] =
+      opening_displacement(setting, step.free->mass, std::move(opening), step.joints.equations.G, found.h);
+  SolveStatus& told = step.solved.solution.report.status;
+  told = std::max({told, first, status});
+  return v_path + d / found.h;
 }
 
 double time_of(ContactsAt at, double h) {
@@ -219,7 +237,8 @@ Attempt MoreauJean::attempt(const State& state, const SharedMotion& without, con
   }
   if (after) step.impact = after->impact;
   VecX v_path = theta * step.solved.solution.v + (1 - theta) * first->v;  // (MJ-7)
-  if (theta < 1 && normal.gamma == 1 && normal.law != NormalLaw::moreau && v_path.allFinite())
+  if (theta < 1 && options_.contacts != ContactsAt::end && normal.gamma == 1 &&
+      normal.law != NormalLaw::moreau && v_path.allFinite())
     v_path = land(setting_, start, found, v_path, step);
   Attempt out = go(setting_, start, found, step,
                    {.v_path = v_path,

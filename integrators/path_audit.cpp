@@ -61,6 +61,13 @@ std::vector<StepPair> pairs_at(const Audited& step, const State& there) {
   return out;
 }
 
+// But for those that are told to overlap.
+std::vector<StepPair> untold_pairs(const Audited& step, const State& there) {
+  std::vector<StepPair> out = pairs_at(step, there);
+  std::erase_if(out, [&](const StepPair& pair) { return is_told(pair, step.report); });
+  return out;
+}
+
 struct Seen {
   bool kept = true, nested = false;
 };
@@ -72,8 +79,7 @@ Seen look_at(const Audited& step, const State& there, PathAudit& audit) {
     const RigidBody& body = step.model.bodies[std::size_t(b)];
     return MovingShape{step.model.shapes[std::size_t(body.shape)].get(), body.g_bs, {.g = pose(there, b)}};
   };
-  std::vector<StepPair> pairs = pairs_at(step, there);
-  std::erase_if(pairs, [&](const StepPair& pair) { return is_told(pair, step.report); });
+  const std::vector<StepPair> pairs = untold_pairs(step, there);
   Seen out;
   for (const StepPair& pair : pairs) {
     const double certified = certified_distance(step, pair, audit.max_overlap);
@@ -91,17 +97,14 @@ Seen look_at(const Audited& step, const State& there, PathAudit& audit) {
   return out;
 }
 
-// Is the smallest gap of every pair its distance less the dilations (LMD-14)? Bases that all but touch have
-// no direction.
+// Is the smallest gap of every pair its distance less the dilations (LMD-14)?
 bool is_covered(const Audited& step, const State& there) {
-  return std::ranges::all_of(pairs_at(step, there), [&](const StepPair& pair) {
+  return std::ranges::all_of(untold_pairs(step, there), [&](const StepPair& pair) {
     const PosedShape a = posed_shape(step.model, there, pair.a), b = posed_shape(step.model, there, pair.b);
     const double cutoff = 2 * pair.dilation,
                  distance = base_distance({a.shape, {}, {.g = a.g_ws}}, {b.shape, {}, {.g = b.g_ws}}, cutoff,
                                           step.threads);
-    return distance < 1e-3 * pair.dilation || distance >= cutoff ||
-           std::abs(gap_beyond_distance(a, b, distance, step.threads)) <=
-               coverage_tolerance(*a.shape, *b.shape);
+    return distance >= cutoff || is_covered(a, b, distance, step.threads);
   });
 }
 

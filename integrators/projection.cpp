@@ -42,8 +42,8 @@ State displaced(const StepSetting& setting, const State& at, const VecX& d) {
 }  // namespace
 
 // In the units of the step, d / h and w / h.
-VecX opening_displacement(const StepSetting& setting, const SparseMatrix& mass, std::vector<ContactRow> rows,
-                          const SparseMatrix& G, double h) {
+OpeningDisplacement opening_displacement(const StepSetting& setting, const SparseMatrix& mass,
+                                         std::vector<ContactRow> rows, const SparseMatrix& G, double h) {
   for (ContactRow& row : rows) {
     row.law = unilateral();
     row.w /= h;
@@ -58,7 +58,9 @@ VecX opening_displacement(const StepSetting& setting, const SparseMatrix& mass, 
   problem.b = VecX::Zero(G.cols());
   SolverOptions solver = setting.options.solver;
   solver.tolerance = std::min(solver.tolerance, 1e-12);
-  return h * solve(problem, VecX(), solver).v;
+  solver.estimate_error = false;
+  const FrictionSolution found = solve(problem, VecX(), solver);
+  return {h * found.v, found.report.status};
 }
 
 Projection without_overlap(const StepSetting& setting, const State& plain, const std::vector<StepPair>& pairs,
@@ -83,7 +85,7 @@ Projection without_overlap(const StepSetting& setting, const State& plain, const
       else
         out.gaps.push_back(int(i - contacts.points.size()));
     }
-    const VecX d = opening_displacement(setting, free.mass, blocks.rows, G, h);
+    const VecX d = opening_displacement(setting, free.mass, blocks.rows, G, h).d;
     if (!d.allFinite()) break;
     total += d;
     tried = displaced(setting, tried, d);

@@ -22,7 +22,11 @@ Projection without_overlap(const StepSetting& setting, const State& plain, const
 
 /// The smallest displacement d in the metric of `mass` with J d + w >= 0 for the normal of each row, w = its
 /// first bias [m], that keeps the joints `G` as they are; in the places of the problem's rows (PRJ-1).
-VecX opening_displacement(const StepSetting& setting, const SparseMatrix& mass, std::vector<ContactRow> rows,
-                          const SparseMatrix& G, double h);
+struct OpeningDisplacement {
+  VecX d{};
+  SolveStatus status = SolveStatus::converged;
+};
+OpeningDisplacement opening_displacement(const StepSetting& setting, const SparseMatrix& mass,
+                                         std::vector<ContactRow> rows, const SparseMatrix& G, double h);
 
 }  // namespace aussois

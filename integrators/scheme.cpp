@@ -48,7 +48,7 @@ SchemeTraits moreau_jean_traits(const SchemeOptions& o) {
           .smooth = o.theta == 0.5 ? 2.0 : 1.0,
           .rolling = speaks_of_the_mean(o) ? 2.0 : 1.0,
           .landing = landing_order(o.normal.law, o.theta, o.impact.order == ImpactOrder::sequential,
-                                   o.theta < 1 && o.normal.gamma < 1),
+                                   o.theta < 1 && (o.normal.gamma < 1 || o.contacts == ContactsAt::end)),
           .restitution = o.normal.law != NormalLaw::gap_over_step || o.normal.gamma < 1,
           .pairwise = o.impact.order == ImpactOrder::sequential};
 }

@@ -12,6 +12,9 @@ namespace aussois {
 /// contact is nearer than the bases.
 double gap_beyond_distance(const PosedShape& a, const PosedShape& b, double distance, int threads = 1);
 
+/// (LMD-14) of one pose. Bases that all but touch have no direction, and no contact: they count as covered.
+bool is_covered(const PosedShape& a, const PosedShape& b, double distance, int threads = 1);
+
 /// What idealised planes and chains may make of it, either way (LMD-14) [m].
 double coverage_tolerance(const LmdShape& a, const LmdShape& b);
 

@@ -104,7 +104,7 @@ void check_joint(const Joint& joint, int index, const std::vector<RigidBody>& bo
     check_axis(joint.axis[std::size_t(i)], who + "axis[" + std::to_string(i) + "].");
   for (std::size_t i = std::size_t(axis_count(joint.kind)); i < joint.axis.size(); ++i)
     require(is_plain(joint.axis[i]),
-            who + "axis[" + std::to_string(i) + "] has a stop, friction, spring or " + "motor, but a " +
+            who + "axis[" + std::to_string(i) + "] has a stop, friction, spring or motor, but a " +
                 to_string(joint.kind) + " joint has " + std::to_string(axis_count(joint.kind)) + " axes");
 }
 

@@ -274,7 +274,7 @@ VerificationCase needle(const Gun& gun) {
 VerificationCase refused() {
   return {
       .name = "A5.refused",
-      .what = "bullet on paper with steps of 1 us at least, moreau_jean, 100 starts",
+      .what = "bullet on paper with steps of 1 us at least, passive_midpoint, 100 starts",
       .rows = {{"refused", "starts that are refused", "-", 11,
                 "the overlap is crossed in a quarter of the step", Sense::at_least},
                {"otherwise", "of them with another status or reason, or a state that changed", "-", 0,
@@ -287,7 +287,7 @@ VerificationCase refused() {
         for (int k = 0; k < 100; ++k) {
           const CaseScene s = bullet_and_paper(0, 0.3 + k / 100.0 * kBulletSpeed * kStep);
           const Scheme scheme =
-              make_scheme("moreau_jean", s.model, {.h = kStep, .theta = 0.5, .advancement = {.min_h = 1e-6}});
+              make_scheme("passive_midpoint", s.model, {.h = kStep, .advancement = {.min_h = 1e-6}});
           State state = s.state;
           while (state.t < 3e-3) {
             const std::uint64_t before = hash(state);

@@ -61,8 +61,9 @@ class RunScene(DriverTest):
         self.run_scene(*scene, "--selector", PARTS / "peg_selector.txt", "-o", "learned", "--summary", "learned.json")
         self.assertGreaterEqual(min(map(float, self.columns("all")["contacts"])), 32)
         self.assertLessEqual(max(map(float, self.columns("learned")["contacts"])), 5)
-        for out in ("all", "learned"):
-            self.assertLess(json.loads((self.folder / f"{out}.json").read_text())["max_displacement"], 1e-6)
+        # What was left out comes back when it closes by a hundredth of the dilations, 0.1 mm each, in a step.
+        for out, most in (("all", 1e-9), ("learned", 2e-6)):
+            self.assertLess(json.loads((self.folder / f"{out}.json").read_text())["max_displacement"], most)
 
     def test_a_selector_that_is_not_one_is_refused_by_file_and_line(self):
         scene = ("--scene", "pressed_peg")
@@ -147,7 +148,7 @@ class RunScene(DriverTest):
     def test_a_needle_of_ten_rad_a_step_asks_for_steps_of_its_own(self):
         """Its tips cross the overlap that is granted in 0.04 us (doc/theory/toys.md, A5)."""
         needle = ("--scene", "needle", "--h", "1e-3", "--quiet", "--summary", "s.json")
-        self.assertIn("1e-07", self.run_scene(*needle, code=NOT_ACCEPTED).stderr)
+        self.assertIn("1e-07", self.run_scene(*needle, "--scheme", "passive_midpoint", code=NOT_ACCEPTED).stderr)
         self.run_scene(*needle, "--min-h", "1e-12", "--certify", 100)
         summary = json.loads((self.folder / "s.json").read_text())
         self.assertEqual((summary["refused_steps"], summary["certify_violations"]), (0, 0))

@@ -52,18 +52,16 @@ inline const ContactPoint* find_key(const ContactSet& set, const ContactKey& key
 
 class ContinuityAuditor {
  public:
-  /// `off`: what idealised planes and chains may make of feet and gaps (LMD-14) [m].
-  ContinuityAuditor(const RandomPair& pair, const SmoothMotion& motion, const LmdOptions& options,
-                    double nearest = 0.03, double off = 0)
-      : pair_(pair), motion_(motion), options_(options), nearest_(nearest), off_(off) {}
+  ContinuityAuditor(const RandomPair& pair, const SmoothMotion& motion, const LmdOptions& options)
+      : pair_(pair), motion_(motion), options_(options) {}
 
-  /// Ends where the bases come nearer than `nearest`: contacts are defined for disjoint bases.
+  /// Ends where the bases come nearer than a step may take them: contacts are defined for disjoint bases.
   void run(double t_end, int steps, ContinuityAudit& audit) const {
     ContactSet now = contacts(0);
     for (int i = 0; i < steps; ++i) {
       const double t0 = t_end * i / steps, t1 = t_end * (i + 1) / steps;
       const SE3 g = motion_.at(t1);
-      if (base_distance({&pair_.a, {}, {.g = g}}, {&pair_.b, {}, {.g = pair_.g_b}}, 1) < nearest_) return;
+      if (base_distance({&pair_.a, {}, {.g = g}}, {&pair_.b, {}, {.g = pair_.g_b}}, 1) < 0.03) return;
       ContactSet next = contacts(t1);
       ++audit.poses;
       audit.contacts += long(next.points.size());
@@ -122,8 +120,8 @@ class ContinuityAuditor {
       return;
     }
     for (const ContactPoint& heir : without.points)
-      if ((heir.x_a - c.x_a).norm() < 1e-6 + off_ && (heir.x_b - c.x_b).norm() < 1e-6 + off_ &&
-          (heir.normal - c.normal).norm() < 1e-6 + off_ / d) {
+      if ((heir.x_a - c.x_a).norm() < 1e-6 && (heir.x_b - c.x_b).norm() < 1e-6 &&
+          (heir.normal - c.normal).norm() < 1e-6) {
         ++audit.handovers;
         audit.handover_gap = std::max(audit.handover_gap, std::abs(heir.gap - c.gap));
         audit.handover_rate = std::max(audit.handover_rate, std::abs(rate(heir, gone) - rate(c, there)));
@@ -152,11 +150,11 @@ class ContinuityAuditor {
 
   // Angle between u and the normal cone of the vertex at `foot`, infinite if the vertex is silent; -1 if
   // there is none. From the edges that meet there: no vertex of our shapes is a pit.
-  double angle_at_vertex(const PosedShape& posed, const Vec3& foot, const Vec3& u) const {
+  static double angle_at_vertex(const PosedShape& posed, const Vec3& foot, const Vec3& u) {
     const SimplicialComplex& k = posed.shape->complex;
     for (int v = 0; v < int(k.vertices.size()); ++v) {
       const Vec3& x = k.vertices[std::size_t(v)];
-      if ((posed.g_ws * x - foot).norm() > 1e-6 + off_) continue;
+      if ((posed.g_ws * x - foot).norm() > 1e-6) continue;
       std::vector<Vec3> directions;
       for (const int e : k.vertex_edges[v]) {
         const auto& ends = k.edges[std::size_t(e)];
@@ -173,7 +171,7 @@ class ContinuityAuditor {
     const PosedShape point{&point_, translation(p.x(), p.y(), p.z()), 2};
     const ContactSet minima = find_contacts(point, body, {.threshold = 1, .alpha = 0});
     return std::ranges::any_of(minima.points, [&](const ContactPoint& c) {
-      return (c.x_b - body.shape->radius * c.normal - foot).norm() < 1e-5 + off_;
+      return (c.x_b - body.shape->radius * c.normal - foot).norm() < 1e-5;
     });
   }
 
@@ -181,7 +179,6 @@ class ContinuityAuditor {
   const RandomPair& pair_;
   const SmoothMotion& motion_;
   const LmdOptions& options_;
-  double nearest_ = 0, off_ = 0;
 };
 
 /// `motions` random motions of convex and L-shaped pairs, `steps` poses each. Prints the seed of each
