@@ -88,9 +88,8 @@ std::vector<int> waiting_anchors(const StepSetting& setting, const Found& found,
       anchors[k] = found.warm.anchor[std::size_t(i)];
   }
   std::vector<int> out;
-  for (int i = 0; i < int(solved.size()); ++i) {
+  for (int i = 0; i < int(solved.size()); ++i)
     if (!solved[std::size_t(i)] && waits(i)) out.push_back(i);
-  }
   return out;
 }
 

@@ -2,6 +2,7 @@
 #include "integrators/energy_gain.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <numeric>
 #include <utility>
 

@@ -118,14 +118,13 @@ double closing_by_turning(const StepSetting& setting, const State& start, const 
 // that path; `step` gets the impulses.
 VecX land(const StepSetting& setting, const State& start, const Found& found, const VecX& v_path,
           ImpulseStep& step) {
-  constexpr double kRounding = 1e-13;  // [m], of coordinates of some metres
   const VecX v_end = step.solved.solution.v;
   std::vector<ContactRow> opening;
   bool lands = false, closes_on = false;
   for (ContactRow& row : step.rows) {
     if (row.law.kind == LawKind::dry_friction) continue;
     const double ahead = row.gap + found.h * slip_velocity(row, setting.dofs, v_path).x();
-    bool landing = ahead < -kRounding;
+    bool landing = ahead < -kOverlapRounding;
     if (landing && row.slot < 0) {
       const RowVector before = slip_velocity(row, setting.dofs, step.free->v);
       landing = -before.x() > closing_by_turning(setting, start, row, before.head<3>().norm(), found.h);

@@ -9,7 +9,6 @@ namespace aussois {
 namespace {
 
 constexpr int kRounds = 12;
-constexpr double kRounding = 1e-13;  // [m], of coordinates of some metres
 
 // Contacts and gap functions at the poses, frictionless: J d + gap >= 0 for a displacement d (PRJ-2).
 ContactBlocks openings(const StepSetting& setting, const State& at, const ContactSet& contacts) {
@@ -77,9 +76,9 @@ Projection without_overlap(const StepSetting& setting, const State& plain, const
     out.overlap = overlap;
     out.end = tried;
     out.moved = total.size() > 0 ? total.lpNorm<Eigen::Infinity>() : 0;
-    if (overlap <= kRounding) break;
+    if (overlap <= kOverlapRounding) break;
     for (std::size_t i = 0; i < blocks.rows.size(); ++i) {
-      if (blocks.rows[i].gap >= -kRounding) continue;
+      if (blocks.rows[i].gap >= -kOverlapRounding) continue;
       if (i < contacts.points.size())
         out.contacts.push_back(key_of(contacts.points[i]));
       else

@@ -6,6 +6,9 @@
 
 namespace aussois {
 
+/// Overlaps up to this are none [m], of coordinates of some metres.
+inline constexpr double kOverlapRounding = 1e-13;
+
 struct Projection {
   State end{};                         // poses and coordinates; the velocities are those that came in
   double moved = 0;                    // largest component of the displacement [m, rad]
@@ -20,12 +23,12 @@ struct Projection {
 Projection without_overlap(const StepSetting& setting, const State& plain, const std::vector<StepPair>& pairs,
                            const FreeMotion& free, const SparseMatrix& G, double h);
 
-/// The smallest displacement d in the metric of `mass` with J d + w >= 0 for the normal of each row, w = its
-/// first bias [m], that keeps the joints `G` as they are; in the places of the problem's rows (PRJ-1).
 struct OpeningDisplacement {
-  VecX d{};
+  VecX d{};  // in the places of the problem's rows [m, rad]
   SolveStatus status = SolveStatus::converged;
 };
+/// The smallest displacement d in the metric of `mass` with J d + w >= 0 for the normal of each row, w = its
+/// first bias [m], that keeps the joints `G` as they are (PRJ-1).
 OpeningDisplacement opening_displacement(const StepSetting& setting, const SparseMatrix& mass,
                                          std::vector<ContactRow> rows, const SparseMatrix& G, double h);
 

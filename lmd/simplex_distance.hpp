@@ -18,8 +18,8 @@ struct ClosestPoints {
 ClosestPoints closest_points(std::span<const Vec3> a, std::span<const Vec3> b);
 
 /// Are two simplices surely farther apart than `distance`, because the plane of one of them or the one across
-/// the line between their means parts them by more? To rounding, and quicker than
-/// closest_points. "No" says nothing.
+/// the line between their means parts them by more? Right to rounding, and quicker than closest_points.
+/// "No" says nothing.
 bool are_apart(std::span<const Vec3> a, std::span<const Vec3> b, double distance);
 
 }  // namespace aussois

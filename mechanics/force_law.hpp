@@ -13,8 +13,8 @@ namespace aussois {
 struct Model;
 struct State;
 
-/// A vector that is written from outside: what does not fit throws std::invalid_argument, in release builds
-/// too.
+/// A vector that is written from outside: [ ], ( ), segment, head and tail throw std::invalid_argument for
+/// what does not fit, in release builds too; other access is Eigen's.
 class ForceVector : public VecX {
  public:
   ForceVector() = default;

@@ -12,7 +12,7 @@ struct ExactContact {
   double wrong = kInf;    // its natural map before that rounding
 };
 
-enum class Digits { sixteen, thirty_two };  // these take twenty times as long
+enum class Digits { sixteen, thirty_two };  // thirty-two take twenty times as long
 
 /// For q_N < 0. There is an answer if the symmetric part of W is positive definite, whatever its condition.
 ExactContact solve_by_slip_compliance(const Mat3& W, const Vec3& q, double mu, Digits digits);

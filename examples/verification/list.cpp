@@ -2,6 +2,7 @@
 #include "examples/verification/list.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -190,7 +191,7 @@ bool has_list(const std::string& page) {
 
 std::string list_in(const std::string& page) {
   const std::size_t first = page.find(kBegin) + std::strlen(kBegin);
-  return page.substr(first, page.find(kEnd) - first);
+  return page.substr(first, page.find(kEnd, first) - first);
 }
 
 std::string with_list(const std::string& page, const std::string& markdown) {

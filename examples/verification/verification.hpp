@@ -45,8 +45,8 @@ struct MissingData : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// All of them, sorted as on the page: groups A to H, in each by number. No two have name and setting in
-/// common.
+/// All of them, sorted as on the page: groups A to D and G, in each by number. No two have name and setting
+/// in common.
 const std::vector<VerificationCase>& verification_cases();
 std::vector<VerificationCase> impact_verification();     // group A
 std::vector<VerificationCase> friction_verification();   // group B
