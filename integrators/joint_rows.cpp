@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <sstream>
 
 #include "geometry/check.hpp"
@@ -12,7 +13,9 @@ namespace aussois {
 namespace {
 
 constexpr int kProjectionSteps = 10;
+constexpr double kQuick = 1e-3;       // of the error that a step leaves while directions are kept
 constexpr double kProjected = 1e-13;  // [m, rad]; rounding of coordinates of some metres
+constexpr double kClosed = 1e-10;     // [m, rad]; its square is nothing beside the compliance of (JNT-3)
 
 bool prescribes_motion(const Motor& motor) {
   return motor.kind == MotorKind::speed || motor.kind == MotorKind::position;
@@ -252,13 +255,141 @@ std::string text_of(const JointError& error, const JointOptions& options) {
   return text.str();
 }
 
+namespace {
+
+// Everything that must hold at a state: positions (locked rows, couplings, position motors), and velocities
+// (also speed motors).
+struct Constraints {
+  std::vector<JointColumn> columns{};
+  std::vector<VelocityRow> rows{};
+};
+Constraints constraints(const Model& model, const State& state, bool velocities) {
+  Constraints out;
+  const auto add = [&](JointColumn column) {
+    out.rows.push_back(velocity_row(model, column));
+    out.columns.push_back(std::move(column));
+  };
+  for (int j = 0; j < int(model.joints.size()); ++j) {
+    const Joint& joint = model.joints[std::size_t(j)];
+    for (const JointRow& row : locked_rows(joint, state.g)) add({ColumnKind::locked, j, 0, row});
+    for (int i = 0; i < axis_count(joint.kind); ++i) {
+      const Motor& motor = joint.axis[std::size_t(i)].motor;
+      const bool of_position = motor.kind == MotorKind::position;
+      if (!is_bilateral(motor) || !(velocities || of_position)) continue;
+      add({ColumnKind::motor, j, i, axis_row(joint, state.g, i)});
+      VelocityRow& row = out.rows.back();
+      row.value = of_position ? joint_coordinate(model, state, j, i) - motor.target(state.t) : 0;
+      row.speed = of_position ? target_speed(motor, state.t) : motor.target(state.t);
+    }
+  }
+  for (const Coupling& coupling : model.couplings) add(column_of(model, coupling, state.g, state.turns));
+  return out;
+}
+
+// The smallest steps in the metric of the masses along which rows change by what is asked for (MJT-13).
+struct NearestMotion {
+  FrictionProblem problem{};
+  std::optional<MotionInverse> inverse{};  // nothing if something is not finite
+
+  // By -`change`; of bodies that move freely, in the places of State::v.
+  JointedMotion operator()(const VecX& change) {
+    problem.b = change;
+    return motion(problem, *inverse, VecX());
+  }
+};
+NearestMotion nearest_motion(const Model& model, const DofMap& dofs, const std::vector<VelocityRow>& rows) {
+  std::vector<Triplet> M, G;
+  for (std::size_t b = 0; b < model.bodies.size(); ++b)
+    if (const int at = dofs.first[b]; at >= 0) {
+      add_block(M, at, at, model.bodies[b].mass * Mat3::Identity());
+      add_block(M, at + 3, at + 3, model.bodies[b].inertia);
+    }
+  for (std::size_t k = 0; k < rows.size(); ++k) append_column(G, dofs, rows[k], int(k));
+  NearestMotion out;
+  FrictionProblem& problem = out.problem;
+  problem.M = SparseMatrix(dofs.coordinates, dofs.coordinates);
+  problem.M.setFromTriplets(M.begin(), M.end());
+  problem.G = SparseMatrix(dofs.coordinates, Eigen::Index(rows.size()));
+  problem.G.setFromTriplets(G.begin(), G.end());
+  problem.f = VecX::Zero(dofs.coordinates);
+  problem.H = SparseMatrix(dofs.coordinates, 0);
+  out.inverse = invert_motion(problem.M, problem.G);
+  return out;
+}
+
+// `step`, rows of the dynamic bodies, in the places of State::v.
+VecX spread(const Model& model, const State& state, const DofMap& dofs, const VecX& step) {
+  VecX all = VecX::Zero(state.v.size());
+  for (std::size_t b = 0; b < model.bodies.size(); ++b)
+    if (const int at = dofs.first[b]; at >= 0) all.segment<6>(6 * Eigen::Index(b)) = step.segment<6>(at);
+  return all;
+}
+
+// Poses at which all positions hold, or as nearly as Newton gets, nearest to those of the state (MJT-13).
+State closed(const Model& model, const State& state, double tolerance) {
+  State out = state, tried = state;
+  const DofMap dofs = dof_map(model);
+  NearestMotion nearest;
+  double least = kInf;
+  for (int k = 0; k < kProjectionSteps; ++k) {
+    const std::vector<VelocityRow> rows = constraints(model, tried, false).rows;
+    VecX error(Eigen::Index(rows.size()));
+    for (std::size_t i = 0; i < rows.size(); ++i) error[Eigen::Index(i)] = rows[i].value;
+    const double now = error.size() > 0 ? error.cwiseAbs().maxCoeff() : 0;
+    if (!(now < least)) break;
+    const bool slow = least == kInf || now > kQuick * least;
+    least = now;
+    out = tried;
+    if (now <= tolerance) break;
+    if (slow) nearest = nearest_motion(model, dofs, rows);  // else the directions before do as well
+    if (!nearest.inverse) break;
+    const VecX all = spread(model, state, dofs, nearest(error).v);
+    for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+      const auto at = 6 * Eigen::Index(b);
+      if (all.segment<6>(at).isZero(0)) continue;  // keeps its bits
+      tried.g[b].p += all.segment<3>(at);
+      tried.g[b].R = (tried.g[b].R * exp_so3(all.segment<3>(at + 3))).normalized();
+    }
+    tried.turns = counted_turns(model, out, tried.g);
+  }
+  return out;
+}
+
+// Whether joints lead from a body back to itself, the world and all that does not move freely being one: some
+// of their equations may then be redundant.
+bool close_loops(const Model& model, const DofMap& dofs) {
+  const std::size_t world = model.bodies.size();
+  std::vector<std::size_t> leader(world + 1);
+  std::iota(leader.begin(), leader.end(), std::size_t(0));
+  const auto leader_of = [&](int body) {
+    std::size_t i = body < 0 || dofs.first[std::size_t(body)] < 0 ? world : std::size_t(body);
+    while (leader[i] != i) i = leader[i] = leader[leader[i]];
+    return i;
+  };
+  for (const Joint& joint : model.joints) {
+    const std::size_t a = leader_of(joint.body_a), b = leader_of(joint.body_b);
+    if (a == b) return true;
+    leader[a] = b;
+  }
+  return false;
+}
+
+}  // namespace
+
 JointSystem joint_system(const Model& model, const State& state, const DofMap& dofs, const VecX& v_prescribed,
                          double h, double theta, const NormalLawOptions& normal,
                          const JointOptions& options) {
   if (model.joints.empty()) return {};
   const JointStep step{model, state, dofs,   speeds_of(dofs, state, v_prescribed),
                        h,     theta, normal, options.stabilisation};
-  return system_of(step, moved_poses(model, state, step.v.before, h / 2));
+  State middle = state;
+  middle.t += h / 2;
+  middle.g = moved_poses(model, state, step.v.before, h / 2);
+  if (close_loops(model, dofs)) {  // (MJT-18)
+    middle.turns = counted_turns(model, state, middle.g);
+    middle = closed(model, middle, kClosed);
+  }
+  return system_of(step, std::move(middle.g));
 }
 
 JointSystem joint_system_at(const Model& model, const State& state, const State& end, const DofMap& dofs,
@@ -346,71 +477,6 @@ void add_work(const Model& model, const std::vector<AxisImpulse>& axes, const Ve
   }
 }
 
-namespace {
-
-// Everything that must hold at a state: positions (locked rows, couplings, position motors), and velocities
-// (also speed motors).
-struct Constraints {
-  std::vector<JointColumn> columns{};
-  std::vector<VelocityRow> rows{};
-};
-Constraints constraints(const Model& model, const State& state, bool velocities) {
-  Constraints out;
-  const auto add = [&](JointColumn column) {
-    out.rows.push_back(velocity_row(model, column));
-    out.columns.push_back(std::move(column));
-  };
-  for (int j = 0; j < int(model.joints.size()); ++j) {
-    const Joint& joint = model.joints[std::size_t(j)];
-    for (const JointRow& row : locked_rows(joint, state.g)) add({ColumnKind::locked, j, 0, row});
-    for (int i = 0; i < axis_count(joint.kind); ++i) {
-      const Motor& motor = joint.axis[std::size_t(i)].motor;
-      const bool of_position = motor.kind == MotorKind::position;
-      if (!is_bilateral(motor) || !(velocities || of_position)) continue;
-      add({ColumnKind::motor, j, i, axis_row(joint, state.g, i)});
-      VelocityRow& row = out.rows.back();
-      row.value = of_position ? joint_coordinate(model, state, j, i) - motor.target(state.t) : 0;
-      row.speed = of_position ? target_speed(motor, state.t) : motor.target(state.t);
-    }
-  }
-  for (const Coupling& coupling : model.couplings) add(column_of(model, coupling, state.g, state.turns));
-  return out;
-}
-
-// The smallest step in the metric of the masses along which the constraints change by -`change` (MJT-13);
-// nothing if something is not finite.
-std::optional<JointedMotion> nearest(const Model& model, const DofMap& dofs,
-                                     const std::vector<VelocityRow>& rows, const VecX& change) {
-  std::vector<Triplet> M, G;
-  for (std::size_t b = 0; b < model.bodies.size(); ++b)
-    if (const int at = dofs.first[b]; at >= 0) {
-      add_block(M, at, at, model.bodies[b].mass * Mat3::Identity());
-      add_block(M, at + 3, at + 3, model.bodies[b].inertia);
-    }
-  for (std::size_t k = 0; k < rows.size(); ++k) append_column(G, dofs, rows[k], int(k));
-  FrictionProblem problem;
-  problem.M = SparseMatrix(dofs.coordinates, dofs.coordinates);
-  problem.M.setFromTriplets(M.begin(), M.end());
-  problem.G = SparseMatrix(dofs.coordinates, Eigen::Index(rows.size()));
-  problem.G.setFromTriplets(G.begin(), G.end());
-  problem.f = VecX::Zero(dofs.coordinates);
-  problem.b = change;
-  problem.H = SparseMatrix(dofs.coordinates, 0);
-  const std::optional<MotionInverse> inverse = invert_motion(problem.M, problem.G);
-  if (!inverse) return std::nullopt;
-  return motion(problem, *inverse, VecX());
-}
-
-// `step`, rows of the dynamic bodies, in the places of State::v.
-VecX spread(const Model& model, const State& state, const DofMap& dofs, const VecX& step) {
-  VecX all = VecX::Zero(state.v.size());
-  for (std::size_t b = 0; b < model.bodies.size(); ++b)
-    if (const int at = dofs.first[b]; at >= 0) all.segment<6>(6 * Eigen::Index(b)) = step.segment<6>(at);
-  return all;
-}
-
-}  // namespace
-
 JointConstraints joint_constraints(const Model& model, const State& state, const DofMap& dofs) {
   Constraints now = constraints(model, state, true);
   const auto count = Eigen::Index(now.rows.size());
@@ -436,12 +502,13 @@ ProjectedState with_consistent_velocity(const Model& model, const State& state) 
   VecX off(Eigen::Index(now.rows.size()));
   for (std::size_t k = 0; k < now.rows.size(); ++k)
     off[Eigen::Index(k)] = now.rows[k].times(state.v) - now.rows[k].speed;
-  const std::optional<JointedMotion> step = nearest(model, dofs, now.rows, off);
+  NearestMotion nearest = nearest_motion(model, dofs, now.rows);
   ProjectedState out{.state = state};
-  if (!step) return out;
-  out.state.v += spread(model, state, dofs, step->v);
+  if (!nearest.inverse) return out;
+  JointedMotion step = nearest(off);
+  out.state.v += spread(model, state, dofs, step.v);
   out.columns = std::move(now.columns);
-  out.lambda = step->lambda;
+  out.lambda = std::move(step.lambda);
   return out;
 }
 
@@ -453,31 +520,7 @@ VecX consistent_velocity(const Model& model, const State& state) {
 
 ProjectedState projected(const Model& model, const State& state) {
   if (model.joints.empty()) return {.state = state};
-  State out = state;
-  const DofMap dofs = dof_map(model);
-  State tried = state;
-  double least = kInf;
-  for (int k = 0; k < kProjectionSteps; ++k) {
-    const std::vector<VelocityRow> rows = constraints(model, tried, false).rows;
-    VecX error(Eigen::Index(rows.size()));
-    for (std::size_t i = 0; i < rows.size(); ++i) error[Eigen::Index(i)] = rows[i].value;
-    const double now = error.size() > 0 ? error.cwiseAbs().maxCoeff() : 0;
-    if (!(now < least)) break;
-    least = now;
-    out = tried;
-    if (now <= kProjected) break;
-    const std::optional<JointedMotion> step = nearest(model, dofs, rows, error);
-    if (!step) break;
-    const VecX all = spread(model, state, dofs, step->v);
-    for (std::size_t b = 0; b < model.bodies.size(); ++b) {
-      const auto at = 6 * Eigen::Index(b);
-      if (all.segment<6>(at).isZero(0)) continue;  // keeps its bits
-      tried.g[b].p += all.segment<3>(at);
-      tried.g[b].R = (tried.g[b].R * exp_so3(all.segment<3>(at + 3))).normalized();
-    }
-    tried.turns = counted_turns(model, out, tried.g);
-  }
-  return with_consistent_velocity(model, out);
+  return with_consistent_velocity(model, closed(model, state, kProjected));
 }
 
 State consistent(const Model& model, const State& state) {

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kProximal = 1e-8;
 constexpr int kProximalSteps = 20;
-constexpr double kLightest = 1e-6;  // of the mass along a column; S keeps 10 digits of the others then
+constexpr double kLightest = 1e-4;  // of the mass along a column; S keeps 12 digits of the others then
 
 // Both equations at once (JNT-5), of the rows of M that G touches; the rows are scaled by the masses of
 // (JNT-6), the columns of G to the metric that these give, where the compliance is kProximal.

@@ -57,6 +57,28 @@ struct SixBar {
   }
 };
 
+// Bricard's: six hinges at corners of a cube, five rods and the world; 30 equations of rank 29 where it is
+// closed.
+struct Ring {
+  Model model{};
+  State state{};
+  explicit Ring(double about_x) {
+    const Vec3 corner[] = {{0, 0, 0}, {1, 0, 0}, {1, -1, 0}, {1, -1, 1}, {0, -1, 1}, {0, 0, 1}};
+    const Vec3 axis[] = {Vec3::UnitY(), Vec3::UnitZ(), Vec3::UnitX()};
+    model.gravity = Vec3(0, -9.81, 0);
+    for (int i = 0; i < 5; ++i)
+      add(model,
+          RigidBody{.name = "rod", .mass = 1, .inertia = Vec3(about_x, 1. / 12, 1. / 12).asDiagonal()});
+    state = rest_state(model);
+    for (int i = 0; i < 5; ++i)
+      state.g[std::size_t(i)] = {Quat::FromTwoVectors(Vec3::UnitX(), corner[i + 1] - corner[i]),
+                                 (corner[i] + corner[i + 1]) / 2};
+    for (int i = 0; i < 6; ++i)
+      add(model, joint_at(JointKind::revolute, "hinge", i < 5 ? i : -1, i - 1, state.g,
+                          frame(corner[i], axis[i % 3])));
+  }
+};
+
 struct End {
   double energy = 0, joints = 0;
   Vec3 last{};
@@ -77,8 +99,8 @@ End run(const std::string& scheme, Scene s, double h, double t_end) {
 }
 
 // A change of the tiny moment by 1e-6 of the others changes the motion by some 1e-5 of a metre, less in
-// proportion: joints hold to rounding, and energy is off as much as without it, to a millionth of the joules
-// that swing to and fro: where S is kept (kLightest) each step may lose six of its sixteen digits.
+// proportion: joints hold to rounding, and energy is off as much as without it: where S is kept (kLightest)
+// each step may lose four of its sixteen digits of the joules that swing to and fro.
 TEST(TinyInertia, ThatJointsHoldChangesNoMotion) {
   for (const std::string& scheme : scheme_names())
     for (const int count : {1, 2, 15}) {  // 15: above what is factorised as one dense matrix
@@ -89,7 +111,7 @@ TEST(TinyInertia, ThatJointsHoldChangesNoMotion) {
         const End with = run(scheme, Rods(count, tiny), 2.5e-3, t_end);
         EXPECT_LT(with.joints, 1e-12) << scheme << " " << count << " rods, " << tiny;
         EXPECT_LT((with.last - without.last).norm(), 1e-3) << scheme << " " << count << " rods, " << tiny;
-        EXPECT_NEAR(with.energy, without.energy, 1e-3 * std::abs(without.energy) + 1e-6)
+        EXPECT_NEAR(with.energy, without.energy, 1e-3 * std::abs(without.energy) + 1e-8)
             << scheme << " " << count << " rods, " << tiny;
       }
       const End tinier = run(scheme, Rods(count, 1e-10), 2.5e-3, t_end),
@@ -105,6 +127,30 @@ TEST(TinyInertia, OfAClosedChainKeepsItClosedAndTheOrder) {
     EXPECT_LT(coarse.joints, 1e-12) << tiny;
     const double order = std::log2((coarse.last - fine.last).norm() / (middle.last - fine.last).norm());
     EXPECT_NEAR(order, 2, 0.2) << tiny;
+  }
+}
+
+// Directions are taken where the ring is closed (MJT-18). Taken where it is open by O(h^2), its equations
+// have rank 30 there and hold it: it lost 0.1 to 1.5 J of the 29.4 J that swing. Order two grants h^2 g / L
+// of these.
+TEST(TinyInertia, OfARedundantLoopLosesNoEnergy) {
+  constexpr double kStep = 1e-2, kGravity = 9.81, kSwings = 3 * kGravity;
+  for (const std::string& scheme : scheme_names()) {
+    if (scheme == "schatzman_paoli" || scheme == "event_driven") continue;  // of order one; of no fixed step
+    for (const double about_x : {1e-1, 1e-5, 1e-6, 1.1e-12}) {
+      const End coarse = run(scheme, Ring(about_x), kStep, 1),
+                fine = run(scheme, Ring(about_x), kStep / 2, 1);
+      EXPECT_LT(coarse.joints, 1e-12) << scheme << " " << about_x;
+      EXPECT_LT(std::abs(coarse.energy), kStep * kStep * kGravity * kSwings) << scheme << " " << about_x;
+      EXPECT_LT(std::abs(fine.energy), std::abs(coarse.energy) / 3 + 1e-9) << scheme << " " << about_x;
+    }
+  }
+}
+TEST(TinyInertia, OfARedundantLoopIsFollowedByEvents) {
+  for (const double about_x : {1e-3, 1e-6, 1e-8, 1.1e-12}) {
+    const End end = run("event_driven", Ring(about_x), 1e-2, 0.1);
+    EXPECT_LT(end.joints, 1e-9) << about_x;
+    EXPECT_NEAR(end.energy, 0, 1e-8) << about_x;
   }
 }
 
