@@ -56,7 +56,7 @@ Balance balance(const CaseScene& s, const std::string& scheme, const SchemeOptio
   return out;
 }
 
-// (MCH-10), the same for any joints: each step takes kappa (1 - kappa) (omega h)^4 / 4 of the energy, half of
+// (MCH-10), the same for any joints: each step takes kappa (1 - kappa) (omega h)^4 / 16 of the energy, half of
 // it of the angular momentum. Linear momentum to rounding.
 VerificationCase slowing_down(const Ring& chain) {
   return {.name = "C10.slows_down",
@@ -74,7 +74,7 @@ VerificationCase slowing_down(const Ring& chain) {
             Worst energy, angular, linear, force;
             for (const double h : {2e-2, 1e-2}) {
               const Balance now = balance(chain.scene(), "moreau_jean", steps(h), 5);
-              const double lost = kappa * (1 - kappa) * std::pow(kOmega * h, 4) / 4 * 5 * kTurn / h;
+              const double lost = kappa * (1 - kappa) * std::pow(kOmega * h, 4) / 16 * 5 * kTurn / h;
               energy.add(std::abs(now.energy / lost - 1));
               angular.add(std::abs(now.angular / (lost / 2) - 1));
               linear.add(now.linear);
