@@ -466,6 +466,7 @@ VerificationCase landing_that_is_pushed_out() {
               order.add(std::abs(observed("ball_e0", moreau_jean(0.5, law), v_graph, 2e-3) - 1));
             return Figures{{"graph", graph}, {"order", order}};
           },
+      .slow = true,
       .certified = true};
 }
 
