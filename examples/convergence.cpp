@@ -18,9 +18,8 @@
 #include <cstdio>
 #include <map>
 #include <mutex>
-#include <thread>
 
-#include "examples/common/driver.hpp"
+#include "examples/common/many_tasks.hpp"
 #include "examples/common/progress.hpp"
 #include "examples/common/scheme_flags.hpp"
 #include "examples/common/task_farm.hpp"
@@ -38,9 +37,8 @@ struct Arguments {
   std::string case_name{}, shard = "1/1";
   SchemeFlags scheme{};
   StudyOptions study{};
-  bool all = false, list = false, farm = false, quiet = false;
-  int threads = 1;
-  std::filesystem::path out = "out", json{};
+  bool all = false, list = false, farm = false;
+  ManyTasks tasks{};
 };
 
 /// One cell of the table.
@@ -120,13 +118,14 @@ Results run_cells(const Arguments& a, const std::vector<Cell>& cells, const ForA
   Results out;
   std::mutex mutex;  // of progress and counts
   int levels_done = 0;
-  Progress progress("convergence", double(cells.size()) * a.study.levels, Progress::style_of_stderr(a.quiet));
+  Progress progress("convergence", double(cells.size()) * a.study.levels,
+                    Progress::style_of_stderr(a.tasks.quiet));
   for_all(int(cells.size()), [&](int i) {
     const Cell& cell = cells[std::size_t(i)];
     const auto& [scheme, options] = cell.variant;
     const Study wanted{
         .case_name = cell.scene->name, .scheme = label_of(cell), .options = options_of(a, cell)};
-    const std::filesystem::path file = a.out / (file_stem(wanted) + ".json");
+    const std::filesystem::path file = a.tasks.out / (stem_of(wanted) + ".json");
     const auto say = [&](int levels) {
       const std::lock_guard lock(mutex);
       progress.at(levels_done += levels, wanted.case_name + " " + wanted.scheme);
@@ -175,39 +174,38 @@ ExitCode run(Arguments a) {
     require_field(min_h <= step_sizes(a.study.h > 0 ? a.study.h : scene->h, a.study.levels).back(),
                   "AdvancementOptions::min_h", min_h, "not exceed the shortest step of the study [s]");
   }
-  for (const std::filesystem::path& folder : {a.json.parent_path(), a.out})
-    if (!folder.empty()) std::filesystem::create_directories(folder);
+  make_folders(a.tasks);
 
   if (a.farm) {
     Arguments of_rank = a;
-    of_rank.quiet = true;
+    of_rank.tasks.quiet = true;
     bool goes_on = true;
     run_cells(of_rank, cells, [&](int n, const auto& f) { goes_on = farm_out(n, f); });
     if (!goes_on) return interrupted() ? ExitCode::interrupted : ExitCode::ok;
   }
-  const Results results = run_cells(a, cells, [&](int n, const auto& f) { parallel_for(n, a.threads, f); });
+  const Results results =
+      run_cells(a, cells, [&](int n, const auto& f) { parallel_for(n, a.tasks.threads, f); });
   if (interrupted()) return ExitCode::interrupted;
   bool pictures = true;
   std::map<OrderVerdict, int> count;
   for (const Study& s : results.done) {
-    if (!a.all && !a.quiet)
+    if (!a.all && !a.tasks.quiet)
       std::printf("%s, %s\n%s", s.case_name.c_str(), s.scheme.c_str(), to_string(s).c_str());
-    pictures = write_picture(a.out, s) && pictures;
+    pictures = write_picture(a.tasks.out, s) && pictures;
     ++count[verdict(s)];
   }
-  if (!a.json.empty())
-    write_whole_file(a.json, a.all                  ? to_json(results.done, program_digest())
-                             : results.done.empty() ? ""
-                                                    : to_json(results.done.front(), program_digest()));
+  if (!a.tasks.json.empty())
+    write_whole_file(a.tasks.json, a.all                  ? to_json(results.done, program_digest())
+                                   : results.done.empty() ? ""
+                                                          : to_json(results.done.front(), program_digest()));
   if (a.all) {
     const std::string table = order_table(results.done);
-    write_whole_file(a.out / "convergence.md", table);
+    write_whole_file(a.tasks.out / "convergence.md", table);
     std::printf("%s", table.c_str());
   }
   if (!pictures) std::fprintf(stderr, "no picture: gnuplot is not there, or fails\n");
   for (const std::string& text : results.failures) std::fprintf(stderr, "convergence: %s\n", text.c_str());
-  if (results.known > 0)
-    std::printf("%d of %zu were in %s already\n", results.known, cells.size(), a.out.c_str());
+  tell_known(results.known, cells.size(), a.tasks);
   std::printf(
       "convergence: %d of %zu met the orders of theory, one or more; %d met less than one, as theory says; "
       "%d "
@@ -223,7 +221,6 @@ ExitCode run(Arguments a) {
 
 int main(int argc, char** argv) {
   Arguments a;
-  a.threads = int(std::max(1u, std::thread::hardware_concurrency()));
   Cli cli("convergence",
           "Measures the order of convergence of time-stepping schemes on exact motions with impacts and "
           "friction.");
@@ -244,13 +241,7 @@ int main(int argc, char** argv) {
   add_options(cli, a.scheme);
   cli.group("solver");
   cli.option("--tolerance", a.study.tolerance, "on the scaled residual; 0: that of the case", "-", {0, 1e-2});
-  cli.group("output");
-  cli.option("-o,--out", a.out,
-             "folder of the results, made if missing; studies that it has are not done again");
-  cli.option("--json", a.json, "also write all numbers to this file");
-  cli.option("--threads", a.threads, "studies at the same time; the results do not depend on it", "",
-             {1, 256});
-  cli.flag("--quiet", a.quiet, "no progress and no table; warnings stay");
+  add_options(cli, a.tasks, "studies", "all numbers");
   cli.example("convergence --case ball_e05 --theta 1 --normal-law combined",
               "open out/ball_e05_moreau_jean_theta_1_combined.png");
   cli.example("convergence --all -o table", "every scheme on every case; table/convergence.md");

@@ -265,17 +265,12 @@ Checkpoint checkpoint_of(std::uint64_t print, const State& state, const Statisti
                              {"max_lag", s.max_lag},
                              {"energy_error", s.energy_error},
                              {"energy_scale", s.energy_scale},
-                             {"cpu_s", s.cpu_s},
-                             {"certify_distance", s.audit.min_distance},
-                             {"certify_slack", s.audit.min_slack}},
+                             {"cpu_s", s.cpu_s}},
                  .counts = {{"solver_failures", s.solver_failures},
-                            {"certify_steps", s.audit.steps},
-                            {"certify_violations", s.audit.violations},
-                            {"certify_nested", s.audit.nested},
-                            {"certify_uncovered", s.audit.uncovered},
                             {"max_contacts", s.max_contacts},
                             {"csv_rows", std::int64_t(csv_rows)},
                             {"run_rows", std::int64_t(run_rows)}}};
+  keep(s.audit, out);
   keep(s.gain, out);
   keep(s.uncertified, out);
   return out;
@@ -297,12 +292,7 @@ Statistics statistics_of(const Checkpoint& c) {
           .cpu_s = number("cpu_s"),
           .gain = energy_gain_of(c),
           .uncertified = uncertified_of(c),
-          .audit = {.min_distance = number("certify_distance"),
-                    .min_slack = number("certify_slack"),
-                    .steps = checkpoint_count(c, "certify_steps"),
-                    .violations = checkpoint_count(c, "certify_violations"),
-                    .nested = checkpoint_count(c, "certify_nested"),
-                    .uncovered = checkpoint_count(c, "certify_uncovered")}};
+          .audit = path_audit_of(c)};
 }
 
 void account(Statistics& s, const AssemblyScene& scene, const State& state, const StepReport& report,

@@ -145,21 +145,16 @@ Checkpoint checkpoint_of(std::uint64_t print, const State& state, const Statisti
                              {"joint_drift_angle", s.joint_drift_angle},
                              {"energy_residual", s.energy_residual},
                              {"impulse_gain", s.impulse_gain},
-                             {"cpu_s", s.cpu_s},
-                             {"certify_distance", s.audit.min_distance},
-                             {"certify_slack", s.audit.min_slack}},
+                             {"cpu_s", s.cpu_s}},
                  .counts = {{"solver_failures", s.solver_failures},
                             {"energy_rises", s.energy_rises},
                             {"max_contacts", s.max_contacts},
-                            {"certify_steps", s.audit.steps},
-                            {"certify_violations", s.audit.violations},
-                            {"certify_nested", s.audit.nested},
-                            {"certify_uncovered", s.audit.uncovered},
                             {"csv_rows", std::int64_t(csv_rows)},
                             {"run_rows", std::int64_t(run_rows)}}};
   MatchTotals matches = s.matches;
   add_matches(matches, {});  // all of them, also before the first step
   out.counts.insert(matches.begin(), matches.end());
+  keep(s.audit, out);
   keep(s.gain, out);
   keep(s.uncertified, out);
   return out;
@@ -183,12 +178,7 @@ Statistics statistics_of(const Checkpoint& c) {
           .matches = matches,
           .gain = energy_gain_of(c),
           .uncertified = uncertified_of(c),
-          .audit = {.min_distance = checkpoint_number(c, "certify_distance"),
-                    .min_slack = checkpoint_number(c, "certify_slack"),
-                    .steps = checkpoint_count(c, "certify_steps"),
-                    .violations = checkpoint_count(c, "certify_violations"),
-                    .nested = checkpoint_count(c, "certify_nested"),
-                    .uncovered = checkpoint_count(c, "certify_uncovered")}};
+          .audit = path_audit_of(c)};
 }
 
 void account(Statistics& s, const StepReport& report, double displacement) {

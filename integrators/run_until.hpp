@@ -14,7 +14,7 @@ namespace aussois {
 /// of the last; if there is nothing to do, one of a step of length 0.
 template <class AnyScheme, class Look>
 [[nodiscard]] StepReport run_until(const AnyScheme& scheme, State& state, double t_end, const Look& look) {
-  constexpr double kSameTime = 1e-14;  // relative; what rounding leaves of a run is no step
+  constexpr double kSameTime = 1e-12;  // relative; what the sum of many steps leaves of a run is no step
   StepReport report;
   report.t = state.t;
   while (report.ok() && t_end - state.t > kSameTime * std::abs(t_end)) {

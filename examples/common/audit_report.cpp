@@ -4,8 +4,22 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "examples/common/checkpoint_fields.hpp"
+
 namespace aussois {
 namespace {
+
+constexpr CheckpointField<PathAudit, double> kAuditNumbers[] = {
+    {"certify_distance", &PathAudit::min_distance}, {"certify_slack", &PathAudit::min_slack}};
+constexpr CheckpointField<PathAudit, std::int64_t> kAuditCounts[] = {
+    {"certify_steps", &PathAudit::steps},
+    {"certify_violations", &PathAudit::violations},
+    {"certify_nested", &PathAudit::nested},
+    {"certify_uncovered", &PathAudit::uncovered}};
+constexpr CheckpointField<Uncertified, std::int64_t> kUncertifiedCounts[] = {
+    {"passing_pairs", &Uncertified::passing_pairs}, {"driven_overlaps", &Uncertified::driven_overlaps}};
+constexpr CheckpointField<Uncertified, double> kUncertifiedNumbers[] = {
+    {"driven_overlap_t", &Uncertified::driven_t}};
 
 std::vector<std::string> names_of_skipped(const Model& model) {
   std::vector<std::string> out;
@@ -56,6 +70,18 @@ bool tell(const PathAudit& audit, const Model& model) {
   return audit.violations == 0;
 }
 
+void keep(const PathAudit& audit, Checkpoint& checkpoint) {
+  keep(kAuditNumbers, audit, checkpoint);
+  keep(kAuditCounts, audit, checkpoint);
+}
+
+PathAudit path_audit_of(const Checkpoint& checkpoint) {
+  PathAudit out;
+  take(kAuditNumbers, checkpoint, out);
+  take(kAuditCounts, checkpoint, out);
+  return out;
+}
+
 void add(Uncertified& run, const StepReport& report) {
   run.passing_pairs = std::max(run.passing_pairs, std::int64_t(report.passing_pairs));
   if (report.driven_overlaps.empty()) return;
@@ -75,15 +101,15 @@ void tell(const Uncertified& run) {
 }
 
 void keep(const Uncertified& run, Checkpoint& checkpoint) {
-  checkpoint.counts["passing_pairs"] = run.passing_pairs;
-  checkpoint.counts["driven_overlaps"] = run.driven_overlaps;
-  checkpoint.numbers["driven_overlap_t"] = run.driven_t;
+  keep(kUncertifiedCounts, run, checkpoint);
+  keep(kUncertifiedNumbers, run, checkpoint);
 }
 
 Uncertified uncertified_of(const Checkpoint& checkpoint) {
-  return {.passing_pairs = checkpoint_count(checkpoint, "passing_pairs"),
-          .driven_overlaps = checkpoint_count(checkpoint, "driven_overlaps"),
-          .driven_t = checkpoint_number(checkpoint, "driven_overlap_t")};
+  Uncertified out;
+  take(kUncertifiedCounts, checkpoint, out);
+  take(kUncertifiedNumbers, checkpoint, out);
+  return out;
 }
 
 }  // namespace aussois

@@ -16,6 +16,10 @@ void set_audit(Summary& summary, const PathAudit& audit, const Model& model);
 /// Prints one line if samples were asked for, and one on the pairs that are skipped. True: no violation.
 bool tell(const PathAudit& audit, const Model& model);
 
+/// In the names of a checkpoint: what was found, not how many samples were asked for.
+void keep(const PathAudit& audit, Checkpoint& checkpoint);
+PathAudit path_audit_of(const Checkpoint& checkpoint);
+
 /// Of whom the certificates of a run do not speak.
 struct Uncertified {
   std::int64_t passing_pairs = 0;    // most in a step (StepReport::passing_pairs)

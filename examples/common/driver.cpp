@@ -39,9 +39,10 @@ std::string text_of(const std::string& value) {
 std::string text_of(const std::filesystem::path& value) {
   return value.string();
 }
-std::string text_of(const std::vector<std::filesystem::path>& value) {
+template <class Word>
+std::string text_of(const std::vector<Word>& words) {
   std::string text;
-  for (const std::filesystem::path& path : value) text += (text.empty() ? "" : " ") + path.string();
+  for (const Word& word : words) text += (text.empty() ? "" : " ") + text_of(word);
   return text;
 }
 std::string text_of(bool value) {
@@ -60,6 +61,22 @@ bool needs_quotes(const std::string& word) {
   return word.empty() || word.find_first_of(" \t\n\"'\\$*?;&|<>()#`") != std::string::npos;
 }
 
+/// The words between the commas of `text` that stand in no brackets, without blanks around them.
+std::vector<std::string> words_of(const std::string& text) {
+  std::vector<std::string> out(1);
+  int brackets = 0;
+  for (const char x : text) {
+    brackets += (x == '(') - (x == ')');
+    if (x == ',' && brackets == 0)
+      out.emplace_back();
+    else if (x != ' ' || !out.back().empty())
+      out.back() += x;
+  }
+  for (std::string& word : out) word.erase(word.find_last_not_of(' ') + 1);
+  std::erase(out, "");
+  return out;
+}
+
 int fail(const std::string& name, const std::string& what, ExitCode code) {
   std::fprintf(stderr, "%s: %s\n", name.c_str(), what.c_str());
   return static_cast<int>(code);
@@ -76,6 +93,7 @@ struct Cli::Impl {
   std::vector<Entry> entries{};
   std::vector<std::pair<std::string, std::string>> examples{};
   std::vector<std::pair<std::string, const std::filesystem::path*>> inputs{};
+  std::vector<std::vector<std::string>*> lists{};
   const std::vector<std::filesystem::path>* files = nullptr;
   CommonOptions* restarts = nullptr;
   CLI::App app{};
@@ -149,6 +167,10 @@ void Cli::option(const std::string& flag, std::string& value, const std::string&
 }
 void Cli::option(const std::string& flag, std::filesystem::path& value, const std::string& what) {
   impl_->add(flag, value, "PATH", what, "", "");
+}
+void Cli::option(const std::string& flag, std::vector<std::string>& words, const std::string& what) {
+  impl_->add(flag, words, "NAME...", what, "", "");
+  impl_->lists.push_back(&words);
 }
 void Cli::flag(const std::string& flag, bool& value, const std::string& what) {
   impl_->entries.push_back({impl_->group, flag, "", what, "", "", "", [&value] { return text_of(value); }});
@@ -231,6 +253,12 @@ bool Cli::parse(int argc, const char* const* argv, ExitCode& code) {
   } catch (const CLI::ParseError& wrong) {
     fail(impl_->name, std::string(wrong.what()) + " (try --help)", code = ExitCode::usage);
     return false;
+  }
+  for (std::vector<std::string>* list : impl_->lists) {
+    std::vector<std::string> words;
+    for (const std::string& text : *list)
+      for (std::string& word : words_of(text)) words.push_back(std::move(word));
+    *list = words;
   }
   if (impl_->show_help) std::fputs(help().c_str(), stdout);
   if (impl_->show_version) std::printf("%s\n%s\n", impl_->name.c_str(), build_info().c_str());

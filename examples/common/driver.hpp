@@ -83,6 +83,9 @@ class Cli {
               const std::string& unit = "");
   void option(const std::string& flag, std::string& value, const std::string& what);
   void option(const std::string& flag, std::filesystem::path& value, const std::string& what);
+  /// Words between blanks or commas, and the option as often as the user likes: --case A --case B, --case A B
+  /// and --case A,B say the same. A comma in brackets belongs to its word.
+  void option(const std::string& flag, std::vector<std::string>& words, const std::string& what);
   void flag(const std::string& flag, bool& value, const std::string& what);
   /// One of `choices`; `note` stands behind their list, in --help and where another is refused.
   void choice(const std::string& flag, std::string& value, const std::string& what,

@@ -3,7 +3,17 @@
 
 #include <cstdio>
 
+#include "examples/common/checkpoint_fields.hpp"
+
 namespace aussois {
+namespace {
+
+constexpr CheckpointField<EnergyGain, double> kNumbers[] = {{"gain_stored", &EnergyGain::stored},
+                                                            {"gain_above", &EnergyGain::above},
+                                                            {"gain_largest", &EnergyGain::largest},
+                                                            {"gain_kinetic", &EnergyGain::kinetic}};
+
+}  // namespace
 
 void set_gain(Summary& summary, const EnergyGain& gain) {
   summary.set("energy_gain", gain.largest);
@@ -16,17 +26,13 @@ void tell(const EnergyGain& gain) {
 }
 
 void keep(const EnergyGain& gain, Checkpoint& checkpoint) {
-  checkpoint.numbers["gain_stored"] = gain.stored;
-  checkpoint.numbers["gain_above"] = gain.above;
-  checkpoint.numbers["gain_largest"] = gain.largest;
-  checkpoint.numbers["gain_kinetic"] = gain.kinetic;
+  keep(kNumbers, gain, checkpoint);
 }
 
 EnergyGain energy_gain_of(const Checkpoint& checkpoint) {
-  return {.stored = checkpoint_number(checkpoint, "gain_stored"),
-          .above = checkpoint_number(checkpoint, "gain_above"),
-          .largest = checkpoint_number(checkpoint, "gain_largest"),
-          .kinetic = checkpoint_number(checkpoint, "gain_kinetic")};
+  EnergyGain out;
+  take(kNumbers, checkpoint, out);
+  return out;
 }
 
 }  // namespace aussois

@@ -45,18 +45,6 @@ double order_of(const Study& s, std::size_t measure, double rounding) {
   return errors.size() < kFewest ? kInf : fitted_order(steps, errors);
 }
 
-// Shortened steps are no worse than whole ones of twice their length would be, by the errors of the coarsest
-// level without any and the order expected, or order one.
-bool shortened_steps_are_worse(const Study& s, std::size_t measure) {
-  const auto whole = std::size_t(std::ranges::find(s.cut, 0) - s.cut.begin());
-  for (std::size_t i = 0; i < s.h.size(); ++i)
-    if (s.cut[i] > 0 && std::isfinite(s.order[measure]) &&
-        s.errors[i][measure] >
-            s.errors[whole][measure] * std::pow(2 * s.h[i] / s.h[whole], std::max(1.0, s.expected[measure])))
-      return true;
-  return false;
-}
-
 std::string reason(std::size_t measure, const Case& c, const SchemeTraits& traits) {
   const double order = c.smooth ? traits.smooth : traits.nonsmooth;
   if (measure == v_graph && c.lands && traits.landing == 0)
@@ -125,11 +113,22 @@ const char* to_string(OrderVerdict verdict) {
   return "?";
 }
 
+double shortened_error(const Study& s) {
+  const auto whole = std::size_t(std::ranges::find(s.cut, 0) - s.cut.begin());
+  double out = 0;
+  for (std::size_t i = 0; i < s.h.size() && whole < s.h.size(); ++i)
+    for (std::size_t m = 0; m < s.order.size(); ++m)
+      if (s.cut[i] > 0 && std::isfinite(s.order[m]))
+        out = std::max(out, s.errors[i][m] / (s.errors[whole][m] * std::pow(2 * s.h[i] / s.h[whole],
+                                                                            std::max(1.0, s.expected[m]))));
+  return out;
+}
+
 OrderVerdict verdict(const Study& s) {
   if (whole_steps(s).size() < kFewest) return OrderVerdict::not_judged;
   for (std::size_t m = 0; m < s.order.size(); ++m)
-    if (!(s.order[m] >= s.expected[m] - kOrderSlack) || shortened_steps_are_worse(s, m))
-      return OrderVerdict::missed;
+    if (!(s.order[m] >= s.expected[m] - kOrderSlack)) return OrderVerdict::missed;
+  if (shortened_error(s) > 1) return OrderVerdict::missed;
   const double least = *std::ranges::min_element(s.expected);
   return least == 0 ? OrderVerdict::none : least < 1 ? OrderVerdict::less : OrderVerdict::met;
 }

@@ -40,6 +40,11 @@ struct Study {
 /// Fitted orders may miss the promised ones by this: what the phases of the impacts leave of their scatter.
 inline constexpr double kOrderSlack = 0.1;
 
+/// The largest error where steps were shortened, over what whole ones of twice the length would leave, by the
+/// errors of the coarsest level without any and the order expected, or order one; 0 where none was. More than
+/// 1: shortened steps are worse than whole ones.
+double shortened_error(const Study& study);
+
 enum class OrderVerdict {
   met,         // all orders are those of theory, one or more
   less,        // they are, but theory promises less than one of some

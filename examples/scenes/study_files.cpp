@@ -9,9 +9,10 @@
 #include <nlohmann/json.hpp>
 
 #include "examples/common/gnuplot.hpp"
+#include "examples/common/kept_json.hpp"
+#include "examples/common/many_tasks.hpp"
 #include "io/atomic_file.hpp"
 #include "io/csv_table.hpp"
-#include "io/text.hpp"
 
 namespace aussois {
 namespace {
@@ -90,10 +91,8 @@ std::string scheme_of(const Study& s) {
 
 }  // namespace
 
-std::string file_stem(const Study& s) {
-  std::string out = s.case_name + "_" + s.scheme;
-  std::replace(out.begin(), out.end(), ' ', '_');
-  return out;
+std::string stem_of(const Study& s) {
+  return file_stem(s.case_name + "_" + s.scheme);
 }
 
 std::string to_json(const Study& study, std::uint64_t program) {
@@ -108,11 +107,7 @@ std::string to_json(const std::vector<Study>& studies, std::uint64_t program) {
 
 std::optional<Study> read_study(const std::filesystem::path& path, const Study& wanted,
                                 std::uint64_t program) {
-  if (!std::filesystem::exists(path)) return {};
-  try {
-    const Json json = Json::parse(read_file(path)), key = key_of(wanted, program);
-    for (auto field = key.begin(); field != key.end(); ++field)
-      if (json.at(field.key()) != field.value()) return {};
+  return read_kept(path, key_of(wanted, program), [&](const Json& json) {
     Study out = wanted;
     out.order = errors_in(json.at("order")), out.expected = errors_in(json.at("expected"));
     for (std::size_t m = 0; m < out.why.size(); ++m) out.why[m] = json.at("why").at(kMeasures[m]);
@@ -124,13 +119,11 @@ std::optional<Study> read_study(const std::filesystem::path& path, const Study& 
       out.cut.push_back(level.at("cut"));
     }
     return out;
-  } catch (const std::exception&) {  // empty or damaged: done again
-    return {};
-  }
+  });
 }
 
 bool write_picture(const std::filesystem::path& dir, const Study& s) {
-  const std::string stem = file_stem(s);
+  const std::string stem = stem_of(s);
   std::vector<std::string> columns = {"h_s"};
   for (const char* measure : kMeasures) columns.emplace_back(measure);
   for (const char* measure : kMeasures) columns.push_back(std::string("order_") + measure);

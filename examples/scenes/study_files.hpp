@@ -14,7 +14,7 @@
 namespace aussois {
 
 /// "ball_e05_moreau_jean_theta_0.5_combined": the name of a study's files.
-std::string file_stem(const Study& study);
+std::string stem_of(const Study& study);
 
 /// All of a study as JSON text; infinite orders are null. `program` is program_digest().
 std::string to_json(const Study& study, std::uint64_t program);

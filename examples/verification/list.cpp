@@ -2,7 +2,6 @@
 #include "examples/verification/list.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -10,7 +9,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "io/text.hpp"
+#include "examples/common/kept_json.hpp"
+#include "examples/common/many_tasks.hpp"
 
 namespace aussois {
 namespace {
@@ -20,11 +20,9 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kBegin = "<!-- verify --page writes from here -->\n";
 constexpr const char* kEnd = "<!-- to here -->\n";
 
-const std::map<char, std::string> kGroups = {{'A', "Impacts without friction"},
-                                             {'B', "Friction and rolling"},
-                                             {'C', "Mechanisms and loops"},
-                                             {'D', "Rotations"},
-                                             {'G', "Stacks and scenes"}};
+const std::map<char, std::string> kGroups = {{'A', "Impacts without friction"}, {'B', "Friction and rolling"},
+                                             {'C', "Mechanisms and loops"},     {'D', "Rotations"},
+                                             {'G', "Stacks and scenes"},        {'H', "Balances"}};
 
 std::string digits(double figure) {
   char text[32];
@@ -33,8 +31,9 @@ std::string digits(double figure) {
   return text;
 }
 
-const char* text_of(Sense sense) {
-  return sense == Sense::at_most ? "<=" : sense == Sense::at_least ? ">=" : "=";
+/// What a case runs, and whether certified.
+std::string what_of(const VerificationCase& c) {
+  return c.certified ? c.what + "; certified" : c.what;
 }
 
 Json key_of(const VerificationCase& c, std::uint64_t program) {
@@ -43,11 +42,8 @@ Json key_of(const VerificationCase& c, std::uint64_t program) {
 
 }  // namespace
 
-std::string file_stem(const VerificationCase& c) {
-  std::string out = c.setting.empty() ? c.name : c.name + "_" + c.setting;
-  std::ranges::replace_if(
-      out, [](char x) { return !std::isalnum(static_cast<unsigned char>(x)) && x != '_' && x != '-'; }, '_');
-  return out;
+std::string stem_of(const VerificationCase& c) {
+  return file_stem(c.setting.empty() ? c.name : c.name + "_" + c.setting);
 }
 
 std::string to_json(const VerificationCase& c, const Measured& measured, std::uint64_t program) {
@@ -61,20 +57,16 @@ std::string to_json(const VerificationCase& c, const Measured& measured, std::ui
 
 std::optional<Measured> read_measured(const std::filesystem::path& path, const VerificationCase& c,
                                       std::uint64_t program) {
-  if (!std::filesystem::exists(path)) return {};
-  try {
-    const Json json = Json::parse(read_file(path)), key = key_of(c, program);
-    for (auto field = key.begin(); field != key.end(); ++field)
-      if (json.at(field.key()) != field.value()) return {};
+  const auto known = read_kept(path, key_of(c, program), [&](const Json& json) {
     Measured out{.failure = json.at("failure")};
     for (const auto& [name, value] : json.at("figures").items())
       out.figures[name] = value.is_string() ? std::stod(value.get<std::string>()) : value.get<double>();
-    for (const Asked& row : c.rows)
-      if (out.failure.empty() && !out.figures.contains(row.figure)) return {};
     return out;
-  } catch (const std::exception&) {  // empty or damaged: done again
-    return {};
-  }
+  });
+  const bool whole = known && (!known->failure.empty() || std::ranges::all_of(c.rows, [&](const Asked& row) {
+                       return known->figures.contains(row.figure);
+                     }));
+  return whole ? known : std::nullopt;
 }
 
 int count(const List& list, Verdict wanted) {
@@ -84,10 +76,17 @@ int count(const List& list, Verdict wanted) {
   return out;
 }
 
+std::map<std::string, int> missing(const List& list) {
+  std::map<std::string, int> out;
+  for (const auto& [c, measured] : list)
+    if (measured && !measured->missing.empty()) out[measured->missing] += int(c->rows.size());
+  return out;
+}
+
 std::string to_text(const List& list) {
   std::ostringstream out;
   for (const auto& [c, measured] : list) {
-    out << c->name << (c->setting.empty() ? "" : " (" + c->setting + ")") << ": " << c->what << '\n';
+    out << full_name(*c) << ": " << what_of(*c) << '\n';
     if (measured && !measured->failure.empty())
       out << "  does not come to its end: " << measured->failure << '\n';
     if (measured && !measured->missing.empty()) out << "  skipped: " << measured->missing << '\n';
@@ -115,11 +114,11 @@ std::string to_json(const List& list) {
       const double value = measured ? figure(row, *measured) : std::nan("");
       rows.push_back({{"case", row_name(*c, row)},
                       {"figure", std::isfinite(value) ? Json(value) : Json()},
-                      {"sense", text_of(row.sense)},
+                      {"sense", symbol(row.sense)},
                       {"bound", row.bound},
                       {"unit", row.unit},
                       {"pass", is == Verdict::skipped ? Json() : Json(is == Verdict::pass)},
-                      {"what", c->what + ": " + row.what},
+                      {"what", what_of(*c) + ": " + row.what},
                       {"source", row.source}});
     }
   return Json{{"cases", rows}}.dump(2) + "\n";
@@ -131,28 +130,34 @@ namespace {
 struct Line {
   std::string name{}, what{}, bound{}, source{};
   std::vector<std::string> settings{};
-  Sense sense = Sense::at_most;
-  double worst = std::nan("");
+  std::optional<double> worst{};  // of those measured
   bool same_row(const Line& other) const {
     return name == other.name && what == other.what && bound == other.bound && source == other.source;
   }
 };
+
+/// The larger, the worse for the bound.
+double badness(const Asked& row, double value) {
+  if (std::isnan(value)) return HUGE_VAL;
+  return row.sense == Sense::at_most    ? value
+         : row.sense == Sense::at_least ? -value
+                                        : std::abs(value - row.bound);
+}
 
 std::vector<Line> lines_of(const List& list) {
   std::vector<Line> out;
   for (const auto& [c, measured] : list)
     for (const Asked& row : c->rows) {
       const Line line{.name = c->name + "." + row.figure,
-                      .what = c->what + ": " + row.what,
+                      .what = what_of(*c) + ": " + row.what,
                       .bound = bound_text(row),
-                      .source = row.source,
-                      .sense = row.sense};
+                      .source = row.source};
       auto known = std::ranges::find_if(out, [&](const Line& other) { return other.same_row(line); });
       if (known == out.end()) known = out.insert(out.end(), line);
       if (!c->setting.empty()) known->settings.push_back(c->setting);
-      const double value = measured ? figure(row, *measured) : std::nan("");
-      const bool worse = row.sense == Sense::at_least ? value < known->worst : value > known->worst;
-      if (worse || std::isnan(known->worst)) known->worst = value;
+      if (!measured || !measured->missing.empty()) continue;
+      const double value = figure(row, *measured);
+      if (!known->worst || !(badness(row, value) <= badness(row, *known->worst))) known->worst = value;
     }
   return out;
 }
@@ -177,8 +182,7 @@ std::string to_markdown(const List& list) {
              "|\n|---|---|---|---|---|---|\n";
     }
     out << "| `" << line.name << "` | " << line.what << " | " << settings_text(line.settings) << " | "
-        << line.bound << " | " << line.source << " | " << (std::isnan(line.worst) ? "-" : digits(line.worst))
-        << " |\n";
+        << line.bound << " | " << line.source << " | " << (line.worst ? digits(*line.worst) : "-") << " |\n";
   }
   out << '\n';
   return out.str();

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Group C: mechanisms and loops. C2 is in slider_crank.cpp, C8 in bricard.cpp, C10 in spinning_chain.cpp.
+// Group C: mechanisms and loops. C2 is in slider_crank.cpp, C4 and C5 in dimer.cpp, C8 in bricard.cpp, C10 in
+// spinning_chain.cpp.
 #include "examples/scenes/mechanisms.hpp"
 
 #include <algorithm>
 
 #include "examples/verification/bricard.hpp"
+#include "examples/verification/dimer.hpp"
 #include "examples/verification/running.hpp"
 #include "examples/verification/slider_crank.hpp"
 #include "examples/verification/spinning_chain.hpp"
@@ -418,6 +420,7 @@ std::vector<VerificationCase> mechanism_verification() {
   out.push_back(fourteen_impacts_exactly());
   out.push_back(fourteen_impacts_in_steps());
   for (VerificationCase& c : slider_crank_verification()) out.push_back(std::move(c));
+  for (VerificationCase& c : dimer_verification()) out.push_back(std::move(c));
   for (VerificationCase& c :
        std::vector<VerificationCase>{pecking(), four_pecks(), double_pendulum_exactly(),
                                      double_pendulum_in_steps(1e-3), double_pendulum_in_steps(2e-4)})

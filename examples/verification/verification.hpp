@@ -6,7 +6,6 @@
 
 #include <functional>
 #include <map>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -15,6 +14,7 @@ namespace aussois {
 /// What a figure must be of its bound. A figure that is not a number fulfils none.
 enum class Sense { at_most, at_least, exactly };
 bool holds(double figure, Sense sense, double bound);
+const char* symbol(Sense sense);  // "<=", ">=", "="
 
 /// A row of the list before it is measured.
 struct Asked {
@@ -37,22 +37,20 @@ struct VerificationCase {
   /// The figures of all rows. Throws NumericalFailure where a run does not come to its end, MissingData where
   /// it lacks the shared data.
   std::function<Figures()> measure{};
-  bool slow = false;  // over ten seconds
+  bool slow = false;       // over ten seconds
+  bool certified = false;  // its steps have their certificate, as schemes are delivered
 };
 
-/// The shared data folder (AUSSOIS_DATA_DIR) is not there, or not what is asked for in it.
-struct MissingData : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-
-/// All of them, sorted as on the page: groups A to D and G, in each by number. No two have name and setting
-/// in common.
+/// All of them, sorted as on the page: groups A to D, G and H, in each by number. No two have name and
+/// setting in common.
 const std::vector<VerificationCase>& verification_cases();
 std::vector<VerificationCase> impact_verification();     // group A
 std::vector<VerificationCase> friction_verification();   // group B
 std::vector<VerificationCase> mechanism_verification();  // group C
 std::vector<VerificationCase> rotation_verification();   // group D
+std::vector<VerificationCase> order_verification();      // orders and events of exact motions, A to D
 std::vector<VerificationCase> stack_verification();      // group G
+std::vector<VerificationCase> balance_verification();    // group H
 
 /// What became of a case.
 struct Measured {
@@ -69,6 +67,8 @@ Verdict verdict(const Asked& row, const Measured& measured);
 /// The figure of a row; NaN if there is none.
 double figure(const Asked& row, const Measured& measured);
 
+/// "A1.energy_at_the_midpoint" or "B1.rest (event_driven)".
+std::string full_name(const VerificationCase& c);
 /// "A1.energy_at_the_midpoint.energy" or "B1.rest.creep (event_driven)".
 std::string row_name(const VerificationCase& c, const Asked& row);
 /// "<= 1e-12 m/s".

@@ -31,7 +31,7 @@ RESULTS = {
                       *(["choices.png", "forces.png"] if shutil.which("gnuplot") else [])))},
     "convergence": {f"{STUDY}.{kind}" for kind in ("json", "csv", "gp", *(["png"] if shutil.which("gnuplot") else []))},
     "sliding_block": {"sliding_block.csv", "sliding_block.gp"},
-    "verify": set() if "--list" in COMMAND else {"verified.json", "verify/A4_unequal_balls.json"},
+    "verify": set() if "--list" in COMMAND else {"verified.json", "verify/A4.unequal_balls.json"},
     "prepare_part": {"part.html", "eroded.obj"},
     "run_scene": {"run.h5", "steps.csv", *([] if "bricard" in COMMAND else ["replay.html"])},  # it has no shapes
     "reduction_gallery": {f"reduction_{part}.svg" for part in ("cylinder", "torus", "gear", "peg")},

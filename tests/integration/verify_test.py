@@ -43,15 +43,15 @@ class Verify(DriverTest):
 
     def test_it_goes_on_where_it_was(self):
         first = self.rows("--case", "A4.three_balls")
-        self.assertIn("2 of 3 cases were in out already", self.verify("--group", "A4.three_balls,A4.unequal_balls"))
-        result = self.folder / "out/verify/A4_three_balls_moreau.json"
+        self.assertIn("2 of 3 were in out already", self.verify("--group", "A4.three_balls,A4.unequal_balls"))
+        result = self.folder / "out/verify/A4.three_balls_moreau.json"
         result.write_text(result.read_text()[:-10])  # damaged: done again
-        self.assertIn("1 of 2 cases were in out already", self.verify("--case", "A4.three_balls"))
+        self.assertIn("1 of 2 were in out already", self.verify("--case", "A4.three_balls"))
         self.assertEqual(self.rows("--case", "A4.three_balls"), first)
 
     def test_what_does_not_hold_is_the_exit_code(self):
         self.verify("--case", "A4.unequal_balls", "--quiet")
-        result = self.folder / "out/verify/A4_unequal_balls.json"
+        result = self.folder / "out/verify/A4.unequal_balls.json"
         kept = json.loads(result.read_text())
         kept["figures"]["in_turn"] = 1e-3
         result.write_text(json.dumps(kept))
@@ -61,12 +61,43 @@ class Verify(DriverTest):
     def test_without_shared_data_rows_are_skipped_and_not_kept(self):
         os.environ["AUSSOIS_DATA_DIR"], data = "", os.environ.get("AUSSOIS_DATA_DIR", "")
         self.addCleanup(os.environ.__setitem__, "AUSSOIS_DATA_DIR", data)
-        rows = self.rows("--case", "B4.ellipsoid")
+        rows = self.rows("--case", "B4.ellipsoid", code=3)  # nothing ran
         self.assertEqual({(row["figure"], row["pass"]) for row in rows}, {(None, None)})
-        said = self.verify("--case", "B4.ellipsoid")
+        said = self.verify("--case", "B4.ellipsoid", code=3)
         self.assertIn("skipped: AUSSOIS_DATA_DIR names no folder with references/", said)
-        self.assertIn(f"{len(rows)} are skipped without the shared data", said)
+        self.assertRegex(said, rf"\n{len(rows)} rows skipped: AUSSOIS_DATA_DIR names no folder with references/\S+\n"
+                               rf"verify: 0 rows hold, 0 fail, {len(rows)} are skipped\n$")
         self.assertEqual(list((self.folder / "out/verify").iterdir()), [])
+
+    def test_what_ran_decides_where_other_rows_were_skipped(self):
+        os.environ["AUSSOIS_DATA_DIR"], data = "", os.environ.get("AUSSOIS_DATA_DIR", "")
+        self.addCleanup(os.environ.__setitem__, "AUSSOIS_DATA_DIR", data)
+        self.assertIn("verify: 2 rows hold, 0 fail, 5 are skipped", self.verify("--case", "B4.ellipsoid", "A4.unequal_balls"))
+
+    def test_a_series_that_is_no_table_is_named_with_its_line(self):
+        series = self.folder / "data/references/contensou_disc_coefficients.csv"
+        series.parent.mkdir(parents=True)
+        os.environ["AUSSOIS_DATA_DIR"], data = str(self.folder / "data"), os.environ.get("AUSSOIS_DATA_DIR", "")
+        self.addCleanup(os.environ.__setitem__, "AUSSOIS_DATA_DIR", data)
+        for rows, word in (("a,b\n1,2\n1,x\n", ":3: b = 'x' must be a number"), ("a,b\n1\n", ":2: 1 values must be 2"), ("a,b\n", "no row")):
+            series.write_text(rows)
+            run = self.drive("verify", "--case", "B4.ellipsoid")
+            self.assertEqual(run.returncode, 3, run.stderr)
+            self.assertIn(f"{series.name}{word}" if word[0] == ":" else word, run.stderr)
+
+    def test_names_are_given_one_by_one_or_between_commas(self):
+        asked = [line.split(": ")[0] for line in self.verify("--list", "--case", "A4.column,A4.three_balls").splitlines() if line[0] != " "]
+        self.assertEqual(asked, ["A4.three_balls (moreau)", "A4.three_balls (combined)", "A4.column"])
+        for words in (("--case", "A4.column", "A4.three_balls"), ("--case", "A4.column", "--case", "A4.three_balls"),
+                      ("--case", "A4.column", "--group", "A4.three_balls"), ("--group", "A4.column,", "A4.three_balls")):
+            said = self.verify("--list", *words)
+            self.assertEqual([line.split(": ")[0] for line in said.splitlines() if line[0] != " "], asked)
+        groups = [self.verify("--list", *words) for words in (("--group", "A,B"), ("--group", "A", "B"), ("--group", "A", "--group", "B"))]
+        self.assertEqual(len(set(groups)), 1)
+        self.assertIn("\nB1.incline", groups[0])
+        one = self.verify("--list", "--case", "A5.paper (event_driven, 10 starts)")  # its comma stands in brackets
+        self.assertTrue(one.startswith("A5.paper (event_driven, 10 starts): "))
+        self.assertEqual(sum(line[0] != " " for line in one.splitlines()), 1)
 
     def test_the_list_has_every_case_and_runs_none(self):
         cases = [line for line in self.verify("--list").splitlines() if not line.startswith(" ")]

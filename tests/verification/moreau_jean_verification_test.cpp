@@ -25,63 +25,6 @@ TEST(Incline, ABlockAboveTheFrictionAngleSlidesAsCoulombSays) {
   EXPECT_NEAR(twist(s.state, s.block)[0], a * 0.5, 1e-6);
 }
 
-// A point mass with a dilation is a ball; drop from 1 m, e = 1/2: rest at t1 (1 + e) / (1 - e).
-double bouncing_ball_error(double h, NormalLaw law, double phase) {
-  Model model;
-  model.contact_law = {.mu = 0, .restitution = 0.5};
-  const int plate = add(model, prepare(dilate(make_plate(2, 2), 0.05)));
-  const int point = add(model, prepare(dilate(make_point(), 0.05)));
-  add(model, fixed_body("ground", plate));
-  const int ball =
-      add(model, RigidBody{.name = "ball", .shape = point, .mass = 1, .inertia = 1e-3 * Mat3::Identity()});
-  State state = rest_state(model);
-  pose(state, ball).p = Vec3(0.03, 0.02, 1.1);
-  const MoreauJean scheme(model,
-                          {.h = h, .theta = 0.5, .normal = {.law = law}, .advancement = {.certify = false}});
-  const double e = 0.5, t1 = std::sqrt(2 / 9.81), v1 = 9.81 * t1;
-  double error = 0;
-  while (state.t < 1.5 - 1e-9) {
-    const StepReport report = scheme.step(state, state.t == 0 ? phase * h : 1.5 - state.t);
-    EXPECT_TRUE(report.ok()) << report.reason;
-    double z = 0;  // exact height above the plate
-    if (state.t < t1) {
-      z = 1 - 9.81 * state.t * state.t / 2;
-    } else {
-      double begin = t1, speed = e * v1;
-      while (speed > 1e-9 && state.t > begin + 2 * speed / 9.81) begin += 2 * speed / 9.81, speed *= e;
-      const double s = state.t - begin;
-      z = std::max(0.0, speed * s - 9.81 * s * s / 2);
-    }
-    error = std::max(error, std::abs(pose(state, ball).p.z() - 0.1 - z));
-  }
-  return error;
-}
-
-// Without certificates, which would shorten the long steps and hide the order. The phase of an impact in its
-// step scatters single errors: the mean over the length of the first step.
-double mean_error(double h, NormalLaw law) {
-  double sum = 0;
-  for (int k = 0; k < 8; ++k) sum += bouncing_ball_error(h, law, (k + 0.5) / 8);
-  return sum / 8;
-}
-
-class RestitutionLaw : public ::testing::TestWithParam<NormalLaw> {};
-
-TEST_P(RestitutionLaw, LetsABallFollowTheExactImpacts) {
-  // Steps that are not powers of two of each other.
-  double sx = 0, sy = 0, sxx = 0, sxy = 0;
-  const double steps[] = {1.03e-2, 5.7e-3, 3.1e-3, 1.7e-3, 9.1e-4, 5.3e-4};
-  for (const double h : steps) {
-    const double x = std::log(h), y = std::log(mean_error(h, GetParam()));
-    sx += x, sy += y, sxx += x * x, sxy += x * y;
-  }
-  const double order = (6 * sxy - sx * sy) / (6 * sxx - sx * sx);
-  EXPECT_GT(order, 0.95);
-  EXPECT_LT(mean_error(5.3e-4, GetParam()), 5e-3);
-}
-INSTANTIATE_TEST_SUITE_P(Laws, RestitutionLaw, ::testing::Values(NormalLaw::moreau, NormalLaw::combined),
-                         [](const auto& law) { return to_string(law.param); });
-
 // The gap at the end of the step is closed exactly, whatever the law is called where nothing bounces.
 TEST(PlasticLaw, LetsABlockLandOnTheSurface) {
   for (const NormalLaw law : {NormalLaw::gap_over_step, NormalLaw::combined}) {

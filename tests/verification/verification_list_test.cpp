@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The rows of the verification list, as `verify` prints them: each must hold, and the page must say the same.
 #include <algorithm>
+#include <fstream>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -32,8 +33,9 @@ std::vector<const VerificationCase*> cases_that_are(bool slow) {
   return out;
 }
 std::string name_of(const ::testing::TestParamInfo<const VerificationCase*>& info) {
-  std::string out = file_stem(*info.param);
-  std::ranges::replace(out, '-', '_');
+  std::string out = stem_of(*info.param);
+  std::ranges::replace_if(
+      out, [](char x) { return x == '-' || x == '.'; }, '_');
   return out;
 }
 INSTANTIATE_TEST_SUITE_P(Quick, VerificationList, ::testing::ValuesIn(cases_that_are(false)), name_of);
@@ -47,7 +49,7 @@ TEST(VerificationRows, AreCompleteAndDistinct) {
     const std::pair<char, int> at(c.name[0], std::stoi(c.name.substr(1)));
     EXPECT_GE(at, last) << c.name << ": groups and numbers in order";
     last = at;
-    EXPECT_TRUE(stems.insert(file_stem(c)).second) << file_stem(c);
+    EXPECT_TRUE(stems.insert(stem_of(c)).second) << stem_of(c);
     EXPECT_FALSE(c.what.empty() || c.rows.empty()) << c.name;
     for (const Asked& row : c.rows) {
       EXPECT_TRUE(names.insert(row_name(c, row)).second) << row_name(c, row);
@@ -120,6 +122,22 @@ TEST(VerificationRows, GoOnThePageWithTheWorstOfTheirSettings) {
   EXPECT_NE(markdown.find("| `A0.case.x` | set-up: figure | here; there | <= 1 m | nowhere | 0.5 |\n"),
             std::string::npos)
       << markdown;
+  const auto shown = [&](double first, double second, Sense sense) {
+    one.rows[0].sense = two.rows[0].sense = sense;
+    const std::string text = to_markdown(
+        {{&one, Measured{.figures = {{"x", first}}}}, {&two, Measured{.figures = {{"x", second}}}}});
+    const std::size_t cell = text.find("nowhere | ") + 10;
+    return text.substr(cell, text.find(' ', cell) - cell);
+  };
+  EXPECT_EQ(shown(0.5, 0.25, Sense::at_most), "0.5");
+  EXPECT_EQ(shown(0.5, 0.25, Sense::at_least), "0.25");
+  EXPECT_EQ(shown(1, 0.25, Sense::exactly), "0.25");  // off 1 by 0.75
+  EXPECT_EQ(shown(1.5, 1, Sense::exactly), "1.5");
+  for (const Sense sense : {Sense::at_most, Sense::at_least, Sense::exactly}) {
+    EXPECT_EQ(shown(std::nan(""), 0.5, sense), "nan");
+    EXPECT_EQ(shown(0.5, std::nan(""), sense), "nan");
+  }
+  one.rows[0].sense = two.rows[0].sense = Sense::at_most;
   two.rows[0].bound = 2;
   EXPECT_NE(to_markdown({{&one, {}}, {&two, {}}}).find("| there | <= 2 m | nowhere | - |\n"),
             std::string::npos);

@@ -2,11 +2,10 @@
 // doc/theory/generalised_coordinates.md: models of one's own in the same scheme.
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <sstream>
 
 #include <gtest/gtest.h>
 
+#include "examples/scenes/point_and_wall.hpp"
 #include "integrators/moreau_jean.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/stepping.hpp"
@@ -18,110 +17,6 @@ constexpr double kG = 9.81;
 
 double order(double coarse, double fine, double ratio) {
   return std::log(coarse / fine) / std::log(ratio);
-}
-
-// A point of mass 1 on a line: a spring of stiffness k to the origin, a load, and a wall below.
-Model point_and_wall(double k, double load, double wall, double restitution) {
-  Model model;
-  add(model, Coordinates{.name = "point",
-                         .size = 1,
-                         .mass = [](const VecX&) -> MatX { return MatX::Identity(1, 1); },
-                         .force =
-                             [=](double, const VecX& q, const VecX&) {
-                               return CoordinateForce{.f = VecX::Constant(1, load - k * q[0]),
-                                                      .K = MatX::Constant(1, 1, k)};
-                             },
-                         .potential = [=](const VecX& q) { return 0.5 * k * q[0] * q[0] - load * q[0]; }});
-  add(model, GapFunction{.name = "wall",
-                         .block = 0,
-                         .evaluate =
-                             [=](const Model& m, const State& state, double) {
-                               return GapRows{.gap = coordinates(m, state, 0)[0] - wall,
-                                              .J = MatX::Ones(1, 1)};
-                             },
-                         .law = {.mu = 0, .restitution = restitution}});
-  return model;
-}
-
-struct Impact {
-  double t, before;  // [s], [m/s]
-};
-
-// x'' + x = 0, wall at -0.5, from 1 at rest, e = 0.8 (A2): between impacts a rotation of the phase plane.
-std::vector<Impact> oscillator_impacts(int count) {
-  std::vector<Impact> out;
-  double t = 0, v = 0;  // after the last impact; at the start from x = 1 at rest
-  for (int i = 0; i < count; ++i) {
-    const double energy = i == 0 ? 1 : 0.25 + v * v;
-    const double down = std::acos(-0.5 / std::sqrt(energy));  // phase of the wall after the top
-    t += i == 0 ? down : 2 * down;
-    v = std::sqrt(energy - 0.25);
-    out.push_back({t, -v});
-    v *= 0.8;
-  }
-  return out;
-}
-
-double position_at(double t, const std::vector<Impact>& impacts) {
-  double since = 0, x = 1, v = 0;
-  for (const Impact& i : impacts)
-    if (i.t <= t) since = i.t, x = -0.5, v = -0.8 * i.before;
-  return x * std::cos(t - since) + v * std::sin(t - since);
-}
-
-// Largest error of the position over 30 s.
-double oscillator_error(double h, double theta, NormalLaw law) {
-  const Model model = point_and_wall(1, 0, -0.5, 0.8);
-  State state = rest_state(model);
-  state.q[0] = 1;
-  const std::vector<Impact> impacts = oscillator_impacts(20);
-  double worst = 0;
-  advance(MoreauJean(model, {.h = h, .theta = theta, .normal = {.law = law}}), state, 30,
-          [&](const StepReport& report) {
-            worst = std::max(worst, std::abs(state.q[0] - position_at(state.t, impacts)));
-            EXPECT_LT(std::abs(report.energy.residual()), 1e-13);
-          });
-  return worst;
-}
-
-TEST(ImpactOscillator, ReferenceIsThatOfTheSharedEvents) {
-  const std::vector<Impact> impacts = oscillator_impacts(5);
-  EXPECT_NEAR(impacts[0].t, 2 * kPi / 3, 1e-14);
-  EXPECT_NEAR(impacts[4].t, 20.9771402644801, 1e-12);
-  EXPECT_NEAR(impacts[4].before, -0.354724005390107, 1e-13);
-}
-
-// The yardstick of plain Moreau-Jean: 2.8e-2 at theta = 1/2 and 5.4e-1 at theta = 1 for h = 1e-2, order 1.
-TEST(ImpactOscillator, IsNoWorseThanTheYardstick) {
-  EXPECT_LT(oscillator_error(1e-2, 0.5, NormalLaw::moreau), 2.9e-2);
-  EXPECT_LT(oscillator_error(1e-2, 1.0, NormalLaw::moreau), 5.5e-1);
-  double sum = 0, sum_of_errors = 0, squares = 0, products = 0;
-  int count = 0;
-  for (const double h : {1e-2, 6.3e-3, 4.1e-3, 2.7e-3, 1.7e-3, 1.1e-3}) {
-    const double x = std::log(h), y = std::log(oscillator_error(h, 0.5, NormalLaw::combined));
-    sum += x, sum_of_errors += y, squares += x * x, products += x * y, ++count;
-  }
-  const double slope = (count * products - sum * sum_of_errors) / (count * squares - sum * sum);
-  EXPECT_GT(slope, 0.75);  // order one with the phase of the impacts in the step
-}
-
-TEST(ImpactOscillator, FindsTheTimesOfItsImpacts) {
-  const Model model = point_and_wall(1, 0, -0.5, 0.8);
-  State state = rest_state(model);
-  state.q[0] = 1;
-  const std::vector<Impact> impacts = oscillator_impacts(3);
-  std::size_t seen = 0;
-  double before = 0;
-  advance(MoreauJean(model, {.h = 1e-3, .theta = 0.5}), state, 12, [&](const StepReport& report) {
-    if (state.v[0] > 0 && before < 0 && !report.gaps.empty() && report.gaps[0].impulse.x() > 0.1) {
-      ASSERT_LT(seen, impacts.size());
-      EXPECT_NEAR(state.t, impacts[seen].t, 5e-3);
-      EXPECT_NEAR(state.v[0], -0.8 * impacts[seen].before, 3e-3);
-      ++seen;
-    }
-    before = state.v[0];
-  });
-  EXPECT_EQ(seen, 3U);
 }
 
 TEST(BouncingBall, OnACoordinateKeepsItsEnergyWhenElasticAndRestsWhenPlastic) {

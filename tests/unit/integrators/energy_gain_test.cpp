@@ -6,11 +6,10 @@
 
 #include <gtest/gtest.h>
 
+#include "examples/scenes/springs.hpp"
 #include "integrators/joint_rows.hpp"
 #include "tests/support/block_scene.hpp"
 #include "tests/support/one_axis.hpp"
-#include "tests/support/outside_judge.hpp"
-#include "tests/support/springs.hpp"
 #include "tests/support/stepping.hpp"
 
 namespace aussois {
@@ -38,19 +37,6 @@ struct Top {
     twist(state, 0).tail<3>() << 0.3, 2, 0.4;
   }
 };
-
-// The explicit trapezoidal rule drives a top up: the energy as poses and velocities have it.
-TEST(EnergyGain, TellsAnExplicitSchemeThatGainsOnePercentInAThousandSteps) {
-  const Top top;
-  const Scheme scheme = make_scheme("d1_minus_linear", top.model, {.h = 0.1});
-  State state = top.state;
-  for (int k = 0; k < 1000; ++k) ASSERT_TRUE(scheme.step(state, kInf).ok());
-  const double first = judge(top.model, top.state).kinetic, last = judge(top.model, state).kinetic;
-  EXPECT_GT(last / first, 1.01);
-  const EnergyGain gain = gain_of(top.model, top.state, scheme, 1000);
-  EXPECT_NEAR(gain.largest, last - first, 0.05 * (last - first));  // it swings a little as it climbs
-  EXPECT_TRUE(energy_rises(gain));
-}
 
 // A contact that gives a hundred-thousandth in each step, which is not told: half a thousandth is kept quiet,
 // one per cent is told.

@@ -136,49 +136,6 @@ TEST(PoissonImpact, SlidesByTheFrictionOfBothPhases) {
   }
 }
 
-// u_N = y' + a', u_T = x' + a' with unit masses: W = (2 1; 1 2). From u = (-1, -1/2) with e = 0.9 and
-// friction that sticks, Newton's impulses are (1.1, -0.3), their work (1.1 (-0.1) + 0.3 / 2) / 2 = 0.02:
-// Kane's paradox. Poisson's: compression (0.5, 0), expansion (0.45, -0.225); work (-0.95 * 0.325 + 0.225 / 2)
-// / 2.
-TEST(KanesParadox, IsFlaggedUnderNewtonsLawAndDoesNotArisePoissonsWay) {
-  Model model;
-  model.gravity = Vec3::Zero();
-  add(model, Coordinates{.name = "rod",
-                         .size = 3,
-                         .mass = [](const VecX&) -> MatX { return MatX::Identity(3, 3); },
-                         .force = {},
-                         .potential = {}});
-  MatX J(2, 3);
-  J << 0, 1, 1, 1, 0, 1;
-  add(model, GapFunction{.name = "floor",
-                         .block = 0,
-                         .evaluate =
-                             [J](const Model& m, const State& state, double) {
-                               return GapRows{
-                                   .gap = J.row(0).dot(coordinates(m, state, 0)), .J = J, .rate = {}};
-                             },
-                         .law = {.mu = 10, .restitution = 0.9}});
-  const auto strike = [&](const ImpactOptions& impact) {
-    State state = rest_state(model);
-    state.v << -0.5, -1, 0;
-    StepReport report =
-        MoreauJean(model, {.impact = impact, .normal = {.law = NormalLaw::moreau}}).step(state);
-    EXPECT_TRUE(report.ok());
-    EXPECT_LT(std::abs(report.energy.residual()), 1e-12);
-    EXPECT_NEAR(report.energy.kinetic_change, (state.v.squaredNorm() - 1.25) / 2, 1e-12);
-    return report;
-  };
-  const StepReport newton = strike(kNewton), poisson = strike(kPoisson);
-  EXPECT_NEAR(newton.energy.contact_work, 0.02, 1e-7);  // the solver's tolerance
-  EXPECT_NEAR(newton.impulse_gain, 0.02, 1e-7);
-  EXPECT_TRUE(newton.energy_rises);
-  EXPECT_NEAR(poisson.energy.contact_work, (-0.95 * 0.325 + 0.225 / 2) / 2, 1e-12);
-  EXPECT_FALSE(poisson.energy_rises);
-  ASSERT_EQ(poisson.gaps.size(), 1U);
-  EXPECT_NEAR(poisson.gaps[0].impulse.x(), 0.95, 1e-12);
-  EXPECT_NEAR(poisson.gaps[0].impulse.y(), -0.225, 1e-12);
-}
-
 // A hinged ball that strikes a wall: the hinge takes part, the spin turns round by e.
 TEST(ImpactOfAMechanism, TurnsAPendulumRound) {
   for (const ImpactOptions& o : {kNewton, kPoisson, kPairs, kPoissonPairs}) {

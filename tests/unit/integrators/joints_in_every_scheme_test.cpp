@@ -6,12 +6,12 @@
 
 #include <gtest/gtest.h>
 
+#include "examples/scenes/tumbling.hpp"
 #include "geometry/primitives.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/one_axis.hpp"
 #include "tests/support/scheme_variants.hpp"
 #include "tests/support/stepping.hpp"
-#include "tests/support/tumbling.hpp"
 
 namespace aussois {
 namespace {

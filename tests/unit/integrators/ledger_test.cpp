@@ -2,10 +2,10 @@
 // Where energy and momentum of a step went, of every scheme of the registry.
 #include <cmath>
 
+#include "examples/scenes/outside_judge.hpp"
+#include "examples/scenes/springs.hpp"
 #include "integrators/scheme.hpp"
 #include "tests/support/block_scene.hpp"
-#include "tests/support/outside_judge.hpp"
-#include "tests/support/springs.hpp"
 
 namespace aussois {
 namespace {
@@ -70,24 +70,6 @@ StepReport judged_step(const Model& model, const Scheme& scheme, State& state, d
   off.lost = std::max(off.lost, (now.angular - before.angular).norm() / allowed);
   off.largest = std::max(off.largest, m.numerical.angular.norm());
   return report;
-}
-
-TEST(Ledger, OfAFreeFallHasTheWorkOfGravityAndTheDampingOfTheta) {
-  const double m = 2, g = 9.81, h = 0.01;
-  for (const double theta : {0.5, 0.7, 1.0}) {
-    Model model;
-    add(model, RigidBody{.name = "body", .mass = m, .inertia = Mat3::Identity()});
-    State state = rest_state(model);
-    const MoreauJean scheme(model, {.h = h, .theta = theta});
-    for (int k = 0; k < 10; ++k) {
-      const double z = pose(state, 0).p.z();
-      const StepReport report = scheme.step(state);
-      EXPECT_NEAR(report.energy.gravity_work, m * g * (z - pose(state, 0).p.z()), 1e-14);
-      EXPECT_NEAR(report.energy.numerical_work, -(theta - 0.5) * m * g * g * h * h, 1e-14);
-      EXPECT_NEAR(report.momentum.forces.linear.z(), -m * g * h, 1e-15);
-      EXPECT_NEAR(report.energy.residual(), 0, 1e-13);
-    }
-  }
 }
 
 // A block slides on a plate and another one, of another law, on the first: what each contact took adds up to
@@ -241,50 +223,6 @@ TEST(Ledger, ThatClosesIsNoProofThatMomentumIsKept) {
   const double coarse = drift(0.1), fine = drift(0.025);
   EXPECT_GT(coarse, 0.01);
   EXPECT_GT(std::log2(coarse / fine) / 2, 0.8);
-}
-
-// At theta = 1/2 the work of weight and linear springs is what their potentials lost, step by step.
-TEST(Ledger, ClosesAgainstTheEnergyOfLinearForcesAtTheMidpoint) {
-  Model model;
-  for (const double mass : {1.0, 3.0})
-    add(model, RigidBody{.name = "ball", .mass = mass, .inertia = mass * Mat3::Identity()});
-  add(model, spring(0, Vec3(200, 300, 400)));
-  add(model, spring(1, Vec3(500, 100, 50)));
-  State start = rest_state(model);
-  pose(start, 0).p = Vec3(0.1, -0.2, 0.3);
-  pose(start, 1).p = Vec3(-0.3, 0.1, 0.2);
-  twist(start, 1) << 1, 2, -1, 0.3, 4, 0.2;
-  add(model, joint_at(JointKind::prismatic, "slider", 0, -1, start.g, pose(start, 0)));
-  model.joints[0].axis[0] = {.stiffness = 700, .rest = 0.05};
-  start.v = consistent_velocity(model, start);
-  const Energy first = energy(model, start);
-  const double E = first.kinetic + first.laws;
-  for (const SchemeVariant& variant : scheme_variants()) {
-    const std::string name = label(variant.name, variant.options);
-    const bool midpoint = variant.name == "passive_midpoint" ||
-                          (variant.name.starts_with("moreau_jean") && variant.options.theta == 0.5);
-    if (variant.options.update == GroupUpdate::screw) continue;  // its centres go on arcs
-    if (!midpoint) continue;
-    State state = start;
-    SchemeOptions options = variant.options;
-    options.h = 5e-3;
-    options.solver.tolerance = 1e-14;
-    const Scheme scheme = make_scheme(variant.name, model, options);
-    double off = 0, whole = 0;
-    for (int k = 0; k < 200; ++k) {
-      const Energy before = energy(model, state);
-      const StepReport report = scheme.step(state, kInf);
-      ASSERT_TRUE(report.ok()) << name << ": " << report.reason;
-      const Energy now = energy(model, state);
-      off = std::max({off, std::abs(report.energy.law_work - before.laws + now.laws),
-                      std::abs(report.energy.gravity_work - before.gravity + now.gravity),
-                      std::abs(now.kinetic - before.kinetic - report.energy.kinetic_change),
-                      std::abs(now.total() - before.total()), std::abs(report.energy.residual())});
-      whole = std::max(whole, std::abs(now.total() - first.total()));
-    }
-    EXPECT_LT(off, 1e-12 * E) << name;
-    EXPECT_LT(whole, 1e-12 * E) << name;
-  }
 }
 
 }  // namespace

@@ -4,11 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include "examples/scenes/tumbling.hpp"
 #include "integrators/passive_midpoint.hpp"
 #include "mechanics/mechanism.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/stepping.hpp"
-#include "tests/support/tumbling.hpp"
 
 namespace aussois {
 namespace {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "examples/scenes/tumbling.hpp"
 #include "geometry/primitives.hpp"
 #include "integrators/moreau_jean.hpp"
 #include "tests/support/gear_pair.hpp"
@@ -11,7 +12,6 @@
 #include "tests/support/one_axis.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/stepping.hpp"
-#include "tests/support/tumbling.hpp"
 
 namespace aussois {
 namespace {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "integrators/passive_midpoint.hpp"
 
-#include <deque>
-
 #include "mechanics/joint.hpp"
 #include "tests/support/block_scene.hpp"
 #include "tests/support/message_of.hpp"
@@ -114,100 +112,6 @@ TEST(PathVelocity, LeadsToTheEndOfTheScrew) {
         moved_poses(model, state, path_velocity(GroupUpdate::screw, model, state, state.v, h), h)[0];
     EXPECT_LT((end.p - screw.p).norm(), 1e-14);
     EXPECT_LT(angle_between(end.R, screw.R), 1e-14);
-  }
-}
-
-// A force held over the step, as a port gives it: no stiffness, no damping. A step may ask more than once.
-ForceLaw port(std::function<Vec6(const State&)> wrench) {
-  return {.name = "port",
-          .add_to = [wrench](const Model&, const State& state, double, GeneralisedForce& force) {
-            force.f.tail<6>() += wrench(state);
-          }};
-}
-
-// What the ports and gravity gave must cover what the body has gained, in each step and in all (H3).
-struct PortLedger {
-  double stored = 0, given = 0, worst = -kInf;  // [J]; worst: of a step, of the energies in it [-]
-  int made_passive = 0;
-};
-PortLedger watch(const PassiveMidpoint& scheme, const Model& model, State& state, int steps) {
-  PortLedger out;
-  for (int k = 0; k < steps; ++k) {
-    const double before = energy(model, state).kinetic;
-    const StepReport report = scheme.step(state);
-    EXPECT_TRUE(report.ok()) << report.reason;
-    if (!report.ok()) break;
-    const double given = report.energy.law_work + report.energy.gravity_work;
-    const double size = before + std::abs(given) + std::abs(report.energy.contact_work) + 1e-9;
-    out.stored += report.energy.kinetic_change;
-    out.given += given;
-    out.worst = std::max(out.worst, (report.energy.kinetic_change - given) / size);
-    out.made_passive += report.contacts_made_passive;
-    EXPECT_NEAR(report.energy.residual() / size, 0, 1e-12);
-  }
-  return out;
-}
-
-PassiveMidpointOptions at_1_kHz(bool passive) {
-  return {.passive = passive, .step = {.h = 1e-3, .solver = {.tolerance = 1e-12}}};
-}
-
-// A block on a plate under white noise of ten times its weight, pulled down to stay near.
-Scene noisy_block() {
-  Scene s = block_on_plate(0.4, 0.3, 0);
-  s.model.forces.push_back(port([](const State& state) -> Vec6 {
-    Random random(std::uint64_t(std::llround(1e6 * state.t)));
-    const Vec3 force = random.vector(100) - Vec3(0, 0, 20), torque = random.vector(0.5);
-    Vec6 wrench;
-    wrench << force, torque;
-    return wrench;
-  }));
-  return s;
-}
-
-// A block that is pulled off its plate and pressed on again at every other step of 1 ms.
-Scene block_on_and_off() {
-  Scene s = block_on_plate(0.5, 0, 0);
-  s.model.forces.push_back(port([](const State& state) -> Vec6 {
-    const double sign = std::llround(1e3 * state.t) % 2 == 0 ? 1 : -1;
-    Vec6 wrench = Vec6::Zero();
-    wrench[0] = 5 * sign, wrench[2] = 40 * sign;
-    return wrench;
-  }));
-  return s;
-}
-
-// Every step of a longer run; without (PMI-6) the same runs gain: the law at the middle is not for nothing.
-TEST(Ports, OfContactsAreNeverGivenMoreThanTheyGave) {
-  for (const Scene& s : {noisy_block(), block_on_and_off()}) {
-    State state = s.state, without = s.state;
-    const PortLedger ledger = watch(PassiveMidpoint(s.model, at_1_kHz(true)), s.model, state, 1500);
-    EXPECT_LE(ledger.worst, 1e-12);
-    EXPECT_GE(ledger.given, ledger.stored);
-    EXPECT_GT(ledger.made_passive, 0);
-    EXPECT_GT(watch(PassiveMidpoint(s.model, at_1_kHz(false)), s.model, without, 1500).worst, 1e-2);
-  }
-}
-
-// A tool held by a hand (100 N/m, 1 N s/m, swinging) against a wall of 1e5 N/m that answers late. The wall
-// may well be active; the tool is not.
-TEST(Ports, OfAWallThatAnswersLateAreNeverGivenMoreThanTheyGave) {
-  for (const int delay : {0, 1, 3}) {
-    Model model = free_body(1e-3 * Mat3::Identity(), 0.3);
-    const auto seen = std::make_shared<std::deque<std::pair<double, double>>>();  // (t, x)
-    model.forces.push_back(port([seen, delay](const State& state) -> Vec6 {
-      const double x = state.g[0].p.x(), v = state.v[0];
-      if (seen->empty() || seen->back().first < state.t) seen->emplace_back(state.t, x);
-      if (int(seen->size()) > delay + 1) seen->pop_front();
-      const double late = seen->front().second, wall = late < 0 ? -1e5 * late : 0;
-      const double hand = 100 * (-0.02 * std::sin(5 * state.t) - x) - v;
-      return Vec6::Unit(0) * (wall + hand);
-    }));
-    State state = rest_state(model);
-    pose(state, 0).p.x() = 1e-3;
-    const PortLedger ledger = watch(PassiveMidpoint(model, at_1_kHz(true)), model, state, 4000);
-    EXPECT_LE(ledger.worst, 1e-12) << "delay " << delay;
-    EXPECT_NEAR(ledger.given, ledger.stored, 1e-12 * 4000 * std::abs(energy(model, state).kinetic) + 1e-9);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <csignal>
 #include <new>
 
+#include "examples/common/many_tasks.hpp"
 #include "examples/common/progress.hpp"
 #include "io/build_info.hpp"
 #include "tests/unit/io/io_samples.hpp"
@@ -71,6 +72,26 @@ TEST(Driver, FillsTheValuesAndRunsTheBody) {
   EXPECT_TRUE(driver.common.quiet);
   EXPECT_FALSE(driver.common.resume);
   EXPECT_EQ(driver.out + driver.err, "");
+}
+
+TEST(Driver, TakesWordsBetweenBlanksOrCommasOrOneByOne) {
+  const std::vector<std::vector<const char*>> lines{{"sample", "--case", "A", "B", "C (d, e)"},
+                                                    {"sample", "--case", "A,B", "--case", "C (d, e)"},
+                                                    {"sample", "--case=A, B ,,C (d, e),"}};
+  for (const auto& line : lines) {
+    Cli cli("sample", "Does nothing.");
+    std::vector<std::string> words;
+    cli.option("--case", words, "what moves");
+    ExitCode code = ExitCode::usage;
+    ASSERT_TRUE(cli.parse(int(line.size()), line.data(), code));
+    EXPECT_EQ(words, (std::vector<std::string>{"A", "B", "C (d, e)"}));
+    EXPECT_EQ(cli.values(), "--case A B C (d, e)\n");
+  }
+}
+
+TEST(ManyTasks, FilesAreNamedByLettersThatAnyFolderTakes) {
+  EXPECT_EQ(file_stem("A5.paper_6 rods, spherical"), "A5.paper_6_rods__spherical");
+  EXPECT_EQ(file_stem("ball_e05_moreau_jean theta 0.5"), "ball_e05_moreau_jean_theta_0.5");
 }
 
 TEST(Driver, ResumeAnywayIsAWayToResume) {

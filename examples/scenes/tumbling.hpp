@@ -2,8 +2,9 @@
 // Two free bodies that tumble on a joint.
 #pragma once
 
+#include "examples/common/random.hpp"
+#include "integrators/joint_rows.hpp"
 #include "mechanics/mechanism.hpp"
-#include "tests/support/random.hpp"
 
 namespace aussois {
 

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "examples/common/many_tasks.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdio>
+#include <string_view>
+#include <thread>
+
+namespace aussois {
+
+int ManyTasks::all_cores() {
+  return int(std::max(1u, std::thread::hardware_concurrency()));
+}
+
+void add_options(Cli& cli, ManyTasks& options, const std::string& tasks, const std::string& numbers) {
+  cli.group("output");
+  cli.option(
+      "-o,--out", options.out,
+      "folder of the results, made if missing; " + tasks + " that it has of this program are not done again");
+  cli.option("--json", options.json, "also write " + numbers + " to this file");
+  cli.option("--threads", options.threads, tasks + " at the same time; the results do not depend on it", "",
+             {1, 256});
+  cli.flag("--quiet", options.quiet, "no progress and no table; warnings and the count stay");
+}
+
+void make_folders(const ManyTasks& options) {
+  for (const std::filesystem::path& folder : {options.json.parent_path(), options.out})
+    if (!folder.empty()) std::filesystem::create_directories(folder);
+}
+
+void tell_known(int known, std::size_t all, const ManyTasks& options) {
+  if (known > 0) std::printf("%d of %zu were in %s already\n", known, all, options.out.c_str());
+}
+
+std::string file_stem(std::string words) {
+  constexpr std::string_view kKept = "_.-";
+  std::ranges::replace_if(
+      words,
+      [&](char x) { return !std::isalnum(static_cast<unsigned char>(x)) && kKept.find(x) == kKept.npos; },
+      '_');
+  return words;
+}
+
+}  // namespace aussois

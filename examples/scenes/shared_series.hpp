@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// Series of numbers in the shared data folder, computed by other programs (AUSSOIS_DATA_DIR/references).
+#pragma once
+
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace aussois {
+
+/// The shared data folder (AUSSOIS_DATA_DIR) is not there, or not what is asked for in it.
+struct MissingData : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+struct SeriesRow {
+  std::string path{};
+  std::map<std::string, double> values{};  // by column
+  /// Throws std::runtime_error naming the file if it has no such column.
+  double at(const std::string& column) const;
+};
+
+/// The rows of references/NAME, at least one; with `first`, those whose first column is this word. Throws
+/// MissingData if there is no such file, and std::runtime_error "path:line: ..." where it is no table of
+/// numbers.
+std::vector<SeriesRow> shared_series(const std::string& name, const std::string& first = "");
+
+}  // namespace aussois
