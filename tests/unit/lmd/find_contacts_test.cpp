@@ -377,6 +377,26 @@ TEST(Contacts, OfSmallFeaturesFarOffAreThoseOfTheExhaustiveSearch) {
   EXPECT_GT(crossings, 100);
 }
 
+// A row of rods below one, each at the place of its neighbours and of no other: one that goes speaks for
+// none.
+TEST(Contacts, ThatGoHaveOneThatStaysAtTheirPlace) {
+  const double step = 8e-9;  // 10 tau is 1e-8
+  std::vector<Vec3> ends;
+  std::vector<std::array<int, 2>> rods;
+  for (int i = 0; i < 7; ++i) {
+    rods.push_back({int(ends.size()), int(ends.size()) + 1});
+    for (const double y : {-0.5, 0.5}) ends.emplace_back(i * step, y, 0.0);
+  }
+  const LmdShape row = prepared(make_complex(ends, {}, rods), 0.01);
+  const LmdShape rod = prepared(make_polyline({{-0.5, 0, 0}, {0.5, 0, 0}}), 0.01);
+  const ContactSet found = contacts_of(rod, {Quat::Identity(), {0, 0, 0.1}}, row, {}, 0.2);
+  EXPECT_LT(found.points.size(), 7U);
+  for (int i = 0; i < 7; ++i)
+    EXPECT_TRUE(std::ranges::any_of(found.points, [&](const ContactPoint& c) {
+      return std::abs(c.x_b.x() - i * step) <= 1.01e-8;
+    })) << i;
+}
+
 TEST(Contacts, InAConcaveCornerAreOnBothWallsAndNotOnTheCrease) {
   // An L-shaped step made of one solid: x from 0 to 2, height 1 for x > 1, otherwise 0; y from -1 to 1.
   std::vector<Vec3> v;
