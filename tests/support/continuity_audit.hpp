@@ -112,6 +112,7 @@ class ContinuityAuditor {
         dilations_(pair.a.radius + pair.b.radius),
         speed_(motion.speed() + motion.spin() * radius_about(pair.a.complex, Vec3::Zero())),
         tau_(2e-9 * std::max(pair.a.bounding_radius, pair.b.bounding_radius)),
+        rounding_(1e-14 * (pair.a.bounding_radius + pair.b.bounding_radius + dilations_ + options.threshold)),
         off_{2 * tau_, 2 * tau_} {
     if (faces == Faces::idealised) off_[0] += 2 * pair.a.tolerance, off_[1] += 2 * pair.b.tolerance;
   }
@@ -195,7 +196,7 @@ class ContinuityAuditor {
 
   // (LMD-14) of a pose.
   void cover(const ContactSet& set, double d, double t, ContinuityAudit& audit) const {
-    const double gap = d - dilations_, tolerance = coverage_tolerance(pair_.a, pair_.b);
+    const double gap = d - dilations_, tolerance = coverage_tolerance(pair_.a, pair_.b) + rounding_;
     if (gap > options_.threshold - tolerance || std::abs(smallest_gap(set) - gap) <= tolerance) return;
     ++audit.uncovered;
     ADD_FAILURE() << "smallest gap " << smallest_gap(set) << " where that of the bases is " << gap
@@ -270,7 +271,8 @@ class ContinuityAuditor {
 
   Why why(const Event& event, ContinuityAudit& audit) const {
     const ContactPoint& c = event.contact;
-    if (options_.threshold - c.gap < 10 * tau_) return Why::threshold;
+    const double moved = 2 * speed_ * std::abs(event.gone - event.there);
+    if (options_.threshold - c.gap < 10 * tau_ + rounding_ + moved) return Why::threshold;
     for (const ContactPoint& h : event.without.points)  // found twice, and the other one stays (LMD-10)
       if (same_feet(feet_of(h), event.feet, 10.1 * tau_)) return handed_over(event, h, audit);
     bool vanishes = false;
@@ -294,7 +296,7 @@ class ContinuityAuditor {
     } else {
       for (const int side : {0, 1}) {  // two vertices may be minima seen from either
         const Feature& f = feature(c, side);
-        if (f.dim != 0 || !is_minimum_of(event, side)) continue;
+        if (!is_minimum_of(event, side)) continue;
         const double angle = angle_at(side, f.simplex, event.there, direction(c, side));
         if (!is_explained(options_.alpha - angle < 1e-7 + turn_during(event)
                               ? Why::angle
@@ -353,17 +355,20 @@ class ContinuityAuditor {
       return own.dot(k.vertices[std::size_t(other)] - k.vertices[std::size_t(vertex)]) > 0;
     });
   }
-  // Is it the side's vertex whose exact minimum on the other body the contact was?
+  // Was the contact one of the side's vertex, whose exact minimum on the other body it is? Of two vertices
+  // either may be, or both.
   bool is_minimum_of(const Event& event, int side) const {
     const ContactPoint& c = event.contact;
-    if (angle_at(side, feature(c, side).simplex, event.there, direction(c, side)) > options_.alpha)
-      return false;
-    const int other = 1 - side;
-    const ContactSet minima =
-        minima_of(event.feet.x[std::size_t(side)], posed(other, event.there), event.feet.d + 20 * tau_);
-    return std::ranges::any_of(minima.points, [&](const ContactPoint& m) {
-      return (m.x_b - shape(other).radius * m.normal - event.feet.x[std::size_t(other)]).norm() <= 20 * tau_;
-    });
+    const Feature &own = feature(c, side), &other = feature(c, 1 - side);
+    if (own.dim != 0) return false;
+    if (other.dim != 0) return true;
+    if (angle_at(side, own.simplex, event.there, direction(c, side)) > options_.alpha) return false;
+    const auto& leaves = shape(1 - side).vertices;
+    const auto leaf = std::ranges::find(leaves, other.simplex, &VertexLeaf::vertex);
+    const Vec3 to_vertex =
+        posed(1 - side, event.there).g_ws.R.conjugate() * (-event.feet.d * direction(c, side));
+    return std::ranges::all_of(leaf_of(shape(1 - side), {std::int32_t(leaf - leaves.begin()), 0, 1}).rays,
+                               [&](const Vec3& g) { return g.dot(to_vertex) <= 1.1 * tau_; });
   }
 
   // A vertex of `side` is where the contact's foot was, and sees the other foot leave its simplex. There must
@@ -417,8 +422,8 @@ class ContinuityAuditor {
   const SmoothMotion& motion_;
   const LmdOptions& options_;
   double nearest_ = 0, dilations_ = 0, speed_ = 0;
-  double tau_ = 0;               // tolerance of feet [m]
-  std::array<double, 2> off_{};  // eta of (KIN-12), of each shape [m]
+  double tau_ = 0, rounding_ = 0;  // tolerance of feet; of distances [m]
+  std::array<double, 2> off_{};    // eta of (KIN-12), of each shape [m]
 };
 
 inline void print(const std::string& what, const ContinuityAudit& a) {

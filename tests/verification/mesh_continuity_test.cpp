@@ -82,7 +82,7 @@ TEST(SharedMeshes, EveryComingAndGoingIsExplained) {
   const char* data = std::getenv("AUSSOIS_DATA_DIR");
   if (!data || !*data) GTEST_SKIP() << "AUSSOIS_DATA_DIR names no folder";
   const char* count = std::getenv("AUSSOIS_MESH_MOTIONS");
-  const int motions = count && *count ? std::atoi(count) : 40;
+  const int motions = count && *count ? std::atoi(count) : 30;
   std::vector<std::filesystem::path> meshes;
   for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(data) / "meshes"))
     if (entry.path().extension() == ".obj") meshes.push_back(entry.path());
