@@ -23,24 +23,31 @@ constexpr std::size_t kFewLeafPairs = 1024;
 constexpr double kPartOfSize = 1.0 / 16;
 
 // Inclusive tests can only find a minimum twice. Of those at one place the highest dimensions stay, then the
-// smallest ids: what stays is a function of the pose alone (LMD-10).
+// smallest ids: what stays is a function of the pose alone. Each that goes has one that stays at its place
+// (LMD-10).
 std::vector<FoundMinimum> without_duplicates(const RelativePair& pair,
                                              const std::vector<FoundMinimum>& found) {
-  const auto rank = [](const FoundMinimum& f) { return std::tuple(-(f.a.dim + f.b.dim), f.a, f.b); };
+  const auto rank = [&](int i) {
+    const FoundMinimum& f = found[std::size_t(i)];
+    return std::tuple(-(f.a.dim + f.b.dim), f.a, f.b);
+  };
   std::vector<std::pair<double, int>> by_x;
   by_x.reserve(found.size());
   for (const FoundMinimum& f : found) by_x.emplace_back(f.minimum.x_a.x(), int(by_x.size()));
   std::ranges::sort(by_x);
   const double near = 10 * pair.criteria.tolerance;
-  std::vector<char> dropped(found.size(), 0);
+  std::vector<std::pair<int, int>> twice;  // the first of two at one place would stay
   for (std::size_t i = 0; i < by_x.size(); ++i)
     for (std::size_t j = i + 1; j < by_x.size() && by_x[j].first - by_x[i].first <= near; ++j) {
-      const auto p = std::size_t(by_x[i].second), q = std::size_t(by_x[j].second);
-      if (dropped[p] && dropped[q]) continue;
-      if ((found[p].minimum.x_a - found[q].minimum.x_a).norm() <= near &&
-          (found[p].minimum.x_b - found[q].minimum.x_b).norm() <= near)
-        dropped[rank(found[p]) < rank(found[q]) ? q : p] = 1;
+      const int p = by_x[i].second, q = by_x[j].second;
+      const LocalMinimum &m = found[std::size_t(p)].minimum, &n = found[std::size_t(q)].minimum;
+      if ((m.x_a - n.x_a).norm() <= near && (m.x_b - n.x_b).norm() <= near)
+        twice.push_back(rank(p) < rank(q) ? std::pair(p, q) : std::pair(q, p));
     }
+  std::ranges::sort(twice, {}, [&](const auto& two) { return rank(two.first); });
+  std::vector<char> dropped(found.size(), 0);
+  for (const auto& [stays, goes] : twice)
+    if (!dropped[std::size_t(stays)]) dropped[std::size_t(goes)] = 1;
   std::vector<FoundMinimum> kept;
   kept.reserve(found.size());
   for (std::size_t i = 0; i < found.size(); ++i)

@@ -64,10 +64,10 @@ AUSSOIS_INLINE EdgeLanes edge_lanes(const LeafFrame& f, int first, int count) {
   for (int k = 0; k < 4; ++k) {
     const int i = first + std::min(k, count - 1);
     const EdgeLeaf& e = f.shape->edges[std::size_t(i)];
-    const Eigen::Vector3f p = f.point(f.shape->complex.vertices[std::size_t(e.first)]);
-    const Eigen::Vector3f q = f.point(f.shape->complex.vertices[std::size_t(e.last)]);
-    set(out.p, k, p);
-    set(out.e, k, q - p);
+    const Vec3 &p = f.shape->complex.vertices[std::size_t(e.first)],
+               &q = f.shape->complex.vertices[std::size_t(e.last)];
+    set(out.p, k, f.point(p));
+    set(out.e, k, f.direction(q - p));  // of rounded points, short edges would have any direction
     out.misfit[k] = misfit_of(*f.shape, i);
     for (int c = 0; c < 2; ++c) {
       const int region = e.conormals[std::size_t(c)];

@@ -87,19 +87,19 @@ double arc_distance(const ConeView& e, const ConeView& f, const Mat3& R, const V
 std::optional<LocalMinimum> edge_against_edge(const Leaf& a, const Leaf& b, const Mat3& R, const Vec3& t,
                                               const MinimumCriteria& c) {
   const Vec3 p = R * a.x[0] + t, e = R * a.direction;
-  const double cos_psi = e.dot(b.direction);
-  const double sin2 = e.cross(b.direction).squaredNorm();
+  const Vec3 across = e.cross(b.direction);
+  const double sin2 = across.squaredNorm();
   if (sin2 <= 1e-16)
     return std::nullopt;  // parallel: the ends of the overlap are V-E pairs of the same distance
+  // Along the edges by their cross products: off by rounding / sin psi. Dot products lose 1 / sin^2 psi.
   const Vec3 w = p - b.x[0];
-  const double s = (cos_psi * b.direction.dot(w) - e.dot(w)) / sin2;
-  const double r = (b.direction.dot(w) - cos_psi * e.dot(w)) / sin2;
+  const double s = b.direction.cross(w).dot(across) / sin2, r = e.cross(w).dot(across) / sin2;
   if (s < -c.tolerance || s > a.extent + c.tolerance || r < -c.tolerance || r > b.extent + c.tolerance)
     return std::nullopt;
   const Vec3 x_a = p + s * e, x_b = b.x[0] + r * b.direction;
   const double distance = (x_b - x_a).norm();
   if (distance > c.max_distance || distance <= 0) return std::nullopt;
-  Vec3 u = e.cross(b.direction).normalized();  // the common perpendicular, better conditioned than x_b - x_a
+  Vec3 u = across.normalized();  // the common perpendicular, better conditioned than x_b - x_a
   if (u.dot(x_b - x_a) < 0) u = -u;
   const double slack_a = margin(cone_of(a), R.transpose() * u, c.alpha_ee, c.sin_alpha_ee);
   if (slack_a < 0) return std::nullopt;

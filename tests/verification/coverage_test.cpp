@@ -9,7 +9,7 @@
 
 #include "examples/assembly/assembly_input.hpp"
 #include "tests/support/aimed_poses.hpp"
-#include "tests/support/mesh_damage.hpp"
+#include "tests/support/repaired_meshes.hpp"
 
 namespace aussois {
 namespace {
@@ -20,32 +20,6 @@ void expect_covered(const CoverageAudit& audit, long poses) {
   EXPECT_GT(audit.poses, poses / 5) << "the sample is hollow";
   EXPECT_EQ(audit.holes, 0) << audit.first_hole;
   EXPECT_EQ(audit.early, 0);
-}
-
-/// A box of 1 m about the origin; the vertices of `front` stand between the left and the right lower corner
-/// of its face y = -0.5 and its upper border, at (x, depth behind the face) each.
-SimplicialComplex box_with_border(const std::vector<Vec2>& front) {
-  std::vector<Vec3> v;
-  for (const double y : {-0.5, 0.5})
-    for (const double z : {-0.5, 0.5})
-      for (const double x : {-0.5, 0.5}) v.emplace_back(x, y, z);
-  std::vector<std::array<int, 3>> t{{4, 6, 7}, {4, 7, 5},   // back
-                                    {0, 4, 5}, {0, 5, 1},   // below
-                                    {0, 2, 6}, {0, 6, 4},   // left
-                                    {1, 5, 7}, {1, 7, 3}};  // right
-  std::vector<int> border{2};
-  for (const Vec2& p : front) {
-    border.push_back(int(v.size()));
-    v.emplace_back(p.x(), -0.5 + p.y(), 0.5);
-  }
-  border.push_back(3);
-  for (std::size_t i = 0; i + 1 < border.size(); ++i) {
-    t.push_back({0, border[i + 1], border[i]});
-    t.push_back({6, border[i], border[i + 1]});
-  }
-  t.push_back({0, 1, 3});
-  t.push_back({6, 3, 7});
-  return make_complex(v, t, {}, true);
 }
 
 // A chain's vertex 0.8 um inside of its chord: within the tolerance of chains, outside that of feet.
@@ -86,18 +60,10 @@ TEST(Coverage, NoFaceReachesBeyondTheTipOfANeedle) {
   }
 }
 
-// Soups, T-junctions, needles and cuts, put together again by the repair.
 TEST(Coverage, IsThatOfRepairedMeshesToo) {
   for (unsigned seed = 0; seed < 30; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
-    Random random(seed);
-    LooseMesh mesh = loose(seed % 3 == 0   ? make_cylinder(0.5, 1, 12)
-                           : seed % 3 == 1 ? make_box(1, 0.8, 0.6, 2)
-                                           : make_torus(0.6, 0.2, 8, 6));
-    for (int i = 0; i < 12; ++i)
-      cut_a_side(mesh, Cut(random.index(3)), 1e-3, random.log_uniform(1e-9, 1e-6), random);
-    const RepairedMesh repaired = repair_mesh(complex_of(soup_of(mesh, 1e-8, random)));
-    const LmdShape shape = prepare(dilate(repaired.complex, kDilation));
+    const LmdShape shape = prepare(dilate(damaged_and_repaired(seed), kDilation));
     expect_covered(audit_coverage(shape, 600, seed), 600);
   }
 }

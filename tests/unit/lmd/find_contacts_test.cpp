@@ -8,6 +8,7 @@
 #include "geometry/primitives.hpp"
 #include "lmd/certificate.hpp"
 #include "lmd/simplex_distance.hpp"
+#include "tests/support/compound.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/random.hpp"
 
@@ -314,6 +315,86 @@ TEST(Contacts, OfCrossingRodsIsOneAndOfParallelRodsTwo) {
   EXPECT_EQ(contacts_of(rod, translation(0, 0, 0.03), rod, rotation(Vec3::UnitZ(), 0.5), 0.05).points.size(),
             1U);
   EXPECT_EQ(contacts_of(rod, translation(0.2, 0, 0.03), rod, {}, 0.05).points.size(), 2U);
+}
+
+// Two rods that are nearly parallel: poses in double precision tell where their lines are nearest to
+// rounding / sin psi along and rounding d / sin^2 psi across.
+TEST(Contacts, OfRodsThatAreNearlyParallelAreWhereTheirLinesMeet) {
+  const LmdShape rod = prepared(make_segment(1), 0);
+  const Vec3 axis = (rod.complex.vertices[1] - rod.complex.vertices[0]).normalized();
+  ASSERT_EQ(axis.z(), 0);
+  Random random(11);
+  for (int i = 0; i < 1000; ++i) {
+    const double psi = random.log_uniform(2e-8, 1), d = random.log_uniform(1e-7, 0.1);
+    const double of_lower = random.uniform(-0.4, 0.4), of_upper = random.uniform(-0.4, 0.4);
+    const Quat turn(Eigen::AngleAxisd(psi, Vec3::UnitZ()));
+    const SE3 lower{random.rotation(), random.vector(0.5)};
+    const SE3 upper{lower.R * turn,
+                    lower * Vec3(of_lower * axis - of_upper * (turn * axis) + d * Vec3::UnitZ())};
+    const ContactSet found = contacts_of(rod, upper, rod, lower, 0.2);
+    const auto crossing = std::ranges::find_if(
+        found.points, [](const ContactPoint& c) { return c.a.dim == 1 && c.b.dim == 1; });
+    ASSERT_NE(crossing, found.points.end()) << "psi " << psi;
+    EXPECT_NEAR(crossing->gap, d, 1e-14) << "psi " << psi;
+    EXPECT_LT((crossing->x_b - lower * Vec3(of_lower * axis)).norm(), 2e-15 * (1 + d / psi) / psi)
+        << "psi " << psi;
+  }
+}
+
+// Edges that are short beside the shape have no direction if it is taken from points in single precision.
+TEST(Contacts, OfSmallFeaturesFarOffAreThoseOfTheExhaustiveSearch) {
+  Random random(5);
+  const SimplicialComplex box = make_box(1, 1, 1);
+  const auto turned = [](double angle, const Vec3& axis) { return Quat(Eigen::AngleAxisd(angle, axis)); };
+  long crossings = 0;
+  for (int i = 0; i < 1000; ++i) {
+    SCOPED_TRACE("scene " + std::to_string(i));
+    const double size = random.log_uniform(1e-5, 1e-2), away = random.log_uniform(1e-4, 1e-2);
+    const Vec3 place = random.direction();
+    const Quat scene = random.rotation();
+    // both with an edge along x, the vertical hardly inside of what the small one's arc is enlarged to
+    const double off = LmdOptions{}.alpha_ee - random.log_uniform(1e-5, 1e-2);
+    const Quat up = turned(random.index(2) ? off : -off, Vec3::UnitX());
+    const Quat down = turned(random.log_uniform(0.01, 0.2), Vec3::UnitZ()) * turned(kPi / 4, Vec3::UnitX());
+    const Vec3 top = up * Vec3(0, size / 2, size / 2),
+               lowest = down * (turned(-kPi / 4, Vec3::UnitX()) * Vec3(0, 0, -0.2 / std::sqrt(2)));
+    const LmdShape b =
+        prepared(merged({transformed(box, {scene * up, place}, size),
+                         transformed(box, translation(-place.x(), -place.y(), -place.z()), 0.1)},
+                        true),
+                 1e-4);
+    const LmdShape a = prepared(transformed(box, {}, 0.2), 1e-4);
+    const SE3 g{scene * down, place + scene * (top + Vec3(0, 0, away) - lowest)};
+    const LmdOptions options{.threshold = 2 * away};
+    const ContactSet found = find_contacts({&a, g, 0}, {&b, {}, 1}, options);
+    const ContactSet expected = find_contacts_exhaustive({&a, g, 0}, {&b, {}, 1}, options);
+    ASSERT_EQ(found.points.size(), expected.points.size());
+    for (std::size_t k = 0; k < found.points.size(); ++k) {
+      EXPECT_EQ(key_of(found.points[k]), key_of(expected.points[k]));
+      crossings += found.points[k].a.dim == 1 && found.points[k].b.dim == 1;
+    }
+  }
+  EXPECT_GT(crossings, 100);
+}
+
+// A row of rods below one, each at the place of its neighbours and of no other: one that goes speaks for
+// none.
+TEST(Contacts, ThatGoHaveOneThatStaysAtTheirPlace) {
+  const double step = 8e-9;  // 10 tau is 1e-8
+  std::vector<Vec3> ends;
+  std::vector<std::array<int, 2>> rods;
+  for (int i = 0; i < 7; ++i) {
+    rods.push_back({int(ends.size()), int(ends.size()) + 1});
+    for (const double y : {-0.5, 0.5}) ends.emplace_back(i * step, y, 0.0);
+  }
+  const LmdShape row = prepared(make_complex(ends, {}, rods), 0.01);
+  const LmdShape rod = prepared(make_polyline({{-0.5, 0, 0}, {0.5, 0, 0}}), 0.01);
+  const ContactSet found = contacts_of(rod, {Quat::Identity(), {0, 0, 0.1}}, row, {}, 0.2);
+  EXPECT_LT(found.points.size(), 7U);
+  for (int i = 0; i < 7; ++i)
+    EXPECT_TRUE(std::ranges::any_of(found.points, [&](const ContactPoint& c) {
+      return std::abs(c.x_b.x() - i * step) <= 1.01e-8;
+    })) << i;
 }
 
 TEST(Contacts, InAConcaveCornerAreOnBothWallsAndNotOnTheCrease) {
