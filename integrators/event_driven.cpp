@@ -58,8 +58,8 @@ bool EventRun::piece() {
       .unjudged = layout_.touch_work - layout_.impulse,  // redundant contacts share their load as they like
       .sums = layout_.size - layout_.touch_work};
   OdeOptions ode = for_a_step(o_.ode, t_end_ - t_begin_);
-  if (std::ranges::any_of(closed_, [&](const Closed& c) {
-        return c.friction == Friction::slips && c.along.size() > 1 &&
+  if (std::ranges::any_of(closed_, [&](const ClosedTouch& c) {
+        return c.friction == FrictionState::slips && c.along.size() > 1 &&
                slip_of(c.touch, c.touch.u).norm() < o_.stiff_slip;
       }))
     ode.method = OdeMethod::bdf;
