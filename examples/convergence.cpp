@@ -208,8 +208,7 @@ ExitCode run(Arguments a) {
   tell_known(results.known, cells.size(), a.tasks);
   std::printf(
       "convergence: %d of %zu met the orders of theory, one or more; %d met less than one, as theory says; "
-      "%d "
-      "have no order of the graph promised; %d not judged; %d missed\n",
+      "%d without a promised order of the graph; %d not judged; %d missed\n",
       count[OrderVerdict::met], cells.size(), count[OrderVerdict::less], count[OrderVerdict::none],
       count[OrderVerdict::not_judged], count[OrderVerdict::missed]);
   if (!results.failures.empty()) return ExitCode::numerical;

@@ -137,10 +137,8 @@ ExitCode drop(const Arguments& a) {
     set_audit(summary, audit, model);
     write_summary(a.common.summary, summary);
   }
-  std::printf(
-      "drop_part: %lld steps, %s, speed at the end %.3g m/s, largest rise of energy %.3g J "
-      "of %.3g J\n",
-      static_cast<long long>(steps), gap_text(min_gap).c_str(), speed, energy_rise, energy_scale);
+  std::printf("drop_part: %s, %s, speed at the end %.3g m/s, largest rise of energy %.3g J of %.3g J\n",
+              counted(steps, "step").c_str(), gap_text(min_gap).c_str(), speed, energy_rise, energy_scale);
   const bool accepted = failures == 0 && tell(audit, model) && speed < 1e-3 &&
                         min_gap > -0.05 * 2 * a.dilation && energy_rise < 1e-4 * energy_scale;
   return accepted ? ExitCode::ok : ExitCode::not_accepted;

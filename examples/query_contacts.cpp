@@ -92,8 +92,8 @@ void print_parts(const ContactReport& report, bool quiet) {
   if (quiet) return;
   for (const auto& [letter, part, shape] :
        {std::tuple{'A', &report.pair->a, report.a}, std::tuple{'B', &report.pair->b, report.b}})
-    std::printf("%c  %s: %d triangles, %s, box %.4g x %.4g x %.4g mm, dilation %.4g um\n", letter,
-                part->name.c_str(), part->report.triangles, part->complex.solid ? "solid" : "sheets",
+    std::printf("%c  %s: %s, %s, box %.4g x %.4g x %.4g mm, dilation %.4g um\n", letter, part->name.c_str(),
+                counted(part->report.triangles, "triangle").c_str(), part->complex.solid ? "solid" : "sheets",
                 1e3 * (part->report.box.hi - part->report.box.lo).x(),
                 1e3 * (part->report.box.hi - part->report.box.lo).y(),
                 1e3 * (part->report.box.hi - part->report.box.lo).z(), 1e6 * shape->radius);
@@ -142,13 +142,15 @@ ExitCode query(const Arguments& a) {
   const ContactQuery& first = report.queries.front();
   if (pair.poses.size() > 1) {
     std::printf("%s", statistics_table(report).c_str());
-    std::printf("%s: %zu poses, contacts within %.4g um\n", pair.name.c_str(), pair.poses.size(),
-                1e6 * report.options.threshold);
+    std::printf("%s: %s, contacts within %.4g um\n", pair.name.c_str(),
+                counted(std::int64_t(pair.poses.size()), "pose").c_str(), 1e6 * report.options.threshold);
   } else {
     if (a.rows > 0) std::printf("%s", contact_table(report, first, a.rows).c_str());
-    std::printf("%s: %zu contacts within %.4g um, %s, %.3g ms, %ld node pairs, %ld leaf pairs\n",
-                pair.name.c_str(), first.contact_count, 1e6 * report.options.threshold,
-                gap_text(first.min_gap).c_str(), first.ms, first.count.node_pairs, first.count.leaf_pairs);
+    std::printf("%s: %s within %.4g um, %s, %.3g ms, %s, %s\n", pair.name.c_str(),
+                counted(std::int64_t(first.contact_count), "contact").c_str(), 1e6 * report.options.threshold,
+                gap_text(first.min_gap).c_str(), first.ms,
+                counted(first.count.node_pairs, "node pair").c_str(),
+                counted(first.count.leaf_pairs, "leaf pair").c_str());
   }
   if (!a.csv.empty()) {
     CsvTable csv(a.csv, {"pose", "contacts", "min_gap", "ms", "node_pairs", "leaf_pairs"});
@@ -162,16 +164,15 @@ ExitCode query(const Arguments& a) {
   if (!a.json.empty()) write_contact_json(a.json, report);
   if (!a.picture.empty()) write_contact_page(a.picture, report);
   if (touching > 0)
-    std::fprintf(
-        stderr,
-        "the bases of %s and %s touch at %zu of %zu poses, first at pose %zu: contacts are missing there\n",
-        pair.a.name.c_str(), pair.b.name.c_str(), touching, pair.poses.size(), first_touching);
+    std::fprintf(stderr,
+                 "the bases of %s and %s touch at %zu of %s, first at pose %zu: contacts are missing there\n",
+                 pair.a.name.c_str(), pair.b.name.c_str(), touching,
+                 counted(std::int64_t(pair.poses.size()), "pose").c_str(), first_touching);
   if (nested > 0)
-    std::fprintf(
-        stderr,
-        "%s at pose %zu, the first of %zu of %zu poses with one inside the other: contacts do not see it\n",
-        to_string(*report.queries[first_nested].nesting, pair.a.name, pair.b.name).c_str(), first_nested,
-        nested, pair.poses.size());
+    std::fprintf(stderr,
+                 "%s at pose %zu, the first of %zu of %s with one inside the other: contacts do not see it\n",
+                 to_string(*report.queries[first_nested].nesting, pair.a.name, pair.b.name).c_str(),
+                 first_nested, nested, counted(std::int64_t(pair.poses.size()), "pose").c_str());
   return touching + nested == 0 ? ExitCode::ok : ExitCode::not_accepted;
 }
 

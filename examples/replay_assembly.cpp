@@ -100,10 +100,9 @@ void print_parts(const AssemblyInput& input, const AssemblyScene& scene, const A
     std::printf("%s\n%s", part->name.c_str(), to_string(part->report).c_str());
   for (const std::string& line : scene.cache) std::printf("cache: %s\n", line.c_str());
   std::printf(
-      "clearance %.4g um along %zu poses, dilation %.4g um each, moving part %.4g kg (%s) at %.4g Hz, "
-      "largest "
-      "step %.4g ms, path %.4g s\n",
-      1e6 * scene.clearance, scene.poses.size(), 1e6 * scene.dilation,
+      "clearance %.4g um along %s, dilation %.4g um each, moving part %.4g kg (%s) at %.4g Hz, largest step "
+      "%.4g ms, path %.4g s\n",
+      1e6 * scene.clearance, counted(std::int64_t(scene.poses.size()), "pose").c_str(), 1e6 * scene.dilation,
       scene.model.bodies[std::size_t(scene.moving)].mass, scene.mass_source.c_str(), scene.frequency,
       1e3 * scene.h, scene.path.t.back());
   std::fflush(stdout);
@@ -215,14 +214,14 @@ ExitCode replay_kinematic(const AssemblyInput& input, const AssemblyScene& scene
   finish(input, scene, a, s, run);
   std::ranges::sort(ms);
   std::printf(
-      "%s: %lld poses, %s (base distance %.4g um), up to %lld contacts within %.4g um, "
-      "query median %.3g ms, slowest %.3g ms, %.3g s CPU in all\n",
-      input.name.c_str(), static_cast<long long>(s.steps), gap_text(s.min_gap).c_str(),
-      1e6 * s.min_base_distance, static_cast<long long>(s.max_contacts), 1e6 * threshold, ms[ms.size() / 2],
-      ms.back(), s.cpu_s);
+      "%s: %s, %s (base distance %.4g um), up to %s within %.4g um, query median %.3g ms, slowest %.3g ms, "
+      "%.3g s CPU in all\n",
+      input.name.c_str(), counted(s.steps, "pose").c_str(), gap_text(s.min_gap).c_str(),
+      1e6 * s.min_base_distance, counted(s.max_contacts, "contact").c_str(), 1e6 * threshold,
+      ms[ms.size() / 2], ms.back(), s.cpu_s);
   if (s.uncovered > 0)
-    std::fprintf(stderr, "smallest gap and base distance disagree at %lld poses\n",
-                 static_cast<long long>(s.uncovered));
+    std::fprintf(stderr, "smallest gap and base distance disagree at %s\n",
+                 counted(s.uncovered, "pose").c_str());
   return s.min_base_distance > 0 && s.uncovered == 0 ? ExitCode::ok : ExitCode::not_accepted;
 }
 
@@ -357,7 +356,8 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
     write_checkpoint(checkpoint_file, checkpoint_of(print, state, s, csv.rows(), run.rows()));
   };
   if (!a.common.quiet)
-    std::printf("%.0f steps to take, more if some are cut\n", std::ceil((t_end - state.t) / scene.h - 1e-9));
+    std::printf("%s to take, more if some are cut\n",
+                counted(std::int64_t(std::ceil((t_end - state.t) / scene.h - 1e-9)), "step").c_str());
   std::fflush(stdout);
   Progress progress("replay_assembly", t_end, Progress::style_of_stderr(a.common.quiet));
   std::time_t last_checkpoint = std::time(nullptr);
@@ -379,8 +379,8 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
              pull.torque.norm(), lag_of(scene, state), double(report.attempts), 1e3 * report.seconds_contact,
              1e3 * report.seconds_solve, 1e3 * report.seconds_certificate, 1e3 * report.seconds_total});
     char note[80];
-    std::snprintf(note, sizeof note, "step %lld, %d contacts", static_cast<long long>(s.steps),
-                  report.contacts_found);
+    std::snprintf(note, sizeof note, "step %lld, %s", static_cast<long long>(s.steps),
+                  counted(report.contacts_found, "contact").c_str());
     progress.at(state.t, note);
     const bool stop = interrupted() || (a.stop_after > 0 && s.steps >= a.stop_after);
     if (stop || double(std::time(nullptr) - last_checkpoint) >= a.common.checkpoint_every) {
@@ -403,13 +403,10 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
 
   if (report.status == StepStatus::not_finite)
     throw NumericalFailure("step " + std::to_string(s.steps + 1) + ": " + report.reason);
-  std::printf(
-      "%s: %lld steps, %s, base distance at least %.4g um, pull up to %.3g N and %.3g N m, "
-      "lag up to %.3g mm, "
-      "up to %lld contacts, %.3g s CPU\n",
-      input.name.c_str(), static_cast<long long>(s.steps), gap_text(s.min_gap).c_str(),
-      1e6 * s.min_base_distance, s.peak_force, s.peak_torque, 1e3 * s.max_lag,
-      static_cast<long long>(s.max_contacts), s.cpu_s);
+  std::printf("%s: %s, %s, %s, pull up to %.3g N and %.3g N m, lag up to %.3g mm, up to %s, %.3g s CPU\n",
+              input.name.c_str(), counted(s.steps, "step").c_str(), gap_text(s.min_gap).c_str(),
+              distance_text(s.min_base_distance).c_str(), s.peak_force, s.peak_torque, 1e3 * s.max_lag,
+              counted(s.max_contacts, "contact").c_str(), s.cpu_s);
   if (report.status == StepStatus::refused)
     std::fprintf(stderr, "refused at t = %.6g s: %s\n", state.t, report.reason.c_str());
   const double arrival = kArrival * scene.radius + std::abs(scene.misalignment);

@@ -318,22 +318,21 @@ ExitCode run(Arguments& a) {
   if (!a.common.summary.empty())
     write_summary(a.common.summary, summary_of(a, scene.model, options, s, before, after, report));
   std::printf(
-      "%s, %s: %lld steps to t = %.6g s, up to %lld contacts, %s, farthest from the start "
-      "%.6g m, joints off by %.2g m, %.2g rad, energy %.6g to %.6g J (balance to %.2g J a step), %.3g us a "
+      "%s, %s: %s to t = %.6g s, up to %s, %s, farthest from the start %.6g m, joints off by %.2g m, %.2g "
+      "rad, energy %.6g to %.6g J (balance to %.2g J a step), %.3g us a "
       "step\n",
-      a.scene.c_str(), label(a.scheme.scheme, options).c_str(), static_cast<long long>(s.steps), state.t,
-      static_cast<long long>(s.max_contacts), gap_text(s.min_gap).c_str(), s.max_displacement, s.joint_drift,
-      s.joint_drift_angle, before.total(), after.total(), s.energy_residual,
+      a.scene.c_str(), label(a.scheme.scheme, options).c_str(), counted(s.steps, "step").c_str(), state.t,
+      counted(s.max_contacts, "contact").c_str(), gap_text(s.min_gap).c_str(), s.max_displacement,
+      s.joint_drift, s.joint_drift_angle, before.total(), after.total(), s.energy_residual,
       1e6 * s.cpu_s / double(std::max<std::int64_t>(1, s.steps)));
   if (report.status == StepStatus::refused)
     std::fprintf(stderr, "refused at t = %.6g s: %s\n", state.t, report.reason.c_str());
   if (s.energy_rises > 0)
-    std::fprintf(stderr, "contact gave energy in %lld steps, %.3g J\n",
-                 static_cast<long long>(s.energy_rises), s.impulse_gain);
+    std::fprintf(stderr, "contact gave energy in %s, %.3g J\n", counted(s.energy_rises, "step").c_str(),
+                 s.impulse_gain);
   tell(s.gain);
   if (s.solver_failures > 0)
-    std::fprintf(stderr, "%lld steps were not solved to the tolerance\n",
-                 static_cast<long long>(s.solver_failures));
+    std::fprintf(stderr, "not solved to the tolerance: %s\n", counted(s.solver_failures, "step").c_str());
   tell(s.uncertified);
   const bool accepted = tell(s.audit, scene.model) && report.moved() && s.solver_failures == 0;
   return accepted ? ExitCode::ok : ExitCode::not_accepted;

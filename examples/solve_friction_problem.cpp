@@ -11,6 +11,7 @@
 #include "examples/common/driver.hpp"
 #include "examples/common/progress.hpp"
 #include "examples/friction/problem_run.hpp"
+#include "geometry/number_text.hpp"
 #include "geometry/parallel.hpp"
 
 using namespace aussois;
@@ -83,8 +84,9 @@ ExitCode solve_all(const Arguments& a) {
   const auto solved = std::count_if(runs.begin(), runs.end(), [](const ProblemRun&r) { return r.solved; }),
              unreadable = std::count_if(runs.begin(), runs.end(),
                                         [](const ProblemRun&r) { return r.status == "unreadable"; });
-  std::printf("%s: %ld of %zu problems solved to %g in %.3g s of CPU time%s\n", a.solver.c_str(),
-              long(solved), files.size(), a.tolerance, cpu_s, interrupted() ? ", interrupted" : "");
+  std::printf("%s: %ld of %s solved to %g in %.3g s of CPU time%s\n", a.solver.c_str(), long(solved),
+              counted(std::int64_t(files.size()), "problem").c_str(), a.tolerance, cpu_s,
+              interrupted() ? ", interrupted" : "");
   if (interrupted()) return ExitCode::interrupted;
   if (unreadable > 0) return ExitCode::missing;
   return std::size_t(solved) == files.size() ? ExitCode::ok : ExitCode::not_accepted;

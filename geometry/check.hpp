@@ -8,6 +8,9 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
+
+#include "geometry/number_text.hpp"
 
 namespace aussois {
 
@@ -21,8 +24,12 @@ template <class Value>
 void require_field(bool condition, const char* field, const Value& value, const char* bound) {
   if (condition) return;
   std::ostringstream text;
-  text.precision(17);
-  text << field << " = " << value << " must " << bound;
+  text << field << " = ";
+  if constexpr (std::is_floating_point_v<Value>)
+    text << number_text(value);
+  else
+    text << value;
+  text << " must " << bound;
   throw std::invalid_argument(text.str());
 }
 

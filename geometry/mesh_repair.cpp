@@ -24,16 +24,16 @@ void append(RepairStep& sum, const RepairStep& step) {
 // against it: every edge parts inside from outside.
 std::string reason_against(const MeshReport& mesh, const Oriented& oriented) {
   std::string text;
-  const auto say = [&](int count, const char* what) {
-    if (count > 0) text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + what;
+  const auto say = [&](int count, const char* one, const char* many = "") {
+    if (count > 0) text += (text.empty() ? "" : ", ") + counted(count, one, many);
   };
   if (mesh.triangles == 0) return "no triangles";
-  say(mesh.border_edges, "border edges");
-  say(mesh.wire_edges, "edges without a triangle");
-  say(mesh.non_manifold_edges, "edges with three or more triangles");
-  say(oriented.one_sided, "pieces without an orientation");
-  say(oriented.flat_shells, "shells without a volume");
-  say(mesh.self_intersections, "self-intersecting pairs of triangles");
+  say(mesh.border_edges, "border edge");
+  say(mesh.wire_edges, "edge without a triangle", "edges without a triangle");
+  say(mesh.non_manifold_edges, "edge with three or more triangles", "edges with three or more triangles");
+  say(oriented.one_sided, "piece without an orientation", "pieces without an orientation");
+  say(oriented.flat_shells, "shell without a volume", "shells without a volume");
+  say(mesh.self_intersections, "self-intersecting pair of triangles", "self-intersecting pairs of triangles");
   if (text.empty() && !mesh.solid()) text = "no volume";
   return text;
 }
@@ -120,29 +120,33 @@ RepairedMesh repair_mesh(const SimplicialComplex& complex, const RepairOptions& 
 std::string to_string(const RepairReport& report) {
   std::string text;
   char line[256];
-  const auto say = [&](const RepairStep& step, const char* what) {
+  const auto say = [&](const RepairStep& step, const std::string& one, const std::string& many) {
     if (step.count == 0) return;
     const Vec3 mm = 1e3 * step.place;
-    std::snprintf(line, sizeof line, "%d %s, %s (%.6g, %.6g, %.6g) mm", step.count, what,
+    std::snprintf(line, sizeof line, ", %s (%.6g, %.6g, %.6g) mm",
                   step.distance > 0 ? "worst at" : "first at", mm.x(), mm.y(), mm.z());
-    text += line;
+    text += counted(step.count, one, many) + line;
     if (step.distance > 0) {
       std::snprintf(line, sizeof line, " by %.3g um", 1e6 * step.distance);
       text += line;
     }
     text += '\n';
   };
-  say(report.welded_same, "vertices at the place of another merged");
-  std::snprintf(line, sizeof line, "vertices nearer than %.3g um to another merged", 1e6 * report.tolerance);
-  say(report.welded_near, std::string(line).c_str());
-  say(report.collapsed_triangles, "triangles with welded corners dropped");
-  say(report.collapsed_wires, "wires with welded ends dropped");
-  say(report.duplicate_triangles, "duplicate triangles dropped");
-  say(report.flipped_slivers, "triangles without area flipped away");
-  say(report.dropped_slivers, "triangles without area at an open edge dropped");
-  say(report.split_edges, "vertices inserted into open edges");
-  say(report.turned_triangles, "triangles turned to agree with their neighbours");
-  say(report.turned_shells, "shells turned inside out");
+  say(report.welded_same, "vertex at the place of another merged", "vertices at the place of another merged");
+  std::snprintf(line, sizeof line, " nearer than %.3g um to another merged", 1e6 * report.tolerance);
+  const std::string near = line;
+  say(report.welded_near, "vertex" + near, "vertices" + near);
+  say(report.collapsed_triangles, "triangle with welded corners dropped",
+      "triangles with welded corners dropped");
+  say(report.collapsed_wires, "wire with welded ends dropped", "wires with welded ends dropped");
+  say(report.duplicate_triangles, "duplicate triangle dropped", "duplicate triangles dropped");
+  say(report.flipped_slivers, "triangle without area flipped away", "triangles without area flipped away");
+  say(report.dropped_slivers, "triangle without area at an open edge dropped",
+      "triangles without area at an open edge dropped");
+  say(report.split_edges, "vertex inserted into an open edge", "vertices inserted into open edges");
+  say(report.turned_triangles, "triangle turned to agree with its neighbours",
+      "triangles turned to agree with their neighbours");
+  say(report.turned_shells, "shell turned inside out", "shells turned inside out");
   return text;
 }
 

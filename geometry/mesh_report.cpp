@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <numeric>
 
+#include "geometry/number_text.hpp"
 #include "geometry/point_in_solid.hpp"
 #include "geometry/self_intersections.hpp"
 
@@ -138,8 +139,8 @@ std::string to_string(const MeshReport& report) {
     std::snprintf(line, sizeof line, format, values...);
     text += line;
   };
-  say("%d vertices, %d edges, %d triangles, %d components\n", report.vertices, report.edges, report.triangles,
-      report.components);
+  text += counted(report.vertices, "vertex", "vertices") + ", " + counted(report.edges, "edge") + ", " +
+          counted(report.triangles, "triangle") + ", " + counted(report.components, "component") + "\n";
   if (report.vertices > 0) {
     const Vec3 size = 1e3 * (report.box.hi - report.box.lo);
     const Vec3 lo = 1e3 * report.box.lo, hi = 1e3 * report.box.hi;
@@ -154,19 +155,21 @@ std::string to_string(const MeshReport& report) {
     say("smallest triangle height %.3g m, %.3g of the box diagonal\n",
         report.min_height_ratio * report.box.diagonal(), report.min_height_ratio);
   }
-  const auto count = [&](int value, const char* what) {
-    if (value > 0) say("%d %s\n", value, what);
+  const auto count = [&](int value, const char* one, const char* many = "") {
+    if (value > 0) text += counted(value, one, many) + "\n";
   };
-  count(report.isolated_vertices, "isolated vertices");
-  count(report.wire_edges, "edges without a triangle");
-  count(report.border_edges, "border edges");
-  count(report.non_manifold_edges, "edges with three or more triangles");
-  count(report.non_manifold_vertices, "vertices with more than one fan of triangles");
-  count(report.misoriented_edges, "edges between triangles of opposite orientation");
-  count(report.degenerate_triangles, "degenerate triangles");
-  count(report.duplicate_vertices, "duplicate vertices");
-  count(report.duplicate_triangles, "duplicate triangles");
-  count(report.self_intersections, "pairs of intersecting triangles");
+  count(report.isolated_vertices, "isolated vertex", "isolated vertices");
+  count(report.wire_edges, "edge without a triangle", "edges without a triangle");
+  count(report.border_edges, "border edge");
+  count(report.non_manifold_edges, "edge with three or more triangles", "edges with three or more triangles");
+  count(report.non_manifold_vertices, "vertex with more than one fan of triangles",
+        "vertices with more than one fan of triangles");
+  count(report.misoriented_edges, "edge between triangles of opposite orientation",
+        "edges between triangles of opposite orientation");
+  count(report.degenerate_triangles, "degenerate triangle");
+  count(report.duplicate_vertices, "duplicate vertex", "duplicate vertices");
+  count(report.duplicate_triangles, "duplicate triangle");
+  count(report.self_intersections, "pair of intersecting triangles", "pairs of intersecting triangles");
   return text;
 }
 

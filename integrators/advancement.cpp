@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <iomanip>
 #include <span>
 #include <sstream>
 #include <utility>
@@ -441,10 +440,9 @@ std::string name_of(const Model& model, int body) {
 
 std::string text_of(const Model& model, const Overlap& overlap) {
   std::ostringstream text;
-  text.precision(17);
   text << "bodies " << name_of(model, overlap.a) << " and " << name_of(model, overlap.b)
-       << ": base distance = " << overlap.distance << " must be at least " << std::setprecision(6)
-       << overlap.required << " [m]";
+       << ": base distance = " << number_text(overlap.distance) << " must be at least "
+       << number_text(overlap.required) << " [m]";
   for (std::size_t j = 0; j < model.joints.size(); ++j)
     if (const Joint& joint = model.joints[j];
         joint.collide &&

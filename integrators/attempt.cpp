@@ -348,8 +348,10 @@ void solve_rows(const StepSetting& setting, const State& state, const Found& fou
   const double begin = step_clock();
   SolverOptions solver = setting.options.solver;
   solver.tolerance *= step.tolerance_part;
+  const SolveReport earlier = step.solved.solution.report;
   step.solved = solve_reduced(*step.free, setting.dofs, step.rows, step.joints.equations, found.selection,
                               starts(step, found, state.r), allowed_speeds(found), solver);  // (NSGS-1)
+  add_work(earlier, step.solved.solution.report);
   step.seconds += step_clock() - begin;
 }
 
@@ -469,9 +471,8 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
     report.joint_error = joint_error(model, out.next);
     joint_impulse = step.solved.problem->H * impulses.of_joints + step.solved.problem->G * lambda;
   }
-  if (const JointError& off = report.joint_error;
-      o.joints.project && !(std::max(off.translation, off.rotation) <= o.joints.tolerance))
-    return failed(Outcome::not_certified, text_of(off, o.joints));
+  if (!within(report.joint_error, o.joints))
+    return failed(Outcome::not_certified, text_of(report.joint_error, o.joints));
   tell_ledgers(setting, state, out.next, step,
                {.r = r,
                 .by_contacts = contact_impulse,

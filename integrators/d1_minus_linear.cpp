@@ -124,13 +124,11 @@ StepReport D1MinusLinear::step(State& state, double h_limit) const {
     free.M.makeCompressed();
     free.gyroscopic_D = free.law_D = SparseMatrix(dofs.rows, dofs.rows);
 
-    SolveReport total;
+    SolveStatus worst = SolveStatus::converged;
     const auto solve_stage = [&] {
       step.free = std::make_shared<const FreeMotion>(free);
       solve_rows(setting_, from, found, step);
-      const SolveReport& report = step.solved.solution.report;
-      total.iterations += report.iterations;
-      total.status = std::max(total.status, report.status);
+      worst = std::max(worst, step.solved.solution.report.status);
       for (const int i : step.solved.kept)  // what was asked once is asked in all stages
         if (std::size_t(i) < found.contacts.points.size()) found.selection.kept.push_back(i);
       return row_impulses(step);
@@ -183,8 +181,7 @@ StepReport D1MinusLinear::step(State& state, double h_limit) const {
       step.solved.first_row.clear();  // starts from the impulses of the last step again
       solve_stage();
     }
-    step.solved.solution.report.iterations = total.iterations;
-    step.solved.solution.report.status = total.status;
+    step.solved.solution.report.status = worst;
     return go(setting_, from, found, step, {.v_path = v_path, .v_end = step.solved.solution.v});  // (DML-7)
   };
   return advance_step(setting_, state, h_limit, {estimate, attempt});

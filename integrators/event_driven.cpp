@@ -14,12 +14,13 @@ namespace {
 
 constexpr int kMaxRetries = 20;
 constexpr double kTolerated = 0.1;  // time that may bring an error of the tolerances [s] (EVD-12)
-constexpr double kFinest = 1e-14;   // relative tolerance; below it steps are lost in rounding
+constexpr double kFinest = 1e-14;   // relative tolerance: what is finer is lost in rounding
 
-// A start costs an error of the tolerances, however short what follows.
+// A start costs an error of the tolerances, however short what follows. Both tolerances shrink alike: their
+// ratio is the size of a component below which it is no longer judged by itself.
 OdeOptions for_a_step(OdeOptions o, double h) {
-  const double part = std::min(1.0, h / kTolerated);
-  o.relative = std::max(part * o.relative, std::min(o.relative, kFinest));
+  const double part = std::min(1.0, std::max(h / kTolerated, kFinest / o.relative));
+  o.relative *= part;
   o.absolute *= part;
   return o;
 }
@@ -58,8 +59,8 @@ bool EventRun::piece() {
       .unjudged = layout_.touch_work - layout_.impulse,  // redundant contacts share their load as they like
       .sums = layout_.size - layout_.touch_work};
   OdeOptions ode = for_a_step(o_.ode, t_end_ - t_begin_);
-  if (std::ranges::any_of(closed_, [&](const Closed& c) {
-        return c.friction == Friction::slips && c.along.size() > 1 &&
+  if (std::ranges::any_of(closed_, [&](const ClosedTouch& c) {
+        return c.friction == FrictionState::slips && c.along.size() > 1 &&
                slip_of(c.touch, c.touch.u).norm() < o_.stiff_slip;
       }))
     ode.method = OdeMethod::bdf;
@@ -138,8 +139,7 @@ StepReport EventRun::go(State& out) {
   }
   if (alive && !model_.joints.empty()) {
     const JointError off = joint_error(model_, state_);
-    if (!(std::max(off.translation, off.rotation) <= o_.step.joints.tolerance))
-      alive = refused(text_of(off, o_.step.joints));
+    if (!within(off, o_.step.joints)) alive = refused(text_of(off, o_.step.joints));
   }
   report_.seconds_total = step_clock() - begin;
   report_.t = start.t;

@@ -57,20 +57,20 @@ std::vector<int> matched(const std::vector<Touch>& old, const std::vector<Touch>
   return out;
 }
 
-std::vector<Touch> touches_of(const std::vector<Closed>& closed) {
+std::vector<Touch> touches_of(const std::vector<ClosedTouch>& closed) {
   std::vector<Touch> out;
-  for (const Closed& c : closed) out.push_back(c.touch);
+  for (const ClosedTouch& c : closed) out.push_back(c.touch);
   return out;
 }
 
-EventLayout layout_of(const StepSetting& setting, const std::vector<Closed>& closed) {
+EventLayout layout_of(const StepSetting& setting, const std::vector<ClosedTouch>& closed) {
   EventLayout out;
   out.q = 7 * (setting.dofs.coordinates / 6);
   out.v = out.q + (setting.dofs.rows - setting.dofs.coordinates);
   out.work = out.v + setting.dofs.rows;
   out.impulse = out.work + kWorks;
   out.touch_work = out.impulse;
-  for (const Closed& c : closed) {
+  for (const ClosedTouch& c : closed) {
     out.first_impulse.push_back(out.touch_work);
     out.touch_work += c.touch.law.rows;
   }
@@ -121,14 +121,15 @@ State EventRun::unpacked(double t, const VecX& y) const {
 
 // The closed touches where they are now, their slip in the direction that continues the one they began with
 // through zero, so that the rate is smooth there.
-std::vector<Closed> EventRun::closed_at(const std::vector<Touch>& touches, std::vector<int>& match) const {
+std::vector<ClosedTouch> EventRun::closed_at(const std::vector<Touch>& touches,
+                                             std::vector<int>& match) const {
   match = matched(touches_of(closed_), touches);
-  std::vector<Closed> out;
+  std::vector<ClosedTouch> out;
   for (std::size_t i = 0; i < closed_.size(); ++i) {
     if (match[i] < 0) continue;
-    Closed c = closed_[i];
+    ClosedTouch c = closed_[i];
     c.touch = touches[std::size_t(match[i])];
-    if (c.friction == Friction::slips) {
+    if (c.friction == FrictionState::slips) {
       const VecX slip = slip_of(c.touch, c.touch.u);
       const double sign = slip.dot(closed_[i].along) < 0 ? -1 : 1;
       const double keeps = kDirection / (1 + slip.squaredNorm() / (kDirection * kDirection));
@@ -142,7 +143,7 @@ std::vector<Closed> EventRun::closed_at(const std::vector<Touch>& touches, std::
 bool EventRun::rate(double t, const VecX& y, VecX& out) const {
   const State s = unpacked(t, y);
   std::vector<int> match;
-  const std::vector<Closed> closed = closed_at(touches_at(setting_, s, o_.horizon), match);
+  const std::vector<ClosedTouch> closed = closed_at(touches_at(setting_, s, o_.horizon), match);
   const SmoothForces forces = smooth_forces(setting_, s);
   const Accelerations now = accelerations(setting_, s, forces, closed,
                                           closed.size() == force_.size() ? force_ : std::vector<VecX>{});
@@ -204,7 +205,7 @@ bool EventRun::roots(double t, const VecX& y, VecX& out) const {
   const State s = unpacked(t, y);
   const std::vector<Touch> touches = touches_at(setting_, s, o_.horizon);
   std::vector<int> match;
-  const std::vector<Closed> closed = closed_at(touches, match);
+  const std::vector<ClosedTouch> closed = closed_at(touches, match);
   std::vector<char> open(touches.size(), 1);
   for (const int m : match)
     if (m >= 0) open[std::size_t(m)] = 0;
@@ -236,12 +237,12 @@ bool EventRun::roots(double t, const VecX& y, VecX& out) const {
       release = -1;
       continue;
     }
-    const Closed& c = closed[k];
+    const ClosedTouch& c = closed[k];
     const VecX &force = now.force[k], &rate = now.rate[k], &weight = now.weight[k];
     ++k;
     if (has_gap(c.touch)) release = std::abs(weight[0]) * force[0] - rate[0] + tolerance_;
-    if (c.friction == Friction::slips) friction = slip_of(c.touch, c.touch.u).dot(closed_[i].along);
-    if (c.friction == Friction::sticks) {
+    if (c.friction == FrictionState::slips) friction = slip_of(c.touch, c.touch.u).dot(closed_[i].along);
+    if (c.friction == FrictionState::sticks) {
       const double grip = has_gap(c.touch) ? c.touch.law.mu * force[0] : c.touch.law.limit;
       VecX held = has_gap(c.touch) ? VecX(force.tail(force.size() - 1)) : force;
       if (c.touch.law.kind == LawKind::contensou) held[2] /= c.touch.law.radius;

@@ -15,7 +15,7 @@ inline constexpr double kSameTime = 1e-12;
 /// The touch of a list that goes on with each of `old`: the same features, or the nearest contact of the same
 /// bodies that goes on with none of the others; -1: none.
 std::vector<int> matched(const std::vector<Touch>& old, const std::vector<Touch>& now);
-std::vector<Touch> touches_of(const std::vector<Closed>& closed);
+std::vector<Touch> touches_of(const std::vector<ClosedTouch>& closed);
 
 /// A touch that opened at the start of the piece; `offset` by how much it overlapped, and as far as its gap
 /// is known.
@@ -34,7 +34,7 @@ enum EventMomentum { of_forces, of_contacts, of_joints, kMomenta };  // six entr
 inline constexpr int kJointSums = 16;  // of every joint: force, torque, effort, parts of the work
 using JointSums = Eigen::Matrix<double, kJointSums, 1>;
 
-EventLayout layout_of(const StepSetting& setting, const std::vector<Closed>& closed);
+EventLayout layout_of(const StepSetting& setting, const std::vector<ClosedTouch>& closed);
 
 /// What the stop or dry friction of a joint does to it with `p`, on the velocity `on`; `v` is that of the
 /// touch.
@@ -62,7 +62,7 @@ class EventRun {
   bool jump_without_collision(const std::vector<Touch>& touches);
   bool decide(const std::vector<Touch>& touches);
   void foretell_rest(const Accelerations& now);
-  void compare(const std::vector<Closed>& before);
+  void compare(const std::vector<ClosedTouch>& before);
   bool piece();
   double safe_until(const State& from, double stop) const;
   bool leapt(const State& from, const State& to);
@@ -70,7 +70,7 @@ class EventRun {
 
   VecX packed() const;
   State unpacked(double t, const VecX& y) const;
-  std::vector<Closed> closed_at(const std::vector<Touch>& touches, std::vector<int>& match) const;
+  std::vector<ClosedTouch> closed_at(const std::vector<Touch>& touches, std::vector<int>& match) const;
   bool rate(double t, const VecX& y, VecX& out) const;
   bool roots(double t, const VecX& y, VecX& out) const;
   void take(const VecX& y);
@@ -101,7 +101,7 @@ class EventRun {
   long ode_steps_ = 0;
 
   // Of the piece that begins at state_
-  std::vector<Closed> closed_{};
+  std::vector<ClosedTouch> closed_{};
   std::vector<LeavingTouch> leaving_{};
   std::vector<VecX> force_{};  // at its start
   VecX a_{};                   // likewise, in the places of State::v

@@ -179,12 +179,12 @@ bool EventRun::decide(const std::vector<Touch>& touches) {
     }
     if (!touch.kinematics_defined)
       return refused("a closed contact between parallel edges has no acceleration");
-    Closed c{.touch = touch};
+    ClosedTouch c{.touch = touch};
     const VecX slip = slip_of(touch, touch.u);
     c.along = VecX::Zero(slip.size());
     if (slip.size() > 0 && (touch.law.mu > 0 || !has_gap(touch)))
-      c.friction = slip.norm() <= o_.stick_speed ? Friction::sticks : Friction::slips;
-    if (c.friction == Friction::slips) c.along = slip.normalized();
+      c.friction = slip.norm() <= o_.stick_speed ? FrictionState::sticks : FrictionState::slips;
+    if (c.friction == FrictionState::slips) c.along = slip.normalized();
     closed_.push_back(std::move(c));
   }
   const SmoothForces forces = smooth_forces(setting_, state_);
@@ -195,18 +195,18 @@ bool EventRun::decide(const std::vector<Touch>& touches) {
                kAcceleration * model_.gravity.norm();
   bool again = false;
   for (std::size_t i = 0; i < closed_.size(); ++i) {
-    Closed& c = closed_[i];
-    if (c.friction != Friction::sticks) continue;
+    ClosedTouch& c = closed_[i];
+    if (c.friction != FrictionState::sticks) continue;
     const VecX slip = slip_of(c.touch, now.rate[i]);
     if (slip.norm() <= tolerance_ / 2 || (has_gap(c.touch) && now.force[i][0] <= 0)) continue;
-    c.friction = Friction::slips;
+    c.friction = FrictionState::slips;
     c.along = slip.normalized();
     again = true;
   }
   if (again && !(now = accelerate()).solved) return false;
   foretell_rest(now);
   a_ = all_velocities(setting_.dofs, now.a, VecX::Zero(state_.v.size()));
-  std::vector<Closed> stay;
+  std::vector<ClosedTouch> stay;
   force_.clear();
   for (std::size_t i = 0; i < closed_.size(); ++i) {
     if (has_gap(closed_[i].touch) && now.force[i][0] <= 0 && now.rate[i][0] > tolerance_ / 2) {
@@ -221,19 +221,19 @@ bool EventRun::decide(const std::vector<Touch>& touches) {
 }
 
 // Events of what was closed before.
-void EventRun::compare(const std::vector<Closed>& before) {
+void EventRun::compare(const std::vector<ClosedTouch>& before) {
   const std::vector<int> match = matched(touches_of(before), touches_of(closed_));
   for (std::size_t i = 0; i < before.size(); ++i) {
     if (match[i] < 0) {
       add_event(EventKind::release, before[i].touch, state_.t);
       continue;
     }
-    const Closed& now = closed_[std::size_t(match[i])];
-    if (before[i].friction == Friction::sticks && now.friction == Friction::slips)
+    const ClosedTouch& now = closed_[std::size_t(match[i])];
+    if (before[i].friction == FrictionState::sticks && now.friction == FrictionState::slips)
       add_event(EventKind::slip, now.touch, state_.t);
-    if (before[i].friction != Friction::slips) continue;
-    if (now.friction == Friction::sticks) add_event(EventKind::stick, now.touch, state_.t);
-    if (now.friction == Friction::slips && now.along.dot(before[i].along) < -0.5 &&
+    if (before[i].friction != FrictionState::slips) continue;
+    if (now.friction == FrictionState::sticks) add_event(EventKind::stick, now.touch, state_.t);
+    if (now.friction == FrictionState::slips && now.along.dot(before[i].along) < -0.5 &&
         slip_of(now.touch, now.touch.u).norm() <= o_.stick_speed)
       add_event(EventKind::reversal, now.touch, state_.t);
   }
@@ -243,7 +243,7 @@ void EventRun::compare(const std::vector<Closed>& before) {
 bool EventRun::settle(bool first) {
   move_prescribed();
   if (!model_.joints.empty()) project();
-  const std::vector<Closed> before = std::move(closed_);
+  const std::vector<ClosedTouch> before = std::move(closed_);
   std::vector<Touch> touches = touches_at(setting_, state_, o_.horizon);
   if (!collisions(touches)) return false;
   if (!decide(touches)) {

@@ -248,6 +248,10 @@ void validate(const JointOptions& options) {
   require_field(options.tolerance > 0, "JointOptions::tolerance", options.tolerance, "be positive [m, rad]");
 }
 
+bool within(const JointError& error, const JointOptions& options) {
+  return !options.project || (error.translation <= options.tolerance && error.rotation <= options.tolerance);
+}
+
 std::string text_of(const JointError& error, const JointOptions& options) {
   std::ostringstream text;
   text << "joints are off by " << error.translation << " m and " << error.rotation

@@ -15,6 +15,8 @@ struct JointOptions {
   double tolerance = 1e-6;     // before the first step and after each projection; what is off by more is
                                // refused [m, rad], > 0
 };
+/// Whether joints are as near as the options want them: of any error if they do not project.
+bool within(const JointError& error, const JointOptions& options);
 /// That joints are off by more than the tolerance.
 std::string text_of(const JointError& error, const JointOptions& options);
 void validate(const JointOptions& options);  // throws std::invalid_argument: field, value, bound

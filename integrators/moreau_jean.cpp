@@ -141,10 +141,13 @@ VecX land(const StepSetting& setting, const State& start, const Found& found, co
   if (!lands) return v_path;
   const SolveStatus first = step.solved.solution.report.status;
   if (closes_on) solve_rows(setting, start, found, step);
-  const auto [d, status] =
+  const double begin = step_clock();
+  const auto [d, report] =
       opening_displacement(setting, step.free->mass, std::move(opening), step.joints.equations.G, found.h);
-  SolveStatus& told = step.solved.solution.report.status;
-  told = std::max({told, first, status});
+  step.seconds += step_clock() - begin;
+  SolveReport& told = step.solved.solution.report;
+  told.status = std::max({told.status, first, report.status});
+  add_work(report, told);
   return v_path + d / found.h;
 }
 
@@ -220,6 +223,8 @@ Attempt MoreauJean::attempt(const State& state, const SharedMotion& without, con
     ContactBlocks blocks =
         after ? after->blocks
               : contact_blocks(setting_, time > 0 ? at : start, there.contacts, h, normal, reached);
+    const SolveReport earlier = step.solved.solution.report;
+    const double seconds = step.seconds;
     SparseMatrix turn;  // with theta as of a velocity's part in the path
     if (options_.newton.gap_hessians && iterations > 1 && time > 0)
       turn = gap_hessians(setting_.model, at, there.contacts, normal_impulses(there), setting_.dofs,
@@ -229,6 +234,8 @@ Attempt MoreauJean::attempt(const State& state, const SharedMotion& without, con
                                            setting_, start, *first, v, step.v_prescribed, h, theta, turn))
                                      : first,
                       theta, std::move(blocks));
+    add_work(earlier, step.solved.solution.report);
+    step.seconds += seconds;
     found = std::move(there);
     last = std::exchange(change, (step.solved.solution.v - v).lpNorm<Eigen::Infinity>());
     growths = grows(change, last, v.lpNorm<Eigen::Infinity>(), options_) ? growths + 1 : 0;

@@ -19,7 +19,7 @@ enum class OdeMethod {
 struct OdeOptions {
   OdeMethod method = OdeMethod::adams;
   // Tolerances of every component, > 0, for each 0.1 s: shorter steps of event_driven ask for proportionally
-  // less, but never below 1e-14 relative (EVD-12)
+  // less, both by the same factor, down to 1e-14 relative (EVD-12)
   double relative = 1e-10, absolute = 1e-12;
   double largest_step = kInf;  // [s], > 0
   long max_steps = 100000;     // internal ones in one step of event_driven, >= 1; more are refused

@@ -55,11 +55,10 @@ OpeningDisplacement opening_displacement(const StepSetting& setting, const Spars
   FrictionProblem problem = contact_problem(none, setting.dofs, rows, all);
   problem.G = G;
   problem.b = VecX::Zero(G.cols());
-  SolverOptions solver = setting.options.solver;
-  solver.tolerance = std::min(solver.tolerance, 1e-12);
-  solver.estimate_error = false;
-  const FrictionSolution found = solve(problem, VecX(), solver);
-  return {h * found.v, found.report.status};
+  const SolverOptions& asked = setting.options.solver;
+  const FrictionSolution found =
+      solve(problem, VecX(), {.tolerance = std::min(asked.tolerance, 1e-12), .for_all = asked.for_all});
+  return {h * found.v, found.report};
 }
 
 Projection without_overlap(const StepSetting& setting, const State& plain, const std::vector<StepPair>& pairs,

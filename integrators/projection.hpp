@@ -25,10 +25,11 @@ Projection without_overlap(const StepSetting& setting, const State& plain, const
 
 struct OpeningDisplacement {
   VecX d{};  // in the places of the problem's rows [m, rad]
-  SolveStatus status = SolveStatus::converged;
+  SolveReport report{};
 };
 /// The smallest displacement d in the metric of `mass` with J d + w >= 0 for the normal of each row, w = its
-/// first bias [m], that keeps the joints `G` as they are (PRJ-1).
+/// first bias [m], that keeps the joints `G` as they are (PRJ-1). Found by the automatic method: a problem
+/// without friction has one solution, and a method that is studied need not reach 1e-12.
 OpeningDisplacement opening_displacement(const StepSetting& setting, const SparseMatrix& mass,
                                          std::vector<ContactRow> rows, const SparseMatrix& G, double h);
 

@@ -20,27 +20,21 @@ std::vector<int> rows_to_add(const std::vector<ContactRow>& rows, const std::vec
   return worst;
 }
 
-void add_up(SolveReport& total, const SolveReport& round) {
-  total.iterations += round.iterations;
-  total.newton_iterations += round.newton_iterations;
-  total.local_failures += round.local_failures;
-  total.local_fail_safes += round.local_fail_safes;
-  total.status = round.status;
-  total.residual = round.residual;
-  total.worst_island = round.worst_island;
-  total.coulomb_residual = round.coulomb_residual;
-  total.error = round.error;
-  total.found_by = round.found_by;
-}
-
 }  // namespace
+
+void add_work(const SolveReport& earlier, SolveReport& report) {
+  report.iterations += earlier.iterations;
+  report.newton_iterations += earlier.newton_iterations;
+  report.local_failures += earlier.local_failures;
+  report.local_fail_safes += earlier.local_fail_safes;
+}
 
 ReducedSolution solve_reduced(const FreeMotion& free, const DofMap& dofs, const std::vector<ContactRow>& rows,
                               const JointEquations& joints, const Selection& selection,
                               const std::vector<RowVector>& warm, const std::vector<double>& allowed_speed,
                               const SolverOptions& options) {
   ReducedSolution out;
-  SolveReport total;
+  SolveReport rounds;
   std::vector<char> in(rows.size(), 0);
   for (int i : selection.kept) in[std::size_t(i)] = rows[std::size_t(i)].active;
   for (std::size_t i = selection.cluster.size(); i < rows.size(); ++i) in[i] = rows[i].active;
@@ -62,7 +56,8 @@ ReducedSolution solve_reduced(const FreeMotion& free, const DofMap& dofs, const 
     }
     out.solution = free.inverse ? solve(*problem, {*free.inverse, free.v_free}, out.start, options)
                                 : solve(*problem, out.start, options);
-    add_up(total, out.solution.report);
+    add_work(rounds, out.solution.report);
+    rounds = out.solution.report;
     if (!out.solution.v.allFinite()) break;
     for (std::size_t k = 0; k < out.kept.size(); ++k) {
       const int count = problem->laws[k].rows;
@@ -72,7 +67,6 @@ ReducedSolution solve_reduced(const FreeMotion& free, const DofMap& dofs, const 
     if (more.empty()) break;
     for (int i : more) in[std::size_t(i)] = 1;
   }
-  out.solution.report = total;
   return out;
 }
 

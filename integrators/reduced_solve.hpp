@@ -14,7 +14,7 @@ struct ReducedSolution {
   std::shared_ptr<const FrictionProblem> problem{};  // with joints
   std::vector<int> first_row{};                      // of each kept row in the problem
   VecX start{};                                      // impulses that the last round started with
-  FrictionSolution solution{};                       // its report sums up the rounds
+  FrictionSolution solution{};                       // the work in its report is that of all rounds
 };
 
 /// The joints of the step's problem, as of FrictionProblem; empty without joints.
@@ -26,6 +26,9 @@ struct JointEquations {
 /// What velocities of two solves of one problem, or one that is to vanish, may be off by per unit of the
 /// solver's tolerance, relative to the largest or in m/s, rad/s: a thousand for mass ratios of a million.
 inline constexpr double kSolverNoise = 1e3;
+
+/// Adds what another solve of the same step took to `report`: iterations and failures of local methods.
+void add_work(const SolveReport& earlier, SolveReport& report);
 
 /// The first rows are those of `selection`'s contacts, the others are never left out. `warm[i]` are the
 /// impulses that row i starts with [N s, N m s]; a contact that was left out re-enters when it closes faster

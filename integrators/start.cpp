@@ -12,7 +12,7 @@ namespace aussois {
 namespace {
 
 void check_joints(const Model& model, const State& state, double tolerance) {
-  const std::string bound = "be at most " + std::to_string(tolerance) + "; see consistent()";
+  const std::string bound = "be at most " + number_text(tolerance) + "; see consistent()";
   for (int j = 0; j < int(model.joints.size()); ++j) {
     const std::string who =
         "start: joint " + std::to_string(j) + " (" + model.joints[std::size_t(j)].name + "): ";

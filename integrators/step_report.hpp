@@ -148,7 +148,7 @@ struct StepReport {
   // Moved and fixed bodies that are not proven to keep apart in the step and cannot be stopped (CA-20),
   // sorted
   std::vector<std::pair<int, int>> driven_overlaps{};
-  SolveReport solve{};
+  SolveReport solve{};  // of the last problem solved; iterations and failures of all that the step solved
   PhysicalResidual physical{};
   EnergyLedger energy{};
   MomentumLedger momentum{};

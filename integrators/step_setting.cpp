@@ -126,7 +126,7 @@ std::string joint_that_is_off(const StepSetting& setting, const State& state) {
   if (state.h > 0 || !o.project) return "";
   for (int j = 0; j < int(setting.model.joints.size()); ++j) {
     const JointError error = joint_error(setting.model, state, j);
-    if (!(std::max(error.translation, error.rotation) > o.tolerance)) continue;
+    if (within(error, o) || !std::isfinite(error.translation + error.rotation)) continue;
     std::ostringstream text;
     text << "start: joint " << j << " (" << setting.model.joints[std::size_t(j)].name << ") is off by "
          << error.translation << " m and " << error.rotation << " rad, at most " << o.tolerance

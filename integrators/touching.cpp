@@ -146,7 +146,7 @@ VecX row_scale(const Law& law) {
 }
 
 // The force of a slipping touch per unit of its normal force (EVD-4), or the force itself of dry friction.
-VecX slipping_force(const Closed& c) {
+VecX slipping_force(const ClosedTouch& c) {
   const Law& law = c.touch.law;
   if (!has_gap(c.touch)) return -law.limit * c.along;
   VecX force = VecX::Zero(law.rows);
@@ -156,8 +156,8 @@ VecX slipping_force(const Closed& c) {
 }
 
 // Rows that the solver has to find: one for what slips, whose friction follows from its normal force.
-int unknowns(const Closed& c) {
-  return c.friction == Friction::sticks ? c.touch.law.rows : 1;
+int unknowns(const ClosedTouch& c) {
+  return c.friction == FrictionState::sticks ? c.touch.law.rows : 1;
 }
 
 }  // namespace
@@ -314,7 +314,7 @@ SmoothForces smooth_forces(const StepSetting& setting, const State& state) {
 }
 
 Accelerations accelerations(const StepSetting& setting, const State& state, const SmoothForces& forces,
-                            const std::vector<Closed>& closed, const std::vector<VecX>& start) {
+                            const std::vector<ClosedTouch>& closed, const std::vector<VecX>& start) {
   const auto constraints = [&](const State& s) { return joint_constraints(setting.model, s, setting.dofs); };
   Accelerations out;
   FrictionProblem free = jointed(forces.M, SparseMatrix(forces.M.rows(), 0), forces.all, VecX());
@@ -329,12 +329,12 @@ Accelerations accelerations(const StepSetting& setting, const State& state, cons
   std::vector<int> first(closed.size(), -1);
   int rows = 0;
   for (std::size_t i = 0; i < closed.size(); ++i) {
-    const Closed& c = closed[i];
-    if (c.friction == Friction::slips && !has_gap(c.touch)) {
+    const ClosedTouch& c = closed[i];
+    if (c.friction == FrictionState::slips && !has_gap(c.touch)) {
       free.f += c.touch.N * slipping_force(c);
       continue;
     }
-    local.laws.push_back(c.friction == Friction::sticks ? c.touch.law : unilateral());
+    local.laws.push_back(c.friction == FrictionState::sticks ? c.touch.law : unilateral());
     first[i] = rows;
     rows += local.laws.back().rows;
   }
@@ -345,11 +345,11 @@ Accelerations accelerations(const StepSetting& setting, const State& state, cons
   VecX bias(rows), r0 = VecX::Zero(rows);
   for (std::size_t i = 0; i < closed.size(); ++i) {
     if (first[i] < 0) continue;
-    const Closed& c = closed[i];
+    const ClosedTouch& c = closed[i];
     const int count = unknowns(c);
     N.middleCols(first[i], count) = c.touch.N.leftCols(count);
     F.middleCols(first[i], count) =
-        c.friction == Friction::sticks ? c.touch.N : MatX(c.touch.N * slipping_force(c));
+        c.friction == FrictionState::sticks ? c.touch.N : MatX(c.touch.N * slipping_force(c));
     bias.segment(first[i], count) = (c.touch.bias + kStabilisation * c.touch.u).head(count);
     if (has_gap(c.touch))
       bias[first[i]] += kStabilisation * (c.touch.u[0] + kStabilisation * c.touch.gap);  // (EVD-5)
@@ -372,12 +372,12 @@ Accelerations accelerations(const StepSetting& setting, const State& state, cons
   out.reaction = moved.lambda;
   out.solved = out.a.allFinite();
   for (std::size_t i = 0; i < closed.size(); ++i) {
-    const Closed& c = closed[i];
+    const ClosedTouch& c = closed[i];
     const int count = unknowns(c);
     VecX weight = VecX::Zero(c.touch.law.rows);
     if (first[i] >= 0) weight.head(count) = W.diagonal().segment(first[i], count);
     out.weight.push_back(weight);
-    if (c.friction == Friction::sticks)
+    if (c.friction == FrictionState::sticks)
       out.force.push_back(force.segment(first[i], count));
     else
       out.force.push_back(slipping_force(c) * (first[i] < 0 ? 1 : force[first[i]]));

@@ -41,10 +41,10 @@ SparseMatrix mass_of(const StepSetting& setting, const State& state);
 SmoothForces smooth_forces(const StepSetting& setting, const State& state);
 
 /// How a touch takes part in the acceleration problem (EVD-4).
-enum class Friction { none, sticks, slips };
-struct Closed {
+enum class FrictionState { none, sticks, slips };
+struct ClosedTouch {
   Touch touch{};
-  Friction friction = Friction::none;
+  FrictionState friction = FrictionState::none;
   VecX along{};  // unit direction of slip_of while it slips
 };
 
@@ -59,7 +59,7 @@ struct Accelerations {
 /// Index one: gaps closed, friction and joints on the level of accelerations (EVD-4), (EVD-5). `start` are
 /// forces that the solver starts with, or empty.
 Accelerations accelerations(const StepSetting& setting, const State& state, const SmoothForces& forces,
-                            const std::vector<Closed>& closed, const std::vector<VecX>& start);
+                            const std::vector<ClosedTouch>& closed, const std::vector<VecX>& start);
 
 struct Collision {
   bool solved = false;

@@ -136,14 +136,14 @@ MeshFile read_mesh(const std::filesystem::path& path, double scale) {
 
 std::string to_string(const MeshFileNotes& notes) {
   std::string text;
-  const auto say = [&](int count, const char* what) {
-    if (count > 0) text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + what;
+  const auto say = [&](int count, const char* one, const char* many) {
+    if (count > 0) text += (text.empty() ? "" : ", ") + counted(count, one, many);
   };
-  say(notes.fanned_polygons, "polygons cut into fans");
-  say(notes.welded_vertices, "vertices welded");
-  say(notes.collapsed_triangles, "collapsed triangles dropped");
-  say(notes.collapsed_wires, "collapsed wires dropped");
-  say(notes.unused_vertices, "unused vertices dropped");
+  say(notes.fanned_polygons, "polygon cut into a fan", "polygons cut into fans");
+  say(notes.welded_vertices, "vertex welded", "vertices welded");
+  say(notes.collapsed_triangles, "collapsed triangle dropped", "collapsed triangles dropped");
+  say(notes.collapsed_wires, "collapsed wire dropped", "collapsed wires dropped");
+  say(notes.unused_vertices, "unused vertex dropped", "unused vertices dropped");
   return text;
 }
 

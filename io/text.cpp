@@ -10,6 +10,8 @@
 #include <system_error>
 #include <utility>
 
+#include "geometry/number_text.hpp"
+
 namespace aussois {
 namespace {
 
@@ -49,9 +51,7 @@ std::string read_file(const std::filesystem::path& path) {
 }
 
 void append_number(std::string& text, double value) {
-  std::array<char, 32> digits{};
-  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
-  text.append(digits.data(), end);
+  text += number_text(value);
 }
 
 std::string quoted(std::string_view token) {

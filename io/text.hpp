@@ -14,7 +14,7 @@ namespace aussois {
 /// The bytes of a file. Throws std::runtime_error if it is missing, a directory, empty or not readable.
 std::string read_file(const std::filesystem::path& path);
 
-/// Appends the shortest decimal form that reads back as the same double, whatever the locale.
+/// Appends number_text(value).
 void append_number(std::string& text, double value);
 
 /// The printable start of a token in quotes, for messages: broken files put anything into a token.

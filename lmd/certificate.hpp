@@ -44,6 +44,7 @@ struct BaseDistance {
 /// surely farther apart than the smallest so far is not looked at: where surfaces conform, a cutoff near the
 /// distance saves most of the work.
 BaseDistance find_base_distance(const MovingShape& a, const MovingShape& b, double cutoff, int threads = 1);
+/// `find_base_distance(...).distance` [m].
 double base_distance(const MovingShape& a, const MovingShape& b, double cutoff, int threads = 1);
 
 }  // namespace aussois

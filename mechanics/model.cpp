@@ -26,7 +26,7 @@ void check_inertia(const Mat3& J, const std::string& who) {
                 moment[0], "be positive, above 1e-12 of the largest");
   require_field(moment[2] <= (moment[0] + moment[1]) + kRounding * moment[2],  // (MEC-3)
                 (who + "largest principal moment of inertia").c_str(), moment[2],
-                ("not exceed the sum of the others, " + std::to_string(moment[0] + moment[1])).c_str());
+                ("not exceed the sum of the others, " + number_text(moment[0] + moment[1])).c_str());
 }
 
 void check_body(const RigidBody& body, int index, std::size_t shape_count) {
@@ -63,7 +63,7 @@ void check_axis(const JointAxis& axis, const std::string& who) {
                   "be at least 0 and finite");
   };
   require_field(axis.lower < axis.upper, (who + "lower").c_str(), axis.lower,
-                ("be below upper = " + std::to_string(axis.upper)).c_str());
+                ("be below upper = " + number_text(axis.upper)).c_str());
   require_field(axis.restitution >= 0 && axis.restitution <= 1, (who + "restitution").c_str(),
                 axis.restitution, "lie in [0, 1]");
   at_least_0(axis.friction, "friction");

@@ -8,6 +8,9 @@
 
 namespace aussois {
 
+/// Of terms that cancel, in q or in W r + q: as good as zero (SOL-3).
+inline constexpr double kCancellation = 1e-15;
+
 struct Iterate {
   VecX r{}, u{};  // scaled
   double residual = kInf;

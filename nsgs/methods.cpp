@@ -11,7 +11,6 @@ namespace aussois {
 
 namespace {
 
-constexpr double kRounding = 1e-15;    // of what cancels in W r + q: as good as zero
 constexpr double kMostExcused = 1e-6;  // by that: impulses may be as large as they like
 
 using MethodFunction = Iterate (*)(Delassus&, const Iterate&, const SolverOptions&, SolveReport&);
@@ -80,7 +79,7 @@ Iterate judged(Delassus& W, VecX r, Method by) {
 bool is_at_rounding(const Delassus& W, const Iterate& iterate, double times) {
   if (!(iterate.residual <= kMostExcused)) return false;
   const VecX terms = W.matrix().cwiseAbs() * iterate.r.cwiseAbs() + W.scaled.q.cwiseAbs();
-  return iterate.residual <= times * kRounding * terms.norm();
+  return iterate.residual <= times * kCancellation * terms.norm();
 }
 
 const char* to_string(Method method) {

@@ -15,7 +15,6 @@ namespace aussois {
 
 namespace {
 
-constexpr double kRounding = 1e-15;  // of what cancels in q: as good as zero
 constexpr double kFewDigits = 1e-6;  // of q are rounding: more digits are not asked for, else they are,
 constexpr int kFurther = 5;          // by so many iterations
 constexpr double kFiner = 1e-3;      // of the residual has the answer that errors are seen against,
@@ -198,7 +197,7 @@ void solve_islands(const Problem& problem, std::vector<Island> all, const KnownM
     const double q = size(now);
     now.solved.r.setZero(Eigen::Index(now.island.rows.size()));
     if (now.W && std::isfinite(q))
-      now.solved = solve_rows(*now.W, now.r0, options, q > 0 ? kRounding * now.cancelled / q : 0);
+      now.solved = solve_rows(*now.W, now.r0, options, q > 0 ? kCancellation * now.cancelled / q : 0);
   });
   std::size_t largest = 0;
   for (Part<Problem>& now : parts) {

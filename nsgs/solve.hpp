@@ -56,7 +56,7 @@ struct SolverOptions {
   LocalSolver local = LocalSolver::hybrid;  // of nsgs
   ProxMetric prox = ProxMetric::blocks;     // of sor_prox, jor_prox
   int anderson = 0;             // iterates that Anderson acceleration of sweeps and admm combines, in [0, 20]
-  bool estimate_error = false;  // solve on for SolveReport::error; the answer stays the same
+  bool estimate_error = false;  // go on from the answer, which stays the same, to tell SolveReport::error
   /// Calls f(i) for all i in [0, n) in any order, on as many threads as it has, and ends when all are done;
   /// for islands, and the blocks of a colour. Empty: one after the other. No result depends on it.
   std::function<void(int n, const std::function<void(int)>& f)> for_all{};
@@ -73,10 +73,11 @@ struct SolveReport {
   double worst_island = 0;      // the largest of the islands', each relative to its own |q|: what is held to
                                 // the tolerance
   double coulomb_residual = 0;  // of Coulomb's law, whatever the model
-  double error = -1;       // estimate of |u - exact u| / |q|, scaled, of the island with the largest (SOL-4);
-                           // infinite: no estimate could be had; negative: not asked for, or the model is not
-                           // Coulomb's
-  int local_failures = 0;  // one-block problems that no local method solved to its tolerance
+  double error = -1;  // |u - better u| / |q|, scaled, the largest of the islands' (SOL-4): an estimate of
+                      // how far the velocities are from exact ones; the residual itself up to 1e-13;
+                      // infinite where no answer with a tenth of the residual was found; negative: not
+                      // asked for, no rows, or another model than Coulomb's
+  int local_failures = 0;    // one-block problems that no local method solved to its tolerance
   int local_fail_safes = 0;  // those that Newton gave to its fail-safe
 };
 

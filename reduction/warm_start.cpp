@@ -24,8 +24,8 @@ Vec3 turned(const Vec3& x, const Vec3& from, const Vec3& to) {
 bool same_pair(const ContactKey& a, const ContactKey& b) {
   return a.body_a == b.body_a && a.body_b == b.body_b;
 }
-bool same_key(const ContactKey& a, const ContactKey& b) {
-  return a == b;
+bool pair_before(const ContactKey& a, const ContactKey& b) {
+  return a.body_a != b.body_a ? a.body_a < b.body_a : a.body_b < b.body_b;
 }
 
 // A contact now, as a memory would hold it, and where it stands in the set.
@@ -40,29 +40,22 @@ bool before(const Seen& a, const Seen& b) {
   return std::lexicographical_compare(a.point_a.begin(), a.point_a.end(), b.point_a.begin(), b.point_a.end());
 }
 
-// In the order of a memory. Sets come with their pairs in order: then pairs are sorted each for itself.
-std::vector<Seen> ranked(const ContactSet& contacts, std::span<const SE3> g) {
-  std::vector<Seen> out;
-  out.reserve(contacts.points.size());
-  const std::vector<SE3> to_body = inverses(g);
-  for (const ContactPoint& c : contacts.points)
-    out.push_back({.key = key_of(c),
-                   .normal = c.normal,
-                   .point_a = pose_of(to_body, c.a.body) * c.x_a,
-                   .point_b = pose_of(to_body, c.b.body) * c.x_b,
-                   .place = out.size()});
-  const auto pair_before = [](const Seen& a, const Seen& b) {
-    return a.key.body_a != b.key.body_a ? a.key.body_a < b.key.body_a : a.key.body_b < b.key.body_b;
+// Places in the set, pair by pair; empty where the set has that order already, as found sets have.
+std::vector<int> by_pair(const ContactSet& contacts) {
+  const auto by_bodies = [](const ContactPoint& a, const ContactPoint& b) {
+    return a.a.body != b.a.body ? a.a.body < b.a.body : a.b.body < b.b.body;
   };
-  if (!std::is_sorted(out.begin(), out.end(), pair_before))
-    std::stable_sort(out.begin(), out.end(), pair_before);
-  const auto of_one_pair = [](const Seen& a, const Seen& b) { return same_pair(a.key, b.key); };
-  for (const std::span<Seen> pair : runs_of(std::span(out), of_one_pair))
-    if (!std::is_sorted(pair.begin(), pair.end(), before)) std::stable_sort(pair.begin(), pair.end(), before);
-  return out;
+  std::vector<int> order;
+  if (std::is_sorted(contacts.points.begin(), contacts.points.end(), by_bodies)) return order;
+  order.resize(contacts.points.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int i, int j) {
+    return by_bodies(contacts.points[std::size_t(i)], contacts.points[std::size_t(j)]);
+  });
+  return order;
 }
 
-// Two contacts that may be the same, by rank: nearest first (PER-2).
+// Two contacts of a pair that may be the same, by rank in it: nearest first (PER-2).
 struct Candidate {
   double distance = 0;  // squared [m^2]
   std::size_t now = 0, old = 0;
@@ -71,32 +64,17 @@ struct Candidate {
 
 class Cascade {
  public:
-  Cascade(const ContactMemory& memory, const std::vector<Seen>& now, const MatchInput& input,
-          const PersistenceOptions& options)
-      : old_(memory.contacts),
-        now_(now),
-        input_(input),
-        options_(options),
-        match_(now.size(), -1),
-        kind_(now.size(), MatchKind::none),
-        taken_(old_.size(), 0) {}
+  Cascade(const MatchInput& input, const PersistenceOptions& options) : input_(input), options_(options) {}
 
-  // A merge of two sequences sorted by key, pair by pair.
-  void run() {
-    std::size_t i = 0, j = 0;
-    while (i < now_.size() && j < old_.size()) {
-      const std::size_t i_end = end(now_, i, same_pair), j_end = end(old_, j, same_pair);
-      const ContactKey &a = now_[i].key, &b = old_[j].key;
-      if (same_pair(a, b)) {
-        match_keys(i, i_end, j, j_end);
-        if (options_.matching == Matching::cascade) match_places(i, i_end, j, j_end);
-        i = i_end, j = j_end;
-      } else if (a < b) {
-        i = i_end;
-      } else {
-        j = j_end;
-      }
-    }
+  // Of one pair, both sorted by key; what is kept from the last pair is its memory.
+  void run(std::span<const RememberedContact> old, std::span<const Seen> now) {
+    old_ = old, now_ = now;
+    match_.assign(now.size(), -1);
+    kind_.assign(now.size(), MatchKind::none);
+    taken_.assign(old.size(), 0);
+    legacies_.clear();
+    match_keys();
+    if (options_.matching == Matching::cascade) match_places();
   }
 
   int match(std::size_t rank) const { return match_[rank]; }
@@ -104,11 +82,11 @@ class Cascade {
   const std::vector<std::pair<std::size_t, std::size_t>>& legacies() const { return legacies_; }
 
  private:
-  // One past the last that is the same as `first`.
-  template <class Contact, class Same>
-  static std::size_t end(const std::vector<Contact>& sorted, std::size_t first, const Same& same) {
+  // One past the last with the key of `first`.
+  template <class Contact>
+  static std::size_t end_of_key(std::span<const Contact> sorted, std::size_t first) {
     std::size_t at = first;
-    while (at < sorted.size() && same(sorted[at].key, sorted[first].key)) ++at;
+    while (at < sorted.size() && sorted[at].key == sorted[first].key) ++at;
     return at;
   }
 
@@ -121,9 +99,10 @@ class Cascade {
     return std::max((now_[i].point_a - old_[j].point_a).norm(), (now_[i].point_b - old_[j].point_b).norm());
   }
 
-  void match_keys(std::size_t i, std::size_t i_end, std::size_t j, std::size_t j_end) {
-    while (i < i_end && j < j_end) {
-      const std::size_t i_next = end(now_, i, same_key), j_next = end(old_, j, same_key);
+  void match_keys() {
+    std::size_t i = 0, j = 0;
+    while (i < now_.size() && j < old_.size()) {
+      const std::size_t i_next = end_of_key(now_, i), j_next = end_of_key(old_, j);
       if (now_[i].key == old_[j].key) {
         of_one_key_.clear();
         for (std::size_t k = i; k < i_next; ++k)
@@ -141,15 +120,15 @@ class Cascade {
 
   // What has no key yet, by incidence (PER-4), then by place (PER-5); and who inherits from those that nobody
   // is (PER-6). Found in a window along A's x.
-  void match_places(std::size_t i, std::size_t i_end, std::size_t j, std::size_t j_end) {
+  void match_places() {
     std::vector<std::size_t> left;  // of the memory, by point_a.x
-    for (std::size_t l = j; l < j_end; ++l)
+    for (std::size_t l = 0; l < old_.size(); ++l)
       if (!taken_[l]) left.push_back(l);
     if (left.empty()) return;
     const auto x = [&](std::size_t l) { return old_[l].point_a.x(); };
     std::stable_sort(left.begin(), left.end(), [&](std::size_t a, std::size_t b) { return x(a) < x(b); });
     std::vector<Candidate> adjacent, geometric;
-    for (std::size_t k = i; k < i_end; ++k) {
+    for (std::size_t k = 0; k < now_.size(); ++k) {
       const double at = now_[k].point_a.x();
       const auto first = std::lower_bound(left.begin(), left.end(), at - options_.max_reach,
                                           [&](std::size_t l, double value) { return x(l) < value; });
@@ -205,14 +184,14 @@ class Cascade {
     }
   }
 
-  const std::vector<RememberedContact>& old_;
-  const std::vector<Seen>& now_;
   const MatchInput& input_;
   const PersistenceOptions& options_;
-  std::vector<int> match_;  // by rank
-  std::vector<MatchKind> kind_;
-  std::vector<char> taken_;
-  std::vector<Candidate> of_one_key_{};                          // kept for its memory
+  std::span<const RememberedContact> old_{};
+  std::span<const Seen> now_{};
+  std::vector<int> match_{};  // by rank
+  std::vector<MatchKind> kind_{};
+  std::vector<char> taken_{};
+  std::vector<Candidate> of_one_key_{};
   std::vector<std::pair<std::size_t, std::size_t>> legacies_{};  // (rank now, remembered)
 };
 
@@ -251,31 +230,55 @@ WarmStart warm_start(const ContactMemory& memory, const ContactSet& contacts, co
                 .remembered = std::vector<char>(n, 0)};
   out.counts.unmatched = int(n);
   if (options.matching == Matching::none || memory.contacts.empty() || n == 0) return out;
-  const std::vector<Seen> now = ranked(contacts, input.g);
-  Cascade cascade(memory, now, input, options);
-  cascade.run();
-  for (std::size_t k = 0; k < n; ++k) {
-    if (cascade.match(k) < 0) continue;
-    const std::size_t i = now[k].place;
-    const RememberedContact& from = memory.contacts[std::size_t(cascade.match(k))];
-    out.impulse[i] = input.scale * turned(from.impulse, from.normal, contacts.points[i].normal);  // (RED-5)
-    out.drilling[i] = input.scale * from.drilling;
-    out.anchor[i] = moved_anchor(from, contacts.points[i], input.g);
-    out.kind[i] = cascade.kind(k);
-    out.match[i] = cascade.match(k);
-    out.remembered[i] = from.solved;
-    --out.counts.unmatched;
-    ++(out.kind[i] == MatchKind::key        ? out.counts.by_key
-       : out.kind[i] == MatchKind::adjacent ? out.counts.by_adjacency
-                                            : out.counts.by_geometry);
+  const std::vector<int> order = by_pair(contacts);
+  const auto place = [&](std::size_t k) { return order.empty() ? k : std::size_t(order[k]); };
+  const std::vector<SE3> to_body = inverses(input.g);
+  Cascade cascade(input, options);
+  std::vector<Seen> now;  // of one pair: what is read again soon stays small
+  for (std::size_t first = 0, j = 0; first < n;) {
+    now.clear();
+    std::size_t last = first;
+    for (; last < n; ++last) {
+      const ContactPoint& c = contacts.points[place(last)];
+      const ContactKey key = key_of(c);
+      if (!now.empty() && !same_pair(key, now[0].key)) break;
+      now.push_back({.key = key,
+                     .normal = c.normal,
+                     .point_a = pose_of(to_body, c.a.body) * c.x_a,
+                     .point_b = pose_of(to_body, c.b.body) * c.x_b,
+                     .place = place(last)});
+    }
+    first = last;
+    if (!std::is_sorted(now.begin(), now.end(), before)) std::stable_sort(now.begin(), now.end(), before);
+    while (j < memory.contacts.size() && pair_before(memory.contacts[j].key, now[0].key)) ++j;
+    const std::size_t begin = j;
+    while (j < memory.contacts.size() && same_pair(memory.contacts[j].key, now[0].key)) ++j;
+    if (j == begin) continue;
+    const std::span old = std::span(memory.contacts).subspan(begin, j - begin);
+    cascade.run(old, now);
+    for (std::size_t k = 0; k < now.size(); ++k) {
+      if (cascade.match(k) < 0) continue;
+      const std::size_t i = now[k].place;
+      const RememberedContact& from = old[std::size_t(cascade.match(k))];
+      out.impulse[i] = input.scale * turned(from.impulse, from.normal, contacts.points[i].normal);  // (RED-5)
+      out.drilling[i] = input.scale * from.drilling;
+      out.anchor[i] = moved_anchor(from, contacts.points[i], input.g);
+      out.kind[i] = cascade.kind(k);
+      out.match[i] = int(begin) + cascade.match(k);
+      out.remembered[i] = from.solved;
+      --out.counts.unmatched;
+      ++(out.kind[i] == MatchKind::key        ? out.counts.by_key
+         : out.kind[i] == MatchKind::adjacent ? out.counts.by_adjacency
+                                              : out.counts.by_geometry);
+    }
+    for (const auto& [k, l] : cascade.legacies()) {  // (PER-6)
+      const RememberedContact& from = old[l];
+      const std::size_t i = now[k].place;
+      out.impulse[i] += input.scale * turned(from.impulse, from.normal, contacts.points[i].normal);
+      out.drilling[i] += input.scale * from.drilling;
+    }
+    out.counts.inherited += int(cascade.legacies().size());
   }
-  for (const auto& [k, l] : cascade.legacies()) {  // (PER-6)
-    const RememberedContact& from = memory.contacts[l];
-    const std::size_t i = now[k].place;
-    out.impulse[i] += input.scale * turned(from.impulse, from.normal, contacts.points[i].normal);
-    out.drilling[i] += input.scale * from.drilling;
-  }
-  out.counts.inherited = int(cascade.legacies().size());
   return out;
 }
 

@@ -70,8 +70,10 @@ class PoseCheck {
 double smallest_clearance(const AssemblyInput& input, const LmdShape& fixed, const LmdShape& moving,
                           int threads, const std::function<void(int, int)>& progress) {
   const PoseCheck wrong_with(input, fixed, moving, threads);
-  const double size = input.moving.report.box.diagonal();                  // a point has none
-  double clearance = size > 0 ? size : input.fixed.report.box.diagonal();  // farther apart is no fit
+  double clearance = kInf;  // two points have no size; else what is farther apart than that is no fit
+  for (const AssemblyPart* part : {&input.fixed, &input.moving})
+    if (const double size = part->report.box.diagonal(); size > 0)
+      clearance = size;  // at last the moving one's
   std::string first;
   int more = 0;
   for (std::size_t i = 0; i < input.poses.size(); ++i) {
@@ -84,8 +86,9 @@ double smallest_clearance(const AssemblyInput& input, const LmdShape& fixed, con
     else
       ++more;
   }
-  const std::string of = std::to_string(input.poses.size()) + " poses";
-  if (more > 0) first += "; wrong as well are " + std::to_string(more) + " more of the " + of;
+  if (more > 0)
+    first += "; in all " + std::to_string(more + 1) + " of " +
+             counted(std::int64_t(input.poses.size()), "pose") + " are wrong";
   if (!first.empty()) throw std::runtime_error(first);
   return clearance;
 }

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "examples/common/checkpoint_fields.hpp"
+#include "geometry/number_text.hpp"
 
 namespace aussois {
 namespace {
@@ -54,14 +55,14 @@ bool tell(const PathAudit& audit, const Model& model) {
   if (audit.steps == 0)
     std::printf("certify: nothing to look at, no two bodies that can touch\n");
   else
-    std::printf("certify: %d places of each of %lld steps and their ends, %s, %lld violations\n",
-                audit.samples, static_cast<long long>(audit.steps), nearest_of(audit).c_str(),
-                static_cast<long long>(audit.violations));
+    std::printf("certify: %s, %s and the end of each, %s, %s\n", counted(audit.steps, "step").c_str(),
+                counted(audit.samples, "place").c_str(), nearest_of(audit).c_str(),
+                counted(audit.violations, "violation").c_str());
   if (audit.nested > 0)
-    std::printf("certify: a body was inside another in %lld steps\n", static_cast<long long>(audit.nested));
+    std::printf("certify: a body was inside another in %s\n", counted(audit.nested, "step").c_str());
   if (audit.uncovered > 0)
-    std::printf("certify: contacts and base distances disagree at the ends of %lld steps\n",
-                static_cast<long long>(audit.uncovered));
+    std::printf("certify: contacts and base distances disagree at the end of %s\n",
+                counted(audit.uncovered, "step").c_str());
   const std::vector<std::string> skipped = names_of_skipped(model);
   if (!skipped.empty())
     std::printf("certify: not looked at, because they pass through each other: %s%s\n",
@@ -96,8 +97,8 @@ void set_uncertified(Summary& summary, const Uncertified& run) {
 
 void tell(const Uncertified& run) {
   if (run.driven_overlaps > 0)
-    std::fprintf(stderr, "moved and fixed bodies overlapped in %lld steps, first from t = %.6g s on\n",
-                 static_cast<long long>(run.driven_overlaps), run.driven_t);
+    std::fprintf(stderr, "moved and fixed bodies overlapped in %s, first from t = %.6g s on\n",
+                 counted(run.driven_overlaps, "step").c_str(), run.driven_t);
 }
 
 void keep(const Uncertified& run, Checkpoint& checkpoint) {

@@ -3,13 +3,13 @@
 #include "examples/common/driver.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
 
 #include <CLI/CLI.hpp>
 
+#include "geometry/number_text.hpp"
 #include "io/build_info.hpp"
 
 namespace aussois {
@@ -28,10 +28,14 @@ void watch_signals() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
-template <class Number>
-std::string text_of(Number value) {
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof text, value).ptr};
+std::string text_of(double value) {
+  return number_text(value);
+}
+std::string text_of(int value) {
+  return std::to_string(value);
+}
+std::string text_of(std::uint64_t value) {
+  return std::to_string(value);
 }
 std::string text_of(const std::string& value) {
   return value;
@@ -325,6 +329,13 @@ std::string gap_text(double smallest_gap) {
   if (smallest_gap == std::numeric_limits<double>::infinity()) return "no contact";
   char text[48];
   std::snprintf(text, sizeof text, "smallest gap %.4g um", 1e6 * smallest_gap);
+  return text;
+}
+
+std::string distance_text(double least_base_distance) {
+  if (least_base_distance == std::numeric_limits<double>::infinity()) return "no bodies near each other";
+  char text[64];
+  std::snprintf(text, sizeof text, "base distance at least %.4g um", 1e6 * least_base_distance);
   return text;
 }
 

@@ -134,6 +134,9 @@ bool interrupted();
 /// "smallest gap 12.3 um"; "no contact" if there was none [m].
 std::string gap_text(double smallest_gap);
 
+/// "base distance at least 12.3 um"; "no bodies near each other" if it has no bound [m].
+std::string distance_text(double least_base_distance);
+
 /// The command line as one would type it again.
 std::string command_line(int argc, const char* const* argv);
 

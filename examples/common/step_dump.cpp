@@ -67,10 +67,9 @@ void StepDump::step(std::int64_t number, const StepReport& report) {
   char tail[40];
   std::snprintf(tail, sizeof tail, "_%06lld", static_cast<long long>(number));
   std::ostringstream about;
-  about.precision(17);
-  about << "step " << number << " of " << name_ << ", to t = " << report.t << " s with h = " << report.h
-        << " s; " << to_string(report.solve.status) << ", scaled residual " << report.solve.residual
-        << "; guess 1: warm start"
+  about << "step " << number << " of " << name_ << ", to t = " << number_text(report.t)
+        << " s with h = " << number_text(report.h) << " s; " << to_string(report.solve.status)
+        << ", scaled residual " << number_text(report.solve.residual) << "; guess 1: warm start"
         << (is_solved(report.solve.status) ? "\n" : ", guess 2: the best that was found\n") << build_info();
   FclibFile file{.problem = step.problem,
                  .title = name_ + tail,

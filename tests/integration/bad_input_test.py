@@ -93,7 +93,7 @@ class BadInput(DriverTest):
         path = self.folder / "path.csv"
         start = rows.index("0,0,0,0.5,1,0,0,0")
         path.write_text("\n".join(rows[:start] + ["0,3,0,0.5,1,0,0,0"] * 5 + rows[start:]) + "\n")
-        self.refused_replay(FILES, [f"{path}:{start + 1}: ", f"; wrong as well are 4 more of the {len(rows) - start + 5} poses"],
+        self.refused_replay(FILES, [f"{path}:{start + 1}: ", f"; in all 5 of {len(rows) - start + 5} poses are wrong"],
                             *self.with_peg("--path", path))
 
     def test_part_inside_the_partner(self):

@@ -97,6 +97,18 @@ class Replay(DriverTest):
         self.assertEqual(summary["mass_source"], "balls and capsules")
         self.assertAlmostEqual(summary["mass"], 7850 * 4 / 3 * math.pi * 1e-12, 18)
 
+    def test_two_points_have_the_clearance_of_their_nearest_pose(self):
+        """They have no size that could bound it."""
+        for name, x in (("fixed", 0), ("moving", 4)):
+            (self.folder / f"{name}.obj").write_text(f"v {x} 0 0\np 1\n")
+        (self.folder / "path.csv").write_text("x,y,z,qw,qx,qy,qz\n0,3,0,1,0,0,0\n0,0,0,1,0,0,0\n")
+        run = self.drive("replay_assembly", "--fixed", "fixed.obj", "--moving", "moving.obj", "--path", "path.csv",
+                         "--mode", "kinematic", "-o", "out", "--summary", "out/summary.json")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertAlmostEqual(self.summary("out")["clearance"], 4e-3, 15)  # not 5 mm, and not 0
+        for told, distance in zip(self.columns("out", "poses.csv")["base_distance"], (5e-3, 4e-3), strict=True):
+            self.assertAlmostEqual(float(told), distance, 15)
+
     def test_kinematic_gaps_are_the_clearances_of_the_recorded_poses(self):
         """At a recorded pose the smallest gap is the distance of the base complexes less the two dilations."""
         self.replay("out", *PEG, "--mode", "kinematic")

@@ -34,16 +34,15 @@ TEST(AuditReport, NamesThePairsThatNobodyLooksAt) {
       << to_json(summary);
   EXPECT_EQ(
       told({.samples = 3, .steps = 2}, s.model),
-      "certify: 3 places of each of 2 steps and their ends, no two bodies came within twice their dilations, "
+      "certify: 2 steps, 3 places and the end of each, no two bodies came within twice their dilations, "
       "0 violations\n"
       "certify: not looked at, because they pass through each other: block and lid\n");
   EXPECT_EQ(
       told({.samples = 3, .min_distance = 2e-3, .min_slack = 1e-3, .steps = 2, .violations = 1, .nested = 1},
            block_on_plate(0, 0, 0).model),
-      "certify: 3 places of each of 2 steps and their ends, base distance at least 2000 um, 1000 um above "
-      "the "
-      "certificate, 1 violations\n"
-      "certify: a body was inside another in 1 steps\n");
+      "certify: 2 steps, 3 places and the end of each, base distance at least 2000 um, 1000 um above the "
+      "certificate, 1 violation\n"
+      "certify: a body was inside another in 1 step\n");
   EXPECT_EQ(told({}, s.model), "");
 }
 

@@ -356,13 +356,13 @@ TEST(MeshRepair, NeverCallsASolidWhatIsNone) {
   const std::vector<Case> cases = {
       {make_complex(box.vertices, hole), "3 border edges"},
       {flagged, "3 border edges"},
-      {make_complex(fin_vertices, fin), "2 border edges, 1 edges with three or more triangles"},
-      {merged({box, moved(make_box(1, 1, 1), 0.5, 0.25, 0.125)}), "self-intersecting pairs"},
-      {make_complex(ring, moebius), "1 pieces without an orientation"},
-      {make_complex(box.vertices, box.triangles, {{0, 6}}), "edges without a triangle"},
+      {make_complex(fin_vertices, fin), "2 border edges, 1 edge with three or more triangles"},
+      {merged({box, moved(make_box(1, 1, 1), 0.5, 0.25, 0.125)}), "self-intersecting pair"},
+      {make_complex(ring, moebius), "1 piece without an orientation"},
+      {make_complex(box.vertices, box.triangles, {{0, 6}}), "1 edge without a triangle"},
       {inside_out(make_complex({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}},
                                {{0, 1, 2}, {0, 2, 3}, {1, 0, 3}, {1, 3, 2}})),
-       "1 shells without a volume"}};
+       "1 shell without a volume"}};
   for (const Case& c : cases) {
     const RepairedMesh repaired = repair_mesh(c.complex);
     EXPECT_FALSE(repaired.complex.solid) << c.reason;
@@ -424,7 +424,7 @@ TEST(MeshRepair, DoesNotDependOnTheOrderOfTheFile) {
 
 TEST(MeshRepair, SaysWhatItDidAndWhere) {
   const RepairedMesh repaired = repair_mesh(box_with_t_junctions(2));
-  EXPECT_EQ(to_string(repaired.report), "1 vertices inserted into open edges, first at (1000, 1000, 0) mm\n");
+  EXPECT_EQ(to_string(repaired.report), "1 vertex inserted into an open edge, first at (1000, 1000, 0) mm\n");
 }
 
 TEST(MeshRepair, RestoresASolidFromRandomDamage) {

@@ -90,13 +90,16 @@ TEST_P(JointWorkInEveryScheme, OfASpeedOrPositionMotorIsTheKineticEnergy) {
   EXPECT_NEAR(of.total(), of.motors, rounding);
 }
 
-// (1 - e^2) of the energy in each impact, or all of it but what leaves at correction_speed.
+// (1 - e^2) of the energy in each impact, or all of it but what the midpoint rule, which alone pushes an
+// overlap out, may keep of that: the square of correction_speed.
 TEST_P(JointWorkInEveryScheme, OfStopsIsWhatImpactsLose) {
   OneAxis s(JointKind::prismatic);
   s.axis() = {.lower = -0.1, .upper = 0.2, .restitution = 0.8};
   s.state.v[0] = 1;
   const JointWork of = work(s.model, s.state, 1e-3, 1)[0];
-  EXPECT_NEAR(of.stops, stops_bounce ? std::pow(0.8, 4) - 1 : -1, stops_bounce ? 1e-11 : 1.1e-4);
+  const double pushed_out = v.name == "passive_midpoint" ? NormalLawOptions{}.correction_speed : 0;
+  EXPECT_NEAR(of.stops, stops_bounce ? std::pow(0.8, 4) - 1 : -1,
+              1e-11 + (stops_bounce ? 0 : pushed_out * pushed_out));
   EXPECT_NEAR(of.total(), of.stops, rounding);
 }
 

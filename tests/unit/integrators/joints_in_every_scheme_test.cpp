@@ -30,6 +30,8 @@ class EverySchemeAndJoint : public ::testing::TestWithParam<SchemeVariant> {
              cayley = v.options.update == GroupUpdate::cayley,
              first_order = scheme_traits(v.name, v.options).smooth < 2,
              stops_bounce = scheme_traits(v.name, v.options).restitution;
+  // What a plastic stop is left with: only the midpoint rule pushes an overlap out, and may keep that speed.
+  const double pushed_out = v.name == "passive_midpoint" ? NormalLawOptions{}.correction_speed : 0;
 
   Scheme scheme(const Model& model, double h) const {
     SchemeOptions o = v.options;
@@ -84,8 +86,8 @@ TEST_P(EverySchemeAndJoint, TurnsBackAtItsStops) {
     EXPECT_EQ(impacts, 2);
     EXPECT_GT(checked, event_driven ? 0 : 900);
   } else {
-    EXPECT_NEAR(s.q(), 0.2, h + 0.8 * NormalLawOptions{}.correction_speed);  // leaves at that
-    EXPECT_LT(std::abs(s.speed()), NormalLawOptions{}.correction_speed + 1e-12);
+    EXPECT_NEAR(s.q(), 0.2, h + 0.8 * pushed_out);
+    EXPECT_LT(std::abs(s.speed()), pushed_out + 1e-12);
   }
 }
 
@@ -97,7 +99,7 @@ TEST_P(EverySchemeAndJoint, StopsAfterTwoTurnsAndAHalf) {
   w.axis().motor = {.kind = MotorKind::effort, .target = [](double) { return 10; }};
   advance(scheme(w.model, h), w.state, 3);
   EXPECT_NEAR(w.q(), 5 * kPi, 25 * h);
-  EXPECT_LT(std::abs(w.speed()), NormalLawOptions{}.correction_speed + 1e-12);
+  EXPECT_LT(std::abs(w.speed()), pushed_out + 1e-12);
 }
 
 // 2 m/s^2 of dry friction bring 1 m/s to rest in half a second, and hold 1.9 m/s^2.

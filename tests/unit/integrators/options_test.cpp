@@ -2,10 +2,10 @@
 // What no scheme takes: every option out of its range, named with its value; a start in overlap.
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 #include <gtest/gtest.h>
 
+#include "geometry/number_text.hpp"
 #include "integrators/scheme.hpp"
 #include "integrators/start.hpp"
 #include "tests/support/block_scene.hpp"
@@ -193,14 +193,6 @@ const std::vector<Bad>& table() {
   return all;
 }
 
-// As messages write it.
-std::string written(double value) {
-  std::ostringstream text;
-  text.precision(17);
-  text << value;
-  return text.str();
-}
-
 TEST(SchemeOptions, AreRefusedOutOfTheirRangesByEverySchemeThatReadsThem) {
   const Scene s = block_on_plate(0.3, 0, 0);
   int refusals = 0;
@@ -210,7 +202,7 @@ TEST(SchemeOptions, AreRefusedOutOfTheirRangesByEverySchemeThatReadsThem) {
         SchemeOptions options;
         bad.set(options, value);
         const std::string message = message_of([&] { make_scheme(name, s.model, options); });
-        EXPECT_EQ(message.find(bad.field + " = " + written(value) + " must "), 0u)
+        EXPECT_EQ(message.find(bad.field + " = " + number_text(value) + " must "), 0u)
             << name << ", " << bad.field << " = " << value << ": " << message;
         ++refusals;
       }
@@ -272,7 +264,7 @@ TEST(EveryScheme, RefusesStepsOfNoLength) {
       State state = s.state;
       const Scheme scheme = make_scheme(name, s.model, {});
       EXPECT_EQ(message_of([&] { scheme.step(state, limit); }),
-                "h_limit = " + written(limit) + " must be positive [s]")
+                "h_limit = " + number_text(limit) + " must be positive [s]")
           << name;
     }
 }

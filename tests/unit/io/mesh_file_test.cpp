@@ -126,7 +126,7 @@ TEST(ReadObj, DropsAndCountsCollapsedTriangles) {
   const MeshFile mesh = read_text("a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 2\nf 1 2 3 3 4\n");
   EXPECT_EQ(mesh.triangles, (Triangles{{0, 1, 2}, {0, 2, 3}}));
   EXPECT_EQ(mesh.notes.collapsed_triangles, 2);
-  EXPECT_EQ(to_string(mesh.notes), "1 polygons cut into fans, 2 collapsed triangles dropped");
+  EXPECT_EQ(to_string(mesh.notes), "1 polygon cut into a fan, 2 collapsed triangles dropped");
 }
 
 TEST(ReadObj, KeepsTrianglesWithoutAreaAndVerticesAtOnePlace) {
@@ -189,8 +189,7 @@ TEST(Weld, MergesEqualPlacesOnly) {
   EXPECT_EQ(mesh.triangles, (Triangles{{0, 1, 2}, {0, 3, 1}}));
   EXPECT_TRUE(mesh.wires.empty());
   EXPECT_TRUE(mesh.points.empty());
-  EXPECT_EQ(to_string(mesh.notes),
-            "1 vertices welded, 1 collapsed triangles dropped, 1 collapsed wires dropped");
+  EXPECT_EQ(to_string(mesh.notes), "1 vertex welded, 1 collapsed triangle dropped, 1 collapsed wire dropped");
 }
 
 // --- PLY, OFF
@@ -292,7 +291,7 @@ INSTANTIATE_TEST_SUITE_P(
         Broken{"comments_only.obj", ": has no triangle, wire or point"},
         Broken{"count_too_large.stl",
                ": byte 80: 1000 triangles announced need 50084 bytes, the file has 184"},
-        Broken{"count_too_small.stl", ": byte 80: 1 triangles announced need 134 bytes, the file has 184"},
+        Broken{"count_too_small.stl", ": byte 80: 1 triangle announced needs 134 bytes, the file has 184"},
         Broken{"cut_ascii.stl", ":6: file ends where 'vertex' must follow"},
         Broken{"element_without_property.ply", ":8: element 'ghost' has no property"},
         Broken{"empty.obj", ": is empty"}, Broken{"empty_ascii.stl", ": has no triangle, wire or point"},

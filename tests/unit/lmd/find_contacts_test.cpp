@@ -444,7 +444,7 @@ TEST(Contacts, BelowTheClearanceOfAThreadFiveTimesTheTrianglesHaveLessThanTwiceT
 
 TEST(Contacts, OptionsOutOfRangeAreNamed) {
   EXPECT_EQ(message_of([] { validate(LmdOptions{.alpha = -0.1}); }),
-            "LmdOptions::alpha = -0.10000000000000001 must lie in [0, 0.5] rad");
+            "LmdOptions::alpha = -0.1 must lie in [0, 0.5] rad");
   EXPECT_THROW(prepare({.complex = make_point(), .radius = -1}), std::invalid_argument);
   EXPECT_THROW(prepare({.complex = {}, .radius = 1}), std::invalid_argument);
 }

@@ -3,12 +3,11 @@
 #include "mechanics/virtual_coupling.hpp"
 
 #include <cmath>
-#include <iomanip>
 #include <limits>
-#include <sstream>
 
 #include <gtest/gtest.h>
 
+#include "geometry/number_text.hpp"
 #include "mechanics/model.hpp"
 #include "mechanics/state.hpp"
 #include "tests/support/message_of.hpp"
@@ -257,10 +256,8 @@ TEST(VirtualCoupling, RefusesOptionsOutOfRange) {
   EXPECT_NO_THROW(validate(VirtualCouplingOptions{}));
   const auto refuses = [](const VirtualCouplingOptions& o, const char* field, double value,
                           const char* bound) {
-    std::ostringstream text;
-    text << "VirtualCouplingOptions::" << field << " = " << std::setprecision(17) << value << " must "
-         << bound;
-    EXPECT_EQ(message_of([&] { validate(o); }), text.str());
+    EXPECT_EQ(message_of([&] { validate(o); }), std::string("VirtualCouplingOptions::") + field + " = " +
+                                                    number_text(value) + " must " + bound);
   };
   for (const double bad : {0.0, -1.0, nan}) {
     refuses({.stiffness = bad}, "stiffness", bad, "be positive and finite [N/m]");

@@ -111,16 +111,22 @@ TEST_P(CompliantModels, CarryABlockThroughAnyNumberOfContacts) {  // T-5.2
   const double weight = kMass * kGravity * kStep;
   for (const double rho : {1e-3, 1e-2})
     for (const int side : {2, 4, 10}) {
-      // What 16 contacts share is left to the compliance, and sweeps move it by rho each: they end at 1e-4.
-      const bool slow = side > 2 && method != Method::admm;
-      SolverOptions options = with(method, model);
-      if (slow) options.tolerance = 2e-4;
-      const FrictionSolution s = solve(cube_on_ground(side, 0.5, 0, rho), {}, options);
-      ASSERT_EQ(s.report.status, SolveStatus::converged) << side << " at " << s.report.residual;
-      const double rounding = 10 * options.tolerance;
-      EXPECT_LE(carried(s.r), weight * (1 + rounding)) << side;
-      EXPECT_GE(carried(s.r), weight * (1 - rho - rounding)) << side;
-      for (int i = 0; !slow && i < side; ++i)  // T-5.6
+      SCOPED_TRACE(testing::Message() << side * side << " contacts, rho = " << rho);
+      const SolverOptions options = with(method, model);
+      const FrictionProblem problem = cube_on_ground(side, 0.5, 0, rho);
+      const FrictionSolution s = solve(problem, {}, options);
+      // What n contacts share is left to the compliance, and sweeps halve it in some n / (4 rho): where that
+      // is beyond the thousand of (FIX-2), they say so. The resultant is there long before.
+      const bool sweeps = method == Method::nsgs || method == Method::coulomb_pgs,
+                 creeps = sweeps && side * side > 4 * 1000 * rho;
+      ASSERT_EQ(s.report.status, creeps ? SolveStatus::stagnated : SolveStatus::converged)
+          << s.report.residual;
+      EXPECT_NEAR(carried(s.r), weight, rho * weight);
+      if (creeps) continue;
+      double softness = 0;  // of all feet, which approach at one speed (REG-8)
+      for (Eigen::Index k = 0; k < problem.R.size(); k += 3) softness += 1 / (kMass * problem.R[k]);
+      EXPECT_NEAR(carried(s.r), weight * softness / (1 + softness), 10 * options.tolerance * weight);
+      for (int i = 0; i < side; ++i)  // T-5.6
         for (int j = 0; j < side; ++j)
           EXPECT_NEAR(s.r[3 * (side * i + j)], s.r[3 * (side * (side - 1 - i) + j)], 1e-5 * weight) << side;
     }
@@ -145,8 +151,18 @@ TEST_P(CompliantModels, BounceAPointMass) {  // T-5.7, with restitution in w
 
 INSTANTIATE_TEST_SUITE_P(Readings, CompliantModels,
                          ::testing::Values(std::pair{Method::admm, FrictionModel::convex_cone},
+                                           std::pair{Method::projected_gradient, FrictionModel::convex_cone},
+                                           std::pair{Method::interior_point, FrictionModel::convex_cone},
+                                           std::pair{Method::automatic, FrictionModel::coulomb},
+                                           std::pair{Method::proximal_newton, FrictionModel::coulomb},
+                                           std::pair{Method::admm, FrictionModel::coulomb},
                                            std::pair{Method::coulomb_pgs, FrictionModel::coulomb},
-                                           std::pair{Method::nsgs, FrictionModel::coulomb}));
+                                           std::pair{Method::nsgs, FrictionModel::coulomb}),
+                         [](const auto& reading) {
+                           return std::string(to_string(reading.param.first)) + "_" +
+                                  (reading.param.second == FrictionModel::coulomb ? "coulomb"
+                                                                                  : "convex_cone");
+                         });
 
 TEST(CoulombPgs, BrakesASlidingBlockWithMuG) {  // T-5.5
   const double mu = 0.4, rho = 1e-4;            // rho a factor 10 below the accuracy wanted

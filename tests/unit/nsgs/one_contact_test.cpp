@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <gtest/gtest.h>
@@ -262,16 +263,16 @@ class ExactOracle {
   Number mu_, size_, unit_;
 };
 
-// A symmetric part of condition 1e12, all three eigenvalues over the decades between, and a skew part of up
-// to 0.9 of the largest one; in one of two about the direction of the largest, which leaves W as
-// ill-conditioned.
-Sample unsymmetric_sample(Random& random) {
+// A symmetric part of condition 1e12, all three eigenvalues over the decades between, and a skew part of 0.9
+// of the largest one, or of all decades below; in one of two about a direction across that of the largest,
+// where W may be as ill-conditioned.
+Sample unsymmetric_sample(Random& random, bool full) {
   const Mat3 R = random_rotation(random);
   const Vec3 eigenvalues(1, random.log_uniform(1e-12, 1), 1e-12);
   const Mat3 symmetric = R * eigenvalues.asDiagonal() * R.transpose();
   Vec3 axis = uniform_vector(random, 3, -1, 1).normalized();
   if (random.uniform(0, 1) < 0.5) axis -= R.col(0) * R.col(0).dot(axis);
-  const Vec3 s = random.log_uniform(1e-12, 1) * 0.9 * axis.normalized();
+  const Vec3 s = (full ? 1 : random.log_uniform(1e-12, 1)) * 0.9 * axis.normalized();
   Mat3 skew;
   skew << 0, -s[2], s[1], s[2], 0, -s[0], -s[1], s[0], 0;
   const double choice = random.uniform(0, 1), scale = random.log_uniform(1e-6, 1e6);
@@ -283,12 +284,16 @@ Sample unsymmetric_sample(Random& random) {
 
 TEST(OneContact, SolvesEveryUnsymmetricBlockOfConditionTwelve) {
   Random random(21);
-  int ill = 0, skew = 0, fail_safes = 0, stuck = 0, slipped = 0, inside = 0;
+  int ill = 0, skew = 0, full = 0, ill_and_full = 0, fail_safes = 0, stuck = 0, slipped = 0, inside = 0;
   for (int i = 0; i < 4000; ++i) {
-    const Sample s = unsymmetric_sample(random);
+    const Sample s = unsymmetric_sample(random, i % 4 < 2);
     const Vec3 singular = Eigen::JacobiSVD<Mat3>(s.W).singularValues();
-    ill += singular[0] > 1e10 * singular[2];
-    skew += (s.W - s.W.transpose()).norm() > 0.1 * s.W.norm();
+    const Mat3 even = (s.W + s.W.transpose()) / 2, odd = s.W - even;
+    const double largest = Eigen::SelfAdjointEigenSolver<Mat3>(even).eigenvalues()[2];
+    const bool is_ill = singular[0] > 1e10 * singular[2],
+               is_full = std::abs(odd.norm() / std::sqrt(2) - 0.9 * largest) < 1e-12 * largest;
+    ill += is_ill, full += is_full, ill_and_full += is_ill && is_full;
+    skew += odd.norm() > 0.05 * s.W.norm();
     const LocalSolver solver = i % 2 ? LocalSolver::enumerative : LocalSolver::hybrid;
     const LocalSolution local = solve_one_contact(s.W, s.q, s.mu, Vec3::Zero(), solver);
     ASSERT_TRUE(local.solved) << "seed 21, case " << i;
@@ -307,8 +312,11 @@ TEST(OneContact, SolvesEveryUnsymmetricBlockOfConditionTwelve) {
       nearest = std::min(nearest, double(oracle.length({r[0] - exact[0], r[1] - exact[1], r[2] - exact[2]})));
     ASSERT_LE(nearest, 1.01 * (1 + s.mu) * s.W.trace() / 3 / singular[2] * wrong) << "seed 21, case " << i;
   }
+  RecordProperty("ill_conditioned", ill), RecordProperty("ill_conditioned_and_full", ill_and_full);
+  EXPECT_EQ(full, 2000);
   EXPECT_GT(ill, 1000);
-  EXPECT_GT(skew, 300);
+  EXPECT_GT(ill_and_full, 200);
+  EXPECT_GT(skew, 2200);
   EXPECT_GT(fail_safes, 100);  // Newton alone does not do it
   EXPECT_GT(stuck, 500);
   EXPECT_GT(slipped, 1000);

@@ -218,22 +218,25 @@ int closest(const ContactSet& set) {
 
 // T-4.4: the closest pair of two convex bodies, followed through small steps; where its feet jump farther
 // than the bodies move, two faces or edges were parallel.
-TEST(Persistence, T_4_4_FindsTheSuccessorAcrossFeatures) {
-  int changes = 0, found = 0, flips = 0;
+struct Successions {
+  int changes = 0, flips = 0, found = 0,
+      elsewhere = 0;  // another contact that is new and incident has the impulse (PER-4)
   std::array<int, 4> kinds{};
+};
+void follow(unsigned from, unsigned to, double turning, Successions& out) {
   Motion m{.steps = 1, .threshold = 0.5};
-  for (unsigned seed = 0; seed < 10000; ++seed) {
+  for (unsigned seed = from; seed < to; ++seed) {
     Random random(seed);
     const Quat R = random.rotation();
     const bool blunt = seed % 40 >= 20;
-    const Vec3 d = random.direction(), turn = 0.006 * random.vector(), shift = 2e-4 * random.vector();
+    const Vec3 d = random.direction(), turn = turning * random.vector(), shift = 2e-4 * random.vector();
     if (seed % 20 == 0) m.a = random_polyhedron(random, blunt), m.b = random_polyhedron(random, blunt);
     m.pose = [&](double t) { return SE3{exp_so3(t * turn) * R, Vec3(0.22 * d + t * shift)}; };
     const ContactSet before = m.contacts(0), after = m.contacts(1);
     ASSERT_FALSE(before.points.empty() || after.points.empty()) << "seed " << seed;
     const int i = closest(before), j = closest(after);
     if (key_of(before.points[std::size_t(i)]) == key_of(after.points[std::size_t(j)])) continue;
-    ++changes;
+    ++out.changes;
     bool flip = false;
     Feet at = feet(before.points[std::size_t(i)], m.pose(0));
     for (int s = 1; s <= kSubsteps && !flip; ++s) {
@@ -244,12 +247,13 @@ TEST(Persistence, T_4_4_FindsTheSuccessorAcrossFeatures) {
       at = next;
     }
     flip = flip || apart(feet(before.points[std::size_t(i)], m.pose(0)), at) > 1e-2;  // over the reach
-    flips += flip;
+    out.flips += flip;
     if (flip) continue;
     const WarmStart start = matched(m, 0, Matching::cascade);
     bool stays = false,
-         nearby = false,  // the contact of before is still there, beside the closest now; or two
-        nearer = false;   // came of it, and the other one has the impulse, because it is nearer
+         nearby = false,   // the contact of before is still there, beside the closest now; or two
+        nearer = false,    // came of it, and the other one has the impulse, because it is nearer
+        newcomer = false;  // has it, is incident, and the closest now was there before
     const auto way = [&](const ContactPoint& c) {
       return apart(feet(c, m.pose(1)), feet(before.points[std::size_t(i)], m.pose(0)));
     };
@@ -259,53 +263,86 @@ TEST(Persistence, T_4_4_FindsTheSuccessorAcrossFeatures) {
       stays = stays || key_of(now) == key_of(old);
       nearby = nearby || way(now) < 2e-3;
       nearer = nearer || way(now) <= way(after.points[std::size_t(j)]);
+      newcomer =
+          newcomer || (start.kind[k] == MatchKind::adjacent && start.kind[std::size_t(j)] == MatchKind::key);
     }
     const bool hands_over = carries(start, std::size_t(j), i);
-    EXPECT_TRUE(stays || hands_over || nearby) << "seed " << seed << ": the impulse is lost";
-    found += stays || hands_over || nearer || (nearby && start.kind[std::size_t(j)] != MatchKind::none);
+    EXPECT_TRUE(stays || hands_over || nearby || newcomer) << "seed " << seed << ": the impulse is lost";
+    const bool is_found =
+        stays || hands_over || nearer || (nearby && start.kind[std::size_t(j)] != MatchKind::none);
+    out.found += is_found;
+    out.elsewhere += !is_found && newcomer;
     if (stays)
-      ++kinds[0];
+      ++out.kinds[0];
     else
-      ++kinds[std::size_t(start.kind[std::size_t(j)])];
+      ++out.kinds[std::size_t(start.kind[std::size_t(j)])];
   }
-  RecordProperty("changes", changes), RecordProperty("flips", flips);
-  RecordProperty("stays", kinds[0]), RecordProperty("inherited_by_key", kinds[1]);
-  RecordProperty("by_adjacency", kinds[2]);
-  RecordProperty("by_geometry", kinds[3]);
-  RecordProperty("by_a_twin", changes - flips - found);
-  EXPECT_EQ(found, changes - flips);
-  EXPECT_GT(changes - flips, 150);
-  for (const int kind : kinds) EXPECT_GE(kind, 10);  // every stage of the cascade is asked
+}
+TEST(Persistence, T_4_4_FindsTheSuccessorAcrossFeatures) {
+  Successions all;
+  follow(0, 10000, 0.006, all);
+  RecordProperty("changes", all.changes), RecordProperty("flips", all.flips);
+  RecordProperty("stays", all.kinds[0]), RecordProperty("inherited_by_key", all.kinds[1]);
+  RecordProperty("by_adjacency", all.kinds[2]);
+  RecordProperty("by_geometry", all.kinds[3]);
+  EXPECT_EQ(all.found, all.changes - all.flips);
+  EXPECT_GT(all.found, 150);
+  for (const int kind : all.kinds) EXPECT_GE(kind, 10);  // every stage of the cascade is asked
+}
+// Turned by half as much again. Motion 7598 is the one of 338 whose nearest successor has a name of its own
+// already, while an incident contact comes up 3.2 mm away in the same step and is matched with the old one:
+// names come first, then what has none (PER-4), and only then heirs (PER-6). Nothing is lost.
+TEST(Persistence, T_4_4_GivesAnIncidentNewcomerWhatANearerOneWithANameMightHaveHad) {
+  Successions one, others;
+  follow(7580, 7600, 0.009, one);  // of the same two bodies
+  EXPECT_EQ(one.elsewhere, 1);
+  EXPECT_EQ(one.found + one.elsewhere, one.changes - one.flips);
+  follow(5000, 7580, 0.009, others);
+  EXPECT_EQ(others.found, others.changes - others.flips);
+  EXPECT_GT(others.found, 50);
 }
 
-// T-4.6: CPU time per contact of 10^3 and of 10^6, in pairs of a hundred. The specification
-// asks for 30 per cent, which holds for instructions (1071 and 1074, on the page); time is 2.4 times as much
-// here, because a million contacts do not fit a cache, and five times allows for others who use it. A search
-// of all by all would be a thousand times as slow.
-TEST(Persistence, T_4_6_CostsAboutTheSamePerContact) {
-  const auto cost = [](int n) {
-    Random random(1);
-    ContactSet set;
-    for (int i = 0; i < n; ++i) {
-      ContactPoint c;
-      c.a.body = i / 100, c.b.body = i / 100 + 1;
-      c.a.simplex = c.a.region = c.b.region = i % 100;
-      c.x_a = c.x_b = random.vector();
-      set.points.push_back(c);
-    }
-    const ContactMemory memory = remember(set, std::vector<Vec3>(set.points.size(), Vec3::UnitZ()));
+// T-4.6: CPU time per contact, in pairs of a hundred, of a thousand at a time and of a million: as much
+// memory is read and written either way, or caches would be measured instead.
+TEST(Persistence, T_4_6_CostsTheSamePerContactFromAThousandToAMillion) {
+  struct Sets {
+    std::vector<ContactSet> contacts{};
+    std::vector<ContactMemory> memory{};
     double least = kInf;
-    for (int repeat = 0; repeat < 3; ++repeat) {
-      const std::clock_t begin = std::clock();
-      for (int k = 0; k < std::max(1, 30000 / n); ++k) EXPECT_EQ(warm_start(memory, set).counts.by_key, n);
-      least = std::min(least, double(std::clock() - begin) / std::max(1, 30000 / n) / n);
-    }
-    return least;
   };
-  const double thousand = cost(1000), million = cost(1000000);
-  RecordProperty("microseconds_per_contact_of_1e3", std::to_string(thousand * 1e6 / CLOCKS_PER_SEC));
-  RecordProperty("microseconds_per_contact_of_1e6", std::to_string(million * 1e6 / CLOCKS_PER_SEC));
-  EXPECT_LT(million, 5 * thousand);
+  constexpr int kAll = 1000000;
+  const auto of_size = [](int n) {
+    Random random(1);
+    Sets out;
+    for (int first = 0; first < kAll; first += n) {
+      ContactSet set;
+      for (int i = 0; i < n; ++i) {
+        ContactPoint c;
+        c.a.body = i / 100, c.b.body = i / 100 + 1;
+        c.a.simplex = c.a.region = c.b.region = i % 100;
+        c.x_a = c.x_b = random.vector();
+        set.points.push_back(c);
+      }
+      out.memory.push_back(remember(set, std::vector<Vec3>(set.points.size(), Vec3::UnitZ())));
+      out.contacts.push_back(std::move(set));
+    }
+    return out;
+  };
+  const auto run = [](Sets& sets) {
+    std::vector<WarmStart> kept;
+    const std::clock_t begin = std::clock();
+    for (std::size_t k = 0; k < sets.contacts.size(); ++k)
+      kept.push_back(warm_start(sets.memory[k], sets.contacts[k]));
+    sets.least = std::min(sets.least, double(std::clock() - begin) / CLOCKS_PER_SEC);
+    int matched = 0;
+    for (const WarmStart& start : kept) matched += start.counts.by_key;
+    EXPECT_EQ(matched, int{kAll});
+  };
+  Sets thousand = of_size(1000), million = of_size(kAll);
+  for (int repeat = 0; repeat < 5; ++repeat) run(thousand), run(million);
+  RecordProperty("microseconds_per_contact_of_1e3", std::to_string(thousand.least));
+  RecordProperty("microseconds_per_contact_of_1e6", std::to_string(million.least));
+  EXPECT_LT(million.least, 1.3 * thousand.least);
 }
 
 TEST(Persistence, CountsEveryContactOnceByItsKind) {
