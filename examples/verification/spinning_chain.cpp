@@ -56,8 +56,8 @@ Balance balance(const CaseScene& s, const std::string& scheme, const SchemeOptio
   return out;
 }
 
-// (MCH-10), the same for any joints: each step takes kappa (1 - kappa) (omega h)^4 / 16 of the energy, half of
-// it of the angular momentum. Linear momentum to rounding.
+// (MCH-10), the same for any joints: each step takes kappa (1 - kappa) (omega h)^4 / 16 of the energy, half
+// of it of the angular momentum. Linear momentum to rounding.
 VerificationCase slowing_down(const Ring& chain) {
   return {.name = "C10.slows_down",
           .setting = chain.name(),
