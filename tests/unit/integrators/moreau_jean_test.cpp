@@ -97,6 +97,29 @@ TEST(MoreauJean, AnIsolatedPairKeepsItsMomenta) {
   EXPECT_LT((momenta() - before).tail<3>().norm(), 1e-4);  // gyroscopic term: second order in h
 }
 
+// doc/theory/moreau_jean.md, What can go wrong: a ball that sticks does so in the middle of its gap.
+TEST(MoreauJean, StopsSlipInTheMiddleOfTheGap) {
+  constexpr double kRadius = 0.05, kGap = 2.4e-3;
+  Model model;
+  model.gravity = Vec3::Zero();
+  model.contact_law = {.mu = 10};
+  const int point = add(model, prepare(dilate(make_point(), kRadius)));
+  const int plate = add(model, prepare(dilate(make_plate(2, 2), 1e-3)));
+  add(model, fixed_body("plate", plate));
+  add(model,
+      RigidBody{
+          .name = "ball", .shape = point, .mass = 1, .inertia = 0.4 * kRadius * kRadius * Mat3::Identity()});
+  State state = rest_state(model);
+  state.g[1].p.z() = kRadius + 1e-3 + kGap;
+  twist(state, 1) << 1, 0, -2, 0, 0, 0;
+  const StepReport report = MoreauJean(model, {.h = 2e-3, .solver = {.tolerance = 1e-14}}).step(state);
+  ASSERT_TRUE(report.ok()) << report.reason;
+  ASSERT_EQ(report.contacts.size(), 1U);
+  const double spin = twist(state, 1)[4], slip = twist(state, 1)[0] - spin * kRadius;
+  EXPECT_GT(spin, 10);
+  EXPECT_NEAR(slip, spin * kGap / 2, 1e-10);
+}
+
 TEST(MoreauJean, DoesNotTunnel) {
   for (int phase = 0; phase < 20; ++phase) {
     Model model;
