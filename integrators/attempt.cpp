@@ -351,7 +351,7 @@ void solve_rows(const StepSetting& setting, const State& state, const Found& fou
   const SolveReport earlier = step.solved.solution.report;
   step.solved = solve_reduced(*step.free, setting.dofs, step.rows, step.joints.equations, found.selection,
                               starts(step, found, state.r), allowed_speeds(found), solver);  // (NSGS-1)
-  add_work(earlier, step.solved.solution.report);
+  add_counts(earlier, step.solved.solution.report);
   step.seconds += step_clock() - begin;
 }
 

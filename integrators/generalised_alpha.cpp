@@ -241,7 +241,7 @@ StepReport GeneralisedAlpha::step(State& state, double h_limit) const {
     const VecX friction = tangential_momentum(step, dofs);
     if (!friction.isZero(0)) solve_mean(momentum + friction / 2);
     SolveReport& solve = step.solved.solution.report;
-    add_work(mean.solved.solution.report, solve);
+    add_counts(mean.solved.solution.report, solve);
     solve.status = std::max(solve.status, mean.solved.solution.report.status);
     step.seconds += mean.seconds;
     if (!smooth.solved && is_solved(solve.status)) solve.status = SolveStatus::max_iterations;

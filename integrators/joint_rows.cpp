@@ -13,7 +13,7 @@ namespace aussois {
 namespace {
 
 constexpr int kProjectionSteps = 10;
-constexpr double kQuick = 1e-3;       // of the error that a step leaves while directions are kept
+constexpr double kQuick = 1e-3;       // of the error before; what leaves more takes directions anew
 constexpr double kProjected = 1e-13;  // [m, rad]; rounding of coordinates of some metres
 constexpr double kClosed = 1e-10;     // [m, rad]; its square is nothing beside the compliance of (JNT-3)
 
@@ -329,7 +329,8 @@ VecX spread(const Model& model, const State& state, const DofMap& dofs, const Ve
   return all;
 }
 
-// Poses at which all positions hold, or as nearly as Newton gets, nearest to those of the state (MJT-13).
+// Nearest to those of the state, poses at which all positions hold to `tolerance` [m, rad], or the best that
+// Newton finds (MJT-13).
 State closed(const Model& model, const State& state, double tolerance) {
   State out = state, tried = state;
   const DofMap dofs = dof_map(model);
@@ -361,7 +362,7 @@ State closed(const Model& model, const State& state, double tolerance) {
 
 // Whether joints lead from a body back to itself, the world and all that does not move freely being one: some
 // of their equations may then be redundant.
-bool close_loops(const Model& model, const DofMap& dofs) {
+bool has_loops(const Model& model, const DofMap& dofs) {
   const std::size_t world = model.bodies.size();
   std::vector<std::size_t> leader(world + 1);
   std::iota(leader.begin(), leader.end(), std::size_t(0));
@@ -389,7 +390,7 @@ JointSystem joint_system(const Model& model, const State& state, const DofMap& d
   State middle = state;
   middle.t += h / 2;
   middle.g = moved_poses(model, state, step.v.before, h / 2);
-  if (close_loops(model, dofs)) {  // (MJT-18)
+  if (has_loops(model, dofs)) {  // (MJT-18)
     middle.turns = counted_turns(model, state, middle.g);
     middle = closed(model, middle, kClosed);
   }

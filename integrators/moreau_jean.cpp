@@ -147,7 +147,7 @@ VecX land(const StepSetting& setting, const State& start, const Found& found, co
   step.seconds += step_clock() - begin;
   SolveReport& told = step.solved.solution.report;
   told.status = std::max({told.status, first, report.status});
-  add_work(report, told);
+  add_counts(report, told);
   return v_path + d / found.h;
 }
 
@@ -234,7 +234,7 @@ Attempt MoreauJean::attempt(const State& state, const SharedMotion& without, con
                                            setting_, start, *first, v, step.v_prescribed, h, theta, turn))
                                      : first,
                       theta, std::move(blocks));
-    add_work(earlier, step.solved.solution.report);
+    add_counts(earlier, step.solved.solution.report);
     step.seconds += seconds;
     found = std::move(there);
     last = std::exchange(change, (step.solved.solution.v - v).lpNorm<Eigen::Infinity>());

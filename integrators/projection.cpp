@@ -43,8 +43,10 @@ State displaced(const StepSetting& setting, const State& at, const VecX& d) {
 // In the units of the step, d / h and w / h.
 OpeningDisplacement opening_displacement(const StepSetting& setting, const SparseMatrix& mass,
                                          std::vector<ContactRow> rows, const SparseMatrix& G, double h) {
+  double size = 0;  // [m]
   for (ContactRow& row : rows) {
     row.law = unilateral();
+    size = std::hypot(size, row.w.x());
     row.w /= h;
   }
   FreeMotion none;
@@ -56,8 +58,10 @@ OpeningDisplacement opening_displacement(const StepSetting& setting, const Spars
   problem.G = G;
   problem.b = VecX::Zero(G.cols());
   const SolverOptions& asked = setting.options.solver;
+  const double enough = std::min(kOverlapRounding / (10 * size), 1e-6);  // what is finer shows in no gap
   const FrictionSolution found =
-      solve(problem, VecX(), {.tolerance = std::min(asked.tolerance, 1e-12), .for_all = asked.for_all});
+      solve(problem, VecX(),
+            {.tolerance = std::max(std::min(asked.tolerance, 1e-12), enough), .for_all = asked.for_all});
   return {h * found.v, found.report};
 }
 

@@ -22,7 +22,7 @@ std::vector<int> rows_to_add(const std::vector<ContactRow>& rows, const std::vec
 
 }  // namespace
 
-void add_work(const SolveReport& earlier, SolveReport& report) {
+void add_counts(const SolveReport& earlier, SolveReport& report) {
   report.iterations += earlier.iterations;
   report.newton_iterations += earlier.newton_iterations;
   report.local_failures += earlier.local_failures;
@@ -56,7 +56,7 @@ ReducedSolution solve_reduced(const FreeMotion& free, const DofMap& dofs, const 
     }
     out.solution = free.inverse ? solve(*problem, {*free.inverse, free.v_free}, out.start, options)
                                 : solve(*problem, out.start, options);
-    add_work(rounds, out.solution.report);
+    add_counts(rounds, out.solution.report);
     rounds = out.solution.report;
     if (!out.solution.v.allFinite()) break;
     for (std::size_t k = 0; k < out.kept.size(); ++k) {

@@ -28,7 +28,7 @@ struct JointEquations {
 inline constexpr double kSolverNoise = 1e3;
 
 /// Adds what another solve of the same step took to `report`: iterations and failures of local methods.
-void add_work(const SolveReport& earlier, SolveReport& report);
+void add_counts(const SolveReport& earlier, SolveReport& report);
 
 /// The first rows are those of `selection`'s contacts, the others are never left out. `warm[i]` are the
 /// impulses that row i starts with [N s, N m s]; a contact that was left out re-enters when it closes faster

@@ -148,7 +148,8 @@ struct StepReport {
   // Moved and fixed bodies that are not proven to keep apart in the step and cannot be stopped (CA-20),
   // sorted
   std::vector<std::pair<int, int>> driven_overlaps{};
-  SolveReport solve{};  // of the last problem solved; iterations and failures of all that the step solved
+  SolveReport solve{};  // of the last problem solved, with iterations and failures of those before it in
+                        // Newton's loop and in a landing (MJ-17)
   PhysicalResidual physical{};
   EnergyLedger energy{};
   MomentumLedger momentum{};

@@ -32,7 +32,8 @@ MeshFile read_binary(const std::filesystem::path& path, std::string_view bytes) 
     fail(bytes.size(), "file must have at least the 84 bytes of a binary STL header");
   const auto count = std::size_t(load<std::uint32_t>(bytes, 80));
   if (bytes.size() != binary_size(bytes))
-    fail(80, counted(std::int64_t(count), "triangle announced needs ", "triangles announced need ") +
+    fail(80, counted(std::int64_t(count), "triangle") +
+                 (count == 1 ? " announced needs " : " announced need ") +
                  std::to_string(binary_size(bytes)) + " bytes, the file has " + std::to_string(bytes.size()));
   MeshFile mesh;
   mesh.vertices.reserve(3 * count);

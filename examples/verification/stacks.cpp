@@ -315,10 +315,10 @@ VerificationCase arch_for_a_minute(double mu) {
   return {.name = "G4.a_minute",
           .setting = "mu = " + text(mu),
           .what = "arch of 25 stones, steps of 10 ms, 60 s",
-          .rows = {{"way", "worst way of a stone", "m", 1e-4,
-                    "limit analysis (PEER-2): it stands; a tenth of a millimetre"},
-                   {"sunk", "way of the crown downwards", "m", 1e-4,
-                    "limit analysis (PEER-2): it stands; a tenth of a millimetre"}},
+          .rows = {{"way", "worst way of a stone", "m", 1e-9,
+                    "limit analysis (PEER-2): it stands; a millionth of a millimetre"},
+                   {"sunk", "way of the crown downwards", "m", 1e-9,
+                    "limit analysis (PEER-2): it stands; a millionth of a millimetre"}},
           .measure =
               [mu] {
                 const Run all = run(Arch{.mu = mu}, 60);

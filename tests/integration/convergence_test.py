@@ -145,7 +145,7 @@ class Convergence(DriverTest):
         run = self.converge("--case", "ball_e0", "--scheme", "passive_midpoint", "--normal-law", "combined", "--h0", 1e-3, "--levels", 3)
         self.assertIn("theory promises none", run.stdout)
         self.assertIn("convergence: 0 of 1 met", run.stdout)
-        self.assertIn("; 1 have no order of the graph promised;", run.stdout)
+        self.assertIn("; 1 without a promised order of the graph;", run.stdout)
         study = json.loads(next(iter(self.studies("out").values())))
         self.assertEqual(study["verdict"], "no order of the graph is promised")
         self.assertIn("theory promises none", study["why"]["v_graph"])

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The main job: replays end at the end of their path, without a refused step, a failed solve or an overlap."""
 
+import csv
 import math
 import sys
 import unittest
@@ -14,7 +15,7 @@ HOLD = 0.1  # the default of --hold [s]
 
 class Replay(DriverTest):
     def ends_well(self, *scene):
-        self.replay("out", *scene)
+        self.replay("out", *scene, "--certify", "2")
         summary, steps = self.summary("out"), self.columns("out")
         numbers = {name: list(map(float, values)) for name, values in steps.items()}
         self.assertEqual(summary["refused_steps"], 0)
@@ -29,6 +30,8 @@ class Replay(DriverTest):
         self.assertLessEqual(2 * summary["dilation"], 2 / 3 * summary["clearance"] * (1 + 1e-12))
         self.assertGreater(summary["max_contacts"], 0)
         self.assertLess(summary["energy_residual"], 1e-9)
+        self.assertEqual(summary["certify_steps"], summary["steps"])
+        self.assertEqual((summary["certify_violations"], summary["certify_uncovered"], summary["certify_nested"]), (0, 0, 0))
         self.assertFalse(list((self.folder / "out").glob("*.tmp")))
 
     def ends_well_on(self, pair):
@@ -108,6 +111,18 @@ class Replay(DriverTest):
         self.assertAlmostEqual(self.summary("out")["clearance"], 4e-3, 15)  # not 5 mm, and not 0
         for told, distance in zip(self.columns("out", "poses.csv")["base_distance"], (5e-3, 4e-3), strict=True):
             self.assertAlmostEqual(float(told), distance, 15)
+
+    def test_every_recorded_pose_of_every_pair_is_covered(self):
+        """(LMD-14) along all paths, with the dilations that replays take by default."""
+        with open(Path(self.data()) / "assembly/pairs.csv", newline="", encoding="utf-8") as file:
+            pairs = [row["name"] for row in csv.DictReader(file)]
+        self.assertEqual(len(pairs), 18)
+        for pair in pairs:
+            with self.subTest(pair=pair):
+                self.replay(pair, "--data", self.data(), "--pair", pair, "--mode", "kinematic")
+                summary = self.summary(pair)
+                self.assertEqual(summary["uncovered_poses"], 0)
+                self.assertGreater(summary["min_base_distance"], 0)
 
     def test_kinematic_gaps_are_the_clearances_of_the_recorded_poses(self):
         """At a recorded pose the smallest gap is the distance of the base complexes less the two dilations."""
