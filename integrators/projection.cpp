@@ -58,10 +58,10 @@ OpeningDisplacement opening_displacement(const StepSetting& setting, const Spars
   problem.G = G;
   problem.b = VecX::Zero(G.cols());
   const SolverOptions& asked = setting.options.solver;
-  const double enough = std::min(kOverlapRounding / (10 * size), 1e-6);  // what is finer shows in no gap
-  const FrictionSolution found =
-      solve(problem, VecX(),
-            {.tolerance = std::max(std::min(asked.tolerance, 1e-12), enough), .for_all = asked.for_all});
+  FrictionSolution found =
+      solve(problem, VecX(), {.tolerance = std::min(asked.tolerance, 1e-12), .for_all = asked.for_all});
+  if (found.report.residual * size <= kOverlapRounding / 10)  // what is left shows in no gap
+    found.report.status = std::min(found.report.status, SolveStatus::at_rounding);
   return {h * found.v, found.report};
 }
 
