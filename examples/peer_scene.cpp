@@ -137,6 +137,8 @@ int main(int argc, char** argv) {
   cli.option("--mu", a.arch.mu, "friction between them", "-", {0, 10});
   cli.option("--thickness", a.arch.thickness, "of the arch, over its mean radius", "-", {0.01, 0.9});
   cli.option("--tilt", a.tilt, "of arch and ground", "deg", {-60, 60});
+  cli.option("--scatter", a.arch.scatter, "every stone of the arch is off its place by up to this, at random",
+             "m", {0, 1e-3});
   cli.group("stepping");
   cli.option("--h", a.h, "step", "s", {1e-5, 0.1});
   cli.option("--time", a.time, "simulated; 0: the whole scene", "s", {0, 1e5});

@@ -223,9 +223,13 @@ PeerScene arch_scene(const Arch& arch) {
   const Vec2 a(std::cos(half), -std::sin(half)), b(a.x(), -a.y());
   Vec2 centre;
   scene.shapes.push_back(prism({in * a, out * a, out * b, in * b}, 0.2, 1000, centre));
+  require_field(arch.scatter >= 0 && arch.scatter <= 1e-3, "Arch::scatter", arch.scatter, "lie in [0, 1e-3]");
+  Random random(25);
   for (int i = 0; i < arch.stones; ++i) {
     const SE3 turn = rotation(Vec3::UnitY(), -(2 * i + 1) * half) * rotation(Vec3::UnitX(), kPi / 2);
-    scene.bodies.push_back({.shape = 1, .mu = arch.mu, .g = turn * translation(centre.x(), centre.y(), 0)});
+    SE3 g = turn * translation(centre.x(), centre.y(), 0);
+    if (arch.scatter > 0) g.p += kSpread * arch.scatter * g.p + random.vector(arch.scatter);
+    scene.bodies.push_back({.shape = 1, .mu = arch.mu, .g = g});
   }
   scene.gravity = kGravity * Vec3(std::sin(arch.tilt), 0, -std::cos(arch.tilt));
   scene.t_end = 60;

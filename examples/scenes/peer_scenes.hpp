@@ -64,7 +64,10 @@ struct Arch {
   double mu = 0.6;
   double thickness = 0.2;  // over the mean radius [-]
   double tilt = 0;         // of ground and arch, in the plane of the arch [rad]
+  double scatter = 0;  // every stone is off its place by up to this along each axis, at random; so that none
+                       // overlap, all are farther out by `kSpread` times as much per metre [m]
 };
+constexpr double kSpread = 28;  // joints of 25 stones open by more than two stones together may close them
 PeerScene arch_scene(const Arch& arch);
 int crown(const PeerScene& arch);  // the stone in the middle
 
