@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-# aussois_test(<name> LABEL <label> [SLOW <regex>] SOURCES ... USES ...): one GoogleTest executable, its tests discovered;
-# those whose names match the expression take over ten seconds in release and have the label slow too.
+# aussois_test(<name> LABEL <label> [SLOW <regex>] [LONG <regex>] SOURCES ... USES ...): one GoogleTest executable, its
+# tests discovered; those whose names match SLOW take over ten seconds in release and have the label slow too, those
+# that match LONG many minutes, and both labels: they are disabled unless AUSSOIS_LONG_TESTS is on.
 # Tests read AUSSOIS_DATA_DIR from the environment (empty: skip). Sources that read small inputs of the project are
 # given AUSSOIS_SOURCE_DIR one by one: the others compile to the same in every checkout.
 include(GoogleTest)
 function(aussois_test name)
-  cmake_parse_arguments(arg "" "LABEL;SLOW;TIMEOUT" "SOURCES;USES" ${ARGN})
+  cmake_parse_arguments(arg "" "LABEL;SLOW;LONG;TIMEOUT" "SOURCES;USES" ${ARGN})
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 300)
   endif()
@@ -15,10 +16,18 @@ function(aussois_test name)
   gtest_discover_tests(${name} TEST_PREFIX "${arg_LABEL}." TEST_LIST ${name}_tests DISCOVERY_TIMEOUT 60
     NO_PRETTY_VALUES   # the value of a struct is its bytes: hundreds of columns, and other ones in every build
     PROPERTIES LABELS "${arg_LABEL}" TIMEOUT ${arg_TIMEOUT} ENVIRONMENT "AUSSOIS_DATA_DIR=${AUSSOIS_DATA_DIR}")
-  if(arg_SLOW)   # read by ctest: discovery takes no list of labels
-    set(labels ${CMAKE_CURRENT_BINARY_DIR}/${name}_slow.cmake)
-    file(WRITE ${labels} "list(FILTER ${name}_tests INCLUDE REGEX [==[${arg_SLOW}]==])\n"
-      "set_tests_properties(\${${name}_tests} PROPERTIES LABELS \"${arg_LABEL};slow\")\n")
-    set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${labels})
+  set(slow "LABELS \"${arg_LABEL};slow\"")
+  set(long "LABELS \"${arg_LABEL};slow;long\" TIMEOUT 14400")
+  if(NOT AUSSOIS_LONG_TESTS)
+    string(APPEND long " DISABLED ON")
   endif()
+  foreach(weight IN ITEMS slow long)   # read by ctest: discovery takes no list of labels
+    string(TOUPPER ${weight} regex)
+    if(arg_${regex})
+      set(file ${CMAKE_CURRENT_BINARY_DIR}/${name}_${weight}.cmake)
+      file(WRITE ${file} "set(matching \${${name}_tests})\nlist(FILTER matching INCLUDE REGEX [==[${arg_${regex}}]==])\n"
+        "if(matching)\n  set_tests_properties(\${matching} PROPERTIES ${${weight}})\nendif()\n")
+      set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${file})
+    endif()
+  endforeach()
 endfunction()

@@ -10,6 +10,8 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <tuple>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -26,7 +28,7 @@ namespace aussois {
 /// dilations.
 struct CoverageAudit {
   long poses = 0;            // judged; bases that touch have no contacts
-  long beside = 0;           // of them: another place of the shape was nearer than the one aimed at
+  long missed = 0;           // inner vertices of chains that were not aimed at, for want of poses
   long holes = 0;            // no contact as near as the bases, or no contact at all
   long early = 0;            // a contact nearer than the bases
   double worst = 0;          // difference over the tolerances of both shapes [-]
@@ -56,18 +58,24 @@ class AimedPoses {
     for (const VertexLeaf& leaf : s_.vertices) essential[std::size_t(leaf.vertex)] = 1;
     for (const int e : borders_)
       for (const int v : k_.edges[std::size_t(e)])
-        if (border_edges[std::size_t(v)] == 2 && !essential[std::size_t(v)]) bent_.push_back(e);
+        if (border_edges[std::size_t(v)] == 2 && !essential[std::size_t(v)]) {
+          bent_.push_back(e);
+          if (!std::exchange(essential[std::size_t(v)], 1)) inner_.push_back({e, v == k_.edges[e][1]});
+        }
   }
   bool empty() const { return borders_.empty(); }
+  long inner_vertices() const { return long(inner_.size()); }  // of chains
 
-  Aim aim(Random& random) const {
-    // Half of all aims go to where a chain has a vertex inside, on the scale of what its neighbours are off.
+  /// The `i`-th: one for each inner vertex of a chain; from then on half of them go there, on the scale of
+  /// what its neighbours are off.
+  Aim aim(long i, Random& random) const {
     const std::vector<int>& edges = bent_.empty() || random.index(2) ? borders_ : bent_;
-    const int e = edges[std::size_t(random.index(int(edges.size())))];
+    int e = edges[std::size_t(random.index(int(edges.size())))];
+    double s = random.index(3) ? double(random.index(2)) : random.uniform();
+    if (i < inner_vertices()) std::tie(e, s) = inner_[std::size_t(i)];
     const auto& ends = k_.edges[std::size_t(e)];
     const Vec3 &p = k_.vertices[std::size_t(ends[0])], &q = k_.vertices[std::size_t(ends[1])];
     const Vec3 along = (q - p).normalized();
-    const double s = random.index(3) ? double(random.index(2)) : random.uniform();
     const auto around = s == 0   ? k_.vertex_triangles[ends[0]]
                         : s == 1 ? k_.vertex_triangles[ends[1]]
                                  : k_.edge_triangles[e];
@@ -90,7 +98,8 @@ class AimedPoses {
   std::size_t region(int t) const { return std::size_t(s_.triangle_region[std::size_t(t)]); }
   const LmdShape& s_;
   const SimplicialComplex& k_;
-  std::vector<int> borders_{}, bent_{};  // edges; those with an end inside a chain
+  std::vector<int> borders_{}, bent_{};          // edges; those with an end inside a chain
+  std::vector<std::pair<int, double>> inner_{};  // each vertex inside a chain as an end, 0 or 1, of an edge
 };
 
 /// A probe: its frame is put on the aim with z along u.
@@ -163,12 +172,13 @@ inline CoverageAudit audit_coverage(const LmdShape& shape, long poses, std::uint
   CoverageAudit audit;
   const AimedPoses aimed(shape);
   if (aimed.empty()) return audit;
+  audit.missed = std::max(0L, aimed.inner_vertices() - poses);
   Random random(seed);
   const double size = 2 * shape.bounding_radius;
   const std::vector<Probe> probes = make_probes(std::max(0.02 * size, 10 * shape.radius), shape.radius);
   for (long i = 0; i < poses; ++i) {
     const std::size_t which = std::size_t(random.index(int(probes.size())));
-    const Aim aim = aimed.aim(random);
+    const Aim aim = aimed.aim(i, random);
     const double beside =
         random.index(2) ? size * kBeside[random.index(5)] : size * random.log_uniform(1e-11, 1e-6);
     const double away = shape.radius * random.log_uniform(0.1, 20);

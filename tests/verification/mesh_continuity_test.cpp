@@ -28,7 +28,7 @@ void audit_beside(const LmdShape& shape, int motions, std::uint64_t seed, Contin
     SCOPED_TRACE("seed " + std::to_string(seed) + ", motion " + std::to_string(i));
     Random random(1000003 * seed + std::uint64_t(i));
     const Probe& probe = probes[std::size_t(random.index(int(probes.size())))];
-    const Aim aim = aimed.aim(random);
+    const Aim aim = aimed.aim(i, random);
     const double away = dilations * random.log_uniform(2e-3, 3);
     Mat3 axes;
     axes << aim.beside, aim.u.cross(aim.beside), aim.u;
