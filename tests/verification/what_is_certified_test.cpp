@@ -8,6 +8,7 @@
 #include "tests/support/block_scene.hpp"
 #include "tests/support/compound.hpp"
 #include "tests/support/message_of.hpp"
+#include "tests/support/repaired_meshes.hpp"
 #include "tests/support/scheme_variants.hpp"
 
 namespace aussois {
@@ -83,6 +84,37 @@ TEST_P(Certified, IsAuditedInsideASolid) {
   EXPECT_NE(message_of([&] { validate_start(s.model, s.state); }), "");
 }
 
+// The corner of a tetrahedron falls 4 mm onto an edge whose middle vertex is 0.8 um inside of it, half of
+// that inside: where neither face nor edge nor vertex of the file has a contact.
+TEST_P(Certified, LandsBesideAVertexInsideAChain) {
+  constexpr double kFall = 4e-3;
+  const SimplicialComplex tetrahedron =
+      make_complex({{0, 0, 0}, {0.02, 0, 0.05}, {-0.01, 0.017, 0.05}, {-0.01, -0.017, 0.05}},
+                   {{0, 2, 1}, {0, 3, 2}, {0, 1, 3}, {1, 2, 3}}, {}, true);
+  const MassProperties mass = mass_properties(tetrahedron, kDensity);
+  Model model;
+  model.gravity = Vec3(0, 0, -9.81);
+  const LmdShape around = prepare(dilate(box_with_border({{0.1, 0.8e-6}}), kRadius));
+  ASSERT_EQ(around.straightened.size(), 1U);
+  add(model, fixed_body("edge", add(model, around)));
+  const int shape = add(model, prepare(dilate(tetrahedron, kRadius)));
+  const int falling = add(model, solid_body("tetrahedron", shape, mass));
+  State state = rest_state(model);
+  const Vec3 corner = mass.centre;  // from it to the centre of mass
+  pose(state, falling).p = Vec3(0.1, -0.5 + 0.4e-6, 0.5 + 2 * kRadius + kFall) + corner;
+  const Scheme scheme = scheme_of(model);
+  bool touched = false;
+  while (state.t < 0.04) {
+    const StepReport report = scheme.step(state, kInf);
+    ASSERT_TRUE(report.ok()) << report.reason << " at t = " << state.t;
+    const SE3 g = pose(state, falling);
+    const double gap = (g.p - g.R * corner).z() - 0.5 - 2 * kRadius;
+    ASSERT_GT(gap, -0.08 * kRadius);  // (CA-6)
+    for (const StepContact& c : report.contacts) touched = touched || !c.impulse.isZero(0);
+  }
+  EXPECT_TRUE(touched);
+}
+
 // A box slides on a guide that belongs to a plate's body, at 800 m/s through the plate.
 Scene box_on_a_guide(bool collide) {
   Scene s = block_on_plate(0, 0, 0, 0.5);
@@ -116,7 +148,11 @@ TEST_P(Certified, KeepsBodiesOfAJointApartThatCollide) {
     ASSERT_GT(pose(s.state, s.block).p.z(), kSide / 2);
     ASSERT_EQ(report.passing_pairs, 0);
     ASSERT_NE(report.status, StepStatus::not_finite);
-    if (report.status == StepStatus::refused) break;  // stopped too late for its min_h
+    if (report.status == StepStatus::refused) {  // stopped too late for its min_h, and says so
+      ASSERT_EQ(hash(s.state), hash(start));
+      ASSERT_EQ(report.reason.rfind("no step of at least", 0), 0U) << report.reason;
+      break;
+    }
     audit_path(s.model, start, s.state, report, 1, audit);
     stopped = s.state.v[6 * s.block + 2] > -1;
   }
