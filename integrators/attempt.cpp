@@ -255,9 +255,10 @@ StepReport told(const StepSetting& setting, const Found& found, const ImpulseSte
   report.min_gap = found.min_gap;
   for (const double gap : step.gap) report.min_gap = std::min(report.min_gap, gap);
   report.solve = step.solved.solution.report;
+  add_part(step.beside, report.solve);
   if (step.impact) {
     report.impact_solves = step.impact->solves;
-    report.solve.status = std::max(report.solve.status, step.impact->status);
+    add_part(step.impact->solve, report.solve);
   }
   if (setting.options.keep_problem)
     report.problem = StepProblem{*step.solved.problem, step.solved.start, step.solved.solution};
@@ -348,10 +349,9 @@ void solve_rows(const StepSetting& setting, const State& state, const Found& fou
   const double begin = step_clock();
   SolverOptions solver = setting.options.solver;
   solver.tolerance *= step.tolerance_part;
-  const SolveReport earlier = step.solved.solution.report;
+  add_counts(step.solved.solution.report, step.beside);
   step.solved = solve_reduced(*step.free, setting.dofs, step.rows, step.joints.equations, found.selection,
                               starts(step, found, state.r), allowed_speeds(found), solver);  // (NSGS-1)
-  add_counts(earlier, step.solved.solution.report);
   step.seconds += step_clock() - begin;
 }
 

@@ -124,11 +124,10 @@ StepReport D1MinusLinear::step(State& state, double h_limit) const {
     free.M.makeCompressed();
     free.gyroscopic_D = free.law_D = SparseMatrix(dofs.rows, dofs.rows);
 
-    SolveStatus worst = SolveStatus::converged;
     const auto solve_stage = [&] {
       step.free = std::make_shared<const FreeMotion>(free);
       solve_rows(setting_, from, found, step);
-      worst = std::max(worst, step.solved.solution.report.status);
+      step.beside.status = std::max(step.beside.status, step.solved.solution.report.status);
       for (const int i : step.solved.kept)  // what was asked once is asked in all stages
         if (std::size_t(i) < found.contacts.points.size()) found.selection.kept.push_back(i);
       return row_impulses(step);
@@ -181,7 +180,6 @@ StepReport D1MinusLinear::step(State& state, double h_limit) const {
       step.solved.first_row.clear();  // starts from the impulses of the last step again
       solve_stage();
     }
-    step.solved.solution.report.status = worst;
     return go(setting_, from, found, step, {.v_path = v_path, .v_end = step.solved.solution.v});  // (DML-7)
   };
   return advance_step(setting_, state, h_limit, {estimate, attempt});

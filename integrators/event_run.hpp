@@ -82,6 +82,12 @@ class EventRun {
   WorkedOn worked_on(const State& state, const VecX& v) const;
   void project();
   bool of_a_joint(const Touch& touch) const { return touch.slot >= 0 && touch.slot < first_gap_row(model_); }
+  void tell(const SolveReport& solve) {
+    add_part(solve, report_.solve);
+    report_.solve.residual = std::max(report_.solve.residual, solve.residual);
+    report_.solve.worst_island = std::max(report_.solve.worst_island, solve.worst_island);
+    report_.solve.coulomb_residual = std::max(report_.solve.coulomb_residual, solve.coulomb_residual);
+  }
   bool refused(const std::string& reason) {
     report_.status = StepStatus::refused;
     report_.reason = reason;

@@ -78,6 +78,7 @@ bool EventRun::collisions(std::vector<Touch>& touches) {
   if (!any) return true;
   const VecX before = free_velocities(setting_.dofs, state_.v);
   const Collision hit = collide(setting_, state_, near, restitution);
+  tell(hit.solve);
   if (!hit.solved) return refused("the impact was not solved");
   state_.v = all_velocities(setting_.dofs, hit.v, state_.v);
   add_jump(near, hit, before);
@@ -99,6 +100,7 @@ bool EventRun::jump_without_collision(const std::vector<Touch>& touches) {
   const VecX push = kPush * smooth_forces(setting_, state_).all,
              before = free_velocities(setting_.dofs, state_.v);
   const Collision hit = collide(setting_, state_, near, std::vector<double>(near.size(), 0), push);
+  tell(hit.solve);
   const double jump = hit.solved ? (hit.v - before).cwiseAbs().maxCoeff() : 0;
   if (!hit.solved || jump < o_.stick_speed + 100 * push.cwiseAbs().maxCoeff())
     return refused("no finite forces keep the closed contacts closed, and no impulse opens them (Painleve)");
@@ -188,7 +190,14 @@ bool EventRun::decide(const std::vector<Touch>& touches) {
     closed_.push_back(std::move(c));
   }
   const SmoothForces forces = smooth_forces(setting_, state_);
-  const auto accelerate = [&] { return accelerations(setting_, state_, forces, closed_, {}); };
+  const auto accelerate = [&] {
+    Accelerations out = accelerations(setting_, state_, forces, closed_, {});
+    if (out.solved)
+      tell(out.solve);
+    else
+      add_counts(out.solve, report_.solve);
+    return out;
+  };
   Accelerations now = accelerate();
   if (!now.solved) return false;
   tolerance_ = kAcceleration * std::max(1.0, now.a.size() > 0 ? now.a.cwiseAbs().maxCoeff() : 0) +

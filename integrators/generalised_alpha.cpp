@@ -240,11 +240,10 @@ StepReport GeneralisedAlpha::step(State& state, double h_limit) const {
     // Friction displaces as a constant force does (GA-8)
     const VecX friction = tangential_momentum(step, dofs);
     if (!friction.isZero(0)) solve_mean(momentum + friction / 2);
-    SolveReport& solve = step.solved.solution.report;
-    add_counts(mean.solved.solution.report, solve);
-    solve.status = std::max(solve.status, mean.solved.solution.report.status);
+    add_part(mean.solved.solution.report, mean.beside);
+    add_part(mean.beside, step.beside);
     step.seconds += mean.seconds;
-    if (!smooth.solved && is_solved(solve.status)) solve.status = SolveStatus::max_iterations;
+    if (!smooth.solved) step.beside.status = std::max(step.beside.status, SolveStatus::max_iterations);
     Attempt out =
         go(setting_, start, found, step,
            {.v_path = mean.solved.solution.v, .v_end = step.solved.solution.v, .about = 1});  // (GA-9)

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "geometry/check.hpp"
 
@@ -46,7 +47,7 @@ struct Shocked {
   std::vector<RowVector> r{};
   VecX lambda{};
   int solves = 0;
-  SolveStatus status = SolveStatus::converged;
+  SolveReport solve{};
 };
 
 ContactRow unbiased(ContactRow row) {
@@ -99,7 +100,7 @@ void solve_shock(const Setting& s, const std::vector<int>& of, std::vector<Conta
   }
   const FrictionSolution solved = solve(problem, VecX(), s.solver);
   ++out.solves;
-  out.status = std::max(out.status, solved.report.status);
+  add_part(solved.report, out.solve);
   const std::vector<int> first = first_rows(problem.laws);
   for (std::size_t k = 0; k < rows.size(); ++k) {
     RowVector& r = out.r[std::size_t(target[k])];
@@ -170,9 +171,9 @@ Shocked simultaneous(const Setting& s, const std::vector<int>& near, const Shock
     if (of.size() == grown) break;
     grown = of.size();
     std::sort(of.begin(), of.end());
-    const int solves = out.solves;
-    out = start;
-    out.solves = solves;
+    const Shocked tried = std::exchange(out, start);
+    out.solves = tried.solves;
+    add_counts(tried.solve, out.solve);
     shock(s, of, out);
   }
   return out;
@@ -243,7 +244,7 @@ std::optional<ImpactJump> impact_jump(const Model& model, const State& state, co
                           ? simultaneous(s, near, start, h, law)
                           : sequential(s, near, start, h, law, options.max_pairs);
 
-  ImpactJump out{.v = end.v, .r = end.r, .lambda = end.lambda, .solves = end.solves, .status = end.status};
+  ImpactJump out{.v = end.v, .r = end.r, .lambda = end.lambda, .solves = end.solves, .solve = end.solve};
   out.of_joints = G.cols() > 0 ? VecX(G * end.lambda) : VecX(VecX::Zero(dofs.rows));
   out.of_contacts = VecX::Zero(dofs.rows);
   const SparseMatrix H = directions(s, rows);

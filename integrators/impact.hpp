@@ -46,7 +46,7 @@ struct ImpactJump {
   std::vector<double> work{};                                   // of every row on relative velocities [J]
   std::vector<StepJoint> joints{};                              // forces over the step that follows
   int solves = 0;
-  SolveStatus status = SolveStatus::converged;
+  SolveReport solve{};  // what all of them took, and the worst status
 };
 
 /// Of the contacts and gap functions among `rows`, as contact_rows and gap_rows made them at the state;

@@ -139,15 +139,15 @@ VecX land(const StepSetting& setting, const State& start, const Found& found, co
     closes_on = true;
   }
   if (!lands) return v_path;
-  const SolveStatus first = step.solved.solution.report.status;
-  if (closes_on) solve_rows(setting, start, found, step);
+  if (closes_on) {
+    step.beside.status = std::max(step.beside.status, step.solved.solution.report.status);
+    solve_rows(setting, start, found, step);
+  }
   const double begin = step_clock();
   const auto [d, report] =
       opening_displacement(setting, step.free->mass, std::move(opening), step.joints.equations.G, found.h);
   step.seconds += step_clock() - begin;
-  SolveReport& told = step.solved.solution.report;
-  told.status = std::max({told.status, first, report.status});
-  add_counts(report, told);
+  add_part(report, step.beside);
   return v_path + d / found.h;
 }
 
@@ -223,7 +223,8 @@ Attempt MoreauJean::attempt(const State& state, const SharedMotion& without, con
     ContactBlocks blocks =
         after ? after->blocks
               : contact_blocks(setting_, time > 0 ? at : start, there.contacts, h, normal, reached);
-    const SolveReport earlier = step.solved.solution.report;
+    SolveReport beside = step.beside;
+    add_counts(step.solved.solution.report, beside);
     const double seconds = step.seconds;
     SparseMatrix turn;  // with theta as of a velocity's part in the path
     if (options_.newton.gap_hessians && iterations > 1 && time > 0)
@@ -234,7 +235,7 @@ Attempt MoreauJean::attempt(const State& state, const SharedMotion& without, con
                                            setting_, start, *first, v, step.v_prescribed, h, theta, turn))
                                      : first,
                       theta, std::move(blocks));
-    add_counts(earlier, step.solved.solution.report);
+    step.beside = beside;
     step.seconds += seconds;
     found = std::move(there);
     last = std::exchange(change, (step.solved.solution.v - v).lpNorm<Eigen::Infinity>());

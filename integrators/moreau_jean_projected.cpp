@@ -73,8 +73,10 @@ StepReport MoreauJeanProjected::step(State& state, double h_limit) const {
   const auto attempt = [&](const State& start, const Estimate& ahead, double h) {
     Found found = find_ahead(setting_, start, ahead, h);
     ContactBlocks blocks = contact_blocks(setting_, start, found.contacts, h, setting_.options.normal);
+    SolveReport beside;
     for (;;) {  // each round activates at least one contact more
-      const ImpulseStep step = solve_step(setting_, start, found, free(start, h), theta, blocks);
+      ImpulseStep step = solve_step(setting_, start, found, free(start, h), theta, blocks);
+      step.beside = beside;
       const VecX& v = step.solved.solution.v;
       Move move{.v_path = theta * v + (1 - theta) * step.free->v, .v_end = v, .end = {}};  // (MJ-7)
       if (!v.allFinite()) return go(setting_, start, found, step, move);
@@ -84,7 +86,12 @@ StepReport MoreauJeanProjected::step(State& state, double h_limit) const {
       if (setting_.options.joints.project) plain = consistent(setting_.model, plain);
       const Projection projection =
           without_overlap(setting_, plain, found.pairs, *step.free, step.joints.equations.G, h);  // (PRJ-1)
-      if (options_.order == ProjectionOrder::combined && activate(projection, found, blocks)) continue;
+      if (options_.order == ProjectionOrder::combined && activate(projection, found, blocks)) {
+        add_counts(step.solved.solution.report, beside);
+        add_counts(projection.solve, beside);
+        continue;
+      }
+      add_part(projection.solve, step.beside);
       if (projection.moved > 0) move.end = projection.end;
       Attempt out = go(setting_, start, found, step, move);
       if (out.outcome == Outcome::accepted && too_far(projection, found, setting_.options.advancement)) {

@@ -87,7 +87,8 @@ Projection without_overlap(const StepSetting& setting, const State& plain, const
       else
         out.gaps.push_back(int(i - contacts.points.size()));
     }
-    const VecX d = opening_displacement(setting, free.mass, blocks.rows, G, h).d;
+    const auto [d, solve] = opening_displacement(setting, free.mass, blocks.rows, G, h);
+    add_part(solve, out.solve);
     if (!d.allFinite()) break;
     total += d;
     tried = displaced(setting, tried, d);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "integrators/reduced_solve.hpp"
 
+#include <algorithm>
+
 namespace aussois {
 namespace {
 
@@ -22,11 +24,16 @@ std::vector<int> rows_to_add(const std::vector<ContactRow>& rows, const std::vec
 
 }  // namespace
 
-void add_counts(const SolveReport& earlier, SolveReport& report) {
-  report.iterations += earlier.iterations;
-  report.newton_iterations += earlier.newton_iterations;
-  report.local_failures += earlier.local_failures;
-  report.local_fail_safes += earlier.local_fail_safes;
+void add_counts(const SolveReport& other, SolveReport& sum) {
+  sum.iterations += other.iterations;
+  sum.newton_iterations += other.newton_iterations;
+  sum.local_failures += other.local_failures;
+  sum.local_fail_safes += other.local_fail_safes;
+}
+
+void add_part(const SolveReport& part, SolveReport& sum) {
+  add_counts(part, sum);
+  sum.status = std::max(sum.status, part.status);
 }
 
 ReducedSolution solve_reduced(const FreeMotion& free, const DofMap& dofs, const std::vector<ContactRow>& rows,

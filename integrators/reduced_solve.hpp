@@ -27,8 +27,10 @@ struct JointEquations {
 /// solver's tolerance, relative to the largest or in m/s, rad/s: a thousand for mass ratios of a million.
 inline constexpr double kSolverNoise = 1e3;
 
-/// Adds what another solve of the same step took to `report`: iterations and failures of local methods.
-void add_counts(const SolveReport& earlier, SolveReport& report);
+/// Adds what another solve took to `sum`: iterations and failures of local methods.
+void add_counts(const SolveReport& other, SolveReport& sum);
+/// Adds a solve that the step stands on as well: what it took, and its status if that is worse.
+void add_part(const SolveReport& part, SolveReport& sum);
 
 /// The first rows are those of `selection`'s contacts, the others are never left out. `warm[i]` are the
 /// impulses that row i starts with [N s, N m s]; a contact that was left out re-enters when it closes faster

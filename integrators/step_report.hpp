@@ -148,8 +148,9 @@ struct StepReport {
   // Moved and fixed bodies that are not proven to keep apart in the step and cannot be stopped (CA-20),
   // sorted
   std::vector<std::pair<int, int>> driven_overlaps{};
-  SolveReport solve{};  // of the last problem solved, with iterations and failures of those before it in
-                        // Newton's loop and in a landing (MJ-17)
+  SolveReport solve{};  // residuals of the last problem solved; iterations and failures of all, and the worst
+                        // status of those that the step stands on: stages, landing (MJ-17), impacts (IMP-1),
+                        // projection (PRJ-1). event_driven: the worst of its impacts and settled contacts
   PhysicalResidual physical{};
   EnergyLedger energy{};
   MomentumLedger momentum{};

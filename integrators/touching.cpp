@@ -363,6 +363,7 @@ Accelerations accelerations(const StepSetting& setting, const State& state, cons
     local.W = W.sparseView();
     local.q = N.transpose() * a_free + bias;
     const FrictionSolution solution = solve(local, r0, setting.options.solver);
+    out.solve = solution.report;
     if (!good(solution.report)) return out;
     force = polished(W, local.q, local.laws, solution.r);
   }
@@ -413,6 +414,7 @@ Collision collide(const StepSetting& setting, const State& state, const std::vec
   }
   problem.H = H.sparseView();
   const FrictionSolution solution = solve(problem, VecX(), setting.options.solver);
+  out.solve = solution.report;
   out.solved = good(solution.report) && solution.v.allFinite();
   out.v = solution.v;
   out.reaction = solution.lambda;

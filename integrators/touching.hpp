@@ -50,6 +50,7 @@ struct ClosedTouch {
 
 struct Accelerations {
   bool solved = false;
+  SolveReport solve{};         // of forces at gaps and of friction
   VecX a{};                    // of the rows of DofMap [m/s^2, rad/s^2]
   std::vector<VecX> force{};   // of every closed touch, in its rows [N, N m]
   std::vector<VecX> rate{};    // u' with the stabilisation of (EVD-5)
@@ -63,6 +64,7 @@ Accelerations accelerations(const StepSetting& setting, const State& state, cons
 
 struct Collision {
   bool solved = false;
+  SolveReport solve{};
   VecX v{};                     // rows of DofMap, after it
   std::vector<VecX> impulse{};  // of every touch, in its rows [N s, N m s]
   VecX reaction{};              // of the joints [N s, N m s]

@@ -97,6 +97,7 @@ TEST(SequentialImpacts, KeepMomentumAndNeverGainEnergyInRandomPiles) {
             .step(balls.state);
     ASSERT_TRUE(report.ok()) << report.reason;
     impacts += report.impact_solves;
+    EXPECT_GE(report.solve.iterations, report.impact_solves) << "what impacts take is told";
     EXPECT_LT((momentum(balls.model, balls.state).linear - before.linear).norm(), 1e-12);
     EXPECT_LT(std::abs(report.energy.residual()), 1e-12);
     EXPECT_LE(energy(balls.model, balls.state).kinetic, E * (1 + 1e-6));

@@ -41,6 +41,7 @@ TEST(MoreauJeanProjected, LeavesNoOverlap) {
         ASSERT_TRUE(report.ok()) << report.reason;
         ASSERT_LT(std::abs(report.energy.residual()), 1e-13);
         largest = std::max(largest, report.projection);
+        EXPECT_TRUE(report.projection == 0 || report.solve.iterations > 0) << "what it takes is told";
         double& deepest = project ? projected : plain;
         deepest = std::max(deepest, -gap_now(s));
       }
