@@ -63,7 +63,7 @@ struct Statistics {
   double energy_residual() const { return energy_scale > 0 ? energy_error / energy_scale : 0; }
 };
 
-// Of the whole process: clearance, queries, distances, steps, second opinions, files.
+// Of the whole process: clearance, queries, distances, steps, samples of paths, files.
 double cpu_seconds() {
   return double(std::clock()) / CLOCKS_PER_SEC;
 }
@@ -491,7 +491,7 @@ int main(int argc, char** argv) {
   cli.choice("--normal-law", a.normal_law, "what the normal rows of a step say (doc/theory/moreau_jean.md)",
              {"combined", "gap_over_step", "moreau"});
   cli.option("--certify", a.certify,
-             "look at the path of every step at so many places: a second opinion on the certificate; 0: none",
+             "look at the path of every step at so many places, to check its certificate; 0: none",
              "", {0, 1000000});
   cli.option("--threshold", a.threshold, "kinematic: largest gap of a contact; 0: twice the clearance", "m",
              {0, 1});

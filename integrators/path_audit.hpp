@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A second opinion on the certificate: the distance of every two base complexes at many places of a step's
+// Samples that check the certificate: the distance of every two base complexes at many places of a step's
 // path and where it ends, each looked at by itself, whether one is inside the other, and whether the contacts
 // at the end are as near as the bodies. Slow, and no proof; the certificate has to stay below what it finds
 // (CA-9).

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The second opinion on certificates (CA-9): it finds nothing in honest steps, and everything in others.
+// Samples that check certificates (CA-9): they find nothing in honest steps, and everything in others.
 #include "integrators/path_audit.hpp"
 
 #include <algorithm>
