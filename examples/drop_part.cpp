@@ -168,8 +168,8 @@ int main(int argc, char** argv) {
   cli.choice("--normal-law", a.normal_law, "what the normal rows of a step say (doc/theory/moreau_jean.md)",
              {"combined", "gap_over_step", "moreau"});
   cli.option("--certify", a.certify,
-             "look at the path of every step at so many places, to check its certificate; 0: none",
-             "", {0, 1000000});
+             "look at the path of every step at so many places, to check its certificate; 0: none", "",
+             {0, 1000000});
   cli.group("solver");
   cli.option("--tolerance", a.tolerance, "on the scaled residual", "-", {1e-15, 0.1});
   add_options(cli, a.dump);

@@ -491,8 +491,8 @@ int main(int argc, char** argv) {
   cli.choice("--normal-law", a.normal_law, "what the normal rows of a step say (doc/theory/moreau_jean.md)",
              {"combined", "gap_over_step", "moreau"});
   cli.option("--certify", a.certify,
-             "look at the path of every step at so many places, to check its certificate; 0: none",
-             "", {0, 1000000});
+             "look at the path of every step at so many places, to check its certificate; 0: none", "",
+             {0, 1000000});
   cli.option("--threshold", a.threshold, "kinematic: largest gap of a contact; 0: twice the clearance", "m",
              {0, 1});
   cli.option("--stop-after", a.stop_after, "stop with a checkpoint after this many steps; 0: never", "",

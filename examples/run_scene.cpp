@@ -352,8 +352,8 @@ int main(int argc, char** argv) {
   cli.option("--time", a.time, "to simulate; 0: that of the scene", "s", {0, 1e5});
   cli.option("--h", a.h, "largest step; 0: that of the scene", "s", {0, 1});
   cli.option("--certify", a.certify,
-             "look at the path of every step at so many places, to check its certificate; 0: none",
-             "", {0, 1000000});
+             "look at the path of every step at so many places, to check its certificate; 0: none", "",
+             {0, 1000000});
   cli.option("--stop-after", a.stop_after, "stop with a checkpoint after this many steps; 0: never", "",
              {0, 1e9});
   add_options(cli, a.scheme);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "geometry/check.hpp"
+#include "geometry/number_text.hpp"
 #include "geometry/parallel.hpp"
 #include "lmd/certificate.hpp"
 

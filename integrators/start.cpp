@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 
 #include "geometry/check.hpp"
+#include "geometry/number_text.hpp"
 #include "mechanics/mechanism.hpp"
 
 namespace aussois {

@@ -7,6 +7,7 @@
 
 #include "geometry/check.hpp"
 #include "geometry/mesh_report.hpp"
+#include "geometry/number_text.hpp"
 #include "io/atomic_file.hpp"
 #include "io/mesh_formats.hpp"
 #include "io/text.hpp"

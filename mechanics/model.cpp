@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "geometry/check.hpp"
+#include "geometry/number_text.hpp"
 
 namespace aussois {
 namespace {
