@@ -62,7 +62,8 @@ struct Isolated {
 };
 
 Lost lost(const Isolated& isolated, const SchemeVariant& variant, double h) {
-  const auto& [s, potential] = isolated;
+  const CaseScene& s = isolated.scene;  // clang 14 captures no structured bindings
+  const auto& potential = isolated.potential;
   SchemeOptions options = variant.options;
   options.h = h;
   options.solver.tolerance = 1e-14;
