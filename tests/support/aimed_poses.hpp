@@ -60,7 +60,8 @@ class AimedPoses {
       for (const int v : k_.edges[std::size_t(e)])
         if (border_edges[std::size_t(v)] == 2 && !essential[std::size_t(v)]) {
           bent_.push_back(e);
-          if (!std::exchange(essential[std::size_t(v)], 1)) inner_.push_back({e, v == k_.edges[e][1]});
+          if (!std::exchange(essential[std::size_t(v)], 1))
+            inner_.push_back({e, v == k_.edges[std::size_t(e)][1]});
         }
   }
   bool empty() const { return borders_.empty(); }

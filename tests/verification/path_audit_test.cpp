@@ -139,12 +139,12 @@ TEST(PathAudit, CatchesAContactThatIsMissing) {
 TEST(PathAudit, CatchesAnEndThatThePathDoesNotLeadTo) {
   Scene s = thrown_block();
   const MoreauJean scheme(s.model, {.h = 5e-3});
-  auto [start, report] = landing_step(scheme, s);
+  const auto landing = landing_step(scheme, s);
   const auto violations = [&](double deeper) {
     State end = s.state;
     pose(end, s.block).p.z() -= deeper;
     PathAudit audit{.samples = 3};
-    audit_path(s.model, start, end, report, 1, audit);
+    audit_path(s.model, landing.first, end, landing.second, 1, audit);
     return audit.violations;
   };
   EXPECT_EQ(violations(0), 0);

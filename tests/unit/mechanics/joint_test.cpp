@@ -101,7 +101,7 @@ TEST_P(JointRows, OnTheMeanOfBothEndsAreTheirExactChange) {
                   after[k].value - before[k].value, 1e-13)
           << to_string(kind) << " row " << k;
       Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
-      for (const std::size_t i : {0, 1}) {
+      for (const std::size_t i : {0U, 1U}) {
         const Vec6& J = i == 0 ? mean[k].J_a : mean[k].J_b;
         const Mat3 R = (start[i].R.toRotationMatrix() + end[i].R.toRotationMatrix()) / 2;
         force += J.head<3>();

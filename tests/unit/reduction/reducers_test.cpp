@@ -118,7 +118,7 @@ TEST(ReducerTable, T_3_1_OnADiscEqualTrianglesReachTheFiguresOfThePrototype) {
       std::vector<Vec2> points = ring(48);
       for (Vec2& x : points) x *= 1 + 1e-12 * random.uniform(-1, 1);
       const double margin =
-          figures([&](const PlanarPatch& p) { return least_area_removed(p, corners); }, points).margin;
+          figures([n = corners](const PlanarPatch& p) { return least_area_removed(p, n); }, points).margin;
       least = std::min(least, margin), most = std::max(most, margin);
     }
     EXPECT_LE(least, ours + 0.02) << corners;
