@@ -8,6 +8,7 @@
 // Expect   no family in which hull_margin keeps less margin than the four points do; cost per contact at
 //          most three times that of ten thousand contacts
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <functional>
 
@@ -60,8 +61,8 @@ std::vector<Vec2> in_disc(int n, std::uint64_t seed) {
   Random random(seed);
   std::vector<Vec2> points;
   while (int(points.size()) < n) {
-    const Vec2 x(random.uniform(-1, 1), random.uniform(-1, 1));
-    if (x.norm() <= 1) points.push_back(0.05 * x);
+    const double y = random.uniform(-1, 1), x = random.uniform(-1, 1);
+    if (std::hypot(x, y) <= 1) points.push_back(0.05 * Vec2(x, y));
   }
   return points;
 }

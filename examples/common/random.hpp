@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Random numbers that are the same everywhere: a seeded engine and our own maps (standard distributions
-// differ between libraries). For examples and tests; tests print the seed.
+// differ between libraries). Draw one number in an expression: compilers evaluate arguments in orders of
+// their own. For examples and tests; tests print the seed.
 #pragma once
 
 #include <cmath>
@@ -39,7 +40,10 @@ class Random {
       if (d.norm() > 0.1 && d.norm() <= 1) return d.normalized();
     }
   }
-  Quat rotation() { return exp_so3(uniform(0, kPi) * direction()); }
+  Quat rotation() {
+    const Vec3 axis = direction();
+    return exp_so3(uniform(0, kPi) * axis);
+  }
   SE3 pose(double half) {
     const Quat R = rotation();
     return {R, vector(half)};

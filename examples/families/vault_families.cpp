@@ -70,8 +70,8 @@ FrictionScene bridge(int contacts, Random& random) {
     add_box(scene, Vec3(to - from - joint, width, 0.1), translation((from + to) / 2, middle, rise + 0.05),
             kStone);
   }
-  add_box(scene, Vec3(0.3, width / 2, 0.3), translation(random.uniform(-0.8, 0.8) * top, middle, rise + 0.25),
-          random.log_uniform(kStone, 100 * kStone));
+  const double density = random.log_uniform(kStone, 100 * kStone), place = random.uniform(-0.8, 0.8) * top;
+  add_box(scene, Vec3(0.3, width / 2, 0.3), translation(place, middle, rise + 0.25), density);
   touch_faces(scene, 2e-4, coulomb(random.uniform(0.2, 0.8)));
   disturb(scene, random);
   return scene;

@@ -191,7 +191,8 @@ std::vector<PegSample> run_case(const Plant& plant, const PegCase& which, int in
   const Tool tool = make_tool();
   const Vec3 centre(0, 0, tool.centre), to_flange(0, 0, tool.peg.flange - tool.centre);
   Random random(plant.options.seed * 1000003 + std::uint64_t(index) + 1);
-  const Vec3 scatter = plant.options.scatter * kDegree * Vec3(random.normal(), random.normal(), 0);
+  const double about_y = random.normal(), about_x = random.normal();
+  const Vec3 scatter = plant.options.scatter * kDegree * Vec3(about_x, about_y, 0);
   Vec3 tilt = kDegree * plant.options.tilt * Vec3(1, -0.7, 0);
   if (plant.options.tilts > 0)
     for (const int i : {0, 1}) tilt[i] += kDegree * plant.options.tilts * random.uniform(-1, 1);
