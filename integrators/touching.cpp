@@ -15,7 +15,7 @@ namespace aussois {
 namespace {
 
 constexpr double kStabilisation = 10;  // [1/s]; drift falls as exp(-10 t), slower than anything of interest
-constexpr double kResidual = 1e-9;     // what the solver may miss its own tolerance by, scaled [-]
+constexpr double kResidual = 1e-9;     // what solves are held to, scaled; more is asked for [-]
 constexpr double kRoom = 1e-9;         // inside the cone of friction by this part is inside [-]
 constexpr double kRank = 1e-10;        // of W: directions that redundant contacts share [-]
 constexpr double kGlide =
@@ -233,9 +233,11 @@ VecX polished(const MatX& W, const VecX& q, const std::vector<Law>& laws, const 
   return out;
 }
 
-bool good(const SolveReport& report) {
-  return is_solved(report.status) ||
-         (report.status != SolveStatus::not_finite && report.residual <= kResidual);
+// Held to kResidual instead of the solver's tolerance.
+SolveReport held(SolveReport report) {
+  if (report.status != SolveStatus::not_finite && report.residual <= kResidual)
+    report.status = std::min(report.status, SolveStatus::at_rounding);
+  return report;
 }
 
 }  // namespace
@@ -363,8 +365,8 @@ Accelerations accelerations(const StepSetting& setting, const State& state, cons
     local.W = W.sparseView();
     local.q = N.transpose() * a_free + bias;
     const FrictionSolution solution = solve(local, r0, setting.options.solver);
-    out.solve = solution.report;
-    if (!good(solution.report)) return out;
+    out.solve = held(solution.report);
+    if (!is_solved(out.solve.status)) return out;
     force = polished(W, local.q, local.laws, solution.r);
   }
   free.f += F * force;
@@ -414,8 +416,8 @@ Collision collide(const StepSetting& setting, const State& state, const std::vec
   }
   problem.H = H.sparseView();
   const FrictionSolution solution = solve(problem, VecX(), setting.options.solver);
-  out.solve = solution.report;
-  out.solved = good(solution.report) && solution.v.allFinite();
+  out.solve = held(solution.report);
+  out.solved = is_solved(out.solve.status) && solution.v.allFinite();
   out.v = solution.v;
   out.reaction = solution.lambda;
   for (std::size_t i = 0; i < touches.size(); ++i)
