@@ -10,7 +10,7 @@ function(aussois_test name)
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 300)
   endif()
-  if(AUSSOIS_SANITIZE)   # ten to thirty times slower
+  if(AUSSOIS_SANITIZE)   # some ten times slower
     math(EXPR arg_TIMEOUT "10 * ${arg_TIMEOUT}")
   endif()
   add_executable(${name} ${arg_SOURCES})
@@ -29,7 +29,8 @@ function(aussois_test name)
     if(arg_${regex})
       set(file ${CMAKE_CURRENT_BINARY_DIR}/${name}_${weight}.cmake)
       file(WRITE ${file} "set(matching \${${name}_tests})\nlist(FILTER matching INCLUDE REGEX [==[${arg_${regex}}]==])\n"
-        "if(matching)\n  set_tests_properties(\${matching} PROPERTIES ${${weight}})\nendif()\n")
+        "if(matching)\n  set_tests_properties(\${matching} PROPERTIES ${${weight}})\n"
+        "elseif(${name}_tests)\n  message(WARNING \"${name}: no test matches ${regex} ${arg_${regex}}\")\nendif()\n")
       set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${file})
     endif()
   endforeach()

@@ -26,7 +26,7 @@ struct ImpulseStep {
   std::vector<double> gap{};       // of the gap functions [m]
   JointSystem joints{};
   ReducedSolution solved{};
-  SolveReport beside{};  // of all other solves that the step took: what they took, their worst status
+  SolveReport beside{};  // work of the step's other solves, and the worst status of those it stands on
   std::optional<ImpactJump> impact{};  // that came before, at the same poses
   // Of schemes that know the motion between contacts before they ask for impulses: what joints give in it in
   // the mean, where lambda_earlier is what they are told to give

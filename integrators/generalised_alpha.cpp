@@ -239,7 +239,10 @@ StepReport GeneralisedAlpha::step(State& state, double h_limit) const {
 
     // Friction displaces as a constant force does (GA-8)
     const VecX friction = tangential_momentum(step, dofs);
-    if (!friction.isZero(0)) solve_mean(momentum + friction / 2);
+    if (!friction.isZero(0)) {
+      mean.beside.status = std::max(mean.beside.status, mean.solved.solution.report.status);
+      solve_mean(momentum + friction / 2);
+    }
     add_part(mean.solved.solution.report, mean.beside);
     add_part(mean.beside, step.beside);
     step.seconds += mean.seconds;

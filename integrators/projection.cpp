@@ -69,6 +69,7 @@ Projection without_overlap(const StepSetting& setting, const State& plain, const
                            const FreeMotion& free, const SparseMatrix& G, double h) {
   Projection out{.end = plain, .overlap = kInf};
   State tried = plain;
+  OpeningDisplacement last;  // that led to `tried`
   VecX total = VecX::Zero(setting.dofs.rows);
   for (int round = 0; round < kRounds; ++round) {
     const ContactSet contacts = contacts_of(setting.model, tried, pairs, setting.options.lmd);
@@ -78,6 +79,7 @@ Projection without_overlap(const StepSetting& setting, const State& plain, const
     if (!(overlap < out.overlap)) break;  // as far as rounding, or the geometry, lets it
     out.overlap = overlap;
     out.end = tried;
+    out.solve.status = std::max(out.solve.status, last.report.status);
     out.moved = total.size() > 0 ? total.lpNorm<Eigen::Infinity>() : 0;
     if (overlap <= kOverlapRounding) break;
     for (std::size_t i = 0; i < blocks.rows.size(); ++i) {
@@ -87,11 +89,11 @@ Projection without_overlap(const StepSetting& setting, const State& plain, const
       else
         out.gaps.push_back(int(i - contacts.points.size()));
     }
-    const auto [d, solve] = opening_displacement(setting, free.mass, blocks.rows, G, h);
-    add_part(solve, out.solve);
-    if (!d.allFinite()) break;
-    total += d;
-    tried = displaced(setting, tried, d);
+    last = opening_displacement(setting, free.mass, blocks.rows, G, h);
+    add_counts(last.report, out.solve);
+    if (!last.d.allFinite()) break;
+    total += last.d;
+    tried = displaced(setting, tried, last.d);
     if (setting.options.joints.project) {
       const State held = consistent(setting.model, tried);
       tried.g = held.g;

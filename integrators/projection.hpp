@@ -15,7 +15,7 @@ struct Projection {
   double overlap = 0;                  // what is left of the deepest overlap [m], >= 0
   std::vector<ContactKey> contacts{};  // that overlapped on the way, sorted
   std::vector<int> gaps{};             // the same of gap functions
-  SolveReport solve{};                 // what all rounds took, and the worst status
+  SolveReport solve{};  // what all rounds took, and the worst status of those that led to `end`
 };
 
 /// From `plain`, where the step would end: the smallest displacement in the metric of the masses that opens

@@ -64,13 +64,14 @@ void StepDump::step(std::int64_t number, const StepReport& report) {
   if (!report.problem || report.problem->problem.laws.empty() || !chosen(choice_, number, report.ok()))
     return;
   const StepProblem& step = *report.problem;
+  const SolveReport& solve = step.solution.report;
   char tail[40];
   std::snprintf(tail, sizeof tail, "_%06lld", static_cast<long long>(number));
   std::ostringstream about;
   about << "step " << number << " of " << name_ << ", to t = " << number_text(report.t)
-        << " s with h = " << number_text(report.h) << " s; " << to_string(report.solve.status)
-        << ", scaled residual " << number_text(report.solve.residual) << "; guess 1: warm start"
-        << (is_solved(report.solve.status) ? "\n" : ", guess 2: the best that was found\n") << build_info();
+        << " s with h = " << number_text(report.h) << " s; " << to_string(solve.status)
+        << ", scaled residual " << number_text(solve.residual) << "; guess 1: warm start"
+        << (is_solved(solve.status) ? "\n" : ", guess 2: the best that was found\n") << build_info();
   FclibFile file{.problem = step.problem,
                  .title = name_ + tail,
                  .description = about.str(),
@@ -78,7 +79,7 @@ void StepDump::step(std::int64_t number, const StepReport& report) {
                  .guesses = {{.r = step.start}}};
   FclibValues answer{
       .r = step.solution.r, .u = step.solution.u, .v = step.solution.v, .l = step.solution.lambda};
-  if (is_solved(report.solve.status))
+  if (is_solved(solve.status))
     file.solution = std::move(answer);
   else
     file.guesses.push_back(std::move(answer));

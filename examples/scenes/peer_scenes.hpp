@@ -65,9 +65,12 @@ struct Arch {
   double thickness = 0.2;  // over the mean radius [-]
   double tilt = 0;         // of ground and arch, in the plane of the arch [rad]
   double scatter = 0;  // every stone is off its place by up to this along each axis, at random; so that none
-                       // overlap, all are farther out by `kSpread` times as much per metre [m]
+                       // overlap, all are farther out by `spread` times as much per metre [m]
 };
-constexpr double kSpread = 28;  // joints of 25 stones open by more than two stones together may close them
+/// Opens the joints of n stones, pi / n m from each other, by more than two stones together may close them.
+constexpr double spread(const Arch& arch) {
+  return 28 * arch.stones / 25.0;
+}
 PeerScene arch_scene(const Arch& arch);
 int crown(const PeerScene& arch);  // the stone in the middle
 

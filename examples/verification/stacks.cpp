@@ -331,7 +331,8 @@ VerificationCase arch_for_a_minute(double mu) {
 // Stones that are not where they belong fall into place within a second, and stay there.
 VerificationCase scattered_arch(double scatter, Reducer reducer) {
   const bool by_plane = reducer == ReductionOptions().reducer;
-  const double openings = 26 * 2 * kPi / 50 * kSpread * scatter;  // of 25 stones, 2 pi / 50 m from each other
+  const Arch arch{.scatter = scatter};
+  const double openings = 26 * kPi / 25 * spread(arch) * scatter;  // stones are pi / 25 m from each other
   std::vector<Asked> rows{
       {"contacts", "contacts found at rest", "contacts", 104, "four a joint, as of the exact arch",
        Sense::at_least},
@@ -350,8 +351,8 @@ VerificationCase scattered_arch(double scatter, Reducer reducer) {
           .what = "arch of 25 stones that are off their places at random, steps of 10 ms, 3 s",
           .rows = rows,
           .measure =
-              [scatter, reducer] {
-                const PeerScene scene = arch_scene({.scatter = scatter});
+              [arch, reducer] {
+                const PeerScene scene = arch_scene(arch);
                 const KernelScene k = kernel_scene(scene);
                 MoreauJeanOptions o = kernel_options(scene, 1e-2);
                 o.reduction.reducer = reducer;

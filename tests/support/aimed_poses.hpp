@@ -56,24 +56,25 @@ class AimedPoses {
       for (const int v : k_.edges[std::size_t(e)]) ++border_edges[std::size_t(v)];
     std::vector<char> essential(k_.vertices.size(), 0);
     for (const VertexLeaf& leaf : s_.vertices) essential[std::size_t(leaf.vertex)] = 1;
+    std::vector<char> listed(k_.vertices.size(), 0);
     for (const int e : borders_)
       for (const int v : k_.edges[std::size_t(e)])
         if (border_edges[std::size_t(v)] == 2 && !essential[std::size_t(v)]) {
           bent_.push_back(e);
-          if (!std::exchange(essential[std::size_t(v)], 1))
+          if (!std::exchange(listed[std::size_t(v)], 1))
             inner_.push_back({e, v == k_.edges[std::size_t(e)][1]});
         }
   }
   bool empty() const { return borders_.empty(); }
   long inner_vertices() const { return long(inner_.size()); }  // of chains
 
-  /// The `i`-th: one for each inner vertex of a chain; from then on half of them go there, on the scale of
-  /// what its neighbours are off.
+  /// The `i`-th: every second goes to the next inner vertex of a chain until all have had one; half of the
+  /// others go there too, on the scale of what its neighbours are off.
   Aim aim(long i, Random& random) const {
     const std::vector<int>& edges = bent_.empty() || random.index(2) ? borders_ : bent_;
     int e = edges[std::size_t(random.index(int(edges.size())))];
     double s = random.index(3) ? double(random.index(2)) : random.uniform();
-    if (i < inner_vertices()) std::tie(e, s) = inner_[std::size_t(i)];
+    if (i % 2 == 0 && i / 2 < inner_vertices()) std::tie(e, s) = inner_[std::size_t(i / 2)];
     const auto& ends = k_.edges[std::size_t(e)];
     const Vec3 &p = k_.vertices[std::size_t(ends[0])], &q = k_.vertices[std::size_t(ends[1])];
     const Vec3 along = (q - p).normalized();
@@ -173,7 +174,7 @@ inline CoverageAudit audit_coverage(const LmdShape& shape, long poses, std::uint
   CoverageAudit audit;
   const AimedPoses aimed(shape);
   if (aimed.empty()) return audit;
-  audit.missed = std::max(0L, aimed.inner_vertices() - poses);
+  audit.missed = std::max(0L, aimed.inner_vertices() - (poses + 1) / 2);
   Random random(seed);
   const double size = 2 * shape.bounding_radius;
   const std::vector<Probe> probes = make_probes(std::max(0.02 * size, 10 * shape.radius), shape.radius);

@@ -28,6 +28,7 @@ StepReport resting_point(SolveStatus status) {
       .start = Vec3(0.5, 0, 0)};
   report.problem->solution.v = report.problem->solution.u = VecX::Zero(3);
   report.problem->solution.r = Vec3(1, 0, 0);
+  report.problem->solution.report.status = status;
   return report;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Seeded numbers are the same with every compiler and library; compilers differ in the order of arguments.
+// What Random draws itself is the same with every compiler and library.
 #include "tests/support/random.hpp"
 
 #include <gtest/gtest.h>
