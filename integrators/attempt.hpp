@@ -3,6 +3,7 @@
 // and whether the path that follows may be gone. A scheme is what it does between them.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 
 #include "integrators/find_ahead.hpp"
@@ -59,6 +60,10 @@ ImpulseStep pose_step(const StepSetting& setting, const State& state, const Foun
                       double theta);
 ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, SharedMotion free,
                       double theta, ContactBlocks blocks);
+/// The step stands on its last solve, whatever is solved after it.
+inline void keep_status(ImpulseStep& step) {
+  step.beside.status = std::max(step.beside.status, step.solved.solution.report.status);
+}
 /// Contacts, gap functions and what acts on the axes of step.joints, biased for a normal law.
 void add_rows(const StepSetting& setting, const State& state, const Found& found,
               const NormalLawOptions& normal, ImpulseStep& step);

@@ -127,7 +127,7 @@ StepReport D1MinusLinear::step(State& state, double h_limit) const {
     const auto solve_stage = [&] {
       step.free = std::make_shared<const FreeMotion>(free);
       solve_rows(setting_, from, found, step);
-      step.beside.status = std::max(step.beside.status, step.solved.solution.report.status);
+      keep_status(step);
       for (const int i : step.solved.kept)  // what was asked once is asked in all stages
         if (std::size_t(i) < found.contacts.points.size()) found.selection.kept.push_back(i);
       return row_impulses(step);

@@ -240,7 +240,7 @@ StepReport GeneralisedAlpha::step(State& state, double h_limit) const {
     // Friction displaces as a constant force does (GA-8)
     const VecX friction = tangential_momentum(step, dofs);
     if (!friction.isZero(0)) {
-      mean.beside.status = std::max(mean.beside.status, mean.solved.solution.report.status);
+      keep_status(mean);
       solve_mean(momentum + friction / 2);
     }
     add_part(mean.solved.solution.report, mean.beside);

@@ -140,7 +140,7 @@ VecX land(const StepSetting& setting, const State& start, const Found& found, co
   }
   if (!lands) return v_path;
   if (closes_on) {
-    step.beside.status = std::max(step.beside.status, step.solved.solution.report.status);
+    keep_status(step);
     solve_rows(setting, start, found, step);
   }
   const double begin = step_clock();

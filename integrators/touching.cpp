@@ -15,10 +15,9 @@ namespace aussois {
 namespace {
 
 constexpr double kStabilisation = 10;  // [1/s]; drift falls as exp(-10 t), slower than anything of interest
-constexpr double kResidual =
-    1e-9;                        // scaled, up to which a solve is accepted; the solver is asked for less [-]
-constexpr double kRoom = 1e-9;   // inside the cone of friction by this part is inside [-]
-constexpr double kRank = 1e-10;  // of W: directions that redundant contacts share [-]
+constexpr double kResidual = 1e-9;     // scaled; accepted, the solver is asked for less [-]
+constexpr double kRoom = 1e-9;         // inside the cone of friction by this part is inside [-]
+constexpr double kRank = 1e-10;        // of W: directions that redundant contacts share [-]
 constexpr double kGlide =
     1e-3;  // of the time in which a body turns by 1 rad or a coordinate moves by 1: for differences
 constexpr double kLargestGlide = 1e-3;  // [s]

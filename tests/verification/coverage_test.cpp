@@ -17,7 +17,7 @@ namespace {
 constexpr double kDilation = 1e-3;
 
 void expect_covered(const CoverageAudit& audit, long poses) {
-  EXPECT_GT(audit.poses, poses / 10) << "the sample is hollow";
+  EXPECT_GT(audit.poses, poses / 5) << "the sample is hollow";
   EXPECT_EQ(audit.holes, 0) << audit.first_hole;
   EXPECT_EQ(audit.early, 0);
 }
