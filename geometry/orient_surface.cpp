@@ -54,8 +54,8 @@ class Orientation {
     return (x(a) + x(b) + x(c)) / 3;
   }
   std::vector<std::array<int, 3>> triangles() const {
-    std::vector<std::array<int, 3>> all;
-    for (int t = 0; t < int(turned_.size()); ++t) all.push_back(corners(t));
+    std::vector<std::array<int, 3>> all(turned_.size());
+    for (int t = 0; t < int(all.size()); ++t) all[std::size_t(t)] = corners(t);
     return all;
   }
 

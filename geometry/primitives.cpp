@@ -2,6 +2,7 @@
 #include "geometry/primitives.hpp"
 
 #include <cmath>
+#include <numeric>
 
 #include "geometry/check.hpp"
 #include "geometry/polygon.hpp"
@@ -177,9 +178,9 @@ SimplicialComplex make_extrusion(const std::vector<Vec2>& profile, double height
   require_length("height", height);
   require_field(profile.size() >= 3, "number of points of a profile", profile.size(), "be at least 3");
   const int n = int(profile.size());
-  std::vector<int> loop;
+  std::vector<int> loop(profile.size());
+  std::iota(loop.begin(), loop.end(), 0);
   std::vector<Vec3> vertices;  // i below, n + i above
-  for (int i = 0; i < n; ++i) loop.push_back(i);
   for (const double z : {-height / 2, height / 2})
     for (const Vec2& x : profile) vertices.emplace_back(x.x(), x.y(), z);
   const double area = twice_area(profile, loop) / 2;
