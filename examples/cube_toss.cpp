@@ -30,6 +30,7 @@ struct Arguments {
   SchemeFlags scheme{};
   std::string persistence = "on";
   double scale = 1, tolerance = 1e-8;
+  double from_mu = 0.3, from_restitution = 0.3;  // of a fit; far from what tosses were found to have
   bool fit = false, measure_board = false, swap = false;
   std::string replay{};
   CommonOptions common{};
@@ -125,6 +126,8 @@ ExitCode fit_and_report(const Arguments& a, const std::vector<Toss>& tosses) {
                           unseen = a.test.empty() ? every_second(tosses, a.swap ? 0 : 1)
                                                   : read_scaled(a.test, a.scale);
   TossWorld world = a.world;
+  world.mu = a.from_mu;
+  world.restitution = a.from_restitution;
   if (a.measure_board) world.board = board_of(seen);
   TossFit found;
   {
@@ -226,6 +229,9 @@ int main(int argc, char** argv) {
   cli.option("--restitution", a.world.restitution, "Newton's", "-", {0, 1});
   cli.option("--board", a.world.board, "height of the board", "m", {-0.01, 0.01});
   cli.flag("--fit", a.fit, "identify friction and restitution on every second toss, report the others");
+  cli.option("--from-mu", a.from_mu, "with --fit: friction that the search starts from", "-", {0, 10});
+  cli.option("--from-restitution", a.from_restitution, "with --fit: restitution that the search starts from",
+             "-", {0, 1});
   cli.flag("--measure-board", a.measure_board, "with --fit: the board is where the seen tosses came to rest");
   cli.flag("--swap", a.swap, "with --fit: identify on the others");
   cli.input("--test", a.test, "with --fit: identify on all tosses of --data, report those of this folder");
@@ -246,6 +252,11 @@ int main(int argc, char** argv) {
   cli.example("cube_toss --synthetic 40 --fit", "finds what its own tosses were thrown with");
   return run_driver(cli, argc, argv, [&] {
     refuse_unread(cli, a.scheme);
+    for (const std::string& flag : cli.given("world")) {
+      require(!a.fit || a.synthetic > 0 || (flag != "--mu" && flag != "--restitution"),
+              flag + " is what --fit finds; --from-mu and --from-restitution are where it starts");
+      require(a.fit || !flag.starts_with("--from-"), flag + " belongs to --fit");
+    }
     return run(a);
   });
 }

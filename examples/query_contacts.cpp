@@ -6,7 +6,7 @@
 //          query_contacts --builtin gear --threads 2 --picture out/gear.html
 //          query_contacts --builtin bolt_nut --threshold 1e-4 --csv out/poses.csv --json out/poses.json
 // Expect   four contacts of a box on a plate; no pose at which the bases touch or one part is inside the
-// other
+// other, and none whose smallest gap is not the distance of the bases less the dilations (LMD-14)
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
@@ -19,6 +19,7 @@
 #include "io/pose_file.hpp"
 #include "io/shape_cache.hpp"
 #include "lmd/certificate.hpp"
+#include "lmd/coverage.hpp"
 
 using namespace aussois;
 
@@ -78,11 +79,18 @@ ContactQuery ask(const ContactReport& report, const SE3& pose, const Pieces& pie
   query.contact_count = query.contacts.points.size();
   query.min_gap = smallest_gap(query.contacts);
   if (a.unchecked) return query;
-  const double touching = 1e-9 * report.a->bounding_radius;
-  query.bases_touch = base_distance({report.a, {}, {.g = pose}}, {report.b, {}, {}}, touching,
-                                    report.options.threads) < touching;
-  if (!*query.bases_touch)
-    query.nesting = find_nesting({report.a, pose, 0}, pieces_a, {report.b, {}, 1}, pieces_b);
+  const LmdShape &shape_a = *report.a, &shape_b = *report.b;
+  const double touching = 1e-9 * shape_a.bounding_radius, dilations = shape_a.radius + shape_b.radius,
+               tolerance = coverage_tolerance(shape_a, shape_b),
+               asked = dilations + report.options.threshold - tolerance;
+  const double enough = std::min(asked, dilations + query.min_gap + 2 * tolerance);  // to see what is wrong
+  const double distance = base_distance({&shape_a, {}, {.g = pose}}, {&shape_b, {}, {}},
+                                        std::max(touching, enough), report.options.threads);
+  query.bases_touch = distance < touching;
+  if (*query.bases_touch) return query;
+  query.nesting = find_nesting({&shape_a, pose, 0}, pieces_a, {&shape_b, {}, 1}, pieces_b);
+  if (distance < asked && !query.nesting)
+    query.covered = is_covered_by(query.min_gap, shape_a, shape_b, distance);
   return query;
 }
 
@@ -127,13 +135,14 @@ ExitCode query(const Arguments& a) {
   Progress progress("query_contacts", double(pair.poses.size()),
                     Progress::style_of_stderr(a.quiet || pair.poses.size() == 1));
   const Pieces pieces_a = connected_pieces(shape_a.complex), pieces_b = connected_pieces(shape_b.complex);
-  std::size_t touching = 0, first_touching = 0, nested = 0, first_nested = 0;
+  std::size_t touching = 0, first_touching = 0, nested = 0, first_nested = 0, bare = 0, first_bare = 0;
   for (const SE3& pose : pair.poses) {
     report.queries.push_back(ask(report, pose, pieces_a, pieces_b, a));
     if (pair.poses.size() > 1 && a.picture.empty()) report.queries.back().contacts = {};
     if (report.queries.back().bases_touch.value_or(false) && ++touching == 1)
       first_touching = report.queries.size() - 1;
     if (report.queries.back().nesting && ++nested == 1) first_nested = report.queries.size() - 1;
+    if (!report.queries.back().covered.value_or(true) && ++bare == 1) first_bare = report.queries.size() - 1;
     progress.at(double(report.queries.size()));
     if (interrupted()) return ExitCode::interrupted;
   }
@@ -173,7 +182,10 @@ ExitCode query(const Arguments& a) {
                  "%s at pose %zu, the first of %zu of %s with one inside the other: contacts do not see it\n",
                  to_string(*report.queries[first_nested].nesting, pair.a.name, pair.b.name).c_str(),
                  first_nested, nested, counted(std::int64_t(pair.poses.size()), "pose").c_str());
-  return touching + nested == 0 ? ExitCode::ok : ExitCode::not_accepted;
+  if (bare > 0)
+    std::fprintf(stderr, "the smallest gap is not that of the bases at %zu of %s, first at pose %zu\n", bare,
+                 counted(std::int64_t(pair.poses.size()), "pose").c_str(), first_bare);
+  return touching + nested + bare == 0 ? ExitCode::ok : ExitCode::not_accepted;
 }
 
 }  // namespace

@@ -69,7 +69,6 @@ bool closes(const ContactRow& row, const DofMap& dofs, const VecX& v, const VecX
 std::vector<char> lasting_contacts(const std::vector<ContactRow>& rows, const DofMap& dofs,
                                    const Start& start, double touching) {
   std::vector<char> out;
-  out.reserve(rows.size());
   for (const ContactRow& row : rows)
     out.push_back(has_normal(row.law) && closes(row, dofs, start.v, start.v_free, touching) &&
                   normal_velocity(row, dofs, start.v) >=

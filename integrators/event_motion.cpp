@@ -59,7 +59,6 @@ std::vector<int> matched(const std::vector<Touch>& old, const std::vector<Touch>
 
 std::vector<Touch> touches_of(const std::vector<ClosedTouch>& closed) {
   std::vector<Touch> out;
-  out.reserve(closed.size());
   for (const ClosedTouch& c : closed) out.push_back(c.touch);
   return out;
 }

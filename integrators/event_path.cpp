@@ -92,7 +92,6 @@ double EventRun::safe_until(const State& from, double stop) const {
 // Could a pair have passed through each other in an internal step?
 bool EventRun::leapt(const State& from, const State& to) {
   std::vector<double> moved;
-  moved.reserve(model_.bodies.size());
   for (int b = 0; b < int(model_.bodies.size()); ++b)
     moved.push_back((pose(to, b).p - pose(from, b).p).norm() +
                     setting_.bounds[std::size_t(b)].radius * angle_between(pose(from, b).R, pose(to, b).R));

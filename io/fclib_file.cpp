@@ -72,7 +72,7 @@ std::vector<int> read_indices(hid_t file, const std::string& name, std::size_t c
 
 /// Where the entries of each of `outer` columns (or rows) begin, and where the last ones end.
 std::vector<int> read_starts(hid_t file, const std::string& name, int outer) {
-  const std::vector<int> starts = read_integers(file, name);
+  std::vector<int> starts = read_integers(file, name);
   if (starts.size() != std::size_t(outer) + 1)
     fail_hdf5(file, name,
               "has " + std::to_string(starts.size()) + " starts, must have " + std::to_string(outer + 1L));

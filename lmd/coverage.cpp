@@ -7,6 +7,13 @@
 #include "lmd/find_contacts.hpp"
 
 namespace aussois {
+namespace {
+
+bool all_but_touch(const LmdShape& a, const LmdShape& b, double distance) {
+  return distance < 1e-3 * (a.radius + b.radius);
+}
+
+}  // namespace
 
 double gap_beyond_distance(const PosedShape& a, const PosedShape& b, double distance, int threads) {
   const double expected = distance - a.shape->radius - b.shape->radius;
@@ -15,8 +22,13 @@ double gap_beyond_distance(const PosedShape& a, const PosedShape& b, double dist
 }
 
 bool is_covered(const PosedShape& a, const PosedShape& b, double distance, int threads) {
-  return distance < 1e-3 * (a.shape->radius + b.shape->radius) ||
+  return all_but_touch(*a.shape, *b.shape, distance) ||
          std::abs(gap_beyond_distance(a, b, distance, threads)) <= coverage_tolerance(*a.shape, *b.shape);
+}
+
+bool is_covered_by(double smallest_gap, const LmdShape& a, const LmdShape& b, double distance) {
+  return all_but_touch(a, b, distance) ||
+         std::abs(smallest_gap - (distance - a.radius - b.radius)) <= coverage_tolerance(a, b);
 }
 
 double coverage_tolerance(const LmdShape& a, const LmdShape& b) {

@@ -15,6 +15,10 @@ double gap_beyond_distance(const PosedShape& a, const PosedShape& b, double dist
 /// (LMD-14) of one pose. Bases that all but touch have no direction, and no contact: they count as covered.
 bool is_covered(const PosedShape& a, const PosedShape& b, double distance, int threads = 1);
 
+/// The same of a smallest gap that a search has found, with a threshold of at least `distance` less the
+/// dilations and coverage_tolerance.
+bool is_covered_by(double smallest_gap, const LmdShape& a, const LmdShape& b, double distance);
+
 /// What idealised planes and chains may make of it, either way (LMD-14) [m].
 double coverage_tolerance(const LmdShape& a, const LmdShape& b);
 

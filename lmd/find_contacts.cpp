@@ -183,12 +183,12 @@ ContactSet contacts_among(std::span<const LeafPair> leaves, const PosedShape& a,
 
 // The same of two balls, which have one pair of leaves.
 ContactSet contacts_of_balls(const PosedShape& a, const PosedShape& b, const LmdOptions& options) {
-  constexpr LeafId ball{.index = 0, .dim = 0, .side = 1};
+  constexpr LeafId kBall{.index = 0, .dim = 0, .side = 1};
   const RelativePair pair = relative_pair(a, b, options);
   const auto minimum =
-      test_minimum(leaf_of(*a.shape, ball), leaf_of(*b.shape, ball), pair.R, pair.t, pair.criteria);
+      test_minimum(leaf_of(*a.shape, kBall), leaf_of(*b.shape, kBall), pair.R, pair.t, pair.criteria);
   ContactSet set;
-  if (minimum) set.points.push_back(contact_of(a, b, pair, {ball, ball, *minimum}));
+  if (minimum) set.points.push_back(contact_of(a, b, pair, {kBall, kBall, *minimum}));
   return set;
 }
 
@@ -213,9 +213,9 @@ void validate(const MotionWindow& window) {
 ContactSet find_contacts(const PosedShape& a, const PosedShape& b, const LmdOptions& options,
                          LmdStatistics* statistics) {
   const RelativePair pair = relative_pair(a, b, options);
-  SearchResult all = search_pair(pair, nullptr, options);
+  const SearchResult all = search_pair(pair, nullptr, options);
   if (statistics) *statistics = all.count;
-  return to_contacts(a, b, pair, std::move(all.found));
+  return to_contacts(a, b, pair, all.found);
 }
 
 Candidates find_candidates(const PosedShape& a, const PosedShape& b, const LmdOptions& options,

@@ -36,7 +36,7 @@ Frames frames_of(const Joint& joint, const std::vector<SE3>& g) {
 // On the mean of two places of the bodies (MJT-14). The inverse of a mean of two rotations exists up to half
 // a turn between them.
 Frames frames_of(const Joint& joint, const JointPoses& at) {
-  const Frames f = frames_of(joint, at.start);
+  Frames f = frames_of(joint, at.start);
   if (!at.end) return f;
   const Frames g = frames_of(joint, *at.end);
   const auto mean = [](const auto& x, const auto& y) { return ((x + y) / 2).eval(); };

@@ -52,8 +52,8 @@ Iterate second_phase(Delassus& W, const Iterate& start, int attempt, const Solve
     from = interior_point(W, start, {.tolerance = options.tolerance, .max_iterations = 100}, inner);
     report.newton_iterations += inner.iterations;
   }
-  constexpr double alphas[]{1e-3, 1, 1e-2, 0.1};
-  way.alpha = alphas[(attempt - 1) % 4];
+  constexpr double kAlphas[]{1e-3, 1, 1e-2, 0.1};
+  way.alpha = kAlphas[(attempt - 1) % 4];
   way.accuracy = attempt % 2 == 1 ? 1e-9 : 1e-4;
   way.max_iterations = 100 << attempt;
   way.max_steps = 60 << attempt;

@@ -361,7 +361,7 @@ class BodyDelassus final : public Delassus {
     std::vector<Mat6> blocks = mass_;
     for (int c = 0; c < count(); ++c) {
       if (D[std::size_t(c)].isZero(0)) continue;
-      const RowBlock<R> D_c = D[std::size_t(c)];
+      const RowBlock<R>& D_c = D[std::size_t(c)];
       const auto limbs = std::span(limbs_).subspan(
           limbs_begin_[std::size_t(c)], limbs_begin_[std::size_t(c) + 1] - limbs_begin_[std::size_t(c)]);
       for (const Limb<R>& j : limbs) {
@@ -379,7 +379,7 @@ class BodyDelassus final : public Delassus {
   void add_compliance(const std::vector<AnyBlock>& D, Add add_entry) const {
     for (int c = 0; c < count(); ++c) {
       if (D[std::size_t(c)].isZero(0)) continue;
-      const RowBlock<R> D_c = D[std::size_t(c)];
+      const RowBlock<R>& D_c = D[std::size_t(c)];
       for (const Arm<R>& j : arms(c)) {
         const Rows<R> column = D_c * j.H;
         for (const Arm<R>& i : arms(c)) add_entry(i.row, j.row, i.H.dot(column));

@@ -221,7 +221,7 @@ VecX direction(const LinearSolve& solve, Cones& cones, const VecX& wrong) {
   for (Cone& cone : cones.all) cone.add_to(rhs, cone.rhs, cone.slope());
   for (Eigen::Index i = 0; i < rhs.size(); ++i)
     if (cones.fixed[std::size_t(i)]) rhs[i] = 0;
-  const VecX dr = solve(rhs);
+  VecX dr = solve(rhs);
   for (Cone& cone : cones.all) {
     cone.dp = cone.of(dr, 0);
     cone.dd = cone.rhs - cone.E * cone.dp;

@@ -135,13 +135,8 @@ SparseMatrix MassInverse::operator*(const SparseMatrix& X) const {
     Y.setFromTriplets(entries.begin(), entries.end());
     return Y;
   }
-  if (std::size_t(count()) == block_of.size()) {  // all blocks of one row: balls, and cubes that do not turn
-    SparseMatrix Y = X;
-    for (int j = 0; j < Y.outerSize(); ++j)
-      for (SparseMatrix::InnerIterator it(Y, j); it; ++it)
-        it.valueRef() = inverse[std::size_t(it.row())] * it.value();
-    return Y;
-  }
+  if (std::size_t(count()) == block_of.size())  // all blocks of one row: balls, and cubes that do not turn
+    return Eigen::Map<const VecX>(inverse.data(), X.rows()).asDiagonal() * X;
   SparseMatrix Y(X.rows(), X.cols());
   Y.reserve(2 * X.nonZeros());
   std::vector<int> touched;                    // blocks of more than one row

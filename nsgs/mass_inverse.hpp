@@ -23,7 +23,7 @@ struct MassInverse {
   std::shared_ptr<SparseFactor> factor{};  // for a matrix with a block of more than kLargestMassBlock rows
 
   int count() const { return int(at.size()); }
-  int row(int block, int i) const { return rows[std::size_t(first[std::size_t(block)]) + std::size_t(i)]; }
+  int row(int block, int i) const { return rows[std::size_t(first[std::size_t(block)] + i)]; }
   int size(int block) const { return first[std::size_t(block) + 1] - first[std::size_t(block)]; }
   VecX operator*(const VecX& x) const;
   SparseMatrix operator*(const SparseMatrix& X) const;

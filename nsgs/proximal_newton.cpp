@@ -131,7 +131,7 @@ Iterate proximal_steps(Delassus& W, const Iterate& start, const ProximalOptions&
 
 Iterate proximal_newton(Delassus& W, const Iterate& start, const SolverOptions& options,
                         SolveReport& report) {
-  const Iterate best =
+  Iterate best =
       proximal_steps(W, start, {.tolerance = options.tolerance, .max_steps = options.max_iterations}, report);
   report.iterations = report.newton_iterations;
   report.status = best.residual <= options.tolerance ? SolveStatus::converged : SolveStatus::stagnated;

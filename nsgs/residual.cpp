@@ -11,8 +11,8 @@ namespace aussois {
 
 double natural_map_residual(const LocalProblem& problem, const VecX& r) {
   // so that 0 / 0 is 0: nothing asked, nothing wrong
-  constexpr double tiny = std::numeric_limits<double>::min();
-  return natural_map(problem.W * r + problem.q, r, problem.laws) / std::max(problem.q.norm(), tiny);
+  constexpr double kTiny = std::numeric_limits<double>::min();
+  return natural_map(problem.W * r + problem.q, r, problem.laws) / std::max(problem.q.norm(), kTiny);
 }
 
 VecX row_scales(const VecX& diagonal, const std::vector<Law>& laws) {

@@ -92,7 +92,7 @@ double estimated_error(Delassus& W, const Iterate& found) {
 
 // Where q has digits enough an answer that is within its rounding is often a few iterations from the
 // tolerance.
-Iterate further(Delassus& W, Iterate start, SolverOptions options, SolveReport& report) {
+Iterate further(Delassus& W, const Iterate& start, SolverOptions options, SolveReport& report) {
   SolveReport more;
   options.max_iterations = kFurther;
   Iterate best = run(W, start, options, more);
@@ -118,7 +118,7 @@ Solved solve_rows(Delassus& W, const VecX& r0, SolverOptions options, double flo
   Iterate best = start.residual <= options.tolerance ? start : run(W, start, options, out.report);
   if (best.residual > asked && best.residual <= floor && floor <= kFewDigits) {
     options.tolerance = asked;
-    best = further(W, std::move(best), options, out.report);
+    best = further(W, best, options, out.report);
   }
   if (best.residual > asked && (best.residual <= std::min(floor, 1.0) || is_at_rounding(W, best)))
     out.report.status = SolveStatus::at_rounding;
@@ -344,10 +344,10 @@ FrictionSolution solve_bodies(const FrictionProblem& problem, const KnownMotion*
   validate(problem);
   validate(options);
   validate_start(r0, problem.w.size());
-  const FrictionSolution without{.v = known ? known->v_free : VecX::Zero(problem.f.size()),
-                                 .u = problem.w,
-                                 .r = VecX::Zero(problem.w.size()),
-                                 .lambda = VecX::Zero(problem.b.size())};
+  FrictionSolution without{.v = known ? known->v_free : VecX::Zero(problem.f.size()),
+                           .u = problem.w,
+                           .r = VecX::Zero(problem.w.size()),
+                           .lambda = VecX::Zero(problem.b.size())};
   if (known && problem.laws.empty()) return without;
   const bool screened = known && options.model == FrictionModel::coulomb;
   std::vector<char> left_out =

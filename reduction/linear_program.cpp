@@ -53,7 +53,7 @@ class Simplex {
       ShortVector c(rows_);
       for (int i = 0; i < rows_; ++i)
         c[i] = basis_[std::size_t(i)] < n_ ? cost[basis_[std::size_t(i)]] : artificial;
-      const ShortVector y = inverse_.transpose() * c;
+      ShortVector y = inverse_.transpose() * c;
       int enters = -1;
       double least = -kZero;
       for (int j = 0; j < n_; ++j) {

@@ -43,6 +43,7 @@ PairFiles find_pair(const std::filesystem::path& table, const std::string& pair)
   if (!in) throw std::runtime_error(table.string() + ": cannot be read");
   std::string line, known;
   for (int row = 1; std::getline(in, line); ++row) {
+    if (line.ends_with('\r')) line.pop_back();
     std::istringstream fields(line);
     std::string name;
     PairFiles files;

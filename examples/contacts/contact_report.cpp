@@ -176,6 +176,7 @@ void write_contact_json(const std::filesystem::path& path, const ContactReport& 
   for (const ContactQuery& query : report.queries) {
     Json row = {{"pose", pose_json(query.pose)}};
     row["bases_touch"] = query.bases_touch ? Json(*query.bases_touch) : Json(nullptr);
+    row["covered"] = query.covered ? Json(*query.covered) : Json(nullptr);
     row["nested"] = query.bases_touch ? Json(query.nesting.has_value()) : Json(nullptr);
     for (const Column& column : kColumns) row[column.name] = number(column.value(query));
     poses.push_back(std::move(row));

@@ -23,6 +23,7 @@ struct ContactQuery {
   std::optional<bool> bases_touch{};  // then contacts are missing: there a normal is not defined;
                                       // empty: nobody looked
   std::optional<Nesting> nesting{};   // of bases that do not touch: then contacts see nothing of it
+  std::optional<bool> covered{};      // of bases that are no farther apart than the threshold (LMD-14)
 };
 
 struct ContactReport {

@@ -114,23 +114,24 @@ VerificationCase ten_turns(const std::string& scheme) {
                        : scheme == "passive_midpoint"                           ? 0.11
                        : scheme == "moreau_jean" || scheme == "schatzman_paoli" ? 2.1e-3
                                                                                 : 0.065;
-  return {.name = "B8.ten_turns",
-          .setting = scheme,
-          .what = "Euler's disc for ten turns with the law of the last velocity, h = 0.05 ms",
-          .rows = {{"tilt", "worst tilt, relative", "-", bound, "steady motion; guard: order one"},
-                   {"precession", "worst precession, relative", "-", std::max(bound / 2, 4.2e-3),
-                    "steady motion; guard: order one"},
-                   {"way", "way of the centre", "m", 1e-4, "steady motion; guard: order one"},
-                   {"order", "order of the tilt, 0.1 to 0.05 ms, off 1", "-", 0.12, "theory: one"}},
-          .measure = [scheme] {
-            const CaseScene s = euler_disc({});
-            const Changes coarse = changes(s, scheme, options(1e-4), 10 * kTurn),
-                          fine = changes(s, scheme, options(5e-5), 10 * kTurn);
-            return Figures{{"tilt", fine.tilt},
-                           {"precession", fine.precession},
-                           {"way", fine.way},
-                           {"order", std::abs(std::log2(coarse.tilt / fine.tilt) - 1)}};
-          }};
+  return {
+      .name = "B8.ten_turns",
+      .setting = scheme,
+      .what = "Euler's disc for ten turns with the law of the last velocity, h = 0.05 ms",
+      .rows = {{"tilt", "worst tilt, relative", "-", bound, "steady motion; guard: order one"},
+               {"precession", "worst precession, relative", "-", std::max(bound / 2, 4.2e-3),
+                "steady motion; guard: order one"},
+               {"way", "way of the centre", "m", 1e-4, "steady motion; guard: order one"},
+               {"order", "order of the tilt, 0.1 to 0.05 ms, off 1", "-", 0.12, "one; guard at these steps"}},
+      .measure = [scheme] {
+        const CaseScene s = euler_disc({});
+        const Changes coarse = changes(s, scheme, options(1e-4), 10 * kTurn),
+                      fine = changes(s, scheme, options(5e-5), 10 * kTurn);
+        return Figures{{"tilt", fine.tilt},
+                       {"precession", fine.precession},
+                       {"way", fine.way},
+                       {"order", std::abs(std::log2(coarse.tilt / fine.tilt) - 1)}};
+      }};
 }
 
 // Rolling without slip, of gamma (up) and omega in the body: (TOY-11) and (TOY-12) with the moments of the
@@ -294,7 +295,8 @@ VerificationCase polygon(int corners) {
                     "impacts at corners", Sense::at_least},
                    {"lost", "energy lost at 0.025 ms, off that, relative to it", "-", 0.02,
                     "event_driven; guard: order one"},
-                   {"order", "order of it, 0.1 to 0.025 ms", "-", 0.8, "theory: one", Sense::at_least}},
+                   {"order", "order of it, 0.1 to 0.025 ms", "-", 0.8, "one; guard at these steps",
+                    Sense::at_least}},
           .measure = [corners] {
             const double reference = lost_in_a_turn(corners, 1e-2, "event_driven"),
                          coarse = std::abs(lost_in_a_turn(corners, 1e-4, "moreau_jean") - reference),

@@ -114,7 +114,7 @@ VerificationCase fourteen_impacts_in_steps() {
       .what = "block of 0.1 x 0.4 m released at half of alpha, in steps of 1 and 0.2 ms",
       .rows = {{"time", "worst time of an impact at 0.2 ms", "s", 0.036,
                 "shared series; guard: order one, amplified"},
-               {"order", "order of the worst time, off 1", "-", 0.25, "theory: one; two steps"}},
+               {"order", "order of the worst time, off 1", "-", 0.25, "one; guard at two steps"}},
       .measure =
           [] {
             const std::vector<SeriesRow> events = shared_series("rocking_block_events.csv");
@@ -293,7 +293,9 @@ VerificationCase two_windows(const std::string& scheme) {
                        {"drift", fine.drift},
                        {"order", std::abs(std::log(coarse.angle / fine.angle) / std::log(4) - 2)}};
       }};
-  if (!alpha) out.rows.push_back({"order", "order of the angle, 4 to 1 ms, off 2", "-", 0.2, "theory: two"});
+  if (!alpha)
+    out.rows.push_back(
+        {"order", "order of the angle, 4 to 1 ms, off 2", "-", 0.2, "two; guard at these steps"});
   return out;
 }
 
@@ -352,7 +354,7 @@ VerificationCase squeezer_at_its_end(const std::string& scheme) {
       .setting = scheme,
       .what = "squeezer, 30 ms at 10 us",
       .rows = {{"angle", "worst angle at the end", "rad", 1e-4, "published to 14 digits; guard: order two"},
-               {"order", "order of it, 20 to 10 us, off 2", "-", 0.2, "theory: two"}},
+               {"order", "order of it, 20 to 10 us, off 2", "-", 0.2, "two; guard at these steps"}},
       .measure = [scheme] {
         const double fine = off_squeezer(scheme, mechanism_steps(1e-5)),
                      coarse = off_squeezer(scheme, mechanism_steps(2e-5));

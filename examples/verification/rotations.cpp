@@ -100,7 +100,8 @@ VerificationCase seven_flips(const std::string& scheme) {
       .slow = true};
   if (!exact)
     out.rows.push_back({"order", "order of the attitude, 5 to 2.5 ms", "-",
-                        scheme == "generalised_alpha" ? 1.4 : 1.85, "theory: two", Sense::at_least});
+                        scheme == "generalised_alpha" ? 1.4 : 1.85, "guard at these steps; D2.orders: two",
+                        Sense::at_least});
   return out;
 }
 
@@ -172,6 +173,8 @@ VerificationCase heavy_top(const std::string& scheme) {
   const bool paoli = scheme == "schatzman_paoli", alpha = scheme == "generalised_alpha";
   const std::string guard =
       paoli ? "guard: gyroscopic torque 38 mrad old" : "guard at this step; list: 1e-3 m at 1 ms";
+  const std::string at_these_steps =
+      std::string("guard at these steps; D3.orders: ") + (paoli ? "one" : "two");
   return {
       .name = "D3.heavy_top",
       .setting = scheme,
@@ -183,13 +186,13 @@ VerificationCase heavy_top(const std::string& scheme) {
                 : alpha ? 1.1e-3
                         : 7e-4,
                 "closed motion, (MJT-17); " + guard},
-               {"order", "order of the position, 1 to 0.5 ms", "-", paoli ? 0.6 : 1.45,
-                paoli ? "theory: one" : "theory: two", Sense::at_least},
+               {"order", "order of the position, 1 to 0.5 ms", "-", paoli ? 0.6 : 1.45, at_these_steps,
+                Sense::at_least},
                {"order_of_force", "order of the force, 1 to 0.5 ms", "-",
                 paoli   ? 0.4
                 : alpha ? 1.9
                         : 1.5,
-                paoli ? "theory: one" : "theory: two", Sense::at_least}},
+                at_these_steps, Sense::at_least}},
       .measure =
           [scheme] {
             const Off coarse = top_off(scheme, 1e-3, true), fine = top_off(scheme, 5e-4, true);

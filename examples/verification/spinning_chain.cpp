@@ -181,7 +181,7 @@ VerificationCase hung() {
   return {.name = "C10.hung",
           .what = "six rods on balls, hung at one joint, 1 s at 1 ms; 59 J fall",
           .rows = {{"energy", "worst energy, moreau_jean", "J", 2e-4, "conserved; guard: order two"},
-                   {"order", "order of it, 4 to 1 ms, off 2", "-", 0.4, "theory: two"},
+                   {"order", "order of it, 4 to 1 ms, off 2", "-", 0.4, "two; guard at these steps"},
                    {"on_mean_joints", "worst energy, passive_midpoint", "J", 2e-12, "conserved; rounding"},
                    {"drift", "worst error of a joint", "m", 1e-11, "joints hold to rounding"}},
           .measure = [] {

@@ -33,7 +33,7 @@ class Folder {
 FuzzedReader chosen() {
   const char* name = std::getenv("AUSSOIS_FUZZ");
   std::string known;
-  for (const auto& list : {text_readers(), hdf5_readers()})
+  for (const auto& list : {text_readers(), hdf5_readers(), driver_readers()})
     for (const FuzzedReader& reader : list) {
       if (name != nullptr && reader.name == name) return reader;
       known += " " + reader.name;

@@ -27,6 +27,9 @@ std::vector<FuzzedReader> text_readers();
 /// (hdf5_edits.hpp). Bytes that HDF5 itself cannot take are no matter of ours.
 std::vector<FuzzedReader> hdf5_readers();
 
+/// What drivers read beside that: tables of pairs, studies that an earlier call kept. An input is the file.
+std::vector<FuzzedReader> driver_readers();
+
 /// The bytes as a file.
 void write_input(const std::filesystem::path& file, Bytes input);
 

@@ -59,7 +59,7 @@ class CubeToss(DriverTest):
         self.assertEqual(self.columns("out", "tosses.csv")["toss"], ["50", "51", "52"])
         self.check("out", summary)
         for flags in (("--test", "second/synthetic"), ("--swap",), ("--measure-board",),
-                      ("--fit", "--swap", "--test", "second/synthetic")):
+                      ("--fit", "--swap", "--test", "second/synthetic"), ("--from-mu", "0.2"), ("--fit", "--mu", "0.2")):
             self.cube_toss("--data", "first/synthetic", *flags, code=USAGE)
 
     def test_cut_corners_let_reducers_remove_contacts(self):

@@ -110,6 +110,14 @@ class QueryContacts(DriverTest):
         _, result = self.ask(*PARTS_OF_PEG, "--pose", "1,0,0.5,1,0,0,0", "--unchecked")
         self.assertIsNone(result["bases_touch"])
 
+    def test_the_smallest_gap_is_held_against_the_distance_of_the_bases(self):
+        _, result = self.ask("--builtin", "box_on_plate")
+        self.assertIs(result["covered"], True)
+        _, result = self.ask("--builtin", "box_on_plate", "--unchecked")
+        self.assertIsNone(result["covered"])
+        _, result = self.ask(*PARTS_OF_PEG, "--pose", "0,0,100,1,0,0,0", "--threshold", "1e-4")
+        self.assertIsNone(result["covered"])  # too far apart for contacts
+
     def test_a_part_inside_the_other_is_told(self):
         (self.folder / "cube.obj").write_text(box_obj(4))
         cube = ("--a", "cube.obj", "--b", PARTS / "socket.obj")

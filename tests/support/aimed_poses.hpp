@@ -28,7 +28,7 @@ namespace aussois {
 /// dilations.
 struct CoverageAudit {
   long poses = 0;            // judged; bases that touch have no contacts
-  long missed = 0;           // inner vertices of chains that were not aimed at, for want of poses
+  long missed = 0;           // that were due, for want of poses
   long holes = 0;            // no contact as near as the bases, or no contact at all
   long early = 0;            // a contact nearer than the bases
   double worst = 0;          // difference over the tolerances of both shapes [-]
@@ -40,7 +40,11 @@ struct Aim {
   Vec3 x = Vec3::Zero();        // frame of the shape [m]
   Vec3 u = Vec3::UnitZ();       // unit, away from the shape, on the border of the normal cone
   Vec3 beside = Vec3::UnitX();  // unit, across u
+  double off = 0;               // how far beside, of the size of the shape [-]
 };
+
+/// How far beside a border, of the size of the shape.
+inline constexpr double kBeside[] = {0, 1e-12, 1e-10, 1e-8, 1e-6};
 
 class AimedPoses {
  public:
@@ -66,15 +70,32 @@ class AimedPoses {
         }
   }
   bool empty() const { return borders_.empty(); }
-  long inner_vertices() const { return long(inner_.size()); }  // of chains
+  /// Every vertex inside a chain and every border of a region, at each of kBeside.
+  long due_count() const { return long(std::size(kBeside) * (inner_.size() + borders_.size())); }
 
-  /// The `i`-th: every second goes to the next inner vertex of a chain until all have had one; half of the
-  /// others go there too, on the scale of what its neighbours are off.
-  Aim aim(long i, Random& random) const {
+  /// The `i`-th of those that are due.
+  Aim due(long i, Random& random) const {
+    const std::size_t at = std::size_t(i) / std::size(kBeside);
+    const auto [e, s] =
+        at < inner_.size() ? inner_[at] : std::pair(borders_[at - inner_.size()], random.uniform());
+    Aim aim = over(e, s, random);
+    aim.off = kBeside[std::size_t(i) % std::size(kBeside)];
+    return aim;
+  }
+
+  /// Any: at one half of them a vertex inside a chain is near, if there is one.
+  Aim any(Random& random) const {
     const std::vector<int>& edges = bent_.empty() || random.index(2) ? borders_ : bent_;
-    int e = edges[std::size_t(random.index(int(edges.size())))];
-    double s = random.index(3) ? double(random.index(2)) : random.uniform();
-    if (i % 2 == 0 && i / 2 < inner_vertices()) std::tie(e, s) = inner_[std::size_t(i / 2)];
+    const int e = edges[std::size_t(random.index(int(edges.size())))];
+    Aim aim = over(e, random.index(3) ? double(random.index(2)) : random.uniform(), random);
+    aim.off =
+        random.index(2) ? kBeside[random.index(int(std::size(kBeside)))] : random.log_uniform(1e-11, 1e-6);
+    return aim;
+  }
+
+ private:
+  // A place on an edge, from its first end (0) to the other (1).
+  Aim over(int e, double s, Random& random) const {
     const auto& ends = k_.edges[std::size_t(e)];
     const Vec3 &p = k_.vertices[std::size_t(ends[0])], &q = k_.vertices[std::size_t(ends[1])];
     const Vec3 along = (q - p).normalized();
@@ -96,7 +117,6 @@ class AimedPoses {
     return aim;
   }
 
- private:
   std::size_t region(int t) const { return std::size_t(s_.triangle_region[std::size_t(t)]); }
   const LmdShape& s_;
   const SimplicialComplex& k_;
@@ -168,21 +188,37 @@ inline void judge_coverage(const PosedShape& a, const PosedShape& b, const char*
   audit.worst = std::max(audit.worst, std::abs(off) / tolerance);
 }
 
-/// `poses` poses of the probes aimed at the borders of `shape`, from the seed.
+/// So many poses are enough for all that are due.
+inline long poses_of_all_due(const LmdShape& shape) {
+  return AimedPoses(shape).due_count() / 3 * 4 + 4;
+}
+
+/// 0 ... n - 1 in an order of chance.
+inline std::vector<long> shuffled(long n, Random& random) {
+  std::vector<long> out;
+  for (long i = 0; i < n; ++i) {
+    out.push_back(i);
+    std::swap(out.back(), out[std::size_t(random.index(int(i) + 1))]);
+  }
+  return out;
+}
+
+/// `poses` poses of the probes aimed at the borders of `shape`, from the seed: three of four go where one is
+/// due, until none is.
 inline CoverageAudit audit_coverage(const LmdShape& shape, long poses, std::uint64_t seed) {
-  constexpr double kBeside[] = {0, 1e-12, 1e-10, 1e-8, 1e-6};
   CoverageAudit audit;
   const AimedPoses aimed(shape);
   if (aimed.empty()) return audit;
-  audit.missed = std::max(0L, aimed.inner_vertices() - (poses + 1) / 2);
   Random random(seed);
+  std::vector<long> due = shuffled(aimed.due_count(), random);
   const double size = 2 * shape.bounding_radius;
   const std::vector<Probe> probes = make_probes(std::max(0.02 * size, 10 * shape.radius), shape.radius);
   for (long i = 0; i < poses; ++i) {
     const std::size_t which = std::size_t(random.index(int(probes.size())));
-    const Aim aim = aimed.aim(i, random);
-    const double beside =
-        random.index(2) ? size * kBeside[random.index(5)] : size * random.log_uniform(1e-11, 1e-6);
+    const bool any = i % 4 == 3 || due.empty();
+    const Aim aim = any ? aimed.any(random) : aimed.due(due.back(), random);
+    if (!any) due.pop_back();
+    const double beside = size * aim.off;
     const double away = shape.radius * random.log_uniform(0.1, 20);
     Mat3 axes;
     const double turn = random.index(3) ? random.uniform(0, 2 * kPi) : 0;
@@ -198,6 +234,7 @@ inline CoverageAudit audit_coverage(const LmdShape& shape, long poses, std::uint
                                          "face",  "border of a face", "corner of a face"};
     judge_coverage({&probes[which].shape, {R, p}, 0}, {&shape, {}, 1}, kNames[which], audit);
   }
+  audit.missed = std::ssize(due);
   return audit;
 }
 

@@ -28,6 +28,7 @@ struct ContinuityAudit {
   long uncovered = 0;                   // poses where (LMD-14) does not hold
   double nearest = kInf, farthest = 0;  // base distances of the poses [m]
   double handover_gap = 0;              // jump of the gap [m]
+  double handover_share = 0;            // the same over the bound after (KIN-12) [-]
   double handover_turn = 0;             // of the normal [-]
   double handover_rate = 0;             // of gap_rate [m/s]
   double track = 0;  // | mean rate over a step - mean of gap_rate xi at its ends | of contacts that stay,
@@ -320,6 +321,8 @@ class ContinuityAuditor {
   Why handed_over(const Event& event, const ContactPoint& heir, ContinuityAudit& audit) const {
     const ContactPoint& c = event.contact;
     audit.handover_gap = std::max(audit.handover_gap, std::abs(heir.gap - c.gap));
+    audit.handover_share = std::max(
+        audit.handover_share, std::abs(heir.gap - c.gap) / (1.5 * std::max(off_[0], off_[1]) + 20 * tau_));
     audit.handover_turn = std::max(audit.handover_turn, (heir.normal - c.normal).norm());
     audit.handover_rate =
         std::max(audit.handover_rate, std::abs(rate(heir, event.gone) - rate(c, event.there)));

@@ -174,7 +174,7 @@ TEST(CubeToss, FitOnOneHalfMeetsItsBoundsOnTheOddHalfOnly) {
   const auto judged = [](const std::vector<Toss>& seen, const std::vector<Toss>& unseen) {
     TossWorld w = world();
     w.board = board_of(seen);
-    w.mu = 0.3, w.restitution = 0.3;
+    w.mu = 0.3, w.restitution = 0.3;  // as --fit
     const TossFit found = fit(seen, w, 2, [](const TossFit&) { return true; });
     EXPECT_NEAR(found.mu, 0.18, 0.01);
     w.mu = found.mu, w.restitution = found.restitution;
