@@ -27,6 +27,8 @@ constexpr Named<Reducer> kNames[] = {{Reducer::none, "none"},
                                      {Reducer::load_carrier, "load_carrier"},
                                      {Reducer::selector, "selector"}};
 
+constexpr double kSameGap = 1e-12;  // fraction of the extent by which rounding tells gaps apart
+
 void check(const ReductionInput& input) {
   const std::vector<ContactPoint>& points = input.contacts.points;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -129,6 +131,27 @@ bool stays(const PlanarPatch& patch, const std::vector<int>& old, const std::vec
   return was * (1 + o.hysteresis) >= now && was >= std::min(promised, now);
 }
 
+// At one place lie contacts of other normals, each of which holds the others up: the deepest stands for all
+// (RED-16), of as deep ones what was kept in the last step.
+std::vector<int> deepest_there(const ReductionInput& input, std::span<const int> members,
+                               const PlanarPatch& patch, std::vector<int> chosen, const ReductionOptions& o) {
+  const bool remembers = o.hysteresis > 0 && !input.kept_before.empty();
+  const auto contact = [&](int k) { return std::size_t(members[std::size_t(k)]); };
+  const double near = o.tie * patch.extent, same = kSameGap * patch.extent;
+  for (int& k : chosen) {
+    const Vec2 place = patch.x[std::size_t(k)];
+    for (int i = 0; i < int(members.size()); ++i) {
+      if (i == k || (patch.x[std::size_t(i)] - place).norm() > near) continue;
+      const double deeper = input.contacts.points[contact(k)].gap - input.contacts.points[contact(i)].gap;
+      const bool kept = remembers && input.kept_before[contact(i)] && !input.kept_before[contact(k)];
+      if (deeper > same || (deeper >= -same && kept)) k = i;
+    }
+  }
+  std::sort(chosen.begin(), chosen.end());
+  chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
+  return chosen;
+}
+
 // What the reducer says of one cluster, or of its closed layer.
 std::vector<int> chosen_of(const ReductionInput& input, std::span<const int> members,
                            const ReductionOptions& options) {
@@ -137,9 +160,10 @@ std::vector<int> chosen_of(const ReductionInput& input, std::span<const int> mem
   const std::vector<int> fresh = fresh_choice(input, members, patch, options);
   if (options.hysteresis > 0 && most_corners(options) > 0 && !input.kept_before.empty()) {
     const std::vector<int> old = old_choice(input, members, patch, options);
-    if (stays(patch, old, fresh, options)) return at(members, old);
+    if (stays(patch, old, fresh, options))
+      return at(members, deepest_there(input, members, patch, old, options));
   }
-  return at(members, fresh);
+  return at(members, options.paper_exact ? fresh : deepest_there(input, members, patch, fresh, options));
 }
 
 // Of all members and of the closed layer (RED-4).

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fewer contacts that can still carry the same loads (RED-1) to (RED-4), and what the others take with them
 // (RED-7): contacts of one body pair are clustered, by normal unless asked otherwise, and of each cluster
-// some are kept, the deepest one always.
+// some are kept, the deepest one always, and of contacts at one place with other normals the deepest
+// (RED-16).
 #pragma once
 
 #include <string>
@@ -44,8 +45,9 @@ struct ReductionOptions {
                           // 0: whatever the reducer leaves
   double hysteresis = 0.02;  // where a reducer has a choice, it stays with the corners of the last step
                              // unless others are better by more than this fraction, in [0, 1); 0: no memory
-  double tie = 1e-3;  // extremes within this fraction of the cluster's extent are tied, in [0, 0.1]; larger
-                      // than the flatness of real meshes, or noise chooses the corners
+  double tie = 1e-3;  // extremes within this fraction of the cluster's extent are tied, and of contacts as
+                      // near to each other the deepest is kept, in [0, 0.1]; larger than the flatness of real
+                      // meshes, or noise chooses the corners
   bool paper_exact = false;  // extreme_points: as published, neither tie rule nor hysteresis
   HullMargin hull_margin{};
   int corners = 4;           // hull_area_loss, >= 3

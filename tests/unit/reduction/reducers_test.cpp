@@ -730,6 +730,41 @@ TEST(Hysteresis, GivesWayToWhatIsBetter) {
     EXPECT_GT(reduce(input, {.reducer = which}).loss.margin, 0.7) << to_string(which);
 }
 
+// Of a square: at each corner a contact of the face and, farther out, two of its edges with other normals,
+// open by `open`.
+ContactSet corners_of_three(double open) {
+  ContactSet set;
+  for (const Vec2& side : {Vec2(1, 1), Vec2(-1, 1), Vec2(-1, -1), Vec2(1, -1)}) {
+    add(set, {side.x(), side.y(), 0}, Vec3::UnitZ());
+    for (const Vec2& out : {Vec2(side.x(), 0), Vec2(0, side.y())})
+      add(set, {side.x() + 1e-5 * out.x(), side.y() + 1e-5 * out.y(), 0},
+          Vec3(0.01 * out.x(), 0.01 * out.y(), 1).normalized(), open);
+  }
+  return set;
+}
+
+TEST(OnePlace, IsHeldByItsDeepestContact) {
+  for (const Reducer which : {Reducer::extreme_points, Reducer::hull_exact, Reducer::hull_area_loss,
+                              Reducer::hull_margin, Reducer::direction_set}) {
+    EXPECT_EQ(reduce(corners_of_three(4e-8), {.reducer = which}).kept, (std::vector<int>{0, 3, 6, 9}))
+        << to_string(which);
+    const std::vector<int> outer = reduce(corners_of_three(-4e-8), {.reducer = which}).kept;
+    EXPECT_EQ(std::ranges::count_if(outer, [](int i) { return i % 3 == 0; }), 0) << to_string(which);
+  }
+}
+
+TEST(OnePlace, IsHeldOnByWhatWasKeptThereIfNothingIsDeeper) {
+  for (const double open : {0.0, 1e-15, 4e-8}) {
+    const ContactSet set = corners_of_three(open);
+    ReductionInput input{.contacts = set};
+    input.kept_before.assign(12, 0);
+    const std::vector<int> before{1, 5, 7, 11};
+    for (const int i : before) input.kept_before[std::size_t(i)] = 1;
+    EXPECT_EQ(std::ranges::includes(reduce(input).kept, before), open < 1e-9) << open;
+    EXPECT_FALSE(std::ranges::includes(reduce(input, {.hysteresis = 0}).kept, before)) << "no memory";
+  }
+}
+
 // Rim points resist drilling 1.5 times as much as even pressure does, centres of a clustering at 0.6 r 0.9
 // times.
 TEST(LossOfTorsion, IsThatOfTheArms) {
