@@ -27,27 +27,41 @@ constexpr double kPartOfSize = 1.0 / 16;
 // (LMD-10).
 std::vector<FoundMinimum> without_duplicates(const RelativePair& pair,
                                              const std::vector<FoundMinimum>& found) {
-  const auto rank = [&](int i) {
+  struct Place {
+    double x;
+    int i;
+  };
+  std::vector<Place> by_x;
+  std::vector<int> by_rank, at(found.size());  // `at`: where each is in by_x
+  by_x.reserve(found.size());
+  by_rank.reserve(found.size());
+  for (int i = 0; i < int(found.size()); ++i) {
+    by_x.push_back({found[std::size_t(i)].minimum.x_a.x(), i});
+    by_rank.push_back(i);
+  }
+  std::ranges::sort(by_x, {}, &Place::x);
+  for (int k = 0; k < int(by_x.size()); ++k) at[std::size_t(by_x[std::size_t(k)].i)] = k;
+  std::ranges::sort(by_rank, {}, [&](int i) {
     const FoundMinimum& f = found[std::size_t(i)];
     return std::tuple(-(f.a.dim + f.b.dim), f.a, f.b);
-  };
-  std::vector<std::pair<double, int>> by_x;
-  by_x.reserve(found.size());
-  for (const FoundMinimum& f : found) by_x.emplace_back(f.minimum.x_a.x(), int(by_x.size()));
-  std::ranges::sort(by_x);
+  });
   const double near = 10 * pair.criteria.tolerance;
-  std::vector<std::pair<int, int>> twice;  // the first of two at one place would stay
-  for (std::size_t i = 0; i < by_x.size(); ++i)
-    for (std::size_t j = i + 1; j < by_x.size() && by_x[j].first - by_x[i].first <= near; ++j) {
-      const int p = by_x[i].second, q = by_x[j].second;
-      const LocalMinimum &m = found[std::size_t(p)].minimum, &n = found[std::size_t(q)].minimum;
-      if ((m.x_a - n.x_a).norm() <= near && (m.x_b - n.x_b).norm() <= near)
-        twice.push_back(rank(p) < rank(q) ? std::pair(p, q) : std::pair(q, p));
-    }
-  std::ranges::sort(twice, {}, [&](const auto& two) { return rank(two.first); });
   std::vector<char> dropped(found.size(), 0);
-  for (const auto& [stays, goes] : twice)
-    if (!dropped[std::size_t(stays)]) dropped[std::size_t(goes)] = 1;
+  const auto drop_beside = [&](int i, int step) {  // those before are dropped, or not there
+    const LocalMinimum& m = found[std::size_t(i)].minimum;
+    for (int k = at[std::size_t(i)] + step; k >= 0 && k < int(by_x.size()); k += step) {
+      const Place& other = by_x[std::size_t(k)];
+      if (std::abs(other.x - m.x_a.x()) > near) return;
+      const LocalMinimum& n = found[std::size_t(other.i)].minimum;
+      if (!dropped[std::size_t(other.i)] && (m.x_a - n.x_a).norm() <= near && (m.x_b - n.x_b).norm() <= near)
+        dropped[std::size_t(other.i)] = 1;
+    }
+  };
+  for (const int i : by_rank) {
+    if (dropped[std::size_t(i)]) continue;
+    drop_beside(i, -1);
+    drop_beside(i, 1);
+  }
   std::vector<FoundMinimum> kept;
   kept.reserve(found.size());
   for (std::size_t i = 0; i < found.size(); ++i)
