@@ -31,36 +31,41 @@ std::vector<FoundMinimum> without_duplicates(const RelativePair& pair,
     double x;
     int i;
   };
-  std::vector<Place> by_x;
-  std::vector<int> by_rank, at(found.size());  // `at`: where each is in by_x
-  by_x.reserve(found.size());
-  by_rank.reserve(found.size());
-  for (int i = 0; i < int(found.size()); ++i) {
-    by_x.push_back({found[std::size_t(i)].minimum.x_a.x(), i});
-    by_rank.push_back(i);
+  std::vector<Place> along;
+  along.reserve(found.size());
+  const Vec3 skew(0.48, 0.6, 0.64);  // unit; along an axis many places of parts made by CAD are as far
+  for (const FoundMinimum& f : found) along.push_back({skew.dot(f.minimum.x_a), int(along.size())});
+  std::ranges::sort(along, {}, &Place::x);
+  const int count = int(found.size());
+  const double near = 10 * pair.criteria.tolerance;
+  const auto at_one_place = [&](int i, int j) {
+    const LocalMinimum &m = found[std::size_t(i)].minimum, &n = found[std::size_t(j)].minimum;
+    return (m.x_a - n.x_a).norm() <= near && (m.x_b - n.x_b).norm() <= near;
+  };
+  std::vector<char> company(found.size(), 0), dropped(found.size(), 0);
+  std::vector<int> shared;  // in `along`, of those that are not alone at theirs
+  for (int k = 0; k < count; ++k) {
+    const auto [x, i] = along[std::size_t(k)];
+    for (int l = k + 1; l < count && along[std::size_t(l)].x - x <= near; ++l) {
+      const int j = along[std::size_t(l)].i;
+      if (!(company[std::size_t(i)] && company[std::size_t(j)]) && at_one_place(i, j))
+        company[std::size_t(i)] = company[std::size_t(j)] = 1;
+    }
+    if (company[std::size_t(i)]) shared.push_back(k);
   }
-  std::ranges::sort(by_x, {}, &Place::x);
-  for (int k = 0; k < int(by_x.size()); ++k) at[std::size_t(by_x[std::size_t(k)].i)] = k;
-  std::ranges::sort(by_rank, {}, [&](int i) {
-    const FoundMinimum& f = found[std::size_t(i)];
+  std::ranges::sort(shared, {}, [&](int k) {
+    const FoundMinimum& f = found[std::size_t(along[std::size_t(k)].i)];
     return std::tuple(-(f.a.dim + f.b.dim), f.a, f.b);
   });
-  const double near = 10 * pair.criteria.tolerance;
-  std::vector<char> dropped(found.size(), 0);
-  const auto drop_beside = [&](int i, int step) {  // those before are dropped, or not there
-    const LocalMinimum& m = found[std::size_t(i)].minimum;
-    for (int k = at[std::size_t(i)] + step; k >= 0 && k < int(by_x.size()); k += step) {
-      const Place& other = by_x[std::size_t(k)];
-      if (std::abs(other.x - m.x_a.x()) > near) return;
-      const LocalMinimum& n = found[std::size_t(other.i)].minimum;
-      if (!dropped[std::size_t(other.i)] && (m.x_a - n.x_a).norm() <= near && (m.x_b - n.x_b).norm() <= near)
-        dropped[std::size_t(other.i)] = 1;
-    }
-  };
-  for (const int i : by_rank) {
+  for (const int k : shared) {  // what would stay instead of it, and stays itself, has dropped it already
+    const auto [x, i] = along[std::size_t(k)];
     if (dropped[std::size_t(i)]) continue;
-    drop_beside(i, -1);
-    drop_beside(i, 1);
+    for (const int step : {-1, 1})
+      for (int l = k + step; l >= 0 && l < count && std::abs(along[std::size_t(l)].x - x) <= near;
+           l += step) {
+        const int j = along[std::size_t(l)].i;
+        if (company[std::size_t(j)] && !dropped[std::size_t(j)]) dropped[std::size_t(j)] = at_one_place(i, j);
+      }
   }
   std::vector<FoundMinimum> kept;
   kept.reserve(found.size());
