@@ -6,8 +6,13 @@
 
 #include <Eigen/Geometry>
 
+#include "geometry/min_norm_point.hpp"
+
 namespace aussois {
 namespace {
+
+// Chains that bend by no more go through a vertex that has no cone of its own (normal_cone.cpp) [rad].
+constexpr double kStraight = 2 * kHullContainsOrigin;
 
 // Angle margin of u in the cone enlarged by alpha; negative: outside.
 double margin(const ConeView& cone, const Vec3& u, double alpha, double sin_alpha) {
@@ -93,11 +98,24 @@ std::optional<LocalMinimum> edge_against_edge(const Leaf& a, const Leaf& b, cons
     return std::nullopt;  // parallel: the ends of the overlap are V-E pairs of the same distance
   // Along the edges by their cross products: off by rounding / sin psi. Dot products lose 1 / sin^2 psi.
   const Vec3 w = p - b.x[0];
-  const double s = b.direction.cross(w).dot(across) / sin2, r = e.cross(w).dot(across) / sin2;
-  if (s < -c.tolerance || s > a.extent + c.tolerance || r < -c.tolerance || r > b.extent + c.tolerance)
-    return std::nullopt;
+  double s = b.direction.cross(w).dot(across) / sin2, r = e.cross(w).dot(across) / sin2;
+  const double beyond = std::max({-s, s - a.extent, -r, r - b.extent});
+  double most = kInf;
+  if (beyond > c.tolerance) {  // (LMD-16)
+    const double apart = std::abs(w.dot(across)) / std::sqrt(sin2);
+    if (beyond > c.tolerance + kStraight * apart / sin2) return std::nullopt;
+    most = apart + c.tolerance;
+    if (r < 0 || r > b.extent) {  // one foot for all chains that end there
+      r = r < 0 ? 0 : b.extent;
+      s = std::clamp(e.dot(r * b.direction - w), 0.0, a.extent);
+    } else {
+      s = s < 0 ? 0 : a.extent;
+      r = std::clamp(b.direction.dot(w + s * e), 0.0, b.extent);
+    }
+  }
   const Vec3 x_a = p + s * e, x_b = b.x[0] + r * b.direction;
   const double distance = (x_b - x_a).norm();
+  if (distance > most) return std::nullopt;
   if (distance > c.max_distance || distance <= 0) return std::nullopt;
   Vec3 u = across.normalized();  // the common perpendicular, better conditioned than x_b - x_a
   if (u.dot(x_b - x_a) < 0) u = -u;

@@ -29,6 +29,31 @@ TEST(Coverage, ThereIsNoSlitBesideAVertexInsideAChain) {
   expect_covered(audit_coverage(shape, 20000, 1), 20000);
 }
 
+// Two ridges of other flanks meet in line, to less than what makes a corner. A wire crosses them where they
+// meet: its line passes those of both beyond their ends, by the bend over the square of the angle.
+TEST(Coverage, ThereIsNoSlitWhereChainsGoOnAlmostStraight) {
+  int beyond = 0;
+  for (const double bend : {-1.9e-8, -4e-9, 4e-9, 1e-8, 1.9e-8, 3e-8}) {
+    const std::vector<Vec3> v{{-1, 0, 0},      {0, 0, bend / 2}, {1, 0, 0},     {-0.5, -1, -0.8},
+                              {0.5, -1, -0.5}, {-0.5, 1, -0.6},  {0.5, 1, -0.9}};
+    const LmdShape roof = prepare(
+        dilate(make_complex(v, {{0, 3, 1}, {1, 4, 2}, {1, 3, 4}, {0, 1, 5}, {1, 2, 6}, {1, 6, 5}}), 1e-6));
+    const LmdShape wire = prepare(dilate(make_complex({{-0.3, 0, 0}, {0.4, 0, 0}}, {}, {{0, 1}}), 1e-6));
+    for (const double angle : {0.005, 0.02, 0.05, 0.1, 0.3, 1.0})
+      for (const double aside : {0.0, 1e-12, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6})
+        for (const double sign : {-1.0, 1.0})
+          for (const double height : {1e-5, 1e-3}) {
+            SCOPED_TRACE(testing::Message() << bend << " " << angle << " " << sign * aside << " " << height);
+            const SE3 g{exp_so3(angle * Vec3::UnitZ()), Vec3(sign * aside, 0, height)};
+            const PosedShape a{&wire, g, 0}, b{&roof, {}, 1};
+            const double d = base_distance({&wire, {}, {.g = g}}, {&roof, {}, {}}, 1);
+            EXPECT_TRUE(is_covered(a, b, d));
+            beyond += bend > 0 && bend / 2 * height / (angle * angle) > 1e-9 * 2 * roof.bounding_radius;
+          }
+  }
+  EXPECT_GT(beyond, 50) << "the slit is nowhere wider than what feet forgive";
+}
+
 // A face that a CAD program cut into triangles and wrote with rounded coordinates: creases of 1e-6, some of
 // them concave, run out of its corner.
 TEST(Coverage, ACornerOfAFaceThatIsNearlyFlatIsNoPit) {
