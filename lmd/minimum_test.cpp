@@ -101,7 +101,8 @@ std::optional<LocalMinimum> edge_against_edge(const Leaf& a, const Leaf& b, cons
   double s = b.direction.cross(w).dot(across) / sin2, r = e.cross(w).dot(across) / sin2;
   const double beyond = std::max({-s, s - a.extent, -r, r - b.extent});
   double most = kInf;
-  if (beyond > c.tolerance) {  // (LMD-16)
+  if (beyond > c.tolerance) {  // (LMD-16); most end at the first line
+    if ((beyond - c.tolerance) * sin2 > kStraight * c.max_distance) return std::nullopt;
     const double apart = std::abs(w.dot(across)) / std::sqrt(sin2);
     if (beyond > c.tolerance + kStraight * apart / sin2) return std::nullopt;
     most = apart + c.tolerance;
