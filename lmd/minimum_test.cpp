@@ -100,12 +100,12 @@ std::optional<LocalMinimum> edge_against_edge(const Leaf& a, const Leaf& b, cons
   const Vec3 w = p - b.x[0];
   double s = b.direction.cross(w).dot(across) / sin2, r = e.cross(w).dot(across) / sin2;
   const double beyond = std::max({-s, s - a.extent, -r, r - b.extent});
-  double most = kInf;
+  double most = c.max_distance;
   if (beyond > c.tolerance) {  // (LMD-16); most end at the first line
     if ((beyond - c.tolerance) * sin2 > kStraight * c.max_distance) return std::nullopt;
     const double apart = std::abs(w.dot(across)) / std::sqrt(sin2);
     if (beyond > c.tolerance + kStraight * apart / sin2) return std::nullopt;
-    most = apart + c.tolerance;
+    most = std::min(most, apart + c.tolerance);
     if (r < 0 || r > b.extent) {  // one foot for all chains that end there
       r = r < 0 ? 0 : b.extent;
       s = std::clamp(e.dot(r * b.direction - w), 0.0, a.extent);
@@ -116,8 +116,7 @@ std::optional<LocalMinimum> edge_against_edge(const Leaf& a, const Leaf& b, cons
   }
   const Vec3 x_a = p + s * e, x_b = b.x[0] + r * b.direction;
   const double distance = (x_b - x_a).norm();
-  if (distance > most) return std::nullopt;
-  if (distance > c.max_distance || distance <= 0) return std::nullopt;
+  if (distance > most || distance <= 0) return std::nullopt;
   Vec3 u = across.normalized();  // the common perpendicular, better conditioned than x_b - x_a
   if (u.dot(x_b - x_a) < 0) u = -u;
   const double slack_a = margin(cone_of(a), R.transpose() * u, c.alpha_ee, c.sin_alpha_ee);
