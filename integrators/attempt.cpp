@@ -271,7 +271,9 @@ StepReport told(const StepSetting& setting, const Found& found, const ImpulseSte
 
 ContactBlocks contact_blocks(const StepSetting& setting, const State& state, const ContactSet& contacts,
                              double h, const NormalLawOptions& normal, const Reached& reached) {
-  const VecX v_prescribed = prescribed_velocity(setting.model, state, h);
+  const VecX v_prescribed =  // of the step, wherever on it contacts are looked at
+      reached.time > 0 ? all_velocities(setting.dofs, VecX::Zero(setting.dofs.rows), reached.v)
+                       : prescribed_velocity(setting.model, state, h);
   const ReductionOptions& o = setting.options.reduction;
   std::vector<FrictionPatch> patches;
   if (o.friction == FrictionAt::patches) patches = friction_patches(contacts, o.clustering.angle, o.layer);

@@ -102,11 +102,12 @@ std::vector<double> normal_impulses(const Found& found) {
 
 // How fast a closed contact may close again by the turning of its bodies alone: its arms and its normal are
 // others after a step (MJ-17) [m/s].
-double closing_by_turning(const StepSetting& setting, const State& start, const ContactRow& row, double slip,
-                          double h) {
+double closing_by_turning(const StepSetting& setting, const State& start, const VecX& v_prescribed,
+                          const ContactRow& row, double slip, double h) {
   double out = 0;
   for (const int body : {row.body_a, row.body_b}) {
-    const double spin = twist(start, body).tail<3>().norm();
+    const bool free = is_dynamic(setting.model.bodies[std::size_t(body)]);
+    const double spin = (free ? start.v : v_prescribed).segment<3>(6 * body + 3).norm();
     out += h * spin * (spin * setting.bounds[std::size_t(body)].radius + slip);
   }
   return out;
@@ -127,7 +128,8 @@ VecX land(const StepSetting& setting, const State& start, const Found& found, co
     bool landing = ahead < -kOverlapRounding;
     if (landing && row.slot < 0) {
       const RowVector before = slip_velocity(row, setting.dofs, step.free->v);
-      landing = -before.x() > closing_by_turning(setting, start, row, before.head<3>().norm(), found.h);
+      landing = -before.x() >
+                closing_by_turning(setting, start, step.v_prescribed, row, before.head<3>().norm(), found.h);
     } else if (landing) {  // of gap functions and stops: none that bore a load
       landing = start.r.size() == 0 || !(start.r[row.slot] > 0);
     }

@@ -33,6 +33,28 @@ TEST(Scheme, IsTheClassItNames) {
   }
 }
 
+// A belt that moves on and turns: what rests on it goes with it, wherever on the step a scheme looks at
+// contacts.
+TEST(Scheme, LeavesABlockAtRestOnABeltThatMoves) {
+  std::vector<SchemeVariant> variants = scheme_variants();
+  variants.push_back({"moreau_jean", rolling_options({})});
+  variants.push_back({"event_driven", {}});
+  for (const SchemeVariant& variant : variants) {
+    Scene s = block_on_plate(0.5, 0, 0);
+    const double speed = 0.3;
+    s.model.bodies[std::size_t(s.ground)].motion =
+        Prescribed{{.t = {0, 1}, .pose = {SE3{}, {Quat::Identity(), Vec3(speed, 0, 0)}}}};
+    twist(s.state, s.ground)[0] = twist(s.state, s.block)[0] = speed;
+    SchemeOptions options = variant.options;
+    options.h = 2e-3;
+    const Scheme scheme = make_scheme(variant.name, s.model, options);
+    for (int k = 0; k < 25; ++k) ASSERT_TRUE(scheme.step(s.state, kInf).ok());
+    const std::string name = label(variant.name, options);
+    EXPECT_NEAR(twist(s.state, s.block)[0], speed, 1e-8) << name;  // the solver's tolerance
+    EXPECT_NEAR(pose(s.state, s.block).p.x(), speed * s.state.t, 1e-9) << name;
+  }
+}
+
 // A ball on a spring falls on a plate: settings that no comparison goes through arrive, and say something.
 TEST(Scheme, HandsOnTheSettingsOfEachClass) {
   Scene s = block_on_plate(0.3, 1, 0, 0.01);
