@@ -153,8 +153,8 @@ Row measure(const Scene& scene, int n, const Arguments& a) {
     row.triangles += double(scene.model.shapes[std::size_t(body.shape)]->complex.triangles.size());
   const std::vector<BodyBounds> bounds = body_bounds(scene.model);
   VecX v = VecX::Zero(scene.state.v.size());
-  for (Eigen::Index b = 0; b < Eigen::Index(scene.model.bodies.size()); ++b)
-    if (is_dynamic(scene.model.bodies[std::size_t(b)])) v[6 * b + 2] = -kSpeed - 9.81 * kStep;
+  for (int b = 0; b < int(scene.model.bodies.size()); ++b)
+    if (is_dynamic(scene.model.bodies[std::size_t(b)])) linear_part(v, b).z() = -kSpeed - 9.81 * kStep;
   const StepMotion estimate{scene.model, scene.state, v, kStep};
   std::vector<StepPair> pairs;
   ContactSet found;

@@ -189,13 +189,13 @@ ExitCode bench(const Arguments& a) {
   scaling.close();
   summary.set("contacts", counts);
   summary.set("ns_hull_margin", costs);
-  std::vector<Verdict> verdicts = {
+  std::vector<Bar> verdicts = {
       {"margin", "margin of the four points beyond that of hull_margin", "", worst_difference, 0}};
   if (a.largest >= 10000)
     verdicts.push_back({"growth", "cost per contact of the most contacts over that of ten thousand", "",
                         costs.back() / at_ten_thousand, 3});
   const bool pass = print_verdicts(verdicts);
-  for (const Verdict& v : verdicts) summary.set(v.key, v.value);
+  for (const Bar& v : verdicts) summary.set(v.key, v.value);
   summary.set("pass", pass);
   if (!a.json.empty()) write_summary(a.json, summary);
   if (!a.common.summary.empty()) write_summary(a.common.summary, summary);

@@ -25,8 +25,7 @@ const PairCost* named(const std::vector<PairCost>& pairs, const std::string& nam
 
 // The largest of what `value` gives for the pairs; those it gives nan for do not count.
 template <class Value>
-void add_worst(std::vector<Verdict>& out, const std::vector<PairCost>& pairs, Verdict verdict,
-               const Value& value) {
+void add_worst(std::vector<Bar>& out, const std::vector<PairCost>& pairs, Bar verdict, const Value& value) {
   verdict.value = -kInf;
   for (const PairCost& p : pairs)
     if (const double v = value(p); v > verdict.value) verdict.value = v, verdict.where = p.name;
@@ -34,7 +33,7 @@ void add_worst(std::vector<Verdict>& out, const std::vector<PairCost>& pairs, Ve
 }
 
 // The same surface with more triangles: more contacts may take longer, each of them may not.
-void add_growth(std::vector<Verdict>& out, const PairCost& coarse, const PairCost& fine) {
+void add_growth(std::vector<Bar>& out, const PairCost& coarse, const PairCost& fine) {
   const QueryCost *c = query_at(coarse, kVerdictThreshold), *f = query_at(fine, kVerdictThreshold);
   if (c && f && c->contacts > 0 && f->contacts > 0)
     out.push_back({"growth_per_contact", "time per contact, finer mesh to coarser", fine.name,
@@ -80,8 +79,8 @@ double ratio_to_fcl(const PairCost& pair) {
   return q ? q->ms / pair.ms_fcl : kNotMeasured;
 }
 
-std::vector<Verdict> verdicts(const std::vector<PairCost>& pairs) {
-  std::vector<Verdict> out;
+std::vector<Bar> verdicts(const std::vector<PairCost>& pairs) {
+  std::vector<Bar> out;
   add_worst(out, pairs, {"worst_bytes_per_triangle", "most bytes per triangle", "", 0, 200},
             [](const PairCost& p) { return p.bytes_per_triangle; });
   add_worst(out, pairs, {"worst_build_ratio", "longest build to FCL's", "", 0, 3},
@@ -132,7 +131,7 @@ void write_cost_json(const std::filesystem::path& path, const std::vector<PairCo
                              {"summary", nlohmann::ordered_json::object()}};
   for (const PairCost& p : pairs) out["pairs"].push_back(json_of(p));
   bool pass = true;
-  for (const Verdict& v : verdicts(pairs)) {
+  for (const Bar& v : verdicts(pairs)) {
     out["summary"][v.key] = {{"value", v.value}, {"wanted", v.wanted}, {"pass", v.pass()}, {"pair", v.where}};
     pass = pass && v.pass();
   }

@@ -16,7 +16,7 @@ inline constexpr double kVerdictThreshold = 0.01;
 
 /// Those that could be measured: memory, build, growth, the worst ratio, last the geometric mean of the
 /// ratios.
-std::vector<Verdict> verdicts(const std::vector<PairCost>& pairs);
+std::vector<Bar> verdicts(const std::vector<PairCost>& pairs);
 
 double ratio_to_fcl(const PairCost& pair);  // at kVerdictThreshold; nan without FCL
 

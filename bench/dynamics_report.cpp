@@ -43,8 +43,8 @@ const char* what_of(const DynamicsCase& of) {
 
 }  // namespace
 
-std::vector<Verdict> dynamics_verdicts(const std::vector<SceneCost>& scenes) {
-  std::vector<Verdict> out;
+std::vector<Bar> dynamics_verdicts(const std::vector<SceneCost>& scenes) {
+  std::vector<Bar> out;
   for (const SceneCost& scene : scenes) {
     if (scene.engines.empty()) continue;
     const EngineCost& ours = scene.engines.front();
@@ -92,7 +92,7 @@ void write_dynamics_json(const std::filesystem::path& path, const std::vector<Sc
     out["scenes"].push_back(of);
   }
   bool pass = true;
-  for (const Verdict& v : dynamics_verdicts(scenes)) {
+  for (const Bar& v : dynamics_verdicts(scenes)) {
     out["summary"][v.key] = {{"value", v.value}, {"wanted", v.wanted}, {"pass", v.pass()}};
     pass = pass && v.pass();
   }

@@ -11,7 +11,7 @@ namespace aussois {
 
 /// Error and cost of our kernel on every scene that has bars. An error is held to its bar only over the whole
 /// length of its scene, or shorter: errors grow.
-std::vector<Verdict> dynamics_verdicts(const std::vector<SceneCost>& scenes);
+std::vector<Bar> dynamics_verdicts(const std::vector<SceneCost>& scenes);
 
 std::string dynamics_table_head();
 std::string lines_of(const SceneCost& scene);  // a line per engine

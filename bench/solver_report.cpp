@@ -26,8 +26,8 @@ bool counts(const ProblemCost& cost) {
   return cost.contacts > kFewContacts;
 }
 
-void add_ratios(std::vector<Verdict>& out, const std::vector<ProblemCost>& costs, Ratio ratio, Verdict worst,
-                Verdict mean) {
+void add_ratios(std::vector<Bar>& out, const std::vector<ProblemCost>& costs, Ratio ratio, Bar worst,
+                Bar mean) {
   worst.value = -kInf;
   double sum = 0, count = 0;
   for (const ProblemCost& cost : costs) {
@@ -103,9 +103,9 @@ Json json_of(const ProblemCost& cost) {
 
 }  // namespace
 
-std::vector<Verdict> solver_verdicts(const std::vector<ProblemCost>& costs) {
-  std::vector<Verdict> out;
-  Verdict unsolved{"unsolved", "problems that we do not solve", "", 0, 0};
+std::vector<Bar> solver_verdicts(const std::vector<ProblemCost>& costs) {
+  std::vector<Bar> out;
+  Bar unsolved{"unsolved", "problems that we do not solve", "", 0, 0};
   for (const ProblemCost& cost : costs)
     if (!cost.ours.solved || !cost.ours_coarse.solved) ++unsolved.value, unsolved.where = cost.name;
   out.push_back(unsolved);
@@ -156,7 +156,7 @@ void write_solver_json(const std::filesystem::path& path, const std::vector<Prob
            {"summary", Json::object()}};
   for (const ProblemCost& cost : costs) out["problems"].push_back(json_of(cost));
   bool pass = true;
-  for (const Verdict& v : solver_verdicts(costs)) {
+  for (const Bar& v : solver_verdicts(costs)) {
     out["summary"][v.key] = {
         {"value", v.value}, {"wanted", v.wanted}, {"pass", v.pass()}, {"problem", v.where}};
     pass = pass && v.pass();

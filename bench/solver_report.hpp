@@ -18,7 +18,7 @@ inline constexpr int kFewContacts = 10;
 /// How many of all problems we do not solve; of those with more than kFewContacts, the worst and the
 /// geometric mean of the ratios, to Siconos' default at the coarse tolerance and last to its best: those that
 /// could be measured.
-std::vector<Verdict> solver_verdicts(const std::vector<ProblemCost>& costs);
+std::vector<Bar> solver_verdicts(const std::vector<ProblemCost>& costs);
 
 /// "Siconos solves 40 of 43 problems with its best solver, ...".
 std::string siconos_line(const std::vector<ProblemCost>& costs, const SolverCostOptions& options);

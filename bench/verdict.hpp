@@ -15,7 +15,7 @@ std::string formatted(const char* format, Values... values) {
   return line;
 }
 
-struct Verdict {
+struct Bar {
   std::string key{}, what{};  // for scripts, for people
   std::string where{};        // the case that gave it; empty: all of them
   double value = 0, wanted = 0;
@@ -23,16 +23,16 @@ struct Verdict {
 };
 
 /// "... 0.12, wanted <= 0.2: PASS", or "short".
-inline std::string line_of(const Verdict& v) {
+inline std::string line_of(const Bar& v) {
   const std::string where = v.where.empty() ? "" : " (" + v.where + ")";
   return v.what + where +
          formatted(": %.3g, wanted <= %.3g: %s\n", v.value, v.wanted, v.pass() ? "PASS" : "short");
 }
 
 /// One line each; true if all pass.
-inline bool print_verdicts(const std::vector<Verdict>& verdicts) {
+inline bool print_verdicts(const std::vector<Bar>& verdicts) {
   bool pass = true;
-  for (const Verdict& v : verdicts) {
+  for (const Bar& v : verdicts) {
     std::printf("%s", line_of(v).c_str());
     pass = pass && v.pass();
   }

@@ -130,13 +130,11 @@ std::vector<StepPair> pairs_within(const Model& model, const State& state,
 StepPath step_path(const StepMotion& step, const std::vector<BodyBounds>& bounds, double enlargement) {
   StepPath path{.model = step.model, .h = step.h};
   path.bodies.reserve(bounds.size());
-  for (std::size_t b = 0; b < bounds.size(); ++b) {
-    const auto at = 6 * Eigen::Index(b);
-    path.bodies.push_back(moving_body({.g = step.state.g[b],
-                                       .v = enlargement * step.v.segment<3>(at),
-                                       .omega = enlargement * step.v.segment<3>(at + 3)},
-                                      bounds[b].radius, step.h));
-  }
+  for (int b = 0; b < int(bounds.size()); ++b)
+    path.bodies.push_back(moving_body({.g = pose(step.state, b),
+                                       .v = enlargement * linear_part(step.v, b),
+                                       .omega = enlargement * angular_part(step.v, b)},
+                                      bounds[std::size_t(b)].radius, step.h));
   return path;
 }
 

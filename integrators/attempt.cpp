@@ -128,23 +128,6 @@ std::string without_room(const StepSetting& setting, const Found& found, const I
   return "";
 }
 
-// The constant velocities, near `v`, that lead from the poses of `state` to those of `end`; `plain` are those
-// that `v` leads to. A body that turns by more than half a turn goes on doing so.
-VecX velocity_to(const State& state, const State& plain, const State& end, VecX v, double h) {
-  if (end.q != plain.q) v.tail(end.q.size()) = (end.q - state.q) / h;
-  for (std::size_t b = 0; b < state.g.size(); ++b) {
-    if (end.g[b].p == plain.g[b].p && end.g[b].R.coeffs() == plain.g[b].R.coeffs()) continue;
-    const auto at = 6 * Eigen::Index(b);
-    v.segment<3>(at) = (end.g[b].p - state.g[b].p) / h;
-    const Vec3 phi = log_so3((state.g[b].R.conjugate() * end.g[b].R).normalized());
-    const double angle = phi.norm();
-    if (angle == 0) continue;
-    const double turns = std::round((h * v.segment<3>(at + 3).dot(phi) / angle - angle) / (2 * kPi));
-    v.segment<3>(at + 3) = phi * ((1 + 2 * kPi * turns / angle) / h);
-  }
-  return v;
-}
-
 // Impulses that every row starts with: those of the last solve; before that, contacts from the memory, turned
 // to now, the others from State::r.
 std::vector<RowVector> starts(const ImpulseStep& step, const Found& found, const VecX& r) {
@@ -381,21 +364,6 @@ std::vector<RowVector> row_impulses(const ImpulseStep& step) {
   return out;
 }
 
-State moved(const Model& model, const State& state, const VecX& v_path, const VecX& v_end, double h) {
-  State next{.t = state.t + h,
-             .h = h,
-             .h_next = state.h_next,
-             .g = moved_poses(model, state, v_path, h),
-             .q = state.q + h * v_path.tail(state.q.size()),
-             .v = v_end,
-             .turns = state.turns,
-             .r = state.r,
-             .a = {},
-             .memory = {}};
-  if (!model.joints.empty()) next.turns = counted_turns(model, state, next.g);
-  return next;
-}
-
 Attempt go(const StepSetting& setting, const State& state, const Found& found, const ImpulseStep& step,
            const Move& move) {
   const Model& model = setting.model;
@@ -420,11 +388,11 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
   ProjectedState held;
   if (move.end ||
       (o.joints.project && !model.joints.empty())) {  // the path is the one to the projected poses
-    const State plain = moved(model, state, out.v_path, v_end, found.h);
+    const State plain = state_after(model, state, out.v_path, v_end, found.h);
     held.state = move.end ? *move.end : plain;
     held.state.v = v_end;
     if (o.joints.project) held = projected(model, held.state);  // (MJT-13)
-    out.v_path = velocity_to(state, plain, held.state, out.v_path, found.h);
+    out.v_path = velocity_between(state, plain, held.state, out.v_path, found.h);
     v_end = held.state.v;
   }
   const StepPath path = step_path({model, state, out.v_path, found.h}, setting.bounds);
@@ -449,7 +417,7 @@ Attempt go(const StepSetting& setting, const State& state, const Found& found, c
   }
 
   // The new state
-  out.next = moved(model, state, out.v_path, v_end, found.h);
+  out.next = state_after(model, state, out.v_path, v_end, found.h);
   if (!all_finite(out.next.g)) return failed(Outcome::not_finite, "a pose is not finite");
   report.contacts.reserve(impulses.contact.size());
   for (std::size_t k = 0; k < impulses.contact.size(); ++k)

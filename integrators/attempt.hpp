@@ -108,10 +108,6 @@ struct Move {
 Attempt go(const StepSetting& setting, const State& state, const Found& found, const ImpulseStep& impulses,
            const Move& move);
 
-/// The state at the end of a path of constant velocities, in the places of State::v (MJ-8); it remembers no
-/// contacts.
-State moved(const Model& model, const State& state, const VecX& v_path, const VecX& v_end, double h);
-
 /// All velocities that the bodies would end with, were there no contacts; the first estimate of a step.
 VecX estimate_without_contacts(const StepSetting& setting, const State& state, const FreeMotion& free,
                                double h, double theta);

@@ -67,7 +67,7 @@ struct BodyColumns {
   const RowJacobian* J = nullptr;
   int first = -1;
 };
-int first_of(const DofMap& dofs, int body) {
+int first_of(const Layout& dofs, int body) {
   return body < 0 ? -1 : dofs.first[std::size_t(body)];
 }
 
@@ -137,12 +137,12 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
       set_drilling_row(state, row.body_a, 1, c.normal, row.J_a);
       set_drilling_row(state, row.body_b, -1, c.normal, row.J_b);
     }
-    row.w = product(row.J_a, v_prescribed.segment<6>(6 * row.body_a), row.law) +
-            product(row.J_b, v_prescribed.segment<6>(6 * row.body_b), row.law);
+    row.w = product(row.J_a, of_body(v_prescribed, row.body_a), row.law) +
+            product(row.J_b, of_body(v_prescribed, row.body_b), row.law);
     row.moved = row.w;
     const auto twist_before = [&](int body) {  // of a moved body: that of its path on this step
       return is_dynamic(model.bodies[std::size_t(body)]) ? twist(state, body)
-                                                         : Vec6(v_prescribed.segment<6>(6 * body));
+                                                         : Vec6(of_body(v_prescribed, body));
     };
     row.gap = c.gap;
     if (reached.time > 0) row.gap -= reached.time * speed_along(row, reached.v);
@@ -154,7 +154,7 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
   return rows;
 }
 
-GapFunctionRows gap_rows(const Model& model, const State& state, const DofMap& dofs, const VecX& v_prescribed,
+GapFunctionRows gap_rows(const Model& model, const State& state, const Layout& dofs, const VecX& v_prescribed,
                          double h, const NormalLawOptions& options, const Reached& reached) {
   GapFunctionRows out;
   for (int i = 0; i < int(model.gaps.size()); ++i) {
@@ -189,7 +189,7 @@ GapFunctionRows gap_rows(const Model& model, const State& state, const DofMap& d
   return out;
 }
 
-FrictionProblem contact_problem(const FreeMotion& free, const DofMap& dofs,
+FrictionProblem contact_problem(const FreeMotion& free, const Layout& dofs,
                                 const std::vector<ContactRow>& rows, const std::vector<int>& kept) {
   FrictionProblem problem;
   problem.M = free.M;
@@ -244,11 +244,11 @@ FrictionProblem contact_problem(const FreeMotion& free, const DofMap& dofs,
 double speed_along(const ContactRow& row, const VecX& v) {
   double out = 0;
   for (const auto& [body, J] : {std::pair(row.body_a, &row.J_a), std::pair(row.body_b, &row.J_b)})
-    if (body >= 0) out += J->row(0).dot(v.segment<6>(6 * body));
+    if (body >= 0) out += J->row(0).dot(of_body(v, body));
   return out;
 }
 
-RowVector relative_velocity(const ContactRow& row, const DofMap& dofs, const VecX& v) {
+RowVector relative_velocity(const ContactRow& row, const Layout& dofs, const VecX& v) {
   RowVector u = row.w;
   const auto add = [&](int body, const RowJacobian& J) {
     const int first = body < 0 ? -1 : dofs.first[std::size_t(body)];
@@ -260,11 +260,11 @@ RowVector relative_velocity(const ContactRow& row, const DofMap& dofs, const Vec
   return u;
 }
 
-RowVector slip_velocity(const ContactRow& row, const DofMap& dofs, const VecX& v) {
+RowVector slip_velocity(const ContactRow& row, const Layout& dofs, const VecX& v) {
   return relative_velocity(row, dofs, v) - row.w + row.moved;
 }
 
-VecX momentum_of(const std::vector<ContactRow>& rows, const DofMap& dofs, const std::vector<RowVector>& r) {
+VecX momentum_of(const std::vector<ContactRow>& rows, const Layout& dofs, const std::vector<RowVector>& r) {
   VecX out = VecX::Zero(dofs.rows);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (r[i].isZero(0)) continue;

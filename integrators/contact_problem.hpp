@@ -88,21 +88,21 @@ struct GapFunctionRows {
   std::vector<ContactRow> rows{};
   std::vector<double> gap{};  // [m]
 };
-GapFunctionRows gap_rows(const Model& model, const State& state, const DofMap& dofs, const VecX& v_prescribed,
+GapFunctionRows gap_rows(const Model& model, const State& state, const Layout& dofs, const VecX& v_prescribed,
                          double h, const NormalLawOptions& options, const Reached& reached = {});
 
 /// The problem of the rows `kept`, in order; without joints.
-FrictionProblem contact_problem(const FreeMotion& free, const DofMap& dofs,
+FrictionProblem contact_problem(const FreeMotion& free, const Layout& dofs,
                                 const std::vector<ContactRow>& rows, const std::vector<int>& kept);
 
 /// J v of the first row of a block, with v in the places of State::v; without coordinates and bias.
 double speed_along(const ContactRow& row, const VecX& v);
 
 /// u of a row, bias included, for the velocities v of the dynamic rows [m/s, rad/s].
-RowVector relative_velocity(const ContactRow& row, const DofMap& dofs, const VecX& v);
+RowVector relative_velocity(const ContactRow& row, const Layout& dofs, const VecX& v);
 /// The same without the bias of the normal law: how fast the two sides really move apart.
-RowVector slip_velocity(const ContactRow& row, const DofMap& dofs, const VecX& v);
+RowVector slip_velocity(const ContactRow& row, const Layout& dofs, const VecX& v);
 /// The opposite: momentum that the impulses `r` of the rows give, rows of the problem [N s, N m s].
-VecX momentum_of(const std::vector<ContactRow>& rows, const DofMap& dofs, const std::vector<RowVector>& r);
+VecX momentum_of(const std::vector<ContactRow>& rows, const Layout& dofs, const std::vector<RowVector>& r);
 
 }  // namespace aussois

@@ -24,13 +24,13 @@ struct Start {
 
 Start start_of(const StepSetting& setting, const State& state, double h) {
   const Model& model = setting.model;
-  const DofMap& dofs = setting.dofs;
+  const Layout& dofs = setting.dofs;
   const StepOptions& o = setting.options;
   Start out{.v = free_velocities(dofs, state.v), .v_prescribed = prescribed_velocity(model, state, h)};
   out.forces = forces_at(model, state, dofs);
   out.mass = model.coordinates.empty()
                  ? out.forces.mass
-                 : forces_at(model, moved(model, state, state.v, state.v, h / 2), dofs).mass;
+                 : forces_at(model, state_after(model, state, state.v, state.v, h / 2), dofs).mass;
   out.joints = joint_system(model, state, dofs, out.v_prescribed, h, kTheta, o.normal, o.joints);
   const FrictionProblem problem{.M = out.mass,
                                 .H = SparseMatrix(dofs.rows, 0),
@@ -44,12 +44,12 @@ Start start_of(const StepSetting& setting, const State& state, double h) {
   return out;
 }
 
-double normal_velocity(const ContactRow& row, const DofMap& dofs, const VecX& v) {
+double normal_velocity(const ContactRow& row, const Layout& dofs, const VecX& v) {
   return relative_velocity(row, dofs, v)[0] - row.w[0] + row.moved[0];
 }
 
 // What velocities `dv` change in the normal velocity, by the row's bodies and coordinates each on its own.
-double normal_changes(const ContactRow& row, const DofMap& dofs, const VecX& dv) {
+double normal_changes(const ContactRow& row, const Layout& dofs, const VecX& dv) {
   double sum = 0;
   for (const auto& [body, J] : {std::pair(row.body_a, &row.J_a), std::pair(row.body_b, &row.J_b)})
     if (const int first = body < 0 ? -1 : dofs.first[std::size_t(body)]; first >= 0)
@@ -61,12 +61,12 @@ double normal_changes(const ContactRow& row, const DofMap& dofs, const VecX& dv)
 
 // Is the gap closed at the end of a step with the velocities v and v_end at its ends? `row`: biased by the
 // gap over the step; `touching`: of (MJ-6), as a velocity.
-bool closes(const ContactRow& row, const DofMap& dofs, const VecX& v, const VecX& v_end, double touching) {
+bool closes(const ContactRow& row, const Layout& dofs, const VecX& v, const VecX& v_end, double touching) {
   return row.w[0] - row.moved[0] + (normal_velocity(row, dofs, v) + normal_velocity(row, dofs, v_end)) / 2 <=
          touching;
 }
 
-std::vector<char> lasting_contacts(const std::vector<ContactRow>& rows, const DofMap& dofs,
+std::vector<char> lasting_contacts(const std::vector<ContactRow>& rows, const Layout& dofs,
                                    const Start& start, double touching) {
   std::vector<char> out;
   for (const ContactRow& row : rows)
@@ -105,7 +105,7 @@ D1MinusLinear::D1MinusLinear(const Model& model, const D1MinusLinearOptions& opt
 
 StepReport D1MinusLinear::step(State& state, double h_limit) const {
   const Model& model = setting_.model;
-  const DofMap& dofs = setting_.dofs;
+  const Layout& dofs = setting_.dofs;
   const auto estimate = [&](const State& from, double h) {
     const Start start = start_of(setting_, from, h);
     return all_velocities(dofs, start.v_free, start.v_prescribed);
@@ -140,10 +140,10 @@ StepReport D1MinusLinear::step(State& state, double h_limit) const {
     const std::vector<RowVector> r_1 = solve_stage();
     step.tolerance_part = 1;
     const VecX v_1 = step.solved.solution.v, v_path = (start.v + v_1) / 2;
-    const State end = moved(model, from,
-                            path_velocity(setting_.options.update, model, from,
-                                          all_velocities(dofs, v_path, start.v_prescribed), h),
-                            all_velocities(dofs, v_1, start.v_prescribed), h);
+    const State end = state_after(model, from,
+                                  path_velocity(setting_.options.update, model, from,
+                                                all_velocities(dofs, v_path, start.v_prescribed), h),
+                                  all_velocities(dofs, v_1, start.v_prescribed), h);
 
     // The mean of both ends: velocity before the impact (DML-4)
     const Forces forces = forces_at(model, end, dofs);

@@ -75,7 +75,7 @@ EventLayout layout_of(const StepSetting& setting, const std::vector<ClosedTouch>
     out.touch_work += c.touch.law.rows;
   }
   out.momentum = out.touch_work + int(closed.size());
-  out.joints = out.momentum + 6 * kMomenta;
+  out.joints = out.momentum + kMomentum * kMomenta;
   out.size = out.joints + kJointSums * int(setting.model.joints.size());
   return out;
 }
@@ -164,8 +164,8 @@ bool EventRun::rate(double t, const VecX& y, VecX& out) const {
   out[layout_.work + by_laws] = forces.laws.dot(v);
   const auto push = [&](EventMomentum part, const VecX& force) {  // (EVD-11)
     const Momentum rate = momentum_given(setting_, s, force);
-    out.segment<3>(layout_.momentum + 6 * part) += rate.linear;
-    out.segment<3>(layout_.momentum + 6 * part + 3) += rate.angular;
+    out.segment<3>(layout_.momentum + kMomentum * part) += rate.linear;
+    out.segment<3>(layout_.momentum + kMomentum * part + 3) += rate.angular;
   };
   push(of_forces, forces.applied);
   std::vector<StepJoint> joints(model_.joints.size());
@@ -263,7 +263,8 @@ void EventRun::take(const VecX& y) {
   for (std::size_t j = 0; j < joints_.size(); ++j)
     add_sums(y.segment<kJointSums>(layout_.joints + kJointSums * Eigen::Index(j)), joints_[j]);
   const auto part = [&](EventMomentum k) {
-    return Momentum{y.segment<3>(layout_.momentum + 6 * k), y.segment<3>(layout_.momentum + 6 * k + 3)};
+    return Momentum{y.segment<3>(layout_.momentum + kMomentum * k),
+                    y.segment<3>(layout_.momentum + kMomentum * k + 3)};
   };
   momentum_.forces += part(of_forces);
   momentum_.contacts += part(of_contacts);

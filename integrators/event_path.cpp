@@ -21,10 +21,8 @@ bool EventRun::certified(const State& from, const State& to, const std::function
   const double dt = to.t - from.t;
   const auto path = [&](const State& a, const State& b) {
     VecX v = VecX::Zero(a.v.size());
-    for (int k = 0; k < int(model_.bodies.size()); ++k) {
-      v.segment<3>(6 * k) = (pose(b, k).p - pose(a, k).p) / (b.t - a.t);
-      v.segment<3>(6 * k + 3) = log_so3((pose(a, k).R.conjugate() * pose(b, k).R).normalized()) / (b.t - a.t);
-    }
+    for (int k = 0; k < int(model_.bodies.size()); ++k)
+      of_body(v, k) = twist_between(pose(a, k), pose(b, k), b.t - a.t);
     return v;
   };
   double dilation = kInf, off = 0;
@@ -32,9 +30,7 @@ bool EventRun::certified(const State& from, const State& to, const std::function
     if (shape->radius > 0) dilation = std::min(dilation, shape->radius);
   if (dilation == kInf) return true;
   const State middle = at(from.t + dt / 2);
-  State straight = from;
-  straight.v = path(from, to);
-  straight = glided(model_, straight, dt / 2);
+  const State straight = retract(model_, from, path(from, to), dt / 2);
   for (std::size_t b = 0; b < model_.bodies.size(); ++b)
     off = std::max(off, (middle.g[b].p - straight.g[b].p).norm() +
                             setting_.bounds[b].radius * angle_between(middle.g[b].R, straight.g[b].R));
@@ -75,7 +71,7 @@ double EventRun::safe_until(const State& from, double stop) const {
     const double radius = setting_.bounds[std::size_t(b)].radius;
     const auto size = [&](const Vec6& v) { return 2 * (v.head<3>().norm() + radius * v.tail<3>().norm()); };
     speed.push_back(size(twist(from, b)));
-    acceleration.push_back(size(a_.segment<6>(6 * b)));
+    acceleration.push_back(size(of_body(a_, b)));
     reach.push_back(o_.horizon + dt * (speed.back() + dt * acceleration.back() / 2));
   }
   double stride = kInf;

@@ -30,7 +30,8 @@ struct EventLayout {
   std::vector<int> first_impulse{};  // of every closed touch
 };
 enum EventWork { by_laws, by_contacts, by_joints, by_mass, kWorks };
-enum EventMomentum { of_forces, of_contacts, of_joints, kMomenta };  // six entries each: linear, angular
+enum EventMomentum { of_forces, of_contacts, of_joints, kMomenta };
+inline constexpr int kMomentum = 6;    // entries of each: linear, angular
 inline constexpr int kJointSums = 16;  // of every joint: force, torque, effort, parts of the work
 using JointSums = Eigen::Matrix<double, kJointSums, 1>;
 

@@ -49,14 +49,14 @@ ReductionInput reduction_input(const StepSetting& setting, const State& state, c
   const VecX wrench =
       all_velocities(setting.dofs, forces_at(setting.model, state, setting.dofs).sum(), 0 * state.v);
   for (int b = 0; b < int(state.g.size()); ++b)
-    input.bodies.push_back({pose(state, b), twist(state, b), wrench.segment<6>(6 * Eigen::Index(b))});
+    input.bodies.push_back({pose(state, b), twist(state, b), of_body(wrench, b)});
   return input;
 }
 
 // Velocity of the bodies against each other at a contact, for velocities of all bodies.
 Vec3 relative_velocity_at(const ContactPoint& c, const std::vector<SE3>& g, const VecX& v) {
   const auto velocity = [&](int body, const Vec3& x) {
-    const auto twist = v.segment<6>(6 * Eigen::Index(body));
+    const auto twist = of_body(v, body);
     const SE3& pose = g[std::size_t(body)];
     return Vec3(twist.head<3>() + (pose.R * Vec3(twist.tail<3>())).cross(x - pose.p));
   };

@@ -17,7 +17,7 @@ bool is_positive(const SparseMatrix& symmetric) {
 }  // namespace
 
 SparseMatrix gap_hessians(const Model& model, const State& state, const ContactSet& contacts,
-                          const std::vector<double>& r_N, const DofMap& dofs, double time) {
+                          const std::vector<double>& r_N, const Layout& dofs, double time) {
   std::vector<Triplet> entries;
   for (std::size_t k = 0; k < contacts.points.size(); ++k) {
     if (r_N[k] == 0) continue;

@@ -12,7 +12,7 @@ namespace aussois {
 /// `r_N[i]` [N s] presses contact i, found at `state`; `time` [s] is what a velocity moves that pose by. A
 /// contact whose derivative does not exist (KIN-7) is left out.
 SparseMatrix gap_hessians(const Model& model, const State& state, const ContactSet& contacts,
-                          const std::vector<double>& r_N, const DofMap& dofs, double time);
+                          const std::vector<double>& r_N, const Layout& dofs, double time);
 
 /// The largest part 1, 1/2, 1/4, .. of `D` that leaves the symmetric part of M + D above half of that of M;
 /// zero below 1/8, where the step is an impact onto a sharp edge and its curvature no small change.

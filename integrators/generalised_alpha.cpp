@@ -38,7 +38,7 @@ struct SmoothMotion {
 };
 
 // The accelerations in State::a, rows of the problem.
-VecX kept(const DofMap& dofs, const State& state, int which) {
+VecX kept(const Layout& dofs, const State& state, int which) {
   return free_velocities(dofs, state.a.segment(which * state.v.size(), state.v.size()));
 }
 
@@ -46,7 +46,7 @@ VecX kept(const DofMap& dofs, const State& state, int which) {
 SmoothMotion smooth_motion(const StepSetting& setting, const State& state, const VecX& v_prescribed, double h,
                            double rho) {
   const Model& model = setting.model;
-  const DofMap& dofs = setting.dofs;
+  const Layout& dofs = setting.dofs;
   const bool fresh = state.a.size() == 0;
   SmoothMotion out{.weights = fresh ? Weights{} : weights(rho)};  // (GA-4)
   const Weights& w = out.weights;
@@ -61,7 +61,7 @@ SmoothMotion smooth_motion(const StepSetting& setting, const State& state, const
     out.v_path = out.v_before + h * ((0.5 - w.beta) * out.a_before + w.beta * out.a);
     const VecX path = path_velocity(setting.options.update, model, state,
                                     all_velocities(dofs, out.v_path, v_prescribed), h);
-    out.end = moved(model, state, path, all_velocities(dofs, out.v, v_prescribed), h);
+    out.end = state_after(model, state, path, all_velocities(dofs, out.v, v_prescribed), h);
   };
   follow();
   double last = kInf;
@@ -96,7 +96,7 @@ SmoothMotion smooth_motion(const StepSetting& setting, const State& state, const
 }
 
 // Rows of the coordinates go to `coordinates`, those of the bodies to `bodies`.
-void split(const DofMap& dofs, const VecX& from, VecX& bodies, VecX& coordinates) {
+void split(const Layout& dofs, const VecX& from, VecX& bodies, VecX& coordinates) {
   bodies.head(dofs.coordinates) += from.head(dofs.coordinates);
   coordinates.tail(dofs.rows - dofs.coordinates) += from.tail(dofs.rows - dofs.coordinates);
 }
@@ -117,7 +117,7 @@ struct BetweenContacts {
 };
 BetweenContacts between_contacts(const StepSetting& setting, const State& state, const SmoothMotion& smooth,
                                  double h) {
-  const DofMap& dofs = setting.dofs;
+  const Layout& dofs = setting.dofs;
   const bool fresh = state.a.size() == 0;
   const SparseMatrix& M = smooth.forces.mass;
   const Forces before = fresh ? smooth.forces : forces_at(setting.model, state, dofs);
@@ -154,7 +154,7 @@ BetweenContacts between_contacts(const StepSetting& setting, const State& state,
 }
 
 // Momentum of the impulses that no gap gives: friction, dry friction and limited motors of axes.
-VecX tangential_momentum(const ImpulseStep& step, const DofMap& dofs) {
+VecX tangential_momentum(const ImpulseStep& step, const Layout& dofs) {
   std::vector<RowVector> r = row_impulses(step);
   for (std::size_t i = 0; i < r.size(); ++i)
     if (has_normal(step.rows[i].law)) r[i][0] = 0;
@@ -196,7 +196,7 @@ GeneralisedAlpha::GeneralisedAlpha(const Model& model, const GeneralisedAlphaOpt
 
 StepReport GeneralisedAlpha::step(State& state, double h_limit) const {
   const Model& model = setting_.model;
-  const DofMap& dofs = setting_.dofs;
+  const Layout& dofs = setting_.dofs;
   const auto smooth_from = [&](const State& start, double h) {
     return smooth_motion(setting_, start, prescribed_velocity(model, start, h), h, spectral_radius_);
   };

@@ -13,7 +13,7 @@ namespace {
 constexpr double kTolerance = 1e-13;  // of the shocks; impacts of balls by hand hold to 1e-12
 constexpr double kStill = 1e-12;      // of the fastest velocity: no longer approaching, but rounding
 
-SparseMatrix mass_at(const Model& model, const State& state, const DofMap& dofs) {
+SparseMatrix mass_at(const Model& model, const State& state, const Layout& dofs) {
   std::vector<Triplet> M;
   const auto append = [&](int at, const MatX& block) {
     for (int j = 0; j < block.cols(); ++j)
@@ -34,7 +34,7 @@ SparseMatrix mass_at(const Model& model, const State& state, const DofMap& dofs)
 
 /// What the shocks of one impact share.
 struct Setting {
-  const DofMap& dofs;
+  const Layout& dofs;
   const std::vector<ContactRow>& rows;
   const SparseMatrix &M, &G;
   ImpactLaw law;
@@ -70,7 +70,7 @@ ContactRow friction_of(ContactRow row, int own) {
 // friction of row k at that normal impulse comes on top.
 void solve_shock(const Setting& s, const std::vector<int>& of, std::vector<ContactRow> rows, const VecX& push,
                  const std::vector<double>& given, Shocked& out) {
-  DofMap dofs = s.dofs;
+  Layout dofs = s.dofs;
   std::vector<Triplet> M;
   for (int k = 0; k < s.M.outerSize(); ++k)
     for (SparseMatrix::InnerIterator e(s.M, k); e; ++e) M.emplace_back(int(e.row()), int(e.col()), e.value());
@@ -220,7 +220,7 @@ void validate(const ImpactOptions& options) {
   require_field(options.max_pairs >= 1, "ImpactOptions::max_pairs", options.max_pairs, "be at least 1");
 }
 
-std::optional<ImpactJump> impact_jump(const Model& model, const State& state, const DofMap& dofs,
+std::optional<ImpactJump> impact_jump(const Model& model, const State& state, const Layout& dofs,
                                       const std::vector<ContactRow>& rows, const SparseMatrix& G, double h,
                                       NormalLaw law, const ImpactOptions& options,
                                       const SolverOptions& solver) {

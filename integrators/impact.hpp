@@ -52,7 +52,7 @@ struct ImpactJump {
 /// Of the contacts and gap functions among `rows`, as contact_rows and gap_rows made them at the state;
 /// nothing if none that bounces (sequential: none at all) closes within the step. Joints keep the velocities
 /// that they have; stops of joints take no part, the step that follows sees to them.
-std::optional<ImpactJump> impact_jump(const Model& model, const State& state, const DofMap& dofs,
+std::optional<ImpactJump> impact_jump(const Model& model, const State& state, const Layout& dofs,
                                       const std::vector<ContactRow>& rows, const SparseMatrix& G, double h,
                                       NormalLaw law, const ImpactOptions& options,
                                       const SolverOptions& solver);

@@ -46,8 +46,8 @@ struct VelocityRow {
   }
 };
 void append(VelocityRow& out, const Joint& joint, const JointRow& row) {
-  if (joint.body_a >= 0) out.parts.emplace_back(6 * joint.body_a, row.J_a);
-  if (joint.body_b >= 0) out.parts.emplace_back(6 * joint.body_b, row.J_b);
+  if (joint.body_a >= 0) out.parts.emplace_back(first_velocity(joint.body_a), row.J_a);
+  if (joint.body_b >= 0) out.parts.emplace_back(first_velocity(joint.body_b), row.J_b);
 }
 VelocityRow velocity_row(const Joint& joint, const JointRow& row) {
   VelocityRow out{.value = row.value};
@@ -80,7 +80,7 @@ void for_each_row(const std::vector<JointColumn>& columns, const VecX& lambda, c
   }
 }
 
-void append_column(std::vector<Triplet>& G, const DofMap& dofs, const VelocityRow& row, int column) {
+void append_column(std::vector<Triplet>& G, const Layout& dofs, const VelocityRow& row, int column) {
   for (const auto& [at, J] : row.parts)
     if (const int first = row_of(dofs, at); first >= 0)
       for (int i = 0; i < 6; ++i) G.emplace_back(first + i, column, J[i]);
@@ -91,7 +91,7 @@ struct Speeds {
   VecX before{};  // at the start; of moved bodies: on their path
   VecX moved{};   // of moved bodies only, zero elsewhere
 };
-Speeds speeds_of(const DofMap& dofs, const State& state, const VecX& v_prescribed) {
+Speeds speeds_of(const Layout& dofs, const State& state, const VecX& v_prescribed) {
   return {.before = all_velocities(dofs, free_velocities(dofs, state.v), v_prescribed),
           .moved = v_prescribed};
 }
@@ -100,7 +100,7 @@ Speeds speeds_of(const DofMap& dofs, const State& state, const VecX& v_prescribe
 struct JointStep {
   const Model& model;
   const State& state;
-  const DofMap& dofs;
+  const Layout& dofs;
   Speeds v;
   double h, theta;
   const NormalLawOptions& normal;
@@ -167,7 +167,7 @@ struct Equations {
   std::vector<JointColumn> columns{};
   std::vector<Triplet> G{};
   std::vector<double> b{}, off{};
-  void add(const DofMap& dofs, JointColumn column, const VelocityRow& row, double bias, double off_by) {
+  void add(const Layout& dofs, JointColumn column, const VelocityRow& row, double bias, double off_by) {
     columns.push_back(std::move(column));
     append_column(G, dofs, row, int(b.size()));
     b.push_back(bias);
@@ -301,7 +301,7 @@ struct NearestMotion {
     return motion(problem, *inverse, VecX());
   }
 };
-NearestMotion nearest_motion(const Model& model, const DofMap& dofs, const std::vector<VelocityRow>& rows) {
+NearestMotion nearest_motion(const Model& model, const Layout& dofs, const std::vector<VelocityRow>& rows) {
   std::vector<Triplet> M, G;
   for (std::size_t b = 0; b < model.bodies.size(); ++b)
     if (const int at = dofs.first[b]; at >= 0) {
@@ -322,18 +322,17 @@ NearestMotion nearest_motion(const Model& model, const DofMap& dofs, const std::
 }
 
 // `step`, rows of the dynamic bodies, in the places of State::v.
-VecX spread(const Model& model, const State& state, const DofMap& dofs, const VecX& step) {
-  VecX all = VecX::Zero(state.v.size());
-  for (std::size_t b = 0; b < model.bodies.size(); ++b)
-    if (const int at = dofs.first[b]; at >= 0) all.segment<6>(6 * Eigen::Index(b)) = step.segment<6>(at);
-  return all;
+VecX spread(const State& state, const Layout& dofs, const VecX& step) {
+  VecX rows = VecX::Zero(dofs.rows);
+  rows.head(dofs.coordinates) = step;
+  return all_velocities(dofs, rows, VecX::Zero(state.v.size()));
 }
 
 // Nearest to those of the state, poses at which all positions hold to `tolerance` [m, rad], or the best that
 // Newton finds (MJT-13).
 State closed(const Model& model, const State& state, double tolerance) {
   State out = state, tried = state;
-  const DofMap dofs = dof_map(model);
+  const Layout dofs = layout(model);
   NearestMotion nearest;
   double least = kInf;
   for (int k = 0; k < kProjectionSteps; ++k) {
@@ -348,21 +347,14 @@ State closed(const Model& model, const State& state, double tolerance) {
     if (now <= tolerance) break;
     if (slow) nearest = nearest_motion(model, dofs, rows);  // else the directions before do as well
     if (!nearest.inverse) break;
-    const VecX all = spread(model, state, dofs, nearest(error).v);
-    for (std::size_t b = 0; b < model.bodies.size(); ++b) {
-      const auto at = 6 * Eigen::Index(b);
-      if (all.segment<6>(at).isZero(0)) continue;  // keeps its bits
-      tried.g[b].p += all.segment<3>(at);
-      tried.g[b].R = (tried.g[b].R * exp_so3(all.segment<3>(at + 3))).normalized();
-    }
-    tried.turns = counted_turns(model, out, tried.g);
+    tried = retract(model, tried, spread(state, dofs, nearest(error).v), 1);
   }
   return out;
 }
 
 // Whether joints lead from a body back to itself, the world and all that does not move freely being one: some
 // of their equations may then be redundant.
-bool has_loops(const Model& model, const DofMap& dofs) {
+bool has_loops(const Model& model, const Layout& dofs) {
   const std::size_t world = model.bodies.size();
   std::vector<std::size_t> leader(world + 1);
   std::iota(leader.begin(), leader.end(), std::size_t(0));
@@ -381,7 +373,7 @@ bool has_loops(const Model& model, const DofMap& dofs) {
 
 }  // namespace
 
-JointSystem joint_system(const Model& model, const State& state, const DofMap& dofs, const VecX& v_prescribed,
+JointSystem joint_system(const Model& model, const State& state, const Layout& dofs, const VecX& v_prescribed,
                          double h, double theta, const NormalLawOptions& normal,
                          const JointOptions& options) {
   if (model.joints.empty()) return {};
@@ -397,7 +389,7 @@ JointSystem joint_system(const Model& model, const State& state, const DofMap& d
   return system_of(step, std::move(middle.g));
 }
 
-JointSystem joint_system_at(const Model& model, const State& state, const State& end, const DofMap& dofs,
+JointSystem joint_system_at(const Model& model, const State& state, const State& end, const Layout& dofs,
                             const VecX& v_prescribed, double h, const NormalLawOptions& normal) {
   if (model.joints.empty()) return {};
   const JointStep step{model, state, dofs, speeds_of(dofs, state, v_prescribed), h, 1, normal, 0, &end};
@@ -405,7 +397,7 @@ JointSystem joint_system_at(const Model& model, const State& state, const State&
 }
 
 JointSystem joint_system_on_mean(const Model& model, const State& state, const ReachedEnd& end,
-                                 const DofMap& dofs, const VecX& v_prescribed, double h,
+                                 const Layout& dofs, const VecX& v_prescribed, double h,
                                  const NormalLawOptions& normal, const JointOptions& options) {
   if (model.joints.empty()) return {};
   const JointStep step{model,   state, dofs,   speeds_of(dofs, state, v_prescribed),
@@ -482,7 +474,7 @@ void add_work(const Model& model, const std::vector<AxisImpulse>& axes, const Ve
   }
 }
 
-JointConstraints joint_constraints(const Model& model, const State& state, const DofMap& dofs) {
+JointConstraints joint_constraints(const Model& model, const State& state, const Layout& dofs) {
   Constraints now = constraints(model, state, true);
   const auto count = Eigen::Index(now.rows.size());
   JointConstraints out{.columns = std::move(now.columns),
@@ -503,7 +495,7 @@ namespace {
 
 ProjectedState with_consistent_velocity(const Model& model, const State& state) {
   Constraints now = constraints(model, state, true);
-  const DofMap dofs = dof_map(model);
+  const Layout dofs = layout(model);
   VecX off(Eigen::Index(now.rows.size()));
   for (std::size_t k = 0; k < now.rows.size(); ++k)
     off[Eigen::Index(k)] = now.rows[k].times(state.v) - now.rows[k].speed;
@@ -511,7 +503,7 @@ ProjectedState with_consistent_velocity(const Model& model, const State& state) 
   ProjectedState out{.state = state};
   if (!nearest.inverse) return out;
   JointedMotion step = nearest(off);
-  out.state.v += spread(model, state, dofs, step.v);
+  out.state.v += spread(state, dofs, step.v);
   out.columns = std::move(now.columns);
   out.lambda = std::move(step.lambda);
   return out;

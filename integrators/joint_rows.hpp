@@ -39,12 +39,12 @@ struct JointSystem {
   std::vector<ContactRow> rows{};  // stops, dry friction, limited motors
   VecX off{};                      // of each column at the poses `middle` [m, rad]; speed motors: zero
 };
-JointSystem joint_system(const Model& model, const State& state, const DofMap& dofs, const VecX& v_prescribed,
+JointSystem joint_system(const Model& model, const State& state, const Layout& dofs, const VecX& v_prescribed,
                          double h, double theta, const NormalLawOptions& normal, const JointOptions& options);
 
 /// For schemes that ask the velocity at the end to keep the joints there (GA-5): directions at the poses of
 /// `end`, G^T v+ + b = 0 without stabilisation. Stops are those of the start.
-JointSystem joint_system_at(const Model& model, const State& state, const State& end, const DofMap& dofs,
+JointSystem joint_system_at(const Model& model, const State& state, const State& end, const Layout& dofs,
                             const VecX& v_prescribed, double h, const NormalLawOptions& normal);
 
 /// A velocity of the whole step, mean of its ends, in the places of State::v, and where it leads.
@@ -55,7 +55,7 @@ struct ReachedEnd {
 /// For schemes that know an end and come back until it stands: directions on the mean of both ends (MJT-14),
 /// positions at the end by Newton (MJT-15); theta = 1/2.
 JointSystem joint_system_on_mean(const Model& model, const State& state, const ReachedEnd& end,
-                                 const DofMap& dofs, const VecX& v_prescribed, double h,
+                                 const Layout& dofs, const VecX& v_prescribed, double h,
                                  const NormalLawOptions& normal, const JointOptions& options);
 
 /// Velocities that impulses work on, in the places of State::v.
@@ -81,11 +81,11 @@ void add_work(const Model& model, const std::vector<AxisImpulse>& axes, const Ve
 /// JointSystem.
 struct JointConstraints {
   std::vector<JointColumn> columns{};
-  SparseMatrix G{};  // directions as columns, in the rows of DofMap
+  SparseMatrix G{};  // directions as columns, in the rows of Layout
   VecX value{};      // zero where positions hold [m, rad]; of speed motors always
   VecX off{};        // J v - what it is to be [m/s, rad/s]
 };
-JointConstraints joint_constraints(const Model& model, const State& state, const DofMap& dofs);
+JointConstraints joint_constraints(const Model& model, const State& state, const Layout& dofs);
 
 /// The nearest poses, in the metric of the masses, at which all joints, couplings and position motors without
 /// a limit hold (Newton, to 1e-13 m and rad or as far as rounding lets it), and the nearest velocities that

@@ -13,7 +13,7 @@ constexpr double kGain = 1e-5;
 
 // Kinetic energy of the coordinates beyond what the mass of the step says of it (GEN-4).
 double change_of_mass(const Model& model, const State& state, const State& next, const FreeMotion& free,
-                      const DofMap& dofs, const VecX& v) {
+                      const Layout& dofs, const VecX& v) {
   if (model.coordinates.empty()) return 0;
   double work = 0;
   for (int i = 0; i < int(model.coordinates.size()); ++i) {
@@ -94,7 +94,7 @@ MomentumLedger momentum_ledger(const StepSetting& setting, const State& state, c
 // more than rounding.
 void tell_work(const StepSetting& setting, const ImpulseStep& step, const VecX& r, const VecX& v_end,
                StepReport& report) {
-  const DofMap& dofs = setting.dofs;
+  const Layout& dofs = setting.dofs;
   const int first_gap = first_gap_row(setting.model);
   report.law_work.assign(setting.laws.size(), 0);
   double sum = 0;
@@ -173,7 +173,7 @@ std::vector<StepJoint> step_joints(const StepSetting& setting, const ImpulseStep
                                    double h, const VecX& r, const VecX& lambda, const ProjectedState& held,
                                    const State& next) {
   const Model& model = setting.model;
-  const DofMap& dofs = setting.dofs;
+  const Layout& dofs = setting.dofs;
   const VecX &v = step.free->v, &v_solved = step.solved.solution.v, &moved = step.v_prescribed;
   const VecX middle = (v + free_velocities(dofs, next.v)) / 2;
   const WorkedOn mean{all_velocities(dofs, middle, moved), moved};

@@ -30,7 +30,7 @@ StepOptions step_options(const MoreauJeanOptions& o) {
 // The part `time` of the step that the mean velocities `v` lead through.
 State on_the_way(const StepSetting& setting, const State& start, const VecX& v, double h, double time) {
   const VecX v_path = path_velocity(setting.options.update, setting.model, start, v, h);
-  return moved(setting.model, start, v_path, v, time);
+  return state_after(setting.model, start, v_path, v, time);
 }
 
 // What the momentum balance holds for one iterate: forces where it stands, the matrix of the start and how
@@ -107,7 +107,7 @@ double closing_by_turning(const StepSetting& setting, const State& start, const 
   double out = 0;
   for (const int body : {row.body_a, row.body_b}) {
     const bool free = is_dynamic(setting.model.bodies[std::size_t(body)]);
-    const double spin = (free ? start.v : v_prescribed).segment<3>(6 * body + 3).norm();
+    const double spin = angular_part(free ? start.v : v_prescribed, body).norm();
     out += h * spin * (spin * setting.bounds[std::size_t(body)].radius + slip);
   }
   return out;

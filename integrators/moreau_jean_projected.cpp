@@ -82,7 +82,7 @@ StepReport MoreauJeanProjected::step(State& state, double h_limit) const {
       if (!v.allFinite()) return go(setting_, start, found, step, move);
       const VecX v_path = path_velocity(setting_.options.update, setting_.model, start,
                                         all_velocities(setting_.dofs, move.v_path, step.v_prescribed), h);
-      State plain = moved(setting_.model, start, v_path, start.v, h);
+      State plain = state_after(setting_.model, start, v_path, start.v, h);
       if (setting_.options.joints.project) plain = consistent(setting_.model, plain);
       const Projection projection =
           without_overlap(setting_, plain, found.pairs, *step.free, step.joints.equations.G, h);  // (PRJ-1)

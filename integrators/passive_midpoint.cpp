@@ -17,7 +17,7 @@ constexpr double kGivenUp = 1e-8;  // [m/s, rad/s]; more than that is no solutio
 constexpr double kExact = 1e-16;   // of the gyroscopic torque: its error is quadratic in that of the guess
 
 // What (PMI-3), linearised about the mean with `guess`, is off at `v`, relative to the spin.
-double gyroscopic_error(const DofMap& dofs, const VecX& before, const VecX& guess, const VecX& v, double h) {
+double gyroscopic_error(const Layout& dofs, const VecX& before, const VecX& guess, const VecX& v, double h) {
   double worst = 0;
   for (const int row : dofs.first) {
     if (row < 0) continue;
@@ -29,12 +29,12 @@ double gyroscopic_error(const DofMap& dofs, const VecX& before, const VecX& gues
 }
 
 // Velocity of a row without its law.
-RowVector plain_velocity(const ContactRow& row, const DofMap& dofs, const VecX& v) {
+RowVector plain_velocity(const ContactRow& row, const Layout& dofs, const VecX& v) {
   return relative_velocity(row, dofs, v) - row.w + row.moved;
 }
 
 // Rows that would give energy are stated at the midpoint (PMI-6); how many more that are.
-int make_passive(const DofMap& dofs, double tolerance, ImpulseStep& step, std::vector<char>& stated) {
+int make_passive(const Layout& dofs, double tolerance, ImpulseStep& step, std::vector<char>& stated) {
   int count = 0;
   const std::vector<RowVector> r = row_impulses(step);
   for (std::size_t i = 0; i < step.rows.size(); ++i) {
@@ -59,7 +59,7 @@ void set_mean_joints(const StepSetting& setting, const State& start, double h, I
   const VecX& v = step.solved.solution.v;
   const VecX mean = all_velocities(setting.dofs, (step.free->v + v) / 2, step.v_prescribed);
   const VecX path = path_velocity(setting.options.update, setting.model, start, mean, h);
-  const State end = moved(setting.model, start, path, mean, h);
+  const State end = state_after(setting.model, start, path, mean, h);
   step.rows.resize(step.rows.size() - step.joints.rows.size());
   step.joints = joint_system_on_mean(setting.model, start, {end, mean}, setting.dofs, step.v_prescribed, h,
                                      setting.options.normal, setting.options.joints);
@@ -91,7 +91,7 @@ PassiveMidpoint::PassiveMidpoint(const Model& model, const PassiveMidpointOption
 
 StepReport PassiveMidpoint::step(State& state, double h_limit) const {
   const Model& model = setting_.model;
-  const DofMap& dofs = setting_.dofs;
+  const Layout& dofs = setting_.dofs;
   const auto estimate = [&](const State& start, double h) {
     return estimate_without_contacts(setting_, start, free_motion(model, start, dofs, h, kTheta), h, kTheta);
   };

@@ -24,20 +24,6 @@ ContactBlocks openings(const StepSetting& setting, const State& at, const Contac
   return out;
 }
 
-State displaced(const StepSetting& setting, const State& at, const VecX& d) {
-  State out = at;
-  const VecX all = all_velocities(setting.dofs, d, VecX::Zero(at.v.size()));
-  for (std::size_t b = 0; b < at.g.size(); ++b) {
-    const auto first = 6 * Eigen::Index(b);
-    if (all.segment<6>(first).isZero(0)) continue;  // keeps its bits
-    out.g[b].p += all.segment<3>(first);
-    out.g[b].R = (out.g[b].R * exp_so3(all.segment<3>(first + 3))).normalized();
-  }
-  out.q += all.tail(out.q.size());
-  if (!setting.model.joints.empty()) out.turns = counted_turns(setting.model, at, out.g);
-  return out;
-}
-
 }  // namespace
 
 // In the units of the step, d / h and w / h.
@@ -93,7 +79,8 @@ Projection without_overlap(const StepSetting& setting, const State& plain, const
     add_counts(last.report, out.solve);
     if (!last.d.allFinite()) break;
     total += last.d;
-    tried = displaced(setting, tried, last.d);
+    tried =
+        retract(setting.model, tried, all_velocities(setting.dofs, last.d, VecX::Zero(tried.v.size())), 1);
     if (setting.options.joints.project) {
       const State held = consistent(setting.model, tried);
       tried.g = held.g;

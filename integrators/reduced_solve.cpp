@@ -8,7 +8,7 @@ namespace {
 
 // Of each cluster the row that is left out and closes most beyond what is allowed; none: empty.
 std::vector<int> rows_to_add(const std::vector<ContactRow>& rows, const std::vector<char>& in,
-                             const Selection& selection, const DofMap& dofs, const VecX& v,
+                             const Selection& selection, const Layout& dofs, const VecX& v,
                              const std::vector<double>& allowed_speed) {
   std::vector<int> worst(std::size_t(selection.cluster_count), -1);
   std::vector<double> excess(worst.size(), 0);
@@ -36,7 +36,7 @@ void add_part(const SolveReport& part, SolveReport& sum) {
   sum.status = std::max(sum.status, part.status);
 }
 
-ReducedSolution solve_reduced(const FreeMotion& free, const DofMap& dofs, const std::vector<ContactRow>& rows,
+ReducedSolution solve_reduced(const FreeMotion& free, const Layout& dofs, const std::vector<ContactRow>& rows,
                               const JointEquations& joints, const Selection& selection,
                               const std::vector<RowVector>& warm, const std::vector<double>& allowed_speed,
                               const SolverOptions& options) {

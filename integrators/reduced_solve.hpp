@@ -35,7 +35,7 @@ void add_part(const SolveReport& part, SolveReport& sum);
 /// The first rows are those of `selection`'s contacts, the others are never left out. `warm[i]` are the
 /// impulses that row i starts with [N s, N m s]; a contact that was left out re-enters when it closes faster
 /// than `allowed_speed[i]` [m/s], the worst of each cluster per round.
-ReducedSolution solve_reduced(const FreeMotion& free, const DofMap& dofs, const std::vector<ContactRow>& rows,
+ReducedSolution solve_reduced(const FreeMotion& free, const Layout& dofs, const std::vector<ContactRow>& rows,
                               const JointEquations& joints, const Selection& selection,
                               const std::vector<RowVector>& warm, const std::vector<double>& allowed_speed,
                               const SolverOptions& options);

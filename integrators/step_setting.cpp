@@ -76,7 +76,7 @@ StepSetting step_setting(const Model& model, const StepOptions& options) {
   StepSetting out{.model = model,
                   .size = size_of(model),
                   .options = options,
-                  .dofs = dof_map(model),
+                  .dofs = layout(model),
                   .bounds = body_bounds(model),
                   .pieces = pieces_of_shapes(model)};
   out.laws = contact_laws(model);
@@ -100,7 +100,7 @@ void check_fits(const StepSetting& setting, const State& state, double h_limit) 
   check_count(now.coordinates, then.coordinates, "model: number of blocks of coordinates", kMade);
   check_count(now.gaps, then.gaps, "model: number of gap functions", kMade);
   const int speeds = velocity_count(setting.model);
-  const std::size_t coordinates = std::size_t(speeds) - 6 * now.bodies;
+  const int coordinates = speeds - first_velocity(int(now.bodies));
   check_count(setting.dofs.rows - setting.dofs.coordinates, coordinates, "model: number of coordinates",
               kMade);
   constexpr const char* kModel = ", as the model wants it: see rest_state";

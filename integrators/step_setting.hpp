@@ -40,7 +40,7 @@ struct StepSetting {
   const Model& model;
   ModelSize size{};
   StepOptions options{};
-  DofMap dofs{};
+  Layout dofs{};
   std::vector<BodyBounds> bounds{};
   std::vector<Pieces> pieces{};           // of every shape
   std::vector<const LmdShape*> shapes{};  // of every body; null: none

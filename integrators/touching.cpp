@@ -25,7 +25,7 @@ constexpr double kLargestGlide = 1e-3;  // [s]
 // Velocities of rows given in the places of State::v, split into what is free and what moves by itself.
 Touch touch_of(const StepSetting& setting, const State& state, const MatX& J, const VecX& rate, Law law,
                double gap, double restitution, int slot) {
-  const DofMap& dofs = setting.dofs;
+  const Layout& dofs = setting.dofs;
   Touch out{.slot = slot, .law = law, .restitution = restitution, .gap = gap};
   out.N = MatX::Zero(dofs.rows, J.rows());
   for (Eigen::Index k = 0; k < J.cols(); ++k)
@@ -36,7 +36,7 @@ Touch touch_of(const StepSetting& setting, const State& state, const MatX& J, co
 }
 
 void put(MatX& J, Eigen::Index row, int body, const Vec6& values) {
-  if (body >= 0) J.row(row).segment<6>(6 * body) = values.transpose();
+  if (body >= 0) J.row(row).segment<6>(first_velocity(body)) = values.transpose();
 }
 
 // Stops and dry friction of the axes of all joints.
@@ -164,7 +164,7 @@ int unknowns(const ClosedTouch& c) {
 
 SparseMatrix mass_of(const StepSetting& setting, const State& state) {
   const Model& model = setting.model;
-  const DofMap& dofs = setting.dofs;
+  const Layout& dofs = setting.dofs;
   std::vector<Triplet> M;
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     const int row = dofs.first[b];
@@ -251,27 +251,18 @@ VecX slip_of(const Touch& touch, const VecX& u) {
   return u.tail(touch.law.rows - 1).cwiseProduct(row_scale(touch.law).tail(touch.law.rows - 1));
 }
 
-State glided(const Model& model, const State& state, double time) {
-  State out = state;
-  out.t += time;
-  out.q += time * state.v.tail(state.q.size());
-  for (int b = 0; b < int(model.bodies.size()); ++b) {
-    const Vec6 v = twist(state, b);
-    if (!v.isZero(0))
-      pose(out, b) = pose_at({.g = pose(state, b), .v = v.head<3>(), .omega = v.tail<3>()}, time);
-  }
-  return out;
-}
-
 VecX rate_along(const Model& model, const State& state, const std::function<VecX(const State&)>& f) {
   // Coordinates may be angles too
   double turning = state.q.size() > 0 ? state.v.tail(state.q.size()).lpNorm<Eigen::Infinity>() : 0;
   for (int b = 0; b < int(model.bodies.size()); ++b)
     turning = std::max(turning, twist(state, b).tail<3>().norm());
   const double d = std::min(kLargestGlide, kGlide / std::max(turning, 1e-300));
-  return (8 * (f(glided(model, state, d)) - f(glided(model, state, -d))) -
-          (f(glided(model, state, 2 * d)) - f(glided(model, state, -2 * d)))) /
-         (12 * d);
+  const auto gone = [&](double time) {
+    State there = retract(model, state, state.v, time);
+    there.t += time;
+    return there;
+  };
+  return (8 * (f(gone(d)) - f(gone(-d))) - (f(gone(2 * d)) - f(gone(-2 * d)))) / (12 * d);
 }
 
 std::vector<Touch> touches_at(const StepSetting& setting, const State& state, double threshold) {
@@ -293,7 +284,7 @@ std::vector<Touch> touches_at(const StepSetting& setting, const State& state, do
 
 SmoothForces smooth_forces(const StepSetting& setting, const State& state) {
   const Model& model = setting.model;
-  const DofMap& dofs = setting.dofs;
+  const Layout& dofs = setting.dofs;
   GeneralisedForce force = total_force(model, state, state.t);
   SmoothForces out{.axes = add_axis_forces(model, state, state.g, state.t, force)};
   out.M = mass_of(setting, state);

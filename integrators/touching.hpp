@@ -16,7 +16,7 @@ struct Touch {
   Law law{};                       // limits of dry friction in N, N m
   double restitution = 0;          // [-]
   double gap = -kInf;              // [m, rad]; dry friction has none: it always touches
-  MatX N{};                        // directions as columns, in the rows of DofMap
+  MatX N{};                        // directions as columns, in the rows of Layout
   VecX u{};                        // N^T v and what moves by itself [m/s, rad/s]
   VecX bias{};                     // u' = N^T v' + bias [m/s^2, rad/s^2] (EVD-3)
   bool kinematics_defined = true;  // false: parallel edges, bias is not known
@@ -29,7 +29,7 @@ VecX slip_of(const Touch& touch, const VecX& u);
 /// All contacts within `threshold` [m], gap functions, stops and dry friction; sorted: contacts first.
 std::vector<Touch> touches_at(const StepSetting& setting, const State& state, double threshold);
 
-/// Mass and forces of everything that does not touch, in the rows of DofMap.
+/// Mass and forces of everything that does not touch, in the rows of Layout.
 struct SmoothForces {
   SparseMatrix M{};
   VecX all{};                       // [N, N m]
@@ -51,7 +51,7 @@ struct ClosedTouch {
 struct Accelerations {
   bool solved = false;
   SolveReport solve{};         // of forces at gaps and of friction
-  VecX a{};                    // of the rows of DofMap [m/s^2, rad/s^2]
+  VecX a{};                    // of the rows of Layout [m/s^2, rad/s^2]
   std::vector<VecX> force{};   // of every closed touch, in its rows [N, N m]
   std::vector<VecX> rate{};    // u' with the stabilisation of (EVD-5)
   std::vector<VecX> weight{};  // diagonal of W, to compare forces with accelerations [1/kg]
@@ -65,18 +65,14 @@ Accelerations accelerations(const StepSetting& setting, const State& state, cons
 struct Collision {
   bool solved = false;
   SolveReport solve{};
-  VecX v{};                     // rows of DofMap, after it
+  VecX v{};                     // rows of Layout, after it
   std::vector<VecX> impulse{};  // of every touch, in its rows [N s, N m s]
   VecX reaction{};              // of the joints [N s, N m s]
 };
 /// Newton's law with `restitution` per touch, Coulomb's for the impulses (EVD-7); `push` is an impulse in the
-/// rows of DofMap that acts beside (EVD-8), or empty.
+/// rows of Layout that acts beside (EVD-8), or empty.
 Collision collide(const StepSetting& setting, const State& state, const std::vector<Touch>& touches,
                   const std::vector<double>& restitution, const VecX& push = VecX());
-
-/// The state after a short time with constant velocities, also of prescribed bodies; for derivatives along
-/// the motion.
-State glided(const Model& model, const State& state, double time);
 
 /// d/dt of f along the motion with constant velocities, by differences of order four (EVD-3).
 VecX rate_along(const Model& model, const State& state, const std::function<VecX(const State&)>& f);

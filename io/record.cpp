@@ -77,7 +77,7 @@ RunStep run_step(std::int64_t step, const Model& model, const State& state, cons
   row.step = step;
   row.time = state.t;
   row.pose = state.g;
-  const Eigen::Index of_bodies = 6 * Eigen::Index(state.g.size());
+  const int of_bodies = first_velocity(int(state.g.size()));
   row.velocity = state.v.head(of_bodies);
   row.q = state.q;
   row.q_speed = state.v.tail(state.v.size() - of_bodies);

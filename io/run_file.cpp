@@ -10,6 +10,7 @@
 #include "geometry/check.hpp"
 #include "io/atomic_file.hpp"
 #include "io/hdf5_file.hpp"
+#include "mechanics/layout.hpp"
 
 namespace aussois {
 namespace {
@@ -266,8 +267,8 @@ void validate(const RunHeader& header, const RunStep& step) {
   const int bodies = int(header.bodies.size());
   require_field(int(step.pose.size()) == bodies, "RunStep::pose: size", step.pose.size(),
                 "be the number of bodies");
-  require_field(step.velocity.size() == 6 * bodies, "RunStep::velocity: size", step.velocity.size(),
-                "be six times the number of bodies");
+  require_field(step.velocity.size() == first_velocity(bodies), "RunStep::velocity: size",
+                step.velocity.size(), "be six times the number of bodies");
   require_field(step.joints.size() == header.joints.size(), "RunStep::joints: size", step.joints.size(),
                 "be the number of joints");
   for (const VecX* values : {&step.q, &step.q_speed})
@@ -569,7 +570,7 @@ RunData read_run(const std::filesystem::path& path) {
       std::copy_n(pose.data() + 7 * (k * bodies + i), 7, row.begin());
       step.pose.push_back(from_row(row));
     }
-    step.velocity = row_of(velocity, k, 6 * bodies);
+    step.velocity = row_of(velocity, k, std::size_t(first_velocity(int(bodies))));
     step.q = row_of(q, k, coordinates);
     step.q_speed = row_of(q_speed, k, coordinates);
     step.contacts.assign(contacts.begin() + std::ptrdiff_t(offset[k]),

@@ -250,7 +250,7 @@ ErosionResult erode(const SimplicialComplex& solid, const ErosionOptions& option
 
   const SurfaceTree tree(solid);
   const std::vector<Fan> fans = find_fans(solid, result.ideal);
-  Attempt attempt = attempt_erosion(solid, tree, result.ideal, fans, options);
+  ErosionTrial attempt = attempt_erosion(solid, tree, result.ideal, fans, options);
   if (attempt.made.failure) {
     refuse(result, solid, tree, *attempt.made.failure, options.depth);
     return result;

@@ -99,8 +99,9 @@ double least_depth(const Wavefront& wave, const ErosionOptions& options, double 
   return options.depth * (1 - missed) - 1e-12 * size;
 }
 
-Attempt attempt_erosion(const SimplicialComplex& solid, const SurfaceTree& tree, const Idealisation& ideal,
-                        const std::vector<Fan>& fans, const ErosionOptions& options) {
+ErosionTrial attempt_erosion(const SimplicialComplex& solid, const SurfaceTree& tree,
+                             const Idealisation& ideal, const std::vector<Fan>& fans,
+                             const ErosionOptions& options) {
   std::optional<Failure> first;
   FanOptions each{.whole = std::vector<char>(fans.size(), 0), .group = std::vector<int>(fans.size())};
   std::iota(each.group.begin(), each.group.end(), 0);
@@ -111,7 +112,7 @@ Attempt attempt_erosion(const SimplicialComplex& solid, const SurfaceTree& tree,
     for (const auto& [way, count] : kTries)
       for (int i = 0; i < count && again[way]; ++i) {
         FanOptions& of_fan = of_way[way];
-        Attempt attempt{.made = offset_regions(solid, ideal, fans, of_fan, options, kTogether[way])};
+        ErosionTrial attempt{.made = offset_regions(solid, ideal, fans, of_fan, options, kTogether[way])};
         std::optional<Failure> failure = attempt.made.failure;
         if (!failure)
           failure = check(solid, tree, fans, attempt.made, options, ideal.tolerance, attempt.complex);

@@ -8,14 +8,15 @@
 
 namespace aussois {
 
-struct Attempt {
+struct ErosionTrial {
   RegionOffset made{};  // with what stopped the first way, if none leads to an eroded solid
   SimplicialComplex complex{};
 };
 
 /// `tree` is that of the solid.
-Attempt attempt_erosion(const SimplicialComplex& solid, const SurfaceTree& tree, const Idealisation& ideal,
-                        const std::vector<Fan>& fans, const ErosionOptions& options);
+ErosionTrial attempt_erosion(const SimplicialComplex& solid, const SurfaceTree& tree,
+                             const Idealisation& ideal, const std::vector<Fan>& fans,
+                             const ErosionOptions& options);
 
 /// What the whole eroded surface must keep of the depth: digits of files and accepted deviations are forgiven
 /// [m].

@@ -7,6 +7,7 @@
 
 #include "geometry/check.hpp"
 #include "geometry/number_text.hpp"
+#include "mechanics/layout.hpp"
 
 namespace aussois {
 namespace {
@@ -225,7 +226,7 @@ int first_coordinate(const Model& model, int block) {
 }
 
 int first_speed(const Model& model, int block) {
-  return 6 * int(model.bodies.size()) + first_coordinate(model, block);
+  return first_velocity(int(model.bodies.size())) + first_coordinate(model, block);
 }
 
 int velocity_count(const Model& model) {

@@ -40,11 +40,12 @@ void validate(const Model& model, const State& state) {
     require_field(std::size_t(size) == wanted, field, size,
                   ("be " + std::string(what) + ", " + std::to_string(wanted)).c_str());
   };
-  const std::size_t speeds = std::size_t(velocity_count(model));
+  const std::size_t speeds = std::size_t(velocity_count(model)),
+                    of_bodies = std::size_t(first_velocity(int(count)));
   check_size(
       state.v.size(), speeds, "size of State::v",
-      speeds == 6 * count ? "six times the number of bodies" : "that of six per body and the coordinates");
-  check_size(state.q.size(), speeds - 6 * count, "size of State::q", "the number of coordinates");
+      speeds == of_bodies ? "six times the number of bodies" : "that of six per body and the coordinates");
+  check_size(state.q.size(), speeds - of_bodies, "size of State::q", "the number of coordinates");
   if (!state.turns.empty())
     check_size(state.turns.size(), 3 * model.joints.size(), "size of State::turns",
                "three times the number of joints, or 0");
@@ -60,7 +61,7 @@ void validate(const Model& model, const State& state) {
   for (std::size_t i = 0; i < count; ++i) {
     const std::string who = "State, body " + std::to_string(i) + " (" + model.bodies[i].name + "): ";
     checked_pose(state.g[i], (who + "pose").c_str());
-    require(state.v.segment<6>(6 * Eigen::Index(i)).allFinite(), who + "twist must be finite");
+    require(of_body(state.v, int(i)).allFinite(), who + "twist must be finite");
   }
   for (std::size_t i = 0; i < state.memory.contacts.size(); ++i) {
     const RememberedContact& c = state.memory.contacts[i];
@@ -82,12 +83,12 @@ const SE3& pose(const State& state, int body) {
 }
 
 Eigen::Ref<Vec6> twist(State& state, int body) {
-  AUSSOIS_ASSERT(body >= 0 && 6 * (body + 1) <= state.v.size());
-  return state.v.segment<6>(6 * body);
+  AUSSOIS_ASSERT(body >= 0 && first_velocity(body + 1) <= state.v.size());
+  return of_body(state.v, body);
 }
 Vec6 twist(const State& state, int body) {
-  AUSSOIS_ASSERT(body >= 0 && 6 * (body + 1) <= state.v.size());
-  return state.v.segment<6>(6 * body);
+  AUSSOIS_ASSERT(body >= 0 && first_velocity(body + 1) <= state.v.size());
+  return of_body(state.v, body);
 }
 
 PosedShape posed_shape(const Model& model, const State& state, int body) {

@@ -7,6 +7,7 @@
 
 #include "geometry/se3.hpp"
 #include "lmd/posed_shape.hpp"
+#include "mechanics/layout.hpp"
 #include "mechanics/model.hpp"
 #include "reduction/contact_memory.hpp"
 

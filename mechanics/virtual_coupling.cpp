@@ -113,9 +113,9 @@ ForceLaw virtual_coupling(const Model& model, int body, Trajectory path,
     const CouplingError error = coupling_error(state, body, path, t);
     const Damping gain = damping(m.bodies[std::size_t(body)], options);
     const Pull pull = pull_of(error, gain, options);
-    const int force = 6 * body, torque = 6 * body + 3;  // first rows
-    sum.f.segment<3>(force) += pull.force.pull;
-    sum.f.segment<3>(torque) += pull.torque.pull;
+    const int force = first_velocity(body), torque = force + 3;  // first rows
+    linear_part(sum.f, body) += pull.force.pull;
+    angular_part(sum.f, body) += pull.torque.pull;
     if (!pull.force.saturated) {  // (VC-5)
       add_block(sum.K, force, force, options.stiffness * Mat3::Identity());
       add_block(sum.C, force, force, gain.c * Mat3::Identity());

@@ -103,7 +103,7 @@ CaseScene pushed_block(double mu, double A, double W) {
   s.model.forces.push_back(
       {.name = "push",
        .add_to = [A, W, body = s.body](const Model&, const State&, double t, GeneralisedForce& force) {
-         force.f[6 * body] += A * std::sin(W * t);
+         force.f[first_velocity(body)] += A * std::sin(W * t);
        }});
   return s;
 }

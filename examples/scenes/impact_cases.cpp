@@ -44,7 +44,7 @@ ForceLaw shaken_spring(int body, double A, double W, double phase) {
   return {.name = "spring",
           .add_to =
               [=](const Model&, const State& state, double t, GeneralisedForce& force) {
-                const int row = 6 * body + 2;
+                const int row = first_velocity(body) + 2;
                 force.f[row] += -pose(state, body).p.z() + A * std::cos(W * t + phase);
                 force.K.emplace_back(row, row, 1.0);
               },

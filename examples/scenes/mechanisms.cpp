@@ -43,7 +43,7 @@ ForceLaw spring_to_world(int body, const Vec3& x_b, const Vec3& x_w, double k, d
     const Vec3 d = g * x_b - x_w, n = d.normalized(), pull = -k * (d.norm() - l0) * n;
     const Mat3 R = g.R.toRotationMatrix(), turn = -R * cross(x_b);  // of the point by omega
     const Vec3 pull_b = R.transpose() * pull;
-    const int at = 6 * body;
+    const int at = first_velocity(body);
     out.f.segment<3>(at) += pull;
     out.f.segment<3>(at + 3) += x_b.cross(pull_b);
     const Mat3 K = k * (Mat3::Identity() - l0 / d.norm() * (Mat3::Identity() - n * n.transpose()));

@@ -20,8 +20,8 @@ inline Judged judge(const Model& model, const State& state) {
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     const RigidBody& body = model.bodies[b];
     if (!std::holds_alternative<Dynamic>(body.motion)) continue;
-    const Vec3 x = state.g[b].p, v = state.v.segment<3>(6 * Eigen::Index(b)),
-               omega = state.v.segment<3>(6 * Eigen::Index(b) + 3), spin = body.inertia * omega;
+    const Vec3 x = state.g[b].p, v = linear_part(state.v, int(b)), omega = angular_part(state.v, int(b)),
+               spin = body.inertia * omega;
     out.linear += body.mass * v;
     out.angular += body.mass * x.cross(v) + state.g[b].R.toRotationMatrix() * spin;
     out.kinetic += (body.mass * v.dot(v) + omega.dot(spin)) / 2;

@@ -298,12 +298,11 @@ KernelScene kernel_scene(const PeerScene& scene) {
       if (const double mu = std::min(scene.bodies[a].mu, body.mu); mu != model.contact_law.mu)
         model.pair_laws[{int(a), int(b)}] = {.mu = mu, .restitution = scene.restitution};
     if (body.force.isZero(0)) continue;
-    const Eigen::Index at = 6 * Eigen::Index(b);
-    add(model,
-        ForceLaw{.name = "push",
-                 .add_to = [at, force = body.force](const Model&, const State&, double,
-                                                    GeneralisedForce& f) { f.f.segment<3>(at) += force; },
-                 .potential = {}});
+    add(model, ForceLaw{.name = "push",
+                        .add_to = [b = int(b), force = body.force](
+                                      const Model&, const State&, double,
+                                      GeneralisedForce& f) { linear_part(f.f, b) += force; },
+                        .potential = {}});
   }
   out.state = rest_state(model);
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) out.state.g[b] = scene.bodies[b].g;

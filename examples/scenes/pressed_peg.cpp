@@ -26,8 +26,8 @@ CaseScene pressed_peg() {
   add(model, fixed_body("plate", plate));
   add(model, ForceLaw{.name = "robot", .add_to = [](const Model&, const State&, double, GeneralisedForce& f) {
                         const Vec3 force(1, 0, -20), at(4e-3, -3e-3, Peg().flange);
-                        f.f.segment<3>(6 * kPeg) += force;
-                        f.f.segment<3>(6 * kPeg + 3) += at.cross(force);  // the peg stays upright
+                        linear_part(f.f, kPeg) += force;
+                        angular_part(f.f, kPeg) += at.cross(force);  // the peg stays upright
                       }});
   out.state = rest_state(model);
   pose(out.state, 1).p.z() = -kDilation;

@@ -11,8 +11,9 @@ inline ForceLaw spring(int body, const Vec3& stiffness) {
   return {.name = "spring",
           .add_to =
               [=](const Model&, const State& state, double, GeneralisedForce& force) {
-                force.f.segment<3>(6 * Eigen::Index(body)) -= stiffness.cwiseProduct(pose(state, body).p);
-                for (int i = 0; i < 3; ++i) force.K.emplace_back(6 * body + i, 6 * body + i, stiffness[i]);
+                linear_part(force.f, body) -= stiffness.cwiseProduct(pose(state, body).p);
+                const int at = first_velocity(body);
+                for (int i = 0; i < 3; ++i) force.K.emplace_back(at + i, at + i, stiffness[i]);
               },
           .potential = [=](const Model&, const State& state,
                            double) { return stiffness.dot(pose(state, body).p.cwiseAbs2()) / 2; }};

@@ -48,7 +48,7 @@ GapRows rows_above_plate(const State& state, int body, const Vec3& arm, double g
   J << Mat3::Identity(), -skew(arm) * R;
   GapRows out{.gap = gap, .J = MatX::Zero(3, state.v.size())};
   for (int row = 0; row < 3; ++row)  // the normal z first, then x and y
-    out.J.row(row).segment<6>(6 * body) = J.row((row + 2) % 3);
+    out.J.row(row).segment<6>(first_velocity(body)) = J.row((row + 2) % 3);
   return out;
 }
 
@@ -190,7 +190,7 @@ CaseScene euler_disc(const EulerDisc& disc) {
            // no moment about the vertical, `contour` about the axis (TOY-16)
            const Vec3 rolling = disc.contour / (1 - axis.z() * axis.z()) * (axis - axis.z() * up);
            const Vec3 moment = rolling - std::copysign(disc.pivot, round) * up;
-           force.f.segment<3>(6 * body + 3) += R.transpose() * moment;
+           angular_part(force.f, body) += R.transpose() * moment;
          }});
   s.state = rest_state(s.model);
   SE3& g = pose(s.state, s.body);

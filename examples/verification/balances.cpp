@@ -410,7 +410,7 @@ VerificationCase gain_of_a_run() {
 ForceLaw port(int body, std::function<Vec6(const State&)> wrench) {
   return {.name = "port",
           .add_to = [body, wrench](const Model&, const State& state, double, GeneralisedForce& force) {
-            force.f.segment<6>(6 * Eigen::Index(body)) += wrench(state);
+            of_body(force.f, body) += wrench(state);
           }};
 }
 

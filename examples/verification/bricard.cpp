@@ -170,7 +170,7 @@ VerificationCase rank() {
                 Sense::at_least}},
       .measure = [] {
         const CaseScene s = bricard();
-        const DofMap dofs = dof_map(s.model);
+        const Layout dofs = layout(s.model);
         int looks = 0;
         Worst least, equations;
         Least next;

@@ -104,6 +104,38 @@ def listed(root):
     return bad
 
 
+def one_definition(root):
+    """A type outside of anonymous namespaces is defined once in the whole tree: what has the name of another links with
+    it, and crashes."""
+    home, bad = {}, []
+    for path in files(root, ".hpp", ".cpp"):
+        anonymous = False
+        for number, text in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
+            if text.startswith("namespace {"):
+                anonymous = True
+            elif text.startswith("}  // namespace") and not text[len("}  // namespace"):].strip():
+                anonymous = False
+            match = re.match(
+                r"(?:struct|class|enum(?: class)?|union) (?:alignas\(\d+\) )?(\w+)(?: final)?(?: :[^:].*)?(?: \{.*)?$", text)
+            if not match or anonymous:
+                continue
+            place = f"{path.relative_to(root)}:{number}"
+            if match[1] in home:
+                bad.append(f"{place}: {match[1]} is defined already in {home[match[1]]}")
+            home[match[1]] = place
+    return bad
+
+
+def velocity_places(root):
+    """Where the velocities of a body stand is said in mechanics/layout.hpp: no other room behind it counts in sixes."""
+    behind = [path for path in sources(root, ".hpp", ".cpp")
+              if path.relative_to(root).parts[0] in ("integrators", "io")]
+    behind += [path for folder in ("examples", "bench") for path in files(root / folder, ".hpp", ".cpp")]
+    sixes = lines(root, behind, r"(?:\[|\(|= |, )6 \* ?(?:Eigen::Index|\w*[bB]od\w*|b\b|i\b|k\b|k[A-Z]\w*|\w\.\w+)")
+    return [f"{place}: say first_velocity, of_body, linear_part or angular_part (mechanics/layout.hpp)"
+            for place, _ in sixes]
+
+
 def equations(root):
     r"""Every equation cited in code, such as (MJ-4), stands in the manual as \tag{MJ-4}, and stands there once."""
     bad, home = [], {}
@@ -178,7 +210,7 @@ def tests(root):
     return bad + [f"{place}: the verification list has no case {match[1]}" for place, match in named if match[1] not in cases]
 
 
-RULES = {rule.__name__: rule for rule in (includes, own_header_first, public_headers, listed, equations, licence,
+RULES = {rule.__name__: rule for rule in (includes, own_header_first, public_headers, listed, one_definition, velocity_places, equations, licence,
                                       links, pages, references, tests)}
 
 

@@ -60,6 +60,23 @@ class House(unittest.TestCase):
                 "nsgs/cone.cpp": "", "nsgs/cone.hpp": "", "nsgs/one.hpp": ""}
         self.assertEqual(self.offences(house.listed, tree), ["nsgs/one.hpp:1: not listed in nsgs/CMakeLists.txt"])
 
+    def test_a_type_is_defined_once(self):
+        tree = {"lmd/a.hpp": "struct Trial {\n  struct Part {};\n};\nstruct Later;\nstruct Row<int> {};\n",
+                "lmd/b.cpp": "namespace {\nstruct Trial {};\n}  // namespace\nstruct Later {};\n",
+                "nsgs/c.cpp": "struct Part {};\nclass Outer::Trial {};\nstruct Row<double> {};\n"}
+        self.assertEqual(self.offences(house.one_definition, tree), [])
+        tree["nsgs/d.hpp"] = "enum class Trial : int { a };\n"
+        self.assertEqual(self.offences(house.one_definition, tree),
+                         ["nsgs/d.hpp:1: Trial is defined already in lmd/a.hpp:1"])
+
+    def test_velocities_are_found_by_the_layout(self):
+        tree = {"mechanics/layout.hpp": "return 6 * body;\n", "lmd/a.cpp": "x = 6 * b;\n",
+                "integrators/a.cpp": "v.segment<6>(first_velocity(b));\nconst int at = 36 * b + 0.6 * b;\n"}
+        self.assertEqual(self.offences(house.velocity_places, tree), [])
+        for text in ("v.segment<3>(6 * Eigen::Index(b));", "v[6 * s.body + 2] = 1;", "const int at = 6 * body;"):
+            tree["examples/b.cpp"] = text
+            self.assertEqual(len(self.offences(house.velocity_places, tree)), 1, text)
+
     def test_cited_equations_stand_once_in_the_manual(self):
         tree = {"doc/theory/nsgs.md": "$$ a = b \\tag{NSGS-1} $$\n", "nsgs/a.hpp": "// (NSGS-1), in UTF-8 (UTF-8)\n"}
         self.assertEqual(self.offences(house.equations, tree), [])

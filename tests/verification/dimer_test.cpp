@@ -31,7 +31,7 @@ TEST(DimerC5, ContactSetIsAFunctionOfThePose) {
   const std::size_t count = path.size();
   for (std::size_t k = count; k-- > 0;) path.push_back(path[k]);
   Estimate ahead{.v = VecX::Zero(s.state.v.size()), .meeting = {}};
-  ahead.v[6 * s.body + 2] = -40;  // 50 mm in a step, enlarged
+  linear_part(ahead.v, s.body).z() = -40;  // 50 mm in a step, enlarged
   ContactMemory memory;
   std::vector<ContactSet> forward;
   std::size_t found = 0;

@@ -110,11 +110,11 @@ TEST(PathAudit, CatchesACertificateThatClaimsTooMuch) {
   audit_path(s.model, start, s.state, report, 1, honest);
   EXPECT_EQ(honest.violations, 0);
   report.min_base_distance = 2 * kRadius;
-  report.v_path[6 * s.block + 2] -= 5e-4 / report.h;  // half a millimetre deeper
+  linear_part(report.v_path, s.block).z() -= 5e-4 / report.h;  // half a millimetre deeper
   audit_path(s.model, start, s.state, report, 1, forged);
   EXPECT_EQ(forged.violations, 1);
   report.min_base_distance = 0;
-  report.v_path[6 * s.block + 2] -= 5e-3 / report.h;
+  linear_part(report.v_path, s.block).z() -= 5e-3 / report.h;
   audit_path(s.model, start, s.state, report, 1, through);
   EXPECT_EQ(through.violations, 1);
   EXPECT_LE(through.min_distance, 0);
@@ -175,7 +175,7 @@ TEST(PathAudit, JudgesEveryPairByItsOwnDilations) {
     ASSERT_LE(honest.min_base_distance, kCrumb + paper);
     const auto violations = [&](double deeper, double claim) {
       StepReport report = honest;
-      report.v_path[6 * 1 + 2] -= deeper * (kBall + paper) / report.h;
+      linear_part(report.v_path, 1).z() -= deeper * (kBall + paper) / report.h;
       report.min_base_distance = claim;
       PathAudit audit{.samples = 5};
       audit_path(model, start, state, report, 1, audit);

@@ -31,7 +31,7 @@ Solved solve_with(const ContactSet& contacts, const std::vector<int>& kept, doub
   pose(state, 0).p.z() = height;
   twist(state, 0) = twist_before;
   const double h = 1e-3;
-  const DofMap dofs = dof_map(model);
+  const Layout dofs = layout(model);
   const FreeMotion free = free_motion(model, state, dofs, h, 0.5);
   const std::vector<ContactRow> rows =
       contact_rows(model, state, contacts, prescribed_velocity(model, state, h), h, {});

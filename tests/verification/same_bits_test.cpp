@@ -138,7 +138,7 @@ Scene renumbered(const Scene& s, const std::vector<int>& order) {
     const auto to = std::size_t(order[i]);
     out.model.bodies[to] = s.model.bodies[i];
     out.state.g[to] = s.state.g[i];
-    out.state.v.segment<6>(6 * Eigen::Index(to)) = s.state.v.segment<6>(6 * Eigen::Index(i));
+    of_body(out.state.v, int(to)) = of_body(s.state.v, int(i));
   }
   for (Joint& joint : out.model.joints) {
     joint.body_a = order[std::size_t(joint.body_a)];

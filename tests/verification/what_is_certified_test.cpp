@@ -121,7 +121,7 @@ Scene box_on_a_guide(bool collide) {
   Joint guide = joint_at(JointKind::prismatic, "guide", s.block, s.ground, s.state.g, pose(s.state, s.block));
   guide.collide = collide;
   add(s.model, guide);
-  s.state.v[6 * s.block + 2] = -800;
+  linear_part(s.state.v, s.block).z() = -800;
   return s;
 }
 
@@ -149,7 +149,7 @@ TEST_P(Certified, KeepsBodiesOfAJointApartThatCollide) {
     ASSERT_EQ(report.passing_pairs, 0);
     ASSERT_TRUE(report.ok()) << report.reason;
     audit_path(s.model, start, s.state, report, 1, audit);
-    stopped = s.state.v[6 * s.block + 2] > -1;
+    stopped = linear_part(s.state.v, s.block).z() > -1;
   }
   EXPECT_GT(audit.steps, 0);
   EXPECT_EQ(audit.violations, 0);

@@ -33,7 +33,7 @@ struct Scripted {
                            h.push_back(length), asked.push_back(ahead);
                            out.v_path = VecX::Constant(s.v.size(), double(h.size()));
                            out.meeting = {{int(h.size()), 9}};
-                           out.next = moved(model, s, s.v, s.v, length);
+                           out.next = state_after(model, s, s.v, s.v, length);
                            out.report.h = length;
                            out.report.reason = "attempt " + std::to_string(h.size());
                            return out;

@@ -24,7 +24,7 @@ TEST(D1MinusLinear, IsOfOrderTwoWhileContactLasts) {
         {.name = "push",
          .add_to =
              [body = s.block](const Model& model, const State&, double t, GeneralisedForce& force) {
-               force.f[6 * body] +=
+               force.f[first_velocity(body)] +=
                    model.bodies[std::size_t(body)].mass * kGravity * (1 + std::sin(kW * t)) / 2;
              },
          .potential = {}});

@@ -48,7 +48,7 @@ VecX momentum_at(const Pair& pair, const State& state, const std::vector<double>
   EXPECT_EQ(rows.size(), r_N.size());
   std::vector<RowVector> r(rows.size(), RowVector::Zero());
   for (std::size_t i = 0; i < r.size(); ++i) r[i][0] = r_N[i];
-  return momentum_of(rows, dof_map(pair.model), r);
+  return momentum_of(rows, layout(pair.model), r);
 }
 
 // The largest difference between D xi and a central difference of fourth order, over random twists xi.
@@ -56,7 +56,7 @@ double error_of(const Pair& pair, const ContactSet& contacts, Random& random) {
   std::vector<double> r_N;
   for (std::size_t i = 0; i < contacts.points.size(); ++i) r_N.push_back(0.5 + random.uniform());
   const double time = 0.7, step = 1e-4;
-  const MatX D(gap_hessians(pair.model, pair.state, contacts, r_N, dof_map(pair.model), time));
+  const MatX D(gap_hessians(pair.model, pair.state, contacts, r_N, layout(pair.model), time));
   double worst = 0;
   for (int sample = 0; sample < 10; ++sample) {
     VecX xi(12);
@@ -104,10 +104,10 @@ TEST(GapHessians, LeaveOutWhatDoesNotMoveAndWhatIsNotPressed) {
   Pair pair = pair_of(make_point(), {}, make_point(), translation(0, 0, 0.06));
   const ContactSet contacts = contacts_of(pair, pair.state);
   ASSERT_EQ(contacts.points.size(), 1u);
-  EXPECT_EQ(gap_hessians(pair.model, pair.state, contacts, {0}, dof_map(pair.model), 1).nonZeros(), 0);
-  const SparseMatrix both = gap_hessians(pair.model, pair.state, contacts, {1}, dof_map(pair.model), 1);
+  EXPECT_EQ(gap_hessians(pair.model, pair.state, contacts, {0}, layout(pair.model), 1).nonZeros(), 0);
+  const SparseMatrix both = gap_hessians(pair.model, pair.state, contacts, {1}, layout(pair.model), 1);
   pair.model.bodies[0].motion = Fixed{};
-  const SparseMatrix one = gap_hessians(pair.model, pair.state, contacts, {1}, dof_map(pair.model), 1);
+  const SparseMatrix one = gap_hessians(pair.model, pair.state, contacts, {1}, layout(pair.model), 1);
   ASSERT_EQ(one.rows(), 6);
   EXPECT_EQ((MatX(one) - MatX(both).bottomRightCorner<6, 6>()).norm(), 0);
   EXPECT_NEAR(one.coeff(0, 0), -1 / 0.06, 1e-12);  // a ball on a ball: -r_N / d across the normal

@@ -191,7 +191,7 @@ TEST(ReducedSolve, LetsEveryContactBackInThatWouldClose) {
   const MoreauJean scheme(scene.model, {});
   const ContactSet found = scheme.contacts(scene.state, 1e-4);
   ASSERT_EQ(found.points.size(), 4U);
-  const DofMap dofs = dof_map(scene.model);
+  const Layout dofs = layout(scene.model);
   const FreeMotion free = free_motion(scene.model, scene.state, dofs, 1e-3, 1);
   const VecX still = prescribed_velocity(scene.model, scene.state, 1e-3);
   const std::vector<ContactRow> rows = contact_rows(scene.model, scene.state, found, still, 1e-3, {});

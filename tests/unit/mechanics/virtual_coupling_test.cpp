@@ -42,7 +42,7 @@ Vec6 random_twist(Random& random, double half) {
 
 GeneralisedForce force_of(const ForceLaw& law, const Model& model, const State& state, double t) {
   GeneralisedForce sum;
-  sum.f = VecX::Zero(6 * Eigen::Index(model.bodies.size()));
+  sum.f = VecX::Zero(velocity_count(model));
   law.add_to(model, state, t, sum);
   return sum;
 }

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mechanics/forces.hpp"
+
+#include <algorithm>
+
+#include "mechanics/mechanism.hpp"
+
+namespace aussois {
+namespace {
+
+void add_outer(std::vector<Triplet>& matrix, int row, int column, double factor, const Vec6& a,
+               const Vec6& b) {
+  if (factor == 0) return;
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 6; ++j) matrix.emplace_back(row + i, column + j, factor * a[i] * b[j]);
+}
+
+// Spring, damper and effort motor of an axis; directions at the middle of the step (MJT-9).
+AxisImpulse add_axis_force(const Model& model, const State& state, const std::vector<SE3>& middle, int j,
+                           int i, double t, GeneralisedForce& force) {
+  const Joint& joint = model.joints[std::size_t(j)];
+  const JointAxis& axis = joint.axis[std::size_t(i)];
+  const JointRow row = axis_row(joint, middle, i);
+  std::vector<std::pair<int, Vec6>> ends;  // (first velocity, J)
+  if (joint.body_a >= 0) ends.emplace_back(first_velocity(joint.body_a), row.J_a);
+  if (joint.body_b >= 0) ends.emplace_back(first_velocity(joint.body_b), row.J_b);
+  AxisImpulse out{.joint = j, .axis = i, .row = row};
+  out.motor = axis.motor.kind == MotorKind::effort ? axis.motor.target(t) : 0;
+  out.spring = -axis.stiffness * (joint_coordinate(model, state, j, i) - axis.rest) -
+               axis.damping * speed_along(joint, row, state.v);
+  for (const auto& [at, J] : ends) {
+    force.f.segment<6>(at) += (out.motor + out.spring) * J;
+    for (const auto& [with, L] : ends) {
+      add_outer(force.K, at, with, axis.stiffness, J, L);
+      add_outer(force.C, at, with, axis.damping, J, L);
+    }
+  }
+  return out;
+}
+
+bool pushes(const JointAxis& axis) {
+  return axis.stiffness != 0 || axis.damping != 0 || axis.motor.kind == MotorKind::effort;
+}
+
+}  // namespace
+
+double speed_along(const Joint& joint, const JointRow& row, const VecX& v) {
+  double out = 0;
+  if (joint.body_a >= 0) out += row.J_a.dot(of_body(v, joint.body_a));
+  if (joint.body_b >= 0) out += row.J_b.dot(of_body(v, joint.body_b));
+  return out;
+}
+
+bool has_axis_forces(const Model& model) {
+  return std::ranges::any_of(model.joints, [](const Joint& joint) {
+    return std::any_of(joint.axis.begin(), joint.axis.begin() + axis_count(joint.kind), pushes);
+  });
+}
+
+std::vector<AxisImpulse> add_axis_forces(const Model& model, const State& state,
+                                         const std::vector<SE3>& middle, double t, GeneralisedForce& force) {
+  std::vector<AxisImpulse> out;
+  for (int j = 0; j < int(model.joints.size()); ++j)
+    for (int i = 0; i < axis_count(model.joints[std::size_t(j)].kind); ++i)
+      if (pushes(model.joints[std::size_t(j)].axis[std::size_t(i)]))
+        out.push_back(add_axis_force(model, state, middle, j, i, t, force));
+  return out;
+}
+
+std::vector<AxisImpulse> trapezoid(double h, std::vector<AxisImpulse> start,
+                                   const std::vector<AxisImpulse>& end) {
+  start.insert(start.end(), end.begin(), end.end());
+  for (AxisImpulse& f : start) f.motor *= h / 2, f.spring *= h / 2;
+  return start;
+}
+
+Mat3 gyroscopic_derivative(const Mat3& J, const Vec3& omega) {
+  return skew(omega) * J - skew(J * omega);
+}
+
+SparseMatrix square_matrix(int n, const std::vector<Triplet>& entries) {
+  SparseMatrix out(n, n);
+  out.setFromTriplets(entries.begin(), entries.end());
+  return out;
+}
+
+std::vector<Triplet> free_entries(const std::vector<Triplet>& entries, const Layout& dofs) {
+  std::vector<Triplet> out;
+  for (const Triplet& e : entries) {
+    const int i = row_of(dofs, e.row()), j = row_of(dofs, e.col());
+    if (i >= 0 && j >= 0) out.emplace_back(i, j, e.value());
+  }
+  return out;
+}
+
+void add_block(std::vector<Triplet>& out, int at, const MatX& block, double scale) {
+  for (int j = 0; j < block.cols(); ++j)
+    for (int i = 0; i < block.rows(); ++i)
+      if (block(i, j) != 0) out.emplace_back(at + i, at + j, scale * block(i, j));
+}
+
+Forces forces_at(const Model& model, const State& state, const Layout& dofs) {
+  GeneralisedForce force = total_force(model, state, state.t);
+  Forces out;
+  out.axes = add_axis_forces(model, state, state.g, state.t, force);
+  out.gravity = out.gyroscopic = VecX::Zero(dofs.rows);
+  out.laws = free_velocities(dofs, force.f);
+  std::vector<Triplet> mass, K = free_entries(force.K, dofs), C = free_entries(force.C, dofs);
+  for (int b = 0; b < int(model.bodies.size()); ++b) {
+    const int row = dofs.first[std::size_t(b)];
+    if (row < 0) continue;
+    const RigidBody& body = model.bodies[std::size_t(b)];
+    const Vec3 omega = angular_part(state.v, b), momentum = body.inertia * omega;
+    add_block(mass, row, row, body.mass * Mat3::Identity());
+    add_block(mass, row + 3, row + 3, body.inertia);
+    add_block(C, row + 3, row + 3, gyroscopic_derivative(body.inertia, omega));
+    out.gravity.segment<3>(row) = body.mass * model.gravity;
+    out.gyroscopic.segment<3>(row + 3) = -omega.cross(momentum);
+  }
+  for (int i = 0; i < int(model.coordinates.size()); ++i) {
+    const Coordinates& block = model.coordinates[std::size_t(i)];
+    const int row = dofs.coordinates + first_coordinate(model, i);
+    const VecX q = coordinates(model, state, i), v = speeds(model, state, i);
+    add_block(mass, row, block_mass(model, i, q), 1);
+    if (!block.force) continue;
+    const CoordinateForce own = block_force(model, i, state.t, q, v);
+    out.laws.segment(row, block.size) += own.f;
+    add_block(C, row, own.C, 1);
+    add_block(K, row, own.K, 1);
+  }
+  out.mass = square_matrix(dofs.rows, mass);
+  out.K = square_matrix(dofs.rows, K);
+  out.C = square_matrix(dofs.rows, C);
+  return out;
+}
+
+}  // namespace aussois

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mechanics/motion.hpp"
+
+#include <cmath>
+
+#include "lmd/motion_bound.hpp"
+#include "mechanics/layout.hpp"
+#include "mechanics/mechanism.hpp"
+
+namespace aussois {
+namespace {
+
+// A pose after a constant twist for a time; it keeps its bits if there is none.
+SE3 retract(const SE3& g, const Vec6& twist, double time) {
+  return twist.isZero(0) ? g : pose_at({.g = g, .v = twist.head<3>(), .omega = twist.tail<3>()}, time);
+}
+
+}  // namespace
+
+State retract(const Model& model, State state, const VecX& v, double time) {
+  std::vector<SE3> g = state.g;
+  for (int b = 0; b < int(g.size()); ++b) g[std::size_t(b)] = retract(g[std::size_t(b)], of_body(v, b), time);
+  if (!model.joints.empty()) state.turns = counted_turns(model, state, g);
+  state.g = std::move(g);
+  state.q += time * v.tail(state.q.size());
+  return state;
+}
+
+Vec6 twist_between(const SE3& from, const SE3& to, double time) {
+  Vec6 out;
+  out << (to.p - from.p) / time, log_so3((from.R.conjugate() * to.R).normalized()) / time;
+  return out;
+}
+
+VecX velocity_between(const State& state, const State& plain, const State& end, VecX v, double time) {
+  if (end.q != plain.q) v.tail(end.q.size()) = (end.q - state.q) / time;
+  for (int b = 0; b < int(state.g.size()); ++b) {
+    const SE3 &g = pose(state, b), &to = pose(end, b), &led_to = pose(plain, b);
+    if (to.p == led_to.p && to.R.coeffs() == led_to.R.coeffs()) continue;
+    linear_part(v, b) = (to.p - g.p) / time;
+    const Vec3 phi = log_so3((g.R.conjugate() * to.R).normalized());
+    const double angle = phi.norm();
+    if (angle == 0) continue;
+    const double turns = std::round((time * angular_part(v, b).dot(phi) / angle - angle) / (2 * kPi));
+    angular_part(v, b) = phi * ((1 + 2 * kPi * turns / angle) / time);
+  }
+  return v;
+}
+
+VecX prescribed_velocity(const Model& model, const State& state, double h) {
+  VecX v = VecX::Zero(state.v.size());
+  for (int b = 0; b < int(model.bodies.size()); ++b)
+    if (const auto* moved = std::get_if<Prescribed>(&model.bodies[std::size_t(b)].motion))
+      of_body(v, b) = twist_between(pose(state, b), evaluate(moved->path, state.t + h).pose, h);
+  return v;
+}
+
+std::vector<SE3> moved_poses(const Model& model, const State& state, const VecX& v, double time) {
+  std::vector<SE3> g(state.g.size());
+  for (int b = 0; b < int(g.size()); ++b) {
+    const auto* moved = std::get_if<Prescribed>(&model.bodies[std::size_t(b)].motion);
+    g[std::size_t(b)] =
+        moved ? evaluate(moved->path, state.t + time).pose : retract(pose(state, b), of_body(v, b), time);
+  }
+  return g;
+}
+
+State state_after(const Model& model, const State& state, const VecX& v_path, const VecX& v_end, double h) {
+  State next{.t = state.t + h,
+             .h = h,
+             .h_next = state.h_next,
+             .g = moved_poses(model, state, v_path, h),
+             .q = state.q + h * v_path.tail(state.q.size()),
+             .v = v_end,
+             .turns = state.turns,
+             .r = state.r,
+             .a = {},
+             .memory = {}};
+  if (!model.joints.empty()) next.turns = counted_turns(model, state, next.g);
+  return next;
+}
+
+const char* to_string(GroupUpdate update) {
+  switch (update) {
+    case GroupUpdate::exponential:
+      return "exponential";
+    case GroupUpdate::cayley:
+      return "cayley";
+    case GroupUpdate::screw:
+      return "screw";
+  }
+  return "?";
+}
+
+GroupUpdate group_update(const std::string& name) {
+  for (const GroupUpdate update : {GroupUpdate::exponential, GroupUpdate::cayley, GroupUpdate::screw})
+    if (name == to_string(update)) return update;
+  throw std::invalid_argument("group update = " + name + " must be exponential, cayley or screw");
+}
+
+VecX path_velocity(GroupUpdate update, const Model& model, const State& state, const VecX& v, double h) {
+  if (update == GroupUpdate::exponential) return v;  // (LIE-1)
+  VecX out = v;
+  for (int b = 0; b < int(model.bodies.size()); ++b) {
+    const Vec3 omega = angular_part(v, b);
+    const double half = h / 2 * omega.norm();
+    if (!is_dynamic(model.bodies[std::size_t(b)]) || half == 0) continue;
+    if (update == GroupUpdate::cayley) {
+      angular_part(out, b) *= std::atan(half) / half;  // (LIE-2)
+    } else {
+      const Vec3 axis = pose(state, b).R * omega.normalized(), along = axis * axis.dot(linear_part(v, b));
+      linear_part(out, b) = along + stumpff(1, half * half) * (linear_part(v, b) - along);  // (LIE-3)
+    }
+  }
+  return out;
+}
+
+}  // namespace aussois
