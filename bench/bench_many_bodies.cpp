@@ -16,7 +16,8 @@
 #include "examples/common/driver.hpp"
 #include "geometry/mass_properties.hpp"
 #include "geometry/primitives.hpp"
-#include "integrators/moreau_jean.hpp"
+#include "integrators/pose/step_pairs.hpp"
+#include "integrators/schemes/moreau_jean.hpp"
 #include "io/csv_table.hpp"
 #include "io/summary.hpp"
 

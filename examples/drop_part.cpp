@@ -19,7 +19,7 @@
 #include "geometry/check.hpp"
 #include "geometry/fastener.hpp"
 #include "geometry/primitives.hpp"
-#include "integrators/moreau_jean.hpp"
+#include "integrators/schemes/moreau_jean.hpp"
 #include "io/build_info.hpp"
 #include "io/csv_table.hpp"
 #include "io/record.hpp"

@@ -13,7 +13,7 @@
 #include "examples/reduction/selection_picture.hpp"
 #include "geometry/mass_properties.hpp"
 #include "geometry/primitives.hpp"
-#include "integrators/moreau_jean.hpp"
+#include "integrators/schemes/moreau_jean.hpp"
 #include "io/atomic_file.hpp"
 #include "io/mesh_file.hpp"
 #include "io/summary.hpp"

@@ -22,7 +22,7 @@
 #include "examples/common/step_dump.hpp"
 #include "examples/scenes/library.hpp"
 #include "geometry/check.hpp"
-#include "integrators/start.hpp"
+#include "integrators/run.hpp"
 #include "io/build_info.hpp"
 #include "io/checkpoint.hpp"
 #include "io/csv_table.hpp"

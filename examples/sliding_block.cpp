@@ -17,7 +17,7 @@
 #include "examples/common/step_dump.hpp"
 #include "geometry/check.hpp"
 #include "geometry/primitives.hpp"
-#include "integrators/moreau_jean.hpp"
+#include "integrators/schemes/moreau_jean.hpp"
 #include "io/summary.hpp"
 
 using namespace aussois;

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <memory>
 
-#include "integrators/event_driven.hpp"
+#include "integrators/events/event_driven.hpp"
 
 namespace aussois {
 namespace {

@@ -7,13 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "integrators/d1_minus_linear.hpp"
-#include "integrators/generalised_alpha.hpp"
-#include "integrators/moreau_jean.hpp"
-#include "integrators/moreau_jean_projected.hpp"
-#include "integrators/ode.hpp"
-#include "integrators/passive_midpoint.hpp"
-#include "integrators/schatzman_paoli.hpp"
+#include "integrators/schemes/d1_minus_linear.hpp"
+#include "integrators/schemes/generalised_alpha.hpp"
+#include "integrators/schemes/moreau_jean.hpp"
+#include "integrators/schemes/moreau_jean_projected.hpp"
+#include "integrators/schemes/passive_midpoint.hpp"
+#include "integrators/schemes/schatzman_paoli.hpp"
 
 namespace aussois {
 

@@ -45,12 +45,8 @@ void append(std::vector<float>& values, const Vec3& x) {
   for (const double coordinate : x) values.push_back(float(coordinate));
 }
 
-}  // namespace
-
-void write_part_html(const std::filesystem::path& html, const PartPicture& picture) {
-  const Vec3 centre = centre_of(picture);
-  PageArrays arrays;
-  std::vector<double> opacity;
+// Coordinates are those about `centre`.
+void add_surfaces(const PartPicture& picture, const Vec3& centre, PageArrays& arrays) {
   for (std::size_t i = 0; i < picture.surfaces.size(); ++i) {
     const SurfaceLayer& layer = picture.surfaces[i];
     check(layer, layer.triangles.size());
@@ -67,8 +63,10 @@ void write_part_html(const std::filesystem::path& html, const PartPicture& pictu
     arrays.add(prefix + "vertices", vertices);
     arrays.add(prefix + "faces", faces);
     arrays.add(prefix + "colour", layer.colour);
-    opacity.push_back(layer.opacity);
   }
+}
+
+void add_lines_and_points(const PartPicture& picture, const Vec3& centre, PageArrays& arrays) {
   for (std::size_t i = 0; i < picture.lines.size(); ++i) {
     const LineLayer& layer = picture.lines[i];
     check(layer, layer.lines.size());
@@ -86,7 +84,17 @@ void write_part_html(const std::filesystem::path& html, const PartPicture& pictu
     arrays.add("points" + std::to_string(i) + ".at", at);
     arrays.add("points" + std::to_string(i) + ".colour", layer.colour);
   }
+}
 
+}  // namespace
+
+void write_part_html(const std::filesystem::path& html, const PartPicture& picture) {
+  const Vec3 centre = centre_of(picture);
+  PageArrays arrays;
+  add_surfaces(picture, centre, arrays);
+  add_lines_and_points(picture, centre, arrays);
+  std::vector<double> opacity;
+  for (const SurfaceLayer& layer : picture.surfaces) opacity.push_back(layer.opacity);
   Summary page;
   page.set("kind", "part");
   page.set("title", picture.title);

@@ -219,7 +219,9 @@ double interior_angle(const SimplicialComplex& k, const Idealisation& ideal, con
   return kPi - std::atan2(n.cross(m).dot(chain.direction) * (along ? 1 : -1), n.dot(m));
 }
 
-ErosionResult erode(const SimplicialComplex& solid, const ErosionOptions& options) {
+namespace {
+
+void check(const ErosionOptions& options) {
   require_field(options.depth > 0 && std::isfinite(options.depth), "ErosionOptions::depth", options.depth,
                 "be finite and > 0 [m]");
   require_field(options.planarity >= 0 && options.planarity <= 1e-2, "ErosionOptions::planarity",
@@ -231,7 +233,12 @@ ErosionResult erode(const SimplicialComplex& solid, const ErosionOptions& option
   require_field(options.max_rounding > 0, "ErosionOptions::max_rounding", options.max_rounding, "be > 0 [m]");
   require_field(options.samples >= 1 && options.samples <= 100'000'000, "ErosionOptions::samples",
                 options.samples, "lie in [1, 1e8]");
+}
 
+}  // namespace
+
+ErosionResult erode(const SimplicialComplex& solid, const ErosionOptions& options) {
+  check(options);
   ErosionResult result;
   if (!is_closed_oriented(solid) || !(signed_volume(solid) > 0)) {
     result.status = ErosionStatus::not_solid;

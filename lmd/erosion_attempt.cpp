@@ -19,6 +19,30 @@ struct Tries {
 constexpr std::array<Tries, 4> kTries = {
     {{0, 1}, {1, 1}, {0, 3}, {1, 3}}};  // unjoined first; numbers are taste
 
+// Where more than two triangles of a surface meet in an edge.
+Failure touching(const SimplicialComplex& solid, const RegionOffset& made, const SimplicialComplex& surface) {
+  Failure out{ErosionStatus::self_intersecting, solid.vertices[0], "parts of the surface would touch"};
+  for (int e = 0; e < int(surface.edges.size()); ++e)
+    if (surface.edge_triangles[e].size() > 2) {
+      const auto& [a, b] = surface.edges[std::size_t(e)];
+      out.place = surface.vertices[std::size_t(a)];
+      const int v = made.wave_vertex[std::size_t(a)], w = made.wave_vertex[std::size_t(b)];
+      if (v >= 0 && w >= 0) out.crossing.push_back({std::vector{v}, std::vector{w}});
+    }
+  return out;
+}
+
+// What has become of every vertex of the solid.
+std::vector<std::vector<int>> wave_of_vertices(const SimplicialComplex& solid, const std::vector<Fan>& fans,
+                                               const RegionOffset& made) {
+  std::vector<std::vector<int>> out(solid.vertices.size());
+  for (int w = 0; w < int(made.wave.vertices.size()); ++w)
+    if (made.wave.vertices[std::size_t(w)].alive)
+      for (int f : made.wave.vertices[std::size_t(w)].fans)
+        out[std::size_t(fans[std::size_t(f)].vertex)].push_back(w);
+  return out;
+}
+
 /// Builds the complex of an attempt and looks whether it is an eroded solid.
 std::optional<Failure> check(const SimplicialComplex& solid, const SurfaceTree& tree,
                              const std::vector<Fan>& fans, const RegionOffset& made,
@@ -26,17 +50,7 @@ std::optional<Failure> check(const SimplicialComplex& solid, const SurfaceTree& 
   if (made.triangles.empty())
     return Failure{ErosionStatus::inside_out, solid.vertices[0], "nothing would be left", {}};
   out = make_complex(made.vertices, made.triangles);
-  if (!is_closed_oriented(out)) {
-    Failure touch{ErosionStatus::self_intersecting, solid.vertices[0], "parts of the surface would touch"};
-    for (int e = 0; e < int(out.edges.size()); ++e)
-      if (out.edge_triangles[e].size() > 2) {
-        const auto& [a, b] = out.edges[std::size_t(e)];
-        touch.place = out.vertices[std::size_t(a)];
-        const int v = made.wave_vertex[std::size_t(a)], w = made.wave_vertex[std::size_t(b)];
-        if (v >= 0 && w >= 0) touch.crossing.push_back({std::vector{v}, std::vector{w}});
-      }
-    return touch;
-  }
+  if (!is_closed_oriented(out)) return touching(solid, made, out);
   if (!(signed_volume(out) > 0))
     return Failure{ErosionStatus::inside_out, solid.vertices[0], "nothing would be left", {}};
   out.solid = true;
@@ -52,11 +66,7 @@ std::optional<Failure> check(const SimplicialComplex& solid, const SurfaceTree& 
       if (const int w = made.wave_vertex[std::size_t(v)]; w >= 0) all.push_back(w);
     return all;
   };
-  std::vector<std::vector<int>> of_vertex(solid.vertices.size());
-  for (int w = 0; w < int(made.wave.vertices.size()); ++w)
-    if (made.wave.vertices[std::size_t(w)].alive)
-      for (int f : made.wave.vertices[std::size_t(w)].fans)
-        of_vertex[std::size_t(fans[std::size_t(f)].vertex)].push_back(w);
+  const std::vector<std::vector<int>> of_vertex = wave_of_vertices(solid, fans, made);
   std::optional<Failure> shallow;
   for (int t = 0; t < int(out.triangles.size()); ++t) {
     const auto at = [&](int corner) {

@@ -219,6 +219,37 @@ void validate(const PersistenceOptions& o) {
           "PersistenceOptions::anchors need contacts that are matched");
 }
 
+namespace {
+
+// What the contacts `now` of a pair take over from those remembered of it, the first of which is `begin`.
+void take_over(std::span<const RememberedContact> old, std::size_t begin, const std::vector<Seen>& now,
+               const Cascade& cascade, const ContactSet& contacts, const MatchInput& input, WarmStart& out) {
+  for (std::size_t k = 0; k < now.size(); ++k) {
+    if (cascade.match(k) < 0) continue;
+    const std::size_t i = now[k].place;
+    const RememberedContact& from = old[std::size_t(cascade.match(k))];
+    out.impulse[i] = input.scale * turned(from.impulse, from.normal, contacts.points[i].normal);  // (RED-5)
+    out.drilling[i] = input.scale * from.drilling;
+    out.anchor[i] = moved_anchor(from, contacts.points[i], input.g);
+    out.kind[i] = cascade.kind(k);
+    out.match[i] = int(begin) + cascade.match(k);
+    out.remembered[i] = from.solved;
+    --out.counts.unmatched;
+    ++(out.kind[i] == MatchKind::key        ? out.counts.by_key
+       : out.kind[i] == MatchKind::adjacent ? out.counts.by_adjacency
+                                            : out.counts.by_geometry);
+  }
+  for (const auto& [k, l] : cascade.legacies()) {  // (PER-6)
+    const RememberedContact& from = old[l];
+    const std::size_t i = now[k].place;
+    out.impulse[i] += input.scale * turned(from.impulse, from.normal, contacts.points[i].normal);
+    out.drilling[i] += input.scale * from.drilling;
+  }
+  out.counts.inherited += int(cascade.legacies().size());
+}
+
+}  // namespace
+
 WarmStart warm_start(const ContactMemory& memory, const ContactSet& contacts, const MatchInput& input,
                      const PersistenceOptions& options) {
   const std::size_t n = contacts.points.size();
@@ -256,28 +287,7 @@ WarmStart warm_start(const ContactMemory& memory, const ContactSet& contacts, co
     if (j == begin) continue;
     const std::span old = std::span(memory.contacts).subspan(begin, j - begin);
     cascade.run(old, now);
-    for (std::size_t k = 0; k < now.size(); ++k) {
-      if (cascade.match(k) < 0) continue;
-      const std::size_t i = now[k].place;
-      const RememberedContact& from = old[std::size_t(cascade.match(k))];
-      out.impulse[i] = input.scale * turned(from.impulse, from.normal, contacts.points[i].normal);  // (RED-5)
-      out.drilling[i] = input.scale * from.drilling;
-      out.anchor[i] = moved_anchor(from, contacts.points[i], input.g);
-      out.kind[i] = cascade.kind(k);
-      out.match[i] = int(begin) + cascade.match(k);
-      out.remembered[i] = from.solved;
-      --out.counts.unmatched;
-      ++(out.kind[i] == MatchKind::key        ? out.counts.by_key
-         : out.kind[i] == MatchKind::adjacent ? out.counts.by_adjacency
-                                              : out.counts.by_geometry);
-    }
-    for (const auto& [k, l] : cascade.legacies()) {  // (PER-6)
-      const RememberedContact& from = old[l];
-      const std::size_t i = now[k].place;
-      out.impulse[i] += input.scale * turned(from.impulse, from.normal, contacts.points[i].normal);
-      out.drilling[i] += input.scale * from.drilling;
-    }
-    out.counts.inherited += int(cascade.legacies().size());
+    take_over(old, begin, now, cascade, contacts, input, out);
   }
   return out;
 }

@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "examples/assembly/assembly_input.hpp"
-#include "integrators/moreau_jean.hpp"
+#include "integrators/schemes/moreau_jean.hpp"
 #include "mechanics/virtual_coupling.hpp"
 
 namespace aussois {

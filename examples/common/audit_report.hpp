@@ -2,7 +2,7 @@
 // What --certify N found, and of whom no certificate speaks, for people and for summaries.
 #pragma once
 
-#include "integrators/path_audit.hpp"
+#include "integrators/prove/path_audit.hpp"
 #include "io/checkpoint.hpp"
 #include "io/summary.hpp"
 

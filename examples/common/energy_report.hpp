@@ -2,7 +2,7 @@
 // What a run gained that nothing gave (LED-4), for people, summaries and checkpoints.
 #pragma once
 
-#include "integrators/energy_gain.hpp"
+#include "integrators/run.hpp"
 #include "io/checkpoint.hpp"
 #include "io/summary.hpp"
 

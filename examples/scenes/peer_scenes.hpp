@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "integrators/moreau_jean.hpp"
+#include "integrators/schemes/moreau_jean.hpp"
 
 namespace aussois {
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "examples/common/random.hpp"
-#include "integrators/joint_rows.hpp"
+#include "integrators/run.hpp"
 #include "mechanics/mechanism.hpp"
 
 namespace aussois {

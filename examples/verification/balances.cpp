@@ -14,8 +14,7 @@
 #include "examples/scenes/study.hpp"
 #include "examples/scenes/tumbling.hpp"
 #include "examples/verification/running.hpp"
-#include "integrators/energy_gain.hpp"
-#include "integrators/joint_rows.hpp"
+#include "integrators/run.hpp"
 
 namespace aussois {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "examples/scenes/mechanisms.hpp"
 #include "examples/verification/running.hpp"
-#include "integrators/joint_rows.hpp"
+#include "integrators/pose/joint_rows.hpp"
 #include "mechanics/mechanism.hpp"
 
 namespace aussois {

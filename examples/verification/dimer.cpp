@@ -5,7 +5,7 @@
 
 #include "examples/scenes/toys.hpp"
 #include "examples/verification/running.hpp"
-#include "integrators/moreau_jean.hpp"
+#include "integrators/schemes/moreau_jean.hpp"
 #include "lmd/simplex_distance.hpp"
 
 namespace aussois {

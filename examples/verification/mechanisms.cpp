@@ -11,7 +11,7 @@
 #include "examples/verification/slider_crank.hpp"
 #include "examples/verification/spinning_chain.hpp"
 #include "geometry/primitives.hpp"
-#include "integrators/joint_rows.hpp"
+#include "integrators/run.hpp"
 #include "mechanics/mechanism.hpp"
 
 namespace aussois {

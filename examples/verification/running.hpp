@@ -10,7 +10,7 @@
 #include "examples/scenes/cases.hpp"
 #include "examples/scenes/shared_series.hpp"
 #include "examples/verification/verification.hpp"
-#include "integrators/run_until.hpp"
+#include "integrators/run.hpp"
 #include "integrators/scheme.hpp"
 
 namespace aussois {

@@ -3,7 +3,7 @@
 
 #include "examples/scenes/mechanisms.hpp"
 #include "examples/verification/running.hpp"
-#include "integrators/joint_rows.hpp"
+#include "integrators/run.hpp"
 
 namespace aussois {
 namespace {

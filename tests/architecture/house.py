@@ -18,6 +18,10 @@ for room in ("integrators", "io"):
     MAY_INCLUDE[room].add("nsgs")
 # The solver knows numbers and errors, but nothing that has a shape (doc/decisions/0003).
 ALSO = {"nsgs": {"geometry/types.hpp", "geometry/check.hpp"}}
+# The halls of a room: each includes itself and those further left.
+HALLS = {"integrators": ["pose", "prove", "tell", "schemes", "events"]}
+LONGEST_FUNCTION = 60  # lines
+MOST_PUBLIC_HEADERS = {"integrators": 12}
 
 NOT_EQUATIONS = {"UTF-8"}
 
@@ -53,6 +57,51 @@ def includes(root):
         elif header.split("/")[0] not in MAY_INCLUDE[room] and header not in ALSO.get(room, ()):
             bad.append(f'{place}: {room} may not include "{header}"')
     return bad
+
+
+def halls(root):
+    """A hall includes itself, halls further left, and files of its room that include no hall; schemes and events do not
+    know each other."""
+    bad = []
+    for room, order in HALLS.items():
+        paths = [path for path in sources(root, ".hpp", ".cpp") if path.relative_to(root).parts[0] == room]
+        found = list(lines(root, paths, rf'^\s*#\s*include\s*"{room}/(?:(\w+)/)?(\w+)\.hpp"'))
+        above = {place.split(":")[0].split("/")[1].split(".")[0] for place, match in found
+                 if match[1] and place.count("/") == 1}
+        for place, match in found:
+            hall = place.split("/")[1] if place.count("/") == 2 else None
+            if hall is None:
+                continue
+            allowed = set(order[: order.index(hall) + 1]) - ({"schemes"} if hall == "events" else set())
+            if match[1] and match[1] not in allowed:
+                bad.append(f"{place}: hall {hall} may not include hall {match[1]}")
+            elif not match[1] and match[2] in above:
+                bad.append(f"{place}: hall {hall} may not include {match[2]}.hpp, which stands above the halls")
+    return bad
+
+
+def short_functions(root):
+    """No function of the library is longer than LONGEST_FUNCTION lines, its braces included."""
+    bad = []
+    for path in sources(root, ".hpp", ".cpp"):
+        start = None
+        for number, text in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
+            if re.match(r"[A-Za-z].*\(", text) and not re.match(r"(namespace|struct|class|enum|union|using|typedef)\b", text):
+                start = number
+            elif text == "}" and start:
+                if number - start + 1 > LONGEST_FUNCTION:
+                    bad.append(f"{path.relative_to(root)}:{start}: a function of {number - start + 1} lines")
+                start = None
+            elif text.startswith("};") or re.match(r"(namespace|struct|class|enum|union)\b", text):
+                start = None
+    return bad
+
+
+def few_public_headers(root):
+    """A room shows no more headers than MOST_PUBLIC_HEADERS says."""
+    return [f"{room}/CMakeLists.txt:1: {len(shown)} public headers, at most {most} are wanted"
+            for room, most in MOST_PUBLIC_HEADERS.items()
+            if len(shown := plan(root, room).get("HEADERS", ())) > most]
 
 
 def own_header_first(root):
@@ -210,8 +259,9 @@ def tests(root):
     return bad + [f"{place}: the verification list has no case {match[1]}" for place, match in named if match[1] not in cases]
 
 
-RULES = {rule.__name__: rule for rule in (includes, own_header_first, public_headers, listed, one_definition, velocity_places, equations, licence,
-                                      links, pages, references, tests)}
+RULES = {rule.__name__: rule for rule in (includes, halls, short_functions, few_public_headers, own_header_first, public_headers,
+                                          listed, one_definition, velocity_places, equations, licence, links, pages, references,
+                                          tests)}
 
 
 def main():

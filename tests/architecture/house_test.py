@@ -21,7 +21,7 @@ class House(unittest.TestCase):
 
     def test_a_room_includes_rooms_further_left_only(self):
         tree = {"geometry/types.hpp": "", "nsgs/nsgs.hpp": '#include "geometry/types.hpp"\n',
-                "integrators/moreau_jean.cpp": '#include "nsgs/nsgs.hpp"\n#include "geometry/types.hpp"\n'}
+                "integrators/schemes/moreau_jean.cpp": '#include "nsgs/nsgs.hpp"\n#include "geometry/types.hpp"\n'}
         self.assertEqual(self.offences(house.includes, tree), [])
         tree["geometry/types.hpp"] = '\n#  include "nsgs/nsgs.hpp"\n'
         self.assertEqual(self.offences(house.includes, tree),
@@ -39,6 +39,37 @@ class House(unittest.TestCase):
         tree = {"lmd/cone.hpp": "", "lmd/cone.cpp": '#include "cone.hpp"\n'}
         self.assertEqual(self.offences(house.includes, tree),
                          ['lmd/cone.cpp:1: there is no "cone.hpp" seen from the root'])
+
+    def test_a_hall_includes_halls_further_left_only(self):
+        tree = {"integrators/pose/rows.hpp": "", "integrators/step_report.hpp": "", "integrators/run.hpp": "",
+                "integrators/run.cpp": '#include "integrators/prove/judge.hpp"\n',
+                "integrators/prove/judge.hpp": '#include "integrators/pose/rows.hpp"\n#include "integrators/step_report.hpp"\n',
+                "integrators/schemes/loop.hpp": '#include "integrators/prove/judge.hpp"\n',
+                "integrators/events/reference.cpp": '#include "integrators/prove/judge.hpp"\n'}
+        self.assertEqual(self.offences(house.halls, tree), [])
+        tree["integrators/pose/rows.hpp"] = '#include "integrators/prove/judge.hpp"\n#include "integrators/run.hpp"\n'
+        tree["integrators/events/reference.cpp"] += '#include "integrators/schemes/loop.hpp"\n'
+        self.assertEqual(self.offences(house.halls, tree),
+                         ["integrators/events/reference.cpp:2: hall events may not include hall schemes",
+                          "integrators/pose/rows.hpp:1: hall pose may not include hall prove",
+                          "integrators/pose/rows.hpp:2: hall pose may not include run.hpp, which stands above the halls"])
+
+    def test_functions_are_short(self):
+        body = "  f();\n" * (house.LONGEST_FUNCTION - 2)
+        tree = {"nsgs/a.cpp": f"void f() {{\n{body}}}\n\nnamespace {{\n{body}{body}}}\n", "tests/a.cpp": f"f() {{\n{body}{body}}}\n"}
+        self.assertEqual(self.offences(house.short_functions, tree), [])
+        tree["nsgs/a.cpp"] += f"\nstruct A {{\n{body}{body}}};\n\nint g(int a,\n      int b) {{\n{body}}}\n"
+        self.assertEqual(self.offences(house.short_functions, tree),
+                         [f"nsgs/a.cpp:{5 * house.LONGEST_FUNCTION}: a function of {house.LONGEST_FUNCTION + 1} lines"])
+
+    def test_a_room_shows_few_headers(self):
+        headers = [f"h{i}.hpp" for i in range(house.MOST_PUBLIC_HEADERS["integrators"])]
+        plan = "aussois_library(integrators SOURCES a.cpp HEADERS %s)\n"
+        tree = {"integrators/CMakeLists.txt": plan % " ".join(headers)}
+        self.assertEqual(self.offences(house.few_public_headers, tree), [])
+        tree["integrators/CMakeLists.txt"] = plan % " ".join(headers + ["more.hpp"])
+        self.assertEqual(self.offences(house.few_public_headers, tree),
+                         ["integrators/CMakeLists.txt:1: 13 public headers, at most 12 are wanted"])
 
     def test_a_source_includes_its_own_header_first(self):
         tree = {"lmd/a.hpp": "", "lmd/a.cpp": '#include "lmd/a.hpp"\n', "lmd/alone.cpp": "#include <vector>\n",

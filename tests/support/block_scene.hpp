@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "examples/scenes/block_on_plate.hpp"
-#include "integrators/moreau_jean.hpp"
+#include "integrators/schemes/moreau_jean.hpp"
 
 namespace aussois {
 

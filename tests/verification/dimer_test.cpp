@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "examples/scenes/toys.hpp"
-#include "integrators/find_ahead.hpp"
+#include "integrators/pose/find_ahead.hpp"
 
 namespace aussois {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The event-driven reference: what joints do in it, and what it refuses. Events and states on exact motions
 // are rows of the driver `verify`.
-#include "integrators/event_driven.hpp"
+#include "integrators/events/event_driven.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,8 @@
 // The Moreau-Jean scheme against exact solutions.
 #include <gtest/gtest.h>
 
-#include "integrators/moreau_jean.hpp"
+#include "integrators/pose/contact_problem.hpp"
+#include "integrators/schemes/moreau_jean.hpp"
 #include "tests/support/block_scene.hpp"
 
 namespace aussois {

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "geometry/primitives.hpp"
-#include "integrators/moreau_jean.hpp"
+#include "integrators/schemes/moreau_jean.hpp"
 #include "lmd/certificate.hpp"
 #include "lmd/simplex_distance.hpp"
 #include "tests/support/random.hpp"

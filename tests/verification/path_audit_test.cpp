@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Samples that check certificates (CA-9): they find nothing in honest steps, and everything in others.
-#include "integrators/path_audit.hpp"
+#include "integrators/prove/path_audit.hpp"
 
 #include <algorithm>
 
+#include "integrators/prove/certify_step.hpp"
 #include "tests/support/block_scene.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/scheme_variants.hpp"

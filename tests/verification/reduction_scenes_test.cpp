@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "geometry/frame.hpp"
-#include "integrators/reduced_solve.hpp"
+#include "integrators/pose/reduced_solve.hpp"
 #include "reduction/learned_selector.hpp"
 #include "tests/support/block_scene.hpp"
 #include "tests/support/flat_contacts.hpp"

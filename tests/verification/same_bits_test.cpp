@@ -3,6 +3,7 @@
 // the scheme; and the same motion whatever the order of the bodies.
 #include <algorithm>
 
+#include "integrators/run.hpp"
 #include "io/checkpoint.hpp"
 #include "tests/support/block_scene.hpp"
 #include "tests/support/files.hpp"

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "geometry/primitives.hpp"
-#include "integrators/moreau_jean.hpp"
+#include "integrators/schemes/moreau_jean.hpp"
 
 namespace aussois {
 namespace {

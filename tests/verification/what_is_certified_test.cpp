@@ -3,8 +3,8 @@
 // inside others (CA-19), bodies that share a joint, bodies that nothing can stop (CA-20). In every scheme.
 #include <algorithm>
 
-#include "integrators/path_audit.hpp"
-#include "integrators/start.hpp"
+#include "integrators/prove/path_audit.hpp"
+#include "integrators/run.hpp"
 #include "tests/support/block_scene.hpp"
 #include "tests/support/compound.hpp"
 #include "tests/support/message_of.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // How a step is tried until it may be accepted (CA-5) to (CA-8): by scripted attempts, and by a blow that
 // throws a body farther than anyone had looked.
-#include "integrators/advance_step.hpp"
+#include "integrators/schemes/advance_step.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,8 @@
 namespace aussois {
 namespace {
 
-/// One free body, and attempts that end as a script says; what they were asked is written down.
+/// One free body, and a scheme that objects to its own trials as a script says; what it was asked is written
+/// down.
 struct Scripted {
   Model model{};
   State state{};
@@ -26,18 +27,21 @@ struct Scripted {
   StepReport step(const AdvancementOptions& advancement = {}, double h_limit = kInf) {
     const StepSetting setting = step_setting(model, {.h = 1e-2, .advancement = advancement});
     h.clear(), asked.clear();
-    return advance_step(setting, state, h_limit,
-                        {[](const State& s, double) { return VecX(0 * s.v); },
-                         [&](const State& s, const Estimate& ahead, double length) {
-                           Attempt out{.outcome = script(length, int(h.size()))};
-                           h.push_back(length), asked.push_back(ahead);
-                           out.v_path = VecX::Constant(s.v.size(), double(h.size()));
-                           out.meeting = {{int(h.size()), 9}};
-                           out.next = state_after(model, s, s.v, s.v, length);
-                           out.report.h = length;
-                           out.report.reason = "attempt " + std::to_string(h.size());
-                           return out;
-                         }});
+    return advance_step(
+        setting, state, h_limit,
+        {[](const State& s, double) { return VecX(0 * s.v); },
+         [&](const State& s, const Estimate& ahead, double length) {
+           const Outcome outcome = script(length, int(h.size()));
+           h.push_back(length), asked.push_back(ahead);
+           const double k = double(h.size());
+           Trial out{.found = find_ahead(setting, s, ahead, length)};
+           out.impulses = solve_step(
+               setting, s, out.found,
+               std::make_shared<const FreeMotion>(free_motion(model, s, setting.dofs, length, 1)), 1);
+           out.move = {.v_path = VecX::Constant(6, k), .v_end = VecX::Zero(6)};
+           out.beforehand = {outcome, "attempt " + std::to_string(h.size()), {{int(k), 9}}};
+           return out;
+         }});
   }
 };
 

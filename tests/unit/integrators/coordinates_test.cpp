@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "examples/scenes/point_and_wall.hpp"
-#include "integrators/moreau_jean.hpp"
+#include "integrators/schemes/moreau_jean.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/stepping.hpp"
 

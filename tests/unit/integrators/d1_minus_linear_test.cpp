@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "integrators/d1_minus_linear.hpp"
+#include "integrators/schemes/d1_minus_linear.hpp"
 
 #include "mechanics/joint.hpp"
 #include "tests/support/block_scene.hpp"

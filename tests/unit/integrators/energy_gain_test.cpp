@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // A run that gains energy little by little is told, one that keeps it or is given it is not (LED-4).
-#include "integrators/energy_gain.hpp"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "examples/scenes/springs.hpp"
-#include "integrators/joint_rows.hpp"
+#include "integrators/pose/joint_rows.hpp"
+#include "integrators/run.hpp"
 #include "tests/support/block_scene.hpp"
 #include "tests/support/one_axis.hpp"
 #include "tests/support/stepping.hpp"

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "integrators/free_motion.hpp"
+#include "integrators/pose/free_motion.hpp"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "integrators/moreau_jean.hpp"
+#include "integrators/schemes/moreau_jean.hpp"
 #include "tests/support/random.hpp"
 
 namespace aussois {

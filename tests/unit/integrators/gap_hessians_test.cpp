@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // (MJ-14), (MJ-15): what normal impulses add to Newton's matrix is how the momentum that they give turns with
 // the bodies.
-#include "integrators/gap_hessians.hpp"
+#include "integrators/pose/gap_hessians.hpp"
 
 #include <gtest/gtest.h>
 
 #include "geometry/primitives.hpp"
-#include "integrators/contact_problem.hpp"
+#include "integrators/pose/contact_problem.hpp"
 #include "lmd/find_contacts.hpp"
 #include "tests/support/random.hpp"
 

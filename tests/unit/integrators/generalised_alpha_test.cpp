@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "integrators/generalised_alpha.hpp"
+#include "integrators/schemes/generalised_alpha.hpp"
 
+#include "integrators/run.hpp"
 #include "mechanics/joint.hpp"
 #include "mechanics/mechanism.hpp"
 #include "tests/support/block_scene.hpp"

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "geometry/primitives.hpp"
-#include "integrators/moreau_jean.hpp"
+#include "integrators/schemes/moreau_jean.hpp"
 #include "tests/support/block_scene.hpp"
 #include "tests/support/message_of.hpp"
 

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "integrators/run.hpp"
 #include "tests/support/gear_pair.hpp"
 #include "tests/support/one_axis.hpp"
 #include "tests/support/scheme_variants.hpp"

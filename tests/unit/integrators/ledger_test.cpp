@@ -4,6 +4,7 @@
 
 #include "examples/scenes/outside_judge.hpp"
 #include "examples/scenes/springs.hpp"
+#include "integrators/run.hpp"
 #include "integrators/scheme.hpp"
 #include "tests/support/block_scene.hpp"
 

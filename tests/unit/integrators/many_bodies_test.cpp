@@ -3,7 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "geometry/primitives.hpp"
-#include "integrators/moreau_jean.hpp"
+#include "integrators/pose/step_pairs.hpp"
+#include "integrators/schemes/moreau_jean.hpp"
 #include "tests/support/random.hpp"
 
 namespace aussois {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "examples/scenes/tumbling.hpp"
-#include "integrators/passive_midpoint.hpp"
+#include "integrators/schemes/passive_midpoint.hpp"
 #include "mechanics/mechanism.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/stepping.hpp"

@@ -6,7 +6,7 @@
 
 #include "examples/scenes/tumbling.hpp"
 #include "geometry/primitives.hpp"
-#include "integrators/moreau_jean.hpp"
+#include "integrators/schemes/moreau_jean.hpp"
 #include "tests/support/gear_pair.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/one_axis.hpp"

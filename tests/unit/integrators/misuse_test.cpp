@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "geometry/primitives.hpp"
-#include "integrators/run_until.hpp"
+#include "integrators/run.hpp"
 #include "integrators/scheme.hpp"
 #include "tests/support/block_scene.hpp"
 #include "tests/support/message_of.hpp"

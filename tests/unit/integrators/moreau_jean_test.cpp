@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "integrators/moreau_jean.hpp"
+#include "integrators/schemes/moreau_jean.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "geometry/primitives.hpp"
-#include "integrators/reduced_solve.hpp"
+#include "integrators/pose/reduced_solve.hpp"
 #include "tests/support/block_scene.hpp"
 #include "tests/support/random.hpp"
 

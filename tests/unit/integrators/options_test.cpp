@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "geometry/number_text.hpp"
+#include "integrators/run.hpp"
 #include "integrators/scheme.hpp"
-#include "integrators/start.hpp"
 #include "tests/support/block_scene.hpp"
 #include "tests/support/message_of.hpp"
 

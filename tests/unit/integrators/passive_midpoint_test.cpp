@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "integrators/passive_midpoint.hpp"
+#include "integrators/schemes/passive_midpoint.hpp"
 
 #include "mechanics/joint.hpp"
 #include "tests/support/block_scene.hpp"

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "geometry/primitives.hpp"
-#include "integrators/moreau_jean_projected.hpp"
+#include "integrators/schemes/moreau_jean_projected.hpp"
 #include "tests/support/block_scene.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/random.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // doc/theory/schatzman_paoli.md: central differences on positions, by hand and by conservation.
-#include "integrators/schatzman_paoli.hpp"
+#include "integrators/schemes/schatzman_paoli.hpp"
 
 #include <cmath>
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "integrators/event_driven.hpp"
+#include "integrators/events/event_driven.hpp"
 #include "tests/support/block_scene.hpp"
 #include "tests/support/message_of.hpp"
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a run may begin with.
-#include "integrators/start.hpp"
-
 #include <gtest/gtest.h>
 
+#include "integrators/run.hpp"
 #include "integrators/scheme.hpp"
 #include "tests/support/block_scene.hpp"
 #include "tests/support/compound.hpp"

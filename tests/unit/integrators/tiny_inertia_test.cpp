@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "integrators/event_driven.hpp"
-#include "integrators/run_until.hpp"
+#include "integrators/events/event_driven.hpp"
+#include "integrators/run.hpp"
 #include "integrators/scheme.hpp"
 #include "mechanics/mechanism.hpp"
 #include "tests/support/message_of.hpp"

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+// Do bodies keep apart between two internal steps? (EVD-10)
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "integrators/events/event_run.hpp"
+#include "integrators/prove/certify_step.hpp"
+#include "lmd/motion_bound.hpp"
+
+namespace aussois {
+namespace {
+
+constexpr double kChord = 1e-3;  // pieces of the certificate follow the path to this part of a dilation
+constexpr double kTiny = 1e-12;  // instead of zero [m/s^2]
+constexpr int kMaxPieces = 256;
+
+}  // namespace
+
+// Are the bodies apart on the way between two states that are one internal step from each other? (EVD-10)
+bool EventRun::certified(const State& from, const State& to, const std::function<State(double)>& at) {
+  const double dt = to.t - from.t;
+  const auto path = [&](const State& a, const State& b) {
+    VecX v = VecX::Zero(a.v.size());
+    for (int k = 0; k < int(model_.bodies.size()); ++k)
+      of_body(v, k) = twist_between(pose(a, k), pose(b, k), b.t - a.t);
+    return v;
+  };
+  double dilation = kInf, off = 0;
+  for (const auto& shape : model_.shapes)
+    if (shape->radius > 0) dilation = std::min(dilation, shape->radius);
+  if (dilation == kInf) return true;
+  const State middle = at(from.t + dt / 2);
+  const State straight = retract(model_, from, path(from, to), dt / 2);
+  for (std::size_t b = 0; b < model_.bodies.size(); ++b)
+    off = std::max(off, (middle.g[b].p - straight.g[b].p).norm() +
+                            setting_.bounds[b].radius * angle_between(middle.g[b].R, straight.g[b].R));
+  const int pieces = std::clamp(int(std::ceil(std::sqrt(off / (kChord * dilation)))), 1, kMaxPieces);
+  State a = from;
+  for (int k = 1; k <= pieces; ++k) {
+    const State b = k == pieces ? to : at(from.t + dt * k / pieces);
+    const VecX v = path(a, b);
+    const StepMotion motion{model_, a, v, b.t - a.t};
+    const AdvancementOptions& o = o_.step.advancement;
+    const StepPath gone = step_path(motion, setting_.bounds);
+    const StepCertificate proof =
+        certify_step(gone, step_pairs(motion, setting_.bounds, o, o_.step.threads).pairs, setting_.bounds, {},
+                     o, o_.step.threads);
+    report_.certificate_rounds += int(proof.rounds);
+    if (!proof.failure.empty()) {
+      report_.reason = proof.failure;
+      return false;
+    }
+    report_.min_base_distance = std::min(report_.min_base_distance, proof.min_distance);
+    report_.pieces.push_back({.t = a.t, .h = b.t - a.t, .g = a.g, .v = v});
+    std::vector<std::pair<int, int>> told;
+    std::ranges::set_union(report_.driven_overlaps,
+                           driven_overlaps(gone, setting_.bounds, setting_.pieces, o, o_.step.threads),
+                           std::back_inserter(told));
+    report_.driven_overlaps = std::move(told);
+    a = b;
+  }
+  return true;
+}
+
+// How far an internal step may go without passing through a body unseen: half a dilation with twice the speed
+// and acceleration of now (EVD-10).
+double EventRun::safe_until(const State& from, double stop) const {
+  const double dt = stop - from.t;
+  std::vector<double> speed, acceleration, reach;
+  for (int b = 0; b < int(model_.bodies.size()); ++b) {
+    const double radius = setting_.bounds[std::size_t(b)].radius;
+    const auto size = [&](const Vec6& v) { return 2 * (v.head<3>().norm() + radius * v.tail<3>().norm()); };
+    speed.push_back(size(twist(from, b)));
+    acceleration.push_back(size(of_body(a_, b)));
+    reach.push_back(o_.horizon + dt * (speed.back() + dt * acceleration.back() / 2));
+  }
+  double stride = kInf;
+  for (const StepPair& pair : pairs_within(model_, from, setting_.bounds, reach, o_.step.threads)) {
+    const auto sum = [&](const std::vector<double>& of) {
+      return of[std::size_t(pair.a)] + of[std::size_t(pair.b)];
+    };
+    const double room = pair.dilation / 2;
+    stride = std::min(stride, room / (sum(speed) + std::sqrt(room * (sum(acceleration) + kTiny))));
+  }
+  return std::min(stop, from.t + stride);
+}
+
+// Could a pair have passed through each other in an internal step?
+bool EventRun::leapt(const State& from, const State& to) {
+  std::vector<double> moved;
+  for (int b = 0; b < int(model_.bodies.size()); ++b)
+    moved.push_back((pose(to, b).p - pose(from, b).p).norm() +
+                    setting_.bounds[std::size_t(b)].radius * angle_between(pose(from, b).R, pose(to, b).R));
+  const NearPairs near = near_pairs(model_, from, setting_.bounds, moved, o_.step.threads);
+  report_.passing_pairs = std::max(report_.passing_pairs, near.passing);
+  for (const StepPair& pair : near.pairs)
+    if (moved[std::size_t(pair.a)] + moved[std::size_t(pair.b)] > pair.dilation) return true;
+  return false;
+}
+
+}  // namespace aussois

@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "integrators/pose/contact_problem.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "geometry/frame.hpp"
+
+namespace aussois {
+namespace {
+
+constexpr double kTouching = 0.02;  // gaps that this opens in a step count as closed [m/s^2, rad/s^2]
+
+// Velocity of the body's point at p along the first N axes of the contact frame, per unit twist.
+template <int N>
+Eigen::Matrix<double, N, 6> point_jacobian(const State& state, int body, const Vec3& p, const Mat3& frame) {
+  const SE3& g = pose(state, body);
+  const Eigen::Matrix<double, N, 3> axes = frame.transpose().topRows<N>();
+  Eigen::Matrix<double, N, 6> J;
+  J << axes, -axes * skew(p - g.p) * g.R.toRotationMatrix();
+  return J;
+}
+
+// Of both bodies, whose points move against each other.
+template <int N>
+void set_point_rows(const State& state, const Vec3& p, ContactRow& row) {
+  row.J_a.topRows<N>() = point_jacobian<N>(state, row.body_a, p, row.frame);
+  row.J_b.topRows<N>() = -point_jacobian<N>(state, row.body_b, p, row.frame);
+}
+
+// J v of the rows that the law has.
+RowVector product(const RowJacobian& J, const Vec6& v, const Law& law) {
+  RowVector u = RowVector::Zero();
+  for (int d = 0; d < law.rows; ++d)
+    for (int i = 0; i < 6; ++i) u[d] += J(d, i) * v[i];
+  return u;
+}
+
+// The frictional law of a pair, and its drilling row (MEC-7). What does not rub needs one row, not three.
+Law law_of(const ContactLaw& law, double patch_radius) {
+  if (law.mu == 0) return unilateral();
+  const double radius = std::max(law.contensou_radius, patch_radius);
+  return radius > 0 ? contensou(law.mu, radius) : coulomb(law.mu);
+}
+void set_drilling_row(const State& state, int body, double sign, const Vec3& normal, RowJacobian& J) {
+  J.row(3).tail<3>() = sign * (pose(state, body).R.toRotationMatrix().transpose() * normal).transpose();
+}
+
+Law law_of(const ContactLaw& law, Eigen::Index rows) {
+  return rows == 1 ? unilateral() : rows == 2 ? coulomb_2d(law.mu) : coulomb(law.mu);
+}
+
+// Sets the bias of all rows of a block: the normal law, and the average that it speaks of (MJ-6), (MJ-10).
+void set_bias(ContactRow& row, const RowVector& u_before, double restitution, double h,
+              const NormalLawOptions& options) {
+  const NormalBias normal = normal_bias(row.gap, u_before.x(), restitution, h, options);
+  row.restitution = restitution;
+  row.active = normal.active;
+  if (options.gamma < 1)
+    for (int d = 1; d < row.law.rows; ++d) row.w[d] += (1 - options.gamma) / options.gamma * u_before[d];
+  row.w.x() += normal.w;
+}
+
+// Where a body's part of a row stands in the problem; -1: nowhere.
+struct BodyColumns {
+  const RowJacobian* J = nullptr;
+  int first = -1;
+};
+int first_of(const Layout& dofs, int body) {
+  return body < 0 ? -1 : dofs.first[std::size_t(body)];
+}
+
+}  // namespace
+
+bool closes(double gap, double speed, double h, NormalLaw law) {
+  return speed < 0 && gap + (law == NormalLaw::moreau ? h / 2 : h) * speed <= 0;
+}
+
+double closed_gap(const NormalLawOptions& options, double h) {
+  return std::min(options.touching, kTouching * h * h);
+}
+
+NormalBias normal_bias(double gap, double u_before, double restitution, double h,
+                       const NormalLawOptions& options) {
+  const double over_step = gap >= 0 ? gap / h : std::max(gap / h, -options.correction_speed);
+  const double averaged = options.gamma < 1 ? (1 - options.gamma) / options.gamma : 0;  // (MJ-10)
+  const double impact =
+      std::max(restitution, averaged) * u_before;  // an opening contact may be hit back (IMP-2)
+  switch (options.law) {
+    case NormalLaw::moreau:
+      return {impact, gap + h / 2 * u_before <= closed_gap(options, h)};
+    case NormalLaw::gap_over_step:
+      break;
+    case NormalLaw::combined:
+      if (restitution > 0 && closes(gap, u_before, h, options.law)) return {impact, true};
+      break;
+  }
+  return {over_step / options.gamma + averaged * u_before, true};
+}
+
+std::vector<ContactRow> contact_rows(const Model& model, const State& state, const ContactSet& contacts,
+                                     const VecX& v_prescribed, double h, const NormalLawOptions& options,
+                                     const Reached& reached, const std::vector<FrictionPatch>& patches) {
+  std::vector<ContactRow> rows;
+  rows.reserve(contacts.points.size());
+  for (std::size_t i = 0; i < contacts.points.size(); ++i) {
+    const ContactPoint& c = contacts.points[i];
+    ContactRow& row = rows.emplace_back();
+    row.body_a = c.a.body;
+    row.body_b = c.b.body;
+    const ContactLaw& law = contact_law(model, row.body_a, row.body_b);
+    const Vec3 p = mid_point(c);
+    row.frame = frame_of(c.normal);
+    row.law = law_of(law, patches.empty() ? 0 : patches[i].radius);
+    if (row.law.rows >= 3) set_point_rows<3>(state, patches.empty() ? p : patches[i].centre, row);
+    if (row.law.rows < 3 || !patches.empty()) set_point_rows<1>(state, p, row);
+    if (row.law.kind == LawKind::contensou) {
+      set_drilling_row(state, row.body_a, 1, c.normal, row.J_a);
+      set_drilling_row(state, row.body_b, -1, c.normal, row.J_b);
+    }
+    row.w = product(row.J_a, of_body(v_prescribed, row.body_a), row.law) +
+            product(row.J_b, of_body(v_prescribed, row.body_b), row.law);
+    row.moved = row.w;
+    const auto twist_before = [&](int body) {  // of a moved body: that of its path on this step
+      return is_dynamic(model.bodies[std::size_t(body)]) ? twist(state, body)
+                                                         : Vec6(of_body(v_prescribed, body));
+    };
+    row.gap = c.gap;
+    if (reached.time > 0) row.gap -= reached.time * speed_along(row, reached.v);
+    set_bias(row,
+             product(row.J_a, twist_before(row.body_a), row.law) +
+                 product(row.J_b, twist_before(row.body_b), row.law),
+             law.restitution, h, options);
+  }
+  return rows;
+}
+
+GapFunctionRows gap_rows(const Model& model, const State& state, const Layout& dofs, const VecX& v_prescribed,
+                         double h, const NormalLawOptions& options, const Reached& reached) {
+  GapFunctionRows out;
+  for (int i = 0; i < int(model.gaps.size()); ++i) {
+    const GapFunction& gap = model.gaps[std::size_t(i)];
+    const GapRows now = gap_function(model, state, i, state.t + reached.time);
+    const Eigen::Index size = gap_columns(model, gap),
+                       first = gap.block < 0 ? 0 : first_speed(model, gap.block);
+    ContactRow row{.law = law_of(gap.law, now.J.rows()), .slot = first_gap_row(model) + 3 * i};
+    RowVector u_before = RowVector::Zero();
+    row.gap = now.gap;
+    if (reached.time > 0 && now.rate.size() > 0) row.gap -= reached.time * now.rate[0];
+    for (Eigen::Index d = 0; d < now.J.rows(); ++d) {
+      if (now.rate.size() > 0) row.w[d] = now.rate[d];
+      u_before[d] = row.w[d];
+      for (Eigen::Index k = 0; k < size; ++k) {
+        const double J = now.J(d, k);
+        if (J == 0) continue;
+        const int at = row_of(dofs, first + k);
+        u_before[d] += J * (at >= 0 ? state.v : v_prescribed)[first + k];
+        if (d == 0 && reached.time > 0) row.gap -= reached.time * J * reached.v[first + k];
+        if (at >= 0)
+          row.others.emplace_back(int(d), at, J);
+        else
+          row.w[d] += J * v_prescribed[first + k];
+      }
+    }
+    row.moved = row.w;
+    set_bias(row, u_before, gap.law.restitution, h, options);
+    out.rows.push_back(std::move(row));
+    out.gap.push_back(now.gap);
+  }
+  return out;
+}
+
+FrictionProblem contact_problem(const FreeMotion& free, const Layout& dofs,
+                                const std::vector<ContactRow>& rows, const std::vector<int>& kept) {
+  FrictionProblem problem;
+  problem.M = free.M;
+  problem.f = free.f;
+  for (int i : kept) problem.laws.push_back(rows[std::size_t(i)].law);
+  const std::vector<int> first_row = first_rows(problem.laws);
+  problem.w = VecX::Zero(first_row.back());
+  Eigen::Index entries = 0;
+  for (const int i : kept)
+    entries += rows[std::size_t(i)].law.rows * 12 + Eigen::Index(rows[std::size_t(i)].others.size());
+  problem.H = SparseMatrix(dofs.rows, first_row.back());
+  problem.H.resizeNonZeros(entries);
+  int at = 0, *begin = problem.H.outerIndexPtr(), *place = problem.H.innerIndexPtr();
+  double* value = problem.H.valuePtr();
+  std::vector<std::pair<int, double>> column;  // row, value
+  for (std::size_t k = 0; k < kept.size(); ++k) {
+    const ContactRow& row = rows[std::size_t(kept[k])];
+    problem.w.segment(first_row[k], row.law.rows) = row.w.head(row.law.rows);
+    std::array ends{BodyColumns{&row.J_a, first_of(dofs, row.body_a)},
+                    BodyColumns{&row.J_b, first_of(dofs, row.body_b)}};
+    if (ends[1].first < ends[0].first) std::swap(ends[0], ends[1]);
+    if (row.others.empty() && ends[0].first != ends[1].first) {
+      for (int d = 0; d < row.law.rows; ++d) {
+        *begin++ = at;
+        for (const BodyColumns& end : ends)
+          for (int i = 0; end.first >= 0 && i < 6; ++i, ++at)
+            place[at] = end.first + i, value[at] = (*end.J)(d, i);
+      }
+      continue;
+    }
+    for (int d = 0; d < row.law.rows; ++d) {
+      column.clear();
+      for (const BodyColumns& end : ends)
+        for (int i = 0; end.first >= 0 && i < 6; ++i) column.emplace_back(end.first + i, (*end.J)(d, i));
+      for (const Triplet& e : row.others)
+        if (e.row() == d) column.emplace_back(e.col(), e.value());
+      const auto by_row = &std::pair<int, double>::first;
+      if (!std::ranges::is_sorted(column, {}, by_row)) std::ranges::stable_sort(column, {}, by_row);
+      *begin++ = at;
+      for (auto entry = column.begin(); entry != column.end(); ++at) {  // entries of one row are summed
+        place[at] = entry->first;
+        for (value[at] = entry++->second; entry != column.end() && entry->first == place[at]; ++entry)
+          value[at] += entry->second;
+      }
+    }
+  }
+  *begin = at;
+  problem.H.resizeNonZeros(at);
+  return problem;
+}
+
+double speed_along(const ContactRow& row, const VecX& v) {
+  double out = 0;
+  for (const auto& [body, J] : {std::pair(row.body_a, &row.J_a), std::pair(row.body_b, &row.J_b)})
+    if (body >= 0) out += J->row(0).dot(of_body(v, body));
+  return out;
+}
+
+RowVector relative_velocity(const ContactRow& row, const Layout& dofs, const VecX& v) {
+  RowVector u = row.w;
+  const auto add = [&](int body, const RowJacobian& J) {
+    const int first = body < 0 ? -1 : dofs.first[std::size_t(body)];
+    if (first >= 0) u += product(J, v.segment<6>(first), row.law);
+  };
+  add(row.body_a, row.J_a);
+  add(row.body_b, row.J_b);
+  for (const Triplet& e : row.others) u[e.row()] += e.value() * v[e.col()];
+  return u;
+}
+
+RowVector slip_velocity(const ContactRow& row, const Layout& dofs, const VecX& v) {
+  return relative_velocity(row, dofs, v) - row.w + row.moved;
+}
+
+VecX momentum_of(const std::vector<ContactRow>& rows, const Layout& dofs, const std::vector<RowVector>& r) {
+  VecX out = VecX::Zero(dofs.rows);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (r[i].isZero(0)) continue;
+    const auto add = [&](int body, const RowJacobian& J) {
+      const int first = body < 0 ? -1 : dofs.first[std::size_t(body)];
+      if (first >= 0) out.segment<6>(first) += J.transpose() * r[i];
+    };
+    add(rows[i].body_a, rows[i].J_a);
+    add(rows[i].body_b, rows[i].J_b);
+    for (const Triplet& e : rows[i].others) out[e.col()] += e.value() * r[i][e.row()];
+  }
+  return out;
+}
+
+}  // namespace aussois

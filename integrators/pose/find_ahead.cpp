@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "integrators/pose/find_ahead.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+namespace aussois {
+namespace {
+
+constexpr double kClosed = 1e-5;  // of the dilations: pairs that near touch already
+
+// Pairs that are fast, neither pushed in the last step nor touch already, and are not known to meet are left
+// out (CA-16).
+void leave_apart(const State& state, const Estimate& estimate, const AdvancementOptions& o, Found& found) {
+  std::vector<std::pair<int, int>> asked = estimate.meeting;
+  for (const RememberedContact& c : state.memory.contacts)
+    if (!c.impulse.isZero(0)) asked.emplace_back(c.key.body_a, c.key.body_b);
+  const std::vector<double> dilation = contact_dilations(found.pairs, found.contacts);
+  for (std::size_t i = 0; i < dilation.size(); ++i)
+    if (const ContactPoint& c = found.contacts.points[i]; c.gap <= kClosed * dilation[i])
+      asked.emplace_back(c.a.body, c.b.body);
+  std::ranges::sort(asked);
+  const auto is_apart = [&](const StepPair& pair) {
+    const double linear = 2 * o.max_overlap * pair.dilation * pair.dilation;
+    return pair.threshold * pair.threshold > linear &&
+           !std::ranges::binary_search(asked, std::pair(pair.a, pair.b));
+  };
+  std::ranges::copy_if(found.pairs, std::back_inserter(found.apart), is_apart);
+  if (found.apart.empty()) return;
+  std::erase_if(found.pairs, is_apart);
+  const auto bodies = [](const StepPair& pair) { return std::pair(pair.a, pair.b); };
+  std::erase_if(found.contacts.points, [&](const ContactPoint& c) {
+    return std::ranges::binary_search(found.apart, std::pair(c.a.body, c.b.body), {}, bodies);
+  });
+}
+
+// What a reducer may look at. Only a selector asks for the bodies, whose forces cost as much as a free
+// motion.
+ReductionInput reduction_input(const StepSetting& setting, const State& state, const Found& found) {
+  ReductionInput input{.contacts = found.contacts,
+                       .kept_before = found.warm.remembered,
+                       .impulse = found.warm.impulse,
+                       .h = found.h,
+                       .g = found.g};
+  input.mu.reserve(found.contacts.points.size());
+  for (const ContactPoint& c : found.contacts.points)
+    input.mu.push_back(contact_law(setting.model, c.a.body, c.b.body).mu);
+  if (setting.options.reduction.reducer != Reducer::selector) return input;
+  const VecX wrench =
+      all_velocities(setting.dofs, forces_at(setting.model, state, setting.dofs).sum(), 0 * state.v);
+  for (int b = 0; b < int(state.g.size()); ++b)
+    input.bodies.push_back({pose(state, b), twist(state, b), of_body(wrench, b)});
+  return input;
+}
+
+// Velocity of the bodies against each other at a contact, for velocities of all bodies.
+Vec3 relative_velocity_at(const ContactPoint& c, const std::vector<SE3>& g, const VecX& v) {
+  const auto velocity = [&](int body, const Vec3& x) {
+    const auto twist = of_body(v, body);
+    const SE3& pose = g[std::size_t(body)];
+    return Vec3(twist.head<3>() + (pose.R * Vec3(twist.tail<3>())).cross(x - pose.p));
+  };
+  return velocity(c.a.body, c.x_a) - velocity(c.b.body, c.x_b);
+}
+
+// Which of the contacts there are the last step's (PER-2), which ones the problem begins with (RED-1), and
+// what they start with (PER-7).
+void match_and_reduce(const StepSetting& setting, const State& state, const State& at, Found& found) {
+  const StepOptions& o = setting.options;
+  found.g = at.g;
+  MatchInput since{.scale = found.scale, .g = found.g, .shapes = setting.shapes};
+  since.moved.reserve(found.contacts.points.size());
+  for (const ContactPoint& c : found.contacts.points)
+    since.moved.push_back(found.h * relative_velocity_at(c, found.g, found.v_estimate).norm());
+  found.warm = warm_start(state.memory, found.contacts, since, o.persistence);
+  const ReductionInput input = reduction_input(setting, at, found);
+  found.selection = reduce(input, o.reduction);
+  found.start = o.persistence.redistribute
+                    ? redistribute(found.contacts, found.selection, found.warm.impulse, input.mu)
+                    : found.warm.impulse;
+}
+
+}  // namespace
+
+std::vector<double> contact_dilations(const std::vector<StepPair>& pairs, const ContactSet& contacts) {
+  std::vector<double> out;
+  out.reserve(contacts.points.size());
+  auto pair = pairs.begin();
+  for (const ContactPoint& c : contacts.points) {
+    while (pair->a != c.a.body || pair->b != c.b.body) ++pair;
+    out.push_back(pair->dilation);
+  }
+  return out;
+}
+
+Found find_ahead(const StepSetting& setting, const State& state, const Estimate& estimate, double h) {
+  const double begin = step_clock();
+  const StepOptions& o = setting.options;
+  Found found{.v_estimate = estimate.v, .h = h, .scale = state.h > 0 ? h / state.h : 1};
+  NearPairs near = step_pairs({setting.model, state, estimate.v, h}, setting.bounds, o.advancement, o.threads,
+                              setting.scratch.get());  // (CA-4)
+  found.pairs = std::move(near.pairs);
+  found.reach = std::move(near.reach);
+  found.passing = near.passing;
+  found.contacts = contacts_of(setting.model, state, found.pairs, o.lmd, *setting.scratch);  // (LMD-3)
+  found.count = int(found.contacts.points.size());
+  found.min_gap = smallest_gap(found.contacts);
+  if (o.advancement.certify) leave_apart(state, estimate, o.advancement, found);  // (CA-16)
+  match_and_reduce(setting, state, state, found);                                 // (RED-1), (PER-2)
+  found.seconds = step_clock() - begin;
+  return found;
+}
+
+Found found_at(const StepSetting& setting, const State& state, const Found& found, const State& at) {
+  const double begin = step_clock();
+  const StepOptions& o = setting.options;
+  Found out = found;
+  out.contacts = contacts_of(setting.model, at, found.pairs, o.lmd, *setting.scratch);
+  match_and_reduce(setting, state, at, out);
+  out.seconds += step_clock() - begin;
+  return out;
+}
+
+}  // namespace aussois

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// From joints to the one-step problem: equations for what is locked, rows for what acts along the axes
+// (MJT-10) to (MJT-13); and states in which all joints hold.
+#pragma once
+
+#include "integrators/pose/contact_problem.hpp"
+#include "mechanics/mechanism.hpp"
+
+namespace aussois {
+
+/// The joints of the step's problem, as of FrictionProblem; empty without joints.
+struct JointEquations {
+  SparseMatrix G{};
+  VecX b{};
+};
+
+/// Whether joints are as near as the options want them: of any error if they do not project.
+bool within(const JointError& error, const JointOptions& options);
+/// That joints are off by more than the tolerance.
+std::string text_of(const JointError& error, const JointOptions& options);
+
+/// A column of G.
+enum class ColumnKind { locked, motor, coupling };
+struct JointColumn {
+  ColumnKind kind = ColumnKind::locked;
+  int joint = -1, axis = 0;  // axis: of a motor
+  JointRow row{};
+  int other = -1;  // a coupling's second joint
+  JointRow of_other{};
+};
+
+/// What acts at the joints; a column of G for every locked row and bilateral motor, then one per coupling.
+struct JointSystem {
+  JointEquations equations{};
+  std::vector<JointColumn> columns{};
+  std::vector<SE3> middle{};       // poses that the directions of locked rows are taken at, or nearly
+  std::vector<ContactRow> rows{};  // stops, dry friction, limited motors
+  VecX off{};                      // of each column at the poses `middle` [m, rad]; speed motors: zero
+};
+JointSystem joint_system(const Model& model, const State& state, const Layout& dofs, const VecX& v_prescribed,
+                         double h, double theta, const NormalLawOptions& normal, const JointOptions& options);
+
+/// For schemes that ask the velocity at the end to keep the joints there (GA-5): directions at the poses of
+/// `end`, G^T v+ + b = 0 without stabilisation. Stops are those of the start.
+JointSystem joint_system_at(const Model& model, const State& state, const State& end, const Layout& dofs,
+                            const VecX& v_prescribed, double h, const NormalLawOptions& normal);
+
+/// A velocity of the whole step, mean of its ends, in the places of State::v, and where it leads.
+struct ReachedEnd {
+  const State& state;
+  const VecX& v_path;
+};
+/// For schemes that know an end and come back until it stands: directions on the mean of both ends
+/// (MJT-14), positions at the end by Newton (MJT-15); theta = 1/2.
+JointSystem joint_system_on_mean(const Model& model, const State& state, const ReachedEnd& end,
+                                 const Layout& dofs, const VecX& v_prescribed, double h,
+                                 const NormalLawOptions& normal, const JointOptions& options);
+
+/// What must hold at a state: joints, couplings, bilateral motors; in the order of the columns of
+/// JointSystem.
+struct JointConstraints {
+  std::vector<JointColumn> columns{};
+  SparseMatrix G{};  // directions as columns, in the rows of Layout
+  VecX value{};      // zero where positions hold [m, rad]; of speed motors always
+  VecX off{};        // J v - what it is to be [m/s, rad/s]
+};
+JointConstraints joint_constraints(const Model& model, const State& state, const Layout& dofs);
+
+/// The same with the impulses that the velocities changed by.
+struct ProjectedState {
+  State state{};
+  std::vector<JointColumn> columns{};
+  VecX lambda{};  // [N s, N m s]
+};
+ProjectedState projected(const Model& model, const State& state);
+
+/// The same for the velocities only, at the poses of the state.
+ProjectedState with_consistent_velocity(const Model& model, const State& state);
+
+}  // namespace aussois

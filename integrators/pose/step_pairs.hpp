@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which pairs can touch within a step, and their contacts (CA-4), (CA-12).
+#pragma once
+
+#include <functional>
+#include <mutex>
+#include <span>
+#include <utility>
+
+#include "integrators/step_options.hpp"
+#include "lmd/broad_phase.hpp"
+#include "lmd/find_contacts.hpp"
+#include "lmd/motion_bound.hpp"
+#include "lmd/nesting.hpp"
+#include "mechanics/state.hpp"
+
+namespace aussois {
+
+/// Two bodies with shapes, at least one of them dynamic, that can touch in a step.
+struct StepPair {
+  int a = 0, b = 0;
+  double dilation = 0;   // sum of the two [m]
+  double threshold = 0;  // contacts are looked for up to this gap [m]
+  double rotation = 0;   // bound of the relative rotation [rad]
+};
+
+/// What a body's shape fits into, seen from the body frame; nothing for a body without a shape.
+struct BodyBounds {
+  double radius = 0;  // of the base complex about the centre of mass [m]
+  DilatedBox box{};   // around the dilated shape
+};
+std::vector<BodyBounds> body_bounds(const Model& model);
+
+/// A step that is tried: all six velocities of every body of the model, constant on the path of the step, and
+/// its length.
+struct StepMotion {
+  const Model& model;
+  const State& state;
+  const VecX& v;
+  double h = 0;
+};
+
+/// The same, body by body, with all that the bounds of pairs ask for; speeds times `enlargement`.
+struct StepPath {
+  const Model& model;
+  double h = 0;
+  std::vector<MovingBody> bodies{};
+};
+StepPath step_path(const StepMotion& step, const std::vector<BodyBounds>& bounds, double enlargement = 1);
+
+/// What a scheme keeps of its pairs from step to step: it saves time and changes no result. Who finds it in
+/// use by another thread goes without.
+struct ContactScratch {
+  std::mutex in_use{};
+  std::vector<std::pair<int, int>> bodies{};  // sorted
+  std::vector<PairScratch> pairs{};
+  BroadPhaseScratch near{};
+};
+
+/// Who is near whom.
+struct NearPairs {
+  std::vector<StepPair> pairs{};  // sorted by (a, b)
+  std::vector<double> reach{};    // of every body: how far it may move without meeting any other [m]
+  int passing = 0;                // pairs that are near too, but pass through each other (Model::passing)
+};
+/// Pairs whose boxes come nearer than the sum of their `reach` [m], one per body; thresholds are left at 0.
+/// Sorted by (a, b).
+NearPairs near_pairs(const Model& model, const State& state, const std::vector<BodyBounds>& bounds,
+                     std::vector<double> reach, int threads, ContactScratch* scratch = nullptr);
+std::vector<StepPair> pairs_within(const Model& model, const State& state,
+                                   const std::vector<BodyBounds>& bounds, const std::vector<double>& reach,
+                                   int threads, ContactScratch* scratch = nullptr);
+
+/// What can touch if the bodies move at most as in `estimate`, enlarged.
+NearPairs step_pairs(const StepMotion& estimate, const std::vector<BodyBounds>& bounds,
+                     const AdvancementOptions& options, int threads, ContactScratch* scratch = nullptr);
+
+/// Contacts of the pairs within their thresholds, cones enlarged by their rotations; sorted by pair. Many
+/// pairs share the threads, few pairs get them all.
+ContactSet contacts_of(const Model& model, const State& state, const std::vector<StepPair>& pairs,
+                       const LmdOptions& options);
+
+ContactSet contacts_of(const Model& model, const State& state, const std::vector<StepPair>& pairs,
+                       const LmdOptions& options, ContactScratch& scratch);
+
+/// The pieces of the complex of every shape of a model.
+std::vector<Pieces> pieces_of_shapes(const Model& model);
+
+/// The shape of a body; null: none.
+const LmdShape* shape_of(const Model& model, int body);
+/// What both bodies of a pair may move and turn against each other along the path, the rotation at most as
+/// far as enlarged cones say anything.
+RelativeBounds bounds_of(const StepPath& path, const StepPair& pair);
+
+/// Pieces of work do not depend on the threads; each calls f once, with the threads that it may use itself.
+int count_of_parts(const std::vector<StepPair>& pairs);
+void for_each_part(const std::vector<StepPair>& pairs, int threads,
+                   const std::function<void(int part, std::span<const StepPair>, int threads)>& f);
+
+/// The bodies of the pairs, each posed once by `pose_of(body)`; the others as they are made.
+template <class Posed, class PoseOf>
+std::vector<Posed> posed_once(std::size_t bodies, const std::vector<StepPair>& pairs, const PoseOf& pose_of) {
+  std::vector<Posed> out(bodies);
+  std::vector<char> done(bodies, 0);
+  for (const StepPair& pair : pairs)
+    for (const int body : {pair.a, pair.b})
+      if (!std::exchange(done[std::size_t(body)], 1)) out[std::size_t(body)] = pose_of(body);
+  return out;
+}
+
+}  // namespace aussois

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "integrators/pose/step_setting.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <sstream>
+
+#include "geometry/check.hpp"
+#include "geometry/parallel.hpp"
+#include "integrators/pose/joint_rows.hpp"
+#include "mechanics/mechanism.hpp"
+
+namespace aussois {
+namespace {
+
+ModelSize size_of(const Model& model) {
+  return {.bodies = model.bodies.size(),
+          .shapes = model.shapes.size(),
+          .joints = model.joints.size(),
+          .couplings = model.couplings.size(),
+          .coordinates = model.coordinates.size(),
+          .gaps = model.gaps.size()};
+}
+
+// Nothing is put together unless it is off.
+template <class Now, class Wanted>
+void check_count(Now now, Wanted wanted, const char* what, const char* why) {
+  if (std::size_t(now) != std::size_t(wanted))
+    require_field(false, what, now, ("be " + std::to_string(wanted) + why).c_str());
+}
+
+}  // namespace
+
+StepSetting step_setting(const Model& model, const StepOptions& options) {
+  validate(model);
+  validate(options);
+  int undilated = 0;
+  bool dynamic_undilated = false;
+  for (const RigidBody& body : model.bodies) {
+    if (body.shape < 0 || model.shapes[std::size_t(body.shape)]->radius > 0) continue;
+    ++undilated;
+    dynamic_undilated = dynamic_undilated || is_dynamic(body);
+  }
+  require(!options.advancement.certify || undilated < 2 || !dynamic_undilated,
+          "two bodies that can touch have dilation 0: at least one of them needs a positive one [m]");
+  StepSetting out{.model = model,
+                  .size = size_of(model),
+                  .options = options,
+                  .dofs = layout(model),
+                  .bounds = body_bounds(model),
+                  .pieces = pieces_of_shapes(model)};
+  out.laws = contact_laws(model);
+  for (const RigidBody& body : model.bodies)
+    out.shapes.push_back(body.shape < 0 ? nullptr : model.shapes[std::size_t(body.shape)].get());
+  out.options.lmd.threads = options.threads;
+  out.options.solver.for_all = [threads = options.threads](int n, const std::function<void(int)>& f) {
+    parallel_for(n, threads, f);
+  };
+  return out;
+}
+
+void check_fits(const StepSetting& setting, const State& state, double h_limit) {
+  require_field(h_limit > 0, "h_limit", h_limit, "be positive [s]");
+  const ModelSize now = size_of(setting.model), &then = setting.size;
+  constexpr const char* kMade = ", as when the scheme was made: make a new one";
+  check_count(now.bodies, then.bodies, "model: number of bodies", kMade);
+  check_count(now.shapes, then.shapes, "model: number of shapes", kMade);
+  check_count(now.joints, then.joints, "model: number of joints", kMade);
+  check_count(now.couplings, then.couplings, "model: number of couplings", kMade);
+  check_count(now.coordinates, then.coordinates, "model: number of blocks of coordinates", kMade);
+  check_count(now.gaps, then.gaps, "model: number of gap functions", kMade);
+  const int speeds = velocity_count(setting.model);
+  const int coordinates = speeds - first_velocity(int(now.bodies));
+  check_count(setting.dofs.rows - setting.dofs.coordinates, coordinates, "model: number of coordinates",
+              kMade);
+  constexpr const char* kModel = ", as the model wants it: see rest_state";
+  check_count(state.g.size(), now.bodies, "size of State::g", kModel);
+  check_count(state.v.size(), speeds, "size of State::v", kModel);
+  check_count(state.q.size(), coordinates, "size of State::q", kModel);
+  if (!state.turns.empty()) check_count(state.turns.size(), 3 * now.joints, "size of State::turns", kModel);
+  if (state.r.size() > 0) check_count(state.r.size(), row_count(setting.model), "size of State::r", kModel);
+  if (state.a.size() > 0) check_count(state.a.size(), 2 * speeds, "size of State::a", kModel);
+  for (std::size_t b = 0; b < state.g.size(); ++b) {
+    const RigidBody& body = setting.model.bodies[b];
+    if (is_dynamic(body) != (setting.dofs.first[b] >= 0))
+      require(false, "model: motion of body " + std::to_string(b) + " (" + body.name + ") must stay" + kMade);
+    const double square = state.g[b].R.squaredNorm();
+    if (std::isfinite(square) && std::abs(square - 1) > 2e-6)
+      require_field(false, ("State::g, body " + std::to_string(b) + " (" + body.name + "): |R|").c_str(),
+                    std::sqrt(square), "be 1 within 1e-6");
+  }
+}
+
+std::string joint_that_is_off(const StepSetting& setting, const State& state) {
+  const JointOptions& o = setting.options.joints;
+  if (state.h > 0 || !o.project) return "";
+  for (int j = 0; j < int(setting.model.joints.size()); ++j) {
+    const JointError error = joint_error(setting.model, state, j);
+    if (within(error, o) || !std::isfinite(error.translation + error.rotation)) continue;
+    std::ostringstream text;
+    text << "start: joint " << j << " (" << setting.model.joints[std::size_t(j)].name << ") is off by "
+         << error.translation << " m and " << error.rotation << " rad, at most " << o.tolerance
+         << " is allowed; see consistent()";
+    return text.str();
+  }
+  return "";
+}
+
+ContactSet contacts_within(const StepSetting& setting, const State& state, double threshold) {
+  check_fits(setting, state);
+  const std::vector<double> reach(setting.model.bodies.size(), threshold / 2);
+  std::vector<StepPair> pairs =
+      pairs_within(setting.model, state, setting.bounds, reach, setting.options.threads);
+  for (StepPair& pair : pairs) pair.threshold = threshold;
+  return contacts_of(setting.model, state, pairs, setting.options.lmd);
+}
+
+double step_clock() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace aussois

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "integrators/prove/certify_step.hpp"
+
+#include <algorithm>
+#include <sstream>
+
+#include "geometry/number_text.hpp"
+#include "lmd/certificate.hpp"
+
+namespace aussois {
+namespace {
+
+constexpr int kFineHalvings = 16;  // a near miss by 1 um at 1600 m/s and 1 ms needs 14
+
+MovingShape moving_shape(const StepPath& path, int body) {
+  return {.shape = shape_of(path.model, body),
+          .g_bs = path.model.bodies[std::size_t(body)].g_bs,
+          .motion = path.bodies[std::size_t(body)].motion};
+}
+
+const SE3& pose_of(const StepPath& path, int body) {
+  return path.bodies[std::size_t(body)].motion.g;
+}
+
+}  // namespace
+
+double required_distance(const StepPair& pair, const AdvancementOptions& o) {
+  return std::max(1e-3, 1 - o.max_overlap) * pair.dilation;
+}
+
+std::string broken_bound(const StepPath& path, const std::vector<StepPair>& pairs, double alpha) {
+  for (const StepPair& pair : pairs) {
+    const RelativeBounds bound = bounds_of(path, pair);
+    if (bound.displacement <= pair.threshold && bound.rotation <= pair.rotation + alpha) continue;
+    std::ostringstream text;
+    text << "bodies " << pair.a << " and " << pair.b << " may move by " << bound.displacement << " m and "
+         << bound.rotation << " rad, their contacts were found within " << pair.threshold << " m and "
+         << pair.rotation << " rad";
+    return text.str();
+  }
+  return {};
+}
+
+std::string broken_reach(const StepPath& path, const std::vector<double>& reach) {
+  for (int b = 0; b < int(reach.size()); ++b) {
+    const double moved = path.bodies[std::size_t(b)].displacement;
+    if (!shape_of(path.model, b) || moved <= reach[std::size_t(b)]) continue;
+    std::ostringstream text;
+    text << "body " << b << " may move by " << moved << " m, its neighbours were looked for within "
+         << reach[std::size_t(b)] << " m";
+    return text.str();
+  }
+  return {};
+}
+
+namespace {
+
+// Where a plane may part the pair, from A to B: across its deepest contact, or from centre to centre.
+Vec3 likely_axis(const StepPath& path, const StepPair& pair, const ContactSet& contacts) {
+  const auto bodies = [](const ContactPoint& c) { return std::pair(c.a.body, c.b.body); };
+  const std::pair ours(pair.a, pair.b);
+  const ContactPoint* deepest = nullptr;
+  for (auto c = std::ranges::lower_bound(contacts.points, ours, {}, bodies);
+       c != contacts.points.end() && bodies(*c) == ours; ++c)
+    if (!deepest || c->gap < deepest->gap) deepest = &*c;
+  return deepest ? Vec3(-deepest->normal) : Vec3(pose_of(path, pair.b).p - pose_of(path, pair.a).p);
+}
+
+DilatedBox posed_box(const StepPath& path, const std::vector<BodyBounds>& bounds, int body) {
+  return pose_of(path, body) * bounds[std::size_t(body)].box;
+}
+
+// `apart`: by how much their boxes are.
+StepCertificate certify_pair(const StepPath& path, const StepPair& pair, double apart,
+                             const CertificateOptions& options) {
+  const double moved =
+      path.bodies[std::size_t(pair.a)].displacement + path.bodies[std::size_t(pair.b)].displacement;
+  // Both ways bound how far the pair comes nearer; the sum costs nothing
+  if (apart > moved || apart > bounds_of(path, pair).displacement)  // the dilated shapes cannot even touch
+    return {.min_distance = options.wanted};
+  const Certificate c = certify(moving_shape(path, pair.a), moving_shape(path, pair.b), path.h, options);
+  StepCertificate out{.min_distance = c.min_distance, .rounds = c.rounds};
+  if (c.certified) return out;
+  std::ostringstream text;
+  text << "bodies " << pair.a << " and " << pair.b << ": base distance " << c.min_distance
+       << " m is not proven to stay above " << options.required << " m";
+  out.failure = text.str();
+  return out;
+}
+
+// Of some pairs, up to the first that is not certified.
+StepCertificate certify_pairs(const StepPath& path, std::span<const StepPair> pairs,
+                              const std::vector<DilatedBox>& boxes, const ContactSet& contacts,
+                              const AdvancementOptions& o, int threads) {
+  StepCertificate out;
+  for (const StepPair& pair : pairs) {
+    const double required = required_distance(pair, o);
+    const double apart = separation(boxes[std::size_t(pair.a)], boxes[std::size_t(pair.b)]);
+    const StepCertificate of_pair = certify_pair(path, pair, apart,
+                                                 {.required = required,
+                                                  .wanted = std::max(pair.dilation, required),
+                                                  .threads = threads,
+                                                  .axis = likely_axis(path, pair, contacts)});
+    out.rounds += of_pair.rounds;
+    out.min_distance = std::min(out.min_distance, of_pair.min_distance);
+    out.failure = of_pair.failure;
+    if (!out.failure.empty()) break;
+  }
+  return out;
+}
+
+}  // namespace
+
+StepCertificate certify_apart(const StepPath& path, const StepPair& pair,
+                              const std::vector<BodyBounds>& bounds, int threads) {
+  const double apart = separation(posed_box(path, bounds, pair.a), posed_box(path, bounds, pair.b));
+  return certify_pair(path, pair, apart,
+                      {.required = pair.dilation,
+                       .wanted = pair.dilation,
+                       .max_halvings = kFineHalvings,
+                       .threads = threads});
+}
+
+StepCertificate certify_step(const StepPath& path, const std::vector<StepPair>& pairs,
+                             const std::vector<BodyBounds>& bounds, const ContactSet& contacts,
+                             const AdvancementOptions& o, int threads) {
+  const std::vector<DilatedBox> boxes =
+      posed_once<DilatedBox>(bounds.size(), pairs, [&](int body) { return posed_box(path, bounds, body); });
+  std::vector<StepCertificate> of_part(std::size_t(count_of_parts(pairs)));
+  for_each_part(pairs, threads, [&](int part, std::span<const StepPair> some, int threads_each) {
+    of_part[std::size_t(part)] = certify_pairs(path, some, boxes, contacts, o, threads_each);
+  });
+  StepCertificate out;
+  for (const StepCertificate& part : of_part) {
+    out.rounds += part.rounds;
+    out.min_distance = std::min(out.min_distance, part.min_distance);
+    out.failure = part.failure;
+    if (!out.failure.empty()) break;
+  }
+  return out;
+}
+
+std::vector<StepPair> driven_pairs(const StepPath& path, const std::vector<BodyBounds>& bounds, int threads) {
+  const std::vector<RigidBody>& bodies = path.model.bodies;
+  const auto is_moved = [](const RigidBody& b) {
+    return b.shape >= 0 && std::holds_alternative<Prescribed>(b.motion);
+  };
+  if (std::ranges::none_of(bodies, is_moved)) return {};
+  std::vector<int> body_of;
+  std::vector<DilatedBox> boxes;
+  for (int b = 0; b < int(bodies.size()); ++b) {
+    const RigidBody& body = bodies[std::size_t(b)];
+    if (body.shape < 0 || is_dynamic(body)) continue;
+    boxes.push_back(posed_box(path, bounds, b));
+    boxes.back().radius += path.bodies[std::size_t(b)].displacement;
+    boxes.back().fixed = !is_moved(body);
+    body_of.push_back(b);
+  }
+  std::vector<StepPair> out;
+  for (const auto& [i, j] : broad_phase(boxes, threads)) {
+    const int a = body_of[std::size_t(i)], b = body_of[std::size_t(j)];
+    const double dilation = shape_of(path.model, a)->radius + shape_of(path.model, b)->radius;
+    if (dilation > 0 && !path.model.passing.contains({a, b}))
+      out.push_back({.a = a, .b = b, .dilation = dilation});
+  }
+  return out;
+}
+
+namespace {
+
+const Pieces& pieces_of(const Model& model, const std::vector<Pieces>& pieces, int body) {
+  return pieces[std::size_t(model.bodies[std::size_t(body)].shape)];
+}
+
+}  // namespace
+
+std::vector<std::pair<int, int>> driven_overlaps(const StepPath& path, const std::vector<BodyBounds>& bounds,
+                                                 const std::vector<Pieces>& pieces,
+                                                 const AdvancementOptions& o, int threads) {
+  const auto posed = [&](int body) {
+    const MovingShape shape = moving_shape(path, body);
+    return PosedShape{shape.shape, shape.motion.g * shape.g_bs, body};
+  };
+  std::vector<std::pair<int, int>> out;
+  for (const StepPair& pair : driven_pairs(path, bounds, threads)) {
+    const double required = required_distance(pair, o);
+    const double apart = separation(posed_box(path, bounds, pair.a), posed_box(path, bounds, pair.b));
+    const StepCertificate proof =
+        certify_pair(path, pair, apart, {.required = required, .wanted = required, .threads = threads});
+    if (!proof.failure.empty() || find_nesting(posed(pair.a), pieces_of(path.model, pieces, pair.a),
+                                               posed(pair.b), pieces_of(path.model, pieces, pair.b)))
+      out.emplace_back(pair.a, pair.b);
+  }
+  return out;
+}
+
+std::optional<Overlap> deepest_overlap(const Model& model, const State& state,
+                                       const std::vector<BodyBounds>& bounds,
+                                       const AdvancementOptions& options, int threads) {
+  const VecX rest = VecX::Zero(state.v.size());
+  const StepPath still = step_path({model, state, rest, 0}, bounds);
+  std::optional<Overlap> out;
+  for (const StepPair& pair :
+       pairs_within(model, state, bounds, std::vector<double>(model.bodies.size(), 0), threads)) {
+    const Overlap here{
+        pair.a, pair.b,
+        base_distance(moving_shape(still, pair.a), moving_shape(still, pair.b), pair.dilation, threads),
+        required_distance(pair, options)};
+    if (here.distance < here.required &&
+        (!out || here.required - here.distance > out->required - out->distance))
+      out = here;
+  }
+  return out;
+}
+
+namespace {
+
+std::string name_of(const Model& model, int body) {
+  return std::to_string(body) + " (" + model.bodies[std::size_t(body)].name + ")";
+}
+
+std::string text_of(const Model& model, const Overlap& overlap) {
+  std::ostringstream text;
+  text << "bodies " << name_of(model, overlap.a) << " and " << name_of(model, overlap.b)
+       << ": base distance = " << number_text(overlap.distance) << " must be at least "
+       << number_text(overlap.required) << " [m]";
+  for (std::size_t j = 0; j < model.joints.size(); ++j)
+    if (const Joint& joint = model.joints[j];
+        joint.collide &&
+        std::pair<int, int>(std::minmax(joint.body_a, joint.body_b)) == std::pair(overlap.a, overlap.b)) {
+      text << "; they touch each other because joint " << j << " (" << joint.name << ") has collide";
+      break;
+    }
+  return text.str();
+}
+
+}  // namespace
+
+std::string nested_pair(const Model& model, const State& state, const std::vector<StepPair>& pairs,
+                        const std::vector<Pieces>& pieces) {
+  for (const StepPair& pair : pairs)
+    if (const auto nesting =
+            find_nesting(posed_shape(model, state, pair.a), pieces_of(model, pieces, pair.a),
+                         posed_shape(model, state, pair.b), pieces_of(model, pieces, pair.b)))
+      return to_string(*nesting, "body " + name_of(model, pair.a), "body " + name_of(model, pair.b));
+  return {};
+}
+
+std::string nested_at(const Model& model, const State& state, const std::vector<BodyBounds>& bounds,
+                      const std::vector<Pieces>& pieces, int threads) {
+  if (std::ranges::none_of(model.shapes, [](const auto& shape) { return shape->complex.solid; })) return {};
+  const std::vector<double> reach(model.bodies.size(), 0);
+  return nested_pair(model, state, pairs_within(model, state, bounds, reach, threads), pieces);
+}
+
+std::string wrong_start(const Model& model, const State& state, const std::vector<BodyBounds>& bounds,
+                        const std::vector<Pieces>& pieces, const AdvancementOptions& options, int threads) {
+  const std::optional<Overlap> overlap = deepest_overlap(model, state, bounds, options, threads);
+  return overlap ? text_of(model, *overlap) : nested_at(model, state, bounds, pieces, threads);
+}
+
+}  // namespace aussois

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "integrators/prove/judge.hpp"
+
+#include <algorithm>
+
+#include "integrators/prove/certify_step.hpp"
+
+namespace aussois {
+namespace {
+
+bool all_finite(const std::vector<SE3>& poses) {
+  return std::ranges::all_of(poses, [](const SE3& g) { return g.p.allFinite() && g.R.coeffs().allFinite(); });
+}
+
+// Those of `apart` whose dilated shapes are not proven to keep apart on the path (CA-16).
+std::vector<std::pair<int, int>> meeting_pairs(const StepSetting& setting, const StepPath& path,
+                                               const std::vector<StepPair>& apart, Judgement& judgement) {
+  std::vector<std::pair<int, int>> out;
+  for (const StepPair& pair : apart) {
+    const StepCertificate proof = certify_apart(path, pair, setting.bounds, setting.options.threads);
+    judgement.certificate_rounds += int(proof.rounds);
+    judgement.min_base_distance = std::min(judgement.min_base_distance, proof.min_distance);
+    if (!proof.failure.empty()) out.emplace_back(pair.a, pair.b);
+  }
+  return out;
+}
+
+// Empty if every contact that ends overlapped and closing may go on so for a time (CA-17), otherwise what has
+// no room; where the step cannot be halved there is no choice. With restitution, one that was pushed turns.
+std::string without_room(const StepSetting& setting, const Found& found, const ImpulseStep& step,
+                         const Move& move) {
+  const AdvancementOptions& o = setting.options.advancement;
+  if (move.goes_on == 0 || found.h / 2 < o.min_h) return "";
+  const std::vector<RowVector> r = row_impulses(step);
+  const std::vector<double> dilation = contact_dilations(found.pairs, found.contacts);
+  for (std::size_t i = 0; i < found.contacts.points.size(); ++i) {
+    const ContactPoint& c = found.contacts.points[i];
+    const ContactRow& row = step.rows[i];
+    if (row.restitution > 0 && r[i][0] > 0) continue;
+    const double gap = row.gap + found.h * slip_velocity(row, setting.dofs, move.v_path).x();
+    if (!(gap < 0)) continue;
+    const double speed = slip_velocity(row, setting.dofs, move.v_end).x();
+    if (speed < 0 && gap + move.goes_on * speed < -o.max_overlap * dilation[i])
+      return "bodies " + std::to_string(c.a.body) + " and " + std::to_string(c.b.body) +
+             ": the overlap that is allowed leaves no room to stop them";
+  }
+  return "";
+}
+
+// The path to the poses that joints, or the scheme, hold at its end, and the state there.
+void set_path(const StepSetting& setting, const State& state, const Trial& trial, Judgement& out) {
+  const Model& model = setting.model;
+  const double h = trial.found.h;
+  const Move& move = trial.move;
+  const VecX& v_prescribed = trial.impulses.v_prescribed;
+  out.v_path = path_velocity(setting.options.update, model, state,
+                             all_velocities(setting.dofs, move.v_path, v_prescribed), h);
+  VecX v_end = all_velocities(setting.dofs, move.v_end, v_prescribed);
+  const bool project = setting.options.joints.project;
+  if (move.end || (project && !model.joints.empty())) {
+    const State plain = state_after(model, state, out.v_path, v_end, h);
+    out.held.state = move.end ? *move.end : plain;
+    out.held.state.v = v_end;
+    if (project) out.held = projected(model, out.held.state);  // (MJT-13)
+    out.v_path = velocity_between(state, plain, out.held.state, out.v_path, h);
+    v_end = out.held.state.v;
+  }
+  out.next = state_after(model, state, out.v_path, v_end, h);
+}
+
+Objection kept_bounds(const StepSetting& setting, const Found& found, const StepPath& path) {
+  const double alpha = setting.options.lmd.alpha;
+  for (const std::string& broken :
+       {broken_bound(path, found.pairs, alpha), broken_bound(path, found.apart, alpha),
+        broken_reach(path, found.reach)})  // (CA-5)
+    if (!broken.empty()) return {Outcome::bound_exceeded, broken};
+  return {};
+}
+
+Objection proven(const StepSetting& setting, const Trial& trial, const StepPath& path, Judgement& out) {
+  const StepOptions& o = setting.options;
+  const Found& found = trial.found;
+  const double begin = step_clock();
+  std::vector<std::pair<int, int>> meeting = meeting_pairs(setting, path, found.apart, out);  // (CA-16)
+  if (!meeting.empty())
+    return {Outcome::meets, "bodies meet whose contacts were not asked", std::move(meeting)};
+  const StepCertificate certificate =
+      certify_step(path, found.pairs, setting.bounds, found.contacts, o.advancement, o.threads);  // (CA-6)
+  out.certificate_rounds += int(certificate.rounds);
+  out.min_base_distance = std::min(out.min_base_distance, certificate.min_distance);
+  out.seconds_certificate = step_clock() - begin;
+  if (!certificate.failure.empty()) return {Outcome::not_certified, certificate.failure};
+  const std::string crowded = without_room(setting, found, trial.impulses, trial.move);  // (CA-17)
+  if (!crowded.empty()) return {Outcome::not_certified, crowded};
+  out.driven_overlaps =
+      driven_overlaps(path, setting.bounds, setting.pieces, o.advancement, o.threads);  // (CA-20)
+  return {};
+}
+
+Objection objection(const StepSetting& setting, const State& state, const Trial& trial, Judgement& out) {
+  const SolveStatus solved = solve_report(trial.impulses).status;
+  if (solved == SolveStatus::not_finite || !trial.move.v_path.allFinite() || !trial.move.v_end.allFinite())
+    return {Outcome::not_finite, "a force or velocity is not finite"};
+  set_path(setting, state, trial, out);
+  const auto speaks = [](const Objection& o) { return o.outcome != Outcome::accepted; };
+  if (speaks(trial.beforehand)) return trial.beforehand;
+  const StepPath path = step_path({setting.model, state, out.v_path, trial.found.h}, setting.bounds);
+  if (Objection broken = kept_bounds(setting, trial.found, path); speaks(broken)) return broken;
+  if (setting.options.advancement.certify)
+    if (Objection unproven = proven(setting, trial, path, out); speaks(unproven)) return unproven;
+  if (!all_finite(out.next.g)) return {Outcome::not_finite, "a pose is not finite"};
+  if (!setting.model.joints.empty()) out.joint_error = joint_error(setting.model, out.next);
+  if (!within(out.joint_error, setting.options.joints))
+    return {Outcome::not_certified, text_of(out.joint_error, setting.options.joints)};
+  if (!is_solved(solved))
+    return {Outcome::not_solved, std::string("the solver ended with ") + to_string(solved)};
+  return trial.afterwards;
+}
+
+}  // namespace
+
+Judgement judge(const StepSetting& setting, const State& state, const Trial& trial) {
+  Judgement out;
+  out.objection = objection(setting, trial.from ? *trial.from : state, trial, out);
+  return out;
+}
+
+}  // namespace aussois

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "integrators/prove/path_audit.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/check.hpp"
+#include "integrators/prove/certify_step.hpp"
+#include "lmd/certificate.hpp"
+#include "lmd/coverage.hpp"
+
+namespace aussois {
+namespace {
+
+constexpr double kRounding = 1e-14;  // of what coordinates and bodies measure
+
+// The stretches of the step, whichever way its scheme told them.
+std::vector<PathPiece> pieces_of(const State& start, const StepReport& report) {
+  if (report.v_path.size() > 0) return {{.t = start.t, .h = report.h, .g = start.g, .v = report.v_path}};
+  require(!report.pieces.empty(),
+          "audit_path: the step has no path; AdvancementOptions::certify must be on in event_driven");
+  return report.pieces;
+}
+
+// A step that is looked at.
+struct Audited {
+  const Model& model;
+  const StepReport& report;
+  std::vector<BodyBounds> bounds{};
+  std::vector<Pieces> pieces{};
+  int threads = 1;
+};
+
+// What a certificate says of a pair: (CA-6), and the bound of the report. That speaks of the pairs that came
+// near and can be stopped; their others are proven to be farther apart than their dilations.
+double certified_distance(const Audited& step, const StepPair& pair, double max_overlap) {
+  const auto moves = [&](int body) { return is_dynamic(step.model.bodies[std::size_t(body)]); };
+  const double required = required_distance(pair, {.max_overlap = max_overlap});
+  if (!moves(pair.a) && !moves(pair.b)) return required;
+  return std::max(required, std::min(step.report.min_base_distance, pair.dilation));
+}
+
+// Nothing is certified of what is told to overlap.
+bool is_told(const StepPair& pair, const StepReport& report) {
+  return std::ranges::binary_search(report.driven_overlaps, std::pair(pair.a, pair.b));
+}
+
+double extent(const Audited& step, const State& there, int body) {
+  return pose(there, body).p.norm() + step.bounds[std::size_t(body)].radius;
+}
+
+// Pairs whose dilated shapes come nearer than the sum of their dilations.
+std::vector<StepPair> pairs_at(const Audited& step, const State& there) {
+  std::vector<double> dilation;
+  for (const BodyBounds& body : step.bounds) dilation.push_back(body.box.radius);
+  std::vector<StepPair> out = pairs_within(step.model, there, step.bounds, dilation, step.threads);
+  const VecX rest = VecX::Zero(there.v.size());
+  const std::vector<StepPair> driven =
+      driven_pairs(step_path({step.model, there, rest, 0}, step.bounds), step.bounds, step.threads);
+  out.insert(out.end(), driven.begin(), driven.end());
+  return out;
+}
+
+// But for those that are told to overlap.
+std::vector<StepPair> untold_pairs(const Audited& step, const State& there) {
+  std::vector<StepPair> out = pairs_at(step, there);
+  std::erase_if(out, [&](const StepPair& pair) { return is_told(pair, step.report); });
+  return out;
+}
+
+struct Seen {
+  bool kept = true, nested = false;
+};
+
+// Are all pairs as far apart as certified, and none inside the other? What is farther than the cutoff changes
+// neither minimum.
+Seen look_at(const Audited& step, const State& there, PathAudit& audit) {
+  const auto shape = [&](int b) {
+    const RigidBody& body = step.model.bodies[std::size_t(b)];
+    return MovingShape{step.model.shapes[std::size_t(body.shape)].get(), body.g_bs, {.g = pose(there, b)}};
+  };
+  const std::vector<StepPair> pairs = untold_pairs(step, there);
+  Seen out;
+  for (const StepPair& pair : pairs) {
+    const double certified = certified_distance(step, pair, audit.max_overlap);
+    const double cutoff =
+        std::min(2 * pair.dilation, std::max({certified, certified + audit.min_slack, audit.min_distance}));
+    const double distance = base_distance(shape(pair.a), shape(pair.b), cutoff, step.threads);
+    if (distance < cutoff) {
+      audit.min_distance = std::min(audit.min_distance, distance);
+      audit.min_slack = std::min(audit.min_slack, distance - certified);
+    }
+    out.kept = out.kept && distance >= certified - kRounding * (extent(step, there, pair.a) +
+                                                                extent(step, there, pair.b));
+  }
+  out.nested = !nested_pair(step.model, there, pairs, step.pieces).empty();
+  return out;
+}
+
+// Is the smallest gap of every pair its distance less the dilations (LMD-14)?
+bool is_covered(const Audited& step, const State& there) {
+  return std::ranges::all_of(untold_pairs(step, there), [&](const StepPair& pair) {
+    const PosedShape a = posed_shape(step.model, there, pair.a), b = posed_shape(step.model, there, pair.b);
+    const double cutoff = 2 * pair.dilation,
+                 distance = base_distance({a.shape, {}, {.g = a.g_ws}}, {b.shape, {}, {.g = b.g_ws}}, cutoff,
+                                          step.threads);
+    return distance >= cutoff || is_covered(a, b, distance, step.threads);
+  });
+}
+
+// A pair that is certified where the path ends cannot pass through each other on a way to the state that is
+// shorter than their distance.
+bool leads_to(const Audited& step, const State& path_end, const State& end, double max_overlap) {
+  const auto moved = [&](int b) {
+    return (pose(end, b).p - pose(path_end, b).p).norm() +
+           step.bounds[std::size_t(b)].radius * angle_between(pose(end, b).R, pose(path_end, b).R);
+  };
+  std::vector<double> reach;
+  for (int b = 0; b < int(step.bounds.size()); ++b) reach.push_back(moved(b));
+  return std::ranges::none_of(pairs_within(step.model, path_end, step.bounds, reach, step.threads),
+                              [&](const StepPair& pair) {
+                                return reach[std::size_t(pair.a)] + reach[std::size_t(pair.b)] >=
+                                       certified_distance(step, pair, max_overlap);
+                              });
+}
+
+}  // namespace
+
+void audit_path(const Model& model, const State& start, const State& end, const StepReport& report,
+                int threads, PathAudit& audit) {
+  const auto has_shape = [](const RigidBody& body) { return body.shape >= 0; };
+  if (audit.samples == 0 || std::ranges::count_if(model.bodies, has_shape) < 2) return;
+  const Audited step{model, report, body_bounds(model), pieces_of_shapes(model), threads};
+  Seen seen;
+  const auto look = [&](const State& there) {
+    const Seen here = look_at(step, there, audit);
+    seen = {seen.kept && here.kept, seen.nested || here.nested};
+  };
+  State there = start;
+  for (const PathPiece& piece : pieces_of(start, report)) {
+    const int places = std::max(1, int(std::ceil(audit.samples * piece.h / report.h)));
+    State from = start;
+    from.t = piece.t, from.g = piece.g;
+    for (int i = 1; i <= places; ++i) {
+      there = from;
+      there.g = moved_poses(model, from, piece.v, piece.h * i / places);
+      look(there);
+    }
+  }
+  look(end);
+  const bool covered = seen.nested || is_covered(step, end);
+  ++audit.steps;
+  audit.nested += seen.nested;
+  audit.uncovered += !covered;
+  audit.violations += !seen.kept || seen.nested || !covered || !leads_to(step, there, end, audit.max_overlap);
+}
+
+std::vector<std::pair<int, int>> skipped_pairs(const Model& model) {
+  std::vector<std::pair<int, int>> out;
+  for (const auto& [a, b] : model.passing)
+    if (model.bodies[std::size_t(a)].shape >= 0 && model.bodies[std::size_t(b)].shape >= 0)
+      out.emplace_back(a, b);
+  return out;
+}
+
+double min_base_distance(const Model& model, const State& state, double cutoff, int threads) {
+  const auto still = [&](int body) {
+    const PosedShape posed = posed_shape(model, state, body);
+    return MovingShape{posed.shape, {}, {.g = posed.g_ws}};
+  };
+  double distance = cutoff;
+  for (const StepPair& pair : pairs_within(model, state, body_bounds(model),
+                                           std::vector<double>(model.bodies.size(), cutoff / 2), threads))
+    distance = base_distance(still(pair.a), still(pair.b), distance, threads);
+  return distance;
+}
+
+}  // namespace aussois

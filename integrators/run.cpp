@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "integrators/run.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <numeric>
+
+#include <Eigen/Cholesky>
+
+#include "geometry/check.hpp"
+#include "geometry/number_text.hpp"
+#include "integrators/pose/joint_rows.hpp"
+#include "integrators/prove/certify_step.hpp"
+#include "mechanics/mechanism.hpp"
+
+namespace aussois {
+namespace {
+
+void check_joints(const Model& model, const State& state, double tolerance) {
+  const std::string bound = "be at most " + number_text(tolerance) + "; see consistent()";
+  for (int j = 0; j < int(model.joints.size()); ++j) {
+    const std::string who =
+        "start: joint " + std::to_string(j) + " (" + model.joints[std::size_t(j)].name + "): ";
+    const JointError error = joint_error(model, state, j);
+    require_field(error.translation <= tolerance, (who + "translation error [m]").c_str(), error.translation,
+                  bound.c_str());
+    require_field(error.rotation <= tolerance, (who + "rotation error [rad]").c_str(), error.rotation,
+                  bound.c_str());
+  }
+  for (std::size_t i = 0; i < model.couplings.size(); ++i)
+    require_field(
+        std::abs(coupling_row(model, model.couplings[i], state.g, state.turns).value) <= tolerance,
+        ("start: coupling " + std::to_string(i) + " (" + model.couplings[i].name + "): error").c_str(),
+        coupling_row(model, model.couplings[i], state.g, state.turns).value, bound.c_str());
+}
+
+void check_size(const std::string& who, const MatX& A, Eigen::Index rows, Eigen::Index columns) {
+  const auto text = [](Eigen::Index m, Eigen::Index n) {
+    return std::to_string(m) + " x " + std::to_string(n);
+  };
+  require_field(A.rows() == rows && A.cols() == columns, ("start: " + who).c_str(), text(A.rows(), A.cols()),
+                ("be " + text(rows, columns)).c_str());
+}
+
+void check_coordinates(const Model& model, const State& state) {
+  for (int i = 0; i < int(model.coordinates.size()); ++i) {
+    const Coordinates& block = model.coordinates[std::size_t(i)];
+    const std::string who = "coordinates " + std::to_string(i) + " (" + block.name + "): ";
+    const VecX q = coordinates(model, state, i);
+    const MatX M = block.mass(q);
+    check_size(who + "mass", M, block.size, block.size);
+    const double asymmetry = (M - M.transpose()).cwiseAbs().maxCoeff();
+    require_field(asymmetry <= 1e-9 * M.cwiseAbs().maxCoeff(),
+                  ("start: " + who + "largest |mass - transpose|").c_str(), asymmetry,
+                  "be at most 1e-9 of the largest entry");
+    require(Eigen::LLT<MatX>(M).info() == Eigen::Success, "start: " + who + "mass must be positive definite");
+    if (!block.force) continue;
+    const CoordinateForce force = block.force(state.t, q, speeds(model, state, i));
+    check_size(who + "force.f", force.f, block.size, 1);
+    if (force.K.size() > 0) check_size(who + "force.K", force.K, block.size, block.size);
+    if (force.C.size() > 0) check_size(who + "force.C", force.C, block.size, block.size);
+  }
+}
+
+void check_gaps(const Model& model, const State& state) {
+  for (std::size_t i = 0; i < model.gaps.size(); ++i) {
+    const GapFunction& gap = model.gaps[i];
+    const std::string who = "gap function " + std::to_string(i) + " (" + gap.name + "): ";
+    const GapRows rows = gap.evaluate(model, state, state.t);
+    require_field(rows.J.rows() >= 1 && rows.J.rows() <= 3, ("start: " + who + "rows of J").c_str(),
+                  rows.J.rows(), "lie in [1, 3]");
+    check_size(who + "J", rows.J, rows.J.rows(), gap_columns(model, gap));
+    if (rows.rate.size() > 0) check_size(who + "rate", rows.rate, rows.J.rows(), 1);
+  }
+}
+
+}  // namespace
+
+void validate_start(const Model& model, const State& state, const AdvancementOptions& options,
+                    double joint_tolerance) {
+  validate(model);
+  validate(model, state);
+  validate(options);
+  check_coordinates(model, state);
+  check_gaps(model, state);
+  check_joints(model, state, joint_tolerance);
+  if (!options.certify) return;
+  const std::string wrong =
+      wrong_start(model, state, body_bounds(model), pieces_of_shapes(model), options, 1);
+  require(wrong.empty(), "start: " + wrong);
+}
+
+State consistent(const Model& model, const State& state) {
+  return projected(model, state).state;
+}
+
+VecX consistent_velocity(const Model& model, const State& state) {
+  return with_consistent_velocity(model, state).state.v;
+}
+
+namespace {
+
+double stored(const Model& model, const State& state, const Energy& now) {
+  return now.kinetic + now.gravity + spring_energy(model, state);
+}
+
+// What came from outside in a step: all work of laws, joints and contacts but that of those which can only
+// take, and of springs, whose energy is stored. Forces of coordinates hold what their masses make of it.
+double given(const Model& model, const StepReport& report) {
+  const EnergyLedger& e = report.energy;
+  double out = e.law_work + e.joint_work + e.contact_work;
+  if (!model.coordinates.empty()) out += e.gyroscopic_work;
+  for (const StepJoint& joint : report.joints) {
+    const JointWork& w = joint.work;
+    out -= w.locked + w.couplings + w.stops + w.friction + w.springs;
+  }
+  return std::accumulate(report.law_work.begin(), report.law_work.end(), out, std::minus<>());
+}
+
+}  // namespace
+
+EnergyGain energy_gain(const Model& model, const State& start) {
+  const Energy now = energy(model, start);
+  return {.stored = stored(model, start, now), .kinetic = now.kinetic};
+}
+
+void add(const Model& model, const State& state, const StepReport& report, EnergyGain& gain) {
+  const Energy now = energy(model, state);
+  const double before = std::exchange(gain.stored, stored(model, state, now));
+  gain.above = std::max(0.0, gain.above + gain.stored - before - given(model, report));
+  gain.largest = std::max(gain.largest, gain.above);
+  const double mass =
+      std::accumulate(model.bodies.begin(), model.bodies.end(), 0.0,
+                      [](double sum, const RigidBody& b) { return is_dynamic(b) ? sum + b.mass : sum; });
+  gain.kinetic = std::max({gain.kinetic, now.kinetic, mass * (report.h * model.gravity).squaredNorm() / 2});
+}
+
+}  // namespace aussois

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "integrators/schemes/advance_step.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <sstream>
+#include <tuple>
+#include <utility>
+
+#include "integrators/prove/certify_step.hpp"
+
+namespace aussois {
+
+const char* to_string(StepStatus status) {
+  switch (status) {
+    case StepStatus::ok:
+      return "ok";
+    case StepStatus::not_solved:
+      return "not solved";
+    case StepStatus::refused:
+      return "refused";
+    case StepStatus::not_finite:
+      return "not finite";
+  }
+  return "?";
+}
+
+namespace {
+
+// What a step tries next: how long, and with which estimate of where bodies may be.
+struct Search {
+  double h_limit = 0, h_control = 0;  // what may be tried, what the control wants [s]
+  double growth = 1, min_h = 0;
+  double h = 0;
+  Estimate estimate{};
+  int unsolved = 0, enlarged = 0;
+
+  void halve() {  // in half the time other pairs meet, or none
+    h /= 2;
+    estimate.meeting.clear();
+  }
+  bool may_halve() const { return h / 2 >= min_h; }
+  double next() const {  // only a cut step makes it smaller
+    return h < std::min(h_control, h_limit) ? growth * h : std::max(h_control, growth * h);
+  }
+  // Prepares another attempt; false if the judgement ends them.
+  bool goes_on(const Judgement& judgement);
+};
+
+bool Search::goes_on(const Judgement& judgement) {
+  switch (judgement.objection.outcome) {
+    case Outcome::accepted:
+      return false;
+    case Outcome::not_finite:  // the linear gyroscopic term of a long step can make M^ indefinite
+      if (!may_halve()) return false;
+      halve();
+      return true;
+    case Outcome::not_solved:  // a shorter step is an easier problem; after that the report tells
+      if (++unsolved > 3 || !may_halve()) return false;
+      halve();
+      return true;
+    case Outcome::bound_exceeded:
+      estimate.v = judgement.v_path;
+      if (++enlarged % 4 == 0) halve();
+      return true;
+    case Outcome::meets: {
+      std::vector<std::pair<int, int>> all;
+      std::ranges::set_union(estimate.meeting, judgement.objection.meeting, std::back_inserter(all));
+      estimate.meeting = std::move(all);
+      return true;
+    }
+    case Outcome::not_certified:
+      halve();
+      return true;
+  }
+  return false;
+}
+
+// Of a judgement that ends the attempts.
+StepStatus status_of(const Judgement& judgement) {
+  return judgement.objection.outcome == Outcome::accepted     ? StepStatus::ok
+         : judgement.objection.outcome == Outcome::not_solved ? StepStatus::not_solved
+                                                              : StepStatus::not_finite;
+}
+
+// Why no step can begin here; ok: one can.
+std::pair<StepStatus, std::string> wrong_from_here(const StepSetting& setting, const State& state,
+                                                   const VecX& estimate) {
+  const bool finite_poses =
+      std::ranges::all_of(state.g, [](const SE3& g) { return g.p.allFinite() && g.R.coeffs().allFinite(); });
+  if (!estimate.allFinite() || !finite_poses)
+    return {StepStatus::not_finite, "a force, velocity or pose is not finite"};
+  if (std::string off = joint_that_is_off(setting, state); !off.empty())
+    return {StepStatus::refused, std::move(off)};
+  if (setting.options.advancement.certify && state.h == 0) {  // from here on the certificate does (CA-19)
+    const std::string nested =
+        nested_at(setting.model, state, setting.bounds, setting.pieces, setting.options.threads);
+    if (!nested.empty()) return {StepStatus::refused, "start: " + nested};
+  }
+  return {StepStatus::ok, ""};
+}
+
+// Why the attempts came to nothing.
+std::string refusal(const StepSetting& setting, const State& state, double min_h, const std::string& reason) {
+  const AdvancementOptions& o = setting.options.advancement;
+  std::ostringstream text;
+  text << "no step of at least " << min_h << " s was accepted: ";
+  const std::string wrong = o.certify ? wrong_start(setting.model, state, setting.bounds, setting.pieces, o,
+                                                    setting.options.threads)
+                                      : "";
+  text << (wrong.empty() ? reason : "start: " + wrong);
+  return text.str();
+}
+
+}  // namespace
+
+StepReport advance_step(const StepSetting& setting, State& state, double h_limit, const StepMethod& method) {
+  const AdvancementOptions& o = setting.options.advancement;
+  check_fits(setting, state, h_limit);
+  const double begin = step_clock();
+  const double h_largest = setting.options.h;
+  Search search{.h_limit = h_limit,
+                .h_control = state.h_next > 0 ? std::min(h_largest, state.h_next) : h_largest,
+                .growth = o.growth};
+  search.h = std::min(search.h_control, h_limit);
+  search.min_h = std::min(o.min_h, search.h);  // what is left of a run may be shorter than any minimum
+  search.estimate.v = method.estimate(state, search.h);
+
+  StepReport report{.t = state.t};
+  const auto ended = [&](StepStatus status) {
+    report.status = status;
+    report.seconds_total = step_clock() - begin;
+    return std::move(report);
+  };
+  StepStatus begins;
+  std::tie(begins, report.reason) = wrong_from_here(setting, state, search.estimate.v);
+  if (begins != StepStatus::ok) return ended(begins);
+  for (int k = 1;; ++k) {
+    const Trial trial = method.attempt(state, search.estimate, search.h);
+    const Judgement judgement = judge(setting, state, trial);
+    const bool again = search.goes_on(judgement);
+    if (again && k < o.max_attempts && search.h >= search.min_h) continue;
+    report = tell(setting, state, trial, judgement);
+    report.attempts = k;
+    if (again) {
+      report.t = state.t, report.h = 0;
+      report.reason = refusal(setting, state, search.min_h, report.reason);
+      return ended(StepStatus::refused);
+    }
+    if (may_be_taken(judgement)) {
+      state = next_state(setting, trial, judgement);
+      state.h_next = search.next();
+    }
+    return ended(status_of(judgement));
+  }
+}
+
+}  // namespace aussois

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// The half-explicit time-stepping scheme on velocity level that comes from a discontinuous Galerkin method
+// with velocities linear in a step and a jump at its end (doc/theory/d1_minus_linear.md): the explicit
+// trapezoidal rule, with contacts that last inside it, and impacts after it. Sources: Schindler, Acary 2014;
+// Schindler, Rezaei, Kursawe, Acary 2015; (DML-1) to (DML-7).
+#pragma once
+
+#include <memory>
+
+#include "integrators/step_options.hpp"
+#include "integrators/step_report.hpp"
+
+namespace aussois {
+
+struct StepSetting;
+
+struct D1MinusLinearOptions {
+  StepOptions step{};  // normal.law is not read: the law of impact is (DML-6)
+};
+void validate(const D1MinusLinearOptions& options);  // throws std::invalid_argument: field, value, bound
+
+class D1MinusLinear {
+ public:
+  /// Throws std::invalid_argument for a bad option or model, or if two bodies that can touch have no dilation
+  /// at all.
+  D1MinusLinear(const Model& model, const D1MinusLinearOptions& options);
+  D1MinusLinear(Model&&, const D1MinusLinearOptions&) = delete;  // the model must outlive the scheme
+
+  /// Advances by at most min(options.step.h, h_limit); shorter if the advancement needs it. The state is
+  /// unchanged unless the report says moved(). Throws for what does not fit (check_fits), not for trouble
+  /// of numbers. Explicit in the forces: a spring k of a mass m wants h < 2 sqrt(m / k).
+  [[nodiscard]] StepReport step(State& state, double h_limit = kInf) const;
+
+ private:
+  std::shared_ptr<const StepSetting> setting_;
+};
+
+}  // namespace aussois

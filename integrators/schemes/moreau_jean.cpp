@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "integrators/schemes/moreau_jean.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "geometry/check.hpp"
+#include "integrators/pose/gap_hessians.hpp"
+#include "integrators/pose/projection.hpp"
+#include "integrators/schemes/advance_step.hpp"
+
+namespace aussois {
+namespace {
+
+StepOptions step_options(const MoreauJeanOptions& o) {
+  return {.h = o.h,
+          .normal = o.normal,
+          .joints = o.joints,
+          .lmd = o.lmd,
+          .reduction = o.reduction,
+          .persistence = o.persistence,
+          .solver = o.solver,
+          .advancement = o.advancement,
+          .update = o.update,
+          .threads = o.threads,
+          .keep_problem = o.keep_problem};
+}
+
+// The part `time` of the step that the mean velocities `v` lead through.
+State on_the_way(const StepSetting& setting, const State& start, const VecX& v, double h, double time) {
+  const VecX v_path = path_velocity(setting.options.update, setting.model, start, v, h);
+  return state_after(setting.model, start, v_path, v, time);
+}
+
+// What the momentum balance holds for one iterate: forces where it stands, the matrix of the start and how
+// contact impulses `turn` (MJ-12).
+FreeMotion at_iterate(const StepSetting& setting, const State& start, const FreeMotion& first, const VecX& v,
+                      const VecX& v_prescribed, double h, double theta, const SparseMatrix& turn) {
+  const VecX v_theta = all_velocities(setting.dofs, theta * v + (1 - theta) * first.v, v_prescribed);
+  const State there = on_the_way(setting, start, v_theta, h, theta * h);
+  const FreeMotion forces = free_motion(setting.model, there, setting.dofs, h, 0);
+  const VecX change = v - first.v;
+  FreeMotion out = first;
+  out.gravity = forces.gravity;
+  out.gyroscopic = forces.gyroscopic + first.gyroscopic_D * change;
+  out.laws = forces.laws + first.law_D * change;
+  const VecX all_change = all_velocities(setting.dofs, change, 0 * v_prescribed);
+  for (AxisImpulse& a : out.axes) {
+    a.motor = 0;
+    a.spring = a.D * speed_along(setting.model.joints[std::size_t(a.joint)], a.row, all_change);
+  }
+  out.axes.insert(out.axes.end(), forces.axes.begin(), forces.axes.end());
+  if (turn.nonZeros() > 0) {
+    out.turning_D = kept_positive(first.M, turn);
+    out.turning = out.turning_D * change;
+    sum_up(out);
+  } else {
+    sum_up_impulses(out);
+  }
+  return out;
+}
+
+// Changes of the size of the solver's noise that no longer halve are no matter of Newton's. Small bodies turn
+// by a tenth of it.
+bool newton_done(double change, double last, const MoreauJeanOptions& o) {
+  return change <= o.newton.tolerance || (change <= kSolverNoise * o.solver.tolerance && change > last / 2);
+}
+
+// A loop whose changes grow so often in a row leads away from the solution next to its start, and may end at
+// another one (MJ-16). One growth is a contact that comes or goes, or load that shifts among several.
+constexpr int kDivergent = 2;
+bool grows(double change, double last, double speed, const MoreauJeanOptions& o) {
+  return change > 1.1 * last && change > kSolverNoise * o.solver.tolerance * speed;
+}
+
+// Impulses of all contacts of a solution, to be matched with those of the next iterate.
+ContactMemory remembered(const Found& found, const ImpulseStep& step) {
+  const std::vector<RowVector> r = row_impulses(step);
+  std::vector<Vec3> impulse;
+  std::vector<double> drilling;
+  for (std::size_t i = 0; i < found.contacts.points.size(); ++i) {
+    const Law& law = step.rows[i].law;
+    impulse.push_back(step.rows[i].frame * r[i].head<3>());
+    drilling.push_back(law.rows > 3 ? r[i][3] : 0);
+  }
+  return remember(found.contacts, impulse, {.drilling = drilling, .anchors = {}, .g = found.g});
+}
+
+void start_with_the_last_solve(const Found& found, const ImpulseStep& step, Found& there) {
+  WarmStart last = warm_start(remembered(found, step), there.contacts, {.g = there.g});
+  there.start = std::move(last.impulse);
+  there.warm.drilling = std::move(last.drilling);
+}
+
+std::vector<double> normal_impulses(const Found& found) {
+  std::vector<double> r_N;
+  for (std::size_t i = 0; i < found.contacts.points.size(); ++i)
+    r_N.push_back(found.contacts.points[i].normal.dot(found.start[i]));
+  return r_N;
+}
+
+// How fast a closed contact may close again by the turning of its bodies alone: its arms and its normal are
+// others after a step (MJ-17) [m/s].
+double closing_by_turning(const StepSetting& setting, const State& start, const VecX& v_prescribed,
+                          const ContactRow& row, double slip, double h) {
+  double out = 0;
+  for (const int body : {row.body_a, row.body_b}) {
+    const bool free = is_dynamic(setting.model.bodies[std::size_t(body)]);
+    const double spin = angular_part(free ? start.v : v_prescribed, body).norm();
+    out += h * spin * (spin * setting.bounds[std::size_t(body)].radius + slip);
+  }
+  return out;
+}
+
+// What lands - was closing on the path, faster than a closed contact does, and would end overlapped - ends
+// closed, and is stopped if it still closes then; nothing else gets closer than closed (MJ-17). Whether a row
+// lands is a matter of velocities, which are unique where shares of a load are not. Returns the velocities of
+// that path; `step` gets the impulses.
+VecX land(const StepSetting& setting, const State& start, const Found& found, const VecX& v_path,
+          ImpulseStep& step) {
+  const VecX v_end = step.solved.solution.v;
+  std::vector<ContactRow> opening;
+  bool lands = false, closes_on = false;
+  for (ContactRow& row : step.rows) {
+    if (row.law.kind == LawKind::dry_friction) continue;
+    const double ahead = row.gap + found.h * slip_velocity(row, setting.dofs, v_path).x();
+    bool landing = ahead < -kOverlapRounding;
+    if (landing && row.slot < 0) {
+      const RowVector before = slip_velocity(row, setting.dofs, step.free->v);
+      landing = -before.x() >
+                closing_by_turning(setting, start, step.v_prescribed, row, before.head<3>().norm(), found.h);
+    } else if (landing) {  // of gap functions and stops: none that bore a load
+      landing = start.r.size() == 0 || !(start.r[row.slot] > 0);
+    }
+    opening.push_back(row);
+    opening.back().w.x() = landing ? ahead : std::max(0.0, ahead);
+    lands |= landing;
+    if (!landing || slip_velocity(row, setting.dofs, v_end).x() >= 0) continue;
+    row.w.x() = row.moved.x();
+    closes_on = true;
+  }
+  if (!lands) return v_path;
+  if (closes_on) {
+    keep_status(step);
+    solve_rows(setting, start, found, step);
+  }
+  const double begin = step_clock();
+  const auto [d, report] =
+      opening_displacement(setting, step.free->mass, std::move(opening), step.joints.equations.G, found.h);
+  step.seconds += step_clock() - begin;
+  add_part(report, step.beside);
+  return v_path + d / found.h;
+}
+
+double time_of(ContactsAt at, double h) {
+  return at == ContactsAt::start ? 0 : at == ContactsAt::midpoint ? h / 2 : h;
+}
+
+}  // namespace
+
+const char* to_string(ContactsAt at) {
+  return at == ContactsAt::start ? "start" : at == ContactsAt::midpoint ? "midpoint" : "end";
+}
+ContactsAt contacts_at(const std::string& name) {
+  for (const ContactsAt at : {ContactsAt::start, ContactsAt::midpoint, ContactsAt::end})
+    if (name == to_string(at)) return at;
+  throw std::invalid_argument("contacts at = " + name + " must be start, midpoint or end");
+}
+
+void validate(const MoreauJeanOptions& o) {
+  require_field(o.theta >= 0.5 && o.theta <= 1, "MoreauJeanOptions::theta", o.theta, "lie in [0.5, 1]");
+  require_field(o.newton.max_iterations >= 1, "NewtonOptions::max_iterations", o.newton.max_iterations,
+                "be at least 1");
+  require_field(o.newton.tolerance > 0, "NewtonOptions::tolerance", o.newton.tolerance, "be positive [m/s]");
+  validate(o.impact);
+  require(in_the_step(o.impact) || o.normal.law != NormalLaw::gap_over_step,
+          std::string("MoreauJeanOptions::impact = ") + to_string(o.impact.law) + ", " +
+              to_string(o.impact.order) + " needs an impact law: normal law moreau or combined");
+  require(
+      in_the_step(o.impact) || o.contacts == ContactsAt::start,
+      "MoreauJeanOptions::contacts must be start with Poisson's or sequential impacts, which happen there");
+  require(
+      in_the_step(o.impact) || o.normal.gamma == 1,
+      "NormalLawOptions::gamma must be 1 with Poisson's or sequential impacts, which have their own average");
+  validate(step_options(o));
+}
+
+MoreauJean::MoreauJean(const Model& model, const MoreauJeanOptions& options)
+    : setting_(std::make_shared<const StepSetting>(step_setting(model, step_options(options)))),
+      options_(options) {
+  validate(options);
+}
+
+namespace {
+
+SharedMotion free(const StepSetting& setting, const State& state, double h, double theta) {
+  return SharedMotion(new FreeMotion(free_motion(setting.model, state, setting.dofs, h, theta,
+                                                 setting.mass_scratch.get())));  // (MJ-4), (MJ-5)
+}
+
+// Where a step begins, an impact behind it or not, and how it would go on without contacts.
+struct Start {
+  const State& state;
+  const std::optional<AfterImpact>& after;
+  SharedMotion free{};
+};
+
+// What Newton's loop carries from solve to solve.
+struct Iterate {
+  Found found{};
+  ImpulseStep step{};
+  int made = 1, growths = 0;
+  double change = kInf, last = kInf;
+};
+
+// Solves again where the last solve leads (MJ-11), (MJ-12).
+void solve_again(const StepSetting& setting, const MoreauJeanOptions& o, const Start& start, double h,
+                 Iterate& now) {
+  const double theta = o.theta, time = time_of(o.contacts, h);
+  const VecX v = now.step.solved.solution.v;
+  const Reached reached{
+      all_velocities(setting.dofs, theta * v + (1 - theta) * start.free->v, now.step.v_prescribed), time};
+  State at = on_the_way(setting, start.state, reached.v, h, time);
+  at.v = start.state.v;
+  at.t = start.state.t;
+  Found there = time > 0 ? found_at(setting, start.state, now.found, at) : now.found;
+  start_with_the_last_solve(now.found, now.step, there);
+  ContactBlocks blocks = start.after ? start.after->blocks
+                                     : contact_blocks(setting, time > 0 ? at : start.state, there.contacts, h,
+                                                      o.normal, reached);
+  SharedMotion free = start.free;
+  if (o.newton.max_iterations > 1) {
+    SparseMatrix turn;  // with theta as of a velocity's part in the path
+    if (o.newton.gap_hessians && time > 0)
+      turn =
+          gap_hessians(setting.model, at, there.contacts, normal_impulses(there), setting.dofs, theta * time);
+    free = std::make_shared<const FreeMotion>(
+        at_iterate(setting, start.state, *start.free, v, now.step.v_prescribed, h, theta, turn));
+  }
+  SolveReport beside = now.step.beside;
+  add_counts(now.step.solved.solution.report, beside);
+  const double seconds = now.step.seconds;
+  now.step = solve_step(setting, start.state, there, std::move(free), theta, std::move(blocks));
+  now.step.beside = beside;
+  now.step.seconds += seconds;
+  now.found = std::move(there);
+  now.last = std::exchange(now.change, (now.step.solved.solution.v - v).lpNorm<Eigen::Infinity>());
+  now.growths = grows(now.change, now.last, v.lpNorm<Eigen::Infinity>(), o) ? now.growths + 1 : 0;
+  ++now.made;
+}
+
+// `without` is the free motion of the state.
+Trial attempt(const StepSetting& setting, const MoreauJeanOptions& o, const State& state,
+              const SharedMotion& without, const Estimate& ahead, double h) {
+  const double theta = o.theta, time = time_of(o.contacts, h);
+  Iterate now{.found = find_ahead(setting, state, ahead, h)};
+  const std::optional<AfterImpact> after = after_impact(setting, state, now.found, o.impact, theta);
+  const State& from = after ? after->state : state;
+  const Start start{from, after, after ? free(setting, from, h, theta) : without};
+  now.step =
+      solve_step(setting, from, now.found, start.free, theta,
+                 after ? after->blocks : contact_blocks(setting, from, now.found.contacts, h, o.normal));
+  const int iterations = o.newton.max_iterations, solves = iterations + (time > 0);
+  if (iterations == 1) now.change = 0;
+  while (now.made < solves && now.growths < kDivergent &&
+         (now.made < 2 || !newton_done(now.change, now.last, o)) && now.step.solved.solution.v.allFinite())
+    solve_again(setting, o, start, h, now);
+  if (after) now.step.impact = after->impact;
+  VecX v_path = theta * now.step.solved.solution.v + (1 - theta) * start.free->v;  // (MJ-7)
+  if (theta < 1 && o.contacts != ContactsAt::end && o.normal.gamma == 1 &&
+      o.normal.law != NormalLaw::moreau && v_path.allFinite())
+    v_path = land(setting, from, now.found, v_path, now.step);
+  Trial trial{.move = {.v_path = v_path,
+                       .v_end = now.step.solved.solution.v,
+                       .goes_on = 2 * (1 - theta) * o.advancement.min_h},
+              .figures = {.newton_iterations = now.made, .newton_change = now.change}};
+  if (now.growths == kDivergent)
+    trial.beforehand = {Outcome::not_certified, "the Newton loop of the step diverges"};
+  else if (iterations > 1 && !newton_done(now.change, now.last, o))
+    trial.afterwards = {Outcome::not_solved, "the Newton loop of the step did not reach its tolerance"};
+  trial.found = std::move(now.found);
+  trial.impulses = std::move(now.step);
+  if (after) trial.from = after->state;
+  return trial;
+}
+
+}  // namespace
+
+StepReport MoreauJean::step(State& state, double h_limit) const {
+  const StepSetting& setting = *setting_;
+  SharedMotion without;  // contacts; of the length that is tried, from the start that all attempts share
+  double length = 0;
+  const auto free_for = [&](const State& start, double h) -> const SharedMotion& {
+    if (h != length) without = free(setting, start, h, options_.theta), length = h;
+    return without;
+  };
+  return advance_step(setting, state, h_limit,
+                      {[&](const State& start, double h) {
+                         return estimate_without_contacts(setting, start, *free_for(start, h), h,
+                                                          options_.theta);
+                       },
+                       [&](const State& start, const Estimate& ahead, double h) {
+                         return attempt(setting, options_, start, free_for(start, h), ahead, h);
+                       }});
+}
+
+ContactSet MoreauJean::contacts(const State& state, double threshold) const {
+  return contacts_within(*setting_, state, threshold);
+}
+
+}  // namespace aussois

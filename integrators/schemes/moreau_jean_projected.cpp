@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "integrators/schemes/moreau_jean_projected.hpp"
+
+#include <algorithm>
+
+#include "geometry/check.hpp"
+#include "integrators/pose/projection.hpp"
+#include "integrators/schemes/advance_step.hpp"
+
+namespace aussois {
+namespace {
+
+// Lets those take part in the velocity law that the positions asked for; false: none that did not (PRJ-5).
+bool activate(const Projection& projection, Found& found, ContactBlocks& blocks) {
+  bool any = false;
+  for (std::size_t i = 0; i < blocks.rows.size(); ++i) {
+    const std::size_t contacts = found.contacts.points.size();
+    const bool wanted =
+        i < contacts ? std::ranges::binary_search(projection.contacts, key_of(found.contacts.points[i]))
+                     : std::ranges::binary_search(projection.gaps, int(i - contacts));
+    if (!wanted || blocks.rows[i].active) continue;
+    blocks.rows[i].active = any = true;
+    std::vector<int>& kept = found.selection.kept;
+    if (const auto at = std::ranges::lower_bound(kept, int(i));
+        i < contacts && (at == kept.end() || *at != int(i)))
+      kept.insert(at, int(i));
+  }
+  return any;
+}
+
+// Directions of the end say nothing about bodies that would have to be moved farther than contacts are looked
+// for at rest (PRJ-6).
+bool too_far(const Projection& projection, const Found& found, const AdvancementOptions& o) {
+  double dilation = kInf;
+  for (const StepPair& pair : found.pairs) dilation = std::min(dilation, pair.dilation);
+  return o.certify && projection.moved > o.floor * dilation;
+}
+
+}  // namespace
+
+const char* to_string(ProjectionOrder order) {
+  return order == ProjectionOrder::direct ? "direct" : "combined";
+}
+ProjectionOrder projection_order(const std::string& name) {
+  for (const ProjectionOrder order : {ProjectionOrder::direct, ProjectionOrder::combined})
+    if (name == to_string(order)) return order;
+  throw std::invalid_argument("projection = " + name + " must be direct or combined");
+}
+
+void validate(const MoreauJeanProjectedOptions& o) {
+  require_field(o.theta >= 0.5 && o.theta <= 1, "MoreauJeanProjectedOptions::theta", o.theta,
+                "lie in [0.5, 1]");
+  require(o.step.normal.law == NormalLaw::moreau,
+          std::string("NormalLawOptions::law = ") + to_string(o.step.normal.law) +
+              " must be moreau: positions are held by the projection");
+  validate(o.step);
+}
+
+MoreauJeanProjected::MoreauJeanProjected(const Model& model, const MoreauJeanProjectedOptions& options)
+    : setting_(std::make_shared<const StepSetting>(step_setting(model, options.step))), options_(options) {
+  validate(options);
+}
+
+StepReport MoreauJeanProjected::step(State& state, double h_limit) const {
+  const StepSetting& setting = *setting_;
+  const double theta = options_.theta;
+  const auto free = [&](const State& start, double h) {
+    return SharedMotion(new FreeMotion(free_motion(setting.model, start, setting.dofs, h, theta,
+                                                   setting.mass_scratch.get())));  // (MJ-4), (MJ-5)
+  };
+  const auto estimate = [&](const State& start, double h) {
+    return estimate_without_contacts(setting, start, *free(start, h), h, theta);
+  };
+  const auto attempt = [&](const State& start, const Estimate& ahead, double h) {
+    Found found = find_ahead(setting, start, ahead, h);
+    ContactBlocks blocks = contact_blocks(setting, start, found.contacts, h, setting.options.normal);
+    SolveReport beside;
+    for (;;) {  // each round activates at least one contact more
+      ImpulseStep step = solve_step(setting, start, found, free(start, h), theta, blocks);
+      step.beside = beside;
+      const VecX& v = step.solved.solution.v;
+      Move move{.v_path = theta * v + (1 - theta) * step.free->v, .v_end = v, .end = {}};  // (MJ-7)
+      if (!v.allFinite()) return Trial{.found = found, .impulses = step, .move = move};
+      const VecX v_path = path_velocity(setting.options.update, setting.model, start,
+                                        all_velocities(setting.dofs, move.v_path, step.v_prescribed), h);
+      State plain = state_after(setting.model, start, v_path, start.v, h);
+      if (setting.options.joints.project) plain = projected(setting.model, plain).state;
+      const Projection projection =
+          without_overlap(setting, plain, found.pairs, *step.free, step.joints.equations.G, h);  // (PRJ-1)
+      if (options_.order == ProjectionOrder::combined && activate(projection, found, blocks)) {
+        add_counts(step.solved.solution.report, beside);
+        add_counts(projection.solve, beside);
+        continue;
+      }
+      add_part(projection.solve, step.beside);
+      if (projection.moved > 0) move.end = projection.end;
+      Trial trial{.move = std::move(move),
+                  .figures = {.projection = projection.moved, .overlap_left = projection.overlap}};
+      if (too_far(projection, found, setting.options.advancement))
+        trial.afterwards = {Outcome::not_certified,
+                            "projection would move bodies farther than their contacts were looked for"};
+      trial.found = std::move(found);
+      trial.impulses = std::move(step);
+      return trial;
+    }
+  };
+  return advance_step(setting, state, h_limit, {estimate, attempt});
+}
+
+}  // namespace aussois

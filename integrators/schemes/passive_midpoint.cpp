@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "integrators/schemes/passive_midpoint.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "geometry/check.hpp"
+#include "integrators/schemes/advance_step.hpp"
+
+namespace aussois {
+namespace {
+
+constexpr double kTheta = 0.5;
+constexpr int kRounds = 20;        // of linearisation and passivity together; 2 or 3 are usual
+constexpr double kSolved = 1e-15;  // change of velocities by mean joints, relative
+constexpr double kGivenUp = 1e-8;  // [m/s, rad/s]; more than that is no solution
+constexpr double kExact = 1e-16;   // of the gyroscopic torque: its error is quadratic in that of the guess
+
+// `free` at theta = 1/2 with its gyroscopic torque taken there. `v_guess`: rows of the problem.
+FreeMotion with_gyroscopic(const Model& model, const Layout& dofs, double h, GyroscopicTerm term,
+                           const VecX& v_guess, FreeMotion free) {
+  std::vector<Triplet> entries;
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    const int row = dofs.first[b];
+    if (row < 0) continue;
+    const Mat3& J = model.bodies[b].inertia;
+    const Vec3 omega = free.v.segment<3>(row + 3);
+    if (term == GyroscopicTerm::start) {  // (PMI-2)
+      const Mat3 D = -skew(J * omega);
+      free.gyroscopic.segment<3>(row + 3) = -h * D * omega;
+      add_block(entries, row + 3, row + 3, h / 2 * D);
+    } else {  // (PMI-3)
+      const Vec3 middle = (omega + v_guess.segment<3>(row + 3)) / 2, momentum = J * middle;
+      const Mat3 D = skew(middle) * J - skew(momentum);
+      free.gyroscopic.segment<3>(row + 3) = -h * (middle.cross(momentum) + D * (omega - middle));
+      add_block(entries, row + 3, row + 3, h / 2 * D);
+    }
+  }
+  free.gyroscopic_D = square_matrix(dofs.rows, entries);
+  sum_up(free);
+  return free;
+}
+
+// What (PMI-3), linearised about the mean with `guess`, is off at `v`, relative to the spin.
+double gyroscopic_error(const Layout& dofs, const VecX& before, const VecX& guess, const VecX& v, double h) {
+  double worst = 0;
+  for (const int row : dofs.first) {
+    if (row < 0) continue;
+    const double off = (v - guess).segment<3>(row + 3).norm() / 2;
+    const double spin = (v + before).segment<3>(row + 3).norm() / 2;
+    if (off > 0) worst = std::max(worst, h * off * off / std::max(spin, off));
+  }
+  return worst;
+}
+
+// Velocity of a row without its law.
+RowVector plain_velocity(const ContactRow& row, const Layout& dofs, const VecX& v) {
+  return relative_velocity(row, dofs, v) - row.w + row.moved;
+}
+
+// Rows that would give energy are stated at the midpoint (PMI-6); how many more that are.
+int make_passive(const Layout& dofs, double tolerance, ImpulseStep& step, std::vector<char>& stated) {
+  int count = 0;
+  const std::vector<RowVector> r = row_impulses(step);
+  for (std::size_t i = 0; i < step.rows.size(); ++i) {
+    ContactRow& row = step.rows[i];
+    if (stated[i] || !has_normal(row.law) || r[i].isZero(0)) continue;
+    const RowVector before = plain_velocity(row, dofs, step.free->v),
+                    after = plain_velocity(row, dofs, step.solved.solution.v),
+                    without = plain_velocity(row, dofs, step.free->v_free);
+    const double noise = tolerance * r[i].norm() * (before.norm() + without.norm());
+    if (r[i].dot(before + after) / 2 <= noise) continue;  // (PMI-5)
+    const double bias = std::max(row.w[0] - row.moved[0], before[0]);
+    row.w.head(row.law.rows) = (row.moved + before).head(row.law.rows);
+    row.w[0] = row.moved[0] + bias;
+    stated[i] = 1;
+    ++count;
+  }
+  return count;
+}
+
+// Joints on the mean with the end that the last solve leads to (MJT-14), (MJT-15).
+void set_mean_joints(const StepSetting& setting, const State& start, double h, ImpulseStep& step) {
+  const VecX& v = step.solved.solution.v;
+  const VecX mean = all_velocities(setting.dofs, (step.free->v + v) / 2, step.v_prescribed);
+  const VecX path = path_velocity(setting.options.update, setting.model, start, mean, h);
+  const State end = state_after(setting.model, start, path, mean, h);
+  step.rows.resize(step.rows.size() - step.joints.rows.size());
+  step.joints = joint_system_on_mean(setting.model, start, {end, mean}, setting.dofs, step.v_prescribed, h,
+                                     setting.options.normal, setting.options.joints);
+  step.rows.insert(step.rows.end(), step.joints.rows.begin(), step.joints.rows.end());
+}
+
+StepOptions without_projection(StepOptions o) {
+  o.joints.project = false;
+  return o;
+}
+
+}  // namespace
+
+void validate(const PassiveMidpointOptions& options) {
+  refuse_anchors(options.step, "passive_midpoint");
+  validate(options.step);
+  require(!options.mean_joints || options.step.update == GroupUpdate::cayley,
+          std::string("PassiveMidpointOptions::mean_joints needs StepOptions::update = cayley, not ") +
+              to_string(options.step.update));
+}
+
+PassiveMidpoint::PassiveMidpoint(const Model& model, const PassiveMidpointOptions& options)
+    : setting_(std::make_shared<const StepSetting>(
+          step_setting(model, options.mean_joints ? without_projection(options.step) : options.step))),
+      gyroscopic_(options.gyroscopic),
+      passive_(options.passive),
+      mean_joints_(options.mean_joints && !model.joints.empty()) {
+  validate(options);
+}
+
+StepReport PassiveMidpoint::step(State& state, double h_limit) const {
+  const StepSetting& setting = *setting_;
+  const Model& model = setting.model;
+  const Layout& dofs = setting.dofs;
+  const auto estimate = [&](const State& start, double h) {
+    return estimate_without_contacts(setting, start, free_motion(model, start, dofs, h, kTheta), h, kTheta);
+  };
+  const auto attempt = [&](const State& start, const Estimate& ahead, double h) {
+    Found found = find_ahead(setting, start, ahead, h);
+    const FreeMotion plain = free_motion(model, start, dofs, h, kTheta);  // (MJ-4), (MJ-5)
+    VecX guess = plain.v_free;
+    const auto with_torque = [&] {
+      return std::make_shared<const FreeMotion>(with_gyroscopic(model, dofs, h, gyroscopic_, guess, plain));
+    };
+    ImpulseStep step = pose_step(setting, start, found, with_torque(), kTheta);
+    std::vector<char> stated(step.rows.size(), 0);
+    VecX last = VecX::Constant(dofs.rows, kInf);
+    double change = kInf;
+    bool joints_stand = !mean_joints_;
+    for (int k = 0; k < kRounds; ++k) {
+      solve_rows(setting, start, found, step);
+      const VecX& v = step.solved.solution.v;
+      if (!v.allFinite()) break;
+      if (mean_joints_) {
+        const double before = std::exchange(change, (v - last).lpNorm<Eigen::Infinity>());
+        joints_stand = change <= kSolved * v.lpNorm<Eigen::Infinity>() ||
+                       (change <= kGivenUp && change >= before / 2);  // as far as rounding lets it
+        last = v;
+      }
+      const bool off =
+          gyroscopic_ == GyroscopicTerm::midpoint && gyroscopic_error(dofs, plain.v, guess, v, h) > kExact;
+      const bool gives = passive_ && make_passive(dofs, setting.options.solver.tolerance, step, stated) > 0;
+      if (!off && !gives && joints_stand) break;
+      if (off) {
+        guess = v;
+        step.free = with_torque();
+      }
+      if (!joints_stand) set_mean_joints(setting, start, h, step);
+    }
+    if (!joints_stand && is_solved(step.solved.solution.report.status))
+      step.solved.solution.report.status = SolveStatus::max_iterations;
+    const VecX& v = step.solved.solution.v;
+    Trial trial{.move = {.v_path = kTheta * v + (1 - kTheta) * step.free->v,  // (PMI-4)
+                         .v_end = v,
+                         .goes_on = 2 * (1 - kTheta) * setting.options.advancement.min_h},
+                .figures = {.contacts_made_passive = int(std::count(stated.begin(), stated.end(), 1))}};
+    trial.found = std::move(found);
+    trial.impulses = std::move(step);
+    return trial;
+  };
+  return advance_step(setting, state, h_limit, {estimate, attempt});
+}
+
+}  // namespace aussois

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "integrators/tell/ledgers.hpp"
+
+#include <algorithm>
+
+#include "geometry/check.hpp"
+
+namespace aussois {
+namespace {
+
+// Of the kinetic energy: above what the solver's tolerance of 1e-8 gives to a body at rest
+constexpr double kGain = 1e-5;
+
+// Kinetic energy of the coordinates beyond what the mass of the step says of it (GEN-4).
+double change_of_mass(const Model& model, const State& state, const State& next, const FreeMotion& free,
+                      const Layout& dofs, const VecX& v) {
+  if (model.coordinates.empty()) return 0;
+  double work = 0;
+  for (int i = 0; i < int(model.coordinates.size()); ++i) {
+    const VecX before = speeds(model, state, i), after = speeds(model, next, i);
+    work += 0.5 * after.dot(block_mass(model, i, coordinates(model, next, i)) * after) -
+            0.5 * before.dot(block_mass(model, i, coordinates(model, state, i)) * before);
+  }
+  const Eigen::Index n = dofs.rows - dofs.coordinates;
+  VecX change = VecX::Zero(dofs.rows);
+  change.tail(n) = (v - free.v).tail(n);
+  return work - 0.5 * (v + free.v).dot(free.mass * change);
+}
+
+// What changed the velocities in a step beside gravity, rows of the problem [N s, N m s]; with gravity their
+// sum is mass * (v_end - v). Empty: nothing.
+struct Acting {
+  VecX laws{}, gyroscopic{}, contacts{}, joints{}, numerical{};
+};
+
+VecX less(const VecX& a, const SparseMatrix& D, const VecX& change) {
+  return D.nonZeros() > 0 ? VecX(a - D * change) : a;
+}
+void add(VecX& sum, const VecX& more) {
+  if (sum.size() == 0)
+    sum = more;
+  else if (more.size() > 0)
+    sum += more;
+}
+double work(const VecX& v, const VecX& impulse) {
+  return impulse.size() > 0 ? v.dot(impulse) : 0;
+}
+
+// `change` of the velocities by the impulses of the step, `projected` by what came after.
+Acting acting(const FreeMotion& free, const VecX& contact_impulse, const VecX& joint_impulse,
+              const VecX& change, const VecX& projected) {
+  Acting out{.laws = less(free.laws, free.law_D, change),
+             .gyroscopic = less(free.gyroscopic, free.gyroscopic_D, change),
+             .contacts = contact_impulse,
+             .joints = {},
+             .numerical = free.numerical};
+  if (free.turning.size() > 0) add(out.contacts, free.turning - free.turning_D * change);
+  if (joint_impulse.size() > 0) out.joints = joint_impulse + free.mass * projected;
+  add(out.joints, free.joints);
+  return out;
+}
+
+// Work on the mean of both ends' velocities, of gravity and force laws on the path's (MJ-9); `gained` is
+// mass * (v_end - v).
+EnergyLedger energy_ledger(const FreeMotion& free, const Acting& by, const VecX& gained, const VecX& v_end,
+                           const VecX& v_path) {
+  const VecX middle = (v_end + free.v) / 2;
+  return {.kinetic_change = middle.dot(gained),
+          .gravity_work = v_path.dot(free.gravity),
+          .law_work = v_path.dot(by.laws),
+          .contact_work = work(middle, by.contacts),
+          .gyroscopic_work = middle.dot(by.gyroscopic),
+          .joint_work = work(middle, by.joints),
+          .numerical_work = work(middle, by.numerical) + (middle - v_path).dot(free.gravity + by.laws)};
+}
+
+// `impact`: of an impact that `state` has behind it; `gained`: of the step with it. What the angular momentum
+// of the states did beside `gained` is the scheme's: it turns with the start (MJ-13).
+MomentumLedger momentum_ledger(const StepSetting& setting, const State& state, const State& next,
+                               const VecX& gained, const VecX& impact, const VecX& gravity,
+                               const Acting& by) {
+  const auto sum = [&](const VecX& impulse) { return momentum_given(setting, state, impulse); };
+  MomentumLedger out{.change = momentum(setting.model, next) - momentum(setting.model, state),
+                     .forces = sum(gravity + by.laws),
+                     .contacts = sum(by.contacts),
+                     .joints = sum(by.joints),
+                     .numerical = sum(by.numerical)};
+  out.change += sum(impact);
+  out.numerical.angular += sum(by.gyroscopic).angular + out.change.angular - sum(gained).angular;
+  return out;
+}
+
+// What contacts and gap functions gave on relative velocities, each and together (IMP-6), and whether that is
+// more than rounding.
+void tell_work(const StepSetting& setting, const ImpulseStep& step, const VecX& r, const VecX& v_end,
+               StepReport& report) {
+  const Layout& dofs = setting.dofs;
+  const int first_gap = first_gap_row(setting.model);
+  report.law_work.assign(setting.laws.size(), 0);
+  double sum = 0;
+  for (std::size_t k = 0; k < step.solved.kept.size(); ++k) {
+    const auto i = std::size_t(step.solved.kept[k]);
+    const ContactRow& row = step.rows[i];
+    if (row.slot >= 0 && row.slot < first_gap) continue;
+    const VecX::ConstSegmentReturnType r_k = r.segment(step.solved.first_row[k], row.law.rows);
+    double work = step.impact ? step.impact->work[i] : 0;
+    if (!r_k.isZero(0)) {  // most contacts of a pile have none
+      const RowVector u = slip_velocity(row, dofs, step.free->v) + slip_velocity(row, dofs, v_end);
+      for (int d = 0; d < row.law.rows; ++d) work += u[d] / 2 * r_k[d];
+    }
+    if (row.slot < 0) {
+      report.contacts[k].work = work;
+      add_work(setting, contact_law(setting.model, row.body_a, row.body_b), work, report);
+    }
+    for (StepGap& gap : report.gaps)
+      if (first_gap + 3 * gap.index == row.slot) {
+        gap.work = work;
+        add_work(setting, setting.model.gaps[std::size_t(gap.index)].law, work, report);
+      }
+    sum += work;
+  }
+  const auto kinetic = [&](const VecX& v) { return v.dot(step.free->mass * v) / 2; };
+  report.impulse_gain = std::max(0.0, sum);
+  report.energy_rises =
+      sum > 0 && sum > kGain * std::max({kinetic(step.free->v), kinetic(step.free->v_free), kinetic(v_end)});
+}
+
+}  // namespace
+
+Momentum momentum_given(const StepSetting& setting, const State& state, const VecX& impulse) {
+  Momentum out;
+  if (impulse.size() == 0) return out;
+  for (std::size_t b = 0; b < state.g.size(); ++b) {
+    const int at = setting.dofs.first[b];
+    if (at < 0) continue;
+    const Vec3 p = impulse.segment<3>(at);
+    out.linear += p;
+    out.angular += state.g[b].p.cross(p) + state.g[b].R * Vec3(impulse.segment<3>(at + 3));
+  }
+  return out;
+}
+
+void add_work(const StepSetting& setting, const ContactLaw& law, double work, StepReport& report) {
+  const auto known = std::ranges::find(setting.laws, law);
+  require(known != setting.laws.end(), "model: a contact law has changed since the scheme was made");
+  report.law_work[std::size_t(known - setting.laws.begin())] += work;
+}
+
+void tell_ledgers(const StepSetting& setting, const State& state, const State& next, const ImpulseStep& step,
+                  const StepBalance& balance, StepReport& report) {
+  const Model& model = setting.model;
+  const VecX &v = step.free->v, &v_solved = step.solved.solution.v, &v_end = balance.v_end;
+  VecX gained = step.free->mass * (v_end - v), impact;
+  Acting by = acting(*step.free, balance.by_contacts, balance.by_joints, v_solved - v, v_end - v_solved);
+  report.energy = energy_ledger(*step.free, by, gained, v_end, balance.v_path);  // (MJ-9)
+  const double by_mass = change_of_mass(model, state, next, *step.free, setting.dofs, v_end);
+  report.energy.kinetic_change += by_mass;
+  report.energy.gyroscopic_work += by_mass;
+  if (step.impact) {
+    report.energy.kinetic_change += step.impact->kinetic_change;
+    report.energy.contact_work += step.impact->contact_work;
+    report.energy.joint_work += step.impact->joint_work;
+    add(by.contacts, step.impact->of_contacts);
+    add(by.joints, step.impact->of_joints);
+    impact = step.impact->of_contacts + step.impact->of_joints;
+    gained += impact;
+  }
+  report.momentum = momentum_ledger(setting, state, next, gained, impact, step.free->gravity, by);  // (MJ-13)
+  tell_work(setting, step, balance.r, v_end, report);
+}
+
+std::vector<StepJoint> step_joints(const StepSetting& setting, const ImpulseStep& step, const Move& move,
+                                   double h, const VecX& r, const VecX& lambda, const ProjectedState& held,
+                                   const State& next) {
+  const Model& model = setting.model;
+  const Layout& dofs = setting.dofs;
+  const VecX &v = step.free->v, &v_solved = step.solved.solution.v, &moved = step.v_prescribed;
+  const VecX middle = (v + free_velocities(dofs, next.v)) / 2;
+  const WorkedOn mean{all_velocities(dofs, middle, moved), moved};
+  const double time = move.lasts * h;
+  std::vector<StepJoint> out(model.joints.size());
+  if (step.impact) {
+    add_forces(model, step.impact->columns, step.impact->lambda, step.impact->middle, h, out);
+    add_work(model, step.impact->columns, step.impact->lambda,
+             {all_velocities(dofs, step.impact->v_mean, moved), moved}, out);
+  }
+  add_forces(model, step.joints.columns, lambda, step.joints.middle, time, out);
+  if (step.between.empty()) {
+    add_work(model, step.joints.columns, lambda, mean, out);
+    add_forces(model, held.columns, held.lambda, next.g, time, out);
+  } else {
+    add_work(model, step.joints.columns, step.solved.solution.lambda, mean, out);
+    for (const JointImpulses& p : step.between) add_work(model, p.columns, p.lambda, mean, out);
+  }
+  add_work(model, held.columns, held.lambda, mean, out);
+  for (std::size_t k = 0; k < step.solved.kept.size(); ++k) {
+    const ContactRow& row = step.rows[std::size_t(step.solved.kept[k])];
+    if (row.slot < 0 || row.slot >= first_gap_row(model)) continue;
+    const double p = r[step.solved.first_row[k]];
+    add_effort(row.slot, p, time, out);
+    add_work(row.slot, p, speed_along(row, mean.v), speed_along(row, moved), out);
+  }
+  const VecX path = all_velocities(dofs, move.v_path, moved);
+  add_work(model, step.free->axes, all_velocities(dofs, v_solved - v, 0 * moved), {path, moved}, out);
+  return out;
+}
+
+}  // namespace aussois

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "integrators/tell/tell.hpp"
+
+#include <algorithm>
+
+#include "integrators/tell/ledgers.hpp"
+
+namespace aussois {
+namespace {
+
+// Anchors of the solved contacts: held by those that press and do not slip (PER-10).
+std::vector<Anchor> anchors_after(const Found& found, const ImpulseStep& step, int contacts,
+                                  const PersistenceOptions& options) {
+  std::vector<Anchor> out;
+  if (!options.anchors) return out;
+  const FrictionSolution& solution = step.solved.solution;
+  for (int k = 0; k < contacts; ++k) {
+    const int row = step.solved.kept[std::size_t(k)], first = step.solved.first_row[std::size_t(k)];
+    const Anchor& before = found.warm.anchor[std::size_t(row)];
+    Anchor now;
+    now.held = step.rows[std::size_t(row)].law.rows >= 3 && solution.r[first] > 0 &&
+               solution.u.segment<2>(first + 1).norm() <= options.slip_speed;
+    if (now.held && before.held) now.drift = before.drift;
+    out.push_back(now);
+  }
+  return out;
+}
+
+// Contacts that were left out of the problem, and keep their anchors (PER-11): at most `layer` farther open
+// than those of their cluster that hold, they slip against the first of them no faster than (PER-10) allows.
+// Solved ones that bear no share of the load keep theirs likewise, in `anchors`.
+std::vector<int> waiting_anchors(const StepSetting& setting, const Found& found, const ImpulseStep& step,
+                                 std::vector<Anchor>& anchors, const VecX& v) {
+  const auto slip = [&](int i) {
+    const ContactRow& row = step.rows[std::size_t(i)];
+    return Vec3(row.frame.rightCols<2>() * slip_velocity(row, setting.dofs, v).segment<2>(1));
+  };
+  const auto gap = [&](int i) { return found.contacts.points[std::size_t(i)].gap; };
+  struct Held {
+    int first = -1;
+    double open = -kInf;
+  };
+  std::vector<Held> clusters(std::size_t(found.selection.cluster_count));
+  std::vector<char> solved(found.contacts.points.size(), 0);
+  for (std::size_t k = 0; k < anchors.size(); ++k) {
+    const int i = step.solved.kept[k];
+    solved[std::size_t(i)] = 1;
+    if (!anchors[k].held) continue;
+    Held& held = clusters[std::size_t(found.selection.cluster[std::size_t(i)])];
+    if (held.first < 0) held.first = i;
+    held.open = std::max(held.open, gap(i) + setting.options.reduction.layer);
+  }
+  const auto waits = [&](int i) {
+    const Held& held = clusters[std::size_t(found.selection.cluster[std::size_t(i)])];
+    return found.warm.anchor[std::size_t(i)].held && gap(i) <= held.open &&
+           (slip(i) - slip(held.first)).norm() <= setting.options.persistence.slip_speed;
+  };
+  for (std::size_t k = 0; k < anchors.size(); ++k) {
+    const int i = step.solved.kept[k];
+    if (!anchors[k].held && !(step.solved.solution.r[step.solved.first_row[k]] > 0) && waits(i))
+      anchors[k] = found.warm.anchor[std::size_t(i)];
+  }
+  std::vector<int> out;
+  for (int i = 0; i < int(solved.size()); ++i)
+    if (!solved[std::size_t(i)] && waits(i)) out.push_back(i);
+  return out;
+}
+
+// The impulses of a solution, sorted by what they belong to.
+struct Impulses {
+  std::vector<Vec3> contact{};     // world
+  std::vector<double> drilling{};  // [N m s]
+  VecX r{};                        // State::r
+  VecX of_joints{};                // of the problem's rows, zero for contacts and gap functions
+};
+Impulses sorted(const Model& model, const std::vector<ContactRow>& rows, const ReducedSolution& solved,
+                const VecX& r) {
+  Impulses out;
+  out.of_joints = VecX::Zero(r.size());
+  if (row_count(model) > 0) out.r = VecX::Zero(row_count(model));
+  for (std::size_t k = 0; k < solved.kept.size(); ++k) {
+    const ContactRow& row = rows[std::size_t(solved.kept[k])];
+    const int first = solved.first_row[k], count = row.law.rows;
+    if (row.slot < 0) {
+      const int of_frame = std::min(count, 3);
+      out.contact.push_back(row.frame.leftCols(of_frame) * r.segment(first, of_frame));
+      out.drilling.push_back(count > 3 ? r[first + 3] : 0);
+      continue;
+    }
+    out.r.segment(row.slot, count) = r.segment(first, count);
+    if (row.slot < first_gap_row(model)) out.of_joints.segment(first, count) = r.segment(first, count);
+  }
+  return out;
+}
+
+// Of all stages, rows of the problem.
+VecX total_impulses(const ImpulseStep& step) {
+  VecX r = step.solved.solution.r;
+  if (step.earlier.empty()) return r;
+  for (std::size_t k = 0; k < step.solved.kept.size(); ++k) {
+    const auto row = std::size_t(step.solved.kept[k]);
+    const int count = step.rows[row].law.rows;
+    r.segment(step.solved.first_row[k], count) += step.earlier[row].head(count);
+  }
+  return r;
+}
+
+// What the next step knows of the contacts: the solved ones, the first `contacts` rows of the problem, and
+// those that wait with an anchor.
+ContactMemory memory_after(const StepSetting& setting, const Found& found, const ImpulseStep& step,
+                           const Impulses& impulses, int contacts, const VecX& v) {
+  std::vector<int> members(step.solved.kept.begin(), step.solved.kept.begin() + contacts);
+  std::vector<Vec3> impulse = impulses.contact;
+  StepTrace trace{.drilling = impulses.drilling,
+                  .anchors = anchors_after(found, step, contacts, setting.options.persistence),
+                  .solved = std::vector<char>(members.size(), 1),
+                  .g = found.g};
+  if (!trace.anchors.empty())
+    for (const int i : waiting_anchors(setting, found, step, trace.anchors, v)) {
+      members.push_back(i);
+      impulse.push_back(Vec3::Zero());
+      trace.drilling.push_back(0);
+      trace.anchors.push_back(found.warm.anchor[std::size_t(i)]);
+      trace.solved.push_back(0);
+    }
+  return remember(select(found.contacts, members), impulse, trace);
+}
+
+std::vector<StepGap> step_gaps(const Model& model, const ImpulseStep& step, std::size_t contacts,
+                               const VecX& r) {
+  std::vector<StepGap> out;
+  for (int i = 0; i < int(step.gap.size()); ++i)
+    if (const ContactRow& row = step.rows[contacts + std::size_t(i)]; row.active)
+      out.push_back({i, step.gap[std::size_t(i)], r.segment<3>(first_gap_row(model) + 3 * i)});
+  return out;
+}
+
+// The impulses of an impact, on top of those of the step.
+void add_impact(const ImpactJump& impact, const ImpulseStep& step, std::size_t contacts, StepReport& report) {
+  for (std::size_t k = 0; k < report.contacts.size(); ++k) {
+    const auto i = std::size_t(step.solved.kept[k]);
+    report.contacts[k].impulse += step.rows[i].frame * impact.r[i].head<3>();
+    if (step.rows[i].law.rows > 3) report.contacts[k].drilling += impact.r[i][3];
+  }
+  for (StepGap& gap : report.gaps) gap.impulse += impact.r[contacts + std::size_t(gap.index)].head<3>();
+}
+
+Impulses impulses_of(const StepSetting& setting, const ImpulseStep& step) {
+  return sorted(setting.model, step.rows, step.solved, total_impulses(step));
+}
+
+// What was found and solved, whatever became of it.
+StepReport asked(const StepSetting& setting, const Trial& trial) {
+  const Found& found = trial.found;
+  const ImpulseStep& step = trial.impulses;
+  StepReport report;
+  for (const std::vector<StepPair>* pairs : {&found.pairs, &found.apart})
+    for (const StepPair& pair : *pairs) report.threshold = std::max(report.threshold, pair.threshold);
+  report.contacts_found = found.count;
+  report.contacts_kept = int(
+      std::ranges::count_if(step.solved.kept, [&](int row) { return step.rows[std::size_t(row)].slot < 0; }));
+  report.loss = found.selection.loss;
+  report.matches = found.warm.counts;
+  report.passing_pairs = found.passing;
+  report.min_gap = found.min_gap;
+  for (const double gap : step.gap) report.min_gap = std::min(report.min_gap, gap);
+  report.solve = solve_report(step);
+  if (step.impact) report.impact_solves = step.impact->solves;
+  if (setting.options.keep_problem && step.solved.problem)
+    report.problem = StepProblem{*step.solved.problem, step.solved.start, step.solved.solution};
+  report.newton_iterations = trial.figures.newton_iterations;
+  report.newton_change = trial.figures.newton_change;
+  report.contacts_made_passive = trial.figures.contacts_made_passive;
+  report.projection = trial.figures.projection;
+  report.overlap_left = trial.figures.overlap_left;
+  report.seconds_contact = found.seconds;
+  report.seconds_solve = step.seconds;
+  return report;
+}
+
+void tell_proof(const Judgement& judgement, StepReport& report) {
+  report.reason = judgement.objection.reason;
+  report.certificate_rounds = judgement.certificate_rounds;
+  report.min_base_distance = judgement.min_base_distance;
+  report.driven_overlaps = judgement.driven_overlaps;
+  report.seconds_certificate = judgement.seconds_certificate;
+}
+
+}  // namespace
+
+bool may_be_taken(const Judgement& judgement) {
+  return judgement.objection.outcome == Outcome::accepted ||
+         judgement.objection.outcome == Outcome::not_solved;
+}
+
+StepReport tell(const StepSetting& setting, const State& start, const Trial& trial,
+                const Judgement& judgement) {
+  const State& state = trial.from ? *trial.from : start;
+  StepReport report = asked(setting, trial);
+  report.t = state.t;
+  tell_proof(judgement, report);
+  if (!may_be_taken(judgement)) return report;
+  const Model& model = setting.model;
+  const Found& found = trial.found;
+  const ImpulseStep& step = trial.impulses;
+  const FrictionSolution& solution = step.solved.solution;
+  const VecX r = total_impulses(step);
+  const Impulses impulses = sorted(model, step.rows, step.solved, r);
+  report.contacts.reserve(impulses.contact.size());
+  for (std::size_t k = 0; k < impulses.contact.size(); ++k)
+    report.contacts.push_back(
+        {found.contacts.points[std::size_t(step.solved.kept[k])], impulses.contact[k], impulses.drilling[k]});
+  report.t = judgement.next.t;
+  report.h = found.h;
+  report.v_path = judgement.v_path;
+  report.physical = physical_residual(solution.u, solution.r, step.solved.problem->laws);
+  report.gaps = step_gaps(model, step, found.contacts.points.size(), impulses.r);
+  if (step.impact) add_impact(*step.impact, step, found.contacts.points.size(), report);
+  VecX joint_impulse, contact_impulse;
+  if (r.size() > 0) contact_impulse = step.solved.problem->H * (r - impulses.of_joints);
+  if (!model.joints.empty()) {
+    const VecX lambda =
+        step.lambda_earlier.size() > 0 ? VecX(solution.lambda + step.lambda_earlier) : solution.lambda;
+    report.joints =
+        step_joints(setting, step, trial.move, found.h, r, lambda, judgement.held, judgement.next);
+    report.t_joints = state.t + trial.move.about * found.h;
+    report.joint_error = judgement.joint_error;
+    joint_impulse = step.solved.problem->H * impulses.of_joints + step.solved.problem->G * lambda;
+  }
+  tell_ledgers(setting, state, judgement.next, step,
+               {.r = r,
+                .by_contacts = contact_impulse,
+                .by_joints = joint_impulse,
+                .v_path = trial.move.v_path,
+                .v_end = free_velocities(setting.dofs, judgement.next.v)},
+               report);  // (MJ-9), (MJ-13), (IMP-6)
+  return report;
+}
+
+State next_state(const StepSetting& setting, const Trial& trial, const Judgement& judgement) {
+  const Impulses impulses = impulses_of(setting, trial.impulses);
+  State next = judgement.next;
+  next.memory = memory_after(setting, trial.found, trial.impulses, impulses, int(impulses.contact.size()),
+                             trial.move.v_end);
+  next.r = impulses.r;
+  next.a = trial.a;
+  return next;
+}
+
+}  // namespace aussois
