@@ -31,6 +31,7 @@
 #include "io/replay_html.hpp"
 #include "io/summary.hpp"
 #include "lmd/coverage.hpp"
+#include "mechanics/surface.hpp"
 
 using namespace aussois;
 

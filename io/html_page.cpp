@@ -11,7 +11,7 @@
 
 namespace aussois {
 
-extern const std::string_view kReplayTemplate[];  // made from viewer/template.html by viewer/embed.cmake
+extern const std::string_view kReplayTemplate[];  // made from viewer/dist/template.html by viewer/embed.cmake
 extern const int kReplayTemplatePieces;
 
 namespace {
@@ -65,7 +65,7 @@ void write_page(const std::filesystem::path& html, Summary header, const PageArr
   for (int i = 0; i < kReplayTemplatePieces; ++i) page += kReplayTemplate[i];
   constexpr std::string_view kMark = "<!--RUN-->";
   const std::size_t mark = page.find(kMark);
-  if (mark == std::string::npos) throw std::logic_error("viewer/template.html has no <!--RUN--> mark");
+  if (mark == std::string::npos) throw std::logic_error("viewer/dist/template.html has no <!--RUN--> mark");
   page.replace(mark, kMark.size(), base64(gzipped(packed(std::move(header), arrays))));
   write_whole_file(html, page);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page io/viewer/template.html with one blob pasted in: base64(gzip(u32 n, JSON of n bytes, arrays)). The
-// JSON names the arrays, all of four-byte little-endian numbers, in the order in which they follow.
+// The page io/viewer/dist/template.html with one blob pasted in: base64(gzip(u32 n, JSON of n bytes,
+// arrays)). The JSON names the arrays, all of four-byte little-endian numbers, in the order in which they
+// follow.
 #pragma once
 
 #include <cstdint>

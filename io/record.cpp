@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/record.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <map>
 
 #include "geometry/check.hpp"
+#include "mechanics/surface.hpp"
 
 namespace aussois {
 namespace {
@@ -62,6 +65,7 @@ RunHeader run_header(const Model& model) {
       }
       row.mesh = mesh_of_shape[body.shape];
       row.dilation = shape.radius;
+      if (deforms(body)) row.moving_vertices = int(shape.complex.vertices.size());
     }
     header.bodies.push_back(std::move(row));
   }
@@ -81,6 +85,9 @@ RunStep run_step(std::int64_t step, const Model& model, const State& state, cons
   row.velocity = state.v.head(of_bodies);
   row.q = state.q;
   row.q_speed = state.v.tail(state.v.size() - of_bodies);
+  for (int b = 0; b < int(model.bodies.size()); ++b)
+    if (deforms(model.bodies[std::size_t(b)]))
+      std::ranges::move(deformed_vertices(model, state, b), std::back_inserter(row.vertices));
   for (int i = 0; i < int(model.joints.size()); ++i) row.joints.push_back(run_joint(model, state, i));
   const Energy now = energy(model, state);
   row.kinetic = now.kinetic;

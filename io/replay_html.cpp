@@ -80,6 +80,20 @@ void add_poses(PageArrays& arrays, const RunData& run, const std::vector<std::si
   arrays.add("pose", pose);
 }
 
+/// Of the bodies that deform, around the centres of their meshes as of add_meshes.
+void add_vertices(PageArrays& arrays, const RunData& run, const std::vector<std::size_t>& rows) {
+  std::vector<float> vertices;
+  for (const std::size_t row : rows) {
+    auto vertex = run.steps[row].vertices.begin();
+    for (const RunBody& body : run.header.bodies) {
+      const Vec3 centre =
+          body.moving_vertices > 0 ? centre_of(run.header.meshes.at(body.mesh)) : Vec3::Zero();
+      for (int i = 0; i < body.moving_vertices; ++i) append(vertices, *vertex++ - centre);
+    }
+  }
+  arrays.add("vertices", vertices);
+}
+
 void add_contacts(PageArrays& arrays, const RunData& run, const std::vector<std::size_t>& rows,
                   const Vec3& origin) {
   std::vector<std::int32_t> offset{0};
@@ -182,13 +196,14 @@ Summary page_header(const RunData& run, const std::vector<std::size_t>& rows) {
   const RunHeader& header = run.header;
   std::vector<std::string> mesh_names, body_names;
   for (const auto& named : header.meshes) mesh_names.push_back(named.first);
-  std::vector<std::int64_t> mesh, fixed, steps;
+  std::vector<std::int64_t> mesh, fixed, moving, steps;
   std::vector<double> dilation;
   for (const RunBody& body : header.bodies) {
     const auto found = std::find(mesh_names.begin(), mesh_names.end(), body.mesh);
     mesh.push_back(found == mesh_names.end() ? -1 : found - mesh_names.begin());
     body_names.push_back(body.name);
-    fixed.push_back(body.fixed ? 1 : 0);
+    fixed.push_back(body.fixed && body.moving_vertices == 0 ? 1 : 0);
+    moving.push_back(body.moving_vertices);
     dilation.push_back(body.dilation);
   }
   for (const std::size_t row : rows) steps.push_back(run.steps[row].step);
@@ -202,6 +217,7 @@ Summary page_header(const RunData& run, const std::vector<std::size_t>& rows) {
   page.set("body_name", body_names);
   page.set("body_mesh", mesh);
   page.set("body_fixed", fixed);
+  page.set("body_moving_vertices", moving);
   page.set("body_dilation", dilation);
   std::vector<std::string> joint_names, joint_kinds;
   for (const RunJointName& joint : header.joints)
@@ -240,6 +256,7 @@ void write_replay_html(const std::filesystem::path& html, const RunData& run, co
   PageArrays arrays;
   add_meshes(arrays, run.header);
   add_poses(arrays, run, rows, origin);
+  add_vertices(arrays, run, rows);
   add_contacts(arrays, run, rows, origin);
   add_joints(arrays, run, rows);
   add_quantities(arrays, run, rows, options.max_plot_points);

@@ -104,6 +104,8 @@ constexpr const char* kVelocity = "/state/velocity";
 constexpr const char* kCoordinates = "/state/q";
 constexpr const char* kCoordinateSpeeds = "/state/q_speed";
 constexpr const char* kOffset = "/contact/offset";
+constexpr const char* kMovingVertices = "/body/moving_vertices";  // files of version 3 may lack it
+constexpr const char* kVertices = "/state/vertices";              // if there are any
 
 template <class Fields, class F>
 void for_each_field(const Fields& fields, const F& f) {
@@ -122,6 +124,32 @@ std::size_t coordinate_count(const RunHeader& header) {
   std::size_t count = 0;
   for (const RunBlock& block : header.blocks) count += std::size_t(block.size);
   return count;
+}
+
+void write_bodies(hid_t file, const RunHeader& header) {
+  std::vector<std::string> names, meshes;
+  std::vector<PoseRow> mesh_pose;
+  std::vector<int> fixed, moving;
+  std::vector<double> dilation, mass;
+  std::vector<Mat3> inertia;
+  for (const RunBody& body : header.bodies) {
+    names.push_back(body.name);
+    meshes.push_back(body.mesh);
+    mesh_pose.push_back(to_row(body.g_bs));
+    fixed.push_back(body.fixed ? 1 : 0);
+    dilation.push_back(body.dilation);
+    mass.push_back(body.mass);
+    inertia.push_back(body.inertia);
+    moving.push_back(body.moving_vertices);
+  }
+  write_texts(file, "/body/name", names);
+  write_texts(file, "/body/mesh", meshes);
+  write_rows(file, "/body/mesh_pose", mesh_pose, "m");
+  write_rows(file, "/body/fixed", fixed);
+  write_rows(file, "/body/dilation", dilation, "m");
+  write_rows(file, "/body/mass", mass, "kg");
+  write_rows(file, "/body/inertia", inertia, "kg m^2");
+  write_rows(file, kMovingVertices, moving);
 }
 
 void write_header(hid_t file, const RunHeader& header) {
@@ -143,27 +171,7 @@ void write_header(hid_t file, const RunHeader& header) {
     write_rows(file, "/mesh/" + name + "/wires", mesh.wires);
   }
 
-  std::vector<std::string> names, meshes;
-  std::vector<PoseRow> mesh_pose;
-  std::vector<int> fixed;
-  std::vector<double> dilation, mass;
-  std::vector<Mat3> inertia;
-  for (const RunBody& body : header.bodies) {
-    names.push_back(body.name);
-    meshes.push_back(body.mesh);
-    mesh_pose.push_back(to_row(body.g_bs));
-    fixed.push_back(body.fixed ? 1 : 0);
-    dilation.push_back(body.dilation);
-    mass.push_back(body.mass);
-    inertia.push_back(body.inertia);
-  }
-  write_texts(file, "/body/name", names);
-  write_texts(file, "/body/mesh", meshes);
-  write_rows(file, "/body/mesh_pose", mesh_pose, "m");
-  write_rows(file, "/body/fixed", fixed);
-  write_rows(file, "/body/dilation", dilation, "m");
-  write_rows(file, "/body/mass", mass, "kg");
-  write_rows(file, "/body/inertia", inertia, "kg m^2");
+  write_bodies(file, header);
 
   std::vector<std::string> joints, kinds, blocks;
   std::vector<std::array<int, 2>> pairs;
@@ -215,9 +223,11 @@ RunHeader read_header(hid_t file) {
   const auto dilation = read_exactly<double>(file, "/body/dilation", names.size());
   const auto mass = read_exactly<double>(file, "/body/mass", names.size());
   const auto inertia = read_exactly<Mat3>(file, "/body/inertia", names.size());
+  const auto moving = has_link(file, kMovingVertices) ? read_exactly<int>(file, kMovingVertices, names.size())
+                                                      : std::vector<int>(names.size(), 0);
   for (std::size_t i = 0; i < names.size(); ++i)
-    header.bodies.push_back(
-        {names[i], meshes[i], from_row(mesh_pose[i]), fixed[i] != 0, dilation[i], mass[i], inertia[i]});
+    header.bodies.push_back({names[i], meshes[i], from_row(mesh_pose[i]), fixed[i] != 0, dilation[i], mass[i],
+                             inertia[i], moving[i]});
 
   const std::vector<std::string> joints = read_texts(file, "/joint/name"),
                                  kinds = read_texts(file, "/joint/kind"),
@@ -235,6 +245,12 @@ RunHeader read_header(hid_t file) {
 
 }  // namespace
 
+std::size_t moving_vertices(const RunHeader& header) {
+  std::size_t count = 0;
+  for (const RunBody& body : header.bodies) count += std::size_t(body.moving_vertices);
+  return count;
+}
+
 void validate(const RunHeader& header) {
   for (const auto& [name, mesh] : header.meshes) {
     require(!name.empty() && name != "." && name.find('/') == std::string::npos,
@@ -250,9 +266,14 @@ void validate(const RunHeader& header) {
     check(mesh.faces, "face");
     check(mesh.wires, "wire");
   }
-  for (const RunBody& body : header.bodies)
+  for (const RunBody& body : header.bodies) {
     require(body.mesh.empty() || header.meshes.count(body.mesh) == 1,
             "RunHeader: body " + body.name + ": there is no mesh '" + body.mesh + "'");
+    const std::size_t count = body.mesh.empty() ? 0 : header.meshes.at(body.mesh).vertices.size();
+    require(body.moving_vertices == 0 || std::size_t(body.moving_vertices) == count,
+            "RunHeader: body " + body.name + ": moving_vertices = " + std::to_string(body.moving_vertices) +
+                " must be 0 or the number of its mesh's, " + std::to_string(count));
+  }
   for (const RunJointName& joint : header.joints)
     for (const int body : joint.pair)
       require(body >= -1 && body < int(header.bodies.size()),
@@ -274,6 +295,8 @@ void validate(const RunHeader& header, const RunStep& step) {
   for (const VecX* values : {&step.q, &step.q_speed})
     require_field(std::size_t(values->size()) == coordinate_count(header), "RunStep::q, q_speed: size",
                   values->size(), "be the sum of the sizes of the blocks");
+  require_field(step.vertices.size() == moving_vertices(header), "RunStep::vertices: size",
+                step.vertices.size(), "be the number of vertices of the bodies that deform");
   for (const RunContact& contact : step.contacts)
     for (const int body : contact.pair)
       require_field(body >= 0 && body < bodies, "RunContact::pair", body, "be the index of a body");
@@ -312,6 +335,8 @@ std::vector<ColumnPlan> step_columns(const RunHeader& header, bool with_joint_wo
   plans.push_back({kVelocity, H5T_NATIVE_DOUBLE, {bodies, 6}, kRows, "m/s, rad/s"});
   plans.push_back({kCoordinates, H5T_NATIVE_DOUBLE, {coordinates}, kRows, ""});
   plans.push_back({kCoordinateSpeeds, H5T_NATIVE_DOUBLE, {coordinates}, kRows, ""});
+  if (const std::size_t moving = moving_vertices(header); moving > 0)
+    plans.push_back({kVertices, H5T_NATIVE_DOUBLE, {moving, 3}, kRows, "m"});
   const auto of_joints = [&](const auto& field) {
     plans.push_back({field.name, H5T_NATIVE_DOUBLE, joint_shape(field, joints), kRows, field.unit});
   };
@@ -373,7 +398,9 @@ struct RunWriter::Impl {
     std::vector<RunJoint> joint;
     std::vector<RunContact> contact;
     std::vector<std::uint64_t> offset;
+    std::vector<Vec3> vertices;
     for (const RunStep& step : pending) {
+      vertices.insert(vertices.end(), step.vertices.begin(), step.vertices.end());
       for (const SE3& g : step.pose) pose.push_back(to_row(g));
       velocity.insert(velocity.end(), step.velocity.begin(), step.velocity.end());
       q.insert(q.end(), step.q.begin(), step.q.end());
@@ -392,6 +419,7 @@ struct RunWriter::Impl {
     columns.at(kVelocity).append(velocity.data(), pending.size());
     columns.at(kCoordinates).append(q.data(), pending.size());
     columns.at(kCoordinateSpeeds).append(q_speed.data(), pending.size());
+    if (!vertices.empty()) columns.at(kVertices).append(vertices.data(), pending.size());
     columns.at(kOffset).append(offset.data(), offset.size());
     rows += pending.size();
     contacts += contact.size();
@@ -563,6 +591,9 @@ RunData read_run(const std::filesystem::path& path) {
                             velocity = read_wide(file, kVelocity, steps, {bodies, 6}),
                             q = read_wide(file, kCoordinates, steps, {coordinates}),
                             q_speed = read_wide(file, kCoordinateSpeeds, steps, {coordinates});
+  const std::size_t moving = moving_vertices(run.header);
+  std::vector<double> vertices;
+  if (moving > 0) vertices = read_wide(file, kVertices, steps, {moving, 3});
   for (std::size_t k = 0; k < steps; ++k) {
     RunStep& step = run.steps[k];
     for (std::size_t i = 0; i < bodies; ++i) {
@@ -571,6 +602,8 @@ RunData read_run(const std::filesystem::path& path) {
       step.pose.push_back(from_row(row));
     }
     step.velocity = row_of(velocity, k, std::size_t(first_velocity(int(bodies))));
+    for (std::size_t i = 0; i < moving; ++i)
+      step.vertices.emplace_back(vertices.data() + 3 * (k * moving + i));
     step.q = row_of(q, k, coordinates);
     step.q_speed = row_of(q_speed, k, coordinates);
     step.contacts.assign(contacts.begin() + std::ptrdiff_t(offset[k]),

@@ -29,6 +29,7 @@ struct RunBody {
   double dilation = 0;          // of the mesh [m]
   double mass = 0;              // [kg]; 0 where it has no meaning
   Mat3 inertia = Mat3::Zero();  // about the centre of mass, body frame [kg m^2]
+  int moving_vertices = 0;      // those of its mesh if it deforms: every step has them (RunStep::vertices)
 };
 
 struct RunJointName {
@@ -82,11 +83,13 @@ struct RunJoint {
 /// One recorded step; the first row of a run is usually its initial state with step = 0 and h = 0.
 struct RunStep {
   std::int64_t step = 0;
-  double time = 0;          // reached [s]
-  std::vector<SE3> pose{};  // g_wb of every body at that time
-  VecX velocity{};          // six per body: v_G in the world [m/s], omega in the body [rad/s]
-  VecX q{};                 // of all blocks of coordinates, in order [units of the block]
-  VecX q_speed{};           // [the same per second]
+  double time = 0;               // reached [s]
+  std::vector<SE3> pose{};       // g_wb of every body at that time
+  VecX velocity{};               // six per body: v_G in the world [m/s], omega in the body [rad/s]
+  VecX q{};                      // of all blocks of coordinates, in order [units of the block]
+  VecX q_speed{};                // [the same per second]
+  std::vector<Vec3> vertices{};  // of the bodies that deform, one after the other, each in the frame of its
+                                 // mesh [m]
   std::vector<RunJoint> joints{};
   std::vector<RunContact> contacts{};
 
@@ -161,6 +164,9 @@ class RunWriter {
 /// Reads a whole run. Throws std::runtime_error "FILE: /dataset: what" for a file that is missing, truncated,
 /// not a run, of another version, or inconsistent.
 RunData read_run(const std::filesystem::path& path);
+
+/// Length of RunStep::vertices.
+std::size_t moving_vertices(const RunHeader& header);
 
 /// Throws std::invalid_argument naming what does not fit together.
 void validate(const RunHeader& header);

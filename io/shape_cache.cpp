@@ -468,12 +468,13 @@ LmdShape read_hdf5(const std::filesystem::path& path, std::uint64_t key, const S
 }  // namespace
 
 std::uint64_t shape_key(const DilatedShape& shape, const LmdShapeOptions& options) {
-  const auto& [planarity] = options;
+  const auto& [planarity, deforming] = options;
   const Mesh mesh = mesh_of(shape.complex);
   Key key;
   visit_mesh(key, mesh);
   key.one("radius", shape.radius);
   key.one("planarity", planarity);
+  key.one("deforming", int(deforming));
   key.one("program", fingerprint_of(build_info() + kVersion));
   return key.value();
 }

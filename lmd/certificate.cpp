@@ -23,11 +23,19 @@ struct Instant {
   Vec3 t = Vec3::Zero();
   Vec3 centre = Vec3::Zero();               // reference point, world
   Vec3 v = Vec3::Zero(), w = Vec3::Zero();  // world
+  double since = 0;                         // the start of the step [s]
 };
 
 Instant at_time(const MovingShape& m, double s) {
   const SE3 g = pose_at(m.motion, s), g_ws = g * m.g_bs;
-  return {g_ws.R.toRotationMatrix(), g_ws.p, g.p, m.motion.v, g.R * m.motion.omega};
+  return {g_ws.R.toRotationMatrix(), g_ws.p, g.p, m.motion.v, g.R * m.motion.omega, s};
+}
+
+// Largest speed of a vertex in the frame of the shape [m/s].
+double largest_speed(const MovingShape& m) {
+  double square = 0;
+  for (const Vec3& v : m.velocity) square = std::max(square, v.squaredNorm());
+  return std::sqrt(square);
 }
 
 struct MovingSimplex {
@@ -35,19 +43,25 @@ struct MovingSimplex {
   int count = 0;
   double bend = 0;                                   // bound of |d^2 x / ds^2|
   Vec3 centre = Vec3::Zero(), drift = Vec3::Zero();  // mean of the vertices, its velocity
-  double radius = 0;                                 // of the simplex about its centre
+  double radius = 0;                                 // of the simplex about its centre, all the time
   std::span<const Vec3> points() const { return {x, std::size_t(count)}; }
 };
 
-MovingSimplex moving(const LmdShape& shape, int item, const Instant& now) {
-  const BaseSimplex s = base_simplex(shape, item);
+MovingSimplex moving(const MovingShape& m, int item, const Instant& now, double dt) {
+  const BaseSimplex s = base_simplex(*m.shape, item);
   MovingSimplex out;
   out.count = s.dim + 1;
-  double reach = 0;
+  double reach = 0, speed = 0;
   for (int i = 0; i <= s.dim; ++i) {
-    out.x[i] = now.R * shape.complex.vertices[std::size_t(s.vertex[std::size_t(i)])] + now.t;
+    const auto v = std::size_t(s.vertex[std::size_t(i)]);
+    out.x[i] = now.R * m.shape->complex.vertices[v] + now.t;
+    if (!m.velocity.empty()) out.x[i] += now.since * (now.R * m.velocity[v]);
     const Vec3 arm = out.x[i] - now.centre;
     out.v[i] = now.v + now.w.cross(arm);
+    if (!m.velocity.empty()) {
+      out.v[i] += now.R * m.velocity[v];
+      speed = std::max(speed, m.velocity[v].squaredNorm());
+    }
     reach = std::max(reach, arm.squaredNorm());
     out.centre += out.x[i] / out.count;
     out.drift += out.v[i] / out.count;
@@ -55,6 +69,11 @@ MovingSimplex moving(const LmdShape& shape, int item, const Instant& now) {
   for (int i = 0; i <= s.dim; ++i) out.radius = std::max(out.radius, (out.x[i] - out.centre).squaredNorm());
   out.radius = std::sqrt(out.radius) * (1 + 1e-12);
   out.bend = now.w.squaredNorm() * std::sqrt(reach);
+  if (speed > 0) {
+    const double u = std::sqrt(speed), spin = now.w.norm();
+    out.bend += spin * (2 + spin * dt) * u;
+    out.radius += 2 * dt * u;
+  }
   return out;
 }
 
@@ -120,14 +139,15 @@ class PairCheck {
     check_interval(i, j, 0, dt_, options_.max_halvings, p, q, part);
   }
 
-  MovingSimplex start_a(int i) const { return moving(*a_.shape, i, a0_); }
-  MovingSimplex start_b(int j) const { return moving(*b_.shape, j, b0_); }
+  MovingSimplex start_a(int i) const { return moving(a_, i, a0_, dt_); }
+  MovingSimplex start_b(int j) const { return moving(b_, j, b0_, dt_); }
   const Instant& now_a() const { return a0_; }
   const Instant& now_b() const { return b0_; }
   const LmdShape& shape_a() const { return *a_.shape; }
   const LmdShape& shape_b() const { return *b_.shape; }
   double dt() const { return dt_; }
   double wanted() const { return options_.wanted; }
+  double stretch() const { return dt_ * (largest_speed(a_) + largest_speed(b_)); }
 
  private:
   void check_interval(int i, int j, double s0, double s1, int halvings, const MovingSimplex& p,
@@ -170,9 +190,9 @@ class PairCheck {
       return;
     }
     // Bodies that run into each other mostly end too near: then halving finds nothing but more rounds.
-    const double at_end = closest_points(moving(*a_.shape, i, at_time(a_, s1)).points(),
-                                         moving(*b_.shape, j, at_time(b_, s1)).points())
-                              .distance;
+    const double at_end =
+        closest_points(moving(a_, i, at_time(a_, s1), 0).points(), moving(b_, j, at_time(b_, s1), 0).points())
+            .distance;
     if (at_end < kSurely * options_.required) {
       part.failed = true;
       part.min_distance = std::min(part.min_distance, at_end);
@@ -181,8 +201,8 @@ class PairCheck {
     const double middle = (s0 + s1) / 2;
     check_interval(i, j, s0, middle, halvings - 1, p, q, part);
     if (!part.failed)
-      check_interval(i, j, middle, s1, halvings - 1, moving(*a_.shape, i, at_time(a_, middle)),
-                     moving(*b_.shape, j, at_time(b_, middle)), part);
+      check_interval(i, j, middle, s1, halvings - 1, moving(a_, i, at_time(a_, middle), s1 - middle),
+                     moving(b_, j, at_time(b_, middle), s1 - middle), part);
   }
 
   const MovingShape &a_, &b_;
@@ -293,10 +313,11 @@ class CertificateDescent {
                      const NodeVelocity& b, int first_a, int first_b, Part& part)
       : check_(check), frames_(frames), a_(a), b_(b), first_a_(first_a), first_b_(first_b), part_(part) {
     dt_ = float(check.dt());
+    const double stretch = check.stretch();  // what vertices travel seen from their bodies
     // fast bodies: what they travel is rounded as well
     const double travel =
         check.dt() * (double(a.v.norm()) + double(b.v.norm()) + double(a.spin + b.spin) * frames.scale);
-    wanted_ = float(check.wanted() + 4e-6 * (frames.scale + travel + check.wanted()));
+    wanted_ = float(check.wanted() + stretch + 4e-6 * (frames.scale + travel + stretch + check.wanted()));
   }
 
   int near(const ConeNode& four, const ConeSlot& one, bool one_is_a) {
@@ -372,11 +393,11 @@ class DistanceDescent {
     return bits(still) ? bits(boxes_near(four, one, d, limit, still)) : 0;
   }
   void open(const ConeSlot& a) {
-    for (int i = 0; i < a.count(); ++i) p_[i] = moving(*a_.shape, first_a_ + a.first() + i, now_a_);
+    for (int i = 0; i < a.count(); ++i) p_[i] = moving(a_, first_a_ + a.first() + i, now_a_, 0);
   }
   void buckets(const ConeSlot& a, const ConeSlot& b) {
     for (int j = 0; j < b.count(); ++j) {
-      const MovingSimplex q = moving(*b_.shape, first_b_ + b.first() + j, now_b_);
+      const MovingSimplex q = moving(b_, first_b_ + b.first() + j, now_b_, 0);
       for (int i = 0; i < a.count(); ++i) {
         if (are_apart(p_[i].points(), q.points(), part_.distance + fine_rounding_)) continue;
         ++part_.simplex_pairs;
@@ -421,25 +442,29 @@ constexpr std::size_t kFewVertices = 64;  // of a shape that one plane may well 
 struct Reach {
   double now = -kInf, end = -kInf, bend = 0;
 };
-Reach reach_along(const LmdShape& shape, const Instant& at, const Vec3& n, double dt) {
+Reach reach_along(const MovingShape& m, const Vec3& n, double dt) {
+  const LmdShape& shape = *m.shape;
+  const Instant at = at_time(m, 0);
   const Vec3 along = at.R.transpose() * n, turn = at.R.transpose() * n.cross(at.w), then = along + dt * turn;
   Reach out;
-  for (const Vec3& x : shape.complex.vertices) {
+  for (std::size_t i = 0; i < shape.complex.vertices.size(); ++i) {
+    const Vec3& x = shape.complex.vertices[i];
     out.now = std::max(out.now, along.dot(x));
-    out.end = std::max(out.end, then.dot(x));
+    out.end = std::max(out.end, then.dot(x) + (m.velocity.empty() ? 0 : dt * along.dot(m.velocity[i])));
   }
   const Vec3 arm = at.t - at.centre;
   out.now += n.dot(at.t);
   out.end += n.dot(at.t) + dt * n.dot(at.v + at.w.cross(arm));
   out.bend = at.w.squaredNorm() * ((at.R * shape.centre + arm).norm() + shape.bounding_radius);
+  if (!m.velocity.empty()) out.bend += at.w.norm() * (2 + at.w.norm() * dt) * largest_speed(m);
   return out;
 }
 
 // (CA-7) for all vertices of both shapes at once (CA-15).
-double separation_along(const LmdShape& a, const Instant& at_a, const LmdShape& b, const Instant& at_b,
-                        const Vec3& n, double dt) {
-  if (a.complex.vertices.size() > kFewVertices || b.complex.vertices.size() > kFewVertices) return -kInf;
-  const Reach of_a = reach_along(a, at_a, n, dt), of_b = reach_along(b, at_b, -n, dt);
+double separation_along(const MovingShape& a, const MovingShape& b, const Vec3& n, double dt) {
+  if (a.shape->complex.vertices.size() > kFewVertices || b.shape->complex.vertices.size() > kFewVertices)
+    return -kInf;
+  const Reach of_a = reach_along(a, n, dt), of_b = reach_along(b, -n, dt);
   return std::min(-of_b.now - of_a.now, -of_b.end - of_a.end - (of_a.bend + of_b.bend) * dt * dt / 2);
 }
 
@@ -456,10 +481,11 @@ Certificate certify(const MovingShape& a, const MovingShape& b, double dt,
   require_field(options.required > 0, "CertificateOptions::required", options.required, "be positive [m]");
   require_field(options.wanted >= options.required, "CertificateOptions::wanted", options.wanted,
                 "be at least `required`");
-  if (!is_finite(a.motion) || !is_finite(b.motion)) return {.certified = false, .min_distance = 0};
+  for (const MovingShape* m : {&a, &b})
+    if (!is_finite(m->motion) || !std::isfinite(largest_speed(*m)))
+      return {.certified = false, .min_distance = 0};
   if (!options.axis.isZero(0)) {
-    const double apart =
-        separation_along(*a.shape, at_time(a, 0), *b.shape, at_time(b, 0), options.axis.normalized(), dt);
+    const double apart = separation_along(a, b, options.axis.normalized(), dt);
     if (apart >= options.required)
       return {.certified = true, .min_distance = std::min(apart, options.wanted), .rounds = 1};
   }

@@ -4,15 +4,19 @@
 // classes: all pairs count.
 #pragma once
 
+#include <span>
+
 #include "lmd/lmd_shape.hpp"
 #include "lmd/motion_bound.hpp"
 
 namespace aussois {
 
 struct MovingShape {
-  const LmdShape* shape = nullptr;
-  SE3 g_bs{};  // shape frame in the body frame
+  const LmdShape* shape = nullptr;  // at the start of the step
+  SE3 g_bs{};                       // shape frame in the body frame
   RigidMotion motion{};
+  // Of the vertices in the frame of the shape, constant, if it deforms [m/s]; empty: it does not
+  std::span<const Vec3> velocity{};
 };
 
 struct CertificateOptions {

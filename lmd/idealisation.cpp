@@ -126,6 +126,22 @@ void split_straight(const SimplicialComplex& k, const std::vector<int>& vertices
   out.push_back(std::move(chain));
 }
 
+// The chain of each edge, and those that end at each vertex.
+void list_chains(const SimplicialComplex& k, Idealisation& out) {
+  out.edge_chain.assign(k.edges.size(), -1);
+  std::vector<std::vector<int>> ends(k.vertices.size());
+  for (std::size_t c = 0; c < out.chains.size(); ++c) {
+    for (int e : out.chains[c].edges) out.edge_chain[std::size_t(e)] = int(c);
+    ends[std::size_t(out.chains[c].first)].push_back(int(c));
+    if (out.chains[c].last != out.chains[c].first) ends[std::size_t(out.chains[c].last)].push_back(int(c));
+  }
+  out.vertex_chains.begin.assign(1, 0);
+  for (const auto& list : ends) {
+    out.vertex_chains.items.insert(out.vertex_chains.items.end(), list.begin(), list.end());
+    out.vertex_chains.begin.push_back(int(out.vertex_chains.items.size()));
+  }
+}
+
 void trace_chains(const SimplicialComplex& k, Idealisation& out) {
   const auto edge_count = k.edges.size();
   std::vector<std::vector<int>> regions(edge_count);
@@ -164,18 +180,7 @@ void trace_chains(const SimplicialComplex& k, Idealisation& out) {
   for (std::size_t e = 0; e < edge_count; ++e)  // then the loops
     if (border[e] && !done[e]) trace(int(e), k.edges[e][0]);
 
-  out.edge_chain.assign(edge_count, -1);
-  std::vector<std::vector<int>> ends(k.vertices.size());
-  for (std::size_t c = 0; c < out.chains.size(); ++c) {
-    for (int e : out.chains[c].edges) out.edge_chain[std::size_t(e)] = int(c);
-    ends[std::size_t(out.chains[c].first)].push_back(int(c));
-    if (out.chains[c].last != out.chains[c].first) ends[std::size_t(out.chains[c].last)].push_back(int(c));
-  }
-  out.vertex_chains.begin.assign(1, 0);
-  for (const auto& list : ends) {
-    out.vertex_chains.items.insert(out.vertex_chains.items.end(), list.begin(), list.end());
-    out.vertex_chains.begin.push_back(int(out.vertex_chains.items.size()));
-  }
+  list_chains(k, out);
 }
 
 }  // namespace
@@ -224,6 +229,31 @@ Idealisation idealise(const SimplicialComplex& complex, double tolerance) {
   out.tolerance = tolerance;
   grow_regions(complex, out);
   trace_chains(complex, out);
+  return out;
+}
+
+Idealisation idealise_each(const SimplicialComplex& complex, double tolerance) {
+  Idealisation out;
+  out.tolerance = tolerance;
+  for (int t = 0; t < int(complex.triangles.size()); ++t) {
+    const Vec3 area = area_vector(complex, t);
+    const Vec3 normal = area.isZero(0) ? Vec3(Vec3::UnitZ()) : Vec3(area.normalized());
+    out.triangle_region.push_back(t);
+    out.triangle_sign.push_back(1);
+    out.region_normal.push_back(normal);
+    out.region_offset.push_back(
+        normal.dot(complex.vertices[std::size_t(complex.triangles[std::size_t(t)][0])]));
+  }
+  for (int e = 0; e < int(complex.edges.size()); ++e) {
+    const auto& [a, b] = complex.edges[std::size_t(e)];
+    const Vec3 d = complex.vertices[std::size_t(b)] - complex.vertices[std::size_t(a)];
+    out.chains.push_back({.first = a,
+                          .last = b,
+                          .vertices = {a, b},
+                          .edges = {e},
+                          .direction = d.isZero(0) ? Vec3(Vec3::UnitX()) : Vec3(d.normalized())});
+  }
+  list_chains(complex, out);
   return out;
 }
 

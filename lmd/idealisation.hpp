@@ -41,6 +41,8 @@ struct Idealisation {
 /// the seed's plane and the normal within 1 degree (slivers excepted); chains are split where they leave a
 /// straight line by more.
 Idealisation idealise(const SimplicialComplex& complex, double tolerance);
+/// Each triangle a region and each edge a chain of its own, with its index, wherever the vertices are.
+Idealisation idealise_each(const SimplicialComplex& complex, double tolerance);
 
 /// Puts the vertices inside chains on their chords, where they are off by more than `foot`: the faces on both
 /// sides then end where the chain begins, and no slit is left between them (LMD-14). Vertices move by at most

@@ -11,6 +11,9 @@
 namespace aussois {
 namespace {
 
+constexpr double kRounding =
+    1e-9;  // of feet, relative to the size: all that is off where nothing is idealised
+
 const Vec3& at(const SimplicialComplex& k, int v) {
   return k.vertices[std::size_t(v)];
 }
@@ -241,11 +244,11 @@ LmdShape prepare(DilatedShape dilated, const LmdShapeOptions& options) {
   const Box box = bounding_box(shape.complex);
   shape.centre = (box.lo + box.hi) / 2;
   shape.bounding_radius = radius_about(shape.complex, shape.centre);
-  shape.tolerance = options.planarity * box.diagonal();
+  shape.tolerance = (options.deforming ? kRounding : options.planarity) * box.diagonal();
   if (shape.radius > 0)
     shape.tolerance = std::min(shape.tolerance, 1e-3 * shape.radius);  // far below what contacts can feel
 
-  const Idealisation ideal = idealise(shape.complex, shape.tolerance);
+  const Idealisation ideal = (options.deforming ? idealise_each : idealise)(shape.complex, shape.tolerance);
   shape.straightened =
       straighten(shape.complex, ideal, 1e-10 * box.diagonal());  // a tenth of what feet forgive
   for (std::size_t r = 0; r < ideal.region_normal.size(); ++r)
@@ -258,6 +261,19 @@ LmdShape prepare(DilatedShape dilated, const LmdShapeOptions& options) {
   add_edges(shape, ideal, cones);
   add_faces(shape, ideal, 1e-9 * box.diagonal());
   return shape;
+}
+
+LmdShape refit(const LmdShape& shape, std::vector<Vec3> vertices) {
+  require_field(vertices.size() == shape.complex.vertices.size(), "refit: number of vertices",
+                vertices.size(),
+                ("be " + std::to_string(shape.complex.vertices.size()) + ", as the shape has").c_str());
+  DilatedShape moved{.complex = shape.complex, .radius = shape.radius};
+  moved.complex.vertices = std::move(vertices);
+  return prepare(std::move(moved), {.deforming = true});
+}
+
+bool keeps_features(const LmdShape& shape) {
+  return shape.regions.size() == shape.complex.triangles.size() && shape.paths.empty();
 }
 
 SimplexClass class_of(const VertexLeaf& leaf) {

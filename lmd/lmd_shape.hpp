@@ -16,6 +16,8 @@ namespace aussois {
 struct LmdShapeOptions {
   double planarity = 1e-6;  // tolerance of planar regions and straight chains, relative to the box diagonal
                             // [-], in [0, 1e-2]
+  bool deforming = false;   // each triangle is a region and each edge a chain, with its index: what `refit`
+                            // keeps; `planarity` is then not read
 };
 
 /// What a simplex is to a contact (LMD-7); enlargement and partners depend on it.
@@ -97,6 +99,14 @@ inline float misfit_of(const LmdShape& shape, int edge) {
 
 /// Throws std::invalid_argument for an empty complex, a dilation that is no length or a bad option.
 LmdShape prepare(DilatedShape shape, const LmdShapeOptions& options = {});
+
+/// A shape that was prepared with LmdShapeOptions::deforming, with its vertices elsewhere: features keep
+/// their indices, so contacts keep their keys. The same as to prepare the moved complex. Throws
+/// std::invalid_argument unless there is one vertex for each.
+LmdShape refit(const LmdShape& shape, std::vector<Vec3> vertices);
+
+/// Whether each triangle is a region of its own and each edge a chain.
+bool keeps_features(const LmdShape& shape);
 
 /// Bytes of what a search reads: vertices, triangles, leaves and trees.
 std::size_t search_bytes(const LmdShape& shape);

@@ -47,9 +47,11 @@ MovingBody moving_body(const RigidMotion& motion, double radius, double dt) {
 
 RelativeBounds relative_bounds(const MovingBody& a, const MovingBody& b, double dt) {
   const double turn = (a.w - b.w).norm(), speed = (a.motion.v - b.motion.v).norm();
-  return {.displacement = std::min({a.displacement + b.displacement, seen_from(a, b, turn, speed, dt),
-                                    seen_from(b, a, turn, speed, dt)}),
-          .rotation = dt * turn};
+  const double stretch = a.stretch + b.stretch;
+  return {
+      .displacement = std::min({a.displacement + b.displacement, seen_from(a, b, turn, speed, dt) + stretch,
+                                seen_from(b, a, turn, speed, dt) + stretch}),
+      .rotation = dt * turn + (a.bend + b.bend)};
 }
 
 Approach approach_of(const RigidMotion& a, const RigidMotion& b, double dt) {

@@ -34,7 +34,10 @@ struct MovingBody {
   double radius = 0;        // of its points about the reference point [m]
   Vec3 w = Vec3::Zero();    // angular velocity, world [rad/s]
   double spin = 0;          // |w|
-  double displacement = 0;  // (CA-1) [m]
+  double displacement = 0;  // (CA-1), `stretch` included [m]
+  // What deformation does to it, seen from the body: how far any point moves, and any normal turns
+  double stretch = 0;  // [m]
+  double bend = 0;     // [rad]
 };
 MovingBody moving_body(const RigidMotion& motion, double radius, double dt);
 

@@ -2,6 +2,8 @@
 // What contact determination sees of a body: geometry and where it stands, no mass, no material.
 #pragma once
 
+#include <memory>
+
 #include "geometry/se3.hpp"
 #include "lmd/lmd_shape.hpp"
 
@@ -9,8 +11,9 @@ namespace aussois {
 
 struct PosedShape {
   const LmdShape* shape = nullptr;
-  SE3 g_ws{};     // shape frame in the world
-  int body = -1;  // copied into the features
+  SE3 g_ws{};                             // shape frame in the world
+  int body = -1;                          // copied into the features
+  std::shared_ptr<const LmdShape> own{};  // keeps `shape` where it was made for this pose alone
 };
 
 }  // namespace aussois

@@ -50,6 +50,16 @@ void check_body(const RigidBody& body, int index, std::size_t shape_count) {
   }
 }
 
+void check_deformation(const RigidBody& body, int index, const Model& model) {
+  if (!deforms(body)) return;
+  const std::string who = "body " + std::to_string(index) + " (" + body.name + "): deformation ";
+  require(bool(body.deformation.columns), who + "needs columns beside vertices");
+  require(body.shape >= 0, who + "needs a shape");
+  require(keeps_features(*model.shapes[std::size_t(body.shape)]),
+          who + "needs a shape prepared with LmdShapeOptions::deforming");
+  require(!is_moved(body), who + "needs a dynamic or fixed body");
+}
+
 void check_law(const ContactLaw& law, const std::string& who) {
   require_field(law.mu >= 0 && std::isfinite(law.mu), (who + "mu").c_str(), law.mu,
                 "be at least 0 and finite");
@@ -162,6 +172,7 @@ int add(Model& model, LmdShape shape) {
 
 int add(Model& model, RigidBody body) {
   check_body(body, int(model.bodies.size()), model.shapes.size());
+  check_deformation(body, int(model.bodies.size()), model);
   model.bodies.push_back(std::move(body));
   return int(model.bodies.size()) - 1;
 }
@@ -252,7 +263,10 @@ void validate(const Model& model) {
   }
   for (std::size_t i = 0; i < model.shapes.size(); ++i)
     require(model.shapes[i] != nullptr, "model: shape " + std::to_string(i) + " must not be empty");
-  for (int i = 0; i < count; ++i) check_body(model.bodies[std::size_t(i)], i, model.shapes.size());
+  for (int i = 0; i < count; ++i) {
+    check_body(model.bodies[std::size_t(i)], i, model.shapes.size());
+    check_deformation(model.bodies[std::size_t(i)], i, model);
+  }
   for (const auto& [a, b] : model.passing)
     require(0 <= a && a < b && b < count, "model: passing{" + std::to_string(a) + ", " + std::to_string(b) +
                                               "}: bodies must be different, in [0, " + std::to_string(count) +

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "geometry/check.hpp"
 #include "lmd/motion_bound.hpp"
 #include "mechanics/layout.hpp"
 #include "mechanics/mechanism.hpp"
@@ -47,11 +48,25 @@ VecX velocity_between(const State& state, const State& plain, const State& end, 
   return v;
 }
 
+void lead(const Model& model, State& state, int body, const SE3& target, double time) {
+  require_field(body >= 0 && body < int(model.bodies.size()), "lead: body", body,
+                ("lie in [0, " + std::to_string(model.bodies.size()) + ")").c_str());
+  const RigidBody& led = model.bodies[std::size_t(body)];
+  require(std::holds_alternative<Driven>(led.motion),
+          "lead: body " + std::to_string(body) + " (" + led.name + ") must be driven");
+  require_field(time > 0, "lead: time", time, "be positive [s]");
+  twist(state, body) = twist_between(pose(state, body), checked_pose(target, "lead: target"), time);
+}
+
 VecX prescribed_velocity(const Model& model, const State& state, double h) {
   VecX v = VecX::Zero(state.v.size());
-  for (int b = 0; b < int(model.bodies.size()); ++b)
-    if (const auto* moved = std::get_if<Prescribed>(&model.bodies[std::size_t(b)].motion))
+  for (int b = 0; b < int(model.bodies.size()); ++b) {
+    const Motion& motion = model.bodies[std::size_t(b)].motion;
+    if (const auto* moved = std::get_if<Prescribed>(&motion))
       of_body(v, b) = twist_between(pose(state, b), evaluate(moved->path, state.t + h).pose, h);
+    else if (std::holds_alternative<Driven>(motion))
+      of_body(v, b) = twist(state, b);
+  }
   return v;
 }
 

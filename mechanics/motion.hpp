@@ -18,8 +18,14 @@ Vec6 twist_between(const SE3& from, const SE3& to, double time);
 /// `plain` are those that `v` leads to. A body that turns by more than half a turn goes on doing so.
 VecX velocity_between(const State& state, const State& plain, const State& end, VecX v, double time);
 
+/// Gives a driven body the constant twist that leads it from where it is to `target` in `time` [s], the
+/// shorter way round; it goes on with it until it is led elsewhere. Throws std::invalid_argument unless the
+/// body is driven, the pose one and the time positive.
+void lead(const Model& model, State& state, int body, const SE3& target, double time);
+
 /// Velocities of the bodies that are not dynamic, in the places of State::v; zero for all that is free. A
-/// prescribed body moves from its pose at t to that at t + h at constant speeds.
+/// prescribed body moves from its pose at t to that at t + h at constant speeds, a driven one as the state
+/// says.
 VecX prescribed_velocity(const Model& model, const State& state, double h);
 
 /// Poses after the velocities `v`, in the places of State::v, for a time (MJ-8); prescribed bodies on their

@@ -20,4 +20,8 @@ RigidBody prescribed_body(std::string name, int shape, Trajectory path) {
   return {.name = std::move(name), .shape = shape, .motion = Prescribed{std::move(path)}};
 }
 
+RigidBody driven_body(std::string name, int shape) {
+  return {.name = std::move(name), .shape = shape, .motion = Driven{}};
+}
+
 }  // namespace aussois

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "geometry/mass_properties.hpp"
+#include "mechanics/deformation.hpp"
 #include "mechanics/trajectory.hpp"
 
 namespace aussois {
@@ -16,7 +17,8 @@ struct Fixed {};
 struct Prescribed {  // pose and velocity known, reactions computed
   Trajectory path{};
 };
-using Motion = std::variant<Dynamic, Fixed, Prescribed>;
+struct Driven {};  // moves on with the twist that State::v has of it, which is set between steps (`lead`)
+using Motion = std::variant<Dynamic, Fixed, Prescribed, Driven>;
 
 struct RigidBody {
   std::string name{};
@@ -25,10 +27,24 @@ struct RigidBody {
   double mass = 0;              // [kg], > 0 if dynamic
   Mat3 inertia = Mat3::Zero();  // about the centre of mass, body frame [kg m^2]; see (MEC-3)
   Motion motion = Dynamic{};
+  Deformation deformation{};  // of the shape, seen from the body; as it is made: none
 };
 
 inline bool is_dynamic(const RigidBody& body) {
   return std::holds_alternative<Dynamic>(body.motion);
+}
+
+/// Whether it moves and nothing can stop it.
+inline bool is_moved(const RigidBody& body) {
+  return std::holds_alternative<Prescribed>(body.motion) || std::holds_alternative<Driven>(body.motion);
+}
+/// Whether the shape moves seen from the body.
+inline bool deforms(const RigidBody& body) {
+  return bool(body.deformation.vertices);
+}
+/// Whether contacts can move the body's surface.
+inline bool yields(const RigidBody& body) {
+  return is_dynamic(body) || deforms(body);
 }
 
 /// A dynamic body whose frame has the axes of the shape and sits at the centre of mass.
@@ -37,5 +53,8 @@ RigidBody solid_body(std::string name, int shape, const MassProperties& mass);
 RigidBody fixed_body(std::string name, int shape);
 /// A body whose frame is the shape's, moved along `path`.
 RigidBody prescribed_body(std::string name, int shape, Trajectory path);
+/// A body whose frame is the shape's, moved by what its user sets between steps. Without a shape, -1: a
+/// handle.
+RigidBody driven_body(std::string name, int shape = -1);
 
 }  // namespace aussois

@@ -91,12 +91,6 @@ Vec6 twist(const State& state, int body) {
   return of_body(state.v, body);
 }
 
-PosedShape posed_shape(const Model& model, const State& state, int body) {
-  const RigidBody& b = model.bodies[std::size_t(body)];
-  return {
-      .shape = model.shapes[std::size_t(b.shape)].get(), .g_ws = pose(state, body) * b.g_bs, .body = body};
-}
-
 VecX coordinates(const Model& model, const State& state, int block) {
   return state.q.segment(first_coordinate(model, block), model.coordinates[std::size_t(block)].size);
 }

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "geometry/se3.hpp"
-#include "lmd/posed_shape.hpp"
 #include "mechanics/layout.hpp"
 #include "mechanics/model.hpp"
 #include "reduction/contact_memory.hpp"
@@ -36,8 +35,6 @@ SE3& pose(State& state, int body);
 const SE3& pose(const State& state, int body);
 Eigen::Ref<Vec6> twist(State& state, int body);
 Vec6 twist(const State& state, int body);
-/// The shape of a body that has one, where it is.
-PosedShape posed_shape(const Model& model, const State& state, int body);
 /// Coordinates of a block and their speeds.
 VecX coordinates(const Model& model, const State& state, int block);
 VecX speeds(const Model& model, const State& state, int block);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "geometry/check.hpp"
+#include "lmd/motion_bound.hpp"
 #include "mechanics/model.hpp"
 #include "mechanics/state.hpp"
 
@@ -17,8 +18,7 @@ struct CouplingError {
   Vec3 phi_dot = Vec3::Zero();                // rotation speed, body [rad/s]
 };
 
-CouplingError coupling_error(const State& state, int body, const Trajectory& path, double t) {
-  const TrajectoryPoint target = evaluate(path, t);
+CouplingError coupling_error(const State& state, int body, const TrajectoryPoint& target) {
   const SE3& g = pose(state, body);
   const Vec6 v = twist(state, body);
   const Quat R_error = g.R.conjugate() * target.pose.R;
@@ -30,6 +30,17 @@ CouplingError coupling_error(const State& state, int body, const Trajectory& pat
   error.phi_dot = error.a - v.tail<3>();
   return error;
 }
+
+// Where a body that is moved will be at time t.
+TrajectoryPoint handle_at(const Model& model, const State& state, int handle, double t) {
+  const Vec6 v = twist(state, handle);
+  const RigidBody& body = model.bodies[std::size_t(handle)];
+  if (const auto* moved = std::get_if<Prescribed>(&body.motion)) return evaluate(moved->path, t);
+  if (!is_moved(body)) return {.pose = pose(state, handle)};
+  return {pose_at({.g = pose(state, handle), .v = v.head<3>(), .omega = v.tail<3>()}, t - state.t), v};
+}
+
+using Target = std::function<TrajectoryPoint(const Model&, const State&, double t)>;
 
 struct Damping {
   double c = 0;    // [N s/m]
@@ -82,16 +93,18 @@ void validate(const VirtualCouplingOptions& options) {
                 "be positive [N m]");
 }
 
-CouplingWrench coupling_wrench(const Model& model, const State& state, int body, const Trajectory& path,
-                               const VirtualCouplingOptions& options, double t) {
+namespace {
+
+CouplingWrench wrench_towards(const Model& model, const State& state, int body, const TrajectoryPoint& target,
+                              const VirtualCouplingOptions& options) {
   const Damping gain = damping(model.bodies.at(std::size_t(body)), options);
-  const Pull pull = pull_of(coupling_error(state, body, path, t), gain, options);
+  const Pull pull = pull_of(coupling_error(state, body, target), gain, options);
   return {.force = pull.force.pull,
           .torque = pull.torque.pull,
           .saturated = pull.force.saturated || pull.torque.saturated};
 }
 
-ForceLaw virtual_coupling(const Model& model, int body, Trajectory path,
+ForceLaw coupling_towards(const Model& model, int body, Target target,
                           const VirtualCouplingOptions& options) {
   require_field(body >= 0 && body < int(model.bodies.size()), "virtual_coupling: body", body,
                 ("lie in [0, " + std::to_string(model.bodies.size()) + ")").c_str());
@@ -99,18 +112,17 @@ ForceLaw virtual_coupling(const Model& model, int body, Trajectory path,
   require(is_dynamic(pulled),
           "virtual_coupling: body " + std::to_string(body) + " (" + pulled.name + ") must be dynamic");
   validate(options);
-  validate(path);
 
   ForceLaw law;
   law.name = "virtual coupling of " + pulled.name;
-  law.potential = [body, path, options](const Model&, const State& state, double t) {
-    const CouplingError error = coupling_error(state, body, path, t);
+  law.potential = [body, target, options](const Model& m, const State& state, double t) {
+    const CouplingError error = coupling_error(state, body, target(m, state, t));
     return spring_energy(error.d.norm(), options.stiffness, options.force_limit) +
            spring_energy(error.phi.norm(), options.rotation_stiffness, options.torque_limit);
   };
-  law.add_to = [body, path = std::move(path), options](const Model& m, const State& state, double t,
-                                                       GeneralisedForce& sum) {
-    const CouplingError error = coupling_error(state, body, path, t);
+  law.add_to = [body, target = std::move(target), options](const Model& m, const State& state, double t,
+                                                           GeneralisedForce& sum) {
+    const CouplingError error = coupling_error(state, body, target(m, state, t));
     const Damping gain = damping(m.bodies[std::size_t(body)], options);
     const Pull pull = pull_of(error, gain, options);
     const int force = first_velocity(body), torque = force + 3;  // first rows
@@ -127,6 +139,39 @@ ForceLaw virtual_coupling(const Model& model, int body, Trajectory path,
     }
   };
   return law;
+}
+
+}  // namespace
+
+CouplingWrench coupling_wrench(const Model& model, const State& state, int body, const Trajectory& path,
+                               const VirtualCouplingOptions& options, double t) {
+  return wrench_towards(model, state, body, evaluate(path, t), options);
+}
+
+CouplingWrench coupling_wrench(const Model& model, const State& state, int body, int handle,
+                               const VirtualCouplingOptions& options, double t) {
+  return wrench_towards(model, state, body, handle_at(model, state, handle, t), options);
+}
+
+ForceLaw virtual_coupling(const Model& model, int body, Trajectory path,
+                          const VirtualCouplingOptions& options) {
+  validate(path);
+  return coupling_towards(
+      model, body,
+      [path = std::move(path)](const Model&, const State&, double t) { return evaluate(path, t); }, options);
+}
+
+ForceLaw virtual_coupling(const Model& model, int body, int handle, const VirtualCouplingOptions& options) {
+  require_field(handle >= 0 && handle < int(model.bodies.size()) && handle != body,
+                "virtual_coupling: handle", handle,
+                ("lie in [0, " + std::to_string(model.bodies.size()) + ") and not be the body").c_str());
+  require(!is_dynamic(model.bodies[std::size_t(handle)]),
+          "virtual_coupling: handle " + std::to_string(handle) + " (" +
+              model.bodies[std::size_t(handle)].name + ") must not be dynamic");
+  return coupling_towards(
+      model, body,
+      [handle](const Model& m, const State& state, double t) { return handle_at(m, state, handle, t); },
+      options);
 }
 
 }  // namespace aussois

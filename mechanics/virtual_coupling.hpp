@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A six-axis spring and damper that pulls a body along a recorded path (VC-1) to (VC-6). The damper sees the
-// velocity relative to the path, so there is no lag in free motion at constant speed [Colgate1995].
+// A six-axis spring and damper that pulls a body along a recorded path or after a handle (VC-1) to (VC-6).
+// The damper sees the velocity relative to the target, so there is no lag in free motion at constant speed
+// [Colgate1995].
 #pragma once
 
 #include "mechanics/force_law.hpp"
@@ -32,6 +33,14 @@ CouplingWrench coupling_wrench(const Model& model, const State& state, int body,
 /// is not symmetric for large rotation errors. Throws std::invalid_argument unless the body is dynamic and
 /// path and options are valid.
 ForceLaw virtual_coupling(const Model& model, int body, Trajectory path,
+                          const VirtualCouplingOptions& options = {});
+
+/// The same with another body's frame as the target, where that body moves during the step: a driven one is a
+/// handle that is led from step to step. Throws likewise, and unless `handle` is another body that is not
+/// dynamic.
+CouplingWrench coupling_wrench(const Model& model, const State& state, int body, int handle,
+                               const VirtualCouplingOptions& options, double t);
+ForceLaw virtual_coupling(const Model& model, int body, int handle,
                           const VirtualCouplingOptions& options = {});
 
 }  // namespace aussois

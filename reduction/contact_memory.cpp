@@ -37,6 +37,7 @@ ContactMemory remember(const ContactSet& contacts, const std::vector<Vec3>& impu
   check_size(trace.drilling.size(), true, "drilling impulses");
   check_size(trace.anchors.size(), true, "anchors");
   check_size(trace.solved.size(), true, "marks");
+  check_size(trace.places.size(), true, "places");
   ContactMemory memory;
   memory.contacts.reserve(impulses.size());
   const std::vector<SE3> to_body = inverses(impulses.empty() ? std::span<const SE3>() : trace.g);
@@ -44,14 +45,15 @@ ContactMemory remember(const ContactSet& contacts, const std::vector<Vec3>& impu
     const ContactPoint& c = contacts.points[i];
     const Anchor anchor = trace.anchors.empty() ? Anchor{} : trace.anchors[i];
     const SE3 to_b = pose_of(to_body, c.b.body);
-    RememberedContact r{.key = key_of(c),
-                        .normal = c.normal,
-                        .point_a = pose_of(to_body, c.a.body) * c.x_a,
-                        .point_b = to_b * c.x_b,
-                        .impulse = impulses[i],
-                        .drilling = trace.drilling.empty() ? 0 : trace.drilling[i],
-                        .held = anchor.held,
-                        .solved = trace.solved.empty() || trace.solved[i] != 0};
+    RememberedContact r{
+        .key = key_of(c),
+        .normal = c.normal,
+        .point_a = trace.places.empty() ? pose_of(to_body, c.a.body) * c.x_a : trace.places[i][0],
+        .point_b = trace.places.empty() ? to_b * c.x_b : trace.places[i][1],
+        .impulse = impulses[i],
+        .drilling = trace.drilling.empty() ? 0 : trace.drilling[i],
+        .held = anchor.held,
+        .solved = trace.solved.empty() || trace.solved[i] != 0};
     r.anchor_b = anchor.held ? to_b * Vec3(c.x_b - anchor.drift) : r.point_b;
     memory.contacts.push_back(r);
   }

@@ -2,6 +2,7 @@
 // The contacts of the last step with what they did: what persists from step to step (PER-1).
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -19,7 +20,7 @@ struct Anchor {
 struct RememberedContact {
   ContactKey key{};
   Vec3 normal = Vec3::UnitZ();   // world, from B to A
-  Vec3 point_a = Vec3::Zero();   // proximal point on A, in A's frame [m]
+  Vec3 point_a = Vec3::Zero();   // proximal point on A, in A's frame [m]; of what deforms, its material
   Vec3 point_b = Vec3::Zero();   // on B, in B's frame [m]
   Vec3 impulse = Vec3::Zero();   // on A, world [N s]
   double drilling = 0;           // moment of it about the normal, on A [N m s]; 0 without drilling friction
@@ -41,6 +42,9 @@ struct StepTrace {
   std::vector<Anchor> anchors{};
   std::vector<char> solved{};  // none: all
   std::span<const SE3> g{};    // g_wb of all bodies where the contacts were found; empty: the identity
+  // On A and on B of each contact, where their material is in the frames of the bodies [m]; empty: at the
+  // proximal points, as of rigid bodies
+  std::span<const std::array<Vec3, 2>> places{};
 };
 
 /// Keeps every contact; `impulses[i]` acts on A of contact i, world [N s]. Throws std::invalid_argument

@@ -273,11 +273,15 @@ WarmStart warm_start(const ContactMemory& memory, const ContactSet& contacts, co
       const ContactPoint& c = contacts.points[place(last)];
       const ContactKey key = key_of(c);
       if (!now.empty() && !same_pair(key, now[0].key)) break;
-      now.push_back({.key = key,
-                     .normal = c.normal,
-                     .point_a = pose_of(to_body, c.a.body) * c.x_a,
-                     .point_b = pose_of(to_body, c.b.body) * c.x_b,
-                     .place = place(last)});
+      now.push_back({.key = key, .normal = c.normal, .place = place(last)});
+      Seen& seen = now.back();
+      if (input.places.empty()) {
+        seen.point_a = pose_of(to_body, c.a.body) * c.x_a;
+        seen.point_b = pose_of(to_body, c.b.body) * c.x_b;
+      } else {
+        seen.point_a = input.places[seen.place][0];
+        seen.point_b = input.places[seen.place][1];
+      }
     }
     first = last;
     if (!std::is_sorted(now.begin(), now.end(), before)) std::stable_sort(now.begin(), now.end(), before);

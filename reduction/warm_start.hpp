@@ -39,6 +39,7 @@ struct MatchInput {
   std::span<const LmdShape* const> shapes{};
   // How far the two bodies moved against each other at each contact [m]; empty: 0
   std::vector<double> moved{};
+  std::span<const std::array<Vec3, 2>> places{};  // as of StepTrace
 };
 
 enum class MatchKind : std::uint8_t { none, key, adjacent, geometric };

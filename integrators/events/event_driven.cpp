@@ -255,6 +255,7 @@ void validate(const EventDrivenOptions& o) {
 EventDriven::EventDriven(const Model& model, const EventDrivenOptions& options)
     : setting_(std::make_shared<const StepSetting>(step_setting(model, options.step))), options_(options) {
   validate(options);
+  refuse_deforming(model, "event_driven");
   for (const Joint& joint : model.joints)
     for (const JointAxis& axis : joint.axis)
       require(axis.motor.kind == MotorKind::none || axis.motor.kind == MotorKind::effort ||

@@ -6,27 +6,32 @@
 #include <cmath>
 
 #include "geometry/frame.hpp"
+#include "mechanics/surface.hpp"
 
 namespace aussois {
 namespace {
 
 constexpr double kTouching = 0.02;  // gaps that this opens in a step count as closed [m/s^2, rad/s^2]
 
-// Velocity of the body's point at p along the first N axes of the contact frame, per unit twist.
-template <int N>
-Eigen::Matrix<double, N, 6> point_jacobian(const State& state, int body, const Vec3& p, const Mat3& frame) {
-  const SE3& g = pose(state, body);
-  const Eigen::Matrix<double, N, 3> axes = frame.transpose().topRows<N>();
-  Eigen::Matrix<double, N, 6> J;
-  J << axes, -axes * skew(p - g.p) * g.R.toRotationMatrix();
-  return J;
-}
+// What a row of a contact on bodies that deform moves with beside their twists.
+struct Carried {
+  int row = 0, velocity = 0;  // of the block; entry of State::v
+  double value = 0;
+};
 
-// Of both bodies, whose points move against each other.
+// Of both bodies, whose points at p move against each other.
 template <int N>
-void set_point_rows(const State& state, const Vec3& p, ContactRow& row) {
-  row.J_a.topRows<N>() = point_jacobian<N>(state, row.body_a, p, row.frame);
-  row.J_b.topRows<N>() = -point_jacobian<N>(state, row.body_b, p, row.frame);
+void set_point_rows(const Model& model, const State& state, const ContactPoint& c, const Vec3& p,
+                    ContactRow& row, std::vector<Carried>& carried) {
+  std::erase_if(carried, [](const Carried& entry) { return entry.row < N; });
+  const auto set = [&](const Feature& on, double sign, RowJacobian& J) {
+    const PointColumns<N> columns = point_columns<N>(model, state, on, p, row.frame);
+    J.topRows<N>() = sign * columns.twist;
+    for (const auto& [velocity, column] : columns.others)
+      for (int d = 0; d < N; ++d) carried.push_back({d, velocity, sign * column[d]});
+  };
+  set(c.a, 1, row.J_a);
+  set(c.b, -1, row.J_b);
 }
 
 // J v of the rows that the law has.
@@ -60,6 +65,22 @@ void set_bias(ContactRow& row, const RowVector& u_before, double restitution, do
   if (options.gamma < 1)
     for (int d = 1; d < row.law.rows; ++d) row.w[d] += (1 - options.gamma) / options.gamma * u_before[d];
   row.w.x() += normal.w;
+}
+
+// What is free goes into `others`, what is moved into the bias; its gap is taken back to the start of the
+// step.
+void add_carried(const State& state, const Layout& dofs, const std::vector<Carried>& carried,
+                 const VecX& v_prescribed, const Reached& reached, ContactRow& row, RowVector& u_before) {
+  for (const Carried& entry : carried) {
+    if (entry.row >= row.law.rows) continue;
+    const int at = row_of(dofs, entry.velocity);
+    u_before[entry.row] += entry.value * (at >= 0 ? state.v : v_prescribed)[entry.velocity];
+    if (entry.row == 0 && reached.time > 0) row.gap -= reached.time * entry.value * reached.v[entry.velocity];
+    if (at >= 0)
+      row.others.emplace_back(entry.row, at, entry.value);
+    else
+      row.w[entry.row] += entry.value * v_prescribed[entry.velocity];
+  }
 }
 
 // Where a body's part of a row stands in the problem; -1: nowhere.
@@ -99,10 +120,12 @@ NormalBias normal_bias(double gap, double u_before, double restitution, double h
   return {over_step / options.gamma + averaged * u_before, true};
 }
 
-std::vector<ContactRow> contact_rows(const Model& model, const State& state, const ContactSet& contacts,
-                                     const VecX& v_prescribed, double h, const NormalLawOptions& options,
-                                     const Reached& reached, const std::vector<FrictionPatch>& patches) {
+std::vector<ContactRow> contact_rows(const Model& model, const State& state, const Layout& dofs,
+                                     const ContactSet& contacts, const VecX& v_prescribed, double h,
+                                     const NormalLawOptions& options, const Reached& reached,
+                                     const std::vector<FrictionPatch>& patches) {
   std::vector<ContactRow> rows;
+  std::vector<Carried> carried;  // of one contact; none but on bodies that deform
   rows.reserve(contacts.points.size());
   for (std::size_t i = 0; i < contacts.points.size(); ++i) {
     const ContactPoint& c = contacts.points[i];
@@ -113,25 +136,27 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
     const Vec3 p = mid_point(c);
     row.frame = frame_of(c.normal);
     row.law = law_of(law, patches.empty() ? 0 : patches[i].radius);
-    if (row.law.rows >= 3) set_point_rows<3>(state, patches.empty() ? p : patches[i].centre, row);
-    if (row.law.rows < 3 || !patches.empty()) set_point_rows<1>(state, p, row);
+    carried.clear();
+    if (row.law.rows >= 3)
+      set_point_rows<3>(model, state, c, patches.empty() ? p : patches[i].centre, row, carried);
+    if (row.law.rows < 3 || !patches.empty()) set_point_rows<1>(model, state, c, p, row, carried);
     if (row.law.kind == LawKind::contensou) {
       set_drilling_row(state, row.body_a, 1, c.normal, row.J_a);
       set_drilling_row(state, row.body_b, -1, c.normal, row.J_b);
     }
     row.w = product(row.J_a, of_body(v_prescribed, row.body_a), row.law) +
             product(row.J_b, of_body(v_prescribed, row.body_b), row.law);
-    row.moved = row.w;
     const auto twist_before = [&](int body) {  // of a moved body: that of its path on this step
       return is_dynamic(model.bodies[std::size_t(body)]) ? twist(state, body)
                                                          : Vec6(of_body(v_prescribed, body));
     };
+    RowVector u_before = product(row.J_a, twist_before(row.body_a), row.law) +
+                         product(row.J_b, twist_before(row.body_b), row.law);
     row.gap = c.gap;
     if (reached.time > 0) row.gap -= reached.time * speed_along(row, reached.v);
-    set_bias(row,
-             product(row.J_a, twist_before(row.body_a), row.law) +
-                 product(row.J_b, twist_before(row.body_b), row.law),
-             law.restitution, h, options);
+    add_carried(state, dofs, carried, v_prescribed, reached, row, u_before);
+    row.moved = row.w;
+    set_bias(row, u_before, law.restitution, h, options);
   }
   return rows;
 }
@@ -139,30 +164,22 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
 GapFunctionRows gap_rows(const Model& model, const State& state, const Layout& dofs, const VecX& v_prescribed,
                          double h, const NormalLawOptions& options, const Reached& reached) {
   GapFunctionRows out;
+  std::vector<Carried> carried;
   for (int i = 0; i < int(model.gaps.size()); ++i) {
     const GapFunction& gap = model.gaps[std::size_t(i)];
     const GapRows now = gap_function(model, state, i, state.t + reached.time);
     const Eigen::Index size = gap_columns(model, gap),
                        first = gap.block < 0 ? 0 : first_speed(model, gap.block);
     ContactRow row{.law = law_of(gap.law, now.J.rows()), .slot = first_gap_row(model) + 3 * i};
-    RowVector u_before = RowVector::Zero();
     row.gap = now.gap;
     if (reached.time > 0 && now.rate.size() > 0) row.gap -= reached.time * now.rate[0];
-    for (Eigen::Index d = 0; d < now.J.rows(); ++d) {
-      if (now.rate.size() > 0) row.w[d] = now.rate[d];
-      u_before[d] = row.w[d];
-      for (Eigen::Index k = 0; k < size; ++k) {
-        const double J = now.J(d, k);
-        if (J == 0) continue;
-        const int at = row_of(dofs, first + k);
-        u_before[d] += J * (at >= 0 ? state.v : v_prescribed)[first + k];
-        if (d == 0 && reached.time > 0) row.gap -= reached.time * J * reached.v[first + k];
-        if (at >= 0)
-          row.others.emplace_back(int(d), at, J);
-        else
-          row.w[d] += J * v_prescribed[first + k];
-      }
-    }
+    if (now.rate.size() > 0) row.w.head(now.J.rows()) = now.rate;
+    RowVector u_before = row.w;
+    carried.clear();
+    for (Eigen::Index d = 0; d < now.J.rows(); ++d)
+      for (Eigen::Index k = 0; k < size; ++k)
+        if (now.J(d, k) != 0) carried.push_back({int(d), int(first + k), now.J(d, k)});
+    add_carried(state, dofs, carried, v_prescribed, reached, row, u_before);
     row.moved = row.w;
     set_bias(row, u_before, gap.law.restitution, h, options);
     out.rows.push_back(std::move(row));

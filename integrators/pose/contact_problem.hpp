@@ -22,7 +22,7 @@ struct ContactRow {
   Mat3 frame = Mat3::Identity();          // of a contact: columns n, t1, t2; impulses act on A [world]
   RowJacobian J_a = RowJacobian::Zero();  // u = J_a twist_a + J_b twist_b + others + w
   RowJacobian J_b = RowJacobian::Zero();
-  std::vector<Triplet> others{};        // (row of the block, row of the problem, value)
+  std::vector<Triplet> others{};        // (row of the block, row of the problem, value), beside the twists
   RowVector w = RowVector::Zero();      // bias: normal law and what moves by itself [m/s, rad/s]
   RowVector moved = RowVector::Zero();  // the part of w that moves by itself; of rows with a normal
   double gap = 0;                       // [m, rad]; of a row with a normal
@@ -58,9 +58,9 @@ bool closes(double gap, double speed, double h, NormalLaw law);
 /// kept. `v_prescribed` as of prescribed_velocity. With `patches`, one per contact, friction acts at the
 /// centre of the contact's patch and drills with its radius, or that of the contact law if it is larger
 /// (RED-15).
-std::vector<ContactRow> contact_rows(const Model& model, const State& state, const ContactSet& contacts,
-                                     const VecX& v_prescribed, double h, const NormalLawOptions& options,
-                                     const Reached& reached = {},
+std::vector<ContactRow> contact_rows(const Model& model, const State& state, const Layout& dofs,
+                                     const ContactSet& contacts, const VecX& v_prescribed, double h,
+                                     const NormalLawOptions& options, const Reached& reached = {},
                                      const std::vector<FrictionPatch>& patches = {});
 
 /// The rows of the model's gap functions at the start of the step (GEN-3), in their order, and their gaps.

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include "mechanics/surface.hpp"
+
 namespace aussois {
 namespace {
 
@@ -54,13 +56,26 @@ ReductionInput reduction_input(const StepSetting& setting, const State& state, c
 }
 
 // Velocity of the bodies against each other at a contact, for velocities of all bodies.
-Vec3 relative_velocity_at(const ContactPoint& c, const std::vector<SE3>& g, const VecX& v) {
-  const auto velocity = [&](int body, const Vec3& x) {
-    const auto twist = of_body(v, body);
-    const SE3& pose = g[std::size_t(body)];
-    return Vec3(twist.head<3>() + (pose.R * Vec3(twist.tail<3>())).cross(x - pose.p));
+Vec3 relative_velocity_at(const Model& model, const State& at, const ContactPoint& c, const VecX& v) {
+  const auto velocity = [&](const Feature& on, const Vec3& x) {
+    const auto twist = of_body(v, on.body);
+    const SE3& g = pose(at, on.body);
+    Vec3 out = twist.head<3>() + (g.R * Vec3(twist.tail<3>())).cross(x - g.p);
+    if (deforms(model.bodies[std::size_t(on.body)]))
+      for (const auto& [entry, column] : point_columns<3>(model, at, on, x, Mat3::Identity()).others)
+        out += v[entry] * column;
+    return out;
   };
-  return velocity(c.a.body, c.x_a) - velocity(c.b.body, c.x_b);
+  return velocity(c.a, c.x_a) - velocity(c.b, c.x_b);
+}
+
+std::vector<std::array<Vec3, 2>> material_places(const Model& model, const State& at,
+                                                 const ContactSet& contacts) {
+  std::vector<std::array<Vec3, 2>> out;
+  if (std::ranges::none_of(model.bodies, deforms)) return out;
+  for (const ContactPoint& c : contacts.points)
+    out.push_back({material_place(model, at, c.a, c.x_a), material_place(model, at, c.b, c.x_b)});
+  return out;
 }
 
 // Which of the contacts there are the last step's (PER-2), which ones the problem begins with (RED-1), and
@@ -68,10 +83,11 @@ Vec3 relative_velocity_at(const ContactPoint& c, const std::vector<SE3>& g, cons
 void match_and_reduce(const StepSetting& setting, const State& state, const State& at, Found& found) {
   const StepOptions& o = setting.options;
   found.g = at.g;
-  MatchInput since{.scale = found.scale, .g = found.g, .shapes = setting.shapes};
+  found.places = material_places(setting.model, at, found.contacts);
+  MatchInput since{.scale = found.scale, .g = found.g, .shapes = setting.shapes, .places = found.places};
   since.moved.reserve(found.contacts.points.size());
   for (const ContactPoint& c : found.contacts.points)
-    since.moved.push_back(found.h * relative_velocity_at(c, found.g, found.v_estimate).norm());
+    since.moved.push_back(found.h * relative_velocity_at(setting.model, at, c, found.v_estimate).norm());
   found.warm = warm_start(state.memory, found.contacts, since, o.persistence);
   const ReductionInput input = reduction_input(setting, at, found);
   found.selection = reduce(input, o.reduction);

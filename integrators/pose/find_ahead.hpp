@@ -26,12 +26,13 @@ struct Found {
   int count = 0;                  // of all contacts, those of `apart` included
   double min_gap = kInf;          // of them [m]
   ContactSet contacts{};
-  std::vector<SE3> g{};       // poses of the bodies where the contacts are
-  Selection selection{};      // (RED-1)
-  WarmStart warm{};           // (RED-5)
-  std::vector<Vec3> start{};  // impulses that contacts start with, world [N s] (PER-7)
-  double scale = 1;           // of the last step's impulses
-  double seconds = 0;         // that it took [s]
+  std::vector<SE3> g{};                       // poses of the bodies where the contacts are
+  std::vector<std::array<Vec3, 2>> places{};  // StepTrace::places, if any body deforms
+  Selection selection{};                      // (RED-1)
+  WarmStart warm{};                           // (RED-5)
+  std::vector<Vec3> start{};                  // impulses that contacts start with, world [N s] (PER-7)
+  double scale = 1;                           // of the last step's impulses
+  double seconds = 0;                         // that it took [s]
 };
 Found find_ahead(const StepSetting& setting, const State& state, const Estimate& estimate, double h);
 

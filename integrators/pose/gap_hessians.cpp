@@ -4,6 +4,7 @@
 #include <Eigen/SparseCholesky>
 
 #include "lmd/contact_kinematics.hpp"
+#include "mechanics/surface.hpp"
 
 namespace aussois {
 namespace {

@@ -54,8 +54,8 @@ ContactBlocks contact_blocks(const StepSetting& setting, const State& state, con
   const ReductionOptions& o = setting.options.reduction;
   std::vector<FrictionPatch> patches;
   if (o.friction == FrictionAt::patches) patches = friction_patches(contacts, o.clustering.angle, o.layer);
-  ContactBlocks out{
-      .rows = contact_rows(setting.model, state, contacts, v_prescribed, h, normal, reached, patches)};
+  ContactBlocks out{.rows = contact_rows(setting.model, state, setting.dofs, contacts, v_prescribed, h,
+                                         normal, reached, patches)};
   GapFunctionRows gaps =
       gap_rows(setting.model, state, setting.dofs, v_prescribed, h, normal, reached);  // (GEN-3)
   out.gap = std::move(gaps.gap);

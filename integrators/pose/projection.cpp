@@ -16,7 +16,8 @@ ContactBlocks openings(const StepSetting& setting, const State& at, const Contac
   State resting = at;
   resting.v.setZero();
   const VecX none = VecX::Zero(at.v.size());
-  ContactBlocks out{.rows = contact_rows(setting.model, resting, contacts, none, 1, over_step), .gap = {}};
+  ContactBlocks out{.rows = contact_rows(setting.model, resting, setting.dofs, contacts, none, 1, over_step),
+                    .gap = {}};
   GapFunctionRows gaps = gap_rows(setting.model, resting, setting.dofs, none, 1, over_step);
   out.rows.insert(out.rows.end(), gaps.rows.begin(), gaps.rows.end());
   out.gap = std::move(gaps.gap);

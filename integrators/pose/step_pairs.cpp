@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "geometry/number_text.hpp"
 #include "geometry/parallel.hpp"
 
 namespace aussois {
@@ -39,21 +40,63 @@ void for_each_part(const std::vector<StepPair>& pairs, int threads,
   });
 }
 
+namespace {
+
+BodyBounds bounds_of_body(const RigidBody& body, const LmdShape& shape, const DilatedBox& box) {
+  BodyBounds out{.box = body.g_bs * box};
+  out.box.fixed = !yields(body);
+  for (const Vec3& x : shape.complex.vertices) out.radius = std::max(out.radius, (body.g_bs * x).norm());
+  return out;
+}
+
+DilatedBox box_of(const LmdShape& shape) {
+  DilatedBox box = box_around(shape.complex.vertices);
+  box.radius = shape.radius;
+  return box;
+}
+
+// Largest angle that a normal turns by while the vertices move on, at most pi [rad].
+double bend_of(const LmdShape& shape, const std::vector<Vec3>& velocity, double h) {
+  double least = 1;
+  for (const auto& t : shape.complex.triangles) {
+    const auto normal = [&](double s) {
+      const auto at = [&](int v) {
+        return Vec3(shape.complex.vertices[std::size_t(v)] + s * velocity[std::size_t(v)]);
+      };
+      return (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0]));
+    };
+    const Vec3 before = normal(0), after = normal(h);
+    const double size = before.norm() * after.norm();
+    least = std::min(least, size > 0 ? before.dot(after) / size : -1);
+  }
+  return std::acos(std::clamp(least, -1.0, 1.0));
+}
+
+BodyBounds bounds_of_body(const RigidBody& body, const LmdShape& shape) {
+  return bounds_of_body(body, shape, box_of(shape));
+}
+
+BodyBounds deformed_bounds(const Model& model, const State& state, int body) {
+  return bounds_of_body(model.bodies[std::size_t(body)], *posed_shape(model, state, body).shape);
+}
+
+DeformingShape deforming_shape(const StepMotion& step, int body) {
+  DeformingShape out{.start = posed_shape(step.model, step.state, body),
+                     .velocity = vertex_velocities(step.model, step.state, body, step.v)};
+  out.bounds = bounds_of_body(step.model.bodies[std::size_t(body)], *out.start.shape);
+  return out;
+}
+
+}  // namespace
+
 std::vector<BodyBounds> body_bounds(const Model& model) {
   std::vector<DilatedBox> box_of_shape;
-  for (const auto& shape : model.shapes) {
-    box_of_shape.push_back(box_around(shape->complex.vertices));
-    box_of_shape.back().radius = shape->radius;
-  }
+  for (const auto& shape : model.shapes) box_of_shape.push_back(box_of(*shape));
   std::vector<BodyBounds> bounds(model.bodies.size());
-  for (std::size_t b = 0; b < bounds.size(); ++b) {
-    const RigidBody& body = model.bodies[b];
-    if (body.shape < 0) continue;
-    bounds[b].box = body.g_bs * box_of_shape[std::size_t(body.shape)];
-    bounds[b].box.fixed = !is_dynamic(body);
-    for (const Vec3& x : model.shapes[std::size_t(body.shape)]->complex.vertices)
-      bounds[b].radius = std::max(bounds[b].radius, (body.g_bs * x).norm());
-  }
+  for (std::size_t b = 0; b < bounds.size(); ++b)
+    if (const RigidBody& body = model.bodies[b]; body.shape >= 0)
+      bounds[b] =
+          bounds_of_body(body, *model.shapes[std::size_t(body.shape)], box_of_shape[std::size_t(body.shape)]);
   return bounds;
 }
 
@@ -83,7 +126,9 @@ NearPairs near_pairs(const Model& model, const State& state, const std::vector<B
   boxes.reserve(bounds.size());
   for (int b = 0; b < int(model.bodies.size()); ++b) {
     if (!shape_of(model, b)) continue;
-    boxes.push_back(pose(state, b) * bounds[std::size_t(b)].box);
+    const bool rigid = !deforms(model.bodies[std::size_t(b)]);
+    boxes.push_back(pose(state, b) *
+                    (rigid ? bounds[std::size_t(b)].box : deformed_bounds(model, state, b).box));
     boxes.back().radius += reach[std::size_t(b)];
     body_of.push_back(b);
   }
@@ -108,12 +153,40 @@ std::vector<StepPair> pairs_within(const Model& model, const State& state,
 StepPath step_path(const StepMotion& step, const std::vector<BodyBounds>& bounds, double enlargement) {
   StepPath path{.model = step.model, .h = step.h};
   path.bodies.reserve(bounds.size());
-  for (int b = 0; b < int(bounds.size()); ++b)
-    path.bodies.push_back(moving_body({.g = pose(step.state, b),
-                                       .v = enlargement * linear_part(step.v, b),
-                                       .omega = enlargement * angular_part(step.v, b)},
-                                      bounds[std::size_t(b)].radius, step.h));
+  for (int b = 0; b < int(bounds.size()); ++b) {
+    const RigidMotion motion{.g = pose(step.state, b),
+                             .v = enlargement * linear_part(step.v, b),
+                             .omega = enlargement * angular_part(step.v, b)};
+    if (!deforms(step.model.bodies[std::size_t(b)])) {
+      path.bodies.push_back(moving_body(motion, bounds[std::size_t(b)].radius, step.h));
+      continue;
+    }
+    DeformingShape& shape = path.deforming[b] = deforming_shape(step, b);
+    double fastest = 0;
+    for (Vec3& v : shape.velocity) fastest = std::max(fastest, (v *= enlargement).norm());
+    const double stretch = step.h * fastest;
+    path.bodies.push_back(moving_body(motion, shape.bounds.radius + stretch, step.h));
+    path.bodies.back().displacement += stretch;
+    path.bodies.back().stretch = stretch;
+    path.bodies.back().bend = bend_of(*shape.start.shape, shape.velocity, step.h);
+  }
   return path;
+}
+
+std::string strayed(const StepPath& path, const State& end) {
+  constexpr double kRounding = 1e-9;  // of the size of the shape and of what it travels
+  for (const auto& [body, shape] : path.deforming) {
+    const PosedShape there = posed_shape(path.model, end, body);
+    double off = 0;
+    for (std::size_t i = 0; i < shape.velocity.size(); ++i) {
+      const Vec3& start = shape.start.shape->complex.vertices[i];
+      off = std::max(off, (there.shape->complex.vertices[i] - start - path.h * shape.velocity[i]).norm());
+    }
+    if (off > kRounding * (shape.bounds.radius + path.bodies[std::size_t(body)].stretch))
+      return "body " + std::to_string(body) + ": a vertex is " + number_text(off) +
+             " m off where the columns of its deformation led it";
+  }
+  return {};
 }
 
 NearPairs step_pairs(const StepMotion& estimate, const std::vector<BodyBounds>& bounds,
@@ -151,7 +224,7 @@ ContactSet contacts_of(const Model& model, const State& state, const std::vector
           std::min(0.5, lmd.alpha + pair.rotation);  // contacts that the step's rotation can bring about
       lmd.alpha_ee = std::max(lmd.alpha_ee, lmd.alpha);
       const PosedShape &a = posed[std::size_t(pair.a)], &b = posed[std::size_t(pair.b)];
-      const ContactSet of_pair = scratch.empty()
+      const ContactSet of_pair = scratch.empty() || a.own || b.own
                                      ? find_contacts(a, b, lmd)
                                      : find_contacts(a, b, lmd, scratch[std::size_t(&pair - pairs.data())]);
       std::vector<ContactPoint>& points = found[std::size_t(part)].points;

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <mutex>
 #include <span>
+#include <string>
 #include <utility>
 
 #include "integrators/step_options.hpp"
@@ -12,7 +14,7 @@
 #include "lmd/find_contacts.hpp"
 #include "lmd/motion_bound.hpp"
 #include "lmd/nesting.hpp"
-#include "mechanics/state.hpp"
+#include "mechanics/surface.hpp"
 
 namespace aussois {
 
@@ -29,6 +31,7 @@ struct BodyBounds {
   double radius = 0;  // of the base complex about the centre of mass [m]
   DilatedBox box{};   // around the dilated shape
 };
+/// Of shapes as they are in the model.
 std::vector<BodyBounds> body_bounds(const Model& model);
 
 /// A step that is tried: all six velocities of every body of the model, constant on the path of the step, and
@@ -40,13 +43,24 @@ struct StepMotion {
   double h = 0;
 };
 
+/// The shape of a body that deforms, and its vertices' velocities in the frame of the shape [m/s].
+struct DeformingShape {
+  PosedShape start{};
+  std::vector<Vec3> velocity{};
+  BodyBounds bounds{};
+};
+
 /// The same, body by body, with all that the bounds of pairs ask for; speeds times `enlargement`.
 struct StepPath {
   const Model& model;
   double h = 0;
   std::vector<MovingBody> bodies{};
+  std::map<int, DeformingShape> deforming{};  // by body
 };
 StepPath step_path(const StepMotion& step, const std::vector<BodyBounds>& bounds, double enlargement = 1);
+/// Empty if the vertices of what deforms are at the end of the path where it led them, otherwise which are
+/// not (DEF-2).
+std::string strayed(const StepPath& path, const State& end);
 
 /// What a scheme keeps of its pairs from step to step: it saves time and changes no result. Who finds it in
 /// use by another thread goes without.

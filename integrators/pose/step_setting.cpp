@@ -31,6 +31,12 @@ void check_count(Now now, Wanted wanted, const char* what, const char* why) {
 
 }  // namespace
 
+void refuse_deforming(const Model& model, const char* who) {
+  for (std::size_t b = 0; b < model.bodies.size(); ++b)
+    require(!deforms(model.bodies[b]), std::string(who) + ": body " + std::to_string(b) + " (" +
+                                           model.bodies[b].name + ") deforms; only rigid bodies may");
+}
+
 StepSetting step_setting(const Model& model, const StepOptions& options) {
   validate(model);
   validate(options);
@@ -43,6 +49,7 @@ StepSetting step_setting(const Model& model, const StepOptions& options) {
   }
   require(!options.advancement.certify || undilated < 2 || !dynamic_undilated,
           "two bodies that can touch have dilation 0: at least one of them needs a positive one [m]");
+  if (options.persistence.anchors) refuse_deforming(model, "PersistenceOptions::anchors");
   StepSetting out{.model = model,
                   .size = size_of(model),
                   .options = options,

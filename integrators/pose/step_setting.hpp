@@ -30,6 +30,10 @@ struct StepSetting {
 /// at all.
 StepSetting step_setting(const Model& model, const StepOptions& options);
 
+/// For what asks where a rigid body's contacts are going: throws std::invalid_argument naming the first body
+/// that deforms.
+void refuse_deforming(const Model& model, const char* who);
+
 /// The door of every step, in release builds too: throws std::invalid_argument if the model has grown or
 /// shrunk since the scheme was made, or the state does not fit it, has an orientation that is none, or no
 /// positive `h_limit` [s]. Numbers that are not finite are left to the status.

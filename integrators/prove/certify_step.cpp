@@ -13,9 +13,12 @@ namespace {
 constexpr int kFineHalvings = 16;  // a near miss by 1 um at 1600 m/s and 1 ms needs 14
 
 MovingShape moving_shape(const StepPath& path, int body) {
-  return {.shape = shape_of(path.model, body),
-          .g_bs = path.model.bodies[std::size_t(body)].g_bs,
-          .motion = path.bodies[std::size_t(body)].motion};
+  MovingShape out{.shape = shape_of(path.model, body),
+                  .g_bs = path.model.bodies[std::size_t(body)].g_bs,
+                  .motion = path.bodies[std::size_t(body)].motion};
+  if (const auto shape = path.deforming.find(body); shape != path.deforming.end())
+    out.shape = shape->second.start.shape, out.velocity = shape->second.velocity;
+  return out;
 }
 
 const SE3& pose_of(const StepPath& path, int body) {
@@ -67,7 +70,9 @@ Vec3 likely_axis(const StepPath& path, const StepPair& pair, const ContactSet& c
 }
 
 DilatedBox posed_box(const StepPath& path, const std::vector<BodyBounds>& bounds, int body) {
-  return pose_of(path, body) * bounds[std::size_t(body)].box;
+  const auto shape = path.deforming.find(body);
+  return pose_of(path, body) *
+         (shape == path.deforming.end() ? bounds[std::size_t(body)] : shape->second.bounds).box;
 }
 
 // `apart`: by how much their boxes are.
@@ -142,15 +147,12 @@ StepCertificate certify_step(const StepPath& path, const std::vector<StepPair>& 
 
 std::vector<StepPair> driven_pairs(const StepPath& path, const std::vector<BodyBounds>& bounds, int threads) {
   const std::vector<RigidBody>& bodies = path.model.bodies;
-  const auto is_moved = [](const RigidBody& b) {
-    return b.shape >= 0 && std::holds_alternative<Prescribed>(b.motion);
-  };
   if (std::ranges::none_of(bodies, is_moved)) return {};
   std::vector<int> body_of;
   std::vector<DilatedBox> boxes;
   for (int b = 0; b < int(bodies.size()); ++b) {
     const RigidBody& body = bodies[std::size_t(b)];
-    if (body.shape < 0 || is_dynamic(body)) continue;
+    if (body.shape < 0 || yields(body)) continue;
     boxes.push_back(posed_box(path, bounds, b));
     boxes.back().radius += path.bodies[std::size_t(b)].displacement;
     boxes.back().fixed = !is_moved(body);

@@ -90,6 +90,8 @@ Objection proven(const StepSetting& setting, const Trial& trial, const StepPath&
   out.min_base_distance = std::min(out.min_base_distance, certificate.min_distance);
   out.seconds_certificate = step_clock() - begin;
   if (!certificate.failure.empty()) return {Outcome::not_certified, certificate.failure};
+  const std::string off_path = strayed(path, out.next);  // (DEF-2)
+  if (!off_path.empty()) return {Outcome::not_certified, off_path};
   const std::string crowded = without_room(setting, found, trial.impulses, trial.move);  // (CA-17)
   if (!crowded.empty()) return {Outcome::not_certified, crowded};
   out.driven_overlaps =

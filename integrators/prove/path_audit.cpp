@@ -34,7 +34,7 @@ struct Audited {
 // What a certificate says of a pair: (CA-6), and the bound of the report. That speaks of the pairs that came
 // near and can be stopped; their others are proven to be farther apart than their dilations.
 double certified_distance(const Audited& step, const StepPair& pair, double max_overlap) {
-  const auto moves = [&](int body) { return is_dynamic(step.model.bodies[std::size_t(body)]); };
+  const auto moves = [&](int body) { return yields(step.model.bodies[std::size_t(body)]); };
   const double required = required_distance(pair, {.max_overlap = max_overlap});
   if (!moves(pair.a) && !moves(pair.b)) return required;
   return std::max(required, std::min(step.report.min_base_distance, pair.dilation));
@@ -47,6 +47,11 @@ bool is_told(const StepPair& pair, const StepReport& report) {
 
 double extent(const Audited& step, const State& there, int body) {
   return pose(there, body).p.norm() + step.bounds[std::size_t(body)].radius;
+}
+
+// Where it is; keep the shape.
+MovingShape still(const PosedShape& posed) {
+  return {posed.shape, {}, {.g = posed.g_ws}};
 }
 
 // Pairs whose dilated shapes come nearer than the sum of their dilations.
@@ -75,17 +80,14 @@ struct Seen {
 // Are all pairs as far apart as certified, and none inside the other? What is farther than the cutoff changes
 // neither minimum.
 Seen look_at(const Audited& step, const State& there, PathAudit& audit) {
-  const auto shape = [&](int b) {
-    const RigidBody& body = step.model.bodies[std::size_t(b)];
-    return MovingShape{step.model.shapes[std::size_t(body.shape)].get(), body.g_bs, {.g = pose(there, b)}};
-  };
   const std::vector<StepPair> pairs = untold_pairs(step, there);
   Seen out;
   for (const StepPair& pair : pairs) {
     const double certified = certified_distance(step, pair, audit.max_overlap);
     const double cutoff =
         std::min(2 * pair.dilation, std::max({certified, certified + audit.min_slack, audit.min_distance}));
-    const double distance = base_distance(shape(pair.a), shape(pair.b), cutoff, step.threads);
+    const PosedShape a = posed_shape(step.model, there, pair.a), b = posed_shape(step.model, there, pair.b);
+    const double distance = base_distance(still(a), still(b), cutoff, step.threads);
     if (distance < cutoff) {
       audit.min_distance = std::min(audit.min_distance, distance);
       audit.min_slack = std::min(audit.min_slack, distance - certified);
@@ -102,8 +104,7 @@ bool is_covered(const Audited& step, const State& there) {
   return std::ranges::all_of(untold_pairs(step, there), [&](const StepPair& pair) {
     const PosedShape a = posed_shape(step.model, there, pair.a), b = posed_shape(step.model, there, pair.b);
     const double cutoff = 2 * pair.dilation,
-                 distance = base_distance({a.shape, {}, {.g = a.g_ws}}, {b.shape, {}, {.g = b.g_ws}}, cutoff,
-                                          step.threads);
+                 distance = base_distance(still(a), still(b), cutoff, step.threads);
     return distance >= cutoff || is_covered(a, b, distance, step.threads);
   });
 }
@@ -112,7 +113,13 @@ bool is_covered(const Audited& step, const State& there) {
 // shorter than their distance.
 bool leads_to(const Audited& step, const State& path_end, const State& end, double max_overlap) {
   const auto moved = [&](int b) {
-    return (pose(end, b).p - pose(path_end, b).p).norm() +
+    double stretch = 0;
+    if (deforms(step.model.bodies[std::size_t(b)])) {
+      const PosedShape from = posed_shape(step.model, path_end, b), to = posed_shape(step.model, end, b);
+      for (std::size_t i = 0; i < to.shape->complex.vertices.size(); ++i)
+        stretch = std::max(stretch, (to.shape->complex.vertices[i] - from.shape->complex.vertices[i]).norm());
+    }
+    return stretch + (pose(end, b).p - pose(path_end, b).p).norm() +
            step.bounds[std::size_t(b)].radius * angle_between(pose(end, b).R, pose(path_end, b).R);
   };
   std::vector<double> reach;
@@ -144,6 +151,7 @@ void audit_path(const Model& model, const State& start, const State& end, const 
     for (int i = 1; i <= places; ++i) {
       there = from;
       there.g = moved_poses(model, from, piece.v, piece.h * i / places);
+      there.q = from.q + piece.h * i / places * piece.v.tail(from.q.size());
       look(there);
     }
   }
@@ -164,14 +172,12 @@ std::vector<std::pair<int, int>> skipped_pairs(const Model& model) {
 }
 
 double min_base_distance(const Model& model, const State& state, double cutoff, int threads) {
-  const auto still = [&](int body) {
-    const PosedShape posed = posed_shape(model, state, body);
-    return MovingShape{posed.shape, {}, {.g = posed.g_ws}};
-  };
   double distance = cutoff;
   for (const StepPair& pair : pairs_within(model, state, body_bounds(model),
-                                           std::vector<double>(model.bodies.size(), cutoff / 2), threads))
-    distance = base_distance(still(pair.a), still(pair.b), distance, threads);
+                                           std::vector<double>(model.bodies.size(), cutoff / 2), threads)) {
+    const PosedShape a = posed_shape(model, state, pair.a), b = posed_shape(model, state, pair.b);
+    distance = base_distance(still(a), still(b), distance, threads);
+  }
   return distance;
 }
 

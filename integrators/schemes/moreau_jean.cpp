@@ -84,7 +84,8 @@ ContactMemory remembered(const Found& found, const ImpulseStep& step) {
     impulse.push_back(step.rows[i].frame * r[i].head<3>());
     drilling.push_back(law.rows > 3 ? r[i][3] : 0);
   }
-  return remember(found.contacts, impulse, {.drilling = drilling, .anchors = {}, .g = found.g});
+  return remember(found.contacts, impulse,
+                  {.drilling = drilling, .anchors = {}, .g = found.g, .places = found.places});
 }
 
 void start_with_the_last_solve(const Found& found, const ImpulseStep& step, Found& there) {
@@ -190,6 +191,7 @@ MoreauJean::MoreauJean(const Model& model, const MoreauJeanOptions& options)
     : setting_(std::make_shared<const StepSetting>(step_setting(model, step_options(options)))),
       options_(options) {
   validate(options);
+  if (options.newton.gap_hessians) refuse_deforming(model, "NewtonOptions::gap_hessians");
 }
 
 namespace {

@@ -123,6 +123,10 @@ ContactMemory memory_after(const StepSetting& setting, const Found& found, const
       trace.anchors.push_back(found.warm.anchor[std::size_t(i)]);
       trace.solved.push_back(0);
     }
+  std::vector<std::array<Vec3, 2>> places;
+  if (!found.places.empty())
+    for (const int i : members) places.push_back(found.places[std::size_t(i)]);
+  trace.places = places;
   return remember(select(found.contacts, members), impulse, trace);
 }
 

@@ -86,6 +86,21 @@ function makeBody(run, index, colour) {
   return group;
 }
 
+/** A body that deforms: flat faces and plain wires over vertices that every frame puts elsewhere. */
+function makeDeforming(run, index, colour) {
+  const group = new THREE.Group(), mesh = run.body_mesh[index];
+  const position = new THREE.BufferAttribute(run.array(`mesh${mesh}.vertices`).slice(), 3);
+  const over = items => new THREE.BufferGeometry().setAttribute('position', position).setIndex(new THREE.BufferAttribute(new Uint32Array(items), 1));
+  const faces = run.array(`mesh${mesh}.faces`), wires = run.array(`mesh${mesh}.wires`);
+  if (faces.length) {
+    const skin = new THREE.MeshStandardMaterial({ color: colour, roughness: 0.55, metalness: 0.15, side: THREE.DoubleSide, flatShading: true });
+    group.add(Object.assign(new THREE.Mesh(over(faces), skin), { name: 'skin', frustumCulled: false }));
+  }
+  if (wires.length) group.add(Object.assign(new THREE.LineSegments(over(wires), new THREE.LineBasicMaterial({ color: colour })), { frustumCulled: false }));
+  group.positions = position;
+  return group;
+}
+
 /** The three axes of the world, drawn small in the corner. */
 function makeTriad() {
   const scene = new THREE.Scene();
@@ -176,11 +191,16 @@ export class Scene extends Stage {
 
     const counts = { moving: 0 };
     this.bodies = run.body_mesh.map((_, i) => {
-      const group = makeBody(run, i, run.body_fixed[i] ? colours.fixed : colours.moving[counts.moving++ % colours.moving.length]);
+      const make = run.body_moving_vertices[i] ? makeDeforming : makeBody;
+      const group = make(run, i, run.body_fixed[i] ? colours.fixed : colours.moving[counts.moving++ % colours.moving.length]);
       this.scene.add(group);
       return group;
     });
     this.pose = run.array('pose');
+    this.vertices = run.array('vertices');
+    let moving = 0;
+    this.firstVertex = run.body_moving_vertices.map(count => (moving += count) - count);
+    this.movingVertices = moving;
     this.offset = run.array('contact.offset');
     this.measure();
 
@@ -211,6 +231,19 @@ export class Scene extends Stage {
     const at = 7 * (frame * this.bodies.length + index);
     group.position.fromArray(this.pose, at);
     group.quaternion.fromArray(this.pose, at + 3);
+    if (!group.positions) return;
+    const first = 3 * (frame * this.movingVertices + this.firstVertex[index]);
+    group.positions.array.set(this.vertices.subarray(first, first + group.positions.array.length));
+    group.positions.needsUpdate = true;
+  }
+
+  /** Of a body, seen from itself: over all frames if it deforms. */
+  localBox(group, index) {
+    const box = new THREE.Box3().setFromObject(group), x = new THREE.Vector3();
+    for (let k = 0; group.positions && k < this.run.frames; ++k)
+      for (let i = 0, at = 3 * (k * this.movingVertices + this.firstVertex[index]); i < group.positions.array.length; i += 3)
+        box.expandByPoint(x.fromArray(this.vertices, at + i));
+    return box;
   }
 
   makePath(index) {
@@ -223,7 +256,7 @@ export class Scene extends Stage {
   /** Boxes of the moving bodies over the whole run and of everything. */
   measure() {
     this.movingBox = new THREE.Box3();
-    const local = this.bodies.map(group => new THREE.Box3().setFromObject(group)), here = new THREE.Box3();
+    const local = this.bodies.map((group, i) => this.localBox(group, i)), here = new THREE.Box3();
     for (let k = 0; k < this.run.frames; k += Math.max(1, Math.floor(this.run.frames / 60)))
       this.bodies.forEach((group, i) => {
         this.place(group, i, k);

@@ -6,6 +6,7 @@ it, as lines "file:line: what"; the order of the rooms is the one of doc/archite
 """
 
 import fnmatch
+import hashlib
 import os
 import re
 import sys
@@ -259,9 +260,23 @@ def tests(root):
     return bad + [f"{place}: the verification list has no case {match[1]}" for place, match in named if match[1] not in cases]
 
 
+def viewer_is_built(root):
+    """The page that is committed was built from the sources beside it: it names their digest (io/viewer/build.mjs)."""
+    viewer = root / "io/viewer"
+    sha = hashlib.sha256()
+    for path in sorted(viewer.iterdir()):
+        if re.search(r"\.(js|mjs|css|html|txt)$|^package(-lock)?\.json$", path.name):
+            sha.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+    page = viewer / "dist/template.html"
+    named = re.search(r"built from sources (\w+)", page.read_text(encoding="utf-8")) if page.is_file() else None
+    if named and named[1] == sha.hexdigest():
+        return []
+    return ["io/viewer/dist/template.html:1: not built from these sources: npm run build in io/viewer"]
+
+
 RULES = {rule.__name__: rule for rule in (includes, halls, short_functions, few_public_headers, own_header_first, public_headers,
                                           listed, one_definition, velocity_places, equations, licence, links, pages, references,
-                                          tests)}
+                                          tests, viewer_is_built)}
 
 
 def main():

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The rules of house.py on small trees: each is silent on what is right and names what is wrong."""
 
+import hashlib
 import tempfile
 import unittest
 from pathlib import Path
@@ -158,6 +159,14 @@ class House(unittest.TestCase):
         tree = {"examples/verification/a.cpp": '{.name = "A1.ball"}\n', "doc/a.md": "`A1.ball`, `A1.ball.energy`, `B4.ball`, `A1.cube.energy`\n"}
         self.assertEqual(self.offences(house.tests, tree), ["doc/a.md:1: the verification list has no case B4.ball",
                                                             "doc/a.md:1: the verification list has no case A1.cube"])
+
+    def test_the_page_is_built_from_its_sources(self):
+        tree = {"io/viewer/main.js": "run();\n", "io/viewer/page.html": "<head>\n"}
+        digest = hashlib.sha256(b"main.js\0run();\n\0page.html\0<head>\n\0").hexdigest()
+        tree["io/viewer/dist/template.html"] = f"<head>\n<!-- built from sources {digest} -->\n"
+        self.assertEqual(self.offences(house.viewer_is_built, tree), [])
+        tree["io/viewer/main.js"] = "run(1);\n"
+        self.assertEqual(len(self.offences(house.viewer_is_built, tree)), 1)
 
 
 if __name__ == "__main__":

@@ -34,7 +34,7 @@ Solved solve_with(const ContactSet& contacts, const std::vector<int>& kept, doub
   const Layout dofs = layout(model);
   const FreeMotion free = free_motion(model, state, dofs, h, 0.5);
   const std::vector<ContactRow> rows =
-      contact_rows(model, state, contacts, prescribed_velocity(model, state, h), h, {});
+      contact_rows(model, state, layout(model), contacts, prescribed_velocity(model, state, h), h, {});
   const FrictionProblem problem = contact_problem(free, dofs, rows, kept);
   const FrictionSolution solution =
       solve(problem, VecX::Zero(problem.H.cols()), {.tolerance = 1e-13, .max_iterations = 20000});

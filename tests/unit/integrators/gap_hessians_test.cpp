@@ -8,6 +8,7 @@
 #include "geometry/primitives.hpp"
 #include "integrators/pose/contact_problem.hpp"
 #include "lmd/find_contacts.hpp"
+#include "mechanics/surface.hpp"
 #include "tests/support/random.hpp"
 
 namespace aussois {
@@ -43,8 +44,9 @@ ContactSet contacts_of(const Pair& pair, const State& state) {
 
 // The momentum that r_N gives to the bodies, by the rows of the step's problem.
 VecX momentum_at(const Pair& pair, const State& state, const std::vector<double>& r_N) {
-  const std::vector<ContactRow> rows = contact_rows(pair.model, state, contacts_of(pair, state),
-                                                    VecX::Zero(state.v.size()), 1e-3, NormalLawOptions{});
+  const std::vector<ContactRow> rows =
+      contact_rows(pair.model, state, layout(pair.model), contacts_of(pair, state),
+                   VecX::Zero(state.v.size()), 1e-3, NormalLawOptions{});
   EXPECT_EQ(rows.size(), r_N.size());
   std::vector<RowVector> r(rows.size(), RowVector::Zero());
   for (std::size_t i = 0; i < r.size(); ++i) r[i][0] = r_N[i];

@@ -194,7 +194,8 @@ TEST(ReducedSolve, LetsEveryContactBackInThatWouldClose) {
   const Layout dofs = layout(scene.model);
   const FreeMotion free = free_motion(scene.model, scene.state, dofs, 1e-3, 1);
   const VecX still = prescribed_velocity(scene.model, scene.state, 1e-3);
-  const std::vector<ContactRow> rows = contact_rows(scene.model, scene.state, found, still, 1e-3, {});
+  const std::vector<ContactRow> rows =
+      contact_rows(scene.model, scene.state, layout(scene.model), found, still, 1e-3, {});
   const Selection one{.kept = {2}, .cluster = {0, 0, 0, 0}, .cluster_count = 1};
   const ReducedSolution solved =
       solve_reduced(free, dofs, rows, {}, one, std::vector<RowVector>(4, RowVector::Zero()),

@@ -234,8 +234,8 @@ TEST_P(ResumedRunFile, HasTheSameDataAsOneThatWasNeverInterrupted) {
   for (int k = checkpoint; k < 200; ++k) writer.append(run.steps[std::size_t(k)]);
   writer.close();
   const auto whole = datasets_of(folder / "whole.h5"), parts = datasets_of(folder / "parts.h5");
-  // The layout of doc/run_file.md: 2 x 3 mesh, 7 body, 3 joint, 2 coordinates; 57 of steps, 8 of contacts.
-  EXPECT_EQ(whole.size(), 84u);
+  // The layout of doc/run_file.md: 2 x 3 mesh, 8 body, 3 joint, 2 coordinates; 57 of steps, 8 of contacts.
+  EXPECT_EQ(whole.size(), 85u);
   EXPECT_TRUE(whole == parts);
 }
 INSTANTIATE_TEST_SUITE_P(Steps, ResumedRunFile, ::testing::Values(0, 1, 63, 64, 65, 100, 128, 199));

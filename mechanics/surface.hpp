@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the surface of a body is at a state, and how its points move with the velocities (DEF-1) to (DEF-3).
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "lmd/contact_point.hpp"
+#include "lmd/posed_shape.hpp"
+#include "mechanics/state.hpp"
+
+namespace aussois {
+
+/// The shape of a body that has one, where it is; of one that deforms, as the state deforms it.
+PosedShape posed_shape(const Model& model, const State& state, int body);
+
+/// The vertices of a body that deforms, in the frame of its shape [m]. Throws std::invalid_argument naming
+/// the body if its deformation does not give one for each vertex of the shape.
+std::vector<Vec3> deformed_vertices(const Model& model, const State& state, int body);
+
+/// Their velocities there, at the velocities `v`, in the places of
+/// State::v [m/s].
+std::vector<Vec3> vertex_velocities(const Model& model, const State& state, int body, const VecX& v);
+
+/// Velocity of a point of a body along N axes per unit of what moves it.
+template <int N>
+struct PointColumns {
+  Eigen::Matrix<double, N, 6> twist;                                  // of the body
+  std::vector<std::pair<int, Eigen::Matrix<double, N, 1>>> others{};  // (entry of State::v, column)
+};
+/// The point at `x` [world] is carried by the simplex `on`; `axes` are the first N columns of `frame`
+/// [world]. Defined for N = 1 and 3.
+template <int N>
+PointColumns<N> point_columns(const Model& model, const State& state, const Feature& on, const Vec3& x,
+                              const Mat3& frame);
+
+/// Where the material at a contact's proximal point is in the frame of its body: at the state for a rigid
+/// body, in the undeformed shape for one that deforms [m].
+Vec3 material_place(const Model& model, const State& state, const Feature& on, const Vec3& x);
+
+}  // namespace aussois

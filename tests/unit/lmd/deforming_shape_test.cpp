@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// Shapes whose vertices move: features keep their numbers, contacts are those of a fresh shape, and what is
+// certified of two of them holds at all times.
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "geometry/primitives.hpp"
+#include "lmd/certificate.hpp"
+#include "lmd/find_contacts.hpp"
+#include "tests/support/message_of.hpp"
+#include "tests/support/random_pair.hpp"
+
+namespace aussois {
+namespace {
+
+LmdShape soft(const SimplicialComplex& complex, double radius) {
+  return prepare(dilate(complex, radius), {.deforming = true});
+}
+
+std::vector<Vec3> random_field(const LmdShape& shape, Random& random, double size) {
+  std::vector<Vec3> out;
+  for (std::size_t i = 0; i < shape.complex.vertices.size(); ++i) out.push_back(size * random.vector());
+  return out;
+}
+
+std::vector<Vec3> moved(const LmdShape& shape, const std::vector<Vec3>& field, double time) {
+  std::vector<Vec3> out = shape.complex.vertices;
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] += time * field[i];
+  return out;
+}
+
+SimplicialComplex some_complex(int k) {
+  return k % 4 == 0   ? make_box(1, 0.8, 0.6, 2)
+         : k % 4 == 1 ? make_sphere(0.5, 1)
+         : k % 4 == 2 ? make_plate(1, 1, 3, 3)
+                      : make_polyline({{-0.6, 0, 0}, {-0.2, 0.1, 0}, {0.3, 0, 0.1}, {0.6, 0.2, 0}});
+}
+
+TEST(DeformingShape, KeepsTheNumbersOfItsFeatures) {
+  Random random(5);
+  for (int k = 0; k < 8; ++k) {
+    const LmdShape shape = soft(some_complex(k), 0.01);
+    EXPECT_TRUE(keeps_features(shape));
+    const LmdShape there = refit(shape, moved(shape, random_field(shape, random, 0.05), 1));
+    EXPECT_TRUE(keeps_features(there));
+    EXPECT_EQ(there.complex.triangles, shape.complex.triangles);
+    for (int t = 0; t < int(there.triangle_region.size()); ++t)
+      EXPECT_EQ(there.triangle_region[std::size_t(t)], t);
+    for (const EdgeLeaf& edge : there.edges) {
+      EXPECT_EQ(edge.path_length, 1U);
+      const std::array<int, 2> ends = there.complex.edges[std::size_t(edge.path)];
+      EXPECT_EQ((std::array{edge.first, edge.last}), ends);
+    }
+  }
+  EXPECT_FALSE(keeps_features(prepare(dilate(make_box(1, 1, 1, 2), 0.01))));
+  const LmdShape shape = soft(make_box(1, 1, 1), 0.01);
+  EXPECT_EQ(message_of([&] { (void)refit(shape, std::vector<Vec3>(3)); }),
+            "refit: number of vertices = 3 must be 8, as the shape has");
+}
+
+// The oracle looks at every pair of leaves; coverage knows the distance of the bases alone.
+TEST(DeformingShape, HasTheContactsOfAnExhaustiveSearch) {
+  Random random(9);
+  int found = 0;
+  for (int k = 0; k < 240; ++k) {
+    const LmdShape a0 = soft(some_complex(k), 0.02), b0 = soft(some_complex(k / 4), 0.02);
+    const LmdShape a = refit(a0, moved(a0, random_field(a0, random, 0.04), 1)),
+                   b = refit(b0, moved(b0, random_field(b0, random, 0.04), 1));
+    const PosedShape at{&a, random.pose(0.7), 0}, other{&b, random.pose(0.7), 1};
+    const LmdOptions options{.threshold = 0.3};
+    const ContactSet quick = find_contacts(at, other, options),
+                     all = find_contacts_exhaustive(at, other, options);
+    ASSERT_EQ(quick.points.size(), all.points.size());
+    for (std::size_t i = 0; i < all.points.size(); ++i) {
+      EXPECT_EQ(key_of(quick.points[i]), key_of(all.points[i]));
+      EXPECT_EQ(quick.points[i].gap, all.points[i].gap);
+    }
+    found += int(all.points.size());
+  }
+  EXPECT_GT(found, 100);
+}
+
+// Rigid motion and deformation at once; what is certified is held against dense samples of fresh shapes.
+TEST(DeformingShape, IsCertifiedOnlyWhereDenseSamplesKeepApart) {
+  Random random(21);
+  int certified = 0, broken = 0;
+  for (int k = 0; k < 400; ++k) {
+    const LmdShape a = soft(some_complex(random.index(4)), 0.01),
+                   b = soft(some_complex(random.index(4)), 0.01);
+    const double speed = random.uniform(0, 1);
+    const std::vector<Vec3> v_a = random_field(a, random, speed), v_b = random_field(b, random, speed);
+    const SE3 g_a = random.pose(0.2), g_b{random.rotation(), random.uniform(0.8, 1.4) * random.direction()};
+    const double turn = random.uniform(0, 2);
+    MovingShape m{.shape = &a,
+                  .g_bs = random.pose(0.1),
+                  .motion = {g_a, random.vector(0.5), turn * random.vector()},
+                  .velocity = v_a};
+    MovingShape n{.shape = &b, .motion = {g_b, random.vector(0.5), turn * random.vector()}};
+    if (k % 3 > 0) n.velocity = v_b;  // the other is rigid
+    const double dt = random.uniform(0.02, 0.3);
+    const CertificateOptions options{
+        .required = 0.02, .wanted = 0.1, .axis = k % 2 == 0 ? Vec3(g_b.p - g_a.p) : Vec3::Zero()};
+    const Certificate proof = certify(m, n, dt, options);
+    double nearest = kInf;
+    for (int i = 0; i <= 40; ++i) {
+      const double s = dt * i / 40;
+      const LmdShape a_s = refit(a, moved(a, v_a, s)),
+                     b_s = n.velocity.empty() ? b : refit(b, moved(b, v_b, s));
+      nearest = std::min(nearest, base_distance({&a_s, m.g_bs, {pose_at(m.motion, s)}},
+                                                {&b_s, n.g_bs, {pose_at(n.motion, s)}}, 0.2));
+    }
+    if (proof.certified) {
+      ++certified;
+      EXPECT_GE(nearest, proof.min_distance - 1e-12) << k;
+      EXPECT_GE(nearest, options.required - 1e-12) << k;
+    } else {
+      broken += nearest < options.required;
+    }
+  }
+  EXPECT_GT(certified, 80);
+  EXPECT_GT(broken, 25);
+}
+
+}  // namespace
+}  // namespace aussois
