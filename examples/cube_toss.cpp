@@ -211,7 +211,6 @@ ExitCode run(Arguments& a) {
 int main(int argc, char** argv) {
   Arguments a;
   a.command_line = command_line(argc, argv);
-  a.scheme.normal = to_string(NormalLaw::combined);
   a.scheme.options.theta = 1;  // gaps close at the end of the step: at 1/2 four tosses are refused
   Cli cli("cube_toss",
           "Rolls recorded tosses of a cube out from where they were let go, and tells how far position and "

@@ -13,23 +13,16 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
-#include <map>
-#include <sstream>
 
 #include "examples/assembly/assembly_scene.hpp"
-#include "examples/common/audit_report.hpp"
-#include "examples/common/driver.hpp"
-#include "examples/common/energy_report.hpp"
+#include "examples/common/driven_run.hpp"
 #include "examples/common/progress.hpp"
-#include "examples/common/restart.hpp"
-#include "examples/common/step_dump.hpp"
 #include "geometry/check.hpp"
+#include "geometry/number_text.hpp"
 #include "io/build_info.hpp"
-#include "io/checkpoint.hpp"
 #include "io/csv_table.hpp"
 #include "io/record.hpp"
 #include "io/replay_html.hpp"
-#include "io/summary.hpp"
 #include "lmd/coverage.hpp"
 #include "mechanics/surface.hpp"
 
@@ -43,25 +36,9 @@ struct Arguments {
   double scale = 1e-3;
   double threshold = 0;  // kinematic
   AssemblyOptions scene{};
-  std::string normal_law = "combined";
-  double theta = 1, tolerance = 1e-8;
-  int stop_after = 0, certify = 0;
-  DumpOptions dump{};
-  CommonOptions common{};
+  RunFlags run{};
+  const Cli* cli = nullptr;
   std::string command_line{};
-};
-
-/// Running statistics of a run: what the summary tells and a checkpoint keeps.
-struct Statistics {
-  std::int64_t steps = 0, refused_steps = 0, solver_failures = 0, max_contacts = 0, rows = 0,
-               uncovered = 0;  // poses
-  double min_gap = kInf, min_base_distance = kInf, peak_force = 0, peak_torque = 0, peak_contact_force = 0,
-         max_lag = 0, final_lag = 0;
-  double energy_error = 0, energy_scale = 0, cpu_s = 0;
-  EnergyGain gain{};
-  Uncertified uncertified{};
-  PathAudit audit{};
-  double energy_residual() const { return energy_scale > 0 ? energy_error / energy_scale : 0; }
 };
 
 // Of the whole process: clearance, queries, distances, steps, samples of paths, files.
@@ -96,7 +73,7 @@ void print_parts(const AssemblyInput& input, const AssemblyScene& scene, const A
     for (const std::string& note : part->notes) std::fprintf(stderr, "warning: %s\n", note.c_str());
   for (const std::string& warning : scene.cache_warnings)
     std::fprintf(stderr, "warning: %s\n", warning.c_str());
-  if (a.common.quiet) return;
+  if (a.run.common.quiet) return;
   for (const AssemblyPart* part : {&input.fixed, &input.moving})
     std::printf("%s\n%s", part->name.c_str(), to_string(part->report).c_str());
   for (const std::string& line : scene.cache) std::printf("cache: %s\n", line.c_str());
@@ -120,8 +97,8 @@ RunHeader header_of(const AssemblyInput& input, const AssemblyScene& scene, cons
   return header;
 }
 
-Summary summary_of(const AssemblyInput& input, const AssemblyScene& scene, const Arguments& a,
-                   const Statistics& s) {
+// What a summary says of both modes, before and after what came of them.
+Summary summary_of(const AssemblyInput& input, const AssemblyScene& scene, const Arguments& a) {
   Summary out;
   out.set("pair", input.name);
   out.set("mode", a.mode);
@@ -130,21 +107,6 @@ Summary summary_of(const AssemblyInput& input, const AssemblyScene& scene, const
     notes.insert(notes.end(), part->notes.begin(), part->notes.end());
   out.set("notes", notes);
   if (!scene.cache.empty()) out.set("cache", scene.cache);
-  out.set("steps", s.steps);
-  out.set("refused_steps", s.refused_steps);
-  out.set("solver_failures", s.solver_failures);
-  out.set("min_gap", s.min_gap);
-  out.set("min_base_distance", s.min_base_distance);
-  if (a.mode == "kinematic") out.set("uncovered_poses", s.uncovered);
-  out.set("peak_force", s.peak_force);
-  out.set("max_lag", s.max_lag);
-  out.set("max_contacts", s.max_contacts);
-  out.set("energy_residual", s.energy_residual());
-  set_gain(out, s.gain);
-  out.set("cpu_s", s.cpu_s);
-  out.set("final_lag", s.final_lag);
-  out.set("peak_torque", s.peak_torque);
-  out.set("peak_contact_force", s.peak_contact_force);
   out.set("dilation", scene.dilation);
   out.set("clearance", scene.clearance);
   out.set("mass", scene.model.bodies[std::size_t(scene.moving)].mass);
@@ -153,16 +115,11 @@ Summary summary_of(const AssemblyInput& input, const AssemblyScene& scene, const
   out.set("path_time", scene.path.t.back());
   out.set("frequency", scene.frequency);
   out.set("sag", scene.sag);
-  set_uncertified(out, s.uncertified);
-  set_audit(out, s.audit, scene.model);
   return out;
 }
 
-void finish(const AssemblyInput& input, const AssemblyScene& scene, const Arguments& a, const Statistics& s,
-            RunWriter& run) {
-  run.close();
-  write_replay_html(a.common.out / "replay.html", read_run(a.common.out / "run.h5"));
-  if (!a.common.summary.empty()) write_summary(a.common.summary, summary_of(input, scene, a, s));
+void write(const Summary& summary, const Arguments& a) {
+  if (!a.run.common.summary.empty()) write_summary(a.run.common.summary, summary);
 }
 
 // Where surfaces conform, most of the work is saved by starting from the smallest gap: it is the distance but
@@ -180,59 +137,64 @@ double base_distance_at(const AssemblyScene& scene, const State& state, const Co
 
 ExitCode replay_kinematic(const AssemblyInput& input, const AssemblyScene& scene, const Arguments& a) {
   const double threshold = a.threshold > 0 ? a.threshold : 2 * scene.clearance;
-  const MoreauJean scheme(scene.model, {.threads = a.common.threads});
-  RunWriter run(a.common.out / "run.h5", header_of(input, scene, a));
-  CsvTable csv(a.common.out / "poses.csv", {"pose", "contacts", "min_gap", "base_distance", "ms_query"});
-  Progress progress("replay_assembly", double(scene.poses.size()), Progress::style_of_stderr(a.common.quiet));
-  Statistics s;
+  const MoreauJean scheme(scene.model, {.threads = a.run.common.threads});
+  RunWriter run(a.run.common.out / "run.h5", header_of(input, scene, a));
+  CsvTable csv(a.run.common.out / "poses.csv", {"pose", "contacts", "min_gap", "base_distance", "ms_query"});
+  Progress progress("replay_assembly", double(scene.poses.size()),
+                    Progress::style_of_stderr(a.run.common.quiet));
+  std::int64_t poses = 0, uncovered = 0, max_contacts = 0;
+  double min_gap = kInf, min_distance = kInf;
   State state = start_of(scene);
   std::vector<double> ms;
   for (const SE3& pose_of_body : scene.poses) {
     pose(state, scene.moving) = pose_of_body;
-    state.t = double(s.steps);
+    state.t = double(poses);
     const double begin = cpu_seconds();
     const ContactSet found = scheme.contacts(state, threshold);
     ms.push_back(1e3 * (cpu_seconds() - begin));
-    const double distance = base_distance_at(scene, state, found, threshold, a.common.threads);
-    RunStep row = run_step(s.steps, scene.model, state);
+    const double distance = base_distance_at(scene, state, found, threshold, a.run.common.threads);
+    RunStep row = run_step(poses, scene.model, state);
     for (const ContactPoint& c : found.points) row.contacts.push_back(run_contact(c));
     row.contacts_found = int(found.points.size());
     row.min_gap = smallest_gap(found);
     row.min_base_distance = distance;
-    s.uncovered += distance < threshold + 2 * scene.dilation &&
-                   !is_covered(posed_shape(scene.model, state, scene.fixed),
-                               posed_shape(scene.model, state, scene.moving), distance, a.common.threads);
+    uncovered += distance < threshold + 2 * scene.dilation &&
+                 !is_covered(posed_shape(scene.model, state, scene.fixed),
+                             posed_shape(scene.model, state, scene.moving), distance, a.run.common.threads);
     run.append(row);
-    csv.add({double(s.steps), double(found.points.size()), row.min_gap, distance, ms.back()});
-    s.min_gap = std::min(s.min_gap, row.min_gap);
-    s.min_base_distance = std::min(s.min_base_distance, distance);
-    s.max_contacts = std::max(s.max_contacts, std::int64_t(found.points.size()));
-    progress.at(double(++s.steps));
+    csv.add({double(poses), double(found.points.size()), row.min_gap, distance, ms.back()});
+    min_gap = std::min(min_gap, row.min_gap);
+    min_distance = std::min(min_distance, distance);
+    max_contacts = std::max(max_contacts, std::int64_t(found.points.size()));
+    progress.at(double(++poses));
     if (interrupted()) return ExitCode::interrupted;
   }
   csv.close();
-  s.cpu_s = cpu_seconds();
-  finish(input, scene, a, s, run);
+  run.close();
+  RunReader recorded(a.run.common.out / "run.h5");
+  write_replay_html(a.run.common.out / "replay.html", recorded);
+  const double cpu = cpu_seconds();
+  Summary summary = summary_of(input, scene, a);
+  summary.set("steps", poses);
+  summary.set("min_gap", min_gap);
+  summary.set("min_base_distance", min_distance);
+  summary.set("uncovered_poses", uncovered);
+  summary.set("max_contacts", max_contacts);
+  summary.set("cpu_s", cpu);
+  write(summary, a);
   std::ranges::sort(ms);
   std::printf(
       "%s: %s, %s (base distance %.4g um), up to %s within %.4g um, query median %.3g ms, slowest %.3g ms, "
       "%.3g s CPU in all\n",
-      input.name.c_str(), counted(s.steps, "pose").c_str(), gap_text(s.min_gap).c_str(),
-      1e6 * s.min_base_distance, counted(s.max_contacts, "contact").c_str(), 1e6 * threshold,
-      ms[ms.size() / 2], ms.back(), s.cpu_s);
-  if (s.uncovered > 0)
+      input.name.c_str(), counted(poses, "pose").c_str(), gap_text(min_gap).c_str(), 1e6 * min_distance,
+      counted(max_contacts, "contact").c_str(), 1e6 * threshold, ms[ms.size() / 2], ms.back(), cpu);
+  if (uncovered > 0)
     std::fprintf(stderr, "smallest gap and base distance disagree at %s\n",
-                 counted(s.uncovered, "pose").c_str());
-  return s.min_base_distance > 0 && s.uncovered == 0 ? ExitCode::ok : ExitCode::not_accepted;
+                 counted(uncovered, "pose").c_str());
+  return min_distance > 0 && uncovered == 0 ? ExitCode::ok : ExitCode::not_accepted;
 }
 
 // ---- dynamic: the part is free and pulled along
-
-const std::vector<std::string> kColumns{
-    "step",    "t",        "h",        "contacts_found",    "contacts", "iterations",
-    "newton",  "residual", "min_gap",  "min_base_distance", "energy",   "force",
-    "torque",  "lag",      "attempts", "ms_contact",        "ms_solve", "ms_certificate",
-    "ms_total"};
 
 // How far behind the path the part is: its centre of mass, and its farthest point by rotation [m].
 double lag_of(const AssemblyScene& scene, const State& state) {
@@ -240,210 +202,116 @@ double lag_of(const AssemblyScene& scene, const State& state) {
   return (on_path.p - is.p).norm() + scene.radius * angle_between(on_path.R, is.R);
 }
 
-// What the bits of a run depend on, as text. Threads, output and interruptions do not belong here.
-std::uint64_t fingerprint(const AssemblyInput& input, const Arguments& a) {
-  const AssemblyOptions& o = a.scene;
-  std::ostringstream text;
-  text << std::hexfloat << input.fingerprint << ' ' << o.dilation << ' ' << o.mu << ' ' << o.restitution
-       << ' ' << o.density << ' ' << o.mass << ' ' << o.speed << ' ' << o.stride << ' ' << o.h << ' '
-       << o.frequency << ' ' << o.damping_ratio << ' ' << o.force_limit << ' ' << o.torque_limit << ' '
-       << o.hold << ' ' << o.gravity.transpose() << ' ' << o.misalignment << ' ' << a.theta << ' '
-       << a.normal_law << ' ' << a.tolerance << ' ' << a.common.every;
-  return fingerprint_of(text.str());
+CouplingWrench pull_at(const AssemblyScene& scene, const State& state) {
+  return coupling_wrench(scene.model, state, scene.moving, scene.target, scene.coupling, state.t);
 }
 
-Checkpoint checkpoint_of(std::uint64_t print, const State& state, const Statistics& s, std::size_t csv_rows,
-                         std::size_t run_rows) {
-  Checkpoint out{.fingerprint = print,
-                 .step = s.steps,
-                 .state = state,
-                 .numbers = {{"min_gap", s.min_gap},
-                             {"min_base_distance", s.min_base_distance},
-                             {"peak_force", s.peak_force},
-                             {"peak_torque", s.peak_torque},
-                             {"peak_contact_force", s.peak_contact_force},
-                             {"max_lag", s.max_lag},
-                             {"energy_error", s.energy_error},
-                             {"energy_scale", s.energy_scale},
-                             {"cpu_s", s.cpu_s}},
-                 .counts = {{"solver_failures", s.solver_failures},
-                            {"max_contacts", s.max_contacts},
-                            {"csv_rows", std::int64_t(csv_rows)},
-                            {"run_rows", std::int64_t(run_rows)}}};
-  keep(s.audit, out);
-  keep(s.gain, out);
-  keep(s.uncertified, out);
+double contact_force(const Frame& f, int moving) {
+  Vec3 sum = Vec3::Zero();
+  for (const StepContact& c : f.report.contacts) sum += (c.point.a.body == moving ? 1.0 : -1.0) * c.impulse;
+  return sum.norm() / f.report.h;
+}
+
+std::vector<Gauge> gauges_of(const AssemblyScene& scene) {
+  std::vector<Gauge> out = gauges({"step", "t", "h", "contacts_found", "contacts", "iterations", "newton",
+                                   "residual", "min_gap", "min_base_distance", "energy"});
+  using F = const Frame&;
+  const auto add = [&](std::string column, std::string total, Keep keep, std::function<double(F)> value) {
+    out.push_back({std::move(column), std::move(total), keep, std::move(value)});
+  };
+  add("force", "peak_force", Keep::most, [&](F f) { return pull_at(scene, f.state).force.norm(); });
+  add("torque", "peak_torque", Keep::most, [&](F f) { return pull_at(scene, f.state).torque.norm(); });
+  add("lag", "max_lag", Keep::most, [&](F f) { return lag_of(scene, f.state); });
+  std::ranges::move(gauges({"attempts", "ms_contact", "ms_solve", "ms_certificate", "ms_total",
+                            "total:solver_failures", "total:max_contacts"}),
+                    std::back_inserter(out));
+  add("", "peak_contact_force", Keep::most, [&](F f) { return contact_force(f, scene.moving); });
+  add("", "energy_error", Keep::sum, [](F f) { return std::abs(f.report.energy.residual()); });
+  add("", "energy_scale", Keep::sum, [](F f) {
+    const EnergyLedger& e = f.report.energy;
+    return std::abs(e.law_work) + std::abs(e.contact_work) + std::abs(e.kinetic_change);
+  });
   return out;
 }
 
-Statistics statistics_of(const Checkpoint& c) {
-  const auto number = [&](const char* key) { return checkpoint_number(c, key); };
-  return {.steps = c.step,
-          .solver_failures = checkpoint_count(c, "solver_failures"),
-          .max_contacts = checkpoint_count(c, "max_contacts"),
-          .min_gap = number("min_gap"),
-          .min_base_distance = number("min_base_distance"),
-          .peak_force = number("peak_force"),
-          .peak_torque = number("peak_torque"),
-          .peak_contact_force = number("peak_contact_force"),
-          .max_lag = number("max_lag"),
-          .energy_error = number("energy_error"),
-          .energy_scale = number("energy_scale"),
-          .cpu_s = number("cpu_s"),
-          .gain = energy_gain_of(c),
-          .uncertified = uncertified_of(c),
-          .audit = path_audit_of(c)};
-}
-
-void account(Statistics& s, const AssemblyScene& scene, const State& state, const StepReport& report,
-             const CouplingWrench& pull) {
-  ++s.steps;
-  s.solver_failures += !is_solved(report.solve.status);
-  s.max_contacts = std::max(s.max_contacts, std::int64_t(report.contacts_found));
-  s.min_gap = std::min(s.min_gap, report.min_gap);
-  s.min_base_distance = std::min(s.min_base_distance, report.min_base_distance);
-  add(s.uncertified, report);
-  s.peak_force = std::max(s.peak_force, pull.force.norm());
-  s.peak_torque = std::max(s.peak_torque, pull.torque.norm());
-  Vec3 contact = Vec3::Zero();
-  for (const StepContact& c : report.contacts)
-    contact += (c.point.a.body == scene.moving ? 1.0 : -1.0) * c.impulse;
-  s.peak_contact_force = std::max(s.peak_contact_force, contact.norm() / report.h);
-  s.max_lag = std::max(s.max_lag, lag_of(scene, state));
-  s.energy_error += std::abs(report.energy.residual());
-  s.energy_scale += std::abs(report.energy.law_work) + std::abs(report.energy.contact_work) +
-                    std::abs(report.energy.kinetic_change);
-}
-
-ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, const Arguments& a) {
-  StepDump dump(a.dump, "replay_assembly_" + input.name);
-  const MoreauJean scheme(scene.model, {.h = scene.h,
-                                        .theta = a.theta,
-                                        .normal = {.law = normal_law(a.normal_law)},
-                                        .solver = {.tolerance = a.tolerance},
-                                        .advancement = {.min_h = std::min(1e-7, scene.h)},
-                                        .threads = a.common.threads,
-                                        .keep_problem = dump.wants_problems()});
-  const std::uint64_t print = fingerprint(input, a);
-  const std::filesystem::path checkpoint_file = a.common.out / "checkpoint.h5";
-  const double t_end = scene.path.t.back() + a.scene.hold;
-
-  State state = start_of(scene);
-  Statistics s{.gain = energy_gain(scene.model, state)};
-  std::size_t csv_rows = 0, run_rows = 0;
-  std::string program = program_version();
-  if (a.common.resume) {
-    const Checkpoint c = checkpoint_to_resume(a.common, checkpoint_file, print);
-    validate(scene.model, c.state);
-    state = c.state;
-    s = statistics_of(c);
-    program = c.program;
-    csv_rows = std::size_t(checkpoint_count(c, "csv_rows"));
-    run_rows = std::size_t(checkpoint_count(c, "run_rows"));
-  }
-  const double cpu_before = s.cpu_s;  // of the runs that this one continues
-  s.audit.samples = a.certify;
-  RunWriter run = a.common.resume ? RunWriter::resume(a.common.out / "run.h5", run_rows)
-                                  : RunWriter(a.common.out / "run.h5", header_of(input, scene, a));
-  CsvTable csv = a.common.resume ? CsvTable::resume(a.common.out / "steps.csv", kColumns, csv_rows)
-                                 : CsvTable(a.common.out / "steps.csv", kColumns);
-  note_other_program(run, program, s.steps);
-  if (!a.common.resume) run.append(run_step(0, scene.model, state));
-
-  const auto keep = [&] {
-    s.cpu_s = cpu_before + cpu_seconds();
-    run.flush();
-    csv.flush();
-    write_checkpoint(checkpoint_file, checkpoint_of(print, state, s, csv.rows(), run.rows()));
-  };
-  if (!a.common.quiet)
-    std::printf("%s to take, more if some are cut\n",
-                counted(std::int64_t(std::ceil((t_end - state.t) / scene.h - 1e-9)), "step").c_str());
-  std::fflush(stdout);
-  Progress progress("replay_assembly", t_end, Progress::style_of_stderr(a.common.quiet));
-  std::time_t last_checkpoint = std::time(nullptr);
-  StepReport report;
-  while (state.t < t_end * (1 - 1e-12)) {
-    const State start = state;
-    report = scheme.step(state, t_end - state.t);
-    dump.step(s.steps + 1, report);
-    if (!report.moved()) break;
-    const CouplingWrench pull =
-        coupling_wrench(scene.model, state, scene.moving, scene.target, scene.coupling, state.t);
-    account(s, scene, state, report, pull);
-    add(scene.model, state, report, s.gain);
-    audit_path(scene.model, start, state, report, a.common.threads, s.audit);
-    if (s.steps % a.common.every == 0) run.append(run_step(s.steps, scene.model, state, report, pull));
-    csv.add({double(s.steps), report.t, report.h, double(report.contacts_found), double(report.contacts_kept),
-             double(report.solve.iterations), double(report.solve.newton_iterations), report.solve.residual,
-             report.min_gap, report.min_base_distance, energy(scene.model, state).total(), pull.force.norm(),
-             pull.torque.norm(), lag_of(scene, state), double(report.attempts), 1e3 * report.seconds_contact,
-             1e3 * report.seconds_solve, 1e3 * report.seconds_certificate, 1e3 * report.seconds_total});
-    char note[80];
-    std::snprintf(note, sizeof note, "step %lld, %s", static_cast<long long>(s.steps),
-                  counted(report.contacts_found, "contact").c_str());
-    progress.at(state.t, note);
-    const bool stop = interrupted() || (a.stop_after > 0 && s.steps >= a.stop_after);
-    if (stop || double(std::time(nullptr) - last_checkpoint) >= a.common.checkpoint_every) {
-      keep();
-      last_checkpoint = std::time(nullptr);
-    }
-    if (stop) {
-      std::fprintf(stderr, "stopped after step %lld; continue with --resume\n",
-                   static_cast<long long>(s.steps));
-      return ExitCode::interrupted;
-    }
-  }
-  s.refused_steps += report.status == StepStatus::refused;
-  s.min_gap = std::min(s.min_gap, smallest_gap(scheme.contacts(state, 2 * scene.clearance)));
-  s.final_lag = lag_of(scene, state);
-  s.cpu_s = cpu_before + cpu_seconds();
-  csv.close();
-  finish(input, scene, a, s, run);
-  std::filesystem::remove(checkpoint_file);
-
-  if (report.status == StepStatus::not_finite)
-    throw NumericalFailure("step " + std::to_string(s.steps + 1) + ": " + report.reason);
+// Everything but a part that is held up, or a promise that is broken, is well.
+bool tell_end(const AssemblyInput& input, const AssemblyScene& scene, const DrivenRun& run, double min_gap,
+              double cpu) {
+  const Recording& r = run.recording;
   std::printf("%s: %s, %s, %s, pull up to %.3g N and %.3g N m, lag up to %.3g mm, up to %s, %.3g s CPU\n",
-              input.name.c_str(), counted(s.steps, "step").c_str(), gap_text(s.min_gap).c_str(),
-              distance_text(s.min_base_distance).c_str(), s.peak_force, s.peak_torque, 1e3 * s.max_lag,
-              counted(s.max_contacts, "contact").c_str(), s.cpu_s);
-  if (report.status == StepStatus::refused)
-    std::fprintf(stderr, "refused at t = %.6g s: %s\n", state.t, report.reason.c_str());
-  const double arrival = kArrival * scene.radius + std::abs(scene.misalignment);
-  const bool arrived = s.final_lag <= arrival;
-  if (!arrived)
+              input.name.c_str(), counted(r.steps(), "step").c_str(), gap_text(min_gap).c_str(),
+              distance_text(r.total("min_base_distance")).c_str(), r.total("peak_force"),
+              r.total("peak_torque"), 1e3 * r.total("max_lag"),
+              counted(std::int64_t(r.total("max_contacts")), "contact").c_str(), cpu);
+  const double arrival = kArrival * scene.radius + std::abs(scene.misalignment),
+               lag = lag_of(scene, run.state);
+  if (lag > arrival)
     std::fprintf(stderr,
                  "the part did not arrive: %.4g mm behind the end of its path, more than %.4g mm; its weight "
                  "of %.4g N alone makes it hang up to %.4g mm off the path (--frequency = %.4g Hz)\n",
-                 1e3 * s.final_lag, 1e3 * arrival,
+                 1e3 * lag, 1e3 * arrival,
                  scene.model.bodies[std::size_t(scene.moving)].mass * scene.model.gravity.norm(),
                  1e3 * scene.sag, scene.frequency);
-  tell(s.gain);
-  tell(s.uncertified);
-  const bool accepted = tell(s.audit, scene.model) && arrived && s.refused_steps == 0 &&
-                        s.solver_failures == 0 && s.min_base_distance > 0 &&
-                        s.min_gap >= -0.05 * 2 * scene.dilation;
-  return accepted ? ExitCode::ok : ExitCode::not_accepted;
+  return tell(r.totals(), scene.model) && lag <= arrival && run.last.moved() &&
+         r.total("solver_failures") == 0 && r.total("min_base_distance") > 0 &&
+         min_gap >= -0.05 * 2 * scene.dilation;
+}
+
+ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, const Arguments& a) {
+  SchemeOptions options = step_options_of(a.run, scene.h);
+  if (a.run.scheme.min_h == 0) options.advancement.min_h = std::min(1e-7, scene.h);
+  const Scheme scheme = make_scheme(a.run.scheme.scheme, scene.model, options);
+  const State start = start_of(scene);
+  RunPlan plan{.driver = "replay_assembly",
+               .name = input.name,
+               .t_end = scene.path.t.back() + a.scene.hold,
+               .header = header_of(input, scene, a),
+               .gauges = gauges_of(scene),
+               .fingerprint = run_fingerprint(*a.cli, a.run, input.fingerprint,
+                                              {"--data", "--fixed", "--moving", "--path", "--cache"}),
+               .pull = [&](const State& state) { return pull_at(scene, state); }};
+  plan.header.notes["scheme"] = label(a.run.scheme.scheme, options);
+  if (!a.run.common.quiet)
+    std::printf("%s to take, more if some are cut\n",
+                counted(std::int64_t(std::ceil(plan.t_end / scene.h - 1e-9)), "step").c_str());
+  std::fflush(stdout);
+  const DrivenRun run = drive(scheme, scene.model, start, std::move(plan), a.run);
+  if (run.interrupted) return ExitCode::interrupted;
+  const Recording& r = run.recording;
+  const MoreauJean looks(scene.model, {.threads = a.run.common.threads});
+  const double at_end = smallest_gap(looks.contacts(run.state, 2 * scene.clearance));
+  const double min_gap = std::min(r.total("min_gap"), at_end), cpu = r.cpu_seconds();
+  Summary summary = summary_of(input, scene, a);
+  r.set(summary);
+  summary.set("min_gap", min_gap);
+  summary.set("scheme", label(a.run.scheme.scheme, options));
+  summary.set("refused_steps", std::int64_t(run.last.status == StepStatus::refused));
+  summary.set("energy_residual",
+              r.total("energy_scale") > 0 ? r.total("energy_error") / r.total("energy_scale") : 0.0);
+  summary.set("final_lag", lag_of(scene, run.state));
+  summary.set("cpu_s", cpu);
+  write(summary, a);
+  return tell_end(input, scene, run, min_gap, cpu) ? ExitCode::ok : ExitCode::not_accepted;
 }
 
 ExitCode replay(Arguments& a) {
-  require(a.mode == "dynamic" || (!a.common.resume && a.stop_after == 0),
+  const bool dynamic = a.mode == "dynamic";
+  require(dynamic || (!a.run.common.resume && a.run.stop_after == 0),
           "--resume and --stop-after belong to --mode dynamic: a kinematic replay writes no checkpoint");
-  step_choice(a.dump.steps);  // refused before anything runs
-  require(a.mode == "dynamic" || a.certify == 0,
+  check(*a.cli, a.run);
+  require(dynamic || a.run.certify == 0,
           "--certify belongs to --mode dynamic: a kinematic replay takes no steps");
-  require(a.mode == "dynamic" || a.dump.folder.empty(),
+  require(dynamic || a.run.dump.folder.empty(),
           "--dump-problem belongs to --mode dynamic: a kinematic replay solves no problem");
   a.scene.gravity = parse_vector(a.gravity, "--gravity");
   const AssemblyInput input = read_input(a);
   AssemblyScene scene;
   {
-    Progress progress("clearance", double(input.poses.size()), Progress::style_of_stderr(a.common.quiet));
-    scene = make_assembly_scene(input, a.scene, a.common.threads, [&](int i, int) { progress.at(i); });
+    Progress progress("clearance", double(input.poses.size()), Progress::style_of_stderr(a.run.common.quiet));
+    scene = make_assembly_scene(input, a.scene, a.run.common.threads, [&](int i, int) { progress.at(i); });
   }
   print_parts(input, scene, a);
-  make_folders(a.common);
+  make_folders(a.run.common);
   return a.mode == "kinematic" ? replay_kinematic(input, scene, a) : replay_dynamic(input, scene, a);
 }
 
@@ -452,6 +320,7 @@ ExitCode replay(Arguments& a) {
 int main(int argc, char** argv) {
   Arguments a;
   a.command_line = command_line(argc, argv);
+  a.run.scheme.options.theta = 1;  // the coupling is stiff
   Cli cli("replay_assembly", "Replays a recorded assembly path of two parts, with all their contacts.");
   cli.group("scene");
   cli.input("--data", a.data, "folder with meshes/ and assembly/");
@@ -488,20 +357,10 @@ int main(int argc, char** argv) {
   cli.option("--stride", a.scene.stride, "largest motion per step, in sums of the two dilations", "-",
              {1e-3, 1e4});
   cli.option("--h", a.scene.h, "largest step; 0: from stride and speed", "s", {0, 1});
-  cli.option("--theta", a.theta, "of the Moreau-Jean scheme", "-", {0.5, 1});
-  cli.choice("--normal-law", a.normal_law, "what the normal rows of a step say (doc/theory/moreau_jean.md)",
-             {"combined", "gap_over_step", "moreau"});
-  cli.option("--certify", a.certify,
-             "look at the path of every step at so many places, to check its certificate; 0: none", "",
-             {0, 1000000});
   cli.option("--threshold", a.threshold, "kinematic: largest gap of a contact; 0: twice the clearance", "m",
              {0, 1});
-  cli.option("--stop-after", a.stop_after, "stop with a checkpoint after this many steps; 0: never", "",
-             {0, 1e9});
-  cli.group("solver");
-  cli.option("--tolerance", a.tolerance, "on the scaled residual", "-", {1e-15, 0.1});
-  add_options(cli, a.dump);
-  cli.common(a.common, Cli::Restart::yes);
+  add_run_options(cli, a.run);
+  a.cli = &cli;
   cli.example("replay_assembly --builtin bolt_nut -o out", "a nut turned off its bolt; open out/replay.html");
   cli.example(
       "replay_assembly --fixed rail.obj --moving slider.obj --path out.csv --scale 1e-3 -o out --summary "

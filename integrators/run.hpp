@@ -25,19 +25,29 @@ State consistent(const Model& model, const State& state);
 /// The velocities only, at the poses of the state.
 VecX consistent_velocity(const Model& model, const State& state);
 
-/// Steps until State::t is `t_end` [s], or a report is not ok: a step that is refused is refused again, so a
-/// loop that waits for the time alone may never end. `look(report)` hears of every step. Returns the report
-/// of the last; if there is nothing to do, one of a step of length 0.
-template <class AnyScheme, class Look>
-[[nodiscard]] StepReport run_until(const AnyScheme& scheme, State& state, double t_end, const Look& look) {
+/// Steps until State::t is `t_end` [s], a step leads nowhere (it would not the next time either), or
+/// `go_on(report)`, which hears of every step, says no. Returns the report of the last step; if there is
+/// nothing to do, one of a step of length 0.
+template <class AnyScheme, class GoOn>
+[[nodiscard]] StepReport run(const AnyScheme& scheme, State& state, double t_end, const GoOn& go_on) {
   constexpr double kSameTime = 1e-12;  // relative; what the sum of many steps leaves of a run is no step
   StepReport report;
   report.t = state.t;
-  while (report.ok() && t_end - state.t > kSameTime * std::abs(t_end)) {
+  bool on = true;
+  while (on && report.moved() && t_end - state.t > kSameTime * std::abs(t_end)) {
     report = scheme.step(state, t_end - state.t);
-    look(report);
+    on = go_on(report);
   }
   return report;
+}
+
+/// The same, also until a report is not ok.
+template <class AnyScheme, class Look>
+[[nodiscard]] StepReport run_until(const AnyScheme& scheme, State& state, double t_end, const Look& look) {
+  return run(scheme, state, t_end, [&](const StepReport& report) {
+    look(report);
+    return report.ok();
+  });
 }
 template <class AnyScheme>
 [[nodiscard]] StepReport run_until(const AnyScheme& scheme, State& state, double t_end) {

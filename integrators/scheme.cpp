@@ -67,7 +67,8 @@ Step moreau_jean_step(const Model& model, const SchemeOptions& o) {
                                                       .solver = o.solver,
                                                       .advancement = o.advancement,
                                                       .update = o.update,
-                                                      .threads = o.threads});
+                                                      .threads = o.threads,
+                                                      .keep_problem = o.keep_problem});
 }
 
 std::string number(const char* format, double value) {
@@ -122,7 +123,8 @@ StepOptions step_options(const SchemeOptions& o) {
           .solver = o.solver,
           .advancement = o.advancement,
           .update = o.update,
-          .threads = o.threads};
+          .threads = o.threads,
+          .keep_problem = o.keep_problem};
 }
 
 // The projection moves an impact to the wall, where it is, but not to the time when it was.

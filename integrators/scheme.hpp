@@ -32,6 +32,7 @@ struct SchemeOptions {
   SolverOptions solver{};  // event_driven takes a tolerance of 1e-13 if it is larger
   AdvancementOptions advancement{};
   int threads = 1;
+  bool keep_problem = false;  // StepReport::problem holds what was solved; all but event_driven
   GroupUpdate update = GroupUpdate::exponential;         // all but event_driven
   double spectral_radius = 0.8;                          // generalised_alpha [-], in [0, 1]
   GyroscopicTerm gyroscopic = GyroscopicTerm::midpoint;  // passive_midpoint

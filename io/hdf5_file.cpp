@@ -354,9 +354,15 @@ void Hdf5Column::truncate(hsize_t rows) {
   rows_ = rows;
 }
 
-void Hdf5Column::read(void* data) const {
-  if (values() == 0) return;
-  if (H5Dread(dataset_, type_, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
+void Hdf5Column::read(void* data, hsize_t first, hsize_t rows) const {
+  if (values() == 0 || rows == 0) return;
+  std::vector<hsize_t> start(row_shape_.size() + 1, 0);
+  start[0] = first;
+  const std::vector<hsize_t> block = extent(rows);
+  const Hdf5Id in_file(H5Dget_space(dataset_), H5Sclose);
+  const Hdf5Id in_memory(H5Screate_simple(int(block.size()), block.data(), nullptr), H5Sclose);
+  H5Sselect_hyperslab(in_file, H5S_SELECT_SET, start.data(), nullptr, block.data(), nullptr);
+  if (H5Dread(dataset_, type_, in_memory, in_file, H5P_DEFAULT, data) < 0)
     fail_hdf5(file_, name_, "cannot be read");
 }
 

@@ -142,7 +142,7 @@ class Hdf5Column {
 
   void append(const void* data, hsize_t rows);
   void truncate(hsize_t rows);  // keeps the first `rows`; fails if there are fewer
-  void read(void* data) const;  // all rows
+  void read(void* data, hsize_t first, hsize_t rows) const;
   hsize_t rows() const { return rows_; }
   hsize_t values() const;  // rows times the values of one row
 
@@ -178,7 +178,7 @@ template <class T>
 std::vector<T> read_rows(hid_t file, const std::string& name) {
   const Hdf5Column column = Hdf5Column::open(file, name, Hdf5Row<T>::type(), Hdf5Row<T>::shape());
   std::vector<T> rows(column.rows());
-  column.read(rows.data());
+  column.read(rows.data(), 0, column.rows());
   return rows;
 }
 

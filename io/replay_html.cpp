@@ -65,70 +65,60 @@ void add_meshes(PageArrays& arrays, const RunHeader& header) {
   }
 }
 
-/// Poses of the centred meshes, relative to `origin`.
-void add_poses(PageArrays& arrays, const RunData& run, const std::vector<std::size_t>& rows,
-               const Vec3& origin) {
-  std::vector<float> pose;
-  for (const std::size_t row : rows)
-    for (std::size_t i = 0; i < run.header.bodies.size(); ++i) {
-      const RunBody& body = run.header.bodies[i];
-      SE3 g = run.steps[row].pose[i] * body.g_bs;
-      if (!body.mesh.empty()) g.p = g * centre_of(run.header.meshes.at(body.mesh));
-      append(pose, g.p - origin);
-      for (const double q : {g.R.x(), g.R.y(), g.R.z(), g.R.w()}) pose.push_back(float(q));
-    }
-  arrays.add("pose", pose);
-}
-
-/// Of the bodies that deform, around the centres of their meshes as of add_meshes.
-void add_vertices(PageArrays& arrays, const RunData& run, const std::vector<std::size_t>& rows) {
-  std::vector<float> vertices;
-  for (const std::size_t row : rows) {
-    auto vertex = run.steps[row].vertices.begin();
-    for (const RunBody& body : run.header.bodies) {
-      const Vec3 centre =
-          body.moving_vertices > 0 ? centre_of(run.header.meshes.at(body.mesh)) : Vec3::Zero();
-      for (int i = 0; i < body.moving_vertices; ++i) append(vertices, *vertex++ - centre);
-    }
-  }
-  arrays.add("vertices", vertices);
-}
-
-void add_contacts(PageArrays& arrays, const RunData& run, const std::vector<std::size_t>& rows,
-                  const Vec3& origin) {
+/// What the page draws: poses of the centred meshes, vertices of bodies that deform around the centres of
+/// their meshes, contacts and joints; places relative to `origin`.
+struct Frames {
+  std::vector<std::int64_t> step{};
+  std::vector<float> pose{}, vertices{}, point{}, normal{}, force{}, gap{};
   std::vector<std::int32_t> offset{0};
-  std::vector<float> point, normal, force, gap;
-  for (const std::size_t row : rows) {
-    for (const RunContact& contact : run.steps[row].contacts) {
-      const ShownContact c = shown(run.header, run.steps[row], contact);
-      append(point, c.point - origin);
-      append(normal, c.normal);
-      append(force, c.force);
-      gap.push_back(float(contact.gap));
-    }
-    offset.push_back(std::int32_t(gap.size()));
+  // Of every joint: three numbers along its axes, or the size of a vector
+  std::vector<float> coordinate{}, joint_force{}, joint_torque{}, effort{};
+};
+
+void add_bodies(const RunHeader& header, const RunStep& step, const Vec3& origin, Frames& out) {
+  auto vertex = step.vertices.begin();
+  for (std::size_t i = 0; i < header.bodies.size(); ++i) {
+    const RunBody& body = header.bodies[i];
+    const Vec3 centre = body.mesh.empty() ? Vec3::Zero() : centre_of(header.meshes.at(body.mesh));
+    SE3 g = step.pose[i] * body.g_bs;
+    if (!body.mesh.empty()) g.p = g * centre;
+    append(out.pose, g.p - origin);
+    for (const double q : {g.R.x(), g.R.y(), g.R.z(), g.R.w()}) out.pose.push_back(float(q));
+    for (int k = 0; k < body.moving_vertices; ++k) append(out.vertices, *vertex++ - centre);
   }
-  arrays.add("contact.offset", offset);
-  arrays.add("contact.point", point);
-  arrays.add("contact.normal", normal);
-  arrays.add("contact.force", force);
-  arrays.add("contact.gap", gap);
 }
 
-/// Of every joint at every frame: three numbers along its axes, or the size of a vector.
-void add_joints(PageArrays& arrays, const RunData& run, const std::vector<std::size_t>& rows) {
-  std::vector<float> coordinate, force, torque, effort;
-  for (const std::size_t row : rows)
-    for (const RunJoint& joint : run.steps[row].joints) {
-      append(coordinate, joint.coordinate);
-      force.push_back(float(joint.force.norm()));
-      torque.push_back(float(joint.torque.norm()));
-      append(effort, joint.effort);
-    }
-  arrays.add("joint.coordinate", coordinate);
-  arrays.add("joint.force", force);
-  arrays.add("joint.torque", torque);
-  arrays.add("joint.effort", effort);
+void add_frame(const RunHeader& header, const RunStep& step, const Vec3& origin, Frames& out) {
+  out.step.push_back(step.step);
+  add_bodies(header, step, origin, out);
+  for (const RunContact& contact : step.contacts) {
+    const ShownContact c = shown(header, step, contact);
+    append(out.point, c.point - origin);
+    append(out.normal, c.normal);
+    append(out.force, c.force);
+    out.gap.push_back(float(contact.gap));
+  }
+  out.offset.push_back(std::int32_t(out.gap.size()));
+  for (const RunJoint& joint : step.joints) {
+    append(out.coordinate, joint.coordinate);
+    out.joint_force.push_back(float(joint.force.norm()));
+    out.joint_torque.push_back(float(joint.torque.norm()));
+    append(out.effort, joint.effort);
+  }
+}
+
+void add_arrays(const Frames& frames, PageArrays& arrays) {
+  arrays.add("pose", frames.pose);
+  arrays.add("vertices", frames.vertices);
+  arrays.add("contact.offset", frames.offset);
+  arrays.add("contact.point", frames.point);
+  arrays.add("contact.normal", frames.normal);
+  arrays.add("contact.force", frames.force);
+  arrays.add("contact.gap", frames.gap);
+  arrays.add("joint.coordinate", frames.coordinate);
+  arrays.add("joint.force", frames.joint_force);
+  arrays.add("joint.torque", frames.joint_torque);
+  arrays.add("joint.effort", frames.effort);
 }
 
 double contact_force(const RunHeader& header, const RunStep& step) {
@@ -174,29 +164,22 @@ const std::vector<Quantity>& quantities() {
   return list;
 }
 
-void add_quantities(PageArrays& arrays, const RunData& run, const std::vector<std::size_t>& rows,
-                    int max_points) {
-  const std::size_t steps = run.steps.size(), points = std::min(steps, std::size_t(max_points));
-  for (const Quantity& quantity : quantities()) {
-    std::vector<float> at_frames, curve;
-    for (const std::size_t row : rows) at_frames.push_back(float(quantity.value(run.header, run.steps[row])));
-    for (std::size_t i = 0; i < points; ++i) {
-      const std::size_t begin = i * steps / points, end = (i + 1) * steps / points;
-      double kept = quantity.value(run.header, run.steps[begin]);
-      for (std::size_t row = begin + 1; row < end; ++row)
-        kept = quantity.worse(kept, quantity.value(run.header, run.steps[row]));
-      curve.push_back(float(kept));
-    }
-    arrays.add(std::string("frame.") + quantity.name, at_frames);
-    arrays.add(std::string("curve.") + quantity.name, curve);
-  }
+/// A quantity at the frames, and its curve: each point keeps the worst of its bucket of steps.
+struct Curve {
+  std::vector<float> at_frames{}, points{};
+  double kept = 0;
+};
+
+/// The bucket of a row: point i stands for the rows from i * steps / points on.
+bool begins_bucket(std::size_t row, std::size_t point, std::size_t steps, std::size_t points) {
+  return point < points && row == point * steps / points;
 }
 
-Summary page_header(const RunData& run, const std::vector<std::size_t>& rows) {
-  const RunHeader& header = run.header;
+Summary page_header(const RunHeader& header, std::size_t recorded,
+                    const std::vector<std::int64_t>& shown_steps) {
   std::vector<std::string> mesh_names, body_names;
   for (const auto& named : header.meshes) mesh_names.push_back(named.first);
-  std::vector<std::int64_t> mesh, fixed, moving, steps;
+  std::vector<std::int64_t> mesh, fixed, moving;
   std::vector<double> dilation;
   for (const RunBody& body : header.bodies) {
     const auto found = std::find(mesh_names.begin(), mesh_names.end(), body.mesh);
@@ -206,13 +189,12 @@ Summary page_header(const RunData& run, const std::vector<std::size_t>& rows) {
     moving.push_back(body.moving_vertices);
     dilation.push_back(body.dilation);
   }
-  for (const std::size_t row : rows) steps.push_back(run.steps[row].step);
   Summary page;
   page.set("title", header.title);
   page.set("command_line", header.command_line);
   page.set("build", header.build);
-  page.set("recorded", run.steps.size());
-  page.set("step", steps);
+  page.set("recorded", recorded);
+  page.set("step", shown_steps);
   page.set("mesh_name", mesh_names);
   page.set("body_name", body_names);
   page.set("body_mesh", mesh);
@@ -228,40 +210,73 @@ Summary page_header(const RunData& run, const std::vector<std::size_t>& rows) {
 }
 
 /// Where the moving bodies (or, without any, all) begin: a near origin for float32.
-Vec3 origin_of(const RunData& run) {
+Vec3 origin_of(const RunHeader& header, const RunStep& start) {
   Vec3 moving = Vec3::Zero(), all = Vec3::Zero();
   double moving_count = 0;
-  for (std::size_t i = 0; i < run.header.bodies.size(); ++i) {
-    all += run.steps[0].pose[i].p;
-    if (run.header.bodies[i].fixed) continue;
-    moving += run.steps[0].pose[i].p;
+  for (std::size_t i = 0; i < header.bodies.size(); ++i) {
+    all += start.pose[i].p;
+    if (header.bodies[i].fixed) continue;
+    moving += start.pose[i].p;
     ++moving_count;
   }
   if (moving_count > 0) return moving / moving_count;
-  return run.header.bodies.empty() ? Vec3::Zero() : Vec3(all / double(run.header.bodies.size()));
+  return header.bodies.empty() ? Vec3::Zero() : Vec3(all / double(header.bodies.size()));
+}
+
+/// One pass over the steps, `step_of(row)` for each in order.
+void write_page_of(const std::filesystem::path& html, const RunHeader& header, std::size_t steps,
+                   const std::function<const RunStep&(std::size_t)>& step_of, const ReplayOptions& options) {
+  require_field(options.max_frames >= 2, "ReplayOptions::max_frames", options.max_frames, "be at least 2");
+  require_field(options.max_plot_points >= 2, "ReplayOptions::max_plot_points", options.max_plot_points,
+                "be at least 2");
+  require(steps > 0, "write_replay_html: the run has no steps");
+  validate(header);
+  const std::vector<std::size_t> rows = frame_rows(steps, options.max_frames);
+  const std::size_t points = std::min(steps, std::size_t(options.max_plot_points));
+  Vec3 origin = Vec3::Zero();
+  Frames frames;
+  std::vector<Curve> curves(quantities().size());
+  std::size_t point = 0;
+  for (std::size_t row = 0; row < steps; ++row) {
+    const RunStep& step = step_of(row);
+    validate(header, step);
+    if (row == 0) origin = origin_of(header, step);
+    const bool is_frame = frames.step.size() < rows.size() && row == rows[frames.step.size()];
+    const bool begins = begins_bucket(row, point, steps, points);
+    for (std::size_t i = 0; i < curves.size(); ++i) {
+      const Quantity& quantity = quantities()[i];
+      Curve& curve = curves[i];
+      const double value = quantity.value(header, step);
+      if (is_frame) curve.at_frames.push_back(float(value));
+      if (begins && row > 0) curve.points.push_back(float(curve.kept));
+      curve.kept = begins ? value : quantity.worse(curve.kept, value);
+    }
+    if (is_frame) add_frame(header, step, origin, frames);
+    point += begins;
+  }
+  PageArrays arrays;
+  add_meshes(arrays, header);
+  add_arrays(frames, arrays);
+  for (std::size_t i = 0; i < curves.size(); ++i) {
+    curves[i].points.push_back(float(curves[i].kept));
+    arrays.add(std::string("frame.") + quantities()[i].name, curves[i].at_frames);
+    arrays.add(std::string("curve.") + quantities()[i].name, curves[i].points);
+  }
+  write_page(html, page_header(header, steps, frames.step), arrays);
 }
 
 }  // namespace
 
 void write_replay_html(const std::filesystem::path& html, const RunData& run, const ReplayOptions& options) {
-  require_field(options.max_frames >= 2, "ReplayOptions::max_frames", options.max_frames, "be at least 2");
-  require_field(options.max_plot_points >= 2, "ReplayOptions::max_plot_points", options.max_plot_points,
-                "be at least 2");
-  require(!run.steps.empty(), "write_replay_html: the run has no steps");
-  validate(run.header);
-  for (const RunStep& step : run.steps) validate(run.header, step);
+  write_page_of(
+      html, run.header, run.steps.size(), [&](std::size_t row) -> const RunStep& { return run.steps[row]; },
+      options);
+}
 
-  const std::vector<std::size_t> rows = frame_rows(run.steps.size(), options.max_frames);
-  const Vec3 origin = origin_of(run);
-  PageArrays arrays;
-  add_meshes(arrays, run.header);
-  add_poses(arrays, run, rows, origin);
-  add_vertices(arrays, run, rows);
-  add_contacts(arrays, run, rows, origin);
-  add_joints(arrays, run, rows);
-  add_quantities(arrays, run, rows, options.max_plot_points);
-
-  write_page(html, page_header(run, rows), arrays);
+void write_replay_html(const std::filesystem::path& html, RunReader& run, const ReplayOptions& options) {
+  write_page_of(
+      html, run.header(), run.steps(), [&](std::size_t row) -> const RunStep& { return run.step(row); },
+      options);
 }
 
 }  // namespace aussois

@@ -19,4 +19,8 @@ struct ReplayOptions {
 void write_replay_html(const std::filesystem::path& html, const RunData& run,
                        const ReplayOptions& options = {});
 
+/// The same of a run file; memory holds what the page shows and one block of steps, however long the run is.
+/// Throws std::runtime_error as RunReader does, too.
+void write_replay_html(const std::filesystem::path& html, RunReader& run, const ReplayOptions& options = {});
+
 }  // namespace aussois

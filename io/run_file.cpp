@@ -525,96 +525,152 @@ void check_rows(hid_t file, const std::vector<ColumnPlan>& plans, std::size_t ro
       fail_hdf5(file, plan.name, "has " + std::to_string(found) + " rows instead of " + std::to_string(rows));
 }
 
-template <class Row, class T>
-void read_into(hid_t file, const Field<Row, T>& field, std::vector<Row>& rows) {
-  const std::vector<T> values = read_exactly<T>(file, field.name, rows.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) rows[i].*field.member = values[i];
-}
-
-/// Rows of a shape that depends on the model, one after the other.
-std::vector<double> read_wide(hid_t file, const char* name, std::size_t steps, std::vector<hsize_t> shape) {
-  const Hdf5Column column = Hdf5Column::open(file, name, H5T_NATIVE_DOUBLE, std::move(shape));
-  AUSSOIS_ASSERT(column.rows() == steps);  // check_rows
-  std::vector<double> values(column.values());
-  column.read(values.data());
-  return values;
-}
-
 VecX row_of(const std::vector<double>& values, std::size_t row, std::size_t width) {
   return Eigen::Map<const VecX>(values.data() + row * width, Eigen::Index(width));
 }
 
-/// A field of every joint at every step.
-template <class T>
-void read_joints(hid_t file, const Field<RunJoint, T>& field, std::size_t joints,
-                 std::vector<RunStep>& steps) {
-  const std::vector<double> values = read_wide(file, field.name, steps.size(), joint_shape(field, joints));
-  const double* next = values.data();
-  for (RunStep& step : steps)
-    for (RunJoint& joint : step.joints) {
-      if constexpr (std::is_same_v<T, double>)
-        joint.*field.member = *next++;
-      else
-        joint.*field.member = Vec3(next[0], next[1], next[2]), next += 3;
-    }
-}
-
 }  // namespace
 
-RunData read_run(const std::filesystem::path& path) {
-  const Hdf5Silence silence;
-  const Hdf5Id file = open_hdf5(path, Hdf5Access::read);
-  RunData run{read_header(file), {}};
-  const std::size_t bodies = run.header.bodies.size(), joints = run.header.joints.size();
-  const std::size_t coordinates = coordinate_count(run.header);
+struct RunReader::Impl {
+  std::filesystem::path path{};
+  Hdf5Id file{};
+  RunHeader header{};
+  bool with_joint_work = false;
+  std::vector<std::uint64_t> offset{};                    // of the contacts of each step
+  std::unordered_map<std::string, Hdf5Column> columns{};  // looked up by name, never iterated
+  std::size_t first = 0;                                  // row of the first step of the block
+  std::vector<RunStep> block{};
 
-  const std::vector<std::uint64_t> offset = read_rows<std::uint64_t>(file, kOffset);
-  if (offset.empty() || offset.front() != 0) fail_hdf5(file, kOffset, "does not begin with 0");
-  const std::size_t steps = offset.size() - 1;
-  for (std::size_t k = 0; k < steps; ++k)
-    if (offset[k] > offset[k + 1]) fail_hdf5(file, kOffset, "does not ascend at row " + std::to_string(k));
-  check_rows(file, contact_columns(), offset.back());
-  check_rows(file, step_columns(run.header, has_link(file, kJointTime.name)), steps);
-  std::vector<RunContact> contacts(offset.back());
-  for_each_field(kContactFields, [&](const auto& field) { read_into(file, field, contacts); });
-
-  run.steps.resize(steps);
-  for_each_field(kStepFields, [&](const auto& field) { read_into(file, field, run.steps); });
-  for (RunStep& step : run.steps) step.joints.resize(joints);
-  const auto of_joints = [&](const auto& field) { read_joints(file, field, joints, run.steps); };
-  for_each_field(kJointFields, of_joints);
-  if (has_link(file, kJointTime.name)) {
-    for_each_field(kJointWorkFields, of_joints);
-    read_into(file, kJointTime, run.steps);
+  template <class Row, class T>
+  void read(const Field<Row, T>& field, std::size_t from, std::vector<Row>& rows) const {
+    std::vector<T> values(rows.size());
+    columns.at(field.name).read(values.data(), from, rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) rows[i].*field.member = values[i];
   }
-  const std::vector<double> pose = read_wide(file, kPose, steps, {bodies, 7}),
-                            velocity = read_wide(file, kVelocity, steps, {bodies, 6}),
-                            q = read_wide(file, kCoordinates, steps, {coordinates}),
-                            q_speed = read_wide(file, kCoordinateSpeeds, steps, {coordinates});
-  const std::size_t moving = moving_vertices(run.header);
-  std::vector<double> vertices;
-  if (moving > 0) vertices = read_wide(file, kVertices, steps, {moving, 3});
-  for (std::size_t k = 0; k < steps; ++k) {
-    RunStep& step = run.steps[k];
+  /// Rows of a shape that depends on the model, one after the other.
+  std::vector<double> read_wide(const char* name, std::size_t width) const {
+    std::vector<double> values(block.size() * width);
+    if (width > 0) columns.at(name).read(values.data(), first, block.size());
+    return values;
+  }
+  /// A field of every joint at every step.
+  template <class T>
+  void read_joints(const Field<RunJoint, T>& field) {
+    constexpr std::size_t kWidth = sizeof(T) / sizeof(double);
+    const std::vector<double> values = read_wide(field.name, header.joints.size() * kWidth);
+    const double* next = values.data();
+    for (RunStep& step : block)
+      for (RunJoint& joint : step.joints) {
+        if constexpr (std::is_same_v<T, double>)
+          joint.*field.member = *next++;
+        else
+          joint.*field.member = Vec3(next[0], next[1], next[2]), next += 3;
+      }
+  }
+  void read_states();
+  void read_contacts();
+  void read_block(std::size_t row);
+};
+
+void RunReader::Impl::read_states() {
+  const std::size_t bodies = header.bodies.size(), coordinates = coordinate_count(header),
+                    moving = moving_vertices(header);
+  const std::vector<double> pose = read_wide(kPose, 7 * bodies), velocity = read_wide(kVelocity, 6 * bodies),
+                            q = read_wide(kCoordinates, coordinates),
+                            q_speed = read_wide(kCoordinateSpeeds, coordinates),
+                            vertices = read_wide(kVertices, 3 * moving);
+  for (std::size_t k = 0; k < block.size(); ++k) {
+    RunStep& step = block[k];
     for (std::size_t i = 0; i < bodies; ++i) {
       PoseRow row{};
       std::copy_n(pose.data() + 7 * (k * bodies + i), 7, row.begin());
       step.pose.push_back(from_row(row));
     }
-    step.velocity = row_of(velocity, k, std::size_t(first_velocity(int(bodies))));
     for (std::size_t i = 0; i < moving; ++i)
       step.vertices.emplace_back(vertices.data() + 3 * (k * moving + i));
+    step.velocity = row_of(velocity, k, std::size_t(first_velocity(int(bodies))));
     step.q = row_of(q, k, coordinates);
     step.q_speed = row_of(q_speed, k, coordinates);
-    step.contacts.assign(contacts.begin() + std::ptrdiff_t(offset[k]),
-                         contacts.begin() + std::ptrdiff_t(offset[k + 1]));
   }
+}
+
+void RunReader::Impl::read_contacts() {
+  const std::uint64_t begin = offset[first], end = offset[first + block.size()];
+  std::vector<RunContact> contacts(end - begin);
+  for_each_field(kContactFields, [&](const auto& field) { read(field, begin, contacts); });
+  for (std::size_t k = 0; k < block.size(); ++k)
+    block[k].contacts.assign(contacts.begin() + std::ptrdiff_t(offset[first + k] - begin),
+                             contacts.begin() + std::ptrdiff_t(offset[first + k + 1] - begin));
+}
+
+void RunReader::Impl::read_block(std::size_t row) {
+  const Hdf5Silence silence;
+  first = row / kBlock * kBlock;
+  block.assign(std::min(kBlock, offset.size() - 1 - first), {});
+  for_each_field(kStepFields, [&](const auto& field) { read(field, first, block); });
+  for (RunStep& step : block) step.joints.resize(header.joints.size());
+  const auto of_joints = [&](const auto& field) { read_joints(field); };
+  for_each_field(kJointFields, of_joints);
+  if (with_joint_work) {
+    for_each_field(kJointWorkFields, of_joints);
+    read(kJointTime, first, block);
+  }
+  read_states();
+  read_contacts();
   try {
-    validate(run.header);
-    for (const RunStep& step : run.steps) validate(run.header, step);
+    for (const RunStep& step : block) validate(header, step);
   } catch (const std::invalid_argument& wrong) {
     throw std::runtime_error(path.string() + ": " + wrong.what());
   }
+}
+
+RunReader::RunReader(RunReader&&) noexcept = default;
+RunReader::~RunReader() = default;
+
+RunReader::RunReader(const std::filesystem::path& path) : impl_(std::make_unique<Impl>()) {
+  const Hdf5Silence silence;
+  Impl& r = *impl_;
+  r.path = path;
+  r.file = open_hdf5(path, Hdf5Access::read);
+  r.header = read_header(r.file);
+  r.with_joint_work = has_link(r.file, kJointTime.name);
+  r.offset = read_rows<std::uint64_t>(r.file, kOffset);
+  if (r.offset.empty() || r.offset.front() != 0) fail_hdf5(r.file, kOffset, "does not begin with 0");
+  for (std::size_t k = 0; k + 1 < r.offset.size(); ++k)
+    if (r.offset[k] > r.offset[k + 1])
+      fail_hdf5(r.file, kOffset, "does not ascend at row " + std::to_string(k));
+  check_rows(r.file, contact_columns(), r.offset.back());
+  check_rows(r.file, step_columns(r.header, r.with_joint_work), steps());
+  for (const auto& plans : {contact_columns(), step_columns(r.header, r.with_joint_work)})
+    for (const ColumnPlan& plan : plans)
+      r.columns[plan.name] = Hdf5Column::open(r.file, plan.name, plan.type, plan.row_shape);
+  try {
+    validate(r.header);
+  } catch (const std::invalid_argument& wrong) {
+    throw std::runtime_error(path.string() + ": " + wrong.what());
+  }
+}
+
+const RunHeader& RunReader::header() const {
+  return impl_->header;
+}
+
+std::size_t RunReader::steps() const {
+  return impl_->offset.size() - 1;
+}
+
+const RunStep& RunReader::step(std::size_t row) {
+  require_field(row < steps(), "RunReader::step: row", row, ("be below " + std::to_string(steps())).c_str());
+  Impl& r = *impl_;
+  if (row < r.first || row >= r.first + r.block.size()) r.read_block(row);
+  return r.block[row - r.first];
+}
+
+RunData read_run(const std::filesystem::path& path) {
+  RunReader reader(path);
+  RunData run{reader.header(), {}};
+  run.steps.reserve(reader.steps());
+  for (std::size_t row = 0; row < reader.steps(); ++row) run.steps.push_back(reader.step(row));
   return run;
 }
 

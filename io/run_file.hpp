@@ -161,6 +161,26 @@ class RunWriter {
   std::unique_ptr<Impl> impl_;
 };
 
+/// A run file, read in blocks: memory holds kBlock steps, however long the run is.
+class RunReader {
+ public:
+  static constexpr std::size_t kBlock = RunWriter::kBlock;
+
+  /// Throws as read_run does for what is wrong with the file or its header.
+  explicit RunReader(const std::filesystem::path& path);
+  RunReader(RunReader&&) noexcept;
+  ~RunReader();
+
+  const RunHeader& header() const;
+  std::size_t steps() const;
+  /// The row, until the next call. Throws as read_run does, std::invalid_argument beyond the last row.
+  const RunStep& step(std::size_t row);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
 /// Reads a whole run. Throws std::runtime_error "FILE: /dataset: what" for a file that is missing, truncated,
 /// not a run, of another version, or inconsistent.
 RunData read_run(const std::filesystem::path& path);

@@ -239,7 +239,7 @@ class Reader {
     using R = typename Row<T>::type;
     const Hdf5Column column = Hdf5Column::open(file_, name, Hdf5Row<R>::type(), Hdf5Row<R>::shape());
     std::vector<R> rows(column.rows());
-    column.read(rows.data());
+    column.read(rows.data(), 0, column.rows());
     values.clear();
     values.reserve(rows.size());
     for (const R& row : rows) values.push_back(Row<T>::back(row));

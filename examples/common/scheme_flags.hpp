@@ -11,7 +11,7 @@ struct SchemeFlags {
   std::string scheme = "moreau_jean";
   std::vector<std::string> schemes = scheme_names();  // offered
   std::string not_offered{};                          // which are not, and why
-  std::string normal = to_string(NormalLaw::moreau), contacts = to_string(ContactsAt::start);
+  std::string normal = to_string(NormalLawOptions{}.law), contacts = to_string(ContactsAt::start);
   std::string impact = to_string(ImpactLaw::newton), impact_order = to_string(ImpactOrder::simultaneous);
   std::string projection = to_string(ProjectionOrder::combined), update = to_string(GroupUpdate::exponential);
   std::string gyroscopic = "midpoint";

@@ -42,4 +42,22 @@ std::string message_with_little_memory(const F& f) {
   return status == 0 ? message : "crashed";
 }
 
+/// The most memory that a process has which does `f` and nothing else [bytes]; -1: it failed.
+template <class F>
+double peak_memory_of(const F& f) {
+  const pid_t child = fork();
+  if (child == 0) {
+    try {
+      f();
+    } catch (const std::exception&) {
+      _exit(1);
+    }
+    _exit(0);
+  }
+  int status = 0;
+  rusage used{};
+  wait4(child, &status, 0, &used);
+  return status == 0 ? 1024.0 * double(used.ru_maxrss) : -1;
+}
+
 }  // namespace aussois

@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tests/support/little_memory.hpp"
 #include "tests/unit/io/io_samples.hpp"
 
 namespace aussois {
@@ -200,6 +201,36 @@ TEST(ReplayHtml, ThinsFramesButKeepsTheEndsAndThePeaks) {
   EXPECT_EQ(*std::min_element(gap.begin(), gap.end()), -4e-5f);
   const auto pull = curve("coupling");
   EXPECT_EQ(*std::max_element(pull.begin(), pull.end()), 900.f);
+}
+
+// A page is drawn from a file in one pass: it is the page of the run in memory, and a run that is four times
+// as long takes no more memory.
+TEST(ReplayHtml, IsDrawnFromAFileOfAnyLength) {
+  const auto folder = fresh_folder();
+  const auto write = [&](const std::string& name, int steps) {
+    RunWriter writer(folder / name, peg_header());
+    for (int k = 0; k < steps; ++k) writer.append(peg_step(k, steps - 1));
+    writer.close();
+  };
+  const auto draw = [&](const std::string& name, const std::string& page) {
+    RunReader reader(folder / name);
+    write_replay_html(folder / page, reader, {.max_frames = 50, .max_plot_points = 64});
+  };
+  write("short.h5", 1000);
+  draw("short.h5", "file.html");
+  write_replay_html(folder / "memory.html", peg_run(1000), {.max_frames = 50, .max_plot_points = 64});
+  EXPECT_EQ(content_of(folder / "file.html"), content_of(folder / "memory.html"));
+#ifdef AUSSOIS_LIMIT_MEMORY
+  write("10000.h5", 10000);
+  write("40000.h5", 40000);
+  const double of_10000 = peak_memory_of([&] { draw("10000.h5", "10000.html"); }),
+               of_40000 = peak_memory_of([&] { draw("40000.h5", "40000.html"); }),
+               in_memory = peak_memory_of([&] { (void)read_run(folder / "40000.h5"); });
+  ASSERT_GT(of_10000, 0);
+  ASSERT_GT(of_40000, 0);
+  EXPECT_LT(of_40000 - of_10000, 4e6);
+  EXPECT_GT(in_memory - of_40000, 4e7);  // what it would be if all steps were read
+#endif
 }
 
 TEST(ReplayHtml, TakesNamesThatLookLikeMarkup) {

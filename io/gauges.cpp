@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/gauges.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "geometry/check.hpp"
+#include "mechanics/mechanism.hpp"
+
+namespace aussois {
+namespace {
+
+double displacement(const Frame& f) {
+  double out = 0;
+  for (std::size_t b = 0; b < f.state.g.size(); ++b)
+    out = std::max(out, (f.state.g[b].p - f.start.g[b].p).norm());
+  return out;
+}
+
+// In the order in which --help and messages name them.
+const std::vector<Gauge>& known_gauges() {
+  using F = const Frame&;
+  constexpr Keep kNothing = Keep::nothing;
+  static const std::vector<Gauge> all = {
+      {"step", "", kNothing, [](F f) { return double(f.step); }},
+      {"t", "", kNothing, [](F f) { return f.report.t; }},
+      {"h", "", kNothing, [](F f) { return f.report.h; }},
+      {"attempts", "", kNothing, [](F f) { return double(f.report.attempts); }},
+      {"contacts_found", "", kNothing, [](F f) { return double(f.report.contacts_found); }},
+      {"", "max_contacts", Keep::most, [](F f) { return double(f.report.contacts_found); }, true},
+      {"contacts", "", kNothing, [](F f) { return double(f.report.contacts_kept); }},
+      {"iterations", "", kNothing, [](F f) { return double(f.report.solve.iterations); }},
+      {"newton", "", kNothing, [](F f) { return double(f.report.solve.newton_iterations); }},
+      {"residual", "", kNothing, [](F f) { return f.report.solve.residual; }},
+      {"", "solver_failures", Keep::sum, [](F f) { return double(!is_solved(f.report.solve.status)); }, true},
+      {"min_gap", "min_gap", Keep::least, [](F f) { return f.report.min_gap; }},
+      {"min_base_distance", "min_base_distance", Keep::least, [](F f) { return f.report.min_base_distance; }},
+      {"energy", "", kNothing, [](F f) { return energy(f.model, f.state).total(); }},
+      {"kinetic", "", kNothing, [](F f) { return energy(f.model, f.state).kinetic; }},
+      {"gravity", "", kNothing, [](F f) { return energy(f.model, f.state).gravity; }},
+      {"laws", "", kNothing, [](F f) { return energy(f.model, f.state).laws; }},
+      {"", "energy_rise", Keep::most,
+       [](F f) { return energy(f.model, f.state).total() - energy(f.model, f.before).total(); }},
+      {"energy_residual", "", kNothing, [](F f) { return f.report.energy.residual(); }},
+      {"", "energy_residual", Keep::most, [](F f) { return std::abs(f.report.energy.residual()); }},
+      {"impulse_gain", "", kNothing, [](F f) { return f.report.impulse_gain; }},
+      {"", "impulse_gain", Keep::sum,
+       [](F f) { return f.report.energy_rises ? f.report.impulse_gain : 0.0; }},
+      {"", "energy_rises", Keep::sum, [](F f) { return double(f.report.energy_rises); }, true},
+      {"joint_drift", "joint_drift", Keep::most, [](F f) { return f.report.joint_error.translation; }},
+      {"joint_drift_angle", "joint_drift_angle", Keep::most,
+       [](F f) { return f.report.joint_error.rotation; }},
+      {"displacement", "max_displacement", Keep::most, displacement},
+      {"ms_contact", "", kNothing, [](F f) { return 1e3 * f.report.seconds_contact; }},
+      {"ms_solve", "", kNothing, [](F f) { return 1e3 * f.report.seconds_solve; }},
+      {"ms_certificate", "", kNothing, [](F f) { return 1e3 * f.report.seconds_certificate; }},
+      {"ms_total", "", kNothing, [](F f) { return 1e3 * f.report.seconds_total; }},
+  };
+  return all;
+}
+
+// A total without a column may have the name of a column: "total:energy_residual" tells it.
+std::string name_of(const Gauge& gauge) {
+  return gauge.column.empty() ? "total:" + gauge.total : gauge.column;
+}
+
+std::string name_of(const ContactLaw& law) {
+  char text[80];
+  std::snprintf(text, sizeof text, "mu %g e %g R_e %g", law.mu, law.restitution, law.contensou_radius);
+  return text;
+}
+
+}  // namespace
+
+double total_of_nothing(Keep keep) {
+  return keep == Keep::least ? kInf : 0;
+}
+
+double kept(Keep keep, double total, double value) {
+  switch (keep) {
+    case Keep::nothing:
+      break;
+    case Keep::last:
+      return value;
+    case Keep::least:
+      return std::min(total, value);
+    case Keep::most:
+      return std::max(total, value);
+    case Keep::sum:
+      return total + value;
+  }
+  return total;
+}
+
+std::vector<std::string> gauge_names() {
+  std::vector<std::string> out;
+  for (const Gauge& g : known_gauges()) out.push_back(name_of(g));
+  return out;
+}
+
+Gauge gauge(const std::string& name) {
+  std::string known;
+  for (const Gauge& g : known_gauges()) {
+    if (name == name_of(g)) return g;
+    known += (known.empty() ? "" : ", ") + name_of(g);
+  }
+  throw std::invalid_argument("gauge = " + name + " must be one of " + known);
+}
+
+std::vector<Gauge> gauges(const std::vector<std::string>& names) {
+  std::vector<Gauge> out;
+  for (const std::string& name : names) out.push_back(gauge(name));
+  return out;
+}
+
+std::vector<Gauge> model_gauges(const Model& model) {
+  std::vector<Gauge> out;
+  const auto add = [&](std::string column, std::function<double(const Frame&)> value) {
+    out.push_back({.column = std::move(column), .value = std::move(value)});
+  };
+  const std::vector<ContactLaw> laws = contact_laws(model);
+  for (std::size_t i = 0; i < laws.size(); ++i)
+    add("work:" + name_of(laws[i]), [i](const Frame& f) { return f.report.law_work[i]; });
+  for (std::size_t j = 0; j < model.joints.size(); ++j)
+    add("work:joint:" + model.joints[j].name,
+        [j](const Frame& f) { return f.report.joints[j].work.total(); });
+  Eigen::Index at = 0;
+  for (const Coordinates& block : model.coordinates)
+    for (int i = 0; i < block.size; ++i, ++at)
+      add("q:" + block.name + ":" + std::to_string(i), [at](const Frame& f) { return f.state.q[at]; });
+  for (int j = 0; j < int(model.joints.size()); ++j)
+    for (int axis = 0; axis < axis_count(model.joints[std::size_t(j)].kind); ++axis)
+      add("joint:" + model.joints[std::size_t(j)].name + ":" + std::to_string(axis),
+          [j, axis](const Frame& f) { return joint_coordinate(f.model, f.state, j, axis); });
+  return out;
+}
+
+}  // namespace aussois

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Numbers that are read off every step of a run. What a recording writes into its table, keeps in its
+// checkpoints and tells in the end all comes from one list of them.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "integrators/step_report.hpp"
+#include "mechanics/state.hpp"
+
+namespace aussois {
+
+/// One accepted step of a run.
+struct Frame {
+  const Model& model;
+  const State &start, &before, &state;  // of the run, of the step, after it
+  const StepReport& report;
+  std::int64_t step = 0;  // its number, from 1
+};
+
+/// What a gauge keeps of its values.
+enum class Keep { nothing, last, least, most, sum };
+
+struct Gauge {
+  std::string column{};  // of the table; empty: none
+  std::string total{};   // the name of what it keeps, in summary and checkpoint; empty: nothing
+  Keep keep = Keep::nothing;
+  std::function<double(const Frame&)> value{};
+  bool whole = false;  // its total is a count
+};
+
+/// Of a run without steps: infinity for the least, 0 for all others.
+double total_of_nothing(Keep keep);
+double kept(Keep keep, double total, double value);
+
+/// A gauge of the kernel by the name of its column, or of its total where it has no column. Throws
+/// std::invalid_argument naming those there are.
+Gauge gauge(const std::string& name);
+std::vector<Gauge> gauges(const std::vector<std::string>& names);
+std::vector<std::string> gauge_names();
+
+/// Columns of a model: work:LAW of every contact law [J], work:joint:NAME [J], q:BLOCK:i and joint:NAME:axis
+/// [m, rad, or units of the block].
+std::vector<Gauge> model_gauges(const Model& model);
+
+}  // namespace aussois
