@@ -575,7 +575,8 @@ struct RunReader::Impl {
 void RunReader::Impl::read_states() {
   const std::size_t bodies = header.bodies.size(), coordinates = coordinate_count(header),
                     moving = moving_vertices(header);
-  const std::vector<double> pose = read_wide(kPose, 7 * bodies), velocity = read_wide(kVelocity, 6 * bodies),
+  const std::vector<double> pose = read_wide(kPose, 7 * bodies),
+                            velocity = read_wide(kVelocity, std::size_t(first_velocity(int(bodies)))),
                             q = read_wide(kCoordinates, coordinates),
                             q_speed = read_wide(kCoordinateSpeeds, coordinates),
                             vertices = read_wide(kVertices, 3 * moving);

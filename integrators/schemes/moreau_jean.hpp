@@ -13,7 +13,7 @@ namespace aussois {
 
 struct StepSetting;
 
-/// Where a step evaluates its contacts (decision D4): normals, arms and gaps at the start, or at the middle
+/// Where a step evaluates its contacts: normals, arms and gaps at the start, or at the middle
 /// or the end of the path that the velocities found so far lead along (MJ-11).
 enum class ContactsAt { start, midpoint, end };
 const char* to_string(ContactsAt at);

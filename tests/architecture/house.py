@@ -260,6 +260,20 @@ def tests(root):
     return bad + [f"{place}: the verification list has no case {match[1]}" for place, match in named if match[1] not in cases]
 
 
+def tutorials(root):
+    """Each program of examples/first has a page in doc/tutorials that quotes it to the letter; README quotes the first, which has
+    at most 30 lines."""
+    bad = []
+    for path in sorted((root / "examples/first").glob("*.cpp")):
+        code = path.read_text(encoding="utf-8").partition("\n")[2]
+        pages = [root / f"doc/tutorials/{path.stem}.md"] + ([root / "README.md"] if path.stem.startswith("01_") else [])
+        bad += [f"{page.relative_to(root)}:1: does not quote {path.relative_to(root)}" for page in pages
+                if not page.is_file() or f"```cpp\n{code}```" not in page.read_text(encoding="utf-8")]
+        if path.stem.startswith("01_") and code.count("\n") >= 30:
+            bad.append(f"{path.relative_to(root)}:1: has more than 30 lines")
+    return bad
+
+
 def viewer_is_built(root):
     """The page that is committed was built from the sources beside it: it names their digest (io/viewer/build.mjs)."""
     viewer = root / "io/viewer"
@@ -276,7 +290,7 @@ def viewer_is_built(root):
 
 RULES = {rule.__name__: rule for rule in (includes, halls, short_functions, few_public_headers, own_header_first, public_headers,
                                           listed, one_definition, velocity_places, equations, licence, links, pages, references,
-                                          tests, viewer_is_built)}
+                                          tests, tutorials, viewer_is_built)}
 
 
 def main():

@@ -160,6 +160,17 @@ class House(unittest.TestCase):
         self.assertEqual(self.offences(house.tests, tree), ["doc/a.md:1: the verification list has no case B4.ball",
                                                             "doc/a.md:1: the verification list has no case A1.cube"])
 
+    def test_tutorials_quote_their_programs(self):
+        tree = {"examples/first/01_a.cpp": SPDX + "int main() {}\n", "examples/first/02_b.cpp": SPDX + "// b\n",
+                "doc/tutorials/01_a.md": "# A\n```cpp\nint main() {}\n```\n", "doc/tutorials/02_b.md": "```cpp\n// b\n```",
+                "README.md": "x\n```cpp\nint main() {}\n```\n"}
+        self.assertEqual(self.offences(house.tutorials, tree), [])
+        tree["examples/first/02_b.cpp"] += "// more\n"
+        tree["README.md"] = "int main() {}\n"
+        self.assertEqual(self.offences(house.tutorials, tree),
+                         ["README.md:1: does not quote examples/first/01_a.cpp",
+                          "doc/tutorials/02_b.md:1: does not quote examples/first/02_b.cpp"])
+
     def test_the_page_is_built_from_its_sources(self):
         tree = {"io/viewer/main.js": "run();\n", "io/viewer/page.html": "<head>\n"}
         digest = hashlib.sha256(b"main.js\0run();\n\0page.html\0<head>\n\0").hexdigest()

@@ -18,7 +18,7 @@ COMMAND = [str(PARTS.parent / word) if word.startswith("data/") else word for wo
 WRITES = [Path(word).name for flag, word in zip(COMMAND, COMMAND[1:]) if flag in ("--json", "--csv", "--picture")]
 FAMILIES = ("arch", "box_stack", "bridge", "chain", "gyroscopic", "impacts", "kapla_tower", "masonry_wall",
             "mass_ratio", "mixed_laws", "redundant_joints", "sphere_pile")
-STUDY = f"{'forced_46' if 'forced_46' in COMMAND else 'free_top'}_moreau_jean_theta_{'1' if '--theta' in COMMAND else '0.5'}_moreau"
+STUDY = f"{'forced_46' if 'forced_46' in COMMAND else 'free_top'}_moreau_jean_theta_{'1' if '--theta' in COMMAND else '0.5'}_combined"
 RESULTS = {
     "cube_toss": {"tosses.csv", "histogram.csv", "histogram.gp", *(["histogram.png"] if shutil.which("gnuplot") else []),
                   *(f"{word}.html" for flag, word in zip(COMMAND, COMMAND[1:]) if flag == "--replay"),

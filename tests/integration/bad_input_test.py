@@ -252,7 +252,7 @@ class BadInput(DriverTest):
 
     def test_resume_where_nothing_can_be_resumed(self):
         self.refused_replay(USAGE, ["--resume"], *self.with_peg("--mode", "kinematic"), "--resume")
-        for driver in ("drop_part", "sliding_block"):
+        for driver in ("peer_scene", "sliding_block"):
             self.refused(USAGE, ["--resume"], driver, "--resume")
 
 

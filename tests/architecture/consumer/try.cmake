@@ -36,6 +36,13 @@ if(PKG_CONFIG)
   separate_arguments(found UNIX_COMMAND "${found}")
   try(${COMPILER} ${flag_list} ${CMAKE_CURRENT_LIST_DIR}/consumer.cpp -o ${WORK}/by_pkg_config ${found})
   try(${WORK}/by_pkg_config)
+
+  message("-- the program of README, unoptimised and optimised")
+  foreach(level IN ITEMS -O0 -O3)
+    try(${COMPILER} ${flag_list} ${level} ${CMAKE_CURRENT_LIST_DIR}/../../../examples/first/01_drop_a_ball.cpp
+      -o ${WORK}/first${level} ${found})
+    try(${WORK}/first${level})
+  endforeach()
 endif()
 
 file(GLOB_RECURSE texts ${WORK}/moved/*.cmake ${WORK}/moved/*.pc)

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// The same motion by every scheme: a ball falls for half a second. The path is a parabola; who is on it?
+#include <cstdio>
+
+#include "geometry/primitives.hpp"
+#include "integrators/run.hpp"
+#include "integrators/scheme.hpp"
+
+namespace au = aussois;
+
+int main() {
+  au::Model model;
+  const int shape = add(model, prepare(dilate(au::make_point(), 0.05)));
+  const int ball = add(model, solid_body("ball", shape, wire_mass_properties(au::make_point(), 0.05, 1000)));
+  const double h = 0.01, exact = -9.81 / 2 * 0.5 * 0.5;  // [s], [m]
+  bool all = true;
+  for (const au::SchemeVariant& variant : au::scheme_variants()) {
+    au::SchemeOptions options = variant.options;
+    options.h = h;
+    const au::Scheme scheme = make_scheme(variant.name, model, options);
+    au::State state = rest_state(model);
+    all = run_until(scheme, state, 0.5).ok() && all;
+    std::printf("%-60s off by %8.1e m\n", label(variant.name, options).c_str(),
+                pose(state, ball).p.z() - exact);
+  }
+  return all ? 0 : 1;
+}
