@@ -23,6 +23,7 @@ ALSO = {"nsgs": {"geometry/types.hpp", "geometry/check.hpp"}}
 HALLS = {"integrators": ["pose", "prove", "tell", "schemes", "events"]}
 LONGEST_FUNCTION = 60  # lines
 MOST_PUBLIC_HEADERS = {"integrators": 12}
+MOST_WORDS = 30  # of nine sentences in ten
 
 NOT_EQUATIONS = {"UTF-8"}
 
@@ -260,6 +261,33 @@ def tests(root):
     return bad + [f"{place}: the verification list has no case {match[1]}" for place, match in named if match[1] not in cases]
 
 
+def sentences(text):
+    """The prose of a page, sentence by sentence: without code, formulas, tables and headings."""
+    text = re.sub(r"```.*?```|\$\$.*?\$\$", "\n", text, flags=re.DOTALL)
+    paragraphs = [[]]
+    for line in map(str.strip, text.splitlines()):
+        if not line or line[0] in "#|<":
+            paragraphs.append([])
+        elif re.match(r"([*-]|\d+\.) ", line):
+            paragraphs.append([line])
+        else:
+            paragraphs[-1].append(line)
+    for paragraph in map(" ".join, paragraphs):
+        plain = re.sub(r"!\[[^\]]*\]\([^)]*\)", "", paragraph)
+        plain = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", plain)
+        plain = re.sub(r"`[^`]*`|\$[^$]*\$", "X", plain)
+        yield from (s for s in re.split(r"(?<=[.!?:;])\s+(?=[A-Z*\[(])", plain) if len(re.findall(r"[\w'-]+", s)) > 2)
+
+
+def short_sentences(root):
+    """Nine of ten sentences of the manual have fewer than MOST_WORDS words."""
+    found = sorted((len(re.findall(r"[\w'-]+", sentence)), path.relative_to(root).as_posix(), sentence)
+                   for path in files(root / "doc", ".md") for sentence in sentences(path.read_text(encoding="utf-8")))
+    if not found or found[9 * (len(found) - 1) // 10][0] < MOST_WORDS:
+        return []
+    return [f"{page}:1: {words} words: {sentence[:80]}" for words, page, sentence in reversed(found) if words >= MOST_WORDS]
+
+
 def tutorials(root):
     """Each program of examples/first has a page in doc/tutorials that quotes it to the letter; README quotes the first, which has
     at most 30 lines."""
@@ -290,7 +318,7 @@ def viewer_is_built(root):
 
 RULES = {rule.__name__: rule for rule in (includes, halls, short_functions, few_public_headers, own_header_first, public_headers,
                                           listed, one_definition, velocity_places, equations, licence, links, pages, references,
-                                          tests, tutorials, viewer_is_built)}
+                                          tests, short_sentences, tutorials, viewer_is_built)}
 
 
 def main():

@@ -160,6 +160,13 @@ class House(unittest.TestCase):
         self.assertEqual(self.offences(house.tests, tree), ["doc/a.md:1: the verification list has no case B4.ball",
                                                             "doc/a.md:1: the verification list has no case A1.cube"])
 
+    def test_nine_sentences_of_ten_are_short(self):
+        short, long = "This is a sentence of seven words. ", "A " + "very " * 40 + "long one. "
+        tree = {"doc/a.md": "# " + long + "\n" + short * 19 + long + "\n| " + long + "|\n```\n" + long * 9 + "\n```\n"}
+        self.assertEqual(self.offences(house.short_sentences, tree), [])
+        tree["doc/b.md"] = long * 3
+        self.assertEqual(len(self.offences(house.short_sentences, tree)), 4)
+
     def test_tutorials_quote_their_programs(self):
         tree = {"examples/first/01_a.cpp": SPDX + "int main() {}\n", "examples/first/02_b.cpp": SPDX + "// b\n",
                 "doc/tutorials/01_a.md": "# A\n```cpp\nint main() {}\n```\n", "doc/tutorials/02_b.md": "```cpp\n// b\n```",
