@@ -29,7 +29,7 @@ int main() {
       if (!points.empty()) kept.push_back(int(std::ranges::max_element(points, {}, along) - points.begin()));
     }
     std::ranges::sort(kept);
-    kept.erase(std::ranges::unique(kept).begin(), kept.end());
+    kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
     return kept;
   };
   const au::MoreauJean scheme(model, options);
