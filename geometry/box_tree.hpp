@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which boxes overlap each other, or anything else: for the preparation of meshes, not for their contacts.
+// Finds the boxes that overlap each other or anything else: for preparing meshes, not for their contacts.
 #pragma once
 
 #include <algorithm>
@@ -28,7 +28,7 @@ class BoxTree {
     if (!items_.empty()) build(0, int(items_.size()));
   }
 
-  /// Calls f(i, j) for all pairs of items whose boxes overlap until f returns false.
+  /// Calls f(i, j) for all pairs of items whose boxes overlap, until f returns false.
   template <class F>
   void for_each_pair(const F& f) const {
     if (nodes_.empty()) return;
@@ -50,7 +50,7 @@ class BoxTree {
     }
   }
 
-  /// Calls f(i) for the items whose own box and whose boxes above all fulfil `may_hold(box)`.
+  /// Calls f(i) for each item whose own box and all boxes above it satisfy `may_hold(box)`.
   template <class Test, class F>
   void for_each(const Test& may_hold, const F& f) const {
     std::vector<int> stack;
@@ -71,7 +71,7 @@ class BoxTree {
  private:
   struct Node {
     Box box{};
-    int begin = 0, end = 0;     // of items_
+    int begin = 0, end = 0;     // range in items_
     int left = -1, right = -1;  // nodes; -1: a leaf
   };
   static constexpr int kLeaf = 4;

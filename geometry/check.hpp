@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The two kinds of wrong: the caller's (an exception at the door) and our own (an assertion).
+// Reports the two kinds of error: the caller's (an exception at the interface) and our own (an assertion).
 #pragma once
 
 #include <cmath>
@@ -35,7 +35,7 @@ void require_field(bool condition, const char* field, const Value& value, const 
 
 }  // namespace aussois
 
-/// Our own mistake, not the caller's: on unless NDEBUG is set.
+/// Asserts against our own mistakes, not the caller's; enabled unless NDEBUG is set.
 #ifdef NDEBUG
 #define AUSSOIS_ASSERT(condition) ((void)sizeof((condition) ? 1 : 0))
 #else

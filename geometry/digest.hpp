@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// 64 bits that tell contents apart: hashes of states, keys and checksums of files. Not against malice.
+// Hashes states, keys and files to 64 bits that tell them apart. Not secure against malice.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 
 namespace aussois {
 
-/// Order-dependent mix of 64-bit words: the finaliser of splitmix64 after each, one to one in the word.
+/// Order-dependent mix of 64-bit words: the finaliser of splitmix64 after each word; one-to-one in the word.
 struct Digest {
   std::uint64_t value = 0;
   void add(std::uint64_t word) {
@@ -26,7 +26,7 @@ struct Digest {
   void add(const Vec3& x) {
     for (const double component : x) add(component);
   }
-  /// The number of bytes, then the bytes in words, the last one filled up with zeros.
+  /// Adds the number of bytes, then the bytes as words, the last one padded with zeros.
   void add(std::span<const std::byte> bytes) {
     add(std::uint64_t(bytes.size()));
     for (std::size_t i = 0; i < bytes.size(); i += 8) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one concept of shape: all points closer than `radius` to a complex (CPX-3).
+// The one concept of shape: all points within `radius` of a complex (CPX-3).
 // A ball is a dilated point, a cable a dilated polyline, a part a dilated surface.
 #pragma once
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The frame that a direction determines, the same for the same direction (MJ-3); Duff et al. 2017.
+// Makes the frame of a direction, always the same for the same direction (MJ-3); Duff et al. 2017.
 #pragma once
 
 #include <cmath>

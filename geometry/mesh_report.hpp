@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a mesh is before anybody computes with it. Nothing is repaired here.
+// Reports the state of a mesh before anything is computed with it. Repairs nothing.
 #pragma once
 
 #include <string>
@@ -14,11 +14,11 @@ struct MeshReport {
   int border_edges = 0;           // edges with one triangle
   int non_manifold_edges = 0;     // edges with three or more triangles
   int non_manifold_vertices = 0;  // vertices whose triangles form more than one fan
-  int misoriented_edges = 0;      // edges whose two triangles run through them in the same direction
+  int misoriented_edges = 0;      // edges that their two triangles traverse in the same direction
   int degenerate_triangles = 0;   // height below 1e-12 of the bounding box diagonal
-  int duplicate_vertices = 0;     // vertices at exactly the place of an earlier one
-  int duplicate_triangles = 0;    // same three vertices as an earlier one
-  // Pairs of triangles that meet elsewhere than in what they share (self_intersections)
+  int duplicate_vertices = 0;     // vertices exactly coincident with an earlier one
+  int duplicate_triangles = 0;    // with the same three vertices as an earlier one
+  // Pairs of triangles that meet anywhere but in a vertex or edge they share (self_intersections)
   int self_intersections = 0;
   // Smallest triangle height over the bounding box diagonal; 0 without triangles
   double min_height_ratio = 0;
@@ -31,13 +31,13 @@ struct MeshReport {
 };
 
 MeshReport report_mesh(const SimplicialComplex& complex);
-/// Several lines for people; lengths in metres and the box in millimetres, so that a wrong unit is seen.
+/// Several lines for people; lengths in metres, the box in millimetres, so that a wrong unit stands out.
 std::string to_string(const MeshReport& report);
 
-/// Height over the longest side [m].
+/// Height of the triangle over its longest side [m].
 double triangle_height(const Vec3& a, const Vec3& b, const Vec3& c);
 
-/// For each vertex the first one with equal coordinates (its own index if there is none before it).
+/// For each vertex, the index of the first one with equal coordinates (its own if there is no earlier one).
 std::vector<int> first_at_same_place(const std::vector<Vec3>& vertices);
 
 }  // namespace aussois

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The point of a convex hull that is nearest to the origin (Wolfe; Gilbert, Johnson, Keerthi): how far a set
-// of directions is from leaving every open half-space.
+// Finds the point of a convex hull nearest to the origin (Wolfe; Gilbert, Johnson, Keerthi). Its norm tells
+// how far a set of directions is from lying in no open half-space.
 #pragma once
 
 #include <vector>
@@ -14,10 +14,11 @@ inline constexpr double kHullContainsOrigin = 1e-8;  // a hull of unit vectors t
 
 struct MinNorm {
   Vec3 point = Vec3::Zero();
-  std::vector<int> support{};  // points whose convex weight is above rounding, at most four
+  std::vector<int> support{};  // points with a convex weight above rounding, at most four
 };
 
-/// Of conv{g}, g not empty. Support points are added until none improves or the hull contains the origin.
+/// The point of conv{g} nearest to the origin; g must not be empty. Support points are added until none
+/// improves the result or the hull contains the origin.
 MinNorm min_norm_point(const std::vector<Vec3>& g);
 
 }  // namespace aussois

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Enumerators and the names that people call them by.
+// Translates between enumerators and their names for people.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace aussois {
 
-/// A table {{value, "name"}, ...} and what is asked of it.
+/// An entry of a table {{value, "name"}, ...}; the functions below look things up in such a table.
 template <class Enum>
 using Named = std::pair<Enum, const char*>;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers as messages and files show them. Inline: rooms that link with no other show numbers too.
+// Writes numbers as messages and files show them. Inline: rooms that link with no other show numbers too.
 #pragma once
 
 #include <charconv>
@@ -14,7 +14,7 @@ inline std::string number_text(double value) {
   return {digits, std::to_chars(digits, digits + sizeof digits, value).ptr};
 }
 
-/// "1 step", "2 steps"; `many` where the plural is not made by an s: "2 vertices".
+/// "1 step", "2 steps"; `many` if the plural is not formed with an s: "2 vertices".
 inline std::string counted(std::int64_t count, const std::string& one, const std::string& many = {}) {
   return std::to_string(count) + " " + (count == 1 ? one : many.empty() ? one + "s" : many);
 }

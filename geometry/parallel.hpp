@@ -7,7 +7,7 @@
 namespace aussois {
 
 /// Calls f(i) for i in [0, n), on at most `threads` threads. Each call must write only to its own place i;
-/// join the places in index order. An exception thrown by f is rethrown here.
+/// combine the places in index order. An exception thrown by f is rethrown here.
 void parallel_for(int n, int threads, const std::function<void(int)>& f);
 
 }  // namespace aussois

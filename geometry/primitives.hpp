@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Simple shapes as complexes, centred at the origin unless said. Lengths in metres; each throws
-// std::invalid_argument naming the argument, its value and its bound.
+// Makes simple shapes as complexes, centred at the origin unless stated otherwise. Lengths in metres. Each
+// function throws std::invalid_argument naming the argument, its value and its bound.
 #pragma once
 
 #include "geometry/simplicial_complex.hpp"
@@ -18,7 +18,7 @@ SimplicialComplex make_plate(double x, double y, int nx = 1, int ny = 1);
 SimplicialComplex make_box(double x, double y, double z, int subdivisions = 1);  // per edge, in [1, 256]
 SimplicialComplex make_cylinder(double radius, double height, int facets);       // axis z, inscribed
 SimplicialComplex make_sphere(double radius, int subdivisions);  // icosphere, 20 * 4^subdivisions, in [0, 8]
-/// A simple polygon in the plane, counter-clockwise, drawn out from z = -height / 2 to height / 2.
+/// A simple plane polygon, given counter-clockwise, extruded from z = -height / 2 to height / 2.
 SimplicialComplex make_extrusion(const std::vector<Vec2>& profile, double height);
 SimplicialComplex make_torus(double major, double minor, int n_major, int n_minor);  // axis z, inscribed
 

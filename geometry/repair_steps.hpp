@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The steps of repair_mesh, each from a complex to a complex. Lengths in metres.
+// The steps of repair_mesh; each takes a complex and returns one. Lengths in metres.
 #pragma once
 
 #include <vector>
@@ -8,23 +8,23 @@
 
 namespace aussois {
 
-/// Edges that are no side of a triangle, for make_complex.
+/// The edges that are not a side of any triangle, for make_complex.
 std::vector<std::array<int, 2>> wires_of(const SimplicialComplex& complex);
 
 struct Welded {
   SimplicialComplex complex{};
-  std::vector<int> vertex{};  // where each vertex went
+  std::vector<int> vertex{};  // new index of each vertex
   RepairStep vertices{}, collapsed_triangles{}, collapsed_wires{};
 };
-/// Merges vertices nearer than `tolerance` (0: at the same place) (CPX-7). The one with the smallest
-/// coordinates stays where it is; in its new number it takes the place of the first of its group.
+/// Merges vertices nearer than `tolerance` (0: at the same place) (CPX-7). Of each group the vertex with the
+/// smallest coordinates stays where it is; in the new numbering it takes the place of the first of the group.
 Welded weld_vertices(const SimplicialComplex& complex, double tolerance);
 
 struct Distinct {
   SimplicialComplex complex{};
   RepairStep dropped{};
 };
-/// Keeps the first of several triangles with the same three vertices.
+/// Of several triangles with the same three vertices, keeps the first.
 Distinct drop_duplicate_triangles(const SimplicialComplex& complex);
 
 struct Flipped {
@@ -32,14 +32,14 @@ struct Flipped {
   RepairStep flipped{}, dropped{};
   int left = 0;
 };
-/// Flips the longest edge of every triangle of height up to `tolerance` into its neighbour (CPX-8), (CPX-9).
+/// Flips the longest edge of every triangle no higher than `tolerance` into its neighbour (CPX-8), (CPX-9).
 Flipped flip_slivers(const SimplicialComplex& complex, double tolerance);
 
 struct Split {
   SimplicialComplex complex{};
   RepairStep inserted{};
 };
-/// Inserts vertices into the open edges that they lie on within `tolerance`, where this makes edges meet
+/// Inserts vertices into open edges that they lie on to within `tolerance`, where this makes edges meet
 /// (CPX-10), (CPX-11).
 Split split_t_junctions(const SimplicialComplex& complex, double tolerance);
 
@@ -47,11 +47,11 @@ struct Oriented {
   SimplicialComplex complex{};
   RepairStep turned_triangles{}, turned_shells{};
   int shells = 0;       // closed and orientable
-  int one_sided = 0;    // pieces that have no orientation, left as they were
-  int flat_shells = 0;  // closed, with a volume that rounding cannot tell from zero
+  int one_sided = 0;    // pieces that cannot be oriented, left as they were
+  int flat_shells = 0;  // closed, with a volume that is zero to rounding
 };
-/// Makes the triangles of each piece agree, fewest of them turned, and closed shells face outwards, those at
-/// odd depth of nesting inwards (CPX-12).
+/// Makes the triangles of each piece agree, turning over as few as possible. Makes closed shells face
+/// outwards, those at odd nesting depth inwards (CPX-12).
 Oriented orient_surface(const SimplicialComplex& complex);
 
 }  // namespace aussois

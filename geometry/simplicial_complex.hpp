@@ -34,21 +34,21 @@ struct SimplicialComplex {
 
 /// Builds edges and incidences from triangles, wires (edges without triangles) and points (vertices alone).
 /// Throws std::invalid_argument naming the first simplex with an index out of range, a repeated vertex, or a
-/// coordinate that is not finite. `solid` is set by the caller's word and checked: every edge must have two
+/// coordinate that is not finite. `solid` is the caller's claim, and it is checked: every edge must have two
 /// triangles with opposite orientation (the message counts the offending edges), and the enclosed volume must
-/// be positive; otherwise std::invalid_argument. A wire given twice, or along a triangle, is one edge;
+/// be positive; otherwise throws std::invalid_argument. A wire given twice, or along a triangle, is one edge;
 /// triangles and vertices are kept as given, in order. O(n log n).
 SimplicialComplex make_complex(std::vector<Vec3> vertices, std::vector<std::array<int, 3>> triangles,
                                const std::vector<std::array<int, 2>>& wires = {}, bool solid = false);
 
-/// True if triangle t runs through its edge e from the lower to the higher vertex.
+/// True if triangle t traverses its edge e from the lower to the higher vertex.
 bool runs_upwards(const SimplicialComplex& complex, int t, int e);
 
 /// True if there are triangles and every edge has exactly two of them, traversed in opposite directions.
 bool is_closed_oriented(const SimplicialComplex& complex);
 
 /// Sum of the signed tetrahedra between the triangles and the first vertex (CPX-4) [m^3]: the enclosed volume
-/// if the triangles are closed and oriented, positive when they face outwards; without meaning otherwise.
+/// if the triangles are closed and oriented, positive when they face outwards; meaningless otherwise.
 double signed_volume(const SimplicialComplex& complex);
 
 /// Largest distance of a vertex from `centre` [m].
@@ -60,8 +60,7 @@ struct Box {
 };
 Box bounding_box(const SimplicialComplex& complex);
 
-/// The same complex with vertices g * (scale * x). Throws std::invalid_argument unless scale is finite and >
-/// 0.
+/// The same complex with vertices g * (scale * x). Throws std::invalid_argument unless 0 < scale < inf.
 SimplicialComplex transformed(const SimplicialComplex& complex, const SE3& g, double scale = 1.0);
 
 }  // namespace aussois

@@ -31,7 +31,7 @@ Vec3 log_so3(const Quat& R);
 Mat3 dexp_left(const Vec3& phi);
 /// Right differential: d/de exp(phi + e dphi) = exp(phi) skew(dexp_right(phi) dphi) (SO3-4).
 Mat3 dexp_right(const Vec3& phi);
-/// Inverses of the two (SO3-5), (SO3-6); defined for |phi| < 2 pi.
+/// Inverses of these two (SO3-5), (SO3-6); defined for |phi| < 2 pi.
 Mat3 dexp_left_inverse(const Vec3& phi);
 Mat3 dexp_right_inverse(const Vec3& phi);
 

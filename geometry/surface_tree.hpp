@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far is a point from a surface, and on which side? A hierarchy of boxes over the triangles of a complex,
-// for checks and measures; contacts have their own search.
+// Finds how far a point is from a surface, and on which side. A hierarchy of boxes over the triangles of a
+// complex, for checks and measurements; contacts have their own search.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,7 @@ namespace aussois {
 /// A point of the surface.
 struct SurfacePoint {
   Vec3 x = Vec3::Zero();   // [m]
-  double distance = kInf;  // from the point asked for [m]
+  double distance = kInf;  // from the query point [m]
   int triangle = -1;
   int dim = 2;      // of the simplex that carries x in its interior: 0 vertex, 1 edge, 2 triangle
   int simplex = 0;  // its index in the complex
@@ -24,25 +24,25 @@ class SurfaceTree {
   explicit SurfaceTree(const SimplicialComplex& complex);
   explicit SurfaceTree(SimplicialComplex&&) = delete;
 
-  /// The nearest point of the triangles; of several the one in the first triangle found.
+  /// The point of the triangles nearest to p; of several, the one in the first triangle found.
   SurfacePoint nearest(const Vec3& p) const;
 
-  /// Distance of p to the surface, negative inside [m]. The side is that of the angle-weighted normal at the
-  /// nearest point [Baerentzen2005]: right for solids.
+  /// Distance of p from the surface, negative inside [m]. The side is that of the angle-weighted normal at
+  /// the nearest point [Baerentzen2005]: correct for solids.
   double signed_distance(const Vec3& p) const { return signed_distance(p, nearest(p)); }
   double signed_distance(const Vec3& p, const SurfacePoint& foot) const;
 
-  /// Length of the ray from `origin` along the unit `direction` to the first triangle at more than `from`
-  /// whose outward normal n has n . direction > least_cosine; none if there is none [m].
+  /// Length [m] of the ray from `origin` along the unit `direction` to the first triangle beyond the length
+  /// `from` whose outward normal n has n . direction > least_cosine; nullopt if there is none.
   std::optional<double> first_exit(const Vec3& origin, const Vec3& direction, double from,
                                    double least_cosine) const;
 
-  const Vec3& normal(int triangle) const { return normal_[std::size_t(triangle)]; }  // unit; 0 without area
+  const Vec3& normal(int triangle) const { return normal_[std::size_t(triangle)]; }  // unit; 0: no area
 
  private:
   struct Node {
     Box box{};
-    int begin = 0, end = 0;     // of items_
+    int begin = 0, end = 0;     // range in items_
     int left = -1, right = -1;  // -1: a leaf
   };
   int build(int begin, int end, const std::vector<Box>& boxes, const std::vector<Vec3>& centres);

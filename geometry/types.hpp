@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numbers everything is made of. SI units and double throughout.
+// Defines the numbers, vectors and matrices that everything is made of. SI units and double throughout.
 #pragma once
 
 #include <limits>

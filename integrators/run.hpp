@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A run: whether it can begin at a state, how it goes on, and what it gained that nothing gave.
+// Runs: check the start, take the steps, and account for energy that nothing supplied.
 #pragma once
 
 #include <cmath>
@@ -10,27 +10,27 @@
 
 namespace aussois {
 
-/// Throws std::invalid_argument naming what is wrong, its value and its bound: what validate(model, state)
-/// refuses; bodies whose base complexes are nearer than the certificate will allow (CA-6); a body inside the
-/// solid of another (CA-19), which no step after the first looks for; a joint that is off by
-/// more than `joint_tolerance` [m, rad] (`consistent` mends that); a block or gap function whose matrices
-/// have the wrong size, or whose mass is not symmetric and positive definite.
+/// Throws std::invalid_argument naming what is wrong, its value and its bound, if validate(model, state)
+/// refuses; if base complexes of two bodies are nearer than the certificate allows (CA-6); if a body lies
+/// inside the solid of another (CA-19), which no step after the first checks; if a joint is off by more than
+/// `joint_tolerance` [m, rad] (`consistent` corrects that); or if a block or gap function has matrices of the
+/// wrong size, or a mass that is not symmetric and positive definite.
 void validate_start(const Model& model, const State& state, const AdvancementOptions& options = {},
                     double joint_tolerance = 1e-6);
 
 /// The nearest poses, in the metric of the masses, at which all joints, couplings and position motors without
-/// a limit hold (Newton, to 1e-13 m and rad or as far as rounding lets it), and the nearest velocities that
-/// keep them so, and speed motors too (MJT-13). Also the way to a consistent start.
+/// a limit hold (Newton's method, to 1e-13 m and rad or as far as rounding allows), and the nearest
+/// velocities that keep them so and also satisfy speed motors (MJT-13). Use it to make a start consistent.
 State consistent(const Model& model, const State& state);
-/// The velocities only, at the poses of the state.
+/// Corrects the velocities only, at the poses of the state.
 VecX consistent_velocity(const Model& model, const State& state);
 
-/// Steps until State::t is `t_end` [s], a step leads nowhere (it would not the next time either), or
-/// `go_on(report)`, which hears of every step, says no. Returns the report of the last step; if there is
-/// nothing to do, one of a step of length 0.
+/// Steps until State::t reaches `t_end` [s], a step leads nowhere (a repeat would not either), or
+/// `go_on(report)`, called after every step, returns false. Returns the report of the last step, or that of a
+/// step of length 0 if there is nothing to do.
 template <class AnyScheme, class GoOn>
 [[nodiscard]] StepReport run(const AnyScheme& scheme, State& state, double t_end, const GoOn& go_on) {
-  constexpr double kSameTime = 1e-12;  // relative; what the sum of many steps leaves of a run is no step
+  constexpr double kSameTime = 1e-12;  // relative; a remainder this small is rounding of the summed steps
   StepReport report;
   report.t = state.t;
   bool on = true;
@@ -41,7 +41,7 @@ template <class AnyScheme, class GoOn>
   return report;
 }
 
-/// The same, also until a report is not ok.
+/// The same, but also stops when a report is not ok.
 template <class AnyScheme, class Look>
 [[nodiscard]] StepReport run_until(const AnyScheme& scheme, State& state, double t_end, const Look& look) {
   return run(scheme, state, t_end, [&](const StepReport& report) {
@@ -54,21 +54,21 @@ template <class AnyScheme>
   return run_until(scheme, state, t_end, [](const StepReport&) {});
 }
 
-/// Told is a gain in a run of more than this, of its largest kinetic energy.
+/// A gain over a run is reported if it exceeds this fraction of the largest kinetic energy.
 inline constexpr double kGainOfRun = 1e-3;
 
 struct EnergyGain {
   double stored = 0;   // at the last state: kinetic energy, weight, springs of joints [J]
-  double above = 0;    // of it: over the lowest value so far, without what was given since [J]
-  double largest = 0;  // `above` at its largest: what the run gained [J]
-  double kinetic = 0;  // the largest so far, at least what the weight gives from rest in a step [J]
+  double above = 0;    // rise of `stored` above its lowest value so far, less what was supplied since [J]
+  double largest = 0;  // largest `above` so far: what the run gained [J]
+  double kinetic = 0;  // largest so far, at least what the weight gives from rest in a step [J]
 };
 
-/// Of a run that begins with `start`.
+/// The gain of a run that begins at `start`.
 EnergyGain energy_gain(const Model& model, const State& start);
 
-/// One more step, accepted, that led to `state`. Force laws, forces of coordinates, motors and moved bodies
-/// may give what they like.
+/// Adds one more accepted step, which led to `state`. Energy that force laws, forces of coordinates, motors
+/// and moved bodies supply is no gain.
 void add(const Model& model, const State& state, const StepReport& report, EnergyGain& gain);
 
 inline bool energy_rises(const EnergyGain& gain) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Schemes by their names: what a study compares, a driver offers and a test goes through. A new scheme is one
-// entry in scheme.cpp. (CONV-7)
+// Schemes by name, for studies that compare them, drivers that offer them and tests that loop over them. A
+// new scheme is one entry in scheme.cpp. (CONV-7)
 #pragma once
 
 #include <functional>
@@ -16,7 +16,7 @@
 
 namespace aussois {
 
-/// What a comparison of schemes sets; each scheme reads what it knows, and leaves what it does not.
+/// The settings of a comparison of schemes; each scheme reads those it knows and ignores the others.
 struct SchemeOptions {
   double h = 1e-3;                          // largest step [s], > 0
   double theta = 0.5;                       // moreau_jean, moreau_jean_projected [-], in [1/2, 1]
@@ -24,15 +24,15 @@ struct SchemeOptions {
   NewtonOptions newton{};                   // moreau_jean
   ImpactOptions impact{};                   // moreau_jean
   ProjectionOrder projection = ProjectionOrder::combined;  // moreau_jean_projected
-  NormalLawOptions normal{};  // its law: moreau_jean, passive_midpoint; the others have laws of their own
+  NormalLawOptions normal{};  // its law: moreau_jean, passive_midpoint; the others have their own laws
   JointOptions joints{};
   LmdOptions lmd{};
   ReductionOptions reduction{};
   PersistenceOptions persistence{};
-  SolverOptions solver{};  // event_driven takes a tolerance of 1e-13 if it is larger
+  SolverOptions solver{};  // event_driven lowers a larger tolerance to 1e-13
   AdvancementOptions advancement{};
   int threads = 1;
-  bool keep_problem = false;  // StepReport::problem holds what was solved; all but event_driven
+  bool keep_problem = false;  // keeps the solved problem in StepReport::problem; all but event_driven
   GroupUpdate update = GroupUpdate::exponential;         // all but event_driven
   double spectral_radius = 0.8;                          // generalised_alpha [-], in [0, 1]
   GyroscopicTerm gyroscopic = GyroscopicTerm::midpoint;  // passive_midpoint
@@ -48,19 +48,19 @@ struct Scheme {
   std::function<StepReport(State&, double h_limit)> step{};
 };
 
-/// What theory promises: the error is O(h^order).
+/// The orders that theory promises: the error is O(h^order).
 struct SchemeTraits {
-  double nonsmooth = 1;     // order over impacts and over changes between stick and slip
-  double smooth = 1;        // order where no contact changes its state, and closed ones keep their normals
-  double rolling = 1;       // the same where closed contacts roll, slide or turn on curved surfaces
+  double nonsmooth = 1;     // order across impacts and across changes between stick and slip
+  double smooth = 1;        // order where no contact changes its state and closed contacts keep their normals
+  double rolling = 1;       // the same, where closed contacts roll, slide or turn on curved surfaces
   double landing = 1;       // order in the graph of v where an impact brings a body to rest (CONV-9)
   bool restitution = true;  // false: every impact is plastic, whatever the law of the contact says
-  bool pairwise = false;    // contacts that close together are struck one after the other
+  bool pairwise = false;    // contacts that close at the same time are struck one after the other
 };
 
-/// moreau_jean for what rolls on curved surfaces (rattleback, rolling disc): contacts at the midpoint, no
-/// slip and gap in the mean velocity of the step (MJ-10). Of order two where all others are of order one; the
-/// price is that what hits bounces with e = 1.
+/// Options of moreau_jean for bodies that roll on curved surfaces (rattleback, rolling disc): contacts at the
+/// midpoint, slip and gap conditions on the mean velocity of the step (MJ-10). The order is two where that of
+/// all other schemes is one; the price is that a body that hits bounces with e = 1.
 SchemeOptions rolling_options(SchemeOptions others = {});
 
 /// One way of using a scheme that is worth comparing with others.
@@ -70,17 +70,17 @@ struct SchemeVariant {
 };
 
 std::vector<std::string> scheme_names();
-/// Every scheme whose error depends on h, with every setting that makes it another method: the rows of a
+/// Every scheme whose error depends on h, with every setting that makes it a different method: the rows of a
 /// comparison.
 std::vector<SchemeVariant> scheme_variants();
 
-/// Both throw std::invalid_argument for an unknown name, naming those there are; make_scheme also for bad
+/// Both throw std::invalid_argument for an unknown name, listing the known ones; make_scheme also for bad
 /// options and models. The model must outlive the scheme.
 SchemeTraits scheme_traits(const std::string& name, const SchemeOptions& options);
 Scheme make_scheme(const std::string& name, const Model& model, const SchemeOptions& options);
 Scheme make_scheme(const std::string& name, Model&& model, const SchemeOptions& options) = delete;
 
-/// The name with the settings that make it another method: "moreau_jean theta 0.5 combined".
+/// The name with the settings that make it a different method: "moreau_jean theta 0.5 combined".
 std::string label(const std::string& name, const SchemeOptions& options);
 
 }  // namespace aussois

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What this program was made of.
+// Says what this program was built from, and tells it from others.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,11 @@ namespace aussois {
 /// licence of this binary: ...".
 std::string build_info();
 
-/// Tells one program from another: of build_info() and the bytes of the running program, with those libraries
-/// of ours that it loads. The same sources, built again in the same place by the same compiler, give the same
-/// number; a change that does not reach the machine code of this program (a comment, another driver) does not
-/// change it either. Libraries of the system are not looked at. Read once, some 10 ms for 20 MB.
+/// A digest that tells one program from another, made from build_info() and the bytes of the running program
+/// and of those of our libraries that it loads. The same sources, built again in the same place by the same
+/// compiler, give the same number; a change that does not reach the machine code of this program (a comment,
+/// another driver) does not change it either. System libraries are ignored. Computed once, in some 10 ms for
+/// 20 MB.
 std::uint64_t program_digest();
 
 /// "aussois 0.1.0, program 0123456789abcdef": the version and program_digest().

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A table of numbers as text: one header line, one line per row, comma separated, no locale.
+// A table of numbers as text: one header line, one line per row, comma-separated, independent of the locale.
 #pragma once
 
 #include <cstddef>
@@ -15,13 +15,14 @@
 
 namespace aussois {
 
-/// Rows go to PATH.tmp, which nobody else may write meanwhile and which becomes PATH at close(). Doubles are
-/// written in the shortest form that reads back as the same bits; whole numbers without a point; nan and inf
-/// as these words. Without close() (an error, an interruption) the rows stay in PATH.tmp for `resume`.
+/// Rows go to PATH.tmp, which no other run may write meanwhile and which becomes PATH at close(). Doubles are
+/// written in the shortest form that reads back as the same bits, whole numbers without a point, nan and inf
+/// as these words. Without close() (after an error or an interruption) the rows stay in PATH.tmp for
+/// `resume`.
 class CsvTable {
  public:
-  /// Throws std::invalid_argument for no columns or a name with a comma, quote or line end;
-  /// std::runtime_error if the file cannot be created, or another run is writing it.
+  /// Throws std::invalid_argument if there are no columns or a name has a comma, quote or line end;
+  /// std::runtime_error if the file cannot be created or another run is writing it.
   CsvTable(std::filesystem::path path, const std::vector<std::string>& columns);
 
   /// Reopens PATH.tmp, keeps its first `rows` rows and cuts off the rest, even half a line. Throws

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers that are read off every step of a run. What a recording writes into its table, keeps in its
-// checkpoints and tells in the end all comes from one list of them.
+// Gauges: numbers that are read off every step of a run. One list of them sets what a recording writes into
+// its table, keeps in its checkpoints and reports at the end.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ namespace aussois {
 /// One accepted step of a run.
 struct Frame {
   const Model& model;
-  const State &start, &before, &state;  // of the run, of the step, after it
+  const State &start, &before, &state;  // at the start of the run, at the start of the step, at its end
   const StepReport& report;
   std::int64_t step = 0;  // its number, from 1
 };
@@ -25,25 +25,25 @@ struct Frame {
 enum class Keep { nothing, last, least, most, sum };
 
 struct Gauge {
-  std::string column{};  // of the table; empty: none
-  std::string total{};   // the name of what it keeps, in summary and checkpoint; empty: nothing
+  std::string column{};  // name in the table; empty: no column
+  std::string total{};   // name of its total in summary and checkpoint; empty: no total
   Keep keep = Keep::nothing;
   std::function<double(const Frame&)> value{};
   bool whole = false;  // its total is a count
 };
 
-/// Of a run without steps: infinity for the least, 0 for all others.
+/// The total of a run without steps: infinity for the least, 0 for all others.
 double total_of_nothing(Keep keep);
 double kept(Keep keep, double total, double value);
 
-/// A gauge of the kernel by the name of its column, or of its total where it has no column. Throws
-/// std::invalid_argument naming those there are.
+/// Finds a gauge of the kernel by the name of its column, or of its total if it has no column. Throws
+/// std::invalid_argument listing the known names.
 Gauge gauge(const std::string& name);
 std::vector<Gauge> gauges(const std::vector<std::string>& names);
 std::vector<std::string> gauge_names();
 
-/// Columns of a model: work:LAW of every contact law [J], work:joint:NAME [J], q:BLOCK:i and joint:NAME:axis
-/// [m, rad, or units of the block].
+/// Gauges for the columns of a model: work:LAW of every contact law [J], work:joint:NAME [J], q:BLOCK:i and
+/// joint:NAME:axis [m, rad, or units of the block].
 std::vector<Gauge> model_gauges(const Model& model);
 
 }  // namespace aussois

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What io/*.cpp needs of the HDF5 C API: handles that close themselves, whole datasets as vectors, and
+// Wraps what io/*.cpp needs of the HDF5 C API: handles that close themselves, whole datasets as vectors, and
 // columns that grow by blocks of rows. Private to io: not installed, never included by a header. Every
 // failure is a std::runtime_error "FILE: /dataset: what".
 #pragma once
@@ -37,7 +37,7 @@ class Hdf5Id {
   herr_t (*close_)(hid_t) = nullptr;
 };
 
-/// Keeps HDF5 from printing its error stack while in scope: our exceptions tell the story.
+/// Keeps HDF5 from printing its error stack while in scope: our exceptions report the error.
 class Hdf5Silence {
  public:
   Hdf5Silence();
@@ -50,7 +50,7 @@ class Hdf5Silence {
   void* data_ = nullptr;
 };
 
-/// How a C++ type lies in a row: its scalar type and the shape of one row.
+/// How a C++ type is stored in a row: its scalar type and the shape of one row.
 template <class T>
 struct Hdf5Row;
 template <>
@@ -88,7 +88,7 @@ struct Hdf5Row<Vec3> : Hdf5Row<double> {
   static std::vector<hsize_t> shape() { return {3}; }
 };
 template <>
-struct Hdf5Row<Mat3> : Hdf5Row<double> {  // symmetric ones only: Eigen stores columns, HDF5 rows
+struct Hdf5Row<Mat3> : Hdf5Row<double> {  // only for symmetric matrices: Eigen stores columns, HDF5 rows
   static std::vector<hsize_t> shape() { return {3, 3}; }
 };
 template <class T, std::size_t n>
@@ -100,7 +100,7 @@ struct Hdf5Row<std::array<T, n>> : Hdf5Row<T> {
   }
 };
 
-Hdf5Id create_hdf5(const std::filesystem::path& path);  // fails where a file is already
+Hdf5Id create_hdf5(const std::filesystem::path& path);  // fails if the file exists
 enum class Hdf5Access { read, write };
 Hdf5Id open_hdf5(const std::filesystem::path& path, Hdf5Access access);
 void flush_hdf5(hid_t file);
@@ -112,12 +112,12 @@ std::string read_text(hid_t file, const std::string& object, const std::string& 
 std::vector<std::string> attribute_names(hid_t file, const std::string& object);  // sorted
 void write_texts(hid_t file, const std::string& name, const std::vector<std::string>& texts);
 std::vector<std::string> read_texts(hid_t file, const std::string& name);
-/// One text as a dataset without extent, closed by a zero, as H5LTmake_dataset_string writes it.
+/// Writes one text as a dataset without extent, null-terminated, as H5LTmake_dataset_string writes it.
 void write_text_dataset(hid_t file, const std::string& name, const std::string& text);
-/// Of fixed or variable length.
+/// Reads a text of fixed or variable length.
 std::string read_text_dataset(hid_t file, const std::string& name);
 
-/// Values of a data space, as far as kManyValues: HDF5 multiplies modulo 2^64.
+/// Number of values in a data space, at most kManyValues: HDF5 multiplies modulo 2^64.
 hsize_t value_count(hid_t space);
 inline constexpr hsize_t kManyValues = hsize_t{1} << 62;
 
@@ -127,17 +127,17 @@ void check_format(hid_t file, const std::string& format, const std::string& vers
 void make_group(hid_t file, const std::string& name);
 std::vector<std::string> group_names(hid_t file, const std::string& group);  // sorted
 bool has_link(hid_t file, const std::string& name);                          // its parent must exist
-/// Fails unless the dataset holds integers: HDF5 would cut other numbers silently.
+/// Fails unless the dataset holds integers: HDF5 would truncate other numbers silently.
 void check_integers(hid_t file, const std::string& name);
 
 /// A dataset of shape [rows, row_shape...] that grows at its end.
 class Hdf5Column {
  public:
   Hdf5Column() = default;
-  /// Creates it, empty; `unit` becomes an attribute unless empty.
+  /// Creates the dataset, empty; `unit` becomes an attribute unless it is empty.
   Hdf5Column(hid_t file, std::string name, hid_t type, std::vector<hsize_t> row_shape, hsize_t chunk_rows,
              const std::string& unit);
-  /// Opens it and checks the shape of its rows.
+  /// Opens the dataset and checks the shape of its rows.
   static Hdf5Column open(hid_t file, std::string name, hid_t type, std::vector<hsize_t> row_shape);
 
   void append(const void* data, hsize_t rows);
@@ -166,8 +166,8 @@ void write_rows(hid_t file, const std::string& name, const std::vector<T>& rows,
       .append(rows.data(), rows.size());
 }
 
-/// A dataset that will not grow: small ones inside their header, large ones compressed. Seventy bytes more
-/// than its values where a column that can grow takes three thousand.
+/// Writes a dataset that will not grow: small ones inside their header, large ones compressed. It takes
+/// seventy bytes more than its values; a column that can grow takes three thousand more.
 void write_fixed(hid_t file, const std::string& name, hid_t type, const void* data, hsize_t count);
 template <class T>
 void write_fixed(hid_t file, const std::string& name, const std::vector<T>& values) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page io/viewer/dist/template.html with one blob pasted in: base64(gzip(u32 n, JSON of n bytes,
-// arrays)). The JSON names the arrays, all of four-byte little-endian numbers, in the order in which they
-// follow.
+// Makes the page io/viewer/dist/template.html with one blob pasted in: base64(gzip(u32 n, JSON of n bytes,
+// arrays)). The JSON names the arrays in the order in which they follow; all consist of four-byte
+// little-endian numbers.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +32,7 @@ class PageArrays {
   std::string bytes_{};
 };
 
-/// Writes the page at once (see write_whole_file). Throws std::runtime_error if it cannot be written.
+/// Writes the page atomically (see write_whole_file). Throws std::runtime_error if it cannot be written.
 void write_page(const std::filesystem::path& html, Summary header, const PageArrays& arrays);
 
 }  // namespace aussois

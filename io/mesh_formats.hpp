@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Inside of read_mesh: one reader per format, and what they share. Readers check every index and every
-// coordinate; collapsed triangles, unused vertices and the scale are the business of read_mesh.
+// The internals of read_mesh: one reader per format, and what they share. Readers check every index and every
+// coordinate; collapsed triangles, unused vertices and the scale are left to read_mesh.
 #pragma once
 
 #include <algorithm>

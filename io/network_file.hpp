@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Networks and learned selectors as text files: sizes, scaling, weights and places, with hexadecimal floats,
-// so that what is read has the bits of what was written. doc/theory/peg_plate.md describes the format.
+// Reads and writes networks and learned selectors as text files: sizes, scaling, weights and places. Floats
+// are hexadecimal, so that they read back with the same bits. doc/theory/peg_plate.md describes the format.
 #pragma once
 
 #include <filesystem>
@@ -9,12 +9,12 @@
 
 namespace aussois {
 
-/// Throw std::invalid_argument for what is not valid, std::runtime_error if the file cannot be written.
+/// Throw std::invalid_argument for invalid input, std::runtime_error if the file cannot be written.
 void write_network(const std::filesystem::path& path, const Network& network);
 void write_selector(const std::filesystem::path& path, const LearnedSelector& selector);
 
 /// Throw std::runtime_error "path:line: ..." for a file that is missing or not of this format. A selector's
-/// file is also one of its network; the other way round there are no places, and read_selector throws.
+/// file can also be read as its network. A network's file has no places, so read_selector throws.
 Network read_network(const std::filesystem::path& path);
 LearnedSelector read_selector(const std::filesystem::path& path);
 

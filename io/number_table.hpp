@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measured data as text: a header line that names the columns, then rows of finite numbers, comma separated.
+// Reads measured data from text: a header line that names the columns, then rows of finite numbers,
+// comma-separated.
 #pragma once
 
 #include <filesystem>
@@ -10,15 +11,15 @@ namespace aussois {
 
 struct NumberTable {
   std::vector<std::string> columns{};
-  std::vector<std::vector<double>> rows{};  // as many numbers as columns each
+  std::vector<std::vector<double>> rows{};  // each as long as `columns`
 };
 
 /// Throws std::runtime_error "path:line: what" for a missing or empty file, a column that is named twice, a
-/// row of another length, or a field that is no finite number. Lines that are empty or begin with # are
+/// row of another length, or a field that is not a finite number. Lines that are empty or begin with # are
 /// skipped.
 NumberTable read_number_table(const std::filesystem::path& path);
 
-/// The place of a column; throws std::runtime_error naming the file, the column and those there are.
+/// The index of a column; throws std::runtime_error naming the file, the column and the columns that exist.
 std::size_t column_of(const NumberTable& table, const std::string& name, const std::filesystem::path& path);
 
 }  // namespace aussois

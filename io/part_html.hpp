@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A part as one self-contained page: layers of surfaces, lines and points in colours, each with a switch, and
-// a table of facts.
+// Writes a part as one self-contained page: coloured layers of surfaces, lines and points, each with a
+// switch, and a table of facts.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ struct SurfaceLayer {
   std::vector<Vec3> vertices{};  // [m]
   std::vector<std::array<int, 3>> triangles{};
   std::vector<Colour> colour{};  // of each triangle
-  double opacity = 1;            // in (0, 1]; below 1 only the side that faces the eye is drawn
+  double opacity = 1;            // in (0, 1]; below 1 only the side that faces the viewer is drawn
   bool shown = true;
 };
 
@@ -48,9 +48,9 @@ struct PartPicture {
   std::vector<std::pair<std::string, std::string>> facts{};  // name and value, as shown
 };
 
-/// Writes the page at once (see write_whole_file). Coordinates are moved near the origin before they become
-/// float32. Throws std::invalid_argument if a layer has not one colour for each item or a triangle names a
-/// vertex that does not exist, std::runtime_error if the page cannot be written.
+/// Writes the page atomically (see write_whole_file). Coordinates are moved near the origin before they
+/// become float32. Throws std::invalid_argument if a layer does not have one colour for each item or a
+/// triangle names a vertex that does not exist, std::runtime_error if the page cannot be written.
 void write_part_html(const std::filesystem::path& html, const PartPicture& picture);
 
 }  // namespace aussois

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Recorded poses as CSV: a header that names the columns x, y, z, qw, qx, qy, qz, and t if the poses have
-// times, in any order; other columns (index, remarks) are skipped; lines that are empty or begin with # as
-// well. A row is the pose g_ab of a moving frame b seen from a: x_a = R(q) x_b + p, quaternion scalar part
-// qw.
+// Reads and writes recorded poses as CSV. A header names the columns x, y, z, qw, qx, qy, qz, and t if the
+// poses have times, in any order. Other columns (index, remarks) are skipped, and so are lines that are empty
+// or begin with #. A row is the pose g_ab of a moving frame b seen from a: x_a = R(q) x_b + p, quaternion
+// scalar part qw.
 #pragma once
 
 #include <filesystem>
@@ -14,13 +14,13 @@ namespace aussois {
 
 struct PoseFile {
   std::vector<double> t{};  // ascending [s]; empty if the file has no column t
-  std::vector<SE3> pose{};  // [m] if `scale` was metres per unit of the file; R is unit and keeps to one
+  std::vector<SE3> pose{};  // [m] if `scale` was metres per unit of the file; R is unit and stays in one
                             // hemisphere: no quaternion has a negative dot product with the one before
-  std::vector<int> line{};  // of the file; nothing to write_poses
+  std::vector<int> line{};  // line of the file; write_poses ignores it
 };
 
 /// Reads at least two poses and multiplies positions by `scale`. Throws std::runtime_error "path:line: what"
-/// for a missing file or column, a field that is no finite number, | |q| - 1 | > 1e-6, times that do not
+/// for a missing file or column, a field that is not a finite number, | |q| - 1 | > 1e-6, times that do not
 /// ascend strictly; std::invalid_argument unless scale is finite and > 0.
 PoseFile read_poses(const std::filesystem::path& path, double scale);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// replay.html: a run as one self-contained page that any browser plays, from a disk and without a network.
+// Writes replay.html: a run as one self-contained page that any browser plays from a disk, without a network.
 #pragma once
 
 #include <filesystem>
@@ -10,17 +10,17 @@ namespace aussois {
 
 struct ReplayOptions {
   int max_frames = 600;        // poses and contacts shown; more are thinned evenly, which the page says; >= 2
-  int max_plot_points = 4000;  // of a curve; beyond, each keeps the worst value of its bucket; >= 2
+  int max_plot_points = 4000;  // per curve; beyond that, each point keeps the worst value of its bucket; >= 2
 };
 
-/// Writes the page at once (see write_whole_file). Coordinates are moved near the origin before they become
-/// float32. Throws std::invalid_argument for a run without steps or a bad option, std::runtime_error if it
-/// cannot be written.
+/// Writes the page atomically (see write_whole_file). Coordinates are moved near the origin before they
+/// become float32. Throws std::invalid_argument for a run without steps or a bad option, std::runtime_error
+/// if the page cannot be written.
 void write_replay_html(const std::filesystem::path& html, const RunData& run,
                        const ReplayOptions& options = {});
 
-/// The same of a run file; memory holds what the page shows and one block of steps, however long the run is.
-/// Throws std::runtime_error as RunReader does, too.
+/// The same for a run file; memory holds what the page shows and one block of steps, however long the run is.
+/// Also throws std::runtime_error as RunReader does.
 void write_replay_html(const std::filesystem::path& html, RunReader& run, const ReplayOptions& options = {});
 
 }  // namespace aussois

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// run.h5: everything that happened in a run, one row per recorded step. The layout is in doc/run_file.md;
-// here it is plain data, without a model or a scheme (io/record.hpp makes it from theirs).
+// Reads and writes run.h5: everything that happened in a run, one row per recorded step. doc/run_file.md has
+// the layout; the types here are plain data, without a model or a scheme (io/record.hpp makes them from
+// those).
 #pragma once
 
 #include <array>
@@ -29,7 +30,8 @@ struct RunBody {
   double dilation = 0;          // of the mesh [m]
   double mass = 0;              // [kg]; 0 where it has no meaning
   Mat3 inertia = Mat3::Zero();  // about the centre of mass, body frame [kg m^2]
-  int moving_vertices = 0;      // those of its mesh if it deforms: every step has them (RunStep::vertices)
+  int moving_vertices = 0;      // number of vertices of its mesh if it deforms: every step has them
+                                // (RunStep::vertices)
 };
 
 struct RunJointName {
@@ -73,9 +75,9 @@ struct RunJoint {
   Vec3 force = Vec3::Zero();       // of what it locks, at the joint, world [N]
   Vec3 torque = Vec3::Zero();      // the same [N m]
   Vec3 effort = Vec3::Zero();      // along its axes: stops, dry friction, motors [N, N m]
-  double translation_error = 0;    // by how much it is off [m]
+  double translation_error = 0;    // how far it is off [m]
   double rotation_error = 0;       // [rad]
-  // Done in the step (JointWork) [J]
+  // Work done in the step (JointWork) [J]
   double work_locked = 0, work_couplings = 0, work_stops = 0, work_friction = 0, work_motors = 0,
          work_springs = 0, work_supports = 0;
 };
@@ -96,10 +98,10 @@ struct RunStep {
   int status = 0;  // 0 ok, 1 refused, 2 not finite
   double h = 0;    // length of the step [s]
   int attempts = 0, contacts_found = 0, contacts_kept = 0, contacts_matched = 0, certificate_rounds = 0;
-  // Of the contacts found: recognised by their features, by incident ones, by their place, or new. Inherited:
-  // contacts that are gone and left their impulse to a neighbour.
+  // Of the contacts found: recognised by their features, by incident features, by their place, or new.
+  // Inherited: contacts that vanished and left their impulse to a neighbour.
   int matched_by_key = 0, matched_by_adjacency = 0, matched_by_geometry = 0, unmatched = 0, inherited = 0;
-  double threshold = 0;             // within which contacts were looked for [m]
+  double threshold = 0;             // search distance for contacts [m]
   double min_gap = kInf;            // of the contacts found, at the start of the step [m]
   double min_base_distance = kInf;  // lower bound over the step [m]
 
@@ -112,14 +114,14 @@ struct RunStep {
   double gyroscopic_work = 0, joint_work = 0;
   double numerical_work = 0;   // of the scheme itself
   double energy_residual = 0;  // of the discrete balance
-  double impulse_gain = 0;     // that contacts gave on their own
-  double joint_time = 0;       // that the forces of joints are means about [s]
+  double impulse_gain = 0;     // work that contacts gave on their own
+  double joint_time = 0;       // time that joint forces are means about [s]
 
   Vec3 coupling_force = Vec3::Zero();   // of the virtual coupling, on its body, world [N]
   Vec3 coupling_torque = Vec3::Zero();  // the same, body frame [N m]
 
   double seconds_contact = 0, seconds_solve = 0, seconds_certificate = 0,
-         seconds_total = 0;  // that passed [s]
+         seconds_total = 0;  // elapsed [s]
 };
 
 struct RunData {
@@ -127,21 +129,20 @@ struct RunData {
   std::vector<RunStep> steps{};
 };
 
-/// Appends steps to PATH.tmp in blocks, each flushed, and renames it to PATH at close(). A killed process
-/// leaves PATH.tmp readable up to the last flushed block. Nobody else may write PATH.tmp meanwhile.
+/// Appends steps to PATH.tmp in blocks, each flushed, and renames it to PATH at close(). If the process is
+/// killed, PATH.tmp stays readable up to the last flushed block. No other run may write PATH.tmp meanwhile.
 class RunWriter {
  public:
-  // Steps per write: one by one is fifty times slower (2000 frames, 3 bodies)
+  // Steps per write: one at a time is fifty times slower (2000 frames, 3 bodies)
   static constexpr int kBlock = 64;
 
-  /// Throws std::invalid_argument for a header that does not fit together (a mesh that is missing, an index
-  /// out of range, a mesh name with '/'), std::runtime_error if the file cannot be created, or
-  /// another run is writing it.
+  /// Throws std::invalid_argument for an inconsistent header (a missing mesh, an index out of range, a mesh
+  /// name with '/'), std::runtime_error if the file cannot be created or another run is writing it.
   RunWriter(std::filesystem::path path, const RunHeader& header);
 
-  /// Reopens PATH.tmp, keeps its first `rows` steps and forgets the rest: what is appended then makes the
-  /// same data as a run that was never interrupted. Throws std::runtime_error if PATH.tmp is missing,
-  /// damaged, shorter, or another run is writing it.
+  /// Reopens PATH.tmp, keeps its first `rows` steps and drops the rest; with what is appended then, it holds
+  /// the same data as a run that was never interrupted. Throws std::runtime_error if PATH.tmp is missing,
+  /// damaged or shorter, or if another run is writing it.
   static RunWriter resume(std::filesystem::path path, std::size_t rows);
 
   RunWriter(RunWriter&&) noexcept;
@@ -150,7 +151,7 @@ class RunWriter {
 
   /// Throws std::invalid_argument unless sizes fit the bodies, and step and time ascend.
   void append(RunStep step);
-  void note(const std::string& name, const std::string& text);  // into the notes of the header
+  void note(const std::string& name, const std::string& text);  // adds to the notes of the header
   void flush();  // to the disk; call it before a checkpoint counts the rows
   void close();
   std::size_t rows() const;  // appended so far, flushed or not
@@ -161,7 +162,7 @@ class RunWriter {
   std::unique_ptr<Impl> impl_;
 };
 
-/// A run file, read in blocks: memory holds kBlock steps, however long the run is.
+/// Reads a run file in blocks: memory holds kBlock steps, however long the run is.
 class RunReader {
  public:
   static constexpr std::size_t kBlock = RunWriter::kBlock;
@@ -173,7 +174,8 @@ class RunReader {
 
   const RunHeader& header() const;
   std::size_t steps() const;
-  /// The row, until the next call. Throws as read_run does, std::invalid_argument beyond the last row.
+  /// The row, valid until the next call. Throws as read_run does, and std::invalid_argument beyond the last
+  /// row.
   const RunStep& step(std::size_t row);
 
  private:

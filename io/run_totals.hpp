@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a run adds up beside its gauges: who was recognised, what was gained, what its audit found, and of
-// whom no certificate speaks; for summaries and checkpoints.
+// Totals of a run besides its gauges, for summaries and checkpoints: contacts recognised, energy gained, what
+// the audit found, and what no certificate covers.
 #pragma once
 
 #include "integrators/prove/path_audit.hpp"
@@ -11,16 +11,16 @@
 
 namespace aussois {
 
-/// Of the contacts of all steps.
+/// Counts of the contacts of all steps.
 struct MatchTotals {
   std::int64_t by_key = 0, by_adjacency = 0, by_geometry = 0, unmatched = 0;  // of those found
   std::int64_t inherited = 0;                                                 // of those gone
 };
 
-/// Of whom the certificates of a run do not speak.
+/// What the certificates of a run do not cover.
 struct Uncertified {
-  std::int64_t passing_pairs = 0;    // most in a step (StepReport::passing_pairs)
-  std::int64_t driven_overlaps = 0;  // steps with one (StepReport::driven_overlaps)
+  std::int64_t passing_pairs = 0;    // most in one step (StepReport::passing_pairs)
+  std::int64_t driven_overlaps = 0;  // number of steps with any (StepReport::driven_overlaps)
   double driven_t = kInf;            // start of the first of them [s]
 };
 
@@ -31,20 +31,21 @@ struct RunTotals {
   Uncertified uncertified{};
 };
 
-/// Of a run that begins at `start`; `samples`: PathAudit::samples.
+/// The totals of a run that begins at `start`; `samples`: PathAudit::samples.
 RunTotals run_totals(const Model& model, const State& start, int samples);
 void add(const Frame& frame, int threads, RunTotals& totals);
 
-/// matched_by_key, matched_by_adjacency, matched_by_geometry, unmatched, inherited, and match_share: of the
-/// contacts found, those known from the step before [-], 0 without contacts; energy_gain, the largest of the
-/// run [J]; passing_pairs, driven_overlaps, driven_overlap_t [s; null: none]; with an audit certify_samples,
-/// certify_steps, certify_violations, certify_nested, certify_uncovered, certify_min_distance [m; null: no
-/// two bodies came near] and certify_skipped, the names of the pairs that nobody looks at.
+/// Sets matched_by_key, matched_by_adjacency, matched_by_geometry, unmatched, inherited, and match_share: of
+/// the contacts found, the share known from the step before [-], 0 without contacts; energy_gain, the largest
+/// of the run [J]; passing_pairs, driven_overlaps, driven_overlap_t [s; null: none]; with an audit
+/// certify_samples, certify_steps, certify_violations, certify_nested, certify_uncovered,
+/// certify_min_distance [m; null: no two bodies came near] and certify_skipped, the names of the pairs that
+/// neither certificate nor audit looks at.
 void set(const RunTotals& totals, const Model& model, Summary& summary);
 /// The names of pairs that neither certificate nor audit looks at: "lid and box".
 std::vector<std::string> names_of_skipped(const Model& model);
 
-/// In the names of a checkpoint: all but how many samples were asked for.
+/// Keeps the totals under names of a checkpoint: all but the number of samples asked for.
 void keep(const RunTotals& totals, Checkpoint& checkpoint);
 RunTotals run_totals_of(const Checkpoint& checkpoint, int samples);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prepared shapes kept in files, so that the next run need not prepare them again. A file holds the tables of
-// an LmdShape bit for bit, under a key made of what they follow from: mesh, dilation, options, program. A
-// file that is damaged, or of another key, is told and replaced, never used. See
+// Keeps prepared shapes in files, so that the next run need not prepare them again. A file holds the tables
+// of an LmdShape bit for bit, under a key made of what determines them: mesh, dilation, options, program. A
+// file that is damaged or has another key is reported and replaced, never used. See
 // doc/howto/keep_prepared_shapes.md.
 #pragma once
 
@@ -14,17 +14,18 @@
 
 namespace aussois {
 
-/// Of vertices, triangles, wires, the word solid, dilation, options, build_info() and the version of the
-/// format: two shapes with the same key have the same tables, but for an accident of 64 bits.
+/// The key made of vertices, triangles, wires, the word solid, dilation, options, build_info() and the
+/// version of the format: two shapes with the same key have the same tables, except by an accident of 64
+/// bits.
 std::uint64_t shape_key(const DilatedShape& shape, const LmdShapeOptions& options = {});
 
 /// Writes under a temporary name of its own, then renames: any number of processes may write the same file.
-/// Throws std::runtime_error with the path and leaves no temporary file.
+/// On failure throws std::runtime_error with the path and leaves no temporary file.
 void write_lmd_shape(const std::filesystem::path& path, const LmdShape& shape, std::uint64_t key);
 
-/// The shape as it was written, bit for bit. Throws std::runtime_error with file, table and reason if the
-/// file is missing, not of this format, version or key, or damaged: the checksum of the file, the sizes of
-/// the tables, every index and every number are looked at.
+/// Reads the shape as it was written, bit for bit. Throws std::runtime_error with file, table and reason if
+/// the file is missing, not of this format, version or key, or damaged: the checksum of the file, the sizes
+/// of the tables, every index and every number are checked.
 LmdShape read_lmd_shape(const std::filesystem::path& path, std::uint64_t key);
 
 struct CachedShape {
@@ -32,16 +33,17 @@ struct CachedShape {
   bool loaded = false;           // from `file`; otherwise prepared
   std::filesystem::path file{};  // where the shape is kept; empty without a cache
   bool kept = false;             // `file` holds the shape now
-  std::string warning{};         // a file that could not be used, or not be written; the shape is good
+  std::string warning{};         // why a file could not be used or written; the shape is good
 };
 
 /// prepare(shape, options), or the same bits from FOLDER/KEY.h5, which is written if it is missing or
-/// unusable. The folder is made if needed; an empty path means no cache. A cache that does not work costs
-/// time and a warning, never the run. Throws as prepare does. One thread at a time, as all of io.
+/// unusable. The folder is created if needed; an empty path means no cache. A cache that does not work costs
+/// time and a warning, never the run. Throws as prepare does. Use it from one thread at a time, like all of
+/// io.
 CachedShape prepare_cached(DilatedShape shape, const LmdShapeOptions& options,
                            const std::filesystem::path& folder);
 
-/// "loaded from FILE", or "prepared, kept in FILE", or "prepared" where the warning says why it is not kept.
+/// "loaded from FILE", or "prepared, kept in FILE", or "prepared" if it is not kept (the warning says why).
 std::string to_string(const CachedShape& shape);
 
 }  // namespace aussois

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The few numbers of a run that scripts read: ordered keys, written as JSON.
+// The summary of a run: the few numbers that scripts read, under ordered keys, written as JSON.
 #pragma once
 
 #include <concepts>
@@ -19,8 +19,7 @@ struct Summary {
   std::vector<std::pair<std::string, SummaryValue>>
       entries{};  // keys are unique, in the order of their first `set`
 
-  /// Replaces the value of a known key in its place, else appends. Throws std::invalid_argument for an empty
-  /// key.
+  /// Replaces the value of a known key in place, else appends. Throws std::invalid_argument for an empty key.
   void set(const std::string& key, SummaryValue value);
   void set(const std::string& key, const char* text) { set(key, SummaryValue(std::string(text))); }
   template <std::integral Integer>
@@ -29,11 +28,11 @@ struct Summary {
   }
 };
 
-/// JSON text with a line per key; doubles read back as the same bits; numbers that are not finite become
+/// JSON text with one line per key; doubles read back as the same bits; numbers that are not finite become
 /// null; bytes that are not UTF-8 become U+FFFD.
 std::string to_json(const Summary& summary);
 
-/// Writes to_json at once (see write_whole_file). Throws std::runtime_error with the path.
+/// Writes to_json atomically (see write_whole_file). Throws std::runtime_error with the path.
 void write_summary(const std::filesystem::path& path, const Summary& summary);
 
 }  // namespace aussois

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Text in and out: whole files read at once, tokens that know their line, numbers that read back. Every
-// complaint about a file is a std::runtime_error "path:line: what, value, bound".
+// Reads and writes text: whole files read at once, tokens that know their line, numbers that read back
+// unchanged. Every error in a file is a std::runtime_error "path:line: what, value, bound".
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ std::string read_file(const std::filesystem::path& path);
 /// Appends number_text(value).
 void append_number(std::string& text, double value);
 
-/// The printable start of a token in quotes, for messages: broken files put anything into a token.
+/// The printable start of a token, in quotes, for messages: broken files may have anything in a token.
 std::string quoted(std::string_view token);
 
 /// Walks through a text by tokens (separated by blanks) or by lines. The text must outlive the reader.
@@ -25,16 +25,16 @@ class TextReader {
  public:
   TextReader(std::filesystem::path path, std::string_view text);
 
-  /// The next token, over line ends; empty at the end of the text.
+  /// The next token, across line ends; empty at the end of the text.
   std::string_view token();
   /// What is left of the current line, without its line end; the reader moves to the next line.
   std::string_view rest_of_line();
-  /// The tokens of the next line that has any, without the comment that `comment` begins; a line that ends in
-  /// `continuation` goes on in the next. False at the end of the text. Give 0 for what the format does not
-  /// have.
+  /// The tokens of the next line that has any, without a comment that begins with `comment`; a line that ends
+  /// in `continuation` continues on the next. False at the end of the text. Pass 0 for what the format does
+  /// not have.
   bool next_line(std::vector<std::string_view>& tokens, char comment, char continuation = 0);
 
-  /// The comma separated fields, without blanks around them, of the next line that is neither empty nor
+  /// The comma-separated fields, without blanks around them, of the next line that is neither empty nor
   /// begins with #. False at the end of the text.
   bool next_row(std::vector<std::string_view>& fields);
 
@@ -46,9 +46,9 @@ class TextReader {
 
   /// A finite number; `name` names it in the message: "part.obj:12: y = nan must be finite".
   double number(std::string_view token, const char* name) const;
-  /// The same for values that may be nan or infinite, because nobody needs them.
+  /// The same for values that may be nan or infinite, because they are not used.
   double any_number(std::string_view token, const char* name) const;
-  /// An integer of 64 bits.
+  /// A 64-bit integer.
   std::int64_t integer(std::string_view token, const char* name) const;
 
   [[noreturn]] void fail(const std::string& what) const { fail_at(token_line_, what); }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Proof that two base complexes keep their distance along a whole step (CA-6) to (CA-8): every pair of
-// simplices that could come near is separated by a plane for all times of the step. No normal cones, no
-// classes: all pairs count.
+// Proves that two base complexes keep their distance along a whole step (CA-6) to (CA-8): every pair of
+// simplices that could come near is separated by a plane at all times of the step. Uses no normal cones and
+// no classes: all pairs count.
 #pragma once
 
 #include <span>
@@ -15,38 +15,38 @@ struct MovingShape {
   const LmdShape* shape = nullptr;  // at the start of the step
   SE3 g_bs{};                       // shape frame in the body frame
   RigidMotion motion{};
-  // Of the vertices in the frame of the shape, constant, if it deforms [m/s]; empty: it does not
+  // Constant velocities of the vertices of a deforming shape, in its frame [m/s]; empty: it does not deform
   std::span<const Vec3> velocity{};
 };
 
 struct CertificateOptions {
   double required = 0;    // distance that must never be undercut [m], > 0
-  double wanted = 0;      // pairs that surely stay farther apart are not looked at closer [m], >= required
-  int max_halvings = 12;  // of the time of a pair of simplices before it counts as failed
+  double wanted = 0;      // pairs certain to stay farther apart are not examined further [m], >= required
+  int max_halvings = 12;  // of the time interval of a pair of simplices before the pair counts as failed
   int threads = 1;
-  // Direction from a to b, world, that is tried for both shapes as a whole before anything else: any is safe,
-  // a contact's normal settles convex shapes (CA-15). Zero: none.
+  // Direction from a to b, world, tried first, for both shapes as a whole: any direction is safe, and a
+  // contact's normal settles convex shapes (CA-15). Zero: none.
   Vec3 axis = Vec3::Zero();
 };
 
 struct Certificate {
   bool certified = false;
   double min_distance = kInf;  // lower bound over the step if certified, at most `wanted` [m]
-  long simplex_pairs = 0;      // looked at
-  long rounds = 0;             // intervals of time that pairs were looked at
+  long simplex_pairs = 0;      // examined
+  long rounds = 0;             // time intervals over which pairs were examined
 };
 
 Certificate certify(const MovingShape& a, const MovingShape& b, double dt, const CertificateOptions& options);
 
 struct BaseDistance {
   double distance = kInf;     // [m]
-  long simplex_pairs = 0;     // looked at
-  Vec3 place = Vec3::Zero();  // where A is that near, world [m]; of no meaning at the cutoff
+  long simplex_pairs = 0;     // examined
+  Vec3 place = Vec3::Zero();  // where A is that near, world [m]; meaningless at the cutoff
 };
 
-/// Smallest distance of the base complexes at s = 0 [m], if it is below `cutoff`; otherwise `cutoff`. What is
-/// surely farther apart than the smallest so far is not looked at: where surfaces conform, a cutoff near the
-/// distance saves most of the work.
+/// Smallest distance of the base complexes at s = 0 [m], if it is below `cutoff`; otherwise `cutoff`. Pairs
+/// certainly farther apart than the smallest distance so far are skipped: where surfaces conform, a cutoff
+/// near the distance saves most of the work.
 BaseDistance find_base_distance(const MovingShape& a, const MovingShape& b, double cutoff, int threads = 1);
 /// `find_base_distance(...).distance` [m].
 double base_distance(const MovingShape& a, const MovingShape& b, double cutoff, int threads = 1);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The 5D+1 hierarchy (LMD-9): around the simplices of each class a ball, an oriented box and a cap of the
-// normal cones. Four children per node, side by side in single precision, rounded outwards, so that one
-// instruction tests four.
+// Builds the 5D+1 hierarchy (LMD-9): around the simplices of each class a ball, an oriented box and a cap of
+// the normal cones. A node holds four children side by side, in single precision and rounded outwards, so
+// that one instruction tests four.
 #pragma once
 
 #include <cstdint>
@@ -11,16 +11,16 @@
 
 namespace aussois {
 
-/// Four children; lengths in the frame of the shape moved to its centre [m].
+/// Four children; lengths in the frame of the shape, relative to its centre [m].
 struct alignas(64) ConeNode {
   // What every test reads.
   float c[3][4];           // centres of balls and boxes
-  float r[4];              // of the balls; -1 for a child that is not there
+  float r[4];              // of the balls; -1 for a missing child
   float axis[3][4];        // of the caps, unit
   float cos[4], sin[4];    // of their half angles; (-1, 0): any direction
   std::uint32_t child[4];  // a node, or the first simplex of a bucket
   std::uint32_t count[4];  // simplices in the bucket; 0: a node
-  // What is read where balls and caps say yes.
+  // Read only if the tests of balls and caps say yes.
   float u[2][3][4];  // two axes of the boxes, the third is their product; u[k][i]: coordinate i of axis k
   float h[3][4];     // their half sides
 };
@@ -33,10 +33,10 @@ struct ConeTreeItem {
   double half_angle = kPi;
 };
 
-/// Simplices of a bucket at most.
+/// Largest number of simplices in a bucket.
 inline constexpr int kBucket = 4;
 
-/// A tree over simplices of one class; it owns the order of its simplices.
+/// A tree over simplices of one class; it determines their order.
 struct ConeTree {
   std::vector<ConeNode> nodes{};  // the root first; empty without simplices
 };

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a contact changes when its bodies move: first and second derivatives of gap, normal, feet and slip
-// (KIN-1) to (KIN-9). Twists are those of the state: v of the body's origin (centre of mass) in the world,
-// omega in the body. Valid while the feet stay on their simplices; across a handover first derivatives are
-// continuous, second ones jump.
+// Computes how a contact changes when its bodies move: first and second derivatives of gap, normal, feet and
+// slip (KIN-1) to (KIN-9). Twists are those of the state: v of the body's origin (centre of mass) in the
+// world, omega in the body. Valid while the feet stay on their simplices; across a handover first derivatives
+// are continuous, second ones jump.
 #pragma once
 
 #include "lmd/contact_point.hpp"
@@ -22,13 +22,13 @@ enum class KinematicsStatus {
 };
 const char* to_string(KinematicsStatus status);
 
-/// Linear maps act on a Vec12 of twists. Where the status is not ok, those of second order and those of the
-/// feet and the normal are zero; gap_rate and slip are valid always.
+/// Linear maps act on a Vec12 of twists. Unless the status is ok, those of second order and those of the feet
+/// and the normal are zero; gap_rate and slip are always valid.
 struct ContactKinematics {
   KinematicsStatus status = KinematicsStatus::ok;
   Vec3 foot_a = Vec3::Zero(), foot_b = Vec3::Zero();  // on the base simplices, world [m]
   double distance = 0;                                // of the feet: gap + both dilations [m]
-  double sin_psi = 1;                                 // sine of the angle of two crossing edges; 1 otherwise
+  double sin_psi = 1;                                 // sine of the angle between crossing edges; 1 otherwise
   Row12 gap_rate = Row12::Zero();                     // gap' = gap_rate xi: the wrench of a unit normal force
   Mat12 gap_hessian = Mat12::Zero();      // gap'' = xi^T gap_hessian xi for constant twists; symmetric
   Mat3x12 normal_rate = Mat3x12::Zero();  // n' = normal_rate xi, world [1/s]
@@ -38,14 +38,14 @@ struct ContactKinematics {
                                           // that of B at contact.x_b, world [m/s]
 };
 
-/// `contact` as find_contacts gave it for `a` and `b`; g_a and g_b are the poses of the two bodies whose
-/// twists move the shapes (g_wb; the shapes stand at g_wb g_bs).
+/// `contact` is as find_contacts returned it for `a` and `b`; g_a and g_b are the poses of the two bodies
+/// whose twists move the shapes (g_wb; the shapes stand at g_wb g_bs).
 ContactKinematics contact_kinematics(const ContactPoint& contact, const PosedShape& a, const SE3& g_a,
                                      const PosedShape& b, const SE3& g_b);
 
 /// The derivative of gap_rate: along the twists xi it changes at the rate xi^T jacobian_derivative. Not
-/// symmetric: rotations do not commute; its symmetric part is gap_hessian (KIN-8). What a fully implicit
-/// Newton adds to its matrix, times minus the normal impulse.
+/// symmetric, because rotations do not commute; its symmetric part is gap_hessian (KIN-8). A fully implicit
+/// Newton method adds it to its matrix, times minus the normal impulse.
 Mat12 jacobian_derivative(const ContactKinematics& kinematics);
 
 }  // namespace aussois

@@ -16,14 +16,13 @@ struct Feature {
   int body = -1;    // index of the posed shape
   int dim = 0;      // 0 vertex, 1 edge, 2 face
   int simplex = 0;  // index among the simplices of that dimension
-  int region = 0;   // what the simplex is part of after idealisation: the vertex itself, the straight
+  int region = 0;   // what the simplex belongs to after idealisation: the vertex itself, the straight
                     // chain of an edge, the planar region of a face; does not depend on the triangulation
   std::array<double, 3> bary{};  // barycentric coordinates of the proximal point on the simplex
 };
 
-/// What tells one contact from another from step to step (PER-1): both bodies, and (dim, region) of both
-/// sides in one word, A's in the upper half. Keys are in the order of (body_a, body_b, dim, region of A, of
-/// B).
+/// Identifies a contact from step to step (PER-1): both bodies, and (dim, region) of both sides in one word,
+/// A's in the upper half. Keys are ordered by (body_a, body_b, dim and region of A, dim and region of B).
 struct ContactKey {
   std::int32_t body_a = -1, body_b = -1;
   std::uint64_t feature = 0;
@@ -44,12 +43,12 @@ struct ContactPoint {
   Vec3 x_b = Vec3::Zero();      // the same on B
   Vec3 normal = Vec3::UnitZ();  // unit, world, points from B to A
   double gap = 0;               // normal . (x_a - x_b) [m]; negative where the dilated shapes overlap
-  double angle_margin = 0;      // how far the normal is inside the enlarged cones [rad], >= 0; never negative
+  double angle_margin = 0;      // how far the normal is inside the enlarged cones [rad], >= 0
 };
 
 ContactKey key_of(const ContactPoint& contact);
 
-/// Between the proximal points: where the contact acts, world [m].
+/// Midway between the proximal points: where the contact acts, world [m].
 inline Vec3 mid_point(const ContactPoint& contact) {
   return 0.5 * (contact.x_a + contact.x_b);
 }

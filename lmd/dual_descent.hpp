@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Descends two trees at once: for every node of A, moved to B's frame once, the list of the nodes of B that
-// can matter to it. The work is cut into the same parts for any number of threads.
+// Descends two trees at once: moves every node of A to B's frame once, and keeps the list of the nodes of B
+// that can matter to it. The work is cut into the same parts for any number of threads.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace aussois {
 
-/// Points of A's shape frame, moved to A's centre, to B's frame moved to B's centre.
+/// Maps points from A's shape frame, relative to A's centre, to B's shape frame, relative to B's centre.
 struct NodeMotion {
   float R[9];  // row by row
   float t[3];
@@ -58,19 +58,20 @@ struct ConeSlot {
   int count() const { return int(node->count[lane]); }
 };
 
-/// Parts that the descent of a pair of trees is cut into.
+/// Number of parts that the descent of a pair of trees is cut into.
 inline constexpr int kDescentParts = 16;
 
-/// Test: near(four children, slot, slot_is_a) -> bits of the children that can matter to the slot; A's side
-/// comes in B's frame. open(bucket of A), then buckets(bucket of A, bucket of B) for each that is left.
+/// A Test has near(four children, slot, slot_is_a) -> bits of the children that can matter to the slot; A's
+/// side comes in B's frame. open(bucket of A) is called before buckets(bucket of A, bucket of B), which is
+/// called for each pair that is left.
 template <class Test>
 class DualDescent {
  public:
   DualDescent(const ConeTree& a, const ConeTree& b, const NodeMotion& motion, Test& test)
       : a_(a), b_(b), motion_(motion), test_(test) {}
 
-  /// Parts 0 to kDescentParts - 1 are the grandchildren of A's root. `any_machine`: without instructions that
-  /// not every machine has; the result is the same.
+  /// Parts 0 to kDescentParts - 1 are the grandchildren of A's root. `any_machine`: use only instructions
+  /// that every machine has; the result is the same.
   void run(int part, bool any_machine = false) {
     if (a_.nodes.empty() || b_.nodes.empty()) return;
     if (has_avx2() && !any_machine)
@@ -128,7 +129,7 @@ class DualDescent {
 
   AUSSOIS_INLINE ConeSlot slot(Entry e) const { return {&b_.nodes[e / 4], int(e % 4)}; }
 
-  // A fine mesh has more nodes than the second cache holds: asks for those that will be opened, which saves
+  // A fine mesh has more nodes than the second-level cache holds. Prefetching those that will be opened saves
   // an eighth of the time there.
   AUSSOIS_INLINE static void prefetch(const ConeTree& tree, const ConeNode& four, int lane) {
     if (four.count[lane] > 0) return;  // a bucket
@@ -155,7 +156,7 @@ class DualDescent {
     std::size_t begin = 0;  // the list from here on holds the nodes of B that matter to `a`
     for (;;) {
       enter(a, begin);
-      for (;;) {  // to the next child with something in its list
+      for (;;) {  // on to the next child with a list that is not empty
         if (depth_ == 0) return;
         Level& level = levels_[depth_ - 1];
         list_.resize(level.end);
@@ -214,12 +215,12 @@ class DualDescent {
   std::vector<Entry> list_{};
   std::vector<char> masks_{};
   std::array<Level, 17>
-      levels_;  // all children but the last are full: 4^16 buckets are more than an int counts
+      levels_;  // all children but the last are full, and 4^16 buckets are more than an int counts
   std::size_t depth_ = 0;
 };
 
-/// Do the boxes of the children stay farther apart from that of the slot than `reach`? Separating axes: the
-/// three of each box and, dearer, the nine products. Bits of those that may be nearer.
+/// Mask of the children in `still` whose boxes may be within `reach` of the slot's box. Tests separating
+/// axes: the three of each box, then the nine cross products, which cost more.
 AUSSOIS_INLINE I4 boxes_near(const ConeNode& four, const ConeSlot& one, const V4& d, F4 reach, I4 still) {
   V4 u[3], w[3];
   F4 hu[3], hw[3];
@@ -249,7 +250,7 @@ AUSSOIS_INLINE I4 boxes_near(const ConeNode& four, const ConeSlot& one, const V4
       const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
       const F4 apart = abs4(t[i2] * R[i1][j] - t[i1] * R[i2][j]) - hu[i1] * Q[i2][j] - hu[i2] * Q[i1][j] -
                        hw[j1] * Q[i][j2] - hw[j2] * Q[i][j1];
-      still &= apart <= reach;  // the axis is at most a unit vector: this errs to the safe side
+      still &= apart <= reach;  // the axis is at most a unit vector: this errs on the safe side
     }
   return still;
 }

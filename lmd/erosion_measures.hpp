@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How well the dilation of an eroded solid gives the solid back (ERO-6) to (ERO-8), on dense samples.
+// Measures how well the dilation of an eroded solid restores the solid (ERO-6) to (ERO-8), on dense samples.
 #pragma once
 
 #include <functional>
@@ -18,7 +18,7 @@ struct Thickness {
 Thickness smallest_thickness(const SimplicialComplex& solid, const SurfaceTree& tree, int samples);
 
 /// Fills shallow, face_error, rounding, hausdorff, thickness and samples. `restored(triangle, x, foot)` says
-/// whether the dilation is to give a sample of the solid back; `inner` is the tree of the eroded solid.
+/// whether the dilation should restore a sample of the solid; `inner` is the tree of the eroded solid.
 using IsRestored = std::function<bool(int triangle, const Vec3& x, const SurfacePoint& foot)>;
 ErosionMeasures measure_erosion(const SimplicialComplex& solid, const SimplicialComplex& eroded,
                                 const SurfaceTree& inner, double depth, int samples,

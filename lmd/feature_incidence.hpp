@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which features of a shape contain which others.
+// Tells which features of a shape contain which others.
 #pragma once
 
 #include "lmd/contact_point.hpp"
@@ -7,8 +7,8 @@
 
 namespace aussois {
 
-/// True if the two are one, or one lies in the border of the other: a vertex ends a chain or is a corner of a
-/// region's triangle, a chain borders a region.
+/// True if the two are the same, or if one lies in the border of the other: a vertex that ends a chain or is
+/// a corner of a region's triangle, or a chain that borders a region.
 bool incident(const LmdShape& shape, const KeyFeature& f, const KeyFeature& g);
 
 }  // namespace aussois

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// All quasi-local minima of the distance between two posed shapes, as a function of the pose alone (LMD-3),
-// (LMD-10).
+// Finds all quasi-local minima of the distance between two posed shapes, as a function of the pose alone
+// (LMD-3), (LMD-10).
 #pragma once
 
 #include <vector>
@@ -11,8 +11,8 @@
 
 namespace aussois {
 
-/// Pairs of leaves among which all contacts of all poses in a window are: one descent serves all iterates of
-/// a step. Refers to the shapes.
+/// The pairs of leaves among which all contacts of all poses in a window are found: one descent serves all
+/// iterates of a step. Holds pointers to the shapes.
 struct Candidates {
   const LmdShape *a = nullptr, *b = nullptr;
   SE3 g_ba{};  // A's frame in B's at the search
@@ -24,18 +24,17 @@ struct Candidates {
 Candidates find_candidates(const PosedShape& a, const PosedShape& b, const LmdOptions& options,
                            const MotionWindow& window, LmdStatistics* statistics = nullptr);
 
-/// The contacts at the poses of `a` and `b`: those of find_contacts there. Throws std::invalid_argument if
-/// the poses are outside the window or the shapes are others.
+/// The contacts at the poses of `a` and `b`, the same as a full search finds there. Throws
+/// std::invalid_argument if the poses are outside the window or the shapes are not those of the search.
 ContactSet find_contacts(const Candidates& candidates, const PosedShape& a, const PosedShape& b);
 
-/// The contacts of one pair, sorted as ContactSet says. Shapes whose base simplices touch have no defined
-/// direction there: such pairs of simplices are left out (the certificate is what forbids them).
+/// The contacts of one pair, sorted as ContactSet says. Base simplices that touch define no direction; such
+/// pairs of simplices are left out (the certificate forbids them).
 ContactSet find_contacts(const PosedShape& a, const PosedShape& b, const LmdOptions& options = {},
                          LmdStatistics* statistics = nullptr);
 
 /// What a caller may keep of a pair from query to query; nothing for two balls, whose only pair of leaves is
-/// known. It makes queries of slow motions quicker and never
-/// changes what they find (LMD-12).
+/// known. It speeds up queries of slow motions and never changes what they find (LMD-12).
 struct PairScratch {
   bool asked = false;
   SE3 g_ba{};  // at the last query
@@ -44,7 +43,7 @@ struct PairScratch {
 ContactSet find_contacts(const PosedShape& a, const PosedShape& b, const LmdOptions& options,
                          PairScratch& scratch);
 
-/// The same by looking at every pair of leaves: the oracle.
+/// The same by testing every pair of leaves: the oracle.
 ContactSet find_contacts_exhaustive(const PosedShape& a, const PosedShape& b, const LmdOptions& options = {});
 
 }  // namespace aussois

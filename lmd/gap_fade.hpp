@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gaps that let a contact in and out at its angle as gently as at the distance threshold (KIN-10): for Newton
-// users. A pure function of each contact; no force is weighted, hard constraints stay hard.
+// Fades gaps so that contacts enter and leave at their angle limit as gently as at the distance threshold
+// (KIN-10), for users of Newton methods. A pure function of each contact; no force is weighted, hard
+// constraints stay hard.
 #pragma once
 
 #include <vector>
@@ -13,15 +14,15 @@ struct GapFade {
   double alpha0 = 2 * kPi / 180;         // contacts inside this angle keep their gap [rad], >= 0
   double alpha_query = 2.5 * kPi / 180;  // LmdOptions::alpha of the query that found the contacts [rad]; the
                                          // band between the two is best 0.5 degrees or wider
-  double delta = 1e-4;                   // what is added where a contact enters: the bound of the relative
+  double delta = 1e-4;                   // added to the gap where a contact enters: the bound of the relative
                                          // displacement in the step [m], >= 0
 };
 void validate(const GapFade& fade);  // throws std::invalid_argument: field, value, bound
 
 struct FadedGap {
   double gap = 0;           // [m]
-  double margin_slope = 0;  // its derivative by the contact's angle_margin, never positive [m/rad]; by the
-                            // contact's own gap it is 1
+  double margin_slope = 0;  // derivative with respect to the contact's angle_margin, never positive [m/rad];
+                            // with respect to the contact's own gap it is 1
 };
 
 /// One per contact, in order. C1 in (gap, angle_margin); throws like validate.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a CAD mesh means: planar regions of triangles and straight chains of edges between them (LMD-4),
-// (LMD-5). Normal cones, feet and keys are taken from regions and chains, so contacts do not depend on the
-// triangulation.
+// Recovers what a CAD mesh means: planar regions of triangles and straight chains of edges between them
+// (LMD-4), (LMD-5). Normal cones, feet and keys are taken from regions and chains, so contacts do not depend
+// on the triangulation.
 #pragma once
 
 #include <vector>
@@ -18,7 +18,7 @@ struct Chain {
   Vec3 direction = Vec3::UnitX();  // unit, from first to last
 };
 
-/// A vertex inside a chain that was put on the chord.
+/// A vertex inside a chain that was moved onto the chord.
 struct MovedVertex {
   int vertex = 0;
   Vec3 from = Vec3::Zero();  // where it was [m]
@@ -38,19 +38,19 @@ struct Idealisation {
 };
 
 /// Regions grow from the largest triangle over manifold edges while all vertices stay within `tolerance` of
-/// the seed's plane and the normal within 1 degree (slivers excepted); chains are split where they leave a
-/// straight line by more.
+/// the seed's plane and the normal within 1 degree (slivers excepted). Chains are split where they leave a
+/// straight line by more than `tolerance`.
 Idealisation idealise(const SimplicialComplex& complex, double tolerance);
-/// Each triangle a region and each edge a chain of its own, with its index, wherever the vertices are.
+/// Makes each triangle a region and each edge a chain, with its own index, wherever the vertices are.
 Idealisation idealise_each(const SimplicialComplex& complex, double tolerance);
 
-/// Puts the vertices inside chains on their chords, where they are off by more than `foot`: the faces on both
+/// Moves the vertices inside chains onto the chords if they are off by more than `foot`. The faces on both
 /// sides then end where the chain begins, and no slit is left between them (LMD-14). Vertices move by at most
 /// the tolerance of the idealisation, which holds for the straightened complex as well.
 std::vector<MovedVertex> straighten(SimplicialComplex& complex, const Idealisation& ideal, double foot);
 
 /// For each vertex, how far chords and planes that meet there are from parallel: the sum of the two largest
-/// sines |n . d| of a chain's direction and the normal of a region beside it (LMD-15); 0 below 1e-6.
+/// sines |n . d| of a chain's direction d and the normal n of a region beside it (LMD-15); 0 below 1e-6.
 std::vector<double> misfit_at_vertices(const SimplicialComplex& complex, const Idealisation& ideal);
 
 }  // namespace aussois

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Quick rejects of leaf pairs, four at a time in single precision, by pair of dimensions. They forgive more
-// than rounding, so whatever they reject the tests of minimum_test.hpp reject as well.
+// Rejects leaf pairs quickly, four at a time in single precision, by pair of dimensions. The tests forgive
+// more than rounding, so whatever they reject, the tests of minimum_test.hpp reject as well.
 #pragma once
 
 #include "lmd/cone_tree.hpp"
@@ -11,11 +11,11 @@ namespace aussois {
 
 static_assert(kBucket == 4, "a bucket is one vector");
 
-/// From the frame of a shape to that in which the pair is looked at.
+/// Maps from the frame of a shape to the frame in which the pair is tested.
 struct LeafFrame {
   const LmdShape* shape = nullptr;
   Eigen::Matrix3f R = Eigen::Matrix3f::Identity();
-  Vec3 centre = Vec3::Zero();  // taken off first [m]
+  Vec3 centre = Vec3::Zero();  // subtracted first [m]
   Eigen::Vector3f t = Eigen::Vector3f::Zero();
   Eigen::Vector3f point(const Vec3& x) const { return R * (x - centre).cast<float>() + t; }
   Eigen::Vector3f direction(const Vec3& d) const { return R * d.cast<float>(); }
@@ -24,9 +24,9 @@ struct LeafFrame {
 struct FilterLimits {
   float reach = 0;       // largest distance [m]
   float foot = 0;        // how far a foot may lie outside [m]
-  float sin_vertex = 0;  // of the enlargement of a vertex' cone
+  float sin_vertex = 0;  // of the enlargement of a vertex's cone
   float sin_edges = 0;   // of the enlargement of the arcs of two edges
-  bool moving = false;   // the pair may move: where edges cross, and how, is then not tested
+  bool moving = false;   // the pair may move: where and how edges cross is then not tested
 };
 
 struct VertexLanes {
@@ -48,7 +48,7 @@ AUSSOIS_INLINE void set(V4& v, int lane, const Eigen::Vector3f& x) {
   v.x[lane] = x[0], v.y[lane] = x[1], v.z[lane] = x[2];
 }
 
-/// The `count` leaves from `first` on; lanes beyond repeat the last.
+/// The `count` leaves from `first` on; surplus lanes repeat the last.
 AUSSOIS_INLINE VertexLanes vertex_lanes(const LeafFrame& f, int first, int count) {
   VertexLanes out{};
   for (int k = 0; k < 4; ++k) {
@@ -67,7 +67,7 @@ AUSSOIS_INLINE EdgeLanes edge_lanes(const LeafFrame& f, int first, int count) {
     const Vec3 &p = f.shape->complex.vertices[std::size_t(e.first)],
                &q = f.shape->complex.vertices[std::size_t(e.last)];
     set(out.p, k, f.point(p));
-    set(out.e, k, f.direction(q - p));  // of rounded points, short edges would have any direction
+    set(out.e, k, f.direction(q - p));  // from rounded points, short edges could get any direction
     out.misfit[k] = misfit_of(*f.shape, i);
     for (int c = 0; c < 2; ++c) {
       const int region = e.conormals[std::size_t(c)];
@@ -103,10 +103,10 @@ AUSSOIS_INLINE FaceLanes face_lanes(const LeafFrame& f, int first, int count, in
   return out;
 }
 
-/// Is the direction d (four of them, not unit, of the given lengths), seen from the vertex, in its enlarged
-/// cone?
+/// Which of the four directions d, seen from the vertex, lie in its enlarged cone? They need not be unit;
+/// `limit` is scaled by their lengths.
 AUSSOIS_INLINE I4 in_vertex_cone(const LeafFrame& frame, const VertexLeaf& v, const V4& d, F4 limit) {
-  const Eigen::Matrix3f& R = frame.R;  // turns back into the vertex' frame
+  const Eigen::Matrix3f& R = frame.R;  // its transpose turns back into the vertex's frame
   const V4 local{R(0, 0) * d.x + R(1, 0) * d.y + R(2, 0) * d.z, R(0, 1) * d.x + R(1, 1) * d.y + R(2, 1) * d.z,
                  R(0, 2) * d.x + R(1, 2) * d.y + R(2, 2) * d.z};
   I4 in = {-1, -1, -1, -1};
@@ -116,7 +116,7 @@ AUSSOIS_INLINE I4 in_vertex_cone(const LeafFrame& frame, const VertexLeaf& v, co
   return in;
 }
 
-/// A corner at p against four simplices: the bits of those that it may touch.
+/// Tests a corner at p against four simplices: bits of those that it may touch.
 AUSSOIS_INLINE int may_touch(const LeafFrame& frame, const VertexLeaf& v, const V4& p, const FaceLanes& f,
                              const FilterLimits& limits) {
   const F4 h = dot(f.n, p - f.x[0]);
@@ -149,7 +149,7 @@ AUSSOIS_INLINE int may_touch(const LeafFrame& frame, const VertexLeaf& v, const 
   return bits(in & in_vertex_cone(frame, v, d, limits.sin_vertex * sqrt4(square) + limits.foot));
 }
 
-/// The edge in lane `k` of `a`, which is the side that u points away from, against four of B.
+/// Tests the edge in lane `k` of `a`, the side that u points away from, against the four edges of `b`.
 AUSSOIS_INLINE int may_touch(const EdgeLanes& a, int k, const EdgeLanes& b, const FilterLimits& limits) {
   const V4 e = spread(a.e, k), w = b.p - spread(a.p, k);
   const F4 aa = splat(a.square[k]), length = splat(a.length[k]);

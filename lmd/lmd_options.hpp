@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is asked of contact determination, and what it counts.
+// The options of contact determination, and the counts it reports.
 #pragma once
 
 #include <utility>
@@ -14,24 +14,25 @@ struct SearchTests {
   bool directions = true;    // the direction between nodes against their caps
   bool boxes = true;         // separating axes of nodes
   bool quick = true;         // leaves in single precision
-  bool instructions = true;  // those that not every machine has
+  bool instructions = true;  // instructions that not every machine has
 };
 
 struct LmdOptions {
   double threshold = 1e-3;           // report contacts with gap <= threshold [m], >= 0
-  double alpha = 2 * kPi / 180;      // small rotations forgiven by the quasi-LMD rule [rad], in [0, 0.5]
+  double alpha = 2 * kPi / 180;      // small rotations tolerated by the quasi-LMD rule [rad], in [0, 0.5]
   double alpha_ee = 10 * kPi / 180;  // the same for the direction of edge against edge [rad], in [alpha, 1]
   int threads = 1;                   // the result does not depend on it
   SearchTests tests{};
 };
 void validate(const LmdOptions& options);  // throws std::invalid_argument: field, value, bound
 
-/// What a query looked at: pairs of nodes, of leaves in single precision, and of those in double precision.
+/// What a query tested: pairs of nodes, pairs of leaves in single precision, and of those, pairs in double
+/// precision.
 struct LmdStatistics {
   long node_pairs = 0, leaf_pairs = 0, exact_tests = 0, minima = 0;  // minima: before merging
 };
 
-/// How far the two shapes may move against each other from the pose of a search.
+/// How far the two shapes may move relative to each other from the pose of a search.
 struct MotionWindow {
   double displacement = 0;  // of any point of A seen from B [m], >= 0
   double rotation = 0;      // of A seen from B [rad], >= 0

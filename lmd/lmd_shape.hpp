@@ -16,11 +16,11 @@ namespace aussois {
 struct LmdShapeOptions {
   double planarity = 1e-6;  // tolerance of planar regions and straight chains, relative to the box diagonal
                             // [-], in [0, 1e-2]
-  bool deforming = false;   // each triangle is a region and each edge a chain, with its index: what `refit`
-                            // keeps; `planarity` is then not read
+  bool deforming = false;   // each triangle is a region and each edge a chain, with the same index, which
+                            // `refit` keeps; `planarity` is then ignored
 };
 
-/// What a simplex is to a contact (LMD-7); enlargement and partners depend on it.
+/// The role of a simplex in contacts (LMD-7); enlargement and partners depend on it.
 enum class SimplexClass : std::uint8_t {
   v_corner,  // vertex with a pointed normal cone
   v_wide,    // end or bend of a wire, point, corner of a sheet: the normal cone contains a line or more
@@ -44,10 +44,10 @@ struct VertexLeaf {
 /// A chain: a straight piece of the border between regions, of a sheet's border, or of wire.
 struct EdgeLeaf {
   int first = 0, last = 0;         // its end vertices
-  std::array<int, 2> conormals{};  // signed regions: k > 0: region k - 1 turned into the complex along the
-                                   // chain, k < 0: against it, 0: none
-  int path = 0;                    // its edges from first to last: from here on in LmdShape::paths; a single
-                                   // edge is named here itself
+  std::array<int, 2> conormals{};  // signed regions k: the conormal into region |k| - 1 is its normal x the
+                                   // chain's direction, times the sign of k; 0: none
+  int path = 0;                    // where its edges, from first to last, begin in LmdShape::paths; if it has
+                                   // only one edge, that edge itself
   std::uint32_t path_length : 31 = 1;
   std::uint32_t is_wide : 1 = 0;  // wire or border
 };
@@ -55,7 +55,7 @@ struct EdgeLeaf {
 SimplexClass class_of(const VertexLeaf& leaf);
 SimplexClass class_of(const EdgeLeaf& leaf);
 
-/// A plane { x : normal . x = offset }; solids and sheets: where the triangles of a region lie.
+/// A plane { x : normal . x = offset }: for solids and sheets, where the triangles of a region lie.
 struct RegionPlane {
   Vec3 normal = Vec3::UnitZ();  // unit
   double offset = 0;            // [m]
@@ -73,7 +73,7 @@ struct LmdShape {
   Vec3 centre = Vec3::Zero();               // of a small ball around the vertices, frame of the shape [m]
   double bounding_radius = 0;               // of that ball, without dilation [m]
   double tolerance = 0;                     // of regions and chains, tau_f [m]
-  std::vector<MovedVertex> straightened{};  // vertices of the complex that were put on the chords of chains
+  std::vector<MovedVertex> straightened{};  // vertices of the complex that were moved onto chords of chains
 
   std::vector<RegionPlane> regions{};
   std::vector<int> triangle_region{};        // of each triangle
@@ -85,7 +85,7 @@ struct LmdShape {
   std::vector<float> misfits{};  // of the edges: how far feet may lie beyond the ends, per distance (LMD-15);
                                  // empty if it is 0 for all
   std::vector<int> faces{};      // triangles; those of sheets have two sides
-  std::vector<BaseSimplex> rest{};  // base simplices that are no faces: too flat for a normal, wires, points
+  std::vector<BaseSimplex> rest{};  // base simplices that are not faces: too flat for a normal, wires, points
   // The hierarchies (LMD-9). The class set of a node is that of its tree.
   ConeTree vertex_tree{}, wide_vertex_tree{}, edge_tree{}, wide_edge_tree{}, face_tree{}, rest_tree{};
   int narrow_vertices = 0, narrow_edges = 0;  // the wide ones follow
@@ -97,12 +97,12 @@ inline float misfit_of(const LmdShape& shape, int edge) {
   return shape.misfits.empty() ? 0.0F : shape.misfits[std::size_t(edge)];
 }
 
-/// Throws std::invalid_argument for an empty complex, a dilation that is no length or a bad option.
+/// Throws std::invalid_argument for an empty complex, a dilation that is not a length, or a bad option.
 LmdShape prepare(DilatedShape shape, const LmdShapeOptions& options = {});
 
-/// A shape that was prepared with LmdShapeOptions::deforming, with its vertices elsewhere: features keep
-/// their indices, so contacts keep their keys. The same as to prepare the moved complex. Throws
-/// std::invalid_argument unless there is one vertex for each.
+/// Moves the vertices of a shape that was prepared with LmdShapeOptions::deforming: features keep their
+/// indices, so contacts keep their keys. The result is the same as preparing the moved complex. Throws
+/// std::invalid_argument unless `vertices` has one entry for each vertex.
 LmdShape refit(const LmdShape& shape, std::vector<Vec3> vertices);
 
 /// Whether each triangle is a region of its own and each edge a chain.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Is this pair of open simplices a (quasi-)local minimum of distance? (LMD-3), (LMD-6), (LMD-8)
-// The four kernels VV, VE, VF, EE work on leaves; everything else can never be a strict minimum.
+// Tests whether a pair of open simplices is a (quasi-)local minimum of distance (LMD-3), (LMD-6), (LMD-8).
+// The four kernels VV, VE, VF, EE work on leaves; no other pair can ever be a strict minimum.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,7 @@ namespace aussois {
 /// Angles and lengths of one query on one pair of shapes.
 struct MinimumCriteria {
   double max_distance = 0;  // of the base simplices [m]
-  double alpha = 0;         // enlargement of a vertex' cone, and of edge against edge [rad]
+  double alpha = 0;         // enlargement of a vertex's cone, and of edge against edge [rad]
   double alpha_ee = 0;      // how far the direction may leave the arcs of two edges [rad]
   double tolerance = 0;     // inclusive tolerance of foot and cone tests [m]
   double sin_alpha = 0, sin_alpha_ee = 0;
@@ -26,7 +26,7 @@ struct LocalMinimum {
   double angle_margin = 0;                      // [rad]
 };
 
-/// `R`, `t` take points of A's frame to B's. Empty if the pair is no (quasi-)local minimum within the
+/// `R`, `t` map points from A's frame to B's. nullopt if the pair is not a (quasi-)local minimum within the
 /// distance, or if the simplices touch (their direction is then undefined).
 std::optional<LocalMinimum> test_minimum(const Leaf& a, const Leaf& b, const Mat3& R, const Vec3& t,
                                          const MinimumCriteria& criteria);

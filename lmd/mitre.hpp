@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a vertex goes when the planes around it all move inwards (ERO-2) to (ERO-4): to one point if the
+// Finds where a vertex goes when all planes around it move inwards (ERO-2) to (ERO-4): to one point if the
 // planes meet in one, otherwise to several, joined by new edges.
 #pragma once
 
@@ -11,12 +11,11 @@
 
 namespace aussois {
 
-/// A plane at a vertex, in the order in which the planes are met on a way around it, counter-clockwise seen
-/// from outside.
+/// A plane at a vertex. The planes come in order around the vertex, counter-clockwise seen from outside.
 struct VertexPlane {
   Vec3 normal = Vec3::UnitZ();  // unit, outwards
-  Vec3 spoke = Vec3::UnitX();   // along the edge to the plane before, away from the vertex
-  double offset = -1;           // of the moved plane { x : normal . x = offset } from the vertex
+  Vec3 spoke = Vec3::UnitX();   // along the edge to the previous plane, away from the vertex
+  double offset = -1;           // of the moved plane { x : normal . x = offset }, x from the vertex
 };
 
 struct MitreOptions {
@@ -27,19 +26,19 @@ struct MitreOptions {
   bool split = true;     // a vertex may become several
 };
 
-/// All lengths in units of the way the planes move.
+/// All lengths are in units of the distance that the planes move.
 struct Mitre {
   std::vector<Vec3> points{};  // displacements of the vertex
-  // The points on each plane, from the edge to the plane before to the edge to the plane after
+  // The points on each plane, from the edge to the previous plane to the edge to the next plane
   std::vector<std::vector<int>> of_plane{};
-  double deviation = 0;  // largest distance of a point from a plane that it stands for
+  double deviation = 0;  // largest distance of a point from one of its planes
 };
 
-/// None if the planes neither meet within the options nor are there points and edges between them that bound
-/// each plane by a simple polygon. Up to 40 planes are split.
+/// nullopt if the planes do not meet within the options, and no points and edges between them bound each
+/// plane by a simple polygon. Up to 40 planes are split.
 std::optional<Mitre> mitre(std::span<const VertexPlane> planes, const MitreOptions& options = {});
 
-/// A displacement for planes that have no mitre: the nearest to all, without going far (least squares).
+/// A displacement for planes that have no mitre: nearest to all of them without going far (least squares).
 Vec3 least_mitre(std::span<const VertexPlane> planes);
 
 }  // namespace aussois

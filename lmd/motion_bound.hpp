@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far bodies can come towards each other in a step (CA-1) to (CA-3).
+// Bounds how far bodies can move towards each other in a step (CA-1) to (CA-3).
 #pragma once
 
 #include "geometry/se3.hpp"
@@ -21,21 +21,21 @@ SE3 pose_at(const RigidMotion& motion, double s);
 double displacement_bound(const RigidMotion& motion, double radius, double dt);
 
 /// Largest displacement of a point of one body seen from the other, at all times in [0, dt]: the smallest of
-/// the sum of the two and the relative bounds with either body as the observer (CA-2) [m].
+/// the sum of both displacements and the relative bounds with either body as the observer (CA-2) [m].
 double relative_displacement_bound(const RigidMotion& a, double radius_a, const RigidMotion& b,
                                    double radius_b, double dt);
 
 /// Bound of the angle of the relative rotation during dt (CA-3) [rad].
 double relative_rotation_bound(const RigidMotion& a, const RigidMotion& b, double dt);
 
-/// A body in a step, with all that the bounds of its pairs ask of it alone.
+/// A body in a step, with all that the bounds of its pairs need from it alone.
 struct MovingBody {
   RigidMotion motion{};
   double radius = 0;        // of its points about the reference point [m]
   Vec3 w = Vec3::Zero();    // angular velocity, world [rad/s]
   double spin = 0;          // |w|
   double displacement = 0;  // (CA-1), `stretch` included [m]
-  // What deformation does to it, seen from the body: how far any point moves, and any normal turns
+  // Bounds of its deformation, seen from the body: how far any point moves, and how far any normal turns
   double stretch = 0;  // [m]
   double bend = 0;     // [rad]
 };
@@ -45,11 +45,11 @@ struct RelativeBounds {
   double displacement = 0;  // (CA-2) [m]
   double rotation = 0;      // (CA-3) [rad]
 };
-/// Both bounds of a pair at once, bit for bit those from above.
+/// Both bounds of a pair at once, bit for bit those of the functions above.
 RelativeBounds relative_bounds(const MovingBody& a, const MovingBody& b, double dt);
 
-/// How far points of A can move towards B along a direction that B carries with it (CA-13): what a slide does
-/// not do, however fast. Everything in the world at the start of the step.
+/// Data for how far points of A can move towards B along a direction that B carries with it (CA-13); a slide
+/// does not add to it, however fast. Everything in the world frame at the start of the step.
 struct Approach {
   Vec3 o_a = Vec3::Zero(), o_b = Vec3::Zero();  // reference points [m]
   Vec3 v_ab = Vec3::Zero();                     // v_a - v_b [m/s]
@@ -60,7 +60,7 @@ Approach approach_of(const RigidMotion& a, const RigidMotion& b, double dt);
 
 /// Bound for the points of A that start in the ball, for all unit directions from A to B that start within
 /// `half_angle` of `axis`, and for all times of the step [m], >= 0. Simplices whose distance exceeds it by d
-/// stay farther apart than d. The tightest observer B is the one that turns less.
+/// stay farther apart than d. The bound is tightest if B, the observer, is the body that turns less.
 double approach_bound(const Approach& approach, const Vec3& centre, double radius, const Vec3& axis,
                       double half_angle);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Is a piece of one body inside the solid of another, where contacts and distances see nothing of it? (CA-19)
-// Surfaces that a certificate keeps apart cannot bring it about: asked once, at the start, it holds for ever.
+// Finds pieces of one body inside the solid of another, which contacts and distances cannot see (CA-19).
+// Surfaces that a certificate keeps apart cannot become nested: one check at the start holds for ever.
 #pragma once
 
 #include <optional>
@@ -12,14 +12,15 @@
 namespace aussois {
 
 struct Nesting {
-  bool a_in_b = false;        // pieces of A are inside B; otherwise pieces of B inside A
-  int pieces = 0, of = 0;     // so many of its connected pieces, of all of them
-  Vec3 place = Vec3::Zero();  // a vertex of the first of them, world [m]
+  bool a_in_b = false;        // pieces of A are inside B; otherwise pieces of B are inside A
+  int pieces = 0, of = 0;     // connected pieces of the inner body: those inside, and all
+  Vec3 place = Vec3::Zero();  // a vertex of the first piece inside, world [m]
 };
 
-/// Nothing if all pieces are outside. What is no solid has no inside; bodies in a cavity are outside. Pieces
-/// are those of the two complexes. Says nothing of surfaces that cross or touch: ask for their distance
-/// first. O(vertices), and O(triangles of the solid) for each piece whose box lies within the solid's.
+/// nullopt if all pieces are outside. A complex that is not a solid has no inside; a body in a cavity is
+/// outside. The pieces are those of the two complexes. Says nothing about surfaces that cross or touch: check
+/// their distance first. O(vertices), plus O(triangles of the solid) for each piece whose box lies within the
+/// solid's.
 std::optional<Nesting> find_nesting(const PosedShape& a, const Pieces& pieces_a, const PosedShape& b,
                                     const Pieces& pieces_b);
 

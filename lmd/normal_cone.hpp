@@ -16,7 +16,7 @@ namespace aussois {
 struct ConeView {
   std::span<const Vec3> lin{};   // orthonormal; spans Lin
   std::span<const Vec3> rays{};  // extreme rays of the pointed part, unit; in 3D in cyclic order
-  bool cyclic = true;  // false: wrapping failed on a degenerate star, all rays are kept, in no order
+  bool cyclic = true;            // false: wrapping failed on a degenerate star; all rays are kept, unordered
 };
 
 struct NormalCone {
@@ -30,13 +30,13 @@ struct NormalCone {
 };
 
 /// The canonical form of cone{ directions } and a cap around its polar. Directions need not be unit; zero
-/// ones are left out. No direction at all: C = {0}, N is everything.
+/// directions are ignored. Without any direction C = {0} and N is everything.
 NormalCone make_normal_cone(const std::vector<Vec3>& directions);
 
 /// The same for an edge along the unit vector e and the unit conormals of its triangles, perpendicular to e.
 NormalCone edge_cone(const Vec3& e, std::span<const Vec3> conormals);
 
-/// Quick and necessary test of angle_to(cone, u) <= alpha: the mitred enlargement of N (LMD-6).
+/// Quick necessary test for angle_to(cone, u) <= alpha: the mitred enlargement of N (LMD-6).
 bool may_contain(const ConeView& cone, const Vec3& u, double sin_alpha);
 
 /// Angle between the unit vector u and N in [0, pi/2] [rad]; pi/2 if the projection is zero, kInf if N = {0}.

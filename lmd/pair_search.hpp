@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The descent of two shapes' trees for the minima of one pose, or for the candidates of all poses in a window
+// Descends the trees of two shapes for the minima of one pose, or for the candidates of all poses in a window
 // (LMD-9), (LMD-12).
 #pragma once
 
@@ -25,14 +25,14 @@ struct FoundMinimum {
 
 struct SearchResult {
   std::vector<FoundMinimum> found{};
-  std::vector<LeafPair> candidates{};  // instead, if there is a window
+  std::vector<LeafPair> candidates{};  // instead of `found`, if there is a window
   LmdStatistics count{};
 };
 
-/// By looking at every pair of leaves.
+/// Tests every pair of leaves.
 SearchResult search_exhaustively(const RelativePair& pair);
 
-/// In an order that depends on the shapes alone. Minima may be found twice.
+/// Searches in an order that depends on the shapes alone. Minima may be found twice.
 SearchResult search_pair(const RelativePair& pair, const MotionWindow* window, const LmdOptions& options);
 
 }  // namespace aussois

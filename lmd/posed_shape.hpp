@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What contact determination sees of a body: geometry and where it stands, no mass, no material.
+// What contact determination sees of a body: its geometry and its pose, no mass, no material.
 #pragma once
 
 #include <memory>
@@ -13,7 +13,7 @@ struct PosedShape {
   const LmdShape* shape = nullptr;
   SE3 g_ws{};                             // shape frame in the world
   int body = -1;                          // copied into the features
-  std::shared_ptr<const LmdShape> own{};  // keeps `shape` where it was made for this pose alone
+  std::shared_ptr<const LmdShape> own{};  // owns `shape` if it was made for this pose alone
 };
 
 }  // namespace aussois

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Four floats side by side: vectors of the compiler, and the two operations it has no sign for.
+// Four floats side by side: the compiler's vector types, and the two operations it has no operator for.
 #pragma once
 
 #ifdef __SSE2__
@@ -8,10 +8,10 @@
 #include <cmath>
 #endif
 
-// Compiled into its caller, so with the instructions that the caller may use.
+// Always inlined, so compiled with the instructions that the caller may use.
 #define AUSSOIS_INLINE inline __attribute__((always_inline))
 
-// A second version of a function for machines that have more than SSE2, chosen when it is called.
+// Marks the second version of a function, for machines with more than SSE2; chosen when it is called.
 #if defined(__x86_64__)
 #define AUSSOIS_AVX2 __attribute__((target("avx2")))
 #else
@@ -21,7 +21,7 @@
 namespace aussois {
 
 using F4 = float __attribute__((vector_size(16)));
-using I4 = int __attribute__((vector_size(16)));  // what comparisons give: -1 or 0 per lane
+using I4 = int __attribute__((vector_size(16)));  // result of a comparison: -1 or 0 per lane
 
 AUSSOIS_INLINE F4 splat(float x) {
   return F4{x, x, x, x};
@@ -43,7 +43,7 @@ AUSSOIS_INLINE F4 sqrt4(F4 x) {
 #endif
 }
 
-/// Bit i: lane i is true.
+/// Bit i is set if lane i is true.
 AUSSOIS_INLINE int bits(I4 m) {
 #ifdef __SSE2__
   return _mm_movemask_ps(__m128(m));
@@ -56,7 +56,7 @@ AUSSOIS_INLINE F4 abs4(F4 x) {
   return x < 0 ? -x : x;
 }
 
-/// Has this machine AVX2?
+/// Whether this machine has AVX2.
 inline bool has_avx2() {
 #if defined(__x86_64__)
   static const bool has = __builtin_cpu_supports("avx2") != 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Closest points of points, segments and triangles (LMD-11). Ericson 2005, ch. 5, for the cases; the interior
-// of two crossing triangles counts: their distance is 0.
+// Finds the closest points of points, segments and triangles (LMD-11). Cases after Ericson 2005, ch. 5.
+// Triangles include their interiors: the distance of two that cross is 0.
 #pragma once
 
 #include <span>
@@ -14,12 +14,12 @@ struct ClosestPoints {
   double distance = kInf;                       // [m]
 };
 
-/// Of two simplices given by one to three vertices each.
+/// The closest points of two simplices, given by one to three vertices each.
 ClosestPoints closest_points(std::span<const Vec3> a, std::span<const Vec3> b);
 
-/// Are two simplices surely farther apart than `distance`, because the plane of one of them or the one across
-/// the line between their means parts them by more? Right to rounding, and quicker than closest_points.
-/// "No" says nothing.
+/// True if two simplices are certainly farther apart than `distance`, because a plane separates them by more:
+/// the plane of one of them, or one perpendicular to the line between their means. Correct to rounding, and
+/// faster than closest_points. False says nothing.
 bool are_apart(std::span<const Vec3> a, std::span<const Vec3> b, double distance);
 
 }  // namespace aussois

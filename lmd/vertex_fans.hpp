@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The rounds of triangles and regions about the vertices of a closed, oriented surface.
+// Finds the rounds of triangles and regions about the vertices of a closed, oriented surface.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@ struct Corner {
 };
 
 /// One round of triangles about a vertex, counter-clockwise, and the regions in it. A vertex where several
-/// rounds touch has as many fans; they part when eroded.
+/// rounds touch has as many fans; they separate when eroded.
 struct Fan {
   int vertex = 0;
   std::vector<int> regions{};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The planes of a solid's regions move inwards, and the borders between them with them: a wavefront of
-// vertices, edges and faces. Where an edge has shrunk to nothing its ends meet and part again as the planes
-// around them ask for; a face that has become a line vanishes. These events are taken in their order.
+// Moves the planes of a solid's regions inwards, and with them the borders between the regions: a wavefront
+// of vertices, edges and faces. Where an edge has shrunk to nothing, its ends meet and part again as the
+// planes around them require; a face that has become a line vanishes. These events are taken in order.
 #pragma once
 
 #include <array>
@@ -12,22 +12,22 @@
 
 namespace aussois {
 
-/// What follows counter-clockwise about a vertex of the wavefront: an edge, then a region up to the next.
+/// A sector about a vertex of the wavefront, counter-clockwise: an edge, then a region up to the next edge.
 struct WaveSector {
   int edge = -1;
   int region = 0;
-  double offset = 0;  // of the region's plane { x : normal . x = offset } before it moves, as the solid's
-                      // vertex has it from which this sector comes: exact though files round [m]
+  double offset = 0;  // of the region's plane { x : normal . x = offset } before it moves, taken at the
+                      // solid's vertex from which this sector comes: exact although files round [m]
 };
 
-/// Moves on a straight line. A part of the history once it is not alive any more.
+/// Moves on a straight line. Part of the history once it is no longer alive.
 struct WaveVertex {
   std::vector<WaveSector> sectors{};
   std::vector<int> fans{};   // of the solid, from which it comes
   double since = 0;          // depth at which it was made [m]
   Vec3 from = Vec3::Zero();  // where [m]
-  Vec3 to = Vec3::Zero();    // at the full depth, if nothing happens before [m]
-  double deviation = 0;      // there from its planes, in depths
+  Vec3 to = Vec3::Zero();    // at the full depth, unless something happens before [m]
+  double deviation = 0;      // distance of `to` from its planes, in depths
   bool alive = true;
 };
 
@@ -46,20 +46,20 @@ struct WaveOptions {
   double together = 1e-6;   // events within this many depths are taken as one
 };
 
-/// What is asked of single fans.
+/// Requests for single fans.
 struct FanOptions {
   std::vector<char> whole{};  // may not be split
-  std::vector<int> group{};   // fans of one group are one vertex from the start, as are ends of edges that
+  std::vector<int> group{};   // fans of one group are one vertex from the start, like the ends of edges that
                               // vanish; their edges must connect them
 };
 
 struct Wavefront {
   std::vector<WaveVertex> vertices{};
   std::vector<WaveEdge> edges{};
-  std::vector<int> events{};  // first edge of each event, in their order
+  std::vector<int> events{};  // first edge of each event, in order
 };
 
-/// Vertices whose planes neither meet nor could be split keep a large deviation.
+/// Vertices whose planes do not meet and that could not be split keep a large deviation.
 Wavefront move_planes(const SimplicialComplex& solid, const Idealisation& ideal, const std::vector<Fan>& fans,
                       const FanOptions& of_fan, const WaveOptions& options);
 
@@ -68,7 +68,7 @@ inline int across(const WaveEdge& e, int vertex) {
   return e.ends[0] == vertex ? e.ends[1] : e.ends[0];
 }
 
-/// The position among the sectors of the one that starts with this edge.
+/// The index in `v.sectors` of the sector that starts with this edge.
 inline int sector_of(const WaveVertex& v, int edge) {
   const auto at = std::ranges::find(v.sectors, edge, &WaveSector::edge);
   return int(at - v.sectors.begin());

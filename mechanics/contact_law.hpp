@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a contact does: friction and restitution of a pair.
+// The contact law of a pair of bodies: friction and restitution.
 #pragma once
 
 #include "geometry/types.hpp"

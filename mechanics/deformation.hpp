@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A shape that deforms: the open door for kinds of bodies of one's own (DEF-1) to (DEF-3). Its degrees of
-// freedom are coordinates, bodies, or both; this says where they put the vertices of a body's shape.
+// A shape that deforms: the extension point for user-defined kinds of bodies (DEF-1) to (DEF-3). Its degrees
+// of freedom are coordinates, bodies, or both; a Deformation says where they put the vertices of a body's
+// shape.
 #pragma once
 
 #include <functional>
@@ -19,13 +20,13 @@ struct VertexColumn {
   Vec3 column = Vec3::Zero();  // [m, or 1 for an origin]
 };
 
-/// Where the vertices of a shape are in its frame: affine functions of the coordinates and of the origins of
-/// other bodies, so that on the path of a step they move straight (DEF-2). Both functions empty: the shape is
-/// rigid.
+/// Where the vertices of a shape are, in its frame. They must be affine functions of the coordinates and of
+/// the origins of other bodies, so that they move straight on the path of a step (DEF-2). If both functions
+/// are empty, the shape is rigid.
 struct Deformation {
-  /// All vertices at a state [m], in the order of the shape's.
+  /// All vertices at a state [m], in the order of the shape's vertices.
   std::function<std::vector<Vec3>(const Model&, const State&)> vertices{};
-  /// Appends what moves one vertex.
+  /// Appends the columns that move one vertex.
   std::function<void(const Model&, const State&, int vertex, std::vector<VertexColumn>&)> columns{};
 };
 

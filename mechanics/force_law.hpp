@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one open door of mechanics: anything that adds a generalised force (MEC-5).
+// The one extension point for forces: anything that adds a generalised force (MEC-5).
 #pragma once
 
 #include <functional>
@@ -13,8 +13,8 @@ namespace aussois {
 struct Model;
 struct State;
 
-/// A vector that is written from outside: [ ], ( ), segment, head and tail throw std::invalid_argument for
-/// what does not fit, in release builds too; other access is Eigen's.
+/// A vector that user code writes to. [ ], ( ), segment, head and tail throw std::invalid_argument if out of
+/// range, in release builds too; other access is Eigen's.
 class ForceVector : public VecX {
  public:
   ForceVector() = default;
@@ -60,11 +60,11 @@ class ForceVector : public VecX {
 };
 
 /// Forces and their derivatives in the velocity coordinates: six rows per body of the model (fixed ones too),
-/// force in the world at the centre of mass [N], torque in the body [N m]; then one per coordinate. Without K
-/// and C a force that depends on poses or velocities is integrated explicitly: the theta scheme is of order
-/// one then, whatever theta is, and stiff ones are unstable.
+/// force in the world at the centre of mass [N], torque in the body [N m]; then one row per coordinate.
+/// Without K and C, a force that depends on poses or velocities is integrated explicitly. The theta scheme is
+/// then of order one, whatever theta is, and stiff forces are unstable.
 struct GeneralisedForce {
-  ForceVector f{};           // as State::v
+  ForceVector f{};           // laid out as State::v
   std::vector<Triplet> K{};  // -df/dq along the twist coordinates [N/m, N, N m]
   std::vector<Triplet> C{};  // -df/dv [N s/m, N s, N m s]
 };
@@ -83,8 +83,8 @@ struct ForceLaw {
   std::function<double(const Model&, const State&, double t)> potential{};
 };
 
-/// Of all laws of the model. Throws std::invalid_argument naming the law that writes outside of the model's
-/// velocities.
+/// The sum over all laws of the model. Throws std::invalid_argument naming a law that writes outside the
+/// model's velocities.
 GeneralisedForce total_force(const Model& model, const State& state, double t);
 
 }  // namespace aussois

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What pushes bodies and coordinates between contacts: gravity, gyroscopic torques, laws, axes of joints.
+// Forces on bodies and coordinates apart from contacts: gravity, gyroscopic torques, laws, axes of joints.
 #pragma once
 
 #include "mechanics/layout.hpp"
@@ -7,40 +7,41 @@
 
 namespace aussois {
 
-/// J . v of a row, with v in the places of State::v.
+/// J . v of a row, with v laid out as State::v.
 double speed_along(const Joint& joint, const JointRow& row, const VecX& v);
 
-/// What a spring and damper and an effort motor give along an axis of a joint: an impulse over a step
+/// What a spring, a damper and an effort motor exert along an axis of a joint: an impulse over a step
 /// [N s, N m s], or a force [N, N m].
 struct AxisImpulse {
   int joint = -1, axis = 0;
   JointRow row{};
   double motor = 0;
-  double spring = 0;  // and damper, if the velocity does not change
-  double D = 0;       // what it loses of J times the change of the velocity [N s^2/m, N m s^2]
+  double spring = 0;  // of spring and damper, if the velocity does not change
+  double D = 0;       // `spring` falls by D times J times the change of the velocity [N s^2/m, N m s^2]
 };
 
-/// Adds springs, dampers and effort motors of the joints' axes at time t, with directions at the poses
-/// `middle` (MJT-9), and tells them one by one.
+/// Adds the springs, dampers and effort motors of the joints' axes at time t, with directions at the poses
+/// `middle` (MJT-9), and returns them one by one.
 std::vector<AxisImpulse> add_axis_forces(const Model& model, const State& state,
                                          const std::vector<SE3>& middle, double t, GeneralisedForce& force);
-/// Whether any axis of the model pushes so.
+/// Whether any joint axis of the model has a spring, a damper or an effort motor.
 bool has_axis_forces(const Model& model);
-/// Impulses of forces that are these at the ends of a step.
+/// Impulses over a step of length h, by the trapezoidal rule from the forces at its start and end.
 std::vector<AxisImpulse> trapezoid(double h, std::vector<AxisImpulse> start,
                                    const std::vector<AxisImpulse>& end);
 
 /// The derivative of the torque omega x J omega with respect to omega, body frame.
 Mat3 gyroscopic_derivative(const Mat3& J, const Vec3& omega);
 
-/// A sparse matrix of n rows and columns with these entries, summed where they meet.
+/// An n x n sparse matrix with these entries; entries at the same place are summed.
 SparseMatrix square_matrix(int n, const std::vector<Triplet>& entries);
-/// Those between free rows, renumbered.
+/// The entries between free rows, renumbered.
 std::vector<Triplet> free_entries(const std::vector<Triplet>& entries, const Layout& dofs);
-/// Appends `scale` times a block on the diagonal, zeros left out.
+/// Appends `scale` times a block whose corner is at (at, at), without its zeros.
 void add_block(std::vector<Triplet>& matrix, int at, const MatX& block, double scale);
 
-/// All forces at a state and at its own time, rows of the problem; joint axes and coordinates included.
+/// All forces at a state and at its own time, in the rows of the problem; includes joint axes and
+/// coordinates.
 struct Forces {
   SparseMatrix mass{};                   // at the state's coordinates
   VecX gravity{}, gyroscopic{}, laws{};  // [N, N m]

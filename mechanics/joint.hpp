@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Joints between two bodies, or a body and the world: which of the six relative motions are locked, and what
 // acts along the free ones (MJT-1) to (MJT-9). A joint carries a frame on each body; its axis is z. Motions
-// are those of A seen from B. What the solver does with them: doc/theory/joints.md.
+// are those of A seen from B. How the solver treats joints: doc/theory/joints.md.
 #pragma once
 
 #include <array>
@@ -33,7 +33,7 @@ enum class MotorKind {
   position,  // target: coordinate at the end of the step
 };
 
-/// What drives a free axis. The limit makes the bilateral row of a speed or position motor a row of dry
+/// What drives a free axis. With a limit, the bilateral row of a speed or position motor becomes a row of dry
 /// friction about its target.
 struct Motor {
   MotorKind kind = MotorKind::none;
@@ -45,7 +45,7 @@ struct Motor {
 struct JointAxis {
   double lower = -kInf, upper = kInf;  // stops [m, rad], lower < upper
   double restitution = 0;              // of the stops [-], in [0, 1]
-  double friction = 0;                 // dry, the largest force or torque [N, N m], >= 0
+  double friction = 0;                 // largest force or torque of dry friction [N, N m], >= 0
   double stiffness = 0, damping = 0;   // of a spring to `rest` [N/m, N m], [N s/m, N m s], >= 0
   double rest = 0;                     // [m, rad]
   Motor motor{};
@@ -55,17 +55,17 @@ struct Joint {
   std::string name{};
   JointKind kind = JointKind::fixed;
   int body_a = -1, body_b = -1;  // index of the body, -1: the world
-  // true: its two bodies touch each other like any others, and may not overlap at the start; false: they pass
-  // through each other, unseen by contacts and certificate (Model::passing)
+  // true: the two bodies touch each other like any others, and may not overlap at the start; false: they pass
+  // through each other, without contacts or certificate (Model::passing)
   bool collide = false;
   SE3 frame_a{}, frame_b{};         // seen from the frames of the bodies
   double pitch = 0;                 // of a screw, with its sign [m/turn], not 0
   double length = 0;                // of a distance [m], > 0
-  std::array<JointAxis, 3> axis{};  // the first axis_count(kind) of them
+  std::array<JointAxis, 3> axis{};  // only the first axis_count(kind) are used
 };
 
-/// Coordinates of two joints go together: q_1 = ratio q_2 + offset. Gears (ratio = -teeth_2 / teeth_1 between
-/// external wheels), racks [m/rad], belts.
+/// Couples the coordinates of two joints: q_1 = ratio q_2 + offset. For gears (ratio = -teeth_2 / teeth_1
+/// between external wheels), racks [m/rad] and belts.
 struct Coupling {
   std::string name{};
   int joint_1 = -1, axis_1 = 0;
@@ -74,7 +74,7 @@ struct Coupling {
   double offset = 0;  // [m, rad]
 };
 
-/// A joint of two bodies whose frames coincide now, at `frame` in the world.
+/// A joint of two bodies whose two joint frames coincide at the poses `g`, at `frame` in the world.
 Joint joint_at(JointKind kind, std::string name, int body_a, int body_b, const std::vector<SE3>& g,
                const SE3& frame);
 
@@ -88,9 +88,9 @@ struct JointRow {
   double value = 0;  // [m, rad]
   Vec6 J_a = Vec6::Zero(), J_b = Vec6::Zero();
 };
-/// Where a row is taken: at the poses of the bodies, or with an `end` on the mean of both: the matrices of
-/// both ends added up, whose J times the mean velocity of a Cayley step is the row's exact change (MJT-14).
-/// The value of such a row means nothing.
+/// Where a row is evaluated: at the poses of the bodies or, with an `end`, at the mean of the matrices of
+/// both ends. Then J times the mean velocity of a Cayley step is the exact change of the row (MJT-14), and
+/// the value of the row is meaningless.
 struct JointPoses {
   const std::vector<SE3>& start;
   const std::vector<SE3>* end = nullptr;
@@ -102,7 +102,7 @@ std::vector<JointRow> locked_rows(const Joint& joint, const JointPoses& at);
 /// The coordinate of a free axis; angles in (-pi, pi] (MJT-5).
 JointRow axis_row(const Joint& joint, const JointPoses& at, int axis);
 
-/// Of the joint's frame on A, in the world.
+/// The pose of the joint's frame on A, in the world.
 SE3 frame_on_a(const Joint& joint, const std::vector<SE3>& g);
 
 }  // namespace aussois

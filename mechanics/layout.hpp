@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the velocities of bodies and coordinates stand: in State::v, and among the rows of a problem, which
-// has those that are free.
+// Where the velocities of bodies and coordinates are stored: in State::v, and in the rows of a problem, which
+// has only the free ones.
 #pragma once
 
 #include <vector>
@@ -11,13 +11,13 @@ namespace aussois {
 
 struct Model;
 
-/// First entry of a body in State::v: v_G in the world, then omega in the body. The coordinates come behind
-/// all bodies.
+/// First entry of a body in State::v: v_G in the world, then omega in the body. The coordinates follow all
+/// bodies.
 constexpr int first_velocity(int body) {
   return 6 * body;
 }
-/// What belongs to a body in a vector with the places of State::v (velocities, forces, momenta): all six
-/// entries, those of the translation [world], those of the rotation [body].
+/// The part of a body in a vector laid out as State::v (velocities, forces, momenta): all six entries, those
+/// of the translation [world], those of the rotation [body].
 template <class Vector>
 auto of_body(Vector& all, int body) {
   return all.template segment<6>(first_velocity(body));
@@ -31,7 +31,7 @@ auto angular_part(Vector& all, int body) {
   return all.template segment<3>(first_velocity(body) + 3);
 }
 
-/// Which rows of a problem belong to a body, six each; the coordinates come behind.
+/// Which rows of a problem belong to a body, six each; the coordinates follow all bodies.
 struct Layout {
   std::vector<int> first{};  // per body: its first row, -1 if it is not dynamic
   int coordinates = 0;       // first row of the coordinates
@@ -41,10 +41,10 @@ Layout layout(const Model& model);
 /// The row of an entry of State::v, -1 if its body is not dynamic.
 int row_of(const Layout& dofs, Eigen::Index velocity);
 
-/// Velocities in the places of State::v: the free ones from `v`, rows of the problem, the others from
+/// Velocities laid out as State::v: the free ones from `v` (rows of the problem), the others from
 /// `v_prescribed`.
 VecX all_velocities(const Layout& dofs, const VecX& v, const VecX& v_prescribed);
-/// The opposite: the rows of the problem.
+/// The opposite: the rows of the problem from velocities laid out as State::v.
 VecX free_velocities(const Layout& dofs, const VecX& all);
 
 }  // namespace aussois

@@ -6,11 +6,11 @@
 
 namespace aussois {
 
-/// Coordinate of a free axis, turns counted [m, rad], and its speed [m/s, rad/s].
+/// Coordinate of a free axis, full turns included [m, rad], and its speed [m/s, rad/s].
 double joint_coordinate(const Model& model, const State& state, int joint, int axis = 0);
 double joint_speed(const Model& model, const State& state, int joint, int axis = 0);
 
-/// By how much a joint is off at the state, and all of them at most.
+/// The error of a joint at the state, and the largest error of all joints and couplings.
 struct JointError {
   double translation = 0;  // [m]
   double rotation = 0;     // [rad], also of couplings between angles
@@ -20,7 +20,7 @@ JointError joint_error(const Model& model, const State& state);
 
 /// q_1 - ratio q_2 - offset of a coupling, with its derivatives along its two joints (MJT-8).
 struct CouplingRow {
-  double value = 0;  // [m, rad], that of axis_1
+  double value = 0;  // [m, rad], as for axis_1
   JointRow row_1{}, row_2{};
 };
 CouplingRow coupling_row(const Model& model, const Coupling& coupling, const JointPoses& at,
@@ -30,7 +30,7 @@ CouplingRow coupling_row(const Model& model, const Coupling& coupling, const Joi
 /// (MJT-7).
 std::vector<int> counted_turns(const Model& model, const State& before, const std::vector<SE3>& after);
 
-/// Of the springs on joint axes [J].
+/// Energy of the springs on joint axes [J].
 double spring_energy(const Model& model, const State& state);
 
 }  // namespace aussois

@@ -17,7 +17,7 @@ struct Fixed {};
 struct Prescribed {  // pose and velocity known, reactions computed
   Trajectory path{};
 };
-struct Driven {};  // moves on with the twist that State::v has of it, which is set between steps (`lead`)
+struct Driven {};  // moves with its twist in State::v, which is set between steps (`lead`)
 using Motion = std::variant<Dynamic, Fixed, Prescribed, Driven>;
 
 struct RigidBody {
@@ -27,18 +27,18 @@ struct RigidBody {
   double mass = 0;              // [kg], > 0 if dynamic
   Mat3 inertia = Mat3::Zero();  // about the centre of mass, body frame [kg m^2]; see (MEC-3)
   Motion motion = Dynamic{};
-  Deformation deformation{};  // of the shape, seen from the body; as it is made: none
+  Deformation deformation{};  // of the shape, seen from the body; by default none
 };
 
 inline bool is_dynamic(const RigidBody& body) {
   return std::holds_alternative<Dynamic>(body.motion);
 }
 
-/// Whether it moves and nothing can stop it.
+/// Whether the body moves and nothing can stop it.
 inline bool is_moved(const RigidBody& body) {
   return std::holds_alternative<Prescribed>(body.motion) || std::holds_alternative<Driven>(body.motion);
 }
-/// Whether the shape moves seen from the body.
+/// Whether the shape moves as seen from the body.
 inline bool deforms(const RigidBody& body) {
   return bool(body.deformation.vertices);
 }
@@ -53,8 +53,8 @@ RigidBody solid_body(std::string name, int shape, const MassProperties& mass);
 RigidBody fixed_body(std::string name, int shape);
 /// A body whose frame is the shape's, moved along `path`.
 RigidBody prescribed_body(std::string name, int shape, Trajectory path);
-/// A body whose frame is the shape's, moved by what its user sets between steps. Without a shape, -1: a
-/// handle.
+/// A body whose frame is the shape's; its motion is set by the user between steps. Without a shape (-1) it is
+/// a handle.
 RigidBody driven_body(std::string name, int shape = -1);
 
 }  // namespace aussois

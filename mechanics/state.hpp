@@ -15,17 +15,18 @@ namespace aussois {
 struct State {
   double t = 0;          // [s]
   double h = 0;          // length of the last accepted step [s], 0 before the first: impulses scale with it
-  double h_next = 0;     // the step that the control would try next [s]; 0: as large as the scheme allows
+  double h_next = 0;     // next step that the step control would try [s]; 0: as large as the scheme allows
   std::vector<SE3> g{};  // g_wb of every body
   VecX q{};              // of all blocks of coordinates, in order
   VecX v{};  // six per body: v_G in the world [m/s], omega in the body [rad/s]; then the speeds of q
-  std::vector<int> turns{};  // of the joints' angles: three per joint, its axes; empty: all zero (MJT-7)
+  std::vector<int> turns{};  // full turns of the joints' angles: three per joint, one per axis; empty: all
+                             // zero (MJT-7)
   VecX r{};  // impulses of the last step on joint axes and gap functions [N s, N m s]; empty: none (MJT-12)
   VecX a{};  // accelerations that a scheme keeps from step to step, twice as many as v; empty: none
   ContactMemory memory{};
 };
 
-/// Bodies at the world's origin and at rest, prescribed ones where their path begins; q = 0.
+/// Bodies at the world's origin and at rest, prescribed ones at the start of their path; q = 0.
 State rest_state(const Model& model);
 /// Throws std::invalid_argument unless sizes fit the model, every number is finite, rotations are unit
 /// quaternions (1e-6) and the memory is sorted by key.
@@ -38,14 +39,14 @@ Vec6 twist(const State& state, int body);
 /// Coordinates of a block and their speeds.
 VecX coordinates(const Model& model, const State& state, int block);
 VecX speeds(const Model& model, const State& state, int block);
-/// What blocks and gap functions of a model say; throw std::invalid_argument naming what has another size
-/// than it must have, with both.
+/// Evaluate the blocks and gap functions of a model. They throw std::invalid_argument naming a result of the
+/// wrong size, with both sizes.
 MatX block_mass(const Model& model, int block, const VecX& q);
 CoordinateForce block_force(const Model& model, int block, double t, const VecX& q, const VecX& v);
 GapRows gap_function(const Model& model, const State& state, int gap, double t);
 
-/// 64-bit hash of all bits of the state: equal states have equal hashes, whatever computed them; -0.0 differs
-/// from 0.0.
+/// 64-bit hash of all bits of the state: equal states have equal hashes, no matter what computed them; -0.0
+/// differs from 0.0.
 std::uint64_t hash(const State& state);
 
 /// Entries of State::r: stops, dry friction and limited motor of every axis of every joint, three axes each;
@@ -54,7 +55,7 @@ inline constexpr int kRowsOfAnAxis = 4, kRowsOfAJoint = 3 * kRowsOfAnAxis;
 int first_gap_row(const Model& model);
 int row_count(const Model& model);
 
-/// Of the dynamic bodies and the coordinates; `laws` is the sum of the potentials of force laws, joint
+/// Energy of the dynamic bodies and the coordinates; `laws` is the sum of the potentials of force laws, joint
 /// springs and coordinates at the state's own time (MEC-4).
 struct Energy {
   double kinetic = 0, gravity = 0, laws = 0;  // [J]

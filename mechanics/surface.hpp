@@ -11,18 +11,19 @@
 
 namespace aussois {
 
-/// The shape of a body that has one, where it is; of one that deforms, as the state deforms it.
+/// The shape of a body at its pose; if the body deforms, as deformed at the state. The body must have a
+/// shape.
 PosedShape posed_shape(const Model& model, const State& state, int body);
 
 /// The vertices of a body that deforms, in the frame of its shape [m]. Throws std::invalid_argument naming
-/// the body if its deformation does not give one for each vertex of the shape.
+/// the body if its deformation does not give one vertex for each vertex of the shape.
 std::vector<Vec3> deformed_vertices(const Model& model, const State& state, int body);
 
-/// Their velocities there, at the velocities `v`, in the places of
-/// State::v [m/s].
+/// The velocities of these vertices, in the frame of the shape, at the velocities `v`, laid out as State::v
+/// [m/s].
 std::vector<Vec3> vertex_velocities(const Model& model, const State& state, int body, const VecX& v);
 
-/// Velocity of a point of a body along N axes per unit of what moves it.
+/// Velocity of a point of a body along N axes, per unit of each velocity that moves it.
 template <int N>
 struct PointColumns {
   Eigen::Matrix<double, N, 6> twist;                                  // of the body
@@ -34,8 +35,8 @@ template <int N>
 PointColumns<N> point_columns(const Model& model, const State& state, const Feature& on, const Vec3& x,
                               const Mat3& frame);
 
-/// Where the material at a contact's proximal point is in the frame of its body: at the state for a rigid
-/// body, in the undeformed shape for one that deforms [m].
+/// The place of the material at a contact's proximal point, in the frame of its body [m]: at the state for a
+/// rigid body, in the undeformed shape for one that deforms.
 Vec3 material_place(const Model& model, const State& state, const Feature& on, const Vec3& x);
 
 }  // namespace aussois

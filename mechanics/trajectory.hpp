@@ -20,14 +20,14 @@ void validate(const Trajectory& path);
 
 struct TrajectoryPoint {
   SE3 pose{};
-  Vec6 twist = Vec6::Zero();  // of the origin, in the world [m/s]; rotation speed in the body [rad/s]
+  Vec6 twist = Vec6::Zero();  // velocity of the origin, world [m/s]; angular velocity, body [rad/s]
 };
-/// At times outside [t.front(), t.back()] the end pose with zero twist. At the time of a row the segment that
-/// it begins counts, at the last row the one that it ends. The path must be valid.
+/// At times outside [t.front(), t.back()]: the end pose with zero twist. At the time of a row, the segment
+/// that begins there counts; at the last row, the one that ends there. The path must be valid.
 TrajectoryPoint evaluate(const Trajectory& path, double t);
 
-/// The same path for the frame g_old_new attached to the moving frame: pose * g_old_new, interpolated there
-/// again: exact at the rows, between them off by at most |g_old_new.p| phi^2 / 8 for a rotation by phi from
+/// The same path for the frame g_old_new attached to the moving frame: pose * g_old_new, interpolated anew.
+/// It is exact at the rows and off between them by at most |g_old_new.p| phi^2 / 8 for a rotation by phi from
 /// row to row (TRJ-2).
 Trajectory attached(const Trajectory& path, const SE3& g_old_new);
 

@@ -35,9 +35,9 @@ CouplingWrench coupling_wrench(const Model& model, const State& state, int body,
 ForceLaw virtual_coupling(const Model& model, int body, Trajectory path,
                           const VirtualCouplingOptions& options = {});
 
-/// The same with another body's frame as the target, where that body moves during the step: a driven one is a
-/// handle that is led from step to step. Throws likewise, and unless `handle` is another body that is not
-/// dynamic.
+/// The same with another body's frame as the target, wherever that body moves during the step. A driven body
+/// is a handle that is led from step to step. Throws likewise, and also unless `handle` is another body that
+/// is not dynamic.
 CouplingWrench coupling_wrench(const Model& model, const State& state, int body, int handle,
                                const VirtualCouplingOptions& options, double t);
 ForceLaw virtual_coupling(const Model& model, int body, int handle,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Anderson acceleration of a fixed-point map g(x) (AA-1) to (AA-3): what the last steps together point to.
-// Whether to go there is the caller's to decide. Private to nsgs. Source: Anderson 1965; Walker and Ni 2011.
+// Anderson acceleration of a fixed-point map g(x) (AA-1) to (AA-3): where the last steps together point to.
+// The caller decides whether to go there. Private to nsgs. Source: Anderson 1965; Walker and Ni 2011.
 #pragma once
 
 #include <cstddef>
@@ -11,10 +11,10 @@ namespace aussois {
 
 class Anderson {
  public:
-  /// `memory` differences of steps are combined; 0: never proposes.
+  /// Combines `memory` differences of steps; 0: never proposes.
   explicit Anderson(int memory) : memory_(std::size_t(memory)) {}
 
-  /// From the step x -> g and those before: (AA-2). Empty after the first step.
+  /// The proposal (AA-2) from the step x -> g and those before it. Empty after the first step.
   VecX propose(const VecX& x, const VecX& g);
   void forget() { *this = Anderson(int(memory_)); }
 
@@ -22,7 +22,7 @@ class Anderson {
   std::size_t memory_;
   VecX f_{}, g_{};
   MatX df_{}, dg_{};  // columns: differences of steps f = g - x and of images, the oldest overwritten
-  MatX gram_{};       // of df_
+  MatX gram_{};       // the Gram matrix of df_
   std::size_t steps_ = 0;
 };
 

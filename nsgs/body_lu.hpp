@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// LU of a matrix whose rows belong to bodies, block by block: pivots are chosen within a body, bodies are
-// eliminated in an order that fills in little. Chains, stacks and stars of bodies cost as much as they are
-// long (PROX-9). Private to nsgs.
+// LU, block by block, of a matrix whose rows belong to bodies. Pivots are chosen within a body; bodies are
+// eliminated in an order that causes little fill-in. For chains, stacks and stars of bodies the cost is
+// linear in their length (PROX-9). Private to nsgs.
 #pragma once
 
 #include <span>
@@ -16,18 +16,19 @@ inline constexpr int kBodyRows = 6;
 
 class BodyLu {
  public:
-  /// `body[i]` of row i, ascending without holes, at most kBodyRows rows each; bodies that a coupling names
-  /// share blocks off the diagonal.
+  /// `body[i]` is the body of row i; bodies ascend without gaps and have at most kBodyRows rows each. Two
+  /// bodies of a coupling share off-diagonal blocks.
   BodyLu(std::vector<int> body, const std::vector<std::pair<int, int>>& couplings);
 
-  double cost() const { return cost_; }  // multiplications of a factorisation, about
-  /// The block of rows of body a and columns of body b, which must be coupled or the same.
+  double cost() const { return cost_; }  // approximate multiplications of a factorisation
+  /// Index of the block of rows of body a and columns of body b, which must be coupled or the same.
   int block(int a, int b) const;
-  const std::vector<int>& bodies() const { return body_; }       // of every row
-  int place(int row) const { return place_[std::size_t(row)]; }  // within its body
+  const std::vector<int>& bodies() const { return body_; }       // the body of every row
+  int place(int row) const { return place_[std::size_t(row)]; }  // place of the row within its body
   int body(int row) const { return body_[std::size_t(row)]; }
 
-  /// To be filled in before factorise(); zero at first, and a body with fewer rows is filled up by ones.
+  /// Blocks to fill in before factorise(). They are zero, but ones on the diagonal pad a body with fewer
+  /// rows.
   std::vector<Mat6> zero() const;
   /// False if a body's pivot vanishes or anything is not finite.
   bool factorise(std::vector<Mat6> blocks);
@@ -35,13 +36,13 @@ class BodyLu {
 
  private:
   struct Below {
-    int node = 0, column = 0, row = 0;  // a node that is eliminated later; blocks (node, this), (this, node)
+    int node = 0, column = 0, row = 0;  // a node eliminated later; blocks (node, this), (this, node)
   };
   int block_between(int a, int b) const;  // of nodes
   std::span<const Below> below(std::size_t node) const;
 
   std::vector<int> body_{}, place_{}, node_of_{}, size_{};
-  std::vector<Below> below_{};  // of one node after the other, in the order of elimination
+  std::vector<Below> below_{};  // node by node, in the order of elimination
   std::vector<std::size_t> below_begin_{};
   int block_count_ = 0;
   double cost_ = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // W~ of the scaled problem as the methods need it: velocities, one sweep, and the linear systems of Newton.
-// Two forms: the matrix itself, and bodies with their contacts, for which it is never formed (NSGS-5).
-// Private to nsgs.
+// It has two forms: the matrix itself, and bodies with their contacts, where the matrix is never formed
+// (NSGS-5). Private to nsgs.
 #pragma once
 
 #include <cmath>
@@ -22,7 +22,7 @@ struct SweepOptions {
 };
 /// What a sweep did to one block.
 struct Relaxed {
-  double change = 0;  // of its r, squared
+  double change = 0;  // squared norm of the change of its r
   bool failed = false, fail_safe = false;
 };
 struct SweepCounts {
@@ -33,14 +33,14 @@ struct SweepCounts {
     return block.change;
   }
 };
-/// The new impulses of block c from its velocities and impulses of the moment.
+/// The new impulses of block c from its present velocities and impulses.
 using BlockRule = std::function<AnyRows(int c, const AnyRows& u, const AnyRows& r)>;
-/// x of A x = b for one A, factorised; empty if A is singular.
+/// Solves A x = b for one factorised A; empty if A is singular.
 using LinearSolve = std::function<VecX(const VecX&)>;
-/// The same where it may turn out that there is none.
+/// The same, where a solve may find that there is no solution.
 using NewtonSolve = std::function<std::optional<VecX>(const VecX&)>;
 
-/// Of the linear systems of Newton, factor by factor (PROX-8).
+/// Refinements of a solution of Newton's linear systems, factor by factor (PROX-8).
 inline constexpr int kRefinements = 2;
 
 class Delassus {
@@ -48,10 +48,11 @@ class Delassus {
   virtual ~Delassus() = default;
 
   Scaling scaled{};
-  std::vector<int> first{};  // rows of the blocks
+  std::vector<int> first{};  // first row of every block
   int count() const { return int(scaled.laws.size()); }
 
-  /// u = W r + q, afresh: rounding does not pile up. The sweeps that follow start from here.
+  /// u = W r + q, computed afresh so that rounding does not accumulate. The sweeps that follow start from
+  /// here.
   virtual VecX velocity(const VecX& r) = 0;
   /// One pass over the blocks in their order, from the r of the last velocity() or sweep(). Returns the size
   /// of the change of r.
@@ -61,30 +62,30 @@ class Delassus {
     return std::sqrt(change);
   }
 
-  /// One block of such a pass. Blocks of one colour may be relaxed at once.
+  /// One block of such a pass. Blocks of one colour may be relaxed in parallel.
   virtual Relaxed relax(int c, VecX& r, const SweepOptions& options) = 0;
-  /// Per block: none has the colour of a block that it shares velocities with (COL-1).
+  /// The colour of every block: no two blocks that share velocities have the same (COL-1).
   virtual std::vector<int> colours() const = 0;
 
-  /// The same pass with another rule; open blocks are asked too.
+  /// The same pass with another rule, which is also applied to open blocks.
   virtual double sweep(VecX& r, const BlockRule& rule) = 0;
 
-  virtual AnyBlock block(int c) const = 0;  // of the diagonal of W
+  virtual AnyBlock block(int c) const = 0;  // on the diagonal of W
   virtual SparseMatrix matrix() const = 0;  // W
-  /// (W + shift)^-1 with shift > 0, factorised once, in the form that W has.
+  /// (W + shift)^-1 with shift > 0, factorised once, in the same form as W.
   virtual LinearSolve shifted_inverse(double shift) const = 0;
 
-  // Newton's unknowns d: changes of the velocities of the bodies, A d = B dr, du = C d; of the contacts where
-  // there are no bodies: A = C = 1, B = W.
+  // Newton's unknowns d are changes of the velocities of the bodies: A d = B dr, du = C d. Where there are no
+  // bodies, they are those of the contacts: A = C = 1, B = W.
   virtual Eigen::Index unknowns() const = 0;
   virtual VecX A(const VecX& d) const = 0;
   virtual VecX B(const VecX& dr) const = 0;
   virtual VecX C(const VecX& d) const = 0;
   virtual double size(const VecX& row_of_A) const = 0;  // free of units
-  /// d of (A + B D C) d = F with D block diagonal, factorised once; it serves until the next one is made.
-  /// Empty, or without an answer, if that is singular.
+  /// Solves (A + B D C) d = F for d, with D block diagonal, factorised once; valid until the next one is
+  /// made. Empty, or without an answer, if the matrix is singular.
   virtual NewtonSolve newton_inverse(std::vector<AnyBlock> D) = 0;
-  /// An iteration of Newton costs about as many sweeps as this, if the blocks with r = 0 stay open.
+  /// The approximate cost of a Newton iteration in sweeps, if the blocks with r = 0 stay open.
   virtual double newton_cost(const VecX& r) = 0;
 };
 

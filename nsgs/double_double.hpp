@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers of 32 digits as sums of two doubles, high + low with |low| <= ulp(high) / 2: rounding errors of a
-// sum and of a product are doubles themselves. Each operation errs by a few 1e-32 of its result. Private to
-// nsgs. Sources: Dekker 1971; Hida, Li and Bailey 2001. Needs the arithmetic of IEEE 754, without
-// -ffast-math.
+// Numbers of 32 digits as sums of two doubles, high + low with |low| <= ulp(high) / 2. This works because the
+// rounding errors of a sum and of a product are doubles themselves. The error of each operation is a few
+// 1e-32 of its result. Private to nsgs. Sources: Dekker 1971; Hida, Li and Bailey 2001. Needs IEEE 754
+// arithmetic, without -ffast-math.
 #pragma once
 
 #include <cmath>
@@ -63,7 +63,7 @@ inline bool operator<(const DoubleDouble& a, const DoubleDouble& b) {
 inline DoubleDouble abs(const DoubleDouble& a) {
   return a < 0 ? -a : a;
 }
-inline DoubleDouble sqrt(const DoubleDouble& a) {  // one step of Newton from that of doubles
+inline DoubleDouble sqrt(const DoubleDouble& a) {  // one Newton step from the root in doubles
   if (!(a.high > 0)) return {};
   const double root = std::sqrt(a.high);
   return root + DoubleDouble((a - DoubleDouble::product(root, root)).high / (2 * root));

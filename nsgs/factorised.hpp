@@ -6,8 +6,8 @@
 
 namespace aussois {
 
-/// Dense LU where A is small or full, else sparse LDL^T of a symmetric matrix and KLU of another. Empty if A
-/// is singular or not finite. A symmetric A must be definite.
+/// Dense LU if A is small or full; else sparse LDL^T if A is symmetric, and KLU if it is not. Empty if A is
+/// singular or not finite. A symmetric A must be definite.
 LinearSolve factorised(const SparseMatrix& A);
 
 }  // namespace aussois

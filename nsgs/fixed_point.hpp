@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The loop that all sweeping methods share: step, ask the judge when it is due, keep the best iterate, stop
-// (FIX-1). With a memory it also tries what the last steps together point to (AA-1). Private to nsgs.
+// (FIX-1). With a memory it also tries Anderson acceleration of the last steps (AA-1). Private to nsgs.
 #pragma once
 
 #include <functional>
@@ -11,22 +11,22 @@
 
 namespace aussois {
 
-/// Moves r, whose velocities W has at hand, by one step of a method. Returns the size of the change.
+/// Moves r by one step of a method; W holds the velocities of r. Returns the size of the change.
 using Step = std::function<double(VecX& r)>;
 
 class FixedPoint {
  public:
   FixedPoint(Delassus& W, const Iterate& start, Method by, int memory, Step step);
 
-  /// One step; true if the judge was asked. `last` tells that no other will follow.
+  /// Takes one step; true if the judge was asked. `last` means that no other step will follow.
   bool advance(double tolerance, bool last);
-  /// W has been used otherwise since: its velocities are made those of `now` again.
+  /// To call after W was used for something else: makes its velocities those of now() again.
   void resume() { W_.velocity(now_.r); }
 
-  /// The steps go on from `other` if it is better than where they are.
+  /// Continues from `other` if it is better than the present iterate.
   void go_on_from(Iterate other);
 
-  const Iterate& now() const { return now_; }  // the last that was judged
+  const Iterate& now() const { return now_; }  // the last iterate that was judged
   const Iterate& best() const { return best_.iterate(); }
   void offer(Iterate other) { best_.offer(std::move(other), steps_); }
   bool finite() const { return now_.residual < kInf; }
@@ -38,7 +38,7 @@ class FixedPoint {
   Delassus& W_;
   Iterate now_{};
   BestSoFar best_;
-  VecX r_{};  // where the steps are; now_.r if they are accelerated
+  VecX r_{};  // the present impulses; now_.r if the steps are accelerated
   int memory_ = 0;
   Anderson anderson_;
   Step step_;

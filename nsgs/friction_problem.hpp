@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one-step problem in FCLIB's letters, seen from the bodies (NSGS-1) and from the contacts (NSGS-2).
+// The one-step problem in FCLIB's notation, seen from the bodies (NSGS-1) and from the contacts (NSGS-2).
 // Every block of rows has a law; for frictional contacts K* contains u + mu |u_T| e_N, orthogonal to r in K.
 #pragma once
 
@@ -15,7 +15,7 @@ struct FrictionProblem {
   SparseMatrix H{};         // n x m, directions of the rows as columns, block after block [-, m]
   VecX f{};                 // free momentum, n [N s, N m s]
   VecX w{};                 // bias from restitution, gap and moved bodies, m [m/s, rad/s]
-  std::vector<Law> laws{};  // of the blocks, in order; their rows sum up to m
+  std::vector<Law> laws{};  // of the blocks, in order; their rows add up to m
   SparseMatrix G{};         // n x p, directions of the joints; empty without joints. May be rank deficient
   VecX b{};                 // bias of the joints, p
   VecX R{};                 // compliance of the rows, m, >= 0 [1/kg]; empty: rigid
@@ -31,11 +31,12 @@ struct LocalProblem {
 };
 
 /// Throws std::invalid_argument naming the field, with both sizes, unless sizes agree and laws are valid.
-/// Numbers of the matrices and vectors may be anything: what is not finite becomes a status of the solver.
+/// Entries of the matrices and vectors may be anything: those that are not finite lead to a status of the
+/// solver.
 void validate(const FrictionProblem& problem);
 void validate(const LocalProblem& problem);
 
-/// The first row of every block, and at the end their number.
+/// The first row of every block, and at the end the number of rows.
 std::vector<int> first_rows(const std::vector<Law>& laws);
 
 /// Eliminates bodies and joints. Throws std::invalid_argument for inconsistent sizes, std::runtime_error if M

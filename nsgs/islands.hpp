@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parts of a problem that do not feel each other (ISL-1): solved apart, each as if the others were not there.
-// Private to nsgs.
+// Splits a problem into parts that do not affect each other (ISL-1); each is solved as if the others did not
+// exist. Private to nsgs.
 #pragma once
 
 #include "nsgs/friction_problem.hpp"
@@ -15,21 +15,22 @@ struct Island {
   std::vector<int> joints{};  // columns of G
 };
 
-/// Ordered by their first dof, or block; then blocks that nothing moves, one by one; at the end all that
-/// feels no contact. As if there were none of the blocks left out (none if empty).
+/// The islands in the order of their first dof, then the blocks that nothing moves, one by one, and at the
+/// end everything without contact. Blocks marked in `left_out` (empty: none) count as absent.
 std::vector<Island> islands(const FrictionProblem& problem, const std::vector<char>& left_out = {});
 
-/// Of every block the first one of its island.
+/// For every block, the first block of its island.
 std::vector<int> leaders(const LocalProblem& problem);
-/// The islands that `leaders` tells of, without the blocks left out (none if empty).
+/// The islands by leaders(), in the order of their first block, without the blocks marked in `left_out`
+/// (empty: none).
 std::vector<Island> islands(const LocalProblem& problem, const std::vector<int>& leader,
                             const std::vector<char>& left_out = {});
 
-/// Whether the island has all that the problem has.
+/// Whether the island is the whole problem.
 bool is_whole(const FrictionProblem& problem, const Island& island);
 bool is_whole(const LocalProblem& problem, const Island& island);
 
-/// `scratch` is empty at first, and handed from one part to the next.
+/// The problem of one island. `scratch` is empty at first and passed on from one call to the next.
 FrictionProblem part(const FrictionProblem& problem, const Island& island, std::vector<int>& scratch);
 LocalProblem part(const LocalProblem& problem, const Island& island, std::vector<int>& scratch);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What joints leave of M^-1 (JNT-1) to (JNT-4): the velocities that obey G^T v + b = 0, and the multipliers
-// of smallest norm. Redundant joints are the normal case.
+// M^-1 restricted by joints (JNT-1) to (JNT-4): gives velocities that obey G^T v + b = 0, and multipliers of
+// smallest norm. Redundant joints are the normal case.
 #pragma once
 
 #include "nsgs/friction_problem.hpp"
@@ -20,13 +20,13 @@ struct MotionInverse {
   SparseMatrix operator*(const SparseMatrix& X) const;  // column by column
 };
 
-/// Nothing if M is not finite, or singular to working precision, or G not finite.
+/// Empty if M or G is not finite, or if M is singular to working precision.
 std::optional<MotionInverse> invert_motion(const SparseMatrix& M, const SparseMatrix& G);
 
-/// v without impulses of the contacts: M v = f + G lambda, G^T v + b = 0.
+/// v without contact impulses: M v = f + G lambda, G^T v + b = 0.
 VecX free_velocity(const FrictionProblem& problem, const MotionInverse& inverse);
 
-/// v and lambda for the contacts' impulses r.
+/// v and lambda for the contact impulses r.
 struct JointedMotion {
   VecX v{}, lambda{};
 };

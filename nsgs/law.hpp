@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What one block of rows may do (LAW-1) to (LAW-9): which impulses it allows and which velocities it asks
-// for. Rows of a block: normal first, then tangents, then moments. All functions are Euclidean: they assume
-// rows of one size, as those of Scaling are.
+// The law of one block of rows (LAW-1) to (LAW-9): which impulses it allows and which velocities it demands.
+// Rows of a block: normal first, then tangents, then moments. All functions are Euclidean: they assume rows
+// of one size, as Scaling makes them.
 #pragma once
 
 #include <algorithm>
@@ -54,8 +54,8 @@ inline Law dry_friction(double limit) {
   return {.kind = LawKind::dry_friction, .rows = 1, .limit = limit};
 }
 
-/// Throws std::invalid_argument naming laws[index] and its field unless rows fit the kind and numbers their
-/// bounds.
+/// Throws std::invalid_argument naming laws[index] and its field unless the rows fit the kind and the numbers
+/// their bounds.
 void validate(const Law& law, std::size_t index);
 
 inline constexpr int kMaxRows = 6;
@@ -125,16 +125,16 @@ double tangential_length(const Law& law, const Rows<R>& y) {
     return law.rows == 2 ? std::abs(y[1]) : std::sqrt(y[1] * y[1] + y[2] * y[2]);
 }
 
-/// Which law between impulses and velocities.
+/// Which law holds between impulses and velocities.
 enum class FrictionModel : std::uint8_t {
-  coulomb,      // with De Saxce's term: what slips does not lift off
-  convex_cone,  // without: a convex problem, the model of Chrono and MuJoCo; what slips lifts off at mu |u_T|
+  coulomb,      // with De Saxce's term: a slipping contact does not lift off
+  convex_cone,  // without it: convex, as in Chrono and MuJoCo; a slipping contact lifts off at mu |u_T|
 };
 
 /// De Saxce's modified velocity (LAW-4): u_N grows by mu |u_T| for every ball.
 template <int R>
 Rows<R> modified_velocity(const Law& law, Rows<R> u) {
-  if (R != 1 && law.kind == LawKind::coulomb) {  // the most frequent, without a list of balls
+  if (R != 1 && law.kind == LawKind::coulomb) {  // the most frequent case, without a list of balls
     u[0] += law.mu * tangential_length<R>(law, u);
     return u;
   }
@@ -163,7 +163,8 @@ Rows<R> project(const Law& law, Rows<R> r) {
     }
     return r;
   }
-  // r_N of the projection, first as if every ball were exceeded; those that turn out not to be never are
+  // r_N of the projection, first as if every ball were exceeded; a ball that turns out not to be is left out
+  // for good
   double length[2] = {0, 0}, normal = 0;
   bool exceeded[2] = {false, false};
   for (int g = 0; g < all.count; ++g) {
@@ -194,9 +195,9 @@ Rows<R> project(const Law& law, Rows<R> r) {
   return r;
 }
 
-/// (LAW-6): the normal part alone made non-negative, then every ball shortened to its radius. The answer of a
-/// block whose compliance is the same in every row. Not the nearest point of the set: friction does not push
-/// back on the normal.
+/// (LAW-6): the normal part alone is made non-negative, then every ball is shortened to its radius. This is
+/// the answer of a block whose compliance is the same in every row. It is not the nearest point of the set:
+/// friction does not push back on the normal.
 template <int R>
 Rows<R> answer(const Law& law, Rows<R> y) {
   if (has_normal(law) && !(y[0] > 0)) return Rows<R>::Zero(y.size());

@@ -15,10 +15,10 @@ struct SparseFactor;  // Eigen's SparseLU, kept out of this header
 
 /// Blocks that M does not couple with each other, ordered by their first row; none if `factor` is set.
 struct MassInverse {
-  std::vector<int> rows{};                 // of one block after the other, ascending in each
-  std::vector<int> first{0};               // where each block begins in `rows`; one past the last
-  std::vector<double> inverse{};           // the blocks' inverses, by columns, one after the other
-  std::vector<std::size_t> at{};           // where each begins
+  std::vector<int> rows{};                 // block after block, ascending within each
+  std::vector<int> first{0};               // where each block begins in `rows`; at the end one past the last
+  std::vector<double> inverse{};           // inverses of the blocks, column-major, one after the other
+  std::vector<std::size_t> at{};           // where each begins in `inverse`
   std::vector<int> block_of{};             // the block of every row
   std::shared_ptr<SparseFactor> factor{};  // for a matrix with a block of more than kLargestMassBlock rows
 
@@ -32,15 +32,15 @@ struct MassInverse {
 inline constexpr int kLargestMassBlock = 24;  // rows: four coupled rigid bodies; above, M^-1 H stops being
                                               // sparse
 
-/// Of some rows, ascending: those of whole blocks. Nothing if `factor` is set.
+/// The inverse for some rows, ascending, which must make up whole blocks. Empty if `factor` is set.
 std::optional<MassInverse> part(const MassInverse& inverse, const std::vector<int>& some);
 
-bool same_bits(const SparseMatrix& A, const SparseMatrix& B);  // compressed
+bool same_bits(const SparseMatrix& A, const SparseMatrix& B);  // both must be compressed
 
-/// Nothing if M is not finite, or singular to working precision.
+/// Empty if M is not finite, or singular to working precision.
 std::optional<MassInverse> invert_mass(const SparseMatrix& M);
-/// The same, bit by bit: blocks that M shares with `last_M`, whose inverse is `last`, are not inverted again.
-/// Both matrices are compressed.
+/// The same, bit for bit, but without inverting again the blocks that M shares with `last_M`, whose inverse
+/// is `last`. Both matrices must be compressed.
 std::optional<MassInverse> invert_mass(const SparseMatrix& M, const SparseMatrix& last_M,
                                        const MassInverse& last);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What prox steps are made of. Private to nsgs.
+// The projection that prox steps are made of. Private to nsgs.
 #pragma once
 
 #include "nsgs/law.hpp"

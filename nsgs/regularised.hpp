@@ -11,12 +11,12 @@ namespace aussois {
 
 enum class FrictionReading {
   coulomb_pgs,  // the default: normal rows, then disks of radius mu lambda_N, in Gauss-Seidel order (REG-6)
-  convex_cone,  // minimum over the cones, as MuJoCo and Chrono have it (REG-5): what slips lifts off
+  convex_cone,  // minimum over the cones, as in MuJoCo and Chrono (REG-5): a slipping contact lifts off
   hybrid,       // Coulomb's law with De Saxce's shift by the default solver (REG-7): the same fixed points as
                 // coulomb_pgs, also where that converges slowly or not at all
 };
 const char* to_string(FrictionReading reading);
-/// By its name; throws std::invalid_argument naming all.
+/// The reading with this name; throws std::invalid_argument listing all names.
 FrictionReading friction_reading(const std::string& name);
 
 struct RegularisedOptions {
@@ -36,15 +36,15 @@ struct RegularisedSolution {
 /// error of the force of one loaded contact. Throws std::invalid_argument for a negative rho.
 VecX regularisation(const LocalProblem& problem, double rho = 1e-3);
 
-/// b of (REG-3): `v_free` grown in normal rows by e v_N where v_N < -threshold [m/s]; v is the relative
-/// velocity before the step. Throws std::invalid_argument unless sizes agree and e lies in [0, 1].
+/// b of (REG-3): `v_free` plus e v_N in normal rows where v_N < -threshold [m/s]; v is the relative velocity
+/// before the step. Throws std::invalid_argument unless sizes agree and e lies in [0, 1].
 VecX with_restitution(VecX v_free, const VecX& v, const std::vector<Law>& laws, double e,
                       double threshold = 0.01);
 
 /// `problem` holds A (`W`, not necessarily symmetric: convex_cone takes its symmetric part, the others take
 /// it as is) and b (`q`); R has m entries >= 0; `lambda_0` is the start (m) or empty for zero. Laws are
-/// coulomb or unilateral. Throws std::invalid_argument naming the field for what is not so; numerical trouble
-/// is a status.
+/// coulomb or unilateral. Throws std::invalid_argument naming a field that does not comply; numerical trouble
+/// is reported as a status.
 RegularisedSolution solve_regularised(const LocalProblem& problem, const VecX& R, const VecX& lambda_0 = {},
                                       const RegularisedOptions& options = {});
 

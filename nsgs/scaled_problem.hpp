@@ -8,37 +8,38 @@
 namespace aussois {
 
 struct Scaling {
-  VecX s{};                 // of the rows, sqrt of an inverse mass's inverse
+  VecX s{};                 // of the rows, 1 / sqrt of their inverse masses w
   double size = 1;          // |q / sqrt(w)|; 1 if that is 0
   std::vector<Law> laws{};  // with the radii that the scaled rows have
   VecX q{};                 // scaled
   FrictionModel model = FrictionModel::coulomb;
-  bool finite = true;  // false: nothing of it may be used
+  bool finite = true;  // false: no other field may be used
 };
 
-/// Scaling::s; what are_scales() refuses belongs to a diagonal that is not positive and finite.
+/// Scaling::s. If are_scales() rejects it, the diagonal is not positive and finite.
 VecX scales(const VecX& diagonal, const std::vector<Law>& laws);
 template <class Vector>
 bool are_scales(const Vector& s) {
   return s.allFinite() && (s.array() > 0).all();
 }
-/// The law of a block with these scales of its rows.
+/// The law of a block whose rows have the scales `s`.
 Law scaled(Law law, const double* s, double size);
 
-/// From the diagonal of W, q and the laws.
+/// The scaling from the diagonal of W, q and the laws.
 Scaling scaling(const VecX& diagonal, const VecX& q, const std::vector<Law>& laws);
 
-/// u with De Saxce's term of every block (LAW-4).
+/// u with De Saxce's term added for every block (LAW-4).
 VecX modified_velocities(VecX u, const std::vector<Law>& laws);
-/// |r - P(r - modified velocity)| of scaled quantities; of the convex cone model |r - P(r - u)|.
+/// |r - P(r - modified velocity)| of scaled quantities; for the convex cone model, |r - P(r - u)|.
 double natural_map(const VecX& u, const VecX& r, const std::vector<Law>& laws,
                    FrictionModel model = FrictionModel::coulomb);
-/// Every block projected on the set of its law.
+/// r with every block projected on the set of its law.
 VecX projected(VecX r, const std::vector<Law>& laws);
-/// The start, scaled, in the sets of the laws; zero if `r0` is empty.
+/// The start, scaled and projected on the sets of the laws; zero if `r0` is empty.
 VecX scaled_start(const Scaling& scaling, const VecX& r0);
 
-/// Calls f.operator()<R>() with the number of rows that all blocks have, or Eigen::Dynamic.
+/// Calls f.operator()<R>(), where R is the number of rows that all blocks have, or Eigen::Dynamic if they
+/// differ.
 template <class F>
 decltype(auto) with_rows(const std::vector<Law>& laws, F&& f) {
   int rows = laws.empty() ? 3 : laws.front().rows;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One contact with three rows, stick or slip, by its compliance (ONE-4), (ONE-5), in as many digits as it
-// needs. Private to nsgs: what sweeps ask where Newton does not do.
+// Solves one contact with three rows, stick or slip, by its compliance (ONE-4), (ONE-5), in as many digits as
+// it needs. Private to nsgs: sweeps use it where Newton fails.
 #pragma once
 
 #include "geometry/types.hpp"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One entry to all solvers (SOL-1): options choose the method, residuals outside of all methods judge it.
+// The single entry to all solvers (SOL-1): options choose the method, and residuals outside all methods judge
+// the result.
 #pragma once
 
 #include <functional>
@@ -24,7 +25,7 @@ enum class Method {
   interior_point,      // with Nesterov-Todd scaling (interior_point.md)
 };
 const char* to_string(Method method);
-/// By its name; throws std::invalid_argument naming all.
+/// The method with this name; throws std::invalid_argument listing all names.
 Method method(const std::string& name);
 
 /// R of the prox methods, from the blocks of W (SORP-3).
@@ -34,15 +35,15 @@ enum class ProxMetric {
   spectral,  // 1 / largest eigenvalue of the whole block
 };
 
-enum class SolveStatus {  // of islands the last in this order counts
+enum class SolveStatus {  // of several islands, the last status in this order counts
   converged,              // the residual is within the tolerance
-  at_rounding,            // it is not, but within what rounding makes of it (SOL-3): as good as it gets
-  stagnated,              // it no longer falls, and nothing else helped: limit cycle, or no solution
+  at_rounding,            // above the tolerance, but within rounding (SOL-3): as good as it gets
+  stagnated,              // the residual no longer falls, nothing else helped: limit cycle or no solution
   max_iterations,         // the iterations are used up
-  not_finite,  // a number of the problem or iteration is not finite, M is singular, or a block of W zero
+  not_finite,  // a number of the problem or iteration is not finite, M is singular, or a block of W is zero
 };
 const char* to_string(SolveStatus status);
-/// Converged, or as good as arithmetic lets it be.
+/// Converged, or as good as arithmetic allows.
 inline bool is_solved(SolveStatus status) {
   return status <= SolveStatus::at_rounding;
 }
@@ -55,10 +56,11 @@ struct SolverOptions {
   double relaxation = 1.0;                  // of nsgs, sor_prox, jor_prox, admm, in (0, 2)
   LocalSolver local = LocalSolver::hybrid;  // of nsgs
   ProxMetric prox = ProxMetric::blocks;     // of sor_prox, jor_prox
-  int anderson = 0;             // iterates that Anderson acceleration of sweeps and admm combines, in [0, 20]
-  bool estimate_error = false;  // go on from the answer, which stays the same, to tell SolveReport::error
-  /// Calls f(i) for all i in [0, n) in any order, on as many threads as it has, and ends when all are done;
-  /// for islands, and the blocks of a colour. Empty: one after the other. No result depends on it.
+  int anderson = 0;             // iterates combined by Anderson acceleration of sweeps and admm, in [0, 20]
+  bool estimate_error = false;  // continue from the answer, which stays the same, to find SolveReport::error
+  /// Calls f(i) for all i in [0, n) in any order, on as many threads as it has, and returns when all are
+  /// done. Used for islands and for the blocks of a colour. Empty: one after the other. No result depends on
+  /// it.
   std::function<void(int n, const std::function<void(int)>& f)> for_all{};
 };
 void validate(const SolverOptions& options);  // throws std::invalid_argument: field, value, bound
@@ -68,41 +70,42 @@ struct SolveReport {
   Method found_by = Method::automatic;  // the phase that the returned iterate comes from
   int iterations = 0;                   // sweeps or steps
   int newton_iterations = 0;            // linear solves of Newton phases
-  double residual = 0;          // scaled_residual of what is returned (NSGS-9), of the model asked for; of a
-                                // KnownMotion at least that
-  double worst_island = 0;      // the largest of the islands', each relative to its own |q|: what is held to
+  double residual = 0;          // scaled_residual of what is returned (NSGS-9), for the model asked for; with
+                                // a KnownMotion, at least that
+  double worst_island = 0;      // the largest residual of an island, relative to its own |q|: the one held to
                                 // the tolerance
-  double coulomb_residual = 0;  // of Coulomb's law, whatever the model
-  double error = -1;  // |u - better u| / |q|, scaled, the largest of the islands' (SOL-4): an estimate of
-                      // how far the velocities are from exact ones; the residual itself up to 1e-13;
-                      // infinite where no answer with a tenth of the residual was found; negative: not
-                      // asked for, no rows, or another model than Coulomb's
+  double coulomb_residual = 0;  // residual of Coulomb's law, whatever the model
+  double error = -1;  // |u - better u| / |q|, scaled, the largest of all islands (SOL-4): an estimate of how
+                      // far the velocities are from exact ones; equal to the residual if that is at most
+                      // 1e-13; infinite if no answer with a tenth of the residual was found; negative: not
+                      // asked for, no rows, or a model other than Coulomb's
   int local_failures = 0;    // one-block problems that no local method solved to its tolerance
-  int local_fail_safes = 0;  // those that Newton gave to its fail-safe
+  int local_fail_safes = 0;  // one-block problems that Newton gave to its fail-safe
 };
 
 struct FrictionSolution {
   VecX v{};       // generalised velocity, n [m/s, rad/s] (empty for a LocalProblem)
   VecX u{};       // relative velocity with bias and compliance, m [m/s]
   VecX r{};       // impulses, m, normal first [N s]
-  VecX lambda{};  // impulses of the joints, p [N s, N m s]: of smallest norm where redundant
+  VecX lambda{};  // impulses of the joints, p [N s, N m s]; of smallest norm if joints are redundant
   SolveReport report{};
 };
 
 /// `r0` is the start (m) or empty for zero; it is projected on the sets of the laws, and is the answer,
 /// without an iteration, if it is good enough. Throws std::invalid_argument for inconsistent sizes and
-/// options; never for numerical trouble: then the best iterate and a status.
+/// options, but never for numerical trouble: that gives the best iterate and a status.
 FrictionSolution solve(const FrictionProblem& problem, const VecX& r0, const SolverOptions& options = {});
 FrictionSolution solve(const LocalProblem& problem, const VecX& r0, const SolverOptions& options = {});
 
-/// M^-1 and M^-1 f of a problem, where its maker has them already.
+/// M^-1 and M^-1 f of a problem, for a caller that has them already.
 struct KnownMotion {
   const MassInverse& inverse;
   const VecX& v_free;  // n [m/s, rad/s]
 };
-/// A solution of the same problem to the same tolerance, sooner: bodies without contacts need not be looked
-/// at, and blocks that open whatever the others do are left out (ISL-2), of |q| in the report's residuals
-/// too: they are not less than those of the whole. With joints `known` is of no use, and not used.
+/// Solves the same problem to the same tolerance, but faster: bodies without contacts are not looked at, and
+/// blocks that open whatever the others do are left out (ISL-2). They are also left out of |q| in the
+/// report's residuals, which are therefore not less than those of the whole. With joints, `known` is of no
+/// use and is ignored.
 FrictionSolution solve(const FrictionProblem& problem, const KnownMotion& known, const VecX& r0,
                        const SolverOptions& options = {});
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// J x = b for the unsymmetric matrices of Newton, whose pattern is symmetric: dense where small, KLU above
-// (measured in doc/theory/proximal_newton.md). Private to nsgs.
+// Solves J x = b for Newton's matrices, which are unsymmetric but have a symmetric pattern: dense if small,
+// KLU if larger (measured in doc/theory/proximal_newton.md). Private to nsgs.
 #pragma once
 
 #include <functional>
@@ -19,15 +19,15 @@ struct CompressedColumns {
 
 CompressedColumns compressed(const SparseMatrix& A);
 
-/// An order of the nodes of a graph in compressed rows in which a factorisation fills in little. Every node
-/// must be its own neighbour: those that are not count as dense.
+/// An order of the nodes of a graph, given in compressed rows, in which a factorisation causes little
+/// fill-in. Every node must be its own neighbour; nodes that are not count as dense.
 std::vector<int> fill_reducing_order(const std::vector<int>& begin, const std::vector<int>& other);
 
-/// Multiplications and additions of a factorisation, about; from the pattern alone.
+/// Approximate number of multiplications and additions of a factorisation, from the pattern alone.
 double factor_cost(CompressedColumns& J);
 
-/// J^-1 in the order of J; pivots leave the diagonal where they must. Empty if J is singular to working
-/// precision.
+/// J^-1, with J factorised in its own order; pivots leave the diagonal where they must. Empty if J is
+/// singular to working precision.
 std::function<VecX(const VecX&)> inverse_of(CompressedColumns J);
 
 }  // namespace aussois

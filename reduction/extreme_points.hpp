@@ -6,8 +6,8 @@
 
 namespace aussois {
 
-/// Members, at most four, ascending. `tie`: extremes within this fraction of the extent are tied. With
-/// `paper_exact` the first of tied extremes wins, as published: an aligned rectangle loses a corner.
+/// At most four members, ascending. `tie`: extremes within this fraction of the extent are tied. With
+/// `paper_exact` the first of tied extremes wins, as published; an aligned rectangle then loses a corner.
 std::vector<int> extreme_points(const PlanarPatch& patch, double tie, bool paper_exact = false);
 
 }  // namespace aussois

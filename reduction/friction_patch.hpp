@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the friction of a patch acts as a whole, and how far out (RED-15).
+// Where the friction of a whole patch acts, and at what radius (RED-15).
 #pragma once
 
 #include <vector>
@@ -13,8 +13,8 @@ struct FrictionPatch {
   double radius = 0;           // drilling radius of that hull [m] (RED-8); 0: a single point
 };
 
-/// One per contact: the patch that it is part of. Contacts within `layer` [m] of the deepest of their cluster
-/// (RED-2) make up one patch, any other contact is one by itself.
+/// For each contact, the patch that it belongs to. Contacts within `layer` [m] of the deepest of their
+/// cluster (RED-2) form one patch; any other contact is a patch by itself.
 std::vector<FrictionPatch> friction_patches(const ContactSet& found, double cluster_angle, double layer);
 
 }  // namespace aussois

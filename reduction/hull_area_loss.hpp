@@ -6,11 +6,11 @@
 
 namespace aussois {
 
-/// Members, at most `corners` >= 3, ascending: for four the largest quadrilateral, otherwise what is left
-/// when the corner whose triangle with its neighbours is smallest is removed again and again.
+/// At most `corners` >= 3 members, ascending. For four, the largest quadrilateral; otherwise what is left
+/// after repeatedly removing the corner whose triangle with its neighbours is smallest.
 std::vector<int> hull_area_loss(const PlanarPatch& patch, int corners);
 
-/// Both by themselves, of the corners of the hull.
+/// Each of the two rules by itself, applied to the corners of the hull.
 std::vector<int> largest_quadrilateral(const PlanarPatch& patch);
 std::vector<int> least_area_removed(const PlanarPatch& patch, int corners);
 

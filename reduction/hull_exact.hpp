@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// All corners of the hull: nothing is lost but what rounding hides (RED-1).
+// All corners of the hull: nothing is lost except what rounding hides (RED-1).
 #pragma once
 
 #include "reduction/planar_patch.hpp"

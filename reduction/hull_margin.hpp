@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// As few corners of the hull as keep a margin, and of all choices of that many the best one (RED-11).
+// The fewest corners of the hull that keep a margin, and of all choices of that many the best one (RED-11).
 #pragma once
 
 #include "reduction/planar_patch.hpp"
@@ -7,8 +7,8 @@
 namespace aussois {
 
 struct HullMargin {
-  double margin = 0.9;  // at least this, unless max_corners binds, in (0, 1]
-  int min_corners = 4;  // where the hull has as many, >= 3
+  double margin = 0.9;  // at least this is kept, unless max_corners binds, in (0, 1]
+  int min_corners = 4;  // if the hull has that many, >= 3
   int max_corners = 8;  // >= min_corners
 };
 

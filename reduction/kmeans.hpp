@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lloyd's k-means in any dimension, in space or on the unit sphere (CLU-3), with seeds that anybody can
-// repeat (CLU-4).
+// Lloyd's k-means in any dimension, in space or on the unit sphere (CLU-3), with reproducible seeds (CLU-4).
 #pragma once
 
 #include <cstdint>
@@ -11,20 +10,20 @@
 
 namespace aussois {
 
-struct SeedFarthest {};  // the first point, then always the one farthest from its nearest seed
-struct SeedRandom {      // different points, each set equally likely
+struct SeedFarthest {};  // the first point, then each time the one farthest from its nearest seed
+struct SeedRandom {      // distinct points, every set equally likely
   std::uint64_t seed = 0;
 };
-struct SeedPlusPlus {  // each next one with a probability that grows with weight times distance squared
+struct SeedPlusPlus {  // each next point with a probability proportional to weight times distance squared
   std::uint64_t seed = 0;
 };
-struct SeedWarm {  // centres of before, one per column; too few: the rest as SeedFarthest
+struct SeedWarm {  // previous centres, one per column; if too few, the rest as SeedFarthest
   MatX centres{};
 };
 using KMeansSeeding = std::variant<SeedFarthest, SeedRandom, SeedPlusPlus, SeedWarm>;
 
 struct KMeansOptions {
-  int k = 3;  // >= 1; at most as many as there are points
+  int k = 3;  // >= 1; no more centres than points are made
   KMeansSeeding seeding{};
   int max_iterations = 100;  // >= 0
   bool on_sphere = false;    // unit vectors: centres are normalised sums
@@ -32,17 +31,18 @@ struct KMeansOptions {
 
 struct KMeans {
   MatX centres{};            // one per column
-  std::vector<int> label{};  // the nearest centre of each point; the lowest of several
-  std::vector<int> count{};  // of points, by centre; a centre without points stays where it was
+  std::vector<int> label{};  // the nearest centre of each point; of tied centres the lowest
+  std::vector<int> count{};  // number of points of each centre; a centre without points stays where it was
   // Sum of weight times distance squared, at the seeds and after each iteration
   std::vector<double> objective{};
   int iterations = 0;
   bool converged = false;  // the last iteration changed no label
 };
 
-/// `points`: one per column; `weights` >= 0, one per point, or none: all one. A pure function of its input;
-/// the order of the points matters only for ties and seeds. Throws std::invalid_argument if a number is not
-/// finite, a weight negative, a size wrong, or k or max_iterations out of bounds. Without points: no centres.
+/// `points`: one per column; `weights`: >= 0, one per point, or empty (all one). A pure function of its
+/// input; the order of the points matters only for ties and seeds. Throws std::invalid_argument if a number
+/// is not finite, a weight negative, a size wrong, or k or max_iterations out of bounds. Without points there
+/// are no centres.
 KMeans kmeans(const MatX& points, const VecX& weights, const KMeansOptions& options = {});
 
 }  // namespace aussois

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A small network as plain data, and what it says (NET-1): one hidden layer of tanh, softmax at the end.
-// Training is not here (examples/peg_plate), its text file is io/network_file.hpp.
+// A small neural network as plain data, and its evaluation (NET-1): one hidden layer of tanh, softmax at the
+// end. Its training is in examples/peg_plate, its text file in io/network_file.hpp.
 #pragma once
 
 #include "geometry/types.hpp"
@@ -19,11 +19,11 @@ struct Network {
   Eigen::Index outputs() const { return W2.rows(); }
 };
 
-/// Throws std::invalid_argument naming the field unless sizes fit, all numbers are finite and scales
+/// Throws std::invalid_argument naming the field unless sizes fit, all numbers are finite and all scales are
 /// positive.
 void validate(const Network& network);
 
-/// Probabilities of the outputs: they are positive and sum to one. Throws std::invalid_argument unless x has
+/// Probabilities of the outputs, which are positive and sum to one. Throws std::invalid_argument unless x has
 /// as many entries as the network has inputs. A pure function.
 VecX evaluate(const Network& network, const VecX& x);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a reducer sees and what it says.
+// The input and the output of a reducer.
 #pragma once
 
 #include <functional>
@@ -12,7 +12,7 @@
 
 namespace aussois {
 
-/// What a selector may know of a body.
+/// What a selector may know about a body.
 struct BodyLoad {
   SE3 g_wb{};
   Vec6 twist = Vec6::Zero();   // v_G in the world [m/s], omega in the body [rad/s]
@@ -20,19 +20,20 @@ struct BodyLoad {
                                // force in the world [N], torque about the centre of mass in the body [N m]
 };
 
-/// All that a selection may depend on. Vectors hold one entry per contact of the set, or none: not known.
+/// Everything that a selection may depend on. Vectors hold one entry per contact of the set, or none if not
+/// known.
 struct ReductionInput {
   const ContactSet& contacts;
   std::vector<char> kept_before{};  // 1: it was in the problem of the last step
-  std::vector<Vec3> impulse{};      // of the last step on A, turned to now, world [N s]; zero: none
+  std::vector<Vec3> impulse{};      // last step's on A, turned to the present normal, world [N s]; zero: none
   std::vector<double> mu{};         // Coulomb friction [-], >= 0
-  double h = 0;                     // the step that the impulses scale with [s]; 0: not known
+  double h = 0;                     // the step length that the impulses scale with [s]; 0: not known
   std::span<const SE3> g{};         // g_wb by Feature::body; empty: the identity
   std::vector<BodyLoad> bodies{};   // by Feature::body; only for Reducer::selector
 };
 
-/// A reducer of one's own: indices of the contacts to keep, in any order. A pure function; the deepest
-/// contact of every cluster is kept besides.
+/// A user-defined reducer: returns indices of the contacts to keep, in any order. It must be a pure function.
+/// The deepest contact of every cluster is kept in addition.
 using ContactSelector = std::function<std::vector<int>(const ReductionInput&, const Clusters&)>;
 
 /// What a reduction kept.

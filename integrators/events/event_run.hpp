@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// One step of the event-driven scheme, from event to event: its state, and what its parts share. What happens
-// at an event stands in event_settling.cpp, the differential equation between events in event_motion.cpp, the
-// proof of the path in event_path.cpp, the way through them in event_driven.cpp.
+// One step of the event-driven scheme, from event to event: its state, and what its parts share. Events are
+// handled in event_settling.cpp, the differential equation between events in event_motion.cpp, the proof of
+// the path in event_path.cpp, and the loop over events in event_driven.cpp.
 #pragma once
 
 #include "integrators/events/event_driven.hpp"
@@ -12,22 +12,22 @@
 
 namespace aussois {
 
-// Rows of paths nearer than this are there: sums of steps round [s]
+// A row of a path counts as reached when it is nearer than this: sums of steps are rounded [s]
 inline constexpr double kSameTime = 1e-12;
 
-/// The touch of a list that goes on with each of `old`: the same features, or the nearest contact of the same
-/// bodies that goes on with none of the others; -1: none.
+/// For each of `old`, the index of the touch in `now` that continues it: the one with the same features, or
+/// the nearest contact of the same bodies that continues no other; -1: none.
 std::vector<int> matched(const std::vector<Touch>& old, const std::vector<Touch>& now);
 std::vector<Touch> touches_of(const std::vector<ClosedTouch>& closed);
 
-/// A touch that opened at the start of the piece; `offset` by how much it overlapped, and as far as its gap
-/// is known.
+/// A touch that opened at the start of the piece. `offset` is how much it overlapped, plus the accuracy to
+/// which its gap is known if it opened without speed.
 struct LeavingTouch {
   Touch touch{};
   double offset = 0;  // [m]
 };
 
-/// Where the parts of the differential equation stand in its vector (EVD-2).
+/// Where the parts of the differential equation begin in its vector (EVD-2).
 struct EventLayout {
   int bodies = 0, q = 0, v = 0, work = 0, impulse = 0, touch_work = 0, momentum = 0, joints = 0, size = 0;
   std::vector<int> first_impulse{};  // of every closed touch
@@ -40,8 +40,8 @@ using JointSums = Eigen::Matrix<double, kJointSums, 1>;
 
 EventLayout layout_of(const StepSetting& setting, const std::vector<ClosedTouch>& closed);
 
-/// What the stop or dry friction of a joint does to it with `p`, on the velocity `on`; `v` is that of the
-/// touch.
+/// Adds to its joint what a stop or dry friction does with `p` at the velocity `on`; `v` is the velocity at
+/// which the touch was made.
 void add_touch(const Touch& touch, double p, const VecX& v, const VecX& on, std::vector<StepJoint>& joints);
 
 /// One step: from event to event.
@@ -118,10 +118,10 @@ class EventRun {
   std::vector<ClosedTouch> closed_{};
   std::vector<LeavingTouch> leaving_{};
   std::vector<VecX> force_{};  // at its start
-  VecX a_{};                   // likewise, in the places of State::v
-  double tolerance_ = 0;       // accelerations below count as zero [m/s^2]
+  VecX a_{};                   // likewise, indexed as State::v
+  double tolerance_ = 0;       // smaller accelerations count as zero [m/s^2]
   EventLayout layout_{};
-  State turned_{};  // the state that turns are counted from
+  State turned_{};  // state from which turns are counted
 };
 
 }  // namespace aussois

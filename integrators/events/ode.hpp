@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ordinary differential equations by CVODE [Hindmarsh2005], with roots of functions of the solution located
-// inside the step that crosses them. SUNDIALS stays inside ode.cpp.
+// Integrates ordinary differential equations with CVODE [Hindmarsh2005], and locates roots of functions of
+// the solution inside the step that crosses them. SUNDIALS stays inside ode.cpp.
 #pragma once
 
 #include <functional>
@@ -11,14 +11,15 @@
 
 namespace aussois {
 
-/// y' = rate(t, y); a root is where an entry of `roots` falls through zero. Both return false where they have
-/// no value: then a shorter step is tried.
+/// y' = rate(t, y); at a root an entry of `roots` falls through zero. Both functions return false where they
+/// have no value; a shorter step is then tried.
 struct OdeProblem {
   std::function<bool(double t, const VecX& y, VecX& rate)> rate{};
   std::function<bool(double t, const VecX& y, VecX& value)> roots{};  // may be empty
   int root_count = 0;
-  int unjudged = 0;  // so many entries of y do not shorten the step, however rough their rate is
-  int sums = 0;      // and so many after them, at the end of y, change nothing at all
+  int unjudged = 0;  // number of entries of y, ahead of the sums, that do not shorten the step, however rough
+                     // their rate
+  int sums = 0;      // number of entries at the end of y that affect nothing else
 };
 
 enum class OdeStop { stepped, at_end, at_root, failed };
@@ -32,8 +33,8 @@ class OdePiece {
   OdePiece& operator=(const OdePiece&) = delete;
   ~OdePiece();
 
-  /// One internal step, cut at t_end; passes on what the problem throws; then time() and state() are those
-  /// reached.
+  /// Takes one internal step, cut off at t_end; time() and state() are then those reached. Passes on whatever
+  /// the problem throws.
   OdeStop advance(double t_end);
   double time() const;
   const VecX& state() const;

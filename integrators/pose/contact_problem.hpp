@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From contacts and gap functions to the one-step problem: directions, bias, laws (MJ-3), (MJ-6), (GEN-3).
+// Poses the one-step problem of contacts and gap functions: directions, bias, laws (MJ-3), (MJ-6), (GEN-3).
 #pragma once
 
 #include <string>
@@ -16,7 +16,7 @@ using RowJacobian = Eigen::Matrix<double, kRowsOfAContact, 6>;
 using RowVector = Eigen::Matrix<double, kRowsOfAContact, 1>;
 
 /// One block of rows as the dynamics sees it: a contact, a gap function, or what acts on the axis of a joint.
-/// Rows beyond those of its law do not count.
+/// Rows beyond those of its law are ignored.
 struct ContactRow {
   int body_a = -1, body_b = -1;           // -1: none, or the world
   Mat3 frame = Mat3::Identity();          // of a contact: columns n, t1, t2; impulses act on A [world]
@@ -24,15 +24,15 @@ struct ContactRow {
   RowJacobian J_b = RowJacobian::Zero();
   std::vector<Triplet> others{};        // (row of the block, row of the problem, value), beside the twists
   RowVector w = RowVector::Zero();      // bias: normal law and what moves by itself [m/s, rad/s]
-  RowVector moved = RowVector::Zero();  // the part of w that moves by itself; of rows with a normal
-  double gap = 0;                       // [m, rad]; of a row with a normal
-  double restitution = 0;               // of a row with a normal [-]
+  RowVector moved = RowVector::Zero();  // the part of w that moves by itself; for rows with a normal
+  double gap = 0;                       // [m, rad]; for a row with a normal
+  double restitution = 0;               // for a row with a normal [-]
   Law law{};
   bool active = true;  // false: the normal law leaves the block out of this step
-  int slot = -1;       // its first entry of State::r; -1: a contact, kept in the memory
+  int slot = -1;       // first entry in State::r; -1: a contact, which the contact memory keeps
 };
 
-/// The largest gap that is closed to Moreau's law in a step of length `h` (MJ-6) [m].
+/// The largest gap that Moreau's law treats as closed in a step of length `h` (MJ-6) [m].
 double closed_gap(const NormalLawOptions& options, double h);
 
 /// Bias of a normal row (MJ-6) with normal velocity `u_before` at the start of the step, and whether the row
@@ -44,7 +44,7 @@ struct NormalBias {
 NormalBias normal_bias(double gap, double u_before, double restitution, double h,
                        const NormalLawOptions& options);
 
-/// Poses that contacts are evaluated at: those that the velocities `v`, in the places of State::v, lead to in
+/// Poses at which contacts are evaluated: those that the velocities `v`, indexed as State::v, lead to in
 /// `time` [s]. Their gaps count as linearised back to the start of the step (MJ-11).
 struct Reached {
   VecX v{};
@@ -54,10 +54,10 @@ struct Reached {
 /// Whether a contact with this speed closes within a step, as the normal law sees it.
 bool closes(double gap, double speed, double h, NormalLaw law);
 
-/// Both impulses act at the middle between the two proximal points, so that the pair's angular momentum is
-/// kept. `v_prescribed` as of prescribed_velocity. With `patches`, one per contact, friction acts at the
-/// centre of the contact's patch and drills with its radius, or that of the contact law if it is larger
-/// (RED-15).
+/// Both impulses act midway between the two proximal points, which keeps the angular momentum of the pair.
+/// `v_prescribed` is that of prescribed_velocity. With `patches`, one per contact, friction acts at the
+/// centre of the contact's patch and drills with the patch's radius, or with that of the contact law if it is
+/// larger (RED-15).
 std::vector<ContactRow> contact_rows(const Model& model, const State& state, const Layout& dofs,
                                      const ContactSet& contacts, const VecX& v_prescribed, double h,
                                      const NormalLawOptions& options, const Reached& reached = {},
@@ -75,14 +75,14 @@ GapFunctionRows gap_rows(const Model& model, const State& state, const Layout& d
 FrictionProblem contact_problem(const FreeMotion& free, const Layout& dofs,
                                 const std::vector<ContactRow>& rows, const std::vector<int>& kept);
 
-/// J v of the first row of a block, with v in the places of State::v; without coordinates and bias.
+/// J v of the first row of a block, with v indexed as State::v; without coordinates and bias.
 double speed_along(const ContactRow& row, const VecX& v);
 
 /// u of a row, bias included, for the velocities v of the dynamic rows [m/s, rad/s].
 RowVector relative_velocity(const ContactRow& row, const Layout& dofs, const VecX& v);
 /// The same without the bias of the normal law: how fast the two sides really move apart.
 RowVector slip_velocity(const ContactRow& row, const Layout& dofs, const VecX& v);
-/// The opposite: momentum that the impulses `r` of the rows give, rows of the problem [N s, N m s].
+/// The transpose: the momentum that the impulses `r` of the rows give, in rows of the problem [N s, N m s].
 VecX momentum_of(const std::vector<ContactRow>& rows, const Layout& dofs, const std::vector<RowVector>& r);
 
 }  // namespace aussois

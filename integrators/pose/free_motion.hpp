@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What moves over one step of the theta scheme without contacts and joints, linearly implicit (MJ-4), (MJ-5).
+// Motion over one step of the theta scheme without contacts and joints, linearly implicit (MJ-4), (MJ-5).
 #pragma once
 
 #include <memory>
@@ -12,14 +12,14 @@
 
 namespace aussois {
 
-/// Rows of the dynamic bodies and of the coordinates. M^ (v+ - v) = gravity + gyroscopic + laws + H r, where
-/// what depends on v+ stands in M^.
+/// In rows of the dynamic bodies and of the coordinates: M^ (v+ - v) = gravity + gyroscopic + laws + H r,
+/// where M^ contains all that depends on v+.
 struct FreeMotion {
   SparseMatrix M{};  // M^ = mass + gyroscopic_D + law_D
   VecX f{};          // momentum: M^ v_free = f [N s, N m s]
   VecX v{};          // velocity at the start of the step
-  VecX v_free{};     // velocity at its end without contact; not a number if M is singular
-  // M^-1; null if M is singular, or not summed up here
+  VecX v_free{};     // velocity at its end without contact; not finite if M is singular
+  // M^-1; null if M is singular, or if it was not formed
   std::shared_ptr<const MassInverse> inverse{};
   SparseMatrix mass{};
   VecX gravity{};                   // impulse over the step [N s]
@@ -30,28 +30,28 @@ struct FreeMotion {
   std::vector<AxisImpulse> axes{};  // part of `laws` and `law_D`
   // How contact impulses turn while a fully implicit step converges (MJ-14); empty: they do not
   VecX turning{};
-  SparseMatrix turning_D{};  // M^ has it too
-  // Of schemes that know the motion between contacts before they ask for impulses; empty: none
-  VecX joints{};     // impulse of the joints in that motion beside that of the solve
+  SparseMatrix turning_D{};  // also contained in M^
+  // For schemes that know the motion between contacts before they solve for impulses; otherwise empty
+  VecX joints{};     // impulse of the joints in that motion, besides that of the solve
   VecX numerical{};  // what the scheme adds of its own
 };
 
-/// Made once and looked at by all attempts of a step; made in place, since Eigen's sparse matrices are copied
-/// where others are moved.
+/// Made once and read by all attempts of a step. Made in place, since Eigen copies sparse matrices where
+/// other types are moved.
 using SharedMotion = std::shared_ptr<const FreeMotion>;
 
 /// The last M^ of a scheme and its inverse. Where bodies do not turn, or are as round as balls and cubes, M^
-/// stays as it is from step to step; else blocks of it do. It saves time and changes no result; who finds it
-/// in use by another thread goes without.
+/// does not change from step to step; elsewhere some of its blocks do not. Reusing it saves time and changes
+/// no result; a thread that finds it in use by another goes without.
 struct MassScratch {
   std::mutex in_use{};
   SparseMatrix M{};
   std::shared_ptr<const MassInverse> inverse{};
 };
 
-/// M, f, v_free and the inverse from the velocity, the impulses and the matrices that they are the sums of.
+/// Computes M, f, v_free and the inverse from the velocity and from the impulses and matrices that they sum.
 void sum_up(FreeMotion& free, MassScratch* scratch = nullptr);
-/// f and v_free alone: M and its inverse stand.
+/// Computes f and v_free only: M and its inverse stay as they are.
 void sum_up_impulses(FreeMotion& free);
 
 /// `theta` in [1/2, 1].

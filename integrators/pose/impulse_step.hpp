@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one-step problem of a scheme, posed and solved: rows of contacts, gap functions and joints, and the
-// impulses that they take.
+// Poses and solves the one-step problem of a scheme: rows of contacts, gap functions and joints, and their
+// impulses.
 #pragma once
 
 #include <algorithm>
@@ -27,16 +27,16 @@ struct ImpulseStep {
   std::vector<double> gap{};       // of the gap functions [m]
   JointSystem joints{};
   ReducedSolution solved{};
-  SolveReport beside{};  // work of the step's other solves, and the worst status of those it stands on
-  std::optional<ImpactJump> impact{};  // that came before, at the same poses
-  // Of schemes that know the motion between contacts before they ask for impulses: what joints give in it in
-  // the mean, where lambda_earlier is what they are told to give
+  SolveReport beside{};  // effort of the step's other solves, and the worst status of those it depends on
+  std::optional<ImpactJump> impact{};  // impact before the step, at the same poses
+  // For schemes that know the motion between contacts before they solve for impulses: the mean impulses of
+  // joints in that motion; lambda_earlier then holds the impulses that they are reported to give
   std::vector<JointImpulses> between{};
-  // Of schemes that solve in stages; empty: none
-  std::vector<RowVector> earlier{};  // impulses of the stages before, of all rows
-  VecX lambda_earlier{};             // and of the joints
-  double tolerance_part = 1;         // of the solver's tolerance, for a stage that another builds on
-  double seconds = 0;                // that it took [s]
+  // For schemes that solve in stages; otherwise empty
+  std::vector<RowVector> earlier{};  // impulses of the stages before, for all rows
+  VecX lambda_earlier{};             // the same for the joints
+  double tolerance_part = 1;         // fraction of the solver's tolerance, for a stage that another builds on
+  double seconds = 0;                // time taken [s]
 };
 /// The rows of contacts and gap functions, biased for a normal law (MJ-6), in ImpulseStep's order.
 struct ContactBlocks {
@@ -46,31 +46,31 @@ struct ContactBlocks {
 ContactBlocks contact_blocks(const StepSetting& setting, const State& state, const ContactSet& contacts,
                              double h, const NormalLawOptions& normal, const Reached& reached = {});
 
-/// With rows and joints as they are at the start of the step. `theta` as of FreeMotion, for the axes of
-/// joints.
+/// Poses and solves the step, with rows and joints as they are at the start of the step. `theta` is that of
+/// FreeMotion, for the axes of joints.
 ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, SharedMotion free,
                        double theta);
-/// The same with rows of one's own.
+/// The same with the caller's own rows.
 ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, SharedMotion free,
                        double theta, ContactBlocks blocks);
 
-/// Its two halves: rows and joints, and their solution. Solved again, after a change, it starts from what was
-/// found before.
+/// The two halves of solve_step: pose_step makes rows and joints, solve_rows solves them. A step that is
+/// solved again after a change starts from the solution found before.
 ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, SharedMotion free,
                       double theta);
 ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, SharedMotion free,
                       double theta, ContactBlocks blocks);
-/// The step stands on its last solve, whatever is solved after it.
+/// Makes the step depend on the status of its last solve, whatever is solved after it.
 inline void keep_status(ImpulseStep& step) {
   step.beside.status = std::max(step.beside.status, step.solved.solution.report.status);
 }
-/// Contacts, gap functions and what acts on the axes of step.joints, biased for a normal law.
+/// Adds rows for contacts, gap functions and what acts on the axes of step.joints, biased for a normal law.
 void add_rows(const StepSetting& setting, const State& state, const Found& found,
               const NormalLawOptions& normal, ImpulseStep& step);
-/// Other blocks, before what acts on the axes of step.joints.
+/// Puts other blocks in front of what acts on the axes of step.joints.
 void set_rows(ContactBlocks blocks, ImpulseStep& step);
 void solve_rows(const StepSetting& setting, const State& state, const Found& found, ImpulseStep& step);
-/// The impulses of a solution, of all rows; zero where a row was left out.
+/// The impulses of a solution, for all rows; zero where a row was left out.
 std::vector<RowVector> row_impulses(const ImpulseStep& step);
 
 /// The state after the impact that the step begins with, if there is one (IMP-1); its contacts are kept in
@@ -82,10 +82,11 @@ struct AfterImpact {
 };
 std::optional<AfterImpact> after_impact(const StepSetting& setting, const State& state, Found& found,
                                         const ImpactOptions& options, double theta);
-/// What its solves took together, those of an impact too, and the worst status that the step stands on.
+/// The total effort of the step's solves, including those of an impact, and the worst status that the step
+/// depends on.
 SolveReport solve_report(const ImpulseStep& step);
 
-/// All velocities that the bodies would end with, were there no contacts; the first estimate of a step.
+/// All velocities that the bodies would end with if there were no contacts; the first estimate of a step.
 VecX estimate_without_contacts(const StepSetting& setting, const State& state, const FreeMotion& free,
                                double h, double theta);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// From joints to the one-step problem: equations for what is locked, rows for what acts along the axes
-// (MJT-10) to (MJT-13); and states in which all joints hold.
+// Poses the joints of the one-step problem: equations for what is locked, rows for what acts along the axes
+// (MJT-10) to (MJT-13). Also finds states in which all joints hold.
 #pragma once
 
 #include "integrators/pose/contact_problem.hpp"
@@ -8,15 +8,15 @@
 
 namespace aussois {
 
-/// The joints of the step's problem, as of FrictionProblem; empty without joints.
+/// The joints of the step's problem, in the form of FrictionProblem; empty without joints.
 struct JointEquations {
   SparseMatrix G{};
   VecX b{};
 };
 
-/// Whether joints are as near as the options want them: of any error if they do not project.
+/// Whether the error of the joints is within the options; any error is, if they do not project.
 bool within(const JointError& error, const JointOptions& options);
-/// That joints are off by more than the tolerance.
+/// Says that joints are off by more than the tolerance.
 std::string text_of(const JointError& error, const JointOptions& options);
 
 /// A column of G.
@@ -33,25 +33,25 @@ struct JointColumn {
 struct JointSystem {
   JointEquations equations{};
   std::vector<JointColumn> columns{};
-  std::vector<SE3> middle{};       // poses that the directions of locked rows are taken at, or nearly
+  std::vector<SE3> middle{};       // poses, or nearly those, at which the directions of locked rows are taken
   std::vector<ContactRow> rows{};  // stops, dry friction, limited motors
-  VecX off{};                      // of each column at the poses `middle` [m, rad]; speed motors: zero
+  VecX off{};                      // error of each column at the poses `middle` [m, rad]; speed motors: zero
 };
 JointSystem joint_system(const Model& model, const State& state, const Layout& dofs, const VecX& v_prescribed,
                          double h, double theta, const NormalLawOptions& normal, const JointOptions& options);
 
-/// For schemes that ask the velocity at the end to keep the joints there (GA-5): directions at the poses of
-/// `end`, G^T v+ + b = 0 without stabilisation. Stops are those of the start.
+/// For schemes whose velocity at the end must keep the joints there (GA-5): directions at the poses of `end`,
+/// G^T v+ + b = 0 without stabilisation. Stops are those of the start.
 JointSystem joint_system_at(const Model& model, const State& state, const State& end, const Layout& dofs,
                             const VecX& v_prescribed, double h, const NormalLawOptions& normal);
 
-/// A velocity of the whole step, mean of its ends, in the places of State::v, and where it leads.
+/// The velocity of a whole step, the mean of its ends, indexed as State::v, and the state that it leads to.
 struct ReachedEnd {
   const State& state;
   const VecX& v_path;
 };
-/// For schemes that know an end and come back until it stands: directions on the mean of both ends
-/// (MJT-14), positions at the end by Newton (MJT-15); theta = 1/2.
+/// For schemes that iterate on the end of the step until it settles: directions on the mean of both ends
+/// (MJT-14), positions at the end by Newton's method (MJT-15); theta = 1/2.
 JointSystem joint_system_on_mean(const Model& model, const State& state, const ReachedEnd& end,
                                  const Layout& dofs, const VecX& v_prescribed, double h,
                                  const NormalLawOptions& normal, const JointOptions& options);
@@ -61,12 +61,12 @@ JointSystem joint_system_on_mean(const Model& model, const State& state, const R
 struct JointConstraints {
   std::vector<JointColumn> columns{};
   SparseMatrix G{};  // directions as columns, in the rows of Layout
-  VecX value{};      // zero where positions hold [m, rad]; of speed motors always
-  VecX off{};        // J v - what it is to be [m/s, rad/s]
+  VecX value{};      // zero where positions hold [m, rad]; for speed motors always zero
+  VecX off{};        // J v minus its required value [m/s, rad/s]
 };
 JointConstraints joint_constraints(const Model& model, const State& state, const Layout& dofs);
 
-/// The same with the impulses that the velocities changed by.
+/// A state in which all joints hold, and the impulses that changed its velocities.
 struct ProjectedState {
   State state{};
   std::vector<JointColumn> columns{};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which pairs can touch within a step, and their contacts (CA-4), (CA-12).
+// Finds the pairs that can touch within a step, and their contacts (CA-4), (CA-12).
 #pragma once
 
 #include <functional>
@@ -21,20 +21,20 @@ namespace aussois {
 /// Two bodies with shapes, at least one of them dynamic, that can touch in a step.
 struct StepPair {
   int a = 0, b = 0;
-  double dilation = 0;   // sum of the two [m]
-  double threshold = 0;  // contacts are looked for up to this gap [m]
-  double rotation = 0;   // bound of the relative rotation [rad]
+  double dilation = 0;   // sum of both dilations [m]
+  double threshold = 0;  // contacts are searched for up to this gap [m]
+  double rotation = 0;   // bound on the relative rotation [rad]
 };
 
-/// What a body's shape fits into, seen from the body frame; nothing for a body without a shape.
+/// What encloses a body's shape, seen from the body frame; nothing for a body without a shape.
 struct BodyBounds {
   double radius = 0;  // of the base complex about the centre of mass [m]
   DilatedBox box{};   // around the dilated shape
 };
-/// Of shapes as they are in the model.
+/// Bounds of the shapes as they are in the model.
 std::vector<BodyBounds> body_bounds(const Model& model);
 
-/// A step that is tried: all six velocities of every body of the model, constant on the path of the step, and
+/// An attempted step: all six velocities of every body of the model, constant on the path of the step, and
 /// its length.
 struct StepMotion {
   const Model& model;
@@ -50,7 +50,8 @@ struct DeformingShape {
   BodyBounds bounds{};
 };
 
-/// The same, body by body, with all that the bounds of pairs ask for; speeds times `enlargement`.
+/// The path of an attempted step, body by body, with all that the bounds of pairs need; step_path multiplies
+/// speeds by `enlargement`.
 struct StepPath {
   const Model& model;
   double h = 0;
@@ -58,12 +59,12 @@ struct StepPath {
   std::map<int, DeformingShape> deforming{};  // by body
 };
 StepPath step_path(const StepMotion& step, const std::vector<BodyBounds>& bounds, double enlargement = 1);
-/// Empty if the vertices of what deforms are at the end of the path where it led them, otherwise which are
+/// Empty if the vertices of deforming bodies are where the path led them at its end, otherwise which ones are
 /// not (DEF-2).
 std::string strayed(const StepPath& path, const State& end);
 
-/// What a scheme keeps of its pairs from step to step: it saves time and changes no result. Who finds it in
-/// use by another thread goes without.
+/// What a scheme keeps of its pairs from step to step. It saves time and changes no result; a thread that
+/// finds it in use by another goes without.
 struct ContactScratch {
   std::mutex in_use{};
   std::vector<std::pair<int, int>> bodies{};  // sorted
@@ -71,11 +72,12 @@ struct ContactScratch {
   BroadPhaseScratch near{};
 };
 
-/// Who is near whom.
+/// The pairs of bodies that are near each other.
 struct NearPairs {
   std::vector<StepPair> pairs{};  // sorted by (a, b)
   std::vector<double> reach{};    // of every body: how far it may move without meeting any other [m]
-  int passing = 0;                // pairs that are near too, but pass through each other (Model::passing)
+  int passing = 0;                // number of pairs that are near too, but pass through each other
+                                  // (Model::passing)
 };
 /// Pairs whose boxes come nearer than the sum of their `reach` [m], one per body; thresholds are left at 0.
 /// Sorted by (a, b).
@@ -85,12 +87,12 @@ std::vector<StepPair> pairs_within(const Model& model, const State& state,
                                    const std::vector<BodyBounds>& bounds, const std::vector<double>& reach,
                                    int threads, ContactScratch* scratch = nullptr);
 
-/// What can touch if the bodies move at most as in `estimate`, enlarged.
+/// The pairs that can touch if the bodies move at most as in `estimate`, enlarged.
 NearPairs step_pairs(const StepMotion& estimate, const std::vector<BodyBounds>& bounds,
                      const AdvancementOptions& options, int threads, ContactScratch* scratch = nullptr);
 
 /// Contacts of the pairs within their thresholds, cones enlarged by their rotations; sorted by pair. Many
-/// pairs share the threads, few pairs get them all.
+/// pairs share the threads; if there are few, each pair gets them all.
 ContactSet contacts_of(const Model& model, const State& state, const std::vector<StepPair>& pairs,
                        const LmdOptions& options);
 
@@ -102,16 +104,17 @@ std::vector<Pieces> pieces_of_shapes(const Model& model);
 
 /// The shape of a body; null: none.
 const LmdShape* shape_of(const Model& model, int body);
-/// What both bodies of a pair may move and turn against each other along the path, the rotation at most as
-/// far as enlarged cones say anything.
+/// How far the two bodies of a pair may move and turn relative to each other along the path; the rotation is
+/// capped where enlarged cones no longer say anything.
 RelativeBounds bounds_of(const StepPath& path, const StepPair& pair);
 
-/// Pieces of work do not depend on the threads; each calls f once, with the threads that it may use itself.
+/// Splits the work on the pairs into parts, which do not depend on the number of threads. Each part calls f
+/// once, with the threads that it may use itself.
 int count_of_parts(const std::vector<StepPair>& pairs);
 void for_each_part(const std::vector<StepPair>& pairs, int threads,
                    const std::function<void(int part, std::span<const StepPair>, int threads)>& f);
 
-/// The bodies of the pairs, each posed once by `pose_of(body)`; the others as they are made.
+/// The bodies of the pairs, each posed once by `pose_of(body)`; the others are default-constructed.
 template <class Posed, class PoseOf>
 std::vector<Posed> posed_once(std::size_t bodies, const std::vector<StepPair>& pairs, const PoseOf& pose_of) {
   std::vector<Posed> out(bodies);

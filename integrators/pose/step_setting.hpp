@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What all schemes share: the options of a step, and a model made ready for it.
+// The setting that all schemes share: the options of a step, and a model made ready for it.
 #pragma once
 
 #include "integrators/pose/free_motion.hpp"
@@ -7,12 +7,12 @@
 
 namespace aussois {
 
-/// How much of everything a model has: what schemes copy sizes of.
+/// The sizes of a model, which schemes copy.
 struct ModelSize {
   std::size_t bodies = 0, shapes = 0, joints = 0, couplings = 0, coordinates = 0, gaps = 0;
 };
 
-/// The model must outlive it, and stay as it is.
+/// The model must outlive it, and must not change.
 struct StepSetting {
   const Model& model;
   ModelSize size{};
@@ -30,24 +30,24 @@ struct StepSetting {
 /// at all.
 StepSetting step_setting(const Model& model, const StepOptions& options);
 
-/// For what asks where a rigid body's contacts are going: throws std::invalid_argument naming the first body
-/// that deforms.
+/// For code that asks where the contacts of a rigid body go: throws std::invalid_argument naming the first
+/// body that deforms.
 void refuse_deforming(const Model& model, const char* who);
 
-/// The door of every step, in release builds too: throws std::invalid_argument if the model has grown or
-/// shrunk since the scheme was made, or the state does not fit it, has an orientation that is none, or no
-/// positive `h_limit` [s]. Numbers that are not finite are left to the status.
+/// Checks the input of every step, in release builds too. Throws std::invalid_argument if the model has grown
+/// or shrunk since the scheme was made, if the state does not fit it or has an orientation that is not of
+/// unit length, or if `h_limit` [s] is not positive. Numbers that are not finite are left to the status.
 void check_fits(const StepSetting& setting, const State& state, double h_limit = kInf);
 
-/// Which joint is off by more than JointOptions::tolerance before the first step, and by how much; empty:
-/// none, or joints are not projected, and pulled together in their own time.
+/// Names the joint that is off by more than JointOptions::tolerance before the first step, and by how much.
+/// Empty if none is, or if joints are not projected and so close only gradually.
 std::string joint_that_is_off(const StepSetting& setting, const State& state);
 
 /// Contacts of all pairs of bodies at the state with gap <= threshold [m], as a step would find them.
 ContactSet contacts_within(const StepSetting& setting, const State& state, double threshold);
 
-/// Time since some moment [s], for the reports. The CPU time of the process costs a system call of 1 us, ten
-/// times a step, and is counted in ticks of some ms on machines that limit it.
+/// Time since some fixed moment [s], for the reports. The CPU time of the process is not used: it costs a
+/// system call of 1 us, ten times a step, and machines that limit it count it in ticks of some ms.
 double step_clock();
 
 }  // namespace aussois

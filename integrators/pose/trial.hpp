@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a scheme returns: where it wants to go, with which impulses. Whether it may go there is judged, and
-// what happened told, by others.
+// A trial of a scheme: where it wants to go, and with which impulses. Other parts judge whether it may go
+// there, and report what happened.
 #pragma once
 
 #include "integrators/pose/impulse_step.hpp"
@@ -12,11 +12,12 @@ enum class Outcome { accepted, bound_exceeded, meets, not_certified, not_solved,
 /// Where a scheme wants to go: velocities constant on the path, and those at its end; rows of the problem.
 struct Move {
   VecX v_path{}, v_end{};
-  std::optional<State> end{};  // other poses and coordinates that the path is to end at (PRJ-4)
-  // How long a contact that ends overlapped and closing goes on like that before the scheme turns it [s]; the
-  // step leaves room for it (CA-17)
+  std::optional<State> end{};  // other poses and coordinates at which the path must end (PRJ-4)
+  // How long a contact that ends overlapped and still closing goes on before the scheme reverses it [s]; the
+  // step leaves room for that (CA-17)
   double goes_on = 0;
-  // Impulses act for `lasts`; forces of joints are means about the time `about`; parts of h (MJT-17)
+  // Impulses act for the time `lasts`; joint forces are means about the time `about`; both as fractions of h
+  // (MJT-17)
   double lasts = 1, about = 0.5;
 };
 
@@ -27,7 +28,7 @@ struct Objection {
   std::vector<std::pair<int, int>> meeting{};  // pairs of Found::apart that meet, sorted
 };
 
-/// What only some schemes have to say of a step; told as they are (StepReport).
+/// Figures that only some schemes have; reported as they are (StepReport).
 struct SchemeFigures {
   int newton_iterations = 1;
   double newton_change = 0;  // [m/s, rad/s]
@@ -37,13 +38,13 @@ struct SchemeFigures {
 };
 
 struct Trial {
-  std::optional<State> from{};  // the state behind an impact that the step begins with (IMP-1)
+  std::optional<State> from{};  // state after an impact at the start of the step (IMP-1)
   Found found{};
   ImpulseStep impulses{};
   Move move{};
-  VecX a{};                // State::a after it
-  Objection beforehand{};  // of the scheme itself: it is not worth a proof
-  Objection afterwards{};  // of the scheme itself, if nothing else speaks against it
+  VecX a{};                // State::a after the trial
+  Objection beforehand{};  // by the scheme itself: the trial is not worth a proof
+  Objection afterwards{};  // by the scheme itself, if nothing else speaks against the trial
   SchemeFigures figures{};
 };
 

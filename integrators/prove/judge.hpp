@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// May a scheme go where it wants to? The bounds that contacts were found within, and the certificate.
+// Judges whether a scheme may go where it wants to: by the bounds within which contacts were found, and by
+// the certificate.
 #pragma once
 
 #include "integrators/pose/trial.hpp"
@@ -9,8 +10,8 @@ namespace aussois {
 struct Judgement {
   Objection objection{};
   VecX v_path{};          // all velocities, constant on the path that was tried
-  ProjectedState held{};  // what joints projected at its end (MJT-13)
-  State next{};           // poses and velocities at its end; it remembers no contacts
+  ProjectedState held{};  // result of projecting the joints at its end (MJT-13)
+  State next{};           // poses and velocities at its end; without contact memory
   JointError joint_error{};
   int certificate_rounds = 0;
   double min_base_distance = kInf;  // a lower bound over the step [m]
@@ -18,9 +19,9 @@ struct Judgement {
   double seconds_certificate = 0;
 };
 
-/// Holds the path of a trial against the bounds that its contacts were found within (CA-5), against pairs
-/// whose contacts were not asked (CA-16), the certificate (CA-6), the room that overlaps need (CA-17), and
-/// the tolerance of the joints, which are projected at its end.
+/// Checks the path of a trial against the bounds within which its contacts were found (CA-5), against pairs
+/// whose contacts were left out (CA-16), the certificate (CA-6), the room that overlaps need (CA-17), and the
+/// tolerance of the joints, which it projects at the end of the path.
 Judgement judge(const StepSetting& setting, const State& state, const Trial& trial);
 
 }  // namespace aussois

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The half-explicit time-stepping scheme on velocity level that comes from a discontinuous Galerkin method
-// with velocities linear in a step and a jump at its end (doc/theory/d1_minus_linear.md): the explicit
-// trapezoidal rule, with contacts that last inside it, and impacts after it. Sources: Schindler, Acary 2014;
-// Schindler, Rezaei, Kursawe, Acary 2015; (DML-1) to (DML-7).
+// A half-explicit time-stepping scheme on velocity level (doc/theory/d1_minus_linear.md). It comes from a
+// discontinuous Galerkin method with velocities linear in a step and a jump at its end: the explicit
+// trapezoidal rule, which includes the contacts that last, and then the impacts. Sources: Schindler, Acary
+// 2014; Schindler, Rezaei, Kursawe, Acary 2015; (DML-1) to (DML-7).
 #pragma once
 
 #include <memory>
@@ -15,7 +15,7 @@ namespace aussois {
 struct StepSetting;
 
 struct D1MinusLinearOptions {
-  StepOptions step{};  // normal.law is not read: the law of impact is (DML-6)
+  StepOptions step{};  // normal.law is ignored: the impact law is (DML-6)
 };
 void validate(const D1MinusLinearOptions& options);  // throws std::invalid_argument: field, value, bound
 
@@ -26,9 +26,9 @@ class D1MinusLinear {
   D1MinusLinear(const Model& model, const D1MinusLinearOptions& options);
   D1MinusLinear(Model&&, const D1MinusLinearOptions&) = delete;  // the model must outlive the scheme
 
-  /// Advances by at most min(options.step.h, h_limit); shorter if the advancement needs it. The state is
-  /// unchanged unless the report says moved(). Throws for what does not fit (check_fits), not for trouble
-  /// of numbers. Explicit in the forces: a spring k of a mass m wants h < 2 sqrt(m / k).
+  /// Advances by at most min(options.step.h, h_limit); less if the advancement needs it. The state is
+  /// unchanged unless the report says moved(). Throws for arguments that do not fit (check_fits), not for
+  /// numerical trouble. Explicit in the forces: a spring k on a mass m needs h < 2 sqrt(m / k).
   [[nodiscard]] StepReport step(State& state, double h_limit = kInf) const;
 
  private:

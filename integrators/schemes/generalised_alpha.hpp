@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The nonsmooth generalised-alpha scheme on Lie groups (doc/theory/generalised_alpha.md): the motion between
-// contacts to second order with damping of high frequencies, then positions that hold joints and gaps, then
-// velocities that hold both and the laws of impact and friction. Source: Bruls, Acary, Cardona 2014, 2018;
-// (GA-1) to (GA-10).
+// The nonsmooth generalised-alpha scheme on Lie groups (doc/theory/generalised_alpha.md). It computes the
+// motion between contacts to second order with damping of high frequencies, then positions that satisfy
+// joints and gaps, then velocities that satisfy both and the laws of impact and friction. Source: Bruls,
+// Acary, Cardona 2014, 2018; (GA-1) to (GA-10).
 #pragma once
 
 #include <memory>
@@ -16,7 +16,7 @@ struct StepSetting;
 
 struct GeneralisedAlphaOptions {
   double spectral_radius = 0.8;  // of infinitely stiff motions, per step [-], in [0, 1]; 1: no damping
-  StepOptions step{};            // normal.law and joints.stabilisation are not read: see (GA-6), (GA-7)
+  StepOptions step{};            // normal.law and joints.stabilisation are ignored: see (GA-6), (GA-7)
 };
 void validate(const GeneralisedAlphaOptions& options);  // throws std::invalid_argument: field, value, bound
 
@@ -27,9 +27,9 @@ class GeneralisedAlpha {
   GeneralisedAlpha(const Model& model, const GeneralisedAlphaOptions& options);
   GeneralisedAlpha(Model&&, const GeneralisedAlphaOptions&) = delete;  // the model must outlive the scheme
 
-  /// Advances by at most min(options.step.h, h_limit); shorter if the advancement needs it. The state is
-  /// unchanged unless the report says moved(). Throws for what does not fit (check_fits), not for trouble
-  /// of numbers. Keeps accelerations in State::a; a state without them is a fresh start.
+  /// Advances by at most min(options.step.h, h_limit); less if the advancement needs it. The state is
+  /// unchanged unless the report says moved(). Throws for arguments that do not fit (check_fits), not for
+  /// numerical trouble. Keeps accelerations in State::a; a state without them is a fresh start.
   [[nodiscard]] StepReport step(State& state, double h_limit = kInf) const;
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Moreau-Jean's velocity law with projection on the position constraints: no overlap is left after a step.
-// Source: Acary 2013 (CMAME 256): the direct and the combined scheme; (PRJ-1) to (PRJ-5).
+// The Moreau-Jean velocity law with projection on the position constraints, which leaves no overlap after a
+// step. Source: Acary 2013 (CMAME 256), the direct and the combined scheme; (PRJ-1) to (PRJ-5).
 #pragma once
 
 #include <memory>
@@ -14,10 +14,10 @@ struct StepSetting;
 
 enum class ProjectionOrder {
   direct,    // velocities, then positions
-  combined,  // and velocities again with the contacts that positions asked for, until no more do (PRJ-5)
+  combined,  // then velocities again with contacts that positions asked for, until none is added (PRJ-5)
 };
 const char* to_string(ProjectionOrder order);
-/// By its name; throws std::invalid_argument naming the two.
+/// Finds the order by its name; throws std::invalid_argument listing the two.
 ProjectionOrder projection_order(const std::string& name);
 
 struct MoreauJeanProjectedOptions {
@@ -34,7 +34,7 @@ class MoreauJeanProjected {
   MoreauJeanProjected(const Model& model, const MoreauJeanProjectedOptions& options);
   MoreauJeanProjected(Model&&, const MoreauJeanProjectedOptions&) = delete;  // the model outlives the scheme
 
-  /// As MoreauJean::step. The certified path is the one to the projected poses.
+  /// As MoreauJean::step. The certified path leads to the projected poses.
   [[nodiscard]] StepReport step(State& state, double h_limit = kInf) const;
 
  private:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The scheme of Schatzman and Paoli: central differences, and a constraint on the position
-// (q_{k+1} + e q_{k-1}) / (1 + e), which brings restitution with it. Velocities are those of the last path,
-// (q_k - q_{k-1}) / h. Source: Paoli and Schatzman 2002; (SP-1) to (SP-6).
+// The scheme of Schatzman and Paoli: central differences, and restitution from a constraint on the position
+// (q_{k+1} + e q_{k-1}) / (1 + e). Velocities are those of the last path, (q_k - q_{k-1}) / h. Source: Paoli
+// and Schatzman 2002; (SP-1) to (SP-6).
 #pragma once
 
 #include <memory>
@@ -26,7 +26,8 @@ class SchatzmanPaoli {
   SchatzmanPaoli(const Model& model, const SchatzmanPaoliOptions& options);
   SchatzmanPaoli(Model&&, const SchatzmanPaoliOptions&) = delete;  // the model outlives the scheme
 
-  /// As MoreauJean::step. A step after one of another length keeps the restitution of what it began (SP-5).
+  /// As MoreauJean::step. A step of another length than the last keeps the restitution of an impact already
+  /// begun (SP-5).
   [[nodiscard]] StepReport step(State& state, double h_limit = kInf) const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What acted at joints: forces, efforts along axes, and work (MJT-12), (MJT-16).
+// Sums up what acted at joints: forces, efforts along axes, and work (MJT-12), (MJT-16).
 #pragma once
 
 #include "integrators/pose/joint_rows.hpp"
@@ -7,22 +7,22 @@
 
 namespace aussois {
 
-/// Velocities that impulses work on, in the places of State::v.
+/// Velocities that impulses work on, indexed as State::v.
 struct WorkedOn {
   VecX v{};      // all
   VecX moved{};  // those of moved bodies, zero elsewhere
 };
-/// Adds to the report of the joints what impulses do over `time` [s]: `lambda` along columns, at the poses
-/// `g`; `p` of the row that begins at an entry of State::r.
+/// Adds to the reports of the joints what impulses do over `time` [s]: `lambda` along columns, at the poses
+/// `g`; `p` along the row that begins at entry `slot` of State::r.
 void add_forces(const Model& model, const std::vector<JointColumn>& columns, const VecX& lambda,
                 const std::vector<SE3>& g, double time, std::vector<StepJoint>& joints);
 void add_effort(int slot, double p, double time, std::vector<StepJoint>& joints);
-/// And their work (MJT-16); of a row on its speed `u`, of which `moved` is that of moved bodies.
+/// Adds their work (MJT-16); that of a row is on its speed `u`, of which `moved` is the part of moved bodies.
 void add_work(const Model& model, const std::vector<JointColumn>& columns, const VecX& lambda,
               const WorkedOn& on, std::vector<StepJoint>& joints);
 void add_work(int slot, double p, double u, double moved, std::vector<StepJoint>& joints);
-/// Of springs, dampers and effort motors, with the velocity at the end off by `change` from that of the
-/// start.
+/// Adds the work of springs, dampers and effort motors; the velocity at the end differs by `change` from that
+/// at the start.
 void add_work(const Model& model, const std::vector<AxisImpulse>& axes, const VecX& change,
               const WorkedOn& on, std::vector<StepJoint>& joints);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What happened in a step, and what the next one is to know of it.
+// Turns a judged trial into the report of the step and the state that the next step starts from.
 #pragma once
 
 #include "integrators/prove/judge.hpp"
@@ -7,15 +7,15 @@
 
 namespace aussois {
 
-/// Of a trial and what was said to it: what was found, solved and proven; of one that is taken also contacts,
-/// joints and ledgers (MJ-9), (MJ-13), (MJT-16).
+/// The report of a trial and its judgement: what was found, solved and proven; for a trial that is taken also
+/// contacts, joints and ledgers (MJ-9), (MJ-13), (MJT-16).
 StepReport tell(const StepSetting& setting, const State& state, const Trial& trial,
                 const Judgement& judgement);
 
-/// The state that a trial leads to, with all that the next step is to know of contacts and impulses.
+/// The state that a trial leads to, with all that the next step needs to know of contacts and impulses.
 State next_state(const StepSetting& setting, const Trial& trial, const Judgement& judgement);
 
-/// Whether a state follows from it: nothing speaks against it but a solver that did not get there.
+/// Whether the trial may be taken: nothing speaks against it, except perhaps a solver that did not converge.
 bool may_be_taken(const Judgement& judgement);
 
 }  // namespace aussois
