@@ -75,22 +75,24 @@ struct Frames {
   std::vector<float> coordinate{}, joint_force{}, joint_torque{}, effort{};
 };
 
-void add_bodies(const RunHeader& header, const RunStep& step, const Vec3& origin, Frames& out) {
+/// `centres` are those of the bodies' meshes.
+void add_bodies(const RunHeader& header, const RunStep& step, const std::vector<Vec3>& centres,
+                const Vec3& origin, Frames& out) {
   auto vertex = step.vertices.begin();
   for (std::size_t i = 0; i < header.bodies.size(); ++i) {
     const RunBody& body = header.bodies[i];
-    const Vec3 centre = body.mesh.empty() ? Vec3::Zero() : centre_of(header.meshes.at(body.mesh));
     SE3 g = step.pose[i] * body.g_bs;
-    if (!body.mesh.empty()) g.p = g * centre;
+    if (!body.mesh.empty()) g.p = g * centres[i];
     append(out.pose, g.p - origin);
     for (const double q : {g.R.x(), g.R.y(), g.R.z(), g.R.w()}) out.pose.push_back(float(q));
-    for (int k = 0; k < body.moving_vertices; ++k) append(out.vertices, *vertex++ - centre);
+    for (int k = 0; k < body.moving_vertices; ++k) append(out.vertices, *vertex++ - centres[i]);
   }
 }
 
-void add_frame(const RunHeader& header, const RunStep& step, const Vec3& origin, Frames& out) {
+void add_frame(const RunHeader& header, const RunStep& step, const std::vector<Vec3>& centres,
+               const Vec3& origin, Frames& out) {
   out.step.push_back(step.step);
-  add_bodies(header, step, origin, out);
+  add_bodies(header, step, centres, origin, out);
   for (const RunContact& contact : step.contacts) {
     const ShownContact c = shown(header, step, contact);
     append(out.point, c.point - origin);
@@ -233,6 +235,9 @@ void write_page_of(const std::filesystem::path& html, const RunHeader& header, s
   validate(header);
   const std::vector<std::size_t> rows = frame_rows(steps, options.max_frames);
   const std::size_t points = std::min(steps, std::size_t(options.max_plot_points));
+  std::vector<Vec3> centres;
+  for (const RunBody& body : header.bodies)
+    centres.push_back(body.mesh.empty() ? Vec3::Zero() : centre_of(header.meshes.at(body.mesh)));
   Vec3 origin = Vec3::Zero();
   Frames frames;
   std::vector<Curve> curves(quantities().size());
@@ -251,7 +256,7 @@ void write_page_of(const std::filesystem::path& html, const RunHeader& header, s
       if (begins && row > 0) curve.points.push_back(float(curve.kept));
       curve.kept = begins ? value : quantity.worse(curve.kept, value);
     }
-    if (is_frame) add_frame(header, step, origin, frames);
+    if (is_frame) add_frame(header, step, centres, origin, frames);
     point += begins;
   }
   PageArrays arrays;

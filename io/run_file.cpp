@@ -517,14 +517,6 @@ std::size_t RunWriter::rows() const {
 
 namespace {
 
-/// All columns have so many rows: asked before memory for rows is, which hold all columns.
-void check_rows(hid_t file, const std::vector<ColumnPlan>& plans, std::size_t rows) {
-  for (const ColumnPlan& plan : plans)
-    if (const hsize_t found = Hdf5Column::open(file, plan.name, plan.type, plan.row_shape).rows();
-        found != rows)
-      fail_hdf5(file, plan.name, "has " + std::to_string(found) + " rows instead of " + std::to_string(rows));
-}
-
 VecX row_of(const std::vector<double>& values, std::size_t row, std::size_t width) {
   return Eigen::Map<const VecX>(values.data() + row * width, Eigen::Index(width));
 }
@@ -567,10 +559,22 @@ struct RunReader::Impl {
           joint.*field.member = Vec3(next[0], next[1], next[2]), next += 3;
       }
   }
+  void open(const std::vector<ColumnPlan>& plans, std::size_t rows);
   void read_states();
   void read_contacts();
   void read_block(std::size_t row);
 };
+
+/// All columns must have so many rows; no memory for them is asked for yet.
+void RunReader::Impl::open(const std::vector<ColumnPlan>& plans, std::size_t rows) {
+  for (const ColumnPlan& plan : plans) {
+    Hdf5Column column = Hdf5Column::open(file, plan.name, plan.type, plan.row_shape);
+    if (column.rows() != rows)
+      fail_hdf5(file, plan.name,
+                "has " + std::to_string(column.rows()) + " rows instead of " + std::to_string(rows));
+    columns[plan.name] = std::move(column);
+  }
+}
 
 void RunReader::Impl::read_states() {
   const std::size_t bodies = header.bodies.size(), coordinates = coordinate_count(header),
@@ -640,11 +644,8 @@ RunReader::RunReader(const std::filesystem::path& path) : impl_(std::make_unique
   for (std::size_t k = 0; k + 1 < r.offset.size(); ++k)
     if (r.offset[k] > r.offset[k + 1])
       fail_hdf5(r.file, kOffset, "does not ascend at row " + std::to_string(k));
-  check_rows(r.file, contact_columns(), r.offset.back());
-  check_rows(r.file, step_columns(r.header, r.with_joint_work), steps());
-  for (const auto& plans : {contact_columns(), step_columns(r.header, r.with_joint_work)})
-    for (const ColumnPlan& plan : plans)
-      r.columns[plan.name] = Hdf5Column::open(r.file, plan.name, plan.type, plan.row_shape);
+  r.open(contact_columns(), r.offset.back());
+  r.open(step_columns(r.header, r.with_joint_work), steps());
   try {
     validate(r.header);
   } catch (const std::invalid_argument& wrong) {

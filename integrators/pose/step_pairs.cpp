@@ -42,16 +42,16 @@ void for_each_part(const std::vector<StepPair>& pairs, int threads,
 
 namespace {
 
-BodyBounds bounds_of_body(const RigidBody& body, const LmdShape& shape, const DilatedBox& box) {
+BodyBounds bounds_of_body(const RigidBody& body, const std::vector<Vec3>& vertices, const DilatedBox& box) {
   BodyBounds out{.box = body.g_bs * box};
   out.box.fixed = !yields(body);
-  for (const Vec3& x : shape.complex.vertices) out.radius = std::max(out.radius, (body.g_bs * x).norm());
+  for (const Vec3& x : vertices) out.radius = std::max(out.radius, (body.g_bs * x).norm());
   return out;
 }
 
-DilatedBox box_of(const LmdShape& shape) {
-  DilatedBox box = box_around(shape.complex.vertices);
-  box.radius = shape.radius;
+DilatedBox dilated_box(const std::vector<Vec3>& vertices, double radius) {
+  DilatedBox box = box_around(vertices);
+  box.radius = radius;
   return box;
 }
 
@@ -72,18 +72,15 @@ double bend_of(const LmdShape& shape, const std::vector<Vec3>& velocity, double 
   return std::acos(std::clamp(least, -1.0, 1.0));
 }
 
-BodyBounds bounds_of_body(const RigidBody& body, const LmdShape& shape) {
-  return bounds_of_body(body, shape, box_of(shape));
-}
-
-BodyBounds deformed_bounds(const Model& model, const State& state, int body) {
-  return bounds_of_body(model.bodies[std::size_t(body)], *posed_shape(model, state, body).shape);
+BodyBounds bounds_of_deformed(const Model& model, int body, const std::vector<Vec3>& vertices) {
+  return bounds_of_body(model.bodies[std::size_t(body)], vertices,
+                        dilated_box(vertices, shape_of(model, body)->radius));
 }
 
 DeformingShape deforming_shape(const StepMotion& step, int body) {
   DeformingShape out{.start = posed_shape(step.model, step.state, body),
                      .velocity = vertex_velocities(step.model, step.state, body, step.v)};
-  out.bounds = bounds_of_body(step.model.bodies[std::size_t(body)], *out.start.shape);
+  out.bounds = bounds_of_deformed(step.model, body, out.start.shape->complex.vertices);
   return out;
 }
 
@@ -91,12 +88,13 @@ DeformingShape deforming_shape(const StepMotion& step, int body) {
 
 std::vector<BodyBounds> body_bounds(const Model& model) {
   std::vector<DilatedBox> box_of_shape;
-  for (const auto& shape : model.shapes) box_of_shape.push_back(box_of(*shape));
+  for (const auto& shape : model.shapes)
+    box_of_shape.push_back(dilated_box(shape->complex.vertices, shape->radius));
   std::vector<BodyBounds> bounds(model.bodies.size());
   for (std::size_t b = 0; b < bounds.size(); ++b)
     if (const RigidBody& body = model.bodies[b]; body.shape >= 0)
-      bounds[b] =
-          bounds_of_body(body, *model.shapes[std::size_t(body.shape)], box_of_shape[std::size_t(body.shape)]);
+      bounds[b] = bounds_of_body(body, model.shapes[std::size_t(body.shape)]->complex.vertices,
+                                 box_of_shape[std::size_t(body.shape)]);
   return bounds;
 }
 
@@ -128,7 +126,8 @@ NearPairs near_pairs(const Model& model, const State& state, const std::vector<B
     if (!shape_of(model, b)) continue;
     const bool rigid = !deforms(model.bodies[std::size_t(b)]);
     boxes.push_back(pose(state, b) *
-                    (rigid ? bounds[std::size_t(b)].box : deformed_bounds(model, state, b).box));
+                    (rigid ? bounds[std::size_t(b)].box
+                           : bounds_of_deformed(model, b, deformed_vertices(model, state, b)).box));
     boxes.back().radius += reach[std::size_t(b)];
     body_of.push_back(b);
   }
@@ -176,11 +175,11 @@ StepPath step_path(const StepMotion& step, const std::vector<BodyBounds>& bounds
 std::string strayed(const StepPath& path, const State& end) {
   constexpr double kRounding = 1e-9;  // of the size of the shape and of what it travels
   for (const auto& [body, shape] : path.deforming) {
-    const PosedShape there = posed_shape(path.model, end, body);
+    const std::vector<Vec3> there = deformed_vertices(path.model, end, body);
     double off = 0;
     for (std::size_t i = 0; i < shape.velocity.size(); ++i) {
       const Vec3& start = shape.start.shape->complex.vertices[i];
-      off = std::max(off, (there.shape->complex.vertices[i] - start - path.h * shape.velocity[i]).norm());
+      off = std::max(off, (there[i] - start - path.h * shape.velocity[i]).norm());
     }
     if (off > kRounding * (shape.bounds.radius + path.bodies[std::size_t(body)].stretch))
       return "body " + std::to_string(body) + ": a vertex is " + number_text(off) +

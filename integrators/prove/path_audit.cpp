@@ -115,9 +115,9 @@ bool leads_to(const Audited& step, const State& path_end, const State& end, doub
   const auto moved = [&](int b) {
     double stretch = 0;
     if (deforms(step.model.bodies[std::size_t(b)])) {
-      const PosedShape from = posed_shape(step.model, path_end, b), to = posed_shape(step.model, end, b);
-      for (std::size_t i = 0; i < to.shape->complex.vertices.size(); ++i)
-        stretch = std::max(stretch, (to.shape->complex.vertices[i] - from.shape->complex.vertices[i]).norm());
+      const std::vector<Vec3> from = deformed_vertices(step.model, path_end, b),
+                              to = deformed_vertices(step.model, end, b);
+      for (std::size_t i = 0; i < to.size(); ++i) stretch = std::max(stretch, (to[i] - from[i]).norm());
     }
     return stretch + (pose(end, b).p - pose(path_end, b).p).norm() +
            step.bounds[std::size_t(b)].radius * angle_between(pose(end, b).R, pose(path_end, b).R);
