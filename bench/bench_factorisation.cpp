@@ -19,7 +19,7 @@
 #include "bench/call_time.hpp"
 #include "bench/verdict.hpp"
 #include "examples/common/driver.hpp"
-#include "examples/friction/problem_run.hpp"
+#include "examples/studies/friction/problem_run.hpp"
 #include "geometry/check.hpp"
 #include "io/fclib_file.hpp"
 #include "nsgs/factorised.hpp"

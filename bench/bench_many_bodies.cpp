@@ -169,9 +169,11 @@ Row measure(const Scene& scene, int n, const Arguments& a) {
   row.contacts = double(found.points.size());
   if (n > a.largest_step) return row;
   const MoreauJean scheme(
-      scene.model, {.h = kStep,
-                    .solver = {.method = Method::nsgs, .tolerance = 1e-4, .max_iterations = a.max_sweeps},
-                    .threads = a.common.threads});
+      scene.model,
+      {.h = kStep,
+       .solver = {.method = Method::nsgs, .tolerance = 1e-4, .max_iterations = a.max_sweeps},
+       .threads = a.common.threads},
+      {.theta = 1});
   StepReport report;
   for (int i = 0; i < a.repeats; ++i) {
     State state = scene.state;

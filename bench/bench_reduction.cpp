@@ -16,7 +16,7 @@
 #include "bench/verdict.hpp"
 #include "examples/common/driver.hpp"
 #include "examples/common/random.hpp"
-#include "examples/reduction/patch_of_four.hpp"
+#include "examples/studies/reduction/patch_of_four.hpp"
 #include "io/csv_table.hpp"
 #include "io/summary.hpp"
 #include "reduction/reduce.hpp"

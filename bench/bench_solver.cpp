@@ -12,7 +12,7 @@
 #include "bench/solver_report.hpp"
 #include "examples/common/driver.hpp"
 #include "examples/common/progress.hpp"
-#include "examples/friction/problem_run.hpp"
+#include "examples/studies/friction/problem_run.hpp"
 #include "geometry/check.hpp"
 
 using namespace aussois;

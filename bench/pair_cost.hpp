@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "examples/assembly/assembly_input.hpp"
+#include "examples/drivers/assembly/assembly_input.hpp"
 #include "lmd/find_contacts.hpp"
 
 namespace aussois {

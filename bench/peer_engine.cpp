@@ -8,11 +8,13 @@ namespace {
 
 struct World {
   KernelScene scene{};
-  MoreauJean scheme;
+  Scheme scheme;
   double h = 0, t = 0;
 
   World(const PeerScene& peers, double step)
-      : scene(kernel_scene(peers)), scheme(scene.model, kernel_options(peers, step)), h(step) {}
+      : scene(kernel_scene(peers)),
+        scheme(make_scheme("moreau_jean", scene.model, kernel_options(peers, step))),
+        h(step) {}
   // A step that was cut is followed by others until h has passed, as the peers' step does. One that fails
   // leaves the clock behind and shows as an error of the scene.
   void advance() {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "integrators/events/event_driven.hpp"
 #include "integrators/schemes/d1_minus_linear.hpp"
 #include "integrators/schemes/generalised_alpha.hpp"
 #include "integrators/schemes/moreau_jean.hpp"
@@ -16,31 +17,17 @@
 
 namespace aussois {
 
-/// The settings of a comparison of schemes; each scheme reads those it knows and ignores the others.
+/// The options of a step and those of every scheme; each scheme reads its own.
 struct SchemeOptions {
-  double h = 1e-3;                          // largest step [s], > 0
-  double theta = 0.5;                       // moreau_jean, moreau_jean_projected [-], in [1/2, 1]
-  ContactsAt contacts = ContactsAt::start;  // moreau_jean
-  NewtonOptions newton{};                   // moreau_jean
-  ImpactOptions impact{};                   // moreau_jean
-  ProjectionOrder projection = ProjectionOrder::combined;  // moreau_jean_projected
-  NormalLawOptions normal{};  // its law: moreau_jean, passive_midpoint; the others have their own laws
-  JointOptions joints{};
-  LmdOptions lmd{};
-  ReductionOptions reduction{};
-  PersistenceOptions persistence{};
-  SolverOptions solver{};  // event_driven lowers a larger tolerance to 1e-13
-  AdvancementOptions advancement{};
-  int threads = 1;
-  bool keep_problem = false;  // keeps the solved problem in StepReport::problem; all but event_driven
-  GroupUpdate update = GroupUpdate::exponential;         // all but event_driven
-  double spectral_radius = 0.8;                          // generalised_alpha [-], in [0, 1]
-  GyroscopicTerm gyroscopic = GyroscopicTerm::midpoint;  // passive_midpoint
-  bool mean_joints = false;                              // passive_midpoint
-  bool passive = true;                                   // passive_midpoint
-  double force_theta = 0;                                // schatzman_paoli [-], in [0, 1]
-  OdeOptions ode{};                                      // event_driven
+  StepOptions step{};
+  MoreauJeanOptions moreau_jean{};
+  MoreauJeanProjectedOptions moreau_jean_projected{};
+  SchatzmanPaoliOptions schatzman_paoli{};
+  PassiveMidpointOptions passive_midpoint{};
+  GeneralisedAlphaOptions generalised_alpha{};
+  EventDrivenOptions event_driven{};
 };
+void describe(SettingVisitor& visit, SchemeOptions& options);
 
 struct Scheme {
   std::string name{};
@@ -61,7 +48,7 @@ struct SchemeTraits {
 /// Options of moreau_jean for bodies that roll on curved surfaces (rattleback, rolling disc): contacts at the
 /// midpoint, slip and gap conditions on the mean velocity of the step (MJ-10). The order is two where that of
 /// all other schemes is one; the price is that a body that hits bounces with e = 1.
-SchemeOptions rolling_options(SchemeOptions others = {});
+SchemeOptions rolling_options(const StepOptions& step = {});
 
 /// One way of using a scheme that is worth comparing with others.
 struct SchemeVariant {
@@ -70,11 +57,14 @@ struct SchemeVariant {
 };
 
 std::vector<std::string> scheme_names();
+/// The options that a scheme does not read, "step.update", "moreau_jean.theta": those of the step are refused
+/// if they are set, those of other schemes are not looked at.
+std::vector<std::string> unread_by(const std::string& scheme);
 /// Every scheme whose error depends on h, with every setting that makes it a different method: the rows of a
 /// comparison.
 std::vector<SchemeVariant> scheme_variants();
 
-/// Both throw std::invalid_argument for an unknown name, listing the known ones; make_scheme also for bad
+/// All throw std::invalid_argument for an unknown name, listing the known ones; make_scheme also for bad
 /// options and models. The model must outlive the scheme.
 SchemeTraits scheme_traits(const std::string& name, const SchemeOptions& options);
 Scheme make_scheme(const std::string& name, const Model& model, const SchemeOptions& options);

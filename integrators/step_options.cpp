@@ -1,87 +1,89 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "integrators/step_options.hpp"
 
-#include <cmath>
-
-#include "geometry/check.hpp"
+#include "geometry/settings.hpp"
 
 namespace aussois {
 
 const char* to_string(NormalLaw law) {
-  switch (law) {
-    case NormalLaw::moreau:
-      return "moreau";
-    case NormalLaw::gap_over_step:
-      return "gap_over_step";
-    case NormalLaw::combined:
-      return "combined";
-  }
-  return "?";
+  return name_of(law, kNormalLaws);
 }
 
-NormalLaw normal_law(const std::string& name) {
-  for (const NormalLaw law : {NormalLaw::moreau, NormalLaw::gap_over_step, NormalLaw::combined})
-    if (name == to_string(law)) return law;
-  throw std::invalid_argument("normal law = " + name + " must be moreau, gap_over_step or combined");
+void describe(SettingVisitor& visit, ImpactOptions& o) {
+  visit.begin("ImpactOptions");
+  visit.choice({.name = "law", .what = "law of impacts", .flag = "--impact-law", .label = "%"}, o.law,
+               kImpactLaws);
+  visit.choice({.name = "order",
+                .what = "order in which several impacts are resolved",
+                .flag = "--impact-order",
+                .label = "%"},
+               o.order, kImpactOrders);
+  visit.count({"max_pairs", "maximum number of one-contact impacts in a step", "", at_least(1)}, o.max_pairs);
 }
 
-const char* to_string(ImpactLaw law) {
-  return law == ImpactLaw::newton ? "newton" : "poisson";
-}
-const char* to_string(ImpactOrder order) {
-  return order == ImpactOrder::simultaneous ? "simultaneous" : "sequential";
-}
-ImpactLaw impact_law(const std::string& name) {
-  for (const ImpactLaw law : {ImpactLaw::newton, ImpactLaw::poisson})
-    if (name == to_string(law)) return law;
-  throw std::invalid_argument("impact law = " + name + " must be newton or poisson");
-}
-ImpactOrder impact_order(const std::string& name) {
-  for (const ImpactOrder order : {ImpactOrder::simultaneous, ImpactOrder::sequential})
-    if (name == to_string(order)) return order;
-  throw std::invalid_argument("impact order = " + name + " must be simultaneous or sequential");
+void describe(SettingVisitor& visit, JointOptions& o) {
+  visit.begin("JointOptions");
+  visit.toggle({"project", "project joints after each step, so that they hold to rounding"}, o.project);
+  visit.number({"stabilisation", "fraction of the joint drift that a step removes", "-", {0, 1}},
+               o.stabilisation);
+  visit.number(
+      {"tolerance", "largest joint error at the start and after each projection", "m, rad", positive()},
+      o.tolerance);
 }
 
-void validate(const ImpactOptions& options) {
-  require_field(options.max_pairs >= 1, "ImpactOptions::max_pairs", options.max_pairs, "be at least 1");
+void describe(SettingVisitor& visit, AdvancementOptions& o) {
+  visit.begin("AdvancementOptions");
+  visit.toggle({"certify", "prove that base complexes stay apart"}, o.certify);
+  visit.number({"enlargement", "enlargement factor of the estimated speeds", "-", {1, 4}}, o.enlargement);
+  visit.number(
+      {"floor", "smallest search distance, relative to the sum of the dilations", "-", open_below(0, 1)},
+      o.floor);
+  visit.number({"max_overlap",
+                "largest overlap of dilated shapes, relative to the sum of the dilations",
+                "-",
+                {0, 0.99}},
+               o.max_overlap);
+  visit.number({.name = "min_h",
+                .what = "smallest step; shorter ones are refused; 0: the smaller of 1e-7 s and h / 10000",
+                .unit = "s",
+                .range = {0, 1},
+                .flag = "--min-h"},
+               o.min_h);
+  visit.number({"growth", "largest growth factor of the step after an accepted one", "-", {1, 4}}, o.growth);
+  visit.count({"max_attempts", "maximum number of attempts at a step", "", at_least(1)}, o.max_attempts);
 }
 
-void validate(const JointOptions& options) {
-  require_field(options.stabilisation >= 0 && options.stabilisation <= 1, "JointOptions::stabilisation",
-                options.stabilisation, "lie in [0, 1]");
-  require_field(options.tolerance > 0, "JointOptions::tolerance", options.tolerance, "be positive [m, rad]");
+void describe(SettingVisitor& visit, StepOptions& o) {
+  visit.begin("StepOptions");
+  visit.number({"h", "largest step", "s", positive()}, o.h);
+  visit.number({"correction_speed", "largest speed at which overlaps are pushed apart", "m/s", at_least(0)},
+               o.correction_speed);
+  visit.number({"touching", "largest gap that counts as closed", "m, rad", not_negative()}, o.touching);
+  visit.group("joints", o.joints);
+  visit.group("lmd", o.lmd);
+  visit.group("reduction", o.reduction);
+  visit.group("persistence", o.persistence);
+  visit.group("solver", o.solver);
+  visit.group("advancement", o.advancement);
+  visit.choice({.name = "update", .what = "update of rotations", .flag = "--update", .label = "%"}, o.update,
+               kGroupUpdates);
+  visit.count({.name = "threads",
+               .what = "number of threads of all parts of a step",
+               .unit = "",
+               .range = at_least(1),
+               .changes_nothing = true},
+              o.threads);
+  visit.toggle(
+      {.name = "keep_problem", .what = "keep the solved problem in the report", .changes_nothing = true},
+      o.keep_problem);
 }
 
-void validate(const AdvancementOptions& o) {
-  require_field(o.enlargement >= 1 && o.enlargement <= 4, "AdvancementOptions::enlargement", o.enlargement,
-                "lie in [1, 4]");
-  require_field(o.floor > 0 && o.floor <= 1, "AdvancementOptions::floor", o.floor, "lie in (0, 1]");
-  require_field(o.max_overlap >= 0 && o.max_overlap <= 0.99, "AdvancementOptions::max_overlap", o.max_overlap,
-                "lie in [0, 0.99]");
-  require_field(o.min_h > 0, "AdvancementOptions::min_h", o.min_h, "be positive [s]");
-  require_field(o.growth >= 1 && o.growth <= 4, "AdvancementOptions::growth", o.growth, "lie in [1, 4]");
-  require_field(o.max_attempts >= 1, "AdvancementOptions::max_attempts", o.max_attempts, "be at least 1");
-}
-
-void validate(const OdeOptions& o) {
-  require_field(o.relative > 0 && o.relative < 1, "OdeOptions::relative", o.relative, "lie in (0, 1)");
-  require_field(o.absolute > 0 && o.absolute < kInf, "OdeOptions::absolute", o.absolute,
-                "be positive and finite");
-  require_field(o.largest_step > 0, "OdeOptions::largest_step", o.largest_step, "be positive [s]");
-  require_field(o.max_steps >= 1, "OdeOptions::max_steps", o.max_steps, "be at least 1");
+void validate(const AdvancementOptions& options) {
+  check_ranges(options);
 }
 
 void validate(const StepOptions& o) {
-  require_field(std::isfinite(o.h) && o.h > 0, "StepOptions::h", o.h, "be positive [s]");
-  require_field(o.threads >= 1, "StepOptions::threads", o.threads, "be at least 1");
-  require_field(o.normal.correction_speed >= 0, "NormalLawOptions::correction_speed",
-                o.normal.correction_speed, "not be negative [m/s]");
-  require_field(std::isfinite(o.normal.touching) && o.normal.touching >= 0, "NormalLawOptions::touching",
-                o.normal.touching, "be finite and not negative [m]");
-  require_field(o.normal.gamma >= 0.5 && o.normal.gamma <= 1, "NormalLawOptions::gamma", o.normal.gamma,
-                "lie in [0.5, 1]");
-  validate(o.joints);
-  validate(o.advancement);
+  check_ranges(o);
   require_field(o.advancement.min_h <= o.h, "AdvancementOptions::min_h", o.advancement.min_h,
                 "not exceed h [s]");
   validate(o.lmd);
@@ -95,11 +97,6 @@ void validate(const StepOptions& o) {
   require_field(o.lmd.threads == usual.threads || o.lmd.threads == o.threads, "StepOptions::lmd.threads",
                 o.lmd.threads, "not be set: StepOptions::threads is for all");
   require(!o.solver.for_all, "StepOptions::solver.for_all must be empty: StepOptions::threads is for all");
-}
-
-void refuse_anchors(const StepOptions& options, const char* scheme) {
-  require(!options.persistence.anchors, std::string("PersistenceOptions::anchors: ") + scheme +
-                                            " has none; moreau_jean and moreau_jean_projected do");
 }
 
 }  // namespace aussois

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The user's options of a step: laws of normal rows, impacts and joints, the advancement, and the settings of
-// the search, the reducer and the solver.
+// The user's options of a step, which all schemes share: joints, the advancement, and the settings of the
+// search, the reducer and the solver; and laws of normal rows and impacts that some schemes offer.
 #pragma once
 
-#include <string>
-
+#include "geometry/named.hpp"
 #include "lmd/lmd_options.hpp"
 #include "mechanics/motion.hpp"
 #include "nsgs/solve.hpp"
@@ -13,26 +12,18 @@
 
 namespace aussois {
 
+class SettingVisitor;
+
 /// The law of the normal rows of a step (decision record 0006).
 enum class NormalLaw {
   moreau,         // impact law u+ >= -e u-, active once the gap predicted half a step ahead closes
   gap_over_step,  // u+ + g / h >= 0: the gap at the end of the step stays open; plastic
   combined,       // impact law where a contact with e > 0 closes within the step, gap over step elsewhere
 };
+inline constexpr Named<NormalLaw> kNormalLaws[] = {{NormalLaw::moreau, "moreau"},
+                                                   {NormalLaw::combined, "combined"},
+                                                   {NormalLaw::gap_over_step, "gap_over_step"}};
 const char* to_string(NormalLaw law);
-/// Finds the law by its name; throws std::invalid_argument listing the three.
-NormalLaw normal_law(const std::string& name);
-
-struct NormalLawOptions {
-  NormalLaw law = NormalLaw::combined;
-  double correction_speed = 0.01;  // overlaps are pushed apart no faster than this [m/s]
-  // Moreau's law treats gaps up to this as closed (MJ-6); in short steps the limit is smaller. The solver's
-  // tolerance and rounding leave such gaps to bodies at rest [m; rad for a limit of a rotation]
-  double touching = 1e-8;
-  // The laws of contacts and stops apply to gamma u+ + (1 - gamma) u- [-], in [1/2, 1]; this implies a
-  // restitution of (1 - gamma) / gamma (MJ-10)
-  double gamma = 1;
-};
 
 enum class ImpactLaw {
   newton,   // u+ >= -e u- (IMP-2)
@@ -42,18 +33,17 @@ enum class ImpactOrder {
   simultaneous,  // one problem of all contacts that close (IMP-4)
   sequential,    // one contact after the other, the fastest first (IMP-5)
 };
-const char* to_string(ImpactLaw law);
-const char* to_string(ImpactOrder order);
-/// Find law and order by name; throw std::invalid_argument listing the known names.
-ImpactLaw impact_law(const std::string& name);
-ImpactOrder impact_order(const std::string& name);
+inline constexpr Named<ImpactLaw> kImpactLaws[] = {{ImpactLaw::newton, "newton"},
+                                                   {ImpactLaw::poisson, "poisson"}};
+inline constexpr Named<ImpactOrder> kImpactOrders[] = {{ImpactOrder::simultaneous, "simultaneous"},
+                                                       {ImpactOrder::sequential, "sequential"}};
 
 struct ImpactOptions {
   ImpactLaw law = ImpactLaw::newton;
   ImpactOrder order = ImpactOrder::simultaneous;
   int max_pairs = 10000;  // most one-contact impacts in a step, >= 1; those left over are plastic
 };
-void validate(const ImpactOptions& options);  // throws std::invalid_argument: field, value, bound
+void describe(SettingVisitor& visit, ImpactOptions& options);
 
 /// True for Newton's law at all contacts at once. It needs no map of its own: it is the normal law of the
 /// step (MJ-6).
@@ -69,8 +59,7 @@ struct JointOptions {
   double tolerance = 1e-6;     // largest error before the first step and after each projection; a larger one
                                // is refused [m, rad], > 0
 };
-void validate(const JointOptions& options);  // throws std::invalid_argument: field, value, bound
-
+void describe(SettingVisitor& visit, JointOptions& options);
 /// Contacts are searched for within a bound on the step's displacement. A step is accepted only if it stayed
 /// within the bound and the base complexes provably stayed apart.
 struct AdvancementOptions {
@@ -79,31 +68,20 @@ struct AdvancementOptions {
   double floor = 0.1;         // smallest search distance, fraction of the sum of the dilations [-], in (0, 1]
   // Dilated shapes may overlap by this fraction of the sum of the dilations [-], in [0, 0.99]
   double max_overlap = 0.04;
-  double min_h = 1e-7;    // a step that would have to be shorter is refused [s], > 0
+  double min_h = 0;       // a step that would have to be shorter is refused [s], in [0, h]; 0: the smaller of
+                          // 1e-7 s and h / 10000
   double growth = 1.5;    // growth factor of the step after an accepted one [-], in [1, 4]
   int max_attempts = 60;  // >= 1
 };
 void validate(const AdvancementOptions& options);  // throws std::invalid_argument: field, value, bound
-
-enum class OdeMethod {
-  adams,  // orders 1 to 12, iterated by fixed point: smooth motion
-  bdf,    // orders 1 to 5, Newton's method with a dense matrix of differences: stiff springs
-};
-
-struct OdeOptions {
-  OdeMethod method = OdeMethod::adams;
-  // Tolerances of every component, > 0, per 0.1 s of motion. Shorter steps of event_driven reduce both by the
-  // same factor, in proportion to their length, down to 1e-14 relative (EVD-12)
-  double relative = 1e-10, absolute = 1e-12;
-  double largest_step = kInf;  // [s], > 0
-  long max_steps = 100000;     // internal steps in one step of event_driven, >= 1; a step that needs more is
-                               // refused
-};
-void validate(const OdeOptions& options);  // throws std::invalid_argument: field, value, bound
+void describe(SettingVisitor& visit, AdvancementOptions& options);
 
 struct StepOptions {
-  double h = 1e-3;  // largest step [s], > 0
-  NormalLawOptions normal{};
+  double h = 1e-3;                 // largest step [s], > 0
+  double correction_speed = 0.01;  // overlaps are pushed apart no faster than this [m/s], >= 0
+  // Gaps up to this count as closed (MJ-6); in short steps the limit is smaller. The solver's tolerance and
+  // rounding leave such gaps to bodies at rest [m; rad for a limit of a rotation], >= 0
+  double touching = 1e-8;
   JointOptions joints{};
   LmdOptions lmd{};  // the displacement bound sets its threshold in each step
   ReductionOptions reduction{};
@@ -115,9 +93,6 @@ struct StepOptions {
   bool keep_problem = false;  // keeps the solved problem in StepReport::problem, to save and replay it
 };
 void validate(const StepOptions& options);  // throws std::invalid_argument: field, value, bound
-
-/// For schemes whose rows do not say how bodies slip over the step: throws std::invalid_argument if anchors
-/// are asked for.
-void refuse_anchors(const StepOptions& options, const char* scheme);
+void describe(SettingVisitor& visit, StepOptions& options);
 
 }  // namespace aussois

@@ -51,7 +51,7 @@ void sync_to_disk(const std::filesystem::path& path) {
   const bool synced = descriptor >= 0 && (fsync(descriptor) == 0 || errno == EINVAL);  // EINVAL: it cannot
   const std::string why = reason();
   if (descriptor >= 0) close(descriptor);
-  if (!synced) fail(path, "cannot be brought to the disk: " + why);
+  if (!synced) fail(path, "cannot be flushed to disk: " + why);
 }
 
 void publish(const std::filesystem::path& complete, const std::filesystem::path& path) {
@@ -97,7 +97,7 @@ WriterLock::WriterLock(const std::filesystem::path& path) : path_(path) {
     if (descriptor_ < 0) return;  // none, or none that we may write: who makes or opens it says so
     if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
       close(descriptor_);
-      fail(path, "another run is writing it: wait for its end, or take another folder");
+      fail(path, "another run is writing it: wait until it ends, or choose another folder");
     }
   } while (!same_file(descriptor_, path));  // renamed or removed before it was ours
 }

@@ -45,7 +45,7 @@ template <class T>
 std::map<std::string, T> read_named(hid_t file, const std::string& group) {
   const std::vector<std::string> names = read_texts(file, group + "/name");
   const std::vector<T> rows = read_rows<T>(file, group + "/value");
-  if (names.size() != rows.size()) fail_hdf5(file, group, "has not one value per name");
+  if (names.size() != rows.size()) fail_hdf5(file, group, "does not have one value per name");
   std::map<std::string, T> values;
   for (std::size_t i = 0; i < names.size(); ++i) values[names[i]] = rows[i];
   return values;
@@ -127,13 +127,13 @@ State read_state(hid_t file) {
   const auto held = read_rows<int>(file, "/memory/held");
   const auto solved = read_rows<int>(file, "/memory/solved");
   if (feature.size() != bodies.size() || held.size() != bodies.size() || solved.size() != bodies.size())
-    fail_hdf5(file, "/memory", "has columns of different length");
+    fail_hdf5(file, "/memory", "has columns of different lengths");
   ContactMemory& memory = state.memory;
   memory.contacts.resize(bodies.size());
   const auto read = [&]<class T>(const char* name, T RememberedContact::*field) {
     const std::vector<T> column = read_rows<T>(file, name);
     if (column.size() != memory.contacts.size())
-      fail_hdf5(file, "/memory", "has columns of different length");
+      fail_hdf5(file, "/memory", "has columns of different lengths");
     for (std::size_t i = 0; i < column.size(); ++i) memory.contacts[i].*field = column[i];
   };
   read("/memory/normal", &RememberedContact::normal);
@@ -179,11 +179,11 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, std::uint64_t fing
   if (other == OtherProgram::refuse && checkpoint.program != program_version())
     fail_hdf5(file, "/@program",
               "the checkpoint was written by " + checkpoint.program + ", this is " + program_version() +
-                  ", which may go on with other bits: continue with that program, or with --resume-anyway");
+                  ", which may not continue with the same bits: use that program, or --resume-anyway");
   checkpoint.fingerprint = read_one<std::uint64_t>(file, "/fingerprint");
   if (checkpoint.fingerprint != fingerprint)
     fail_hdf5(file, "/fingerprint",
-              "the checkpoint was made with model and options " + hex(checkpoint.fingerprint) +
+              "the checkpoint was written with model and options " + hex(checkpoint.fingerprint) +
                   ", this run has " + hex(fingerprint));
   checkpoint.step = read_one<std::int64_t>(file, "/step");
   checkpoint.state = read_state(file);

@@ -268,7 +268,7 @@ const Form& form_of(hid_t file) {
     if (!has_link(file, form.group)) continue;
     if (found != nullptr)
       fail_hdf5(file, form.group,
-                std::string("stands beside ") + found->group + ", must be the only problem of the file");
+                std::string("is in the file together with ") + found->group + ", must be the only problem");
     found = &form;
   }
   if (found == nullptr)

@@ -299,7 +299,7 @@ Hdf5Column Hdf5Column::open(hid_t file, std::string name, hid_t type, std::vecto
   H5Sget_simple_extent_dims(space, found.data(), nullptr);
   if (!found.empty()) column.rows_ = found[0];
   if (found != column.extent(column.rows_))
-    fail_hdf5(file, column.name_, "has another shape than [rows, ...] of the format");
+    fail_hdf5(file, column.name_, "does not have the shape [rows, ...] of the format");
   if (column.rows_ > hsize_t{1} << 32) fail_hdf5(file, column.name_, "claims more than 2^32 rows");
   column.check_chunks();
   check_size(file, column.name_, column.dataset_);

@@ -107,7 +107,7 @@ LearnedSelector read(NetworkReader& in) {
   out.keep = int(in.size("keep"));
   const MatX places = in.rows("places", outputs, 3);
   for (Eigen::Index i = 0; i < outputs; ++i) out.places.push_back(places.row(i).transpose());
-  if (!in.at_end()) in.reader().fail("something follows the last place");
+  if (!in.at_end()) in.reader().fail("data follows the last place");
   return out;
 }
 

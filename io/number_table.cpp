@@ -16,7 +16,7 @@ NumberTable read_number_table(const std::filesystem::path& path) {
   if (!in.next_row(fields)) in.fail("file must have a header line that names the columns");
   for (const std::string_view name : fields) {
     if (std::ranges::find(table.columns, name) != table.columns.end())
-      in.fail("column " + quoted(name) + " must stand once in the header");
+      in.fail("column " + quoted(name) + " must occur once in the header");
     table.columns.emplace_back(name);
   }
   while (in.next_row(fields)) {

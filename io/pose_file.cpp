@@ -44,7 +44,7 @@ class PoseReader {
   std::size_t column(const char* name) const {
     const auto count = std::count(fields_.begin(), fields_.end(), name);
     if (count != 1)
-      in_.fail("column '" + std::string(name) + "' must stand once in the header, stands " +
+      in_.fail("column '" + std::string(name) + "' must occur once in the header, occurs " +
                std::to_string(count) + " times");
     return std::size_t(std::find(fields_.begin(), fields_.end(), name) - fields_.begin());
   }

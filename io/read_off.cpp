@@ -17,7 +17,7 @@ class OffReader {
   MeshFile read() {
     Words words = read_keyword();
     if (words.empty()) words = line("the numbers of vertices and faces");
-    if (words.size() < 2) in_.fail("numbers of vertices and faces must stand here");
+    if (words.size() < 2) in_.fail("line must hold the numbers of vertices and faces");
     const std::int64_t vertex_count = count(words[0], "number of vertices");
     const std::int64_t face_count = count(words[1], "number of faces");
     for (std::int64_t i = 0; i < vertex_count; ++i) add_vertex(line("a vertex"));

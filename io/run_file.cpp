@@ -217,7 +217,7 @@ RunHeader read_header(hid_t file) {
 
   const std::vector<std::string> names = read_texts(file, "/body/name"),
                                  meshes = read_texts(file, "/body/mesh");
-  if (meshes.size() != names.size()) fail_hdf5(file, "/body/mesh", "has not one row per body");
+  if (meshes.size() != names.size()) fail_hdf5(file, "/body/mesh", "does not have one row per body");
   const auto mesh_pose = read_exactly<PoseRow>(file, "/body/mesh_pose", names.size());
   const auto fixed = read_exactly<int>(file, "/body/fixed", names.size());
   const auto dilation = read_exactly<double>(file, "/body/dilation", names.size());
@@ -232,7 +232,7 @@ RunHeader read_header(hid_t file) {
   const std::vector<std::string> joints = read_texts(file, "/joint/name"),
                                  kinds = read_texts(file, "/joint/kind"),
                                  blocks = read_texts(file, "/coordinates/name");
-  if (kinds.size() != joints.size()) fail_hdf5(file, "/joint/kind", "has not one row per joint");
+  if (kinds.size() != joints.size()) fail_hdf5(file, "/joint/kind", "does not have one row per joint");
   const auto pairs = read_exactly<std::array<int, 2>>(file, "/joint/pair", joints.size());
   const auto sizes = read_exactly<int>(file, "/coordinates/size", blocks.size());
   for (std::size_t i = 0; i < joints.size(); ++i) header.joints.push_back({joints[i], kinds[i], pairs[i]});

@@ -284,54 +284,56 @@ class Check {
 
   void tables() const {
     const std::size_t triangles = s_.complex.triangles.size();
-    expect(length(s_.radius), "/radius", "is no length");
+    expect(length(s_.radius), "/radius", "is not a length");
     expect(length(s_.bounding_radius) && s_.centre.allFinite(), "/bounding_radius",
-           "is no ball with its centre");
-    expect(length(s_.tolerance), "/tolerance", "is no length");
+           "is not a ball with its centre");
+    expect(length(s_.tolerance), "/tolerance", "is not a length");
     expect(s_.narrow_vertices >= 0 && std::size_t(s_.narrow_vertices) <= s_.vertices.size(),
-           "/narrow_vertices", "is no part of the vertices");
+           "/narrow_vertices", "is not a valid number of vertices");
     expect(s_.narrow_edges >= 0 && std::size_t(s_.narrow_edges) <= s_.edges.size(), "/narrow_edges",
-           "is no part of the edges");
+           "is not a valid number of edges");
     expect(s_.flat_triangles >= 0 && std::size_t(s_.flat_triangles) + s_.faces.size() == triangles,
-           "/flat_triangles", "and the faces are not all triangles");
+           "/flat_triangles", "and the faces do not add up to all triangles");
     expect(s_.triangle_region.size() == triangles && s_.triangle_sign.size() == triangles, "/triangle_region",
-           "has not one row per triangle");
+           "does not have one row per triangle");
     for (const RegionPlane& p : s_.regions)
       expect(p.normal.allFinite() && std::isfinite(p.offset), "/regions", "has a plane that is not finite");
     for (const int r : s_.triangle_region)
-      expect(within(r, s_.regions.size()), "/triangle_region", "leaves the regions");
+      expect(within(r, s_.regions.size()), "/triangle_region", "has an index outside the regions");
     for (const int sign : s_.triangle_sign) expect(std::abs(sign) == 1, "/triangle_sign", "is not 1 or -1");
     for (const Vec3& ray : s_.rays) expect(ray.allFinite(), "/rays", "has a ray that is not finite");
     for (const int e : s_.paths)
-      expect(within(e, s_.complex.edges.size()), "/paths", "leaves the edges of the mesh");
-    for (const int t : s_.faces) expect(within(t, triangles), "/faces", "leaves the triangles");
+      expect(within(e, s_.complex.edges.size()), "/paths", "has an index outside the edges of the mesh");
+    for (const int t : s_.faces) expect(within(t, triangles), "/faces", "has an index outside the triangles");
   }
 
   void leaves() const {
     const std::size_t points = s_.complex.vertices.size(), mesh_edges = s_.complex.edges.size();
     for (const VertexLeaf& v : s_.vertices) {
-      expect(within(v.vertex, points), "/vertices", "leaves the vertices of the mesh");
+      expect(within(v.vertex, points), "/vertices", "has an index outside the vertices of the mesh");
       expect(v.first_ray >= 0 && std::size_t(v.first_ray) + v.ray_count <= s_.rays.size(), "/vertices",
-             "leaves the rays");
+             "has an index outside the rays");
     }
     for (const EdgeLeaf& e : s_.edges) {
-      expect(within(e.first, points) && within(e.last, points), "/edges", "leaves the vertices of the mesh");
+      expect(within(e.first, points) && within(e.last, points), "/edges",
+             "has an index outside the vertices of the mesh");
       for (const int region : e.conormals)
         expect(std::abs(std::int64_t(region)) <= std::int64_t(s_.regions.size()), "/edges",
-               "leaves the regions");
+               "has an index outside the regions");
       expect(e.path_length == 1
                  ? within(e.path, mesh_edges)
                  : e.path_length > 1 && e.path >= 0 && std::size_t(e.path) + e.path_length <= s_.paths.size(),
-             "/edges", "leaves its path");
+             "/edges", "has a path that does not exist");
     }
     expect(s_.misfits.empty() || s_.misfits.size() == s_.edges.size(), "/misfits",
-           "has not one row per edge");
+           "does not have one row per edge");
     for (const float misfit : s_.misfits)
-      expect(misfit >= 0 && misfit <= 2, "/misfits", "is no sum of two sines");
+      expect(misfit >= 0 && misfit <= 2, "/misfits", "is not a sum of two sines");
     for (const BaseSimplex& simplex : s_.rest) {
       expect(simplex.dim >= 0 && simplex.dim <= 2, "/rest", "has a dimension outside 0, 1, 2");
       for (int k = 0; k <= simplex.dim; ++k)
-        expect(within(simplex.vertex[std::size_t(k)], points), "/rest", "leaves the vertices of the mesh");
+        expect(within(simplex.vertex[std::size_t(k)], points), "/rest",
+               "has an index outside the vertices of the mesh");
     }
   }
 
@@ -346,12 +348,12 @@ class Check {
         if (node.r[lane] < 0) continue;
         const std::size_t first = node.child[lane], count = node.count[lane];
         if (count == 0) {
-          expect(first > i && first < tree.nodes.size() && !node_seen[first], name, "is no tree");
+          expect(first > i && first < tree.nodes.size() && !node_seen[first], name, "is not a tree");
           node_seen[first] = 1;
           ++nodes;
           continue;
         }
-        expect(count <= kBucket && first + count <= simplices, name, "leaves its simplices");
+        expect(count <= kBucket && first + count <= simplices, name, "has an index outside its simplices");
         for (std::size_t k = first; k < first + count; ++k) {
           expect(!simplex_seen[k], name, "holds a simplex twice");
           simplex_seen[k] = 1;
@@ -433,7 +435,7 @@ SimplicialComplex complex_of(hid_t file, Mesh mesh) {
 Mesh before_straightening(hid_t file, Mesh mesh, const std::vector<MovedVertex>& straightened) {
   for (const MovedVertex& moved : straightened) {
     if (moved.vertex < 0 || std::size_t(moved.vertex) >= mesh.vertices.size())
-      fail_hdf5(file, "/straightened", "leaves the vertices of the mesh");
+      fail_hdf5(file, "/straightened", "has an index outside the vertices of the mesh");
     mesh.vertices[std::size_t(moved.vertex)] = moved.from;
   }
   return mesh;

@@ -9,7 +9,7 @@
 
 #include <Eigen/Geometry>
 
-#include "geometry/check.hpp"
+#include "geometry/settings.hpp"
 #include "lmd/pair_search.hpp"
 
 namespace aussois {
@@ -213,14 +213,40 @@ ContactSet contacts_of_balls(const PosedShape& a, const PosedShape& b, const Lmd
 
 }  // namespace
 
+void describe(SettingVisitor& visit, SearchTests& o) {
+  visit.begin("SearchTests");
+  visit.toggle({.name = "cones", .what = "test opposing caps of nodes", .changes_nothing = true}, o.cones);
+  visit.toggle({.name = "directions",
+                .what = "test the direction between nodes against their caps",
+                .changes_nothing = true},
+               o.directions);
+  visit.toggle({.name = "boxes", .what = "test separating axes of nodes", .changes_nothing = true}, o.boxes);
+  visit.toggle({.name = "quick", .what = "test leaves in single precision first", .changes_nothing = true},
+               o.quick);
+  visit.toggle({.name = "instructions",
+                .what = "use instructions that not every machine has",
+                .changes_nothing = true},
+               o.instructions);
+}
+
+void describe(SettingVisitor& visit, LmdOptions& o) {
+  visit.begin("LmdOptions");
+  visit.number({"threshold", "largest gap of a contact", "m", not_negative()}, o.threshold);
+  visit.number({"alpha", "rotation tolerated at a local minimum", "rad", {0, 0.5}}, o.alpha);
+  visit.number({"alpha_ee", "the same for edge against edge", "rad", {0, 1}}, o.alpha_ee);
+  visit.count({.name = "threads",
+               .what = "number of threads of a search",
+               .unit = "",
+               .range = at_least(1),
+               .changes_nothing = true},
+              o.threads);
+  visit.group("tests", o.tests);
+}
+
 void validate(const LmdOptions& options) {
-  require_field(std::isfinite(options.threshold) && options.threshold >= 0, "LmdOptions::threshold",
-                options.threshold, "be finite and not negative [m]");
-  require_field(options.alpha >= 0 && options.alpha <= 0.5, "LmdOptions::alpha", options.alpha,
-                "lie in [0, 0.5] rad");
-  require_field(options.alpha_ee >= options.alpha && options.alpha_ee <= 1, "LmdOptions::alpha_ee",
-                options.alpha_ee, "lie in [alpha, 1] rad");
-  require_field(options.threads >= 1, "LmdOptions::threads", options.threads, "be at least 1");
+  check_ranges(options);
+  require_field(options.alpha_ee >= options.alpha, "LmdOptions::alpha_ee", options.alpha_ee,
+                "lie in [alpha, 1] rad");
 }
 
 void validate(const MotionWindow& window) {

@@ -8,6 +8,8 @@
 
 namespace aussois {
 
+class SettingVisitor;
+
 /// Which quick tests a search uses; for measurements. The contacts do not depend on it.
 struct SearchTests {
   bool cones = true;         // opposing caps of nodes
@@ -16,6 +18,7 @@ struct SearchTests {
   bool quick = true;         // leaves in single precision
   bool instructions = true;  // instructions that not every machine has
 };
+void describe(SettingVisitor& visit, SearchTests& options);
 
 struct LmdOptions {
   double threshold = 1e-3;           // report contacts with gap <= threshold [m], >= 0
@@ -25,6 +28,7 @@ struct LmdOptions {
   SearchTests tests{};
 };
 void validate(const LmdOptions& options);  // throws std::invalid_argument: field, value, bound
+void describe(SettingVisitor& visit, LmdOptions& options);
 
 /// What a query tested: pairs of nodes, pairs of leaves in single precision, and of those, pairs in double
 /// precision.

@@ -96,21 +96,10 @@ State state_after(const Model& model, const State& state, const VecX& v_path, co
 }
 
 const char* to_string(GroupUpdate update) {
-  switch (update) {
-    case GroupUpdate::exponential:
-      return "exponential";
-    case GroupUpdate::cayley:
-      return "cayley";
-    case GroupUpdate::screw:
-      return "screw";
-  }
-  return "?";
+  return name_of(update, kGroupUpdates);
 }
-
 GroupUpdate group_update(const std::string& name) {
-  for (const GroupUpdate update : {GroupUpdate::exponential, GroupUpdate::cayley, GroupUpdate::screw})
-    if (name == to_string(update)) return update;
-  throw std::invalid_argument("group update = " + name + " must be exponential, cayley or screw");
+  return value_named(name, "group update", kGroupUpdates);
 }
 
 VecX path_velocity(GroupUpdate update, const Model& model, const State& state, const VecX& v, double h) {

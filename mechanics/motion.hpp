@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "geometry/named.hpp"
 #include "mechanics/state.hpp"
 
 namespace aussois {
@@ -42,6 +43,9 @@ enum class GroupUpdate {
   cayley,  // R3 x SO(3): x + h v, R cay(h omega); with the gyroscopic midpoint exact in energy and momentum
   screw,   // SE(3): the end of the screw with the twist at the middle of the step
 };
+inline constexpr Named<GroupUpdate> kGroupUpdates[] = {{GroupUpdate::exponential, "exponential"},
+                                                       {GroupUpdate::cayley, "cayley"},
+                                                       {GroupUpdate::screw, "screw"}};
 const char* to_string(GroupUpdate update);
 /// The update with this name; throws std::invalid_argument listing all three names.
 GroupUpdate group_update(const std::string& name);

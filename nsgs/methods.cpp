@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "geometry/check.hpp"
+#include "geometry/settings.hpp"
 #include "nsgs/method.hpp"
 
 namespace aussois {
@@ -16,27 +16,50 @@ constexpr double kMostExcused = 1e-6;  // by that: impulses may be as large as t
 using MethodFunction = Iterate (*)(Delassus&, const Iterate&, const SolverOptions&, SolveReport&);
 struct MethodEntry {
   Method method;
-  const char* name;
   MethodFunction run;
   bool convex_cone = false;  // can solve that model too
 };
 constexpr std::array kMethods{
-    MethodEntry{Method::automatic, "auto", automatic},
-    MethodEntry{Method::nsgs, "nsgs", nsgs},
-    MethodEntry{Method::coloured_nsgs, "coloured_nsgs", coloured_nsgs},
-    MethodEntry{Method::sor_prox, "sor_prox", sor_prox},
-    MethodEntry{Method::jor_prox, "jor_prox", jor_prox},
-    MethodEntry{Method::coulomb_pgs, "coulomb_pgs", coulomb_pgs},
-    MethodEntry{Method::proximal_newton, "proximal_newton", proximal_newton},
-    MethodEntry{Method::admm, "admm", admm, true},
-    MethodEntry{Method::projected_gradient, "projected_gradient", projected_gradient, true},
-    MethodEntry{Method::interior_point, "interior_point", interior_point, true},
+    MethodEntry{Method::automatic, automatic},
+    MethodEntry{Method::nsgs, nsgs},
+    MethodEntry{Method::coloured_nsgs, coloured_nsgs},
+    MethodEntry{Method::sor_prox, sor_prox},
+    MethodEntry{Method::jor_prox, jor_prox},
+    MethodEntry{Method::coulomb_pgs, coulomb_pgs},
+    MethodEntry{Method::proximal_newton, proximal_newton},
+    MethodEntry{Method::admm, admm, true},
+    MethodEntry{Method::projected_gradient, projected_gradient, true},
+    MethodEntry{Method::interior_point, interior_point, true},
 };
 
 const MethodEntry& entry(Method method) {
   return *std::find_if(kMethods.begin(), kMethods.end(),
                        [&](const MethodEntry& e) { return e.method == method; });
 }
+
+constexpr Named<Method> kMethodNames[] = {{Method::automatic, "auto"},
+                                          {Method::nsgs, "nsgs"},
+                                          {Method::coloured_nsgs, "coloured_nsgs"},
+                                          {Method::sor_prox, "sor_prox"},
+                                          {Method::jor_prox, "jor_prox"},
+                                          {Method::coulomb_pgs, "coulomb_pgs"},
+                                          {Method::proximal_newton, "proximal_newton"},
+                                          {Method::admm, "admm"},
+                                          {Method::projected_gradient, "projected_gradient"},
+                                          {Method::interior_point, "interior_point"}};
+constexpr Named<SolveStatus> kStatuses[] = {{SolveStatus::converged, "converged"},
+                                            {SolveStatus::at_rounding, "at_rounding"},
+                                            {SolveStatus::stagnated, "stagnated"},
+                                            {SolveStatus::max_iterations, "max_iterations"},
+                                            {SolveStatus::not_finite, "not_finite"}};
+constexpr Named<FrictionModel> kModels[] = {{FrictionModel::coulomb, "coulomb"},
+                                            {FrictionModel::convex_cone, "convex_cone"}};
+constexpr Named<LocalSolver> kLocalSolvers[] = {{LocalSolver::hybrid, "hybrid"},
+                                                {LocalSolver::enumerative, "enumerative"},
+                                                {LocalSolver::alart_curnier, "alart_curnier"},
+                                                {LocalSolver::projection, "projection"}};
+constexpr Named<ProxMetric> kMetrics[] = {
+    {ProxMetric::blocks, "blocks"}, {ProxMetric::split, "split"}, {ProxMetric::spectral, "spectral"}};
 
 }  // namespace
 
@@ -83,43 +106,62 @@ bool is_at_rounding(const Delassus& W, const Iterate& iterate, double times) {
 }
 
 const char* to_string(Method method) {
-  return entry(method).name;
+  return name_of(method, kMethodNames);
 }
-
 Method method(const std::string& name) {
-  std::string names;
-  for (const MethodEntry& e : kMethods) {
-    if (name == e.name) return e.method;
-    names += (names.empty() ? "" : ", ") + std::string(e.name);
-  }
-  throw std::invalid_argument("solver = " + name + " must be one of " + names);
+  return value_named(name, "solver", kMethodNames);
+}
+const char* to_string(SolveStatus status) {
+  return name_of(status, kStatuses);
 }
 
-const char* to_string(SolveStatus status) {
-  switch (status) {
-    case SolveStatus::converged:
-      return "converged";
-    case SolveStatus::at_rounding:
-      return "at_rounding";
-    case SolveStatus::stagnated:
-      return "stagnated";
-    case SolveStatus::max_iterations:
-      return "max_iterations";
-    case SolveStatus::not_finite:
-      return "not_finite";
-  }
-  return "unknown";
+void describe(SettingVisitor& visit, SolverOptions& o) {
+  visit.begin("SolverOptions");
+  visit.choice({.name = "method",
+                .what = "solver; auto starts with nsgs and changes to Newton's method if that is cheaper",
+                .flag = "--solver"},
+               o.method, kMethodNames);
+  visit.choice({.name = "model",
+                .what = "friction model; convex_cone omits De Saxce's term, so slipping contacts lift off",
+                .flag = "--model"},
+               o.model, kModels);
+  visit.number({.name = "tolerance",
+                .what = "tolerance on the scaled residual",
+                .unit = "-",
+                .range = inside(0, 1),
+                .flag = "--tolerance"},
+               o.tolerance);
+  visit.count({.name = "max_iterations",
+               .what = "maximum number of sweeps or steps of the solver",
+               .unit = "",
+               .range = at_least(1),
+               .flag = "--max-iterations"},
+              o.max_iterations);
+  visit.number({.name = "relaxation",
+                .what = "relaxation factor of nsgs, sor_prox, jor_prox and admm",
+                .unit = "-",
+                .range = inside(0, 2),
+                .flag = "--relaxation"},
+               o.relaxation);
+  visit.choice({.name = "local", .what = "method by which nsgs solves a single contact", .flag = "--local"},
+               o.local, kLocalSolvers);
+  visit.choice({.name = "prox", .what = "step-size matrix R of sor_prox and jor_prox", .flag = "--prox"},
+               o.prox, kMetrics);
+  visit.count({.name = "anderson",
+               .what = "number of iterates that Anderson acceleration combines; 0: no acceleration",
+               .unit = "",
+               .range = {0, 20},
+               .flag = "--anderson"},
+              o.anderson);
+  visit.toggle({.name = "estimate_error",
+                .what = "estimate the error of the velocities relative to |q| by solving further (SOL-4)",
+                .flag = "--estimate-error",
+                .changes_nothing = true},
+               o.estimate_error);
 }
 
 void validate(const SolverOptions& options) {
-  require_field(options.tolerance > 0 && options.tolerance < 1, "SolverOptions::tolerance", options.tolerance,
-                "lie in (0, 1)");
-  require_field(options.max_iterations >= 1, "SolverOptions::max_iterations", options.max_iterations,
-                "be >= 1");
-  require_field(options.relaxation > 0 && options.relaxation < 2, "SolverOptions::relaxation",
-                options.relaxation, "lie in (0, 2)");
-  require_field(options.anderson >= 0 && options.anderson <= 20, "SolverOptions::anderson", options.anderson,
-                "lie in [0, 20]");
+  check_ranges(options);
   require_field(options.model == FrictionModel::coulomb || entry(options.method).convex_cone,
                 "SolverOptions::model", "convex_cone",
                 "be coulomb, or the method admm, projected_gradient or interior_point");

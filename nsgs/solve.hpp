@@ -12,6 +12,8 @@
 
 namespace aussois {
 
+class SettingVisitor;
+
 enum class Method {
   automatic,           // the default: NSGS while it contracts, then Newton (automatic.md)
   nsgs,                // nonsmooth Gauss-Seidel, one block after the other solved exactly (nsgs.md)
@@ -64,6 +66,7 @@ struct SolverOptions {
   std::function<void(int n, const std::function<void(int)>& f)> for_all{};
 };
 void validate(const SolverOptions& options);  // throws std::invalid_argument: field, value, bound
+void describe(SettingVisitor& visit, SolverOptions& options);  // all but for_all
 
 struct SolveReport {
   SolveStatus status = SolveStatus::converged;

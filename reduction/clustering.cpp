@@ -3,8 +3,7 @@
 
 #include <utility>
 
-#include "geometry/check.hpp"
-#include "geometry/named.hpp"
+#include "geometry/settings.hpp"
 #include "reduction/contact_order.hpp"
 #include "reduction/mean_contacts.hpp"
 #include "reduction/normal_clusters.hpp"
@@ -74,11 +73,24 @@ std::vector<std::string> clustering_names() {
   return names_of(kNames);
 }
 
-void validate(const ClusteringOptions& o) {
-  require_field(o.angle > 0 && o.angle <= kPi / 2, "ClusteringOptions::angle", o.angle,
-                "lie in (0, pi/2] rad");
-  require_field(o.k >= 1, "ClusteringOptions::k", o.k, "be at least 1");
-  validate(o.cube);
+void describe(SettingVisitor& visit, ClusteringOptions& o) {
+  visit.begin("ClusteringOptions");
+  visit.choice({.name = "rule", .what = "rule that groups contacts into patches", .flag = "--clustering"},
+               o.rule, kNames);
+  visit.number({"angle", "largest angle to the normal of the deepest contact", "rad", open_below(0, kPi / 2)},
+               o.angle);
+  visit.group("cube", o.cube);
+  visit.count({.name = "k",
+               .what = "number of groups per body pair for clusterings by k-means",
+               .unit = "",
+               .range = at_least(1),
+               .flag = "--clusters"},
+              o.k);
+  visit.seed({"random_seed", "seed of kmc"}, o.random_seed);
+}
+
+void validate(const ClusteringOptions& options) {
+  check_ranges(options);
 }
 
 Clusters clusters_of(const ReductionInput& input, const ClusteringOptions& o) {

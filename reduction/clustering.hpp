@@ -14,6 +14,8 @@
 
 namespace aussois {
 
+class SettingVisitor;
+
 enum class Clustering {
   angle,                     // by angle to the normal of the deepest contact (RED-2)
   cube_map,                  // by the cell of a cube that the normal points to (CLU-1) [Moravanszky2004]
@@ -36,6 +38,7 @@ struct ClusteringOptions {
   std::uint64_t random_seed = 0;  // for kmc
 };
 void validate(const ClusteringOptions& options);  // throws std::invalid_argument: field, value, bound
+void describe(SettingVisitor& visit, ClusteringOptions& options);
 
 /// Depends on the input only, not on the order of its contacts. Bodies, impulses and h are ignored.
 Clusters clusters_of(const ReductionInput& input, const ClusteringOptions& options);

@@ -9,7 +9,7 @@
 
 #include <Eigen/Geometry>
 
-#include "geometry/check.hpp"
+#include "geometry/settings.hpp"
 
 namespace aussois {
 namespace {
@@ -57,11 +57,19 @@ std::array<int, 8> neighbours(int cell, const CubeMapOptions& o) {
 
 }  // namespace
 
+void describe(SettingVisitor& visit, CubeMapOptions& o) {
+  visit.begin("CubeMapOptions");
+  visit.count({"cells", "number of cells per edge of the cube", "", {1, 1024}}, o.cells);
+  visit.toggle({"equi_angular", "use cells of about the same solid angle"}, o.equi_angular);
+  visit.number({"merge",
+                "largest angle between directions of neighbouring cells to merge; 0: never merge",
+                "rad",
+                {0, kPi / 2}},
+               o.merge);
+}
+
 void validate(const CubeMapOptions& options) {
-  require_field(options.cells >= 1 && options.cells <= 1024, "CubeMapOptions::cells", options.cells,
-                "lie in [1, 1024]");
-  require_field(options.merge >= 0 && options.merge <= kPi / 2, "CubeMapOptions::merge", options.merge,
-                "lie in [0, pi/2] rad");
+  check_ranges(options);
 }
 
 int cube_cell(const Vec3& direction, const CubeMapOptions& options) {

@@ -10,6 +10,8 @@
 
 namespace aussois {
 
+class SettingVisitor;
+
 struct CubeMapOptions {
   int cells = 4;              // per edge of the cube, in [1, 1024]
   bool equi_angular = false;  // cells of about the same solid angle (CLU-2)
@@ -17,6 +19,7 @@ struct CubeMapOptions {
                      // [0, pi/2]; 0: never
 };
 void validate(const CubeMapOptions& options);  // throws std::invalid_argument: field, value, bound
+void describe(SettingVisitor& visit, CubeMapOptions& options);
 
 /// The cell that a direction points to, in [0, 6 cells^2). Throws std::invalid_argument unless the direction
 /// has unit length (1e-6).

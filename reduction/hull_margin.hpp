@@ -6,11 +6,14 @@
 
 namespace aussois {
 
+class SettingVisitor;
+
 struct HullMargin {
   double margin = 0.9;  // at least this is kept, unless max_corners binds, in (0, 1]
   int min_corners = 4;  // if the hull has that many, >= 3
   int max_corners = 8;  // >= min_corners
 };
+void describe(SettingVisitor& visit, HullMargin& options);
 
 /// Members, ascending.
 std::vector<int> hull_margin(const PlanarPatch& patch, const HullMargin& options = {});

@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "geometry/check.hpp"
-#include "geometry/named.hpp"
+#include "geometry/settings.hpp"
 #include "reduction/contact_order.hpp"
 #include "reduction/direction_set.hpp"
 #include "reduction/extreme_points.hpp"
@@ -26,6 +25,9 @@ constexpr Named<Reducer> kNames[] = {{Reducer::none, "none"},
                                      {Reducer::wrench_cone, "wrench_cone"},
                                      {Reducer::load_carrier, "load_carrier"},
                                      {Reducer::selector, "selector"}};
+
+constexpr Named<FrictionAt> kPlaces[] = {{FrictionAt::contacts, "contacts"},
+                                         {FrictionAt::patches, "patches"}};
 
 constexpr double kSameGap = 1e-12;  // fraction of the extent by which rounding tells gaps apart
 
@@ -256,27 +258,55 @@ std::vector<std::string> reducer_names() {
   return names_of(kNames);
 }
 
+void describe(SettingVisitor& visit, HullMargin& o) {
+  visit.begin("HullMargin");
+  visit.number({"margin", "margin to keep", "-", open_below(0, 1)}, o.margin);
+  visit.count({"min_corners", "minimum number of corners to keep, if there are that many", "", at_least(3)},
+              o.min_corners);
+  visit.count({"max_corners", "maximum number of corners to keep", "", at_least(4)}, o.max_corners);
+}
+
+void describe(SettingVisitor& visit, ReductionOptions& o) {
+  visit.begin("ReductionOptions");
+  visit.choice({.name = "reducer",
+                .what = "rule that selects the contacts of a patch with which the solver begins",
+                .flag = "--reducer"},
+               o.reducer, kNames);
+  visit.group("clustering", o.clustering);
+  visit.count({"min_per_cluster", "size up to which sets of contacts are kept whole", "", at_least(1)},
+              o.min_per_cluster);
+  visit.number(
+      {"layer", "distance from the deepest contact within which contacts are also reduced on their own", "m",
+       at_least(0)},
+      o.layer);
+  visit.number({.name = "min_margin",
+                .what = "add contacts until every patch keeps this margin of its support; 0: add none",
+                .unit = "-",
+                .range = {0, 1},
+                .flag = "--min-margin"},
+               o.min_margin);
+  visit.number(
+      {"hysteresis", "fraction by which other corners must be better to replace those of the last step", "-",
+       open_above(0, 1)},
+      o.hysteresis);
+  visit.number({"tie", "fraction of the extent within which extremes are tied", "-", {0, 0.1}}, o.tie);
+  visit.toggle({"paper_exact", "use extreme_points as published"}, o.paper_exact);
+  visit.group("hull_margin", o.hull_margin);
+  visit.count({"corners", "number of corners that hull_area_loss keeps", "", at_least(3)}, o.corners);
+  visit.count({"directions", "number of directions of direction_set", "", at_least(3)}, o.directions);
+  visit.number(
+      {"wrench_loss", "largest fraction of a wrench that wrench_cone may lose", "-", open_above(0, 1)},
+      o.wrench_loss);
+  visit.choice({.name = "friction",
+                .what = "apply friction at the centre of each patch, with its drilling torque",
+                .flag = "--patch-friction=patches"},
+               o.friction, kPlaces);
+}
+
 void validate(const ReductionOptions& options) {
-  validate(options.clustering);
-  require_field(options.min_per_cluster >= 1, "ReductionOptions::min_per_cluster", options.min_per_cluster,
-                "be at least 1");
-  require_field(options.tie >= 0 && options.tie <= 0.1, "ReductionOptions::tie", options.tie,
-                "lie in [0, 0.1]");
-  require_field(options.layer >= 0, "ReductionOptions::layer", options.layer, "be at least 0 m");
-  require_field(options.min_margin >= 0 && options.min_margin <= 1, "ReductionOptions::min_margin",
-                options.min_margin, "lie in [0, 1]");
-  require_field(options.hysteresis >= 0 && options.hysteresis < 1, "ReductionOptions::hysteresis",
-                options.hysteresis, "lie in [0, 1)");
-  require_field(options.hull_margin.margin > 0 && options.hull_margin.margin <= 1, "HullMargin::margin",
-                options.hull_margin.margin, "lie in (0, 1]");
-  require_field(options.hull_margin.min_corners >= 3, "HullMargin::min_corners",
-                options.hull_margin.min_corners, "be at least 3");
-  require_field(options.hull_margin.max_corners >= std::max(4, options.hull_margin.min_corners),
-                "HullMargin::max_corners", options.hull_margin.max_corners, "be at least 4 and min_corners");
-  require_field(options.corners >= 3, "ReductionOptions::corners", options.corners, "be at least 3");
-  require_field(options.directions >= 3, "ReductionOptions::directions", options.directions, "be at least 3");
-  require_field(options.wrench_loss >= 0 && options.wrench_loss < 1, "ReductionOptions::wrench_loss",
-                options.wrench_loss, "lie in [0, 1)");
+  check_ranges(options);
+  require_field(options.hull_margin.max_corners >= options.hull_margin.min_corners, "HullMargin::max_corners",
+                options.hull_margin.max_corners, "be at least min_corners");
   require(!options.paper_exact || options.reducer == Reducer::extreme_points,
           "ReductionOptions::paper_exact is a choice of reducer extreme_points, not of " +
               std::string(to_string(options.reducer)));

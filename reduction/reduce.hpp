@@ -14,6 +14,8 @@
 
 namespace aussois {
 
+class SettingVisitor;
+
 enum class Reducer {
   none,            // keeps everything
   extreme_points,  // four extremes along two in-plane axes (RED-3)
@@ -58,6 +60,7 @@ struct ReductionOptions {
   ContactSelector selector{};  // for Reducer::selector, which needs one; no other reducer takes one
 };
 void validate(const ReductionOptions& options);  // throws std::invalid_argument: field, value, bound
+void describe(SettingVisitor& visit, ReductionOptions& options);
 
 /// A pure function of the input and the options; the order of the contacts does not matter. Kept contacts are
 /// neither moved nor merged. Throws std::invalid_argument naming the contact if a point or gap is not finite

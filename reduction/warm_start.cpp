@@ -8,12 +8,15 @@
 
 #include <Eigen/Geometry>
 
-#include "geometry/check.hpp"
+#include "geometry/settings.hpp"
 #include "lmd/feature_incidence.hpp"
 #include "reduction/contact_order.hpp"
 
 namespace aussois {
 namespace {
+
+constexpr Named<Matching> kMatchings[] = {
+    {Matching::none, "none"}, {Matching::key, "key"}, {Matching::cascade, "cascade"}};
 
 // Q(from, to) x of (RED-5), written out; from . to > 0.
 Vec3 turned(const Vec3& x, const Vec3& from, const Vec3& to) {
@@ -204,17 +207,30 @@ Anchor moved_anchor(const RememberedContact& from, const ContactPoint& c, std::s
 
 }  // namespace
 
+void describe(SettingVisitor& visit, PersistenceOptions& o) {
+  visit.begin("PersistenceOptions");
+  visit.choice({"matching", "matching of contacts with those of the last step"}, o.matching, kMatchings);
+  visit.number({"reach", "largest motion of a contact matched by place", "m", not_negative()}, o.reach);
+  visit.number({"max_reach", "upper bound of that distance for moving bodies", "m", not_negative()},
+               o.max_reach);
+  visit.number(
+      {"max_turn", "largest turn of the normal of a contact matched by place", "rad", open_above(0, kPi / 2)},
+      o.max_turn);
+  visit.toggle({"redistribute", "pass the impulses of dropped contacts on to kept ones"}, o.redistribute);
+  visit.toggle({.name = "anchors", .what = "let static friction undo its drift", .flag = "--anchors"},
+               o.anchors);
+  visit.number({"anchor_rate", "fraction of the drift undone per step", "-", open_below(0, 1)},
+               o.anchor_rate);
+  visit.number({"anchor_speed", "largest speed at which the drift is undone", "m/s", above(0)},
+               o.anchor_speed);
+  visit.number({"slip_speed", "slip speed above which a contact releases its anchor", "m/s", above(0)},
+               o.slip_speed);
+}
+
 void validate(const PersistenceOptions& o) {
-  require_field(o.reach >= 0 && std::isfinite(o.reach), "PersistenceOptions::reach", o.reach,
-                "be finite and at least 0 m");
-  require_field(o.max_reach >= o.reach && std::isfinite(o.max_reach), "PersistenceOptions::max_reach",
-                o.max_reach, "be finite and at least reach [m]");
-  require_field(o.max_turn >= 0 && o.max_turn < kPi / 2, "PersistenceOptions::max_turn", o.max_turn,
-                "lie in [0, pi/2) rad");
-  require_field(o.anchor_rate > 0 && o.anchor_rate <= 1, "PersistenceOptions::anchor_rate", o.anchor_rate,
-                "lie in (0, 1]");
-  require_field(o.anchor_speed > 0, "PersistenceOptions::anchor_speed", o.anchor_speed, "be > 0 m/s");
-  require_field(o.slip_speed > 0, "PersistenceOptions::slip_speed", o.slip_speed, "be > 0 m/s");
+  check_ranges(o);
+  require_field(o.max_reach >= o.reach, "PersistenceOptions::max_reach", o.max_reach,
+                "be at least reach [m]");
   require(!o.anchors || o.matching != Matching::none,
           "PersistenceOptions::anchors need contacts that are matched");
 }

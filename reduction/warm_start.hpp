@@ -11,6 +11,8 @@
 
 namespace aussois {
 
+class SettingVisitor;
+
 enum class Matching {
   none,     // every solve starts from zero
   key,      // matches contacts of the same features
@@ -31,6 +33,7 @@ struct PersistenceOptions {
   double slip_speed = 1e-4;    // a contact that slips faster than this lets go of its anchor [m/s], > 0
 };
 void validate(const PersistenceOptions& options);  // throws std::invalid_argument: field, value, bound
+void describe(SettingVisitor& visit, PersistenceOptions& options);
 
 /// What has happened since the memory was made.
 struct MatchInput {

@@ -27,7 +27,7 @@ std::vector<double> step_sizes(double h0, int levels) {
 }
 
 double fitted_order(const std::vector<double>& h, const std::vector<double>& error) {
-  require(h.size() >= 3 && error.size() == h.size(), "a convergence study needs at least three steps");
+  require(h.size() >= 3 && error.size() == h.size(), "a convergence study needs at least three step sizes");
   const double n = double(h.size());
   double sx = 0, sy = 0, sxx = 0, sxy = 0;
   for (std::size_t i = 0; i < h.size(); ++i) {

@@ -16,57 +16,63 @@ namespace aussois {
 
 void add_run_options(Cli& cli, RunFlags& f) {
   add_options(cli, f.scheme);
-  cli.group("solver");
-  cli.option("--tolerance", f.tolerance, "on the scaled residual", "-", {1e-15, 0.1});
   cli.group("run");
   cli.option("--certify", f.certify,
-             "look at the path of every step at so many places, to check its certificate; 0: none", "",
+             "check the certificate of every step at this many places of its path; 0: no check", "",
              {0, 1000000});
-  cli.option("--stop-after", f.stop_after, "stop with a checkpoint after this many steps; 0: never", "",
-             {0, 1e9});
+  cli.option("--stop-after", f.stop_after,
+             "write a checkpoint and stop after this many steps; 0: run to the end", "", {0, 1e9});
   add_options(cli, f.dump);
   cli.common(f.common, Cli::Restart::yes);
 }
 
-std::uint64_t run_fingerprint(const Cli& cli, const RunFlags& flags, const std::string& content,
-                              const std::vector<std::string>& paths) {
+std::string scene_text(const Cli& cli, const std::string& content, const std::vector<std::string>& paths) {
   std::string text = content;
-  for (const char* group : {"scene", "path", "stepping", "scheme", "solver"}) {
+  for (const char* group : {"scene", "path", "stepping"}) {
     std::istringstream lines(cli.values(group));
     for (std::string line; std::getline(lines, line);)
       if (std::ranges::find(paths, line.substr(0, line.find(' '))) == paths.end()) (text += '\n') += line;
   }
-  for (const int often : {flags.common.every, flags.certify}) (text += '\n') += std::to_string(often);
-  return fingerprint_of(text);
+  return text;
 }
 
 void check(const Cli& cli, const RunFlags& flags) {
   refuse_unread(cli, flags.scheme);
   step_choice(flags.dump.steps);
-  require(flags.dump.folder.empty() || flags.scheme.scheme != "event_driven",
-          "--dump-problem: event_driven solves no problem of a step");
-}
-
-SchemeOptions step_options_of(const RunFlags& flags, double h) {
-  SchemeOptions out = scheme_options(flags.scheme);
-  out.h = h;
-  if (flags.scheme.min_h == 0) out.advancement.min_h = std::min(out.advancement.min_h, 1e-4 * h);
-  out.solver.tolerance = flags.tolerance;
-  out.threads = flags.common.threads;
-  out.keep_problem = !flags.dump.folder.empty();
-  return out;
+  const std::vector<std::string> unread = unread_by(flags.scheme.scheme);
+  require(flags.dump.folder.empty() || std::ranges::find(unread, "step.keep_problem") == unread.end(),
+          "--dump-problem: " + flags.scheme.scheme + " solves no one-step problem");
 }
 
 namespace {
 
-RecordingOptions recording_options(const RunPlan& plan, const RunFlags& flags) {
+SchemeOptions options_of(const RunFlags& flags, double h) {
+  SchemeOptions out = scheme_options(flags.scheme);
+  out.step.h = h;
+  out.step.threads = flags.common.threads;
+  out.step.keep_problem = !flags.dump.folder.empty();
+  return out;
+}
+
+// Of what the bits of a run depend on.
+std::uint64_t fingerprint(const RunPlan& plan, const RunFlags& flags,
+                          const std::vector<std::string>& options) {
+  std::string text = plan.scene + "\n" + flags.scheme.scheme + "\n" + flags.scheme.selector.string();
+  for (const std::string& option : options) (text += '\n') += option;
+  for (const int number : {flags.scheme.selector_body, flags.common.every, flags.certify})
+    (text += '\n') += std::to_string(number);
+  return fingerprint_of(text);
+}
+
+RecordingOptions recording_options(const RunPlan& plan, const RunFlags& flags,
+                                   const std::vector<std::string>& options) {
   const CommonOptions& o = flags.common;
   return {.folder = o.out,
           .every = o.every,
           .checkpoint_every = o.checkpoint_every,
           .resume = o.resume,
           .other = o.resume_anyway ? OtherProgram::accept : OtherProgram::refuse,
-          .fingerprint = plan.fingerprint,
+          .fingerprint = fingerprint(plan, flags, options),
           .audit_samples = flags.certify,
           .threads = o.threads,
           .pull = plan.pull};
@@ -74,9 +80,9 @@ RecordingOptions recording_options(const RunPlan& plan, const RunFlags& flags) {
 
 void tell_other_program(const Recording& recording, const std::filesystem::path& folder) {
   if (recording.other_program().empty()) return;
-  std::fprintf(stderr, "%s: written by %s, continued by %s: the bits of this run are those of neither\n",
-               (folder / "checkpoint.h5").c_str(), recording.other_program().c_str(),
-               program_version().c_str());
+  std::fprintf(
+      stderr, "%s: written by %s, continued by %s: the results are bit for bit those of neither program\n",
+      (folder / "checkpoint.h5").c_str(), recording.other_program().c_str(), program_version().c_str());
 }
 
 void write_page(const Model& model, const std::filesystem::path& folder) {
@@ -100,12 +106,19 @@ std::string nearest_of(const PathAudit& audit) {
 
 }  // namespace
 
-DrivenRun drive(const Scheme& scheme, const Model& model, const State& start, RunPlan plan,
-                const RunFlags& flags) {
+DrivenRun drive(const Model& model, const State& start, RunPlan plan, const RunFlags& flags) {
+  const SchemeOptions chosen = options_of(flags, plan.h);
+  const Scheme scheme = make_scheme(flags.scheme.scheme, model, chosen);
+  const std::string name = label(flags.scheme.scheme, chosen);
+  const std::vector<std::string> options = settings_text(chosen);
   make_folders(flags.common);
   plan.header.build = build_info();
-  DrivenRun out{.recording = Recording(model, plan.header, std::move(plan.gauges),
-                                       recording_options(plan, flags), start)};
+  plan.header.notes["scheme"] = name;
+  for (const std::string& option : options) plan.header.notes["options"] += option + "\n";
+  DrivenRun out{.scheme = name,
+                .options = options,
+                .recording = Recording(model, plan.header, std::move(plan.gauges),
+                                       recording_options(plan, flags, options), start)};
   out.state = out.recording.state();
   out.first = out.recording.steps();
   tell_other_program(out.recording, flags.common.out);
@@ -138,26 +151,26 @@ DrivenRun drive(const Scheme& scheme, const Model& model, const State& start, Ru
   if (out.last.status == StepStatus::not_finite)
     throw NumericalFailure("step " + std::to_string(out.recording.steps() + 1) + ": " + out.last.reason);
   if (out.last.status == StepStatus::refused)
-    std::fprintf(stderr, "refused at t = %.6g s: %s\n", out.state.t, out.last.reason.c_str());
+    std::fprintf(stderr, "step refused at t = %.6g s: %s\n", out.state.t, out.last.reason.c_str());
   return out;
 }
 
 bool tell(const PathAudit& audit, const Model& model) {
   if (audit.samples == 0) return true;
   if (audit.steps == 0)
-    std::printf("certify: nothing to look at, no two bodies that can touch\n");
+    std::printf("certify: nothing to check, no two bodies can touch\n");
   else
-    std::printf("certify: %s, %s and the end of each, %s, %s\n", counted(audit.steps, "step").c_str(),
+    std::printf("certify: %s, each at %s and at its end, %s, %s\n", counted(audit.steps, "step").c_str(),
                 counted(audit.samples, "place").c_str(), nearest_of(audit).c_str(),
                 counted(audit.violations, "violation").c_str());
   if (audit.nested > 0)
-    std::printf("certify: a body was inside another in %s\n", counted(audit.nested, "step").c_str());
+    std::printf("certify: one body was inside another in %s\n", counted(audit.nested, "step").c_str());
   if (audit.uncovered > 0)
     std::printf("certify: contacts and base distances disagree at the end of %s\n",
                 counted(audit.uncovered, "step").c_str());
   const std::vector<std::string> skipped = names_of_skipped(model);
   if (!skipped.empty())
-    std::printf("certify: not looked at, because they pass through each other: %s%s\n",
+    std::printf("certify: not checked, because they may pass through each other: %s%s\n",
                 skipped.front().c_str(),
                 skipped.size() > 1 ? (", and " + std::to_string(skipped.size() - 1) + " more").c_str() : "");
   return audit.violations == 0;
@@ -166,11 +179,11 @@ bool tell(const PathAudit& audit, const Model& model) {
 bool tell(const RunTotals& totals, const Model& model) {
   const EnergyGain& gain = totals.gain;
   if (energy_rises(gain))
-    std::fprintf(stderr, "energy rose by %.3g J that nothing gave, %.2g of the largest kinetic energy\n",
+    std::fprintf(stderr, "energy rose by %.3g J without a source, %.2g of the largest kinetic energy\n",
                  gain.largest, gain.largest / gain.kinetic);
   const Uncertified& un = totals.uncertified;
   if (un.driven_overlaps > 0)
-    std::fprintf(stderr, "moved and fixed bodies overlapped in %s, first from t = %.6g s on\n",
+    std::fprintf(stderr, "moved and fixed bodies overlapped in %s, first in the step from t = %.6g s\n",
                  counted(un.driven_overlaps, "step").c_str(), un.driven_t);
   return tell(totals.audit, model);
 }

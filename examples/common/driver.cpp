@@ -53,14 +53,6 @@ std::string text_of(bool value) {
   return value ? "yes" : "no";
 }
 
-/// "in [0, 10]", ">= 0", "<= 1" or "".
-std::string bound_text(const Range& range) {
-  const bool below = std::isfinite(range.lowest), above = std::isfinite(range.highest);
-  if (below && above) return "in [" + text_of(range.lowest) + ", " + text_of(range.highest) + "]";
-  if (below) return ">= " + text_of(range.lowest);
-  return above ? "<= " + text_of(range.highest) : "";
-}
-
 bool needs_quotes(const std::string& word) {
   return word.empty() || word.find_first_of(" \t\n\"'\\$*?;&|<>()#`") != std::string::npos;
 }
@@ -131,12 +123,12 @@ struct Cli::Impl {
   template <class Number>
   void add_number(const std::string& flag, Number& value, const std::string& text, const std::string& unit,
                   const Range& range) {
-    add(flag, value, "NUMBER", text, unit, bound_text(range))->check([range](const std::string& word) {
+    add(flag, value, "NUMBER", text, unit, range_text(range))->check([range](const std::string& word) {
       double number = 0;
       if (!CLI::detail::lexical_cast(word, number) || std::isnan(number))
         return "'" + word + "' is not a number";
-      if (number >= range.lowest && number <= range.highest) return std::string();
-      return word + " must be " + bound_text(range);
+      if (contains(range, number)) return std::string();
+      return word + " must be " + range_text(range);
     });
   }
 };
@@ -201,16 +193,17 @@ void Cli::files(std::vector<std::filesystem::path>& value, const std::string& wh
 }
 void Cli::common(CommonOptions& options, Restart restart) {
   group("output");
-  option("-o,--out", options.out, "folder of the results, made if missing");
-  option("--summary", options.summary, "also write the key numbers as JSON to this file");
-  option("--threads", options.threads, "threads; the results do not depend on it", "", {1, 256});
-  option("--every", options.every, "record each n-th step", "", {1, 1e9});
-  flag("--quiet", options.quiet, "no progress; warnings stay");
+  option("-o,--out", options.out, "folder for the results, created if missing");
+  option("--summary", options.summary, "also write the key numbers to this JSON file");
+  option("--threads", options.threads, "number of threads; does not affect the results", "", {1, 256});
+  option("--every", options.every, "record every n-th step", "", {1, 1e9});
+  flag("--quiet", options.quiet, "omit progress and details; still print warnings and the result");
   if (restart == Restart::no) return;
-  option("--checkpoint-every", options.checkpoint_every, "wall time between checkpoints", "s", {0, 1e9});
-  flag("--resume", options.resume, "continue from the checkpoint in the folder of the results");
+  option("--checkpoint-every", options.checkpoint_every, "wall time between checkpoints; 0: after every step",
+         "s", {0, 1e9});
+  flag("--resume", options.resume, "continue from the checkpoint in the folder for the results");
   flag("--resume-anyway", options.resume_anyway,
-       "the same, also from a checkpoint of another build of the program");
+       "like --resume, but also from a checkpoint of another build of the program");
   impl_->restarts = &options;
 }
 void Cli::example(std::string command, std::string shows) {
@@ -236,13 +229,14 @@ std::string Cli::help() const {
     if (!entry.initial.empty()) text += ", default " + entry.initial;
     text += '\n';
   }
-  text += "\n  -h, --help  this text\n  --version   versions, compiler, flags and licence of this binary\n";
+  text +=
+      "\n  -h, --help  show this help\n  --version   show versions, compiler, flags and licence of this "
+      "binary\n";
   if (!impl_->examples.empty()) text += "\nexamples\n";
   for (const auto& [command, shows] : impl_->examples) text += "  " + command + "\n      " + shows + "\n";
   text +=
-      "\nexit codes: 0 ok, 1 an acceptance failed, 2 usage, 3 missing or unreadable file, 4 numerical "
-      "failure, "
-      "130 interrupted\n";
+      "\nexit codes: 0 success, 1 acceptance check failed, 2 usage error, 3 missing or unreadable file, 4 "
+      "numerical failure, 130 interrupted\n";
   return text;
 }
 

@@ -19,11 +19,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "geometry/settings.hpp"
 
 namespace aussois {
 
@@ -40,12 +41,6 @@ enum class ExitCode : int {
 /// The numbers failed in a way that ends the run: exit code 4.
 struct NumericalFailure : std::runtime_error {
   using std::runtime_error::runtime_error;
-};
-
-/// Closed interval of allowed values.
-struct Range {
-  double lowest = -std::numeric_limits<double>::infinity();
-  double highest = std::numeric_limits<double>::infinity();
 };
 
 /// The options that mean the same in every driver.

@@ -15,13 +15,13 @@ int ManyTasks::all_cores() {
 
 void add_options(Cli& cli, ManyTasks& options, const std::string& tasks, const std::string& numbers) {
   cli.group("output");
-  cli.option(
-      "-o,--out", options.out,
-      "folder of the results, made if missing; " + tasks + " that it has of this program are not done again");
-  cli.option("--json", options.json, "also write " + numbers + " to this file");
-  cli.option("--threads", options.threads, tasks + " at the same time; the results do not depend on it", "",
-             {1, 256});
-  cli.flag("--quiet", options.quiet, "no progress and no table; warnings and the count stay");
+  cli.option("-o,--out", options.out,
+             "folder for the results, created if missing; " + tasks +
+                 " that this program has already saved there are not repeated");
+  cli.option("--json", options.json, "also write " + numbers + " to this JSON file");
+  cli.option("--threads", options.threads,
+             "number of " + tasks + " to run at the same time; does not affect the results", "", {1, 256});
+  cli.flag("--quiet", options.quiet, "omit progress and the table; still print warnings and the counts");
 }
 
 void make_folders(const ManyTasks& options) {
@@ -30,7 +30,7 @@ void make_folders(const ManyTasks& options) {
 }
 
 void tell_known(int known, std::size_t all, const ManyTasks& options) {
-  if (known > 0) std::printf("%d of %zu were in %s already\n", known, all, options.out.c_str());
+  if (known > 0) std::printf("%d of %zu were already in %s\n", known, all, options.out.c_str());
 }
 
 std::string file_stem(std::string words) {

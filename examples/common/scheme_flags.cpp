@@ -2,6 +2,7 @@
 #include "examples/common/scheme_flags.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <stdexcept>
 
 #include "io/network_file.hpp"
@@ -9,36 +10,37 @@
 namespace aussois {
 namespace {
 
-// Settings that some schemes read; the others are read by all.
-struct Reader {
-  const char* flag = nullptr;
-  std::vector<std::string> schemes{};
+// A flag, with the options that it sets.
+struct SchemeFlag {
+  OfferedSetting first{};
+  std::vector<std::string> paths{};
 };
-const std::vector<Reader>& readers() {
-  static const std::vector<Reader> all = {
-      {"--theta", {"moreau_jean", "moreau_jean_projected"}},
-      {"--normal-law", {"moreau_jean", "passive_midpoint"}},
-      {"--gamma", {"moreau_jean"}},
-      {"--contacts", {"moreau_jean"}},
-      {"--newton-iterations", {"moreau_jean"}},
-      {"--gap-hessians", {"moreau_jean"}},
-      {"--impact-law", {"moreau_jean"}},
-      {"--impact-order", {"moreau_jean"}},
-      {"--projection", {"moreau_jean_projected"}},
-      {"--update",
-       {"moreau_jean", "moreau_jean_projected", "passive_midpoint", "generalised_alpha", "d1_minus_linear"}},
-      {"--gyroscopic", {"passive_midpoint"}},
-      {"--mean-joints", {"passive_midpoint"}},
-      {"--not-passive", {"passive_midpoint"}},
-      {"--force-theta", {"schatzman_paoli"}},
-      {"--ode-relative", {"event_driven"}},
-      {"--ode-absolute", {"event_driven"}},
-      {"--spectral-radius", {"generalised_alpha"}},
-      {"--min-h",
-       {"moreau_jean", "moreau_jean_projected", "schatzman_paoli", "passive_midpoint", "generalised_alpha",
-        "d1_minus_linear"}},
-  };
-  return all;
+
+std::vector<SchemeFlag> flags_of(const SchemeOptions& options, SaidSettings& said) {
+  SchemeOptions shown = options;
+  std::vector<SchemeFlag> out;
+  for (const OfferedSetting& one : offered(shown, said)) {
+    const auto known =
+        std::ranges::find_if(out, [&](const SchemeFlag& f) { return f.first.flag == one.flag; });
+    if (known == out.end())
+      out.push_back({one, {one.path}});
+    else
+      known->paths.push_back(one.path);
+  }
+  return out;
+}
+
+// The schemes that read one of the options.
+std::vector<std::string> readers_of(const std::vector<std::string>& paths,
+                                    const std::vector<std::string>& schemes) {
+  std::vector<std::string> out;
+  for (const std::string& scheme : schemes) {
+    const std::vector<std::string> unread = unread_by(scheme);
+    if (std::ranges::any_of(
+            paths, [&](const std::string& path) { return std::ranges::find(unread, path) == unread.end(); }))
+      out.push_back(scheme);
+  }
+  return out;
 }
 
 std::string listed(const std::vector<std::string>& names) {
@@ -47,90 +49,77 @@ std::string listed(const std::vector<std::string>& names) {
   return out;
 }
 
-// "of moreau_jean, passive_midpoint"
-std::string of(const std::string& flag) {
-  return "of " + listed(std::ranges::find(readers(), flag, &Reader::flag)->schemes);
+// "; only for moreau_jean", or "; not for event_driven" if that is shorter.
+std::string scope(const std::vector<std::string>& readers, const std::vector<std::string>& schemes) {
+  std::vector<std::string> others;
+  std::ranges::copy_if(schemes, std::back_inserter(others), [&](const std::string& scheme) {
+    return std::ranges::find(readers, scheme) == readers.end();
+  });
+  if (others.empty()) return {};
+  return others.size() < readers.size() ? "; not for " + listed(others) : "; only for " + listed(readers);
+}
+
+void add(Cli& cli, SchemeFlags& f, const std::vector<SchemeFlag>& all, bool of_solver) {
+  for (const SchemeFlag& flag : all) {
+    const std::vector<std::string> readers = readers_of(flag.paths, f.schemes);
+    if (flag.first.path.starts_with("step.solver.") != of_solver || readers.empty() ||
+        std::ranges::find(f.left_out, flag.first.flag) != f.left_out.end())
+      continue;
+    add_flag(cli, flag.first, f.said, scope(readers, f.schemes));
+  }
+}
+
+void set_selector(const SchemeFlags& f, ReductionOptions& options) {
+  if (f.selector.empty()) return;
+  options.reducer = Reducer::selector;
+  options.selector = contact_selector(read_selector(f.selector), f.selector_body);
 }
 
 }  // namespace
 
+SchemeFlags::SchemeFlags() = default;
+
 void add_options(Cli& cli, SchemeFlags& f) {
+  const std::vector<SchemeFlag> all = flags_of(f.options, f.said);
   cli.group("scheme");
-  cli.choice("--scheme", f.scheme, "by its name", f.schemes, f.not_offered);
-  cli.option("--theta", f.options.theta, "where in the step forces act, " + of("--theta"), "-", {0.5, 1});
-  cli.choice("--normal-law", f.normal, of("--normal-law") + "; the others have their own",
-             {"moreau", "combined", "gap_over_step"});
-  cli.option("--gamma", f.options.normal.gamma, "mean velocity in the law, " + of("--gamma"), "-", {0.5, 1});
-  cli.choice("--contacts", f.contacts, "where they are looked at, " + of("--contacts"),
-             {"start", "midpoint", "end"});
-  cli.option("--newton-iterations", f.options.newton.max_iterations,
-             of("--newton-iterations") + "; 1 is linearly implicit, more is fully implicit", "", {1, 1000});
-  cli.flag("--gap-hessians", f.options.newton.gap_hessians, "in the Newton matrix, " + of("--gap-hessians"));
-  cli.choice("--impact-law", f.impact, of("--impact-law"), {"newton", "poisson"});
-  cli.choice("--impact-order", f.impact_order, "of several impacts, " + of("--impact-order"),
-             {"simultaneous", "sequential"});
-  cli.choice("--projection", f.projection, of("--projection"), {"direct", "combined"});
-  cli.choice("--update", f.update, "of rotations, " + of("--update"), {"exponential", "cayley", "screw"});
-  cli.choice("--gyroscopic", f.gyroscopic, "torque of the mean or the first attitude, " + of("--gyroscopic"),
-             {"midpoint", "start"});
-  cli.flag("--mean-joints", f.options.mean_joints, of("--mean-joints") + "; exact, with --update cayley");
-  cli.flag("--not-passive", f.not_passive, of("--not-passive") + "; its contacts may give energy");
-  cli.option("--force-theta", f.options.force_theta,
-             "where in the step force laws act, " + of("--force-theta"), "-", {0, 1});
-  if (std::ranges::find(f.schemes, "event_driven") != f.schemes.end()) {
-    cli.option("--ode-relative", f.options.ode.relative, "tolerance, " + of("--ode-relative"), "-",
-               {1e-14, 1e-2});
-    cli.option("--ode-absolute", f.options.ode.absolute, "tolerance, " + of("--ode-absolute"), "m, m/s, rad",
-               {1e-16, 1e-2});
-  }
-  cli.option("--spectral-radius", f.options.spectral_radius, of("--spectral-radius"), "-", {0, 1});
-  cli.option(
-      "--min-h", f.min_h,
-      "a step that needs less is refused, " + of("--min-h") + "; 0: 1e-7, less for short steps of run_scene",
-      "s", {0, 1});
-  std::vector<std::string> reducers = reducer_names();
-  std::erase(reducers, to_string(Reducer::selector));
-  cli.choice("--reducer", f.reducer, "which contacts of a patch the solver begins with", reducers);
-  cli.input("--selector", f.selector,
-            "instead: a learned selector, as peg_plate train writes them (mlc_*.txt of the surface)");
-  cli.option("--selector-body", f.selector_body, "number of the body that it was taught, from 0", "",
-             {0, 1e6});
-  cli.choice("--clustering", f.clustering, "how a patch is told from others", clustering_names());
-  cli.option("--clusters", f.options.reduction.clustering.k, "of a body pair, of clusterings by k-means", "",
-             {1, 1000});
-  cli.option("--min-margin", f.options.reduction.min_margin, "of every patch's support", "-", {0, 1});
-  cli.flag("--patch-friction", f.patch_friction,
-           "friction at the centre of a patch, with its drilling torque");
+  cli.choice("--scheme", f.scheme, "scheme to run", f.schemes, f.not_offered);
+  add(cli, f, all, false);
+  cli.input(
+      "--selector", f.selector,
+      "replace --reducer by a learned selector, such as mlc_*.txt from peg_plate train on a surface set");
+  cli.option("--selector-body", f.selector_body,
+             "index in the model, from 0, of the body on which the selector acts", "", {0, 1e6});
+  cli.group("solver");
+  add(cli, f, all, true);
 }
 
 void refuse_unread(const Cli& cli, const SchemeFlags& f) {
-  for (const std::string& flag : cli.given("scheme")) {
-    const auto reader = std::ranges::find(readers(), flag, &Reader::flag);
-    if (reader != readers().end() && std::ranges::find(reader->schemes, f.scheme) == reader->schemes.end())
-      throw std::invalid_argument(flag + " is not read by " + f.scheme + ", but by " +
-                                  listed(reader->schemes));
-  }
+  SaidSettings said;
+  const std::vector<SchemeFlag> all = flags_of(f.options, said);
+  for (const char* group : {"scheme", "solver"})
+    for (const std::string& flag : cli.given(group)) {
+      const auto known = std::ranges::find_if(all, [&](const SchemeFlag& s) { return s.first.flag == flag; });
+      if (known == all.end() || !readers_of(known->paths, {f.scheme}).empty()) continue;
+      throw std::invalid_argument(flag + " is not read by " + f.scheme + ", only by " +
+                                  listed(readers_of(known->paths, f.schemes)));
+    }
 }
 
 SchemeOptions scheme_options(const SchemeFlags& f) {
   SchemeOptions out = f.options;
-  if (f.min_h > 0) out.advancement.min_h = f.min_h;
-  out.contacts = contacts_at(f.contacts);
-  out.impact.law = impact_law(f.impact);
-  out.impact.order = impact_order(f.impact_order);
-  out.projection = projection_order(f.projection);
-  out.normal.law = normal_law(f.normal);
-  out.update = group_update(f.update);
-  out.gyroscopic = f.gyroscopic == "start" ? GyroscopicTerm::start : GyroscopicTerm::midpoint;
-  out.passive = !f.not_passive;
-  out.reduction.reducer = reducer(f.reducer);
-  if (!f.selector.empty()) {
-    out.reduction.reducer = Reducer::selector;
-    out.reduction.selector = contact_selector(read_selector(f.selector), f.selector_body);
-  }
-  out.reduction.clustering.rule = clustering(f.clustering);
-  out.reduction.friction = f.patch_friction ? FrictionAt::patches : FrictionAt::contacts;
+  take(f.said, out);
+  set_selector(f, out.step.reduction);
   return out;
+}
+
+SchemeOptions scheme_options(const Cli& cli, const SchemeFlags& f, SchemeOptions others) {
+  SaidSettings said;
+  for (const char* group : {"scheme", "solver"})
+    for (const std::string& flag : cli.given(group))
+      if (const auto known = f.said.find(flag); known != f.said.end()) said.insert(*known);
+  take(said, others);
+  set_selector(f, others.step.reduction);
+  return others;
 }
 
 }  // namespace aussois

@@ -2,37 +2,34 @@
 // How a driver lets its user choose a scheme and set what the scheme knows.
 #pragma once
 
-#include "examples/common/driver.hpp"
+#include "examples/common/setting_flags.hpp"
 #include "integrators/scheme.hpp"
 
 namespace aussois {
 
 struct SchemeFlags {
+  SchemeFlags();  // not inline: with all options of all schemes it is long
   std::string scheme = "moreau_jean";
   std::vector<std::string> schemes = scheme_names();  // offered
   std::string not_offered{};                          // which are not, and why
-  std::string normal = to_string(NormalLawOptions{}.law), contacts = to_string(ContactsAt::start);
-  std::string impact = to_string(ImpactLaw::newton), impact_order = to_string(ImpactOrder::simultaneous);
-  std::string projection = to_string(ProjectionOrder::combined), update = to_string(GroupUpdate::exponential);
-  std::string gyroscopic = "midpoint";
-  std::string reducer = to_string(ReductionOptions{}.reducer);
-  std::string clustering = to_string(ClusteringOptions{}.rule);
-  std::filesystem::path selector{};  // instead of a reducer; empty: none
+  std::vector<std::string> left_out{};                // flags that the driver has itself
+  std::filesystem::path selector{};                   // instead of a reducer; empty: none
   int selector_body = 0;
-  bool patch_friction = false, not_passive = false;
-  double min_h = 0;         // AdvancementOptions::min_h [s]; 0: what the driver takes
-  SchemeOptions options{};  // but for those names
+  SchemeOptions options{};  // the defaults of the flags, and what has none
+  SaidSettings said{};
 };
 
-/// The group "scheme": --scheme and the settings of schemes.
+/// The groups "scheme" and "solver": --scheme and the settings of schemes. `flags` must stay where it is.
 void add_options(Cli& cli, SchemeFlags& flags);
 
 /// Throws std::invalid_argument naming flag, scheme and who reads the flag, if the user said what the chosen
 /// scheme does not read.
 void refuse_unread(const Cli& cli, const SchemeFlags& flags);
 
-/// What the user said, all names resolved. Throws std::runtime_error "path:line: ..." for a file of
-/// --selector that cannot be read.
+/// What the user said. Throws std::runtime_error "path:line: ..." for a file of --selector that cannot be
+/// read.
 SchemeOptions scheme_options(const SchemeFlags& flags);
+/// The same, with `others` for what the user did not say.
+SchemeOptions scheme_options(const Cli& cli, const SchemeFlags& flags, SchemeOptions others);
 
 }  // namespace aussois

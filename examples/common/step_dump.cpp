@@ -18,7 +18,7 @@ std::int64_t step_number(std::string_view text, const std::string& all) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   require(error == std::errc() && end == text.data() + text.size() && number >= 1,
           "--dump-steps '" + all +
-              "' must be all, unsolved, 'every N', or steps and ranges between commas like 3,17,40-45");
+              "' must be all, unsolved, 'every N', or a list of steps and ranges such as 3,17,40-45");
   return number;
 }
 
@@ -51,8 +51,9 @@ bool chosen(const StepChoice& choice, std::int64_t step, bool solved) {
 void add_options(Cli& cli, DumpOptions& options) {
   cli.group("problems");
   cli.option("--dump-problem", options.folder,
-             "write the one-step problems into this folder (doc/howto/replay_one_step.md)");
-  cli.option("--dump-steps", options.steps, "of these steps: all, unsolved, 'every N', or like 3,17,40-45");
+             "write one-step problems to this folder (see doc/howto/replay_one_step.md); empty: none");
+  cli.option("--dump-steps", options.steps,
+             "steps to write: all, unsolved, 'every N', or a list such as 3,17,40-45");
 }
 
 StepDump::StepDump(const DumpOptions& options, std::string name)

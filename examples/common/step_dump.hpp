@@ -36,7 +36,7 @@ class StepDump {
  public:
   /// Makes the folder. Throws std::invalid_argument for a bad choice of steps.
   StepDump(const DumpOptions& options, std::string name);
-  bool wants_problems() const { return !folder_.empty(); }  // for MoreauJeanOptions::keep_problem
+  bool wants_problems() const { return !folder_.empty(); }  // for StepOptions::keep_problem
   /// Writes FOLDER/NAME_000017.hdf5 if step 17 is chosen and has a problem with contacts: the warm start is
   /// its guess, the answer its solution, or a second guess if it did not converge.
   void step(std::int64_t number, const StepReport& report);

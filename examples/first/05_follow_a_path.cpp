@@ -39,7 +39,7 @@ int main() {
 
   au::Recording recording(model, run_header(model), gauges, files, state);
   const au::StepReport last =
-      record_run(au::make_scheme("moreau_jean", model, {.h = 2e-3}), state, 2, recording);
+      record_run(au::make_scheme("moreau_jean", model, {.step = {.h = 2e-3}}), state, 2, recording);
   recording.close();
   au::RunReader run(files.folder / "run.h5");
   au::write_replay_html(files.folder / "replay.html", run);

@@ -16,7 +16,7 @@ int main() {
   bool all = true;
   for (const au::SchemeVariant& variant : au::scheme_variants()) {
     au::SchemeOptions options = variant.options;
-    options.h = h;
+    options.step.h = h;
     const au::Scheme scheme = make_scheme(variant.name, model, options);
     au::State state = rest_state(model);
     all = run_until(scheme, state, 0.5).ok() && all;

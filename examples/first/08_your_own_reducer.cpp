@@ -17,7 +17,7 @@ int main() {
   const int body =
       add(model, solid_body("gear", add(model, prepare(dilate(gear, 1e-3))), mass_properties(gear, 7800)));
 
-  au::MoreauJeanOptions options{.h = 5e-3};
+  au::StepOptions options{.h = 5e-3};
   options.reduction.reducer = au::Reducer::selector;
   options.reduction.selector = [](const au::ReductionInput& input,
                                   const au::Clusters&) {  // the ends of both diagonals

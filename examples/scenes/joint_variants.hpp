@@ -9,10 +9,10 @@ namespace aussois {
 inline std::vector<SchemeVariant> variants_with_joints() {
   std::vector<SchemeVariant> out = scheme_variants();
   out.push_back({"event_driven", {}});
-  SchemeOptions mean{.update = GroupUpdate::cayley};
-  mean.mean_joints = true;
+  SchemeOptions mean{.step = {.update = GroupUpdate::cayley}};
+  mean.passive_midpoint.mean_joints = true;
   out.push_back({"passive_midpoint", mean});
-  for (SchemeVariant& v : out) v.options.solver.tolerance = 1e-12;
+  for (SchemeVariant& v : out) v.options.step.solver.tolerance = 1e-12;
   return out;
 }
 

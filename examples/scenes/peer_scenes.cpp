@@ -309,11 +309,11 @@ KernelScene kernel_scene(const PeerScene& scene) {
   return out;
 }
 
-MoreauJeanOptions kernel_options(const PeerScene& scene, double h) {
-  MoreauJeanOptions options{.h = h};
+SchemeOptions kernel_options(const PeerScene& scene, double h) {
+  SchemeOptions options{.step = {.h = h}, .moreau_jean = {.theta = 1}};
   if (scene.restitution > 0) {
-    options.theta = 0.5;
-    options.normal.law = NormalLaw::moreau;
+    options.moreau_jean.theta = 0.5;
+    options.moreau_jean.law = NormalLaw::moreau;
   }
   return options;
 }

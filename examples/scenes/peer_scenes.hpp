@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "integrators/schemes/moreau_jean.hpp"
+#include "integrators/scheme.hpp"
 
 namespace aussois {
 
@@ -88,7 +88,7 @@ struct KernelScene {
 KernelScene kernel_scene(const PeerScene& scene);
 /// The defaults, but for what keeps the energy of a bounce: theta = 1/2 and Moreau's normal law where the
 /// restitution is not zero.
-MoreauJeanOptions kernel_options(const PeerScene& scene, double h);
+SchemeOptions kernel_options(const PeerScene& scene, double h);
 
 /// Where the bodies of a scene are, in any engine.
 struct PeerSample {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "examples/scenes/pressed_peg.hpp"
 
-#include "examples/peg_plate/peg.hpp"
+#include "examples/studies/peg_plate/peg.hpp"
 #include "geometry/primitives.hpp"
 
 namespace aussois {

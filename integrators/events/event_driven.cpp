@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "geometry/check.hpp"
+#include "geometry/settings.hpp"
 #include "integrators/events/event_run.hpp"
 #include "integrators/prove/certify_step.hpp"
 #include "integrators/tell/ledgers.hpp"
@@ -84,7 +84,7 @@ bool EventRun::follow(const OdeProblem& problem, double stop, OdeOptions& ode, S
     }
     const State now = unpacked(run.time(), run.state());
     const bool proven =
-        !leapt(last, now) && (!o_.step.advancement.certify || run.time() <= last.t ||
+        !leapt(last, now) && (!setting_.options.advancement.certify || run.time() <= last.t ||
                               certified(last, now, [&](double t) { return unpacked(t, run.at(t)); }));
     if (!proven) {
       ode.largest_step = (now.t - last.t) / 4;
@@ -122,9 +122,9 @@ bool EventRun::piece() {
     }
     if (refusal) return false;
   }
-  const std::string wrong = o_.step.advancement.certify
+  const std::string wrong = setting_.options.advancement.certify
                                 ? wrong_start(model_, state_, setting_.bounds, setting_.pieces,
-                                              o_.step.advancement, o_.step.threads)
+                                              setting_.options.advancement, setting_.options.threads)
                                 : "";
   std::ostringstream text;
   text << "no path from t = " << state_.t
@@ -139,8 +139,9 @@ bool EventRun::run(const State& start) {
     return false;
   }
   if (const std::string off = joint_that_is_off(setting_, state_); !off.empty()) return refused(off);
-  if (o_.step.advancement.certify && start.h == 0) {  // (CA-19)
-    const std::string nested = nested_at(model_, state_, setting_.bounds, setting_.pieces, o_.step.threads);
+  if (setting_.options.advancement.certify && start.h == 0) {  // (CA-19)
+    const std::string nested =
+        nested_at(model_, state_, setting_.bounds, setting_.pieces, setting_.options.threads);
     if (!nested.empty()) return refused("start: " + nested);
   }
   if (!settle(true)) return false;
@@ -154,7 +155,7 @@ bool EventRun::run(const State& start) {
   }
   if (model_.joints.empty()) return true;
   const JointError off = joint_error(model_, state_);
-  return within(off, o_.step.joints) || refused(text_of(off, o_.step.joints));
+  return within(off, setting_.options.joints) || refused(text_of(off, setting_.options.joints));
 }
 
 // What contacts and joints did, and what the next step is to know of it.
@@ -236,25 +237,68 @@ const char* to_string(EventKind kind) {
   return "?";
 }
 
-void validate(const EventDrivenOptions& o) {
-  validate(o.ode);
-  require_field(o.horizon > 0, "EventDrivenOptions::horizon", o.horizon, "be positive [m]");
-  require_field(o.gap_tolerance > 0 && o.gap_tolerance < o.horizon, "EventDrivenOptions::gap_tolerance",
-                o.gap_tolerance, "be positive and below the horizon [m]");
-  require_field(o.rest_speed > 0, "EventDrivenOptions::rest_speed", o.rest_speed, "be positive [m/s]");
-  require_field(o.stick_speed > 0, "EventDrivenOptions::stick_speed", o.stick_speed, "be positive [m/s]");
-  require_field(o.stiff_slip >= 0, "EventDrivenOptions::stiff_slip", o.stiff_slip, "not be negative [m/s]");
-  require_field(o.max_events >= 1, "EventDrivenOptions::max_events", o.max_events, "be at least 1");
-  refuse_anchors(o.step, "event_driven");
-  validate(o.step);
-  require(
-      o.step.reduction.friction == FrictionAt::contacts,
-      "ReductionOptions::friction must be contacts with event_driven, whose contacts stand for themselves");
+void describe(SettingVisitor& visit, OdeOptions& o) {
+  visit.begin("OdeOptions");
+  visit.choice({"method", "integration method; bdf: for stiff springs"}, o.method, kOdeMethods);
+  visit.number({.name = "relative",
+                .what = "relative tolerance of the integration",
+                .unit = "-",
+                .range = inside(0, 1),
+                .flag = "--ode-relative",
+                .label = "relative %"},
+               o.relative);
+  visit.number({.name = "absolute",
+                .what = "absolute tolerance of the integration",
+                .unit = "m, m/s, rad",
+                .range = positive(),
+                .flag = "--ode-absolute",
+                .label = "absolute %"},
+               o.absolute);
+  visit.number({"largest_step", "largest step of the integration", "s", above(0)}, o.largest_step);
+  visit.count({"max_steps", "maximum number of integration steps in one step of the scheme", "", at_least(1)},
+              o.max_steps);
 }
 
-EventDriven::EventDriven(const Model& model, const EventDrivenOptions& options)
-    : setting_(std::make_shared<const StepSetting>(step_setting(model, options.step))), options_(options) {
-  validate(options);
+void describe(SettingVisitor& visit, EventDrivenOptions& o) {
+  visit.begin("EventDrivenOptions");
+  visit.group("ode", o.ode);
+  visit.number({"horizon", "gap below which a contact is watched", "m", positive()}, o.horizon);
+  visit.number({"gap_tolerance", "gap below which a contact counts as closed", "m, rad", positive()},
+               o.gap_tolerance);
+  visit.number({"rest_speed", "leaving speed below which a contact stays closed", "m/s, rad/s", positive()},
+               o.rest_speed);
+  visit.number({"stick_speed", "slip speed below which a contact may stick", "m/s, rad/s", positive()},
+               o.stick_speed);
+  visit.number(
+      {"stiff_slip", "initial slip speed below which a piece is integrated with bdf", "m/s", not_negative()},
+      o.stiff_slip);
+  visit.count({"max_events", "maximum number of events in one step", "", at_least(1)}, o.max_events);
+  visit.number(
+      {"tolerance", "tolerance on the scaled residual of impacts and accelerations", "-", inside(0, 1)},
+      o.tolerance);
+}
+
+void validate(const EventDrivenOptions& o) {
+  check_ranges(o);
+  require_field(o.gap_tolerance < o.horizon, "EventDrivenOptions::gap_tolerance", o.gap_tolerance,
+                "be below the horizon [m]");
+}
+
+namespace {
+
+StepSetting setting_of(const Model& model, StepOptions step, const EventDrivenOptions& own) {
+  validate(own);
+  step.solver.tolerance =
+      StepOptions{}.solver.tolerance;  // a comparison gives all schemes that of the others
+  refuse_unread(step, EventDriven::unread(), "event_driven");
+  step.solver.tolerance = own.tolerance;
+  return step_setting(model, step);
+}
+
+}  // namespace
+
+EventDriven::EventDriven(const Model& model, const StepOptions& step, const EventDrivenOptions& own)
+    : setting_(std::make_shared<const StepSetting>(setting_of(model, step, own))), own_(own) {
   refuse_deforming(model, "event_driven");
   for (const Joint& joint : model.joints)
     for (const JointAxis& axis : joint.axis)
@@ -267,7 +311,7 @@ EventDriven::EventDriven(const Model& model, const EventDrivenOptions& options)
 
 StepReport EventDriven::step(State& state, double h_limit) const {
   check_fits(*setting_, state, h_limit);
-  return EventRun(*setting_, options_, state, std::min(options_.step.h, h_limit)).step(state);
+  return EventRun(*setting_, own_, state, std::min(setting_->options.h, h_limit)).step(state);
 }
 
 }  // namespace aussois

@@ -6,6 +6,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "integrators/step_options.hpp"
 #include "integrators/step_report.hpp"
@@ -13,6 +15,23 @@
 namespace aussois {
 
 struct StepSetting;
+
+enum class OdeMethod {
+  adams,  // orders 1 to 12, iterated by fixed point: smooth motion
+  bdf,    // orders 1 to 5, Newton's method with a dense matrix of differences: stiff springs
+};
+inline constexpr Named<OdeMethod> kOdeMethods[] = {{OdeMethod::adams, "adams"}, {OdeMethod::bdf, "bdf"}};
+
+struct OdeOptions {
+  OdeMethod method = OdeMethod::adams;
+  // Tolerances of every component, > 0, per 0.1 s of motion. Shorter steps of event_driven reduce both by the
+  // same factor, in proportion to their length, down to 1e-14 relative (EVD-12)
+  double relative = 1e-10, absolute = 1e-12;
+  double largest_step = kInf;  // [s], > 0
+  int max_steps = 100000;      // internal steps in one step of event_driven, >= 1; a step that needs more is
+                               // refused
+};
+void describe(SettingVisitor& visit, OdeOptions& options);
 
 struct EventDrivenOptions {
   OdeOptions ode{};
@@ -23,24 +42,38 @@ struct EventDrivenOptions {
   double stiff_slip = 0.1;  // a piece that begins with a slower slip in space uses BDF: friction damps what
                             // is across the slip at the rate mu g / |slip| [m/s], >= 0
   int max_events = 2000;    // in one step, >= 1
-  StepOptions step{.solver = {.tolerance = 1e-13}};
+  double tolerance =
+      1e-13;  // of the problems of impacts and accelerations, on their scaled residuals [-], in (0, 1)
 };
 void validate(const EventDrivenOptions& options);  // throws std::invalid_argument: field, value, bound
+void describe(SettingVisitor& visit, EventDrivenOptions& options);
 
 class EventDriven {
  public:
   /// Throws std::invalid_argument for a bad option or model, if two bodies that can touch have no dilation at
   /// all, or for a speed or position motor with a limit, which has no law on the level of accelerations.
-  EventDriven(const Model& model, const EventDrivenOptions& options);
-  EventDriven(Model&&, const EventDrivenOptions&) = delete;  // the model must outlive the scheme
+  explicit EventDriven(const Model& model, const StepOptions& step = {}, const EventDrivenOptions& own = {});
+  explicit EventDriven(Model&&, const StepOptions& = {},
+                       const EventDrivenOptions& = {}) = delete;  // the model must outlive the scheme
 
-  /// Advances by min(options.step.h, h_limit), through all events on the way. The state is unchanged unless
+  /// Advances by min(StepOptions::h, h_limit), through all events on the way. The state is unchanged unless
   /// the report says moved(). Throws for arguments that do not fit (check_fits), not for numerical trouble.
   [[nodiscard]] StepReport step(State& state, double h_limit = kInf) const;
 
+  /// Options of a step that the scheme does not read; they are refused if they are set.
+  static std::vector<std::string> unread() {
+    return {"update",
+            "keep_problem",
+            "solver.tolerance",
+            "persistence.anchors",
+            "advancement.min_h",
+            "reduction.reducer",
+            "reduction.friction"};
+  }
+
  private:
   std::shared_ptr<const StepSetting> setting_;
-  EventDrivenOptions options_;
+  EventDrivenOptions own_;
 };
 
 }  // namespace aussois

@@ -41,11 +41,11 @@ bool EventRun::certified(const State& from, const State& to, const std::function
     const State b = k == pieces ? to : at(from.t + dt * k / pieces);
     const VecX v = path(a, b);
     const StepMotion motion{model_, a, v, b.t - a.t};
-    const AdvancementOptions& o = o_.step.advancement;
+    const AdvancementOptions& o = setting_.options.advancement;
     const StepPath gone = step_path(motion, setting_.bounds);
     const StepCertificate proof =
-        certify_step(gone, step_pairs(motion, setting_.bounds, o, o_.step.threads).pairs, setting_.bounds, {},
-                     o, o_.step.threads);
+        certify_step(gone, step_pairs(motion, setting_.bounds, o, setting_.options.threads).pairs,
+                     setting_.bounds, {}, o, setting_.options.threads);
     report_.certificate_rounds += int(proof.rounds);
     if (!proof.failure.empty()) {
       report_.reason = proof.failure;
@@ -54,9 +54,10 @@ bool EventRun::certified(const State& from, const State& to, const std::function
     report_.min_base_distance = std::min(report_.min_base_distance, proof.min_distance);
     report_.pieces.push_back({.t = a.t, .h = b.t - a.t, .g = a.g, .v = v});
     std::vector<std::pair<int, int>> told;
-    std::ranges::set_union(report_.driven_overlaps,
-                           driven_overlaps(gone, setting_.bounds, setting_.pieces, o, o_.step.threads),
-                           std::back_inserter(told));
+    std::ranges::set_union(
+        report_.driven_overlaps,
+        driven_overlaps(gone, setting_.bounds, setting_.pieces, o, setting_.options.threads),
+        std::back_inserter(told));
     report_.driven_overlaps = std::move(told);
     a = b;
   }
@@ -76,7 +77,7 @@ double EventRun::safe_until(const State& from, double stop) const {
     reach.push_back(o_.horizon + dt * (speed.back() + dt * acceleration.back() / 2));
   }
   double stride = kInf;
-  for (const StepPair& pair : pairs_within(model_, from, setting_.bounds, reach, o_.step.threads)) {
+  for (const StepPair& pair : pairs_within(model_, from, setting_.bounds, reach, setting_.options.threads)) {
     const auto sum = [&](const std::vector<double>& of) {
       return of[std::size_t(pair.a)] + of[std::size_t(pair.b)];
     };
@@ -92,7 +93,7 @@ bool EventRun::leapt(const State& from, const State& to) {
   for (int b = 0; b < int(model_.bodies.size()); ++b)
     moved.push_back((pose(to, b).p - pose(from, b).p).norm() +
                     setting_.bounds[std::size_t(b)].radius * angle_between(pose(from, b).R, pose(to, b).R));
-  const NearPairs near = near_pairs(model_, from, setting_.bounds, moved, o_.step.threads);
+  const NearPairs near = near_pairs(model_, from, setting_.bounds, moved, setting_.options.threads);
   report_.passing_pairs = std::max(report_.passing_pairs, near.passing);
   for (const StepPair& pair : near.pairs)
     if (moved[std::size_t(pair.a)] + moved[std::size_t(pair.b)] > pair.dilation) return true;

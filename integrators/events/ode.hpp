@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "integrators/step_options.hpp"
+#include "integrators/events/event_driven.hpp"
 
 namespace aussois {
 

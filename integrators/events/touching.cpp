@@ -121,7 +121,7 @@ VecX contact_bias(const StepSetting& setting, const State& state, const ContactP
 void add_contacts(const StepSetting& setting, const State& state, double threshold, std::vector<Touch>& out) {
   const ContactSet contacts = contacts_within(setting, state, threshold);
   const std::vector<ContactRow> rows = contact_rows(setting.model, state, setting.dofs, contacts,
-                                                    VecX::Zero(state.v.size()), 1, setting.options.normal);
+                                                    VecX::Zero(state.v.size()), 1, setting.normal);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const ContactRow& row = rows[i];
     MatX J = MatX::Zero(row.law.rows, state.v.size());

@@ -58,7 +58,7 @@ Law law_of(const ContactLaw& law, Eigen::Index rows) {
 
 // Sets the bias of all rows of a block: the normal law, and the average that it speaks of (MJ-6), (MJ-10).
 void set_bias(ContactRow& row, const RowVector& u_before, double restitution, double h,
-              const NormalLawOptions& options) {
+              const NormalRule& options) {
   const NormalBias normal = normal_bias(row.gap, u_before.x(), restitution, h, options);
   row.restitution = restitution;
   row.active = normal.active;
@@ -98,12 +98,11 @@ bool closes(double gap, double speed, double h, NormalLaw law) {
   return speed < 0 && gap + (law == NormalLaw::moreau ? h / 2 : h) * speed <= 0;
 }
 
-double closed_gap(const NormalLawOptions& options, double h) {
+double closed_gap(const NormalRule& options, double h) {
   return std::min(options.touching, kTouching * h * h);
 }
 
-NormalBias normal_bias(double gap, double u_before, double restitution, double h,
-                       const NormalLawOptions& options) {
+NormalBias normal_bias(double gap, double u_before, double restitution, double h, const NormalRule& options) {
   const double over_step = gap >= 0 ? gap / h : std::max(gap / h, -options.correction_speed);
   const double averaged = options.gamma < 1 ? (1 - options.gamma) / options.gamma : 0;  // (MJ-10)
   const double impact =
@@ -122,7 +121,7 @@ NormalBias normal_bias(double gap, double u_before, double restitution, double h
 
 std::vector<ContactRow> contact_rows(const Model& model, const State& state, const Layout& dofs,
                                      const ContactSet& contacts, const VecX& v_prescribed, double h,
-                                     const NormalLawOptions& options, const Reached& reached,
+                                     const NormalRule& options, const Reached& reached,
                                      const std::vector<FrictionPatch>& patches) {
   std::vector<ContactRow> rows;
   std::vector<Carried> carried;  // of one contact; none but on bodies that deform
@@ -162,7 +161,7 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
 }
 
 GapFunctionRows gap_rows(const Model& model, const State& state, const Layout& dofs, const VecX& v_prescribed,
-                         double h, const NormalLawOptions& options, const Reached& reached) {
+                         double h, const NormalRule& options, const Reached& reached) {
   GapFunctionRows out;
   std::vector<Carried> carried;
   for (int i = 0; i < int(model.gaps.size()); ++i) {

@@ -32,8 +32,17 @@ struct ContactRow {
   int slot = -1;       // first entry in State::r; -1: a contact, which the contact memory keeps
 };
 
+/// The rule of the normal rows of a step: its law, and what StepOptions says of gaps and overlaps.
+struct NormalRule {
+  NormalLaw law = NormalLaw::combined;
+  // The laws of contacts and stops apply to gamma u+ + (1 - gamma) u- [-], in [1/2, 1] (MJ-10)
+  double gamma = 1;
+  double correction_speed = StepOptions{}.correction_speed;
+  double touching = StepOptions{}.touching;
+};
+
 /// The largest gap that Moreau's law treats as closed in a step of length `h` (MJ-6) [m].
-double closed_gap(const NormalLawOptions& options, double h);
+double closed_gap(const NormalRule& rule, double h);
 
 /// Bias of a normal row (MJ-6) with normal velocity `u_before` at the start of the step, and whether the row
 /// takes part at all.
@@ -41,8 +50,7 @@ struct NormalBias {
   double w = 0;
   bool active = true;
 };
-NormalBias normal_bias(double gap, double u_before, double restitution, double h,
-                       const NormalLawOptions& options);
+NormalBias normal_bias(double gap, double u_before, double restitution, double h, const NormalRule& rule);
 
 /// Poses at which contacts are evaluated: those that the velocities `v`, indexed as State::v, lead to in
 /// `time` [s]. Their gaps count as linearised back to the start of the step (MJ-11).
@@ -60,7 +68,7 @@ bool closes(double gap, double speed, double h, NormalLaw law);
 /// larger (RED-15).
 std::vector<ContactRow> contact_rows(const Model& model, const State& state, const Layout& dofs,
                                      const ContactSet& contacts, const VecX& v_prescribed, double h,
-                                     const NormalLawOptions& options, const Reached& reached = {},
+                                     const NormalRule& options, const Reached& reached = {},
                                      const std::vector<FrictionPatch>& patches = {});
 
 /// The rows of the model's gap functions at the start of the step (GEN-3), in their order, and their gaps.
@@ -69,7 +77,7 @@ struct GapFunctionRows {
   std::vector<double> gap{};  // [m]
 };
 GapFunctionRows gap_rows(const Model& model, const State& state, const Layout& dofs, const VecX& v_prescribed,
-                         double h, const NormalLawOptions& options, const Reached& reached = {});
+                         double h, const NormalRule& options, const Reached& reached = {});
 
 /// The problem of the rows `kept`, in order; without joints.
 FrictionProblem contact_problem(const FreeMotion& free, const Layout& dofs,

@@ -47,7 +47,7 @@ std::vector<RowVector> starts(const ImpulseStep& step, const Found& found, const
 }  // namespace
 
 ContactBlocks contact_blocks(const StepSetting& setting, const State& state, const ContactSet& contacts,
-                             double h, const NormalLawOptions& normal, const Reached& reached) {
+                             double h, const NormalRule& normal, const Reached& reached) {
   const VecX v_prescribed =  // of the step, wherever on it contacts are looked at
       reached.time > 0 ? all_velocities(setting.dofs, VecX::Zero(setting.dofs.rows), reached.v)
                        : prescribed_velocity(setting.model, state, h);
@@ -68,12 +68,12 @@ std::optional<AfterImpact> after_impact(const StepSetting& setting, const State&
   if (in_the_step(options)) return std::nullopt;
   const Model& model = setting.model;
   const StepOptions& o = setting.options;
-  const ContactBlocks blocks = contact_blocks(setting, state, found.contacts, found.h, o.normal);
+  const ContactBlocks blocks = contact_blocks(setting, state, found.contacts, found.h, setting.normal);
   const VecX v_prescribed = prescribed_velocity(model, state, found.h);
   const JointSystem joints =
-      joint_system(model, state, setting.dofs, v_prescribed, found.h, theta, o.normal, o.joints);
+      joint_system(model, state, setting.dofs, v_prescribed, found.h, theta, setting.normal, o.joints);
   std::optional<ImpactJump> met = impact_jump(model, state, setting.dofs, blocks.rows, joints.equations.G,
-                                              found.h, o.normal.law, options, o.solver);
+                                              found.h, setting.normal.law, options, o.solver);
   if (!met) return std::nullopt;
   met->columns = joints.columns;
   met->middle = joints.middle;
@@ -85,14 +85,14 @@ std::optional<AfterImpact> after_impact(const StepSetting& setting, const State&
   std::ranges::sort(found.selection.kept);
   AfterImpact out{.state = state, .blocks = {}, .impact = std::move(*met)};
   out.state.v = all_velocities(setting.dofs, out.impact.v, state.v);
-  out.blocks = contact_blocks(setting, out.state, found.contacts, found.h, o.normal);
+  out.blocks = contact_blocks(setting, out.state, found.contacts, found.h, setting.normal);
   for (std::size_t i = 0; i < out.blocks.rows.size(); ++i)
     if (!out.impact.r[i].isZero(0)) out.blocks.rows[i].active = true;
   return out;
 }
 
-void add_rows(const StepSetting& setting, const State& state, const Found& found,
-              const NormalLawOptions& normal, ImpulseStep& step) {
+void add_rows(const StepSetting& setting, const State& state, const Found& found, const NormalRule& normal,
+              ImpulseStep& step) {
   set_rows(contact_blocks(setting, state, found.contacts, found.h, normal), step);  // (MJ-6)
 }
 
@@ -105,7 +105,7 @@ void set_rows(ContactBlocks blocks, ImpulseStep& step) {
 ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, SharedMotion free,
                       double theta) {
   return pose_step(setting, state, found, std::move(free), theta,
-                   contact_blocks(setting, state, found.contacts, found.h, setting.options.normal));
+                   contact_blocks(setting, state, found.contacts, found.h, setting.normal));
 }
 
 ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, SharedMotion free,
@@ -114,8 +114,9 @@ ImpulseStep pose_step(const StepSetting& setting, const State& state, const Foun
   const StepOptions& o = setting.options;
   ImpulseStep out{.free = std::move(free),
                   .v_prescribed = prescribed_velocity(setting.model, state, found.h)};
-  out.joints = joint_system(setting.model, state, setting.dofs, out.v_prescribed, found.h, theta, o.normal,
-                            o.joints);                                      // (MJT-10)
+  out.joints =
+      joint_system(setting.model, state, setting.dofs, out.v_prescribed, found.h, theta, setting.normal,
+                   o.joints);                                               // (MJT-10)
   if (o.persistence.anchors) pull_back(found, o.persistence, blocks.rows);  // (PER-9)
   set_rows(std::move(blocks), out);
   out.seconds = step_clock() - begin;
@@ -169,7 +170,7 @@ VecX estimate_without_contacts(const StepSetting& setting, const State& state, c
   VecX v = free.v_free;
   if (!setting.model.joints.empty()) {
     const JointEquations joints = joint_system(setting.model, state, setting.dofs, v_prescribed, h, theta,
-                                               setting.options.normal, setting.options.joints)
+                                               setting.normal, setting.options.joints)
                                       .equations;
     const FrictionProblem problem{
         .M = free.M, .H = SparseMatrix(setting.dofs.rows, 0), .f = free.f, .G = joints.G, .b = joints.b};

@@ -44,7 +44,7 @@ struct ContactBlocks {
   std::vector<double> gap{};  // of the gap functions [m]
 };
 ContactBlocks contact_blocks(const StepSetting& setting, const State& state, const ContactSet& contacts,
-                             double h, const NormalLawOptions& normal, const Reached& reached = {});
+                             double h, const NormalRule& normal, const Reached& reached = {});
 
 /// Poses and solves the step, with rows and joints as they are at the start of the step. `theta` is that of
 /// FreeMotion, for the axes of joints.
@@ -65,8 +65,8 @@ inline void keep_status(ImpulseStep& step) {
   step.beside.status = std::max(step.beside.status, step.solved.solution.report.status);
 }
 /// Adds rows for contacts, gap functions and what acts on the axes of step.joints, biased for a normal law.
-void add_rows(const StepSetting& setting, const State& state, const Found& found,
-              const NormalLawOptions& normal, ImpulseStep& step);
+void add_rows(const StepSetting& setting, const State& state, const Found& found, const NormalRule& normal,
+              ImpulseStep& step);
 /// Puts other blocks in front of what acts on the axes of step.joints.
 void set_rows(ContactBlocks blocks, ImpulseStep& step);
 void solve_rows(const StepSetting& setting, const State& state, const Found& found, ImpulseStep& step);

@@ -93,7 +93,7 @@ struct JointStep {
   const Layout& dofs;
   Speeds v;
   double h, theta;
-  const NormalLawOptions& normal;
+  const NormalRule& normal;
   double stabilisation;
   const State* end = nullptr;        // if velocities there are asked for, instead of those on the path
   const ReachedEnd* mean = nullptr;  // if rows are those of the mean with an end that is known so far
@@ -358,8 +358,7 @@ bool has_loops(const Model& model, const Layout& dofs) {
 }  // namespace
 
 JointSystem joint_system(const Model& model, const State& state, const Layout& dofs, const VecX& v_prescribed,
-                         double h, double theta, const NormalLawOptions& normal,
-                         const JointOptions& options) {
+                         double h, double theta, const NormalRule& normal, const JointOptions& options) {
   if (model.joints.empty()) return {};
   const JointStep step{model, state, dofs,   speeds_of(dofs, state, v_prescribed),
                        h,     theta, normal, options.stabilisation};
@@ -374,7 +373,7 @@ JointSystem joint_system(const Model& model, const State& state, const Layout& d
 }
 
 JointSystem joint_system_at(const Model& model, const State& state, const State& end, const Layout& dofs,
-                            const VecX& v_prescribed, double h, const NormalLawOptions& normal) {
+                            const VecX& v_prescribed, double h, const NormalRule& normal) {
   if (model.joints.empty()) return {};
   const JointStep step{model, state, dofs, speeds_of(dofs, state, v_prescribed), h, 1, normal, 0, &end};
   return system_of(step, end.g);
@@ -382,7 +381,7 @@ JointSystem joint_system_at(const Model& model, const State& state, const State&
 
 JointSystem joint_system_on_mean(const Model& model, const State& state, const ReachedEnd& end,
                                  const Layout& dofs, const VecX& v_prescribed, double h,
-                                 const NormalLawOptions& normal, const JointOptions& options) {
+                                 const NormalRule& normal, const JointOptions& options) {
   if (model.joints.empty()) return {};
   const JointStep step{model,   state, dofs,   speeds_of(dofs, state, v_prescribed),
                        h,       0.5,   normal, options.stabilisation,

@@ -38,12 +38,12 @@ struct JointSystem {
   VecX off{};                      // error of each column at the poses `middle` [m, rad]; speed motors: zero
 };
 JointSystem joint_system(const Model& model, const State& state, const Layout& dofs, const VecX& v_prescribed,
-                         double h, double theta, const NormalLawOptions& normal, const JointOptions& options);
+                         double h, double theta, const NormalRule& normal, const JointOptions& options);
 
 /// For schemes whose velocity at the end must keep the joints there (GA-5): directions at the poses of `end`,
 /// G^T v+ + b = 0 without stabilisation. Stops are those of the start.
 JointSystem joint_system_at(const Model& model, const State& state, const State& end, const Layout& dofs,
-                            const VecX& v_prescribed, double h, const NormalLawOptions& normal);
+                            const VecX& v_prescribed, double h, const NormalRule& normal);
 
 /// The velocity of a whole step, the mean of its ends, indexed as State::v, and the state that it leads to.
 struct ReachedEnd {
@@ -54,7 +54,7 @@ struct ReachedEnd {
 /// (MJT-14), positions at the end by Newton's method (MJT-15); theta = 1/2.
 JointSystem joint_system_on_mean(const Model& model, const State& state, const ReachedEnd& end,
                                  const Layout& dofs, const VecX& v_prescribed, double h,
-                                 const NormalLawOptions& normal, const JointOptions& options);
+                                 const NormalRule& normal, const JointOptions& options);
 
 /// What must hold at a state: joints, couplings, bilateral motors; in the order of the columns of
 /// JointSystem.

@@ -12,7 +12,7 @@ constexpr int kRounds = 12;
 
 // Contacts and gap functions at the poses, frictionless: J d + gap >= 0 for a displacement d (PRJ-2).
 ContactBlocks openings(const StepSetting& setting, const State& at, const ContactSet& contacts) {
-  const NormalLawOptions over_step{.law = NormalLaw::gap_over_step, .correction_speed = kInf};
+  const NormalRule over_step{.law = NormalLaw::gap_over_step, .correction_speed = kInf};
   State resting = at;
   resting.v.setZero();
   const VecX none = VecX::Zero(at.v.size());

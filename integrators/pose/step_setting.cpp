@@ -37,7 +37,7 @@ void refuse_deforming(const Model& model, const char* who) {
                                            model.bodies[b].name + ") deforms; only rigid bodies may");
 }
 
-StepSetting step_setting(const Model& model, const StepOptions& options) {
+StepSetting step_setting(const Model& model, const StepOptions& options, NormalLaw law, double gamma) {
   validate(model);
   validate(options);
   int undilated = 0;
@@ -53,12 +53,17 @@ StepSetting step_setting(const Model& model, const StepOptions& options) {
   StepSetting out{.model = model,
                   .size = size_of(model),
                   .options = options,
+                  .normal = {.law = law,
+                             .gamma = gamma,
+                             .correction_speed = options.correction_speed,
+                             .touching = options.touching},
                   .dofs = layout(model),
                   .bounds = body_bounds(model),
                   .pieces = pieces_of_shapes(model)};
   out.laws = contact_laws(model);
   for (const RigidBody& body : model.bodies)
     out.shapes.push_back(body.shape < 0 ? nullptr : model.shapes[std::size_t(body.shape)].get());
+  if (out.options.advancement.min_h == 0) out.options.advancement.min_h = std::min(1e-7, 1e-4 * options.h);
   out.options.lmd.threads = options.threads;
   out.options.solver.for_all = [threads = options.threads](int n, const std::function<void(int)>& f) {
     parallel_for(n, threads, f);

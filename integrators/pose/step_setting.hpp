@@ -2,7 +2,7 @@
 // The setting that all schemes share: the options of a step, and a model made ready for it.
 #pragma once
 
-#include "integrators/pose/free_motion.hpp"
+#include "integrators/pose/contact_problem.hpp"
 #include "integrators/pose/step_pairs.hpp"
 
 namespace aussois {
@@ -16,7 +16,8 @@ struct ModelSize {
 struct StepSetting {
   const Model& model;
   ModelSize size{};
-  StepOptions options{};
+  StepOptions options{};  // AdvancementOptions::min_h resolved
+  NormalRule normal{};
   Layout dofs{};
   std::vector<BodyBounds> bounds{};
   std::vector<Pieces> pieces{};           // of every shape
@@ -28,7 +29,8 @@ struct StepSetting {
 
 /// Throws std::invalid_argument for a bad option or model, or if two bodies that can touch have no dilation
 /// at all.
-StepSetting step_setting(const Model& model, const StepOptions& options);
+StepSetting step_setting(const Model& model, const StepOptions& options, NormalLaw law = NormalLaw::combined,
+                         double gamma = 1);
 
 /// For code that asks where the contacts of a rigid body go: throws std::invalid_argument naming the first
 /// body that deforms.

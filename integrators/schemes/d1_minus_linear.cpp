@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "geometry/settings.hpp"
 #include "integrators/schemes/advance_step.hpp"
 #include "nsgs/joint_elimination.hpp"
 
@@ -31,7 +32,7 @@ Start start_of(const StepSetting& setting, const State& state, double h) {
   out.mass = model.coordinates.empty()
                  ? out.forces.mass
                  : forces_at(model, state_after(model, state, state.v, state.v, h / 2), dofs).mass;
-  out.joints = joint_system(model, state, dofs, out.v_prescribed, h, kTheta, o.normal, o.joints);
+  out.joints = joint_system(model, state, dofs, out.v_prescribed, h, kTheta, setting.normal, o.joints);
   const FrictionProblem problem{.M = out.mass,
                                 .H = SparseMatrix(dofs.rows, 0),
                                 .f = out.mass * out.v + h * out.forces.sum(),
@@ -106,7 +107,7 @@ struct StagedStep {
 
 StagedStep staged_step(const StepSetting& setting, const State& from, const Start& start, Found found,
                        double h) {
-  NormalLawOptions gap = setting.options.normal;
+  NormalRule gap = setting.normal;
   gap.law = NormalLaw::gap_over_step;
   StagedStep out{setting, from, start, h, closed_gap(gap, h) / h, std::move(found)};
   out.step.v_prescribed = start.v_prescribed;
@@ -201,14 +202,9 @@ Trial attempt(const StepSetting& setting, const State& from, const Estimate& ahe
 
 }  // namespace
 
-void validate(const D1MinusLinearOptions& options) {
-  refuse_anchors(options.step, "d1_minus_linear");
-  validate(options.step);
-}
-
-D1MinusLinear::D1MinusLinear(const Model& model, const D1MinusLinearOptions& options)
-    : setting_(std::make_shared<const StepSetting>(step_setting(model, options.step))) {
-  validate(options);
+D1MinusLinear::D1MinusLinear(const Model& model, const StepOptions& step)
+    : setting_(std::make_shared<const StepSetting>(step_setting(model, step))) {
+  refuse_unread(step, unread(), "d1_minus_linear");
 }
 
 StepReport D1MinusLinear::step(State& state, double h_limit) const {

@@ -6,6 +6,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "integrators/step_options.hpp"
 #include "integrators/step_report.hpp"
@@ -14,22 +16,20 @@ namespace aussois {
 
 struct StepSetting;
 
-struct D1MinusLinearOptions {
-  StepOptions step{};  // normal.law is ignored: the impact law is (DML-6)
-};
-void validate(const D1MinusLinearOptions& options);  // throws std::invalid_argument: field, value, bound
-
 class D1MinusLinear {
  public:
   /// Throws std::invalid_argument for a bad option or model, or if two bodies that can touch have no dilation
   /// at all.
-  D1MinusLinear(const Model& model, const D1MinusLinearOptions& options);
-  D1MinusLinear(Model&&, const D1MinusLinearOptions&) = delete;  // the model must outlive the scheme
+  explicit D1MinusLinear(const Model& model, const StepOptions& step = {});
+  explicit D1MinusLinear(Model&&, const StepOptions& = {}) = delete;  // the model must outlive the scheme
 
-  /// Advances by at most min(options.step.h, h_limit); less if the advancement needs it. The state is
+  /// Advances by at most min(StepOptions::h, h_limit); less if the advancement needs it. The state is
   /// unchanged unless the report says moved(). Throws for arguments that do not fit (check_fits), not for
   /// numerical trouble. Explicit in the forces: a spring k on a mass m needs h < 2 sqrt(m / k).
   [[nodiscard]] StepReport step(State& state, double h_limit = kInf) const;
+
+  /// Options of a step that the scheme does not read; they are refused if they are set.
+  static std::vector<std::string> unread() { return {"persistence.anchors"}; }
 
  private:
   std::shared_ptr<const StepSetting> setting_;

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/check.hpp"
+#include "geometry/settings.hpp"
 #include "integrators/schemes/advance_step.hpp"
 #include "nsgs/joint_elimination.hpp"
 
@@ -67,7 +67,7 @@ SmoothMotion smooth_motion(const StepSetting& setting, const State& state, const
   double last = kInf;
   for (int k = 0; k < kNewtonSteps && !out.solved; ++k) {
     out.forces = forces_at(model, out.end, dofs);
-    out.joints = joint_system_at(model, state, out.end, dofs, v_prescribed, h, setting.options.normal);
+    out.joints = joint_system_at(model, state, out.end, dofs, v_prescribed, h, setting.normal);
     const SparseMatrix& G = out.joints.equations.G;
     FrictionProblem problem{.M = out.forces.mass + to_v * out.forces.C + to_q * out.forces.K,
                             .H = SparseMatrix(dofs.rows, 0)};
@@ -166,7 +166,7 @@ ImpulseStep position_problem(const StepSetting& setting, const State& state, con
                              const SmoothMotion& smooth, const ImpulseStep& velocities) {
   ImpulseStep out{
       .free = velocities.free, .v_prescribed = velocities.v_prescribed, .joints = velocities.joints};
-  NormalLawOptions normal = setting.options.normal;
+  NormalRule normal = setting.normal;
   normal.law = NormalLaw::gap_over_step;
   out.joints =
       joint_system_at(setting.model, state, smooth.end, setting.dofs, out.v_prescribed, found.h, normal);
@@ -182,17 +182,27 @@ ImpulseStep position_problem(const StepSetting& setting, const State& state, con
 
 }  // namespace
 
-void validate(const GeneralisedAlphaOptions& o) {
-  require_field(o.spectral_radius >= 0 && o.spectral_radius <= 1, "GeneralisedAlphaOptions::spectral_radius",
-                o.spectral_radius, "lie in [0, 1]");
-  refuse_anchors(o.step, "generalised_alpha");
-  validate(o.step);
+void describe(SettingVisitor& visit, GeneralisedAlphaOptions& o) {
+  visit.begin("GeneralisedAlphaOptions");
+  visit.number({.name = "spectral_radius",
+                .what = "spectral radius of infinitely stiff motions; 1: no damping",
+                .unit = "-",
+                .range = {0, 1},
+                .flag = "--spectral-radius",
+                .label = "rho %",
+                .in_every_label = true},
+               o.spectral_radius);
 }
 
-GeneralisedAlpha::GeneralisedAlpha(const Model& model, const GeneralisedAlphaOptions& options)
-    : setting_(std::make_shared<const StepSetting>(step_setting(model, options.step))),
-      spectral_radius_(options.spectral_radius) {
-  validate(options);
+void validate(const GeneralisedAlphaOptions& options) {
+  check_ranges(options);
+}
+
+GeneralisedAlpha::GeneralisedAlpha(const Model& model, const StepOptions& step,
+                                   const GeneralisedAlphaOptions& own)
+    : setting_(std::make_shared<const StepSetting>(step_setting(model, step))), own_(own) {
+  validate(own);
+  refuse_unread(step, unread(), "generalised_alpha");
 }
 
 namespace {
@@ -220,7 +230,7 @@ Trial attempt(const StepSetting& setting, const State& start, const Estimate& ah
                    .v_prescribed = prescribed_velocity(setting.model, start, h),
                    .between = std::move(between.joints),
                    .lambda_earlier = h * smooth.lambda};
-  NormalLawOptions impact = setting.options.normal;
+  NormalRule impact = setting.normal;
   impact.law = NormalLaw::moreau;
   step.joints = joint_system_at(setting.model, start, smooth.end, dofs, step.v_prescribed, h, impact);
   add_rows(setting, start, found, impact, step);
@@ -262,7 +272,8 @@ Trial attempt(const StepSetting& setting, const State& start, const Estimate& ah
 StepReport GeneralisedAlpha::step(State& state, double h_limit) const {
   const StepSetting& setting = *setting_;
   const auto smooth_from = [&](const State& start, double h) {
-    return smooth_motion(setting, start, prescribed_velocity(setting.model, start, h), h, spectral_radius_);
+    return smooth_motion(setting, start, prescribed_velocity(setting.model, start, h), h,
+                         own_.spectral_radius);
   };
   return advance_step(setting, state, h_limit,
                       {[&](const State& start, double h) {

@@ -6,6 +6,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "integrators/step_options.hpp"
 #include "integrators/step_report.hpp"
@@ -16,25 +18,30 @@ struct StepSetting;
 
 struct GeneralisedAlphaOptions {
   double spectral_radius = 0.8;  // of infinitely stiff motions, per step [-], in [0, 1]; 1: no damping
-  StepOptions step{};            // normal.law and joints.stabilisation are ignored: see (GA-6), (GA-7)
 };
 void validate(const GeneralisedAlphaOptions& options);  // throws std::invalid_argument: field, value, bound
+void describe(SettingVisitor& visit, GeneralisedAlphaOptions& options);
 
 class GeneralisedAlpha {
  public:
   /// Throws std::invalid_argument for a bad option or model, or if two bodies that can touch have no dilation
   /// at all.
-  GeneralisedAlpha(const Model& model, const GeneralisedAlphaOptions& options);
-  GeneralisedAlpha(Model&&, const GeneralisedAlphaOptions&) = delete;  // the model must outlive the scheme
+  explicit GeneralisedAlpha(const Model& model, const StepOptions& step = {},
+                            const GeneralisedAlphaOptions& own = {});
+  explicit GeneralisedAlpha(Model&&, const StepOptions& = {}, const GeneralisedAlphaOptions& = {}) =
+      delete;  // the model must outlive the scheme
 
-  /// Advances by at most min(options.step.h, h_limit); less if the advancement needs it. The state is
+  /// Advances by at most min(StepOptions::h, h_limit); less if the advancement needs it. The state is
   /// unchanged unless the report says moved(). Throws for arguments that do not fit (check_fits), not for
   /// numerical trouble. Keeps accelerations in State::a; a state without them is a fresh start.
   [[nodiscard]] StepReport step(State& state, double h_limit = kInf) const;
 
+  /// Options of a step that the scheme does not read; they are refused if they are set.
+  static std::vector<std::string> unread() { return {"joints.stabilisation", "persistence.anchors"}; }
+
  private:
   std::shared_ptr<const StepSetting> setting_;
-  double spectral_radius_;
+  GeneralisedAlphaOptions own_;
 };
 
 }  // namespace aussois

@@ -5,27 +5,13 @@
 #include <cmath>
 #include <utility>
 
-#include "geometry/check.hpp"
+#include "geometry/settings.hpp"
 #include "integrators/pose/gap_hessians.hpp"
 #include "integrators/pose/projection.hpp"
 #include "integrators/schemes/advance_step.hpp"
 
 namespace aussois {
 namespace {
-
-StepOptions step_options(const MoreauJeanOptions& o) {
-  return {.h = o.h,
-          .normal = o.normal,
-          .joints = o.joints,
-          .lmd = o.lmd,
-          .reduction = o.reduction,
-          .persistence = o.persistence,
-          .solver = o.solver,
-          .advancement = o.advancement,
-          .update = o.update,
-          .threads = o.threads,
-          .keep_problem = o.keep_problem};
-}
 
 // The part `time` of the step that the mean velocities `v` lead through.
 State on_the_way(const StepSetting& setting, const State& start, const VecX& v, double h, double time) {
@@ -63,15 +49,15 @@ FreeMotion at_iterate(const StepSetting& setting, const State& start, const Free
 
 // Changes of the size of the solver's noise that no longer halve are no matter of Newton's. Small bodies turn
 // by a tenth of it.
-bool newton_done(double change, double last, const MoreauJeanOptions& o) {
-  return change <= o.newton.tolerance || (change <= kSolverNoise * o.solver.tolerance && change > last / 2);
+bool newton_done(double change, double last, const NewtonOptions& o, double solver_tolerance) {
+  return change <= o.tolerance || (change <= kSolverNoise * solver_tolerance && change > last / 2);
 }
 
 // A loop whose changes grow so often in a row leads away from the solution next to its start, and may end at
 // another one (MJ-16). One growth is a contact that comes or goes, or load that shifts among several.
 constexpr int kDivergent = 2;
-bool grows(double change, double last, double speed, const MoreauJeanOptions& o) {
-  return change > 1.1 * last && change > kSolverNoise * o.solver.tolerance * speed;
+bool grows(double change, double last, double speed, double solver_tolerance) {
+  return change > 1.1 * last && change > kSolverNoise * solver_tolerance * speed;
 }
 
 // Impulses of all contacts of a solution, to be matched with those of the next iterate.
@@ -160,38 +146,72 @@ double time_of(ContactsAt at, double h) {
 
 }  // namespace
 
-const char* to_string(ContactsAt at) {
-  return at == ContactsAt::start ? "start" : at == ContactsAt::midpoint ? "midpoint" : "end";
+void describe(SettingVisitor& visit, NewtonOptions& o) {
+  visit.begin("NewtonOptions");
+  visit.count({.name = "max_iterations",
+               .what = "maximum Newton iterations per step; 1: linearly implicit, more: fully implicit",
+               .unit = "",
+               .range = at_least(1),
+               .flag = "--newton-iterations",
+               .label = "implicit"},
+              o.max_iterations);
+  visit.number({"tolerance", "largest change of a velocity at convergence", "m/s, rad/s", positive()},
+               o.tolerance);
+  visit.toggle(
+      {.name = "gap_hessians", .what = "include gap Hessians in the Newton matrix", .flag = "--gap-hessians"},
+      o.gap_hessians);
 }
-ContactsAt contacts_at(const std::string& name) {
-  for (const ContactsAt at : {ContactsAt::start, ContactsAt::midpoint, ContactsAt::end})
-    if (name == to_string(at)) return at;
-  throw std::invalid_argument("contacts at = " + name + " must be start, midpoint or end");
+
+void describe(SettingVisitor& visit, MoreauJeanOptions& o) {
+  visit.begin("MoreauJeanOptions");
+  visit.number({.name = "theta",
+                .what = "point of the step at which forces act; 0.5: midpoint, 1: end",
+                .unit = "-",
+                .range = {0.5, 1},
+                .flag = "--theta",
+                .label = "theta %",
+                .in_every_label = true},
+               o.theta);
+  visit.choice({.name = "law",
+                .what = "law of normal rows",
+                .flag = "--normal-law",
+                .label = "%",
+                .in_every_label = true},
+               o.law, kNormalLaws);
+  visit.number({.name = "gamma",
+                .what = "weight of the end velocity in the contact laws; 1: end velocity alone",
+                .unit = "-",
+                .range = {0.5, 1},
+                .flag = "--gamma",
+                .label = "gamma %"},
+               o.gamma);
+  visit.choice({.name = "contacts",
+                .what = "point of the step at which contacts are evaluated",
+                .flag = "--contacts",
+                .label = "contacts %"},
+               o.contacts, kContactsAt);
+  visit.group("newton", o.newton);
+  visit.group("impact", o.impact);
 }
 
 void validate(const MoreauJeanOptions& o) {
-  require_field(o.theta >= 0.5 && o.theta <= 1, "MoreauJeanOptions::theta", o.theta, "lie in [0.5, 1]");
-  require_field(o.newton.max_iterations >= 1, "NewtonOptions::max_iterations", o.newton.max_iterations,
-                "be at least 1");
-  require_field(o.newton.tolerance > 0, "NewtonOptions::tolerance", o.newton.tolerance, "be positive [m/s]");
-  validate(o.impact);
-  require(in_the_step(o.impact) || o.normal.law != NormalLaw::gap_over_step,
-          std::string("MoreauJeanOptions::impact = ") + to_string(o.impact.law) + ", " +
-              to_string(o.impact.order) + " needs an impact law: normal law moreau or combined");
+  check_ranges(o);
+  require(in_the_step(o.impact) || o.law != NormalLaw::gap_over_step,
+          std::string("MoreauJeanOptions::impact = ") + name_of(o.impact.law, kImpactLaws) + ", " +
+              name_of(o.impact.order, kImpactOrders) + " needs an impact law: normal law moreau or combined");
   require(
       in_the_step(o.impact) || o.contacts == ContactsAt::start,
       "MoreauJeanOptions::contacts must be start with Poisson's or sequential impacts, which happen there");
-  require(
-      in_the_step(o.impact) || o.normal.gamma == 1,
-      "NormalLawOptions::gamma must be 1 with Poisson's or sequential impacts, which have their own average");
-  validate(step_options(o));
+  require(in_the_step(o.impact) || o.gamma == 1,
+          "MoreauJeanOptions::gamma must be 1 with Poisson's or sequential impacts, which have their own "
+          "average");
 }
 
-MoreauJean::MoreauJean(const Model& model, const MoreauJeanOptions& options)
-    : setting_(std::make_shared<const StepSetting>(step_setting(model, step_options(options)))),
-      options_(options) {
-  validate(options);
-  if (options.newton.gap_hessians) refuse_deforming(model, "NewtonOptions::gap_hessians");
+MoreauJean::MoreauJean(const Model& model, const StepOptions& step, const MoreauJeanOptions& own)
+    : setting_(std::make_shared<const StepSetting>(step_setting(model, step, own.law, own.gamma))),
+      own_(own) {
+  validate(own);
+  if (own.newton.gap_hessians) refuse_deforming(model, "NewtonOptions::gap_hessians");
 }
 
 namespace {
@@ -230,7 +250,7 @@ void solve_again(const StepSetting& setting, const MoreauJeanOptions& o, const S
   start_with_the_last_solve(now.found, now.step, there);
   ContactBlocks blocks = start.after ? start.after->blocks
                                      : contact_blocks(setting, time > 0 ? at : start.state, there.contacts, h,
-                                                      o.normal, reached);
+                                                      setting.normal, reached);
   SharedMotion free = start.free;
   if (o.newton.max_iterations > 1) {
     SparseMatrix turn;  // with theta as of a velocity's part in the path
@@ -248,7 +268,9 @@ void solve_again(const StepSetting& setting, const MoreauJeanOptions& o, const S
   now.step.seconds += seconds;
   now.found = std::move(there);
   now.last = std::exchange(now.change, (now.step.solved.solution.v - v).lpNorm<Eigen::Infinity>());
-  now.growths = grows(now.change, now.last, v.lpNorm<Eigen::Infinity>(), o) ? now.growths + 1 : 0;
+  now.growths = grows(now.change, now.last, v.lpNorm<Eigen::Infinity>(), setting.options.solver.tolerance)
+                    ? now.growths + 1
+                    : 0;
   ++now.made;
 }
 
@@ -260,26 +282,27 @@ Trial attempt(const StepSetting& setting, const MoreauJeanOptions& o, const Stat
   const std::optional<AfterImpact> after = after_impact(setting, state, now.found, o.impact, theta);
   const State& from = after ? after->state : state;
   const Start start{from, after, after ? free(setting, from, h, theta) : without};
-  now.step =
-      solve_step(setting, from, now.found, start.free, theta,
-                 after ? after->blocks : contact_blocks(setting, from, now.found.contacts, h, o.normal));
+  now.step = solve_step(
+      setting, from, now.found, start.free, theta,
+      after ? after->blocks : contact_blocks(setting, from, now.found.contacts, h, setting.normal));
   const int iterations = o.newton.max_iterations, solves = iterations + (time > 0);
   if (iterations == 1) now.change = 0;
   while (now.made < solves && now.growths < kDivergent &&
-         (now.made < 2 || !newton_done(now.change, now.last, o)) && now.step.solved.solution.v.allFinite())
+         (now.made < 2 || !newton_done(now.change, now.last, o.newton, setting.options.solver.tolerance)) &&
+         now.step.solved.solution.v.allFinite())
     solve_again(setting, o, start, h, now);
   if (after) now.step.impact = after->impact;
   VecX v_path = theta * now.step.solved.solution.v + (1 - theta) * start.free->v;  // (MJ-7)
-  if (theta < 1 && o.contacts != ContactsAt::end && o.normal.gamma == 1 &&
-      o.normal.law != NormalLaw::moreau && v_path.allFinite())
+  if (theta < 1 && o.contacts != ContactsAt::end && o.gamma == 1 && o.law != NormalLaw::moreau &&
+      v_path.allFinite())
     v_path = land(setting, from, now.found, v_path, now.step);
   Trial trial{.move = {.v_path = v_path,
                        .v_end = now.step.solved.solution.v,
-                       .goes_on = 2 * (1 - theta) * o.advancement.min_h},
+                       .goes_on = 2 * (1 - theta) * setting.options.advancement.min_h},
               .figures = {.newton_iterations = now.made, .newton_change = now.change}};
   if (now.growths == kDivergent)
     trial.beforehand = {Outcome::not_certified, "the Newton loop of the step diverges"};
-  else if (iterations > 1 && !newton_done(now.change, now.last, o))
+  else if (iterations > 1 && !newton_done(now.change, now.last, o.newton, setting.options.solver.tolerance))
     trial.afterwards = {Outcome::not_solved, "the Newton loop of the step did not reach its tolerance"};
   trial.found = std::move(now.found);
   trial.impulses = std::move(now.step);
@@ -294,16 +317,15 @@ StepReport MoreauJean::step(State& state, double h_limit) const {
   SharedMotion without;  // contacts; of the length that is tried, from the start that all attempts share
   double length = 0;
   const auto free_for = [&](const State& start, double h) -> const SharedMotion& {
-    if (h != length) without = free(setting, start, h, options_.theta), length = h;
+    if (h != length) without = free(setting, start, h, own_.theta), length = h;
     return without;
   };
   return advance_step(setting, state, h_limit,
                       {[&](const State& start, double h) {
-                         return estimate_without_contacts(setting, start, *free_for(start, h), h,
-                                                          options_.theta);
+                         return estimate_without_contacts(setting, start, *free_for(start, h), h, own_.theta);
                        },
                        [&](const State& start, const Estimate& ahead, double h) {
-                         return attempt(setting, options_, start, free_for(start, h), ahead, h);
+                         return attempt(setting, own_, start, free_for(start, h), ahead, h);
                        }});
 }
 

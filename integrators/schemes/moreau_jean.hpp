@@ -5,6 +5,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "integrators/step_options.hpp"
 #include "integrators/step_report.hpp"
@@ -16,9 +18,8 @@ struct StepSetting;
 /// Where a step evaluates normals, arms and gaps of its contacts: at the start, or at the middle or the end
 /// of the path given by the velocities found so far (MJ-11).
 enum class ContactsAt { start, midpoint, end };
-const char* to_string(ContactsAt at);
-/// Finds the value by its name; throws std::invalid_argument listing the three.
-ContactsAt contacts_at(const std::string& name);
+inline constexpr Named<ContactsAt> kContactsAt[] = {
+    {ContactsAt::start, "start"}, {ContactsAt::midpoint, "midpoint"}, {ContactsAt::end, "end"}};
 
 /// The Newton loop of the fully implicit step (MJ-12). The default of one iteration makes the step linearly
 /// implicit.
@@ -31,44 +32,43 @@ struct NewtonOptions {
   // or with contacts at the start.
   bool gap_hessians = false;
 };
+void describe(SettingVisitor& visit, NewtonOptions& options);
 
 struct MoreauJeanOptions {
-  double h = 1e-3;     // largest step [s], > 0
-  double theta = 1.0;  // of the smooth forces and of the position update [-], in [1/2, 1]
+  double theta = 0.5;  // of the smooth forces and of the position update [-], in [1/2, 1]
+  NormalLaw law = NormalLaw::combined;
+  // The laws of contacts and stops apply to gamma u+ + (1 - gamma) u- [-], in [1/2, 1]; this implies a
+  // restitution of (1 - gamma) / gamma (MJ-10)
+  double gamma = 1;
   ContactsAt contacts = ContactsAt::start;
   NewtonOptions newton{};
   ImpactOptions impact{};  // values other than the defaults exclude NormalLaw::gap_over_step
-  NormalLawOptions normal{};
-  JointOptions joints{};
-  LmdOptions lmd{};  // the displacement bound sets its threshold in each step
-  ReductionOptions reduction{};
-  PersistenceOptions persistence{};
-  SolverOptions solver{};
-  AdvancementOptions advancement{};
-  GroupUpdate update = GroupUpdate::exponential;
-  int threads = 1;            // the result does not depend on it
-  bool keep_problem = false;  // keeps the solved problem in StepReport::problem, to save and replay it
 };
 void validate(const MoreauJeanOptions& options);  // throws std::invalid_argument: field, value, bound
+void describe(SettingVisitor& visit, MoreauJeanOptions& options);
 
 class MoreauJean {
  public:
   /// Throws std::invalid_argument for a bad option or model, or if two bodies that can touch have no dilation
   /// at all.
-  MoreauJean(const Model& model, const MoreauJeanOptions& options);
-  MoreauJean(Model&&, const MoreauJeanOptions&) = delete;  // the model must outlive the scheme
+  explicit MoreauJean(const Model& model, const StepOptions& step = {}, const MoreauJeanOptions& own = {});
+  explicit MoreauJean(Model&&, const StepOptions& = {},
+                      const MoreauJeanOptions& = {}) = delete;  // the model must outlive the scheme
 
-  /// Advances by at most min(options.h, h_limit); less if the advancement needs it. The state is unchanged
-  /// unless the report says moved(). Throws for arguments that do not fit (check_fits), not for numerical
-  /// trouble.
+  /// Advances by at most min(StepOptions::h, h_limit); less if the advancement needs it. The state is
+  /// unchanged unless the report says moved(). Throws for arguments that do not fit (check_fits), not for
+  /// numerical trouble.
   [[nodiscard]] StepReport step(State& state, double h_limit = kInf) const;
 
   /// Contacts of all pairs of bodies at the state with gap <= threshold [m], as a step would find them.
   ContactSet contacts(const State& state, double threshold) const;
 
+  /// Options of a step that the scheme does not read; they are refused if they are set.
+  static std::vector<std::string> unread() { return {}; }
+
  private:
   std::shared_ptr<const StepSetting> setting_;
-  MoreauJeanOptions options_;
+  MoreauJeanOptions own_;
 };
 
 }  // namespace aussois

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "geometry/check.hpp"
+#include "geometry/settings.hpp"
 #include "integrators/pose/projection.hpp"
 #include "integrators/schemes/advance_step.hpp"
 
@@ -38,32 +38,37 @@ bool too_far(const Projection& projection, const Found& found, const Advancement
 
 }  // namespace
 
-const char* to_string(ProjectionOrder order) {
-  return order == ProjectionOrder::direct ? "direct" : "combined";
-}
-ProjectionOrder projection_order(const std::string& name) {
-  for (const ProjectionOrder order : {ProjectionOrder::direct, ProjectionOrder::combined})
-    if (name == to_string(order)) return order;
-  throw std::invalid_argument("projection = " + name + " must be direct or combined");
+void describe(SettingVisitor& visit, MoreauJeanProjectedOptions& o) {
+  visit.begin("MoreauJeanProjectedOptions");
+  visit.number({.name = "theta",
+                .what = "point of the step at which forces act; 0.5: midpoint, 1: end",
+                .unit = "-",
+                .range = {0.5, 1},
+                .flag = "--theta",
+                .label = "theta %",
+                .in_every_label = true},
+               o.theta);
+  visit.choice({.name = "order",
+                .what = "order in which velocities and positions are solved",
+                .flag = "--projection",
+                .label = "%",
+                .in_every_label = true},
+               o.order, kProjectionOrders);
 }
 
-void validate(const MoreauJeanProjectedOptions& o) {
-  require_field(o.theta >= 0.5 && o.theta <= 1, "MoreauJeanProjectedOptions::theta", o.theta,
-                "lie in [0.5, 1]");
-  require(o.step.normal.law == NormalLaw::moreau,
-          std::string("NormalLawOptions::law = ") + to_string(o.step.normal.law) +
-              " must be moreau: positions are held by the projection");
-  validate(o.step);
+void validate(const MoreauJeanProjectedOptions& options) {
+  check_ranges(options);
 }
 
-MoreauJeanProjected::MoreauJeanProjected(const Model& model, const MoreauJeanProjectedOptions& options)
-    : setting_(std::make_shared<const StepSetting>(step_setting(model, options.step))), options_(options) {
-  validate(options);
+MoreauJeanProjected::MoreauJeanProjected(const Model& model, const StepOptions& step,
+                                         const MoreauJeanProjectedOptions& own)
+    : setting_(std::make_shared<const StepSetting>(step_setting(model, step, NormalLaw::moreau))), own_(own) {
+  validate(own);
 }
 
 StepReport MoreauJeanProjected::step(State& state, double h_limit) const {
   const StepSetting& setting = *setting_;
-  const double theta = options_.theta;
+  const double theta = own_.theta;
   const auto free = [&](const State& start, double h) {
     return SharedMotion(new FreeMotion(free_motion(setting.model, start, setting.dofs, h, theta,
                                                    setting.mass_scratch.get())));  // (MJ-4), (MJ-5)
@@ -73,7 +78,7 @@ StepReport MoreauJeanProjected::step(State& state, double h_limit) const {
   };
   const auto attempt = [&](const State& start, const Estimate& ahead, double h) {
     Found found = find_ahead(setting, start, ahead, h);
-    ContactBlocks blocks = contact_blocks(setting, start, found.contacts, h, setting.options.normal);
+    ContactBlocks blocks = contact_blocks(setting, start, found.contacts, h, setting.normal);
     SolveReport beside;
     for (;;) {  // each round activates at least one contact more
       ImpulseStep step = solve_step(setting, start, found, free(start, h), theta, blocks);
@@ -87,7 +92,7 @@ StepReport MoreauJeanProjected::step(State& state, double h_limit) const {
       if (setting.options.joints.project) plain = projected(setting.model, plain).state;
       const Projection projection =
           without_overlap(setting, plain, found.pairs, *step.free, step.joints.equations.G, h);  // (PRJ-1)
-      if (options_.order == ProjectionOrder::combined && activate(projection, found, blocks)) {
+      if (own_.order == ProjectionOrder::combined && activate(projection, found, blocks)) {
         add_counts(step.solved.solution.report, beside);
         add_counts(projection.solve, beside);
         continue;

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "integrators/step_options.hpp"
 #include "integrators/step_report.hpp"
@@ -16,30 +18,34 @@ enum class ProjectionOrder {
   direct,    // velocities, then positions
   combined,  // then velocities again with contacts that positions asked for, until none is added (PRJ-5)
 };
-const char* to_string(ProjectionOrder order);
-/// Finds the order by its name; throws std::invalid_argument listing the two.
-ProjectionOrder projection_order(const std::string& name);
+inline constexpr Named<ProjectionOrder> kProjectionOrders[] = {{ProjectionOrder::direct, "direct"},
+                                                               {ProjectionOrder::combined, "combined"}};
 
 struct MoreauJeanProjectedOptions {
   double theta = 0.5;  // of the smooth forces and of the position update [-], in [1/2, 1]
   ProjectionOrder order = ProjectionOrder::combined;
-  StepOptions step{.normal = {.law = NormalLaw::moreau}};  // the law must be Moreau's
 };
 void validate(
     const MoreauJeanProjectedOptions& options);  // throws std::invalid_argument: field, value, bound
+void describe(SettingVisitor& visit, MoreauJeanProjectedOptions& options);
 
 class MoreauJeanProjected {
  public:
   /// Throws std::invalid_argument as MoreauJean does.
-  MoreauJeanProjected(const Model& model, const MoreauJeanProjectedOptions& options);
-  MoreauJeanProjected(Model&&, const MoreauJeanProjectedOptions&) = delete;  // the model outlives the scheme
+  explicit MoreauJeanProjected(const Model& model, const StepOptions& step = {},
+                               const MoreauJeanProjectedOptions& own = {});
+  explicit MoreauJeanProjected(Model&&, const StepOptions& = {}, const MoreauJeanProjectedOptions& = {}) =
+      delete;  // the model must outlive the scheme
 
   /// As MoreauJean::step. The certified path leads to the projected poses.
   [[nodiscard]] StepReport step(State& state, double h_limit = kInf) const;
 
+  /// Options of a step that the scheme does not read; they are refused if they are set.
+  static std::vector<std::string> unread() { return {}; }
+
  private:
   std::shared_ptr<const StepSetting> setting_;
-  MoreauJeanProjectedOptions options_;
+  MoreauJeanProjectedOptions own_;
 };
 
 }  // namespace aussois

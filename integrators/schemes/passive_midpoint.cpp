@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "geometry/check.hpp"
+#include "geometry/settings.hpp"
 #include "integrators/schemes/advance_step.hpp"
 
 namespace aussois {
@@ -87,7 +87,7 @@ void set_mean_joints(const StepSetting& setting, const State& start, double h, I
   const State end = state_after(setting.model, start, path, mean, h);
   step.rows.resize(step.rows.size() - step.joints.rows.size());
   step.joints = joint_system_on_mean(setting.model, start, {end, mean}, setting.dofs, step.v_prescribed, h,
-                                     setting.options.normal, setting.options.joints);
+                                     setting.normal, setting.options.joints);
   step.rows.insert(step.rows.end(), step.joints.rows.begin(), step.joints.rows.end());
 }
 
@@ -98,27 +98,53 @@ StepOptions without_projection(StepOptions o) {
 
 }  // namespace
 
-void validate(const PassiveMidpointOptions& options) {
-  refuse_anchors(options.step, "passive_midpoint");
-  validate(options.step);
-  require(!options.mean_joints || options.step.update == GroupUpdate::cayley,
-          std::string("PassiveMidpointOptions::mean_joints needs StepOptions::update = cayley, not ") +
-              to_string(options.step.update));
+void describe(SettingVisitor& visit, PassiveMidpointOptions& o) {
+  visit.begin("PassiveMidpointOptions");
+  visit.choice({.name = "gyroscopic",
+                .what = "point of the step at which the gyroscopic torque is evaluated",
+                .flag = "--gyroscopic",
+                .label = "%",
+                .in_every_label = true},
+               o.gyroscopic, kGyroscopicTerms);
+  visit.choice({.name = "law",
+                .what = "law of normal rows",
+                .flag = "--normal-law",
+                .label = "%",
+                .in_every_label = true},
+               o.law, kNormalLaws);
+  visit.toggle({.name = "passive",
+                .what = "lift the rule that contacts add no energy",
+                .flag = "--not-passive=false",
+                .label = "not passive"},
+               o.passive);
+  visit.toggle({.name = "mean_joints",
+                .what = "state joints on the mean of both ends of the step; needs --update cayley",
+                .flag = "--mean-joints",
+                .label = "mean joints"},
+               o.mean_joints);
 }
 
-PassiveMidpoint::PassiveMidpoint(const Model& model, const PassiveMidpointOptions& options)
+void validate(const PassiveMidpointOptions& options) {
+  check_ranges(options);
+}
+
+PassiveMidpoint::PassiveMidpoint(const Model& model, const StepOptions& step,
+                                 const PassiveMidpointOptions& own)
     : setting_(std::make_shared<const StepSetting>(
-          step_setting(model, options.mean_joints ? without_projection(options.step) : options.step))),
-      gyroscopic_(options.gyroscopic),
-      passive_(options.passive),
-      mean_joints_(options.mean_joints && !model.joints.empty()) {
-  validate(options);
+          step_setting(model, own.mean_joints ? without_projection(step) : step, own.law))),
+      own_(own) {
+  validate(own);
+  refuse_unread(step, unread(), "passive_midpoint");
+  require(!own.mean_joints || step.update == GroupUpdate::cayley,
+          std::string("PassiveMidpointOptions::mean_joints needs StepOptions::update = cayley, not ") +
+              to_string(step.update));
 }
 
 StepReport PassiveMidpoint::step(State& state, double h_limit) const {
   const StepSetting& setting = *setting_;
   const Model& model = setting.model;
   const Layout& dofs = setting.dofs;
+  const bool mean_joints = own_.mean_joints && !model.joints.empty();
   const auto estimate = [&](const State& start, double h) {
     return estimate_without_contacts(setting, start, free_motion(model, start, dofs, h, kTheta), h, kTheta);
   };
@@ -127,26 +153,28 @@ StepReport PassiveMidpoint::step(State& state, double h_limit) const {
     const FreeMotion plain = free_motion(model, start, dofs, h, kTheta);  // (MJ-4), (MJ-5)
     VecX guess = plain.v_free;
     const auto with_torque = [&] {
-      return std::make_shared<const FreeMotion>(with_gyroscopic(model, dofs, h, gyroscopic_, guess, plain));
+      return std::make_shared<const FreeMotion>(
+          with_gyroscopic(model, dofs, h, own_.gyroscopic, guess, plain));
     };
     ImpulseStep step = pose_step(setting, start, found, with_torque(), kTheta);
     std::vector<char> stated(step.rows.size(), 0);
     VecX last = VecX::Constant(dofs.rows, kInf);
     double change = kInf;
-    bool joints_stand = !mean_joints_;
+    bool joints_stand = !mean_joints;
     for (int k = 0; k < kRounds; ++k) {
       solve_rows(setting, start, found, step);
       const VecX& v = step.solved.solution.v;
       if (!v.allFinite()) break;
-      if (mean_joints_) {
+      if (mean_joints) {
         const double before = std::exchange(change, (v - last).lpNorm<Eigen::Infinity>());
         joints_stand = change <= kSolved * v.lpNorm<Eigen::Infinity>() ||
                        (change <= kGivenUp && change >= before / 2);  // as far as rounding lets it
         last = v;
       }
-      const bool off =
-          gyroscopic_ == GyroscopicTerm::midpoint && gyroscopic_error(dofs, plain.v, guess, v, h) > kExact;
-      const bool gives = passive_ && make_passive(dofs, setting.options.solver.tolerance, step, stated) > 0;
+      const bool off = own_.gyroscopic == GyroscopicTerm::midpoint &&
+                       gyroscopic_error(dofs, plain.v, guess, v, h) > kExact;
+      const bool gives =
+          own_.passive && make_passive(dofs, setting.options.solver.tolerance, step, stated) > 0;
       if (!off && !gives && joints_stand) break;
       if (off) {
         guess = v;

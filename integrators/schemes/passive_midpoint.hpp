@@ -4,6 +4,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "integrators/step_options.hpp"
 #include "integrators/step_report.hpp"
@@ -17,35 +19,42 @@ enum class GyroscopicTerm {
   start,     // S(J omega) at the start times the mean omega: linear, no work
   midpoint,  // at the mean omega: no work either; linearised about a guess of the mean
 };
+inline constexpr Named<GyroscopicTerm> kGyroscopicTerms[] = {{GyroscopicTerm::midpoint, "midpoint"},
+                                                             {GyroscopicTerm::start, "start"}};
 
 struct PassiveMidpointOptions {
   /// `midpoint` and StepOptions::update = cayley keep energy and angular momentum of a free body exactly.
   GyroscopicTerm gyroscopic = GyroscopicTerm::midpoint;
+  NormalLaw law = NormalLaw::combined;
   bool passive = true;  // contacts that would give energy get their law at the midpoint (PMI-6)
   /// States joints on the mean of both ends (MJT-14): to rounding, they neither drift, nor do work, nor turn
   /// the system as a whole; JointOptions::project is then off. Needs StepOptions::update = cayley. False: as
   /// in other schemes.
   bool mean_joints = false;
-  StepOptions step{};
 };
 void validate(const PassiveMidpointOptions& options);  // throws std::invalid_argument: field, value, bound
+void describe(SettingVisitor& visit, PassiveMidpointOptions& options);
 
 class PassiveMidpoint {
  public:
   /// Throws std::invalid_argument for a bad option or model, or if two bodies that can touch have no dilation
   /// at all.
-  PassiveMidpoint(const Model& model, const PassiveMidpointOptions& options);
-  PassiveMidpoint(Model&&, const PassiveMidpointOptions&) = delete;  // the model must outlive the scheme
+  explicit PassiveMidpoint(const Model& model, const StepOptions& step = {},
+                           const PassiveMidpointOptions& own = {});
+  explicit PassiveMidpoint(Model&&, const StepOptions& = {},
+                           const PassiveMidpointOptions& = {}) = delete;  // the model must outlive the scheme
 
-  /// Advances by at most min(options.step.h, h_limit); less if the advancement needs it. The state is
+  /// Advances by at most min(StepOptions::h, h_limit); less if the advancement needs it. The state is
   /// unchanged unless the report says moved(). Throws for arguments that do not fit (check_fits), not for
   /// numerical trouble.
   [[nodiscard]] StepReport step(State& state, double h_limit = kInf) const;
 
+  /// Options of a step that the scheme does not read; they are refused if they are set.
+  static std::vector<std::string> unread() { return {"persistence.anchors"}; }
+
  private:
   std::shared_ptr<const StepSetting> setting_;
-  GyroscopicTerm gyroscopic_;
-  bool passive_, mean_joints_;
+  PassiveMidpointOptions own_;
 };
 
 }  // namespace aussois

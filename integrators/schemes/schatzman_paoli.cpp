@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "geometry/check.hpp"
+#include "geometry/settings.hpp"
 #include "integrators/schemes/advance_step.hpp"
 
 namespace aussois {
@@ -41,39 +41,44 @@ void set_position_laws(const StepSetting& setting, const State& state, const Fou
     const bool acted = row.slot < 0 ? found.warm.impulse[i].dot(row.frame.col(0)) > 0
                                     : state.r.size() > 0 && state.r[row.slot] > 0;
     row.w.x() = row.moved.x() + position_bias(row, slip_velocity(row, setting.dofs, v).x(), acted, found.h,
-                                              state.h, setting.options.normal.correction_speed);
+                                              state.h, setting.normal.correction_speed);
   }
 }
 
 }  // namespace
 
-void validate(const SchatzmanPaoliOptions& o) {
-  require_field(o.theta >= 0 && o.theta <= 1, "SchatzmanPaoliOptions::theta", o.theta, "lie in [0, 1]");
-  require(o.step.normal.law == NormalLaw::gap_over_step && o.step.normal.gamma == 1,
-          "SchatzmanPaoliOptions::step: the normal law must be gap_over_step with gamma 1, the scheme has "
-          "its own");
-  require(o.step.update == GroupUpdate::exponential,
-          "SchatzmanPaoliOptions::step: the update must be exponential, velocities are those of the path");
-  refuse_anchors(o.step, "schatzman_paoli");
-  validate(o.step);
+void describe(SettingVisitor& visit, SchatzmanPaoliOptions& o) {
+  visit.begin("SchatzmanPaoliOptions");
+  visit.number({.name = "force_theta",
+                .what = "point of the step at which force laws are evaluated; 0: start, 1: end",
+                .unit = "-",
+                .range = {0, 1},
+                .flag = "--force-theta",
+                .label = "theta %"},
+               o.force_theta);
 }
 
-SchatzmanPaoli::SchatzmanPaoli(const Model& model, const SchatzmanPaoliOptions& options)
-    : setting_(std::make_shared<const StepSetting>(step_setting(model, options.step))),
-      theta_(options.theta) {
-  validate(options);
+void validate(const SchatzmanPaoliOptions& options) {
+  check_ranges(options);
+}
+
+SchatzmanPaoli::SchatzmanPaoli(const Model& model, const StepOptions& step, const SchatzmanPaoliOptions& own)
+    : setting_(std::make_shared<const StepSetting>(step_setting(model, step, NormalLaw::gap_over_step))),
+      own_(own) {
+  validate(own);
+  refuse_unread(step, unread(), "schatzman_paoli");
 }
 
 StepReport SchatzmanPaoli::step(State& state, double h_limit) const {
   const StepSetting& setting = *setting_;
   const auto estimate = [&](const State& start, double h) {
-    return estimate_without_contacts(setting, start, kick(setting, start, h, theta_), h, 1);
+    return estimate_without_contacts(setting, start, kick(setting, start, h, own_.force_theta), h, 1);
   };
   const auto attempt = [&](const State& start, const Estimate& ahead, double h) {
     Trial trial{.found = find_ahead(setting, start, ahead, h)};
     ImpulseStep& step = trial.impulses;
     step = pose_step(setting, start, trial.found,
-                     std::make_shared<const FreeMotion>(kick(setting, start, h, theta_)), 1);
+                     std::make_shared<const FreeMotion>(kick(setting, start, h, own_.force_theta)), 1);
     set_position_laws(setting, start, trial.found, step.rows);
     solve_rows(setting, start, trial.found, step);
     trial.move = {.v_path = step.solved.solution.v,

@@ -5,6 +5,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "integrators/step_options.hpp"
 #include "integrators/step_report.hpp"
@@ -14,25 +16,30 @@ namespace aussois {
 struct StepSetting;
 
 struct SchatzmanPaoliOptions {
-  double theta = 0;  // where in the step the force laws are evaluated, linearly implicit [-], in [0, 1]; 0:
-                     // central differences, stable up to 2 / h [rad/s]
-  StepOptions step{.normal = {.law = NormalLaw::gap_over_step}};  // the law and gamma must be these
+  double force_theta = 0;  // where in the step the force laws are evaluated, linearly implicit [-], in [0,
+                           // 1]; 0: central differences, stable up to 2 / h [rad/s]
 };
 void validate(const SchatzmanPaoliOptions& options);  // throws std::invalid_argument: field, value, bound
+void describe(SettingVisitor& visit, SchatzmanPaoliOptions& options);
 
 class SchatzmanPaoli {
  public:
   /// Throws std::invalid_argument as MoreauJean does.
-  SchatzmanPaoli(const Model& model, const SchatzmanPaoliOptions& options);
-  SchatzmanPaoli(Model&&, const SchatzmanPaoliOptions&) = delete;  // the model outlives the scheme
+  explicit SchatzmanPaoli(const Model& model, const StepOptions& step = {},
+                          const SchatzmanPaoliOptions& own = {});
+  explicit SchatzmanPaoli(Model&&, const StepOptions& = {},
+                          const SchatzmanPaoliOptions& = {}) = delete;  // the model must outlive the scheme
 
   /// As MoreauJean::step. A step of another length than the last keeps the restitution of an impact already
   /// begun (SP-5).
   [[nodiscard]] StepReport step(State& state, double h_limit = kInf) const;
 
+  /// Options of a step that the scheme does not read; they are refused if they are set.
+  static std::vector<std::string> unread() { return {"persistence.anchors", "update"}; }
+
  private:
   std::shared_ptr<const StepSetting> setting_;
-  double theta_;
+  SchatzmanPaoliOptions own_;
 };
 
 }  // namespace aussois

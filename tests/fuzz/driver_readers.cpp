@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <stdexcept>
 
-#include "examples/assembly/assembly_input.hpp"
-#include "examples/scenes/study_files.hpp"
+#include "examples/drivers/assembly/assembly_input.hpp"
+#include "examples/studies/convergence/study_files.hpp"
 #include "tests/fuzz/readers.hpp"
 
 namespace aussois {

@@ -93,7 +93,7 @@ class BadInput(DriverTest):
         path = self.folder / "path.csv"
         start = rows.index("0,0,0,0.5,1,0,0,0")
         path.write_text("\n".join(rows[:start] + ["0,3,0,0.5,1,0,0,0"] * 5 + rows[start:]) + "\n")
-        self.refused_replay(FILES, [f"{path}:{start + 1}: ", f"; in all 5 of {len(rows) - start + 5} poses are wrong"],
+        self.refused_replay(FILES, [f"{path}:{start + 1}: ", f"; 5 of {len(rows) - start + 5} poses are wrong"],
                             *self.with_peg("--path", path))
 
     def test_part_inside_the_partner(self):
@@ -263,7 +263,7 @@ class OpenMesh(DriverTest):
         (self.folder / "open.obj").write_text(text.replace("f 9 11 12\n", ""))
         closed = self.replay("closed", *PEG)
         opened = self.replay("open", *PEG[:2], "--moving", "open.obj", *PEG[4:])
-        sheets = "used as sheets, both sides, because it is no solid: 3 border edges"
+        sheets = "used as two-sided sheets, because it is not a solid: 3 border edges"
         self.assertNotIn(sheets, closed.stderr)
         self.assertIn(f"warning: open: {sheets}", opened.stderr)
         self.assertEqual(self.summary("closed")["mass_source"], "solid")

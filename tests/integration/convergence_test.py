@@ -63,7 +63,7 @@ class Convergence(DriverTest):
     def test_studies_that_are_there_are_not_done_again(self):
         self.converge(*TOP, "-o", "a")
         before = self.studies("a")
-        self.assertIn("1 of 1 were in a already", self.converge(*TOP, "-o", "a").stdout)
+        self.assertIn("1 of 1 were already in a", self.converge(*TOP, "-o", "a").stdout)
         self.assertEqual(self.studies("a"), before)
         self.assertNotIn("already", self.converge(*TOP, "-o", "a", "--tolerance", 1e-10).stdout)
         self.assertNotEqual(self.studies("a"), before)
@@ -72,7 +72,7 @@ class Convergence(DriverTest):
         implicit = (*TOP, "-o", "a", "--newton-iterations")  # one name
         self.converge(*implicit, 40)
         self.assertNotIn("already", self.converge(*implicit, 41).stdout)
-        self.assertIn("1 of 1 were in a already", self.converge(*implicit, 41).stdout)
+        self.assertIn("1 of 1 were already in a", self.converge(*implicit, 41).stdout)
         self.assertNotIn("already", self.converge(*implicit, 41, "--min-h", 1e-9).stdout)
         settings = json.loads(next(iter(self.studies("a").values())))["settings"]
         self.assertIn("--min-h 1e-09\n", settings)
@@ -92,7 +92,7 @@ class Convergence(DriverTest):
         run = self.converge("--all", *BRAKE, "-o", "parts")
         whole, parts = self.studies("whole"), self.studies("parts")
         self.assertGreater(len(whole), 6)
-        self.assertIn(f"{len(whole)} of {len(whole)} were in parts already", run.stdout)
+        self.assertIn(f"{len(whole)} of {len(whole)} were already in parts", run.stdout)
         self.assertEqual([whole[name] for name in sorted(whole)], [parts[name] for name in sorted(parts)])
         self.assertEqual((self.folder / "whole/convergence.md").read_bytes(),
                          (self.folder / "parts/convergence.md").read_bytes())
@@ -112,7 +112,7 @@ class Convergence(DriverTest):
         alone, farm = self.studies("alone"), self.studies("farm")
         self.assertEqual([alone[name] for name in sorted(alone)], [farm[name] for name in sorted(farm)])
         self.assertEqual(run.stdout.count("met the orders of theory"), 1)
-        self.assertIn(f"{len(farm)} of {len(farm)} were in farm already", run.stdout)
+        self.assertIn(f"{len(farm)} of {len(farm)} were already in farm", run.stdout)
 
     def test_goes_on_after_an_interruption(self):
         command = [Path(os.environ["AUSSOIS_DRIVERS"], "convergence"), "--all", "--case", "free_top", "--levels", "4",
@@ -129,7 +129,7 @@ class Convergence(DriverTest):
         self.assertFalse((self.folder / "all/convergence.md").exists())
         run = self.converge(*command[1:])
         self.assertLess(len(done), len(self.studies("all")), "stopped half-way")
-        self.assertIn(f"{len(done)} of {len(self.studies('all'))} were in all already", run.stdout)
+        self.assertIn(f"{len(done)} of {len(self.studies('all'))} were already in all", run.stdout)
         self.assertEqual({name: self.studies("all")[name] for name in done}, done)
 
     def test_every_scheme_reaches_its_order_on_every_case(self):

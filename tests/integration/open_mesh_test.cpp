@@ -2,7 +2,7 @@
 // An open mesh where a solid is asked for is refused at the door, with counts; as a part it becomes sheets.
 #include <gtest/gtest.h>
 
-#include "examples/assembly/assembly_input.hpp"
+#include "examples/drivers/assembly/assembly_input.hpp"
 #include "io/mesh_file.hpp"
 #include "tests/support/files.hpp"
 #include "tests/support/message_of.hpp"

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "examples/assembly/assembly_scene.hpp"
+#include "examples/drivers/assembly/assembly_scene.hpp"
 #include "lmd/find_contacts.hpp"
 
 namespace aussois {

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "examples/assembly/assembly_input.hpp"
+#include "examples/drivers/assembly/assembly_input.hpp"
 #include "io/mesh_file.hpp"
 #include "lmd/certificate.hpp"
 #include "lmd/find_contacts.hpp"

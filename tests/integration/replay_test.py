@@ -64,7 +64,7 @@ class Replay(DriverTest):
         self.assertGreater(summary["frequency"], 20)
         self.assertAlmostEqual(summary["sag"], 9.803407 / (2 * math.pi * summary["frequency"]) ** 2, 9)
         run = self.replay("soft", *small, "--frequency", "20", code=1)
-        self.assertRegex(run.stderr, r"the part did not arrive: .* its weight of \S+ N alone makes it hang up to "
+        self.assertRegex(run.stderr, r"the part did not arrive: .* its weight of \S+ N alone pulls it up to "
                                      r"0\.6208 mm off the path \(--frequency = 20 Hz\)")
 
     def test_a_part_of_centimetres_keeps_its_coupling(self):

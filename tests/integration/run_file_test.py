@@ -13,7 +13,7 @@ class RunFile(DriverTest):
     def test_is_read_with_h5py(self):
         h5py = self.hdf5()
         import numpy as np
-        self.replay("out", *PEG)
+        self.replay("out", *PEG, "--theta", 1)  # so that the pull of a step is that at its end
         csv = {name: np.array(values, float) for name, values in self.columns("out").items()}
         with h5py.File(self.folder / "out/run.h5") as run:
             self.assertEqual(run.attrs["format"], b"aussois-run")

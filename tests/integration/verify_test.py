@@ -43,10 +43,10 @@ class Verify(DriverTest):
 
     def test_it_goes_on_where_it_was(self):
         first = self.rows("--case", "A4.three_balls")
-        self.assertIn("2 of 3 were in out already", self.verify("--group", "A4.three_balls,A4.unequal_balls"))
+        self.assertIn("2 of 3 were already in out", self.verify("--group", "A4.three_balls,A4.unequal_balls"))
         result = self.folder / "out/verify/A4.three_balls_moreau.json"
         result.write_text(result.read_text()[:-10])  # damaged: done again
-        self.assertIn("1 of 2 were in out already", self.verify("--case", "A4.three_balls"))
+        self.assertIn("1 of 2 were already in out", self.verify("--case", "A4.three_balls"))
         self.assertEqual(self.rows("--case", "A4.three_balls"), first)
 
     def test_what_does_not_hold_is_the_exit_code(self):
@@ -108,7 +108,7 @@ class Verify(DriverTest):
     def test_bad_input_is_named(self):
         for arguments, word in (((), "give --group A"), (("--case", "A4.no_such"), "no group or case 'A4.no_such'"),
                                 (("--group", "A,Z"), "no group or case 'Z'"), (("--group", ""), "give --group A"),
-                                (("--case", "A4", "--page", PAGE), "--page goes with --all"), (("--threads", 0), "--threads")):
+                                (("--case", "A4", "--page", PAGE), "--page needs --all"), (("--threads", 0), "--threads")):
             run = self.drive("verify", *arguments)
             self.assertEqual(run.returncode, 2, arguments)
             self.assertIn(word, run.stderr)

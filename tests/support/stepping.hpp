@@ -35,12 +35,9 @@ inline State run_scene(const CaseScene& scene, const std::string& name, const Sc
 
 /// For mechanisms without shapes, solved to rounding.
 inline SchemeOptions mechanism_options(double h) {
-  return {.h = h,
-          .theta = 0.5,
-          .normal = {.law = NormalLaw::moreau},
-          .solver = {.tolerance = 1e-12},
-          .advancement = {.certify = false},
-          .spectral_radius = 1};
+  return {.step = {.h = h, .solver = {.tolerance = 1e-12}, .advancement = {.certify = false}},
+          .moreau_jean = {.theta = 0.5, .law = NormalLaw::moreau},
+          .generalised_alpha = {.spectral_radius = 1}};
 }
 
 }  // namespace aussois

@@ -11,7 +11,8 @@ namespace aussois {
 
 class ToyScheme {
  public:
-  ToyScheme(const Model& model, const StepOptions& options) : setting_(step_setting(model, options)) {}
+  ToyScheme(const Model& model, const StepOptions& options)
+      : setting_(step_setting(model, options, NormalLaw::gap_over_step)) {}
 
   [[nodiscard]] StepReport step(State& state, double h_limit = kInf) const {
     const auto free = [&](const State& start, double h) {

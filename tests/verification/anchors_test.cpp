@@ -17,7 +17,7 @@ struct Creep {
 /// 10^5 steps of 1 ms at 0.9 of the critical slope.
 Creep creep(bool anchors, double mu) {
   Scene s = block_on_plate(mu, 0, std::atan(0.9 * mu));
-  const MoreauJean scheme(s.model, {.h = 1e-3, .persistence = {.anchors = anchors}});
+  const MoreauJean scheme(s.model, {.h = 1e-3, .persistence = {.anchors = anchors}}, {.theta = 1});
   Creep out;
   for (int step = 0; step < 100; ++step) EXPECT_TRUE(scheme.step(s.state).ok());  // the gap closes
   const double start = pose(s.state, s.block).p.x();
@@ -68,8 +68,8 @@ Scene prism_on_plate(double mu, double slope) {
 struct ByTurns {
   MoreauJean even, odd;
   ByTurns(const Model& model, bool anchors)
-      : even(model, asking(anchors, false)), odd(model, asking(anchors, true)) {}
-  static MoreauJeanOptions asking(bool anchors, bool second) {
+      : even(model, asking(anchors, false), {.theta = 1}), odd(model, asking(anchors, true), {.theta = 1}) {}
+  static StepOptions asking(bool anchors, bool second) {
     return {.h = 1e-3,
             .reduction = {.reducer = Reducer::selector, .selector = every_other(second)},
             .persistence = {.anchors = anchors}};
@@ -117,7 +117,7 @@ double slip_on_a_turntable(Scene s, const Steps& steps_of) {
 TEST(Anchors, HoldABlockOnATurntable) {
   const auto slip = [](bool anchors) {
     return slip_on_a_turntable(block_on_plate(0.5, 0, 0), [&](const Model& model) {
-      return [scheme = MoreauJean(model, {.h = 1e-3, .persistence = {.anchors = anchors}})](
+      return [scheme = MoreauJean(model, {.h = 1e-3, .persistence = {.anchors = anchors}}, {.theta = 1})](
                  State& state, int) { return scheme.step(state, 2 - state.t); };
     });
   };

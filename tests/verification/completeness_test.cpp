@@ -9,7 +9,7 @@
 #ifdef AUSSOIS_TEST_FCL
 #include "bench/peer_fcl.hpp"
 #endif
-#include "examples/assembly/assembly_input.hpp"
+#include "examples/drivers/assembly/assembly_input.hpp"
 #include "lmd/certificate.hpp"
 #include "lmd/coverage.hpp"
 #include "lmd/find_contacts.hpp"

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "examples/toss/toss_fit.hpp"
-#include "examples/toss/toss_report.hpp"
+#include "examples/studies/toss/toss_fit.hpp"
+#include "examples/studies/toss/toss_report.hpp"
 #include "geometry/so3.hpp"
 
 namespace aussois {
@@ -22,8 +22,8 @@ std::vector<Toss> recorded() {
 // As the driver has them.
 TossWorld world() {
   TossWorld out;
-  out.options.theta = 1;
-  out.options.normal.law = NormalLaw::combined;
+  out.options.moreau_jean.theta = 1;
+  out.options.moreau_jean.law = NormalLaw::combined;
   return out;
 }
 
@@ -73,13 +73,13 @@ TEST(CubeToss, IsTheSameToTheBitByEveryReducer) {
   int flat = 0;
   for (const Toss& toss : tosses) {
     TossWorld all = world();
-    all.options.reduction.reducer = Reducer::none;
+    all.options.step.reduction.reducer = Reducer::none;
     const TossRun a = roll_out(toss, all);
     flat += a.most_contacts >= 4;
     for (const std::string& name : reducer_names()) {
       if (name == "none" || name == "selector") continue;
       TossWorld reduced = world();
-      reduced.options.reduction.reducer = reducer(name);
+      reduced.options.step.reduction.reducer = reducer(name);
       const TossRun b = roll_out(toss, reduced);
       ASSERT_EQ(a.pose.size(), b.pose.size()) << name;
       for (std::size_t k = 0; k < a.pose.size(); ++k) {
@@ -94,9 +94,9 @@ TEST(CubeToss, IsTheSameToTheBitByEveryReducer) {
 // Beyond two contacts normal impulses share a load in more than one way, and friction with them.
 TEST(CubeToss, DoesNotDependOnPersistenceWhileItsContactsAreFew) {
   TossWorld precise = world();
-  precise.options.solver.tolerance = 1e-12;
+  precise.options.step.solver.tolerance = 1e-12;
   TossWorld forgets = precise;
-  forgets.options.persistence.matching = Matching::none;
+  forgets.options.step.persistence.matching = Matching::none;
   int compared = 0;
   for (const Toss& toss : some()) {
     const TossRun a = roll_out(toss, precise), b = roll_out(toss, forgets);
@@ -119,7 +119,7 @@ TEST(CubeToss, DependsOnPersistenceByAThousandthOfTheEdgeAtMost) {
     TossWorld remembers = world();
     remembers.substeps = substeps;
     TossWorld forgets = remembers;
-    forgets.options.persistence.matching = Matching::none;
+    forgets.options.step.persistence.matching = Matching::none;
     double largest = 0;
     int compared = 0, changed = 0;
     for (std::size_t i = 0; i < tosses.size(); i += std::size_t(every)) {
@@ -146,7 +146,7 @@ TEST(CubeToss, IsNearlyTheSameByReducersThatRemoveContacts) {
   TossWorld w = world();
   w.substeps = 3, w.cut = 2e-3;
   const auto rolled = [&](const std::string& name) {
-    w.options.reduction.reducer = reducer(name);
+    w.options.step.reduction.reducer = reducer(name);
     int reduced = 0;
     const Means errors = means(tosses, w, &reduced);
     return std::pair(errors, reduced);

@@ -93,7 +93,7 @@ TEST(Deforming, RowsAreTheRatesOfTheGaps) {
 TEST(Deforming, ABallAtRestIsPressedInByItsWeight) {
   const PulsatingBall ball{.stiffness = 40, .damping = 1, .subdivisions = 1};
   Fall f = fall(ball, 1e-4, 0);
-  const MoreauJean scheme(f.model, {.h = 5e-3, .solver = {.tolerance = 1e-12}});
+  const MoreauJean scheme(f.model, {.h = 5e-3, .solver = {.tolerance = 1e-12}}, {.theta = 1});
   ASSERT_TRUE(run_until(scheme, f.state, 6.0).ok());
   EXPECT_LT(f.state.v.norm(), 1e-6);
   // k q = -m g |x_z| of the corners, at rest: pose(ball).z - dilation = (1 + q) |x_z|
@@ -113,7 +113,7 @@ TEST(Deforming, ContactsGiveToPointsWhatTheyTakeFromTheBall) {
   State state = rest_state(model);
   pose(state, hit).p = {0.01, 0.02, 0.035};
   twist(state, hit) << 0.3, 0.1, -1, 3, 2, 1;
-  const MoreauJean scheme(model, {.h = 1e-3});
+  const MoreauJean scheme(model, {.h = 1e-3}, {.theta = 1});
   const Vec3 before = linear_part(state.v, hit);
   bool touched = false;
   PathAudit audit{.samples = 4};
@@ -143,7 +143,7 @@ TEST(Deforming, NothingIsSweptThroughBySwelling) {
   for (const int body : {f.plate, f.ball}) pose(f.state, body) = pose(low, body);
   pose(f.state, lid).p.z() = 2 * 0.1 + 0.04 + 0.01 + 3 * kPlate;
   f.state.v[first_speed(f.model, 0)] = 600;
-  const MoreauJean scheme(f.model, {.h = 2e-3});
+  const MoreauJean scheme(f.model, {.h = 2e-3}, {.theta = 1});
   PathAudit audit{.samples = 8};
   for (int k = 0; k < 40; ++k) {
     const State start = f.state;
@@ -159,13 +159,13 @@ TEST(Deforming, HasTheSameBitsForAnyThreadsAndAfterARestart) {
   const Fall f = fall({.damping = 0.1}, 1e-3);
   const auto after = [&](int threads, int stop) {
     State state = f.state;
-    MoreauJean scheme(f.model, {.h = 1e-3, .threads = threads});
+    MoreauJean scheme(f.model, {.h = 1e-3, .threads = threads}, {.theta = 1});
     for (int k = 0; k < 80; ++k) {
       if (k == stop) {
         const auto path = fresh_folder() / "checkpoint.h5";
         write_checkpoint(path, {.fingerprint = 1, .step = k, .state = state});
         state = read_checkpoint(path, 1).state;
-        scheme = MoreauJean(f.model, {.h = 1e-3, .threads = threads});
+        scheme = MoreauJean(f.model, {.h = 1e-3, .threads = threads}, {.theta = 1});
       }
       EXPECT_TRUE(scheme.step(state).ok());
     }
@@ -179,7 +179,7 @@ TEST(Deforming, HasTheSameBitsForAnyThreadsAndAfterARestart) {
 TEST(Deforming, IsRecordedAndDrawn) {
   Fall f = fall({}, 1e-3);
   const auto folder = fresh_folder();
-  const MoreauJean scheme(f.model, {.h = 2e-3});
+  const MoreauJean scheme(f.model, {.h = 2e-3}, {.theta = 1});
   RunWriter writer(folder / "run.h5", run_header(f.model));
   std::vector<double> q;
   for (int k = 0; k < 70; ++k) {
@@ -204,7 +204,7 @@ class DeformingInEveryScheme : public ::testing::TestWithParam<SchemeVariant> {}
 TEST_P(DeformingInEveryScheme, FallsOnThePlateAndStaysThere) {
   Fall f = fall({.damping = 1, .subdivisions = 1}, 5e-3);
   SchemeOptions options = GetParam().options;
-  options.h = 1e-3;
+  options.step.h = 1e-3;
   const Scheme scheme = make_scheme(GetParam().name, f.model, options);
   const double before = energy(f.model, f.state).total();
   PathAudit audit{.samples = 2};
@@ -236,7 +236,7 @@ TEST(Deforming, IsRefusedWhereItIsNotUnderstood) {
   Fall f = fall({}, 1e-3);
   const std::string only = ": body 1 (ball) deforms; only rigid bodies may";
   EXPECT_EQ(message_of([&] { (void)make_scheme("event_driven", f.model, {}); }), "event_driven" + only);
-  EXPECT_EQ(message_of([&] { (void)MoreauJean(f.model, {.newton = {.gap_hessians = true}}); }),
+  EXPECT_EQ(message_of([&] { (void)MoreauJean(f.model, {}, {.newton = {.gap_hessians = true}}); }),
             "NewtonOptions::gap_hessians" + only);
   EXPECT_EQ(message_of([&] { (void)MoreauJean(f.model, {.persistence = {.anchors = true}}); }),
             "PersistenceOptions::anchors" + only);
@@ -248,7 +248,7 @@ TEST(Deforming, IsRefusedWhereItIsNotUnderstood) {
   f.model.bodies[1].deformation = right;
   f.model.bodies[1].deformation.columns = [](const Model&, const State&, int, std::vector<VertexColumn>&) {};
   f.state.v.tail(1)[0] = 1;
-  const StepReport report = MoreauJean(f.model, {.h = 1e-4}).step(f.state);
+  const StepReport report = MoreauJean(f.model, {.h = 1e-4}, {.theta = 1}).step(f.state);
   EXPECT_EQ(report.status, StepStatus::refused);
   EXPECT_NE(report.reason.find("off where the columns of its deformation led it"), std::string::npos)
       << report.reason;

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "examples/assembly/assembly_input.hpp"
+#include "examples/drivers/assembly/assembly_input.hpp"
 #include "tests/support/aimed_poses.hpp"
 #include "tests/support/continuity_audit.hpp"
 #include "tests/support/repaired_meshes.hpp"

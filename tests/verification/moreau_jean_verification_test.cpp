@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "integrators/pose/contact_problem.hpp"
-#include "integrators/schemes/moreau_jean.hpp"
+#include "integrators/scheme.hpp"
 #include "tests/support/block_scene.hpp"
 
 namespace aussois {
@@ -12,7 +12,7 @@ namespace {
 TEST(Incline, ABlockBelowTheFrictionAngleDoesNotCreep) {
   Scene s = block_on_plate(0.5, 0, std::atan(0.45));
   const Vec3 start = pose(s.state, s.block).p;
-  const MoreauJean scheme(s.model, {.h = 5e-3, .solver = {.tolerance = 1e-10}});
+  const MoreauJean scheme(s.model, {.h = 5e-3, .solver = {.tolerance = 1e-10}}, {.theta = 1});
   run(scheme, s.state, 10);
   EXPECT_LT((pose(s.state, s.block).p - start).norm(), 1e-10);
 }
@@ -20,7 +20,7 @@ TEST(Incline, ABlockBelowTheFrictionAngleDoesNotCreep) {
 TEST(Incline, ABlockAboveTheFrictionAngleSlidesAsCoulombSays) {
   const double slope = 30 * kPi / 180, mu = 0.5;
   Scene s = block_on_plate(mu, 0, slope);
-  const MoreauJean scheme(s.model, {.h = 1e-3});
+  const MoreauJean scheme(s.model, {.h = 1e-3}, {.theta = 1});
   run(scheme, s.state, 0.5);
   const double a = kGravity * (std::sin(slope) - mu * std::cos(slope));
   EXPECT_NEAR(twist(s.state, s.block)[0], a * 0.5, 1e-6);
@@ -30,7 +30,7 @@ TEST(Incline, ABlockAboveTheFrictionAngleSlidesAsCoulombSays) {
 TEST(PlasticLaw, LetsABlockLandOnTheSurface) {
   for (const NormalLaw law : {NormalLaw::gap_over_step, NormalLaw::combined}) {
     Scene s = block_on_plate(0.3, 0, 0, 0.05);
-    run(MoreauJean(s.model, {.h = 1e-2, .normal = {.law = law}}), s.state, 0.3);
+    run(MoreauJean(s.model, {.h = 1e-2}, {.theta = 1, .law = law}), s.state, 0.3);
     EXPECT_NEAR(pose(s.state, s.block).p.z(), kSide / 2 + 2 * kRadius, 1e-8) << to_string(law);
   }
 }
@@ -39,16 +39,16 @@ TEST(PlasticLaw, LetsABlockLandOnTheSurface) {
 // motion.
 TEST(PlasticLaw, OfMoreauKeepsTheOverlapOfTheImpactStep) {
   Scene s = block_on_plate(0.3, 0, 0, 0.05);
-  run(MoreauJean(s.model, {.h = 1e-4, .normal = {.law = NormalLaw::moreau}}), s.state, 0.3);
+  run(MoreauJean(s.model, {.h = 1e-4}, {.theta = 1, .law = NormalLaw::moreau}), s.state, 0.3);
   EXPECT_NEAR(pose(s.state, s.block).p.z(), kSide / 2 + 2 * kRadius, 1e-4);
   EXPECT_LT(twist(s.state, s.block).norm(), 1e-7);
 }
 
 // Steps in which one of the block's four corners was let go of, on its way up a slope and at rest there.
-int steps_with_a_corner_free(const MoreauJeanOptions& options, double t_end) {
+int steps_with_a_corner_free(const SchemeOptions& options, double t_end) {
   Scene s = block_on_plate(0.5, 0, 20 * kPi / 180);
   twist(s.state, s.block)[0] = -2;
-  const MoreauJean scheme(s.model, options);
+  const MoreauJean scheme(s.model, options.step, options.moreau_jean);
   int out = 0;
   while (s.state.t < t_end - 1e-12) {
     const StepReport report = scheme.step(s.state, t_end - s.state.t);
@@ -65,21 +65,18 @@ int steps_with_a_corner_free(const MoreauJeanOptions& options, double t_end) {
 TEST(MoreauActivation, HoldsABlockThatSlidesOrRestsByAllItsCorners) {
   for (const ContactsAt contacts : {ContactsAt::start, ContactsAt::midpoint})
     for (const double h : {1e-2, 1e-3}) {
-      MoreauJeanOptions options{.h = h,
-                                .theta = 0.5,
-                                .contacts = contacts,
-                                .normal = {.law = NormalLaw::moreau},
-                                .advancement = {.certify = false}};
-      EXPECT_EQ(steps_with_a_corner_free(options, 1), 0) << to_string(contacts) << ", h = " << h;
-      options.normal.touching = 0;
-      EXPECT_GT(steps_with_a_corner_free(options, 1), 0) << to_string(contacts) << ", h = " << h;
+      SchemeOptions options{.step = {.h = h, .advancement = {.certify = false}},
+                            .moreau_jean = {.theta = 0.5, .law = NormalLaw::moreau, .contacts = contacts}};
+      EXPECT_EQ(steps_with_a_corner_free(options, 1), 0) << name_of(contacts, kContactsAt) << ", h = " << h;
+      options.step.touching = 0;
+      EXPECT_GT(steps_with_a_corner_free(options, 1), 0) << name_of(contacts, kContactsAt) << ", h = " << h;
     }
 }
 
 // The predicted gap, and nothing else, decides; what leaves is let go of.
 TEST(MoreauActivation, IsThatOfThePredictedGap) {
   const double h = 1e-3, e = 0.8;
-  const NormalLawOptions options{.law = NormalLaw::moreau};
+  const NormalRule options{.law = NormalLaw::moreau};
   const double touching = options.touching;
   EXPECT_TRUE(normal_bias(touching, 0, e, h, options).active);
   EXPECT_FALSE(normal_bias(1.001 * touching, 0, e, h, options).active);
@@ -101,7 +98,7 @@ TEST(PrescribedBody, LiftsABlockWithItsWeight) {
   s.state = rest_state(s.model);
   pose(s.state, s.block).p.z() = kSide / 2 + 2 * kRadius;
   const StepReport report =
-      run(MoreauJean(s.model, {.h = 1e-3, .solver = {.tolerance = 1e-12}}), s.state, 0.5);
+      run(MoreauJean(s.model, {.h = 1e-3, .solver = {.tolerance = 1e-12}}, {.theta = 1}), s.state, 0.5);
   EXPECT_NEAR(pose(s.state, s.block).p.z(), kSide / 2 + 2 * kRadius + 0.05, 1e-8);
   EXPECT_NEAR(twist(s.state, s.block)[2], 0.1, 1e-9);
   double push = 0;
@@ -116,7 +113,7 @@ TEST(PrescribedBody, HitsWithTheSpeedOfItsPath) {
   s.model.gravity = Vec3::Zero();
   s.model.bodies[std::size_t(s.ground)].motion =
       Prescribed{.path = {.t = {0, 1}, .pose = {SE3{}, translation(0, 0, 1)}}};
-  const MoreauJean scheme(s.model, {.h = 1e-3});
+  const MoreauJean scheme(s.model, {.h = 1e-3}, {.theta = 1});
   ASSERT_TRUE(scheme.step(s.state).ok());
   EXPECT_NEAR(twist(s.state, s.block)[2], 1.5, 1e-6);
 }
@@ -134,7 +131,7 @@ TEST(Stack, CarriesTheWeightAboveEachContact) {
   for (int i = 0; i < 3; ++i)
     pose(s.state, s.block + i).p.z() = kSide / 2 + 2 * kRadius + i * (kSide + 2 * kRadius);
   const StepReport report =
-      run(MoreauJean(s.model, {.h = 5e-3, .solver = {.tolerance = 1e-12}}), s.state, 0.1);
+      run(MoreauJean(s.model, {.h = 5e-3, .solver = {.tolerance = 1e-12}}, {.theta = 1}), s.state, 0.1);
   std::vector<double> carried(3, 0);
   for (const StepContact& c : report.contacts)
     carried[std::size_t(std::min(c.point.a.body, c.point.b.body))] += std::abs(c.impulse.z()) / report.h;

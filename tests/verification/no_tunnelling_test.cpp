@@ -168,7 +168,7 @@ TEST(NoTunnelling, SlidingAHundredDilationsAlongAWashboardIsCertifiedOnlyAboveTh
 
 // The whole scheme, with steps as long as it likes: each accepted step is replayed.
 void replay_steps(Model& model, State state, int fixed, int moving, double h, double t_end) {
-  const MoreauJean scheme(model, {.h = h});
+  const MoreauJean scheme(model, {.h = h}, {.theta = 1});
   const SimplicialComplex &a = model.shapes[std::size_t(model.bodies[std::size_t(fixed)].shape)]->complex,
                           &b = model.shapes[std::size_t(model.bodies[std::size_t(moving)].shape)]->complex;
   const double dilations = 2 * kEps, required = 0.96 * dilations;

@@ -23,7 +23,7 @@ class EverySchemeAudited : public ::testing::TestWithParam<SchemeVariant> {
  protected:
   static Scheme scheme_of(const Model& model) {
     SchemeOptions options = GetParam().options;
-    options.h = 5e-3;
+    options.step.h = 5e-3;
     return make_scheme(GetParam().name, model, options);
   }
 };
@@ -73,7 +73,7 @@ INSTANTIATE_TEST_SUITE_P(Registry, EverySchemeAudited, ::testing::ValuesIn(audit
 // The chords of the reference, one after the other from the start of the step to its end.
 TEST(PathAudit, FollowsTheReferenceThroughItsImpacts) {
   Scene s = thrown_block();
-  const Scheme scheme = make_scheme("event_driven", s.model, {.h = 0.05});
+  const Scheme scheme = make_scheme("event_driven", s.model, {.step = {.h = 0.05}});
   const State start = s.state;
   const StepReport report = scheme.step(s.state, kInf);
   ASSERT_TRUE(report.ok()) << report.reason;
@@ -105,7 +105,7 @@ std::pair<State, StepReport> landing_step(const MoreauJean& scheme, Scene& s) {
 // A report that claims more than the path keeps, and a path through the plate.
 TEST(PathAudit, CatchesACertificateThatClaimsTooMuch) {
   Scene s = thrown_block();
-  const MoreauJean scheme(s.model, {.h = 5e-3});
+  const MoreauJean scheme(s.model, {.h = 5e-3}, {.theta = 1});
   auto [start, report] = landing_step(scheme, s);
   PathAudit honest{.samples = 17}, forged = honest, through = honest;
   audit_path(s.model, start, s.state, report, 1, honest);
@@ -124,7 +124,7 @@ TEST(PathAudit, CatchesACertificateThatClaimsTooMuch) {
 // A plate whose faces look into it has no contacts on top; its distance from the block is what it was.
 TEST(PathAudit, CatchesAContactThatIsMissing) {
   Scene s = thrown_block();
-  const MoreauJean scheme(s.model, {.h = 5e-3});
+  const MoreauJean scheme(s.model, {.h = 5e-3}, {.theta = 1});
   const auto [start, report] = landing_step(scheme, s);
   auto& plate = s.model.shapes[std::size_t(s.model.bodies[std::size_t(s.ground)].shape)];
   LmdShape turned = *plate;
@@ -139,7 +139,7 @@ TEST(PathAudit, CatchesAContactThatIsMissing) {
 // The certificate speaks of the path; a state elsewhere is not certified, on whichever side of the plate.
 TEST(PathAudit, CatchesAnEndThatThePathDoesNotLeadTo) {
   Scene s = thrown_block();
-  const MoreauJean scheme(s.model, {.h = 5e-3});
+  const MoreauJean scheme(s.model, {.h = 5e-3}, {.theta = 1});
   const auto landing = landing_step(scheme, s);
   const auto violations = [&](double deeper) {
     State end = s.state;
@@ -171,7 +171,7 @@ TEST(PathAudit, JudgesEveryPairByItsOwnDilations) {
     pose(state, 1).p.z() = kBall + paper;
     pose(state, 2).p = Vec3(0.02, 0, kCrumb + paper);
     const State start = state;
-    const StepReport honest = MoreauJean(model, {}).step(state);
+    const StepReport honest = MoreauJean(model, {}, {.theta = 1}).step(state);
     ASSERT_TRUE(honest.ok()) << honest.reason;
     ASSERT_LE(honest.min_base_distance, kCrumb + paper);
     const auto violations = [&](double deeper, double claim) {

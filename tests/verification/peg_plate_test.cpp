@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "examples/peg_plate/study.hpp"
+#include "examples/studies/peg_plate/study.hpp"
 
 namespace aussois {
 namespace {

@@ -38,14 +38,14 @@ int sweeps(const PersistenceOptions& persistence, bool switching) {
   int total = 0;
   constexpr int kSettled = 40, kSteps = 62;
   for (int step = 0; step < kSteps; ++step) {
-    MoreauJeanOptions options{.h = 1e-3};
+    StepOptions options{.h = 1e-3};
     if (step >= kSettled) {
       options.persistence = persistence;
       options.solver = {.method = Method::nsgs, .tolerance = 1e-8};
     }
     if (switching)
       options.reduction = {.reducer = Reducer::selector, .selector = every_other(step / 10 % 2 == 1)};
-    const MoreauJean scheme(s.model, options);
+    const MoreauJean scheme(s.model, options, {.theta = 1});
     const StepReport report = scheme.step(s.state);
     EXPECT_TRUE(report.moved()) << report.reason;  // cold sweeps may end at their limit
     if (step >= kSettled) total += report.solve.iterations;
@@ -73,9 +73,9 @@ TEST(WarmStart, T_4_5_SavesTheDefaultSolverAllItsWorkAtRest) {
   for (const bool warm : {false, true}) {
     Scene s = stack_of_ten();
     for (int step = 0; step < 140; ++step) {
-      MoreauJeanOptions options{.h = 1e-3};
+      StepOptions options{.h = 1e-3};
       if (step >= 40 && !warm) options.persistence.matching = Matching::none;
-      const StepReport report = MoreauJean(s.model, options).step(s.state);
+      const StepReport report = MoreauJean(s.model, options, {.theta = 1}).step(s.state);
       ASSERT_TRUE(report.ok()) << report.reason;
       if (step >= 40) iterations[warm] += report.solve.iterations;
     }
@@ -87,11 +87,12 @@ TEST(WarmStart, T_4_5_SavesTheDefaultSolverAllItsWorkAtRest) {
 TEST(Anchors, T_4_7_GiveTheSameBitsForAnyThreadsAndAFreshScheme) {
   Scene s = block_on_plate(0.5, 0, std::atan(0.45), 1e-3);
   const auto run_with = [&](int threads, bool fresh) {
-    const MoreauJeanOptions options{.h = 1e-3, .persistence = {.anchors = true}, .threads = threads};
-    const MoreauJean scheme(s.model, options);
+    const StepOptions options{.h = 1e-3, .persistence = {.anchors = true}, .threads = threads};
+    const MoreauJean scheme(s.model, options, {.theta = 1});
     State state = s.state;
     for (int step = 0; step < 200; ++step) {
-      const StepReport report = fresh ? MoreauJean(s.model, options).step(state) : scheme.step(state);
+      const StepReport report =
+          fresh ? MoreauJean(s.model, options, {.theta = 1}).step(state) : scheme.step(state);
       EXPECT_TRUE(report.ok()) << report.reason;
     }
     const auto& contacts = state.memory.contacts;
@@ -105,8 +106,8 @@ TEST(Anchors, T_4_7_GiveTheSameBitsForAnyThreadsAndAFreshScheme) {
 
 TEST(Anchors, LetGoOfWhatSlidesAndOpens) {
   Scene s = block_on_plate(0.3, 0, std::atan(0.45));
-  const MoreauJean with(s.model, {.h = 1e-3, .persistence = {.anchors = true}}),
-      without(s.model, {.h = 1e-3});
+  const MoreauJean with(s.model, {.h = 1e-3, .persistence = {.anchors = true}}, {.theta = 1}),
+      without(s.model, {.h = 1e-3}, {.theta = 1});
   State a = s.state, b = s.state;
   for (int step = 0; step < 100; ++step) {
     ASSERT_TRUE(with.step(a).ok() && without.step(b).ok());
@@ -126,7 +127,7 @@ TEST(Memory, LetsPairsThatPushedEachOtherBeAskedAtOnce) {
         {.key = {.body_a = s.ground, .body_b = s.block, .feature = feature_word({2, 5}, {0, 7})},
          .point_a = Vec3(1, 1, 0),
          .impulse = Vec3(0, 0, impulse)}};
-    const StepReport report = MoreauJean(s.model, {.h = 1e-3}).step(state);
+    const StepReport report = MoreauJean(s.model, {.h = 1e-3}, {.theta = 1}).step(state);
     EXPECT_TRUE(report.ok()) << report.reason;
     EXPECT_NEAR(twist(state, s.block).z(), -0.02 / 1e-3, 1e-6) << "it arrives at the end of the step";
     return report.attempts;
@@ -137,8 +138,8 @@ TEST(Memory, LetsPairsThatPushedEachOtherBeAskedAtOnce) {
 TEST(Anchors, AreRefusedBySchemesWithoutThem) {
   const Scene s = block_on_plate(0.5, 0, 0);
   for (const std::string& name : scheme_names()) {
-    SchemeOptions options{.persistence = {.anchors = true}};
-    if (name == "schatzman_paoli") options.normal.law = NormalLaw::gap_over_step;
+    SchemeOptions options{.step = {.persistence = {.anchors = true}}};
+    if (name == "schatzman_paoli") options.moreau_jean.law = NormalLaw::gap_over_step;
     if (name.starts_with("moreau_jean"))
       EXPECT_NO_THROW(make_scheme(name, s.model, options)) << name;
     else

@@ -139,7 +139,7 @@ TEST(ReducedCylinder, T_3_7_StandsInAStepAsLongAsWithAllContacts) {
   for (const Reducer which : {Reducer::extreme_points, Reducer::hull_margin, Reducer::load_carrier,
                               Reducer::wrench_cone, Reducer::direction_set}) {
     Upright s = upright_cylinder(64, radius, height, 2, 0.98 * tips);
-    const MoreauJean scheme(s.model, {.h = 1e-3, .reduction = {.reducer = which}});
+    const MoreauJean scheme(s.model, {.h = 1e-3, .reduction = {.reducer = which}}, {.theta = 1});
     const Quat upright = pose(s.state, s.body).R;
     double speed = 0, tilt = 0, margin = 1;
     StepReport report;
@@ -169,7 +169,8 @@ TEST(SpinningDisc, T_3_9_OfAPatchIsSlowedByEvenPressure) {
       twist(s.state, s.body)[5] = omega;
       const MoreauJean scheme(
           s.model,
-          {.h = 1e-3, .reduction = {.reducer = which, .friction = at}, .solver = {.tolerance = 1e-11}});
+          {.h = 1e-3, .reduction = {.reducer = which, .friction = at}, .solver = {.tolerance = 1e-11}},
+          {.theta = 1});
       run(scheme, s.state, t_end);
       const double torque = s.inertia * (omega - twist(s.state, s.body)[5]) / t_end,
                    even = 2.0 / 3 * mu * s.mass * 9.81 * radius;
@@ -182,8 +183,8 @@ TEST(SlidingDisc, OfAPatchIsSlowedAsByContacts) {
   for (const FrictionAt at : {FrictionAt::patches, FrictionAt::contacts}) {
     Upright s = upright_cylinder(64, 0.1, 0.02, 0.3, 0);
     twist(s.state, s.body)[0] = 1;
-    const MoreauJean scheme(s.model,
-                            {.h = 1e-3, .reduction = {.friction = at}, .solver = {.tolerance = 1e-11}});
+    const MoreauJean scheme(
+        s.model, {.h = 1e-3, .reduction = {.friction = at}, .solver = {.tolerance = 1e-11}}, {.theta = 1});
     const StepReport report = run(scheme, s.state, 0.05);
     EXPECT_NEAR(twist(s.state, s.body)[0], 1 - 0.3 * 9.81 * 0.05, 1e-6);
     EXPECT_LT(std::abs(report.energy.residual()), 1e-12);
@@ -199,7 +200,7 @@ TEST(RestingDisc, OfAPatchStaysOnASlopeAndDrillsBelowItsLimitNotAtAll) {
       ForceLaw{.name = "twist", .add_to = [limit](const Model&, const State&, double, GeneralisedForce& f) {
                  f.f[11] += 0.4 * limit;  // with the slope's 0.25 / 0.3 inside the ellipsoid
                }});
-  const MoreauJean scheme(s.model, {.h = 1e-3, .reduction = {.friction = FrictionAt::patches}});
+  const MoreauJean scheme(s.model, {.h = 1e-3, .reduction = {.friction = FrictionAt::patches}}, {.theta = 1});
   const StepReport report = run(scheme, s.state, 0.1);
   EXPECT_LT(twist(s.state, s.body).norm(), 1e-7);
   EXPECT_LE(report.solve.iterations, 20);
@@ -222,7 +223,8 @@ TEST(ReductionInAStep, AsksASelectorOfOnesOwn) {
     return std::vector<int>{clusters.front().front()};
   };
   const MoreauJean scheme(
-      s.model, {.h = 1e-3, .reduction = {.reducer = Reducer::selector, .min_margin = 0.6, .selector = one}});
+      s.model, {.h = 1e-3, .reduction = {.reducer = Reducer::selector, .min_margin = 0.6, .selector = one}},
+      {.theta = 1});
   const StepReport report = run(scheme, s.state, 0.05);
   EXPECT_GE(asked, 50);
   EXPECT_LT(twist(s.state, s.body).norm(), 1e-6);
@@ -238,12 +240,11 @@ TEST(ReductionInAStep, HasTheSameBitsByAFreshSchemeInEveryStep) {
     Upright s = upright_cylinder(64, 0.05, 0.06, 0.3, 0.1);
     twist(s.state, s.body)[5] = 20;  // it turns: corners change
     State again = s.state;
-    const MoreauJeanOptions options{.h = 1e-3,
-                                    .reduction = {.reducer = which, .friction = FrictionAt::patches}};
-    const MoreauJean scheme(s.model, options);
+    const StepOptions options{.h = 1e-3, .reduction = {.reducer = which, .friction = FrictionAt::patches}};
+    const MoreauJean scheme(s.model, options, {.theta = 1});
     for (int k = 0; k < 20; ++k) {
       ASSERT_TRUE(scheme.step(s.state).ok());
-      ASSERT_TRUE(MoreauJean(s.model, options).step(again).ok());
+      ASSERT_TRUE(MoreauJean(s.model, options, {.theta = 1}).step(again).ok());
       ASSERT_EQ(hash(s.state), hash(again)) << to_string(which) << ", step " << k;
     }
   }
@@ -297,14 +298,15 @@ TEST_P(EveryReducerInAScene, HasTheSameBitsForAnyThreadsAndAFreshScheme) {
   const Columns s = columns();
   const bool keeps_all = GetParam() == "none" || GetParam() == "hull_exact";  // every contact is a corner
   const auto states = [&](int threads, bool fresh) {
-    MoreauJeanOptions options{.h = 1e-3, .reduction = reduction_by(GetParam())};
+    StepOptions options{.h = 1e-3, .reduction = reduction_by(GetParam())};
     options.threads = options.lmd.threads = threads;
-    const MoreauJean kept(s.model, options);
+    const MoreauJean kept(s.model, options, {.theta = 1});
     State state = s.state;
     std::vector<std::uint64_t> out;
     int fewer = 0;
     for (int k = 0; k < 12; ++k) {
-      const StepReport report = fresh ? MoreauJean(s.model, options).step(state) : kept.step(state);
+      const StepReport report =
+          fresh ? MoreauJean(s.model, options, {.theta = 1}).step(state) : kept.step(state);
       EXPECT_TRUE(report.ok()) << report.reason << ", step " << k;
       fewer += report.contacts_kept < report.contacts_found;
       out.push_back(hash(state));
@@ -323,7 +325,7 @@ TEST_P(EveryReducerInAScene, HasTheSameBitsForAnyThreadsAndAFreshScheme) {
 // rounding may tell which of them wrench_cone takes; not how the bodies move.)
 TEST_P(EveryReducerInAScene, T_3_3_ChoosesTheSameWhenTheSceneIsTurned) {
   if (GetParam() == "selector") GTEST_SKIP() << "a learned selector is taught in the world's frame";
-  const MoreauJeanOptions options{.h = 1e-3, .reduction = reduction_by(GetParam())};
+  const StepOptions options{.h = 1e-3, .reduction = reduction_by(GetParam())};
   const auto solved = [](const State& state) {
     std::vector<ContactKey> keys;
     for (const RememberedContact& c : state.memory.contacts)
@@ -340,8 +342,8 @@ TEST_P(EveryReducerInAScene, T_3_3_ChoosesTheSameWhenTheSceneIsTurned) {
     for (SE3& g : turned.state.g) g = turn * g;
     for (std::size_t b = 0; b < s.state.g.size(); ++b)  // velocities of centres are the world's
       twist(turned.state, int(b)).head<3>() = turn.R * Vec3(twist(s.state, int(b)).head<3>());
-    ASSERT_TRUE(MoreauJean(s.model, options).step(s.state).ok());
-    ASSERT_TRUE(MoreauJean(turned.model, options).step(turned.state).ok());
+    ASSERT_TRUE(MoreauJean(s.model, options, {.theta = 1}).step(s.state).ok());
+    ASSERT_TRUE(MoreauJean(turned.model, options, {.theta = 1}).step(turned.state).ok());
     EXPECT_GT(solved(s.state).size(), 9u) << "nothing touches: the test says nothing";
     if (GetParam() != "wrench_cone") {
       EXPECT_EQ(solved(s.state), solved(turned.state)) << "seed " << seed;
@@ -359,14 +361,14 @@ TEST(ReductionInAStep, StandsByAnyClusteringAndHasTheSameBits) {
   for (const std::string& name : clustering_names()) {
     Upright s = upright_cylinder(64, 0.05, 0.06, 0.3, 0.1);
     State again = s.state;
-    MoreauJeanOptions options{.h = 1e-3, .reduction = {.clustering = {.rule = clustering(name)}}};
-    const MoreauJean scheme(s.model, options);
+    StepOptions options{.h = 1e-3, .reduction = {.clustering = {.rule = clustering(name)}}};
+    const MoreauJean scheme(s.model, options, {.theta = 1});
     options.threads = 3;
     int kept = 64;
     for (int k = 0; k < 20; ++k) {
       const StepReport report = scheme.step(s.state);
       ASSERT_TRUE(report.ok()) << name << ": " << report.reason;
-      ASSERT_TRUE(MoreauJean(s.model, options).step(again).ok());
+      ASSERT_TRUE(MoreauJean(s.model, options, {.theta = 1}).step(again).ok());
       ASSERT_EQ(hash(s.state), hash(again)) << name << ", step " << k;
       kept = std::min(kept, report.contacts_kept);
     }

@@ -56,16 +56,18 @@ std::vector<SchemeVariant> all_settings() {
   constexpr NormalLaw kMoreau = NormalLaw::moreau;
   std::vector<SchemeVariant> out = scheme_variants();
   out.push_back({"event_driven", {}});
-  out.push_back({"moreau_jean", {.theta = 0.5, .normal = {.law = kMoreau, .gamma = 0.75}}});
+  out.push_back({"moreau_jean", {.moreau_jean = {.theta = 0.5, .law = kMoreau, .gamma = 0.75}}});
   out.push_back({"moreau_jean",
-                 {.theta = 0.5,
-                  .contacts = ContactsAt::end,
-                  .newton = {.max_iterations = 50, .gap_hessians = true},
-                  .normal = {.law = NormalLaw::gap_over_step}}});
-  out.push_back({"moreau_jean_projected", {.theta = 1, .normal = {.law = kMoreau}}});
-  out.push_back({"passive_midpoint", {.normal = {.law = kMoreau}, .gyroscopic = GyroscopicTerm::start}});
+                 {.moreau_jean = {.theta = 0.5,
+                                  .law = NormalLaw::gap_over_step,
+                                  .contacts = ContactsAt::end,
+                                  .newton = {.max_iterations = 50, .gap_hessians = true}}}});
+  out.push_back({"moreau_jean_projected", {.moreau_jean_projected = {.theta = 1}}});
   out.push_back(
-      {"passive_midpoint", {.normal = {.law = kMoreau}, .update = GroupUpdate::cayley, .mean_joints = true}});
+      {"passive_midpoint", {.passive_midpoint = {.gyroscopic = GyroscopicTerm::start, .law = kMoreau}}});
+  out.push_back(
+      {"passive_midpoint",
+       {.step = {.update = GroupUpdate::cayley}, .passive_midpoint = {.law = kMoreau, .mean_joints = true}}});
   return out;
 }
 
@@ -77,8 +79,8 @@ class EveryScheme : public ::testing::TestWithParam<SchemeVariant> {
 
   SchemeOptions options(int threads = 1) const {
     SchemeOptions out = GetParam().options;
-    out.h = reference_ ? 8e-3 : 2e-3, out.threads = threads;
-    out.lmd.threads = threads;
+    out.step.h = reference_ ? 8e-3 : 2e-3, out.step.threads = threads;
+    out.step.lmd.threads = threads;
     return out;
   }
   Scheme scheme(int threads = 1) const {
@@ -179,7 +181,7 @@ Compared compared(const Scene& s, const std::string& name, const SchemeOptions& 
 // solve Coulomb's law, each to 1e-13, and which of them a sweep finds decides how the body turns.
 TEST_P(EveryScheme, MovesBodiesThatAreNumberedOtherwiseTheSameWay) {
   SchemeOptions o = options();
-  o.solver.tolerance = 1e-12;
+  o.step.solver.tolerance = 1e-12;
   const Compared runs = compared(scene_, GetParam().name, o, reference_ ? steps_ : 30);
   EXPECT_GT(runs.touching, 2u);
   EXPECT_LT(runs.off, reference_ ? 1e-9 : 1e-11);
@@ -188,7 +190,7 @@ TEST_P(EveryScheme, MovesBodiesThatAreNumberedOtherwiseTheSameWay) {
 // Without Coulomb's friction the velocities are unique, and nothing in between decides by rounding.
 TEST_P(EveryScheme, MovesThemTheSameWayForLongWithoutFriction) {
   SchemeOptions o = options();
-  o.solver.tolerance = 1e-12;
+  o.step.solver.tolerance = 1e-12;
   for (const double hinge_friction : {0.01, 0.0}) {
     const Compared runs = compared(tumbling_blocks(0, hinge_friction), GetParam().name, o, steps_);
     EXPECT_GT(runs.touching, reference_ ? 2u : 10u);

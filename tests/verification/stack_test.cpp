@@ -35,7 +35,7 @@ Tower tower(int cubes, double top) {
 
 TEST(Stack, OfTenCubesNeedsNoMoreThanASweepPerStep) {
   Tower t = tower(10, 1);
-  const MoreauJean scheme(t.model, {.h = 1e-3});
+  const MoreauJean scheme(t.model, {.h = 1e-3}, {.theta = 1});
   int sweeps = 0, solves = 0;
   for (int step = 0; step < 200; ++step) {
     const StepReport report = scheme.step(t.state);
@@ -52,7 +52,7 @@ TEST(Stack, OfTenCubesNeedsNoMoreThanASweepPerStep) {
 
 TEST(Stack, WithATopAHundredTimesHeavierIsSolvedAtEveryStep) {
   Tower t = tower(10, 100);
-  const MoreauJean scheme(t.model, {.h = 1e-3, .solver = {.tolerance = 1e-10}});
+  const MoreauJean scheme(t.model, {.h = 1e-3, .solver = {.tolerance = 1e-10}}, {.theta = 1});
   for (int step = 0; step < 200; ++step) {
     const StepReport report = scheme.step(t.state);
     ASSERT_TRUE(report.ok()) << report.reason;

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "examples/verification/list.hpp"
-#include "examples/verification/running.hpp"
+#include "examples/studies/verification/list.hpp"
+#include "examples/studies/verification/running.hpp"
 #include "io/text.hpp"
 
 namespace aussois {

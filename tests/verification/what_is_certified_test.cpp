@@ -20,7 +20,7 @@ class Certified : public ::testing::TestWithParam<SchemeVariant> {
  protected:
   static Scheme scheme_of(const Model& model, double h = 1e-3) {
     SchemeOptions options = GetParam().options;
-    options.h = h;
+    options.step.h = h;
     return make_scheme(GetParam().name, model, options);
   }
 };

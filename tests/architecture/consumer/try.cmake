@@ -16,7 +16,7 @@ file(REMOVE_RECURSE ${WORK})
 try(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/first)
 file(RENAME ${WORK}/first ${WORK}/moved)
 
-file(GLOB_RECURSE texts ${WORK}/moved/share/doc/*/doc/theory/lmd.md ${WORK}/moved/share/doc/*/examples/sliding_block.cpp)
+file(GLOB_RECURSE texts ${WORK}/moved/share/doc/*/doc/theory/lmd.md ${WORK}/moved/share/doc/*/examples/drivers/sliding_block.cpp)
 list(LENGTH texts count)
 if(NOT count EQUAL 2)
   message(FATAL_ERROR "the manual and the sources of the drivers must be installed, found: ${texts}")

@@ -169,10 +169,11 @@ TEST(RockingBlock, HasHousnersImpacts) {
 // matter of a displacement of nanometres, and the step is solved.
 TEST(SliderCrank, LandsOnCornersThatAreOneContact) {
   CaseScene s = case_named("slider_crank").scene();
-  SchemeOptions o{.h = 3.648050649609605e-07, .theta = 0.5, .solver = {.tolerance = 1e-12}};
-  o.normal.law = NormalLaw::combined;
+  SchemeOptions o{.step = {.h = 3.648050649609605e-07, .solver = {.tolerance = 1e-12}},
+                  .moreau_jean = {.theta = 0.5}};
+  o.moreau_jean.law = NormalLaw::combined;
   const Scheme scheme = make_scheme("moreau_jean", s.model, o);
-  ASSERT_TRUE(scheme.step(s.state, 0.625 * o.h).ok());
+  ASSERT_TRUE(scheme.step(s.state, 0.625 * o.step.h).ok());
   while (s.state.t < 0.0027) {  // the first impact is at 0.0026925 s
     const StepReport report = scheme.step(s.state, 1);
     ASSERT_TRUE(report.ok()) << s.state.t << " s: " << report.reason;

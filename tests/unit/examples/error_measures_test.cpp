@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "examples/scenes/error_measures.hpp"
+#include "examples/studies/convergence/error_measures.hpp"
 
 #include <cmath>
 #include <iostream>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "examples/families/friction_scene.hpp"
+#include "examples/studies/families/friction_scene.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "examples/peg_plate/study.hpp"
-#include "examples/peg_plate/study_files.hpp"
+#include "examples/studies/peg_plate/study.hpp"
+#include "examples/studies/peg_plate/study_files.hpp"
 #include "io/network_file.hpp"
 #include "tests/support/files.hpp"
 #include "tests/support/message_of.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "examples/friction/performance_profile.hpp"
+#include "examples/studies/friction/performance_profile.hpp"
 
 #include <limits>
 
@@ -44,7 +44,7 @@ TEST(PerformanceProfile, RefusesCostsThatAreNone) {
   EXPECT_EQ(message_of([] {
               performance_profile({{1, 2}, {1}});
             }),
-            "problems of a solver = 1 must be 2 as of the others");
+            "problems of a solver = 1 must be 2 as for the other solvers");
 }
 
 TEST(PerformanceProfile, IsWrittenAsTableAndScript) {

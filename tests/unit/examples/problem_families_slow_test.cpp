@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "examples/families/problem_families.hpp"
+#include "examples/studies/families/problem_families.hpp"
 #include "nsgs/residual.hpp"
 #include "nsgs/solve.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "examples/families/problem_families.hpp"
+#include "examples/studies/families/problem_families.hpp"
 
 #include <numeric>
 

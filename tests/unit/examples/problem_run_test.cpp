@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "examples/friction/problem_run.hpp"
+#include "examples/studies/friction/problem_run.hpp"
 
 #include <cmath>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "examples/friction/profile_table.hpp"
+#include "examples/studies/friction/profile_table.hpp"
 
 #include <cmath>
 

@@ -36,15 +36,15 @@ TEST(RunTotals, NameThePairsThatNobodyLooksAt) {
       << to_json(summary);
   EXPECT_EQ(
       told({.samples = 3, .steps = 2}, s.model),
-      "certify: 2 steps, 3 places and the end of each, no two bodies came within twice their dilations, "
+      "certify: 2 steps, each at 3 places and at its end, no two bodies came within twice their dilations, "
       "0 violations\n"
-      "certify: not looked at, because they pass through each other: block and lid\n");
+      "certify: not checked, because they may pass through each other: block and lid\n");
   EXPECT_EQ(
       told({.samples = 3, .min_distance = 2e-3, .min_slack = 1e-3, .steps = 2, .violations = 1, .nested = 1},
            block_on_plate(0, 0, 0).model),
-      "certify: 2 steps, 3 places and the end of each, base distance at least 2000 um, 1000 um above the "
+      "certify: 2 steps, each at 3 places and at its end, base distance at least 2000 um, 1000 um above the "
       "certificate, 1 violation\n"
-      "certify: a body was inside another in 1 step\n");
+      "certify: one body was inside another in 1 step\n");
   EXPECT_EQ(told({}, s.model), "");
 }
 
@@ -73,7 +73,7 @@ TEST(RunTotals, AddUpOfWhomTheCertificatesDoNotSpeak) {
 TEST(Recording, GoesOnWithItsTotalsAndItsTable) {
   const std::filesystem::path folder = fresh_folder();
   const Scene s = block_on_plate(0.3, 0, 0, 0.01);
-  const Scheme scheme = make_scheme("moreau_jean", s.model, {.h = 1e-3});
+  const Scheme scheme = make_scheme("moreau_jean", s.model, {.step = {.h = 1e-3}});
   std::vector<Gauge> list =
       gauges({"step", "t", "min_gap", "displacement", "total:solver_failures", "total:max_contacts"});
   list.push_back({"speed", "top_speed", Keep::most, [](const Frame& f) { return f.state.v.norm(); }});

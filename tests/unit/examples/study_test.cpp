@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "examples/scenes/study.hpp"
+#include "examples/studies/convergence/study.hpp"
 
 #include <cmath>
 
@@ -7,7 +7,7 @@
 
 #include "examples/common/convergence.hpp"
 #include "examples/common/driver.hpp"
-#include "examples/scenes/study_files.hpp"
+#include "examples/studies/convergence/study_files.hpp"
 #include "tests/support/files.hpp"
 #include "tests/support/message_of.hpp"
 
@@ -15,7 +15,8 @@ namespace aussois {
 namespace {
 
 SchemeOptions moreau(double theta) {
-  return {.theta = theta, .normal = {.law = NormalLaw::moreau}};
+  return {.moreau_jean = {.theta = theta, .law = NormalLaw::moreau},
+          .passive_midpoint = {.law = NormalLaw::moreau}};
 }
 
 Study made_up(double order) {
@@ -54,12 +55,12 @@ TEST(StepSizes, AreNoPowersOfTwoOfEachOther) {
 TEST(RunCase, EndsAtTheEndOfTheCase) {
   const Case& c = case_named("bowling");
   SchemeOptions options = moreau(0.5);
-  options.h = 0.0213;
+  options.step.h = 0.0213;
   for (const double phase : {0.1, 0.5, 1.0}) {
     const ComputedMotion run = run_case(c, "moreau_jean", options, phase);
     EXPECT_EQ(run.t.front(), 0);
-    EXPECT_NEAR(run.t[1], phase * options.h, 1e-15);
-    EXPECT_NEAR(run.t[2] - run.t[1], options.h, 1e-15);
+    EXPECT_NEAR(run.t[1], phase * options.step.h, 1e-15);
+    EXPECT_NEAR(run.t[2] - run.t[1], options.step.h, 1e-15);
     EXPECT_NEAR(run.t.back(), c.t_end, 1e-12);
     EXPECT_EQ(run.t.size(), run.node.size());
   }
@@ -68,8 +69,8 @@ TEST(RunCase, EndsAtTheEndOfTheCase) {
 // A scheme that refuses to step ends the study with a message and no table.
 TEST(RunCase, TellsWhereAStepFails) {
   SchemeOptions options = moreau(0.5);
-  options.h = 0.1;  // the ball would sink in by more than its dilation
-  options.advancement = {.min_h = 0.05};
+  options.step.h = 0.1;  // the ball would sink in by more than its dilation
+  options.step.advancement = {.min_h = 0.05};
   const std::string message =
       message_of<NumericalFailure>([&] { run_case(case_named("ball_e05"), "moreau_jean", options, 1); });
   EXPECT_NE(message.find("ball_e05, moreau_jean theta 0.5 moreau, t = "), std::string::npos) << message;
@@ -89,7 +90,8 @@ TEST(Study, FindsTheOrdersOfASmoothMotion) {
 }
 
 TEST(Study, CallsRoundingExact) {
-  const Study s = study(case_named("incline_30"), "moreau_jean", {.theta = 0.5}, {.levels = 3, .phases = 1});
+  const Study s = study(case_named("incline_30"), "moreau_jean", {.moreau_jean = {.theta = 0.5}},
+                        {.levels = 3, .phases = 1});
   EXPECT_TRUE(std::isinf(s.order[q_max]));  // uniform acceleration
   EXPECT_NEAR(s.order[v_l1], 1, 0.05);
   EXPECT_TRUE(as_expected(s));
@@ -97,7 +99,7 @@ TEST(Study, CallsRoundingExact) {
 
 TEST(Study, RefusesAPlasticSchemeWhereThingsBounce) {
   SchemeOptions options = moreau(1);
-  options.normal.law = NormalLaw::gap_over_step;
+  options.moreau_jean.law = NormalLaw::gap_over_step;
   EXPECT_NE(
       message_of([&] { study(case_named("ball_e05"), "moreau_jean", options, {}); }).find("no restitution"),
       std::string::npos);
@@ -111,7 +113,7 @@ TEST(Study, RefusesAPlasticSchemeWhereThingsBounce) {
 
 TEST(Study, RefusesPairwiseImpactsWhereContactsCloseAtOnce) {
   SchemeOptions options = moreau(0.5);
-  options.impact.order = ImpactOrder::sequential;
+  options.moreau_jean.impact.order = ImpactOrder::sequential;
   EXPECT_NE(
       message_of([&] { study(case_named("slider_crank"), "moreau_jean", options, {}); }).find("in turn"),
       std::string::npos);
@@ -164,12 +166,13 @@ TEST(Study, TakesSchemesAsTheyAreDelivered) {
 // Each scheme and scene says why: a landing, a smooth motion, impacts, ever smaller hops.
 TEST(Study, SaysWhyAnOrderIsExpected) {
   const auto why = [](const char* name, const SchemeOptions& options, Measure m) {
-    const char* scheme = options.normal.law == NormalLaw::combined ? "passive_midpoint" : "moreau_jean";
+    const char* scheme =
+        options.passive_midpoint.law == NormalLaw::combined ? "passive_midpoint" : "moreau_jean";
     const auto [order, reasons] =
         expected_orders(case_named(name), scheme_traits(scheme, options), {0.1, 0.05, 0.02});
     return std::to_string(order[m]).substr(0, 3) + " " + reasons[m];
   };
-  const SchemeOptions combined{.theta = 0.5, .normal = {.law = NormalLaw::combined}};
+  const SchemeOptions combined{.passive_midpoint = {.law = NormalLaw::combined}};
   EXPECT_TRUE(why("ball_e0", combined, v_graph).starts_with("0.0 the overlap of a landing"));
   EXPECT_TRUE(why("ball_e0", moreau(1), v_graph).starts_with("0.5 a landing ends"));
   EXPECT_TRUE(why("ball_e0", moreau(0.5), v_graph).starts_with("1.0 impacts, slip and stick"));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "examples/toss/toss_fit.hpp"
-#include "examples/toss/toss_report.hpp"
+#include "examples/studies/toss/toss_fit.hpp"
+#include "examples/studies/toss/toss_report.hpp"
 #include "geometry/so3.hpp"
 #include "tests/support/files.hpp"
 #include "tests/support/message_of.hpp"
@@ -100,7 +100,7 @@ TEST(Toss, FitFindsTheFrictionThatTossesWereMadeWith) {
   made.mu = 0.25;
   made.restitution = 0.1;
   guess.substeps = made.substeps = 3;
-  guess.options.theta = made.options.theta = 1;  // as cube_toss
+  guess.options.moreau_jean.theta = made.options.moreau_jean.theta = 1;  // as cube_toss
   std::vector<Toss> tosses;
   for (unsigned seed = 1; seed <= 16; ++seed) {
     Toss toss = synthetic_toss(seed, made, 0);

@@ -146,10 +146,11 @@ TEST(AdvanceStep, LooksAgainWhereASolveLeavesWhatWasLookedAt) {
     state.g[1].p.z() = 1.1e-2 + 1.5e-3;
     state.g[2].p.z() = state.g[1].p.z() + 2e-2 + 1e-5;
     twist(state, 2)[2] = -6;
-    const MoreauJean scheme(model, {.h = 1e-3,
-                                    .contacts = iterations > 1 ? ContactsAt::end : ContactsAt::start,
-                                    .newton = {.max_iterations = iterations},
-                                    .normal = {.law = NormalLaw::gap_over_step}});
+    const MoreauJean scheme(model, {.h = 1e-3},
+                            {.theta = 1,
+                             .law = NormalLaw::gap_over_step,
+                             .contacts = iterations > 1 ? ContactsAt::end : ContactsAt::start,
+                             .newton = {.max_iterations = iterations}});
     const StepReport report = scheme.step(state);
     ASSERT_TRUE(report.ok()) << report.reason;
     EXPECT_GT(report.attempts, 1) << iterations;

@@ -57,7 +57,7 @@ TEST(ContensouDisc, SlidesAndSpinsAsItsEquationsSayAndStopsInOneInstant) {
     const Motion2 stop = reference(v, w, kInf), half = reference(v, w, 0.2);
     const double h = 1e-3;
     Disc disc(v, w);
-    const MoreauJean scheme(disc.model, {.h = h, .theta = 0.5, .solver = {.tolerance = 1e-11}});
+    const MoreauJean scheme(disc.model, {.h = h, .solver = {.tolerance = 1e-11}}, {.theta = 0.5});
     run(scheme, disc.state, 0.2);
     EXPECT_NEAR(disc.state.v[6], half.v, 2 * h) << v << ' ' << w;
     EXPECT_NEAR(disc.state.v[11], half.w, 20 * h) << v << ' ' << w;
@@ -74,7 +74,7 @@ TEST(ContensouDisc, ErrsByOrderOne) {
   const Motion2 exact = reference(1, 10, 0.3);
   const auto error = [&](double h) {
     Disc disc(1, 10);
-    run(MoreauJean(disc.model, {.h = h, .theta = 1, .solver = {.tolerance = 1e-11}}), disc.state, 0.3);
+    run(MoreauJean(disc.model, {.h = h, .solver = {.tolerance = 1e-11}}, {.theta = 1}), disc.state, 0.3);
     return std::abs(disc.state.v[6] - exact.v) + kDisc * std::abs(disc.state.v[11] - exact.w);
   };
   EXPECT_NEAR(std::log(error(7e-3) / error(2e-3)) / std::log(3.5), 1, 0.15);
@@ -82,7 +82,7 @@ TEST(ContensouDisc, ErrsByOrderOne) {
 
 TEST(ContensouDisc, RemembersItsDrillingImpulse) {
   Disc disc(0.1, 30);
-  const MoreauJean scheme(disc.model, {.h = 1e-3});
+  const MoreauJean scheme(disc.model, {.h = 1e-3}, {.theta = 1});
   const StepReport first = scheme.step(disc.state);
   ASSERT_EQ(first.contacts.size(), 1U);
   ASSERT_EQ(disc.state.memory.contacts.size(), 1U);
@@ -99,7 +99,7 @@ TEST(ContensouDisc, RemembersItsDrillingImpulse) {
 TEST(ContensouDisc, WithoutRadiusSpinsForEver) {
   Disc disc(0, 30);
   disc.model.contact_law.contensou_radius = 0;
-  run(MoreauJean(disc.model, {.h = 1e-2}), disc.state, 1);
+  run(MoreauJean(disc.model, {.h = 1e-2}, {.theta = 1}), disc.state, 1);
   EXPECT_NEAR(disc.state.v[11], 30, 1e-9);
 }
 

@@ -29,7 +29,7 @@ TEST(D1MinusLinear, IsOfOrderTwoWhileContactLasts) {
              },
          .potential = {}});
     twist(s.state, s.block)[0] = kStart;
-    const D1MinusLinear scheme(s.model, {.step = {.h = h, .solver = {.tolerance = 1e-12}}});
+    const D1MinusLinear scheme(s.model, {.h = h, .solver = {.tolerance = 1e-12}});
     while (s.state.t < kEnd - h / 2) {
       const StepReport report = scheme.step(s.state);
       EXPECT_TRUE(report.ok()) << report.reason;
@@ -47,7 +47,7 @@ TEST(D1MinusLinear, IsOfOrderTwoWhileContactLasts) {
 TEST(D1MinusLinear, BouncesByNewtonsLaw) {
   for (const double e : {0.6, 1.0}) {
     Scene s = falling_block(e, 0.01);
-    const D1MinusLinear scheme(s.model, {.step = {.h = 1e-3}});
+    const D1MinusLinear scheme(s.model, {.h = 1e-3});
     const double E = energy(s.model, s.state).total();
     double before = -0.1;
     bool back = false;
@@ -73,7 +73,7 @@ TEST(D1MinusLinear, BouncesByNewtonsLaw) {
 TEST(D1MinusLinear, LetsNoBlockCreep) {
   Scene s = block_on_plate(0.5, 0, 0.2);
   const Vec3 start = pose(s.state, s.block).p;
-  const D1MinusLinear scheme(s.model, {.step = {.h = 1e-3, .solver = {.tolerance = 1e-11}}});
+  const D1MinusLinear scheme(s.model, {.h = 1e-3, .solver = {.tolerance = 1e-11}});
   for (int k = 0; k < 1000; ++k) {
     const StepReport report = scheme.step(s.state);
     ASSERT_TRUE(report.ok()) << report.reason;
@@ -95,7 +95,7 @@ TEST(D1MinusLinear, TakesJointsStopsAndDryFriction) {
   add(model, joint_at(JointKind::revolute, "hinge", 0, -1, state.g, about_y));
   JointAxis& axis = model.joints[0].axis[0];
   axis.lower = -0.5, axis.upper = 0.5, axis.restitution = 0.5, axis.friction = 0.2;
-  const D1MinusLinear scheme(model, {.step = {.h = 1e-3}});
+  const D1MinusLinear scheme(model, {.h = 1e-3});
   double largest = 0, fastest_back = 0;
   for (int k = 0; k < 1500; ++k) {
     const StepReport report = scheme.step(state);
@@ -128,7 +128,7 @@ TEST(D1MinusLinear, StepsCoordinatesAndGapFunctions) {
                          .law = {.mu = 0, .restitution = 0.8}});
   State state = rest_state(model);
   state.q[0] = 1;
-  const D1MinusLinear scheme(model, {.step = {.h = 1e-3}});
+  const D1MinusLinear scheme(model, {.h = 1e-3});
   while (state.t < 3) {
     const StepReport report = scheme.step(state);
     ASSERT_TRUE(report.ok());
@@ -150,7 +150,7 @@ TEST(D1MinusLinear, IsStableToTheBoundOfExplicitSchemes) {
          .potential = {}});
     State state = rest_state(model);
     pose(state, 0).p.x() = 1;
-    const D1MinusLinear scheme(model, {.step = {.h = h}});
+    const D1MinusLinear scheme(model, {.h = h});
     for (int k = 0; k < 60; ++k) EXPECT_TRUE(scheme.step(state).ok());
     return std::abs(pose(state, 0).p.x());
   };
@@ -161,7 +161,7 @@ TEST(D1MinusLinear, IsStableToTheBoundOfExplicitSchemes) {
 TEST(D1MinusLinear, GivesTheSameBitsAfterACopyAndByAFreshScheme) {
   Scene s = block_on_plate(0.3, 0.5, 0.2, 0.01);
   twist(s.state, s.block).tail<3>() = Vec3(3, 2, 1);
-  const D1MinusLinearOptions options{.step = {.h = 1e-3}};
+  const StepOptions options{.h = 1e-3};
   const D1MinusLinear scheme(s.model, options);
   State state = s.state;
   for (int k = 0; k < 100; ++k) {
@@ -174,7 +174,7 @@ TEST(D1MinusLinear, GivesTheSameBitsAfterACopyAndByAFreshScheme) {
 
 TEST(D1MinusLinear, RefusesBadOptions) {
   const Scene s = block_on_plate(0, 0, 0);
-  EXPECT_NE(message_of([&] { D1MinusLinear(s.model, {.step = {.h = 0}}); }).find("StepOptions::h = 0"),
+  EXPECT_NE(message_of([&] { D1MinusLinear(s.model, {.h = 0}); }).find("StepOptions::h = 0"),
             std::string::npos);
 }
 

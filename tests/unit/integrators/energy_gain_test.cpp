@@ -73,17 +73,17 @@ TEST(EnergyGain, IsNotHiddenByWhatWasLostBefore) {
 
 TEST(EnergyGain, IsNoneWhereEnergyIsKept) {
   const Top top;
-  const Scheme midpoint = make_scheme("passive_midpoint", top.model, {.h = 5e-2});
+  const Scheme midpoint = make_scheme("passive_midpoint", top.model, {.step = {.h = 5e-2}});
   EXPECT_LT(gain_of(top.model, top.state, midpoint, 1000).largest, 1e-12);
 
   Scene ball = block_on_plate(0, 1, 0, 0.05);  // a block that bounces flat
-  const Scheme bouncing =
-      make_scheme("moreau_jean", ball.model, {.h = 1e-3, .normal = {.law = NormalLaw::moreau}});
+  const Scheme bouncing = make_scheme("moreau_jean", ball.model,
+                                      {.step = {.h = 1e-3}, .moreau_jean = {.law = NormalLaw::moreau}});
   const EnergyGain bounced = gain_of(ball.model, ball.state, bouncing, 1000);
   EXPECT_LT(bounced.largest, 1e-6 * bounced.kinetic);
 
   Scene rest = block_on_plate(0.5, 0, 0.2);
-  const Scheme resting = make_scheme("moreau_jean", rest.model, {.h = 1e-3});
+  const Scheme resting = make_scheme("moreau_jean", rest.model, {.step = {.h = 1e-3}});
   const EnergyGain rested = gain_of(rest.model, rest.state, resting, 1000);
   EXPECT_FALSE(energy_rises(rested)) << rested.largest << " of " << rested.kinetic;
 }
@@ -101,7 +101,7 @@ TEST(EnergyGain, IsNoneWhereEnergyIsGiven) {
   ride.state = rest_state(ride.model);
   pose(ride.state, ride.block).p.z() = kSide / 2 + 2 * kRadius;
   const EnergyGain rode =
-      gain_of(ride.model, ride.state, make_scheme("moreau_jean", ride.model, {.h = 5e-3}), 180);
+      gain_of(ride.model, ride.state, make_scheme("moreau_jean", ride.model, {.step = {.h = 5e-3}}), 180);
   EXPECT_GT(rode.kinetic, 0.3);
   EXPECT_FALSE(energy_rises(rode)) << rode.largest;
 
@@ -111,16 +111,16 @@ TEST(EnergyGain, IsNoneWhereEnergyIsGiven) {
   for (const Motor& motor : motors) {
     OneAxis wheel(JointKind::revolute);
     wheel.axis().motor = motor;
-    const EnergyGain driven =
-        gain_of(wheel.model, wheel.state, make_scheme("moreau_jean", wheel.model, {.h = 1e-3}), 1000);
+    const EnergyGain driven = gain_of(wheel.model, wheel.state,
+                                      make_scheme("moreau_jean", wheel.model, {.step = {.h = 1e-3}}), 1000);
     EXPECT_GT(driven.kinetic, 0.05);
     EXPECT_FALSE(energy_rises(driven)) << driven.largest;
   }
 
   OneAxis sprung(JointKind::revolute);
   sprung.axis() = {.stiffness = 50, .damping = 0.5, .rest = 0.5};
-  const EnergyGain swung =
-      gain_of(sprung.model, sprung.state, make_scheme("moreau_jean", sprung.model, {.h = 1e-3}), 1000);
+  const EnergyGain swung = gain_of(sprung.model, sprung.state,
+                                   make_scheme("moreau_jean", sprung.model, {.step = {.h = 1e-3}}), 1000);
   EXPECT_GT(swung.kinetic, 1);
   EXPECT_FALSE(energy_rises(swung)) << swung.largest;
 
@@ -128,8 +128,8 @@ TEST(EnergyGain, IsNoneWhereEnergyIsGiven) {
   add(pulled.model, spring(0, Vec3(20, 30, 40)));
   pose(pulled.state, 0).p = Vec3(1, 1, 1);
   pulled.state.v.setZero();
-  const EnergyGain drawn =
-      gain_of(pulled.model, pulled.state, make_scheme("moreau_jean", pulled.model, {.h = 1e-3}), 1000);
+  const EnergyGain drawn = gain_of(pulled.model, pulled.state,
+                                   make_scheme("moreau_jean", pulled.model, {.step = {.h = 1e-3}}), 1000);
   EXPECT_GT(drawn.kinetic, 10);
   EXPECT_FALSE(energy_rises(drawn)) << drawn.largest;
 }

@@ -31,7 +31,7 @@ double spring_error(double h, double theta) {
                       .potential = {}});
   State state = rest_state(model);
   pose(state, 0).p.x() = 1;
-  const MoreauJean scheme(model, {.h = h, .theta = theta});
+  const MoreauJean scheme(model, {.h = h}, {.theta = theta});
   while (state.t < 1 - h / 2) EXPECT_EQ(scheme.step(state, 1 - state.t).status, StepStatus::ok);
   return std::abs(pose(state, 0).p.x() - std::cos(3.0));
 }
@@ -49,7 +49,7 @@ TEST(FreeMotion, FallsAsTheThetaSchemeSays) {
   Model model = free_body(Mat3::Identity());
   model.gravity = {0, 0, -10};
   State state = rest_state(model);
-  const MoreauJean scheme(model, {.h = 0.01, .theta = 0.5});
+  const MoreauJean scheme(model, {.h = 0.01}, {.theta = 0.5});
   for (int i = 0; i < 100; ++i) ASSERT_TRUE(scheme.step(state).ok());
   EXPECT_NEAR(twist(state, 0)[2], -10, 1e-12);
   EXPECT_NEAR(pose(state, 0).p.z(), -5, 1e-12);  // exact for a constant force
@@ -64,7 +64,7 @@ TEST(FreeMotion, OfATopKeepsItsAngularMomentumToSecondOrder) {
     twist(state, 0).tail<3>() = Vec3(0.3, 2, 0.4);
     const auto spatial = [&] { return Vec3(pose(state, 0).R * (J * twist(state, 0).tail<3>())); };
     const Vec3 before = spatial();
-    const MoreauJean scheme(model, {.h = h, .theta = 0.5});
+    const MoreauJean scheme(model, {.h = h}, {.theta = 0.5});
     while (state.t < 1 - h / 2) EXPECT_TRUE(scheme.step(state, 1 - state.t).ok());
     return (spatial() - before).norm();
   };

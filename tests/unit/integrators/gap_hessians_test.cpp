@@ -46,7 +46,7 @@ ContactSet contacts_of(const Pair& pair, const State& state) {
 VecX momentum_at(const Pair& pair, const State& state, const std::vector<double>& r_N) {
   const std::vector<ContactRow> rows =
       contact_rows(pair.model, state, layout(pair.model), contacts_of(pair, state),
-                   VecX::Zero(state.v.size()), 1e-3, NormalLawOptions{});
+                   VecX::Zero(state.v.size()), 1e-3, NormalRule{});
   EXPECT_EQ(rows.size(), r_N.size());
   std::vector<RowVector> r(rows.size(), RowVector::Zero());
   for (std::size_t i = 0; i < r.size(); ++i) r[i][0] = r_N[i];

@@ -35,7 +35,7 @@ struct Spring {
 TEST(GeneralisedAlpha, DampsStiffMotionsByItsSpectralRadius) {
   for (const double rho : {0.2, 0.5, 0.8}) {
     Spring s(1e12);
-    const GeneralisedAlpha scheme(s.model, {.spectral_radius = rho, .step = {.h = 1}});
+    const GeneralisedAlpha scheme(s.model, {.h = 1}, {.spectral_radius = rho});
     const auto size = [&] { return std::abs(pose(s.state, 0).p.x()) + std::abs(twist(s.state, 0)[0]); };
     for (int k = 0; k < 10; ++k) ASSERT_TRUE(scheme.step(s.state).ok());
     const double before = size();
@@ -50,7 +50,7 @@ TEST(GeneralisedAlpha, TellsWhatItDamps) {
   for (const double rho : {0.5, 1.0}) {
     Spring s(400);
     const double E = energy(s.model, s.state).total();
-    const GeneralisedAlpha scheme(s.model, {.spectral_radius = rho, .step = {.h = 2e-2}});
+    const GeneralisedAlpha scheme(s.model, {.h = 2e-2}, {.spectral_radius = rho});
     double numerical = 0;
     for (int k = 0; k < 200; ++k) {
       const StepReport report = scheme.step(s.state);
@@ -65,7 +65,7 @@ TEST(GeneralisedAlpha, TellsWhatItDamps) {
   }
   const auto unexplained = [](double h) {
     Spring s(400);
-    const GeneralisedAlpha scheme(s.model, {.spectral_radius = 0.5, .step = {.h = h}});
+    const GeneralisedAlpha scheme(s.model, {.h = h}, {.spectral_radius = 0.5});
     double lost = energy(s.model, s.state).total();
     while (s.state.t < 0.4 - h / 2) lost += scheme.step(s.state).energy.numerical_work;
     return std::abs(lost - s.state.v.squaredNorm() / 2 - 200 * s.state.g[0].p.squaredNorm());
@@ -76,7 +76,7 @@ TEST(GeneralisedAlpha, TellsWhatItDamps) {
 // A block lands flat: from the step of the impact on the gap is zero and so is the speed.
 TEST(GeneralisedAlpha, LandsAtBothLevels) {
   Scene s = block_on_plate(0.3, 0, 0, 0.02);
-  const GeneralisedAlpha scheme(s.model, {.step = {.h = 3e-3}});
+  const GeneralisedAlpha scheme(s.model, {.h = 3e-3});
   bool landed = false;
   for (int k = 0; k < 60; ++k) {
     const StepReport report = scheme.step(s.state);
@@ -96,7 +96,7 @@ TEST(GeneralisedAlpha, LandsAtBothLevels) {
 // It comes back with e, and the ledger knows where the rest is.
 TEST(GeneralisedAlpha, BouncesByNewtonsLaw) {
   Scene s = block_on_plate(0, 0.6, 0, 0.02);
-  const GeneralisedAlpha scheme(s.model, {.step = {.h = 1e-3}});
+  const GeneralisedAlpha scheme(s.model, {.h = 1e-3});
   double before = 0;
   for (int k = 0; k < 100; ++k) {
     const StepReport report = scheme.step(s.state);
@@ -116,7 +116,7 @@ TEST(GeneralisedAlpha, BouncesByNewtonsLaw) {
 TEST(GeneralisedAlpha, LetsNoBlockCreep) {
   Scene s = block_on_plate(0.5, 0, 0.2);
   const Vec3 start = pose(s.state, s.block).p;
-  const GeneralisedAlpha scheme(s.model, {.step = {.h = 1e-3, .solver = {.tolerance = 1e-11}}});
+  const GeneralisedAlpha scheme(s.model, {.h = 1e-3, .solver = {.tolerance = 1e-11}});
   for (int k = 0; k < 1000; ++k) ASSERT_TRUE(scheme.step(s.state).ok());
   EXPECT_LT((pose(s.state, s.block).p - start).norm(), 1e-9);
 }
@@ -131,7 +131,7 @@ TEST(GeneralisedAlpha, HoldsJointsAtBothLevelsAndTellsTheirForce) {
     pose(state, 0).p = Vec3(0, 1, 0);
     twist(state, 0) << Vec3(0, 0, 3).cross(Vec3(0, 1, 0)), Vec3(0, 0, 3);
     add(model, joint_at(JointKind::revolute, "hinge", 0, -1, state.g, SE3{}));
-    const GeneralisedAlpha scheme(model, {.step = {.h = h}});
+    const GeneralisedAlpha scheme(model, {.h = h});
     StepReport report;
     while (state.t < 1 - h / 2) {
       report = scheme.step(state);
@@ -166,7 +166,7 @@ TEST(GeneralisedAlpha, StepsCoordinatesAndGapFunctions) {
                          .law = {.mu = 0, .restitution = 0.8}});
   State state = rest_state(model);
   state.q[0] = 1;
-  const GeneralisedAlpha scheme(model, {.spectral_radius = 1, .step = {.h = 1e-3}});
+  const GeneralisedAlpha scheme(model, {.h = 1e-3}, {.spectral_radius = 1});
   while (state.t < 3) {
     const StepReport report = scheme.step(state);
     ASSERT_TRUE(report.ok());
@@ -198,7 +198,7 @@ TEST(GeneralisedAlpha, SlidesOnAGapFunctionUntilFrictionStopsIt) {
                          .law = {.mu = kMu}});
   State state = rest_state(model);
   state.v[0] = 1;
-  const GeneralisedAlpha scheme(model, {.step = {.h = 1e-2, .solver = {.tolerance = 1e-12}}});
+  const GeneralisedAlpha scheme(model, {.h = 1e-2, .solver = {.tolerance = 1e-12}});
   const double stop = 1 / (kMu * kG);
   while (state.t < 0.7) {
     const StepReport report = scheme.step(state);
@@ -215,13 +215,14 @@ TEST(GeneralisedAlpha, SlidesOnAGapFunctionUntilFrictionStopsIt) {
 TEST(GeneralisedAlpha, KeepsAllItRemembersInTheState) {
   Scene s = block_on_plate(0.3, 0.5, 0.2, 0.01);
   twist(s.state, s.block).tail<3>() = Vec3(3, 2, 1);
-  const GeneralisedAlphaOptions options{.spectral_radius = 0.7, .step = {.h = 1e-3}};
-  const GeneralisedAlpha scheme(s.model, options);
+  const StepOptions step{.h = 1e-3};
+  const GeneralisedAlphaOptions own{.spectral_radius = 0.7};
+  const GeneralisedAlpha scheme(s.model, step, own);
   State state = s.state;
   for (int k = 0; k < 100; ++k) {
     State copy = state;
     ASSERT_TRUE(scheme.step(state).ok());
-    ASSERT_TRUE(GeneralisedAlpha(s.model, options).step(copy).ok());
+    ASSERT_TRUE(GeneralisedAlpha(s.model, step, own).step(copy).ok());
     ASSERT_EQ(hash(state), hash(copy)) << "step " << k;
   }
   EXPECT_EQ(state.a.size(), 2 * state.v.size());
@@ -233,7 +234,7 @@ TEST(GeneralisedAlpha, RefusesBadOptions) {
   const Spring s(1);
   for (const double rho : {-0.1, 1.1, std::nan("")})
     EXPECT_NE(
-        message_of([&] { GeneralisedAlpha(s.model, {.spectral_radius = rho}); }).find("spectral_radius"),
+        message_of([&] { GeneralisedAlpha(s.model, {}, {.spectral_radius = rho}); }).find("spectral_radius"),
         std::string::npos);
 }
 

@@ -28,7 +28,7 @@ class JointWorkInEveryScheme : public ::testing::TestWithParam<SchemeVariant> {
  protected:
   const SchemeVariant& v = GetParam();
   const bool event_driven = v.name == "event_driven", paoli = v.name == "schatzman_paoli",
-             alpha = v.name == "generalised_alpha", cayley = v.options.update == GroupUpdate::cayley,
+             alpha = v.name == "generalised_alpha", cayley = v.options.step.update == GroupUpdate::cayley,
              first_order = scheme_traits(v.name, v.options).smooth < 2,
              stops_bounce = scheme_traits(v.name, v.options).restitution;
   const double rounding = event_driven ? 5e-8 : 1e-12;
@@ -36,7 +36,7 @@ class JointWorkInEveryScheme : public ::testing::TestWithParam<SchemeVariant> {
   // Of each joint, over a run whose every step closes: the joints' work is that of the ledger.
   std::vector<JointWork> work(const Model& model, State& state, double h, double t_end) const {
     SchemeOptions o = v.options;
-    o.h = h;
+    o.step.h = h;
     std::vector<JointWork> out(model.joints.size());
     advance(make_scheme(v.name, model, o), state, t_end, [&](const StepReport& r) {
       double total = 0;
@@ -98,7 +98,7 @@ TEST_P(JointWorkInEveryScheme, OfStopsIsWhatImpactsLose) {
   s.axis() = {.lower = -0.1, .upper = 0.2, .restitution = 0.8};
   s.state.v[0] = 1;
   const JointWork of = work(s.model, s.state, 1e-3, 1)[0];
-  const double pushed_out = v.name == "passive_midpoint" ? NormalLawOptions{}.correction_speed : 0;
+  const double pushed_out = v.name == "passive_midpoint" ? StepOptions{}.correction_speed : 0;
   EXPECT_NEAR(of.stops, stops_bounce ? std::pow(0.8, 4) - 1 : -1,
               1e-11 + (stops_bounce ? 0 : pushed_out * pushed_out));
   EXPECT_NEAR(of.total(), of.stops, rounding);
@@ -124,7 +124,8 @@ TEST_P(JointWorkInEveryScheme, OfGearsGoesFromOneJointToTheOther) {
   const double second = 1.5 * std::pow(joint_speed(model, state, 1), 2);
   EXPECT_GT(second, 0.5);
   EXPECT_NEAR(of[1].couplings, second, rounding);
-  EXPECT_NEAR(of[0].couplings, -second, v.options.mean_joints ? 2e-4 : rounding);  // O(h^2) (MJT-15)
+  EXPECT_NEAR(of[0].couplings, -second,
+              v.options.passive_midpoint.mean_joints ? 2e-4 : rounding);  // O(h^2) (MJT-15)
 }
 
 // A swinging loop with one hinge too many: what joints lock works by what a step leaves only, nothing at the
@@ -204,8 +205,8 @@ TEST_P(JointWorkInEveryScheme, ForcesBelongToTheTimeThatIsTold) {
     state.g[0].p.x() = 0.5;
     add(model, joint_at(JointKind::revolute, "hinge", 0, -1, state.g, kAboutY));
     SchemeOptions o = v.options;
-    o.h = h;
-    o.joints.project = project;
+    o.step.h = h;
+    o.step.joints.project = project;
     constexpr double k = 1.5 * 9.81;
     double t = 0, angle = 0, speed = 0, out = 0;  // down from the horizontal
     advance(make_scheme(v.name, model, o), state, 0.4, [&](const StepReport& r) {

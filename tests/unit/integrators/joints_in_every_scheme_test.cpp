@@ -26,16 +26,16 @@ class EverySchemeAndJoint : public ::testing::TestWithParam<SchemeVariant> {
  protected:
   const SchemeVariant& v = GetParam();
   const bool event_driven = v.name == "event_driven", paoli = v.name == "schatzman_paoli",
-             alpha = v.name == "generalised_alpha", mean_joints = v.options.mean_joints,
-             cayley = v.options.update == GroupUpdate::cayley,
+             alpha = v.name == "generalised_alpha", mean_joints = v.options.passive_midpoint.mean_joints,
+             cayley = v.options.step.update == GroupUpdate::cayley,
              first_order = scheme_traits(v.name, v.options).smooth < 2,
              stops_bounce = scheme_traits(v.name, v.options).restitution;
   // What a plastic stop is left with: only the midpoint rule pushes an overlap out, and may keep that speed.
-  const double pushed_out = v.name == "passive_midpoint" ? NormalLawOptions{}.correction_speed : 0;
+  const double pushed_out = v.name == "passive_midpoint" ? StepOptions{}.correction_speed : 0;
 
   Scheme scheme(const Model& model, double h) const {
     SchemeOptions o = v.options;
-    o.h = h;
+    o.step.h = h;
     return make_scheme(v.name, model, o);
   }
 };
@@ -277,7 +277,8 @@ TEST_P(EverySchemeAndJoint, FallsOnTheGroundOnItsHinge) {
     }
     h = report.h;
   });
-  const bool still_pushed = v.name == "passive_midpoint" && v.options.normal.law == NormalLaw::combined;
+  const bool still_pushed =
+      v.name == "passive_midpoint" && v.options.passive_midpoint.law == NormalLaw::combined;
   const double weight = 1000 * 0.4 * 0.2 * 0.05 * kG;
   EXPECT_NEAR(joint_coordinate(model, state, 0), 0, 1e-4);
   EXPECT_LT(twist(state, 1).norm(), still_pushed ? 3e-3 : 1e-9);

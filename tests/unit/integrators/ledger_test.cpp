@@ -90,7 +90,7 @@ TEST(Ledger, SharesTheWorkOfContactsOutAmongContactsAndTheirLaws) {
     const std::vector<ContactLaw> laws = contact_laws(s.model);
     ASSERT_EQ(laws.size(), 2U);
     SchemeOptions options = variant.options;
-    options.h = 2e-3;
+    options.step.h = 2e-3;
     const Scheme scheme = make_scheme(variant.name, s.model, options);
     for (int k = 0; k < 20; ++k) {
       const StepReport report = scheme.step(s.state, kInf);
@@ -98,7 +98,7 @@ TEST(Ledger, SharesTheWorkOfContactsOutAmongContactsAndTheirLaws) {
       double sum[2] = {0, 0};
       for (const StepContact& c : report.contacts)
         sum[std::max(c.point.a.body, c.point.b.body) == rider] += c.work;
-      const double part = report.h / options.h;  // implicit loops may cut a step
+      const double part = report.h / options.step.h;  // implicit loops may cut a step
       EXPECT_LT(sum[0], -1e-3 * part) << name;
       EXPECT_LT(sum[1], -1e-5 * part) << name;
       ASSERT_EQ(report.law_work.size(), 2U);
@@ -121,7 +121,7 @@ TEST(Ledger, ExplainsWhatWeightSpringsAndImpactsDidInEveryScheme) {
     add(s.model, spring(s.block, Vec3(30, 20, stiffest)));
     const double E = energy(s.model, s.state).total(), p = 1, L = 0.1;  // 1 kg, 1 m/s, 0.1 m from the origin
     SchemeOptions options = variant.options;
-    options.h = h;
+    options.step.h = h;
     const Scheme scheme = make_scheme(variant.name, s.model, options);
     Off off;
     double met = 0;
@@ -140,10 +140,10 @@ TEST(Ledger, ExplainsWhatWeightSpringsAndImpactsDidInEveryScheme) {
     EXPECT_LT(off.kinetic, rounding) << name;
     // The path of gravity's work is not that of the body: half a kick, arcs, projection
     const bool elsewhere =
-        paoli || options.update == GroupUpdate::screw || variant.name == "moreau_jean_projected";
+        paoli || options.step.update == GroupUpdate::screw || variant.name == "moreau_jean_projected";
     EXPECT_LT(off.height, elsewhere ? kGravity * fastest * h / E : rounding) << name;
     EXPECT_LE(off.turned, 0.51) << name;  // h (1 - theta) v x m dv, theta at least 1/2
-    if ((variant.name == "moreau_jean" && options.theta == 1) || paoli) {  // h v+ x m v+ = 0
+    if ((variant.name == "moreau_jean" && options.moreau_jean.theta == 1) || paoli) {  // h v+ x m v+ = 0
       EXPECT_LT(off.largest, 1e-13) << name;
     }
   }
@@ -172,7 +172,7 @@ TEST(Ledger, KnowsThatWhatActsInsideCancelsInEveryScheme) {
     const std::string name = label(variant.name, variant.options);
     State state = start;
     SchemeOptions options = variant.options;
-    options.h = 2e-3;
+    options.step.h = 2e-3;
     const Scheme scheme = make_scheme(variant.name, model, options);
     double met = 0;
     Off off;
@@ -181,7 +181,8 @@ TEST(Ledger, KnowsThatWhatActsInsideCancelsInEveryScheme) {
       ASSERT_TRUE(report.ok()) << name << ": " << report.reason;
       const MomentumLedger& m = report.momentum;
       EXPECT_LT(m.contacts.linear.norm() + m.joints.linear.norm(), 1e-13 * p) << name;
-      if (options.contacts == ContactsAt::start) {  // else with other arms than those of the start
+      if (options.moreau_jean.contacts ==
+          ContactsAt::start) {  // else with other arms than those of the start
         EXPECT_LT(m.contacts.angular.norm(), 1e-13 * L) << name << ", step " << k;
       }
       for (const StepContact& c : report.contacts) met += c.impulse.norm();
@@ -208,7 +209,7 @@ TEST(Ledger, ThatClosesIsNoProofThatMomentumIsKept) {
   const Vec3 first = judge(model, start).angular;
   const auto drift = [&](double h) {
     State state = start;
-    const Scheme scheme = make_scheme("moreau_jean", model, {.h = h, .theta = 1});
+    const Scheme scheme = make_scheme("moreau_jean", model, {.step = {.h = h}, .moreau_jean = {.theta = 1}});
     Vec3 numerical = Vec3::Zero();
     while (state.t < 10 - h / 2) {
       const StepReport report = scheme.step(state, kInf);

@@ -40,7 +40,7 @@ TEST_P(LiveTarget, LedFromRowToRowMovesAsTheRecordedPath) {
   Scene led = recorded;
   led.model.bodies[std::size_t(led.ground)].motion = Driven{};
   SchemeOptions options = GetParam().options;
-  options.h = kStep;
+  options.step.h = kStep;
   const Scheme along = make_scheme(GetParam().name, recorded.model, options),
                live = make_scheme(GetParam().name, led.model, options);
   for (int k = 0; k < kSteps; ++k) {
@@ -67,7 +67,7 @@ TEST(LiveTarget, AHandleThatIsLedPullsAsAPathDoes) {
   const int handle = add(led, driven_body("hand"));
   add(led, virtual_coupling(led, 0, handle, spring));
   State a = rest_state(recorded), b = rest_state(led);
-  const MoreauJean along(recorded, {.h = kStep, .theta = 0.5}), live(led, {.h = kStep, .theta = 0.5});
+  const MoreauJean along(recorded, {.h = kStep}, {.theta = 0.5}), live(led, {.h = kStep}, {.theta = 0.5});
   for (int k = 0; k < kSteps; ++k) {
     lead(led, b, handle, path.pose[std::size_t(k + 1)], kStep);
     const double within = a.t + kStep / 2;
@@ -87,7 +87,7 @@ TEST(LiveTarget, GoesOnAsItWasLed) {
   const int hand = add(model, driven_body("hand"));
   State state = rest_state(model);
   lead(model, state, hand, {exp_so3(Vec3(0, 0, 0.1)), Vec3(1, 2, 3)}, 0.5);
-  const MoreauJean scheme(model, {.h = 0.1});
+  const MoreauJean scheme(model, {.h = 0.1}, {.theta = 1});
   for (int k = 0; k < 10; ++k) ASSERT_TRUE(scheme.step(state).ok());
   EXPECT_LT((pose(state, hand).p - Vec3(2, 4, 6)).norm(), 1e-12);
   EXPECT_LT(angle_between(pose(state, hand).R, exp_so3(Vec3(0, 0, 0.2))), 1e-12);

@@ -42,7 +42,7 @@ TEST(ManyBodies, StepIsTheSameForAnyNumberOfThreads) {
   std::vector<std::uint64_t> hashes;
   for (const int threads : {1, 2, 3, 5}) {
     Heap s = heap();
-    const MoreauJean scheme(s.model, {.h = 2e-3, .threads = threads});
+    const MoreauJean scheme(s.model, {.h = 2e-3, .threads = threads}, {.theta = 1});
     int contacts = 0;
     for (int i = 0; i < 3; ++i) {
       const StepReport report = scheme.step(s.state);
@@ -57,7 +57,7 @@ TEST(ManyBodies, StepIsTheSameForAnyNumberOfThreads) {
 
 TEST(ManyBodies, ContactsOfAllPairsAreThoseOfEachPair) {
   const Heap s = heap();
-  const MoreauJean scheme(s.model, {});
+  const MoreauJean scheme(s.model, {}, {.theta = 1});
   const ContactSet all = scheme.contacts(s.state, 2e-3);
   std::vector<ContactKey> keys, one_by_one;
   for (const ContactPoint& c : all.points) keys.push_back(key_of(c));
@@ -76,7 +76,7 @@ TEST(ManyBodies, ContactsOfAllPairsAreThoseOfEachPair) {
 
 TEST(ManyBodies, ReductionOfAllPairsIsThatOfEachPair) {
   const Heap s = heap();
-  const ContactSet all = MoreauJean(s.model, {}).contacts(s.state, 2e-3);
+  const ContactSet all = MoreauJean(s.model, {}, {.theta = 1}).contacts(s.state, 2e-3);
   const Selection together = reduce(all);
   std::vector<int> kept;
   int clusters = 0;

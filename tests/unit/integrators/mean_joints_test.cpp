@@ -14,9 +14,8 @@ namespace aussois {
 namespace {
 
 PassiveMidpoint on_mean(const Model& model, double h) {
-  return PassiveMidpoint(
-      model,
-      {.mean_joints = true, .step = {.h = h, .solver = {.tolerance = 1e-14}, .update = GroupUpdate::cayley}});
+  return PassiveMidpoint(model, {.h = h, .solver = {.tolerance = 1e-14}, .update = GroupUpdate::cayley},
+                         {.mean_joints = true});
 }
 
 // A hundred large steps, 0.05 rad each. A screw, whose angle is no bilinear function, only holds.
@@ -87,7 +86,7 @@ TEST(MeanJoints, HoldGearsAndMotorsAtTheEnd) {
 TEST(MeanJoints, NeedCayleysMap) {
   const Tumbling s(JointKind::revolute);
   const std::string refusal =
-      message_of([&] { PassiveMidpoint(s.model, {.mean_joints = true, .step = {.h = 1e-3}}); });
+      message_of([&] { PassiveMidpoint(s.model, {.h = 1e-3}, {.mean_joints = true}); });
   EXPECT_NE(refusal.find("mean_joints"), std::string::npos);
   EXPECT_NE(refusal.find("cayley, not exponential"), std::string::npos);
 }

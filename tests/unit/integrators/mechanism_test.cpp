@@ -46,7 +46,7 @@ struct PendulumErrors {
 };
 PendulumErrors swing(int rods, double h, double theta, const JointOptions& joints) {
   Chain c(rods);
-  const MoreauJean scheme(c.model, {.h = h, .theta = theta, .joints = joints});
+  const MoreauJean scheme(c.model, {.h = h, .joints = joints}, {.theta = theta});
   const double E = energy(c.model, c.state).total();
   PendulumErrors out;
   advance(scheme, c.state, 1, [&](const StepReport& report) {
@@ -84,7 +84,7 @@ TEST(Pendulum, HangsOnItsJointWithItsWeight) {
   State state = rest_state(model);
   state.g[0].p.x() = 0.5;
   add(model, joint_at(JointKind::fixed, "clamp", 0, -1, state.g, SE3{}));
-  const StepReport report = MoreauJean(model, {}).step(state);
+  const StepReport report = MoreauJean(model, {}, {.theta = 1}).step(state);
   ASSERT_TRUE(report.ok());
   EXPECT_LT((report.joints[0].force - Vec3(0, 0, 2 * kG)).norm(), 1e-9);
   // about the clamp the weight pulls the rod down with 2 g 0.5 about +y
@@ -97,7 +97,7 @@ TEST(Pendulum, ForgetsAnInconsistentStart) {
     Chain c(1);
     c.model.gravity = Vec3::Zero();
     c.state.v[0] = 0.1;  // along the rod
-    const MoreauJean scheme(c.model, {.h = 1e-3, .theta = theta, .joints = {.project = false}});
+    const MoreauJean scheme(c.model, {.h = 1e-3, .joints = {.project = false}}, {.theta = theta});
     advance(scheme, c.state, 0.1);
     EXPECT_LT(c.state.v.norm(), 1e-12);
   }
@@ -120,7 +120,7 @@ TEST(FourBar, MovesAsItsOneEquationSaysAlthoughItsJointsAreRedundant) {
     for (const int crank : {0, 1}) twist(state, crank) << 0.5, 0, 0, 0, 1, 0;
     twist(state, 2) << 1, 0, 0, 0, 0, 0;
     const double E = energy(model, state).total();
-    const MoreauJean scheme(model, {.h = h, .theta = 0.5});
+    const MoreauJean scheme(model, {.h = h}, {.theta = 0.5});
     advance(scheme, state, 0.4);
     EXPECT_LT(std::abs(energy(model, state).total() - E), 10 * h * h);
     EXPECT_LT(joint_error(model, state).translation, 1e-12);
@@ -156,7 +156,7 @@ TEST(Bricard, MovesAndKeepsItsEnergy) {
     const double E = energy(model, state).total();
     EXPECT_NEAR(E, -3 * kG, 1e-12);
     double worst = 0;
-    const MoreauJean scheme(model, {.h = h, .theta = 0.5});
+    const MoreauJean scheme(model, {.h = h}, {.theta = 0.5});
     advance(scheme, state, 1, [&](const StepReport& report) {
       worst = std::max(worst, std::abs(energy(model, state).total() - E));
       EXPECT_LT(report.joint_error.translation, 1e-11);
@@ -174,7 +174,7 @@ TEST(Slider, BouncesBetweenItsStopsExactly) {
     OneAxis s(JointKind::prismatic);
     s.axis() = {.lower = -0.1, .upper = 0.2, .restitution = 0.8};
     s.state.v[0] = 1;
-    const MoreauJean scheme(s.model, {.h = 1e-3, .theta = theta});
+    const MoreauJean scheme(s.model, {.h = 1e-3}, {.theta = theta});
     int impacts = 0;
     double before = s.speed();
     advance(scheme, s.state, 2, [&](const StepReport& report) {
@@ -196,7 +196,7 @@ TEST(Slider, WithPlasticStopsComesToRestOnThem) {
   OneAxis s(JointKind::prismatic);
   s.model.gravity = Vec3(kG, 0, 0);
   s.axis() = {.upper = 0.3};
-  advance(MoreauJean(s.model, {.h = 7e-3}), s.state, 1);
+  advance(MoreauJean(s.model, {.h = 7e-3}, {.theta = 1}), s.state, 1);
   EXPECT_NEAR(s.q(), 0.3, 1e-12);
   EXPECT_NEAR(s.speed(), 0, 1e-12);
 }
@@ -206,7 +206,7 @@ TEST(Slider, StopsByDryFrictionAtTheExactTime) {
     OneAxis s(JointKind::prismatic, 2);
     s.axis().friction = 4;  // 2 m/s^2
     s.state.v[0] = 1;
-    const MoreauJean scheme(s.model, {.h = 1e-2, .theta = theta});
+    const MoreauJean scheme(s.model, {.h = 1e-2}, {.theta = theta});
     advance(scheme, s.state, 0.49);
     EXPECT_NEAR(s.speed(), 0.02, 1e-12);
     advance(scheme, s.state, 0.5);
@@ -215,7 +215,7 @@ TEST(Slider, StopsByDryFrictionAtTheExactTime) {
     advance(scheme, s.state, 1, [&](const StepReport& r) { EXPECT_LE(r.energy.joint_work, 1e-15); });
     EXPECT_NEAR(s.speed(), 0, 1e-12);
     s.model.gravity = Vec3(1.9, 0, 0);  // below the friction: stays
-    advance(MoreauJean(s.model, {.h = 1e-2, .theta = theta}), s.state, 2);
+    advance(MoreauJean(s.model, {.h = 1e-2}, {.theta = theta}), s.state, 2);
     EXPECT_NEAR(s.speed(), 0, 1e-12);
   }
 }
@@ -224,7 +224,7 @@ TEST(Wheel, OnASpringSwingsWithOrderTwoAndLosesEnergyToItsDamperOnly) {
   const auto error = [](double h) {
     OneAxis w(JointKind::revolute);
     w.axis() = {.stiffness = 50, .damping = 0.3, .rest = 2 * kPi};  // a full turn away
-    advance(MoreauJean(w.model, {.h = h, .theta = 0.5}), w.state, 1);
+    advance(MoreauJean(w.model, {.h = h}, {.theta = 0.5}), w.state, 1);
     const double b = 0.3 / (2 * 0.5), f = std::sqrt(50 / 0.5 - b * b), t = 1;
     return w.q() - 2 * kPi * (1 - std::exp(-b * t) * (std::cos(f * t) + b / f * std::sin(f * t)));
   };
@@ -234,24 +234,24 @@ TEST(Wheel, OnASpringSwingsWithOrderTwoAndLosesEnergyToItsDamperOnly) {
   w.axis() = {.stiffness = 50, .rest = 1};
   const double E = energy(w.model, w.state).total();
   EXPECT_NEAR(E, 25, 1e-12);
-  advance(MoreauJean(w.model, {.h = 5e-3, .theta = 0.5}), w.state, 1);
+  advance(MoreauJean(w.model, {.h = 5e-3}, {.theta = 0.5}), w.state, 1);
   EXPECT_NEAR(energy(w.model, w.state).total(), E, 1e-12 * E);  // a linear spring on a straight path
 }
 
 TEST(Wheel, FollowsItsMotors) {
   OneAxis effort(JointKind::revolute);
   effort.axis().motor = {.kind = MotorKind::effort, .target = [](double t) { return 3 * t; }};
-  advance(MoreauJean(effort.model, {.h = 1e-2, .theta = 0.5}), effort.state, 1);
+  advance(MoreauJean(effort.model, {.h = 1e-2}, {.theta = 0.5}), effort.state, 1);
   EXPECT_NEAR(effort.speed(), 3 * 0.5 / 0.5, 1e-12);  // the midpoint rule integrates 3 t exactly
 
   OneAxis speed(JointKind::revolute);
   speed.axis().motor = {.kind = MotorKind::speed, .target = [](double t) { return std::sin(t); }};
-  advance(MoreauJean(speed.model, {.h = 1e-2}), speed.state, 0.5,
+  advance(MoreauJean(speed.model, {.h = 1e-2}, {.theta = 1}), speed.state, 0.5,
           [&](const StepReport&) { EXPECT_NEAR(speed.speed(), std::sin(speed.state.t), 1e-12); });
 
   OneAxis limited(JointKind::revolute);
   limited.axis().motor = {.kind = MotorKind::speed, .target = [](double) { return 4; }, .limit = 5};
-  const MoreauJean scheme(limited.model, {.h = 1e-2});
+  const MoreauJean scheme(limited.model, {.h = 1e-2}, {.theta = 1});
   advance(scheme, limited.state, 0.3,
           [&](const StepReport& r) { EXPECT_NEAR(r.joints[0].effort[0], 5, 1e-9); });
   EXPECT_NEAR(limited.speed(), 5 / 0.5 * 0.3, 1e-10);  // full torque
@@ -263,7 +263,7 @@ TEST(Wheel, FollowsItsMotors) {
       OneAxis position(JointKind::revolute);
       position.axis().motor = {.kind = MotorKind::position,
                                .target = [](double t) { return 20 * (1 - std::cos(t)); }};
-      advance(MoreauJean(position.model, {.h = 1e-2, .theta = theta, .joints = {.project = project}}),
+      advance(MoreauJean(position.model, {.h = 1e-2, .joints = {.project = project}}, {.theta = theta}),
               position.state, 3, [&](const StepReport&) {
                 EXPECT_NEAR(position.q(), 20 * (1 - std::cos(position.state.t)), project ? 1e-12 : 1e-4);
               });
@@ -276,7 +276,7 @@ TEST(Wheel, StopsBeyondHalfATurn) {
   OneAxis w(JointKind::revolute);
   w.axis() = {.lower = -1, .upper = 5 * kPi};
   w.axis().motor = {.kind = MotorKind::effort, .target = [](double) { return 10; }};
-  advance(MoreauJean(w.model, {.h = 1e-2}), w.state, 3);
+  advance(MoreauJean(w.model, {.h = 1e-2}, {.theta = 1}), w.state, 3);
   EXPECT_NEAR(w.q(), 5 * kPi, 1e-10);
   EXPECT_NEAR(w.speed(), 0, 1e-10);
 }
@@ -287,7 +287,7 @@ TEST(GearPair, KeepsItsRatioAndItsEnergy) {
   Model& model = gears.model;
   State& state = gears.state;
   const double acceleration = 7 / (0.5 + 3.0 / (2.5 * 2.5));
-  const MoreauJean scheme(model, {.h = 1e-2, .theta = 0.5});
+  const MoreauJean scheme(model, {.h = 1e-2}, {.theta = 0.5});
   advance(scheme, state, 3, [&](const StepReport& report) {
     EXPECT_NEAR(joint_coordinate(model, state, 0), -2.5 * joint_coordinate(model, state, 1), 1e-11);
     EXPECT_LT(std::abs(report.energy.joint_work), 1e-11);
@@ -303,7 +303,7 @@ TEST(Screw, RunsDownItsThread) {
   State state = rest_state(model);
   add(model, Joint{.name = "thread", .kind = JointKind::screw, .body_a = 0, .pitch = 0.1});
   const double lead = 0.1 / (2 * kPi), acceleration = kG * 2 / (2 + 0.01 / (lead * lead));
-  const MoreauJean scheme(model, {.h = 1e-2, .theta = 0.5});
+  const MoreauJean scheme(model, {.h = 1e-2}, {.theta = 0.5});
   advance(scheme, state, 3, [&](const StepReport&) {
     EXPECT_NEAR(state.g[0].p.z(), lead * joint_coordinate(model, state, 0), 1e-12);
   });
@@ -330,7 +330,7 @@ TEST(Universal, TurnsAsHookeSays) {
                    .frame_a = out * rotation(Vec3::UnitZ(), kPi / 2),  // its x: across the out shaft
                    .frame_b = rotation(Vec3::UnitY(), kPi / 2)});      // its z: across the in shaft
   model.joints[0].axis[0].motor = {.kind = MotorKind::position, .target = [](double t) { return 2 * t; }};
-  advance(MoreauJean(model, {.h = 1e-2}), state, 7, [&](const StepReport&) {
+  advance(MoreauJean(model, {.h = 1e-2}, {.theta = 1}), state, 7, [&](const StepReport&) {
     const double a = joint_coordinate(model, state, 0), b = joint_coordinate(model, state, 1);
     EXPECT_NEAR(a, 2 * state.t, 1e-12);
     EXPECT_NEAR(std::sin(b - std::atan2(std::sin(a) * std::cos(bend), std::cos(a))), 0, 1e-11);
@@ -353,7 +353,7 @@ TEST(FreeChain, KeepsItsLinearMomentumToRoundingAndItsAngularMomentumToSecondOrd
     state = consistent(model, state);
     EXPECT_LT((consistent_velocity(model, state) - state.v).norm(), 1e-12);
     const Momentum before = momentum(model, state);
-    advance(MoreauJean(model, {.h = h, .theta = 0.5}), state, 0.5);
+    advance(MoreauJean(model, {.h = h}, {.theta = 0.5}), state, 0.5);
     const Momentum after = momentum(model, state);
     linear = (after.linear - before.linear).norm() / before.linear.norm();
     return (after.angular - before.angular).norm();
@@ -376,7 +376,7 @@ TEST(Mechanism, OfAnyKindHoldsAndDoesNoWorkAtThetaOneHalf) {
       const double E = energy(model, state).total();
       const Vec3 p = momentum(model, state).linear;
       double worst = 0;
-      advance(MoreauJean(model, {.h = h, .theta = 0.5}), state, 0.3, [&](const StepReport& report) {
+      advance(MoreauJean(model, {.h = h}, {.theta = 0.5}), state, 0.3, [&](const StepReport& report) {
         EXPECT_LT(report.joint_error.translation + report.joint_error.rotation, 1e-12) << to_string(kind);
         EXPECT_LT(std::abs(report.energy.residual()), 1e-12);
         worst = std::max(worst, std::abs(energy(model, state).total() - E));
@@ -403,7 +403,7 @@ TEST(Rack, FollowsItsPinion) {
                       translation(0, 0, -0.3) * rotation(Vec3::UnitY(), kPi / 2)));
   add(model, Coupling{.name = "teeth", .joint_1 = 1, .joint_2 = 0, .ratio = -0.3, .offset = 0});
   model.joints[0].axis[0].motor = {.kind = MotorKind::effort, .target = [](double) { return 2; }};
-  advance(MoreauJean(model, {.h = 1e-2, .theta = 0.5}), state, 2);
+  advance(MoreauJean(model, {.h = 1e-2}, {.theta = 0.5}), state, 2);
   EXPECT_NEAR(joint_speed(model, state, 0), 2 * 2 / (0.5 + 4 * 0.09), 1e-9);
   EXPECT_NEAR(state.g[1].p.x(), -0.3 * joint_coordinate(model, state, 0), 1e-11);
 }
@@ -429,7 +429,7 @@ TEST(SliderCrank, FollowsACrankOnARecordedPath) {
       joint_at(JointKind::revolute, "wrist", 2, 1, state.g, translation(crank + length, 0, 0) * kAboutY));
   add(model, joint_at(JointKind::prismatic, "guide", 2, -1, state.g,
                       translation(crank + length, 0, 0) * rotation(Vec3::UnitY(), kPi / 2)));
-  advance(MoreauJean(model, {.h = 5e-3}), state, 3.5, [&](const StepReport& report) {
+  advance(MoreauJean(model, {.h = 5e-3}, {.theta = 1}), state, 3.5, [&](const StepReport& report) {
     const double a = 3 * state.t;
     EXPECT_NEAR(state.g[2].p.x(),
                 crank * std::cos(a) + std::sqrt(length * length - std::pow(crank * std::sin(a), 2)), 1e-10);
@@ -455,7 +455,7 @@ TEST(Flap, FallsOnTheGroundAndLiesThere) {
     const double up = -1.0;  // about +y: the far end rises
     state.g[1] = translation(-0.3, 0, height) * rotation(Vec3::UnitY(), up) * translation(0.3, 0, 0);
     double weight = 0;
-    const MoreauJean scheme(model, {.h = 2e-3, .theta = theta});
+    const MoreauJean scheme(model, {.h = 2e-3}, {.theta = theta});
     advance(scheme, state, 1, [&](const StepReport& report) {
       EXPECT_GT(report.min_base_distance, 1.9 * radius);
       EXPECT_LT(report.joint_error.translation, 1e-12);
@@ -474,14 +474,14 @@ TEST(Mechanism, GoesOnFromACopyWithTheSameBits) {
     OneAxis w(JointKind::revolute);
     w.axis() = {.lower = -2, .upper = 7, .restitution = 0.5, .friction = 1};
     w.state.v[4] = 30;
-    const MoreauJean scheme(w.model, {.h = 3e-3});
+    const MoreauJean scheme(w.model, {.h = 3e-3}, {.theta = 1});
     for (int i = 0; i < 300; ++i) {
       if (pause && i == 120) {
         State copy = w.state;
         EXPECT_TRUE(scheme.step(w.state).ok());
         w.state = copy;
       }
-      EXPECT_TRUE((pause ? MoreauJean(w.model, {.h = 3e-3}) : scheme).step(w.state).ok());
+      EXPECT_TRUE((pause ? MoreauJean(w.model, {.h = 3e-3}, {.theta = 1}) : scheme).step(w.state).ok());
     }
     return hash(w.state);
   };

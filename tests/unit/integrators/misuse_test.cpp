@@ -151,11 +151,11 @@ TEST(Joint, RefusesWhatActsAlongAnAxisThatItHasNot) {
 
 TEST(StepOptions, RefuseThreadsThatAStepWouldOverrule) {
   const TwoBalls s;
-  EXPECT_EQ(message_of([&] { make_scheme("moreau_jean", s.model, {.lmd = {.threads = 4}}); }),
+  EXPECT_EQ(message_of([&] { make_scheme("moreau_jean", s.model, {.step = {.lmd = {.threads = 4}}}); }),
             "StepOptions::lmd.threads = 4 must not be set: StepOptions::threads is for all");
   EXPECT_NE(message_of([&] {
               make_scheme("moreau_jean", s.model,
-                          {.solver = {.for_all = [](int, const std::function<void(int)>&) {}}});
+                          {.step = {.solver = {.for_all = [](int, const std::function<void(int)>&) {}}}});
             }).find("solver.for_all must be empty"),
             std::string::npos);
 }
@@ -165,7 +165,7 @@ TEST(RunUntil, EndsWithTheFirstReportThatIsNotOk) {
   TwoBalls s;
   int steps = 0;
   const auto count = [&](const StepReport&) { ++steps; };
-  const MoreauJean scheme(s.model, {.h = 1e-2});
+  const MoreauJean scheme(s.model, {.h = 1e-2}, {.theta = 1});
   EXPECT_TRUE(run_until(scheme, s.state, 0.1, count).ok());
   EXPECT_EQ(steps, 10);
   EXPECT_NEAR(s.state.t, 0.1, 1e-15);
@@ -189,7 +189,7 @@ TEST(ForceLaw, WithoutItsDerivativesCostsAnOrder) {
                    }});
       State state = rest_state(model);
       state.v[0] = 1;
-      EXPECT_TRUE(run_until(MoreauJean(model, {.h = h, .theta = 0.5}), state, 1).ok());
+      EXPECT_TRUE(run_until(MoreauJean(model, {.h = h}), state, 1).ok());
       return std::abs(state.v[0] - std::exp(-1));
     };
     return std::log2(error(0.02) / error(0.01));
@@ -209,8 +209,8 @@ TEST(PlasticImpact, OfThreeBallsInTouchSharesTheMomentumWhateverTheStep) {
         State state = rest_state(model);
         for (int i = 0; i < 3; ++i) state.g[std::size_t(i)].p.x() = 0.1 * i;
         state.v[0] = 1;
-        const Scheme scheme =
-            make_scheme("moreau_jean", model, {.h = h, .theta = theta, .normal = {.law = law}});
+        const Scheme scheme = make_scheme("moreau_jean", model,
+                                          {.step = {.h = h}, .moreau_jean = {.theta = theta, .law = law}});
         ASSERT_TRUE(run_until(scheme, state, 200 * h).ok());
         for (const int i : {0, 6, 12}) EXPECT_NEAR(state.v[i], 1. / 3, 1e-7) << theta << to_string(law) << h;
         const double overlap = state.g[0].p.x() + 0.1 - state.g[1].p.x();  // Moreau's law leaves it (MJ-17)
@@ -228,7 +228,9 @@ TEST(Landing, TellsTheIterationsOfAllThatItSolved) {
   State state = rest_state(model);
   state.g[1].p.z() = 0.052;
   state.v[8] = -1;
-  const StepReport report = make_scheme("moreau_jean", model, {.h = 1.2e-3, .theta = 0.5}).step(state, kInf);
+  const StepReport report =
+      make_scheme("moreau_jean", model, {.step = {.h = 1.2e-3}, .moreau_jean = {.theta = 0.5}})
+          .step(state, kInf);
   ASSERT_TRUE(report.ok()) << report.reason;
   EXPECT_EQ(report.contacts_kept, 1);
   EXPECT_EQ(report.solve.iterations, 3);
@@ -239,11 +241,11 @@ TEST(Landing, TellsTheIterationsOfAllThatItSolved) {
 TEST(Landing, DoesNotDependOnTheMethodThatIsStudied) {
   Scene s = block_on_plate(0.3, 0, 0, 1e-3);
   s.state.v[8] = -1;
-  SchemeOptions options{.h = 2e-3, .theta = 0.5};
-  options.solver = {.method = Method::jor_prox, .tolerance = 1e-2, .max_iterations = 20};
+  SchemeOptions options{.step = {.h = 2e-3}, .moreau_jean = {.theta = 0.5}};
+  options.step.solver = {.method = Method::jor_prox, .tolerance = 1e-2, .max_iterations = 20};
   const StepReport report = make_scheme("moreau_jean", s.model, options).step(s.state, kInf);
   ASSERT_TRUE(report.ok()) << report.reason;
-  EXPECT_EQ(report.h, options.h);
+  EXPECT_EQ(report.h, options.step.h);
 }
 
 }  // namespace

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What no scheme takes: every option out of its range, named with its value; a start in overlap.
+// What no scheme takes: options out of their ranges, named with their values; a start in overlap.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
 
-#include "geometry/number_text.hpp"
+#include "geometry/settings.hpp"
 #include "integrators/run.hpp"
 #include "integrators/scheme.hpp"
 #include "tests/support/block_scene.hpp"
@@ -16,197 +17,160 @@ namespace {
 
 const double kNan = std::numeric_limits<double>::quiet_NaN();
 
-struct Bad {
-  std::string field{};  // as the message begins
-  std::vector<double> values{};
-  void (*set)(SchemeOptions&, double) = nullptr;
-  std::vector<std::string> schemes{};  // that read it; empty: all
+/// Sets the number at one path, and keeps what the table says of all of them.
+class Put final : public SettingVisitor {
+ public:
+  Put(std::string where, double what) : where_(std::move(where)), what_(what) {}
+  void number(const Setting& setting, double& value) override { see(setting, value, true); }
+  void count(const Setting& setting, int& value) override { see(setting, value, false); }
+  void toggle(const Setting&, bool&) override {}
+  void seed(const Setting&, std::uint64_t&) override {}
+
+  struct Seen {
+    std::string path{}, field{};
+    Range range{};
+    bool real = false;
+  };
+  std::vector<Seen> all{};
+
+ private:
+  void choose(const Setting&, Choice&) override {}
+  template <class Value>
+  void see(const Setting& setting, Value& value, bool real) {
+    all.push_back({path(setting), field(setting), setting.range, real});
+    if (path(setting) == where_) value = Value(what_);
+  }
+  std::string where_;
+  double what_;
 };
 
-const std::vector<Bad>& table() {
-  static const std::vector<Bad> all = {
-      {"StepOptions::h", {0, -1e-3, kInf, kNan}, [](SchemeOptions& o, double x) { o.h = x; }, {}},
-      {"StepOptions::threads", {0, -1}, [](SchemeOptions& o, double x) { o.threads = int(x); }, {}},
-      {"MoreauJeanOptions::theta",
-       {0.49, 1.01, kNan},
-       [](SchemeOptions& o, double x) { o.theta = x; },
-       {"moreau_jean"}},
-      {"MoreauJeanProjectedOptions::theta",
-       {0.49, 1.01, kNan},
-       [](SchemeOptions& o, double x) { o.theta = x; },
-       {"moreau_jean_projected"}},
-      {"SchatzmanPaoliOptions::theta",
-       {-0.01, 1.01, kNan},
-       [](SchemeOptions& o, double x) { o.force_theta = x; },
-       {"schatzman_paoli"}},
-      {"GeneralisedAlphaOptions::spectral_radius",
-       {-0.01, 1.01, kNan},
-       [](SchemeOptions& o, double x) { o.spectral_radius = x; },
-       {"generalised_alpha"}},
-      {"NewtonOptions::max_iterations",
-       {0, -1},
-       [](SchemeOptions& o, double x) { o.newton.max_iterations = int(x); },
-       {"moreau_jean"}},
-      {"NewtonOptions::tolerance",
-       {0, -1, kNan},
-       [](SchemeOptions& o, double x) { o.newton.tolerance = x; },
-       {"moreau_jean"}},
-      {"ImpactOptions::max_pairs",
-       {0, -1},
-       [](SchemeOptions& o, double x) { o.impact.max_pairs = int(x); },
-       {"moreau_jean"}},
-      {"NormalLawOptions::correction_speed",
-       {-1e-9, kNan},
-       [](SchemeOptions& o, double x) { o.normal.correction_speed = x; },
-       {}},
-      {"NormalLawOptions::touching",
-       {-1e-9, kInf, kNan},
-       [](SchemeOptions& o, double x) { o.normal.touching = x; },
-       {}},
-      {"NormalLawOptions::gamma",
-       {0.49, 1.01, kNan},
-       [](SchemeOptions& o, double x) { o.normal.gamma = x; },
-       {}},
-      {"JointOptions::stabilisation",
-       {-0.01, 1.01, kNan},
-       [](SchemeOptions& o, double x) { o.joints.stabilisation = x; },
-       {}},
-      {"LmdOptions::threads", {0, -1}, [](SchemeOptions& o, double x) { o.lmd.threads = int(x); }, {}},
-      {"PersistenceOptions::reach",
-       {-1e-9, kInf, kNan},
-       [](SchemeOptions& o, double x) { o.persistence.reach = x; },
-       {}},
-      {"PersistenceOptions::max_reach",
-       {-1e-9, kInf, kNan},
-       [](SchemeOptions& o, double x) { o.persistence.max_reach = x; },
-       {}},
-      {"PersistenceOptions::max_turn",
-       {-0.1, 1.6, kNan},
-       [](SchemeOptions& o, double x) { o.persistence.max_turn = x; },
-       {}},
-      {"PersistenceOptions::anchor_rate",
-       {0, 1.1, kNan},
-       [](SchemeOptions& o, double x) { o.persistence.anchor_rate = x; },
-       {}},
-      {"PersistenceOptions::anchor_speed",
-       {0, -1, kNan},
-       [](SchemeOptions& o, double x) { o.persistence.anchor_speed = x; },
-       {}},
-      {"PersistenceOptions::slip_speed",
-       {0, -1, kNan},
-       [](SchemeOptions& o, double x) { o.persistence.slip_speed = x; },
-       {}},
-      {"LmdOptions::alpha", {-0.1, 0.51, kNan}, [](SchemeOptions& o, double x) { o.lmd.alpha = x; }, {}},
-      {"LmdOptions::alpha_ee",
-       {-0.1, 1.01, kNan},
-       [](SchemeOptions& o, double x) { o.lmd.alpha_ee = x; },
-       {}},
-      {"ClusteringOptions::angle",
-       {0, 1.6, kNan},
-       [](SchemeOptions& o, double x) { o.reduction.clustering.angle = x; },
-       {}},
-      {"ReductionOptions::min_per_cluster",
-       {0, -1},
-       [](SchemeOptions& o, double x) { o.reduction.min_per_cluster = int(x); },
-       {}},
-      {"ReductionOptions::tie",
-       {-0.1, 0.2, kNan},
-       [](SchemeOptions& o, double x) { o.reduction.tie = x; },
-       {}},
-      {"ReductionOptions::min_margin",
-       {-0.1, 1.1, kNan},
-       [](SchemeOptions& o, double x) { o.reduction.min_margin = x; },
-       {}},
-      {"ReductionOptions::hysteresis",
-       {-0.1, 1, kNan},
-       [](SchemeOptions& o, double x) { o.reduction.hysteresis = x; },
-       {}},
-      {"HullMargin::margin",
-       {0, 1.1, kNan},
-       [](SchemeOptions& o, double x) { o.reduction.hull_margin.margin = x; },
-       {}},
-      {"HullMargin::min_corners",
-       {2, -1},
-       [](SchemeOptions& o, double x) { o.reduction.hull_margin.min_corners = int(x); },
-       {}},
-      {"HullMargin::max_corners",
-       {3, -1},
-       [](SchemeOptions& o, double x) { o.reduction.hull_margin.max_corners = int(x); },
-       {}},
-      {"ReductionOptions::corners",
-       {2, -1},
-       [](SchemeOptions& o, double x) { o.reduction.corners = int(x); },
-       {}},
-      {"ReductionOptions::directions",
-       {2, -1},
-       [](SchemeOptions& o, double x) { o.reduction.directions = int(x); },
-       {}},
-      {"ReductionOptions::wrench_loss",
-       {-0.1, 1, kNan},
-       [](SchemeOptions& o, double x) { o.reduction.wrench_loss = x; },
-       {}},
-      {"ReductionOptions::layer",
-       {-1e-9, kNan},
-       [](SchemeOptions& o, double x) { o.reduction.layer = x; },
-       {}},
-      {"SolverOptions::tolerance",
-       {0, -1, kNan},
-       [](SchemeOptions& o, double x) { o.solver.tolerance = x; },
-       {}},
-      {"SolverOptions::max_iterations",
-       {0, -1},
-       [](SchemeOptions& o, double x) { o.solver.max_iterations = int(x); },
-       {}},
-      {"SolverOptions::relaxation",
-       {0, 2, kNan},
-       [](SchemeOptions& o, double x) { o.solver.relaxation = x; },
-       {}},
-      {"SolverOptions::anderson",
-       {-1, 21},
-       [](SchemeOptions& o, double x) { o.solver.anderson = int(x); },
-       {}},
-      {"AdvancementOptions::enlargement",
-       {0.99, 4.01, kNan},
-       [](SchemeOptions& o, double x) { o.advancement.enlargement = x; },
-       {}},
-      {"AdvancementOptions::floor",
-       {0, 1.01, kNan},
-       [](SchemeOptions& o, double x) { o.advancement.floor = x; },
-       {}},
-      {"AdvancementOptions::max_overlap",
-       {-0.01, 1, kNan},
-       [](SchemeOptions& o, double x) { o.advancement.max_overlap = x; },
-       {}},
-      {"AdvancementOptions::min_h",
-       {0, -1, 1, kNan},  // 1 s is more than h
-       [](SchemeOptions& o, double x) { o.advancement.min_h = x; },
-       {}},
-      {"AdvancementOptions::growth",
-       {0.99, 4.01, kNan},
-       [](SchemeOptions& o, double x) { o.advancement.growth = x; },
-       {}},
-      {"AdvancementOptions::max_attempts",
-       {0, -1},
-       [](SchemeOptions& o, double x) { o.advancement.max_attempts = int(x); },
-       {}},
-  };
-  return all;
+std::vector<Put::Seen> all_numbers() {
+  SchemeOptions options;
+  Put put("", 0);
+  describe(put, options);
+  return put.all;
 }
 
+// Refused by every scheme that reads it, by the name of its struct. Returns by how many.
+int expect_refused(const Model& model, const Put::Seen& number, double value) {
+  SchemeOptions options;
+  Put put(number.path, value);
+  describe(put, options);
+  int refusals = 0;
+  for (const std::string& name : scheme_names()) {
+    const std::vector<std::string> unread = unread_by(name);
+    if (std::ranges::find(unread, number.path) != unread.end()) continue;
+    const std::string message = message_of([&] { make_scheme(name, model, options); });
+    EXPECT_EQ(message.find(number.field + " = " + number_text(value) + " must "), 0u)
+        << name << ", " << number.path << " = " << value << ": " << message;
+    ++refusals;
+  }
+  return refusals;
+}
+
+// Values next to the ends of every range, and those that no range holds.
 TEST(SchemeOptions, AreRefusedOutOfTheirRangesByEverySchemeThatReadsThem) {
   const Scene s = block_on_plate(0.3, 0, 0);
   int refusals = 0;
-  for (const Bad& bad : table())
-    for (const double value : bad.values)
-      for (const std::string& name : bad.schemes.empty() ? scheme_names() : bad.schemes) {
-        SchemeOptions options;
-        bad.set(options, value);
-        const std::string message = message_of([&] { make_scheme(name, s.model, options); });
-        EXPECT_EQ(message.find(bad.field + " = " + number_text(value) + " must "), 0u)
-            << name << ", " << bad.field << " = " << value << ": " << message;
-        ++refusals;
-      }
-  EXPECT_GT(refusals, 400);
+  for (const Put::Seen& number : all_numbers()) {
+    const Range& range = number.range;
+    std::vector<double> bad;
+    if (number.real) bad.push_back(kNan);
+    if (std::isfinite(range.lowest))
+      bad.push_back(range.open_below ? range.lowest
+                    : number.real    ? std::nextafter(range.lowest, -kInf)
+                                     : range.lowest - 1);
+    if (std::isfinite(range.highest))
+      bad.push_back(range.open_above ? range.highest
+                    : number.real    ? std::nextafter(range.highest, kInf)
+                                     : range.highest + 1);
+    else if (range.open_above)
+      bad.push_back(kInf);
+    for (const double value : bad) refusals += expect_refused(s.model, number, value);
+  }
+  EXPECT_GT(refusals, 500);
+}
+
+// The ranges are those that the headers state.
+TEST(SchemeOptions, HaveTheRangesThatTheirHeadersState) {
+  const std::vector<std::pair<std::string, std::vector<double>>> stated = {
+      {"step.h", {0, -1e-3, kInf}},
+      {"step.threads", {0}},
+      {"step.correction_speed", {-1e-9}},
+      {"step.touching", {-1e-9, kInf}},
+      {"step.joints.stabilisation", {-0.01, 1.01}},
+      {"step.joints.tolerance", {0}},
+      {"step.lmd.threads", {0}},
+      {"step.lmd.alpha", {-0.1, 0.51}},
+      {"step.lmd.alpha_ee", {-0.1, 1.01}},
+      {"step.persistence.reach", {-1e-9, kInf}},
+      {"step.persistence.max_reach", {-1e-9, kInf}},
+      {"step.persistence.max_turn", {-0.1, 1.6}},
+      {"step.persistence.anchor_rate", {0, 1.1}},
+      {"step.persistence.anchor_speed", {0}},
+      {"step.persistence.slip_speed", {0}},
+      {"step.reduction.clustering.angle", {0, 1.6}},
+      {"step.reduction.min_per_cluster", {0}},
+      {"step.reduction.tie", {-0.1, 0.2}},
+      {"step.reduction.min_margin", {-0.1, 1.1}},
+      {"step.reduction.hysteresis", {-0.1, 1}},
+      {"step.reduction.hull_margin.margin", {0, 1.1}},
+      {"step.reduction.hull_margin.min_corners", {2}},
+      {"step.reduction.hull_margin.max_corners", {3}},
+      {"step.reduction.corners", {2}},
+      {"step.reduction.directions", {2}},
+      {"step.reduction.wrench_loss", {-0.1, 1}},
+      {"step.reduction.layer", {-1e-9}},
+      {"step.solver.tolerance", {0, 1}},
+      {"step.solver.max_iterations", {0}},
+      {"step.solver.relaxation", {0, 2}},
+      {"step.solver.anderson", {-1, 21}},
+      {"step.advancement.enlargement", {0.99, 4.01}},
+      {"step.advancement.floor", {0, 1.01}},
+      {"step.advancement.max_overlap", {-0.01, 1}},
+      {"step.advancement.min_h", {-1e-9}},
+      {"step.advancement.growth", {0.99, 4.01}},
+      {"step.advancement.max_attempts", {0}},
+      {"moreau_jean.theta", {0.49, 1.01}},
+      {"moreau_jean.gamma", {0.49, 1.01}},
+      {"moreau_jean.newton.max_iterations", {0}},
+      {"moreau_jean.newton.tolerance", {0}},
+      {"moreau_jean.impact.max_pairs", {0}},
+      {"moreau_jean_projected.theta", {0.49, 1.01}},
+      {"schatzman_paoli.force_theta", {-0.01, 1.01}},
+      {"generalised_alpha.spectral_radius", {-0.01, 1.01}},
+      {"event_driven.ode.relative", {0, 1}},
+      {"event_driven.ode.absolute", {0, kInf}},
+      {"event_driven.ode.largest_step", {0}},
+      {"event_driven.ode.max_steps", {0}},
+      {"event_driven.tolerance", {0, 1}},
+  };
+  const std::vector<Put::Seen> numbers = all_numbers();
+  for (const auto& [path, bad] : stated) {
+    const auto number = std::ranges::find(numbers, path, &Put::Seen::path);
+    ASSERT_NE(number, numbers.end()) << path;
+    for (const double value : bad) EXPECT_FALSE(contains(number->range, value)) << path << " = " << value;
+  }
+}
+
+// Who does not read an option says so where it is set, and its flag is refused there.
+TEST(SchemeOptions, AreRefusedWhereASchemeDoesNotReadThem) {
+  const Scene s = block_on_plate(0.3, 0, 0);
+  const auto refusal = [&](const char* scheme, const StepOptions& step) {
+    return message_of([&] { make_scheme(scheme, s.model, {.step = step}); });
+  };
+  for (const char* scheme :
+       {"schatzman_paoli", "passive_midpoint", "generalised_alpha", "d1_minus_linear", "event_driven"})
+    EXPECT_EQ(refusal(scheme, {.persistence = {.anchors = true}}),
+              std::string("persistence.anchors = true is not read by ") + scheme);
+  EXPECT_EQ(refusal("event_driven", {.update = GroupUpdate::cayley}),
+            "update = cayley is not read by event_driven");
+  EXPECT_EQ(refusal("generalised_alpha", {.joints = {.stabilisation = 0.3}}),
+            "joints.stabilisation = 0.3 is not read by generalised_alpha");
+  const std::vector<std::string> unread = unread_by("schatzman_paoli");
+  const auto has = [&](const char* path) { return std::ranges::find(unread, path) != unread.end(); };
+  EXPECT_TRUE(has("step.update") && has("moreau_jean.theta"));
+  EXPECT_FALSE(has("step.h") || has("schatzman_paoli.force_theta"));
 }
 
 // Choices that do not go together.
@@ -218,13 +182,14 @@ TEST(SchemeOptions, AreRefusedWhereTheyContradictEachOther) {
          {ReductionOptions{.reducer = Reducer::hull_margin, .paper_exact = true},
           ReductionOptions{.reducer = Reducer::selector},
           ReductionOptions{.reducer = Reducer::hull_margin, .selector = all}})
-      EXPECT_THROW(make_scheme(name, s.model, {.reduction = bad}), std::invalid_argument) << name;
-  SchemeOptions pulled{.reduction = {.friction = FrictionAt::patches}};
-  pulled.persistence.anchors = true;
+      EXPECT_THROW(make_scheme(name, s.model, {.step = {.reduction = bad}}), std::invalid_argument) << name;
+  SchemeOptions pulled{.step = {.reduction = {.friction = FrictionAt::patches}}};
+  pulled.step.persistence.anchors = true;
   EXPECT_NE(message_of([&] { make_scheme("moreau_jean", s.model, pulled); }).find("anchors"),
             std::string::npos);
   EXPECT_NE(message_of([&] {
-              make_scheme("event_driven", s.model, {.reduction = {.friction = FrictionAt::patches}});
+              make_scheme("event_driven", s.model,
+                          {.step = {.reduction = {.friction = FrictionAt::patches}}});
             }).find("event_driven"),
             std::string::npos);
 }

@@ -22,8 +22,8 @@ State spinning(const Model& model, const Vec3& omega) {
   return state;
 }
 
-PassiveMidpointOptions exact(double h) {
-  return {.step = {.h = h, .update = GroupUpdate::cayley}};
+StepOptions exact(double h) {
+  return {.h = h, .update = GroupUpdate::cayley};
 }
 
 // Whatever the step: 0.1 s is a tenth of a turn.
@@ -47,7 +47,7 @@ TEST(FreeTop, GainsMomentumWithTheTorqueOfTheStart) {
   for (const auto& [h, percent] : growth) {
     State state = spinning(model, {0.3, 2, 0.4});
     const double E = energy(model, state).kinetic, L = momentum(model, state).angular.norm();
-    const PassiveMidpoint scheme(model, {.gyroscopic = GyroscopicTerm::start, .step = {.h = h}});
+    const PassiveMidpoint scheme(model, {.h = h}, {.gyroscopic = GyroscopicTerm::start});
     while (state.t < 10 - h / 2) ASSERT_TRUE(scheme.step(state).ok());
     EXPECT_NEAR(energy(model, state).kinetic / E, 1, 1e-12);
     EXPECT_NEAR(momentum(model, state).angular.norm() / L - 1, percent, 1e-3) << "h = " << h;
@@ -174,7 +174,7 @@ TEST(PassiveMidpoint, GivesTheSameBitsAfterACopyAndByAFreshScheme) {
 
 TEST(PassiveMidpoint, RefusesBadOptions) {
   const Model model = free_body(Mat3::Identity());
-  EXPECT_NE(message_of([&] { PassiveMidpoint(model, {.step = {.h = -1}}); }).find("StepOptions::h = -1"),
+  EXPECT_NE(message_of([&] { PassiveMidpoint(model, {.h = -1}); }).find("StepOptions::h = -1"),
             std::string::npos);
   EXPECT_NE(message_of([] { group_update("euler"); }).find("cayley"), std::string::npos);
   EXPECT_EQ(group_update("screw"), GroupUpdate::screw);

@@ -36,11 +36,8 @@ Model point_and_wall(double restitution, double k = 0) {
   return model;
 }
 
-SchatzmanPaoliOptions with_step(double h) {
-  SchatzmanPaoliOptions o;
-  o.step.h = h;
-  o.step.solver.tolerance = 1e-12;
-  return o;
+StepOptions with_step(double h) {
+  return {.h = h, .solver = {.tolerance = 1e-12}};
 }
 
 // From a at speed -V the positions are a, a - hV, ..., and at the wall q_{k+1} = -e q_{k-1} twice; then the
@@ -144,7 +141,7 @@ TEST(SchatzmanPaoli, HasTheSameBitsFromACopy) {
   const auto hash_after = [](bool fresh) {
     Scene s = block_on_plate(0.3, 0.2, 0.2, 0.01);
     pose(s.state, s.block).R = exp_so3(Vec3(0.3, 0.2, 0.1));
-    const SchatzmanPaoliOptions o = with_step(1e-3);
+    const StepOptions o = with_step(1e-3);
     const SchatzmanPaoli scheme(s.model, o);
     for (int i = 0; i < 100; ++i)
       (void)(fresh ? SchatzmanPaoli(s.model, o).step(s.state) : scheme.step(s.state));
@@ -153,12 +150,12 @@ TEST(SchatzmanPaoli, HasTheSameBitsFromACopy) {
   EXPECT_EQ(hash_after(true), hash_after(false));
 }
 
-TEST(SchatzmanPaoli, RefusesOtherLawsAndTheta) {
+TEST(SchatzmanPaoli, RefusesOtherUpdatesAndThetas) {
   const Scene s = block_on_plate(0, 0, 0);
-  SchatzmanPaoliOptions o;
-  o.step.normal.law = NormalLaw::moreau;
-  EXPECT_NE(message_of([&] { SchatzmanPaoli(s.model, o); }).find("gap_over_step"), std::string::npos);
-  EXPECT_NE(message_of([&] { SchatzmanPaoli(s.model, {.theta = -1}); }).find("theta"), std::string::npos);
+  EXPECT_EQ(message_of([&] { SchatzmanPaoli(s.model, {.update = GroupUpdate::cayley}); }),
+            "update = cayley is not read by schatzman_paoli");
+  EXPECT_NE(message_of([&] { SchatzmanPaoli(s.model, {}, {.force_theta = -1}); }).find("force_theta"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -17,14 +17,9 @@ TEST(Scheme, IsTheClassItNames) {
     Scene s = block_on_plate(0.3, 0.5, 0.2, 0.01);
     State by_name = s.state, by_class = s.state;
     SchemeOptions options = variant.options;
-    options.h = 2e-3;
+    options.step.h = 2e-3;
     const Scheme scheme = make_scheme(variant.name, s.model, options);
-    const MoreauJean direct(s.model, {.h = 2e-3,
-                                      .theta = options.theta,
-                                      .contacts = options.contacts,
-                                      .newton = options.newton,
-                                      .impact = options.impact,
-                                      .normal = options.normal});
+    const MoreauJean direct(s.model, {.h = 2e-3, .update = options.step.update}, options.moreau_jean);
     for (int k = 0; k < 40; ++k) {
       ASSERT_TRUE(scheme.step(by_name, kInf).ok());
       ASSERT_TRUE(direct.step(by_class).ok());
@@ -46,7 +41,7 @@ TEST(Scheme, LeavesABlockAtRestOnABeltThatMoves) {
         Prescribed{{.t = {0, 1}, .pose = {SE3{}, {Quat::Identity(), Vec3(speed, 0, 0)}}}};
     twist(s.state, s.ground)[0] = twist(s.state, s.block)[0] = speed;
     SchemeOptions options = variant.options;
-    options.h = 2e-3;
+    options.step.h = 2e-3;
     const Scheme scheme = make_scheme(variant.name, s.model, options);
     for (int k = 0; k < 25; ++k) ASSERT_TRUE(scheme.step(s.state, kInf).ok());
     const std::string name = label(variant.name, options);
@@ -67,7 +62,7 @@ TEST(Scheme, HandsOnTheSettingsOfEachClass) {
   const auto compare = [&](const char* name, const SchemeOptions& options, auto&& direct) {
     State by_name = s.state, by_class = s.state, by_default = s.state;
     const Scheme scheme = make_scheme(name, s.model, options),
-                 plain = make_scheme(name, s.model, {.h = 2e-3});
+                 plain = make_scheme(name, s.model, {.step = {.h = 2e-3}});
     for (int k = 0; k < 20; ++k) {
       ASSERT_TRUE(scheme.step(by_name, kInf).ok());
       ASSERT_TRUE(direct.step(by_class).ok());
@@ -77,22 +72,20 @@ TEST(Scheme, HandsOnTheSettingsOfEachClass) {
     EXPECT_NE(hash(by_name), hash(by_default)) << name;
     EXPECT_NE(label(name, options), label(name, {})) << name;
   };
-  SchatzmanPaoliOptions damped{.theta = 1};
-  damped.step.h = 2e-3;
-  compare("schatzman_paoli", {.h = 2e-3, .force_theta = 1}, SchatzmanPaoli(s.model, damped));
-  PassiveMidpointOptions active{.passive = false, .step = {.h = 2e-3}};
-  compare("passive_midpoint", {.h = 2e-3, .passive = false}, PassiveMidpoint(s.model, active));
-  EventDrivenOptions coarse{.ode = {.relative = 1e-6, .absolute = 1e-8}};
-  coarse.step.h = 2e-3;
-  compare("event_driven", {.h = 2e-3, .ode = {.relative = 1e-6, .absolute = 1e-8}},
-          EventDriven(s.model, coarse));
+  compare("schatzman_paoli", {.step = {.h = 2e-3}, .schatzman_paoli = {.force_theta = 1}},
+          SchatzmanPaoli(s.model, {.h = 2e-3}, {.force_theta = 1}));
+  compare("passive_midpoint", {.step = {.h = 2e-3}, .passive_midpoint = {.passive = false}},
+          PassiveMidpoint(s.model, {.h = 2e-3}, {.passive = false}));
+  const EventDrivenOptions coarse{.ode = {.relative = 1e-6, .absolute = 1e-8}};
+  compare("event_driven", {.step = {.h = 2e-3}, .event_driven = coarse},
+          EventDriven(s.model, {.h = 2e-3}, coarse));
 }
 
 // The reference is made by its name, and stands in no comparison of orders in h.
 TEST(Scheme, KnowsTheEventDrivenReference) {
   Scene s = block_on_plate(0, 1, 0, 0.01);
   twist(s.state, s.block)[2] = -1;
-  const StepReport report = make_scheme("event_driven", s.model, {.h = 0.03}).step(s.state, kInf);
+  const StepReport report = make_scheme("event_driven", s.model, {.step = {.h = 0.03}}).step(s.state, kInf);
   ASSERT_TRUE(report.ok()) << report.reason;
   EXPECT_FALSE(report.events.empty());
   EXPECT_GT(twist(s.state, s.block)[2], 0.5);
@@ -110,11 +103,11 @@ TEST(Scheme, HasALabelOfItsOwnForEachVariant) {
 }
 
 TEST(Scheme, PromisesOrderTwoAtTheMidpointOnly) {
-  EXPECT_EQ(scheme_traits("moreau_jean", {.theta = 0.5}).smooth, 2);
-  EXPECT_EQ(scheme_traits("moreau_jean", {.theta = 0.6}).smooth, 1);
-  EXPECT_EQ(scheme_traits("moreau_jean", {.theta = 0.5}).nonsmooth, 1);
-  EXPECT_EQ(scheme_traits("moreau_jean_projected", {.theta = 0.5}).smooth, 2);
-  EXPECT_EQ(scheme_traits("schatzman_paoli", {.theta = 0.5}).smooth, 1);
+  EXPECT_EQ(scheme_traits("moreau_jean", {}).smooth, 2);
+  EXPECT_EQ(scheme_traits("moreau_jean", {.moreau_jean = {.theta = 0.6}}).smooth, 1);
+  EXPECT_EQ(scheme_traits("moreau_jean", {}).nonsmooth, 1);
+  EXPECT_EQ(scheme_traits("moreau_jean_projected", {}).smooth, 2);
+  EXPECT_EQ(scheme_traits("schatzman_paoli", {}).smooth, 1);
 }
 
 // A ball that falls on a plate comes back exactly where the traits say so.
@@ -133,8 +126,9 @@ TEST(Scheme, IsRefusedByAnUnknownNameOrABadOption) {
   const Scene s = block_on_plate(0, 0, 0);
   EXPECT_NE(message_of([&] { make_scheme("euler", s.model, {}); }).find("moreau_jean"), std::string::npos);
   EXPECT_NE(message_of([&] { scheme_traits("euler", {}); }).find("euler"), std::string::npos);
-  EXPECT_NE(message_of([&] { make_scheme("moreau_jean", s.model, {.theta = 2}); }).find("theta"),
-            std::string::npos);
+  EXPECT_NE(
+      message_of([&] { make_scheme("moreau_jean", s.model, {.moreau_jean = {.theta = 2}}); }).find("theta"),
+      std::string::npos);
 }
 
 }  // namespace

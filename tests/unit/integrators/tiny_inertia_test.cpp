@@ -86,10 +86,10 @@ struct End {
 template <class Scene>
 End run(const std::string& scheme, Scene s, double h, double t_end) {
   const double before = energy(s.model, s.state).total();
+  const SchemeOptions options{.step = {.h = h, .solver = {.tolerance = 1e-12}}};
   End out;
-  const StepReport last = run_until(
-      make_scheme(scheme, s.model, {.h = h, .theta = 0.5, .solver = {.tolerance = 1e-12}}), s.state, t_end,
-      [&](const StepReport& report) {
+  const StepReport last =
+      run_until(make_scheme(scheme, s.model, options), s.state, t_end, [&](const StepReport& report) {
         out.joints = std::max({out.joints, report.joint_error.translation, report.joint_error.rotation});
       });
   EXPECT_TRUE(last.ok()) << scheme << ": " << last.reason;
@@ -163,7 +163,7 @@ TEST(TinyInertia, OfABobOnALongArmIsThatOfAPoint) {
     state.g[0].p = Vec3(1, 0, 0);
     add(model, joint_at(JointKind::revolute, "hinge", 0, -1, state.g, frame(Vec3::Zero(), Vec3(0, 1, 0.3))));
     const double before = energy(model, state).total();
-    const StepReport last = run_until(MoreauJean(model, {.h = 1e-3, .theta = 0.5}), state, 0.5);
+    const StepReport last = run_until(MoreauJean(model, {.h = 1e-3}, {.theta = 0.5}), state, 0.5);
     ASSERT_TRUE(last.ok()) << moment << ": " << last.reason;
     EXPECT_LT(last.joint_error.translation, 1e-12) << moment;
     EXPECT_NEAR(energy(model, state).total(), before, 1e-5) << moment;  // O(h^2) of 9.8 J
@@ -185,7 +185,7 @@ TEST(LightLinks, BetweenHeavyBodiesTransmitWhatThoseNeed) {
           joint_at(JointKind::revolute, "hinge", i, i - 1, state.g, frame(Vec3(i, 0, 0), Vec3::UnitY())));
     }
     const double before = energy(model, state).total();
-    const StepReport last = run_until(MoreauJean(model, {.h = 1e-3, .theta = 0.5}), state, 0.3);
+    const StepReport last = run_until(MoreauJean(model, {.h = 1e-3}, {.theta = 0.5}), state, 0.3);
     ASSERT_TRUE(last.ok()) << light << ": " << last.reason;
     EXPECT_LT(last.joint_error.translation, 1e-12) << light;
     EXPECT_NEAR(energy(model, state).total(), before, 1e-3) << light;  // O(h^2) of 15 J exchanged
@@ -212,13 +212,15 @@ TEST(Joints, ThatCannotHoldAreRefusedAndNotOk) {
     const StepReport later = make_scheme(scheme, model, {}).step(s, kInf);
     EXPECT_EQ(later.status, StepStatus::refused) << scheme;
     EXPECT_NE(later.reason.find("joints are off by 0.0005"), std::string::npos) << later.reason;
-    EXPECT_TRUE(make_scheme(scheme, model, {.joints = {.tolerance = 1e-2}}).step(s, kInf).ok()) << scheme;
+    EXPECT_TRUE(make_scheme(scheme, model, {.step = {.joints = {.tolerance = 1e-2}}}).step(s, kInf).ok())
+        << scheme;
     s.h = 1e-3;
-    const StepReport unjudged = make_scheme(scheme, model, {.joints = {.project = false}}).step(s, kInf);
+    const StepReport unjudged =
+        make_scheme(scheme, model, {.step = {.joints = {.project = false}}}).step(s, kInf);
     EXPECT_TRUE(unjudged.ok()) << scheme << ": " << unjudged.reason;
   }
-  EXPECT_EQ(message_of([&] { make_scheme("moreau_jean", model, {.joints = {.tolerance = 0}}); }),
-            "JointOptions::tolerance = 0 must be positive [m, rad]");
+  EXPECT_EQ(message_of([&] { make_scheme("moreau_jean", model, {.step = {.joints = {.tolerance = 0}}}); }),
+            "JointOptions::tolerance = 0 must be finite and > 0 [m, rad]");
 }
 
 // What a start costs is a matter of time, not of the number of calls.
@@ -230,9 +232,7 @@ TEST(EventDriven, IsNoWorseInShortSteps) {
     State state = rest_state(model);
     state.v.tail<3>() = Vec3(2, 5, 1);
     const double before = energy(model, state).kinetic;
-    EventDrivenOptions options;
-    options.step.h = h;
-    EXPECT_TRUE(run_until(EventDriven(model, options), state, 0.5).ok());
+    EXPECT_TRUE(run_until(EventDriven(model, {.h = h}), state, 0.5).ok());
     return std::abs(energy(model, state).kinetic - before);
   };
   const double bound = 1e-8;  // ten times what (EVD-12) gives: 5 starts of 1e-10 of 3.3 J, each a few steps
@@ -247,7 +247,7 @@ TEST(EventDriven, AsksForNoDigitsThatRoundingTakes) {
   for (const double h : {1e-8, 1e-9, 1e-10}) {
     State state = rest_state(model);
     state.v.tail<3>() = Vec3(2, 5, 1);
-    const StepReport report = EventDriven(model, {.ode = {.max_steps = 10}}).step(state, h);
+    const StepReport report = EventDriven(model, {}, {.ode = {.max_steps = 10}}).step(state, h);
     EXPECT_TRUE(report.ok()) << h << ": " << report.reason;
   }
 }
@@ -255,9 +255,7 @@ TEST(EventDriven, AsksForNoDigitsThatRoundingTakes) {
 TEST(EventDriven, BoundsItsWorkInAStep) {
   Rods s(2, 0.01);
   const State before = s.state;
-  EventDrivenOptions options{.ode = {.max_steps = 40}};
-  options.step.h = 1;
-  const StepReport report = EventDriven(s.model, options).step(s.state);
+  const StepReport report = EventDriven(s.model, {.h = 1}, {.ode = {.max_steps = 40}}).step(s.state);
   EXPECT_EQ(report.status, StepStatus::refused);
   EXPECT_NE(report.reason.find("more than 40 steps of the differential equation from t = 0 to "),
             std::string::npos)

@@ -13,9 +13,8 @@ TEST(ToyScheme, StepsAsMoreauJeanDoesAtThetaOne) {
   Scene scene = block_on_plate(0.4, 0, 0, 0.02);
   linear_part(scene.state.v, scene.block) = Vec3(0.8, 0.1, 0);
   angular_part(scene.state.v, scene.block) = Vec3(0.2, 3, 0.5);
-  const NormalLawOptions law{.law = NormalLaw::gap_over_step};
-  const ToyScheme toy(scene.model, {.h = 2e-3, .normal = law});
-  const MoreauJean known(scene.model, {.h = 2e-3, .theta = 1, .normal = law});
+  const ToyScheme toy(scene.model, {.h = 2e-3});
+  const MoreauJean known(scene.model, {.h = 2e-3}, {.theta = 1, .law = NormalLaw::gap_over_step});
   State a = scene.state, b = scene.state;
   PathAudit audit{.samples = 3};
   bool touched = false;

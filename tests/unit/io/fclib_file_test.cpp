@@ -395,7 +395,7 @@ TEST(FclibFile, ComplainsWithDatasetValueAndBound) {
       {"no group", small_local(), [](hid_t f) { remove_link(f, "/fclib_local"); },
        "/: has no group fclib_local, fclib_global, ..._rolling, aussois_local or aussois_global"},
       {"two groups", small_local(), [](hid_t f) { make_group(f, "/fclib_global"); },
-       "/fclib_global: stands beside /fclib_local, must be the only problem of the file"},
+       "/fclib_global: is in the file together with /fclib_local, must be the only problem"},
       {"joints of a local problem", small_local(), [](hid_t f) { make_group(f, "/fclib_local/V"); },
        "/fclib_local/V: couples joints to a local problem: save the global one, or eliminate them"},
       {"spacedim", small_local(), [](hid_t f) { replace<int>(f, "/fclib_local/spacedim", {4}); },

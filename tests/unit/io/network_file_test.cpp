@@ -118,12 +118,12 @@ TEST(NetworkFile, CarriesABlockThroughASimulation) {
   std::vector<State> ends;
   for (const LearnedSelector& selector : {made, read_selector(path)}) {
     Scene scene = block_on_plate(0.5, 0, 10 * kPi / 180);
-    MoreauJeanOptions options{.h = 1e-3};
+    StepOptions options{.h = 1e-3};
     options.reduction = {.reducer = Reducer::selector, .selector = contact_selector(selector, scene.block)};
     const SE3 before = pose(scene.state, scene.block);
     int steps = 0;
     std::size_t most = 0;
-    const MoreauJean scheme(scene.model, options);
+    const MoreauJean scheme(scene.model, options, {.theta = 1});
     while (scene.state.t < 0.05 - 1e-12) {
       const StepReport report = scheme.step(scene.state, 0.05 - scene.state.t);
       ASSERT_TRUE(report.ok()) << report.reason;

@@ -106,10 +106,10 @@ TEST_P(BrokenPoses, EndWithOneClearMessage) {
 INSTANTIATE_TEST_SUITE_P(
     Files, BrokenPoses,
     ::testing::Values(
-        Broken{"double_column.csv", ":1: column 'x' must stand once in the header, stands 2 times"},
+        Broken{"double_column.csv", ":1: column 'x' must occur once in the header, occurs 2 times"},
         Broken{"empty.csv", ": is empty"}, Broken{"empty_field.csv", ":3: y = '' must be a number"},
         Broken{"header_only.csv", ":1: rows = 0 must be at least 2 for a path"},
-        Broken{"missing_column.csv", ":1: column 'qw' must stand once in the header, stands 0 times"},
+        Broken{"missing_column.csv", ":1: column 'qw' must occur once in the header, occurs 0 times"},
         Broken{"nan.csv", ":3: y = nan must be finite"},
         Broken{"non_unit_quaternion.csv",
                ":3: |(qw, qx, qy, qz)| = 1.004987562112089 must lie within 1e-6 of 1"},

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "examples/common/setting_flags.hpp"
+
+namespace aussois {
+namespace {
+
+// "--not-passive=false": the flag, and the value that it sets.
+std::pair<std::string, std::string> split(const char* flag) {
+  const std::string text = flag;
+  const std::size_t at = text.find('=');
+  return {text.substr(0, at), at == std::string::npos ? "" : text.substr(at + 1)};
+}
+
+}  // namespace
+
+namespace detail {
+
+SaidSetting* Offer::add(const Setting& setting, OfferedSetting::Kind kind, const std::string& usual,
+                        std::vector<std::string> names) {
+  if (!setting.flag) return nullptr;
+  const auto [flag, fixed] = split(setting.flag);
+  all.push_back({path(setting), setting, flag, fixed, std::move(names), kind, usual});
+  return &said_[flag];
+}
+void Offer::number(const Setting& setting, double& value) {
+  if (SaidSetting* said = add(setting, OfferedSetting::Kind::number, number_text(value)))
+    said->number = value;
+}
+void Offer::count(const Setting& setting, int& value) {
+  if (SaidSetting* said = add(setting, OfferedSetting::Kind::count, std::to_string(value)))
+    said->count = value;
+}
+void Offer::seed(const Setting& setting, std::uint64_t& value) {
+  if (SaidSetting* said = add(setting, OfferedSetting::Kind::seed, std::to_string(value))) said->seed = value;
+}
+void Offer::toggle(const Setting& setting, bool& value) {
+  if (SaidSetting* said = add(setting, OfferedSetting::Kind::toggle, value ? "true" : "false"))
+    said->toggle = split(setting.flag).second.empty() ? value : !value;
+}
+void Offer::choose(const Setting& setting, Choice& value) {
+  if (SaidSetting* said = add(setting, OfferedSetting::Kind::choice, value.name(), value.names()))
+    said->choice = value.name(), said->toggle = value.name() == split(setting.flag).second;
+}
+
+const SaidSetting* Take::find(const Setting& setting) const {
+  if (!setting.flag) return nullptr;
+  const auto said = said_.find(split(setting.flag).first);
+  return said == said_.end() ? nullptr : &said->second;
+}
+void Take::number(const Setting& setting, double& value) {
+  if (const SaidSetting* said = find(setting)) value = said->number;
+}
+void Take::count(const Setting& setting, int& value) {
+  if (const SaidSetting* said = find(setting)) value = said->count;
+}
+void Take::seed(const Setting& setting, std::uint64_t& value) {
+  if (const SaidSetting* said = find(setting)) value = said->seed;
+}
+void Take::toggle(const Setting& setting, bool& value) {
+  if (const SaidSetting* said = find(setting))
+    value = split(setting.flag).second.empty() ? said->toggle : !said->toggle;
+}
+void Take::choose(const Setting& setting, Choice& value) {
+  const SaidSetting* said = find(setting);
+  if (!said) return;
+  const std::string fixed = split(setting.flag).second;
+  if (fixed.empty())
+    value.set(said->choice);
+  else if (said->toggle)
+    value.set(fixed);
+}
+
+}  // namespace detail
+
+void add_flag(Cli& cli, const OfferedSetting& offered, SaidSettings& said, const std::string& note) {
+  SaidSetting& to = said[offered.flag];
+  const std::string what = offered.setting.what + note;
+  const Setting& s = offered.setting;
+  using Kind = OfferedSetting::Kind;
+  if (offered.kind == Kind::number)
+    cli.option(offered.flag, to.number, what, s.unit, s.range);
+  else if (offered.kind == Kind::count)
+    cli.option(offered.flag, to.count, what, s.unit, s.range);
+  else if (offered.kind == Kind::seed)
+    cli.option(offered.flag, to.seed, what);
+  else if (offered.kind == Kind::choice && offered.fixed.empty())
+    cli.choice(offered.flag, to.choice, what, offered.names);
+  else
+    cli.flag(offered.flag, to.toggle, what);
+}
+
+}  // namespace aussois

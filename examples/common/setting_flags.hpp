@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// Flags of a command line, made from the table of an options struct.
+#pragma once
+
+#include <cstdint>
+#include <map>
+
+#include "examples/common/driver.hpp"
+
+namespace aussois {
+
+/// An option that has a flag; several may share one, such as theta of two schemes.
+struct OfferedSetting {
+  std::string path{};  // "moreau_jean.theta"
+  Setting setting{};
+  std::string flag{};                // "--not-passive"
+  std::string fixed{};               // the value that the flag sets and the user does not say; empty: none
+  std::vector<std::string> names{};  // of a choice
+  enum class Kind { number, count, toggle, choice, seed } kind = Kind::number;
+  std::string usual{};  // its value when it was offered
+};
+
+/// What the user said of an option, as Cli keeps it.
+struct SaidSetting {
+  double number = 0;
+  int count = 0;
+  bool toggle = false;
+  std::uint64_t seed = 0;
+  std::string choice{};
+};
+using SaidSettings = std::map<std::string, SaidSetting>;  // by flag
+
+namespace detail {
+
+class Offer final : public SettingVisitor {
+ public:
+  explicit Offer(SaidSettings& said) : said_(said) {}
+  void number(const Setting& setting, double& value) override;
+  void count(const Setting& setting, int& value) override;
+  void toggle(const Setting& setting, bool& value) override;
+  void seed(const Setting& setting, std::uint64_t& value) override;
+  std::vector<OfferedSetting> all{};
+
+ private:
+  void choose(const Setting& setting, Choice& value) override;
+  SaidSetting* add(const Setting& setting, OfferedSetting::Kind kind, const std::string& usual,
+                   std::vector<std::string> names = {});
+  SaidSettings& said_;
+};
+
+class Take final : public SettingVisitor {
+ public:
+  explicit Take(const SaidSettings& said) : said_(said) {}
+  void number(const Setting& setting, double& value) override;
+  void count(const Setting& setting, int& value) override;
+  void toggle(const Setting& setting, bool& value) override;
+  void seed(const Setting& setting, std::uint64_t& value) override;
+
+ private:
+  void choose(const Setting& setting, Choice& value) override;
+  const SaidSetting* find(const Setting& setting) const;
+  const SaidSettings& said_;
+};
+
+}  // namespace detail
+
+/// The options of the table that have a flag, in its order; `said` gets their present values, which are the
+/// defaults of the flags.
+template <class Options>
+std::vector<OfferedSetting> offered(Options& options, SaidSettings& said) {
+  detail::Offer offer(said);
+  describe(offer, options);
+  return std::move(offer.all);
+}
+
+/// Adds one flag; `note` stands behind what the table says. `said` must outlive `cli`.
+void add_flag(Cli& cli, const OfferedSetting& offered, SaidSettings& said, const std::string& note = {});
+
+/// Adds a flag for every option of the table that has one. `said` must outlive `cli`.
+template <class Options>
+void add_flags(Cli& cli, Options& options, SaidSettings& said) {
+  for (const OfferedSetting& one : offered(options, said)) add_flag(cli, one, said);
+}
+
+/// Gives the options what the user said.
+template <class Options>
+void take(const SaidSettings& said, Options& options) {
+  detail::Take take(said);
+  describe(take, options);
+}
+
+}  // namespace aussois

@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: Apache-2.0
+// Does a scheme reach its order? Measures errors against exact motions at several step sizes, in norms that
+// suit velocities that jump.
+//
+// Theory   doc/theory/convergence.md (CONV-1) to (CONV-10)
+// Run      convergence --case forced_46
+//          convergence --case free_top --theta 1 --levels 5 --phases 1
+// Expect   the orders of theory, each with its reason: one across impacts, two at the midpoint for smooth
+//          motion; exit code 0 if all are met
+//
+// convergence --all computes the whole table. It can be interrupted at any time: the next call with the same
+// -o continues. To share the work between machines, run --shard 1/4 to 4/4 with one folder, then once without
+// --shard; with MPI, run mpirun -n 9 convergence --all --farm.
+#include "examples/common/convergence.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <mutex>
+
+#include "examples/common/many_tasks.hpp"
+#include "examples/common/progress.hpp"
+#include "examples/common/scheme_flags.hpp"
+#include "examples/common/task_farm.hpp"
+#include "examples/studies/convergence/study_files.hpp"
+#include "geometry/check.hpp"
+#include "geometry/parallel.hpp"
+#include "io/atomic_file.hpp"
+#include "io/build_info.hpp"
+
+using namespace aussois;
+
+namespace {
+
+struct Arguments {
+  std::string case_name{}, shard = "1/1";
+  SchemeFlags scheme{};
+  StudyOptions study{};
+  bool all = false, list = false, farm = false;
+  ManyTasks tasks{};
+};
+
+/// One cell of the table.
+struct Cell {
+  const Case* scene = nullptr;
+  SchemeVariant variant{};
+  bool as_delivered = false;  // also the solver's tolerance
+};
+
+StudyOptions options_of(const Arguments& a, const Cell& cell) {
+  StudyOptions out = a.study;
+  if (cell.as_delivered) out.tolerance = SolverOptions{}.tolerance;
+  return out;
+}
+
+std::string label_of(const Cell& cell) {
+  const std::string name = label(cell.variant.name, cell.variant.options);
+  return cell.as_delivered ? name + " default tolerance" : name;
+}
+
+std::vector<Cell> cells_of(const Arguments& a) {
+  std::vector<Cell> out;
+  for (const Case& c : cases()) {
+    if (!a.case_name.empty() && c.name != a.case_name) continue;
+    if (!a.all) {
+      out.push_back({&c, {a.scheme.scheme, scheme_options(a.scheme)}});
+      continue;
+    }
+    const auto add = [&](const SchemeVariant& variant, bool as_delivered) {
+      if (applies(c, scheme_traits(variant.name, variant.options)))
+        out.push_back({&c, variant, as_delivered});
+    };
+    for (const SchemeVariant& variant : scheme_variants()) add(variant, false);
+    add({"moreau_jean", {}}, true);
+  }
+  return out;
+}
+
+/// Every n-th cell from the k-th on, for "k/n".
+std::vector<Cell> shard_of(const std::vector<Cell>& cells, const std::string& shard) {
+  int k = 0, n = 0, end = 0;
+  const bool whole = std::sscanf(shard.c_str(), "%d/%d%n", &k, &n, &end) == 2 && end == int(shard.size());
+  require(whole && n >= 1 && k >= 1 && k <= n, "--shard " + shard + " must be k/n with 1 <= k <= n");
+  std::vector<Cell> out;
+  for (std::size_t i = std::size_t(k) - 1; i < cells.size(); i += std::size_t(n)) out.push_back(cells[i]);
+  return out;
+}
+
+ExitCode list() {
+  std::printf("cases\n");
+  for (const Case& c : cases())
+    std::printf("  %-16s %s; %.3g s, %s\n", c.name.c_str(), c.what.c_str(), c.t_end,
+                c.smooth ? "smooth" : "nonsmooth");
+  std::printf("schemes\n");
+  for (const SchemeVariant& v : scheme_variants()) {
+    const SchemeTraits traits = scheme_traits(v.name, v.options);
+    std::printf("  %-36s order %g, %g for smooth motion%s\n", label(v.name, v.options).c_str(),
+                traits.nonsmooth, traits.smooth, traits.restitution ? "" : "; no restitution");
+  }
+  return ExitCode::ok;
+}
+
+struct Results {
+  std::vector<Study> done{};            // in the order of the cells
+  std::vector<std::string> failures{};  // one line each
+  int known = 0;                        // read from the folder
+};
+
+/// Calls of f(i) for all i in [0, n), on threads or elsewhere.
+using ForAll = std::function<void(int n, const std::function<void(int)>& f)>;
+
+/// Each cell is written when it is complete and read back by the next call.
+Results run_cells(const Arguments& a, const std::vector<Cell>& cells, const ForAll& for_all) {
+  const std::uint64_t program = program_digest();
+  std::vector<Study> studies(cells.size());
+  std::vector<std::string> failures(cells.size());
+  Results out;
+  std::mutex mutex;  // of progress and counts
+  int levels_done = 0;
+  Progress progress("convergence", double(cells.size()) * a.study.levels,
+                    Progress::style_of_stderr(a.tasks.quiet));
+  for_all(int(cells.size()), [&](int i) {
+    const Cell& cell = cells[std::size_t(i)];
+    const auto& [scheme, options] = cell.variant;
+    const Study wanted{
+        .case_name = cell.scene->name, .scheme = label_of(cell), .options = options_of(a, cell)};
+    const std::filesystem::path file = a.tasks.out / (stem_of(wanted) + ".json");
+    const auto say = [&](int levels) {
+      const std::lock_guard lock(mutex);
+      progress.at(levels_done += levels, wanted.case_name + " " + wanted.scheme);
+    };
+    if (interrupted()) return;
+    if (const std::optional<Study> known = read_study(file, wanted, program)) {
+      studies[std::size_t(i)] = *known;
+      say(a.study.levels);
+      const std::lock_guard lock(mutex);
+      ++out.known;
+      return;
+    }
+    try {
+      Study made = study(*cell.scene, scheme, options, wanted.options, [&](int level) {
+        say(level <= a.study.levels);
+        return !interrupted();
+      });
+      if (int(made.h.size()) < a.study.levels || interrupted()) return;
+      made.scheme = wanted.scheme;
+      write_whole_file(file, to_json(made, program));
+      studies[std::size_t(i)] = std::move(made);
+    } catch (const NumericalFailure& failure) {
+      failures[std::size_t(i)] = failure.what();
+    }
+  });
+  for (Study& s : studies)
+    if (!s.h.empty()) out.done.push_back(std::move(s));
+  for (std::string& text : failures)
+    if (!text.empty()) out.failures.push_back(std::move(text));
+  return out;
+}
+
+ExitCode run(Arguments a) {
+  if (a.list) return list();
+  require(a.all || !a.case_name.empty(), "give --case NAME, --all or --list");
+  require(a.all || a.shard == "1/1", "--shard " + a.shard + " needs --all");
+  require(!a.farm || has_task_farm(), "--farm needs a build configured with -DAUSSOIS_WITH_MPI=ON");
+  if (!a.case_name.empty()) case_named(a.case_name);
+  validate(a.study);
+  const std::vector<Cell> cells = shard_of(cells_of(a), a.shard);
+  if (!a.all) {  // told before a folder is made
+    const SchemeVariant& variant = cells.front().variant;
+    const Case* scene = cells.front().scene;
+    require_applies(*scene, variant.name, variant.options);
+    const double min_h = variant.options.step.advancement.min_h;
+    require_field(min_h <= step_sizes(a.study.h > 0 ? a.study.h : scene->h, a.study.levels).back(),
+                  "AdvancementOptions::min_h", min_h, "not exceed the shortest step of the study [s]");
+  }
+  make_folders(a.tasks);
+
+  if (a.farm) {
+    Arguments of_rank = a;
+    of_rank.tasks.quiet = true;
+    bool goes_on = true;
+    run_cells(of_rank, cells, [&](int n, const auto& f) { goes_on = farm_out(n, f); });
+    if (!goes_on) return interrupted() ? ExitCode::interrupted : ExitCode::ok;
+  }
+  const Results results =
+      run_cells(a, cells, [&](int n, const auto& f) { parallel_for(n, a.tasks.threads, f); });
+  if (interrupted()) return ExitCode::interrupted;
+  bool pictures = true;
+  std::map<OrderVerdict, int> count;
+  for (const Study& s : results.done) {
+    if (!a.all && !a.tasks.quiet)
+      std::printf("%s, %s\n%s", s.case_name.c_str(), s.scheme.c_str(), to_string(s).c_str());
+    pictures = write_picture(a.tasks.out, s) && pictures;
+    ++count[verdict(s)];
+  }
+  if (!a.tasks.json.empty())
+    write_whole_file(a.tasks.json, a.all                  ? to_json(results.done, program_digest())
+                                   : results.done.empty() ? ""
+                                                          : to_json(results.done.front(), program_digest()));
+  if (a.all) {
+    const std::string table = order_table(results.done);
+    write_whole_file(a.tasks.out / "convergence.md", table);
+    std::printf("%s", table.c_str());
+  }
+  if (!pictures) std::fprintf(stderr, "no picture: gnuplot is missing or failed\n");
+  for (const std::string& text : results.failures) std::fprintf(stderr, "convergence: %s\n", text.c_str());
+  tell_known(results.known, cells.size(), a.tasks);
+  std::printf(
+      "convergence: %d of %zu met the orders of theory, one or more; %d met less than one, as theory "
+      "predicts; %d without a promised order of the graph; %d not judged; %d missed\n",
+      count[OrderVerdict::met], cells.size(), count[OrderVerdict::less], count[OrderVerdict::none],
+      count[OrderVerdict::not_judged], count[OrderVerdict::missed]);
+  if (!results.failures.empty()) return ExitCode::numerical;
+  return count[OrderVerdict::missed] + count[OrderVerdict::not_judged] == 0 ? ExitCode::ok
+                                                                            : ExitCode::not_accepted;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments a;
+  Cli cli("convergence",
+          "Measures the order of convergence of time-stepping schemes against exact motions with impacts and "
+          "friction.");
+  cli.group("scene");
+  cli.option("--case", a.case_name, "case to run; --list shows all");
+  cli.flag("--list", a.list, "list cases and schemes, then exit");
+  cli.flag("--all", a.all, "run all cases, or that of --case, with all schemes and settings");
+  cli.option("--shard", a.shard, "k/n: run only the k-th of n parts of --all");
+  cli.flag("--farm", a.farm,
+           "share the work under mpirun: rank 0 distributes it to the other ranks; needs MPI");
+  cli.group("stepping");
+  cli.option("--h0", a.study.h, "largest step; 0: that of the case", "s", {0, 1});
+  cli.option("--levels", a.study.levels, "number of step sizes, each about half the one before", "", {3, 16});
+  cli.option("--phases", a.study.phases, "number of lengths of the first step over which errors are averaged",
+             "", {1, 64});
+  std::erase(a.scheme.schemes, "event_driven");
+  a.scheme.not_offered =
+      "not event_driven: its errors depend on its tolerances, not on h, see doc/theory/event_driven.md";
+  a.scheme.left_out = {"--tolerance"};
+  add_options(cli, a.scheme);
+  cli.option("--tolerance", a.study.tolerance, "tolerance on the scaled residual; 0: that of the case", "-",
+             {0, 1e-2});
+  add_options(cli, a.tasks, "studies", "all numbers");
+  cli.example("convergence --case ball_e05 --theta 1 --normal-law combined",
+              "open out/ball_e05_moreau_jean_theta_1_combined.png");
+  cli.example("convergence --all -o table", "every scheme on every case; see table/convergence.md");
+  return run_driver(cli, argc, argv, [&] {
+    for (const char* group : {"scheme", "solver"})
+      for (const std::string& flag : cli.given(group))
+        require(!a.all || flag == "--tolerance",
+                flag + " cannot be combined with --all, which runs every scheme with its own settings");
+    refuse_unread(cli, a.scheme);
+    if (!a.all) a.study.settings = cli.values("scheme") + cli.values("solver");
+    return run(a);
+  });
+}

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+// Drops a part on a plate: flight, impact, sliding and rest under Coulomb friction.
+//
+// Theory   doc/theory/moreau_jean.md (MJ-1) to (MJ-9), doc/theory/lmd.md (LMD-3)
+// Run      drop_part
+//          drop_part --builtin bolt --height 0.03 --mu 0.6
+//          drop_part --time 0.3 --certify 100
+// Expect   the part rests at the end, overlaps less than 5 % of the two dilations, and never gains energy
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "examples/common/driven_run.hpp"
+#include "examples/drivers/assembly/assembly_input.hpp"
+#include "geometry/fastener.hpp"
+#include "geometry/number_text.hpp"
+#include "geometry/primitives.hpp"
+#include "io/record.hpp"
+
+using namespace aussois;
+
+namespace {
+
+struct Arguments {
+  std::filesystem::path mesh{};
+  std::string builtin = "box";
+  double scale = 1e-3, height = 0.05, tilt = 25, density = 7850, mass = 0, mu = 0.3, restitution = 0.2,
+         dilation = 2e-4;
+  double h = 1e-3, time = 1.5;
+  RunFlags run{};
+  std::string said{};  // of the scene
+  std::string command_line{};
+};
+
+AssemblyPart part_of(const Arguments& a) {
+  if (!a.mesh.empty()) return read_part(a.mesh, a.scale);
+  AssemblyPart part{.name = a.builtin,
+                    .complex = a.builtin == "bolt" ? make_bolt() : make_box(0.04, 0.03, 0.02)};
+  part.report = report_mesh(part.complex);
+  return part;
+}
+
+ExitCode drop(const Arguments& a) {
+  // 1. The scene: a plate as wide as the part may roll, and the part.
+  const AssemblyPart part = part_of(a);
+  for (const std::string& note : part.notes) std::fprintf(stderr, "warning: %s\n", note.c_str());
+  const PartMass mass = part_mass(part, a.dilation, a.density, a.mass);
+  const double size = part.report.box.diagonal();
+  Model model;
+  model.contact_law = {.mu = a.mu, .restitution = a.restitution};
+  const int plate = add(model, prepare(dilate(make_plate(20 * size, 20 * size), a.dilation)));
+  const int shape = add(model, prepare(dilate(part.complex, a.dilation)));
+  add(model, fixed_body("plate", plate));
+  const int body = add(model, solid_body(part.name, shape, mass.properties));
+
+  // 2. The start: tilted about an oblique axis, its lowest point at the height.
+  State state = rest_state(model);
+  pose(state, body).R = exp_so3(a.tilt * kPi / 180 * Vec3(2, 1, 0).normalized());
+  double lowest = kInf;
+  for (const Vec3& x : part.complex.vertices)
+    lowest = std::min(lowest, (pose(state, body) * (model.bodies[std::size_t(body)].g_bs * x)).z());
+  pose(state, body).p.z() = a.height + 2 * a.dilation - lowest;
+
+  // 3. Motion; every step is recorded.
+  validate_start(model, state);
+  RunPlan plan{.driver = "drop_part",
+               .name = part.name,
+               .h = a.h,
+               .t_end = a.time,
+               .scene = a.said,
+               .header = run_header(model),
+               .gauges = gauges({"step", "t", "h", "contacts", "min_gap", "energy", "residual",
+                                 "total:solver_failures", "total:energy_rise"})};
+  plan.header.title = "drop_part " + part.name;
+  plan.header.command_line = a.command_line;
+  plan.header.notes["mass"] = mass.source;
+  const DrivenRun run = drive(model, state, std::move(plan), a.run);
+  if (run.interrupted) return ExitCode::interrupted;
+
+  // 4. What became of it.
+  const Recording& r = run.recording;
+  const Vec6 v = twist(run.state, body);
+  const double speed = v.head<3>().norm() + v.tail<3>().norm() * size / 2;
+  if (!a.run.common.summary.empty()) {
+    Summary summary;
+    r.set(summary);
+    summary.set("speed_at_end", speed);
+    write_summary(a.run.common.summary, summary);
+  }
+  const double rise = r.total("energy_rise");
+  const double scale = mass.properties.mass * 9.81 * (a.height + size);  // of the fall and of tipping over
+  std::printf("drop_part: %s, %s, final speed %.3g m/s, largest rise of energy %.3g J of %.3g J\n",
+              counted(r.steps(), "step").c_str(), gap_text(r.total("min_gap")).c_str(), speed, rise, scale);
+  const bool accepted = tell(r.totals(), model) && run.last.moved() && r.total("solver_failures") == 0 &&
+                        speed < 1e-3 && r.total("min_gap") > -0.05 * 2 * a.dilation && rise < 1e-4 * scale;
+  return accepted ? ExitCode::ok : ExitCode::not_accepted;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments a;
+  a.command_line = command_line(argc, argv);
+  Cli cli("drop_part", "Drops a part on a plate and checks that it comes to rest.");
+  cli.group("scene");
+  cli.input("--mesh", a.mesh, "mesh of the part (OBJ, STL, PLY or OFF); empty: --builtin");
+  cli.choice("--builtin", a.builtin, "built-in part, used if no --mesh is given", {"box", "bolt"});
+  cli.option("--scale", a.scale, "length of one unit of the mesh file", "m", {1e-12, 1e12});
+  cli.option("--height", a.height, "initial height of the lowest point above the plate", "m", {0, 100});
+  cli.option("--tilt", a.tilt, "initial tilt about the axis (2, 1, 0)", "deg", {-180, 180});
+  cli.option("--density", a.density, "density of the part", "kg/m^3", {1e-3, 1e5});
+  cli.option("--mass", a.mass, "mass of the part; 0: from density and volume", "kg", {0, 1e6});
+  cli.option("--mu", a.mu, "friction coefficient", "-", {0, 10});
+  cli.option("--restitution", a.restitution, "restitution coefficient", "-", {0, 1});
+  cli.option("--dilation", a.dilation, "dilation of part and plate", "m", {1e-9, 1});
+  cli.group("stepping");
+  cli.option("--time", a.time, "time to simulate", "s", {1e-6, 1e4});
+  cli.option("--h", a.h, "largest step", "s", {1e-7, 0.1});
+  add_run_options(cli, a.run);
+  cli.example("drop_part -o out", "a steel box; open out/replay.html");
+  cli.example("drop_part --mesh bracket.obj --scale 1e-3 --mu 0.1 --h 5e-4", "your own part, in millimetres");
+  return run_driver(cli, argc, argv, [&] {
+    check(cli, a.run);
+    a.said = scene_text(cli);
+    return drop(a);
+  });
+}

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where do two parts touch, or nearly touch? Finds all contacts at one pose, or along a path of poses.
+//
+// Theory   doc/theory/lmd.md (LMD-1) to (LMD-10), (KIN-1) to (KIN-3)
+// Run      query_contacts --builtin box_on_plate --json out/contacts.json
+//          query_contacts --builtin gear --threads 2 --picture out/gear.html
+//          query_contacts --builtin bolt_nut --threshold 1e-4 --csv out/poses.csv --json out/poses.json
+// Expect   four contacts of a box on a plate; no pose at which the bases touch or one part is inside the
+//          other; at every pose, the smallest gap is the distance of the bases less the dilations (LMD-14)
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
+
+#include "examples/common/driver.hpp"
+#include "examples/common/progress.hpp"
+#include "examples/drivers/contacts/contact_report.hpp"
+#include "geometry/check.hpp"
+#include "io/csv_table.hpp"
+#include "io/pose_file.hpp"
+#include "io/shape_cache.hpp"
+#include "lmd/certificate.hpp"
+#include "lmd/coverage.hpp"
+
+using namespace aussois;
+
+namespace {
+
+struct Arguments {
+  std::filesystem::path a{}, b{}, data{}, path{}, cache{}, json{}, csv{}, picture{};
+  std::string pair{}, builtin{}, pose{};
+  double scale = 1e-3, dilation_a = -1, dilation_b = -1, threshold = 0, alpha = 2, alpha_ee = 10;
+  int threads = 1, rows = 40, repeat = 1;
+  bool unchecked = false, quiet = false;
+  std::string command_line{};
+};
+
+double cpu_ms(std::clock_t begin, std::clock_t end) {
+  return 1e3 * double(end - begin) / CLOCKS_PER_SEC;
+}
+
+ContactPair read_parts(const Arguments& a) {
+  const bool files = !a.a.empty() || !a.b.empty();
+  require(int(files) + int(!a.pair.empty()) + int(!a.builtin.empty()) == 1,
+          "give one of: --a with --b; --data with --pair; --builtin");
+  if (!a.builtin.empty()) return builtin_pair(a.builtin);
+  if (files) {
+    require(!a.a.empty() && !a.b.empty(), "--a and --b must be given together");
+    ContactPair pair{.a = read_part(a.a, a.scale), .b = read_part(a.b, a.scale)};
+    if (pair.a.name == pair.b.name) pair.a.name += "_a";
+    pair.name = pair.a.name + "_on_" + pair.b.name;
+    return pair;
+  }
+  require(!a.data.empty(), "--pair needs --data, the folder with meshes/ and assembly/");
+  return contact_pair(read_assembly_pair(a.data, a.pair, a.scale));
+}
+
+ContactPair read_pair(const Arguments& a) {
+  require(a.pose.empty() || a.path.empty(), "give --pose or --path, not both");
+  ContactPair pair = read_parts(a);
+  if (!a.pose.empty()) pair.poses = {parse_pose(a.pose, a.scale)};
+  if (!a.path.empty()) pair.poses = read_poses(a.path, a.scale).pose;
+  require(!pair.poses.empty(), "give --pose, or --path with a file of poses");
+  if (a.dilation_a >= 0) pair.dilation_a = a.dilation_a;
+  if (a.dilation_b >= 0) pair.dilation_b = a.dilation_b;
+  if (a.threshold > 0) pair.threshold = a.threshold;
+  return pair;
+}
+
+ContactQuery ask(const ContactReport& report, const SE3& pose, const Pieces& pieces_a, const Pieces& pieces_b,
+                 const Arguments& a) {
+  ContactQuery query{.pose = pose};
+  std::vector<double> ms;
+  for (int i = 0; i < a.repeat; ++i) {
+    const std::clock_t begin = std::clock();
+    query.contacts = find_contacts({report.a, pose, 0}, {report.b, {}, 1}, report.options, &query.count);
+    ms.push_back(cpu_ms(begin, std::clock()));
+  }
+  query.ms = quantiles_of(ms).median;
+  query.contact_count = query.contacts.points.size();
+  query.min_gap = smallest_gap(query.contacts);
+  if (a.unchecked) return query;
+  const LmdShape &shape_a = *report.a, &shape_b = *report.b;
+  const double touching = 1e-9 * shape_a.bounding_radius, dilations = shape_a.radius + shape_b.radius,
+               tolerance = coverage_tolerance(shape_a, shape_b),
+               asked = dilations + report.options.threshold - tolerance;
+  const double enough = std::min(asked, dilations + query.min_gap + 2 * tolerance);  // to see what is wrong
+  const double distance = base_distance({&shape_a, {}, {.g = pose}}, {&shape_b, {}, {}},
+                                        std::max(touching, enough), report.options.threads);
+  query.bases_touch = distance < touching;
+  if (*query.bases_touch) return query;
+  query.nesting = find_nesting({&shape_a, pose, 0}, pieces_a, {&shape_b, {}, 1}, pieces_b);
+  if (distance < asked && !query.nesting)
+    query.covered = is_covered_by(query.min_gap, shape_a, shape_b, distance);
+  return query;
+}
+
+void print_parts(const ContactReport& report, bool quiet) {
+  for (const AssemblyPart* part : {&report.pair->a, &report.pair->b})
+    for (const std::string& note : part->notes) std::fprintf(stderr, "warning: %s\n", note.c_str());
+  if (quiet) return;
+  for (const auto& [letter, part, shape] :
+       {std::tuple{'A', &report.pair->a, report.a}, std::tuple{'B', &report.pair->b, report.b}})
+    std::printf("%c  %s: %s, %s, box %.4g x %.4g x %.4g mm, dilation %.4g um\n", letter, part->name.c_str(),
+                counted(part->report.triangles, "triangle").c_str(), part->complex.solid ? "solid" : "sheets",
+                1e3 * (part->report.box.hi - part->report.box.lo).x(),
+                1e3 * (part->report.box.hi - part->report.box.lo).y(),
+                1e3 * (part->report.box.hi - part->report.box.lo).z(), 1e6 * shape->radius);
+}
+
+void print_cache(const std::string& name, const CachedShape& cached, bool quiet) {
+  if (!cached.warning.empty()) std::fprintf(stderr, "warning: %s\n", cached.warning.c_str());
+  if (!quiet) std::printf("cache: %s: %s\n", name.c_str(), to_string(cached).c_str());
+}
+
+ExitCode query(const Arguments& a) {
+  const ContactPair pair = read_pair(a);
+  const CachedShape cached_a = prepare_cached(dilate(pair.a.complex, pair.dilation_a), {}, a.cache),
+                    cached_b = prepare_cached(dilate(pair.b.complex, pair.dilation_b), {}, a.cache);
+  const LmdShape &shape_a = *cached_a.shape, &shape_b = *cached_b.shape;
+  ContactReport report{.pair = &pair, .a = &shape_a, .b = &shape_b, .command_line = a.command_line};
+  report.options = {.threshold = pair.threshold > 0 ? pair.threshold : 0.01 * shape_a.bounding_radius,
+                    .alpha = a.alpha * kPi / 180,
+                    .alpha_ee = a.alpha_ee * kPi / 180,
+                    .threads = a.threads};
+  validate(report.options);
+  for (const std::filesystem::path& file : {a.json, a.csv, a.picture})
+    if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path());
+  print_parts(report, a.quiet);
+  if (!a.cache.empty()) {
+    print_cache(pair.a.name, cached_a, a.quiet);
+    print_cache(pair.b.name, cached_b, a.quiet);
+  }
+
+  // 1. Ask.
+  Progress progress("query_contacts", double(pair.poses.size()),
+                    Progress::style_of_stderr(a.quiet || pair.poses.size() == 1));
+  const Pieces pieces_a = connected_pieces(shape_a.complex), pieces_b = connected_pieces(shape_b.complex);
+  std::size_t touching = 0, first_touching = 0, nested = 0, first_nested = 0, bare = 0, first_bare = 0;
+  for (const SE3& pose : pair.poses) {
+    report.queries.push_back(ask(report, pose, pieces_a, pieces_b, a));
+    if (pair.poses.size() > 1 && a.picture.empty()) report.queries.back().contacts = {};
+    if (report.queries.back().bases_touch.value_or(false) && ++touching == 1)
+      first_touching = report.queries.size() - 1;
+    if (report.queries.back().nesting && ++nested == 1) first_nested = report.queries.size() - 1;
+    if (!report.queries.back().covered.value_or(true) && ++bare == 1) first_bare = report.queries.size() - 1;
+    progress.at(double(report.queries.size()));
+    if (interrupted()) return ExitCode::interrupted;
+  }
+
+  // 2. Tell.
+  const ContactQuery& first = report.queries.front();
+  if (pair.poses.size() > 1) {
+    std::printf("%s", statistics_table(report).c_str());
+    std::printf("%s: %s, contacts within %.4g um\n", pair.name.c_str(),
+                counted(std::int64_t(pair.poses.size()), "pose").c_str(), 1e6 * report.options.threshold);
+  } else {
+    if (a.rows > 0) std::printf("%s", contact_table(report, first, a.rows).c_str());
+    std::printf("%s: %s within %.4g um, %s, %.3g ms, %s, %s\n", pair.name.c_str(),
+                counted(std::int64_t(first.contact_count), "contact").c_str(), 1e6 * report.options.threshold,
+                gap_text(first.min_gap).c_str(), first.ms,
+                counted(first.count.node_pairs, "node pair").c_str(),
+                counted(first.count.leaf_pairs, "leaf pair").c_str());
+  }
+  if (!a.csv.empty()) {
+    CsvTable csv(a.csv, {"pose", "contacts", "min_gap", "ms", "node_pairs", "leaf_pairs"});
+    for (std::size_t i = 0; i < report.queries.size(); ++i) {
+      const ContactQuery& q = report.queries[i];
+      csv.add({double(i), double(q.contact_count), q.min_gap, q.ms, double(q.count.node_pairs),
+               double(q.count.leaf_pairs)});
+    }
+    csv.close();
+  }
+  if (!a.json.empty()) write_contact_json(a.json, report);
+  if (!a.picture.empty()) write_contact_page(a.picture, report);
+  if (touching > 0)
+    std::fprintf(stderr,
+                 "the bases of %s and %s touch at %zu of %s, first at pose %zu: contacts are missing there\n",
+                 pair.a.name.c_str(), pair.b.name.c_str(), touching,
+                 counted(std::int64_t(pair.poses.size()), "pose").c_str(), first_touching);
+  if (nested > 0)
+    std::fprintf(
+        stderr,
+        "%s at pose %zu, the first of %zu of %s with one part inside the other: contacts do not show this\n",
+        to_string(*report.queries[first_nested].nesting, pair.a.name, pair.b.name).c_str(), first_nested,
+        nested, counted(std::int64_t(pair.poses.size()), "pose").c_str());
+  if (bare > 0)
+    std::fprintf(stderr,
+                 "the smallest gap is not the distance of the bases less the dilations at %zu of %s, first "
+                 "at pose %zu\n",
+                 bare, counted(std::int64_t(pair.poses.size()), "pose").c_str(), first_bare);
+  return touching + nested + bare == 0 ? ExitCode::ok : ExitCode::not_accepted;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments a;
+  a.command_line = command_line(argc, argv);
+  Cli cli("query_contacts", "Finds all contacts of two parts at a pose, or along a path of poses.");
+  cli.group("scene");
+  cli.input("--a", a.a, "mesh of part A (OBJ, STL, PLY, OFF)");
+  cli.input("--b", a.b, "mesh of part B, placed at the origin");
+  cli.input("--data", a.data, "folder with meshes/ and assembly/");
+  cli.option("--pair", a.pair, "pair in assembly/pairs.csv: its moving part is A, its path gives the poses");
+  std::string names;
+  for (const std::string& name : kBuiltinPairs) names += (names.empty() ? "" : ", ") + name;
+  cli.option("--builtin", a.builtin, "built-in pair: " + names);
+  cli.option("--pose", a.pose,
+             "pose of A in the frame of B: x,y,z,qw,qx,qy,qz, with x,y,z in units of the mesh files");
+  cli.input("--path", a.path, "CSV file of many such poses, with the header x,y,z,qw,qx,qy,qz");
+  cli.option("--scale", a.scale, "length of one unit of the files", "m", {1e-12, 1e12});
+  cli.option("--dilation-a", a.dilation_a, "dilation of A; negative: that of --builtin, otherwise none", "m",
+             {-1, 1});
+  cli.option("--dilation-b", a.dilation_b, "dilation of B; negative: that of --builtin, otherwise none", "m",
+             {-1, 1});
+  cli.option("--cache", a.cache,
+             "folder that keeps prepared shapes for later runs, created if missing; empty: none");
+  cli.group("search");
+  cli.option("--threshold", a.threshold,
+             "largest gap of a contact; 0: that of --builtin, otherwise 0.01 of A's bounding radius", "m",
+             {0, 1e3});
+  cli.option("--alpha", a.alpha, "rotation tolerated at a local minimum", "deg", {0, 28});
+  cli.option("--alpha-ee", a.alpha_ee, "the same for edge against edge; must be at least --alpha", "deg",
+             {0, 57});
+  cli.option("--threads", a.threads, "number of threads; does not affect the contacts", "", {1, 256});
+  cli.option("--repeat", a.repeat, "number of times to query each pose; the median time is reported", "",
+             {1, 1e6});
+  cli.flag(
+      "--unchecked", a.unchecked,
+      "skip the check that the bases are apart and outside each other; it may take longer than the query");
+  cli.group("output");
+  cli.option("--rows", a.rows, "maximum number of contacts in the table of one pose; 0: no table", "",
+             {0, 1e9});
+  cli.option("--json", a.json,
+             "write all contacts of one pose, or the numbers of all poses, to this JSON file");
+  cli.option("--csv", a.csv, "write one row of numbers per pose to this CSV file");
+  cli.option("--picture", a.picture, "write a page with both parts and their contacts to this HTML file");
+  cli.flag("--quiet", a.quiet, "omit progress and the lines about the parts; still print warnings");
+  cli.example("query_contacts --builtin peg --picture out/peg.html", "a peg in its hole; open out/peg.html");
+  cli.example(
+      "query_contacts --a nut.obj --b bolt.obj --pose 0,0,2,1,0,0,0 --threshold 1e-4 --json out/nut.json",
+      "files in millimetres, one pose");
+  return run_driver(cli, argc, argv, [&] { return query(a); });
+}

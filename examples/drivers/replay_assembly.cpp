@@ -1,0 +1,370 @@
+// SPDX-License-Identifier: Apache-2.0
+// Replays a recorded assembly path of real parts: finds where they touch along the path, or simulates how the
+// part moves when a six-axis spring pulls it along and contacts with friction hold it back.
+//
+// Theory   doc/theory/moreau_jean.md (MJ-1) to (MJ-9),
+//          doc/theory/conservative_advancement.md (CA-4) to (CA-6),
+//          doc/theory/virtual_coupling.md (VC-1) to (VC-5)
+// Run      replay_assembly --builtin bolt_nut
+//          replay_assembly --builtin bolt_nut --mode kinematic
+// Expect   refused_steps = 0, solver_failures = 0, min_base_distance > 0, min_gap above -4 % of the two
+//          dilations (AdvancementOptions::max_overlap, see (CA-6))
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+
+#include "examples/common/driven_run.hpp"
+#include "examples/common/progress.hpp"
+#include "examples/drivers/assembly/assembly_scene.hpp"
+#include "geometry/check.hpp"
+#include "geometry/number_text.hpp"
+#include "io/build_info.hpp"
+#include "io/csv_table.hpp"
+#include "io/record.hpp"
+#include "io/replay_html.hpp"
+#include "lmd/coverage.hpp"
+#include "mechanics/surface.hpp"
+
+using namespace aussois;
+
+namespace {
+
+struct Arguments {
+  std::filesystem::path data{}, fixed{}, moving{}, path{};
+  std::string pair{}, builtin{}, mode = "dynamic", gravity = "-5.66,-5.66,-5.66";
+  double scale = 1e-3;
+  double threshold = 0;  // kinematic
+  AssemblyOptions scene{};
+  RunFlags run{};
+  const Cli* cli = nullptr;
+  std::string command_line{};
+};
+
+// Of the whole process: clearance, queries, distances, steps, samples of paths, files.
+double cpu_seconds() {
+  return double(std::clock()) / CLOCKS_PER_SEC;
+}
+
+Vec3 parse_vector(const std::string& text, const char* flag) {
+  Vec3 v;
+  char rest = 0;
+  require(std::sscanf(text.c_str(), "%lf,%lf,%lf%c", &v[0], &v[1], &v[2], &rest) == 3 && v.allFinite(),
+          std::string(flag) + " = " + text + " must be three numbers x,y,z");
+  return v;
+}
+
+AssemblyInput read_input(const Arguments& a) {
+  const bool files = !a.fixed.empty() || !a.moving.empty() || !a.path.empty();
+  require(int(files) + int(!a.pair.empty()) + int(!a.builtin.empty()) == 1,
+          "give one of: --data with --pair; --fixed, --moving and --path; --builtin");
+  if (!a.builtin.empty()) return builtin_assembly(a.builtin);
+  if (files) {
+    require(!a.fixed.empty() && !a.moving.empty() && !a.path.empty(),
+            "--fixed, --moving and --path must be given together");
+    return read_assembly_files(a.fixed, a.moving, a.path, a.scale);
+  }
+  require(!a.data.empty(), "--pair needs --data, the folder with meshes/ and assembly/");
+  return read_assembly_pair(a.data, a.pair, a.scale);
+}
+
+void print_parts(const AssemblyInput& input, const AssemblyScene& scene, const Arguments& a) {
+  for (const AssemblyPart* part : {&input.fixed, &input.moving})
+    for (const std::string& note : part->notes) std::fprintf(stderr, "warning: %s\n", note.c_str());
+  for (const std::string& warning : scene.cache_warnings)
+    std::fprintf(stderr, "warning: %s\n", warning.c_str());
+  if (a.run.common.quiet) return;
+  for (const AssemblyPart* part : {&input.fixed, &input.moving})
+    std::printf("%s\n%s", part->name.c_str(), to_string(part->report).c_str());
+  for (const std::string& line : scene.cache) std::printf("cache: %s\n", line.c_str());
+  std::printf(
+      "clearance %.4g um along %s, dilation %.4g um each, moving part %.4g kg (%s) at %.4g Hz, largest step "
+      "%.4g ms, path %.4g s\n",
+      1e6 * scene.clearance, counted(std::int64_t(scene.poses.size()), "pose").c_str(), 1e6 * scene.dilation,
+      scene.model.bodies[std::size_t(scene.moving)].mass, scene.mass_source.c_str(), scene.frequency,
+      1e3 * scene.h, scene.path.t.back());
+  std::fflush(stdout);
+}
+
+RunHeader header_of(const AssemblyInput& input, const AssemblyScene& scene, const Arguments& a) {
+  RunHeader header = run_header(scene.model);
+  header.title = "replay_assembly " + input.name + ", " + a.mode;
+  header.command_line = a.command_line;
+  header.build = build_info();
+  for (const AssemblyPart* part : {&input.fixed, &input.moving})
+    for (const std::string& note : part->notes) header.notes[part->name] += note + "\n";
+  header.notes["mass"] = scene.mass_source;
+  return header;
+}
+
+// What a summary says of both modes, before and after what came of them.
+Summary summary_of(const AssemblyInput& input, const AssemblyScene& scene, const Arguments& a) {
+  Summary out;
+  out.set("pair", input.name);
+  out.set("mode", a.mode);
+  std::vector<std::string> notes;  // repairs of the meshes, and why a part is no solid
+  for (const AssemblyPart* part : {&input.fixed, &input.moving})
+    notes.insert(notes.end(), part->notes.begin(), part->notes.end());
+  out.set("notes", notes);
+  if (!scene.cache.empty()) out.set("cache", scene.cache);
+  out.set("dilation", scene.dilation);
+  out.set("clearance", scene.clearance);
+  out.set("mass", scene.model.bodies[std::size_t(scene.moving)].mass);
+  out.set("mass_source", scene.mass_source);
+  out.set("h", scene.h);
+  out.set("path_time", scene.path.t.back());
+  out.set("frequency", scene.frequency);
+  out.set("sag", scene.sag);
+  return out;
+}
+
+void write(const Summary& summary, const Arguments& a) {
+  if (!a.run.common.summary.empty()) write_summary(a.run.common.summary, summary);
+}
+
+// Where surfaces conform, most of the work is saved by starting from the smallest gap: it is the distance but
+// for what faces and chains are idealised by. Should it be less than the distance, nothing is lost but time.
+double base_distance_at(const AssemblyScene& scene, const State& state, const ContactSet& found,
+                        double threshold, int threads) {
+  const double cutoff = threshold + 2 * scene.dilation,
+               near = std::min(cutoff, 1.001 * (smallest_gap(found) + 2 * scene.dilation));
+  const double distance = min_base_distance(scene.model, state, near, threads);
+  return distance < near || near == cutoff ? distance
+                                           : min_base_distance(scene.model, state, cutoff, threads);
+}
+
+// ---- kinematic: the part stands at each recorded pose; nothing moves it but the path
+
+ExitCode replay_kinematic(const AssemblyInput& input, const AssemblyScene& scene, const Arguments& a) {
+  const double threshold = a.threshold > 0 ? a.threshold : 2 * scene.clearance;
+  const MoreauJean scheme(scene.model, {.threads = a.run.common.threads}, {.theta = 1});
+  RunWriter run(a.run.common.out / "run.h5", header_of(input, scene, a));
+  CsvTable csv(a.run.common.out / "poses.csv", {"pose", "contacts", "min_gap", "base_distance", "ms_query"});
+  Progress progress("replay_assembly", double(scene.poses.size()),
+                    Progress::style_of_stderr(a.run.common.quiet));
+  std::int64_t poses = 0, uncovered = 0, max_contacts = 0;
+  double min_gap = kInf, min_distance = kInf;
+  State state = start_of(scene);
+  std::vector<double> ms;
+  for (const SE3& pose_of_body : scene.poses) {
+    pose(state, scene.moving) = pose_of_body;
+    state.t = double(poses);
+    const double begin = cpu_seconds();
+    const ContactSet found = scheme.contacts(state, threshold);
+    ms.push_back(1e3 * (cpu_seconds() - begin));
+    const double distance = base_distance_at(scene, state, found, threshold, a.run.common.threads);
+    RunStep row = run_step(poses, scene.model, state);
+    for (const ContactPoint& c : found.points) row.contacts.push_back(run_contact(c));
+    row.contacts_found = int(found.points.size());
+    row.min_gap = smallest_gap(found);
+    row.min_base_distance = distance;
+    uncovered += distance < threshold + 2 * scene.dilation &&
+                 !is_covered(posed_shape(scene.model, state, scene.fixed),
+                             posed_shape(scene.model, state, scene.moving), distance, a.run.common.threads);
+    run.append(row);
+    csv.add({double(poses), double(found.points.size()), row.min_gap, distance, ms.back()});
+    min_gap = std::min(min_gap, row.min_gap);
+    min_distance = std::min(min_distance, distance);
+    max_contacts = std::max(max_contacts, std::int64_t(found.points.size()));
+    progress.at(double(++poses));
+    if (interrupted()) return ExitCode::interrupted;
+  }
+  csv.close();
+  run.close();
+  RunReader recorded(a.run.common.out / "run.h5");
+  write_replay_html(a.run.common.out / "replay.html", recorded);
+  const double cpu = cpu_seconds();
+  Summary summary = summary_of(input, scene, a);
+  summary.set("steps", poses);
+  summary.set("min_gap", min_gap);
+  summary.set("min_base_distance", min_distance);
+  summary.set("uncovered_poses", uncovered);
+  summary.set("max_contacts", max_contacts);
+  summary.set("cpu_s", cpu);
+  write(summary, a);
+  std::ranges::sort(ms);
+  std::printf(
+      "%s: %s, %s (base distance %.4g um), up to %s within %.4g um, query median %.3g ms, slowest %.3g ms, "
+      "%.3g s CPU in total\n",
+      input.name.c_str(), counted(poses, "pose").c_str(), gap_text(min_gap).c_str(), 1e6 * min_distance,
+      counted(max_contacts, "contact").c_str(), 1e6 * threshold, ms[ms.size() / 2], ms.back(), cpu);
+  if (uncovered > 0)
+    std::fprintf(stderr, "smallest gap and base distance disagree at %s\n",
+                 counted(uncovered, "pose").c_str());
+  return min_distance > 0 && uncovered == 0 ? ExitCode::ok : ExitCode::not_accepted;
+}
+
+// ---- dynamic: the part is free and pulled along
+
+// How far behind the path the part is: its centre of mass, and its farthest point by rotation [m].
+double lag_of(const AssemblyScene& scene, const State& state) {
+  const SE3 on_path = evaluate(scene.path, state.t).pose, is = pose(state, scene.moving);
+  return (on_path.p - is.p).norm() + scene.radius * angle_between(on_path.R, is.R);
+}
+
+CouplingWrench pull_at(const AssemblyScene& scene, const State& state) {
+  return coupling_wrench(scene.model, state, scene.moving, scene.target, scene.coupling, state.t);
+}
+
+double contact_force(const Frame& f, int moving) {
+  Vec3 sum = Vec3::Zero();
+  for (const StepContact& c : f.report.contacts) sum += (c.point.a.body == moving ? 1.0 : -1.0) * c.impulse;
+  return sum.norm() / f.report.h;
+}
+
+std::vector<Gauge> gauges_of(const AssemblyScene& scene) {
+  std::vector<Gauge> out = gauges({"step", "t", "h", "contacts_found", "contacts", "iterations", "newton",
+                                   "residual", "min_gap", "min_base_distance", "energy"});
+  using F = const Frame&;
+  const auto add = [&](std::string column, std::string total, Keep keep, std::function<double(F)> value) {
+    out.push_back({std::move(column), std::move(total), keep, std::move(value)});
+  };
+  add("force", "peak_force", Keep::most, [&](F f) { return pull_at(scene, f.state).force.norm(); });
+  add("torque", "peak_torque", Keep::most, [&](F f) { return pull_at(scene, f.state).torque.norm(); });
+  add("lag", "max_lag", Keep::most, [&](F f) { return lag_of(scene, f.state); });
+  std::ranges::move(gauges({"attempts", "ms_contact", "ms_solve", "ms_certificate", "ms_total",
+                            "total:solver_failures", "total:max_contacts"}),
+                    std::back_inserter(out));
+  add("", "peak_contact_force", Keep::most, [&](F f) { return contact_force(f, scene.moving); });
+  add("", "energy_error", Keep::sum, [](F f) { return std::abs(f.report.energy.residual()); });
+  add("", "energy_scale", Keep::sum, [](F f) {
+    const EnergyLedger& e = f.report.energy;
+    return std::abs(e.law_work) + std::abs(e.contact_work) + std::abs(e.kinetic_change);
+  });
+  return out;
+}
+
+// Everything but a part that is held up, or a promise that is broken, is well.
+bool tell_end(const AssemblyInput& input, const AssemblyScene& scene, const DrivenRun& run, double min_gap,
+              double cpu) {
+  const Recording& r = run.recording;
+  std::printf("%s: %s, %s, %s, pull up to %.3g N and %.3g N m, lag up to %.3g mm, up to %s, %.3g s CPU\n",
+              input.name.c_str(), counted(r.steps(), "step").c_str(), gap_text(min_gap).c_str(),
+              distance_text(r.total("min_base_distance")).c_str(), r.total("peak_force"),
+              r.total("peak_torque"), 1e3 * r.total("max_lag"),
+              counted(std::int64_t(r.total("max_contacts")), "contact").c_str(), cpu);
+  const double arrival = kArrival * scene.radius + std::abs(scene.misalignment),
+               lag = lag_of(scene, run.state);
+  if (lag > arrival)
+    std::fprintf(stderr,
+                 "the part did not arrive: %.4g mm behind the end of its path, more than %.4g mm; its weight "
+                 "of %.4g N alone pulls it up to %.4g mm off the path (--frequency = %.4g Hz)\n",
+                 1e3 * lag, 1e3 * arrival,
+                 scene.model.bodies[std::size_t(scene.moving)].mass * scene.model.gravity.norm(),
+                 1e3 * scene.sag, scene.frequency);
+  return tell(r.totals(), scene.model) && lag <= arrival && run.last.moved() &&
+         r.total("solver_failures") == 0 && r.total("min_base_distance") > 0 &&
+         min_gap >= -0.05 * 2 * scene.dilation;
+}
+
+ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, const Arguments& a) {
+  const State start = start_of(scene);
+  RunPlan plan{
+      .driver = "replay_assembly",
+      .name = input.name,
+      .h = scene.h,
+      .t_end = scene.path.t.back() + a.scene.hold,
+      .scene = scene_text(*a.cli, input.fingerprint, {"--data", "--fixed", "--moving", "--path", "--cache"}),
+      .header = header_of(input, scene, a),
+      .gauges = gauges_of(scene),
+      .pull = [&](const State& state) { return pull_at(scene, state); }};
+  if (!a.run.common.quiet)
+    std::printf("%s to take, more if some are shortened\n",
+                counted(std::int64_t(std::ceil(plan.t_end / scene.h - 1e-9)), "step").c_str());
+  std::fflush(stdout);
+  const DrivenRun run = drive(scene.model, start, std::move(plan), a.run);
+  if (run.interrupted) return ExitCode::interrupted;
+  const Recording& r = run.recording;
+  const MoreauJean looks(scene.model, {.threads = a.run.common.threads}, {.theta = 1});
+  const double at_end = smallest_gap(looks.contacts(run.state, 2 * scene.clearance));
+  const double min_gap = std::min(r.total("min_gap"), at_end), cpu = r.cpu_seconds();
+  Summary summary = summary_of(input, scene, a);
+  r.set(summary);
+  summary.set("min_gap", min_gap);
+  summary.set("scheme", run.scheme);
+  summary.set("options", run.options);
+  summary.set("refused_steps", std::int64_t(run.last.status == StepStatus::refused));
+  summary.set("energy_residual",
+              r.total("energy_scale") > 0 ? r.total("energy_error") / r.total("energy_scale") : 0.0);
+  summary.set("final_lag", lag_of(scene, run.state));
+  summary.set("cpu_s", cpu);
+  write(summary, a);
+  return tell_end(input, scene, run, min_gap, cpu) ? ExitCode::ok : ExitCode::not_accepted;
+}
+
+ExitCode replay(Arguments& a) {
+  const bool dynamic = a.mode == "dynamic";
+  require(dynamic || (!a.run.common.resume && a.run.stop_after == 0),
+          "--resume and --stop-after need --mode dynamic: a kinematic replay writes no checkpoint");
+  check(*a.cli, a.run);
+  require(dynamic || a.run.certify == 0, "--certify needs --mode dynamic: a kinematic replay takes no steps");
+  require(dynamic || a.run.dump.folder.empty(),
+          "--dump-problem needs --mode dynamic: a kinematic replay solves no problem");
+  a.scene.gravity = parse_vector(a.gravity, "--gravity");
+  const AssemblyInput input = read_input(a);
+  AssemblyScene scene;
+  {
+    Progress progress("clearance", double(input.poses.size()), Progress::style_of_stderr(a.run.common.quiet));
+    scene = make_assembly_scene(input, a.scene, a.run.common.threads, [&](int i, int) { progress.at(i); });
+  }
+  print_parts(input, scene, a);
+  make_folders(a.run.common);
+  return a.mode == "kinematic" ? replay_kinematic(input, scene, a) : replay_dynamic(input, scene, a);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments a;
+  a.command_line = command_line(argc, argv);
+  Cli cli("replay_assembly", "Replays a recorded assembly path of two parts, with all their contacts.");
+  cli.group("scene");
+  cli.input("--data", a.data, "folder with meshes/ and assembly/");
+  cli.option("--pair", a.pair, "pair in assembly/pairs.csv");
+  cli.input("--fixed", a.fixed, "mesh of the fixed part (OBJ, STL, PLY, OFF)");
+  cli.input("--moving", a.moving, "mesh of the moving part");
+  cli.input("--path", a.path,
+            "CSV file of poses of the moving part in the frame of the fixed one: x,y,z,qw,qx,qy,qz");
+  cli.option("--builtin", a.builtin, "built-in pair: bolt_nut");
+  cli.option("--scale", a.scale, "length of one unit of the files", "m", {1e-12, 1e12});
+  cli.option("--cache", a.scene.cache,
+             "folder that keeps prepared shapes for later runs, created if missing; empty: none");
+  cli.choice("--mode", a.mode,
+             "dynamic: pull the part along by a spring; kinematic: find contacts at the recorded poses",
+             {"dynamic", "kinematic"});
+  cli.option("--dilation", a.scene.dilation,
+             "dilation of each part; 0: three tenths of the smallest clearance", "m", {0, 1});
+  cli.option("--mu", a.scene.mu, "friction coefficient", "-", {0, 10});
+  cli.option("--restitution", a.scene.restitution, "restitution coefficient", "-", {0, 1});
+  cli.option("--density", a.scene.density, "density of the moving part", "kg/m^3", {1e-3, 1e5});
+  cli.option("--mass", a.scene.mass, "mass of the moving part; 0: from density and volume", "kg", {0, 1e6});
+  cli.option(
+      "--gravity", a.gravity,
+      "gravity x,y,z in the fixed part's frame, m/s^2; oblique by default, so that the part leans on it");
+  cli.group("path");
+  cli.option("--speed", a.scene.speed, "speed of the part's farthest point along the path", "m/s",
+             {1e-6, 1e3});
+  cli.option("--misalignment", a.scene.misalignment,
+             "offset of the coupling's target along (1, 1, 1), in clearances", "-", {-1e6, 1e6});
+  cli.option("--frequency", a.scene.frequency,
+             "frequency of the part on its coupling; 0: 20, or more if its weight would pull it off the path",
+             "Hz", {0, 1e5});
+  cli.option("--damping-ratio", a.scene.damping_ratio, "damping ratio of the coupling", "-", {0, 100});
+  cli.option("--force-limit", a.scene.force_limit, "largest force of the coupling", "N", {1e-9, kInf});
+  cli.option("--torque-limit", a.scene.torque_limit, "largest torque of the coupling", "N m", {1e-12, kInf});
+  cli.option("--hold", a.scene.hold, "time to hold the part at the end of the path", "s", {0, 1e4});
+  cli.group("stepping");
+  cli.option("--stride", a.scene.stride, "largest motion per step, relative to the sum of the two dilations",
+             "-", {1e-3, 1e4});
+  cli.option("--h", a.scene.h, "largest step; 0: from --stride and --speed", "s", {0, 1});
+  cli.option("--threshold", a.threshold,
+             "with --mode kinematic: largest gap of a contact; 0: twice the smallest clearance", "m", {0, 1});
+  add_run_options(cli, a.run);
+  a.cli = &cli;
+  cli.example("replay_assembly --builtin bolt_nut -o out", "a nut turned off its bolt; open out/replay.html");
+  cli.example(
+      "replay_assembly --fixed rail.obj --moving slider.obj --path out.csv --scale 1e-3 -o out --summary "
+      "out/s.json",
+      "files in millimetres");
+  return run_driver(cli, argc, argv, [&] { return replay(a); });
+}

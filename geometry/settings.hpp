@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: Apache-2.0
+// The table of an options struct says each option once: range checks, flags and their help, labels,
+// fingerprints and the notes of a run all read it. Inline: rooms that link with no other have options too.
+//
+//   void describe(SettingVisitor& visit, FallOptions& o) {
+//     visit.begin("FallOptions");
+//     visit.number({"h", "largest step", "s", positive()}, o.h);
+//     visit.choice({.name = "law", .what = "of impacts", .flag = "--impact-law"}, o.law, kImpactLaws);
+//     visit.group("solver", o.solver);
+//   }
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "geometry/check.hpp"
+#include "geometry/named.hpp"
+
+namespace aussois {
+
+/// An interval of allowed values; an open end excludes its bound.
+struct Range {
+  double lowest = -std::numeric_limits<double>::infinity();
+  double highest = std::numeric_limits<double>::infinity();
+  bool open_below = false, open_above = false;
+};
+inline Range positive() {
+  return {0, std::numeric_limits<double>::infinity(), true, true};  // and finite
+}
+inline Range not_negative() {
+  return {0, std::numeric_limits<double>::infinity(), false, true};  // and finite
+}
+inline Range at_least(double lowest) {
+  return {.lowest = lowest};
+}
+inline Range above(double lowest) {
+  return {.lowest = lowest, .open_below = true};
+}
+inline Range inside(double lowest, double highest) {
+  return {lowest, highest, true, true};
+}
+inline Range open_below(double lowest, double highest) {
+  return {lowest, highest, true, false};
+}
+inline Range open_above(double lowest, double highest) {
+  return {lowest, highest, false, true};
+}
+
+/// NaN lies in no range.
+inline bool contains(const Range& range, double x) {
+  return (range.open_below ? x > range.lowest : x >= range.lowest) &&
+         (range.open_above ? x < range.highest : x <= range.highest);
+}
+
+/// "in [0, 1)", ">= 1", "> 0 and finite"; empty if everything is allowed.
+inline std::string range_text(const Range& range) {
+  const auto text = [](double x) {
+    char digits[32];
+    std::snprintf(digits, sizeof digits, "%g", x);
+    return std::string(digits);
+  };
+  const bool below = std::isfinite(range.lowest), above = std::isfinite(range.highest);
+  if (below && above)
+    return (range.open_below ? "in (" : "in [") + text(range.lowest) + ", " + text(range.highest) +
+           (range.open_above ? ")" : "]");
+  if (above) return (range.open_above ? "< " : "<= ") + text(range.highest);
+  const std::string finite = range.open_above ? "finite" : "";
+  if (!below) return finite;
+  return (range.open_below ? "> " : ">= ") + text(range.lowest) + (finite.empty() ? "" : " and " + finite);
+}
+
+/// The same as an order: "lie in [0, 1)", "be at least 1", "be finite and > 0".
+inline std::string range_order(const Range& range) {
+  const std::string text = range_text(range);
+  if (text.starts_with("in ")) return "lie " + text;
+  if (text.starts_with(">= ") && !range.open_above) return "be at least " + text.substr(3);
+  const std::size_t finite = text.find(" and finite");
+  return finite == std::string::npos ? "be " + text : "be finite and " + text.substr(0, finite);
+}
+
+/// What is known of an option besides its value.
+struct Setting {
+  const char* name = "";        // of the member
+  const char* what = "";        // for --help
+  const char* unit = "-";       // "-": a pure number; "": none, of counts
+  Range range{};                // of numbers and counts
+  const char* flag = nullptr;   // on command lines; null: not offered. "--not-passive=false" sets a toggle or
+                                // a choice to that value and takes none
+  const char* label = nullptr;  // in a label; % stands for the value; null: it makes no other method
+  bool in_every_label = false;  // false: only where it is not the default
+  bool changes_nothing = false;  // no result depends on it
+};
+
+/// An option with one value of a list, as a visitor sees it.
+class Choice {
+ public:
+  virtual std::vector<std::string> names() const = 0;
+  virtual std::string name() const = 0;
+  virtual void set(const std::string& name) = 0;  // throws std::invalid_argument listing all names
+
+ protected:
+  ~Choice() = default;
+};
+
+/// Is shown the options of a struct, one after the other, by the struct's describe().
+class SettingVisitor {
+ public:
+  /// The options that follow are members of this struct.
+  void begin(const char* owner) { owner_ = owner; }
+
+  virtual void number(const Setting& setting, double& value) = 0;
+  virtual void count(const Setting& setting, int& value) = 0;
+  virtual void toggle(const Setting& setting, bool& value) = 0;
+  virtual void seed(const Setting& setting, std::uint64_t& value) = 0;
+  template <class Enum, std::size_t n>
+  void choice(const Setting& setting, Enum& value, const Named<Enum> (&table)[n]) {
+    class OfTable final : public Choice {
+     public:
+      OfTable(Enum& value, const char* what, const Named<Enum> (&table)[n])
+          : value_(value), what_(what), table_(table) {}
+      std::vector<std::string> names() const override { return names_of(table_); }
+      std::string name() const override { return name_of(value_, table_); }
+      void set(const std::string& name) override { value_ = value_named(name, what_, table_); }
+
+     private:
+      Enum& value_;
+      const char* what_;
+      const Named<Enum> (&table_)[n];
+    };
+    OfTable one(value, setting.name, table);
+    choose(setting, one);
+  }
+  /// A struct in the struct.
+  template <class Options>
+  void group(const char* name, Options& options) {
+    const std::string path = path_;
+    const char* const owner = owner_;
+    path_ += std::string(name) + ".";
+    describe(*this, options);
+    path_ = path;
+    owner_ = owner;
+  }
+
+ protected:
+  ~SettingVisitor() = default;
+  virtual void choose(const Setting& setting, Choice& value) = 0;
+
+  std::string field(const Setting& setting) const { return std::string(owner_) + "::" + setting.name; }
+  std::string path(const Setting& setting) const { return path_ + setting.name; }
+
+ private:
+  const char* owner_ = "";
+  std::string path_{};
+};
+
+namespace detail {
+
+class RangeCheck final : public SettingVisitor {
+ public:
+  void number(const Setting& setting, double& value) override { check(setting, value); }
+  void count(const Setting& setting, int& value) override { check(setting, value); }
+  void toggle(const Setting&, bool&) override {}
+  void seed(const Setting&, std::uint64_t&) override {}
+
+ private:
+  void choose(const Setting&, Choice&) override {}
+  template <class Value>
+  void check(const Setting& setting, Value value) const {
+    if (contains(setting.range, value)) return;
+    const std::string order = range_order(setting.range), unit = setting.unit;
+    const bool bare = unit.empty() || unit == "-", both = order.starts_with("lie");
+    require_field(false, field(setting).c_str(), value,
+                  (order + (bare   ? ""
+                            : both ? " " + unit
+                                   : " [" + unit + "]"))
+                      .c_str());
+  }
+};
+
+}  // namespace detail
+
+/// Throws std::invalid_argument "Struct::member = value must lie in [0, 1] m" for the first number out of its
+/// range.
+template <class Options>
+void check_ranges(const Options& options) {
+  detail::RangeCheck check;
+  describe(check, const_cast<Options&>(options));  // it only looks
+}
+
+/// An option as text.
+struct SettingValue {
+  std::string path{};  // "solver.tolerance"
+  std::string value{};
+  Setting setting{};
+};
+
+namespace detail {
+
+class Values final : public SettingVisitor {
+ public:
+  void number(const Setting& setting, double& value) override { add(setting, number_text(value)); }
+  void count(const Setting& setting, int& value) override { add(setting, std::to_string(value)); }
+  void toggle(const Setting& setting, bool& value) override { add(setting, value ? "true" : "false"); }
+  void seed(const Setting& setting, std::uint64_t& value) override { add(setting, std::to_string(value)); }
+  std::vector<SettingValue> all{};
+
+ private:
+  void choose(const Setting& setting, Choice& value) override { add(setting, value.name()); }
+  void add(const Setting& setting, const std::string& value) {
+    all.push_back({path(setting), value, setting});
+  }
+};
+
+}  // namespace detail
+
+/// All options of a struct and of the structs in it, in the order of their tables.
+template <class Options>
+std::vector<SettingValue> values_of(const Options& options) {
+  detail::Values values;
+  describe(values, const_cast<Options&>(options));  // it only looks
+  return std::move(values.all);
+}
+
+/// "path = value" of every option that a result depends on.
+template <class Options>
+std::vector<std::string> settings_text(const Options& options) {
+  std::vector<std::string> out;
+  for (const SettingValue& one : values_of(options))
+    if (!one.setting.changes_nothing) out.push_back(one.path + " = " + one.value);
+  return out;
+}
+
+/// The options that make another method of the struct's, as people call it: "theta 0.5 moreau".
+template <class Options>
+std::string label_of(const Options& options) {
+  const std::vector<SettingValue> values = values_of(options), usual = values_of(Options{});
+  std::string out;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const Setting& setting = values[i].setting;
+    if (!setting.label || (!setting.in_every_label && values[i].value == usual[i].value)) continue;
+    std::string text = setting.label;
+    if (const std::size_t at = text.find('%'); at != std::string::npos) text.replace(at, 1, values[i].value);
+    out += (out.empty() ? "" : " ") + text;
+  }
+  return out;
+}
+
+/// Throws std::invalid_argument "solver.tolerance = 1 is not read by `who`" for the first of the options at
+/// `paths` that is not the default.
+template <class Options>
+void refuse_unread(const Options& options, const std::vector<std::string>& paths, const std::string& who) {
+  const std::vector<SettingValue> values = values_of(options), usual = values_of(Options{});
+  for (std::size_t i = 0; i < values.size(); ++i)
+    for (const std::string& path : paths)
+      require(values[i].path != path || values[i].value == usual[i].value,
+              path + " = " + values[i].value + " is not read by " + who);
+}
+
+}  // namespace aussois

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a table says of a struct's options is what checks, values, labels and refusals say.
+#include "geometry/settings.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/message_of.hpp"
+
+namespace aussois {
+namespace {
+
+enum class Colour { red, green };
+constexpr Named<Colour> kColours[] = {{Colour::red, "red"}, {Colour::green, "green"}};
+
+struct Lamp {
+  double power = 1;  // [W]
+  int bulbs = 2;
+  bool dimmed = false;
+};
+void describe(SettingVisitor& visit, Lamp& o) {
+  visit.begin("Lamp");
+  visit.number({"power", "of a bulb", "W", open_below(0, 100)}, o.power);
+  visit.count({"bulbs", "in it", "", at_least(1)}, o.bulbs);
+  visit.toggle({.name = "dimmed", .what = "at night", .label = "dimmed"}, o.dimmed);
+}
+
+struct Room {
+  Colour colour = Colour::red;
+  Lamp lamp{};
+  double height = 2.5;
+};
+void describe(SettingVisitor& visit, Room& o) {
+  visit.begin("Room");
+  visit.choice({.name = "colour", .what = "of its walls", .label = "% walls", .in_every_label = true},
+               o.colour, kColours);
+  visit.group("lamp", o.lamp);
+  visit.number({"height", "of its walls", "m", positive(), nullptr, "height %"}, o.height);
+}
+
+std::string refusal(const Room& room) {
+  return message_of([&] { check_ranges(room); });
+}
+
+TEST(Settings, CheckRangesAndNameTheMember) {
+  const double inf = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(refusal({}), "");
+  EXPECT_EQ(refusal({.lamp = {.power = 0}}), "Lamp::power = 0 must lie in (0, 100] W");
+  EXPECT_EQ(refusal({.lamp = {.power = 100}}), "");
+  EXPECT_EQ(refusal({.lamp = {.power = 101}}), "Lamp::power = 101 must lie in (0, 100] W");
+  EXPECT_EQ(refusal({.lamp = {.power = std::nan("")}}), "Lamp::power = nan must lie in (0, 100] W");
+  EXPECT_EQ(refusal({.lamp = {.bulbs = 0}}), "Lamp::bulbs = 0 must be at least 1");
+  EXPECT_EQ(refusal({.height = inf}), "Room::height = inf must be finite and > 0 [m]")
+      << "the owner is the room's again after the lamp";
+}
+
+TEST(Settings, HaveOpenAndClosedEnds) {
+  const double inf = std::numeric_limits<double>::infinity();
+  EXPECT_TRUE(contains({0, 1}, 0) && contains({0, 1}, 1));
+  EXPECT_FALSE(contains(inside(0, 1), 0) || contains(inside(0, 1), 1));
+  EXPECT_TRUE(contains(open_above(0, 1), 0) && !contains(open_above(0, 1), 1));
+  EXPECT_TRUE(contains(above(0), inf) && !contains(above(0), 0));
+  EXPECT_FALSE(contains(not_negative(), inf));
+  EXPECT_TRUE(contains(at_least(0), inf));
+  EXPECT_FALSE(contains({}, std::nan("")));
+  EXPECT_EQ(range_text({}), "");
+  EXPECT_EQ(range_text({0, 1}), "in [0, 1]");
+  EXPECT_EQ(range_text(inside(0, 2)), "in (0, 2)");
+  EXPECT_EQ(range_text(at_least(1)), ">= 1");
+  EXPECT_EQ(range_text(positive()), "> 0 and finite");
+  EXPECT_EQ(range_text({.highest = 3}), "<= 3");
+  EXPECT_EQ(range_order({.highest = 3}), "be <= 3");
+  EXPECT_EQ(range_order(above(0)), "be > 0");
+}
+
+TEST(Settings, HavePathsAndValues) {
+  std::string all;
+  for (const SettingValue& value : values_of(Room{.colour = Colour::green}))
+    all += value.path + " " + value.value + "\n";
+  EXPECT_EQ(all, "colour green\nlamp.power 1\nlamp.bulbs 2\nlamp.dimmed false\nheight 2.5\n");
+}
+
+TEST(Settings, NameAMethodByWhatIsNotUsual) {
+  EXPECT_EQ(label_of(Room{}), "red walls");
+  EXPECT_EQ(label_of(Room{.colour = Colour::green, .lamp = {.power = 7, .dimmed = true}, .height = 3}),
+            "green walls dimmed height 3");
+}
+
+TEST(Settings, AreRefusedWhereNobodyReadsThem) {
+  const std::vector<std::string> unread{"lamp.bulbs", "height"};
+  EXPECT_NO_THROW(refuse_unread(Room{.lamp = {.power = 3}}, unread, "a cave"));
+  EXPECT_EQ(message_of([&] { refuse_unread(Room{.lamp = {.bulbs = 3}}, unread, "a cave"); }),
+            "lamp.bulbs = 3 is not read by a cave");
+}
+
+}  // namespace
+}  // namespace aussois
