@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// T-4.1 and T-4.2 of the specification of persistence: a block on a slope stays where it stuck.
+// T-4.1 and T-4.2 of doc/theory/persistence.md: a block on a slope stays where it stuck.
 #include <algorithm>
 
 #include "tests/support/block_scene.hpp"

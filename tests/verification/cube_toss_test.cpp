@@ -111,7 +111,7 @@ TEST(CubeToss, DoesNotDependOnPersistenceWhileItsContactsAreFew) {
 }
 
 // Beyond two it does, by little: three unknowns of a flat landing are shared by four normal impulses, and
-// friction depends on how. (The specification asks for no more than the solver's tolerance.)
+// friction depends on how.
 TEST(CubeToss, DependsOnPersistenceByAThousandthOfTheEdgeAtMost) {
   const std::vector<Toss> tosses = recorded();
   if (tosses.empty()) GTEST_SKIP() << "no cube_toss in AUSSOIS_DATA_DIR";
@@ -165,7 +165,7 @@ TEST(CubeToss, IsNearlyTheSameByReducersThatRemoveContacts) {
 }
 
 // --fit --measure-board from far off its end. On the odd half it meets what was asked for; the even one is
-// harder, and held to that and two standard errors of a mean of 173 (doc/theory/cube_toss.md).
+// harder, and held to that and two standard errors of a mean of 173 (doc/measured/cube_toss.md).
 TEST(CubeToss, FitOnOneHalfMeetsItsBoundsOnTheOddHalfOnly) {
   const std::vector<Toss> tosses = recorded();
   if (tosses.empty()) GTEST_SKIP() << "no cube_toss in AUSSOIS_DATA_DIR";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests T-4.5 and T-4.7 of the specification of persistence: what a warm start saves, and that it has one
+// Tests T-4.5 and T-4.7 of doc/theory/persistence.md: what a warm start saves, and that it has one
 // result.
 #include <algorithm>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What reduction does to the physics: blocks, cylinders and rings on a plane, solved with all contacts and
-// with those kept; drilling friction of a disc. T_3_n are the numbers of the specification.
+// with those kept; drilling friction of a disc. T_3_n: doc/theory/reduction.md.
 #include <cmath>
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests T-1.1 to T-1.13 of the specification of mesh features.
+// Tests T-1.1 to T-1.13 of doc/theory/mesh_features.md.
 #include "geometry/mesh_features.hpp"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compliant contact in three readings (regularised.md). T_5_1 to T_5_9 are the numbers of its specification.
+// Compliant contact in three readings (regularised.md). T_5_1 to T_5_9 are the numbers of its tests.
 #include "nsgs/regularised.hpp"
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests T-2.1 to T-2.13 of the specification of clusterings.
+// Tests T-2.1 to T-2.13 of doc/theory/clustering.md.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tests T-4.3, T-4.4 and T-4.6 of the specification of persistence, and what dropped contacts hand over.
+// Tests T-4.3, T-4.4 and T-4.6 of doc/theory/persistence.md, and what dropped contacts hand over.
 #include <algorithm>
 #include <array>
 #include <cmath>

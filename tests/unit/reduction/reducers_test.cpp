@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every reducer against its promise, against brute force, and on what is not a patch at all. T_3_n are the
-// numbers of the specification; the figures of T_3_1 are those of its prototype.
+// Every reducer against its promise, against brute force, and on what is not a patch at all. T_3_n: see
+// doc/theory/reduction.md; the figures of T_3_1 are those of a prototype (doc/measured/reduction.md).
 #include <algorithm>
 #include <functional>
 #include <limits>
@@ -137,7 +137,7 @@ TEST(ReducerTable, T_3_1_LargestQuadrilateralOfADiscIsASquare) {
   expect_near(found, 2 / kPi, std::sqrt(0.5), 4, "disc");
 }
 
-// k-means takes what is inside for as much as the rim, and the specification does not say what that was. Its
+// k-means takes what is inside for as much as the rim, and the prototype does not say what that was. Its
 // rows for a disc are those of one that is filled evenly; the others are ours, of random starts.
 Figures figures_of_means(const std::vector<Vec2>& points, int k, std::uint64_t seed) {
   const MeanContacts means = mean_contacts(flat(points), {}, {}, {.k = k, .seeding = SeedRandom{seed}});
@@ -588,7 +588,6 @@ TEST(WrenchConeRule, T_3_8_KeepsEveryWrenchUpToItsFactor) {
       h_all = h_all.cwiseMax(reach);
       if (std::ranges::binary_search(selection.kept, m)) h_kept = h_kept.cwiseMax(reach);
     }
-    // the specification asks for 1 - 1.5 loss
     EXPECT_GE((h_kept - (1 - loss) * h_all).minCoeff(), -1e-9) << "seed " << seed;
   }
   EXPECT_GT(dropped, 500);
