@@ -105,7 +105,8 @@ struct EnergyLedger {
   double gravity_work = 0;    // along the path of the step: the loss of potential
   double law_work = 0;        // of force laws (for example the virtual coupling), joint springs and dampers,
                               // effort motors, forces of coordinates; also along the path
-  double contact_work = 0;  // of contacts and gap functions; never positive for e = 0 against bodies at rest
+  double contact_work = 0;    // of contacts and gap functions; for e = 0 against bodies at rest positive only
+                              // where a velocity turns in the step (LED-5) or an overlap is pushed out
   double gyroscopic_work = 0;  // of the gyroscopic term as discretised, and of masses that change with q
   double joint_work = 0;  // of joints, couplings, stops, dry friction, speed and position motors; together
                           // with the other laws of their axes, the sum of JointWork::total

@@ -71,6 +71,25 @@ TEST(EnergyGain, IsNotHiddenByWhatWasLostBefore) {
   EXPECT_TRUE(energy_rises(gain));
 }
 
+// A block leaves the plate at a third of the speed that its weight takes from it in the step (LED-5).
+TEST(EnergyGain, IsThatOfAContactPressedShutWhileItOpens) {
+  const double h = 1e-3, speed = 9.81 * h / 3;
+  for (const double theta : {0.5, 0.75, 1.0}) {
+    SCOPED_TRACE(theta);
+    Scene scene = block_on_plate(0, 0, 0);
+    twist(scene.state, scene.block)[2] = speed;
+    EnergyGain gain = energy_gain(scene.model, scene.state);
+    const double first = gain.stored, mass = scene.model.bodies[std::size_t(scene.block)].mass;
+    const StepReport report = MoreauJean(scene.model, {.h = h}, {.theta = theta}).step(scene.state, kInf);
+    ASSERT_TRUE(report.ok()) << report.reason;
+    add(scene.model, scene.state, report, gain);
+    const double impulse = mass * (9.81 * h - speed);
+    EXPECT_NEAR(gain.stored - first, (1 - theta) * impulse * speed - (theta - 0.5) * mass * speed * speed,
+                1e-9 * mass * speed * speed);
+    EXPECT_EQ(gain.largest > 0, theta < 1);
+  }
+}
+
 TEST(EnergyGain, IsNoneWhereEnergyIsKept) {
   const Top top;
   const Scheme midpoint = make_scheme("passive_midpoint", top.model, {.step = {.h = 5e-2}});
