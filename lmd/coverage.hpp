@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checks that the contacts of a pair cover the space around its bases. The yardstick is the distance of the
+// Checks that the contacts of a pair cover the space around its bases. The reference is the distance of the
 // bases, which does not depend on regions, chains or cones (LMD-14).
 #pragma once
 

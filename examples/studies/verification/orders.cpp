@@ -513,7 +513,7 @@ VerificationCase torque_across_the_spin() {
 
 // ---- plain Moreau-Jean, written apart from this kernel
 
-// As the yardstick takes it: velocities at 60001 instants, by the trapezoidal rule. At its shortest steps,
+// As the reference takes it: velocities at 60001 instants, by the trapezoidal rule. At its shortest steps,
 // with 1.25 instants each, that is 6 % less than the integral (CONV-2).
 double sampled_l1(const ComputedMotion& run, const ExactMotion& exact, double t_end, double h) {
   constexpr int kIntervals = 60000;
@@ -527,8 +527,9 @@ double sampled_l1(const ComputedMotion& run, const ExactMotion& exact, double t_
 }
 
 // The same steps of one coordinate; with Moreau's activation both are the same method, so the errors must
-// agree to the digits of the file. The yardstick's graphs are points 2 mm/s apart.
-VerificationCase yardstick(const char* name, const std::string& scene, const char* series, double t_end) {
+// agree to the digits of the file. The graphs of the reference are points 2 mm/s apart.
+VerificationCase plain_moreau_jean(const char* name, const std::string& scene, const char* series,
+                                   double t_end) {
   return {
       .name = name,
       .setting = scene,
@@ -603,9 +604,9 @@ VerificationCase one_coordinate() {
       .name = "A2.one_coordinate",
       .what = "oscillator of one coordinate for 30 s, moreau_jean",
       .rows = {{"midpoint", "worst position at 10 ms, theta 1/2, Moreau's law", "m", 2.9e-2,
-                "yardstick: 2.8e-2 of plain Moreau-Jean, to its digits"},
+                "plain Moreau-Jean written apart: 2.8e-2, to its digits"},
                {"euler", "worst position at 10 ms, theta 1, Moreau's law", "m", 0.55,
-                "yardstick: 5.4e-1 of plain Moreau-Jean, to its digits"},
+                "plain Moreau-Jean written apart: 5.4e-1, to its digits"},
                {"order", "order of it at theta 1/2, combined law, 10 to 1.1 ms", "-", 0.75,
                 "theory: one, with the phase of the impacts in the step", Sense::at_least},
                {"ledger", "worst change of energy that no work explains", "J", 1e-13, "identity; rounding"}},
@@ -670,26 +671,27 @@ VerificationCase impacts_of_one_coordinate() {
 }  // namespace
 
 std::vector<VerificationCase> order_verification() {
-  std::vector<VerificationCase> out{end_of_impacts(),
-                                    order_of_impacts(NormalLaw::moreau),
-                                    order_of_impacts(NormalLaw::combined),
-                                    yardstick("A1.yardstick", "ball_e05", "bouncing_ball_e05", 1.5),
-                                    landing_that_is_pushed_out(),
-                                    second_fall(),
-                                    oscillator_of_the_series(),
-                                    yardstick("A2.yardstick", "oscillator_e08", "impact_oscillator_e08", 30),
-                                    one_coordinate(),
-                                    impacts_of_one_coordinate(),
-                                    bullet_by_events(),
-                                    any_tolerance(),
-                                    held_on_the_way(),
-                                    newtons_loop(),
-                                    torque_across_the_spin(),
-                                    jump(),
-                                    slides_on(),
-                                    leaves_the_wall(),
-                                    kept_by_events("D1.kept_by_events", "dzhanibekov"),
-                                    kept_by_events("D2.kept_by_events", "free_top")};
+  std::vector<VerificationCase> out{
+      end_of_impacts(),
+      order_of_impacts(NormalLaw::moreau),
+      order_of_impacts(NormalLaw::combined),
+      plain_moreau_jean("A1.plain_moreau_jean", "ball_e05", "bouncing_ball_e05", 1.5),
+      landing_that_is_pushed_out(),
+      second_fall(),
+      oscillator_of_the_series(),
+      plain_moreau_jean("A2.plain_moreau_jean", "oscillator_e08", "impact_oscillator_e08", 30),
+      one_coordinate(),
+      impacts_of_one_coordinate(),
+      bullet_by_events(),
+      any_tolerance(),
+      held_on_the_way(),
+      newtons_loop(),
+      torque_across_the_spin(),
+      jump(),
+      slides_on(),
+      leaves_the_wall(),
+      kept_by_events("D1.kept_by_events", "dzhanibekov"),
+      kept_by_events("D2.kept_by_events", "free_top")};
   for (const Case& c : cases()) out.push_back(long_steps(c));
   for (VerificationCase& c : all_orders()) out.push_back(std::move(c));
   return out;
