@@ -151,11 +151,11 @@ Row measure(const Scene& scene, int n, const Arguments& a) {
   const AdvancementOptions advancement;
   Row row{.bodies = double(n)};
   for (const RigidBody& body : scene.model.bodies)
-    row.triangles += double(scene.model.shapes[std::size_t(body.shape)]->complex.triangles.size());
+    row.triangles += double(scene.model.shapes[body.shape]->complex.triangles.size());
   const std::vector<BodyBounds> bounds = body_bounds(scene.model);
   VecX v = VecX::Zero(scene.state.v.size());
   for (int b = 0; b < int(scene.model.bodies.size()); ++b)
-    if (is_dynamic(scene.model.bodies[std::size_t(b)])) linear_part(v, b).z() = -kSpeed - 9.81 * kStep;
+    if (is_dynamic(scene.model.bodies[b])) linear_part(v, b).z() = -kSpeed - 9.81 * kStep;
   const StepMotion estimate{scene.model, scene.state, v, kStep};
   std::vector<StepPair> pairs;
   ContactSet found;

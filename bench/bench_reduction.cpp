@@ -98,7 +98,7 @@ Paired paired(const std::function<void()>& call, const std::function<void()>& ot
     ratios.push_back(a / b);
   }
   std::nth_element(ratios.begin(), ratios.begin() + pairs / 2, ratios.end());
-  out.ratio = ratios[std::size_t(pairs / 2)];
+  out.ratio = ratios[pairs / 2];
   return out;
 }
 
@@ -170,7 +170,7 @@ ExitCode bench(const Arguments& a) {
   for (int n = 10; n <= a.largest && !interrupted(); n *= 10) {
     const Family family("disc", in_disc(n, 11));
     std::vector<int> members(std::size_t(n), 0);
-    for (int i = 0; i < n; ++i) members[std::size_t(i)] = i;
+    for (int i = 0; i < n; ++i) members[i] = i;
     const int pairs = n > 100000 ? 3 : a.pairs;
     const Paired margin = paired([&] { reduce(family.input(), {}); },
                                  [&] { reduce(family.input(), all.front().options); }, pairs);

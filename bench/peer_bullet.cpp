@@ -53,9 +53,9 @@ struct World {
     dynamics.setGravity(to_bullet(scene.gravity));
     for (const PeerShape& shape : scene.shapes) shapes.push_back(make_shape(shape));
     for (const PeerBody& body : scene.bodies) {
-      const PeerShape& shape = scene.shapes[std::size_t(body.shape)];
+      const PeerShape& shape = scene.shapes[body.shape];
       btRigidBody::btRigidBodyConstructionInfo info(
-          body.fixed ? 0 : shape.mass, nullptr, shapes[std::size_t(body.shape)].get(),
+          body.fixed ? 0 : shape.mass, nullptr, shapes[body.shape].get(),
           body.fixed ? btVector3(0, 0, 0) : to_bullet(shape.inertia.diagonal()));
       const Quat& R = body.g.R;
       info.m_startWorldTransform = btTransform(btQuaternion(R.x(), R.y(), R.z(), R.w()), to_bullet(body.g.p));

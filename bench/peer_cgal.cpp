@@ -47,9 +47,8 @@ struct CgalPair::Impl {
 
 CgalPair::CgalPair(const SimplicialComplex& a, const SimplicialComplex& b) : impl_(new Impl{.a = &a}) {
   for (const auto& t : b.triangles)
-    impl_->triangles.emplace_back(point_of(b.vertices[std::size_t(t[0])]),
-                                  point_of(b.vertices[std::size_t(t[1])]),
-                                  point_of(b.vertices[std::size_t(t[2])]));
+    impl_->triangles.emplace_back(point_of(b.vertices[t[0]]), point_of(b.vertices[t[1]]),
+                                  point_of(b.vertices[t[2]]));
   impl_->tree.insert(impl_->triangles.cbegin(), impl_->triangles.cend());
   impl_->tree.build();
 }
@@ -61,7 +60,7 @@ long CgalPair::count_near(const SE3& g_ba, double reach) const {
   for (const Vec3& v : a.vertices) x.push_back(g_ba * v);
   long count = 0;
   for (const auto& t : a.triangles) {
-    const Vec3 &p = x[std::size_t(t[0])], &q = x[std::size_t(t[1])], &r = x[std::size_t(t[2])];
+    const Vec3 &p = x[t[0]], &q = x[t[1]], &r = x[t[2]];
     const Vec3 lo = p.cwiseMin(q).cwiseMin(r).array() - reach, hi = p.cwiseMax(q).cwiseMax(r).array() + reach;
     const CGAL::Bbox_3 box(lo.x(), lo.y(), lo.z(), hi.x(), hi.y(), hi.z());
     impl_->tree.all_intersected_primitives(box, Counter{&count});

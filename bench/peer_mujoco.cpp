@@ -29,7 +29,7 @@ std::string bounce_of(double restitution, double h) {
 }
 
 std::string geom_of(const PeerScene& scene, const PeerBody& body, double h) {
-  const PeerShape& shape = scene.shapes[std::size_t(body.shape)];
+  const PeerShape& shape = scene.shapes[body.shape];
   std::string out = "<geom ";
   switch (shape.kind) {
     case PeerShapeKind::ball:
@@ -65,7 +65,7 @@ std::string model_of(const PeerScene& scene, double h) {
   }
   out += "</asset><worldbody>";
   for (const PeerBody& body : scene.bodies) {
-    const PeerShape& shape = scene.shapes[std::size_t(body.shape)];
+    const PeerShape& shape = scene.shapes[body.shape];
     const Quat& R = body.g.R;
     out += "<body pos=\"" + text_of(body.g.p) + "\"" +
            formatted(" quat=\"%.17g %.17g %.17g %.17g\">", R.w(), R.x(), R.y(), R.z());

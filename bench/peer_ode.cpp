@@ -31,7 +31,7 @@ struct World {
     dWorldSetGravity(world, scene.gravity.x(), scene.gravity.y(), scene.gravity.z());
     for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
       const PeerBody& body = scene.bodies[b];
-      const PeerShape& shape = scene.shapes[std::size_t(body.shape)];
+      const PeerShape& shape = scene.shapes[body.shape];
       const dGeomID geom = shape.kind == PeerShapeKind::ball
                                ? dCreateSphere(space, shape.size.x())
                                : dCreateBox(space, shape.size.x(), shape.size.y(), shape.size.z());

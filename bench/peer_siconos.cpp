@@ -106,14 +106,14 @@ BlockRows block_rows(const SparseMatrix& W, int dimension) {
   for (Eigen::Index j = 0; j < W.cols(); ++j)
     for (SparseMatrix::InnerIterator it(W, j); it; ++it) {
       std::vector<double>& block = blocks[{it.row() / d, j / d}];
-      block.resize(std::size_t(d * d));
-      block[std::size_t(j % d * d + it.row() % d)] = it.value();
+      block.resize(d * d);
+      block[j % d * d + it.row() % d] = it.value();
     }
   BlockRows out;
   out.begin.assign(std::size_t(count) + 1, 0);
   for (const auto& [place, block] : blocks) {
     ++out.begin[std::size_t(place.first) + 1];
-    out.column.push_back(std::size_t(place.second));
+    out.column.push_back(place.second);
     out.value.insert(out.value.end(), block.begin(), block.end());
   }
   for (std::size_t c = 0; c < std::size_t(count); ++c) {

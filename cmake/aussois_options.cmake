@@ -10,11 +10,13 @@ if(AUSSOIS_NATIVE)
 endif()
 
 add_library(aussois_warnings INTERFACE)   # for our own sources only, never exported
-target_compile_options(aussois_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
+# Indices are ints: -1 is nothing, and differences are signed. Clang would count each as a lost sign.
+target_compile_options(aussois_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
   $<$<BOOL:${AUSSOIS_WERROR}>:-Werror>)
 
 if(AUSSOIS_SANITIZE)
   add_compile_options(-fsanitize=${AUSSOIS_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  add_compile_definitions(_GLIBCXX_ASSERTIONS)   # indices are checked
   add_link_options(-fsanitize=${AUSSOIS_SANITIZE})
 endif()
 

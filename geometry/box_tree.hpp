@@ -64,7 +64,7 @@ class BoxTree {
         continue;
       }
       for (int k = n.begin; k < n.end; ++k)
-        if (may_hold(box(items_[std::size_t(k)]))) f(items_[std::size_t(k)]);
+        if (may_hold(box(items_[k]))) f(items_[k]);
     }
   }
 
@@ -76,12 +76,12 @@ class BoxTree {
   };
   static constexpr int kLeaf = 4;
 
-  const Node& node(int i) const { return nodes_[std::size_t(i)]; }
-  const Box& box(int item) const { return boxes_[std::size_t(item)]; }
+  const Node& node(int i) const { return nodes_[i]; }
+  const Box& box(int item) const { return boxes_[item]; }
 
   int build(int begin, int end) {
     Node made{{}, begin, end};
-    for (int k = begin; k < end; ++k) made.box = united(made.box, box(items_[std::size_t(k)]));
+    for (int k = begin; k < end; ++k) made.box = united(made.box, box(items_[k]));
     const int index = int(nodes_.size());
     nodes_.push_back(made);
     if (end - begin <= kLeaf) return index;
@@ -95,8 +95,8 @@ class BoxTree {
         });
     const int left = build(begin, middle);
     const int right = build(middle, end);
-    nodes_[std::size_t(index)].left = left;
-    nodes_[std::size_t(index)].right = right;
+    nodes_[index].left = left;
+    nodes_[index].right = right;
     return index;
   }
 
@@ -104,7 +104,7 @@ class BoxTree {
   bool pairs_of_leaves(const Node& m, const Node& n, const F& f) const {
     for (int k = m.begin; k < m.end; ++k)
       for (int l = &m == &n ? k + 1 : n.begin; l < n.end; ++l) {
-        const int i = items_[std::size_t(k)], j = items_[std::size_t(l)];
+        const int i = items_[k], j = items_[l];
         if (overlap(box(i), box(j)) && !f(std::min(i, j), std::max(i, j))) return false;
       }
     return true;

@@ -43,8 +43,8 @@ class Quickhull {
   }
 
  private:
-  const Vec3& at(int i) const { return points_[std::size_t(i)]; }
-  Facet& facet(int f) { return facets_[std::size_t(f)]; }
+  const Vec3& at(int i) const { return points_[i]; }
+  Facet& facet(int f) { return facets_[f]; }
 
   bool sees(int point, const std::array<int, 3>& corner) const {
     return CGAL::orientation(exact(at(corner[0])), exact(at(corner[1])), exact(at(corner[2])),
@@ -133,8 +133,8 @@ class Quickhull {
       }
     }
     for (const int from : horizon) {  // the new facets stand around the point in the order of the horizon
-      const int f = facet_from_[std::size_t(from)];
-      const int next = facet_from_[std::size_t(facet(f).corner[1])];
+      const int f = facet_from_[from];
+      const int next = facet_from_[facet(f).corner[1]];
       facet(f).neighbour[1] = next;
       facet(next).neighbour[2] = f;
     }
@@ -149,7 +149,7 @@ class Quickhull {
   void add_facet(int from, int to, int point, int beyond, int old) {
     const int f = int(facets_.size());
     std::replace(facet(beyond).neighbour.begin(), facet(beyond).neighbour.end(), old, f);
-    facet_from_[std::size_t(from)] = f;
+    facet_from_[from] = f;
     facets_.push_back({{from, to, point}, {beyond, -1, -1}, {}});
   }
 

@@ -58,7 +58,7 @@ Surface cut(const Surface& surface, double z, bool keep_above) {
   Surface result;
   std::vector<int> kept(surface.vertices.size(), -1);
   std::map<std::pair<int, int>, int> crossing;  // of edges with ascending ends
-  const auto keeps = [&](int v) { return (surface.vertices[std::size_t(v)].z() > z) == keep_above; };
+  const auto keeps = [&](int v) { return (surface.vertices[v].z() > z) == keep_above; };
   const auto add = [&](const Vec3& x) {
     result.vertices.push_back(x);
     return int(result.vertices.size()) - 1;
@@ -66,8 +66,7 @@ Surface cut(const Surface& surface, double z, bool keep_above) {
   const auto cross = [&](int a, int b) {
     const auto [at, is_new] = crossing.try_emplace(std::minmax(a, b), -1);
     if (!is_new) return at->second;
-    const Vec3 lo = surface.vertices[std::size_t(std::min(a, b))],
-               hi = surface.vertices[std::size_t(std::max(a, b))];
+    const Vec3 lo = surface.vertices[std::min(a, b)], hi = surface.vertices[std::max(a, b)];
     Vec3 x = lo + (z - lo.z()) / (hi.z() - lo.z()) * (hi - lo);
     x.z() = z;
     return at->second = add(x);
@@ -77,8 +76,8 @@ Surface cut(const Surface& surface, double z, bool keep_above) {
     for (std::size_t k = 0; k < 3; ++k) {
       const int a = triangle[k], b = triangle[(k + 1) % 3];
       if (keeps(a)) {
-        int& index = kept[std::size_t(a)];
-        if (index < 0) index = add(surface.vertices[std::size_t(a)]);
+        int& index = kept[a];
+        if (index < 0) index = add(surface.vertices[a]);
         polygon.push_back(index);
       }
       if (keeps(a) != keeps(b)) polygon.push_back(cross(a, b));
@@ -100,7 +99,7 @@ Surface thread_surface(const FastenerOptions& options, Thread thread, int turns)
   Surface surface;
   for (int column = 0; column < n; ++column) {
     for (int row = 0; row < row_count; ++row) {
-      const ProfileCorner corner = kProfile[std::size_t(row % kCorners)];
+      const ProfileCorner corner = kProfile[row % kCorners];
       const double basic = options.diameter / 2 - corner.depth * depth;
       const double r = thread == Thread::bolt ? basic - options.clearance : basic * circumscribe;
       const int turn = row / kCorners - 2;
@@ -137,10 +136,9 @@ double angle_of(const Vec3& x) {
 std::vector<int> rim_at(const Surface& surface, double z) {
   std::vector<int> rim;
   for (int v = 0; v < int(surface.vertices.size()); ++v)
-    if (surface.vertices[std::size_t(v)].z() == z) rim.push_back(v);
-  std::sort(rim.begin(), rim.end(), [&](int a, int b) {
-    return angle_of(surface.vertices[std::size_t(a)]) < angle_of(surface.vertices[std::size_t(b)]);
-  });
+    if (surface.vertices[v].z() == z) rim.push_back(v);
+  std::sort(rim.begin(), rim.end(),
+            [&](int a, int b) { return angle_of(surface.vertices[a]) < angle_of(surface.vertices[b]); });
   return rim;
 }
 
@@ -159,7 +157,7 @@ std::vector<int> add_hexagon(Surface& surface, const FastenerOptions& options, d
 void add_ring(Surface& surface, const std::vector<int>& inner, const std::vector<int>& outer, bool faces_up) {
   const auto angle = [&](const std::vector<int>& loop, std::size_t k) {
     const double full_turn = k < loop.size() ? 0 : 2 * kPi;
-    return angle_of(surface.vertices[std::size_t(loop[k % loop.size()])]) + full_turn;
+    return angle_of(surface.vertices[loop[k % loop.size()]]) + full_turn;
   };
   std::size_t i = 0, j = 0;
   while (i < inner.size() || j < outer.size()) {

@@ -46,7 +46,7 @@ class SliverFlips {
     while (!waiting_.empty()) {
       const int t = *waiting_.begin();
       waiting_.erase(waiting_.begin());
-      if (!dropped_[std::size_t(t)] && is_sliver(triangle(t))) mend(t);
+      if (!dropped_[t] && is_sliver(triangle(t))) mend(t);
     }
   }
 
@@ -66,8 +66,8 @@ class SliverFlips {
  private:
   using Around = std::vector<int>;
 
-  const Vec3& x(int vertex) const { return vertices_[std::size_t(vertex)]; }
-  const Triangle& triangle(int t) const { return triangles_[std::size_t(t)]; }
+  const Vec3& x(int vertex) const { return vertices_[vertex]; }
+  const Triangle& triangle(int t) const { return triangles_[t]; }
   double height(const Triangle& t) const { return triangle_height(x(t[0]), x(t[1]), x(t[2])); }
   bool is_sliver(const Triangle& t) const { return height(t) <= tolerance_; }
   Vec3 normal(const Triangle& t) const { return (x(t[1]) - x(t[0])).cross(x(t[2]) - x(t[0])); }
@@ -91,10 +91,10 @@ class SliverFlips {
   // later.
   void drop_at_border(int t, int v) {
     const Triangle sliver = triangle(t);
-    if (std::ranges::any_of(sliver, [&](int corner) { return proper_[std::size_t(corner)] == 0; })) return;
+    if (std::ranges::any_of(sliver, [&](int corner) { return proper_[corner] == 0; })) return;
     border_.add(x(v), height(sliver));
     detach(t);
-    dropped_[std::size_t(t)] = true;
+    dropped_[t] = true;
     for (std::size_t i = 0; i < 3; ++i) wake(edge_of(sliver[i], sliver[(i + 1) % 3]));
   }
 
@@ -127,7 +127,7 @@ class SliverFlips {
   }
 
   void attach(int t, const Triangle& corners) {
-    triangles_[std::size_t(t)] = corners;
+    triangles_[t] = corners;
     for (std::size_t i = 0; i < 3; ++i) around_[edge_of(corners[i], corners[(i + 1) % 3])].push_back(t);
     count(corners, 1);
   }
@@ -142,7 +142,7 @@ class SliverFlips {
   }
   void count(const Triangle& corners, int change) {
     if (is_sliver(corners)) return;
-    for (const int corner : corners) proper_[std::size_t(corner)] += change;
+    for (const int corner : corners) proper_[corner] += change;
   }
   void wake(const Edge& edge) {
     const auto place = around_.find(edge);

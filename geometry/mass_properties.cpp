@@ -59,9 +59,9 @@ MassProperties mass_properties(const SimplicialComplex& complex, double density)
   Vec3 first = Vec3::Zero();   // 24 times the integral of x
   Mat3 second = Mat3::Zero();  // 120 times the integral of x x'
   for (const auto& [i, j, k] : complex.triangles) {
-    const Vec3 a = complex.vertices[std::size_t(i)] - origin;
-    const Vec3 b = complex.vertices[std::size_t(j)] - origin;
-    const Vec3 c = complex.vertices[std::size_t(k)] - origin;
+    const Vec3 a = complex.vertices[i] - origin;
+    const Vec3 b = complex.vertices[j] - origin;
+    const Vec3 c = complex.vertices[k] - origin;
     const Vec3 sum = a + b + c;
     const double determinant = a.dot(b.cross(c));
     six_volume += determinant;
@@ -93,11 +93,10 @@ MassProperties wire_mass_properties(const SimplicialComplex& complex, double rad
   require(complex.triangles.empty(), "a wire's mass is that of edges and points, without triangles");
   std::vector<MassProperties> parts;
   for (int v = 0; v < int(complex.vertices.size()); ++v)
-    if (const Vec3& x = complex.vertices[std::size_t(v)]; complex.vertex_edges[v].empty())
+    if (const Vec3& x = complex.vertices[v]; complex.vertex_edges[v].empty())
       parts.push_back(capsule(x, x, radius, density));
   for (const auto& [i, j] : complex.edges)
-    parts.push_back(
-        capsule(complex.vertices[std::size_t(i)], complex.vertices[std::size_t(j)], radius, density));
+    parts.push_back(capsule(complex.vertices[i], complex.vertices[j], radius, density));
   return sum_of(parts);
 }
 

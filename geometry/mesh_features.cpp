@@ -9,12 +9,16 @@
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 
-#include "geometry/check.hpp"
 #include "geometry/mesh_report.hpp"
 #include "geometry/min_norm_point.hpp"
+#include "geometry/settings.hpp"
 
 namespace aussois {
 namespace {
+
+constexpr Named<VertexRule> kVertexRules[] = {{VertexRule::tangent_cone, "tangent_cone"},
+                                              {VertexRule::moravanszky_terdiman, "moravanszky_terdiman"},
+                                              {VertexRule::paper_exact, "paper_exact"}};
 
 using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
 
@@ -25,17 +29,17 @@ Point exact(const Vec3& x) {
 }
 
 std::size_t side_of(const SimplicialComplex& k, int t, int e) {
-  const auto& sides = k.triangle_edges[std::size_t(t)];
+  const auto& sides = k.triangle_edges[t];
   return std::size_t(std::find(sides.begin(), sides.end(), e) - sides.begin());
 }
 
 std::size_t corner_of(const SimplicialComplex& k, int t, int v) {
-  const auto& corners = k.triangles[std::size_t(t)];
+  const auto& corners = k.triangles[t];
   return std::size_t(std::find(corners.begin(), corners.end(), v) - corners.begin());
 }
 
 const Vec3& at(const SimplicialComplex& k, int v) {
-  return k.vertices[std::size_t(v)];
+  return k.vertices[v];
 }
 
 Vec3 direction(const SimplicialComplex& k, int from, int to) {
@@ -43,7 +47,7 @@ Vec3 direction(const SimplicialComplex& k, int from, int to) {
 }
 
 Vec3 face_normal(const SimplicialComplex& k, int t) {
-  const auto& [a, b, c] = k.triangles[std::size_t(t)];
+  const auto& [a, b, c] = k.triangles[t];
   return direction(k, a, b).cross(direction(k, a, c)).stableNormalized();
 }
 
@@ -59,11 +63,11 @@ void weld(const SimplicialComplex& mesh, MeshFeatures& out) {
       vertices.push_back(mesh.vertices[i]);
     }
   }
-  for (int& v : out.vertex_of) v = place[std::size_t(v)];
+  for (int& v : out.vertex_of) v = place[v];
   std::vector<std::array<int, 3>> triangles;
   for (std::array<int, 3> t : mesh.triangles) {
-    for (int& v : t) v = out.vertex_of[std::size_t(v)];
-    const auto corner = [&](std::size_t i) { return exact(vertices[std::size_t(t[i])]); };
+    for (int& v : t) v = out.vertex_of[v];
+    const auto corner = [&](std::size_t i) { return exact(vertices[t[i]]); };
     if (CGAL::collinear(corner(0), corner(1), corner(2)))
       ++out.removed_triangles;
     else
@@ -80,9 +84,9 @@ void classify_edge(const SimplicialComplex& k, int e, double flat_angle, EdgeCla
 
   const bool first_up = runs_upwards(k, around[0], e);
   const int up = around[first_up ? 0 : 1], down = around[first_up ? 1 : 0];
-  const auto [a, b] = k.edges[std::size_t(e)];
-  const int o1 = k.triangles[std::size_t(up)][(side_of(k, up, e) + 2) % 3];
-  const int o2 = k.triangles[std::size_t(down)][(side_of(k, down, e) + 2) % 3];
+  const auto [a, b] = k.edges[e];
+  const int o1 = k.triangles[up][(side_of(k, up, e) + 2) % 3];
+  const int o2 = k.triangles[down][(side_of(k, down, e) + 2) % 3];
   const Vec3 along = direction(k, a, b);
   const Vec3 n1 = along.cross(direction(k, a, o1)), n2 = direction(k, a, o2).cross(along);
   const double angle = std::atan2(n1.cross(n2).norm(), n1.dot(n2));
@@ -100,8 +104,8 @@ bool is_one_fan(const SimplicialComplex& k, int v) {
   const std::span<const int> all = k.vertex_triangles[v];
   std::vector<int> reached = {all[0]};
   for (std::size_t i = 0; i < reached.size(); ++i)
-    for (const int e : k.triangle_edges[std::size_t(reached[i])]) {
-      const auto& ends = k.edges[std::size_t(e)];
+    for (const int e : k.triangle_edges[reached[i]]) {
+      const auto& ends = k.edges[e];
       if (ends[0] != v && ends[1] != v) continue;
       for (const int t : k.edge_triangles[e])
         if (std::find(reached.begin(), reached.end(), t) == reached.end()) reached.push_back(t);
@@ -112,7 +116,7 @@ bool is_one_fan(const SimplicialComplex& k, int v) {
 std::vector<Vec3> edge_directions(const SimplicialComplex& k, int v) {
   std::vector<Vec3> d;
   for (const int e : k.vertex_edges[v]) {
-    const auto [a, b] = k.edges[std::size_t(e)];
+    const auto [a, b] = k.edges[e];
     d.push_back(direction(k, v, a == v ? b : a));
   }
   return d;
@@ -122,7 +126,7 @@ std::vector<Vec3> edge_directions(const SimplicialComplex& k, int v) {
 Vec3 vertex_normal(const SimplicialComplex& k, int v) {
   Vec3 m = Vec3::Zero();
   for (const int t : k.vertex_triangles[v]) {
-    const auto& corners = k.triangles[std::size_t(t)];
+    const auto& corners = k.triangles[t];
     const std::size_t i = corner_of(k, t, v);
     const Vec3 a = direction(k, v, corners[(i + 1) % 3]), b = direction(k, v, corners[(i + 2) % 3]);
     m += std::atan2(a.cross(b).norm(), a.dot(b)) * face_normal(k, t);
@@ -139,7 +143,7 @@ VertexVerdict classify_vertex(const MeshFeatures& f, int v, double flat_angle) {
   const SimplicialComplex& k = f.complex;
   if (k.vertex_triangles[v].empty()) return {};
   std::array<int, 5> count{};  // of the edges here, by class
-  for (const int e : k.vertex_edges[v]) ++count[std::size_t(f.edge_class[std::size_t(e)])];
+  for (const int e : k.vertex_edges[v]) ++count[std::size_t(f.edge_class[e])];
   const auto has = [&](EdgeClass c) { return count[std::size_t(c)] > 0; };
   const bool concave = has(EdgeClass::concave);
   VertexVerdict out;
@@ -166,7 +170,7 @@ VertexVerdict classify_vertex(const MeshFeatures& f, int v, double flat_angle) {
 }
 
 void set_vertex_bit(MeshFeatures& f, int t, int v) {
-  f.triangle_flags[std::size_t(t)] |= std::uint8_t(1u << corner_of(f.complex, t, v));
+  f.triangle_flags[t] |= std::uint8_t(1u << corner_of(f.complex, t, v));
 }
 
 // The two passes of [Moravanszky2004]; owners make every active feature stand in one triangle.
@@ -175,26 +179,26 @@ void set_flags(MeshFeatures& f, VertexRule rule) {
   f.triangle_flags.assign(k.triangles.size(), 0);
   std::vector<char> owned(k.vertices.size(), 0);
   for (int e = 0; e < int(k.edges.size()); ++e) {
-    if (!is_active(f.edge_class[std::size_t(e)])) continue;
+    if (!is_active(f.edge_class[e])) continue;
     const int t = k.edge_triangles[e][0];
-    f.triangle_flags[std::size_t(t)] |= std::uint8_t(8u << side_of(k, t, e));
+    f.triangle_flags[t] |= std::uint8_t(8u << side_of(k, t, e));
     if (rule == VertexRule::tangent_cone) continue;
-    for (const int v : k.edges[std::size_t(e)]) {
-      if (rule == VertexRule::moravanszky_terdiman && owned[std::size_t(v)]) continue;
-      owned[std::size_t(v)] = 1;
+    for (const int v : k.edges[e]) {
+      if (rule == VertexRule::moravanszky_terdiman && owned[v]) continue;
+      owned[v] = 1;
       set_vertex_bit(f, t, v);
     }
   }
   if (rule == VertexRule::tangent_cone) {
     for (int v = 0; v < int(k.vertices.size()); ++v)
-      if (f.vertex_active[std::size_t(v)]) set_vertex_bit(f, k.vertex_triangles[v][0], v);
+      if (f.vertex_active[v]) set_vertex_bit(f, k.vertex_triangles[v][0], v);
     return;
   }
   for (int e = 0; e < int(k.edges.size()); ++e) {
-    if (f.edge_class[std::size_t(e)] != EdgeClass::concave) continue;
-    for (const int v : k.edges[std::size_t(e)])
+    if (f.edge_class[e] != EdgeClass::concave) continue;
+    for (const int v : k.edges[e])
       for (const int t : k.vertex_triangles[v])
-        f.triangle_flags[std::size_t(t)] &= std::uint8_t(~(1u << corner_of(k, t, v)));
+        f.triangle_flags[t] &= std::uint8_t(~(1u << corner_of(k, t, v)));
   }
 }
 
@@ -237,12 +241,12 @@ Vec3 nearer(const Vec3& a, const Vec3& b, const Vec3& normal) {
 
 Vec3 admissible_on_edge(const MeshFeatures& f, int e, const Vec3& normal) {
   const SimplicialComplex& k = f.complex;
-  const auto [a, b] = k.edges[std::size_t(e)];
+  const auto [a, b] = k.edges[e];
   const Vec3 along = direction(k, a, b);
-  if (is_active(f.edge_class[std::size_t(e)])) {
+  if (is_active(f.edge_class[e])) {
     std::vector<Vec3> tangents = {along, -along};
     for (const int t : k.edge_triangles[e]) {  // conormals
-      const Vec3 to_third = direction(k, a, k.triangles[std::size_t(t)][(side_of(k, t, e) + 2) % 3]);
+      const Vec3 to_third = direction(k, a, k.triangles[t][(side_of(k, t, e) + 2) % 3]);
       tangents.push_back((to_third - along.dot(to_third) * along).stableNormalized());
     }
     const Vec3 p = project_on_polar(tangents, normal);
@@ -254,7 +258,7 @@ Vec3 admissible_on_edge(const MeshFeatures& f, int e, const Vec3& normal) {
 }
 
 Vec3 admissible_on_vertex(const MeshFeatures& f, int v, const Vec3& normal) {
-  if (f.vertex_active[std::size_t(v)]) {
+  if (f.vertex_active[v]) {
     const Vec3 p = project_on_polar(edge_directions(f.complex, v), normal);
     if (p.norm() > kRounding) return p.normalized();
   }
@@ -266,9 +270,15 @@ Vec3 admissible_on_vertex(const MeshFeatures& f, int v, const Vec3& normal) {
 
 }  // namespace
 
+void describe(SettingVisitor& visit, MeshFeatureOptions& o) {
+  visit.begin("MeshFeatureOptions");
+  visit.number({"flat_angle", "edges that bend by at most this are interior", "rad", open_above(0, kPi / 2)},
+               o.flat_angle);
+  visit.choice({"vertex_rule", "rule that finds the corners"}, o.vertex_rule, kVertexRules);
+}
+
 void validate(const MeshFeatureOptions& options) {
-  require_field(options.flat_angle >= 0 && options.flat_angle < kPi / 2, "MeshFeatureOptions::flat_angle",
-                options.flat_angle, "lie in [0, pi/2) rad");
+  check_ranges(options);
 }
 
 bool is_active(EdgeClass c) {

@@ -11,6 +11,8 @@
 
 namespace aussois {
 
+class SettingVisitor;
+
 enum class VertexRule {
   tangent_cone,          // active if the polar of the tangent cone has an interior (MF-3)
   moravanszky_terdiman,  // active if an active edge ends there and no concave edge does (MF-4)
@@ -23,6 +25,7 @@ struct MeshFeatureOptions {
   VertexRule vertex_rule = VertexRule::tangent_cone;
 };
 void validate(const MeshFeatureOptions& options);  // throws std::invalid_argument: field, value, bound
+void describe(SettingVisitor& visit, MeshFeatureOptions& options);
 
 enum class EdgeClass : std::uint8_t { interior, concave, convex, boundary, nonmanifold };
 bool is_active(EdgeClass c);

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "geometry/check.hpp"
 #include "geometry/repair_steps.hpp"
+#include "geometry/settings.hpp"
 
 namespace aussois {
 namespace {
@@ -49,11 +49,15 @@ void settle(RepairedMesh& out, Oriented oriented, MeshReport mesh) {
 
 }  // namespace
 
+void describe(SettingVisitor& visit, RepairOptions& o) {
+  visit.begin("RepairOptions");
+  visit.number({"relative_tolerance", "tolerance relative to the box diagonal", "-", {0, 1e-2}},
+               o.relative_tolerance);
+  visit.number({"largest_tolerance", "upper bound of the tolerance", "m", at_least(0)}, o.largest_tolerance);
+}
+
 void validate(const RepairOptions& options) {
-  require_field(options.relative_tolerance >= 0 && options.relative_tolerance <= 1e-2,
-                "RepairOptions::relative_tolerance", options.relative_tolerance, "lie in [0, 1e-2]");
-  require_field(options.largest_tolerance >= 0, "RepairOptions::largest_tolerance", options.largest_tolerance,
-                "be >= 0 [m]");
+  check_ranges(options);
 }
 
 void RepairStep::add(const Vec3& x, double moved) {
@@ -87,7 +91,7 @@ RepairedMesh repair_mesh(const SimplicialComplex& complex, const RepairOptions& 
 
   Welded same = weld_vertices(complex, 0);
   Welded near = weld_vertices(same.complex, report.tolerance);
-  for (const int v : same.vertex) out.vertex.push_back(near.vertex[std::size_t(v)]);
+  for (const int v : same.vertex) out.vertex.push_back(near.vertex[v]);
   report.welded_same = same.vertices;
   report.welded_near = near.vertices;
   for (const Welded* welded : {&same, &near}) {

@@ -12,6 +12,8 @@
 
 namespace aussois {
 
+class SettingVisitor;
+
 struct RepairOptions {
   double relative_tolerance = 1e-6;  // relative to the box diagonal [-], in [0, 1e-2]
   // Upper bound of the tolerance [m], >= 0. Use a small part of the dilation if the clearance is far below
@@ -19,6 +21,7 @@ struct RepairOptions {
   double largest_tolerance = kInf;
 };
 void validate(const RepairOptions& options);  // throws std::invalid_argument: field, value, bound
+void describe(SettingVisitor& visit, RepairOptions& options);
 
 /// What one kind of repair did, and where it changed the shape most.
 struct RepairStep {

@@ -18,8 +18,7 @@ void measure_triangles(const SimplicialComplex& complex, MeshReport& report) {
   const double diagonal = report.box.diagonal();
   double smallest = kInf;
   for (const auto& [a, b, c] : complex.triangles) {
-    const double h = triangle_height(complex.vertices[std::size_t(a)], complex.vertices[std::size_t(b)],
-                                     complex.vertices[std::size_t(c)]);
+    const double h = triangle_height(complex.vertices[a], complex.vertices[b], complex.vertices[c]);
     report.degenerate_triangles += h <= kDegenerate * diagonal;
     smallest = std::min(smallest, h);
   }
@@ -45,19 +44,19 @@ void count_vertices(const SimplicialComplex& complex, MeshReport& report) {
     report.isolated_vertices += complex.vertex_edges[v].empty();
     int fans = 0;
     for (const int first : complex.vertex_triangles[v]) {
-      if (reached_at[std::size_t(first)] == v) continue;
+      if (reached_at[first] == v) continue;
       ++fans;
       front = {first};
-      reached_at[std::size_t(first)] = v;
+      reached_at[first] = v;
       while (!front.empty()) {
         const int t = front.back();
         front.pop_back();
-        for (const int e : complex.triangle_edges[std::size_t(t)]) {
-          const auto& ends = complex.edges[std::size_t(e)];
+        for (const int e : complex.triangle_edges[t]) {
+          const auto& ends = complex.edges[e];
           if (ends[0] != v && ends[1] != v) continue;
           for (const int other : complex.edge_triangles[e]) {
-            if (reached_at[std::size_t(other)] == v) continue;
-            reached_at[std::size_t(other)] = v;
+            if (reached_at[other] == v) continue;
+            reached_at[other] = v;
             front.push_back(other);
           }
         }
@@ -91,7 +90,7 @@ double triangle_height(const Vec3& a, const Vec3& b, const Vec3& c) {
 }
 
 std::vector<int> first_at_same_place(const std::vector<Vec3>& vertices) {
-  const auto at = [&](int i) -> const Vec3& { return vertices[std::size_t(i)]; };
+  const auto at = [&](int i) -> const Vec3& { return vertices[i]; };
   std::vector<int> order(vertices.size());  // equal places side by side, the earliest vertex first
   std::iota(order.begin(), order.end(), 0);
   std::sort(order.begin(), order.end(), [&](int i, int j) {
@@ -103,7 +102,7 @@ std::vector<int> first_at_same_place(const std::vector<Vec3>& vertices) {
   int leader = -1;
   for (const int i : order) {
     if (leader < 0 || at(i) != at(leader)) leader = i;
-    first[std::size_t(i)] = leader;
+    first[i] = leader;
   }
   return first;
 }

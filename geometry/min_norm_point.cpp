@@ -19,7 +19,7 @@ using SmallSquare = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 5, 
 // are dependent.
 bool affine_min_norm(const std::vector<Vec3>& g, const std::array<int, 4>& pick, int n, Small& weight,
                      Vec3& point) {
-  const auto at = [&](int i) -> const Vec3& { return g[std::size_t(pick[std::size_t(i)])]; };
+  const auto at = [&](int i) -> const Vec3& { return g[pick[i]]; };
   if (n == 1) {
     weight = Small::Ones(1);
     point = at(0);
@@ -50,7 +50,7 @@ MinNorm min_norm_of_subset(const std::vector<Vec3>& g, const std::vector<int>& s
     int picked = 0;
     for (int i = 0; i < n && picked <= 4; ++i)
       if (mask & (1 << i)) {
-        if (picked < 4) pick[std::size_t(picked)] = subset[std::size_t(i)];
+        if (picked < 4) pick[picked] = subset[i];
         ++picked;
       }
     if (picked > 4) continue;
@@ -61,7 +61,7 @@ MinNorm min_norm_of_subset(const std::vector<Vec3>& g, const std::vector<int>& s
     best.point = point;
     best.support.clear();
     for (int i = 0; i < picked; ++i)
-      if (weight(i) > kWeight) best.support.push_back(pick[std::size_t(i)]);
+      if (weight(i) > kWeight) best.support.push_back(pick[i]);
   }
   return best;
 }
@@ -73,9 +73,9 @@ MinNorm min_norm_point(const std::vector<Vec3>& g) {
   for (std::size_t round = 0; round < 8 * g.size() + 8; ++round) {
     int next = 0;
     for (int i = 1; i < int(g.size()); ++i)
-      if (best.point.dot(g[std::size_t(i)]) < best.point.dot(g[std::size_t(next)])) next = i;
+      if (best.point.dot(g[i]) < best.point.dot(g[next])) next = i;
     if (best.point.norm() <= kHullContainsOrigin) break;
-    const double gain = best.point.squaredNorm() - best.point.dot(g[std::size_t(next)]);
+    const double gain = best.point.squaredNorm() - best.point.dot(g[next]);
     if (gain <= 1e-14 || std::ranges::count(best.support, next)) break;
     std::vector<int> subset = best.support;
     subset.push_back(next);

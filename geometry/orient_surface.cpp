@@ -26,7 +26,7 @@ class Orientation {
     Oriented out;
     std::vector<Piece> shells;
     for (int t = 0; t < int(complex_.triangles.size()); ++t) {
-      if (reached_[std::size_t(t)]) continue;
+      if (reached_[t]) continue;
       Piece piece = piece_of(t);
       out.one_sided += !piece.orientable;
       if (!piece.orientable) continue;
@@ -43,10 +43,10 @@ class Orientation {
   }
 
  private:
-  const Vec3& x(int vertex) const { return complex_.vertices[std::size_t(vertex)]; }
+  const Vec3& x(int vertex) const { return complex_.vertices[vertex]; }
   std::array<int, 3> corners(int t) const {
-    std::array<int, 3> c = complex_.triangles[std::size_t(t)];
-    if (turned_[std::size_t(t)]) std::swap(c[1], c[2]);
+    std::array<int, 3> c = complex_.triangles[t];
+    if (turned_[t]) std::swap(c[1], c[2]);
     return c;
   }
   Vec3 centre_of(int t) const {
@@ -55,7 +55,7 @@ class Orientation {
   }
   std::vector<std::array<int, 3>> triangles() const {
     std::vector<std::array<int, 3>> all(turned_.size());
-    for (int t = 0; t < int(all.size()); ++t) all[std::size_t(t)] = corners(t);
+    for (int t = 0; t < int(all.size()); ++t) all[t] = corners(t);
     return all;
   }
 
@@ -64,36 +64,36 @@ class Orientation {
   Piece piece_of(int lowest) {
     Piece piece;
     piece.triangles.push_back(lowest);
-    reached_[std::size_t(lowest)] = true;
+    reached_[lowest] = true;
     for (std::size_t i = 0; i < piece.triangles.size(); ++i) {
       const int t = piece.triangles[i];
-      for (const int e : complex_.triangle_edges[std::size_t(t)]) {
+      for (const int e : complex_.triangle_edges[t]) {
         const std::span<const int> around = complex_.edge_triangles[e];
         piece.closed &= around.size() == 2;
         if (around.size() != 2) continue;
         const int other = around[0] == t ? around[1] : around[0];
         const bool twisted = runs_upwards(complex_, t, e) == runs_upwards(complex_, other, e);
-        const bool turn = turned_[std::size_t(t)] != twisted;
-        if (reached_[std::size_t(other)]) {
-          piece.orientable &= turned_[std::size_t(other)] == turn;
+        const bool turn = turned_[t] != twisted;
+        if (reached_[other]) {
+          piece.orientable &= turned_[other] == turn;
           continue;
         }
-        reached_[std::size_t(other)] = true;
-        turned_[std::size_t(other)] = turn;
+        reached_[other] = true;
+        turned_[other] = turn;
         piece.triangles.push_back(other);
       }
     }
     if (!piece.orientable)
-      for (const int t : piece.triangles) turned_[std::size_t(t)] = false;
+      for (const int t : piece.triangles) turned_[t] = false;
     return piece;
   }
 
   void turn(const Piece& piece) {
-    for (const int t : piece.triangles) turned_[std::size_t(t)] = !turned_[std::size_t(t)];
+    for (const int t : piece.triangles) turned_[t] = !turned_[t];
   }
 
   void turn_fewest(const Piece& piece) {
-    const auto count = std::ranges::count_if(piece.triangles, [&](int t) { return turned_[std::size_t(t)]; });
+    const auto count = std::ranges::count_if(piece.triangles, [&](int t) { return turned_[t]; });
     if (2 * std::size_t(count) > piece.triangles.size()) turn(piece);
   }
 
@@ -104,7 +104,7 @@ class Orientation {
     for (std::size_t i = 0; i < shells.size(); ++i) {
       items.push_back(int(i));
       for (const int t : shells[i].triangles)
-        for (const int v : complex_.triangles[std::size_t(t)]) boxes[i] = united(boxes[i], {x(v), x(v)});
+        for (const int v : complex_.triangles[t]) boxes[i] = united(boxes[i], {x(v), x(v)});
     }
     const BoxTree tree(boxes, std::move(items));
     std::vector<std::size_t> wrong;
@@ -119,7 +119,7 @@ class Orientation {
             return (box.lo.array() <= boxes[i].lo.array()).all() &&
                    (box.hi.array() >= boxes[i].hi.array()).all();
           },
-          [&](int j) { depth += j != int(i) && is_inside(place, shells[std::size_t(j)]); });
+          [&](int j) { depth += j != int(i) && is_inside(place, shells[j]); });
       if ((volume > 0) != (depth % 2 == 0)) wrong.push_back(i);
     }
     for (const std::size_t i : wrong) {
@@ -130,7 +130,7 @@ class Orientation {
 
   // Enclosed volume [m^3]; 0 if rounding could have made it.
   double volume_of(const Piece& shell) const {
-    const Vec3& origin = x(complex_.triangles[std::size_t(shell.triangles.front())][0]);
+    const Vec3& origin = x(complex_.triangles[shell.triangles.front()][0]);
     double sum = 0, scale = 0;
     for (const int t : shell.triangles) {
       const auto [a, b, c] = corners(t);

@@ -24,27 +24,26 @@ Pieces connected_pieces(const SimplicialComplex& complex) {
   std::vector<int> parent(complex.vertices.size());  // never above its vertex: roots are the lowest of pieces
   std::iota(parent.begin(), parent.end(), 0);
   const auto root = [&](int v) {
-    while (parent[std::size_t(v)] != v)
-      v = parent[std::size_t(v)] = parent[std::size_t(parent[std::size_t(v)])];
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
     return v;
   };
   for (const auto& [a, b] : complex.edges) {
     const int i = root(a), j = root(b);
-    parent[std::size_t(std::max(i, j))] = std::min(i, j);
+    parent[std::max(i, j)] = std::min(i, j);
   }
   Pieces out;
   out.of_vertex.resize(parent.size());
   for (int v = 0; v < int(parent.size()); ++v) {
     const int first = root(v);
     if (first == v) {
-      out.of_vertex[std::size_t(v)] = int(out.vertex.size());
+      out.of_vertex[v] = int(out.vertex.size());
       out.vertex.push_back(v);
       out.box.emplace_back();
     } else {
-      out.of_vertex[std::size_t(v)] = out.of_vertex[std::size_t(first)];
+      out.of_vertex[v] = out.of_vertex[first];
     }
-    const Vec3& x = complex.vertices[std::size_t(v)];
-    Box& box = out.box[std::size_t(out.of_vertex[std::size_t(v)])];
+    const Vec3& x = complex.vertices[v];
+    Box& box = out.box[out.of_vertex[v]];
     box.lo = box.lo.cwiseMin(x), box.hi = box.hi.cwiseMax(x);
   }
   return out;
@@ -79,9 +78,8 @@ bool is_inside(const SimplicialComplex& solid, const Pieces& pieces, const Vec3&
   if (!any) return false;
   int turns = 0;
   for (const auto& [i, j, k] : solid.triangles)
-    if (counts[std::size_t(pieces.of_vertex[std::size_t(i)])])
-      turns += crossing(p, solid.vertices[std::size_t(i)], solid.vertices[std::size_t(j)],
-                        solid.vertices[std::size_t(k)]);
+    if (counts[pieces.of_vertex[i]])
+      turns += crossing(p, solid.vertices[i], solid.vertices[j], solid.vertices[k]);
   return turns > 0;  // (CPX-13)
 }
 

@@ -98,7 +98,7 @@ class EarCutter {
   }
 
  private:
-  const Vec2& x(int i) const { return points_[std::size_t(i)]; }
+  const Vec2& x(int i) const { return points_[i]; }
   std::size_t next(std::size_t i) const { return i + 1 == ring_.size() ? 0 : i + 1; }
   std::size_t previous(std::size_t i) const { return i == 0 ? ring_.size() - 1 : i - 1; }
 
@@ -143,7 +143,7 @@ bool in_circle(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& p) {
 }
 
 void make_delaunay(const std::vector<Vec2>& points, Triangles& triangles) {
-  const auto x = [&](int i) -> const Vec2& { return points[std::size_t(i)]; };
+  const auto x = [&](int i) -> const Vec2& { return points[i]; };
   for (std::size_t pass = 0, flips = 1; flips > 0 && pass < 4 * triangles.size() + 8; ++pass) {
     flips = 0;
     std::vector<HalfEdge> half;
@@ -182,8 +182,8 @@ Vec2 nearest_on_segment(const Vec2& a, const Vec2& b, const Vec2& x) {
 double twice_area(const std::vector<Vec2>& points, const std::vector<int>& loop) {
   double sum = 0;
   for (std::size_t i = 0; i < loop.size(); ++i) {
-    const Vec2 a = points[std::size_t(loop[i])] - points[std::size_t(loop[0])],
-               b = points[std::size_t(loop[(i + 1) % loop.size()])] - points[std::size_t(loop[0])];
+    const Vec2 a = points[loop[i]] - points[loop[0]],
+               b = points[loop[(i + 1) % loop.size()]] - points[loop[0]];
     sum += cross(a, b);
   }
   return sum;
@@ -197,7 +197,7 @@ std::optional<Triangles> triangulate(const std::vector<Vec2>& points,
   for (std::size_t i = 1; i < loops.size(); ++i) holes.push_back(i);
   const auto rightmost = [&](std::size_t i) {
     double at = -kInf;
-    for (int k : loops[i]) at = std::max(at, points[std::size_t(k)].x());
+    for (int k : loops[i]) at = std::max(at, points[k].x());
     return -at;
   };
   std::ranges::stable_sort(holes, {}, rightmost);

@@ -26,7 +26,7 @@ void add_quad(Triangles& triangles, int a, int b, int c, int d) {
 SimplicialComplex subdivided(const SimplicialComplex& complex) {
   std::vector<Vec3> vertices = complex.vertices;
   for (const auto& [a, b] : complex.edges) {
-    vertices.push_back((complex.vertices[std::size_t(a)] + complex.vertices[std::size_t(b)]) / 2);
+    vertices.push_back((complex.vertices[a] + complex.vertices[b]) / 2);
   }
   Triangles triangles;
   const int n = int(complex.vertices.size());
@@ -95,7 +95,7 @@ SimplicialComplex make_box(double x, double y, double z, int subdivisions) {
                             -1);  // of the lattice points on the surface
   const auto vertex = [&](const Eigen::Vector3i& at) {
     const int place = (at.z() * (n + 1) + at.y()) * (n + 1) + at.x();
-    int& index = index_of[std::size_t(place)];
+    int& index = index_of[place];
     if (index < 0) {
       index = int(vertices.size());
       vertices.push_back(size.cwiseProduct(at.cast<double>() / n - Vec3::Constant(0.5)));

@@ -85,8 +85,7 @@ std::vector<std::array<int, 2>> self_intersections(const SimplicialComplex& comp
 
   std::vector<std::array<int, 2>> pairs;
   BoxTree(std::move(boxes), std::move(with_area)).for_each_pair([&](int i, int j) {
-    if (pairs.size() < limit && meet(corners[std::size_t(i)], corners[std::size_t(j)]))
-      pairs.push_back({i, j});
+    if (pairs.size() < limit && meet(corners[i], corners[j])) pairs.push_back({i, j});
     return pairs.size() < limit;
   });
   std::sort(pairs.begin(), pairs.end());

@@ -54,7 +54,7 @@ Incidence incidence(std::size_t row_count, const std::vector<std::array<int, N>>
   result.items.resize(corners.size() * N);
   std::vector<int> next = result.begin;
   for (std::size_t i = 0; i < corners.size(); ++i)
-    for (const int row : corners[i]) result.items[std::size_t(next[std::size_t(row)]++)] = int(i);
+    for (const int row : corners[i]) result.items[next[row]++] = int(i);
   return result;
 }
 
@@ -118,8 +118,7 @@ SimplicialComplex make_complex(std::vector<Vec3> vertices, std::vector<std::arra
       complex.edge_triangles.begin.push_back(complex.edge_triangles.begin.back());
     }
     if (half.triangle < 0) continue;
-    complex.triangle_edges[std::size_t(half.triangle)][std::size_t(half.side)] =
-        int(complex.edges.size()) - 1;
+    complex.triangle_edges[half.triangle][half.side] = int(complex.edges.size()) - 1;
     complex.edge_triangles.items.push_back(half.triangle);
     ++complex.edge_triangles.begin.back();
   }
@@ -131,9 +130,9 @@ SimplicialComplex make_complex(std::vector<Vec3> vertices, std::vector<std::arra
 }
 
 bool runs_upwards(const SimplicialComplex& complex, int t, int e) {
-  const auto& sides = complex.triangle_edges[std::size_t(t)];
+  const auto& sides = complex.triangle_edges[t];
   const auto side = std::size_t(std::find(sides.begin(), sides.end(), e) - sides.begin());
-  return complex.triangles[std::size_t(t)][side] == complex.edges[std::size_t(e)][0];
+  return complex.triangles[t][side] == complex.edges[e][0];
 }
 
 bool is_closed_oriented(const SimplicialComplex& complex) {
@@ -144,9 +143,9 @@ double signed_volume(const SimplicialComplex& complex) {
   double six_volumes = 0;
   for (const auto& [a, b, c] : complex.triangles) {
     const Vec3& origin = complex.vertices[0];  // near the part, so that a far frame costs no digits
-    const Vec3 to_a = complex.vertices[std::size_t(a)] - origin;
-    const Vec3 to_b = complex.vertices[std::size_t(b)] - origin;
-    const Vec3 to_c = complex.vertices[std::size_t(c)] - origin;
+    const Vec3 to_a = complex.vertices[a] - origin;
+    const Vec3 to_b = complex.vertices[b] - origin;
+    const Vec3 to_c = complex.vertices[c] - origin;
     six_volumes += to_a.dot(to_b.cross(to_c));
   }
   return six_volumes / 6;

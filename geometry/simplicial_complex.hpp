@@ -16,7 +16,7 @@ struct Incidence {
   std::vector<int> begin{};
   std::vector<int> items{};
   std::span<const int> operator[](int row) const {
-    return {items.data() + begin[std::size_t(row)], items.data() + begin[std::size_t(row) + 1]};
+    return {items.data() + begin[row], items.data() + begin[std::size_t(row) + 1]};
   }
 };
 

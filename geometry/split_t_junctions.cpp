@@ -48,9 +48,8 @@ std::vector<int> open_edges(const SimplicialComplex& complex) {
 }
 
 bool on_a_triangle_at(const SimplicialComplex& complex, int edge, int vertex) {
-  return std::ranges::any_of(complex.edge_triangles[edge], [&](int t) {
-    return std::ranges::count(complex.triangles[std::size_t(t)], vertex) > 0;
-  });
+  return std::ranges::any_of(complex.edge_triangles[edge],
+                             [&](int t) { return std::ranges::count(complex.triangles[t], vertex) > 0; });
 }
 
 // The vertices of open edges that lie on open edges, sorted along each; none if there are so many of them
@@ -60,24 +59,23 @@ std::vector<OnEdge> candidates(const SimplicialComplex& complex, const std::vect
   const std::size_t most = 1000 + 16 * open.size();
   std::vector<int> vertices;
   for (const int e : open)
-    for (const int end : complex.edges[std::size_t(e)]) vertices.push_back(end);
+    for (const int end : complex.edges[e]) vertices.push_back(end);
   std::ranges::sort(vertices);
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
   std::vector<Box> boxes(complex.vertices.size());
-  for (const int v : vertices)
-    boxes[std::size_t(v)] = {complex.vertices[std::size_t(v)], complex.vertices[std::size_t(v)]};
+  for (const int v : vertices) boxes[v] = {complex.vertices[v], complex.vertices[v]};
   const BoxTree tree(std::move(boxes), std::move(vertices));
 
   std::vector<OnEdge> found;
   for (const int e : open) {
-    const auto& ends = complex.edges[std::size_t(e)];
-    const Segment segment{complex.vertices[std::size_t(ends[0])], complex.vertices[std::size_t(ends[1])]};
+    const auto& ends = complex.edges[e];
+    const Segment segment{complex.vertices[ends[0]], complex.vertices[ends[1]]};
     const Vec3 d = segment.b - segment.a;
     const double length = d.stableNorm();
     tree.for_each([&](const Box& box) { return passes(segment, box, tolerance); },
                   [&](int v) {
                     if (v == ends[0] || v == ends[1] || found.size() > most) return;
-                    const Vec3 to_v = complex.vertices[std::size_t(v)] - segment.a;
+                    const Vec3 to_v = complex.vertices[v] - segment.a;
                     const double s = to_v.dot(d / length) / length;
                     const double distance = (to_v - s * d).norm();
                     if (s > 0 && s < 1 && distance <= tolerance && !on_a_triangle_at(complex, e, v))
@@ -111,8 +109,8 @@ std::vector<OnEdge> meeting(const SimplicialComplex& complex, const std::vector<
   std::vector<Piece> pieces;
   for_each_edge(open, on, [&](int e, std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i <= end; ++i) {
-      const int p = i == begin ? complex.edges[std::size_t(e)][0] : on[i - 1].vertex;
-      const int q = i == end ? complex.edges[std::size_t(e)][1] : on[i].vertex;
+      const int p = i == begin ? complex.edges[e][0] : on[i - 1].vertex;
+      const int q = i == end ? complex.edges[e][1] : on[i].vertex;
       pieces.push_back({{std::min(p, q), std::max(p, q)}, i, e});
     }
   });
@@ -161,9 +159,9 @@ void cut(const Triangle& corners, const Inserted& on, std::vector<Triangle>& pie
 Inserted on_sides(const SimplicialComplex& complex, int t, const std::vector<std::vector<int>>& on_edge) {
   Inserted on;
   for (std::size_t k = 0; k < 3; ++k) {
-    const int e = complex.triangle_edges[std::size_t(t)][k];
-    on[k] = on_edge[std::size_t(e)];
-    if (complex.triangles[std::size_t(t)][k] != complex.edges[std::size_t(e)][0]) std::ranges::reverse(on[k]);
+    const int e = complex.triangle_edges[t][k];
+    on[k] = on_edge[e];
+    if (complex.triangles[t][k] != complex.edges[e][0]) std::ranges::reverse(on[k]);
   }
   return on;
 }
@@ -199,8 +197,8 @@ Split split_t_junctions(const SimplicialComplex& complex, double tolerance) {
   }
   std::vector<std::vector<int>> on_edge(complex.edges.size());
   for (const OnEdge& o : on) {
-    on_edge[std::size_t(o.edge)].push_back(o.vertex);
-    out.inserted.add(complex.vertices[std::size_t(o.vertex)], o.distance);
+    on_edge[o.edge].push_back(o.vertex);
+    out.inserted.add(complex.vertices[o.vertex], o.distance);
   }
   std::vector<Triangle> triangles;
   for (std::size_t t = 0; t < complex.triangles.size(); ++t)

@@ -56,7 +56,7 @@ SurfaceTree::SurfaceTree(const SimplicialComplex& complex) : complex_(complex) {
   for (std::size_t t = 0; t < n; ++t) {
     std::array<Vec3, 3> x;
     for (std::size_t k = 0; k < 3; ++k) {
-      x[k] = complex.vertices[std::size_t(complex.triangles[t][k])];
+      x[k] = complex.vertices[complex.triangles[t][k]];
       boxes[t].lo = boxes[t].lo.cwiseMin(x[k]);
       boxes[t].hi = boxes[t].hi.cwiseMax(x[k]);
     }
@@ -64,8 +64,7 @@ SurfaceTree::SurfaceTree(const SimplicialComplex& complex) : complex_(complex) {
     normal_[t] = (x[1] - x[0]).cross(x[2] - x[0]).stableNormalized();
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3 d = x[(k + 1) % 3] - x[k], e = x[(k + 2) % 3] - x[k];
-      vertex_normal_[std::size_t(complex.triangles[t][k])] +=
-          std::atan2(d.cross(e).norm(), d.dot(e)) * normal_[t];
+      vertex_normal_[complex.triangles[t][k]] += std::atan2(d.cross(e).norm(), d.dot(e)) * normal_[t];
     }
   }
   items_.resize(n);
@@ -76,7 +75,7 @@ SurfaceTree::SurfaceTree(const SimplicialComplex& complex) : complex_(complex) {
 int SurfaceTree::build(int begin, int end, const std::vector<Box>& boxes, const std::vector<Vec3>& centres) {
   Node made{{}, begin, end};
   for (int k = begin; k < end; ++k) {
-    const Box& box = boxes[std::size_t(items_[std::size_t(k)])];
+    const Box& box = boxes[items_[k]];
     made.box.lo = made.box.lo.cwiseMin(box.lo);
     made.box.hi = made.box.hi.cwiseMax(box.hi);
   }
@@ -87,12 +86,12 @@ int SurfaceTree::build(int begin, int end, const std::vector<Box>& boxes, const 
   (made.box.hi - made.box.lo).maxCoeff(&axis);
   const int middle = begin + (end - begin) / 2;
   std::nth_element(items_.begin() + begin, items_.begin() + middle, items_.begin() + end, [&](int i, int j) {
-    const double x = centres[std::size_t(i)][axis], y = centres[std::size_t(j)][axis];
+    const double x = centres[i][axis], y = centres[j][axis];
     return x != y ? x < y : i < j;
   });
   const int left = build(begin, middle, boxes, centres), right = build(middle, end, boxes, centres);
-  nodes_[std::size_t(index)].left = left;
-  nodes_[std::size_t(index)].right = right;
+  nodes_[index].left = left;
+  nodes_[index].right = right;
   return index;
 }
 
@@ -105,20 +104,19 @@ SurfacePoint SurfaceTree::nearest(const Vec3& p) const {
     const auto [lower, index] = stack.back();
     stack.pop_back();
     if (lower >= best2) continue;
-    const Node& node = nodes_[std::size_t(index)];
+    const Node& node = nodes_[index];
     if (node.left >= 0) {
-      std::pair<double, int> near{squared_distance(nodes_[std::size_t(node.left)].box, p), node.left},
-          far{squared_distance(nodes_[std::size_t(node.right)].box, p), node.right};
+      std::pair<double, int> near{squared_distance(nodes_[node.left].box, p), node.left},
+          far{squared_distance(nodes_[node.right].box, p), node.right};
       if (far.first < near.first) std::swap(near, far);
       stack.push_back(far);
       stack.push_back(near);
       continue;
     }
     for (int k = node.begin; k < node.end; ++k) {
-      const int t = items_[std::size_t(k)];
-      const auto& [i, j, l] = complex_.triangles[std::size_t(t)];
-      const Vec3 &a = complex_.vertices[std::size_t(i)], &b = complex_.vertices[std::size_t(j)],
-                 &c = complex_.vertices[std::size_t(l)];
+      const int t = items_[k];
+      const auto& [i, j, l] = complex_.triangles[t];
+      const Vec3 &a = complex_.vertices[i], &b = complex_.vertices[j], &c = complex_.vertices[l];
       const Vec3 w = nearest_weights(p, a, b, c);
       const Vec3 x = w[0] * a + w[1] * b + w[2] * c;
       const double d2 = (x - p).squaredNorm();
@@ -139,11 +137,11 @@ SurfacePoint SurfaceTree::nearest(const Vec3& p) const {
 }
 
 double SurfaceTree::signed_distance(const Vec3& p, const SurfacePoint& foot) const {
-  Vec3 n = normal_[std::size_t(foot.triangle)];
-  if (foot.dim == 0) n = vertex_normal_[std::size_t(foot.simplex)];
+  Vec3 n = normal_[foot.triangle];
+  if (foot.dim == 0) n = vertex_normal_[foot.simplex];
   if (foot.dim == 1) {
     n = Vec3::Zero();
-    for (int t : complex_.edge_triangles[foot.simplex]) n += normal_[std::size_t(t)];
+    for (int t : complex_.edge_triangles[foot.simplex]) n += normal_[t];
   }
   return (p - foot.x).dot(n) < 0 ? -foot.distance : foot.distance;
 }
@@ -155,7 +153,7 @@ std::optional<double> SurfaceTree::first_exit(const Vec3& origin, const Vec3& di
   for (double& d : inverse) d = 1 / (d == 0 ? 1e-290 : d);
   std::vector<int> stack = {0};
   while (!stack.empty()) {
-    const Node& node = nodes_[std::size_t(stack.back())];
+    const Node& node = nodes_[stack.back()];
     stack.pop_back();
     if (!meets(node.box, origin, inverse, to)) continue;
     if (node.left >= 0) {
@@ -163,13 +161,13 @@ std::optional<double> SurfaceTree::first_exit(const Vec3& origin, const Vec3& di
       continue;
     }
     for (int k = node.begin; k < node.end; ++k) {
-      const int t = items_[std::size_t(k)];
+      const int t = items_[k];
       const Vec3& n = normal(t);
       const double slope = n.dot(direction);
       if (slope <= least_cosine) continue;
-      const auto& corners = complex_.triangles[std::size_t(t)];
+      const auto& corners = complex_.triangles[t];
       std::array<Vec3, 3> x;
-      for (std::size_t i = 0; i < 3; ++i) x[i] = complex_.vertices[std::size_t(corners[i])];
+      for (std::size_t i = 0; i < 3; ++i) x[i] = complex_.vertices[corners[i]];
       const double length = n.dot(x[0] - origin) / slope;
       if (!(length > from) || length >= to) continue;
       const Vec3 hit = origin + length * direction;

@@ -37,7 +37,7 @@ class SurfaceTree {
   std::optional<double> first_exit(const Vec3& origin, const Vec3& direction, double from,
                                    double least_cosine) const;
 
-  const Vec3& normal(int triangle) const { return normal_[std::size_t(triangle)]; }  // unit; 0: no area
+  const Vec3& normal(int triangle) const { return normal_[triangle]; }  // unit; 0: no area
 
  private:
   struct Node {

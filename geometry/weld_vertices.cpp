@@ -15,35 +15,35 @@ bool comes_before(const Vec3& x, const Vec3& y) {
 // For each vertex the one that stands for it (CPX-7). In the order of the coordinates, so that the numbering
 // of the vertices has no say, each free vertex takes the free ones around it.
 std::vector<int> leaders(const std::vector<Vec3>& vertices, double tolerance) {
-  const auto at = [&](int i) -> const Vec3& { return vertices[std::size_t(i)]; };
+  const auto at = [&](int i) -> const Vec3& { return vertices[i]; };
   std::vector<int> leader = first_at_same_place(vertices);
   if (tolerance <= 0) return leader;
   std::vector<int> places;
   std::vector<Box> boxes;
   for (int i = 0; i < int(vertices.size()); ++i) {
     boxes.push_back({at(i), at(i)});
-    if (leader[std::size_t(i)] == i) places.push_back(i);
+    if (leader[i] == i) places.push_back(i);
   }
   const BoxTree tree(std::move(boxes), places);
   std::ranges::sort(places, [&](int i, int j) { return comes_before(at(i), at(j)); });
   std::vector<int> taken_by(vertices.size(), -1);
   for (const int i : places) {
-    if (taken_by[std::size_t(i)] >= 0) continue;
+    if (taken_by[i] >= 0) continue;
     const Box around{at(i) - Vec3::Constant(tolerance), at(i) + Vec3::Constant(tolerance)};
     tree.for_each([&](const Box& box) { return overlap(box, around); },
                   [&](int j) {
-                    int& taken = taken_by[std::size_t(j)];
+                    int& taken = taken_by[j];
                     if (taken < 0 && (at(j) - at(i)).norm() <= tolerance) taken = i;
                   });
   }
-  for (int& place : leader) place = taken_by[std::size_t(place)];
+  for (int& place : leader) place = taken_by[place];
   return leader;
 }
 
 template <std::size_t N>
 Vec3 centre(const std::vector<Vec3>& vertices, const std::array<int, N>& corners) {
   Vec3 sum = Vec3::Zero();
-  for (const int corner : corners) sum += vertices[std::size_t(corner)];
+  for (const int corner : corners) sum += vertices[corner];
   return sum / double(N);
 }
 
@@ -54,7 +54,7 @@ std::vector<std::array<int, N>> renumbered(const std::vector<std::array<int, N>>
                                            RepairStep& collapsed) {
   std::vector<std::array<int, N>> kept;
   for (std::array<int, N> simplex : simplices) {
-    for (int& corner : simplex) corner = vertex[std::size_t(corner)];
+    for (int& corner : simplex) corner = vertex[corner];
     bool repeats = false;
     for (std::size_t k = 0; k < N; ++k) repeats |= simplex[k] == simplex[(k + 1) % N];
     if (repeats)
@@ -110,8 +110,7 @@ Distinct drop_duplicate_triangles(const SimplicialComplex& complex) {
   }
   std::ranges::sort(all);
   std::vector<bool> repeated(all.size());
-  for (std::size_t i = 1; i < all.size(); ++i)
-    repeated[std::size_t(all[i].triangle)] = all[i].sorted == all[i - 1].sorted;
+  for (std::size_t i = 1; i < all.size(); ++i) repeated[all[i].triangle] = all[i].sorted == all[i - 1].sorted;
 
   Distinct out;
   std::vector<std::array<int, 3>> kept;

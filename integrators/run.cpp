@@ -19,8 +19,7 @@ namespace {
 void check_joints(const Model& model, const State& state, double tolerance) {
   const std::string bound = "be at most " + number_text(tolerance) + "; see consistent()";
   for (int j = 0; j < int(model.joints.size()); ++j) {
-    const std::string who =
-        "start: joint " + std::to_string(j) + " (" + model.joints[std::size_t(j)].name + "): ";
+    const std::string who = "start: joint " + std::to_string(j) + " (" + model.joints[j].name + "): ";
     const JointError error = joint_error(model, state, j);
     require_field(error.translation <= tolerance, (who + "translation error [m]").c_str(), error.translation,
                   bound.c_str());
@@ -44,7 +43,7 @@ void check_size(const std::string& who, const MatX& A, Eigen::Index rows, Eigen:
 
 void check_coordinates(const Model& model, const State& state) {
   for (int i = 0; i < int(model.coordinates.size()); ++i) {
-    const Coordinates& block = model.coordinates[std::size_t(i)];
+    const Coordinates& block = model.coordinates[i];
     const std::string who = "coordinates " + std::to_string(i) + " (" + block.name + "): ";
     const VecX q = coordinates(model, state, i);
     const MatX M = block.mass(q);
@@ -91,7 +90,7 @@ void validate_start(const Model& model, const State& state, const AdvancementOpt
 }
 
 State consistent(const Model& model, const State& state) {
-  return projected(model, state).state;
+  return projected_state(model, state).state;
 }
 
 VecX consistent_velocity(const Model& model, const State& state) {

@@ -84,7 +84,7 @@ std::vector<int> read_starts(hid_t file, const std::string& name, int outer) {
 
 /// The column (or row) of each entry from the starts of the columns (or rows).
 std::vector<int> outer_of(const std::vector<int>& starts) {
-  std::vector<int> outer(std::size_t(starts.back()));
+  std::vector<int> outer(starts.back());
   for (std::size_t k = 0; k + 1 < starts.size(); ++k)
     std::fill(outer.begin() + starts[k], outer.begin() + starts[k + 1], int(k));
   return outer;

@@ -130,8 +130,8 @@ std::vector<Gauge> model_gauges(const Model& model) {
     for (int i = 0; i < block.size; ++i, ++at)
       add("q:" + block.name + ":" + std::to_string(i), [at](const Frame& f) { return f.state.q[at]; });
   for (int j = 0; j < int(model.joints.size()); ++j)
-    for (int axis = 0; axis < axis_count(model.joints[std::size_t(j)].kind); ++axis)
-      add("joint:" + model.joints[std::size_t(j)].name + ":" + std::to_string(axis),
+    for (int axis = 0; axis < axis_count(model.joints[j].kind); ++axis)
+      add("joint:" + model.joints[j].name + ":" + std::to_string(axis),
           [j, axis](const Frame& f) { return joint_coordinate(f.model, f.state, j, axis); });
   return out;
 }

@@ -19,7 +19,7 @@ hsize_t chunk_bytes(hid_t layout, hsize_t value_size) {
   std::vector<hsize_t> sides(H5S_MAX_RANK);
   const int rank = H5Pget_chunk(layout, int(sides.size()), sides.data());
   hsize_t bytes = value_size;  // below 2^32: HDF5 makes and reads no larger chunks
-  for (int i = 0; i < rank; ++i) bytes *= sides[std::size_t(i)];
+  for (int i = 0; i < rank; ++i) bytes *= sides[i];
   return bytes;
 }
 
@@ -95,7 +95,7 @@ Hdf5Silence::~Hdf5Silence() {
 hsize_t value_count(hid_t space) {
   if (H5Sget_simple_extent_type(space) != H5S_SIMPLE) return H5Sget_simple_extent_type(space) == H5S_SCALAR;
   std::vector<hsize_t> sides(H5S_MAX_RANK);
-  sides.resize(std::size_t(std::max(H5Sget_simple_extent_dims(space, sides.data(), nullptr), 0)));
+  sides.resize(std::max(H5Sget_simple_extent_dims(space, sides.data(), nullptr), 0));
   if (std::ranges::count(sides, hsize_t{0}) > 0) return 0;
   hsize_t values = 1;
   for (const hsize_t side : sides) values = side > kManyValues / values ? kManyValues : values * side;

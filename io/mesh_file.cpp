@@ -57,10 +57,10 @@ void renumber(MeshFile& mesh, const std::vector<int>& new_index) {
     if (new_index[i] == int(kept.size())) kept.push_back(mesh.vertices[i]);
   mesh.vertices = std::move(kept);
   for (auto& triangle : mesh.triangles)
-    for (int& vertex : triangle) vertex = new_index[std::size_t(vertex)];
+    for (int& vertex : triangle) vertex = new_index[vertex];
   for (auto& wire : mesh.wires)
-    for (int& vertex : wire) vertex = new_index[std::size_t(vertex)];
-  for (int& point : mesh.points) point = new_index[std::size_t(point)];
+    for (int& vertex : wire) vertex = new_index[vertex];
+  for (int& point : mesh.points) point = new_index[point];
 }
 
 void drop_collapsed(MeshFile& mesh) {
@@ -78,10 +78,10 @@ void settle_points(MeshFile& mesh) {
                              mesh.notes.collapsed_triangles + mesh.notes.collapsed_wires == 0;
   std::vector<bool> in_simplex(n), is_point(n, only_vertices);
   for (const auto& triangle : mesh.triangles)
-    for (const int vertex : triangle) in_simplex[std::size_t(vertex)] = true;
+    for (const int vertex : triangle) in_simplex[vertex] = true;
   for (const auto& wire : mesh.wires)
-    for (const int vertex : wire) in_simplex[std::size_t(vertex)] = true;
-  for (const int point : mesh.points) is_point[std::size_t(point)] = true;
+    for (const int vertex : wire) in_simplex[vertex] = true;
+  for (const int point : mesh.points) is_point[point] = true;
 
   mesh.points.clear();
   std::vector<int> new_index(n, -1);
@@ -117,8 +117,7 @@ void weld(MeshFile& mesh) {
   const std::vector<int> first = first_at_same_place(mesh.vertices);
   std::vector<int> new_index(n);
   int kept = 0;
-  for (std::size_t i = 0; i < n; ++i)
-    new_index[i] = first[i] == int(i) ? kept++ : new_index[std::size_t(first[i])];
+  for (std::size_t i = 0; i < n; ++i) new_index[i] = first[i] == int(i) ? kept++ : new_index[first[i]];
   mesh.notes.welded_vertices += int(n) - kept;
   renumber(mesh, new_index);
   drop_collapsed(mesh);

@@ -143,7 +143,7 @@ class PlyReader {
   void check(const Element& element) {
     const auto demand = [&](const char* name, bool list) {
       const int k = element.find(name);
-      if (k < 0 || element.properties[std::size_t(k)].count_type.has_value() != list)
+      if (k < 0 || element.properties[k].count_type.has_value() != list)
         in_.fail_at(element.line, "element '" + element.name + "' must have a " +
                                       (list ? "list property '" : "number property '") + name + "'");
     };
@@ -174,7 +174,7 @@ class PlyReader {
     std::vector<std::vector<double>> row(element.properties.size());  // one value each, or those of a list
     for (row_ = 0; row_ < element.count; ++row_) {
       read_row(row);
-      const auto values = [&](const char* name) { return std::span(row[std::size_t(element.find(name))]); };
+      const auto values = [&](const char* name) { return std::span(row[element.find(name)]); };
       if (element.name == "vertex") {
         mesh_.vertices.emplace_back(finite(values("x")[0], "x"), finite(values("y")[0], "y"),
                                     finite(values("z")[0], "z"));

@@ -21,7 +21,7 @@ RunMesh run_mesh(const SimplicialComplex& complex) {
 // Where it is; what it did is in the report of a step.
 RunJoint run_joint(const Model& model, const State& state, int index) {
   RunJoint out;
-  for (int axis = 0; axis < axis_count(model.joints[std::size_t(index)].kind); ++axis) {
+  for (int axis = 0; axis < axis_count(model.joints[index].kind); ++axis) {
     out.coordinate[axis] = joint_coordinate(model, state, index, axis);
     out.speed[axis] = joint_speed(model, state, index, axis);
   }
@@ -57,7 +57,7 @@ RunHeader run_header(const Model& model) {
     RunBody row{body.name, {},        body.g_bs,   std::holds_alternative<Fixed>(body.motion),
                 0,         body.mass, body.inertia};
     if (body.shape >= 0) {
-      const LmdShape& shape = *model.shapes[std::size_t(body.shape)];
+      const LmdShape& shape = *model.shapes[body.shape];
       const bool first = mesh_of_shape.emplace(body.shape, body.name).second;
       if (first) {
         require(header.meshes.count(body.name) == 0, "run_header: two bodies are named '" + body.name + "'");
@@ -86,7 +86,7 @@ RunStep run_step(std::int64_t step, const Model& model, const State& state, cons
   row.q = state.q;
   row.q_speed = state.v.tail(state.v.size() - of_bodies);
   for (int b = 0; b < int(model.bodies.size()); ++b)
-    if (deforms(model.bodies[std::size_t(b)]))
+    if (deforms(model.bodies[b]))
       std::ranges::move(deformed_vertices(model, state, b), std::back_inserter(row.vertices));
   for (int i = 0; i < int(model.joints.size()); ++i) row.joints.push_back(run_joint(model, state, i));
   const Energy now = energy(model, state);

@@ -176,7 +176,7 @@ std::int64_t Recording::steps() const {
 double Recording::total(const std::string& name) const {
   const auto found = std::ranges::find(impl_->gauges, name, &Gauge::total);
   require(!name.empty() && found != impl_->gauges.end(), "Recording::total: no gauge keeps '" + name + "'");
-  return impl_->total[std::size_t(found - impl_->gauges.begin())];
+  return impl_->total[found - impl_->gauges.begin()];
 }
 
 const RunTotals& Recording::totals() const {

@@ -6,11 +6,17 @@
 #include <functional>
 #include <limits>
 
-#include "geometry/check.hpp"
+#include "geometry/settings.hpp"
 #include "geometry/simplicial_complex.hpp"
 #include "io/html_page.hpp"
 
 namespace aussois {
+
+void describe(SettingVisitor& visit, ReplayOptions& o) {
+  visit.begin("ReplayOptions");
+  visit.count({"max_frames", "poses and contacts shown", "", at_least(2)}, o.max_frames);
+  visit.count({"max_plot_points", "points of a curve", "", at_least(2)}, o.max_plot_points);
+}
 
 namespace {
 
@@ -40,9 +46,7 @@ struct ShownContact {
   Vec3 point, normal, force;
 };
 ShownContact shown(const RunHeader& header, const RunStep& step, const RunContact& contact) {
-  const auto fixed = [&](int side) {
-    return header.bodies[std::size_t(contact.pair[std::size_t(side)])].fixed;
-  };
+  const auto fixed = [&](int side) { return header.bodies[contact.pair[side]].fixed; };
   const Vec3 force = step.h > 0 ? Vec3(contact.impulse / step.h) : Vec3::Zero();
   if (fixed(0) && !fixed(1)) return {contact.point_b, -contact.normal, -force};
   return {contact.point, contact.normal, force};
@@ -228,9 +232,7 @@ Vec3 origin_of(const RunHeader& header, const RunStep& start) {
 /// One pass over the steps, `step_of(row)` for each in order.
 void write_page_of(const std::filesystem::path& html, const RunHeader& header, std::size_t steps,
                    const std::function<const RunStep&(std::size_t)>& step_of, const ReplayOptions& options) {
-  require_field(options.max_frames >= 2, "ReplayOptions::max_frames", options.max_frames, "be at least 2");
-  require_field(options.max_plot_points >= 2, "ReplayOptions::max_plot_points", options.max_plot_points,
-                "be at least 2");
+  check_ranges(options);
   require(steps > 0, "write_replay_html: the run has no steps");
   validate(header);
   const std::vector<std::size_t> rows = frame_rows(steps, options.max_frames);

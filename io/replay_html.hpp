@@ -8,10 +8,13 @@
 
 namespace aussois {
 
+class SettingVisitor;
+
 struct ReplayOptions {
   int max_frames = 600;        // poses and contacts shown; more are thinned evenly, which the page says; >= 2
   int max_plot_points = 4000;  // per curve; beyond that, each point keeps the worst value of its bucket; >= 2
 };
+void describe(SettingVisitor& visit, ReplayOptions& options);
 
 /// Writes the page atomically (see write_whole_file). Coordinates are moved near the origin before they
 /// become float32. Throws std::invalid_argument for a run without steps or a bad option, std::runtime_error

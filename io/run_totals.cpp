@@ -71,7 +71,7 @@ void add(const Frame& frame, int threads, RunTotals& totals) {
 std::vector<std::string> names_of_skipped(const Model& model) {
   std::vector<std::string> out;
   for (const auto& [a, b] : skipped_pairs(model))
-    out.push_back(model.bodies[std::size_t(a)].name + " and " + model.bodies[std::size_t(b)].name);
+    out.push_back(model.bodies[a].name + " and " + model.bodies[b].name);
   return out;
 }
 

@@ -332,8 +332,7 @@ class Check {
     for (const BaseSimplex& simplex : s_.rest) {
       expect(simplex.dim >= 0 && simplex.dim <= 2, "/rest", "has a dimension outside 0, 1, 2");
       for (int k = 0; k <= simplex.dim; ++k)
-        expect(within(simplex.vertex[std::size_t(k)], points), "/rest",
-               "has an index outside the vertices of the mesh");
+        expect(within(simplex.vertex[k], points), "/rest", "has an index outside the vertices of the mesh");
     }
   }
 
@@ -436,7 +435,7 @@ Mesh before_straightening(hid_t file, Mesh mesh, const std::vector<MovedVertex>&
   for (const MovedVertex& moved : straightened) {
     if (moved.vertex < 0 || std::size_t(moved.vertex) >= mesh.vertices.size())
       fail_hdf5(file, "/straightened", "has an index outside the vertices of the mesh");
-    mesh.vertices[std::size_t(moved.vertex)] = moved.from;
+    mesh.vertices[moved.vertex] = moved.from;
   }
   return mesh;
 }

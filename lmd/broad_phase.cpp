@@ -55,7 +55,7 @@ class Builder {
     std::iota(tree_.order.begin(), tree_.order.end(), 0);
     tree_.nodes.emplace_back();
     if (!boxes.empty()) fill(0, 0, int(boxes.size()));
-    for (int i : tree_.order) tree_.bounds.push_back(bounds_[std::size_t(i)]);
+    for (int i : tree_.order) tree_.bounds.push_back(bounds_[i]);
   }
   Tree tree() && { return std::move(tree_); }
 
@@ -64,8 +64,8 @@ class Builder {
     Node out{.first = begin, .count = end - begin};
     Bounds centres;
     for (int k = begin; k < end; ++k) {
-      const DilatedBox& box = boxes_[std::size_t(tree_.order[std::size_t(k)])];
-      const Bounds& b = bounds_[std::size_t(tree_.order[std::size_t(k)])];
+      const DilatedBox& box = boxes_[tree_.order[k]];
+      const Bounds& b = bounds_[tree_.order[k]];
       out.bounds.add(b.lo, b.hi);
       centres.add(box.centre, box.centre);
       out.moves = out.moves || !box.fixed;
@@ -78,7 +78,7 @@ class Builder {
       fill(out.first, begin, middle);
       fill(out.first + 1, middle, end);
     }
-    tree_.nodes[std::size_t(node)] = out;
+    tree_.nodes[node] = out;
   }
 
   int split_at_median(int begin, int end, const Bounds& centres) {
@@ -87,7 +87,7 @@ class Builder {
     const auto first = tree_.order.begin();
     const int middle = begin + (end - begin) / 2;
     std::nth_element(first + begin, first + middle, first + end, [&](int i, int j) {
-      const double x = boxes_[std::size_t(i)].centre[axis], y = boxes_[std::size_t(j)].centre[axis];
+      const double x = boxes_[i].centre[axis], y = boxes_[j].centre[axis];
       return x != y ? x < y : i < j;
     });
     return middle;
@@ -117,7 +117,7 @@ class Descent {
   void open(IndexPair at, std::vector<IndexPair>& next, Part& part) const {
     ++part.count.node_pairs;
     const auto [i, j] = at;
-    const Node &n = tree_.nodes[std::size_t(i)], &m = tree_.nodes[std::size_t(j)];
+    const Node &n = tree_.nodes[i], &m = tree_.nodes[j];
     if ((!n.moves && !m.moves) || !n.bounds.meets(m.bounds)) return;
     if (i == j && n.count == 0) {
       next.insert(next.end(), {{n.first, n.first}, {n.first + 1, n.first + 1}, {n.first, n.first + 1}});
@@ -134,9 +134,9 @@ class Descent {
  private:
   void test(int p, int q, Part& part) const {
     ++part.count.box_pairs;
-    if (!tree_.bounds[std::size_t(p)].meets(tree_.bounds[std::size_t(q)])) return;
-    const int i = tree_.order[std::size_t(p)], j = tree_.order[std::size_t(q)];
-    if (boxes_[std::size_t(i)].fixed && boxes_[std::size_t(j)].fixed) return;
+    if (!tree_.bounds[p].meets(tree_.bounds[q])) return;
+    const int i = tree_.order[p], j = tree_.order[q];
+    if (boxes_[i].fixed && boxes_[j].fixed) return;
     if (near_(i, j)) part.found.push_back(std::minmax(i, j));
   }
 
@@ -146,7 +146,7 @@ class Descent {
 };
 
 // By counting the pairs of each first index, then sorting its few partners.
-std::vector<IndexPair> sorted(const std::vector<Part>& parts, std::size_t boxes) {
+std::vector<IndexPair> sorted_pairs(const std::vector<Part>& parts, std::size_t boxes) {
   std::vector<std::size_t> begin(boxes + 1, 0);
   for (const Part& part : parts)
     for (const IndexPair& pair : part.found) ++begin[std::size_t(pair.first) + 1];
@@ -154,7 +154,7 @@ std::vector<IndexPair> sorted(const std::vector<Part>& parts, std::size_t boxes)
   std::vector<IndexPair> all(begin.back());
   std::vector<std::size_t> place(begin.begin(), begin.end() - 1);
   for (const Part& part : parts)
-    for (const IndexPair& pair : part.found) all[place[std::size_t(pair.first)]++] = pair;
+    for (const IndexPair& pair : part.found) all[place[pair.first]++] = pair;
   for (std::size_t i = 0; i < boxes; ++i)
     std::sort(all.begin() + std::ptrdiff_t(begin[i]), all.begin() + std::ptrdiff_t(begin[i + 1]));
   return all;
@@ -174,7 +174,7 @@ std::vector<IndexPair> pairs_in_tree(const std::vector<DilatedBox>& boxes, const
   }
   parts.resize(1 + front.size());
   parallel_for(int(front.size()), threads, [&](int k) {
-    std::vector<IndexPair> stack{front[std::size_t(k)]};
+    std::vector<IndexPair> stack{front[k]};
     while (!stack.empty()) {
       const IndexPair at = stack.back();
       stack.pop_back();
@@ -188,7 +188,7 @@ std::vector<IndexPair> pairs_in_tree(const std::vector<DilatedBox>& boxes, const
       statistics->box_pairs += part.count.box_pairs;
     }
   }
-  return sorted(parts, boxes.size());
+  return sorted_pairs(parts, boxes.size());
 }
 
 std::vector<Bounds> bounds_of(const std::vector<DilatedBox>& boxes) {
@@ -288,9 +288,7 @@ double separation(const DilatedBox& a, const DilatedBox& b) {
 
 std::vector<std::pair<int, int>> broad_phase(const std::vector<DilatedBox>& boxes, int threads,
                                              BroadPhaseStatistics* statistics) {
-  const auto near = [&](int i, int j) {
-    return !(separation(boxes[std::size_t(i)], boxes[std::size_t(j)]) > 0);
-  };
+  const auto near = [&](int i, int j) { return !(separation(boxes[i], boxes[j]) > 0); };
   return pairs_in_tree(boxes, bounds_of(boxes), near, threads, statistics);
 }
 
@@ -307,8 +305,7 @@ std::vector<std::pair<int, int>> broad_phase(const std::vector<DilatedBox>& boxe
   parallel_for(int(found.size()), threads, [&](int k) {
     const std::size_t first = std::size_t(k) * kNeighboursOfAPart;
     const std::size_t count = std::min(all.size() - first, std::size_t(kNeighboursOfAPart));
-    std::ranges::copy_if(std::span(all).subspan(first, count), std::back_inserter(found[std::size_t(k)]),
-                         near);
+    std::ranges::copy_if(std::span(all).subspan(first, count), std::back_inserter(found[k]), near);
   });
   scratch.last = std::move(bounds);
   std::vector<IndexPair> pairs;

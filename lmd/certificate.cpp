@@ -53,7 +53,7 @@ MovingSimplex moving(const MovingShape& m, int item, const Instant& now, double 
   out.count = s.dim + 1;
   double reach = 0, speed = 0;
   for (int i = 0; i <= s.dim; ++i) {
-    const auto v = std::size_t(s.vertex[std::size_t(i)]);
+    const auto v = std::size_t(s.vertex[i]);
     out.x[i] = now.R * m.shape->complex.vertices[v] + now.t;
     if (!m.velocity.empty()) out.x[i] += now.since * (now.R * m.velocity[v]);
     const Vec3 arm = out.x[i] - now.centre;
@@ -263,7 +263,7 @@ SimplexLanes simplex_lanes(const LmdShape& shape, const Mat3& R, const Vec3& t, 
   for (int k = 0; k < 4; ++k) {  // lanes beyond repeat the last, edges and points a corner
     const BaseSimplex s = base_simplex(shape, first + std::min(k, count - 1));
     for (int i = 0; i < 3; ++i) {
-      const Vec3 x = R * shape.complex.vertices[std::size_t(s.vertex[std::size_t(std::min(i, s.dim))])] + t;
+      const Vec3 x = R * shape.complex.vertices[s.vertex[std::min(i, s.dim)]] + t;
       out.now[i].x[k] = float(x.x()), out.now[i].y[k] = float(x.y()), out.now[i].z[k] = float(x.z());
     }
   }
@@ -427,10 +427,10 @@ std::vector<Result> over_base_trees(const LmdShape& a, const LmdShape& b, int th
   };
   std::vector<Result> parts(4 * kDescentParts, start);
   parallel_for(int(parts.size()), threads, [&](int i) {
-    const auto [tree_a, first_a] = trees(a)[std::size_t(i / kDescentParts / 2)];
-    const auto [tree_b, first_b] = trees(b)[std::size_t(i / kDescentParts % 2)];
+    const auto [tree_a, first_a] = trees(a)[i / kDescentParts / 2];
+    const auto [tree_b, first_b] = trees(b)[i / kDescentParts % 2];
     if (tree_a->nodes.empty() || tree_b->nodes.empty()) return;
-    descend(*tree_a, *tree_b, first_a, first_b, i % kDescentParts, parts[std::size_t(i)]);
+    descend(*tree_a, *tree_b, first_a, first_b, i % kDescentParts, parts[i]);
   });
   return parts;
 }

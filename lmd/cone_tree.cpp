@@ -53,7 +53,7 @@ class Builder {
   ConeTree take() { return std::move(tree_); }
 
  private:
-  const ConeTreeItem& item(int i) const { return items_[std::size_t(order_[std::size_t(i)])]; }
+  const ConeTreeItem& item(int i) const { return items_[order_[i]]; }
 
   // Principal axes of the corners, or those of the frame where they give the smaller box.
   void box(Bounds& out, int begin, int end) const {
@@ -120,7 +120,7 @@ class Builder {
     for (int i = begin; i < end; ++i) {
       if (item(i).half_angle >= kPi) return;
       const double c = std::min(1.0, axis.dot(item(i).axis)), s = axis.cross(item(i).axis).norm();
-      const auto& [ch, sh] = half_angle_[std::size_t(order_[std::size_t(i)])];
+      const auto& [ch, sh] = half_angle_[order_[i]];
       const double total = c * ch - s * sh;
       if (s * ch + c * sh < 0) return;  // past pi
       if (total < cos) cos = total, sin = s * ch + c * sh;
@@ -150,11 +150,11 @@ class Builder {
   // Sorts the range about its `middle` by (LMD-13): large ranges are cut by position, small ones by
   // direction, so the two flanks of a thread come apart where that makes thin boxes, not before.
   void split(int begin, int middle, int end) {
-    const Vec6 first = place_[std::size_t(order_[std::size_t(begin)])];
+    const Vec6 first = place_[order_[begin]];
     Vec6 sum = Vec6::Zero(), lo = Vec6::Zero(), hi = Vec6::Zero();
     Mat6 S = Mat6::Zero();
     for (int i = begin; i < end; ++i) {
-      const Vec6 d = place_[std::size_t(order_[std::size_t(i)])] - first;
+      const Vec6 d = place_[order_[i]] - first;
       sum += d;
       S += d * d.transpose();
       lo = lo.cwiseMin(d);
@@ -168,12 +168,12 @@ class Builder {
     S.diagonal().maxCoeff(&widest);
     const Vec6 axis = weight.cwiseProduct(S.col(widest));
     for (int i = begin; i < end; ++i) {
-      const auto at = std::size_t(order_[std::size_t(i)]);
+      const auto at = std::size_t(order_[i]);
       key_[at] = axis.dot(place_[at] - first);
     }
     std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
                      [&](int a, int b) {
-                       const double ka = key_[std::size_t(a)], kb = key_[std::size_t(b)];
+                       const double ka = key_[a], kb = key_[b];
                        return ka != kb ? ka < kb : a < b;
                      });
   }

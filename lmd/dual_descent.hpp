@@ -197,7 +197,7 @@ class DualDescent {
       for (std::size_t i = begin; i < list_.size(); ++i) test_.buckets(a, slot(list_[i]));
       return;
     }
-    const ConeNode& below = a_.nodes[std::size_t(a.first())];
+    const ConeNode& below = a_.nodes[a.first()];
     Level& level = levels_[depth_++];
     level.begin = begin, level.end = list_.size(), level.masks = masks_.size(), level.next = 0;
     motion_.move(below, level.node);

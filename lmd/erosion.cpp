@@ -8,8 +8,8 @@
 
 #include <Eigen/Geometry>
 
-#include "geometry/check.hpp"
 #include "geometry/self_intersections.hpp"
+#include "geometry/settings.hpp"
 #include "lmd/erosion_attempt.hpp"
 #include "lmd/erosion_measures.hpp"
 
@@ -28,7 +28,7 @@ std::vector<double> ways(const SimplicialComplex& solid, const std::vector<Fan>&
   std::vector<double> way(solid.vertices.size(), 0);
   for (const WaveVertex& w : wave.vertices)
     for (int f : w.fans) {
-      const auto v = std::size_t(fans[std::size_t(f)].vertex);
+      const auto v = std::size_t(fans[f].vertex);
       if (w.alive) way[v] = std::max(way[v], (w.to - solid.vertices[v]).norm());
     }
   return way;
@@ -42,35 +42,35 @@ std::vector<std::vector<Rounded>> rounded_parts(const SimplicialComplex& solid, 
   for (const Chain& chain : ideal.chains) {
     const double psi = interior_angle(solid, ideal, chain);
     if (!(psi < kPi)) continue;
-    const Vec3 &a = solid.vertices[std::size_t(chain.first)], &b = solid.vertices[std::size_t(chain.last)];
+    const Vec3 &a = solid.vertices[chain.first], &b = solid.vertices[chain.last];
     for (int t : solid.edge_triangles[chain.edges.front()]) {
-      auto& list = parts[std::size_t(ideal.triangle_region[std::size_t(t)])];
+      auto& list = parts[ideal.triangle_region[t]];
       list.push_back({a, b, depth / std::tan(psi / 2)});
-      list.push_back({a, a, way[std::size_t(chain.first)]});
-      list.push_back({b, b, way[std::size_t(chain.last)]});
+      list.push_back({a, a, way[chain.first]});
+      list.push_back({b, b, way[chain.last]});
     }
   }
   for (const WaveVertex& w : wave.vertices) {  // new edges between split and merged vertices may be convex
     if (!w.alive) continue;
     for (int f : w.fans) {
-      const Fan& fan = fans[std::size_t(f)];
-      const Vec3& x = solid.vertices[std::size_t(fan.vertex)];
-      const double far = way[std::size_t(fan.vertex)];
+      const Fan& fan = fans[f];
+      const Vec3& x = solid.vertices[fan.vertex];
+      const double far = way[fan.vertex];
       if (w.fans.size() > 1 || w.sectors.size() < fan.regions.size())
-        for (int r : fan.regions) parts[std::size_t(r)].push_back({x, x, far});
+        for (int r : fan.regions) parts[r].push_back({x, x, far});
     }
     for (const WaveSector& s : w.sectors) {
-      const WaveEdge& e = wave.edges[std::size_t(s.edge)];
-      if (e.chain >= 0 || &w != &wave.vertices[std::size_t(e.ends[0])]) continue;
-      const WaveVertex& other = wave.vertices[std::size_t(e.ends[1])];
+      const WaveEdge& e = wave.edges[s.edge];
+      if (e.chain >= 0 || &w != &wave.vertices[e.ends[0]]) continue;
+      const WaveVertex& other = wave.vertices[e.ends[1]];
       double far = 0;
       for (const WaveVertex* end : {&w, &other})
-        for (int f : end->fans) far = std::max(far, way[std::size_t(fans[std::size_t(f)].vertex)]);
+        for (int f : end->fans) far = std::max(far, way[fans[f].vertex]);
       const auto before =
           &s == w.sectors.data() ? w.sectors.size() - 1 : std::size_t(&s - w.sectors.data()) - 1;
       for (int r : {s.region, w.sectors[before].region}) {
-        const Vec3 up = depth * ideal.region_normal[std::size_t(r)];
-        parts[std::size_t(r)].push_back({w.to + up, other.to + up, far});
+        const Vec3 up = depth * ideal.region_normal[r];
+        parts[r].push_back({w.to + up, other.to + up, far});
       }
     }
   }
@@ -96,20 +96,19 @@ void predict(const SimplicialComplex& solid, const Idealisation& ideal, const st
     if (psi > kPi) ++out.concave_chains;
     if (!(psi < kPi)) continue;
     ++out.convex_chains;
-    convex_end[std::size_t(chain.first)] = convex_end[std::size_t(chain.last)] = 1;
+    convex_end[chain.first] = convex_end[chain.last] = 1;
     const double reach = eps / std::sin(psi / 2);
     out.edge_rounding = std::max(out.edge_rounding, reach - eps);
-    const WaveEdge& edge = wave.edges[std::size_t(&chain - ideal.chains.data())];
+    const WaveEdge& edge = wave.edges[&chain - ideal.chains.data()];
     if (!edge.alive || edge.chain < 0) continue;
-    const std::array<Vec3, 2> ends = {wave.vertices[std::size_t(edge.ends[0])].to,
-                                      wave.vertices[std::size_t(edge.ends[1])].to};
+    const std::array<Vec3, 2> ends = {wave.vertices[edge.ends[0]].to, wave.vertices[edge.ends[1]].to};
     const auto is_own = [&](int triangle) {
       return std::ranges::any_of(solid.edge_triangles[chain.edges.front()], [&](int t) {
-        return ideal.triangle_region[std::size_t(t)] == triangle_region[std::size_t(triangle)];
+        return ideal.triangle_region[t] == triangle_region[triangle];
       });
     };
-    const Vec3& a = solid.vertices[std::size_t(chain.first)];
-    const double length = (solid.vertices[std::size_t(chain.last)] - a).norm();
+    const Vec3& a = solid.vertices[chain.first];
+    const double length = (solid.vertices[chain.last] - a).norm();
     const double flat = reach * std::cos(psi / 2);
     out.volume_lost += length * (flat * eps - 0.5 * (kPi - psi) * eps * eps);  // (ERO-9)
     for (int i = 1; i < 8; ++i) {
@@ -127,14 +126,14 @@ void predict(const SimplicialComplex& solid, const Idealisation& ideal, const st
   std::vector<char> merged(fans.size(), 0);
   for (const WaveVertex& w : wave.vertices) {
     for (int f : w.fans) {
-      pieces[std::size_t(f)] += w.since == 0;
-      merged[std::size_t(f)] |= w.fans.size() > 1;
+      pieces[f] += w.since == 0;
+      merged[f] |= w.fans.size() > 1;
     }
     if (!w.alive) continue;
     out.deviating_vertices += w.deviation > options.meet;
     out.deviation = std::max(out.deviation, eps * w.deviation);
     for (int f : w.fans) {
-      const auto v = std::size_t(fans[std::size_t(f)].vertex);
+      const auto v = std::size_t(fans[f].vertex);
       if (convex_end[v])
         out.rounding_bound = std::max(out.rounding_bound, (w.to - solid.vertices[v]).norm() - eps);
     }
@@ -161,9 +160,8 @@ void refuse(ErosionResult& result, const SimplicialComplex& solid, const Surface
   result.thickness = thin.value;
   std::ostringstream text;
   text << "; the solid is " << thin.value << " m thick" << place_text(thin.place) << ", region "
-       << result.ideal.triangle_region[std::size_t(thin.triangle)]
-       << ", which is not more than twice the depth, " << 2 * depth
-       << " m: take a smaller dilation, or model a thin plate as a sheet";
+       << result.ideal.triangle_region[thin.triangle] << ", which is not more than twice the depth, "
+       << 2 * depth << " m: take a smaller dilation, or model a thin plate as a sheet";
   result.reason += text.str();
 }
 
@@ -212,33 +210,30 @@ const char* to_string(ErosionStatus status) {
 double interior_angle(const SimplicialComplex& k, const Idealisation& ideal, const Chain& chain) {
   const int edge = chain.edges.front();
   const auto both = k.edge_triangles[edge];
-  const Vec3 &n = ideal.region_normal[std::size_t(ideal.triangle_region[std::size_t(both[0])])],
-             &m = ideal.region_normal[std::size_t(ideal.triangle_region[std::size_t(both[1])])];
+  const Vec3 &n = ideal.region_normal[ideal.triangle_region[both[0]]],
+             &m = ideal.region_normal[ideal.triangle_region[both[1]]];
   const auto corner = corner_at(k, both[0], chain.vertices[0]);
-  const bool along = k.triangle_edges[std::size_t(both[0])][corner] == edge;
+  const bool along = k.triangle_edges[both[0]][corner] == edge;
   return kPi - std::atan2(n.cross(m).dot(chain.direction) * (along ? 1 : -1), n.dot(m));
 }
 
-namespace {
-
-void check(const ErosionOptions& options) {
-  require_field(options.depth > 0 && std::isfinite(options.depth), "ErosionOptions::depth", options.depth,
-                "be finite and > 0 [m]");
-  require_field(options.planarity >= 0 && options.planarity <= 1e-2, "ErosionOptions::planarity",
-                options.planarity, "lie in [0, 1e-2]");
-  require_field(options.meet > 0 && options.meet <= 1e-2, "ErosionOptions::meet", options.meet,
-                "lie in (0, 1e-2]");
-  require_field(options.deviation >= 0 && options.deviation <= 0.1, "ErosionOptions::deviation",
-                options.deviation, "lie in [0, 0.1]");
-  require_field(options.max_rounding > 0, "ErosionOptions::max_rounding", options.max_rounding, "be > 0 [m]");
-  require_field(options.samples >= 1 && options.samples <= 100'000'000, "ErosionOptions::samples",
-                options.samples, "lie in [1, 1e8]");
+void describe(SettingVisitor& visit, ErosionOptions& o) {
+  visit.begin("ErosionOptions");
+  visit.number({"depth", "radius of the dilation to come", "m", positive()}, o.depth);
+  visit.number({"planarity", "tolerance of planar regions, relative to the box diagonal", "-", {0, 1e-2}},
+               o.planarity);
+  visit.number({"meet", "planes this close to a point, in depths, meet there", "-", open_below(0, 1e-2)},
+               o.meet);
+  visit.number({"deviation", "miss of planes at a vertex that cannot be split, in depths", "-", {0, 0.1}},
+               o.deviation);
+  visit.toggle({"split", "split vertices of more than three planes"}, o.split);
+  visit.toggle({"contract", "let edges vanish that would turn around"}, o.contract);
+  visit.number({"max_rounding", "largest loss of the solid", "m", above(0)}, o.max_rounding);
+  visit.count({"samples", "samples of each surface", "", {1, 1e8}}, o.samples);
 }
 
-}  // namespace
-
 ErosionResult erode(const SimplicialComplex& solid, const ErosionOptions& options) {
-  check(options);
+  check_ranges(options);
   ErosionResult result;
   if (!is_closed_oriented(solid) || !(signed_volume(solid) > 0)) {
     result.status = ErosionStatus::not_solid;
@@ -267,13 +262,12 @@ ErosionResult erode(const SimplicialComplex& solid, const ErosionOptions& option
   result.triangle_region = made.triangle_region;
   const SurfaceTree inner(result.complex);
   const auto rounded = rounded_parts(solid, result.ideal, fans, made.wave, options.depth);
-  result.measures =
-      measure_erosion(solid, result.complex, inner, options.depth, options.samples,
-                      [&](int t, const Vec3& x, const SurfacePoint&) {
-                        const auto region = result.ideal.triangle_region[std::size_t(t)];
-                        return std::ranges::none_of(rounded[std::size_t(region)],
-                                                    [&](const Rounded& r) { return within(r, x); });
-                      });
+  result.measures = measure_erosion(solid, result.complex, inner, options.depth, options.samples,
+                                    [&](int t, const Vec3& x, const SurfacePoint&) {
+                                      const auto region = result.ideal.triangle_region[t];
+                                      return std::ranges::none_of(
+                                          rounded[region], [&](const Rounded& r) { return within(r, x); });
+                                    });
   predict(solid, result.ideal, fans, made.wave, made.triangle_region, inner, options, result.measures);
   if (result.measures.shallow >
       options.depth - least_depth(made.wave, options, size) + 2 * result.ideal.tolerance) {

@@ -14,6 +14,8 @@
 
 namespace aussois {
 
+class SettingVisitor;
+
 struct ErosionOptions {
   double depth = 0;         // eps, the radius of the dilation to come [m], > 0
   double planarity = 1e-6;  // as in LmdShapeOptions: relative to the box diagonal [-], in [0, 1e-2]
@@ -28,6 +30,7 @@ struct ErosionOptions {
   double max_rounding = kInf;  // refused if the solid loses more than this anywhere [m], > 0
   int samples = 100'000;       // of each surface, roughly; every triangle has at least seven; in [1, 1e8]
 };
+void describe(SettingVisitor& visit, ErosionOptions& options);
 
 enum class ErosionStatus {
   done,

@@ -24,9 +24,9 @@ Failure touching(const SimplicialComplex& solid, const RegionOffset& made, const
   Failure out{ErosionStatus::self_intersecting, solid.vertices[0], "parts of the surface would touch"};
   for (int e = 0; e < int(surface.edges.size()); ++e)
     if (surface.edge_triangles[e].size() > 2) {
-      const auto& [a, b] = surface.edges[std::size_t(e)];
-      out.place = surface.vertices[std::size_t(a)];
-      const int v = made.wave_vertex[std::size_t(a)], w = made.wave_vertex[std::size_t(b)];
+      const auto& [a, b] = surface.edges[e];
+      out.place = surface.vertices[a];
+      const int v = made.wave_vertex[a], w = made.wave_vertex[b];
       if (v >= 0 && w >= 0) out.crossing.push_back({std::vector{v}, std::vector{w}});
     }
   return out;
@@ -37,9 +37,8 @@ std::vector<std::vector<int>> wave_of_vertices(const SimplicialComplex& solid, c
                                                const RegionOffset& made) {
   std::vector<std::vector<int>> out(solid.vertices.size());
   for (int w = 0; w < int(made.wave.vertices.size()); ++w)
-    if (made.wave.vertices[std::size_t(w)].alive)
-      for (int f : made.wave.vertices[std::size_t(w)].fans)
-        out[std::size_t(fans[std::size_t(f)].vertex)].push_back(w);
+    if (made.wave.vertices[w].alive)
+      for (int f : made.wave.vertices[w].fans) out[fans[f].vertex].push_back(w);
   return out;
 }
 
@@ -57,21 +56,19 @@ std::optional<Failure> check(const SimplicialComplex& solid, const SurfaceTree& 
   const double least = least_depth(made.wave, options, bounding_box(solid).diagonal());
   const double flat = 2 * tolerance;  // how far the solid is from its regions, between their corners
   const auto refuse = [&](ErosionStatus status, int triangle, const std::string& what) {
-    const int region = made.triangle_region[std::size_t(triangle)];
+    const int region = made.triangle_region[triangle];
     return Failure{status, centre_of(out, triangle), what + " at region " + std::to_string(region), {region}};
   };
   const auto corners = [&](int triangle) {
     std::vector<int> all;
-    for (int v : out.triangles[std::size_t(triangle)])
-      if (const int w = made.wave_vertex[std::size_t(v)]; w >= 0) all.push_back(w);
+    for (int v : out.triangles[triangle])
+      if (const int w = made.wave_vertex[v]; w >= 0) all.push_back(w);
     return all;
   };
   const std::vector<std::vector<int>> of_vertex = wave_of_vertices(solid, fans, made);
   std::optional<Failure> shallow;
   for (int t = 0; t < int(out.triangles.size()); ++t) {
-    const auto at = [&](int corner) {
-      return out.vertices[std::size_t(out.triangles[std::size_t(t)][std::size_t(corner % 3)])];
-    };
+    const auto at = [&](int corner) { return out.vertices[out.triangles[t][corner % 3]]; };
     for (int i = 0; i < 3; ++i)
       for (const bool middle : {false, true})
         if (const Vec3 x = middle ? Vec3(0.5 * (at(i) + at(i + 1))) : at(i);
@@ -79,11 +76,11 @@ std::optional<Failure> check(const SimplicialComplex& solid, const SurfaceTree& 
           if (!shallow)
             shallow = refuse(ErosionStatus::too_shallow, t,
                              "the eroded surface would come closer than the depth to the solid's surface");
-          shallow->regions.push_back(made.triangle_region[std::size_t(t)]);
+          shallow->regions.push_back(made.triangle_region[t]);
           std::vector<int> near;  // what the vertices of the solid have become that are too near
-          for (int v : solid.triangles[std::size_t(tree.nearest(x).triangle)])
-            near.insert(near.end(), of_vertex[std::size_t(v)].begin(), of_vertex[std::size_t(v)].end());
-          const int corner = made.wave_vertex[std::size_t(out.triangles[std::size_t(t)][std::size_t(i)])];
+          for (int v : solid.triangles[tree.nearest(x).triangle])
+            near.insert(near.end(), of_vertex[v].begin(), of_vertex[v].end());
+          const int corner = made.wave_vertex[out.triangles[t][i]];
           shallow->crossing.push_back({middle || corner < 0 ? corners(t) : std::vector{corner}, near});
         }
   }
@@ -92,7 +89,7 @@ std::optional<Failure> check(const SimplicialComplex& solid, const SurfaceTree& 
   if (!pairs.empty()) {
     Failure failure = refuse(ErosionStatus::self_intersecting, pairs[0][0],
                              "parts of the surface would pass through each other");
-    failure.regions.push_back(made.triangle_region[std::size_t(pairs[0][1])]);
+    failure.regions.push_back(made.triangle_region[pairs[0][1]]);
     for (const auto& [t, u] : pairs) failure.crossing.push_back({corners(t), corners(u)});
     return failure;
   }

@@ -20,15 +20,14 @@ int for_samples(const SimplicialComplex& k, int wanted, const F& f) {
   std::vector<double> area(k.triangles.size());
   for (std::size_t t = 0; t < area.size(); ++t) {
     const auto& [a, b, c] = k.triangles[t];
-    const Vec3& o = k.vertices[std::size_t(a)];
-    area[t] = 0.5 * (k.vertices[std::size_t(b)] - o).cross(k.vertices[std::size_t(c)] - o).norm();
+    const Vec3& o = k.vertices[a];
+    area[t] = 0.5 * (k.vertices[b] - o).cross(k.vertices[c] - o).norm();
     total += area[t];
   }
   int count = 0;
   for (std::size_t t = 0; t < area.size(); ++t) {
     const auto& [a, b, c] = k.triangles[t];
-    const Vec3 &o = k.vertices[std::size_t(a)], &p = k.vertices[std::size_t(b)],
-               &q = k.vertices[std::size_t(c)];
+    const Vec3 &o = k.vertices[a], &p = k.vertices[b], &q = k.vertices[c];
     const double share = total > 0 ? area[t] / total : 0;
     const int n = std::max(2, int(std::sqrt(2 * double(wanted) * share)));
     f(int(t), Vec3((o + p + q) / 3));
@@ -42,11 +41,10 @@ int for_samples(const SimplicialComplex& k, int wanted, const F& f) {
 /// +1 convex, -1 concave, 0 flat: where the triangle's neighbour over the edge lies.
 int bend(const SimplicialComplex& k, const SurfaceTree& tree, int edge) {
   const auto both = k.edge_triangles[edge];
-  const Vec3 d = k.vertices[std::size_t(k.edges[std::size_t(edge)][1])] -
-                 k.vertices[std::size_t(k.edges[std::size_t(edge)][0])];
+  const Vec3 d = k.vertices[k.edges[edge][1]] - k.vertices[k.edges[edge][0]];
   const Vec3 &n = tree.normal(both[0]), &m = tree.normal(both[1]);
-  const auto corner = corner_at(k, both[0], k.edges[std::size_t(edge)][0]);
-  const bool upwards = k.triangle_edges[std::size_t(both[0])][corner] == edge;
+  const auto corner = corner_at(k, both[0], k.edges[edge][0]);
+  const bool upwards = k.triangle_edges[both[0]][corner] == edge;
   const double sine = n.cross(m).dot(d.stableNormalized()) * (upwards ? 1 : -1);
   return sine > 1e-6 ? 1 : sine < -1e-6 ? -1 : 0;
 }
@@ -60,7 +58,7 @@ ConvexParts convex_parts(const SimplicialComplex& k, const SurfaceTree& tree) {
   for (std::size_t e = 0; e < k.edges.size(); ++e)
     if (k.edge_triangles[int(e)].size() == 2 && bend(k, tree, int(e)) > 0) {
       out.edges[e] = 1;
-      for (int v : k.edges[e]) out.vertices[std::size_t(v)] = 1;
+      for (int v : k.edges[e]) out.vertices[v] = 1;
     }
   return out;
 }
@@ -102,7 +100,7 @@ ErosionMeasures measure_erosion(const SimplicialComplex& solid, const Simplicial
     if (convex.edges[e]) {
       const auto both = eroded.edge_triangles[int(e)];
       const auto& [a, b] = eroded.edges[e];
-      const Vec3 middle = 0.5 * (eroded.vertices[std::size_t(a)] + eroded.vertices[std::size_t(b)]);
+      const Vec3 middle = 0.5 * (eroded.vertices[a] + eroded.vertices[b]);
       const Vec3 way = (inner.normal(both[0]) + inner.normal(both[1])).stableNormalized();
       out.hausdorff = std::max(out.hausdorff, outer.nearest(middle + depth * way).distance);
     }
@@ -117,8 +115,8 @@ ErosionMeasures measure_erosion(const SimplicialComplex& solid, const Simplicial
   const ConvexParts convex = convex_parts(eroded, inner);
   return measure_erosion(solid, eroded, inner, depth, samples,
                          [&](int, const Vec3&, const SurfacePoint& foot) {
-                           return !(foot.dim == 1 && convex.edges[std::size_t(foot.simplex)]) &&
-                                  !(foot.dim == 0 && convex.vertices[std::size_t(foot.simplex)]);
+                           return !(foot.dim == 1 && convex.edges[foot.simplex]) &&
+                                  !(foot.dim == 0 && convex.vertices[foot.simplex]);
                          });
 }
 

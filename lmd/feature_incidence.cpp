@@ -10,14 +10,14 @@ bool incident(const LmdShape& shape, const KeyFeature& f, const KeyFeature& g) {
   if (f.dim == g.dim) return f.region == g.region;
   if (f.dim > g.dim) return incident(shape, g, f);
   if (f.dim == 0 && g.dim == 1) {
-    const EdgeLeaf& chain = shape.edges[std::size_t(g.region)];
+    const EdgeLeaf& chain = shape.edges[g.region];
     return chain.first == f.region || chain.last == f.region;
   }
   if (f.dim == 1)
-    return std::ranges::any_of(shape.edges[std::size_t(f.region)].conormals,
+    return std::ranges::any_of(shape.edges[f.region].conormals,
                                [&](int region) { return std::abs(region) == g.region + 1; });
   return std::ranges::any_of(shape.complex.vertex_triangles[f.region],
-                             [&](int t) { return shape.triangle_region[std::size_t(t)] == g.region; });
+                             [&](int t) { return shape.triangle_region[t] == g.region; });
 }
 
 }  // namespace aussois

@@ -39,32 +39,30 @@ std::vector<FoundMinimum> without_duplicates(const RelativePair& pair,
   const int count = int(found.size());
   const double near = 10 * pair.criteria.tolerance;
   const auto at_one_place = [&](int i, int j) {
-    const LocalMinimum &m = found[std::size_t(i)].minimum, &n = found[std::size_t(j)].minimum;
+    const LocalMinimum &m = found[i].minimum, &n = found[j].minimum;
     return (m.x_a - n.x_a).norm() <= near && (m.x_b - n.x_b).norm() <= near;
   };
   std::vector<char> company(found.size(), 0), dropped(found.size(), 0);
   std::vector<int> shared;  // in `along`, of those that are not alone at theirs
   for (int k = 0; k < count; ++k) {
-    const auto [x, i] = along[std::size_t(k)];
-    for (int l = k + 1; l < count && along[std::size_t(l)].x - x <= near; ++l) {
-      const int j = along[std::size_t(l)].i;
-      if (!(company[std::size_t(i)] && company[std::size_t(j)]) && at_one_place(i, j))
-        company[std::size_t(i)] = company[std::size_t(j)] = 1;
+    const auto [x, i] = along[k];
+    for (int l = k + 1; l < count && along[l].x - x <= near; ++l) {
+      const int j = along[l].i;
+      if (!(company[i] && company[j]) && at_one_place(i, j)) company[i] = company[j] = 1;
     }
-    if (company[std::size_t(i)]) shared.push_back(k);
+    if (company[i]) shared.push_back(k);
   }
   std::ranges::sort(shared, {}, [&](int k) {
-    const FoundMinimum& f = found[std::size_t(along[std::size_t(k)].i)];
+    const FoundMinimum& f = found[along[k].i];
     return std::tuple(-(f.a.dim + f.b.dim), f.a, f.b);
   });
   for (const int k : shared) {  // what would stay instead of it, and stays itself, has dropped it already
-    const auto [x, i] = along[std::size_t(k)];
-    if (dropped[std::size_t(i)]) continue;
+    const auto [x, i] = along[k];
+    if (dropped[i]) continue;
     for (const int step : {-1, 1})
-      for (int l = k + step; l >= 0 && l < count && std::abs(along[std::size_t(l)].x - x) <= near;
-           l += step) {
-        const int j = along[std::size_t(l)].i;
-        if (company[std::size_t(j)] && !dropped[std::size_t(j)]) dropped[std::size_t(j)] = at_one_place(i, j);
+      for (int l = k + step; l >= 0 && l < count && std::abs(along[l].x - x) <= near; l += step) {
+        const int j = along[l].i;
+        if (company[j] && !dropped[j]) dropped[j] = at_one_place(i, j);
       }
   }
   std::vector<FoundMinimum> kept;
@@ -88,16 +86,16 @@ std::array<double, 3> barycentric(const Leaf& face, const Vec3& x) {
 // The edge of a chain that carries the foot x.
 Feature edge_of_chain(const LmdShape& shape, int chain, const Vec3& x, int body) {
   const SimplicialComplex& k = shape.complex;
-  const EdgeLeaf& leaf = shape.edges[std::size_t(chain)];
-  const Vec3 &begin = k.vertices[std::size_t(leaf.first)], &end = k.vertices[std::size_t(leaf.last)];
+  const EdgeLeaf& leaf = shape.edges[chain];
+  const Vec3 &begin = k.vertices[leaf.first], &end = k.vertices[leaf.last];
   const double s = (end - begin).dot(x - begin);
   int at = leaf.first;
   for (int i = 0;; ++i) {
-    const int id = leaf.path_length == 1 ? leaf.path : shape.paths[std::size_t(leaf.path + i)];
-    const auto& edge = k.edges[std::size_t(id)];
+    const int id = leaf.path_length == 1 ? leaf.path : shape.paths[leaf.path + i];
+    const auto& edge = k.edges[id];
     const int next = edge[0] == at ? edge[1] : edge[0];
-    const double low = (end - begin).dot(k.vertices[std::size_t(at)] - begin);
-    const double high = (end - begin).dot(k.vertices[std::size_t(next)] - begin);
+    const double low = (end - begin).dot(k.vertices[at] - begin);
+    const double high = (end - begin).dot(k.vertices[next] - begin);
     if (i + 1 < leaf.path_length && s > high) {
       at = next;
       continue;
@@ -120,7 +118,7 @@ Feature make_feature(const LmdShape& shape, LeafId leaf, const Vec3& x, int body
   return {.body = body,
           .dim = 2,
           .simplex = t,
-          .region = shape.triangle_region[std::size_t(t)],
+          .region = shape.triangle_region[t],
           .bary = barycentric(leaf_of(shape, leaf), x)};
 }
 
@@ -154,11 +152,11 @@ ContactSet to_contacts(const PosedShape& a, const PosedShape& b, const RelativeP
     points.push_back(contact_of(a, b, pair, f));
   }
   std::ranges::sort(order, {}, [&](int i) {
-    const FoundMinimum& f = minima[std::size_t(i)];
-    const ContactPoint& c = points[std::size_t(i)];
+    const FoundMinimum& f = minima[i];
+    const ContactPoint& c = points[i];
     return std::tuple(c.a.dim, c.a.simplex, c.b.dim, c.b.simplex, f.minimum.distance, f.a, f.b);
   });
-  for (const int i : order) set.points.push_back(points[std::size_t(i)]);
+  for (const int i : order) set.points.push_back(points[i]);
   return set;
 }
 

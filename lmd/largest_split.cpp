@@ -90,7 +90,7 @@ class LargestSplit {
       if (best.open.empty()) return best.points;
       const Open o = best.open.back();
       best.open.pop_back();
-      const double without = best.bound - side_[at(o.i, o.k, o.l)][std::size_t(o.sense)];
+      const double without = best.bound - side_[at(o.i, o.k, o.l)][o.sense];
       const Vec3& q = point(o.i, o.k, o.l);
       for (int j = o.i + 1; j < o.k; ++j) {
         const Vec3& p = meeting_[at(o.i, j, o.k)].x;
@@ -107,7 +107,7 @@ class LargestSplit {
 
  private:
   std::size_t at(int a, int b, int c) const { return std::size_t((a * d_ + b) * d_ + c); }
-  const VertexPlane& plane(int i) const { return planes_[std::size_t(i)]; }
+  const VertexPlane& plane(int i) const { return planes_[i]; }
   Vec3 line(int i, int k) const { return plane(i).normal.cross(plane(k).normal); }
   bool is_usable(const MeetingPoint& p) const { return p.residual <= meet_ && p.x.norm() <= longest_; }
   const Vec3& point(int i, int k, int l) const {
@@ -144,7 +144,7 @@ class LargestSplit {
   // sense.
   double beyond(int i, int k, int l, const Vec3& p, int sense) const {
     if (k == i + 1) return sense == sense_of_spoke(i, k) ? to_infinity(i, k, p) : -kInf;
-    return side_[at(i, k, l)][std::size_t(sense)];
+    return side_[at(i, k, l)][sense];
   }
 
   // Ways to take the triangle (i, j, k) if its edge between i and k leaves in this sense.
@@ -169,7 +169,7 @@ class LargestSplit {
     for (int j = i + 1; j < k; ++j)
       for (int s : {0, 1})
         for (const Choice& c : choices(i, j, k, s)) {
-          double& best = triangle_[at(i, j, k)][std::size_t(s)];
+          double& best = triangle_[at(i, j, k)][s];
           best = std::max(best, c.value);
         }
     for (int l = 0; l < d_; ++l) {
@@ -178,8 +178,8 @@ class LargestSplit {
       for (int j = i + 1; j < k; ++j)
         for (int s : {0, 1}) {
           const Vec3& p = meeting_[at(i, j, k)].x;
-          const double value = triangle_[at(i, j, k)][std::size_t(s)];
-          double& best = side_[at(i, k, l)][std::size_t(s)];
+          const double value = triangle_[at(i, j, k)][s];
+          double& best = side_[at(i, k, l)][s];
           if (value > -kInf && arrives(i, k, p, q, s)) best = std::max(best, value + below(i, k, p, q));
         }
     }

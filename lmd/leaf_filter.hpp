@@ -52,8 +52,8 @@ AUSSOIS_INLINE void set(V4& v, int lane, const Eigen::Vector3f& x) {
 AUSSOIS_INLINE VertexLanes vertex_lanes(const LeafFrame& f, int first, int count) {
   VertexLanes out{};
   for (int k = 0; k < 4; ++k) {
-    const VertexLeaf& v = f.shape->vertices[std::size_t(first + std::min(k, count - 1))];
-    set(out.p, k, f.point(f.shape->complex.vertices[std::size_t(v.vertex)]));
+    const VertexLeaf& v = f.shape->vertices[first + std::min(k, count - 1)];
+    set(out.p, k, f.point(f.shape->complex.vertices[v.vertex]));
   }
   return out;
 }
@@ -63,17 +63,15 @@ AUSSOIS_INLINE EdgeLanes edge_lanes(const LeafFrame& f, int first, int count) {
   V4 n[2];
   for (int k = 0; k < 4; ++k) {
     const int i = first + std::min(k, count - 1);
-    const EdgeLeaf& e = f.shape->edges[std::size_t(i)];
-    const Vec3 &p = f.shape->complex.vertices[std::size_t(e.first)],
-               &q = f.shape->complex.vertices[std::size_t(e.last)];
+    const EdgeLeaf& e = f.shape->edges[i];
+    const Vec3 &p = f.shape->complex.vertices[e.first], &q = f.shape->complex.vertices[e.last];
     set(out.p, k, f.point(p));
     set(out.e, k, f.direction(q - p));  // from rounded points, short edges could get any direction
     out.misfit[k] = misfit_of(*f.shape, i);
     for (int c = 0; c < 2; ++c) {
-      const int region = e.conormals[std::size_t(c)];
+      const int region = e.conormals[c];
       const Eigen::Vector3f normal =
-          region == 0 ? Eigen::Vector3f::Zero()
-                      : f.direction(f.shape->regions[std::size_t(std::abs(region) - 1)].normal);
+          region == 0 ? Eigen::Vector3f::Zero() : f.direction(f.shape->regions[std::abs(region) - 1].normal);
       set(n[c], k, region > 0 ? normal : Eigen::Vector3f(-normal));
     }
   }
@@ -87,12 +85,12 @@ AUSSOIS_INLINE FaceLanes face_lanes(const LeafFrame& f, int first, int count, in
   FaceLanes out{};
   F4 turn{};
   for (int k = 0; k < 4; ++k) {
-    const auto t = std::size_t(f.shape->faces[std::size_t(first + std::min(k, count - 1))]);
+    const auto t = std::size_t(f.shape->faces[first + std::min(k, count - 1)]);
     const float sign = float(side * f.shape->triangle_sign[t]);
-    const RegionPlane& plane = f.shape->regions[std::size_t(f.shape->triangle_region[t])];
+    const RegionPlane& plane = f.shape->regions[f.shape->triangle_region[t]];
     set(out.n, k, sign * f.direction(plane.normal));
     for (std::size_t c = 0; c < 3; ++c)
-      set(out.x[c], k, f.point(f.shape->complex.vertices[std::size_t(f.shape->complex.triangles[t][c])]));
+      set(out.x[c], k, f.point(f.shape->complex.vertices[f.shape->complex.triangles[t][c]]));
     turn[k] = float(side);
   }
   for (int c = 0; c < 3; ++c) {

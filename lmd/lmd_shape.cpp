@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "geometry/check.hpp"
+#include "geometry/settings.hpp"
 #include "lmd/normal_cone.hpp"
 
 namespace aussois {
@@ -15,7 +15,7 @@ constexpr double kRounding =
     1e-9;  // of feet, relative to the size: all that is off where nothing is idealised
 
 const Vec3& at(const SimplicialComplex& k, int v) {
-  return k.vertices[std::size_t(v)];
+  return k.vertices[v];
 }
 
 Vec3 in_plane(const Vec3& d, const Vec3& n) {
@@ -35,13 +35,13 @@ void conormals_of(const SimplicialComplex& k, const Idealisation& ideal, const C
                   std::vector<int>& signed_regions, std::vector<Vec3>& conormals) {
   const int a = chain.vertices[0], b = chain.vertices[1];
   for (int t : k.edge_triangles[chain.edges.front()]) {
-    const auto& v = k.triangles[std::size_t(t)];
-    double sense = -ideal.triangle_sign[std::size_t(t)];
+    const auto& v = k.triangles[t];
+    double sense = -ideal.triangle_sign[t];
     for (std::size_t i = 0; i < 3; ++i)
       if (v[i] == a && v[(i + 1) % 3] == b) sense = -sense;
-    const int region = ideal.triangle_region[std::size_t(t)];
+    const int region = ideal.triangle_region[t];
     signed_regions.push_back(sense > 0 ? region + 1 : -(region + 1));
-    conormals.push_back(sense * ideal.region_normal[std::size_t(region)].cross(chain.direction).normalized());
+    conormals.push_back(sense * ideal.region_normal[region].cross(chain.direction).normalized());
   }
 }
 
@@ -52,8 +52,7 @@ ChainCone chain_cone(const SimplicialComplex& k, const Idealisation& ideal, cons
   ChainCone out;
   if (k.solid) {  // interior side: a concave crease has the whole space as tangent cone's hull
     const int t = k.edge_triangles[chain.edges.front()][0];
-    const Vec3 n = ideal.triangle_sign[std::size_t(t)] *
-                   ideal.region_normal[std::size_t(ideal.triangle_region[std::size_t(t)])];
+    const Vec3 n = ideal.triangle_sign[t] * ideal.region_normal[ideal.triangle_region[t]];
     out.rise = n.dot(conormals[1]);
     if (out.rise >= -1e-12) return out;  // concave or flat: N = {0}
   }
@@ -75,15 +74,15 @@ ChainCone chain_cone(const SimplicialComplex& k, const Idealisation& ideal, cons
 std::vector<Vec3> vertex_directions(const SimplicialComplex& k, const Idealisation& ideal, int v) {
   std::vector<Vec3> directions;
   for (int c : ideal.vertex_chains[v]) {
-    const Chain& chain = ideal.chains[std::size_t(c)];
+    const Chain& chain = ideal.chains[c];
     if (chain.first == v) directions.push_back(chain.direction);
     if (chain.last == v) directions.push_back(-chain.direction);
   }
   for (int t : k.vertex_triangles[v]) {
-    const Vec3& n = ideal.region_normal[std::size_t(ideal.triangle_region[std::size_t(t)])];
-    for (int e : k.triangle_edges[std::size_t(t)]) {
-      const auto& ends = k.edges[std::size_t(e)];
-      if ((ends[0] != v && ends[1] != v) || ideal.edge_chain[std::size_t(e)] >= 0) continue;
+    const Vec3& n = ideal.region_normal[ideal.triangle_region[t]];
+    for (int e : k.triangle_edges[t]) {
+      const auto& ends = k.edges[e];
+      if ((ends[0] != v && ends[1] != v) || ideal.edge_chain[e] >= 0) continue;
       const Vec3 d = in_plane(at(k, ends[0] == v ? ends[1] : ends[0]) - at(k, v), n);
       if (d.norm() > 10 * ideal.tolerance) directions.push_back(d);
     }
@@ -96,10 +95,10 @@ std::vector<Vec3> vertex_directions(const SimplicialComplex& k, const Idealisati
 bool is_pit(const Idealisation& ideal, const std::vector<ChainCone>& cones, const NormalCone& cone, int v) {
   double sharpest = 0;
   for (int c : ideal.vertex_chains[v]) {
-    const Chain& chain = ideal.chains[std::size_t(c)];
+    const Chain& chain = ideal.chains[c];
     const Vec3 d = chain.first == v ? chain.direction : Vec3(-chain.direction);
     const bool extreme = std::ranges::any_of(cone.rays, [&](const Vec3& g) { return (g - d).norm() < 1e-6; });
-    const double rise = cones[std::size_t(c)].rise;
+    const double rise = cones[c].rise;
     if (extreme && std::abs(rise) > std::abs(sharpest)) sharpest = rise;
   }
   return sharpest > 0;
@@ -127,7 +126,7 @@ ConeTree make_tree(const std::vector<ConeTreeItem>& items, const Vec3& centre, s
   ConeTree tree = build_cone_tree(items, centre, order);
   std::vector<Leaf> sorted;
   sorted.reserve(leaves.size());
-  for (int i : order) sorted.push_back(leaves[std::size_t(i)]);
+  for (int i : order) sorted.push_back(leaves[i]);
   leaves = std::move(sorted);
   return tree;
 }
@@ -163,9 +162,7 @@ void add_edges(LmdShape& shape, const Idealisation& ideal, const std::vector<Cha
   std::vector<EdgeLeaf> narrow, wide;
   std::vector<ConeTreeItem> narrow_items, wide_items;
   const std::vector<double> misfits = misfit_at_vertices(k, ideal);
-  const auto misfit = [&](int first, int last) {
-    return std::max(misfits[std::size_t(first)], misfits[std::size_t(last)]);
-  };
+  const auto misfit = [&](int first, int last) { return std::max(misfits[first], misfits[last]); };
   for (std::size_t c = 0; c < ideal.chains.size(); ++c) {
     if (!cones[c].simplex_class) continue;
     const Chain& chain = ideal.chains[c];
@@ -195,7 +192,7 @@ void add_faces(LmdShape& shape, const Idealisation& ideal, double flat) {
   const SimplicialComplex& k = shape.complex;
   std::vector<ConeTreeItem> items, rest_items;
   for (int t = 0; t < int(k.triangles.size()); ++t) {
-    const auto& v = k.triangles[std::size_t(t)];
+    const auto& v = k.triangles[t];
     ConeTreeItem item = tree_item({at(k, v[0]), at(k, v[1]), at(k, v[2])});
     if (height(item.points[0], item.points[1], item.points[2]) <= flat) {
       ++shape.flat_triangles;
@@ -203,15 +200,14 @@ void add_faces(LmdShape& shape, const Idealisation& ideal, double flat) {
       rest_items.push_back(item);
       continue;
     }
-    item.axis = ideal.triangle_sign[std::size_t(t)] *
-                ideal.region_normal[std::size_t(ideal.triangle_region[std::size_t(t)])];
+    item.axis = ideal.triangle_sign[t] * ideal.region_normal[ideal.triangle_region[t]];
     item.half_angle = 0;
     shape.faces.push_back(t);
     items.push_back(item);
   }
   for (int e = 0; e < int(k.edges.size()); ++e)
     if (k.edge_triangles[e].empty()) {
-      const auto& [a, b] = k.edges[std::size_t(e)];
+      const auto& [a, b] = k.edges[e];
       shape.rest.push_back({1, {a, b, -1}});
       rest_items.push_back(tree_item({at(k, a), at(k, b)}));
     }
@@ -231,9 +227,18 @@ std::size_t bytes(const std::vector<T>& v) {
 
 }  // namespace
 
+void describe(SettingVisitor& visit, LmdShapeOptions& o) {
+  visit.begin("LmdShapeOptions");
+  visit.number({"planarity",
+                "tolerance of planar regions and straight chains, relative to the box diagonal",
+                "-",
+                {0, 1e-2}},
+               o.planarity);
+  visit.toggle({"deforming", "keep every triangle and edge for a shape that deforms"}, o.deforming);
+}
+
 LmdShape prepare(DilatedShape dilated, const LmdShapeOptions& options) {
-  require_field(options.planarity >= 0 && options.planarity <= 1e-2, "LmdShapeOptions::planarity",
-                options.planarity, "lie in [0, 1e-2]");
+  check_ranges(options);
   require_field(std::isfinite(dilated.radius) && dilated.radius >= 0, "DilatedShape::radius", dilated.radius,
                 "be finite and not negative [m]");
   require(!dilated.complex.vertices.empty(), "DilatedShape::complex has no vertex");
@@ -300,7 +305,7 @@ int base_count(const LmdShape& shape) {
 
 BaseSimplex base_simplex(const LmdShape& shape, int i) {
   const auto at = std::size_t(i);
-  if (at < shape.faces.size()) return {2, shape.complex.triangles[std::size_t(shape.faces[at])]};
+  if (at < shape.faces.size()) return {2, shape.complex.triangles[shape.faces[at]]};
   return shape.rest[at - shape.faces.size()];
 }
 

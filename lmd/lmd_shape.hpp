@@ -13,21 +13,22 @@
 
 namespace aussois {
 
+class SettingVisitor;
+
 struct LmdShapeOptions {
   double planarity = 1e-6;  // tolerance of planar regions and straight chains, relative to the box diagonal
                             // [-], in [0, 1e-2]
   bool deforming = false;   // each triangle is a region and each edge a chain, with the same index, which
                             // `refit` keeps; `planarity` is then ignored
 };
+void describe(SettingVisitor& visit, LmdShapeOptions& options);
 
 /// The role of a simplex in contacts (LMD-7); enlargement and partners depend on it.
 enum class SimplexClass : std::uint8_t {
   v_corner,  // vertex with a pointed normal cone
   v_wide,    // end or bend of a wire, point, corner of a sheet: the normal cone contains a line or more
-  v_node,    // vertex of a deformable body
   e_crease,  // edge with a normal arc below 180 degrees
   e_wide,    // wire, or border of a sheet
-  e_soft,    // flat edge of a deformable body
   face,
   silent,  // can never carry a contact; not in the hierarchy
 };
@@ -94,7 +95,7 @@ struct LmdShape {
 
 /// How far a foot may lie beyond the ends of LmdShape::edges[edge], per distance from the foot [-] (LMD-15).
 inline float misfit_of(const LmdShape& shape, int edge) {
-  return shape.misfits.empty() ? 0.0F : shape.misfits[std::size_t(edge)];
+  return shape.misfits.empty() ? 0.0F : shape.misfits[edge];
 }
 
 /// Throws std::invalid_argument for an empty complex, a dilation that is not a length, or a bad option.

@@ -26,7 +26,7 @@ Mitre joined(const std::vector<SplitPoint>& triples, std::span<const VertexPlane
     point_of[t] = int(same - out.points.begin());
     if (same == out.points.end()) out.points.push_back(x);
     for (int k : triples[t].planes) {
-      const VertexPlane& plane = planes[std::size_t(k)];
+      const VertexPlane& plane = planes[k];
       out.deviation = std::max(out.deviation, std::abs(plane.normal.dot(x) - plane.offset));
     }
   }

@@ -21,12 +21,12 @@ Nesting pieces_within(const PosedShape& inner, const Pieces& pieces, const Posed
   std::vector<Box> boxes(pieces.vertex.size());
   for (std::size_t v = 0; v < vertices.size(); ++v) {
     const Vec3 x = g * vertices[v];
-    Box& box = boxes[std::size_t(pieces.of_vertex[v])];
+    Box& box = boxes[pieces.of_vertex[v]];
     box.lo = box.lo.cwiseMin(x), box.hi = box.hi.cwiseMax(x);
   }
   for (std::size_t k = 0; k < boxes.size(); ++k) {
     if (std::ranges::none_of(shells.box, [&](const Box& shell) { return holds(shell, boxes[k]); })) continue;
-    const Vec3& x = vertices[std::size_t(pieces.vertex[k])];
+    const Vec3& x = vertices[pieces.vertex[k]];
     if (is_inside(outer.shape->complex, shells, g * x) && out.pieces++ == 0) out.place = inner.g_ws * x;
   }
   return out;

@@ -156,15 +156,13 @@ NormalCone make_normal_cone(const std::vector<Vec3>& directions) {
       break;
     }
     for (int i : nearest.support) {  // these span a part of Lin
-      Vec3 d = rest[std::size_t(i)];
-      for (int k = 0; k < cone.lineality; ++k)
-        d -= cone.lin[std::size_t(k)].dot(d) * cone.lin[std::size_t(k)];
-      if (d.norm() > 1e-6 && cone.lineality < 3) cone.lin[std::size_t(cone.lineality++)] = d.normalized();
+      Vec3 d = rest[i];
+      for (int k = 0; k < cone.lineality; ++k) d -= cone.lin[k].dot(d) * cone.lin[k];
+      if (d.norm() > 1e-6 && cone.lineality < 3) cone.lin[cone.lineality++] = d.normalized();
     }
     std::vector<Vec3> projected;
     for (Vec3 d : rest) {
-      for (int k = 0; k < cone.lineality; ++k)
-        d -= cone.lin[std::size_t(k)].dot(d) * cone.lin[std::size_t(k)];
+      for (int k = 0; k < cone.lineality; ++k) d -= cone.lin[k].dot(d) * cone.lin[k];
       if (d.norm() > 10 * kMerge) projected.push_back(d.normalized());
     }
     rest = std::move(projected);

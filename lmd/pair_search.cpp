@@ -177,7 +177,7 @@ class Search {
   template <class Lanes>
   AUSSOIS_INLINE void vertices_of_a(const ConeSlot& a, const ConeSlot& b, const Lanes& lanes) {
     for (int i = 0; i < a.count(); ++i) {
-      const VertexLeaf& v = pair_.a->vertices[std::size_t(trees_.first_a.index + a.first() + i)];
+      const VertexLeaf& v = pair_.a->vertices[trees_.first_a.index + a.first() + i];
       test(a, i, b, may_touch(frames_.a, v, spread(vertices_.p, i), lanes, trees_.limits));
     }
   }
@@ -186,7 +186,7 @@ class Search {
   AUSSOIS_INLINE void vertices_of_b(const ConeSlot& a, const ConeSlot& b, const Lanes& lanes) {
     const VertexLanes corners = vertex_lanes(frames_.b, trees_.first_b.index + b.first(), b.count());
     for (int j = 0; j < b.count(); ++j) {
-      const VertexLeaf& v = pair_.b->vertices[std::size_t(trees_.first_b.index + b.first() + j)];
+      const VertexLeaf& v = pair_.b->vertices[trees_.first_b.index + b.first() + j];
       const int left = may_touch(frames_.b, v, spread(corners.p, j), lanes, trees_.limits);
       for (int i = 0; i < a.count(); ++i)
         if (!tests_.quick || left >> i & 1) test_exactly(a, i, b, 1 << j);
@@ -286,7 +286,7 @@ long leaf_count(const LmdShape& s) {
 
 std::vector<LeafId> leaves_of(const LmdShape& s) {
   std::vector<LeafId> ids;
-  ids.reserve(std::size_t(leaf_count(s)));
+  ids.reserve(leaf_count(s));
   for (int i = 0; i < int(s.vertices.size()); ++i) ids.push_back({i, 0, 1});
   for (int i = 0; i < int(s.edges.size()); ++i) ids.push_back({i, 1, 1});
   for (const int side : {1, -1})
@@ -351,7 +351,7 @@ SearchResult search_pair(const RelativePair& pair, const MotionWindow* window, c
   std::vector<SearchResult> parts(trees.size() * kDescentParts);
   parallel_for(int(parts.size()), options.threads, [&](int i) {
     const TreePair& pair_of_trees = trees[std::size_t(i) / kDescentParts];
-    Search tests(pair, frames, pair_of_trees, window, options.tests, parts[std::size_t(i)]);
+    Search tests(pair, frames, pair_of_trees, window, options.tests, parts[i]);
     DualDescent<Search>(*pair_of_trees.a, *pair_of_trees.b, frames.motion, tests)
         .run(i % kDescentParts, !options.tests.instructions);
   });

@@ -24,19 +24,19 @@ std::vector<std::vector<Loop>> borders(const Wavefront& wave, std::size_t region
   std::vector<std::vector<char>> seen(wave.vertices.size());
   for (std::size_t v = 0; v < seen.size(); ++v) seen[v].assign(wave.vertices[v].sectors.size(), 0);
   for (int v = 0; v < int(seen.size()); ++v)
-    for (int s = 0; wave.vertices[std::size_t(v)].alive && s < int(seen[std::size_t(v)].size()); ++s) {
+    for (int s = 0; wave.vertices[v].alive && s < int(seen[v].size()); ++s) {
       Loop loop;
-      for (int at = v, i = s; !seen[std::size_t(at)][std::size_t(i)];) {
-        seen[std::size_t(at)][std::size_t(i)] = 1;
-        const int e = wave.vertices[std::size_t(at)].sectors[std::size_t(i)].edge;
+      for (int at = v, i = s; !seen[at][i];) {
+        seen[at][i] = 1;
+        const int e = wave.vertices[at].sectors[i].edge;
         loop.push_back({at, e});
-        at = across(wave.edges[std::size_t(e)], at);
-        const WaveVertex& next = wave.vertices[std::size_t(at)];
+        at = across(wave.edges[e], at);
+        const WaveVertex& next = wave.vertices[at];
         const int count = int(next.sectors.size());
         i = (sector_of(next, e) + count - 1) % count;
       }
-      const int region = wave.vertices[std::size_t(v)].sectors[std::size_t(s)].region;
-      if (loop.size() > 2) all[std::size_t(region)].push_back(std::move(loop));
+      const int region = wave.vertices[v].sectors[s].region;
+      if (loop.size() > 2) all[region].push_back(std::move(loop));
     }
   return all;
 }
@@ -44,7 +44,7 @@ std::vector<std::vector<Loop>> borders(const Wavefront& wave, std::size_t region
 bool holds(const std::vector<Vec2>& points, const std::vector<int>& loop, const Vec2& x) {
   bool odd = false;
   for (std::size_t i = 0; i < loop.size(); ++i) {
-    const Vec2 &a = points[std::size_t(loop[i])], &b = points[std::size_t(loop[(i + 1) % loop.size()])];
+    const Vec2 &a = points[loop[i]], &b = points[loop[(i + 1) % loop.size()]];
     if ((a.y() > x.y()) != (b.y() > x.y()) &&
         x.x() < a.x() + (x.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
       odd = !odd;
@@ -64,7 +64,7 @@ struct Places {
 // The chain inside which a fan lies; -1: none.
 int chain_around(const SimplicialComplex& solid, const Idealisation& ideal, const Fan& fan) {
   const auto chain_at = [&](const Corner& c) {
-    return ideal.edge_chain[std::size_t(solid.triangle_edges[std::size_t(c.triangle)][std::size_t(c.side)])];
+    return ideal.edge_chain[solid.triangle_edges[c.triangle][c.side]];
   };
   if (fan.regions.size() != 2) return -1;
   const int chain = chain_at(fan.first[0]);
@@ -73,11 +73,10 @@ int chain_around(const SimplicialComplex& solid, const Idealisation& ideal, cons
 
 Vec3 moved_with_chain(const SimplicialComplex& solid, const Chain& chain, const Wavefront& wave,
                       const WaveEdge& edge, const Vec3& x) {
-  const Vec3 &first = solid.vertices[std::size_t(chain.first)],
-             &last = solid.vertices[std::size_t(chain.last)];
+  const Vec3 &first = solid.vertices[chain.first], &last = solid.vertices[chain.last];
   const double share = chain.direction.dot(x - first) / (last - first).norm();
-  return x + (1 - share) * (wave.vertices[std::size_t(edge.ends[0])].to - first) +
-         share * (wave.vertices[std::size_t(edge.ends[1])].to - last);
+  return x + (1 - share) * (wave.vertices[edge.ends[0]].to - first) +
+         share * (wave.vertices[edge.ends[1]].to - last);
 }
 
 Places find_places(const SimplicialComplex& solid, const Idealisation& ideal, const std::vector<Fan>& fans,
@@ -90,31 +89,30 @@ Places find_places(const SimplicialComplex& solid, const Idealisation& ideal, co
   for (std::size_t w = 0; w < count; ++w) {
     out.points[w] = wave.vertices[w].to;
     if (!wave.vertices[w].alive) continue;
-    for (int f : wave.vertices[w].fans) of_fan[std::size_t(f)].push_back(int(w));
+    for (int f : wave.vertices[w].fans) of_fan[f].push_back(int(w));
   }
   std::map<std::pair<int, int>, int> in_chain;  // by chain and vertex
   for (std::size_t f = 0; f < fans.size(); ++f) {
     const Fan& fan = fans[f];
-    const Vec3& x = solid.vertices[std::size_t(fan.vertex)];
+    const Vec3& x = solid.vertices[fan.vertex];
     int own = -1;
     if (fan.regions.size() == 1) {
       own = int(count + f);
-      out.points[count + f] = x - depth * ideal.region_normal[std::size_t(fan.regions[0])];
+      out.points[count + f] = x - depth * ideal.region_normal[fan.regions[0]];
     } else if (const int c = chain_around(solid, ideal, fan); c >= 0) {
-      const WaveEdge& edge = wave.edges[std::size_t(c)];
+      const WaveEdge& edge = wave.edges[c];
       if (edge.alive && edge.chain == c) {
         own = in_chain[{c, fan.vertex}] = int(count + f);
-        out.points[count + f] = moved_with_chain(solid, ideal.chains[std::size_t(c)], wave, edge, x);
+        out.points[count + f] = moved_with_chain(solid, ideal.chains[c], wave, edge, x);
       }
     }
     for (const int r : fan.regions) {
       int place = own, found = 0;
       for (int w : of_fan[f])
-        if (std::ranges::count(wave.vertices[std::size_t(w)].sectors, r, &WaveSector::region) > 0)
+        if (std::ranges::count(wave.vertices[w].sectors, r, &WaveSector::region) > 0)
           place = ++found == 1 ? w : -1;
       for (const Corner& c : fan.round)
-        if (ideal.triangle_region[std::size_t(c.triangle)] == r)
-          out.of_corner[std::size_t(c.triangle)][std::size_t(c.side)] = place;
+        if (ideal.triangle_region[c.triangle] == r) out.of_corner[c.triangle][c.side] = place;
     }
   }
   for (std::size_t c = 0; c < ideal.chains.size(); ++c)
@@ -129,9 +127,9 @@ std::optional<std::vector<std::array<int, 3>>> moved_face(const Places& places,
                                                           const std::vector<int>& triangles, const Vec3& n) {
   std::vector<std::array<int, 3>> faces;
   for (int t : triangles) {
-    const std::array<int, 3>& corners = places.of_corner[std::size_t(t)];
+    const std::array<int, 3>& corners = places.of_corner[t];
     if (std::ranges::min(corners) < 0) return std::nullopt;
-    const auto x = [&](std::size_t i) { return places.points[std::size_t(corners[i])]; };
+    const auto x = [&](std::size_t i) { return places.points[corners[i]]; };
     if (!((x(1) - x(0)).cross(x(2) - x(0)).dot(n) > 0)) return std::nullopt;
     faces.push_back(corners);
   }
@@ -142,22 +140,22 @@ std::optional<std::vector<std::array<int, 3>>> moved_face(const Places& places,
 std::optional<std::vector<std::array<int, 3>>> cut_face(const Wavefront& wave, const Places& places,
                                                         const Vec3& n, const std::vector<Loop>& loops) {
   const Vec3 u = n.unitOrthogonal(), v = n.cross(u);
-  const Vec3 origin = wave.vertices[std::size_t(loops[0][0].vertex)].to;
+  const Vec3 origin = wave.vertices[loops[0][0].vertex].to;
   std::vector<Vec2> points;
   std::vector<int> vertex;
   std::vector<std::vector<int>> outer, holes;
   for (const Loop& loop : loops) {
     std::vector<int> indices;
     const auto add = [&](int p) {
-      const Vec3 x = places.points[std::size_t(p)] - origin;
+      const Vec3 x = places.points[p] - origin;
       indices.push_back(int(points.size()));
       points.emplace_back(u.dot(x), v.dot(x));
       vertex.push_back(p);
     };
     for (const auto& [w, e] : loop) {
       add(w);
-      const std::vector<int>& inside = places.inside[std::size_t(e)];
-      if (wave.edges[std::size_t(e)].ends[0] == w)
+      const std::vector<int>& inside = places.inside[e];
+      if (wave.edges[e].ends[0] == w)
         std::for_each(inside.begin(), inside.end(), add);
       else
         std::for_each(inside.rbegin(), inside.rend(), add);
@@ -170,13 +168,12 @@ std::optional<std::vector<std::array<int, 3>>> cut_face(const Wavefront& wave, c
   for (const std::vector<int>& border : outer) {
     std::vector<std::vector<int>> group{border};
     for (const std::vector<int>& hole : holes)
-      if (outer.size() == 1 || holds(points, border, points[std::size_t(hole[0])])) group.push_back(hole);
+      if (outer.size() == 1 || holds(points, border, points[hole[0]])) group.push_back(hole);
     held += group.size() - 1;
     const std::optional<std::vector<std::array<int, 3>>> part = triangulate(points, group);
     if (!part) return std::nullopt;
     for (const auto& [a, b, c] : *part) {
-      const std::array<int, 3> corners{vertex[std::size_t(a)], vertex[std::size_t(b)],
-                                       vertex[std::size_t(c)]};
+      const std::array<int, 3> corners{vertex[a], vertex[b], vertex[c]};
       if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0])
         return std::nullopt;  // the border touches itself
       faces.push_back(corners);
@@ -196,7 +193,7 @@ using Crossings = std::vector<std::array<std::vector<int>, 2>>;
 // Where the borders of a region cross, in the order of the borders, which does not depend on the frame.
 Crossings crossings(const Wavefront& wave, const Vec3& n, const std::vector<Loop>& loops) {
   const Vec3 u = n.unitOrthogonal(), v = n.cross(u);
-  const Vec3 origin = wave.vertices[std::size_t(loops[0][0].vertex)].to;
+  const Vec3 origin = wave.vertices[loops[0][0].vertex].to;
   struct Side {
     int index = 0, from = 0, to = 0;  // of the side, and vertices
     Vec2 a = Vec2::Zero(), b = Vec2::Zero();
@@ -205,8 +202,7 @@ Crossings crossings(const Wavefront& wave, const Vec3& n, const std::vector<Loop
   for (const Loop& loop : loops)
     for (std::size_t i = 0; i < loop.size(); ++i) {
       const int from = loop[i].vertex, to = loop[(i + 1) % loop.size()].vertex;
-      const Vec3 a = wave.vertices[std::size_t(from)].to - origin,
-                 b = wave.vertices[std::size_t(to)].to - origin;
+      const Vec3 a = wave.vertices[from].to - origin, b = wave.vertices[to].to - origin;
       sides.push_back({int(sides.size()), from, to, {u.dot(a), v.dot(a)}, {u.dot(b), v.dot(b)}});
     }
   std::vector<Side> by_x = sides;
@@ -220,7 +216,7 @@ Crossings crossings(const Wavefront& wave, const Vec3& n, const std::vector<Loop
   std::ranges::sort(pairs);
   Crossings out;
   for (const auto& [i, j] : pairs) {
-    const Side &s = sides[std::size_t(i)], &t = sides[std::size_t(j)];
+    const Side &s = sides[i], &t = sides[j];
     out.push_back({std::vector{s.from, s.to}, std::vector{t.from, t.to}});
   }
   return out;
@@ -234,19 +230,16 @@ bool is_wall(const Idealisation& ideal, const WaveVertex& v, const WaveVertex& w
   all.insert(all.end(), w.sectors.begin(), w.sectors.end());
   for (const WaveSector& a : all)
     for (const WaveSector& b : all)
-      if (ideal.region_normal[std::size_t(a.region)].dot(ideal.region_normal[std::size_t(b.region)]) <
-          -kCos20)
-        return true;
+      if (ideal.region_normal[a.region].dot(ideal.region_normal[b.region]) < -kCos20) return true;
   return false;
 }
 
 Failure lost_edge(const SimplicialComplex& k, const Idealisation& ideal, const Chain& chain) {
   std::ostringstream text;
-  const Vec3 &a = k.vertices[std::size_t(chain.first)], &b = k.vertices[std::size_t(chain.last)];
+  const Vec3 &a = k.vertices[chain.first], &b = k.vertices[chain.last];
   text << "the edge of length " << (b - a).norm() << " m at vertex " << chain.first << " would vanish";
   Failure failure{ErosionStatus::lost_edge, 0.5 * (a + b), text.str(), {}};
-  for (int t : k.edge_triangles[chain.edges.front()])
-    failure.regions.push_back(ideal.triangle_region[std::size_t(t)]);
+  for (int t : k.edge_triangles[chain.edges.front()]) failure.regions.push_back(ideal.triangle_region[t]);
   return failure;
 }
 
@@ -256,7 +249,7 @@ std::optional<Failure> unsettled(const Wavefront& wave, const std::vector<Fan>& 
   std::optional<Failure> failure;
   std::vector<std::optional<Crossings>> crossed(loops.size());
   for (int i = 0; i < int(wave.vertices.size()); ++i) {
-    const WaveVertex& v = wave.vertices[std::size_t(i)];
+    const WaveVertex& v = wave.vertices[i];
     if (!v.alive || v.deviation <= std::max(options.meet, options.deviation) * (1 + 1e-9)) continue;
     if (!failure) {
       std::ostringstream text;
@@ -265,7 +258,7 @@ std::optional<Failure> unsettled(const Wavefront& wave, const std::vector<Fan>& 
         text << "around " << v.fans.size() << " vertices that would merge, near ";
       else
         text << "at ";
-      text << "vertex " << fans[std::size_t(v.fans[0])].vertex << (v.fans.size() > 1 ? "," : "")
+      text << "vertex " << fans[v.fans[0]].vertex << (v.fans.size() > 1 ? "," : "")
            << " do not meet when moved, and no split is simple";
       failure = Failure{ErosionStatus::unsettled_vertex, v.from, text.str()};
     }
@@ -273,7 +266,7 @@ std::optional<Failure> unsettled(const Wavefront& wave, const std::vector<Fan>& 
     const std::size_t before = failure->crossing.size();
     for (const WaveSector& s : v.sectors) {
       failure->regions.push_back(s.region);
-      neighbours.push_back(across(wave.edges[std::size_t(s.edge)], i));
+      neighbours.push_back(across(wave.edges[s.edge], i));
       const auto r = std::size_t(s.region);
       if (loops[r].empty()) continue;
       if (!crossed[r]) crossed[r] = crossings(wave, ideal.region_normal[r], loops[r]);
@@ -293,8 +286,8 @@ RegionOffset offset_regions(const SimplicialComplex& solid, const Idealisation& 
       .wave = move_planes(solid, ideal, fans, of_fan,
                           {options.depth, options.meet, options.deviation, options.split, together})};
   if (!options.contract && !out.wave.events.empty()) {
-    const int chain = out.wave.edges[std::size_t(out.wave.events[0])].chain;
-    out.failure = lost_edge(solid, ideal, ideal.chains[std::size_t(std::max(chain, 0))]);
+    const int chain = out.wave.edges[out.wave.events[0]].chain;
+    out.failure = lost_edge(solid, ideal, ideal.chains[std::max(chain, 0)]);
     return out;
   }
   const auto loops = borders(out.wave, ideal.region_normal.size());
@@ -302,7 +295,7 @@ RegionOffset offset_regions(const SimplicialComplex& solid, const Idealisation& 
   const Places places = find_places(solid, ideal, fans, out.wave, options.depth);
   std::vector<std::vector<int>> of_region(loops.size());  // triangles
   for (std::size_t t = 0; t < solid.triangles.size(); ++t)
-    of_region[std::size_t(ideal.triangle_region[t])].push_back(int(t));
+    of_region[ideal.triangle_region[t]].push_back(int(t));
   std::vector<int> index(places.points.size(), -1);
   for (std::size_t r = 0; r < loops.size(); ++r) {
     if (loops[r].empty()) continue;  // it has vanished
@@ -312,7 +305,7 @@ RegionOffset offset_regions(const SimplicialComplex& solid, const Idealisation& 
     if (!faces) faces = cut_face(out.wave, places, n, loops[r]);
     if (!faces) {
       if (!out.failure)
-        out.failure = Failure{ErosionStatus::lost_face, places.points[std::size_t(loops[r][0][0].vertex)],
+        out.failure = Failure{ErosionStatus::lost_face, places.points[loops[r][0][0].vertex],
                               "region " + std::to_string(r) + " would turn over or cross its own border"};
       out.failure->regions.push_back(int(r));
       out.failure->crossing.insert(out.failure->crossing.end(), crossed.begin(), crossed.end());
@@ -320,11 +313,11 @@ RegionOffset offset_regions(const SimplicialComplex& solid, const Idealisation& 
     }
     for (std::array<int, 3> corners : *faces) {
       for (int& corner : corners) {
-        int& i = index[std::size_t(corner)];
+        int& i = index[corner];
         if (i < 0) {
           i = int(out.vertices.size());
           out.wave_vertex.push_back(corner < int(out.wave.vertices.size()) ? corner : -1);
-          out.vertices.push_back(places.points[std::size_t(corner)]);
+          out.vertices.push_back(places.points[corner]);
         }
         corner = i;
       }
@@ -340,7 +333,7 @@ bool join_crossing(const Failure& failure, const Idealisation& ideal, const Wave
   const auto groups = [&](int v, int w) {
     std::set<int> all;
     for (int x : {v, w})
-      for (int f : wave.vertices[std::size_t(x)].fans) all.insert(of_fan.group[std::size_t(f)]);
+      for (int f : wave.vertices[x].fans) all.insert(of_fan.group[f]);
     return all;
   };
   bool any = false;
@@ -349,9 +342,8 @@ bool join_crossing(const Failure& failure, const Idealisation& ideal, const Wave
     double least = kInf;
     for (int v : first)
       for (int w : second) {
-        const double way = (wave.vertices[std::size_t(v)].from - wave.vertices[std::size_t(w)].from).norm();
-        if (way >= least || is_wall(ideal, wave.vertices[std::size_t(v)], wave.vertices[std::size_t(w)]))
-          continue;
+        const double way = (wave.vertices[v].from - wave.vertices[w].from).norm();
+        if (way >= least || is_wall(ideal, wave.vertices[v], wave.vertices[w])) continue;
         if (const std::set<int> both = groups(v, w); both.size() > 1) least = way, nearest = both;
       }
     for (int from : nearest)
@@ -371,9 +363,9 @@ bool keep_whole(const SimplicialComplex& solid, const Idealisation& ideal, const
     std::vector<VertexPlane> planes;
     for (std::size_t s = 0; s < fan.regions.size(); ++s) {
       const Corner& c = fan.first[s];
-      const int along = solid.triangles[std::size_t(c.triangle)][std::size_t(c.side + 1) % 3];
-      const Vec3 spoke = solid.vertices[std::size_t(along)] - solid.vertices[std::size_t(fan.vertex)];
-      planes.push_back({ideal.region_normal[std::size_t(fan.regions[s])], spoke.stableNormalized(), -1});
+      const int along = solid.triangles[c.triangle][std::size_t(c.side + 1) % 3];
+      const Vec3 spoke = solid.vertices[along] - solid.vertices[fan.vertex];
+      planes.push_back({ideal.region_normal[fan.regions[s]], spoke.stableNormalized(), -1});
     }
     if (!mitre(planes, {options.meet, options.deviation, false})) continue;
     of_fan.whole[i] = 1;

@@ -28,27 +28,27 @@ inline int other_triangle(const SimplicialComplex& k, int edge, int t) {
 }
 
 inline std::size_t corner_at(const SimplicialComplex& k, int t, int vertex) {
-  const auto& v = k.triangles[std::size_t(t)];
+  const auto& v = k.triangles[t];
   return std::size_t(std::find(v.begin(), v.end(), vertex) - v.begin());
 }
 
 inline Vec3 centre_of(const SimplicialComplex& k, int t) {
-  const auto& [a, b, c] = k.triangles[std::size_t(t)];
-  return (k.vertices[std::size_t(a)] + k.vertices[std::size_t(b)] + k.vertices[std::size_t(c)]) / 3;
+  const auto& [a, b, c] = k.triangles[t];
+  return (k.vertices[a] + k.vertices[b] + k.vertices[c]) / 3;
 }
 
 inline std::vector<Fan> find_fans(const SimplicialComplex& k, const Idealisation& ideal) {
   std::vector<Fan> fans;
   std::vector<std::array<char, 3>> seen(k.triangles.size(), {0, 0, 0});
-  const auto region = [&](const Corner& c) { return ideal.triangle_region[std::size_t(c.triangle)]; };
+  const auto region = [&](const Corner& c) { return ideal.triangle_region[c.triangle]; };
   for (int v = 0; v < int(k.vertices.size()); ++v)
     for (int t : k.vertex_triangles[v]) {
       std::size_t side = corner_at(k, t, v);
       std::vector<Corner> round;
-      for (int at = t; !seen[std::size_t(at)][side]; side = corner_at(k, at, v)) {
-        seen[std::size_t(at)][side] = 1;
+      for (int at = t; !seen[at][side]; side = corner_at(k, at, v)) {
+        seen[at][side] = 1;
         round.push_back({at, int(side)});
-        at = other_triangle(k, k.triangle_edges[std::size_t(at)][(side + 2) % 3], at);
+        at = other_triangle(k, k.triangle_edges[at][(side + 2) % 3], at);
       }
       if (round.empty()) continue;
       const std::size_t n = round.size();

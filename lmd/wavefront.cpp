@@ -25,13 +25,13 @@ class Front {
     std::map<int, int> loose;  // border edges of the solid that are no chain's, being shorter than rounding
     for (std::size_t f = 0; f < fans.size(); ++f) {
       const Fan& fan = fans[f];
-      const Vec3& x = solid.vertices[std::size_t(fan.vertex)];
+      const Vec3& x = solid.vertices[fan.vertex];
       WaveVertex v{.fans = {int(f)}, .from = x};
       const std::size_t d = fan.regions.size();
       for (std::size_t s = 0; s < d && d > 1; ++s) {
         const Corner& c = fan.first[s];
-        const int edge = solid.triangle_edges[std::size_t(c.triangle)][std::size_t(c.side)];
-        const int chain = ideal_.edge_chain[std::size_t(edge)];
+        const int edge = solid.triangle_edges[c.triangle][c.side];
+        const int chain = ideal_.edge_chain[edge];
         const int r = fan.regions[s];
         const auto [at, is_new] =
             chain >= 0 ? std::pair(loose.end(), false) : loose.try_emplace(edge, int(wave.edges.size()));
@@ -41,20 +41,18 @@ class Front {
       if (d < 2 || (d == 2 && v.sectors[0].edge == v.sectors[1].edge)) continue;  // inside a face or chain
       const int index = int(wave.vertices.size());
       for (const WaveSector& s : v.sectors) {
-        WaveEdge& e = wave.edges[std::size_t(s.edge)];
-        const bool first =
-            e.chain >= 0 ? ideal_.chains[std::size_t(e.chain)].first == fan.vertex : e.ends[0] < 0;
+        WaveEdge& e = wave.edges[s.edge];
+        const bool first = e.chain >= 0 ? ideal_.chains[e.chain].first == fan.vertex : e.ends[0] < 0;
         e.ends[first ? 0 : 1] = index;
       }
       wave.vertices.push_back(std::move(v));
     }
     for (const auto& [edge, index] : loose) {
-      WaveEdge& e = wave.edges[std::size_t(index)];
+      WaveEdge& e = wave.edges[index];
       e.direction = (vertex(e.ends[1]).from - vertex(e.ends[0]).from).stableNormalized();
     }
     std::map<int, std::vector<int>> groups;
-    for (int v = 0; v < int(wave.vertices.size()); ++v)
-      groups[of_fan.group[std::size_t(vertex(v).fans[0])]].push_back(v);
+    for (int v = 0; v < int(wave.vertices.size()); ++v) groups[of_fan.group[vertex(v).fans[0]]].push_back(v);
     for (const auto& [first, group] : groups) {
       std::set<int> inner, pending;  // edges
       for (int v : group)
@@ -66,7 +64,7 @@ class Front {
     }
     const int count = int(wave.vertices.size());
     for (int v = 0; v < count; ++v)
-      if (vertex(v).alive) settle(v, o_.split && !of_fan.whole[std::size_t(vertex(v).fans[0])]);
+      if (vertex(v).alive) settle(v, o_.split && !of_fan.whole[vertex(v).fans[0]]);
     stamp_.assign(wave.edges.size(), 0);
     for (int e = 0; e < int(wave.edges.size()); ++e) await(e);
   }
@@ -92,21 +90,21 @@ class Front {
  private:
   using Event = std::tuple<double, int, int>;  // depth, edge, stamp of the edge
 
-  const Vec3& normal(int region) const { return ideal_.region_normal[std::size_t(region)]; }
-  WaveVertex& vertex(int i) { return wave.vertices[std::size_t(i)]; }
-  WaveEdge& edge(int i) { return wave.edges[std::size_t(i)]; }
+  const Vec3& normal(int region) const { return ideal_.region_normal[region]; }
+  WaveVertex& vertex(int i) { return wave.vertices[i]; }
+  WaveEdge& edge(int i) { return wave.edges[i]; }
 
   Vec3 position(const WaveVertex& v, double at) const {
     const double way = o_.depth - v.since;
     return way > 0 ? Vec3(v.from + (at - v.since) / way * (v.to - v.from)) : v.to;
   }
 
-  bool is_due(int e, int stamp) { return edge(e).alive && stamp == stamp_[std::size_t(e)]; }
+  bool is_due(int e, int stamp) { return edge(e).alive && stamp == stamp_[e]; }
 
   // Puts the depth at which an edge will have shrunk to nothing into the queue (ERO-10).
   void await(int index) {
     const WaveEdge& e = edge(index);
-    const int stamp = ++stamp_[std::size_t(index)];
+    const int stamp = ++stamp_[index];
     const WaveVertex &a = vertex(e.ends[0]), &b = vertex(e.ends[1]);
     const double last = e.direction.dot(b.to - a.to);
     if (last > kShort * o_.depth) return;
@@ -162,15 +160,14 @@ class Front {
     std::vector<WaveVertex> rims;
     for (int v : group)
       for (int s = 0; s < int(vertex(v).sectors.size()); ++s) {
-        if (in_group(across(edge(vertex(v).sectors[std::size_t(s)].edge), v)) || seen.contains({v, s}))
-          continue;
+        if (in_group(across(edge(vertex(v).sectors[s].edge), v)) || seen.contains({v, s})) continue;
         rims.push_back(made);
         for (int at = v, i = s; !seen.contains({at, i});) {
           seen.insert({at, i});
-          rims.back().sectors.push_back(vertex(at).sectors[std::size_t(i)]);
+          rims.back().sectors.push_back(vertex(at).sectors[i]);
           for (;;) {
             i = (i + 1) % int(vertex(at).sectors.size());
-            const int e = vertex(at).sectors[std::size_t(i)].edge, other = across(edge(e), at);
+            const int e = vertex(at).sectors[i].edge, other = across(edge(e), at);
             if (!in_group(other)) break;
             at = other;
             i = sector_of(vertex(at), e);
@@ -273,7 +270,7 @@ class Front {
     const auto edge_between = [&](int p, int q) {
       const auto [at, is_new] = between.try_emplace(std::minmax(p, q), int(wave.edges.size()));
       if (is_new) {
-        const Vec3 d = m.points[std::size_t(q)] - m.points[std::size_t(p)];
+        const Vec3 d = m.points[q] - m.points[p];
         wave.edges.push_back({.ends = {base + p, base + q}, .direction = d.stableNormalized()});
       }
       return at->second;
@@ -289,7 +286,7 @@ class Front {
       for (std::size_t k = 0; k < path.size(); ++k) {
         const int next =
             k + 1 < path.size() ? edge_between(path[k], path[k + 1]) : old.sectors[(i + 1) % d].edge;
-        at[std::size_t(path[k])].emplace_back(s, next);
+        at[path[k]].emplace_back(s, next);
         s.edge = next;
       }
     }

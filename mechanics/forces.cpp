@@ -18,8 +18,8 @@ void add_outer(std::vector<Triplet>& matrix, int row, int column, double factor,
 // Spring, damper and effort motor of an axis; directions at the middle of the step (MJT-9).
 AxisImpulse add_axis_force(const Model& model, const State& state, const std::vector<SE3>& middle, int j,
                            int i, double t, GeneralisedForce& force) {
-  const Joint& joint = model.joints[std::size_t(j)];
-  const JointAxis& axis = joint.axis[std::size_t(i)];
+  const Joint& joint = model.joints[j];
+  const JointAxis& axis = joint.axis[i];
   const JointRow row = axis_row(joint, middle, i);
   std::vector<std::pair<int, Vec6>> ends;  // (first velocity, J)
   if (joint.body_a >= 0) ends.emplace_back(first_velocity(joint.body_a), row.J_a);
@@ -27,7 +27,7 @@ AxisImpulse add_axis_force(const Model& model, const State& state, const std::ve
   AxisImpulse out{.joint = j, .axis = i, .row = row};
   out.motor = axis.motor.kind == MotorKind::effort ? axis.motor.target(t) : 0;
   out.spring = -axis.stiffness * (joint_coordinate(model, state, j, i) - axis.rest) -
-               axis.damping * speed_along(joint, row, state.v);
+               axis.damping * axis_speed(joint, row, state.v);
   for (const auto& [at, J] : ends) {
     force.f.segment<6>(at) += (out.motor + out.spring) * J;
     for (const auto& [with, L] : ends) {
@@ -44,7 +44,7 @@ bool pushes(const JointAxis& axis) {
 
 }  // namespace
 
-double speed_along(const Joint& joint, const JointRow& row, const VecX& v) {
+double axis_speed(const Joint& joint, const JointRow& row, const VecX& v) {
   double out = 0;
   if (joint.body_a >= 0) out += row.J_a.dot(of_body(v, joint.body_a));
   if (joint.body_b >= 0) out += row.J_b.dot(of_body(v, joint.body_b));
@@ -61,8 +61,8 @@ std::vector<AxisImpulse> add_axis_forces(const Model& model, const State& state,
                                          const std::vector<SE3>& middle, double t, GeneralisedForce& force) {
   std::vector<AxisImpulse> out;
   for (int j = 0; j < int(model.joints.size()); ++j)
-    for (int i = 0; i < axis_count(model.joints[std::size_t(j)].kind); ++i)
-      if (pushes(model.joints[std::size_t(j)].axis[std::size_t(i)]))
+    for (int i = 0; i < axis_count(model.joints[j].kind); ++i)
+      if (pushes(model.joints[j].axis[i]))
         out.push_back(add_axis_force(model, state, middle, j, i, t, force));
   return out;
 }
@@ -107,9 +107,9 @@ Forces forces_at(const Model& model, const State& state, const Layout& dofs) {
   out.laws = free_velocities(dofs, force.f);
   std::vector<Triplet> mass, K = free_entries(force.K, dofs), C = free_entries(force.C, dofs);
   for (int b = 0; b < int(model.bodies.size()); ++b) {
-    const int row = dofs.first[std::size_t(b)];
+    const int row = dofs.first[b];
     if (row < 0) continue;
-    const RigidBody& body = model.bodies[std::size_t(b)];
+    const RigidBody& body = model.bodies[b];
     const Vec3 omega = angular_part(state.v, b), momentum = body.inertia * omega;
     add_block(mass, row, row, body.mass * Mat3::Identity());
     add_block(mass, row + 3, row + 3, body.inertia);
@@ -118,7 +118,7 @@ Forces forces_at(const Model& model, const State& state, const Layout& dofs) {
     out.gyroscopic.segment<3>(row + 3) = -omega.cross(momentum);
   }
   for (int i = 0; i < int(model.coordinates.size()); ++i) {
-    const Coordinates& block = model.coordinates[std::size_t(i)];
+    const Coordinates& block = model.coordinates[i];
     const int row = dofs.coordinates + first_coordinate(model, i);
     const VecX q = coordinates(model, state, i), v = speeds(model, state, i);
     add_block(mass, row, block_mass(model, i, q), 1);

@@ -8,7 +8,7 @@
 namespace aussois {
 
 /// J . v of a row, with v laid out as State::v.
-double speed_along(const Joint& joint, const JointRow& row, const VecX& v);
+double axis_speed(const Joint& joint, const JointRow& row, const VecX& v);
 
 /// What a spring, a damper and an effort motor exert along an axis of a joint: an impulse over a step
 /// [N s, N m s], or a force [N, N m].

@@ -10,7 +10,7 @@ namespace {
 
 const SE3& pose_of(const std::vector<SE3>& g, int body) {
   static const SE3 world;
-  return body < 0 ? world : g[std::size_t(body)];
+  return body < 0 ? world : g[body];
 }
 
 // The two frames of a joint in the world, and what moves them.

@@ -8,12 +8,12 @@ namespace aussois {
 namespace {
 
 double turned(const std::vector<int>& turns, int joint, int axis) {
-  return turns.empty() ? 0 : 2 * kPi * turns[std::size_t(3 * joint + axis)];
+  return turns.empty() ? 0 : 2 * kPi * turns[3 * joint + axis];
 }
 
 JointRow with_turns(const Model& model, const JointPoses& at, const std::vector<int>& turns, int joint,
                     int axis) {
-  JointRow row = axis_row(model.joints[std::size_t(joint)], at, axis);
+  JointRow row = axis_row(model.joints[joint], at, axis);
   row.value += turned(turns, joint, axis);
   return row;
 }
@@ -30,7 +30,7 @@ double joint_coordinate(const Model& model, const State& state, int joint, int a
 }
 
 double joint_speed(const Model& model, const State& state, int joint, int axis) {
-  const Joint& j = model.joints[std::size_t(joint)];
+  const Joint& j = model.joints[joint];
   const JointRow row = axis_row(j, state.g, axis);
   double speed = 0;
   if (j.body_a >= 0) speed += row.J_a.dot(twist(state, j.body_a));
@@ -39,7 +39,7 @@ double joint_speed(const Model& model, const State& state, int joint, int axis) 
 }
 
 JointError joint_error(const Model& model, const State& state, int joint) {
-  const Joint& j = model.joints[std::size_t(joint)];
+  const Joint& j = model.joints[joint];
   JointError error;
   int k = 0;
   for (const JointRow& row : locked_rows(j, state.g))
@@ -55,7 +55,7 @@ JointError joint_error(const Model& model, const State& state) {
     add_error(worst, true, error.rotation);
   }
   for (const Coupling& c : model.couplings)
-    add_error(worst, is_angle(model.joints[std::size_t(c.joint_1)].kind, c.axis_1),
+    add_error(worst, is_angle(model.joints[c.joint_1].kind, c.axis_1),
               coupling_row(model, c, state.g, state.turns).value);
   return worst;
 }
@@ -86,8 +86,8 @@ std::vector<int> counted_turns(const Model& model, const State& before, const st
 double spring_energy(const Model& model, const State& state) {  // (MJT-9)
   double sum = 0;
   for (int j = 0; j < int(model.joints.size()); ++j)
-    for (int i = 0; i < axis_count(model.joints[std::size_t(j)].kind); ++i) {
-      const JointAxis& axis = model.joints[std::size_t(j)].axis[std::size_t(i)];
+    for (int i = 0; i < axis_count(model.joints[j].kind); ++i) {
+      const JointAxis& axis = model.joints[j].axis[i];
       if (axis.stiffness == 0) continue;
       const double x = joint_coordinate(model, state, j, i) - axis.rest;
       sum += 0.5 * axis.stiffness * x * x;

@@ -55,7 +55,7 @@ void check_deformation(const RigidBody& body, int index, const Model& model) {
   const std::string who = "body " + std::to_string(index) + " (" + body.name + "): deformation ";
   require(bool(body.deformation.columns), who + "needs columns beside vertices");
   require(body.shape >= 0, who + "needs a shape");
-  require(keeps_features(*model.shapes[std::size_t(body.shape)]),
+  require(keeps_features(*model.shapes[body.shape]),
           who + "needs a shape prepared with LmdShapeOptions::deforming");
   require(!is_moved(body), who + "needs a dynamic or fixed body");
 }
@@ -102,7 +102,7 @@ void check_joint(const Joint& joint, int index, const std::vector<RigidBody>& bo
   require_field(joint.body_b >= -1 && joint.body_b < count, (who + "body_b").c_str(), joint.body_b,
                 range.c_str());
   require_field(joint.body_a != joint.body_b, (who + "body_b").c_str(), joint.body_b, "differ from body_a");
-  const auto moves = [&](int body) { return body >= 0 && is_dynamic(bodies[std::size_t(body)]); };
+  const auto moves = [&](int body) { return body >= 0 && is_dynamic(bodies[body]); };
   require(moves(joint.body_a) || moves(joint.body_b), who + "one of its bodies must be dynamic");
   checked_pose(joint.frame_a, (who + "frame_a").c_str());
   checked_pose(joint.frame_b, (who + "frame_b").c_str());
@@ -113,7 +113,7 @@ void check_joint(const Joint& joint, int index, const std::vector<RigidBody>& bo
     require_field(joint.length > 0 && std::isfinite(joint.length), (who + "length").c_str(), joint.length,
                   "be positive and finite [m]");
   for (int i = 0; i < axis_count(joint.kind); ++i)
-    check_axis(joint.axis[std::size_t(i)], who + "axis[" + std::to_string(i) + "].");
+    check_axis(joint.axis[i], who + "axis[" + std::to_string(i) + "].");
   for (std::size_t i = std::size_t(axis_count(joint.kind)); i < joint.axis.size(); ++i)
     require(is_plain(joint.axis[i]),
             who + "axis[" + std::to_string(i) + "] has a stop, friction, spring or motor, but a " +
@@ -134,7 +134,7 @@ void check_coupling(const Coupling& coupling, int index, const std::vector<Joint
   const auto check_end = [&](int joint, int axis, const char* field_joint, const char* field_axis) {
     require_field(joint >= 0 && joint < int(joints.size()), (who + field_joint).c_str(), joint,
                   ("lie in [0, " + std::to_string(joints.size()) + ")").c_str());
-    const int axes = axis_count(joints[std::size_t(joint)].kind);
+    const int axes = axis_count(joints[joint].kind);
     require_field(axis >= 0 && axis < axes, (who + field_axis).c_str(), axis,
                   ("lie in [0, " + std::to_string(axes) + "), the axes of the joint").c_str());
   };
@@ -232,7 +232,7 @@ std::vector<ContactLaw> contact_laws(const Model& model) {
 
 int first_coordinate(const Model& model, int block) {
   int first = 0;
-  for (int i = 0; i < block; ++i) first += model.coordinates[std::size_t(i)].size;
+  for (int i = 0; i < block; ++i) first += model.coordinates[i].size;
   return first;
 }
 
@@ -245,7 +245,7 @@ int velocity_count(const Model& model) {
 }
 
 int gap_columns(const Model& model, const GapFunction& gap) {
-  return gap.block < 0 ? velocity_count(model) : model.coordinates[std::size_t(gap.block)].size;
+  return gap.block < 0 ? velocity_count(model) : model.coordinates[gap.block].size;
 }
 
 void validate(const Model& model) {
@@ -264,8 +264,8 @@ void validate(const Model& model) {
   for (std::size_t i = 0; i < model.shapes.size(); ++i)
     require(model.shapes[i] != nullptr, "model: shape " + std::to_string(i) + " must not be empty");
   for (int i = 0; i < count; ++i) {
-    check_body(model.bodies[std::size_t(i)], i, model.shapes.size());
-    check_deformation(model.bodies[std::size_t(i)], i, model);
+    check_body(model.bodies[i], i, model.shapes.size());
+    check_deformation(model.bodies[i], i, model);
   }
   for (const auto& [a, b] : model.passing)
     require(0 <= a && a < b && b < count, "model: passing{" + std::to_string(a) + ", " + std::to_string(b) +

@@ -20,7 +20,7 @@ SE3 retract(const SE3& g, const Vec6& twist, double time) {
 
 State retract(const Model& model, State state, const VecX& v, double time) {
   std::vector<SE3> g = state.g;
-  for (int b = 0; b < int(g.size()); ++b) g[std::size_t(b)] = retract(g[std::size_t(b)], of_body(v, b), time);
+  for (int b = 0; b < int(g.size()); ++b) g[b] = retract(g[b], of_body(v, b), time);
   if (!model.joints.empty()) state.turns = counted_turns(model, state, g);
   state.g = std::move(g);
   state.q += time * v.tail(state.q.size());
@@ -51,7 +51,7 @@ VecX velocity_between(const State& state, const State& plain, const State& end, 
 void lead(const Model& model, State& state, int body, const SE3& target, double time) {
   require_field(body >= 0 && body < int(model.bodies.size()), "lead: body", body,
                 ("lie in [0, " + std::to_string(model.bodies.size()) + ")").c_str());
-  const RigidBody& led = model.bodies[std::size_t(body)];
+  const RigidBody& led = model.bodies[body];
   require(std::holds_alternative<Driven>(led.motion),
           "lead: body " + std::to_string(body) + " (" + led.name + ") must be driven");
   require_field(time > 0, "lead: time", time, "be positive [s]");
@@ -61,9 +61,9 @@ void lead(const Model& model, State& state, int body, const SE3& target, double 
 VecX prescribed_velocity(const Model& model, const State& state, double h) {
   VecX v = VecX::Zero(state.v.size());
   for (int b = 0; b < int(model.bodies.size()); ++b) {
-    const Motion& motion = model.bodies[std::size_t(b)].motion;
+    const Motion& motion = model.bodies[b].motion;
     if (const auto* moved = std::get_if<Prescribed>(&motion))
-      of_body(v, b) = twist_between(pose(state, b), evaluate(moved->path, state.t + h).pose, h);
+      of_body(v, b) = twist_between(pose(state, b), trajectory_point(moved->path, state.t + h).pose, h);
     else if (std::holds_alternative<Driven>(motion))
       of_body(v, b) = twist(state, b);
   }
@@ -73,9 +73,9 @@ VecX prescribed_velocity(const Model& model, const State& state, double h) {
 std::vector<SE3> moved_poses(const Model& model, const State& state, const VecX& v, double time) {
   std::vector<SE3> g(state.g.size());
   for (int b = 0; b < int(g.size()); ++b) {
-    const auto* moved = std::get_if<Prescribed>(&model.bodies[std::size_t(b)].motion);
-    g[std::size_t(b)] =
-        moved ? evaluate(moved->path, state.t + time).pose : retract(pose(state, b), of_body(v, b), time);
+    const auto* moved = std::get_if<Prescribed>(&model.bodies[b].motion);
+    g[b] = moved ? trajectory_point(moved->path, state.t + time).pose
+                 : retract(pose(state, b), of_body(v, b), time);
   }
   return g;
 }
@@ -108,7 +108,7 @@ VecX path_velocity(GroupUpdate update, const Model& model, const State& state, c
   for (int b = 0; b < int(model.bodies.size()); ++b) {
     const Vec3 omega = angular_part(v, b);
     const double half = h / 2 * omega.norm();
-    if (!is_dynamic(model.bodies[std::size_t(b)]) || half == 0) continue;
+    if (!is_dynamic(model.bodies[b]) || half == 0) continue;
     if (update == GroupUpdate::cayley) {
       angular_part(out, b) *= std::atan(half) / half;  // (LIE-2)
     } else {

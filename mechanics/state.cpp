@@ -24,7 +24,7 @@ State rest_state(const Model& model) {
   state.q = VecX::Zero(first_coordinate(model, int(model.coordinates.size())));
   for (std::size_t i = 0; i < model.bodies.size(); ++i)
     if (const Prescribed* prescribed = std::get_if<Prescribed>(&model.bodies[i].motion))
-      state.g[i] = evaluate(prescribed->path, prescribed->path.t.front()).pose;
+      state.g[i] = trajectory_point(prescribed->path, prescribed->path.t.front()).pose;
   return state;
 }
 
@@ -76,10 +76,10 @@ void validate(const Model& model, const State& state) {
 }
 
 SE3& pose(State& state, int body) {
-  return state.g.at(std::size_t(body));
+  return state.g.at(body);
 }
 const SE3& pose(const State& state, int body) {
-  return state.g.at(std::size_t(body));
+  return state.g.at(body);
 }
 
 Eigen::Ref<Vec6> twist(State& state, int body) {
@@ -92,10 +92,10 @@ Vec6 twist(const State& state, int body) {
 }
 
 VecX coordinates(const Model& model, const State& state, int block) {
-  return state.q.segment(first_coordinate(model, block), model.coordinates[std::size_t(block)].size);
+  return state.q.segment(first_coordinate(model, block), model.coordinates[block].size);
 }
 VecX speeds(const Model& model, const State& state, int block) {
-  return state.v.segment(first_speed(model, block), model.coordinates[std::size_t(block)].size);
+  return state.v.segment(first_speed(model, block), model.coordinates[block].size);
 }
 
 namespace {
@@ -111,14 +111,14 @@ void check_size(const MatX& A, Eigen::Index rows, Eigen::Index columns, const st
 }  // namespace
 
 MatX block_mass(const Model& model, int block, const VecX& q) {
-  const Coordinates& c = model.coordinates[std::size_t(block)];
+  const Coordinates& c = model.coordinates[block];
   MatX M = c.mass(q);
   check_size(M, c.size, c.size, "coordinates " + std::to_string(block) + " (" + c.name + "): mass");
   return M;
 }
 
 CoordinateForce block_force(const Model& model, int block, double t, const VecX& q, const VecX& v) {
-  const Coordinates& c = model.coordinates[std::size_t(block)];
+  const Coordinates& c = model.coordinates[block];
   if (!c.force) return {.f = VecX::Zero(c.size), .K = {}, .C = {}};
   CoordinateForce out = c.force(t, q, v);
   const std::string who = "coordinates " + std::to_string(block) + " (" + c.name + "): force.";
@@ -129,7 +129,7 @@ CoordinateForce block_force(const Model& model, int block, double t, const VecX&
 }
 
 GapRows gap_function(const Model& model, const State& state, int gap, double t) {
-  const GapFunction& g = model.gaps[std::size_t(gap)];
+  const GapFunction& g = model.gaps[gap];
   GapRows out = g.evaluate(model, state, t);
   const std::string who = "gap function " + std::to_string(gap) + " (" + g.name + "): ";
   require_field(out.J.rows() >= 1 && out.J.rows() <= 3, (who + "rows of J").c_str(), out.J.rows(),
@@ -197,7 +197,7 @@ Energy energy(const Model& model, const State& state) {  // (MEC-4)
     if (law.potential) energy.laws += law.potential(model, state, state.t);
   energy.laws += spring_energy(model, state);
   for (int i = 0; i < int(model.coordinates.size()); ++i) {
-    const Coordinates& block = model.coordinates[std::size_t(i)];
+    const Coordinates& block = model.coordinates[i];
     const VecX q = coordinates(model, state, i), v = speeds(model, state, i);
     energy.kinetic += 0.5 * v.dot(block_mass(model, i, q) * v);
     if (block.potential) energy.laws += block.potential(q);

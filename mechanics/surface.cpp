@@ -16,12 +16,12 @@ std::vector<int> corners_of(const SimplicialComplex& k, const Feature& on) {
 }
 
 std::string name_of(const Model& model, int body) {
-  return "body " + std::to_string(body) + " (" + model.bodies[std::size_t(body)].name + "): ";
+  return "body " + std::to_string(body) + " (" + model.bodies[body].name + "): ";
 }
 
 std::vector<VertexColumn> columns_of(const Model& model, const State& state, int body, int vertex) {
   std::vector<VertexColumn> out;
-  model.bodies[std::size_t(body)].deformation.columns(model, state, vertex, out);
+  model.bodies[body].deformation.columns(model, state, vertex, out);
   for (const VertexColumn& c : out)
     if (c.velocity < 0 || c.velocity >= state.v.size())
       require_field(false, (name_of(model, body) + "deformation.columns: velocity").c_str(), c.velocity,
@@ -32,8 +32,8 @@ std::vector<VertexColumn> columns_of(const Model& model, const State& state, int
 }  // namespace
 
 std::vector<Vec3> deformed_vertices(const Model& model, const State& state, int body) {
-  const RigidBody& b = model.bodies[std::size_t(body)];
-  const std::size_t count = model.shapes[std::size_t(b.shape)]->complex.vertices.size();
+  const RigidBody& b = model.bodies[body];
+  const std::size_t count = model.shapes[b.shape]->complex.vertices.size();
   std::vector<Vec3> vertices = b.deformation.vertices(model, state);
   if (vertices.size() != count)
     require_field(false, (name_of(model, body) + "deformation.vertices: size").c_str(), vertices.size(),
@@ -42,9 +42,8 @@ std::vector<Vec3> deformed_vertices(const Model& model, const State& state, int 
 }
 
 PosedShape posed_shape(const Model& model, const State& state, int body) {
-  const RigidBody& b = model.bodies[std::size_t(body)];
-  PosedShape out{
-      .shape = model.shapes[std::size_t(b.shape)].get(), .g_ws = pose(state, body) * b.g_bs, .body = body};
+  const RigidBody& b = model.bodies[body];
+  PosedShape out{.shape = model.shapes[b.shape].get(), .g_ws = pose(state, body) * b.g_bs, .body = body};
   if (!deforms(b)) return out;
   out.own = std::make_shared<const LmdShape>(refit(*out.shape, deformed_vertices(model, state, body)));
   out.shape = out.own.get();
@@ -52,8 +51,8 @@ PosedShape posed_shape(const Model& model, const State& state, int body) {
 }
 
 std::vector<Vec3> vertex_velocities(const Model& model, const State& state, int body, const VecX& v) {
-  const RigidBody& b = model.bodies[std::size_t(body)];
-  std::vector<Vec3> out(model.shapes[std::size_t(b.shape)]->complex.vertices.size(), Vec3::Zero());
+  const RigidBody& b = model.bodies[body];
+  std::vector<Vec3> out(model.shapes[b.shape]->complex.vertices.size(), Vec3::Zero());
   for (std::size_t i = 0; i < out.size(); ++i)
     for (const VertexColumn& c : columns_of(model, state, body, int(i))) out[i] += v[c.velocity] * c.column;
   return out;
@@ -63,13 +62,13 @@ template <int N>
 PointColumns<N> point_columns(const Model& model, const State& state, const Feature& on, const Vec3& x,
                               const Mat3& frame) {
   const SE3& g = pose(state, on.body);
-  const RigidBody& b = model.bodies[std::size_t(on.body)];
+  const RigidBody& b = model.bodies[on.body];
   const Eigen::Matrix<double, N, 3> axes = frame.transpose().topRows<N>();
   PointColumns<N> out;
   out.twist << axes, -axes * skew(x - g.p) * g.R.toRotationMatrix();
   if (!deforms(b)) return out;
   const Eigen::Matrix<double, N, 3> to_axes = axes * (g.R.toRotationMatrix() * b.g_bs.R.toRotationMatrix());
-  const std::vector<int> corners = corners_of(model.shapes[std::size_t(b.shape)]->complex, on);
+  const std::vector<int> corners = corners_of(model.shapes[b.shape]->complex, on);
   for (std::size_t k = 0; k < corners.size(); ++k)
     for (const VertexColumn& c : columns_of(model, state, on.body, corners[k]))
       out.others.emplace_back(c.velocity, on.bary[k] * (to_axes * c.column));
@@ -81,12 +80,12 @@ template PointColumns<3> point_columns<3>(const Model&, const State&, const Feat
                                           const Mat3&);
 
 Vec3 material_place(const Model& model, const State& state, const Feature& on, const Vec3& x) {
-  const RigidBody& b = model.bodies[std::size_t(on.body)];
+  const RigidBody& b = model.bodies[on.body];
   if (!deforms(b)) return inverse(pose(state, on.body)) * x;
-  const SimplicialComplex& k = model.shapes[std::size_t(b.shape)]->complex;
+  const SimplicialComplex& k = model.shapes[b.shape]->complex;
   const std::vector<int> corners = corners_of(k, on);
   Vec3 place = Vec3::Zero();
-  for (std::size_t i = 0; i < corners.size(); ++i) place += on.bary[i] * k.vertices[std::size_t(corners[i])];
+  for (std::size_t i = 0; i < corners.size(); ++i) place += on.bary[i] * k.vertices[corners[i]];
   return b.g_bs * place;
 }
 

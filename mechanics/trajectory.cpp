@@ -21,7 +21,7 @@ void validate(const Trajectory& path) {
   }
 }
 
-TrajectoryPoint evaluate(const Trajectory& path, double t) {
+TrajectoryPoint trajectory_point(const Trajectory& path, double t) {
   AUSSOIS_ASSERT(path.t.size() >= 2 && path.t.size() == path.pose.size());
   const auto at_rest = [](const SE3& g) { return TrajectoryPoint{.pose = {g.R.normalized(), g.p}}; };
   if (t < path.t.front()) return at_rest(path.pose.front());

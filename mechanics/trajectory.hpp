@@ -24,7 +24,7 @@ struct TrajectoryPoint {
 };
 /// At times outside [t.front(), t.back()]: the end pose with zero twist. At the time of a row, the segment
 /// that begins there counts; at the last row, the one that ends there. The path must be valid.
-TrajectoryPoint evaluate(const Trajectory& path, double t);
+TrajectoryPoint trajectory_point(const Trajectory& path, double t);
 
 /// The same path for the frame g_old_new attached to the moving frame: pose * g_old_new, interpolated anew.
 /// It is exact at the rows and off between them by at most |g_old_new.p| phi^2 / 8 for a rotation by phi from

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "geometry/check.hpp"
+#include "geometry/settings.hpp"
 #include "lmd/motion_bound.hpp"
 #include "mechanics/model.hpp"
 #include "mechanics/state.hpp"
@@ -34,8 +34,8 @@ CouplingError coupling_error(const State& state, int body, const TrajectoryPoint
 // Where a body that is moved will be at time t.
 TrajectoryPoint handle_at(const Model& model, const State& state, int handle, double t) {
   const Vec6 v = twist(state, handle);
-  const RigidBody& body = model.bodies[std::size_t(handle)];
-  if (const auto* moved = std::get_if<Prescribed>(&body.motion)) return evaluate(moved->path, t);
+  const RigidBody& body = model.bodies[handle];
+  if (const auto* moved = std::get_if<Prescribed>(&body.motion)) return trajectory_point(moved->path, t);
   if (!is_moved(body)) return {.pose = pose(state, handle)};
   return {pose_at({.g = pose(state, handle), .v = v.head<3>(), .omega = v.tail<3>()}, t - state.t), v};
 }
@@ -79,25 +79,25 @@ double spring_energy(double x, double k, double limit) {
 
 }  // namespace
 
+void describe(SettingVisitor& visit, VirtualCouplingOptions& o) {
+  visit.begin("VirtualCouplingOptions");
+  visit.number({"stiffness", "of translations", "N/m", positive()}, o.stiffness);
+  visit.number({"rotation_stiffness", "of rotations", "N m/rad", positive()}, o.rotation_stiffness);
+  visit.number({"damping_ratio", "of the critical damping of the body alone", "-", not_negative()},
+               o.damping_ratio);
+  visit.number({"force_limit", "largest pull", "N", above(0)}, o.force_limit);
+  visit.number({"torque_limit", "largest torque", "N m", above(0)}, o.torque_limit);
+}
+
 void validate(const VirtualCouplingOptions& options) {
-  const auto positive = [](double x) { return x > 0 && std::isfinite(x); };
-  require_field(positive(options.stiffness), "VirtualCouplingOptions::stiffness", options.stiffness,
-                "be positive and finite [N/m]");
-  require_field(positive(options.rotation_stiffness), "VirtualCouplingOptions::rotation_stiffness",
-                options.rotation_stiffness, "be positive and finite [N m/rad]");
-  require_field(options.damping_ratio >= 0 && std::isfinite(options.damping_ratio),
-                "VirtualCouplingOptions::damping_ratio", options.damping_ratio, "be at least 0 and finite");
-  require_field(options.force_limit > 0, "VirtualCouplingOptions::force_limit", options.force_limit,
-                "be positive [N]");
-  require_field(options.torque_limit > 0, "VirtualCouplingOptions::torque_limit", options.torque_limit,
-                "be positive [N m]");
+  check_ranges(options);
 }
 
 namespace {
 
 CouplingWrench wrench_towards(const Model& model, const State& state, int body, const TrajectoryPoint& target,
                               const VirtualCouplingOptions& options) {
-  const Damping gain = damping(model.bodies.at(std::size_t(body)), options);
+  const Damping gain = damping(model.bodies.at(body), options);
   const Pull pull = pull_of(coupling_error(state, body, target), gain, options);
   return {.force = pull.force.pull,
           .torque = pull.torque.pull,
@@ -108,7 +108,7 @@ ForceLaw coupling_towards(const Model& model, int body, Target target,
                           const VirtualCouplingOptions& options) {
   require_field(body >= 0 && body < int(model.bodies.size()), "virtual_coupling: body", body,
                 ("lie in [0, " + std::to_string(model.bodies.size()) + ")").c_str());
-  const RigidBody& pulled = model.bodies[std::size_t(body)];
+  const RigidBody& pulled = model.bodies[body];
   require(is_dynamic(pulled),
           "virtual_coupling: body " + std::to_string(body) + " (" + pulled.name + ") must be dynamic");
   validate(options);
@@ -123,7 +123,7 @@ ForceLaw coupling_towards(const Model& model, int body, Target target,
   law.add_to = [body, target = std::move(target), options](const Model& m, const State& state, double t,
                                                            GeneralisedForce& sum) {
     const CouplingError error = coupling_error(state, body, target(m, state, t));
-    const Damping gain = damping(m.bodies[std::size_t(body)], options);
+    const Damping gain = damping(m.bodies[body], options);
     const Pull pull = pull_of(error, gain, options);
     const int force = first_velocity(body), torque = force + 3;  // first rows
     linear_part(sum.f, body) += pull.force.pull;
@@ -145,7 +145,7 @@ ForceLaw coupling_towards(const Model& model, int body, Target target,
 
 CouplingWrench coupling_wrench(const Model& model, const State& state, int body, const Trajectory& path,
                                const VirtualCouplingOptions& options, double t) {
-  return wrench_towards(model, state, body, evaluate(path, t), options);
+  return wrench_towards(model, state, body, trajectory_point(path, t), options);
 }
 
 CouplingWrench coupling_wrench(const Model& model, const State& state, int body, int handle,
@@ -158,16 +158,16 @@ ForceLaw virtual_coupling(const Model& model, int body, Trajectory path,
   validate(path);
   return coupling_towards(
       model, body,
-      [path = std::move(path)](const Model&, const State&, double t) { return evaluate(path, t); }, options);
+      [path = std::move(path)](const Model&, const State&, double t) { return trajectory_point(path, t); },
+      options);
 }
 
 ForceLaw virtual_coupling(const Model& model, int body, int handle, const VirtualCouplingOptions& options) {
   require_field(handle >= 0 && handle < int(model.bodies.size()) && handle != body,
                 "virtual_coupling: handle", handle,
                 ("lie in [0, " + std::to_string(model.bodies.size()) + ") and not be the body").c_str());
-  require(!is_dynamic(model.bodies[std::size_t(handle)]),
-          "virtual_coupling: handle " + std::to_string(handle) + " (" +
-              model.bodies[std::size_t(handle)].name + ") must not be dynamic");
+  require(!is_dynamic(model.bodies[handle]), "virtual_coupling: handle " + std::to_string(handle) + " (" +
+                                                 model.bodies[handle].name + ") must not be dynamic");
   return coupling_towards(
       model, body,
       [handle](const Model& m, const State& state, double t) { return handle_at(m, state, handle, t); },

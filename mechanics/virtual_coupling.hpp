@@ -9,6 +9,8 @@
 
 namespace aussois {
 
+class SettingVisitor;
+
 struct VirtualCouplingOptions {
   double stiffness = 1e4;          // [N/m], > 0
   double rotation_stiffness = 10;  // [N m/rad], > 0
@@ -18,6 +20,7 @@ struct VirtualCouplingOptions {
   double torque_limit = kInf;      // largest torque [N m], > 0
 };
 void validate(const VirtualCouplingOptions& options);  // throws std::invalid_argument: field, value, bound
+void describe(SettingVisitor& visit, VirtualCouplingOptions& options);
 
 struct CouplingWrench {
   Vec3 force = Vec3::Zero();   // on the body, world, at its centre of mass [N]

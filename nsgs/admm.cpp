@@ -32,7 +32,7 @@ struct Splitting {
     inverse = W.shifted_inverse(penalty);
     return bool(inverse);
   }
-  VecX impulses(const VecX& v) const { return projected(v, W.scaled.laws); }
+  VecX impulses(const VecX& v) const { return projected_impulses(v, W.scaled.laws); }
   VecX duals(const VecX& v, const VecX& z) const { return penalty * (v - z); }
   VecX point(const VecX& z, const VecX& y) const { return z + y / penalty; }
 };

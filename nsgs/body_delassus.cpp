@@ -42,7 +42,7 @@ class BodyDelassus final : public Delassus {
     first = first_rows(problem.laws);
     begin_.reserve(problem.laws.size() + 1);
     begin_.push_back(0);
-    arms_.reserve(std::size_t(problem.H.nonZeros()));
+    arms_.reserve(problem.H.nonZeros());
     VecX diagonal = VecX::Zero(problem.w.size());
     for (std::size_t c = 0; c < problem.laws.size(); ++c) {
       append(problem.H, inverse, first[c], problem.laws[c].rows);
@@ -61,7 +61,7 @@ class BodyDelassus final : public Delassus {
     for (int c = 0; c < count(); ++c) {
       const Rows<R> s = scaled.s.segment<R>(at(c), rows(c));
       RowBlock<R> W = RowBlock<R>::Zero(rows(c), rows(c));
-      for (std::size_t k = begin_[std::size_t(c)]; k < begin_[std::size_t(c) + 1]; ++k) {
+      for (std::size_t k = begin_[c]; k < begin_[std::size_t(c) + 1]; ++k) {
         Arm<R>& arm = arms_[k];
         arm.H.array() *= s.array();
         arm.Y.array() *= s.array();
@@ -81,7 +81,7 @@ class BodyDelassus final : public Delassus {
   }
 
   Relaxed relax(int c, VecX& r, const SweepOptions& options) override {
-    const Law& law = scaled.laws[std::size_t(c)];
+    const Law& law = scaled.laws[c];
     const Rows<R> r_old = r.segment<R>(at(c), rows(c)), u = velocity(c);
     if (has_normal(law) && u[0] >= 0 && r_old[0] == 0) return {};  // stays open (NSGS-6)
     const Block<R>& block = prepared(c);
@@ -98,9 +98,9 @@ class BodyDelassus final : public Delassus {
     std::vector<int> colour(scaled.laws.size()), last(colour.size() + 1, -1);
     for (std::size_t c = 0; c < colour.size(); ++c) {
       for (const Arm<R>& arm : arms(int(c)))
-        for (const int other : used[std::size_t(arm.row)]) last[std::size_t(other)] = int(c);
-      while (last[std::size_t(colour[c])] == int(c)) ++colour[c];
-      for (const Arm<R>& arm : arms(int(c))) used[std::size_t(arm.row)].push_back(colour[c]);
+        for (const int other : used[arm.row]) last[other] = int(c);
+      while (last[colour[c]] == int(c)) ++colour[c];
+      for (const Arm<R>& arm : arms(int(c))) used[arm.row].push_back(colour[c]);
     }
     return colour;
   }
@@ -118,7 +118,7 @@ class BodyDelassus final : public Delassus {
     return std::sqrt(change);
   }
 
-  AnyBlock block(int c) const override { return own_[std::size_t(c)]; }
+  AnyBlock block(int c) const override { return own_[c]; }
   SparseMatrix matrix() const override {
     std::vector<Triplet> directions, motions;  // H^T and (M^-1 H), scaled
     for (int c = 0; c < count(); ++c)
@@ -187,12 +187,12 @@ class BodyDelassus final : public Delassus {
   }
 
  private:
-  Eigen::Index at(int c) const { return R == Eigen::Dynamic ? first[std::size_t(c)] : R * c; }
-  int rows(int c) const { return R == Eigen::Dynamic ? scaled.laws[std::size_t(c)].rows : R; }
+  Eigen::Index at(int c) const { return R == Eigen::Dynamic ? first[c] : R * c; }
+  int rows(int c) const { return R == Eigen::Dynamic ? scaled.laws[c].rows : R; }
   bool is_dense() const { return dv_.size() <= kDenseSize; }
 
   std::span<const Arm<R>> arms(int c) const {
-    const std::size_t from = begin_[std::size_t(c)];
+    const std::size_t from = begin_[c];
     return std::span(arms_).subspan(from, begin_[std::size_t(c) + 1] - from);
   }
 
@@ -205,8 +205,8 @@ class BodyDelassus final : public Delassus {
     for (const Arm<R>& arm : arms(c)) dv_[arm.row] += arm.Y.dot(dr);
   }
   const Block<R>& prepared(int c) {  // when a sweep first asks
-    std::optional<Block<R>>& block = prepared_[std::size_t(c)];
-    if (!block) block = prepare_block(own_[std::size_t(c)], scaled.laws[std::size_t(c)]);
+    std::optional<Block<R>>& block = prepared_[c];
+    if (!block) block = prepare_block(own_[c], scaled.laws[c]);
     return *block;
   }
 
@@ -221,10 +221,9 @@ class BodyDelassus final : public Delassus {
     }
     const std::size_t of_columns = moved.size();
     for (std::size_t k = 0; k < of_columns; ++k) {
-      const int b = inverse.block_of[std::size_t(moved[k])], n = inverse.size(b);
+      const int b = inverse.block_of[moved[k]], n = inverse.size(b);
       if (n == 1) continue;
-      const auto coupled =
-          std::span(inverse.rows).subspan(std::size_t(inverse.first[std::size_t(b)]), std::size_t(n));
+      const auto coupled = std::span(inverse.rows).subspan(std::size_t(inverse.first[b]), std::size_t(n));
       if (const auto here = std::span(moved).first(of_columns).subspan(k);
           here.size() >= coupled.size() && std::ranges::equal(here.first(coupled.size()), coupled))
         k += coupled.size() - 1;  // they are all there, as of whole bodies
@@ -248,8 +247,8 @@ class BodyDelassus final : public Delassus {
       }
     }
     for (auto arm = added.begin(); arm != added.end(); ++arm) {
-      const int b = inverse.block_of[std::size_t(arm->row)], n = inverse.size(b);
-      const double* inv = inverse.inverse.data() + inverse.at[std::size_t(b)];
+      const int b = inverse.block_of[arm->row], n = inverse.size(b);
+      const double* inv = inverse.inverse.data() + inverse.at[b];
       if (n == 1) {
         arm->Y = *inv * arm->H;
         continue;
@@ -291,12 +290,12 @@ class BodyDelassus final : public Delassus {
   void find_bodies() const {
     looked_for_bodies_ = true;
     // Rows i - 1 and i are of one body if the same contacts move them: as many each as both.
-    std::vector<int> contacts(std::size_t(dv_.size())), with_last(contacts.size()), body(contacts.size());
+    std::vector<int> contacts(dv_.size()), with_last(contacts.size()), body(contacts.size());
     for (int c = 0; c < count(); ++c) {
       int last = -2;
       for (const Arm<R>& arm : arms(c)) {
-        ++contacts[std::size_t(arm.row)];
-        with_last[std::size_t(arm.row)] += arm.row == last + 1;
+        ++contacts[arm.row];
+        with_last[arm.row] += arm.row == last + 1;
         last = arm.row;
       }
     }
@@ -311,15 +310,14 @@ class BodyDelassus final : public Delassus {
     for (int c = 0; c < count(); ++c) {
       met.clear();
       for_runs(c, body, [&](std::span<const Arm<R>> run) {
-        const int b = body[std::size_t(run.front().row)];
+        const int b = body[run.front().row];
         for (const int a : met) couplings.emplace_back(a, b);
         met.push_back(b);
       });
     }
     for (int j = 0; j < M_.outerSize(); ++j)
       for (SparseMatrix::InnerIterator it(M_, j); it; ++it)
-        if (body[std::size_t(it.row())] != body[std::size_t(j)])
-          couplings.emplace_back(body[std::size_t(it.row())], body[std::size_t(j)]);
+        if (body[it.row()] != body[j]) couplings.emplace_back(body[it.row()], body[j]);
     lu_.emplace(std::move(body), couplings);
     if (lu_->cost() > kLargestCost)
       lu_.reset();
@@ -331,8 +329,8 @@ class BodyDelassus final : public Delassus {
     mass_ = lu_->zero();
     for (int j = 0; j < M_.outerSize(); ++j)
       for (SparseMatrix::InnerIterator it(M_, j); it; ++it)
-        mass_[std::size_t(lu_->block(lu_->body(int(it.row())), lu_->body(j)))](
-            lu_->place(int(it.row())), lu_->place(j)) += scale_[it.row()] * it.value() * scale_[j];
+        mass_[lu_->block(lu_->body(int(it.row())), lu_->body(j))](lu_->place(int(it.row())), lu_->place(j)) +=
+            scale_[it.row()] * it.value() * scale_[j];
     limbs_begin_.reserve(begin_.size());
     limbs_begin_.push_back(0);
     limbs_.reserve(2 * begin_.size());
@@ -351,8 +349,8 @@ class BodyDelassus final : public Delassus {
   void for_runs(int c, const std::vector<int>& body, const F& f) const {
     const std::span<const Arm<R>> all = arms(c);
     for (std::size_t from = 0, to = 0; from < all.size(); from = to) {
-      const int own = body[std::size_t(all[from].row)];
-      while (to < all.size() && body[std::size_t(all[to].row)] == own) ++to;
+      const int own = body[all[from].row];
+      while (to < all.size() && body[all[to].row] == own) ++to;
       f(all.subspan(from, to - from));
     }
   }
@@ -360,14 +358,14 @@ class BodyDelassus final : public Delassus {
   LinearSolve body_inverse(const std::vector<AnyBlock>& D) const {
     std::vector<Mat6> blocks = mass_;
     for (int c = 0; c < count(); ++c) {
-      if (D[std::size_t(c)].isZero(0)) continue;
-      const RowBlock<R>& D_c = D[std::size_t(c)];
-      const auto limbs = std::span(limbs_).subspan(
-          limbs_begin_[std::size_t(c)], limbs_begin_[std::size_t(c) + 1] - limbs_begin_[std::size_t(c)]);
+      if (D[c].isZero(0)) continue;
+      const RowBlock<R>& D_c = D[c];
+      const auto limbs =
+          std::span(limbs_).subspan(limbs_begin_[c], limbs_begin_[std::size_t(c) + 1] - limbs_begin_[c]);
       for (const Limb<R>& j : limbs) {
         const auto answer = (D_c * j.H.transpose()).eval();
         for (const Limb<R>& i : limbs)
-          blocks[std::size_t(lu_->block(i.body, j.body))].noalias() += i.H.lazyProduct(answer);
+          blocks[lu_->block(i.body, j.body)].noalias() += i.H.lazyProduct(answer);
       }
     }
     if (!lu_->factorise(std::move(blocks))) return {};
@@ -378,8 +376,8 @@ class BodyDelassus final : public Delassus {
   template <class Add>
   void add_compliance(const std::vector<AnyBlock>& D, Add add_entry) const {
     for (int c = 0; c < count(); ++c) {
-      if (D[std::size_t(c)].isZero(0)) continue;
-      const RowBlock<R>& D_c = D[std::size_t(c)];
+      if (D[c].isZero(0)) continue;
+      const RowBlock<R>& D_c = D[c];
       for (const Arm<R>& j : arms(c)) {
         const Rows<R> column = D_c * j.H;
         for (const Arm<R>& i : arms(c)) add_entry(i.row, j.row, i.H.dot(column));
@@ -391,7 +389,7 @@ class BodyDelassus final : public Delassus {
   VecX times(const std::vector<AnyBlock>& D, const VecX& d) const {
     VecX s = C(d);
     for (int c = 0; c < count(); ++c)
-      s.segment<R>(at(c), rows(c)) = RowBlock<R>(D[std::size_t(c)]) * s.segment<R>(at(c), rows(c)).eval();
+      s.segment<R>(at(c), rows(c)) = RowBlock<R>(D[c]) * s.segment<R>(at(c), rows(c)).eval();
     return A(d) + B(s);
   }
 

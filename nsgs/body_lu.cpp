@@ -22,7 +22,7 @@ bool invert(Mat6& A) {
     int p = k;
     for (int j = k + 1; j < kBodyRows; ++j)
       if (std::abs(A(k, j)) > std::abs(A(k, p))) p = j;
-    swapped[std::size_t(k)] = p;
+    swapped[k] = p;
     if (p != k) A.col(k).swap(A.col(p));
     const double pivot = A(k, k);
     if (!(std::abs(pivot) > 0) || !std::isfinite(pivot)) return false;
@@ -36,7 +36,7 @@ bool invert(Mat6& A) {
     }
   }
   for (int k = kBodyRows; k-- > 0;)
-    if (const int p = swapped[std::size_t(k)]; p != k) A.row(k).swap(A.row(p));
+    if (const int p = swapped[k]; p != k) A.row(k).swap(A.row(p));
   return true;
 }
 
@@ -47,7 +47,7 @@ BodyLu::BodyLu(std::vector<int> body, const std::vector<std::pair<int, int>>& co
   const std::size_t count = body_.empty() ? 0 : std::size_t(body_.back()) + 1;
   size_.resize(count);
   place_.reserve(body_.size());
-  for (const int b : body_) place_.push_back(size_[std::size_t(b)]++);
+  for (const int b : body_) place_.push_back(size_[b]++);
 
   std::vector<std::pair<int, int>> graph;  // both ways, and every body with itself
   graph.reserve(2 * couplings.size() + count);
@@ -65,13 +65,12 @@ BodyLu::BodyLu(std::vector<int> body, const std::vector<std::pair<int, int>>& co
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   const std::vector<int> order = fill_reducing_order(begin, other);
   node_of_.resize(count);
-  for (std::size_t k = 0; k < count; ++k) node_of_[std::size_t(order[k])] = int(k);
+  for (std::size_t k = 0; k < count; ++k) node_of_[order[k]] = int(k);
 
   // What is eliminated couples all that it was coupled with; the first of them hands that on.
   std::vector<std::vector<int>> later(count);
   for (const auto& [a, b] : graph)
-    if (const int node = node_of_[std::size_t(a)], next = node_of_[std::size_t(b)]; next > node)
-      later[std::size_t(node)].push_back(next);
+    if (const int node = node_of_[a], next = node_of_[b]; next > node) later[node].push_back(next);
   below_.reserve(graph.size());
   below_begin_.reserve(count + 1);
   below_begin_.push_back(0);
@@ -85,7 +84,7 @@ BodyLu::BodyLu(std::vector<int> body, const std::vector<std::pair<int, int>>& co
     }
     below_begin_.push_back(below_.size());
     if (nodes.size() > 1) {
-      std::vector<int>& heir = later[std::size_t(nodes.front())];
+      std::vector<int>& heir = later[nodes.front()];
       heir.insert(heir.end(), nodes.begin() + 1, nodes.end());
     }
     const double n = double(nodes.size());
@@ -99,19 +98,18 @@ std::span<const BodyLu::Below> BodyLu::below(std::size_t node) const {
 
 int BodyLu::block_between(int a, int b) const {
   if (a == b) return a;
-  const auto found =
-      std::ranges::lower_bound(below(std::size_t(std::min(a, b))), std::max(a, b), {}, &Below::node);
+  const auto found = std::ranges::lower_bound(below(std::min(a, b)), std::max(a, b), {}, &Below::node);
   return a > b ? found->column : found->row;
 }
 
 int BodyLu::block(int a, int b) const {
-  return block_between(node_of_[std::size_t(a)], node_of_[std::size_t(b)]);
+  return block_between(node_of_[a], node_of_[b]);
 }
 
 std::vector<Mat6> BodyLu::zero() const {
   std::vector<Mat6> out(std::size_t(block_count_), Mat6::Zero());
   for (std::size_t b = 0; b < size_.size(); ++b)
-    for (int i = size_[b]; i < kBodyRows; ++i) out[std::size_t(node_of_[b])](i, i) = 1;
+    for (int i = size_[b]; i < kBodyRows; ++i) out[node_of_[b]](i, i) = 1;
   return out;
 }
 
@@ -122,10 +120,10 @@ bool BodyLu::factorise(std::vector<Mat6> blocks) {
     inverse_[k] = blocks_[k];
     if (!invert(inverse_[k])) return false;
     for (const Below& j : below(k)) {
-      Mat6& row = blocks_[std::size_t(j.row)];
+      Mat6& row = blocks_[j.row];
       row = (inverse_[k] * row).eval();
       for (const Below& i : below(k))
-        blocks_[std::size_t(block_between(i.node, j.node))].noalias() -= blocks_[std::size_t(i.column)] * row;
+        blocks_[block_between(i.node, j.node)].noalias() -= blocks_[i.column] * row;
     }
   }
   return true;
@@ -133,17 +131,15 @@ bool BodyLu::factorise(std::vector<Mat6> blocks) {
 
 VecX BodyLu::solve(const VecX& b) const {
   std::vector<Vec6> x(size_.size(), Vec6::Zero());
-  for (std::size_t i = 0; i < body_.size(); ++i)
-    x[std::size_t(node_of_[std::size_t(body_[i])])][place_[i]] = b[Eigen::Index(i)];
+  for (std::size_t i = 0; i < body_.size(); ++i) x[node_of_[body_[i]]][place_[i]] = b[Eigen::Index(i)];
   for (std::size_t k = 0; k < x.size(); ++k) {
     x[k] = (inverse_[k] * x[k]).eval();
-    for (const Below& i : below(k)) x[std::size_t(i.node)].noalias() -= blocks_[std::size_t(i.column)] * x[k];
+    for (const Below& i : below(k)) x[i.node].noalias() -= blocks_[i.column] * x[k];
   }
   for (std::size_t k = x.size(); k-- > 0;)
-    for (const Below& j : below(k)) x[k].noalias() -= blocks_[std::size_t(j.row)] * x[std::size_t(j.node)];
+    for (const Below& j : below(k)) x[k].noalias() -= blocks_[j.row] * x[j.node];
   VecX out(b.size());
-  for (std::size_t i = 0; i < body_.size(); ++i)
-    out[Eigen::Index(i)] = x[std::size_t(node_of_[std::size_t(body_[i])])][place_[i]];
+  for (std::size_t i = 0; i < body_.size(); ++i) out[Eigen::Index(i)] = x[node_of_[body_[i]]][place_[i]];
   return out;
 }
 

@@ -23,9 +23,9 @@ class BodyLu {
   double cost() const { return cost_; }  // approximate multiplications of a factorisation
   /// Index of the block of rows of body a and columns of body b, which must be coupled or the same.
   int block(int a, int b) const;
-  const std::vector<int>& bodies() const { return body_; }       // the body of every row
-  int place(int row) const { return place_[std::size_t(row)]; }  // place of the row within its body
-  int body(int row) const { return body_[std::size_t(row)]; }
+  const std::vector<int>& bodies() const { return body_; }  // the body of every row
+  int place(int row) const { return place_[row]; }          // place of the row within its body
+  int body(int row) const { return body_[row]; }
 
   /// Blocks to fill in before factorise(). They are zero, but ones on the diagonal pad a body with fewer
   /// rows.

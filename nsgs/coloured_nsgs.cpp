@@ -41,7 +41,7 @@ Iterate coloured_nsgs(Delassus& W, const Iterate& start, const SolverOptions& op
       for_all(options, (end - begin + kChunk - 1) / kChunk, [&](int chunk) {
         const int from = begin + chunk * kChunk;
         for (int i = from; i < std::min(from + kChunk, end); ++i)
-          done[std::size_t(i)] = W.relax(colours.blocks[std::size_t(i)], r, sweep);
+          done[i] = W.relax(colours.blocks[i], r, sweep);
       });
     }
     double change = 0;

@@ -22,7 +22,7 @@ FixedPoint::FixedPoint(Delassus& W, const Iterate& start, Method by, int memory,
 std::optional<Iterate> FixedPoint::accelerated(const VecX& after) {
   const VecX proposed = anderson_.propose(now_.r, after);
   if (proposed.size() == 0) return std::nullopt;
-  Iterate iterate = judged(W_, projected(proposed, W_.scaled.laws), now_.by);
+  Iterate iterate = judged(W_, projected_impulses(proposed, W_.scaled.laws), now_.by);
   if (iterate.residual < now_.residual) return iterate;
   anderson_.forget();
   return std::nullopt;

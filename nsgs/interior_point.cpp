@@ -167,7 +167,7 @@ Cones cones_of(const Scaling& problem) {
     bool normal_bounded = !has_normal(law);
     for (const Ball& ball : balls(law)) {
       if (!(ball.mu > 0 || ball.limit > 0)) {
-        for (int i = 0; i < ball.rows; ++i) out.fixed[std::size_t(k + ball.first + i)] = true;
+        for (int i = 0; i < ball.rows; ++i) out.fixed[k + ball.first + i] = true;
         continue;
       }
       out.all.push_back({.normal = ball.mu > 0 ? k : -1,
@@ -207,10 +207,9 @@ SparseMatrix newton_matrix(const std::vector<Triplet>& W, Eigen::Index size, con
 std::vector<Triplet> entries_of(const SparseMatrix& W, const std::vector<bool>& fixed) {
   std::vector<Triplet> entries;
   for (int j = 0; j < W.outerSize(); ++j) {
-    if (fixed[std::size_t(j)]) entries.emplace_back(j, j, 1.0);
+    if (fixed[j]) entries.emplace_back(j, j, 1.0);
     for (SparseMatrix::InnerIterator it(W, j); it; ++it)
-      if (!fixed[std::size_t(j)] && !fixed[std::size_t(it.row())])
-        entries.emplace_back(it.row(), j, it.value());
+      if (!fixed[j] && !fixed[it.row()]) entries.emplace_back(it.row(), j, it.value());
   }
   return entries;
 }
@@ -220,7 +219,7 @@ VecX direction(const LinearSolve& solve, Cones& cones, const VecX& wrong) {
   VecX rhs = -wrong;
   for (Cone& cone : cones.all) cone.add_to(rhs, cone.rhs, cone.slope());
   for (Eigen::Index i = 0; i < rhs.size(); ++i)
-    if (cones.fixed[std::size_t(i)]) rhs[i] = 0;
+    if (cones.fixed[i]) rhs[i] = 0;
   VecX dr = solve(rhs);
   for (Cone& cone : cones.all) {
     cone.dp = cone.of(dr, 0);
@@ -251,7 +250,7 @@ VecX equilibrium(const Cones& cones, VecX u) {
     cone.add_to(u, -cone.d, first);
   }
   for (Eigen::Index i = 0; i < u.size(); ++i)
-    if (cones.fixed[std::size_t(i)]) u[i] = 0;
+    if (cones.fixed[i]) u[i] = 0;
   return u;
 }
 
@@ -307,7 +306,8 @@ Iterate interior_point(Delassus& W, const Iterate& start, const SolverOptions& o
     // The iterate itself never touches a bound: the judge also sees its projection (IPM-9).
     const VecX velocities =
         W.scaled.model == FrictionModel::coulomb ? modified_velocities(iterate.u, W.scaled.laws) : iterate.u;
-    const Iterate on_bounds = judged(W, projected(r - velocities, W.scaled.laws), Method::interior_point);
+    const Iterate on_bounds =
+        judged(W, projected_impulses(r - velocities, W.scaled.laws), Method::interior_point);
     if (best.ends(on_bounds.residual < iterate.residual ? on_bounds : iterate, report.iterations,
                   options.tolerance, report.status))
       break;

@@ -15,22 +15,21 @@ class Groups {
     std::iota(parent_.begin(), parent_.end(), 0);
   }
   int root(int i) {
-    while (parent_[std::size_t(i)] != i)
-      i = parent_[std::size_t(i)] = parent_[std::size_t(parent_[std::size_t(i)])];
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
   }
   /// The root of both.
   int join(int a, int b) {
     const int p = root(a), q = root(b), top = std::min(p, q);
-    parent_[std::size_t(p)] = parent_[std::size_t(q)] = top;
+    parent_[p] = parent_[q] = top;
     return top;
   }
   /// Joins all rows that a column of A touches with each other; their root, or -1 of an empty column.
   int join_column(const SparseMatrix& A, Eigen::Index column) {
     int top = -1;
     for (SparseMatrix::InnerIterator it(A, column); it; ++it) {
-      if (it.value() == 0) continue;                        // NaN is a coupling
-      if (parent_[std::size_t(it.row())] == top) continue;  // as most are: columns resemble each other
+      if (it.value() == 0) continue;           // NaN is a coupling
+      if (parent_[it.row()] == top) continue;  // as most are: columns resemble each other
       top = top < 0 ? root(int(it.row())) : join(top, int(it.row()));
     }
     return top;
@@ -43,7 +42,7 @@ class Groups {
 // Rows and columns of A, ascending lists; `place` is scratch of A.rows() entries, all -1, and left so.
 SparseMatrix sub_matrix(const SparseMatrix& A, const std::vector<int>& rows, const std::vector<int>& columns,
                         std::vector<int>& place) {
-  for (std::size_t i = 0; i < rows.size(); ++i) place[std::size_t(rows[i])] = int(i);
+  for (std::size_t i = 0; i < rows.size(); ++i) place[rows[i]] = int(i);
   SparseMatrix out(Eigen::Index(rows.size()), Eigen::Index(columns.size()));
   Eigen::Index entries = 0;
   for (const int j : columns) entries += A.outerIndexPtr()[j + 1] - A.outerIndexPtr()[j];
@@ -51,11 +50,10 @@ SparseMatrix sub_matrix(const SparseMatrix& A, const std::vector<int>& rows, con
   for (std::size_t j = 0; j < columns.size(); ++j) {
     out.startVec(Eigen::Index(j));
     for (SparseMatrix::InnerIterator it(A, columns[j]); it; ++it)
-      if (const int i = place[std::size_t(it.row())]; i >= 0)
-        out.insertBackByOuterInner(Eigen::Index(j), i) = it.value();
+      if (const int i = place[it.row()]; i >= 0) out.insertBackByOuterInner(Eigen::Index(j), i) = it.value();
   }
   out.finalize();
-  for (const int row : rows) place[std::size_t(row)] = -1;
+  for (const int row : rows) place[row] = -1;
   return out;
 }
 
@@ -66,7 +64,7 @@ VecX sub_vector(const VecX& x, const std::vector<int>& rows) {
 std::vector<Law> sub_laws(const std::vector<Law>& laws, const std::vector<int>& blocks) {
   std::vector<Law> out;
   out.reserve(blocks.size());
-  for (const int c : blocks) out.push_back(laws[std::size_t(c)]);
+  for (const int c : blocks) out.push_back(laws[c]);
   return out;
 }
 
@@ -92,7 +90,7 @@ std::vector<Island> islands(const FrictionProblem& problem, const std::vector<ch
   std::vector<int> island_of(std::size_t(problem.f.size()), -1);
   std::vector<Island> out;
   for (const int dof : dof_of_block)
-    if (dof >= 0) island_of[std::size_t(groups.root(dof))] = 0;
+    if (dof >= 0) island_of[groups.root(dof)] = 0;
   Island free;
   for (int i = 0; i < int(problem.f.size()); ++i) {
     const auto root = std::size_t(groups.root(i));
@@ -104,21 +102,19 @@ std::vector<Island> islands(const FrictionProblem& problem, const std::vector<ch
       island_of[root] = int(out.size());
       out.emplace_back();
     }
-    out[std::size_t(island_of[root])].dofs.push_back(i);
+    out[island_of[root]].dofs.push_back(i);
   }
   for (std::size_t c = 0; c < problem.laws.size(); ++c) {
     if (is_left_out(c)) continue;
     if (dof_of_block[c] < 0) out.emplace_back();  // nothing moves it: its own trouble, told by the solver
-    Island& island = dof_of_block[c] < 0
-                         ? out.back()
-                         : out[std::size_t(island_of[std::size_t(groups.root(dof_of_block[c]))])];
+    Island& island = dof_of_block[c] < 0 ? out.back() : out[island_of[groups.root(dof_of_block[c])]];
     island.blocks.push_back(int(c));
     for (int j = first[c]; j < first[c + 1]; ++j) island.rows.push_back(j);
   }
   for (std::size_t j = 0; j < dof_of_joint.size(); ++j)
     if (dof_of_joint[j] >= 0) {
-      const int i = island_of[std::size_t(groups.root(dof_of_joint[j]))];
-      (i < 0 ? free : out[std::size_t(i)]).joints.push_back(int(j));
+      const int i = island_of[groups.root(dof_of_joint[j])];
+      (i < 0 ? free : out[i]).joints.push_back(int(j));
     }
   if (!free.dofs.empty()) out.push_back(std::move(free));
   return out;
@@ -126,14 +122,14 @@ std::vector<Island> islands(const FrictionProblem& problem, const std::vector<ch
 
 std::vector<int> leaders(const LocalProblem& problem) {
   std::vector<int> block_of;
-  block_of.reserve(std::size_t(problem.q.size()));
+  block_of.reserve(problem.q.size());
   for (std::size_t c = 0; c < problem.laws.size(); ++c)
     block_of.insert(block_of.end(), std::size_t(problem.laws[c].rows), int(c));
   Groups groups(Eigen::Index(problem.laws.size()));
   for (Eigen::Index j = 0; j < problem.W.cols(); ++j) {
-    int last = block_of[std::size_t(j)];
+    int last = block_of[j];
     for (SparseMatrix::InnerIterator it(problem.W, j); it; ++it) {
-      const int c = block_of[std::size_t(it.row())];
+      const int c = block_of[it.row()];
       if (c == last || it.value() == 0) continue;  // NaN is a coupling
       groups.join(last, c);
       last = c;
@@ -153,12 +149,12 @@ std::vector<Island> islands(const LocalProblem& problem, const std::vector<int>&
   for (std::size_t c = 0; c < problem.laws.size(); ++c) {
     const int rows = problem.laws[c].rows;
     if (left_out.empty() || !left_out[c]) {
-      int& place = island_of[std::size_t(leader[c])];
+      int& place = island_of[leader[c]];
       if (place < 0) {
         place = int(out.size());
         out.emplace_back();
       }
-      Island& island = out[std::size_t(place)];
+      Island& island = out[place];
       island.blocks.push_back(int(c));
       for (int j = row; j < row + rows; ++j) island.rows.push_back(j);
     }
@@ -177,7 +173,8 @@ bool is_whole(const LocalProblem& problem, const Island& island) {
   return island.blocks.size() == problem.laws.size();
 }
 
-FrictionProblem part(const FrictionProblem& problem, const Island& island, std::vector<int>& place) {
+FrictionProblem island_problem(const FrictionProblem& problem, const Island& island,
+                               std::vector<int>& place) {
   place.resize(std::size_t(problem.f.size()), -1);
   return {.M = sub_matrix(problem.M, island.dofs, island.dofs, place),
           .H = sub_matrix(problem.H, island.dofs, island.rows, place),
@@ -190,7 +187,7 @@ FrictionProblem part(const FrictionProblem& problem, const Island& island, std::
           .R = sub_vector(problem.R, island.rows)};
 }
 
-LocalProblem part(const LocalProblem& problem, const Island& island, std::vector<int>& place) {
+LocalProblem island_problem(const LocalProblem& problem, const Island& island, std::vector<int>& place) {
   place.resize(std::size_t(problem.q.size()), -1);
   return {.W = sub_matrix(problem.W, island.rows, island.rows, place),
           .q = sub_vector(problem.q, island.rows),

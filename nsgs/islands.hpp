@@ -31,7 +31,8 @@ bool is_whole(const FrictionProblem& problem, const Island& island);
 bool is_whole(const LocalProblem& problem, const Island& island);
 
 /// The problem of one island. `scratch` is empty at first and passed on from one call to the next.
-FrictionProblem part(const FrictionProblem& problem, const Island& island, std::vector<int>& scratch);
-LocalProblem part(const LocalProblem& problem, const Island& island, std::vector<int>& scratch);
+FrictionProblem island_problem(const FrictionProblem& problem, const Island& island,
+                               std::vector<int>& scratch);
+LocalProblem island_problem(const LocalProblem& problem, const Island& island, std::vector<int>& scratch);
 
 }  // namespace aussois

@@ -49,7 +49,7 @@ namespace {
 SparseMatrix product(const SparseMatrix& A, const SparseMatrix& B) {
   SparseMatrix out(A.rows(), B.cols());
   out.reserve(2 * B.nonZeros());
-  std::vector<double> sum_of(std::size_t(A.rows()));
+  std::vector<double> sum_of(A.rows());
   std::vector<int> rows(sum_of.size()), last_of(sum_of.size(), -1);  // column that touched a row last
   double* const sum = sum_of.data();                                 // bare: this loop is most of condense()
   int* const last = last_of.data();
@@ -95,9 +95,7 @@ VecX held_masses(const SparseMatrix& G, const VecX& mass) {
 // Rows of the blocks of M that G touches, ascending.
 std::vector<int> touched_rows(const MassInverse& mass, const SparseMatrix& G) {
   std::vector<char> touched(std::size_t(mass.factor ? 1 : mass.count()), mass.factor ? 1 : 0);
-  const auto block = [&](Eigen::Index row) {
-    return mass.factor ? 0 : std::size_t(mass.block_of[std::size_t(row)]);
-  };
+  const auto block = [&](Eigen::Index row) { return mass.factor ? 0 : std::size_t(mass.block_of[row]); };
   for (int k = 0; k < G.outerSize(); ++k)
     for (SparseMatrix::InnerIterator it(G, k); it; ++it) touched[block(it.row())] = 1;
   std::vector<int> out;
@@ -109,11 +107,11 @@ std::vector<int> touched_rows(const MassInverse& mass, const SparseMatrix& G) {
 // The rows `rows` of A, and of its columns all or the same.
 SparseMatrix rows_of(const SparseMatrix& A, const std::vector<int>& rows, bool columns_too) {
   std::vector<int> place(std::size_t(A.rows()), -1);
-  for (std::size_t i = 0; i < rows.size(); ++i) place[std::size_t(rows[i])] = int(i);
+  for (std::size_t i = 0; i < rows.size(); ++i) place[rows[i]] = int(i);
   std::vector<Triplet> entries;
   for (int j = 0; j < A.outerSize(); ++j)
     for (SparseMatrix::InnerIterator it(A, j); it; ++it) {
-      const int row = place[std::size_t(it.row())], column = columns_too ? place[std::size_t(j)] : j;
+      const int row = place[it.row()], column = columns_too ? place[j] : j;
       if (row >= 0 && column >= 0) entries.emplace_back(row, column, it.value());
     }
   SparseMatrix out(Eigen::Index(rows.size()), columns_too ? Eigen::Index(rows.size()) : A.cols());

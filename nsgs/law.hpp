@@ -168,7 +168,7 @@ Rows<R> project(const Law& law, Rows<R> r) {
   double length[2] = {0, 0}, normal = 0;
   bool exceeded[2] = {false, false};
   for (int g = 0; g < all.count; ++g) {
-    length[g] = length_in<R>(all.ball[std::size_t(g)], r);
+    length[g] = length_in<R>(all.ball[g], r);
     exceeded[g] = true;
   }
   for (bool again = true; again;) {
@@ -176,20 +176,20 @@ Rows<R> project(const Law& law, Rows<R> r) {
     double sum = r[0], weight = 1;
     for (int g = 0; g < all.count; ++g)
       if (exceeded[g]) {
-        const double mu = all.ball[std::size_t(g)].mu;
+        const double mu = all.ball[g].mu;
         sum += mu * length[g];
         weight += mu * mu;
       }
     normal = std::max(sum / weight, 0.0);
     for (int g = 0; g < all.count; ++g)
-      if (exceeded[g] && length[g] <= all.ball[std::size_t(g)].mu * normal) {
+      if (exceeded[g] && length[g] <= all.ball[g].mu * normal) {
         exceeded[g] = false;
         again = true;
       }
   }
   r[0] = normal;
   for (int g = 0; g < all.count; ++g) {
-    const Ball& ball = all.ball[std::size_t(g)];
+    const Ball& ball = all.ball[g];
     if (exceeded[g]) stretch_in<R>(ball, ball.mu * normal / length[g], r);
   }
   return r;

@@ -19,42 +19,40 @@ struct Blocks {
 template <int R>
 Blocks<R> block_rows(const SparseMatrix& W, const Scaling& scaled, const std::vector<int>& first) {
   const int count = int(scaled.laws.size());
-  std::vector<int> block_of(std::size_t(W.rows()));
+  std::vector<int> block_of(W.rows());
   for (int c = 0; c < count; ++c)
-    for (int i = first[std::size_t(c)]; i < first[std::size_t(c) + 1]; ++i) block_of[std::size_t(i)] = c;
+    for (int i = first[c]; i < first[std::size_t(c) + 1]; ++i) block_of[i] = c;
   std::vector<int> seen(std::size_t(count), -1);  // per block row: the last column that met it
   Blocks<R> out;
   out.begin.assign(std::size_t(count) + 1, 0);
   for (int c = 0; c < count; ++c) {
-    seen[std::size_t(c)] = c;
+    seen[c] = c;
     ++out.begin[std::size_t(c) + 1];
-    for (int j = first[std::size_t(c)]; j < first[std::size_t(c) + 1]; ++j)
+    for (int j = first[c]; j < first[std::size_t(c) + 1]; ++j)
       for (SparseMatrix::InnerIterator it(W, j); it; ++it) {
-        const auto i = std::size_t(block_of[std::size_t(it.row())]);
+        const auto i = std::size_t(block_of[it.row()]);
         if (seen[i] != c) ++out.begin[i + 1];
         seen[i] = c;
       }
   }
   for (std::size_t i = 0; i < std::size_t(count); ++i) out.begin[i + 1] += out.begin[i];
-  out.other.resize(std::size_t(out.begin.back()));
+  out.other.resize(out.begin.back());
   out.block.resize(out.other.size());
   std::vector<int> end(out.begin.begin(), out.begin.end() - 1);  // of what each row has by now
   const auto at = [&](int i, int c) -> RowBlock<R>& {            // made when first asked for
-    int& next = end[std::size_t(i)];
-    if (next == out.begin[std::size_t(i)] || out.other[std::size_t(next) - 1] != c) {
-      out.other[std::size_t(next)] = c;
-      out.block[std::size_t(next++)] =
-          RowBlock<R>::Zero(scaled.laws[std::size_t(i)].rows, scaled.laws[std::size_t(c)].rows);
+    int& next = end[i];
+    if (next == out.begin[i] || out.other[std::size_t(next) - 1] != c) {
+      out.other[next] = c;
+      out.block[next++] = RowBlock<R>::Zero(scaled.laws[i].rows, scaled.laws[c].rows);
     }
     return out.block[std::size_t(next) - 1];
   };
   for (int c = 0; c < count; ++c) {
     at(c, c);
-    for (int j = first[std::size_t(c)]; j < first[std::size_t(c) + 1]; ++j)
+    for (int j = first[c]; j < first[std::size_t(c) + 1]; ++j)
       for (SparseMatrix::InnerIterator it(W, j); it; ++it) {
-        const int i = block_of[std::size_t(it.row())];
-        at(i, c)(it.row() - first[std::size_t(i)], j - first[std::size_t(c)]) =
-            it.value() * scaled.s[it.row()] * scaled.s[j];
+        const int i = block_of[it.row()];
+        at(i, c)(it.row() - first[i], j - first[c]) = it.value() * scaled.s[it.row()] * scaled.s[j];
       }
   }
   return out;
@@ -71,10 +69,10 @@ Blocks<R> block_columns(const Blocks<R>& rows, const std::vector<int>& order) {
   out.block.resize(rows.block.size());
   std::vector<int> next(out.begin.begin(), out.begin.end() - 1);
   for (const int i : order)
-    for (int k = rows.begin[std::size_t(i)]; k < rows.begin[std::size_t(i) + 1]; ++k) {
-      const auto place = std::size_t(next[std::size_t(rows.other[std::size_t(k)])]++);
+    for (int k = rows.begin[i]; k < rows.begin[std::size_t(i) + 1]; ++k) {
+      const auto place = std::size_t(next[rows.other[k]]++);
       out.other[place] = i;
-      out.block[place] = rows.block[std::size_t(k)];
+      out.block[place] = rows.block[k];
     }
   return out;
 }
@@ -88,7 +86,7 @@ class LocalDelassus final : public Delassus {
     if (!scaled.finite) return;
     rows_ = block_rows<R>(problem.W, scaled, first);
     for (int c = 0; c < count(); ++c) {
-      auto k = std::size_t(rows_.begin[std::size_t(c)]);
+      auto k = std::size_t(rows_.begin[c]);
       while (rows_.other[k] != c) ++k;
       own_.push_back(k);
       scaled.finite = scaled.finite && rows_.block[k].allFinite();
@@ -103,7 +101,7 @@ class LocalDelassus final : public Delassus {
   }
 
   Relaxed relax(int c, VecX& r, const SweepOptions& options) override {
-    const Law& law = scaled.laws[std::size_t(c)];
+    const Law& law = scaled.laws[c];
     const Rows<R> r_old = r.segment<R>(at(c), rows(c)), u = velocity(c, r);
     if (has_normal(law) && u[0] >= 0 && r_old[0] == 0) return {};  // stays open (NSGS-6)
     const Block<R>& block = prepared(c);
@@ -116,15 +114,15 @@ class LocalDelassus final : public Delassus {
   std::vector<int> colours() const override {
     std::vector<std::vector<int>> feels(scaled.laws.size());  // both ways, where W is not symmetric
     for (int c = 0; c < count(); ++c)
-      for (int k = rows_.begin[std::size_t(c)]; k < rows_.begin[std::size_t(c) + 1]; ++k) {
-        const int d = rows_.other[std::size_t(k)];
-        if (d < c) feels[std::size_t(c)].push_back(d);
-        if (d > c) feels[std::size_t(d)].push_back(c);
+      for (int k = rows_.begin[c]; k < rows_.begin[std::size_t(c) + 1]; ++k) {
+        const int d = rows_.other[k];
+        if (d < c) feels[c].push_back(d);
+        if (d > c) feels[d].push_back(c);
       }
     std::vector<int> colour(scaled.laws.size()), last(colour.size() + 1, -1);
     for (std::size_t c = 0; c < colour.size(); ++c) {
-      for (const int d : feels[c]) last[std::size_t(colour[std::size_t(d)])] = int(c);
-      while (last[std::size_t(colour[c])] == int(c)) ++colour[c];
+      for (const int d : feels[c]) last[colour[d]] = int(c);
+      while (last[colour[c]] == int(c)) ++colour[c];
     }
     return colour;
   }
@@ -140,15 +138,14 @@ class LocalDelassus final : public Delassus {
     return std::sqrt(change);
   }
 
-  AnyBlock block(int c) const override { return rows_.block[own_[std::size_t(c)]]; }
+  AnyBlock block(int c) const override { return rows_.block[own_[c]]; }
   SparseMatrix matrix() const override {
     std::vector<Triplet> entries;
     for (int c = 0; c < count(); ++c)
-      for (int k = rows_.begin[std::size_t(c)]; k < rows_.begin[std::size_t(c) + 1]; ++k) {
-        const int d = rows_.other[std::size_t(k)];
+      for (int k = rows_.begin[c]; k < rows_.begin[std::size_t(c) + 1]; ++k) {
+        const int d = rows_.other[k];
         for (int i = 0; i < rows(c); ++i)
-          for (int j = 0; j < rows(d); ++j)
-            entries.emplace_back(at(c) + i, at(d) + j, rows_.block[std::size_t(k)](i, j));
+          for (int j = 0; j < rows(d); ++j) entries.emplace_back(at(c) + i, at(d) + j, rows_.block[k](i, j));
       }
     SparseMatrix W(scaled.q.size(), scaled.q.size());
     W.setFromTriplets(entries.begin(), entries.end());
@@ -180,9 +177,8 @@ class LocalDelassus final : public Delassus {
 
   // Blocks with D = 0 do not act on the others: they are left out of the system and follow from it.
   NewtonSolve newton_inverse(std::vector<AnyBlock> D) override {
-    std::vector<int> place = closed_blocks([&](int c) { return !D[std::size_t(c)].isZero(0); });
-    LinearSolve solve =
-        inverse_of(newton_matrix(place, [&](int c) { return RowBlock<R>(D[std::size_t(c)]); }));
+    std::vector<int> place = closed_blocks([&](int c) { return !D[c].isZero(0); });
+    LinearSolve solve = inverse_of(newton_matrix(place, [&](int c) { return RowBlock<R>(D[c]); }));
     if (!solve) return {};
     return [this, D = std::move(D), place = std::move(place), solve = std::move(solve)](const VecX& F) {
       return refined(solve, place, D, F);
@@ -195,7 +191,7 @@ class LocalDelassus final : public Delassus {
                               const std::vector<AnyBlock>& D, const VecX& F) const {
     const auto each_closed = [&](auto&& f) {
       for (int c = 0; c < count(); ++c)
-        if (place[std::size_t(c)] >= 0) f(c, place[std::size_t(c)]);
+        if (place[c] >= 0) f(c, place[c]);
     };
     Eigen::Index size = 0;
     each_closed([&](int c, int) { size += rows(c); });
@@ -209,12 +205,12 @@ class LocalDelassus final : public Delassus {
       VecX dr = VecX::Zero(F.size());
       each_closed([&](int c, int i) {
         d.segment<R>(at(c), rows(c)) += more.segment<R>(i, rows(c));
-        dr.segment<R>(at(c), rows(c)) = RowBlock<R>(D[std::size_t(c)]) * d.segment<R>(at(c), rows(c));
+        dr.segment<R>(at(c), rows(c)) = RowBlock<R>(D[c]) * d.segment<R>(at(c), rows(c));
       });
       W_dr = B(dr);
     }
     for (int c = 0; c < count(); ++c)
-      if (place[std::size_t(c)] < 0)
+      if (place[c] < 0)
         d.segment<R>(at(c), rows(c)) = F.segment<R>(at(c), rows(c)) - W_dr.segment<R>(at(c), rows(c));
     return d.allFinite() ? std::optional<VecX>(d) : std::nullopt;
   }
@@ -231,7 +227,7 @@ class LocalDelassus final : public Delassus {
     int size = 0;
     for (const int c : order_)
       if (is_closed(c)) {
-        place[std::size_t(c)] = size;
+        place[c] = size;
         size += rows(c);
       }
     return place;
@@ -248,21 +244,20 @@ class LocalDelassus final : public Delassus {
       const std::size_t from = J.value.size();
       std::size_t height = 0;
       for (int k = columns_.begin[column]; k < columns_.begin[column + 1]; ++k)
-        if (const int i = columns_.other[std::size_t(k)]; place[std::size_t(i)] >= 0)
-          height += std::size_t(rows(i));
+        if (const int i = columns_.other[k]; place[i] >= 0) height += std::size_t(rows(i));
       J.value.resize(from + height * std::size_t(rows(c)));
       J.row.resize(J.value.size());
       std::size_t top = 0;
       for (int k = columns_.begin[column]; k < columns_.begin[column + 1]; ++k) {
-        const int i = columns_.other[std::size_t(k)];
-        if (place[std::size_t(i)] < 0) continue;
-        RowBlock<R> J_ic = columns_.block[std::size_t(k)] * D_c;
+        const int i = columns_.other[k];
+        if (place[i] < 0) continue;
+        RowBlock<R> J_ic = columns_.block[k] * D_c;
         if (i == c) J_ic += RowBlock<R>::Identity(rows(c), rows(c));
         for (int b = 0; b < rows(c); ++b)
           for (int a = 0; a < rows(i); ++a) {
             const std::size_t slot = from + std::size_t(b) * height + top + std::size_t(a);
             J.value[slot] = J_ic(a, b);
-            J.row[slot] = place[std::size_t(i)] + a;
+            J.row[slot] = place[i] + a;
           }
         top += std::size_t(rows(i));
       }
@@ -271,18 +266,18 @@ class LocalDelassus final : public Delassus {
     return J;
   }
 
-  Eigen::Index at(int c) const { return R == Eigen::Dynamic ? first[std::size_t(c)] : R * c; }
-  int rows(int c) const { return R == Eigen::Dynamic ? scaled.laws[std::size_t(c)].rows : R; }
+  Eigen::Index at(int c) const { return R == Eigen::Dynamic ? first[c] : R * c; }
+  int rows(int c) const { return R == Eigen::Dynamic ? scaled.laws[c].rows : R; }
   const Block<R>& prepared(int c) {
-    std::optional<Block<R>>& block = diagonal_[std::size_t(c)];
-    if (!block) block = prepare_block(rows_.block[own_[std::size_t(c)]], scaled.laws[std::size_t(c)]);
+    std::optional<Block<R>>& block = diagonal_[c];
+    if (!block) block = prepare_block(rows_.block[own_[c]], scaled.laws[c]);
     return *block;
   }
   Rows<R> times(int c, const VecX& r) const {
     Rows<R> sum = Rows<R>::Zero(rows(c));
-    for (int k = rows_.begin[std::size_t(c)]; k < rows_.begin[std::size_t(c) + 1]; ++k) {
-      const int d = rows_.other[std::size_t(k)];
-      sum.noalias() += rows_.block[std::size_t(k)] * r.segment<R>(at(d), rows(d));
+    for (int k = rows_.begin[c]; k < rows_.begin[std::size_t(c) + 1]; ++k) {
+      const int d = rows_.other[k];
+      sum.noalias() += rows_.block[k] * r.segment<R>(at(d), rows(d));
     }
     return sum;
   }

@@ -36,26 +36,25 @@ bool all_finite(const SparseMatrix& M) {
 
 // Connected components of the graph of M, by union-find whose roots are the smallest rows.
 void find_blocks(const SparseMatrix& M, MassInverse& out) {
-  std::vector<int> parent(std::size_t(M.rows()));
+  std::vector<int> parent(M.rows());
   std::iota(parent.begin(), parent.end(), 0);
   const auto root = [&](int i) {
-    while (parent[std::size_t(i)] != i)
-      i = parent[std::size_t(i)] = parent[std::size_t(parent[std::size_t(i)])];
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
     return i;
   };
   for (int j = 0; j < M.outerSize(); ++j)
     for (SparseMatrix::InnerIterator it(M, j); it; ++it) {
       if (it.value() == 0) continue;
       const int a = root(int(it.row())), b = root(j);
-      parent[std::size_t(std::max(a, b))] = std::min(a, b);
+      parent[std::max(a, b)] = std::min(a, b);
     }
   out.block_of.resize(parent.size());
   std::vector<int> place;  // of each block, the next free entry of `rows`
   for (int i = 0; i < int(parent.size()); ++i) {
     const int top = root(i);
     if (top == i) place.push_back(0);
-    out.block_of[std::size_t(i)] = top == i ? int(place.size()) - 1 : out.block_of[std::size_t(top)];
-    ++place[std::size_t(out.block_of[std::size_t(i)])];
+    out.block_of[i] = top == i ? int(place.size()) - 1 : out.block_of[top];
+    ++place[out.block_of[i]];
   }
   for (int& count : place) {
     const int begin = out.first.back();
@@ -63,8 +62,7 @@ void find_blocks(const SparseMatrix& M, MassInverse& out) {
     count = begin;
   }
   out.rows.resize(parent.size());
-  for (int i = 0; i < int(parent.size()); ++i)
-    out.rows[std::size_t(place[std::size_t(out.block_of[std::size_t(i)])]++)] = i;
+  for (int i = 0; i < int(parent.size()); ++i) out.rows[place[out.block_of[i]]++] = i;
 }
 
 // N rows, or any number of them if N is Eigen::Dynamic. Rows and columns are scaled by the diagonal: kg
@@ -98,8 +96,7 @@ bool invert_block(const SparseMatrix& M, const int* rows, int size, double* inve
 }
 
 bool invert_block(const SparseMatrix& M, int b, MassInverse& out) {
-  return invert_block(M, out.rows.data() + out.first[std::size_t(b)], out.size(b),
-                      out.inverse.data() + out.at[std::size_t(b)]);
+  return invert_block(M, out.rows.data() + out.first[b], out.size(b), out.inverse.data() + out.at[b]);
 }
 
 }  // namespace
@@ -112,8 +109,8 @@ VecX MassInverse::operator*(const VecX& x) const {
   if (factor) return factor->lu.solve(x);
   VecX y(x.size());
   for (int b = 0; b < count(); ++b) {
-    const int *of = rows.data() + first[std::size_t(b)], n = size(b);
-    const double* inv = inverse.data() + at[std::size_t(b)];
+    const int *of = rows.data() + first[b], n = size(b);
+    const double* inv = inverse.data() + at[b];
     for (int i = 0; i < n; ++i) {
       double sum = 0;
       for (int j = 0; j < n; ++j) sum += inv[i + n * j] * x[of[j]];
@@ -146,9 +143,9 @@ SparseMatrix MassInverse::operator*(const SparseMatrix& X) const {
     touched.clear();
     column.clear();
     for (SparseMatrix::InnerIterator it(X, j); it; ++it) {
-      const int b = block_of[std::size_t(it.row())];
+      const int b = block_of[it.row()];
       if (size(b) == 1) {
-        column.emplace_back(it.row(), inverse[at[std::size_t(b)]] * it.value());
+        column.emplace_back(it.row(), inverse[at[b]] * it.value());
         continue;
       }
       if (touched.empty() || touched.back() != b) touched.push_back(b);
@@ -159,8 +156,8 @@ SparseMatrix MassInverse::operator*(const SparseMatrix& X) const {
       touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
     }
     for (const int b : touched) {
-      const int *of = rows.data() + first[std::size_t(b)], n = size(b);
-      const double* inv = inverse.data() + at[std::size_t(b)];
+      const int *of = rows.data() + first[b], n = size(b);
+      const double* inv = inverse.data() + at[b];
       for (int i = 0; i < n; ++i) {
         double sum = 0;
         for (int k = 0; k < n; ++k) sum += inv[i + n * k] * x[of[k]];
@@ -176,7 +173,7 @@ SparseMatrix MassInverse::operator*(const SparseMatrix& X) const {
   return Y;
 }
 
-std::optional<MassInverse> part(const MassInverse& inverse, const std::vector<int>& some) {
+std::optional<MassInverse> inverse_part(const MassInverse& inverse, const std::vector<int>& some) {
   if (inverse.factor) return std::nullopt;
   if (some.size() == inverse.block_of.size()) return inverse;
   MassInverse out;
@@ -187,14 +184,14 @@ std::optional<MassInverse> part(const MassInverse& inverse, const std::vector<in
   out.inverse.reserve(some.size());
   const auto place = [&](int row) { return int(std::ranges::lower_bound(some, row) - some.begin()); };
   for (const int row : some) {
-    const int b = inverse.block_of[std::size_t(row)], n = inverse.size(b);
-    const int* rows = inverse.rows.data() + inverse.first[std::size_t(b)];
+    const int b = inverse.block_of[row], n = inverse.size(b);
+    const int* rows = inverse.rows.data() + inverse.first[b];
     if (*rows != row) continue;  // blocks come with their first row
     for (int i = 0; i < n; ++i) {
       out.rows.push_back(place(rows[i]));
-      out.block_of[std::size_t(out.rows.back())] = out.count();
+      out.block_of[out.rows.back()] = out.count();
     }
-    const double* entries = inverse.inverse.data() + inverse.at[std::size_t(b)];
+    const double* entries = inverse.inverse.data() + inverse.at[b];
     out.at.push_back(out.inverse.size());
     out.first.push_back(int(out.rows.size()));
     out.inverse.insert(out.inverse.end(), entries, entries + n * n);
@@ -234,7 +231,7 @@ std::optional<MassInverse> invert_mass(const SparseMatrix& M, const SparseMatrix
     if (same_bits(now + begin, before + begin, end - begin)) continue;
     for (int k = begin; k < end; ++k)  // a coupling that comes or goes makes other blocks
       if (!std::isfinite(now[k]) || (now[k] == 0) != (before[k] == 0)) return invert_mass(M);
-    changed.push_back(last.block_of[std::size_t(j)]);
+    changed.push_back(last.block_of[j]);
   }
   std::ranges::sort(changed);
   changed.erase(std::unique(changed.begin(), changed.end()), changed.end());

@@ -23,8 +23,8 @@ struct MassInverse {
   std::shared_ptr<SparseFactor> factor{};  // for a matrix with a block of more than kLargestMassBlock rows
 
   int count() const { return int(at.size()); }
-  int row(int block, int i) const { return rows[std::size_t(first[std::size_t(block)] + i)]; }
-  int size(int block) const { return first[std::size_t(block) + 1] - first[std::size_t(block)]; }
+  int row(int block, int i) const { return rows[first[block] + i]; }
+  int size(int block) const { return first[std::size_t(block) + 1] - first[block]; }
   VecX operator*(const VecX& x) const;
   SparseMatrix operator*(const SparseMatrix& X) const;
 };
@@ -33,7 +33,7 @@ inline constexpr int kLargestMassBlock = 24;  // rows: four coupled rigid bodies
                                               // sparse
 
 /// The inverse for some rows, ascending, which must make up whole blocks. Empty if `factor` is set.
-std::optional<MassInverse> part(const MassInverse& inverse, const std::vector<int>& some);
+std::optional<MassInverse> inverse_part(const MassInverse& inverse, const std::vector<int>& some);
 
 bool same_bits(const SparseMatrix& A, const SparseMatrix& B);  // both must be compressed
 

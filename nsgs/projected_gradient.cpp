@@ -39,7 +39,7 @@ Iterate projected_gradient(Delassus& W, const Iterate& start, const SolverOption
     const VecX gradient = ahead.u + term;  // (APG-1)
     Point next;
     for (;; curvature *= 2) {
-      next.r = projected(ahead.r - gradient / curvature, laws);  // (APG-2)
+      next.r = projected_impulses(ahead.r - gradient / curvature, laws);  // (APG-2)
       next.u = W.velocity(next.r);
       const VecX d = next.r - ahead.r;
       if (!(d.dot(next.u - ahead.u) > curvature * d.squaredNorm() * (1 + 1e-12))) break;  // (APG-3)
@@ -58,7 +58,7 @@ Iterate projected_gradient(Delassus& W, const Iterate& start, const SolverOption
     if (best.ends(judged, report.iterations, options.tolerance, report.status)) break;
     if (W.scaled.model == FrictionModel::convex_cone) continue;
     const VecX term_now = de_saxce_term(W, now.u);
-    const double convex = (now.r - projected(now.r - now.u - term, laws)).norm();
+    const double convex = (now.r - projected_impulses(now.r - now.u - term, laws)).norm();
     if (convex > kInnerAccuracy * (term_now - term).norm()) continue;
     term = term_now;  // (APG-6): the next convex problem
     momentum = 1;

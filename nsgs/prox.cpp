@@ -53,7 +53,7 @@ struct ProxBlock {
   std::vector<Part> parts{};
 };
 
-Part part(const AnyBlock& W, int first, int rows, ProxMetric metric) {
+Part block_part(const AnyBlock& W, int first, int rows, ProxMetric metric) {
   const AnyBlock S = (W + W.transpose()) / 2;
   const auto eigen_of = [](const AnyBlock& A) { return Eigen::SelfAdjointEigenSolver<AnyBlock>(A); };
   Part out{.first = first, .rows = rows, .V = AnyBlock::Identity(rows, rows)};
@@ -76,15 +76,15 @@ Part part(const AnyBlock& W, int first, int rows, ProxMetric metric) {
 ProxBlock prepared(const AnyBlock& W, const Law& law, ProxMetric metric) {
   ProxBlock block{.W = W};
   if (has_normal(law)) {
-    block.parts.push_back(part(W, 0, 1, metric));
+    block.parts.push_back(block_part(W, 0, 1, metric));
     block.parts.back().is_normal = true;
   }
   for (const Ball& ball : balls(law)) {
-    block.parts.push_back(part(W, ball.first, ball.rows, metric));
+    block.parts.push_back(block_part(W, ball.first, ball.rows, metric));
     block.parts.back().mu = ball.mu;
     block.parts.back().limit = ball.limit;
   }
-  if (law.kind == LawKind::bilateral) block.parts.push_back(part(W, 0, law.rows, metric));
+  if (law.kind == LawKind::bilateral) block.parts.push_back(block_part(W, 0, law.rows, metric));
   return block;
 }
 
@@ -129,24 +129,22 @@ class AdaptiveRho {
 
 std::vector<ProxBlock> prepared(const Delassus& W, ProxMetric metric) {
   std::vector<ProxBlock> blocks;
-  blocks.reserve(std::size_t(W.count()));
-  for (int c = 0; c < W.count(); ++c)
-    blocks.push_back(prepared(W.block(c), W.scaled.laws[std::size_t(c)], metric));
+  blocks.reserve(W.count());
+  for (int c = 0; c < W.count(); ++c) blocks.push_back(prepared(W.block(c), W.scaled.laws[c], metric));
   return blocks;
 }
 
 double sor_step(Delassus& W, const std::vector<ProxBlock>& blocks, double rho, VecX& r) {
   return W.sweep(r, [&](int c, const AnyRows& u, const AnyRows& r_c) {
-    return prox_step(blocks[std::size_t(c)], u, r_c, rho, true);
+    return prox_step(blocks[c], u, r_c, rho, true);
   });
 }
 
 double jor_step(Delassus& W, const std::vector<ProxBlock>& blocks, double rho, VecX& r) {
   const VecX u = W.velocity(r), before = r;
   for (int c = 0; c < W.count(); ++c) {
-    const int k = W.first[std::size_t(c)], rows = W.scaled.laws[std::size_t(c)].rows;
-    r.segment(k, rows) =
-        prox_step(blocks[std::size_t(c)], u.segment(k, rows), r.segment(k, rows), rho, false);
+    const int k = W.first[c], rows = W.scaled.laws[c].rows;
+    r.segment(k, rows) = prox_step(blocks[c], u.segment(k, rows), r.segment(k, rows), rho, false);
   }
   return (r - before).norm();
 }
@@ -160,8 +158,8 @@ double spectral_radius(Delassus& W, const std::vector<ProxBlock>& blocks) {
     x /= x.norm();
     const VecX u = W.velocity(x) - W.scaled.q;
     for (int c = 0; c < W.count(); ++c)
-      for (const Part& p : blocks[std::size_t(c)].parts) {
-        const int k = W.first[std::size_t(c)] + p.first;
+      for (const Part& p : blocks[c].parts) {
+        const int k = W.first[c] + p.first;
         x.segment(k, p.rows) = p.V * AnyRows((p.V.transpose() * u.segment(k, p.rows)).cwiseQuotient(p.s));
       }
     size = x.norm();

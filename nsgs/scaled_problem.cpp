@@ -78,7 +78,7 @@ double natural_map(const VecX& u, const VecX& r, const std::vector<Law>& laws, F
   });
 }
 
-VecX projected(VecX r, const std::vector<Law>& laws) {
+VecX projected_impulses(VecX r, const std::vector<Law>& laws) {
   with_rows(laws, [&]<int R>() {
     Eigen::Index k = 0;
     for (const Law& law : laws) {
@@ -91,7 +91,7 @@ VecX projected(VecX r, const std::vector<Law>& laws) {
 
 VecX scaled_start(const Scaling& scaling, const VecX& r0) {
   if (r0.size() == 0) return VecX::Zero(scaling.s.size());
-  return projected(r0.cwiseQuotient(scaling.s) / scaling.size, scaling.laws);
+  return projected_impulses(r0.cwiseQuotient(scaling.s) / scaling.size, scaling.laws);
 }
 
 }  // namespace aussois

@@ -34,7 +34,7 @@ VecX modified_velocities(VecX u, const std::vector<Law>& laws);
 double natural_map(const VecX& u, const VecX& r, const std::vector<Law>& laws,
                    FrictionModel model = FrictionModel::coulomb);
 /// r with every block projected on the set of its law.
-VecX projected(VecX r, const std::vector<Law>& laws);
+VecX projected_impulses(VecX r, const std::vector<Law>& laws);
 /// The start, scaled and projected on the sets of the laws; zero if `r0` is empty.
 VecX scaled_start(const Scaling& scaling, const VecX& r0);
 

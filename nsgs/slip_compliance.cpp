@@ -42,9 +42,9 @@ template <class Real>
 std::optional<Three<Real>> impulse(const Contact<Real>& contact, std::type_identity_t<Real> compliance) {
   std::array<std::array<Real, 4>, 3> A;
   for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) A[std::size_t(i)][std::size_t(j)] = contact.W(i, j);
-    A[std::size_t(i)][3] = -contact.q[i];
-    if (i > 0) A[std::size_t(i)][std::size_t(i)] = A[std::size_t(i)][std::size_t(i)] + compliance;
+    for (int j = 0; j < 3; ++j) A[i][j] = contact.W(i, j);
+    A[i][3] = -contact.q[i];
+    if (i > 0) A[i][i] = A[i][i] + compliance;
   }
   for (std::size_t k = 0; k < 3; ++k) {
     for (std::size_t i = k + 1; i < 3; ++i)
@@ -96,8 +96,8 @@ template <class Real>
 Real natural_map(const Contact<Real>& contact, const Three<Real>& r) {
   Three<Real> y = r, u;
   for (int i = 0; i < 3; ++i) {
-    u[std::size_t(i)] = contact.q[i];
-    for (int j = 0; j < 3; ++j) u[std::size_t(i)] = u[std::size_t(i)] + r[std::size_t(j)] * contact.W(i, j);
+    u[i] = contact.q[i];
+    for (int j = 0; j < 3; ++j) u[i] = u[i] + r[j] * contact.W(i, j);
   }
   u[0] = u[0] + contact.mu * length(u[1], u[2]);
   for (std::size_t i = 0; i < 3; ++i) y[i] = r[i] - u[i];

@@ -163,7 +163,7 @@ void put_motion(const Part<FrictionProblem>& part, const VecX& r, FrictionSoluti
 }
 
 void set_known(const KnownMotion& known, const std::vector<int>& dofs, Part<FrictionProblem>& now) {
-  std::optional<MassInverse> inverse = part(known.inverse, dofs);
+  std::optional<MassInverse> inverse = inverse_part(known.inverse, dofs);
   if (!inverse) return;
   now.inverse = MotionInverse{.mass = std::move(*inverse)};
   now.v_free = known.v_free(dofs);
@@ -179,16 +179,14 @@ void solve_islands(const Problem& problem, std::vector<Island> all, const KnownM
   for (Island& island : all) {
     Part<Problem>& now = parts.emplace_back();
     if (!is_whole(problem, island))  // in place: sparse matrices are copied where others are moved
-      now.own.reset(new Problem(part(problem, island, scratch)));
+      now.own.reset(new Problem(island_problem(problem, island, scratch)));
     now.problem = now.own ? now.own.get() : &problem;
     if (r0.size() > 0) now.r0 = r0(island.rows);
     if constexpr (std::is_same_v<Problem, FrictionProblem>)
       if (known) set_known(*known, island.dofs, now);
     now.island = std::move(island);
   }
-  const auto each = [&](auto&& f) {
-    for_all(options, int(parts.size()), [&](int i) { f(parts[std::size_t(i)]); });
-  };
+  const auto each = [&](auto&& f) { for_all(options, int(parts.size()), [&](int i) { f(parts[i]); }); };
   each([](Part<Problem>& now) { open(now); });
   double whole = size_done;
   for (const Part<Problem>& now : parts)
@@ -228,7 +226,7 @@ void solve_islands(const Problem& problem, std::vector<Island> all, const KnownM
 std::vector<char> lone_blocks(const std::vector<int>& leader) {
   std::vector<char> lone(leader.size(), 1);
   for (std::size_t c = 0; c < leader.size(); ++c)
-    if (std::size_t(leader[c]) != c) lone[c] = lone[std::size_t(leader[c])] = 0;
+    if (std::size_t(leader[c]) != c) lone[c] = lone[leader[c]] = 0;
   return lone;
 }
 
@@ -332,8 +330,8 @@ bool take_in(const FrictionProblem& problem, bool with_all, FrictionSolution& ou
   if (std::ranges::find(closes, 1) == closes.end()) return false;
   if (with_all)
     for (const Island& island : islands(problem))
-      if (std::ranges::any_of(island.blocks, [&](int c) { return closes[std::size_t(c)]; }))
-        for (const int c : island.blocks) closes[std::size_t(c)] = 1;
+      if (std::ranges::any_of(island.blocks, [&](int c) { return closes[c]; }))
+        for (const int c : island.blocks) closes[c] = 1;
   for (std::size_t c = 0; c < closes.size(); ++c)
     if (closes[c]) left_out[c] = 0;
   return true;

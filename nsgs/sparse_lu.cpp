@@ -22,7 +22,7 @@ bool is_symmetric(const std::vector<int>& begin, const std::vector<int>& other) 
   for (std::size_t i = 0; i < next.size(); ++i)
     for (auto k = std::size_t(begin[i]); k < std::size_t(begin[i + 1]); ++k) {
       const auto j = std::size_t(other[k]);
-      if (next[j] == begin[j + 1] || other[std::size_t(next[j]++)] != int(i)) return false;
+      if (next[j] == begin[j + 1] || other[next[j]++] != int(i)) return false;
     }
   return true;
 }
@@ -66,8 +66,7 @@ std::function<VecX(const VecX&)> inverse_of(CompressedColumns J) {
   if (n <= kDenseSize) {
     MatX dense = MatX::Zero(n, n);
     for (int j = 0; j < n; ++j)
-      for (int k = J.begin[std::size_t(j)]; k < J.begin[std::size_t(j) + 1]; ++k)
-        dense(J.row[std::size_t(k)], j) = J.value[std::size_t(k)];
+      for (int k = J.begin[j]; k < J.begin[std::size_t(j) + 1]; ++k) dense(J.row[k], j) = J.value[k];
     const auto factor = std::make_shared<Eigen::PartialPivLU<MatX>>(dense);
     return [factor](const VecX& b) -> VecX { return factor->solve(b); };
   }

@@ -24,10 +24,10 @@ MatX centres_before(const ReductionInput& input, const std::vector<int>& members
   if (input.kept_before.empty()) return MatX(3, 0);
   std::vector<int> before;
   for (const int i : members)
-    if (input.kept_before[std::size_t(i)]) before.push_back(i);
+    if (input.kept_before[i]) before.push_back(i);
   MatX x(3, Eigen::Index(before.size()));
   for (std::size_t j = 0; j < before.size(); ++j)
-    x.col(Eigen::Index(j)) = mid_point(input.contacts.points[std::size_t(before[j])]);
+    x.col(Eigen::Index(j)) = mid_point(input.contacts.points[before[j]]);
   return before.empty() ? x : kmeans(x, {}, {.k = k}).centres;
 }
 
@@ -50,7 +50,7 @@ Clusters clusters_by_place(const ReductionInput& input, const ClusteringOptions&
   Clusters out;
   for (const std::vector<int>& members : contacts_by_pair(input.contacts)) {
     std::vector<double> mu;
-    for (const int i : members) mu.push_back(input.mu.empty() ? 0 : input.mu[std::size_t(i)]);
+    for (const int i : members) mu.push_back(input.mu.empty() ? 0 : input.mu[i]);
     const std::vector<int> label =
         mean_contacts(select(input.contacts, members), mu, {}, places_of(input, members, o)).label;
     for (const std::vector<int>& group : parts_of(members, label)) {

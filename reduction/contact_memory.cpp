@@ -16,7 +16,7 @@ bool before(const RememberedContact& a, const RememberedContact& b) {
 }  // namespace
 
 SE3 pose_of(std::span<const SE3> g, int body) {
-  return g.empty() ? SE3{} : g[std::size_t(body)];
+  return g.empty() ? SE3{} : g[body];
 }
 
 std::vector<SE3> inverses(std::span<const SE3> g) {

@@ -19,7 +19,7 @@ bool before(const ContactSet& found, const Rank& i, const Rank& j) {
   const auto key = [](const Rank& r) { return std::tie(r.body_a, r.body_b, r.gap, r.dim_a, r.simplex_a); };
   if (key(i) != key(j)) return key(i) < key(j);
   const auto rest = [&](const Rank& rank) {
-    const ContactPoint& c = found.points[std::size_t(rank.index)];
+    const ContactPoint& c = found.points[rank.index];
     const Vec3 at = mid_point(c);
     return std::make_tuple(c.b.dim, c.b.simplex, at.x(), at.y(), at.z());
   };
@@ -44,7 +44,7 @@ std::vector<int> canonical_order(const ContactSet& found) {
 
 std::vector<std::vector<int>> contacts_by_pair(const ContactSet& found) {
   const std::vector<int> order = canonical_order(found);
-  const auto point = [&](int i) -> const ContactPoint& { return found.points[std::size_t(i)]; };
+  const auto point = [&](int i) -> const ContactPoint& { return found.points[i]; };
   std::vector<std::vector<int>> pairs;
   for (const std::span<const int> pair :
        runs_of(std::span(order), [&](int i, int j) { return same_pair(point(i), point(j)); }))

@@ -89,29 +89,28 @@ CubeMap cube_map(std::span<const Vec3> directions, const CubeMapOptions& options
     return at != used.end() && *at == c ? int(at - used.begin()) : -1;
   };
   std::vector<Vec3> sum(used.size(), Vec3::Zero());
-  for (std::size_t i = 0; i < cell.size(); ++i) sum[std::size_t(index_of(cell[i]))] += directions[i];
+  for (std::size_t i = 0; i < cell.size(); ++i) sum[index_of(cell[i])] += directions[i];
 
   std::vector<int> group(used.size());  // lower or equal; itself for the first of a group
   std::iota(group.begin(), group.end(), 0);
   const auto root = [&](int i) {
-    while (group[std::size_t(i)] != i) i = group[std::size_t(i)];
+    while (group[i] != i) i = group[i];
     return i;
   };
   if (options.merge > 0)
     for (int i = 0; i < int(used.size()); ++i)
-      for (const int c : neighbours(used[std::size_t(i)], options)) {
+      for (const int c : neighbours(used[i], options)) {
         const int j = index_of(c);
         if (j < 0) continue;
-        const Vec3 &a = sum[std::size_t(i)], &b = sum[std::size_t(j)];
+        const Vec3 &a = sum[i], &b = sum[j];
         if (std::atan2(a.cross(b).norm(), a.dot(b)) > options.merge) continue;
         const int r = root(i), s = root(j);
-        group[std::size_t(std::max(r, s))] = std::min(r, s);
+        group[std::max(r, s)] = std::min(r, s);
       }
   CubeMap out;
   std::vector<int> number(used.size(), -1);
-  for (int i = 0; i < int(used.size()); ++i)
-    number[std::size_t(i)] = root(i) == i ? out.groups++ : number[std::size_t(root(i))];
-  for (const int c : cell) out.label.push_back(number[std::size_t(index_of(c))]);
+  for (int i = 0; i < int(used.size()); ++i) number[i] = root(i) == i ? out.groups++ : number[root(i)];
+  for (const int c : cell) out.label.push_back(number[index_of(c)]);
   return out;
 }
 

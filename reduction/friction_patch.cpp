@@ -14,7 +14,7 @@ std::vector<FrictionPatch> friction_patches(const ContactSet& found, double clus
     if (closed.size() < 2) continue;
     const PlanarPatch patch = planar_patch(found, closed);
     const Vec3 centre = patch.origin + patch.frame.rightCols<2>() * patch.centroid;
-    for (const int i : closed) out[std::size_t(i)] = {centre, patch.drilling_radius};
+    for (const int i : closed) out[i] = {centre, patch.drilling_radius};
   }
   return out;
 }

@@ -14,7 +14,7 @@ double triangle(const Vec2& a, const Vec2& b, const Vec2& c) {
   return cross(b - a, c - a) / 2;
 }
 
-std::vector<int> sorted(std::vector<int> members) {
+std::vector<int> in_order(std::vector<int> members) {
   std::sort(members.begin(), members.end());
   return members;
 }
@@ -24,8 +24,8 @@ std::vector<int> sorted(std::vector<int> members) {
 // For every diagonal the farthest corner on either side; both move on as the diagonal turns.
 std::vector<int> largest_quadrilateral(const PlanarPatch& patch) {
   const std::size_t h = patch.hull.size();
-  if (h <= 4) return sorted(patch.hull);
-  const auto at = [&](std::size_t i) -> const Vec2& { return patch.x[std::size_t(patch.hull[i % h])]; };
+  if (h <= 4) return in_order(patch.hull);
+  const auto at = [&](std::size_t i) -> const Vec2& { return patch.x[patch.hull[i % h]]; };
   double largest = -1;
   std::size_t best[4] = {0, 0, 0, 0};
   for (std::size_t i = 0; i < h; ++i) {
@@ -45,13 +45,13 @@ std::vector<int> largest_quadrilateral(const PlanarPatch& patch) {
   }
   std::vector<int> out;
   for (const std::size_t i : best) out.push_back(patch.hull[i % h]);
-  return sorted(out);
+  return in_order(out);
 }
 
 std::vector<int> least_area_removed(const PlanarPatch& patch, int corners) {
   const std::size_t h = patch.hull.size();
   std::vector<std::size_t> before(h), after(h), version(h, 0);
-  const auto at = [&](std::size_t i) -> const Vec2& { return patch.x[std::size_t(patch.hull[i])]; };
+  const auto at = [&](std::size_t i) -> const Vec2& { return patch.x[patch.hull[i]]; };
   using Entry = std::tuple<double, std::size_t, std::size_t>;  // area, corner, its version
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> smallest;
   const auto offer = [&](std::size_t i) {
@@ -76,7 +76,7 @@ std::vector<int> least_area_removed(const PlanarPatch& patch, int corners) {
   std::vector<int> out;
   for (std::size_t i = 0; i < h; ++i)
     if (!removed[i]) out.push_back(patch.hull[i]);
-  return sorted(out);
+  return in_order(out);
 }
 
 std::vector<int> hull_area_loss(const PlanarPatch& patch, int corners) {

@@ -13,7 +13,7 @@ constexpr int kHalvings = 12;  // of an interval of margins: 2.5e-4 of it is lef
 class Corners {
  public:
   Corners(const PlanarPatch& patch, const std::vector<int>& ring) : slack_(kSamePlace * patch.extent) {
-    for (const int i : ring) at_.push_back(patch.x[std::size_t(i)] - patch.centroid);
+    for (const int i : ring) at_.push_back(patch.x[i] - patch.centroid);
   }
   std::size_t count() const { return at_.size(); }
 

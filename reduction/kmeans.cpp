@@ -6,9 +6,16 @@
 #include <random>
 #include <string>
 
-#include "geometry/check.hpp"
+#include "geometry/settings.hpp"
 
 namespace aussois {
+void describe(SettingVisitor& visit, KMeansOptions& o) {
+  visit.begin("KMeansOptions");
+  visit.count({"k", "number of centres", "", at_least(1)}, o.k);
+  visit.count({"max_iterations", "iterations", "", at_least(0)}, o.max_iterations);
+  visit.toggle({"on_sphere", "unit vectors with normalised centres"}, o.on_sphere);
+}
+
 namespace {
 
 using Eigen::Index;
@@ -51,13 +58,13 @@ struct Seeds {
   }
   MatX operator()(const SeedRandom& s) const {
     std::mt19937_64 engine(s.seed);
-    std::vector<Index> pick(std::size_t(points.cols()));
+    std::vector<Index> pick(points.cols());
     std::iota(pick.begin(), pick.end(), Index(0));
     MatX centres(points.rows(), k);
     for (Index c = 0; c < k; ++c) {  // the first k of a shuffled deck
       const auto rest = double(points.cols() - c);
-      std::swap(pick[std::size_t(c)], pick[std::size_t(c + Index(uniform(engine) * rest))]);
-      centres.col(c) = points.col(pick[std::size_t(c)]);
+      std::swap(pick[c], pick[c + Index(uniform(engine) * rest)]);
+      centres.col(c) = points.col(pick[c]);
     }
     return centres;
   }
@@ -104,9 +111,9 @@ bool assign(const MatX& points, const VecX& weights, KMeans& out) {
       const double d = (points.col(i) - out.centres.col(c)).squaredNorm();
       if (d < least) least = d, best = c;
     }
-    changed = changed || out.label[std::size_t(i)] != best;
-    out.label[std::size_t(i)] = best;
-    ++out.count[std::size_t(best)];
+    changed = changed || out.label[i] != best;
+    out.label[i] = best;
+    ++out.count[best];
     objective += weights[i] * least;
   }
   out.objective.push_back(objective);
@@ -118,7 +125,7 @@ void move_centres(const MatX& points, const VecX& weights, bool on_sphere, KMean
   MatX sum = MatX::Zero(out.centres.rows(), out.centres.cols());
   VecX weight = VecX::Zero(out.centres.cols());
   for (Index i = 0; i < points.cols(); ++i) {
-    const int c = out.label[std::size_t(i)];
+    const int c = out.label[i];
     sum.col(c) += weights[i] * points.col(i);
     weight[c] += weights[i];
   }
@@ -129,9 +136,7 @@ void move_centres(const MatX& points, const VecX& weights, bool on_sphere, KMean
 }
 
 void check(const MatX& points, const VecX& weights, const KMeansOptions& options) {
-  require_field(options.k >= 1, "KMeansOptions::k", options.k, "be at least 1");
-  require_field(options.max_iterations >= 0, "KMeansOptions::max_iterations", options.max_iterations,
-                "be at least 0");
+  check_ranges(options);
   require(points.allFinite() && weights.allFinite(), "kmeans: points and weights must be finite");
   require(weights.size() == 0 || weights.minCoeff() >= 0, "kmeans: weights must be at least 0");
   require(weights.size() == 0 || weights.size() == points.cols(),
@@ -154,7 +159,7 @@ KMeans kmeans(const MatX& points, const VecX& weights, const KMeansOptions& opti
   const VecX w = weights.size() > 0 ? weights : VecX(VecX::Ones(n));
   KMeans out{.centres = std::visit(Seeds{points, w, std::min(Index(options.k), n)}, options.seeding),
              .label = std::vector<int>(std::size_t(n), -1)};
-  out.count.resize(std::size_t(out.centres.cols()));
+  out.count.resize(out.centres.cols());
   assign(points, w, out);
   while (out.iterations < options.max_iterations && !out.converged) {  // (CLU-3)
     move_centres(points, w, options.on_sphere, out);

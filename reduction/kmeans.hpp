@@ -10,6 +10,8 @@
 
 namespace aussois {
 
+class SettingVisitor;
+
 struct SeedFarthest {};  // the first point, then each time the one farthest from its nearest seed
 struct SeedRandom {      // distinct points, every set equally likely
   std::uint64_t seed = 0;
@@ -28,6 +30,7 @@ struct KMeansOptions {
   int max_iterations = 100;  // >= 0
   bool on_sphere = false;    // unit vectors: centres are normalised sums
 };
+void describe(SettingVisitor& visit, KMeansOptions& options);
 
 struct KMeans {
   MatX centres{};            // one per column

@@ -41,8 +41,8 @@ std::vector<int> chosen_places(const VecX& probability, const std::vector<Vec3>&
   std::vector<int> chosen;
   for (const int i : order) {
     if (int(chosen.size()) == keep) break;
-    const auto at = [&](std::size_t k) { return places[std::size_t(chosen[k])]; };
-    if (chosen.size() == 2 && on_a_line(at(0), at(1), places[std::size_t(i)])) continue;
+    const auto at = [&](std::size_t k) { return places[chosen[k]]; };
+    if (chosen.size() == 2 && on_a_line(at(0), at(1), places[i])) continue;
     chosen.push_back(i);
   }
   return chosen;
@@ -61,20 +61,20 @@ ContactSelector contact_selector(LearnedSelector selector, int body) {
   return [selector = std::move(selector), body](const ReductionInput& input, const Clusters& clusters) {
     require_field(body >= 0 && std::size_t(body) < input.bodies.size(), "body", body,
                   "name a body whose load the input knows");
-    const BodyLoad& load = input.bodies[std::size_t(body)];
+    const BodyLoad& load = input.bodies[body];
     const std::vector<int> places =
-        chosen_places(evaluate(selector.network, input_of(load)), selector.places, selector.keep);
+        chosen_places(network_output(selector.network, input_of(load)), selector.places, selector.keep);
     std::vector<int> kept;
     for (const std::vector<int>& cluster : clusters) {
-      const ContactPoint& first = input.contacts.points[std::size_t(cluster.front())];
+      const ContactPoint& first = input.contacts.points[cluster.front()];
       if ((first.a.body != body && first.b.body != body) || int(cluster.size()) <= selector.keep) {
         kept.insert(kept.end(), cluster.begin(), cluster.end());
         continue;
       }
       for (const int place : places) {
-        const Vec3 wanted = load.g_wb * selector.places[std::size_t(place)];
+        const Vec3 wanted = load.g_wb * selector.places[place];
         kept.push_back(*std::ranges::min_element(cluster, {}, [&](int i) {
-          return (mid_point(input.contacts.points[std::size_t(i)]) - wanted).squaredNorm();
+          return (mid_point(input.contacts.points[i]) - wanted).squaredNorm();
         }));
       }
     }

@@ -29,14 +29,14 @@ class Simplex {
     Combination out{.dual = minimise(VecX::Zero(n_), 1)};
     double infeasibility = 0;
     for (int i = 0; i < rows_; ++i)
-      if (basis_[std::size_t(i)] >= n_) infeasibility += x_[i];
+      if (basis_[i] >= n_) infeasibility += x_[i];
     if (infeasibility > kZero * (1 + g_.lpNorm<1>())) return out;
     out.exists = true;
     out.cost = 0;
     out.dual = minimise(cost, 0);
     std::vector<std::pair<int, double>> used;
     for (int i = 0; i < rows_; ++i)
-      if (basis_[std::size_t(i)] < n_ && x_[i] > kZero) used.emplace_back(basis_[std::size_t(i)], x_[i]);
+      if (basis_[i] < n_ && x_[i] > kZero) used.emplace_back(basis_[i], x_[i]);
     std::sort(used.begin(), used.end());
     for (const auto& [column, weight] : used) {
       out.column.push_back(column);
@@ -51,8 +51,7 @@ class Simplex {
   ShortVector minimise(const VecX& cost, double artificial) {
     for (int pivots = 0;; ++pivots) {
       ShortVector c(rows_);
-      for (int i = 0; i < rows_; ++i)
-        c[i] = basis_[std::size_t(i)] < n_ ? cost[basis_[std::size_t(i)]] : artificial;
+      for (int i = 0; i < rows_; ++i) c[i] = basis_[i] < n_ ? cost[basis_[i]] : artificial;
       ShortVector y = inverse_.transpose() * c;
       int enters = -1;
       double least = -kZero;
@@ -76,7 +75,7 @@ class Simplex {
   // The row whose weight first comes to zero: of those that do together the one with the largest pivot, so
   // that a degenerate vertex does not spoil the inverse, or by Bland the first column.
   int row_that_leaves(const ShortVector& d, double artificial, bool bland) const {
-    const auto held = [&](int i) { return artificial == 0 && basis_[std::size_t(i)] >= n_; };
+    const auto held = [&](int i) { return artificial == 0 && basis_[i] >= n_; };
     const auto ratio = [&](int i) {
       if (held(i)) return std::abs(d[i]) <= kZero ? kInf : 0;
       return d[i] <= kZero ? kInf : std::max(x_[i], 0.0) / d[i];
@@ -87,15 +86,14 @@ class Simplex {
     int leaves = -1;
     for (int i = 0; i < rows_; ++i) {
       if (ratio(i) > step + (bland ? 0 : kZero)) continue;
-      if (leaves < 0 || (bland ? basis_[std::size_t(i)] < basis_[std::size_t(leaves)]
-                               : std::abs(d[i]) > std::abs(d[leaves])))
+      if (leaves < 0 || (bland ? basis_[i] < basis_[leaves] : std::abs(d[i]) > std::abs(d[leaves])))
         leaves = i;
     }
     return leaves;
   }
 
   void pivot(int leaves, int enters, const ShortVector& d) {
-    basis_[std::size_t(leaves)] = enters;
+    basis_[leaves] = enters;
     const Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 6> row =
         inverse_.row(leaves) / d[leaves];
     inverse_ -= d * row;

@@ -34,7 +34,7 @@ std::vector<int> load_carrier(const PlanarPatch& patch, std::span<const double> 
   Generators G(3, Eigen::Index(patch.hull.size()));
   VecX cost(G.cols());
   for (Eigen::Index k = 0; k < G.cols(); ++k) {
-    const Vec2 x = patch.x[std::size_t(patch.hull[std::size_t(k)])] / patch.extent - centre;
+    const Vec2 x = patch.x[patch.hull[k]] / patch.extent - centre;
     G.col(k) << 1, x;
     cost[k] = -x.squaredNorm();
   }
@@ -42,7 +42,7 @@ std::vector<int> load_carrier(const PlanarPatch& patch, std::span<const double> 
   const Combination found = cheapest_combination(G, Vec3(1, 0, 0), cost);
   if (!found.exists) return hull_exact(patch);
   std::vector<int> result;
-  for (const int k : found.column) result.push_back(patch.hull[std::size_t(k)]);
+  for (const int k : found.column) result.push_back(patch.hull[k]);
   std::sort(result.begin(), result.end());
   return result;
 }

@@ -5,11 +5,15 @@
 #include <cmath>
 #include <string>
 
-#include "geometry/check.hpp"
+#include "geometry/settings.hpp"
 #include "reduction/contact_order.hpp"
 
 namespace aussois {
 namespace {
+
+constexpr Named<MeanRule> kRules[] = {{MeanRule::position_normal_friction, "position_normal_friction"},
+                                      {MeanRule::position_depth, "position_depth"},
+                                      {MeanRule::position, "position"}};
 
 double depth(const ContactPoint& c) {
   return std::max(0.0, -c.gap);
@@ -79,15 +83,21 @@ MeanContact mean_of(const std::vector<Member>& members) {
 
 }  // namespace
 
-void validate(const MeanContactOptions& o) {
-  require_field(o.k >= 1, "MeanContactOptions::k", o.k, "be at least 1");
-  require_field(o.normal_length >= 0, "MeanContactOptions::normal_length", o.normal_length,
-                "be at least 0 m");
-  require_field(o.friction_length >= 0, "MeanContactOptions::friction_length", o.friction_length,
-                "be at least 0 m");
-  require_field(o.depth_floor > 0, "MeanContactOptions::depth_floor", o.depth_floor, "be > 0 m");
-  require_field(o.max_iterations >= 0, "MeanContactOptions::max_iterations", o.max_iterations,
-                "be at least 0");
+void describe(SettingVisitor& visit, MeanContactOptions& o) {
+  visit.begin("MeanContactOptions");
+  visit.choice({"rule", "space in which contacts are near"}, o.rule, kRules);
+  visit.count({"k", "number of means", "", at_least(1)}, o.k);
+  visit.number({"normal_length", "length that a unit change of the normal counts as", "m", at_least(0)},
+               o.normal_length);
+  visit.number({"friction_length", "length that a unit change of friction counts as", "m", at_least(0)},
+               o.friction_length);
+  visit.number({"depth_floor", "added to the depth to give the weight of a contact", "m", above(0)},
+               o.depth_floor);
+  visit.count({"max_iterations", "iterations of k-means", "", at_least(0)}, o.max_iterations);
+}
+
+void validate(const MeanContactOptions& options) {
+  check_ranges(options);
 }
 
 MeanContacts mean_contacts(const ContactSet& found, const std::vector<double>& mu,
@@ -122,7 +132,7 @@ MeanContacts mean_contacts(const ContactSet& found, const std::vector<double>& m
     for (std::size_t k = 0; k < n; ++k) {
       if (out.found.label[k] != g) continue;
       group.push_back(members[k]);
-      out.label[std::size_t(order[k])] = int(out.contacts.size());
+      out.label[order[k]] = int(out.contacts.size());
     }
     if (group.empty()) continue;
     const MeanContact mean = mean_of(group);

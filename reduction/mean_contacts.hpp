@@ -9,6 +9,8 @@
 
 namespace aussois {
 
+class SettingVisitor;
+
 enum class MeanRule {
   position_normal_friction,  // seven dimensions (CLU-6) [Hauser2013]
   position_depth,            // weighted by depth, for penalty forces (CLU-7) [Kim2003]
@@ -25,6 +27,7 @@ struct MeanContactOptions {
   KMeansSeeding seeding{};       // SeedWarm{previous.centres}: as KMCW, idempotent
 };
 void validate(const MeanContactOptions& options);  // throws std::invalid_argument: field, value, bound
+void describe(SettingVisitor& visit, MeanContactOptions& options);
 
 struct MeanContact {
   ContactPoint point{};  // with the features of the member nearest to the mean; x_a - x_b = gap * normal

@@ -26,7 +26,7 @@ void validate(const Network& network) {
   require_field(network.scale.minCoeff() > 0, "Network::scale", network.scale.minCoeff(), "be positive");
 }
 
-VecX evaluate(const Network& network, const VecX& x) {
+VecX network_output(const Network& network, const VecX& x) {
   require(x.size() == network.inputs(), "evaluate: x has " + std::to_string(x.size()) +
                                             " entries and must have " + std::to_string(network.inputs()));
   const VecX scaled = (x - network.mean).cwiseQuotient(network.scale);

@@ -25,6 +25,6 @@ void validate(const Network& network);
 
 /// Probabilities of the outputs, which are positive and sum to one. Throws std::invalid_argument unless x has
 /// as many entries as the network has inputs. A pure function.
-VecX evaluate(const Network& network, const VecX& x);
+VecX network_output(const Network& network, const VecX& x);
 
 }  // namespace aussois

@@ -8,12 +8,15 @@
 
 #include <Eigen/Geometry>
 
-#include "geometry/check.hpp"
+#include "geometry/settings.hpp"
 #include "reduction/contact_order.hpp"
 #include "reduction/selection.hpp"
 
 namespace aussois {
 namespace {
+
+constexpr Named<NormalClustering> kMethods[] = {{NormalClustering::kmeans, "kmeans"},
+                                                {NormalClustering::cube_map, "cube_map"}};
 
 double angle(const Vec3& a, const Vec3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
@@ -32,7 +35,7 @@ struct Group {
 
 std::vector<Group> groups_of(const std::vector<int>& label, int count) {
   std::vector<Group> out{std::size_t(count)};
-  for (std::size_t i = 0; i < label.size(); ++i) out[std::size_t(label[i])].members.push_back(int(i));
+  for (std::size_t i = 0; i < label.size(); ++i) out[label[i]].members.push_back(int(i));
   return out;
 }
 
@@ -57,10 +60,10 @@ void merge_close(std::vector<Group>& groups, double within) {
 // Normals that would cancel are not of one group (CLU-5).
 bool is_torn(const Group& group, const std::vector<Vec3>& normals, const NormalClusterOptions& o) {
   Vec3 sum = Vec3::Zero();
-  for (const int i : group.members) sum += normals[std::size_t(i)];
+  for (const int i : group.members) sum += normals[i];
   if (sum.norm() < o.least_resultant * double(group.members.size())) return true;
   return std::ranges::any_of(group.members,
-                             [&](int i) { return angle(normals[std::size_t(i)], group.centre) > o.widest; });
+                             [&](int i) { return angle(normals[i], group.centre) > o.widest; });
 }
 
 // The torn ones in two each; parts of parts are looked at again, they stand at the end.
@@ -72,7 +75,7 @@ int split_torn(std::vector<Group>& groups, const std::vector<Vec3>& normals, con
       continue;
     }
     std::vector<Vec3> own;
-    for (const int i : groups[g].members) own.push_back(normals[std::size_t(i)]);
+    for (const int i : groups[g].members) own.push_back(normals[i]);
     const KMeans halves =
         kmeans(columns(own), {}, {.k = 2, .max_iterations = o.max_iterations, .on_sphere = true});
     if (halves.centres.cols() < 2 || halves.count[0] == 0 || halves.count[1] == 0) {  // all of one normal,
@@ -83,7 +86,7 @@ int split_torn(std::vector<Group>& groups, const std::vector<Vec3>& normals, con
     ++splits;
     std::vector<Group> parts(2);
     for (std::size_t i = 0; i < own.size(); ++i)
-      parts[std::size_t(halves.label[i])].members.push_back(groups[g].members[i]);
+      parts[halves.label[i]].members.push_back(groups[g].members[i]);
     for (std::size_t p = 0; p < 2; ++p) parts[p].centre = halves.centres.col(Eigen::Index(p));
     groups[g] = parts[0];
     groups.push_back(parts[1]);
@@ -93,17 +96,21 @@ int split_torn(std::vector<Group>& groups, const std::vector<Vec3>& normals, con
 
 }  // namespace
 
-void validate(const NormalClusterOptions& o) {
-  validate(o.cube);
-  require_field(o.k >= 1, "NormalClusterOptions::k", o.k, "be at least 1");
-  require_field(o.max_iterations >= 1, "NormalClusterOptions::max_iterations", o.max_iterations,
-                "be at least 1");
-  require_field(o.merge >= 0 && o.merge < kPi / 2, "NormalClusterOptions::merge", o.merge,
-                "lie in [0, pi/2) rad");
-  require_field(o.least_resultant >= 0 && o.least_resultant <= 1, "NormalClusterOptions::least_resultant",
-                o.least_resultant, "lie in [0, 1]");
-  require_field(o.widest > 0 && o.widest <= kPi / 2, "NormalClusterOptions::widest", o.widest,
-                "lie in (0, pi/2] rad");
+void describe(SettingVisitor& visit, NormalClusterOptions& o) {
+  visit.begin("NormalClusterOptions");
+  visit.choice({"method", "k-means or the cells of a cube"}, o.method, kMethods);
+  visit.group("cube", o.cube);
+  visit.count({"k", "groups of k-means", "", at_least(1)}, o.k);
+  visit.count({"max_iterations", "iterations of k-means", "", at_least(1)}, o.max_iterations);
+  visit.number({"merge", "centres of k-means this close are merged", "rad", open_above(0, kPi / 2)}, o.merge);
+  visit.number({"least_resultant", "mean length below which a group is split", "-", {0, 1}},
+               o.least_resultant);
+  visit.number({"widest", "largest angle between a normal and its centre", "rad", open_below(0, kPi / 2)},
+               o.widest);
+}
+
+void validate(const NormalClusterOptions& options) {
+  check_ranges(options);
 }
 
 NormalClusters cluster_normals(const ContactSet& contacts, const NormalClusterOptions& options,
@@ -120,7 +127,7 @@ NormalClusters cluster_normals(const ContactSet& contacts, const NormalClusterOp
   if (c.empty()) return out;
   const std::vector<int> order = canonical_order(contacts);  // the deepest is the first seed
   std::vector<Vec3> normals;
-  for (const int i : order) normals.push_back(c[std::size_t(i)].normal);
+  for (const int i : order) normals.push_back(c[i].normal);
 
   std::vector<Group> groups;
   if (options.method == NormalClustering::cube_map) {
@@ -128,8 +135,8 @@ NormalClusters cluster_normals(const ContactSet& contacts, const NormalClusterOp
     groups = groups_of(cells.label, cells.groups);
     for (Group& g : groups) {
       Vec3 sum = Vec3::Zero();
-      for (const int i : g.members) sum += normals[std::size_t(i)];
-      g.centre = sum.norm() > 0 ? Vec3(sum.normalized()) : normals[std::size_t(g.members[0])];
+      for (const int i : g.members) sum += normals[i];
+      g.centre = sum.norm() > 0 ? Vec3(sum.normalized()) : normals[g.members[0]];
     }
   } else {
     KMeansOptions k{.k = options.k, .max_iterations = options.max_iterations, .on_sphere = true};
@@ -145,7 +152,7 @@ NormalClusters cluster_normals(const ContactSet& contacts, const NormalClusterOp
   out.splits = split_torn(groups, normals, options);
   for (std::size_t g = 0; g < groups.size(); ++g) {
     out.centre.push_back(groups[g].centre);
-    for (const int i : groups[g].members) out.label[std::size_t(order[std::size_t(i)])] = int(g);
+    for (const int i : groups[g].members) out.label[order[i]] = int(g);
   }
   return out;
 }

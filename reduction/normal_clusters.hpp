@@ -11,6 +11,8 @@
 
 namespace aussois {
 
+class SettingVisitor;
+
 enum class NormalClustering { kmeans, cube_map };
 
 struct NormalClusterOptions {
@@ -23,6 +25,7 @@ struct NormalClusterOptions {
   double widest = 60 * kPi / 180;  // largest normal-to-centre angle without a split [rad], in (0, pi/2]
 };
 void validate(const NormalClusterOptions& options);  // throws std::invalid_argument: field, value, bound
+void describe(SettingVisitor& visit, NormalClusterOptions& options);
 
 struct NormalClusters {
   std::vector<int> label{};    // group of each contact

@@ -60,7 +60,7 @@ double distance_to(const std::vector<Vec2>& hull, const Vec2& x) {
 
 // Area, centroid and drilling radius of a patch whose hull is known.
 void measure(PlanarPatch& patch) {
-  const auto corner = [&](std::size_t i) { return patch.x[std::size_t(patch.hull[i % patch.hull.size()])]; };
+  const auto corner = [&](std::size_t i) { return patch.x[patch.hull[i % patch.hull.size()]]; };
   const Vec2 first = corner(0);
   Vec2 moment = Vec2::Zero();
   for (std::size_t i = 1; i + 1 < patch.hull.size(); ++i) {
@@ -83,21 +83,21 @@ void measure(PlanarPatch& patch) {
 std::vector<Vec2> places(const PlanarPatch& patch, std::span<const int> members) {
   std::vector<Vec2> out;
   out.reserve(members.size());
-  for (const int i : members) out.push_back(patch.x[std::size_t(i)] - patch.centroid);
+  for (const int i : members) out.push_back(patch.x[i] - patch.centroid);
   return out;
 }
 
 }  // namespace
 
 PlanarPatch planar_patch(const ContactSet& found, std::span<const int> members, std::span<const SE3> g) {
-  const auto middle = [&](int i) { return mid_point(found.points[std::size_t(i)]); };
+  const auto middle = [&](int i) { return mid_point(found.points[i]); };
   Vec3 n = Vec3::Zero(), mean = Vec3::Zero();
   for (const int i : members) {
-    n += found.points[std::size_t(i)].normal;  // never zero: clusters hold no normals that cancel
+    n += found.points[i].normal;  // never zero: clusters hold no normals that cancel
     mean += middle(i);
   }
   mean /= double(members.size());
-  const SE3 g_wa = pose_of(g, found.points[std::size_t(members.front())].a.body);
+  const SE3 g_wa = pose_of(g, found.points[members.front()].a.body);
   Mat3 frame = body_frame(n.normalized(), g_wa.R.toRotationMatrix());
 
   std::vector<Vec2> x;
@@ -137,7 +137,7 @@ PlanarPatch planar_patch(std::vector<Vec2> x) {
 // Andrew's monotone chain, whose order bears no tolerance; then without what stands out less than rounding,
 // from a corner that surely does.
 std::vector<int> hull_of(const PlanarPatch& patch, std::span<const int> members) {
-  const auto at = [&](int i) -> const Vec2& { return patch.x[std::size_t(i)]; };
+  const auto at = [&](int i) -> const Vec2& { return patch.x[i]; };
   const auto from_left = [&](int i, int j) {
     return std::make_tuple(at(i).x(), at(i).y(), i) < std::make_tuple(at(j).x(), at(j).y(), j);
   };
@@ -211,10 +211,9 @@ LossReport loss_of(const PlanarPatch& patch, std::span<const int> part) {
     loss.area = std::clamp(area / patch.area, 0.0, 1.0);
   }
   std::vector<char> kept(patch.x.size(), 0);
-  for (const int i : part) kept[std::size_t(i)] = 1;
+  for (const int i : part) kept[i] = 1;
   for (const int i : patch.hull)
-    if (!kept[std::size_t(i)])
-      loss.hausdorff = std::max(loss.hausdorff, distance_to(S, patch.x[std::size_t(i)] - patch.centroid));
+    if (!kept[i]) loss.hausdorff = std::max(loss.hausdorff, distance_to(S, patch.x[i] - patch.centroid));
   if (patch.drilling_radius > 0) {
     double sum = 0;
     for (const Vec2& x : places(patch, part)) sum += x.norm();

@@ -33,14 +33,13 @@ Patch patch_of(const ContactSet& contacts, const std::vector<int>& kept) {
   Vec3 normal = Vec3::Zero();
   Patch patch;
   for (const int i : kept) {
-    const ContactPoint& c = contacts.points[std::size_t(i)];
+    const ContactPoint& c = contacts.points[i];
     normal += c.normal;
     patch.centre += mid_point(c) / double(kept.size());
   }
   if (normal.norm() > 0.5) patch.frame = frame_of(normal.normalized());
   double size = 0;
-  for (const int i : kept)
-    size = std::max(size, (mid_point(contacts.points[std::size_t(i)]) - patch.centre).norm());
+  for (const int i : kept) size = std::max(size, (mid_point(contacts.points[i]) - patch.centre).norm());
   if (size > 0) patch.size = size;
   return patch;
 }
@@ -88,8 +87,8 @@ void share(const ContactSet& contacts, const std::vector<int>& kept, const std::
   const Patch patch = patch_of(contacts, kept);
   Vec3 normal_wrench = Vec3::Zero(), tangential_wrench = Vec3::Zero();
   for (const int i : dropped) {
-    const Vec3 x = patch.point(contacts.points[std::size_t(i)]);
-    const Vec3 r = patch.frame.transpose() * impulse[std::size_t(i)];
+    const Vec3 x = patch.point(contacts.points[i]);
+    const Vec3 r = patch.frame.transpose() * impulse[i];
     normal_wrench += r.x() * Vec3(1, x.y(), x.z());
     tangential_wrench += Vec3(r.y(), r.z(), x.y() * r.z() - x.z() * r.y());
   }
@@ -97,8 +96,8 @@ void share(const ContactSet& contacts, const std::vector<int>& kept, const std::
   std::vector<double> normal;
   std::vector<Vec2> tangential;
   for (const int i : kept) {
-    const Vec3 r = patch.frame.transpose() * impulse[std::size_t(i)];
-    x.push_back(patch.point(contacts.points[std::size_t(i)]));
+    const Vec3 r = patch.frame.transpose() * impulse[i];
+    x.push_back(patch.point(contacts.points[i]));
     normal.push_back(std::max(0.0, r.x()));
     tangential.push_back(r.tail<2>());
   }
@@ -120,16 +119,16 @@ std::vector<Vec3> redistribute(const ContactSet& contacts, const Selection& sele
   require(impulse.size() == n && mu.size() == n && selection.cluster.size() == n,
           "redistribute: impulses, friction and selection must be of the same set");
   std::vector<Vec3> start(n, Vec3::Zero());
-  for (const int i : selection.kept) start[std::size_t(i)] = impulse[std::size_t(i)];
+  for (const int i : selection.kept) start[i] = impulse[i];
   if (start == impulse) return start;  // nothing was dropped
-  std::vector<std::vector<int>> kept(std::size_t(selection.cluster_count)), dropped = kept;
+  std::vector<std::vector<int>> kept(selection.cluster_count), dropped = kept;
   std::vector<char> is_kept(n, 0);
-  for (const int i : selection.kept) is_kept[std::size_t(i)] = 1;
+  for (const int i : selection.kept) is_kept[i] = 1;
   for (int i = 0; i < int(n); ++i) {
-    const auto cluster = std::size_t(selection.cluster[std::size_t(i)]);
-    if (is_kept[std::size_t(i)])
+    const auto cluster = std::size_t(selection.cluster[i]);
+    if (is_kept[i])
       kept[cluster].push_back(i);
-    else if (!impulse[std::size_t(i)].isZero(0))
+    else if (!impulse[i].isZero(0))
       dropped[cluster].push_back(i);
   }
   for (std::size_t c = 0; c < kept.size(); ++c)

@@ -56,7 +56,7 @@ void check(const ReductionInput& input) {
 
 std::vector<int> at(std::span<const int> members, const std::vector<int>& chosen) {
   std::vector<int> out;
-  for (const int k : chosen) out.push_back(members[std::size_t(k)]);
+  for (const int k : chosen) out.push_back(members[k]);
   return out;
 }
 
@@ -64,7 +64,7 @@ std::vector<int> at(std::span<const int> members, const std::vector<int>& chosen
 std::vector<int> marked(std::span<const int> cluster, const std::vector<char>& mark) {
   std::vector<int> out;
   for (std::size_t k = 0; k < cluster.size(); ++k)
-    if (mark[std::size_t(cluster[k])]) out.push_back(int(k));
+    if (mark[cluster[k]]) out.push_back(int(k));
   return out;
 }
 
@@ -72,8 +72,7 @@ std::vector<int> marked(std::span<const int> cluster, const std::vector<char>& m
 std::vector<double> loads(const ReductionInput& input, std::span<const int> members) {
   std::vector<double> out;
   if (input.impulse.empty()) return out;
-  for (const int i : members)
-    out.push_back(input.impulse[std::size_t(i)].dot(input.contacts.points[std::size_t(i)].normal));
+  for (const int i : members) out.push_back(input.impulse[i].dot(input.contacts.points[i].normal));
   return out;
 }
 
@@ -118,7 +117,7 @@ std::vector<int> old_choice(const ReductionInput& input, std::span<const int> me
   const std::vector<int> old = hull_of(patch, marked(members, input.kept_before));
   if (old.size() <= most_corners(o) + 1) return old;  // the deepest may be one more
   std::vector<Vec2> x;
-  for (const int k : old) x.push_back(patch.x[std::size_t(k)]);
+  for (const int k : old) x.push_back(patch.x[k]);
   return at(old, fresh_choice(input, at(members, old), planar_patch(std::move(x)), o));
 }
 
@@ -138,12 +137,12 @@ bool stays(const PlanarPatch& patch, const std::vector<int>& old, const std::vec
 std::vector<int> deepest_there(const ReductionInput& input, std::span<const int> members,
                                const PlanarPatch& patch, std::vector<int> chosen, const ReductionOptions& o) {
   const bool remembers = o.hysteresis > 0 && !input.kept_before.empty();
-  const auto contact = [&](int k) { return std::size_t(members[std::size_t(k)]); };
+  const auto contact = [&](int k) { return std::size_t(members[k]); };
   const double near = o.tie * patch.extent, same = kSameGap * patch.extent;
   for (int& k : chosen) {
-    const Vec2 place = patch.x[std::size_t(k)];
+    const Vec2 place = patch.x[k];
     for (int i = 0; i < int(members.size()); ++i) {
-      if (i == k || (patch.x[std::size_t(i)] - place).norm() > near) continue;
+      if (i == k || (patch.x[i] - place).norm() > near) continue;
       const double deeper = input.contacts.points[contact(k)].gap - input.contacts.points[contact(i)].gap;
       const bool kept = remembers && input.kept_before[contact(i)] && !input.kept_before[contact(k)];
       if (deeper > same || (deeper >= -same && kept)) k = i;
@@ -202,7 +201,7 @@ std::vector<int> chosen_by_wrench(const ReductionInput& input, std::span<const s
 std::vector<int> chosen_by_wrenches(const ReductionInput& input, const Clusters& clusters,
                                     const ReductionOptions& options) {
   const auto first = [&](const std::vector<int>& cluster) -> const ContactPoint& {
-    return input.contacts.points[std::size_t(cluster.front())];
+    return input.contacts.points[cluster.front()];
   };
   const auto of_one_pair = [&](const auto& a, const auto& b) { return same_pair(first(a), first(b)); };
   std::vector<int> kept;
@@ -227,7 +226,7 @@ std::vector<int> chosen_by_selector(const ReductionInput& input, const Clusters&
 LossReport complete(const ReductionInput& input, const std::vector<int>& cluster, double min_margin,
                     std::vector<char>& mark) {
   const ContactSet& found = input.contacts;
-  if (std::ranges::all_of(cluster, [&](int i) { return mark[std::size_t(i)] != 0; })) return {};
+  if (std::ranges::all_of(cluster, [&](int i) { return mark[i] != 0; })) return {};
   std::vector<int> part = marked(cluster, mark);
   const PlanarPatch patch = planar_patch(found, cluster, input.g);
   for (std::size_t n = 0; min_margin > 0 && n < patch.hull.size(); ++n) {
@@ -236,13 +235,12 @@ LossReport complete(const ReductionInput& input, const std::vector<int>& cluster
     const int more = extreme(patch, margin.direction, Vec2(-margin.direction.y(), margin.direction.x()),
                              kSamePlace * patch.extent);
     part.push_back(more);
-    mark[std::size_t(cluster[std::size_t(more)])] = 1;
+    mark[cluster[more]] = 1;
   }
   LossReport loss = loss_of(patch, part);
   double deepest = kInf;
-  for (const int k : part)
-    deepest = std::min(deepest, found.points[std::size_t(cluster[std::size_t(k)])].gap);
-  loss.depth = deepest - found.points[std::size_t(cluster.front())].gap;
+  for (const int k : part) deepest = std::min(deepest, found.points[cluster[k]].gap);
+  loss.depth = deepest - found.points[cluster.front()].gap;
   return loss;
 }
 
@@ -335,10 +333,10 @@ Selection reduce(const ReductionInput& input, const ReductionOptions& options) {
   out.cluster.resize(input.contacts.points.size());
   out.cluster_count = int(clusters.size());
   std::vector<char> mark(out.cluster.size(), 0);
-  for (const int i : kept) mark[std::size_t(i)] = 1;
+  for (const int i : kept) mark[i] = 1;
   for (std::size_t k = 0; k < clusters.size(); ++k) {
-    for (const int i : clusters[k]) out.cluster[std::size_t(i)] = int(k);
-    mark[std::size_t(clusters[k].front())] = 1;  // the deepest, always
+    for (const int i : clusters[k]) out.cluster[i] = int(k);
+    mark[clusters[k].front()] = 1;  // the deepest, always
     out.loss = worst(out.loss, complete(input, clusters[k], options.min_margin, mark));
   }
   for (std::size_t i = 0; i < mark.size(); ++i)
@@ -353,16 +351,15 @@ Selection reduce(const ContactSet& found, const ReductionOptions& options) {
 LossReport measure_loss(const ContactSet& found, const Selection& selection) {
   require(selection.cluster.size() == found.points.size(),
           "measure_loss: the selection belongs to another set");
-  Clusters clusters(std::size_t(selection.cluster_count));
-  for (std::size_t i = 0; i < found.points.size(); ++i)
-    clusters[std::size_t(selection.cluster[i])].push_back(int(i));
+  Clusters clusters(selection.cluster_count);
+  for (std::size_t i = 0; i < found.points.size(); ++i) clusters[selection.cluster[i]].push_back(int(i));
   std::vector<char> mark(found.points.size(), 0);
-  for (const int i : selection.kept) mark[std::size_t(i)] = 1;
+  for (const int i : selection.kept) mark[i] = 1;
   LossReport loss;
   for (std::vector<int>& cluster : clusters) {
     if (cluster.empty()) continue;
     std::swap(cluster.front(), *std::min_element(cluster.begin(), cluster.end(), [&](int i, int j) {
-                return found.points[std::size_t(i)].gap < found.points[std::size_t(j)].gap;
+                return found.points[i].gap < found.points[j].gap;
               }));
     loss = worst(loss, complete({.contacts = found}, cluster, 0, mark));
   }

@@ -13,7 +13,7 @@ ContactSet select(const ContactSet& found, const std::vector<int>& kept) {
     if (i < 0 || std::size_t(i) >= found.points.size())
       throw std::invalid_argument("select: index " + std::to_string(i) + " must lie in [0, " +
                                   std::to_string(found.points.size()) + ")");
-    result.points.push_back(found.points[std::size_t(i)]);
+    result.points.push_back(found.points[i]);
   }
   return result;
 }

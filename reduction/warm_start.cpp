@@ -52,9 +52,8 @@ std::vector<int> by_pair(const ContactSet& contacts) {
   if (std::is_sorted(contacts.points.begin(), contacts.points.end(), by_bodies)) return order;
   order.resize(contacts.points.size());
   std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int i, int j) {
-    return by_bodies(contacts.points[std::size_t(i)], contacts.points[std::size_t(j)]);
-  });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int i, int j) { return by_bodies(contacts.points[i], contacts.points[j]); });
   return order;
 }
 
@@ -159,9 +158,7 @@ class Cascade {
 
   bool is_adjacent(std::size_t i, std::size_t j) const {
     const ContactKey &now = now_[i].key, &old = old_[j].key;
-    const auto shape = [&](int body) {
-      return input_.shapes.empty() ? nullptr : input_.shapes[std::size_t(body)];
-    };
+    const auto shape = [&](int body) { return input_.shapes.empty() ? nullptr : input_.shapes[body]; };
     const LmdShape *a = shape(now.body_a), *b = shape(now.body_b);
     return a && b && incident(*a, feature_a(now), feature_a(old)) &&
            incident(*b, feature_b(now), feature_b(old));
@@ -243,7 +240,7 @@ void take_over(std::span<const RememberedContact> old, std::size_t begin, const 
   for (std::size_t k = 0; k < now.size(); ++k) {
     if (cascade.match(k) < 0) continue;
     const std::size_t i = now[k].place;
-    const RememberedContact& from = old[std::size_t(cascade.match(k))];
+    const RememberedContact& from = old[cascade.match(k)];
     out.impulse[i] = input.scale * turned(from.impulse, from.normal, contacts.points[i].normal);  // (RED-5)
     out.drilling[i] = input.scale * from.drilling;
     out.anchor[i] = moved_anchor(from, contacts.points[i], input.g);

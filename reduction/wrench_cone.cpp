@@ -19,12 +19,11 @@ constexpr double kTied = 1e-6;      // of a reach or a length: below it rounding
 
 Generators columns_of(const UnitWrenches& all, std::span<const int> members) {
   Eigen::Index count = 0;
-  for (const int k : members) count += all.first[std::size_t(k) + 1] - all.first[std::size_t(k)];
+  for (const int k : members) count += all.first[std::size_t(k) + 1] - all.first[k];
   Generators out(6, count);
   Eigen::Index at = 0;
   for (const int k : members)
-    for (int j = all.first[std::size_t(k)]; j < all.first[std::size_t(k) + 1]; ++j)
-      out.col(at++) = all.g.col(j);
+    for (int j = all.first[k]; j < all.first[std::size_t(k) + 1]; ++j) out.col(at++) = all.g.col(j);
   return out;
 }
 
@@ -61,7 +60,7 @@ int best_server(const UnitWrenches& all, const ShortVector& direction) {
 // All wrenches, the longest first, those as long in their order.
 std::vector<Eigen::Index> longest_first(const UnitWrenches& all) {
   const Eigen::RowVectorXd length = all.g.colwise().norm();
-  std::vector<Eigen::Index> order(std::size_t(all.g.cols()));
+  std::vector<Eigen::Index> order(all.g.cols());
   std::iota(order.begin(), order.end(), 0);
   const double grid = kTied * (order.empty() ? 1 : length.maxCoeff());
   std::ranges::stable_sort(order, std::ranges::greater(),
@@ -72,7 +71,7 @@ std::vector<Eigen::Index> longest_first(const UnitWrenches& all) {
 }  // namespace
 
 UnitWrenches unit_wrenches(const ReductionInput& input, std::span<const int> members) {
-  const auto contact = [&](int i) -> const ContactPoint& { return input.contacts.points[std::size_t(i)]; };
+  const auto contact = [&](int i) -> const ContactPoint& { return input.contacts.points[i]; };
   Vec3 mean = Vec3::Zero();
   for (const int i : members) mean += mid_point(contact(i)) / double(members.size());
   double length = 0;
@@ -84,7 +83,7 @@ UnitWrenches unit_wrenches(const ReductionInput& input, std::span<const int> mem
   for (const int i : members) {
     const Mat3 axes = pose_of(input.g, contact(i).a.body).R.toRotationMatrix();
     const Mat3 frame = axes.transpose() * body_frame(contact(i).normal, axes);
-    const double mu = input.mu.empty() ? 0 : input.mu[std::size_t(i)];
+    const double mu = input.mu.empty() ? 0 : input.mu[i];
     const Vec3 arm = axes.transpose() * (mid_point(contact(i)) - mean) / length;
     for (int k = 0; k < (mu > 0 ? kFacets : 1); ++k) {
       const double angle = 2 * kPi * k / kFacets;

@@ -36,6 +36,7 @@ namespace {
 struct Arguments {
   std::string case_name{}, shard = "1/1";
   SchemeFlags scheme{};
+  SaidSettings said{};  // of the study
   StudyOptions study{};
   bool all = false, list = false, farm = false;
   ManyTasks tasks{};
@@ -121,7 +122,7 @@ Results run_cells(const Arguments& a, const std::vector<Cell>& cells, const ForA
   Progress progress("convergence", double(cells.size()) * a.study.levels,
                     Progress::style_of_stderr(a.tasks.quiet));
   for_all(int(cells.size()), [&](int i) {
-    const Cell& cell = cells[std::size_t(i)];
+    const Cell& cell = cells[i];
     const auto& [scheme, options] = cell.variant;
     const Study wanted{
         .case_name = cell.scene->name, .scheme = label_of(cell), .options = options_of(a, cell)};
@@ -132,7 +133,7 @@ Results run_cells(const Arguments& a, const std::vector<Cell>& cells, const ForA
     };
     if (interrupted()) return;
     if (const std::optional<Study> known = read_study(file, wanted, program)) {
-      studies[std::size_t(i)] = *known;
+      studies[i] = *known;
       say(a.study.levels);
       const std::lock_guard lock(mutex);
       ++out.known;
@@ -146,9 +147,9 @@ Results run_cells(const Arguments& a, const std::vector<Cell>& cells, const ForA
       if (int(made.h.size()) < a.study.levels || interrupted()) return;
       made.scheme = wanted.scheme;
       write_whole_file(file, to_json(made, program));
-      studies[std::size_t(i)] = std::move(made);
+      studies[i] = std::move(made);
     } catch (const NumericalFailure& failure) {
-      failures[std::size_t(i)] = failure.what();
+      failures[i] = failure.what();
     }
   });
   for (Study& s : studies)
@@ -231,17 +232,12 @@ int main(int argc, char** argv) {
   cli.flag("--farm", a.farm,
            "share the work under mpirun: rank 0 distributes it to the other ranks; needs MPI");
   cli.group("stepping");
-  cli.option("--h0", a.study.h, "largest step; 0: that of the case", "s", {0, 1});
-  cli.option("--levels", a.study.levels, "number of step sizes, each about half the one before", "", {3, 16});
-  cli.option("--phases", a.study.phases, "number of lengths of the first step over which errors are averaged",
-             "", {1, 64});
+  add_flags(cli, a.study, a.said);
   std::erase(a.scheme.schemes, "event_driven");
   a.scheme.not_offered =
       "not event_driven: its errors depend on its tolerances, not on h, see doc/theory/event_driven.md";
   a.scheme.left_out = {"--tolerance"};
   add_options(cli, a.scheme);
-  cli.option("--tolerance", a.study.tolerance, "tolerance on the scaled residual; 0: that of the case", "-",
-             {0, 1e-2});
   add_options(cli, a.tasks, "studies", "all numbers");
   cli.example("convergence --case ball_e05 --theta 1 --normal-law combined",
               "open out/ball_e05_moreau_jean_theta_1_combined.png");
@@ -249,9 +245,10 @@ int main(int argc, char** argv) {
   return run_driver(cli, argc, argv, [&] {
     for (const char* group : {"scheme", "solver"})
       for (const std::string& flag : cli.given(group))
-        require(!a.all || flag == "--tolerance",
+        require(!a.all,
                 flag + " cannot be combined with --all, which runs every scheme with its own settings");
     refuse_unread(cli, a.scheme);
+    take(a.said, a.study);
     if (!a.all) a.study.settings = cli.values("scheme") + cli.values("solver");
     return run(a);
   });

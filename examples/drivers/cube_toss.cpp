@@ -39,9 +39,8 @@ struct Arguments {
 
 std::vector<Toss> synthetic_tosses(const Arguments& a) {
   std::vector<Toss> tosses(static_cast<std::size_t>(a.synthetic));
-  parallel_for(a.synthetic, a.common.threads, [&](int i) {
-    tosses[std::size_t(i)] = synthetic_toss(unsigned(a.seed) + unsigned(i), a.world, a.noise);
-  });
+  parallel_for(a.synthetic, a.common.threads,
+               [&](int i) { tosses[i] = synthetic_toss(unsigned(a.seed) + unsigned(i), a.world, a.noise); });
   const std::filesystem::path folder = a.common.out / "synthetic";
   std::filesystem::create_directories(folder);
   for (const Toss& toss : tosses) write_toss(folder, toss);
@@ -55,9 +54,7 @@ std::vector<TossRun> roll_out_all(const std::vector<Toss>& tosses, const TossWor
   std::vector<TossRun> runs(tosses.size());
   for (int first = 0; first < int(tosses.size()); first += kAtOnce) {
     const int count = std::min(kAtOnce, int(tosses.size()) - first);
-    parallel_for(count, threads, [&](int i) {
-      runs[std::size_t(first + i)] = roll_out(tosses[std::size_t(first + i)], world);
-    });
+    parallel_for(count, threads, [&](int i) { runs[first + i] = roll_out(tosses[first + i], world); });
     progress.at(double(first + count));
     if (interrupted()) return {};
   }

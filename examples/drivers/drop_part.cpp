@@ -58,7 +58,7 @@ ExitCode drop(const Arguments& a) {
   pose(state, body).R = exp_so3(a.tilt * kPi / 180 * Vec3(2, 1, 0).normalized());
   double lowest = kInf;
   for (const Vec3& x : part.complex.vertices)
-    lowest = std::min(lowest, (pose(state, body) * (model.bodies[std::size_t(body)].g_bs * x)).z());
+    lowest = std::min(lowest, (pose(state, body) * (model.bodies[body].g_bs * x)).z());
   pose(state, body).p.z() = a.height + 2 * a.dilation - lowest;
 
   // 3. Motion; every step is recorded.

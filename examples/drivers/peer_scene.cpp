@@ -65,7 +65,7 @@ std::string outline(const PeerShape& shape, const SE3& g) {
 bool draw(const std::filesystem::path& folder, const PeerScene& scene, const State& end) {
   std::string before, after;
   for (std::size_t b = 1; b < scene.bodies.size(); ++b) {
-    const PeerShape& shape = scene.shapes[std::size_t(scene.bodies[b].shape)];
+    const PeerShape& shape = scene.shapes[scene.bodies[b].shape];
     before += outline(shape, scene.bodies[b].g);
     after += outline(shape, end.g[b]);
   }

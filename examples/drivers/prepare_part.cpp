@@ -99,15 +99,14 @@ void report_mesh_and_classes(Report& report, const AssemblyPart& part, const Lmd
   report.show("straight chains", std::to_string(ideal.chains.size()));
   double farthest = 0;
   for (const auto& [v, from] : shape.straightened)
-    farthest = std::max(farthest, (shape.complex.vertices[std::size_t(v)] - from).norm());
+    farthest = std::max(farthest, (shape.complex.vertices[v] - from).norm());
   report.add("straightened_vertices", shape.straightened.size());
   report.add("straightened_by", farthest);
   if (!shape.straightened.empty())
     report.show("vertices put on straight chains",
                 std::to_string(shape.straightened.size()) + ", moved by up to " + micrometres(farthest));
   const std::pair<const char*, int> classes[] = {{"v_corner", counts.v_corner}, {"v_wide", counts.v_wide},
-                                                 {"v_node", counts.v_node},     {"e_crease", counts.e_crease},
-                                                 {"e_wide", counts.e_wide},     {"e_soft", counts.e_soft},
+                                                 {"e_crease", counts.e_crease}, {"e_wide", counts.e_wide},
                                                  {"face", counts.face},         {"silent", counts.silent}};
   for (const auto& [name, count] : classes) {
     report.add(name, count);

@@ -71,7 +71,7 @@ Resting resting(const Part& part, const Arguments& a) {
   State state = rest_state(model);
   double lowest = kInf;
   for (const Vec3& x : part.complex.vertices) lowest = std::min(lowest, x.z());
-  pose(state, body).p.z() = 2 * kDilation - lowest - model.bodies[std::size_t(body)].g_bs.p.z();
+  pose(state, body).p.z() = 2 * kDilation - lowest - model.bodies[body].g_bs.p.z();
   const MoreauJean scheme(model, {.h = 1e-3, .reduction = {.reducer = Reducer::none}}, {.theta = 1});
   for (int i = 0; i < 10; ++i) {
     const StepReport report = scheme.step(state);
@@ -86,7 +86,7 @@ Resting resting(const Part& part, const Arguments& a) {
 
 std::vector<Vec2> at(const std::vector<Vec2>& points, const std::vector<int>& members) {
   std::vector<Vec2> out;
-  for (const int i : members) out.push_back(points[std::size_t(i)]);
+  for (const int i : members) out.push_back(points[i]);
   return out;
 }
 

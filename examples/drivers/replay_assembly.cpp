@@ -81,8 +81,8 @@ void print_parts(const AssemblyInput& input, const AssemblyScene& scene, const A
       "clearance %.4g um along %s, dilation %.4g um each, moving part %.4g kg (%s) at %.4g Hz, largest step "
       "%.4g ms, path %.4g s\n",
       1e6 * scene.clearance, counted(std::int64_t(scene.poses.size()), "pose").c_str(), 1e6 * scene.dilation,
-      scene.model.bodies[std::size_t(scene.moving)].mass, scene.mass_source.c_str(), scene.frequency,
-      1e3 * scene.h, scene.path.t.back());
+      scene.model.bodies[scene.moving].mass, scene.mass_source.c_str(), scene.frequency, 1e3 * scene.h,
+      scene.path.t.back());
   std::fflush(stdout);
 }
 
@@ -109,7 +109,7 @@ Summary summary_of(const AssemblyInput& input, const AssemblyScene& scene, const
   if (!scene.cache.empty()) out.set("cache", scene.cache);
   out.set("dilation", scene.dilation);
   out.set("clearance", scene.clearance);
-  out.set("mass", scene.model.bodies[std::size_t(scene.moving)].mass);
+  out.set("mass", scene.model.bodies[scene.moving].mass);
   out.set("mass_source", scene.mass_source);
   out.set("h", scene.h);
   out.set("path_time", scene.path.t.back());
@@ -198,7 +198,7 @@ ExitCode replay_kinematic(const AssemblyInput& input, const AssemblyScene& scene
 
 // How far behind the path the part is: its centre of mass, and its farthest point by rotation [m].
 double lag_of(const AssemblyScene& scene, const State& state) {
-  const SE3 on_path = evaluate(scene.path, state.t).pose, is = pose(state, scene.moving);
+  const SE3 on_path = trajectory_point(scene.path, state.t).pose, is = pose(state, scene.moving);
   return (on_path.p - is.p).norm() + scene.radius * angle_between(on_path.R, is.R);
 }
 
@@ -249,8 +249,7 @@ bool tell_end(const AssemblyInput& input, const AssemblyScene& scene, const Driv
     std::fprintf(stderr,
                  "the part did not arrive: %.4g mm behind the end of its path, more than %.4g mm; its weight "
                  "of %.4g N alone pulls it up to %.4g mm off the path (--frequency = %.4g Hz)\n",
-                 1e3 * lag, 1e3 * arrival,
-                 scene.model.bodies[std::size_t(scene.moving)].mass * scene.model.gravity.norm(),
+                 1e3 * lag, 1e3 * arrival, scene.model.bodies[scene.moving].mass * scene.model.gravity.norm(),
                  1e3 * scene.sag, scene.frequency);
   return tell(r.totals(), scene.model) && lag <= arrival && run.last.moved() &&
          r.total("solver_failures") == 0 && r.total("min_base_distance") > 0 &&

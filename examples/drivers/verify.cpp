@@ -66,7 +66,7 @@ int measure_all(List& list, const Arguments& a) {
   Progress progress("verify", double(list.size()), Progress::style_of_stderr(a.tasks.quiet));
   parallel_for(int(list.size()), a.tasks.threads, [&](int i) {
     if (interrupted()) return;
-    Entry& entry = list[order[std::size_t(i)]];
+    Entry& entry = list[order[i]];
     const std::filesystem::path file = a.tasks.out / "verify" / (stem_of(*entry.asked) + ".json");
     entry.measured = read_measured(file, *entry.asked, program);
     const bool was_known = entry.measured.has_value();

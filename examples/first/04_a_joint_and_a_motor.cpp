@@ -29,7 +29,7 @@ int main() {
     if (report.t < next) return;
     std::printf("%.2f s  %.3f rad  %.3f rad/s  %6.2f N m on the axis\n", report.t,
                 joint_coordinate(model, state, joint, 0), joint_speed(model, state, joint, 0),
-                report.joints[std::size_t(joint)].effort[0]);
+                report.joints[joint].effort[0]);
     next += 0.25;
   });
   std::printf("open by %.4f rad\n", joint_coordinate(model, state, joint, 0));

@@ -95,7 +95,7 @@ double exact_bounce_energy(double drop, double restitution, double t) {
 double ball_energy(const PeerScene& scene, const PeerSample& now) {
   double energy = 0;
   for (std::size_t b = 1; b < now.g.size(); ++b) {
-    const PeerShape& shape = scene.shapes[std::size_t(scene.bodies[b].shape)];
+    const PeerShape& shape = scene.shapes[scene.bodies[b].shape];
     energy += shape.mass * (kGravity * (now.g[b].p.z() - shape.size.x()) + now.v[b].squaredNorm() / 2);
   }
   return energy;
@@ -104,10 +104,10 @@ double ball_energy(const PeerScene& scene, const PeerSample& now) {
 double deepest_overlap(const PeerScene& scene, const PeerSample& now) {
   double deepest = 0;
   for (std::size_t a = 1; a < now.g.size(); ++a) {
-    const double radius = scene.shapes[std::size_t(scene.bodies[a].shape)].size.x();
+    const double radius = scene.shapes[scene.bodies[a].shape].size.x();
     deepest = std::max(deepest, radius - now.g[a].p.z());
     for (std::size_t b = 1; b < a; ++b) {
-      const double sum = radius + scene.shapes[std::size_t(scene.bodies[b].shape)].size.x();
+      const double sum = radius + scene.shapes[scene.bodies[b].shape].size.x();
       const double squared = (now.g[a].p - now.g[b].p).squaredNorm();
       if (squared < sum * sum) deepest = std::max(deepest, sum - std::sqrt(squared));
     }
@@ -289,9 +289,9 @@ KernelScene kernel_scene(const PeerScene& scene) {
   for (const PeerShape& s : scene.shapes) shape.push_back(add(model, prepare(dilated(s))));
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
     const PeerBody& body = scene.bodies[b];
-    const PeerShape& s = scene.shapes[std::size_t(body.shape)];
+    const PeerShape& s = scene.shapes[body.shape];
     const std::string name = "body " + std::to_string(b);
-    const int of_model = shape[std::size_t(body.shape)];
+    const int of_model = shape[body.shape];
     add(model, body.fixed ? fixed_body(name, of_model)
                           : RigidBody{.name = name, .shape = of_model, .mass = s.mass, .inertia = s.inertia});
     for (std::size_t a = 0; a < b; ++a)

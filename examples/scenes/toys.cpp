@@ -293,7 +293,7 @@ double stem_gap(const CaseScene& s, const State& state) {
 double jellett(const CaseScene& s, const State& state) {
   const TippeTop top;
   const SE3& g = pose(state, s.body);
-  const Vec3 L = s.model.bodies[std::size_t(s.body)].inertia * twist(state, s.body).tail<3>();
+  const Vec3 L = s.model.bodies[s.body].inertia * twist(state, s.body).tail<3>();
   return (g.R * L).dot(Vec3(0, 0, top.R1) - g.R * Vec3(0, 0, top.a1));
 }
 

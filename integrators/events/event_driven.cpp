@@ -30,8 +30,8 @@ OdeOptions for_a_step(OdeOptions o, double h) {
 // Prescribed bodies stand and move where their paths say.
 void EventRun::move_prescribed() {
   for (int b = 0; b < int(model_.bodies.size()); ++b)
-    if (const auto* motion = std::get_if<Prescribed>(&model_.bodies[std::size_t(b)].motion)) {
-      const TrajectoryPoint now = evaluate(motion->path, state_.t + kSameTime);
+    if (const auto* motion = std::get_if<Prescribed>(&model_.bodies[b].motion)) {
+      const TrajectoryPoint now = trajectory_point(motion->path, state_.t + kSameTime);
       pose(state_, b) = now.pose;
       twist(state_, b) = now.twist;
     }
@@ -98,7 +98,7 @@ bool EventRun::follow(const OdeProblem& problem, double stop, OdeOptions& ode, S
 }
 
 // From settled to the next stop.
-bool EventRun::piece() {
+bool EventRun::integrate_piece() {
   layout_ = layout_of(setting_, closed_);
   const OdeProblem problem{
       .rate = [&](double t, const VecX& y, VecX& out) { return rate(t, y, out); },
@@ -151,7 +151,7 @@ bool EventRun::run(const State& start) {
       text << "more than " << o_.max_events << " events from t = " << start.t << " to " << state_.t << " s";
       return refused(text.str());
     }
-    if (!piece() || !settle(false)) return false;
+    if (!integrate_piece() || !settle(false)) return false;
   }
   if (model_.joints.empty()) return true;
   const JointError off = joint_error(model_, state_);
@@ -182,8 +182,7 @@ void EventRun::tell_contacts(const State& start) {
   report_.law_work.assign(setting_.laws.size(), 0);
   for (const StepContact& c : report_.contacts)
     add_work(setting_, contact_law(model_, c.point.a.body, c.point.b.body), c.work, report_);
-  for (const StepGap& gap : report_.gaps)
-    add_work(setting_, model_.gaps[std::size_t(gap.index)].law, gap.work, report_);
+  for (const StepGap& gap : report_.gaps) add_work(setting_, model_.gaps[gap.index].law, gap.work, report_);
 }
 
 StepReport EventRun::step(State& out) {

@@ -105,7 +105,7 @@ State EventRun::unpacked(double t, const VecX& y) const {
   out.t = t;
   int at = 0;
   for (int b = 0; b < int(model_.bodies.size()); ++b) {
-    if (setting_.dofs.first[std::size_t(b)] >= 0) {
+    if (setting_.dofs.first[b] >= 0) {
       pose(out, b).p = y.segment<3>(at);
       pose(out, b).R = Quat(Eigen::Vector4d(y.segment<4>(at + 3))).normalized();
       at += 7;
@@ -128,7 +128,7 @@ std::vector<ClosedTouch> EventRun::closed_at(const std::vector<Touch>& touches,
   for (std::size_t i = 0; i < closed_.size(); ++i) {
     if (match[i] < 0) continue;
     ClosedTouch c = closed_[i];
-    c.touch = touches[std::size_t(match[i])];
+    c.touch = touches[match[i]];
     if (c.friction == FrictionState::slips) {
       const VecX slip = slip_of(c.touch, c.touch.u);
       const double sign = slip.dot(closed_[i].along) < 0 ? -1 : 1;
@@ -151,7 +151,7 @@ bool EventRun::rate(double t, const VecX& y, VecX& out) const {
   out.setZero();
   int at = 0;
   for (int b = 0; b < int(model_.bodies.size()); ++b) {
-    if (setting_.dofs.first[std::size_t(b)] < 0) continue;
+    if (setting_.dofs.first[b] < 0) continue;
     const Vec6 v = twist(s, b);
     const Quat R(Eigen::Vector4d(y.segment<4>(at + 3)));
     out.segment<3>(at) = v.head<3>();
@@ -208,13 +208,13 @@ bool EventRun::roots(double t, const VecX& y, VecX& out) const {
   const std::vector<ClosedTouch> closed = closed_at(touches, match);
   std::vector<char> open(touches.size(), 1);
   for (const int m : match)
-    if (m >= 0) open[std::size_t(m)] = 0;
+    if (m >= 0) open[m] = 0;
   std::vector<Touch> left;
   for (const LeavingTouch& l : leaving_) left.push_back(l.touch);
   std::vector<double> offset(touches.size(), -1);
   const std::vector<int> leaving = matched(left, touches);
   for (std::size_t i = 0; i < leaving.size(); ++i)
-    if (leaving[i] >= 0) offset[std::size_t(leaving[i])] = leaving_[i].offset;
+    if (leaving[i] >= 0) offset[leaving[i]] = leaving_[i].offset;
 
   out.setOnes();
   out[0] = o_.horizon;

@@ -70,7 +70,7 @@ double EventRun::safe_until(const State& from, double stop) const {
   const double dt = stop - from.t;
   std::vector<double> speed, acceleration, reach;
   for (int b = 0; b < int(model_.bodies.size()); ++b) {
-    const double radius = setting_.bounds[std::size_t(b)].radius;
+    const double radius = setting_.bounds[b].radius;
     const auto size = [&](const Vec6& v) { return 2 * (v.head<3>().norm() + radius * v.tail<3>().norm()); };
     speed.push_back(size(twist(from, b)));
     acceleration.push_back(size(of_body(a_, b)));
@@ -78,9 +78,7 @@ double EventRun::safe_until(const State& from, double stop) const {
   }
   double stride = kInf;
   for (const StepPair& pair : pairs_within(model_, from, setting_.bounds, reach, setting_.options.threads)) {
-    const auto sum = [&](const std::vector<double>& of) {
-      return of[std::size_t(pair.a)] + of[std::size_t(pair.b)];
-    };
+    const auto sum = [&](const std::vector<double>& of) { return of[pair.a] + of[pair.b]; };
     const double room = pair.dilation / 2;
     stride = std::min(stride, room / (sum(speed) + std::sqrt(room * (sum(acceleration) + kTiny))));
   }
@@ -92,11 +90,11 @@ bool EventRun::leapt(const State& from, const State& to) {
   std::vector<double> moved;
   for (int b = 0; b < int(model_.bodies.size()); ++b)
     moved.push_back((pose(to, b).p - pose(from, b).p).norm() +
-                    setting_.bounds[std::size_t(b)].radius * angle_between(pose(from, b).R, pose(to, b).R));
+                    setting_.bounds[b].radius * angle_between(pose(from, b).R, pose(to, b).R));
   const NearPairs near = near_pairs(model_, from, setting_.bounds, moved, setting_.options.threads);
   report_.passing_pairs = std::max(report_.passing_pairs, near.passing);
   for (const StepPair& pair : near.pairs)
-    if (moved[std::size_t(pair.a)] + moved[std::size_t(pair.b)] > pair.dilation) return true;
+    if (moved[pair.a] + moved[pair.b] > pair.dilation) return true;
   return false;
 }
 

@@ -69,7 +69,7 @@ class EventRun {
   void compare(const std::vector<ClosedTouch>& before);
   OdeOptions ode_of_piece() const;
   bool follow(const OdeProblem& problem, double stop, OdeOptions& ode, State& last, bool& refusal);
-  bool piece();
+  bool integrate_piece();
   bool run(const State& start);
   void tell_contacts(const State& start);
   double safe_until(const State& from, double stop) const;

@@ -143,7 +143,7 @@ void EventRun::project() {
   const Momentum before = momentum(model_, state_);
   const double kinetic_before = kinetic(setting_, state_);
   const VecX v = state_.v;
-  ProjectedState held = projected(model_, state_);
+  ProjectedState held = projected_state(model_, state_);
   state_ = std::move(held.state);
   momentum_.joints += momentum(model_, state_) - before;
   work_[by_joints] += kinetic(setting_, state_) - kinetic_before;
@@ -237,7 +237,7 @@ void EventRun::compare(const std::vector<ClosedTouch>& before) {
       add_event(EventKind::release, before[i].touch, state_.t);
       continue;
     }
-    const ClosedTouch& now = closed_[std::size_t(match[i])];
+    const ClosedTouch& now = closed_[match[i]];
     if (before[i].friction == FrictionState::sticks && now.friction == FrictionState::slips)
       add_event(EventKind::slip, now.touch, state_.t);
     if (before[i].friction != FrictionState::slips) continue;

@@ -44,9 +44,9 @@ void add_axes(const StepSetting& setting, const State& state, std::vector<Touch>
   const Model& model = setting.model;
   const VecX none = VecX::Zero(1);
   for (int j = 0; j < int(model.joints.size()); ++j) {
-    const Joint& joint = model.joints[std::size_t(j)];
+    const Joint& joint = model.joints[j];
     for (int i = 0; i < axis_count(joint.kind); ++i) {
-      const JointAxis& axis = joint.axis[std::size_t(i)];
+      const JointAxis& axis = joint.axis[i];
       if (axis.lower == -kInf && axis.upper == kInf && axis.friction == 0) continue;
       const JointRow row = axis_row(joint, state.g, i);
       MatX J = MatX::Zero(1, state.v.size());
@@ -73,7 +73,7 @@ Law law_of_rows(const ContactLaw& law, Eigen::Index rows) {
 void add_gap_functions(const StepSetting& setting, const State& state, std::vector<Touch>& out) {
   const Model& model = setting.model;
   for (int i = 0; i < int(model.gaps.size()); ++i) {
-    const GapFunction& gap = model.gaps[std::size_t(i)];
+    const GapFunction& gap = model.gaps[i];
     const GapRows now = gap_function(model, state, i, state.t);
     MatX J = MatX::Zero(now.J.rows(), state.v.size());
     J.middleCols(gap.block < 0 ? 0 : first_speed(model, gap.block), now.J.cols()) = now.J;
@@ -218,15 +218,15 @@ VecX polished(const MatX& W, const VecX& q, const std::vector<Law>& laws, const 
   MatX A(count, count);
   VecX rate(count);
   for (Eigen::Index i = 0; i < count; ++i) {
-    rate[i] = W.row(held[std::size_t(i)]).dot(r) + q[held[std::size_t(i)]];
-    for (Eigen::Index j = 0; j < count; ++j) A(i, j) = W(held[std::size_t(i)], held[std::size_t(j)]);
+    rate[i] = W.row(held[i]).dot(r) + q[held[i]];
+    for (Eigen::Index j = 0; j < count; ++j) A(i, j) = W(held[i], held[j]);
   }
   Eigen::CompleteOrthogonalDecomposition<MatX> factor;
   factor.setThreshold(kRank);
   factor.compute(A);
   const VecX change = factor.solve(-rate);
   VecX out = r;
-  for (Eigen::Index i = 0; i < count; ++i) out[held[std::size_t(i)]] += change[i];
+  for (Eigen::Index i = 0; i < count; ++i) out[held[i]] += change[i];
   for (std::size_t i = 0; i < laws.size(); ++i)
     if (const VecX block = out.segment(first[i], laws[i].rows); !block.isZero(0) && !holds(laws[i], block))
       return r;
@@ -290,7 +290,7 @@ SmoothForces smooth_forces(const StepSetting& setting, const State& state) {
   out.M = mass_of(setting, state);
   out.laws = free_velocities(dofs, force.f);
   for (int i = 0; i < int(model.coordinates.size()); ++i)
-    out.laws.segment(dofs.coordinates + first_coordinate(model, i), model.coordinates[std::size_t(i)].size) +=
+    out.laws.segment(dofs.coordinates + first_coordinate(model, i), model.coordinates[i].size) +=
         block_force(model, i, state.t, coordinates(model, state, i), speeds(model, state, i)).f;
   out.applied = out.laws;
   for (std::size_t b = 0; b < model.bodies.size(); ++b)

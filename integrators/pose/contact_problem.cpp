@@ -89,7 +89,7 @@ struct BodyColumns {
   int first = -1;
 };
 int first_of(const Layout& dofs, int body) {
-  return body < 0 ? -1 : dofs.first[std::size_t(body)];
+  return body < 0 ? -1 : dofs.first[body];
 }
 
 }  // namespace
@@ -146,13 +146,12 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
     row.w = product(row.J_a, of_body(v_prescribed, row.body_a), row.law) +
             product(row.J_b, of_body(v_prescribed, row.body_b), row.law);
     const auto twist_before = [&](int body) {  // of a moved body: that of its path on this step
-      return is_dynamic(model.bodies[std::size_t(body)]) ? twist(state, body)
-                                                         : Vec6(of_body(v_prescribed, body));
+      return is_dynamic(model.bodies[body]) ? twist(state, body) : Vec6(of_body(v_prescribed, body));
     };
     RowVector u_before = product(row.J_a, twist_before(row.body_a), row.law) +
                          product(row.J_b, twist_before(row.body_b), row.law);
     row.gap = c.gap;
-    if (reached.time > 0) row.gap -= reached.time * speed_along(row, reached.v);
+    if (reached.time > 0) row.gap -= reached.time * normal_speed(row, reached.v);
     add_carried(state, dofs, carried, v_prescribed, reached, row, u_before);
     row.moved = row.w;
     set_bias(row, u_before, law.restitution, h, options);
@@ -165,7 +164,7 @@ GapFunctionRows gap_rows(const Model& model, const State& state, const Layout& d
   GapFunctionRows out;
   std::vector<Carried> carried;
   for (int i = 0; i < int(model.gaps.size()); ++i) {
-    const GapFunction& gap = model.gaps[std::size_t(i)];
+    const GapFunction& gap = model.gaps[i];
     const GapRows now = gap_function(model, state, i, state.t + reached.time);
     const Eigen::Index size = gap_columns(model, gap),
                        first = gap.block < 0 ? 0 : first_speed(model, gap.block);
@@ -192,19 +191,18 @@ FrictionProblem contact_problem(const FreeMotion& free, const Layout& dofs,
   FrictionProblem problem;
   problem.M = free.M;
   problem.f = free.f;
-  for (int i : kept) problem.laws.push_back(rows[std::size_t(i)].law);
+  for (int i : kept) problem.laws.push_back(rows[i].law);
   const std::vector<int> first_row = first_rows(problem.laws);
   problem.w = VecX::Zero(first_row.back());
   Eigen::Index entries = 0;
-  for (const int i : kept)
-    entries += rows[std::size_t(i)].law.rows * 12 + Eigen::Index(rows[std::size_t(i)].others.size());
+  for (const int i : kept) entries += rows[i].law.rows * 12 + Eigen::Index(rows[i].others.size());
   problem.H = SparseMatrix(dofs.rows, first_row.back());
   problem.H.resizeNonZeros(entries);
   int at = 0, *begin = problem.H.outerIndexPtr(), *place = problem.H.innerIndexPtr();
   double* value = problem.H.valuePtr();
   std::vector<std::pair<int, double>> column;  // row, value
   for (std::size_t k = 0; k < kept.size(); ++k) {
-    const ContactRow& row = rows[std::size_t(kept[k])];
+    const ContactRow& row = rows[kept[k]];
     problem.w.segment(first_row[k], row.law.rows) = row.w.head(row.law.rows);
     std::array ends{BodyColumns{&row.J_a, first_of(dofs, row.body_a)},
                     BodyColumns{&row.J_b, first_of(dofs, row.body_b)}};
@@ -239,7 +237,7 @@ FrictionProblem contact_problem(const FreeMotion& free, const Layout& dofs,
   return problem;
 }
 
-double speed_along(const ContactRow& row, const VecX& v) {
+double normal_speed(const ContactRow& row, const VecX& v) {
   double out = 0;
   for (const auto& [body, J] : {std::pair(row.body_a, &row.J_a), std::pair(row.body_b, &row.J_b)})
     if (body >= 0) out += J->row(0).dot(of_body(v, body));
@@ -249,7 +247,7 @@ double speed_along(const ContactRow& row, const VecX& v) {
 RowVector relative_velocity(const ContactRow& row, const Layout& dofs, const VecX& v) {
   RowVector u = row.w;
   const auto add = [&](int body, const RowJacobian& J) {
-    const int first = body < 0 ? -1 : dofs.first[std::size_t(body)];
+    const int first = body < 0 ? -1 : dofs.first[body];
     if (first >= 0) u += product(J, v.segment<6>(first), row.law);
   };
   add(row.body_a, row.J_a);
@@ -267,7 +265,7 @@ VecX momentum_of(const std::vector<ContactRow>& rows, const Layout& dofs, const 
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (r[i].isZero(0)) continue;
     const auto add = [&](int body, const RowJacobian& J) {
-      const int first = body < 0 ? -1 : dofs.first[std::size_t(body)];
+      const int first = body < 0 ? -1 : dofs.first[body];
       if (first >= 0) out.segment<6>(first) += J.transpose() * r[i];
     };
     add(rows[i].body_a, rows[i].J_a);

@@ -84,7 +84,7 @@ FrictionProblem contact_problem(const FreeMotion& free, const Layout& dofs,
                                 const std::vector<ContactRow>& rows, const std::vector<int>& kept);
 
 /// J v of the first row of a block, with v indexed as State::v; without coordinates and bias.
-double speed_along(const ContactRow& row, const VecX& v);
+double normal_speed(const ContactRow& row, const VecX& v);
 
 /// u of a row, bias included, for the velocities v of the dynamic rows [m/s, rad/s].
 RowVector relative_velocity(const ContactRow& row, const Layout& dofs, const VecX& v);

@@ -13,7 +13,8 @@ constexpr double kClosed = 1e-5;  // of the dilations: pairs that near touch alr
 
 // Pairs that are fast, neither pushed in the last step nor touch already, and are not known to meet are left
 // out (CA-16).
-void leave_apart(const State& state, const Estimate& estimate, const AdvancementOptions& o, Found& found) {
+void leave_apart(const State& state, const Estimate& estimate, const AdvancementOptions& o,
+                 FoundContacts& found) {
   std::vector<std::pair<int, int>> asked = estimate.meeting;
   for (const RememberedContact& c : state.memory.contacts)
     if (!c.impulse.isZero(0)) asked.emplace_back(c.key.body_a, c.key.body_b);
@@ -38,7 +39,7 @@ void leave_apart(const State& state, const Estimate& estimate, const Advancement
 
 // What a reducer may look at. Only a selector asks for the bodies, whose forces cost as much as a free
 // motion.
-ReductionInput reduction_input(const StepSetting& setting, const State& state, const Found& found) {
+ReductionInput reduction_input(const StepSetting& setting, const State& state, const FoundContacts& found) {
   ReductionInput input{.contacts = found.contacts,
                        .kept_before = found.warm.remembered,
                        .impulse = found.warm.impulse,
@@ -61,7 +62,7 @@ Vec3 relative_velocity_at(const Model& model, const State& at, const ContactPoin
     const auto twist = of_body(v, on.body);
     const SE3& g = pose(at, on.body);
     Vec3 out = twist.head<3>() + (g.R * Vec3(twist.tail<3>())).cross(x - g.p);
-    if (deforms(model.bodies[std::size_t(on.body)]))
+    if (deforms(model.bodies[on.body]))
       for (const auto& [entry, column] : point_columns<3>(model, at, on, x, Mat3::Identity()).others)
         out += v[entry] * column;
     return out;
@@ -80,7 +81,7 @@ std::vector<std::array<Vec3, 2>> material_places(const Model& model, const State
 
 // Which of the contacts there are the last step's (PER-2), which ones the problem begins with (RED-1), and
 // what they start with (PER-7).
-void match_and_reduce(const StepSetting& setting, const State& state, const State& at, Found& found) {
+void match_and_reduce(const StepSetting& setting, const State& state, const State& at, FoundContacts& found) {
   const StepOptions& o = setting.options;
   found.g = at.g;
   found.places = material_places(setting.model, at, found.contacts);
@@ -109,10 +110,10 @@ std::vector<double> contact_dilations(const std::vector<StepPair>& pairs, const 
   return out;
 }
 
-Found find_ahead(const StepSetting& setting, const State& state, const Estimate& estimate, double h) {
+FoundContacts find_ahead(const StepSetting& setting, const State& state, const Estimate& estimate, double h) {
   const double begin = step_clock();
   const StepOptions& o = setting.options;
-  Found found{.v_estimate = estimate.v, .h = h, .scale = state.h > 0 ? h / state.h : 1};
+  FoundContacts found{.v_estimate = estimate.v, .h = h, .scale = state.h > 0 ? h / state.h : 1};
   NearPairs near = step_pairs({setting.model, state, estimate.v, h}, setting.bounds, o.advancement, o.threads,
                               setting.scratch.get());  // (CA-4)
   found.pairs = std::move(near.pairs);
@@ -127,10 +128,11 @@ Found find_ahead(const StepSetting& setting, const State& state, const Estimate&
   return found;
 }
 
-Found found_at(const StepSetting& setting, const State& state, const Found& found, const State& at) {
+FoundContacts found_at(const StepSetting& setting, const State& state, const FoundContacts& found,
+                       const State& at) {
   const double begin = step_clock();
   const StepOptions& o = setting.options;
-  Found out = found;
+  FoundContacts out = found;
   out.contacts = contacts_of(setting.model, at, found.pairs, o.lmd, *setting.scratch);
   match_and_reduce(setting, state, at, out);
   out.seconds += step_clock() - begin;

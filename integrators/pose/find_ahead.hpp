@@ -16,7 +16,7 @@ struct Estimate {
 
 /// Contacts within the displacement bound of an estimated motion (CA-4), which of them the problem begins
 /// with, and their impulses of the last step.
-struct Found {
+struct FoundContacts {
   VecX v_estimate{};  // all velocities, indexed as State::v
   double h = 0;
   std::vector<StepPair> pairs{};  // pairs whose contacts are offered to the problem
@@ -34,10 +34,11 @@ struct Found {
   double scale = 1;                           // factor for the last step's impulses: h over the last h
   double seconds = 0;                         // time taken [s]
 };
-Found find_ahead(const StepSetting& setting, const State& state, const Estimate& estimate, double h);
+FoundContacts find_ahead(const StepSetting& setting, const State& state, const Estimate& estimate, double h);
 
 /// The contacts of the same pairs at other poses, with the impulses of the last step.
-Found found_at(const StepSetting& setting, const State& state, const Found& found, const State& at);
+FoundContacts found_at(const StepSetting& setting, const State& state, const FoundContacts& found,
+                       const State& at);
 
 /// The sum of the dilations of the pair of each contact [m]; both arguments are sorted by bodies.
 std::vector<double> contact_dilations(const std::vector<StepPair>& pairs, const ContactSet& contacts);

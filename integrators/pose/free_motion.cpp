@@ -29,11 +29,11 @@ std::vector<AxisImpulse> implicit(const Model& model, const State& state, double
                                   std::vector<AxisImpulse> forces) {
   VecX moved = prescribed_velocity(model, state, h);
   for (int b = 0; b < int(model.bodies.size()); ++b)
-    if (is_dynamic(model.bodies[std::size_t(b)])) of_body(moved, b) = of_body(state.v, b);
+    if (is_dynamic(model.bodies[b])) of_body(moved, b) = of_body(state.v, b);
   for (AxisImpulse& f : forces) {
-    const Joint& joint = model.joints[std::size_t(f.joint)];
-    const JointAxis& axis = joint.axis[std::size_t(f.axis)];
-    const double speed = speed_along(joint, f.row, moved), jump = speed - speed_along(joint, f.row, state.v);
+    const Joint& joint = model.joints[f.joint];
+    const JointAxis& axis = joint.axis[f.axis];
+    const double speed = axis_speed(joint, f.row, moved), jump = speed - axis_speed(joint, f.row, state.v);
     f.motor *= h;
     f.spring = h * (f.spring - h * theta * axis.stiffness * speed - theta * axis.damping * jump);
     f.D = h * theta * (axis.damping + h * theta * axis.stiffness);
@@ -46,7 +46,7 @@ std::vector<AxisImpulse> implicit(const Model& model, const State& state, double
 void add_coordinates(const Model& model, const State& state, const Layout& dofs, double h, double theta,
                      std::vector<Triplet>& mass, std::vector<Triplet>& law_D, VecX& laws, VecX& v) {
   for (int i = 0; i < int(model.coordinates.size()); ++i) {
-    const Coordinates& block = model.coordinates[std::size_t(i)];
+    const Coordinates& block = model.coordinates[i];
     const int row = dofs.coordinates + first_coordinate(model, i);
     const VecX q_i = coordinates(model, state, i), v_i = speeds(model, state, i);
     add_block(mass, row, block_mass(model, i, q_i + h / 2 * v_i), 1);
@@ -146,9 +146,9 @@ FreeMotion free_motion(const Model& model, const State& state, const Layout& dof
   out.v = out.gravity = out.gyroscopic = out.laws = VecX::Zero(dofs.rows);
   DiagonalBlocks mass(dofs.rows, out.mass), gyroscopic(dofs.rows, out.gyroscopic_D);
   for (int b = 0; b < int(model.bodies.size()); ++b) {
-    const int row = dofs.first[std::size_t(b)];
+    const int row = dofs.first[b];
     if (row < 0) continue;
-    const RigidBody& body = model.bodies[std::size_t(b)];
+    const RigidBody& body = model.bodies[b];
     const Vec3 omega = angular_part(state.v, b), momentum = body.inertia * omega;
     mass.add_multiple_of_one(row, body.mass);
     mass.add(row + 3, body.inertia);

@@ -28,7 +28,7 @@ SparseMatrix gap_hessians(const Model& model, const State& state, const ContactS
                            posed_shape(model, state, c.b.body), pose(state, c.b.body));
     if (now.status != KinematicsStatus::ok) continue;
     const Mat12 turning = -time * r_N[k] * jacobian_derivative(now).transpose();
-    const int first[] = {dofs.first[std::size_t(c.a.body)], dofs.first[std::size_t(c.b.body)]};
+    const int first[] = {dofs.first[c.a.body], dofs.first[c.b.body]};
     for (int i = 0; i < 12; ++i)
       for (int j = 0; j < 12; ++j)
         if (first[i / 6] >= 0 && first[j / 6] >= 0)

@@ -103,7 +103,7 @@ void solve_shock(const Setting& s, const std::vector<int>& of, std::vector<Conta
   add_part(solved.report, out.solve);
   const std::vector<int> first = first_rows(problem.laws);
   for (std::size_t k = 0; k < rows.size(); ++k) {
-    RowVector& r = out.r[std::size_t(target[k])];
+    RowVector& r = out.r[target[k]];
     const bool friction = k >= of.size();
     for (int d = friction ? 1 : 0; d < rows[k].law.rows; ++d) r[d] += solved.r[first[k] + d];
   }
@@ -125,7 +125,7 @@ void shock(const Setting& s, const std::vector<int>& of, Shocked& out) {
   std::vector<ContactRow> rows;
   std::vector<double> before;
   for (const int i : of) {
-    rows.push_back(unbiased(s.rows[std::size_t(i)]));
+    rows.push_back(unbiased(s.rows[i]));
     before.push_back(relative_velocity(rows.back(), s.dofs, out.v).x());
   }
   const VecX none = VecX::Zero(s.dofs.rows);
@@ -136,13 +136,13 @@ void shock(const Setting& s, const std::vector<int>& of, Shocked& out) {
     return solve_shock(s, of, biased, none, {}, out);
   }
   std::vector<double> compression;
-  for (const int i : of) compression.push_back(-out.r[std::size_t(i)].x());
+  for (const int i : of) compression.push_back(-out.r[i].x());
   solve_shock(s, of, rows, none, {}, out);
   VecX push = none;
   std::vector<double> given;
   bool expands = false;
   for (std::size_t k = 0; k < of.size(); ++k) {
-    RowVector& r = out.r[std::size_t(of[k])];
+    RowVector& r = out.r[of[k]];
     given.push_back(rows[k].restitution * (r.x() + compression[k]));
     expands = expands || given[k] > 0;
     r.x() += given[k];
@@ -155,7 +155,7 @@ void shock(const Setting& s, const std::vector<int>& of, Shocked& out) {
 }
 
 double speed_of(const Setting& s, int i, const VecX& v) {
-  return slip_velocity(s.rows[std::size_t(i)], s.dofs, v).x();
+  return slip_velocity(s.rows[i], s.dofs, v).x();
 }
 
 // All that close, and all that would close because of it (IMP-4).
@@ -165,7 +165,7 @@ Shocked simultaneous(const Setting& s, const std::vector<int>& near, const Shock
   Shocked out = start;
   for (std::size_t grown = 0; out.v.allFinite();) {
     for (const int i : near)
-      if (closes(s.rows[std::size_t(i)].gap, speed_of(s, i, out.v), h, law) &&
+      if (closes(s.rows[i].gap, speed_of(s, i, out.v), h, law) &&
           std::find(of.begin(), of.end(), i) == of.end())
         of.push_back(i);
     if (of.size() == grown) break;
@@ -188,7 +188,7 @@ Shocked sequential(const Setting& s, const std::vector<int>& near, Shocked out, 
     double speed = -kStill * fastest;
     for (const int i : near) {
       const double u = speed_of(s, i, out.v);
-      if (u < speed && closes(s.rows[std::size_t(i)].gap, u, h, law)) next = i, speed = u;
+      if (u < speed && closes(s.rows[i].gap, u, h, law)) next = i, speed = u;
     }
     if (next < 0) break;
     fastest = std::max(fastest, -speed);
@@ -207,7 +207,7 @@ std::optional<ImpactJump> impact_jump(const Model& model, const State& state, co
   std::vector<int> near;
   bool meets = false;
   for (int i = 0; i < int(rows.size()); ++i) {
-    const ContactRow& row = rows[std::size_t(i)];
+    const ContactRow& row = rows[i];
     if (row.slot >= 0 && row.slot < first_gap_row(model)) continue;
     near.push_back(i);
     meets = meets || ((row.restitution > 0 || options.order == ImpactOrder::sequential) &&
@@ -236,9 +236,8 @@ std::optional<ImpactJump> impact_jump(const Model& model, const State& state, co
   out.joint_work = middle.dot(out.of_joints);
   out.work.assign(rows.size(), 0);
   for (const int i : near) {
-    const ContactRow& row = rows[std::size_t(i)];
-    out.work[std::size_t(i)] =
-        end.r[std::size_t(i)].dot(slip_velocity(row, dofs, v) + slip_velocity(row, dofs, end.v)) / 2;
+    const ContactRow& row = rows[i];
+    out.work[i] = end.r[i].dot(slip_velocity(row, dofs, v) + slip_velocity(row, dofs, end.v)) / 2;
   }
   return out;
 }

@@ -9,14 +9,14 @@ namespace {
 constexpr double kReentry = 0.01;  // of the dilations per step; taste, below what the certificate allows
 
 // How fast each contact may close although it was left out of the problem.
-std::vector<double> allowed_speeds(const Found& found) {
+std::vector<double> allowed_speeds(const FoundContacts& found) {
   std::vector<double> allowed = contact_dilations(found.pairs, found.contacts);
   for (double& speed : allowed) speed *= kReentry / found.h;
   return allowed;
 }
 
 // Static friction undoes what it has lost: a bias of the tangential rows (PER-9).
-void pull_back(const Found& found, const PersistenceOptions& options, std::vector<ContactRow>& rows) {
+void pull_back(const FoundContacts& found, const PersistenceOptions& options, std::vector<ContactRow>& rows) {
   for (std::size_t i = 0; i < found.warm.anchor.size(); ++i) {
     const Anchor& anchor = found.warm.anchor[i];
     if (!anchor.held || rows[i].law.rows < 3) continue;
@@ -29,7 +29,7 @@ void pull_back(const Found& found, const PersistenceOptions& options, std::vecto
 
 // Impulses that every row starts with: those of the last solve; before that, contacts from the memory, turned
 // to now, the others from State::r.
-std::vector<RowVector> starts(const ImpulseStep& step, const Found& found, const VecX& r) {
+std::vector<RowVector> starting_impulses(const ImpulseStep& step, const FoundContacts& found, const VecX& r) {
   const std::vector<ContactRow>& rows = step.rows;
   if (!step.solved.first_row.empty()) return row_impulses(step);
   std::vector<RowVector> out(rows.size(), RowVector::Zero());
@@ -63,7 +63,7 @@ ContactBlocks contact_blocks(const StepSetting& setting, const State& state, con
   return out;
 }
 
-std::optional<AfterImpact> after_impact(const StepSetting& setting, const State& state, Found& found,
+std::optional<AfterImpact> after_impact(const StepSetting& setting, const State& state, FoundContacts& found,
                                         const ImpactOptions& options, double theta) {
   if (in_the_step(options)) return std::nullopt;
   const Model& model = setting.model;
@@ -79,8 +79,7 @@ std::optional<AfterImpact> after_impact(const StepSetting& setting, const State&
   met->middle = joints.middle;
   met->v_mean = (free_velocities(setting.dofs, state.v) + met->v) / 2;
   for (int i = 0; i < int(found.contacts.points.size()); ++i)  // they are reported, and held from now on
-    if (!met->r[std::size_t(i)].isZero(0) &&
-        std::ranges::find(found.selection.kept, i) == found.selection.kept.end())
+    if (!met->r[i].isZero(0) && std::ranges::find(found.selection.kept, i) == found.selection.kept.end())
       found.selection.kept.push_back(i);
   std::ranges::sort(found.selection.kept);
   AfterImpact out{.state = state, .blocks = {}, .impact = std::move(*met)};
@@ -91,8 +90,8 @@ std::optional<AfterImpact> after_impact(const StepSetting& setting, const State&
   return out;
 }
 
-void add_rows(const StepSetting& setting, const State& state, const Found& found, const NormalRule& normal,
-              ImpulseStep& step) {
+void add_rows(const StepSetting& setting, const State& state, const FoundContacts& found,
+              const NormalRule& normal, ImpulseStep& step) {
   set_rows(contact_blocks(setting, state, found.contacts, found.h, normal), step);  // (MJ-6)
 }
 
@@ -102,14 +101,14 @@ void set_rows(ContactBlocks blocks, ImpulseStep& step) {
   step.rows.insert(step.rows.end(), step.joints.rows.begin(), step.joints.rows.end());
 }
 
-ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, SharedMotion free,
-                      double theta) {
+ImpulseStep pose_step(const StepSetting& setting, const State& state, const FoundContacts& found,
+                      SharedMotion free, double theta) {
   return pose_step(setting, state, found, std::move(free), theta,
                    contact_blocks(setting, state, found.contacts, found.h, setting.normal));
 }
 
-ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, SharedMotion free,
-                      double theta, ContactBlocks blocks) {
+ImpulseStep pose_step(const StepSetting& setting, const State& state, const FoundContacts& found,
+                      SharedMotion free, double theta, ContactBlocks blocks) {
   const double begin = step_clock();
   const StepOptions& o = setting.options;
   ImpulseStep out{.free = std::move(free),
@@ -123,25 +122,27 @@ ImpulseStep pose_step(const StepSetting& setting, const State& state, const Foun
   return out;
 }
 
-void solve_rows(const StepSetting& setting, const State& state, const Found& found, ImpulseStep& step) {
+void solve_rows(const StepSetting& setting, const State& state, const FoundContacts& found,
+                ImpulseStep& step) {
   const double begin = step_clock();
   SolverOptions solver = setting.options.solver;
   solver.tolerance *= step.tolerance_part;
   add_counts(step.solved.solution.report, step.beside);
-  step.solved = solve_reduced(*step.free, setting.dofs, step.rows, step.joints.equations, found.selection,
-                              starts(step, found, state.r), allowed_speeds(found), solver);  // (NSGS-1)
+  step.solved =
+      solve_reduced(*step.free, setting.dofs, step.rows, step.joints.equations, found.selection,
+                    starting_impulses(step, found, state.r), allowed_speeds(found), solver);  // (NSGS-1)
   step.seconds += step_clock() - begin;
 }
 
-ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, SharedMotion free,
-                       double theta) {
+ImpulseStep solve_step(const StepSetting& setting, const State& state, const FoundContacts& found,
+                       SharedMotion free, double theta) {
   ImpulseStep out = pose_step(setting, state, found, std::move(free), theta);
   solve_rows(setting, state, found, out);
   return out;
 }
 
-ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, SharedMotion free,
-                       double theta, ContactBlocks blocks) {
+ImpulseStep solve_step(const StepSetting& setting, const State& state, const FoundContacts& found,
+                       SharedMotion free, double theta, ContactBlocks blocks) {
   ImpulseStep out = pose_step(setting, state, found, std::move(free), theta, std::move(blocks));
   solve_rows(setting, state, found, out);
   return out;

@@ -48,28 +48,29 @@ ContactBlocks contact_blocks(const StepSetting& setting, const State& state, con
 
 /// Poses and solves the step, with rows and joints as they are at the start of the step. `theta` is that of
 /// FreeMotion, for the axes of joints.
-ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, SharedMotion free,
-                       double theta);
+ImpulseStep solve_step(const StepSetting& setting, const State& state, const FoundContacts& found,
+                       SharedMotion free, double theta);
 /// The same with the caller's own rows.
-ImpulseStep solve_step(const StepSetting& setting, const State& state, const Found& found, SharedMotion free,
-                       double theta, ContactBlocks blocks);
+ImpulseStep solve_step(const StepSetting& setting, const State& state, const FoundContacts& found,
+                       SharedMotion free, double theta, ContactBlocks blocks);
 
 /// The two halves of solve_step: pose_step makes rows and joints, solve_rows solves them. A step that is
 /// solved again after a change starts from the solution found before.
-ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, SharedMotion free,
-                      double theta);
-ImpulseStep pose_step(const StepSetting& setting, const State& state, const Found& found, SharedMotion free,
-                      double theta, ContactBlocks blocks);
+ImpulseStep pose_step(const StepSetting& setting, const State& state, const FoundContacts& found,
+                      SharedMotion free, double theta);
+ImpulseStep pose_step(const StepSetting& setting, const State& state, const FoundContacts& found,
+                      SharedMotion free, double theta, ContactBlocks blocks);
 /// Makes the step depend on the status of its last solve, whatever is solved after it.
 inline void keep_status(ImpulseStep& step) {
   step.beside.status = std::max(step.beside.status, step.solved.solution.report.status);
 }
 /// Adds rows for contacts, gap functions and what acts on the axes of step.joints, biased for a normal law.
-void add_rows(const StepSetting& setting, const State& state, const Found& found, const NormalRule& normal,
-              ImpulseStep& step);
+void add_rows(const StepSetting& setting, const State& state, const FoundContacts& found,
+              const NormalRule& normal, ImpulseStep& step);
 /// Puts other blocks in front of what acts on the axes of step.joints.
 void set_rows(ContactBlocks blocks, ImpulseStep& step);
-void solve_rows(const StepSetting& setting, const State& state, const Found& found, ImpulseStep& step);
+void solve_rows(const StepSetting& setting, const State& state, const FoundContacts& found,
+                ImpulseStep& step);
 /// The impulses of a solution, for all rows; zero where a row was left out.
 std::vector<RowVector> row_impulses(const ImpulseStep& step);
 
@@ -80,7 +81,7 @@ struct AfterImpact {
   ContactBlocks blocks{};  // of the step that follows
   ImpactJump impact{};
 };
-std::optional<AfterImpact> after_impact(const StepSetting& setting, const State& state, Found& found,
+std::optional<AfterImpact> after_impact(const StepSetting& setting, const State& state, FoundContacts& found,
                                         const ImpactOptions& options, double theta);
 /// The total effort of the step's solves, including those of an impact, and the worst status that the step
 /// depends on.

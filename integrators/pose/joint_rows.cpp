@@ -55,8 +55,8 @@ VelocityRow velocity_row(const Joint& joint, const JointRow& row) {
   return out;
 }
 VelocityRow velocity_row(const Model& model, const JointColumn& column) {
-  VelocityRow out = velocity_row(model.joints[std::size_t(column.joint)], column.row);
-  if (column.other >= 0) append(out, model.joints[std::size_t(column.other)], column.of_other);
+  VelocityRow out = velocity_row(model.joints[column.joint], column.row);
+  if (column.other >= 0) append(out, model.joints[column.other], column.of_other);
   return out;
 }
 JointColumn column_of(const Model& model, const Coupling& coupling, const JointPoses& at,
@@ -173,8 +173,8 @@ double motor_error(const JointStep& step, const Motor& motor, int joint, int axi
 
 void add_axis(const JointStep& step, const JointPoses& middle, int j, int i, Equations& equations,
               std::vector<ContactRow>& rows) {
-  const Joint& joint = step.model.joints[std::size_t(j)];
-  const JointAxis& axis = joint.axis[std::size_t(i)];
+  const Joint& joint = step.model.joints[j];
+  const JointAxis& axis = joint.axis[i];
   const bool driven = is_bilateral(axis.motor) || is_limited(axis.motor);
   if (axis.lower == -kInf && axis.upper == kInf && axis.friction == 0 && !driven) return;
   JointRow now = axis_row(joint, step.state.g, i);
@@ -210,7 +210,7 @@ JointSystem system_of(const JointStep& step, std::vector<SE3> middle_poses) {
     equations.add(step.dofs, std::move(column), middle, bias, middle.value);
   };
   for (int j = 0; j < int(model.joints.size()); ++j) {
-    const Joint& joint = model.joints[std::size_t(j)];
+    const Joint& joint = model.joints[j];
     const std::vector<JointRow> start = locked_rows(joint, state.g), middle = locked_rows(joint, middle_at),
                                 end = locked_rows(joint, last.g);
     for (std::size_t k = 0; k < start.size(); ++k)
@@ -258,10 +258,10 @@ Constraints constraints(const Model& model, const State& state, bool velocities)
     out.columns.push_back(std::move(column));
   };
   for (int j = 0; j < int(model.joints.size()); ++j) {
-    const Joint& joint = model.joints[std::size_t(j)];
+    const Joint& joint = model.joints[j];
     for (const JointRow& row : locked_rows(joint, state.g)) add({ColumnKind::locked, j, 0, row});
     for (int i = 0; i < axis_count(joint.kind); ++i) {
-      const Motor& motor = joint.axis[std::size_t(i)].motor;
+      const Motor& motor = joint.axis[i].motor;
       const bool of_position = motor.kind == MotorKind::position;
       if (!is_bilateral(motor) || !(velocities || of_position)) continue;
       add({ColumnKind::motor, j, i, axis_row(joint, state.g, i)});
@@ -343,7 +343,7 @@ bool has_loops(const Model& model, const Layout& dofs) {
   std::vector<std::size_t> leader(world + 1);
   std::iota(leader.begin(), leader.end(), std::size_t(0));
   const auto leader_of = [&](int body) {
-    std::size_t i = body < 0 || dofs.first[std::size_t(body)] < 0 ? world : std::size_t(body);
+    std::size_t i = body < 0 || dofs.first[body] < 0 ? world : std::size_t(body);
     while (leader[i] != i) i = leader[i] = leader[leader[i]];
     return i;
   };
@@ -422,7 +422,7 @@ ProjectedState with_consistent_velocity(const Model& model, const State& state) 
   return out;
 }
 
-ProjectedState projected(const Model& model, const State& state) {
+ProjectedState projected_state(const Model& model, const State& state) {
   if (model.joints.empty()) return {.state = state};
   return with_consistent_velocity(model, closed(model, state, kProjected));
 }

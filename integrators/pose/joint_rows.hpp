@@ -72,7 +72,7 @@ struct ProjectedState {
   std::vector<JointColumn> columns{};
   VecX lambda{};  // [N s, N m s]
 };
-ProjectedState projected(const Model& model, const State& state);
+ProjectedState projected_state(const Model& model, const State& state);
 
 /// The same for the velocities only, at the poses of the state.
 ProjectedState with_consistent_velocity(const Model& model, const State& state);

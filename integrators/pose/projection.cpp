@@ -83,7 +83,7 @@ Projection without_overlap(const StepSetting& setting, const State& plain, const
     tried =
         retract(setting.model, tried, all_velocities(setting.dofs, last.d, VecX::Zero(tried.v.size())), 1);
     if (setting.options.joints.project) {
-      const State held = projected(setting.model, tried).state;
+      const State held = projected_state(setting.model, tried).state;
       tried.g = held.g;
       tried.turns = held.turns;
     }

@@ -43,13 +43,13 @@ ReducedSolution solve_reduced(const FreeMotion& free, const Layout& dofs, const 
   ReducedSolution out;
   SolveReport rounds;
   std::vector<char> in(rows.size(), 0);
-  for (int i : selection.kept) in[std::size_t(i)] = rows[std::size_t(i)].active;
+  for (int i : selection.kept) in[i] = rows[i].active;
   for (std::size_t i = selection.cluster.size(); i < rows.size(); ++i) in[i] = rows[i].active;
   std::vector<RowVector> r = warm;
   for (;;) {
     out.kept.clear();
     for (int i = 0; i < int(rows.size()); ++i)
-      if (in[std::size_t(i)]) out.kept.push_back(i);
+      if (in[i]) out.kept.push_back(i);
     const std::shared_ptr<FrictionProblem> problem(
         new FrictionProblem(contact_problem(free, dofs, rows, out.kept)));  // in place, as of SharedMotion
     problem->G = joints.G;
@@ -59,7 +59,7 @@ ReducedSolution solve_reduced(const FreeMotion& free, const Layout& dofs, const 
     out.start.resize(out.first_row.back());
     for (std::size_t k = 0; k < out.kept.size(); ++k) {
       const int count = problem->laws[k].rows;
-      out.start.segment(out.first_row[k], count) = r[std::size_t(out.kept[k])].head(count);
+      out.start.segment(out.first_row[k], count) = r[out.kept[k]].head(count);
     }
     out.solution = free.inverse ? solve(*problem, {*free.inverse, free.v_free}, out.start, options)
                                 : solve(*problem, out.start, options);
@@ -68,11 +68,11 @@ ReducedSolution solve_reduced(const FreeMotion& free, const Layout& dofs, const 
     if (!out.solution.v.allFinite()) break;
     for (std::size_t k = 0; k < out.kept.size(); ++k) {
       const int count = problem->laws[k].rows;
-      r[std::size_t(out.kept[k])].head(count) = out.solution.r.segment(out.first_row[k], count);
+      r[out.kept[k]].head(count) = out.solution.r.segment(out.first_row[k], count);
     }
     const std::vector<int> more = rows_to_add(rows, in, selection, dofs, out.solution.v, allowed_speed);
     if (more.empty()) break;
-    for (int i : more) in[std::size_t(i)] = 1;
+    for (int i : more) in[i] = 1;
   }
   return out;
 }

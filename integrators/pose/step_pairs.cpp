@@ -15,13 +15,12 @@ constexpr double kLargestRotation = 0.2;  // [rad]; cones enlarged by more say n
 }  // namespace
 
 const LmdShape* shape_of(const Model& model, int body) {
-  const int shape = model.bodies[std::size_t(body)].shape;
-  return shape < 0 ? nullptr : model.shapes[std::size_t(shape)].get();
+  const int shape = model.bodies[body].shape;
+  return shape < 0 ? nullptr : model.shapes[shape].get();
 }
 
 RelativeBounds bounds_of(const StepPath& path, const StepPair& pair) {
-  RelativeBounds out =
-      relative_bounds(path.bodies[std::size_t(pair.a)], path.bodies[std::size_t(pair.b)], path.h);
+  RelativeBounds out = relative_bounds(path.bodies[pair.a], path.bodies[pair.b], path.h);
   out.rotation = std::min(out.rotation, kLargestRotation);
   return out;
 }
@@ -60,9 +59,7 @@ double bend_of(const LmdShape& shape, const std::vector<Vec3>& velocity, double 
   double least = 1;
   for (const auto& t : shape.complex.triangles) {
     const auto normal = [&](double s) {
-      const auto at = [&](int v) {
-        return Vec3(shape.complex.vertices[std::size_t(v)] + s * velocity[std::size_t(v)]);
-      };
+      const auto at = [&](int v) { return Vec3(shape.complex.vertices[v] + s * velocity[v]); };
       return (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0]));
     };
     const Vec3 before = normal(0), after = normal(h);
@@ -73,8 +70,7 @@ double bend_of(const LmdShape& shape, const std::vector<Vec3>& velocity, double 
 }
 
 BodyBounds bounds_of_deformed(const Model& model, int body, const std::vector<Vec3>& vertices) {
-  return bounds_of_body(model.bodies[std::size_t(body)], vertices,
-                        dilated_box(vertices, shape_of(model, body)->radius));
+  return bounds_of_body(model.bodies[body], vertices, dilated_box(vertices, shape_of(model, body)->radius));
 }
 
 DeformingShape deforming_shape(const StepMotion& step, int body) {
@@ -93,8 +89,7 @@ std::vector<BodyBounds> body_bounds(const Model& model) {
   std::vector<BodyBounds> bounds(model.bodies.size());
   for (std::size_t b = 0; b < bounds.size(); ++b)
     if (const RigidBody& body = model.bodies[b]; body.shape >= 0)
-      bounds[b] = bounds_of_body(body, model.shapes[std::size_t(body.shape)]->complex.vertices,
-                                 box_of_shape[std::size_t(body.shape)]);
+      bounds[b] = bounds_of_body(body, model.shapes[body.shape]->complex.vertices, box_of_shape[body.shape]);
   return bounds;
 }
 
@@ -124,16 +119,16 @@ NearPairs near_pairs(const Model& model, const State& state, const std::vector<B
   boxes.reserve(bounds.size());
   for (int b = 0; b < int(model.bodies.size()); ++b) {
     if (!shape_of(model, b)) continue;
-    const bool rigid = !deforms(model.bodies[std::size_t(b)]);
-    boxes.push_back(pose(state, b) *
-                    (rigid ? bounds[std::size_t(b)].box
-                           : bounds_of_deformed(model, b, deformed_vertices(model, state, b)).box));
-    boxes.back().radius += reach[std::size_t(b)];
+    const bool rigid = !deforms(model.bodies[b]);
+    boxes.push_back(
+        pose(state, b) *
+        (rigid ? bounds[b].box : bounds_of_deformed(model, b, deformed_vertices(model, state, b)).box));
+    boxes.back().radius += reach[b];
     body_of.push_back(b);
   }
   NearPairs out{.reach = std::move(reach)};
   for (const auto& [i, j] : near_boxes(boxes, threads, scratch)) {  // (CA-12)
-    const int a = body_of[std::size_t(i)], b = body_of[std::size_t(j)];
+    const int a = body_of[i], b = body_of[j];
     if (model.passing.contains({a, b}))
       ++out.passing;
     else
@@ -156,8 +151,8 @@ StepPath step_path(const StepMotion& step, const std::vector<BodyBounds>& bounds
     const RigidMotion motion{.g = pose(step.state, b),
                              .v = enlargement * linear_part(step.v, b),
                              .omega = enlargement * angular_part(step.v, b)};
-    if (!deforms(step.model.bodies[std::size_t(b)])) {
-      path.bodies.push_back(moving_body(motion, bounds[std::size_t(b)].radius, step.h));
+    if (!deforms(step.model.bodies[b])) {
+      path.bodies.push_back(moving_body(motion, bounds[b].radius, step.h));
       continue;
     }
     DeformingShape& shape = path.deforming[b] = deforming_shape(step, b);
@@ -181,7 +176,7 @@ std::string strayed(const StepPath& path, const State& end) {
       const Vec3& start = shape.start.shape->complex.vertices[i];
       off = std::max(off, (there[i] - start - path.h * shape.velocity[i]).norm());
     }
-    if (off > kRounding * (shape.bounds.radius + path.bodies[std::size_t(body)].stretch))
+    if (off > kRounding * (shape.bounds.radius + path.bodies[body].stretch))
       return "body " + std::to_string(body) + ": a vertex is " + number_text(off) +
              " m off where the columns of its deformation led it";
   }
@@ -195,7 +190,7 @@ NearPairs step_pairs(const StepMotion& estimate, const std::vector<BodyBounds>& 
   reach.reserve(bounds.size());
   for (int b = 0; b < int(bounds.size()); ++b) {
     const LmdShape* shape = shape_of(path.model, b);
-    reach.push_back(shape ? path.bodies[std::size_t(b)].displacement + o.floor * shape->radius : 0);
+    reach.push_back(shape ? path.bodies[b].displacement + o.floor * shape->radius : 0);
   }
   NearPairs out = near_pairs(estimate.model, estimate.state, bounds, std::move(reach), threads, scratch);
   for (StepPair& pair : out.pairs) {
@@ -213,7 +208,7 @@ ContactSet contacts_of(const Model& model, const State& state, const std::vector
                        const LmdOptions& options, std::span<PairScratch> scratch) {
   const std::vector<PosedShape> posed = posed_once<PosedShape>(
       model.bodies.size(), pairs, [&](int body) { return posed_shape(model, state, body); });
-  std::vector<ContactSet> found(std::size_t(count_of_parts(pairs)));
+  std::vector<ContactSet> found(count_of_parts(pairs));
   for_each_part(pairs, options.threads, [&](int part, std::span<const StepPair> some, int threads) {
     for (const StepPair& pair : some) {
       LmdOptions lmd = options;
@@ -222,11 +217,11 @@ ContactSet contacts_of(const Model& model, const State& state, const std::vector
       lmd.alpha =
           std::min(0.5, lmd.alpha + pair.rotation);  // contacts that the step's rotation can bring about
       lmd.alpha_ee = std::max(lmd.alpha_ee, lmd.alpha);
-      const PosedShape &a = posed[std::size_t(pair.a)], &b = posed[std::size_t(pair.b)];
+      const PosedShape &a = posed[pair.a], &b = posed[pair.b];
       const ContactSet of_pair = scratch.empty() || a.own || b.own
                                      ? find_contacts(a, b, lmd)
-                                     : find_contacts(a, b, lmd, scratch[std::size_t(&pair - pairs.data())]);
-      std::vector<ContactPoint>& points = found[std::size_t(part)].points;
+                                     : find_contacts(a, b, lmd, scratch[&pair - pairs.data()]);
+      std::vector<ContactPoint>& points = found[part].points;
       points.insert(points.end(), of_pair.points.begin(), of_pair.points.end());
     }
   });

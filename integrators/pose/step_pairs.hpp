@@ -121,7 +121,7 @@ std::vector<Posed> posed_once(std::size_t bodies, const std::vector<StepPair>& p
   std::vector<char> done(bodies, 0);
   for (const StepPair& pair : pairs)
     for (const int body : {pair.a, pair.b})
-      if (!std::exchange(done[std::size_t(body)], 1)) out[std::size_t(body)] = pose_of(body);
+      if (!std::exchange(done[body], 1)) out[body] = pose_of(body);
   return out;
 }
 

@@ -43,7 +43,7 @@ StepSetting step_setting(const Model& model, const StepOptions& options, NormalL
   int undilated = 0;
   bool dynamic_undilated = false;
   for (const RigidBody& body : model.bodies) {
-    if (body.shape < 0 || model.shapes[std::size_t(body.shape)]->radius > 0) continue;
+    if (body.shape < 0 || model.shapes[body.shape]->radius > 0) continue;
     ++undilated;
     dynamic_undilated = dynamic_undilated || is_dynamic(body);
   }
@@ -62,7 +62,7 @@ StepSetting step_setting(const Model& model, const StepOptions& options, NormalL
                   .pieces = pieces_of_shapes(model)};
   out.laws = contact_laws(model);
   for (const RigidBody& body : model.bodies)
-    out.shapes.push_back(body.shape < 0 ? nullptr : model.shapes[std::size_t(body.shape)].get());
+    out.shapes.push_back(body.shape < 0 ? nullptr : model.shapes[body.shape].get());
   if (out.options.advancement.min_h == 0) out.options.advancement.min_h = std::min(1e-7, 1e-4 * options.h);
   out.options.lmd.threads = options.threads;
   out.options.solver.for_all = [threads = options.threads](int n, const std::function<void(int)>& f) {
@@ -110,7 +110,7 @@ std::string joint_that_is_off(const StepSetting& setting, const State& state) {
     const JointError error = joint_error(setting.model, state, j);
     if (within(error, o) || !std::isfinite(error.translation + error.rotation)) continue;
     std::ostringstream text;
-    text << "start: joint " << j << " (" << setting.model.joints[std::size_t(j)].name << ") is off by "
+    text << "start: joint " << j << " (" << setting.model.joints[j].name << ") is off by "
          << error.translation << " m and " << error.rotation << " rad, at most " << o.tolerance
          << " is allowed; see consistent()";
     return text.str();

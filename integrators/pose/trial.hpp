@@ -25,7 +25,7 @@ struct Move {
 struct Objection {
   Outcome outcome = Outcome::accepted;
   std::string reason{};
-  std::vector<std::pair<int, int>> meeting{};  // pairs of Found::apart that meet, sorted
+  std::vector<std::pair<int, int>> meeting{};  // pairs of FoundContacts::apart that meet, sorted
 };
 
 /// Figures that only some schemes have; reported as they are (StepReport).
@@ -39,7 +39,7 @@ struct SchemeFigures {
 
 struct Trial {
   std::optional<State> from{};  // state after an impact at the start of the step (IMP-1)
-  Found found{};
+  FoundContacts found{};
   ImpulseStep impulses{};
   Move move{};
   VecX a{};                // State::a after the trial

@@ -14,15 +14,15 @@ constexpr int kFineHalvings = 16;  // a near miss by 1 um at 1600 m/s and 1 ms n
 
 MovingShape moving_shape(const StepPath& path, int body) {
   MovingShape out{.shape = shape_of(path.model, body),
-                  .g_bs = path.model.bodies[std::size_t(body)].g_bs,
-                  .motion = path.bodies[std::size_t(body)].motion};
+                  .g_bs = path.model.bodies[body].g_bs,
+                  .motion = path.bodies[body].motion};
   if (const auto shape = path.deforming.find(body); shape != path.deforming.end())
     out.shape = shape->second.start.shape, out.velocity = shape->second.velocity;
   return out;
 }
 
 const SE3& pose_of(const StepPath& path, int body) {
-  return path.bodies[std::size_t(body)].motion.g;
+  return path.bodies[body].motion.g;
 }
 
 }  // namespace
@@ -46,11 +46,11 @@ std::string broken_bound(const StepPath& path, const std::vector<StepPair>& pair
 
 std::string broken_reach(const StepPath& path, const std::vector<double>& reach) {
   for (int b = 0; b < int(reach.size()); ++b) {
-    const double moved = path.bodies[std::size_t(b)].displacement;
-    if (!shape_of(path.model, b) || moved <= reach[std::size_t(b)]) continue;
+    const double moved = path.bodies[b].displacement;
+    if (!shape_of(path.model, b) || moved <= reach[b]) continue;
     std::ostringstream text;
     text << "body " << b << " may move by " << moved << " m, its neighbours were looked for within "
-         << reach[std::size_t(b)] << " m";
+         << reach[b] << " m";
     return text.str();
   }
   return {};
@@ -71,15 +71,13 @@ Vec3 likely_axis(const StepPath& path, const StepPair& pair, const ContactSet& c
 
 DilatedBox posed_box(const StepPath& path, const std::vector<BodyBounds>& bounds, int body) {
   const auto shape = path.deforming.find(body);
-  return pose_of(path, body) *
-         (shape == path.deforming.end() ? bounds[std::size_t(body)] : shape->second.bounds).box;
+  return pose_of(path, body) * (shape == path.deforming.end() ? bounds[body] : shape->second.bounds).box;
 }
 
 // `apart`: by how much their boxes are.
 StepCertificate certify_pair(const StepPath& path, const StepPair& pair, double apart,
                              const CertificateOptions& options) {
-  const double moved =
-      path.bodies[std::size_t(pair.a)].displacement + path.bodies[std::size_t(pair.b)].displacement;
+  const double moved = path.bodies[pair.a].displacement + path.bodies[pair.b].displacement;
   // Both ways bound how far the pair comes nearer; the sum costs nothing
   if (apart > moved || apart > bounds_of(path, pair).displacement)  // the dilated shapes cannot even touch
     return {.min_distance = options.wanted};
@@ -100,7 +98,7 @@ StepCertificate certify_pairs(const StepPath& path, std::span<const StepPair> pa
   StepCertificate out;
   for (const StepPair& pair : pairs) {
     const double required = required_distance(pair, o);
-    const double apart = separation(boxes[std::size_t(pair.a)], boxes[std::size_t(pair.b)]);
+    const double apart = separation(boxes[pair.a], boxes[pair.b]);
     const StepCertificate of_pair = certify_pair(path, pair, apart,
                                                  {.required = required,
                                                   .wanted = std::max(pair.dilation, required),
@@ -131,9 +129,9 @@ StepCertificate certify_step(const StepPath& path, const std::vector<StepPair>& 
                              const AdvancementOptions& o, int threads) {
   const std::vector<DilatedBox> boxes =
       posed_once<DilatedBox>(bounds.size(), pairs, [&](int body) { return posed_box(path, bounds, body); });
-  std::vector<StepCertificate> of_part(std::size_t(count_of_parts(pairs)));
+  std::vector<StepCertificate> of_part(count_of_parts(pairs));
   for_each_part(pairs, threads, [&](int part, std::span<const StepPair> some, int threads_each) {
-    of_part[std::size_t(part)] = certify_pairs(path, some, boxes, contacts, o, threads_each);
+    of_part[part] = certify_pairs(path, some, boxes, contacts, o, threads_each);
   });
   StepCertificate out;
   for (const StepCertificate& part : of_part) {
@@ -151,16 +149,16 @@ std::vector<StepPair> driven_pairs(const StepPath& path, const std::vector<BodyB
   std::vector<int> body_of;
   std::vector<DilatedBox> boxes;
   for (int b = 0; b < int(bodies.size()); ++b) {
-    const RigidBody& body = bodies[std::size_t(b)];
+    const RigidBody& body = bodies[b];
     if (body.shape < 0 || yields(body)) continue;
     boxes.push_back(posed_box(path, bounds, b));
-    boxes.back().radius += path.bodies[std::size_t(b)].displacement;
+    boxes.back().radius += path.bodies[b].displacement;
     boxes.back().fixed = !is_moved(body);
     body_of.push_back(b);
   }
   std::vector<StepPair> out;
   for (const auto& [i, j] : broad_phase(boxes, threads)) {
-    const int a = body_of[std::size_t(i)], b = body_of[std::size_t(j)];
+    const int a = body_of[i], b = body_of[j];
     const double dilation = shape_of(path.model, a)->radius + shape_of(path.model, b)->radius;
     if (dilation > 0 && !path.model.passing.contains({a, b}))
       out.push_back({.a = a, .b = b, .dilation = dilation});
@@ -171,7 +169,7 @@ std::vector<StepPair> driven_pairs(const StepPath& path, const std::vector<BodyB
 namespace {
 
 const Pieces& pieces_of(const Model& model, const std::vector<Pieces>& pieces, int body) {
-  return pieces[std::size_t(model.bodies[std::size_t(body)].shape)];
+  return pieces[model.bodies[body].shape];
 }
 
 }  // namespace
@@ -218,7 +216,7 @@ std::optional<Overlap> deepest_overlap(const Model& model, const State& state,
 namespace {
 
 std::string name_of(const Model& model, int body) {
-  return std::to_string(body) + " (" + model.bodies[std::size_t(body)].name + ")";
+  return std::to_string(body) + " (" + model.bodies[body].name + ")";
 }
 
 std::string text_of(const Model& model, const Overlap& overlap) {

@@ -27,7 +27,7 @@ std::vector<std::pair<int, int>> meeting_pairs(const StepSetting& setting, const
 
 // Empty if every contact that ends overlapped and closing may go on so for a time (CA-17), otherwise what has
 // no room; where the step cannot be halved there is no choice. With restitution, one that was pushed turns.
-std::string without_room(const StepSetting& setting, const Found& found, const ImpulseStep& step,
+std::string without_room(const StepSetting& setting, const FoundContacts& found, const ImpulseStep& step,
                          const Move& move) {
   const AdvancementOptions& o = setting.options.advancement;
   if (move.goes_on == 0 || found.h / 2 < o.min_h) return "";
@@ -61,14 +61,14 @@ void set_path(const StepSetting& setting, const State& state, const Trial& trial
     const State plain = state_after(model, state, out.v_path, v_end, h);
     out.held.state = move.end ? *move.end : plain;
     out.held.state.v = v_end;
-    if (project) out.held = projected(model, out.held.state);  // (MJT-13)
+    if (project) out.held = projected_state(model, out.held.state);  // (MJT-13)
     out.v_path = velocity_between(state, plain, out.held.state, out.v_path, h);
     v_end = out.held.state.v;
   }
   out.next = state_after(model, state, out.v_path, v_end, h);
 }
 
-Objection kept_bounds(const StepSetting& setting, const Found& found, const StepPath& path) {
+Objection kept_bounds(const StepSetting& setting, const FoundContacts& found, const StepPath& path) {
   const double alpha = setting.options.lmd.alpha;
   for (const std::string& broken :
        {broken_bound(path, found.pairs, alpha), broken_bound(path, found.apart, alpha),
@@ -79,7 +79,7 @@ Objection kept_bounds(const StepSetting& setting, const Found& found, const Step
 
 Objection proven(const StepSetting& setting, const Trial& trial, const StepPath& path, Judgement& out) {
   const StepOptions& o = setting.options;
-  const Found& found = trial.found;
+  const FoundContacts& found = trial.found;
   const double begin = step_clock();
   std::vector<std::pair<int, int>> meeting = meeting_pairs(setting, path, found.apart, out);  // (CA-16)
   if (!meeting.empty())

@@ -34,7 +34,7 @@ struct Audited {
 // What a certificate says of a pair: (CA-6), and the bound of the report. That speaks of the pairs that came
 // near and can be stopped; their others are proven to be farther apart than their dilations.
 double certified_distance(const Audited& step, const StepPair& pair, double max_overlap) {
-  const auto moves = [&](int body) { return yields(step.model.bodies[std::size_t(body)]); };
+  const auto moves = [&](int body) { return yields(step.model.bodies[body]); };
   const double required = required_distance(pair, {.max_overlap = max_overlap});
   if (!moves(pair.a) && !moves(pair.b)) return required;
   return std::max(required, std::min(step.report.min_base_distance, pair.dilation));
@@ -46,7 +46,7 @@ bool is_told(const StepPair& pair, const StepReport& report) {
 }
 
 double extent(const Audited& step, const State& there, int body) {
-  return pose(there, body).p.norm() + step.bounds[std::size_t(body)].radius;
+  return pose(there, body).p.norm() + step.bounds[body].radius;
 }
 
 // Where it is; keep the shape.
@@ -114,21 +114,20 @@ bool is_covered(const Audited& step, const State& there) {
 bool leads_to(const Audited& step, const State& path_end, const State& end, double max_overlap) {
   const auto moved = [&](int b) {
     double stretch = 0;
-    if (deforms(step.model.bodies[std::size_t(b)])) {
+    if (deforms(step.model.bodies[b])) {
       const std::vector<Vec3> from = deformed_vertices(step.model, path_end, b),
                               to = deformed_vertices(step.model, end, b);
       for (std::size_t i = 0; i < to.size(); ++i) stretch = std::max(stretch, (to[i] - from[i]).norm());
     }
     return stretch + (pose(end, b).p - pose(path_end, b).p).norm() +
-           step.bounds[std::size_t(b)].radius * angle_between(pose(end, b).R, pose(path_end, b).R);
+           step.bounds[b].radius * angle_between(pose(end, b).R, pose(path_end, b).R);
   };
   std::vector<double> reach;
   for (int b = 0; b < int(step.bounds.size()); ++b) reach.push_back(moved(b));
-  return std::ranges::none_of(pairs_within(step.model, path_end, step.bounds, reach, step.threads),
-                              [&](const StepPair& pair) {
-                                return reach[std::size_t(pair.a)] + reach[std::size_t(pair.b)] >=
-                                       certified_distance(step, pair, max_overlap);
-                              });
+  return std::ranges::none_of(
+      pairs_within(step.model, path_end, step.bounds, reach, step.threads), [&](const StepPair& pair) {
+        return reach[pair.a] + reach[pair.b] >= certified_distance(step, pair, max_overlap);
+      });
 }
 
 }  // namespace
@@ -166,8 +165,7 @@ void audit_path(const Model& model, const State& start, const State& end, const 
 std::vector<std::pair<int, int>> skipped_pairs(const Model& model) {
   std::vector<std::pair<int, int>> out;
   for (const auto& [a, b] : model.passing)
-    if (model.bodies[std::size_t(a)].shape >= 0 && model.bodies[std::size_t(b)].shape >= 0)
-      out.emplace_back(a, b);
+    if (model.bodies[a].shape >= 0 && model.bodies[b].shape >= 0) out.emplace_back(a, b);
   return out;
 }
 

@@ -53,7 +53,7 @@ double normal_velocity(const ContactRow& row, const Layout& dofs, const VecX& v)
 double normal_changes(const ContactRow& row, const Layout& dofs, const VecX& dv) {
   double sum = 0;
   for (const auto& [body, J] : {std::pair(row.body_a, &row.J_a), std::pair(row.body_b, &row.J_b)})
-    if (const int first = body < 0 ? -1 : dofs.first[std::size_t(body)]; first >= 0)
+    if (const int first = body < 0 ? -1 : dofs.first[body]; first >= 0)
       sum += std::abs(J->row(0).dot(dv.segment<6>(first)));
   for (const Triplet& e : row.others)
     if (e.row() == 0) sum += std::abs(e.value() * dv[e.col()]);
@@ -98,14 +98,14 @@ struct StagedStep {
   const State& from;
   const Start& start;
   double h = 0, touching = 0;  // touching: of (MJ-6), as a velocity
-  Found found{};
+  FoundContacts found{};
   ImpulseStep step{};
   std::vector<ContactRow> rows{};  // before any stage
   std::vector<char> lasting{};     // contacts
   FreeMotion free{};
 };
 
-StagedStep staged_step(const StepSetting& setting, const State& from, const Start& start, Found found,
+StagedStep staged_step(const StepSetting& setting, const State& from, const Start& start, FoundContacts found,
                        double h) {
   NormalRule gap = setting.normal;
   gap.law = NormalLaw::gap_over_step;

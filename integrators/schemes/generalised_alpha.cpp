@@ -162,7 +162,7 @@ VecX tangential_momentum(const ImpulseStep& step, const Layout& dofs) {
 }
 
 // The problem of the mean velocity: joints hold at the end, gaps do not close, no friction (GA-6).
-ImpulseStep position_problem(const StepSetting& setting, const State& state, const Found& found,
+ImpulseStep position_problem(const StepSetting& setting, const State& state, const FoundContacts& found,
                              const SmoothMotion& smooth, const ImpulseStep& velocities) {
   ImpulseStep out{
       .free = velocities.free, .v_prescribed = velocities.v_prescribed, .joints = velocities.joints};
@@ -224,7 +224,7 @@ void choose_impacts(const StepSetting& setting, const ImpulseStep& mean, double 
 Trial attempt(const StepSetting& setting, const State& start, const Estimate& ahead, double h,
               const SmoothMotion& smooth) {
   const Layout& dofs = setting.dofs;
-  Found found = find_ahead(setting, start, ahead, h);
+  FoundContacts found = find_ahead(setting, start, ahead, h);
   BetweenContacts between = between_contacts(setting, start, smooth, h);
   ImpulseStep step{.free = std::make_shared<const FreeMotion>(std::move(between.free)),
                    .v_prescribed = prescribed_velocity(setting.model, start, h),

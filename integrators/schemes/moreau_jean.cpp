@@ -34,7 +34,7 @@ FreeMotion at_iterate(const StepSetting& setting, const State& start, const Free
   const VecX all_change = all_velocities(setting.dofs, change, 0 * v_prescribed);
   for (AxisImpulse& a : out.axes) {
     a.motor = 0;
-    a.spring = a.D * speed_along(setting.model.joints[std::size_t(a.joint)], a.row, all_change);
+    a.spring = a.D * axis_speed(setting.model.joints[a.joint], a.row, all_change);
   }
   out.axes.insert(out.axes.end(), forces.axes.begin(), forces.axes.end());
   if (turn.nonZeros() > 0) {
@@ -61,7 +61,7 @@ bool grows(double change, double last, double speed, double solver_tolerance) {
 }
 
 // Impulses of all contacts of a solution, to be matched with those of the next iterate.
-ContactMemory remembered(const Found& found, const ImpulseStep& step) {
+ContactMemory remembered(const FoundContacts& found, const ImpulseStep& step) {
   const std::vector<RowVector> r = row_impulses(step);
   std::vector<Vec3> impulse;
   std::vector<double> drilling;
@@ -74,13 +74,13 @@ ContactMemory remembered(const Found& found, const ImpulseStep& step) {
                   {.drilling = drilling, .anchors = {}, .g = found.g, .places = found.places});
 }
 
-void start_with_the_last_solve(const Found& found, const ImpulseStep& step, Found& there) {
+void start_with_the_last_solve(const FoundContacts& found, const ImpulseStep& step, FoundContacts& there) {
   WarmStart last = warm_start(remembered(found, step), there.contacts, {.g = there.g});
   there.start = std::move(last.impulse);
   there.warm.drilling = std::move(last.drilling);
 }
 
-std::vector<double> normal_impulses(const Found& found) {
+std::vector<double> normal_impulses(const FoundContacts& found) {
   std::vector<double> r_N;
   for (std::size_t i = 0; i < found.contacts.points.size(); ++i)
     r_N.push_back(found.contacts.points[i].normal.dot(found.start[i]));
@@ -93,9 +93,9 @@ double closing_by_turning(const StepSetting& setting, const State& start, const 
                           const ContactRow& row, double slip, double h) {
   double out = 0;
   for (const int body : {row.body_a, row.body_b}) {
-    const bool free = is_dynamic(setting.model.bodies[std::size_t(body)]);
+    const bool free = is_dynamic(setting.model.bodies[body]);
     const double spin = angular_part(free ? start.v : v_prescribed, body).norm();
-    out += h * spin * (spin * setting.bounds[std::size_t(body)].radius + slip);
+    out += h * spin * (spin * setting.bounds[body].radius + slip);
   }
   return out;
 }
@@ -104,7 +104,7 @@ double closing_by_turning(const StepSetting& setting, const State& start, const 
 // closed, and is stopped if it still closes then; nothing else gets closer than closed (MJ-17). Whether a row
 // lands is a matter of velocities, which are unique where shares of a load are not. Returns the velocities of
 // that path; `step` gets the impulses.
-VecX land(const StepSetting& setting, const State& start, const Found& found, const VecX& v_path,
+VecX land(const StepSetting& setting, const State& start, const FoundContacts& found, const VecX& v_path,
           ImpulseStep& step) {
   const VecX v_end = step.solved.solution.v;
   std::vector<ContactRow> opening;
@@ -230,7 +230,7 @@ struct Start {
 
 // What Newton's loop carries from solve to solve.
 struct Iterate {
-  Found found{};
+  FoundContacts found{};
   ImpulseStep step{};
   int made = 1, growths = 0;
   double change = kInf, last = kInf;
@@ -246,7 +246,7 @@ void solve_again(const StepSetting& setting, const MoreauJeanOptions& o, const S
   State at = on_the_way(setting, start.state, reached.v, h, time);
   at.v = start.state.v;
   at.t = start.state.t;
-  Found there = time > 0 ? found_at(setting, start.state, now.found, at) : now.found;
+  FoundContacts there = time > 0 ? found_at(setting, start.state, now.found, at) : now.found;
   start_with_the_last_solve(now.found, now.step, there);
   ContactBlocks blocks = start.after ? start.after->blocks
                                      : contact_blocks(setting, time > 0 ? at : start.state, there.contacts, h,

@@ -11,7 +11,7 @@ namespace aussois {
 namespace {
 
 // Lets those take part in the velocity law that the positions asked for; false: none that did not (PRJ-5).
-bool activate(const Projection& projection, Found& found, ContactBlocks& blocks) {
+bool activate(const Projection& projection, FoundContacts& found, ContactBlocks& blocks) {
   bool any = false;
   for (std::size_t i = 0; i < blocks.rows.size(); ++i) {
     const std::size_t contacts = found.contacts.points.size();
@@ -30,7 +30,7 @@ bool activate(const Projection& projection, Found& found, ContactBlocks& blocks)
 
 // Directions of the end say nothing about bodies that would have to be moved farther than contacts are looked
 // for at rest (PRJ-6).
-bool too_far(const Projection& projection, const Found& found, const AdvancementOptions& o) {
+bool too_far(const Projection& projection, const FoundContacts& found, const AdvancementOptions& o) {
   double dilation = kInf;
   for (const StepPair& pair : found.pairs) dilation = std::min(dilation, pair.dilation);
   return o.certify && projection.moved > o.floor * dilation;
@@ -77,7 +77,7 @@ StepReport MoreauJeanProjected::step(State& state, double h_limit) const {
     return estimate_without_contacts(setting, start, *free(start, h), h, theta);
   };
   const auto attempt = [&](const State& start, const Estimate& ahead, double h) {
-    Found found = find_ahead(setting, start, ahead, h);
+    FoundContacts found = find_ahead(setting, start, ahead, h);
     ContactBlocks blocks = contact_blocks(setting, start, found.contacts, h, setting.normal);
     SolveReport beside;
     for (;;) {  // each round activates at least one contact more
@@ -89,7 +89,7 @@ StepReport MoreauJeanProjected::step(State& state, double h_limit) const {
       const VecX v_path = path_velocity(setting.options.update, setting.model, start,
                                         all_velocities(setting.dofs, move.v_path, step.v_prescribed), h);
       State plain = state_after(setting.model, start, v_path, start.v, h);
-      if (setting.options.joints.project) plain = projected(setting.model, plain).state;
+      if (setting.options.joints.project) plain = projected_state(setting.model, plain).state;
       const Projection projection =
           without_overlap(setting, plain, found.pairs, *step.free, step.joints.equations.G, h);  // (PRJ-1)
       if (own_.order == ProjectionOrder::combined && activate(projection, found, blocks)) {

@@ -149,7 +149,7 @@ StepReport PassiveMidpoint::step(State& state, double h_limit) const {
     return estimate_without_contacts(setting, start, free_motion(model, start, dofs, h, kTheta), h, kTheta);
   };
   const auto attempt = [&](const State& start, const Estimate& ahead, double h) {
-    Found found = find_ahead(setting, start, ahead, h);
+    FoundContacts found = find_ahead(setting, start, ahead, h);
     const FreeMotion plain = free_motion(model, start, dofs, h, kTheta);  // (MJ-4), (MJ-5)
     VecX guess = plain.v_free;
     const auto with_torque = [&] {

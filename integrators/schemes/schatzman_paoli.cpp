@@ -10,7 +10,7 @@ namespace aussois {
 namespace {
 
 // From the middle of the last path to the middle of the next one (SP-2); a first step has no last path.
-FreeMotion kick(const StepSetting& setting, const State& state, double h, double theta) {
+FreeMotion kicked_motion(const StepSetting& setting, const State& state, double h, double theta) {
   const double time = (h + state.h) / 2;
   FreeMotion out = free_motion(setting.model, state, setting.dofs, time, theta);
   if (theta < 0.5)  // gyroscopic terms have no explicit form that keeps a top spinning
@@ -29,7 +29,7 @@ double position_bias(const ContactRow& row, double u_before, bool acted, double 
 }
 
 // Biases of contacts, gap functions and stops; friction and limited motors of axes act as long as forces do.
-void set_position_laws(const StepSetting& setting, const State& state, const Found& found,
+void set_position_laws(const StepSetting& setting, const State& state, const FoundContacts& found,
                        std::vector<ContactRow>& rows) {
   const VecX v = free_velocities(setting.dofs, state.v);
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -72,13 +72,15 @@ SchatzmanPaoli::SchatzmanPaoli(const Model& model, const StepOptions& step, cons
 StepReport SchatzmanPaoli::step(State& state, double h_limit) const {
   const StepSetting& setting = *setting_;
   const auto estimate = [&](const State& start, double h) {
-    return estimate_without_contacts(setting, start, kick(setting, start, h, own_.force_theta), h, 1);
+    return estimate_without_contacts(setting, start, kicked_motion(setting, start, h, own_.force_theta), h,
+                                     1);
   };
   const auto attempt = [&](const State& start, const Estimate& ahead, double h) {
     Trial trial{.found = find_ahead(setting, start, ahead, h)};
     ImpulseStep& step = trial.impulses;
-    step = pose_step(setting, start, trial.found,
-                     std::make_shared<const FreeMotion>(kick(setting, start, h, own_.force_theta)), 1);
+    step =
+        pose_step(setting, start, trial.found,
+                  std::make_shared<const FreeMotion>(kicked_motion(setting, start, h, own_.force_theta)), 1);
     set_position_laws(setting, start, trial.found, step.rows);
     solve_rows(setting, start, trial.found, step);
     trial.move = {.v_path = step.solved.solution.v,

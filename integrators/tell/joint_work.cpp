@@ -20,13 +20,13 @@ void for_each_row(const std::vector<JointColumn>& columns, const VecX& lambda, c
 void add_forces(const Model& model, const std::vector<JointColumn>& columns, const VecX& lambda,
                 const std::vector<SE3>& g, double time, std::vector<StepJoint>& joints) {
   for_each_row(columns, lambda, [&](const JointColumn& column, int j, const JointRow& row, double p) {
-    StepJoint& out = joints[std::size_t(j)];
+    StepJoint& out = joints[j];
     if (column.kind == ColumnKind::motor) {
       out.effort[column.axis] += p / time;
       return;
     }
-    const Joint& joint = model.joints[std::size_t(j)];
-    const SE3 body = joint.body_a < 0 ? SE3{} : g[std::size_t(joint.body_a)];
+    const Joint& joint = model.joints[j];
+    const SE3 body = joint.body_a < 0 ? SE3{} : g[joint.body_a];
     const Vec3 force = p / time * row.J_a.head<3>(), arm = frame_on_a(joint, g).p - body.p;
     out.force += force;
     out.torque += body.R * Vec3(p / time * row.J_a.tail<3>()) - arm.cross(force);
@@ -44,30 +44,30 @@ AxisSlot kind_of(int slot) {
 // Of an impulse along a row: `part` on both bodies, and what that leaves to moved ones.
 void add_row_work(const Joint& joint, const JointRow& row, double p, const WorkedOn& on, double& part,
                   double& supports) {
-  part += p * speed_along(joint, row, on.v);
-  supports -= p * speed_along(joint, row, on.moved);
+  part += p * axis_speed(joint, row, on.v);
+  supports -= p * axis_speed(joint, row, on.moved);
 }
 
 }  // namespace
 
 void add_effort(int slot, double p, double time, std::vector<StepJoint>& joints) {
-  Vec3& effort = joints[std::size_t(slot / kRowsOfAJoint)].effort;
+  Vec3& effort = joints[slot / kRowsOfAJoint].effort;
   effort[slot % kRowsOfAJoint / kRowsOfAnAxis] += (kind_of(slot) == upper_stop ? -p : p) / time;
 }
 
 void add_work(const Model& model, const std::vector<JointColumn>& columns, const VecX& lambda,
               const WorkedOn& on, std::vector<StepJoint>& joints) {
   for_each_row(columns, lambda, [&](const JointColumn& column, int j, const JointRow& row, double p) {
-    JointWork& work = joints[std::size_t(j)].work;
+    JointWork& work = joints[j].work;
     double& part = column.kind == ColumnKind::locked  ? work.locked
                    : column.kind == ColumnKind::motor ? work.motors
                                                       : work.couplings;
-    add_row_work(model.joints[std::size_t(j)], row, p, on, part, work.supports);
+    add_row_work(model.joints[j], row, p, on, part, work.supports);
   });
 }
 
 void add_work(int slot, double p, double u, double moved, std::vector<StepJoint>& joints) {
-  JointWork& work = joints[std::size_t(slot / kRowsOfAJoint)].work;
+  JointWork& work = joints[slot / kRowsOfAJoint].work;
   const AxisSlot kind = kind_of(slot);
   (kind == of_motor ? work.motors : kind == of_friction ? work.friction : work.stops) += p * u;
   work.supports -= p * moved;
@@ -76,9 +76,9 @@ void add_work(int slot, double p, double u, double moved, std::vector<StepJoint>
 void add_work(const Model& model, const std::vector<AxisImpulse>& axes, const VecX& change,
               const WorkedOn& on, std::vector<StepJoint>& joints) {
   for (const AxisImpulse& axis : axes) {
-    const Joint& joint = model.joints[std::size_t(axis.joint)];
-    JointWork& work = joints[std::size_t(axis.joint)].work;
-    const double spring = axis.spring - axis.D * speed_along(joint, axis.row, change);
+    const Joint& joint = model.joints[axis.joint];
+    JointWork& work = joints[axis.joint].work;
+    const double spring = axis.spring - axis.D * axis_speed(joint, axis.row, change);
     add_row_work(joint, axis.row, axis.motor, on, work.motors, work.supports);
     add_row_work(joint, axis.row, spring, on, work.springs, work.supports);
   }

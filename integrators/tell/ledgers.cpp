@@ -115,7 +115,7 @@ void tell_work(const StepSetting& setting, const ImpulseStep& step, const VecX& 
     for (StepGap& gap : report.gaps)
       if (first_gap + 3 * gap.index == row.slot) {
         gap.work = work;
-        add_work(setting, setting.model.gaps[std::size_t(gap.index)].law, work, report);
+        add_work(setting, setting.model.gaps[gap.index].law, work, report);
       }
     sum += work;
   }
@@ -143,7 +143,7 @@ Momentum momentum_given(const StepSetting& setting, const State& state, const Ve
 void add_work(const StepSetting& setting, const ContactLaw& law, double work, StepReport& report) {
   const auto known = std::ranges::find(setting.laws, law);
   require(known != setting.laws.end(), "model: a contact law has changed since the scheme was made");
-  report.law_work[std::size_t(known - setting.laws.begin())] += work;
+  report.law_work[known - setting.laws.begin()] += work;
 }
 
 void tell_ledgers(const StepSetting& setting, const State& state, const State& next, const ImpulseStep& step,
@@ -194,11 +194,11 @@ std::vector<StepJoint> step_joints(const StepSetting& setting, const ImpulseStep
   }
   add_work(model, held.columns, held.lambda, mean, out);
   for (std::size_t k = 0; k < step.solved.kept.size(); ++k) {
-    const ContactRow& row = step.rows[std::size_t(step.solved.kept[k])];
+    const ContactRow& row = step.rows[step.solved.kept[k]];
     if (row.slot < 0 || row.slot >= first_gap_row(model)) continue;
     const double p = r[step.solved.first_row[k]];
     add_effort(row.slot, p, time, out);
-    add_work(row.slot, p, speed_along(row, mean.v), speed_along(row, moved), out);
+    add_work(row.slot, p, normal_speed(row, mean.v), normal_speed(row, moved), out);
   }
   const VecX path = all_velocities(dofs, move.v_path, moved);
   add_work(model, step.free->axes, all_velocities(dofs, v_solved - v, 0 * moved), {path, moved}, out);

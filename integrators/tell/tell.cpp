@@ -9,16 +9,16 @@ namespace aussois {
 namespace {
 
 // Anchors of the solved contacts: held by those that press and do not slip (PER-10).
-std::vector<Anchor> anchors_after(const Found& found, const ImpulseStep& step, int contacts,
+std::vector<Anchor> anchors_after(const FoundContacts& found, const ImpulseStep& step, int contacts,
                                   const PersistenceOptions& options) {
   std::vector<Anchor> out;
   if (!options.anchors) return out;
   const FrictionSolution& solution = step.solved.solution;
   for (int k = 0; k < contacts; ++k) {
-    const int row = step.solved.kept[std::size_t(k)], first = step.solved.first_row[std::size_t(k)];
-    const Anchor& before = found.warm.anchor[std::size_t(row)];
+    const int row = step.solved.kept[k], first = step.solved.first_row[k];
+    const Anchor& before = found.warm.anchor[row];
     Anchor now;
-    now.held = step.rows[std::size_t(row)].law.rows >= 3 && solution.r[first] > 0 &&
+    now.held = step.rows[row].law.rows >= 3 && solution.r[first] > 0 &&
                solution.u.segment<2>(first + 1).norm() <= options.slip_speed;
     if (now.held && before.held) now.drift = before.drift;
     out.push_back(now);
@@ -29,40 +29,40 @@ std::vector<Anchor> anchors_after(const Found& found, const ImpulseStep& step, i
 // Contacts that were left out of the problem, and keep their anchors (PER-11): at most `layer` farther open
 // than those of their cluster that hold, they slip against the first of them no faster than (PER-10) allows.
 // Solved ones that bear no share of the load keep theirs likewise, in `anchors`.
-std::vector<int> waiting_anchors(const StepSetting& setting, const Found& found, const ImpulseStep& step,
-                                 std::vector<Anchor>& anchors, const VecX& v) {
+std::vector<int> waiting_anchors(const StepSetting& setting, const FoundContacts& found,
+                                 const ImpulseStep& step, std::vector<Anchor>& anchors, const VecX& v) {
   const auto slip = [&](int i) {
-    const ContactRow& row = step.rows[std::size_t(i)];
+    const ContactRow& row = step.rows[i];
     return Vec3(row.frame.rightCols<2>() * slip_velocity(row, setting.dofs, v).segment<2>(1));
   };
-  const auto gap = [&](int i) { return found.contacts.points[std::size_t(i)].gap; };
+  const auto gap = [&](int i) { return found.contacts.points[i].gap; };
   struct Held {
     int first = -1;
     double open = -kInf;
   };
-  std::vector<Held> clusters(std::size_t(found.selection.cluster_count));
+  std::vector<Held> clusters(found.selection.cluster_count);
   std::vector<char> solved(found.contacts.points.size(), 0);
   for (std::size_t k = 0; k < anchors.size(); ++k) {
     const int i = step.solved.kept[k];
-    solved[std::size_t(i)] = 1;
+    solved[i] = 1;
     if (!anchors[k].held) continue;
-    Held& held = clusters[std::size_t(found.selection.cluster[std::size_t(i)])];
+    Held& held = clusters[found.selection.cluster[i]];
     if (held.first < 0) held.first = i;
     held.open = std::max(held.open, gap(i) + setting.options.reduction.layer);
   }
   const auto waits = [&](int i) {
-    const Held& held = clusters[std::size_t(found.selection.cluster[std::size_t(i)])];
-    return found.warm.anchor[std::size_t(i)].held && gap(i) <= held.open &&
+    const Held& held = clusters[found.selection.cluster[i]];
+    return found.warm.anchor[i].held && gap(i) <= held.open &&
            (slip(i) - slip(held.first)).norm() <= setting.options.persistence.slip_speed;
   };
   for (std::size_t k = 0; k < anchors.size(); ++k) {
     const int i = step.solved.kept[k];
     if (!anchors[k].held && !(step.solved.solution.r[step.solved.first_row[k]] > 0) && waits(i))
-      anchors[k] = found.warm.anchor[std::size_t(i)];
+      anchors[k] = found.warm.anchor[i];
   }
   std::vector<int> out;
   for (int i = 0; i < int(solved.size()); ++i)
-    if (!solved[std::size_t(i)] && waits(i)) out.push_back(i);
+    if (!solved[i] && waits(i)) out.push_back(i);
   return out;
 }
 
@@ -73,13 +73,13 @@ struct Impulses {
   VecX r{};                        // State::r
   VecX of_joints{};                // of the problem's rows, zero for contacts and gap functions
 };
-Impulses sorted(const Model& model, const std::vector<ContactRow>& rows, const ReducedSolution& solved,
-                const VecX& r) {
+Impulses sorted_impulses(const Model& model, const std::vector<ContactRow>& rows,
+                         const ReducedSolution& solved, const VecX& r) {
   Impulses out;
   out.of_joints = VecX::Zero(r.size());
   if (row_count(model) > 0) out.r = VecX::Zero(row_count(model));
   for (std::size_t k = 0; k < solved.kept.size(); ++k) {
-    const ContactRow& row = rows[std::size_t(solved.kept[k])];
+    const ContactRow& row = rows[solved.kept[k]];
     const int first = solved.first_row[k], count = row.law.rows;
     if (row.slot < 0) {
       const int of_frame = std::min(count, 3);
@@ -107,7 +107,7 @@ VecX total_impulses(const ImpulseStep& step) {
 
 // What the next step knows of the contacts: the solved ones, the first `contacts` rows of the problem, and
 // those that wait with an anchor.
-ContactMemory memory_after(const StepSetting& setting, const Found& found, const ImpulseStep& step,
+ContactMemory memory_after(const StepSetting& setting, const FoundContacts& found, const ImpulseStep& step,
                            const Impulses& impulses, int contacts, const VecX& v) {
   std::vector<int> members(step.solved.kept.begin(), step.solved.kept.begin() + contacts);
   std::vector<Vec3> impulse = impulses.contact;
@@ -120,12 +120,12 @@ ContactMemory memory_after(const StepSetting& setting, const Found& found, const
       members.push_back(i);
       impulse.push_back(Vec3::Zero());
       trace.drilling.push_back(0);
-      trace.anchors.push_back(found.warm.anchor[std::size_t(i)]);
+      trace.anchors.push_back(found.warm.anchor[i]);
       trace.solved.push_back(0);
     }
   std::vector<std::array<Vec3, 2>> places;
   if (!found.places.empty())
-    for (const int i : members) places.push_back(found.places[std::size_t(i)]);
+    for (const int i : members) places.push_back(found.places[i]);
   trace.places = places;
   return remember(select(found.contacts, members), impulse, trace);
 }
@@ -135,7 +135,7 @@ std::vector<StepGap> step_gaps(const Model& model, const ImpulseStep& step, std:
   std::vector<StepGap> out;
   for (int i = 0; i < int(step.gap.size()); ++i)
     if (const ContactRow& row = step.rows[contacts + std::size_t(i)]; row.active)
-      out.push_back({i, step.gap[std::size_t(i)], r.segment<3>(first_gap_row(model) + 3 * i)});
+      out.push_back({i, step.gap[i], r.segment<3>(first_gap_row(model) + 3 * i)});
   return out;
 }
 
@@ -150,19 +150,19 @@ void add_impact(const ImpactJump& impact, const ImpulseStep& step, std::size_t c
 }
 
 Impulses impulses_of(const StepSetting& setting, const ImpulseStep& step) {
-  return sorted(setting.model, step.rows, step.solved, total_impulses(step));
+  return sorted_impulses(setting.model, step.rows, step.solved, total_impulses(step));
 }
 
 // What was found and solved, whatever became of it.
 StepReport asked(const StepSetting& setting, const Trial& trial) {
-  const Found& found = trial.found;
+  const FoundContacts& found = trial.found;
   const ImpulseStep& step = trial.impulses;
   StepReport report;
   for (const std::vector<StepPair>* pairs : {&found.pairs, &found.apart})
     for (const StepPair& pair : *pairs) report.threshold = std::max(report.threshold, pair.threshold);
   report.contacts_found = found.count;
-  report.contacts_kept = int(
-      std::ranges::count_if(step.solved.kept, [&](int row) { return step.rows[std::size_t(row)].slot < 0; }));
+  report.contacts_kept =
+      int(std::ranges::count_if(step.solved.kept, [&](int row) { return step.rows[row].slot < 0; }));
   report.loss = found.selection.loss;
   report.matches = found.warm.counts;
   report.passing_pairs = found.passing;
@@ -205,15 +205,15 @@ StepReport tell(const StepSetting& setting, const State& start, const Trial& tri
   tell_proof(judgement, report);
   if (!may_be_taken(judgement)) return report;
   const Model& model = setting.model;
-  const Found& found = trial.found;
+  const FoundContacts& found = trial.found;
   const ImpulseStep& step = trial.impulses;
   const FrictionSolution& solution = step.solved.solution;
   const VecX r = total_impulses(step);
-  const Impulses impulses = sorted(model, step.rows, step.solved, r);
+  const Impulses impulses = sorted_impulses(model, step.rows, step.solved, r);
   report.contacts.reserve(impulses.contact.size());
   for (std::size_t k = 0; k < impulses.contact.size(); ++k)
     report.contacts.push_back(
-        {found.contacts.points[std::size_t(step.solved.kept[k])], impulses.contact[k], impulses.drilling[k]});
+        {found.contacts.points[step.solved.kept[k]], impulses.contact[k], impulses.drilling[k]});
   report.t = judgement.next.t;
   report.h = found.h;
   report.v_path = judgement.v_path;

@@ -25,8 +25,8 @@ TEST_P(RecordedPath, HasTheContactsOfTheExhaustiveSearch) {
           : read_assembly_pair(data, pair, 1e-3);
   const AssemblyScene scene = make_assembly_scene(input, {}, 2);
   const auto posed = [&](int body, const SE3& g_wb) {
-    const RigidBody& b = scene.model.bodies[std::size_t(body)];
-    return PosedShape{scene.model.shapes[std::size_t(b.shape)].get(), g_wb * b.g_bs, body};
+    const RigidBody& b = scene.model.bodies[body];
+    return PosedShape{scene.model.shapes[b.shape].get(), g_wb * b.g_bs, body};
   };
   const LmdOptions options{.threshold = 2 * scene.clearance, .threads = 2};
   const std::size_t stride = pair == "alpha15" ? 3 : 1;  // all pairs of 8320 triangles take a second a pose

@@ -81,8 +81,7 @@ TEST_F(RepairedMeshes, AreSolidsUnlessTheyPassThroughThemselves) {
                     repaired.complex.triangles == mesh.triangles);
       }
       for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
-        ASSERT_LE((repaired.complex.vertices[std::size_t(repaired.vertex[i])] - mesh.vertices[i]).norm(),
-                  r.tolerance);
+        ASSERT_LE((repaired.complex.vertices[repaired.vertex[i]] - mesh.vertices[i]).norm(), r.tolerance);
       ++files;
       solids += repaired.complex.solid;
     }

@@ -57,16 +57,15 @@ class AimedPoses {
     }
     std::vector<int> border_edges(k_.vertices.size(), 0);
     for (const int e : borders_)
-      for (const int v : k_.edges[std::size_t(e)]) ++border_edges[std::size_t(v)];
+      for (const int v : k_.edges[e]) ++border_edges[v];
     std::vector<char> essential(k_.vertices.size(), 0);
-    for (const VertexLeaf& leaf : s_.vertices) essential[std::size_t(leaf.vertex)] = 1;
+    for (const VertexLeaf& leaf : s_.vertices) essential[leaf.vertex] = 1;
     std::vector<char> listed(k_.vertices.size(), 0);
     for (const int e : borders_)
-      for (const int v : k_.edges[std::size_t(e)])
-        if (border_edges[std::size_t(v)] == 2 && !essential[std::size_t(v)]) {
+      for (const int v : k_.edges[e])
+        if (border_edges[v] == 2 && !essential[v]) {
           bent_.push_back(e);
-          if (!std::exchange(listed[std::size_t(v)], 1))
-            inner_.push_back({e, v == k_.edges[std::size_t(e)][1]});
+          if (!std::exchange(listed[v], 1)) inner_.push_back({e, v == k_.edges[e][1]});
         }
   }
   bool empty() const { return borders_.empty(); }
@@ -86,7 +85,7 @@ class AimedPoses {
   /// Any: at one half of them a vertex inside a chain is near, if there is one.
   Aim any(Random& random) const {
     const std::vector<int>& edges = bent_.empty() || random.index(2) ? borders_ : bent_;
-    const int e = edges[std::size_t(random.index(int(edges.size())))];
+    const int e = edges[random.index(int(edges.size()))];
     Aim aim = over(e, random.index(3) ? double(random.index(2)) : random.uniform(), random);
     aim.off =
         random.index(2) ? kBeside[random.index(int(std::size(kBeside)))] : random.log_uniform(1e-11, 1e-6);
@@ -96,16 +95,16 @@ class AimedPoses {
  private:
   // A place on an edge, from its first end (0) to the other (1).
   Aim over(int e, double s, Random& random) const {
-    const auto& ends = k_.edges[std::size_t(e)];
-    const Vec3 &p = k_.vertices[std::size_t(ends[0])], &q = k_.vertices[std::size_t(ends[1])];
+    const auto& ends = k_.edges[e];
+    const Vec3 &p = k_.vertices[ends[0]], &q = k_.vertices[ends[1]];
     const Vec3 along = (q - p).normalized();
     const auto around = s == 0   ? k_.vertex_triangles[ends[0]]
                         : s == 1 ? k_.vertex_triangles[ends[1]]
                                  : k_.edge_triangles[e];
     const auto normal = [&] {
-      const int t = around[std::size_t(random.index(int(around.size())))];
+      const int t = around[random.index(int(around.size()))];
       const double side = k_.solid || random.index(2) ? 1 : -1;
-      return Vec3(side * double(s_.triangle_sign[std::size_t(t)]) * s_.regions[region(t)].normal);
+      return Vec3(side * double(s_.triangle_sign[t]) * s_.regions[region(t)].normal);
     };
     Aim aim{.x = p + s * (q - p), .u = normal()};
     if (random.index(4) == 0) aim.u = (aim.u + random.uniform() * normal()).stableNormalized();
@@ -117,7 +116,7 @@ class AimedPoses {
     return aim;
   }
 
-  std::size_t region(int t) const { return std::size_t(s_.triangle_region[std::size_t(t)]); }
+  std::size_t region(int t) const { return std::size_t(s_.triangle_region[t]); }
   const LmdShape& s_;
   const SimplicialComplex& k_;
   std::vector<int> borders_{}, bent_{};          // edges; those with an end inside a chain
@@ -198,7 +197,7 @@ inline std::vector<long> shuffled(long n, Random& random) {
   std::vector<long> out;
   for (long i = 0; i < n; ++i) {
     out.push_back(i);
-    std::swap(out.back(), out[std::size_t(random.index(int(i) + 1))]);
+    std::swap(out.back(), out[random.index(int(i) + 1)]);
   }
   return out;
 }

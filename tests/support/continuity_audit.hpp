@@ -71,16 +71,15 @@ inline const ContactPoint* find_key(const ContactSet& set, const ContactKey& key
 /// and no cones. `x` where there is no triangle.
 inline Vec3 descend(const SimplicialComplex& k, std::vector<int> at, Vec3 x, const Vec3& p, double touch) {
   const auto nearest = [&](int t, const Vec3& q) {
-    const auto& v = k.triangles[std::size_t(t)];
-    const Vec3 corners[] = {k.vertices[std::size_t(v[0])], k.vertices[std::size_t(v[1])],
-                            k.vertices[std::size_t(v[2])]};
+    const auto& v = k.triangles[t];
+    const Vec3 corners[] = {k.vertices[v[0]], k.vertices[v[1]], k.vertices[v[2]]};
     return closest_points({corners, 3}, {&q, 1});
   };
   if (at.empty()) return x;
   x = nearest(*std::ranges::min_element(at, {}, [&](int t) { return nearest(t, x).distance; }), x).x_a;
   for (;;) {
     for (std::size_t i = 0; i < at.size(); ++i)  // all that touch x
-      for (const int v : k.triangles[std::size_t(at[i])])
+      for (const int v : k.triangles[at[i]])
         for (const int t : k.vertex_triangles[v])
           if (std::ranges::find(at, t) == at.end() && nearest(t, x).distance <= touch) at.push_back(t);
     Vec3 lowest = x;
@@ -188,7 +187,7 @@ class ContinuityAuditor {
   }
   // May there be a foot of p, at the distance `to`, that succeeds y at the distance d? (KIN-12)
   bool succeeds(int side, const Vec3& foot, double to, const Vec3& y, double d) const {
-    const double eta = off_[std::size_t(side)];
+    const double eta = off_[side];
     return to <= d + eta && (foot - y).norm() <= eta + std::sqrt((d + eta) * (d + eta) - to * to);
   }
   bool same_feet(const Feet& a, const Feet& b, double within) const {
@@ -286,11 +285,10 @@ class ContinuityAuditor {
     if (c.a.dim == 1 && c.b.dim == 1) {
       if (c.angle_margin < 1e-7) return Why::angle;
       for (const int side : {0, 1}) {
-        const EdgeLeaf& chain = shape(side).edges[std::size_t(feature(c, side).region)];
+        const EdgeLeaf& chain = shape(side).edges[feature(c, side).region];
         for (const int v : {chain.first, chain.last}) {
-          const Vec3 end = posed(side, event.there).g_ws * shape(side).complex.vertices[std::size_t(v)];
-          if ((end - event.feet.x[std::size_t(side)]).norm() <= 20 * tau_ &&
-              !is_explained(why_foot_left(event, side, v)))
+          const Vec3 end = posed(side, event.there).g_ws * shape(side).complex.vertices[v];
+          if ((end - event.feet.x[side]).norm() <= 20 * tau_ && !is_explained(why_foot_left(event, side, v)))
             return Why::unknown;
         }
       }
@@ -353,9 +351,9 @@ class ContinuityAuditor {
     const SimplicialComplex& k = shape(side).complex;
     const Vec3 own = posed(side, t).g_ws.R.conjugate() * u;
     return std::ranges::any_of(k.vertex_edges[vertex], [&](int e) {
-      const auto& ends = k.edges[std::size_t(e)];
+      const auto& ends = k.edges[e];
       const int other = ends[0] == vertex ? ends[1] : ends[0];
-      return own.dot(k.vertices[std::size_t(other)] - k.vertices[std::size_t(vertex)]) > 0;
+      return own.dot(k.vertices[other] - k.vertices[vertex]) > 0;
     });
   }
   // Was the contact one of the side's vertex, whose exact minimum on the other body it is? Of two vertices
@@ -381,16 +379,16 @@ class ContinuityAuditor {
     const int other = 1 - side;
     const double t = event.gone;
     const PosedShape body = posed(side, t), onto = posed(other, t);
-    const Vec3 p = body.g_ws * body.shape->complex.vertices[std::size_t(vertex)];
-    const Vec3 x = onto.g_ws * (inverse(posed(other, event.there).g_ws) * event.feet.x[std::size_t(other)]);
+    const Vec3 p = body.g_ws * body.shape->complex.vertices[vertex];
+    const Vec3 x = onto.g_ws * (inverse(posed(other, event.there).g_ws) * event.feet.x[other]);
     const Vec3 y = end_of_descent(event.contact, other, onto, x, p);
     const double d_x = event.feet.d, d_y = (y - p).norm();
     bool has_successor = false;
-    for (const ContactPoint& m : minima_of(p, onto, d_x + off_[std::size_t(other)]).points) {
+    for (const ContactPoint& m : minima_of(p, onto, d_x + off_[other]).points) {
       Feet to;
       to.d = m.gap + onto.shape->radius;
-      to.x[std::size_t(side)] = p;
-      to.x[std::size_t(other)] = m.x_b - onto.shape->radius * m.normal;
+      to.x[side] = p;
+      to.x[other] = m.x_b - onto.shape->radius * m.normal;
       const double angle = angle_at(side, vertex, t, -m.normal);
       if (angle > options_.alpha && !is_descent(side, vertex, t, -m.normal)) return Why::unknown;
       const bool is_due =
@@ -399,7 +397,7 @@ class ContinuityAuditor {
             return same_feet(feet_of(h), to, 20 * tau_);
           }))
         return Why::unknown;
-      const Vec3& foot = to.x[std::size_t(other)];
+      const Vec3& foot = to.x[other];
       has_successor =
           has_successor || succeeds(other, foot, to.d, x, d_x) || succeeds(other, foot, to.d, y, d_y);
     }
@@ -417,7 +415,7 @@ class ContinuityAuditor {
     if (f.dim == 1) at.assign(k.edge_triangles[f.simplex].begin(), k.edge_triangles[f.simplex].end());
     if (f.dim == 0) at.assign(k.vertex_triangles[f.simplex].begin(), k.vertex_triangles[f.simplex].end());
     const SE3 back = inverse(body.g_ws);
-    return body.g_ws * descend(k, at, back * x, back * p, off_[std::size_t(side)]);
+    return body.g_ws * descend(k, at, back * x, back * p, off_[side]);
   }
 
   LmdShape point_ = prepare(dilate(make_point(), 0));

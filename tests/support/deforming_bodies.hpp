@@ -46,7 +46,7 @@ inline int add_pulsating_ball(Model& model, const PulsatingBall& ball, const std
   };
   body.deformation.columns = [block, rest = sphere.vertices](const Model& m, const State&, int vertex,
                                                              std::vector<VertexColumn>& out) {
-    out.push_back({first_speed(m, block), rest[std::size_t(vertex)]});
+    out.push_back({first_speed(m, block), rest[vertex]});
   };
   return add(model, std::move(body));
 }
@@ -57,7 +57,7 @@ inline int add_cloth(Model& model, double side, int n, double mass, double stiff
   const SimplicialComplex sheet = make_plate(side, side, n - 1, n - 1);
   const auto points = Eigen::Index(sheet.vertices.size());
   VecX rest(3 * points);
-  for (Eigen::Index i = 0; i < points; ++i) rest.segment<3>(3 * i) = sheet.vertices[std::size_t(i)];
+  for (Eigen::Index i = 0; i < points; ++i) rest.segment<3>(3 * i) = sheet.vertices[i];
   const double of_point = mass / double(points);
   const int block = add(
       model, Coordinates{

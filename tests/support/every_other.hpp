@@ -20,11 +20,10 @@ inline ContactSelector every_other(bool odd) {
         continue;
       }
       Vec3 middle = Vec3::Zero();
-      for (const int i : cluster)
-        middle += input.contacts.points[std::size_t(i)].x_a / double(cluster.size());
+      for (const int i : cluster) middle += input.contacts.points[i].x_a / double(cluster.size());
       std::vector<int> order = cluster;
       std::ranges::sort(order, {}, [&](int i) {
-        const Vec3 d = input.contacts.points[std::size_t(i)].x_a - middle;
+        const Vec3 d = input.contacts.points[i].x_a - middle;
         return std::atan2(d.y(), d.x());
       });
       for (std::size_t k = odd ? 1 : 0; k < order.size(); k += 2) kept.push_back(order[k]);

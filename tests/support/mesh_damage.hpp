@@ -26,7 +26,7 @@ inline SimplicialComplex complex_of(const LooseMesh& mesh) {
 }
 
 inline const Vec3& corner(const LooseMesh& mesh, std::size_t triangle, std::size_t k) {
-  return mesh.vertices[std::size_t(mesh.triangles[triangle][k % 3])];
+  return mesh.vertices[mesh.triangles[triangle][k % 3]];
 }
 
 inline double height_of(const LooseMesh& mesh, std::size_t triangle) {
@@ -40,7 +40,7 @@ inline LooseMesh soup_of(const LooseMesh& mesh, double jiggle, Random& random) {
     const int n = int(soup.vertices.size());
     soup.triangles.push_back({n, n + 1, n + 2});
     for (const int v : triangle)
-      soup.vertices.push_back(mesh.vertices[std::size_t(v)] + random.uniform(0, jiggle) * random.direction());
+      soup.vertices.push_back(mesh.vertices[v] + random.uniform(0, jiggle) * random.direction());
   }
   return soup;
 }
@@ -53,7 +53,7 @@ inline void cut_a_side(LooseMesh& mesh, Cut kind, double smallest, double jiggle
   const auto chosen = std::size_t(random.index(int(mesh.triangles.size())));
   const auto side = std::size_t(random.index(3));
   const int a = mesh.triangles[chosen][side], b = mesh.triangles[chosen][(side + 1) % 3];
-  const Vec3 p = mesh.vertices[std::size_t(a)], q = mesh.vertices[std::size_t(b)];
+  const Vec3 p = mesh.vertices[a], q = mesh.vertices[b];
   if (height_of(mesh, chosen) < smallest || (q - p).norm() < smallest) return;
   const int v = int(mesh.vertices.size());
   mesh.vertices.push_back(p + random.uniform(0.3, 0.7) * (q - p) + jiggle * random.direction());
@@ -75,17 +75,17 @@ inline void flip_a_flat_edge(LooseMesh& mesh, Random& random) {
   const int e = random.index(int(complex.edges.size()));
   const auto around = complex.edge_triangles[e];
   if (around.size() != 2) return;
-  const int a = complex.edges[std::size_t(e)][0], b = complex.edges[std::size_t(e)][1];
+  const int a = complex.edges[e][0], b = complex.edges[e][1];
   const auto apex = [&](int t) {
-    for (const int v : complex.triangles[std::size_t(t)])
+    for (const int v : complex.triangles[t])
       if (v != a && v != b) return v;
     return -1;
   };
   const auto first = std::size_t(around[0]), second = std::size_t(around[1]);
   const int c = apex(around[0]), d = apex(around[1]);
   const auto normal = [&](const std::array<int, 3>& t) -> Vec3 {
-    const Vec3& x = mesh.vertices[std::size_t(t[0])];
-    return (mesh.vertices[std::size_t(t[1])] - x).cross(mesh.vertices[std::size_t(t[2])] - x);
+    const Vec3& x = mesh.vertices[t[0]];
+    return (mesh.vertices[t[1]] - x).cross(mesh.vertices[t[2]] - x);
   };
   const Vec3 n = normal(mesh.triangles[first]), m = normal(mesh.triangles[second]);
   if (n.normalized().dot(m.normalized()) < 1 - 1e-9) return;

@@ -109,9 +109,9 @@ TEST(ChecklistItem3, OnBothSidesOfAlphaTheCornersStayWhoseNormalConesAreNear) {
       }
     if (undecided) continue;
     EXPECT_EQ(int(s.contacts(box, slab).points.size()), expected) << "sample " << sample << " tilt " << tilt;
-    ++with_count[std::size_t(expected)];
+    ++with_count[expected];
   }
-  for (int n = 1; n <= 4; ++n) EXPECT_GT(with_count[std::size_t(n)], 50) << n;
+  for (int n = 1; n <= 4; ++n) EXPECT_GT(with_count[n], 50) << n;
 }
 
 // ---- Item 4

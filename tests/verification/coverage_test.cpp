@@ -98,9 +98,9 @@ TEST(Coverage, StraightenedVerticesMoveByNoMoreThanTheTolerance) {
   const LmdShape shape = prepare(dilate(file, kDilation));
   ASSERT_EQ(shape.straightened.size(), 2U) << "the third is on the chord to rounding";
   for (const auto& [v, from] : shape.straightened) {
-    EXPECT_EQ(from, file.vertices[std::size_t(v)]);
-    EXPECT_LE((shape.complex.vertices[std::size_t(v)] - from).norm(), shape.tolerance);
-    EXPECT_EQ(shape.complex.vertices[std::size_t(v)].y(), -0.5);
+    EXPECT_EQ(from, file.vertices[v]);
+    EXPECT_LE((shape.complex.vertices[v] - from).norm(), shape.tolerance);
+    EXPECT_EQ(shape.complex.vertices[v].y(), -0.5);
   }
 }
 

@@ -190,8 +190,8 @@ TEST(Deforming, IsRecordedAndDrawn) {
   writer.close();
   const RunData run = read_run(folder / "run.h5");
   const std::vector<Vec3>& rest = run.header.meshes.at("ball").vertices;
-  EXPECT_EQ(run.header.bodies[std::size_t(f.ball)].moving_vertices, int(rest.size()));
-  EXPECT_EQ(run.header.bodies[std::size_t(f.plate)].moving_vertices, 0);
+  EXPECT_EQ(run.header.bodies[f.ball].moving_vertices, int(rest.size()));
+  EXPECT_EQ(run.header.bodies[f.plate].moving_vertices, 0);
   for (std::size_t k = 0; k < run.steps.size(); ++k)
     for (std::size_t i = 0; i < rest.size(); ++i)
       EXPECT_LT((run.steps[k].vertices[i] - (1 + q[k]) * rest[i]).norm(), 1e-15);

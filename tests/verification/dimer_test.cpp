@@ -45,9 +45,9 @@ TEST(DimerC5, ContactSetIsAFunctionOfThePose) {
       forward.push_back(fresh);
     else
       expect_same(fresh, forward[2 * count - 1 - k]);
-    const Found alone = find_ahead(begins, state, ahead, o.h);
+    const FoundContacts alone = find_ahead(begins, state, ahead, o.h);
     state.memory = memory;
-    const Found there = find_ahead(keeps, state, ahead, o.h);
+    const FoundContacts there = find_ahead(keeps, state, ahead, o.h);
     expect_same(there.contacts, alone.contacts);
     std::vector<StepPair> pairs = there.pairs;
     for (StepPair& pair : pairs) pair.threshold = 0.05, pair.rotation = 0;

@@ -40,8 +40,7 @@ TEST(EventDriven, BouncesFromTheStopOfAJoint) {
   ASSERT_TRUE(report.ok()) << report.reason;
   ASSERT_EQ(report.events.size(), 3u);
   const double first = std::sqrt(2 / 9.81);
-  for (int k = 0; k < 3; ++k)
-    EXPECT_NEAR(report.events[std::size_t(k)].t, first * (3 - 2 * std::pow(0.5, k)), 1e-9);
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(report.events[k].t, first * (3 - 2 * std::pow(0.5, k)), 1e-9);
   EXPECT_LT(std::abs(report.energy.residual()), 1e-9);
   EXPECT_GE(report.solve.iterations + report.solve.newton_iterations, 3) << "of impacts and what comes after";
   EXPECT_LE(report.solve.residual, kFine.tolerance);

@@ -95,7 +95,7 @@ enum class Kind { any, half_space, planar, few_planes, count };
 
 Star random_star(Random& random) {
   const auto kind = Kind(random.index(int(Kind::count)));
-  const int half = std::array{1, 3, 12}[std::size_t(random.index(3))];
+  const int half = std::array{1, 3, 12}[random.index(3)];
   const IntVec up = random_integers(random, half), side = random_integers(random, half);
   Star star;
   for (int n = 1 + random.index(8); n > 0; --n) {
@@ -125,7 +125,7 @@ std::string text(const Star& star) {
 
 // Probes of N, many of them on its border: across pairs of directions, against them, and any.
 IntVec probe_of(const Star& star, Random& random) {
-  const auto any = [&]() -> const IntVec& { return star[std::size_t(random.index(int(star.size())))]; };
+  const auto any = [&]() -> const IntVec& { return star[random.index(int(star.size()))]; };
   switch (random.index(4)) {
     case 0:
       return random_integers(random, 3);
@@ -150,11 +150,10 @@ TEST_P(ChecklistItem2, LinealityAndRaysAreThoseOfExactArithmetic) {
     const NormalCone cone = make_normal_cone(doubles(star));
     const Star lin = lineality(star);
     ASSERT_EQ(cone.lineality, rank(lin)) << "seed " << GetParam() << " star " << text(star);
-    ++with_lineality[std::size_t(cone.lineality)];
+    ++with_lineality[cone.lineality];
     for (const IntVec& g : lin) {  // it is the same space, not only one of that dimension
       Vec3 off = g.cast<double>().normalized();
-      for (int k = 0; k < cone.lineality; ++k)
-        off -= cone.lin[std::size_t(k)].dot(off) * cone.lin[std::size_t(k)];
+      for (int k = 0; k < cone.lineality; ++k) off -= cone.lin[k].dot(off) * cone.lin[k];
       ASSERT_LT(off.norm(), 1e-12) << "seed " << GetParam() << " star " << text(star);
     }
     if (cone.lineality == 0) {

@@ -27,7 +27,7 @@ void audit_beside(const LmdShape& shape, int motions, std::uint64_t seed, Contin
   for (int i = 0; i < motions; ++i) {
     SCOPED_TRACE("seed " + std::to_string(seed) + ", motion " + std::to_string(i));
     Random random(1000003 * seed + std::uint64_t(i));
-    const Probe& probe = probes[std::size_t(random.index(int(probes.size())))];
+    const Probe& probe = probes[random.index(int(probes.size()))];
     const Aim aim =
         i % 2 ? aimed.any(random) : aimed.due(i / 2 * std::ssize(kBeside) % aimed.due_count(), random);
     const double away = dilations * random.log_uniform(2e-3, 3);

@@ -93,8 +93,7 @@ TEST(MoreauActivation, IsThatOfThePredictedGap) {
 // A plate that rises at 0.1 m/s lifts the block: same speed, force m g, gap closed.
 TEST(PrescribedBody, LiftsABlockWithItsWeight) {
   Scene s = block_on_plate(0.3, 0, 0);
-  s.model.bodies[std::size_t(s.ground)].motion =
-      Prescribed{.path = {.t = {0, 10}, .pose = {SE3{}, translation(0, 0, 1)}}};
+  s.model.bodies[s.ground].motion = Prescribed{.path = {.t = {0, 10}, .pose = {SE3{}, translation(0, 0, 1)}}};
   s.state = rest_state(s.model);
   pose(s.state, s.block).p.z() = kSide / 2 + 2 * kRadius;
   const StepReport report =
@@ -111,8 +110,7 @@ TEST(PrescribedBody, LiftsABlockWithItsWeight) {
 TEST(PrescribedBody, HitsWithTheSpeedOfItsPath) {
   Scene s = block_on_plate(0, 0.5, 0, 1e-4);
   s.model.gravity = Vec3::Zero();
-  s.model.bodies[std::size_t(s.ground)].motion =
-      Prescribed{.path = {.t = {0, 1}, .pose = {SE3{}, translation(0, 0, 1)}}};
+  s.model.bodies[s.ground].motion = Prescribed{.path = {.t = {0, 1}, .pose = {SE3{}, translation(0, 0, 1)}}};
   const MoreauJean scheme(s.model, {.h = 1e-3}, {.theta = 1});
   ASSERT_TRUE(scheme.step(s.state).ok());
   EXPECT_NEAR(twist(s.state, s.block)[2], 1.5, 1e-6);
@@ -121,7 +119,7 @@ TEST(PrescribedBody, HitsWithTheSpeedOfItsPath) {
 // Three blocks on each other: each contact plane carries the weight above it.
 TEST(Stack, CarriesTheWeightAboveEachContact) {
   Scene s = block_on_plate(0.5, 0, 0);
-  const RigidBody block = s.model.bodies[std::size_t(s.block)];
+  const RigidBody block = s.model.bodies[s.block];
   for (int i = 1; i < 3; ++i) {
     RigidBody next = block;
     next.name += std::to_string(i);
@@ -134,10 +132,9 @@ TEST(Stack, CarriesTheWeightAboveEachContact) {
       run(MoreauJean(s.model, {.h = 5e-3, .solver = {.tolerance = 1e-12}}, {.theta = 1}), s.state, 0.1);
   std::vector<double> carried(3, 0);
   for (const StepContact& c : report.contacts)
-    carried[std::size_t(std::min(c.point.a.body, c.point.b.body))] += std::abs(c.impulse.z()) / report.h;
+    carried[std::min(c.point.a.body, c.point.b.body)] += std::abs(c.impulse.z()) / report.h;
   const double weight = kDensity * std::pow(kSide, 3) * kGravity;
-  for (int i = 0; i < 3; ++i)
-    EXPECT_NEAR(carried[std::size_t(i)], (3 - i) * weight, 1e-6 * weight) << "below block " << i;
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(carried[i], (3 - i) * weight, 1e-6 * weight) << "below block " << i;
 }
 
 }  // namespace

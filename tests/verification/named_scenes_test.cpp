@@ -100,7 +100,7 @@ TEST(ChecklistItem5, ALyingCylinderTouchesAlongTheCreasesNearItsLowestLine) {
   const LmdShape cylinder = prepared(make_cylinder(0.05, 0.1, n));
   std::map<int, int> seen;
   for (int sample = 0; sample < 600; ++sample) {
-    const double alpha = std::array{2 * kDegree, 8 * kDegree, 12 * kDegree}[std::size_t(sample % 3)];
+    const double alpha = std::array{2 * kDegree, 8 * kDegree, 12 * kDegree}[sample % 3];
     const double roll = sample < 3   ? 0          // on a crease
                         : sample < 6 ? delta / 2  // on a facet
                                      : random.uniform(-kPi, kPi);

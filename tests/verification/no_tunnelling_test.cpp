@@ -48,8 +48,8 @@ double distance_at(const SimplicialComplex& a, const Path& path_a, const Simplic
   double least = kInf;
   for (const auto& t : a.triangles)
     for (const auto& u : b.triangles) {
-      const Vec3 p[] = {x[std::size_t(t[0])], x[std::size_t(t[1])], x[std::size_t(t[2])]};
-      const Vec3 q[] = {y[std::size_t(u[0])], y[std::size_t(u[1])], y[std::size_t(u[2])]};
+      const Vec3 p[] = {x[t[0]], x[t[1]], x[t[2]]};
+      const Vec3 q[] = {y[u[0]], y[u[1]], y[u[2]]};
       least = std::min(least, closest_points(p, q).distance);
     }
   return least;
@@ -169,8 +169,8 @@ TEST(NoTunnelling, SlidingAHundredDilationsAlongAWashboardIsCertifiedOnlyAboveTh
 // The whole scheme, with steps as long as it likes: each accepted step is replayed.
 void replay_steps(Model& model, State state, int fixed, int moving, double h, double t_end) {
   const MoreauJean scheme(model, {.h = h}, {.theta = 1});
-  const SimplicialComplex &a = model.shapes[std::size_t(model.bodies[std::size_t(fixed)].shape)]->complex,
-                          &b = model.shapes[std::size_t(model.bodies[std::size_t(moving)].shape)]->complex;
+  const SimplicialComplex &a = model.shapes[model.bodies[fixed].shape]->complex,
+                          &b = model.shapes[model.bodies[moving].shape]->complex;
   const double dilations = 2 * kEps, required = 0.96 * dilations;
   double closest = kInf;
   while (state.t < t_end) {

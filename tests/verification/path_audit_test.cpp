@@ -52,7 +52,7 @@ TEST_P(EverySchemeAudited, HasNoViolationOfATumblingBlockAndTheDistanceItSaw) {
 // Nothing can touch: nothing is looked at, and nothing is found.
 TEST_P(EverySchemeAudited, HasNothingToShowWhereNoTwoBodiesHaveShapes) {
   Scene s = thrown_block();
-  s.model.bodies[std::size_t(s.ground)].shape = -1;
+  s.model.bodies[s.ground].shape = -1;
   const Scheme scheme = scheme_of(s.model);
   PathAudit audit{.samples = 17};
   const State start = s.state;
@@ -89,7 +89,7 @@ TEST(PathAudit, FollowsTheReferenceThroughItsImpacts) {
   PathAudit honest{.samples = 3}, forged = honest;
   audit_path(s.model, start, s.state, report, 1, honest);
   EXPECT_EQ(honest.violations, 0);
-  for (PathPiece& piece : deeper.pieces) piece.g[std::size_t(s.block)].p.z() -= 2e-4;
+  for (PathPiece& piece : deeper.pieces) piece.g[s.block].p.z() -= 2e-4;
   audit_path(s.model, start, s.state, deeper, 1, forged);
   EXPECT_EQ(forged.violations, 1);
 }
@@ -126,7 +126,7 @@ TEST(PathAudit, CatchesAContactThatIsMissing) {
   Scene s = thrown_block();
   const MoreauJean scheme(s.model, {.h = 5e-3}, {.theta = 1});
   const auto [start, report] = landing_step(scheme, s);
-  auto& plate = s.model.shapes[std::size_t(s.model.bodies[std::size_t(s.ground)].shape)];
+  auto& plate = s.model.shapes[s.model.bodies[s.ground].shape];
   LmdShape turned = *plate;
   for (RegionPlane& region : turned.regions) region = {-region.normal, -region.offset};
   plate = std::make_shared<const LmdShape>(std::move(turned));

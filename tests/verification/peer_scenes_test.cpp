@@ -17,8 +17,8 @@ TEST(PeerScenes, AStoneOfTheArchWeighsWhatItsTrapeziumDoes) {
   const PeerScene scene = arch_scene({.stones = 25, .thickness = 0.2});
   const double angle = kPi / 25, area = (1.1 * 1.1 - 0.9 * 0.9) * std::sin(angle) / 2;
   EXPECT_NEAR(scene.shapes[1].mass, 1000 * 0.2 * area, 1e-10);
-  EXPECT_NEAR(scene.bodies[std::size_t(crown(scene))].g.p.x(), 0, 1e-14);
-  EXPECT_GT(scene.bodies[std::size_t(crown(scene))].g.p.z(), 0.99);
+  EXPECT_NEAR(scene.bodies[crown(scene)].g.p.x(), 0, 1e-14);
+  EXPECT_GT(scene.bodies[crown(scene)].g.p.z(), 0.99);
 }
 
 // What is judged must not pass by itself: one body off its place, one speed off, one ball too deep.

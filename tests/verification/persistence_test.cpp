@@ -113,7 +113,7 @@ TEST(Anchors, LetGoOfWhatSlidesAndOpens) {
     ASSERT_TRUE(with.step(a).ok() && without.step(b).ok());
     for (const RememberedContact& c : a.memory.contacts) EXPECT_EQ(c.held && step > 1, false) << "it slides";
   }
-  EXPECT_LT((a.g[std::size_t(s.block)].p - b.g[std::size_t(s.block)].p).norm(), 1e-9);
+  EXPECT_LT((a.g[s.block].p - b.g[s.block].p).norm(), 1e-9);
 }
 
 // A fast block on its way into the plate: its pair is left apart at first (CA-16) and asked once it meets,

@@ -218,7 +218,7 @@ TEST(ReductionInAStep, AsksASelectorOfOnesOwn) {
     carried = 0;
     for (std::size_t i = 0; i < input.impulse.size(); ++i)
       carried += input.impulse[i].dot(input.contacts.points[i].normal) / input.h;
-    wrench = input.bodies[std::size_t(s.body)].wrench;
+    wrench = input.bodies[s.body].wrench;
     EXPECT_EQ(input.mu.front(), 0.5);
     return std::vector<int>{clusters.front().front()};
   };

@@ -17,13 +17,13 @@ namespace {
 Scene tumbling_blocks(double mu = 0.4, std::optional<double> hinge_friction = 0.01) {
   Scene s = block_on_plate(mu, 0.3, 0.1, 0.02);
   const SimplicialComplex box = make_box(kSide, kSide, kSide);
-  const int shape = s.model.bodies[std::size_t(s.block)].shape;
+  const int shape = s.model.bodies[s.block].shape;
   for (int i = 0; i < 3; ++i) add(s.model, solid_body("block", shape, mass_properties(box, kDensity)));
   const State placed = s.state;
   s.state = rest_state(s.model);
-  s.state.g[std::size_t(s.block)] = placed.g[std::size_t(s.block)];
+  s.state.g[s.block] = placed.g[s.block];
   const auto place = [&](int k, const Vec3& p, const Vec3& turn, const Vec6& v) {
-    SE3& g = s.state.g[std::size_t(s.block + k)];
+    SE3& g = s.state.g[s.block + k];
     g = {exp_so3(turn), p};
     twist(s.state, s.block + k) = v;
   };
@@ -117,7 +117,7 @@ class EveryScheme : public ::testing::TestWithParam<SchemeVariant> {
     }
     const std::filesystem::path file = fresh_folder() / "state.h5";
     for (int k = 4; k + 1 < steps_; k += 11) {
-      write_checkpoint(file, {.fingerprint = 1, .step = k, .state = reference[std::size_t(k)]});
+      write_checkpoint(file, {.fingerprint = 1, .step = k, .state = reference[k]});
       const std::vector<State> rest = run(read_checkpoint(file, 1).state, k + 1, [&] { return scheme(); });
       ASSERT_FALSE(rest.empty());
       EXPECT_EQ(hash(rest.back()), hash(reference.back())) << "from step " << k;
@@ -144,12 +144,11 @@ Scene renumbered(const Scene& s, const std::vector<int>& order) {
     of_body(out.state.v, int(to)) = of_body(s.state.v, int(i));
   }
   for (Joint& joint : out.model.joints) {
-    joint.body_a = order[std::size_t(joint.body_a)];
-    joint.body_b = order[std::size_t(joint.body_b)];
+    joint.body_a = order[joint.body_a];
+    joint.body_b = order[joint.body_b];
   }
   out.model.passing.clear();
-  for (const auto& [a, b] : s.model.passing)
-    out.model.passing.insert(std::minmax(order[std::size_t(a)], order[std::size_t(b)]));
+  for (const auto& [a, b] : s.model.passing) out.model.passing.insert(std::minmax(order[a], order[b]));
   return out;
 }
 
@@ -169,7 +168,7 @@ Compared compared(const Scene& s, const std::string& name, const SchemeOptions& 
     EXPECT_TRUE(there.step(other.state, kInf).ok()) << k;
     for (const RememberedContact& c : plain.memory.contacts) out.touching += !c.impulse.isZero(0);
     for (std::size_t i = 0; i < order.size(); ++i) {
-      const SE3 &a = plain.g[i], &b = other.state.g[std::size_t(order[i])];
+      const SE3 &a = plain.g[i], &b = other.state.g[order[i]];
       out.off = std::max({out.off, (a.p - b.p).norm(), angle_between(a.R, b.R)});
     }
   }

@@ -54,7 +54,7 @@ SimplicialComplex changed(const SimplicialComplex& complex, Change change, doubl
     for (int i = 0; i < 20; ++i)
       cut_a_side(mesh, i % 2 == 0 ? Cut::plugged : Cut::t_junction, 0.05, jiggle, random);
     for (int i = 0; i < 5; ++i)
-      mesh.triangles.push_back(mesh.triangles[std::size_t(random.index(int(mesh.triangles.size())))]);
+      mesh.triangles.push_back(mesh.triangles[random.index(int(mesh.triangles.size()))]);
     mesh = soup_of(mesh, jiggle, random);
   }
   return repair_mesh(complex_of(mesh)).complex;

@@ -146,7 +146,7 @@ AssemblyScene make_assembly_scene(const AssemblyInput& input, const AssemblyOpti
   scene.fixed = add(model, fixed_body(input.fixed.name, 0));
   scene.moving = add(model, solid_body(input.moving.name, 1, mass.properties));
 
-  const SE3 body_in_mesh = inverse(model.bodies[std::size_t(scene.moving)].g_bs);
+  const SE3 body_in_mesh = inverse(model.bodies[scene.moving].g_bs);
   for (const SE3& pose : input.poses) scene.poses.push_back(pose * body_in_mesh);
   scene.radius = std::max(radius_about(input.moving.complex, mass.properties.centre), scene.dilation);
   scene.path = timed(scene.poses, scene.radius, options.speed);

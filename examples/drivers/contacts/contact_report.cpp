@@ -58,7 +58,7 @@ Json part_json(const AssemblyPart& part, const LmdShape& shape) {
 
 Json feature_json(const Feature& f) {
   Json bary = Json::array();
-  for (int i = 0; i <= f.dim; ++i) bary.push_back(f.bary[std::size_t(i)]);
+  for (int i = 0; i <= f.dim; ++i) bary.push_back(f.bary[i]);
   return {{"dim", f.dim}, {"simplex", f.simplex}, {"region", f.region}, {"barycentric", bary}};
 }
 

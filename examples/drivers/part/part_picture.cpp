@@ -18,10 +18,10 @@ struct Classes {
       : chain(ideal.chains.size(), SimplexClass::silent),
         vertex(shape.complex.vertices.size(), SimplexClass::silent) {
     for (const EdgeLeaf& leaf : shape.edges) {
-      const int edge = leaf.path_length == 1 ? leaf.path : shape.paths[std::size_t(leaf.path)];
-      chain[std::size_t(ideal.edge_chain[std::size_t(edge)])] = class_of(leaf);
+      const int edge = leaf.path_length == 1 ? leaf.path : shape.paths[leaf.path];
+      chain[ideal.edge_chain[edge]] = class_of(leaf);
     }
-    for (const VertexLeaf& leaf : shape.vertices) vertex[std::size_t(leaf.vertex)] = class_of(leaf);
+    for (const VertexLeaf& leaf : shape.vertices) vertex[leaf.vertex] = class_of(leaf);
   }
   std::vector<SimplexClass> chain, vertex;
 };
@@ -78,7 +78,7 @@ class DilatedSurface {
   SurfaceLayer take() { return std::move(layer_); }
 
  private:
-  const Vec3& x(int v) const { return k_.vertices[std::size_t(v)]; }
+  const Vec3& x(int v) const { return k_.vertices[v]; }
   int point(int v, const Vec3& n) {
     layer_.vertices.push_back(x(v) + radius_ * n);
     return int(layer_.vertices.size()) - 1;
@@ -89,16 +89,16 @@ class DilatedSurface {
   void add_edge(int e) {
     const auto both = k_.edge_triangles[e];
     if (both.size() != 2) return;
-    auto [a, b] = k_.edges[std::size_t(e)];
+    auto [a, b] = k_.edges[e];
     int left = both[0], right = both[1];
-    const auto& v = k_.triangles[std::size_t(left)];
+    const auto& v = k_.triangles[left];
     for (std::size_t i = 0; i < 3; ++i)
       if (v[i] == b && v[(i + 1) % 3] == a) std::swap(left, right);
-    const Vec3 &n = normal_[std::size_t(left)], &m = normal_[std::size_t(right)];
+    const Vec3 &n = normal_[left], &m = normal_[right];
     const double sine = n.cross(m).dot((x(b) - x(a)).stableNormalized());
-    bend_[std::size_t(e)] = std::atan2(sine, n.dot(m));
-    if (bend_[std::size_t(e)] < 1e-6) return;
-    const int count = strips(bend_[std::size_t(e)]);
+    bend_[e] = std::atan2(sine, n.dot(m));
+    if (bend_[e] < 1e-6) return;
+    const int count = strips(bend_[e]);
     for (int i = 0; i < count; ++i) {
       const Vec3 p = between(n, m, double(i) / count), q = between(n, m, double(i + 1) / count);
       const int ap = point(a, p), aq = point(a, q), bp = point(b, p), bq = point(b, q);
@@ -112,15 +112,14 @@ class DilatedSurface {
     std::vector<Vec3> normals;
     Vec3 middle = Vec3::Zero();
     for (int e : k_.vertex_edges[v])
-      if (bend_[std::size_t(e)] < -1e-6) return;
+      if (bend_[e] < -1e-6) return;
     if (k_.vertex_triangles[v].empty()) return;
     const int first = k_.vertex_triangles[v][0];
     for (int t = first; normals.size() <= k_.vertex_triangles[v].size();) {
-      if (normals.empty() || (normals.back() - normal_[std::size_t(t)]).norm() > 1e-9)
-        normals.push_back(normal_[std::size_t(t)]);
-      const auto& c = k_.triangles[std::size_t(t)];
+      if (normals.empty() || (normals.back() - normal_[t]).norm() > 1e-9) normals.push_back(normal_[t]);
+      const auto& c = k_.triangles[t];
       const auto side = std::size_t(std::find(c.begin(), c.end(), v) - c.begin());
-      const auto both = k_.edge_triangles[k_.triangle_edges[std::size_t(t)][(side + 2) % 3]];
+      const auto both = k_.edge_triangles[k_.triangle_edges[t][(side + 2) % 3]];
       if (both.size() != 2) return;
       t = both[0] == t ? both[1] : both[0];
       if (t == first) break;
@@ -138,8 +137,7 @@ class DilatedSurface {
     std::vector<std::vector<int>> row(std::size_t(n) + 1);
     for (int i = 0; i <= n; ++i)
       for (int j = 0; j <= i; ++j)
-        row[std::size_t(i)].push_back(
-            point(v, i == 0 ? a : between(a, between(b, c, double(j) / i), double(i) / n)));
+        row[i].push_back(point(v, i == 0 ? a : between(a, between(b, c, double(j) / i), double(i) / n)));
     for (std::size_t i = 0; i < std::size_t(n); ++i)
       for (std::size_t j = 0; j <= i; ++j) {
         add(row[i][j], row[i + 1][j], row[i + 1][j + 1]);
@@ -166,7 +164,7 @@ ClassCounts count_classes(const LmdShape& shape, const Idealisation& ideal) {
     counts.silent += c == SimplexClass::silent;
   }
   for (int v : essential_vertices(shape.complex, ideal)) {
-    const SimplexClass c = classes.vertex[std::size_t(v)];
+    const SimplexClass c = classes.vertex[v];
     counts.v_corner += c == SimplexClass::v_corner;
     counts.v_wide += c == SimplexClass::v_wide;
     counts.silent += c == SimplexClass::silent;
@@ -211,17 +209,17 @@ PartPicture part_picture(const LmdShape& shape, const Idealisation& ideal, const
     const Chain& chain = ideal.chains[i];
     const SimplexClass c = classes.chain[i];
     LineLayer& layer = c == SimplexClass::e_wide ? wide : c == SimplexClass::silent ? silent : convex;
-    layer.lines.push_back({part.vertices[std::size_t(chain.first)], part.vertices[std::size_t(chain.last)]});
+    layer.lines.push_back({part.vertices[chain.first], part.vertices[chain.last]});
     layer.colour.push_back(c == SimplexClass::e_wide ? kWide : c == SimplexClass::silent ? kSilent : kCrease);
   }
   PointLayer corners{.name = "corners"}, wide_points{.name = "wide vertices"},
       silent_points{.name = "silent vertices", .shown = false};
   for (int v : essential_vertices(part, ideal)) {
-    const SimplexClass c = classes.vertex[std::size_t(v)];
+    const SimplexClass c = classes.vertex[v];
     PointLayer& layer = c == SimplexClass::v_corner ? corners
                         : c == SimplexClass::v_wide ? wide_points
                                                     : silent_points;
-    layer.points.push_back(part.vertices[std::size_t(v)]);
+    layer.points.push_back(part.vertices[v]);
     layer.colour.push_back(c == SimplexClass::v_corner ? kCorner
                            : c == SimplexClass::v_wide ? kWide
                                                        : kSilent);

@@ -11,7 +11,7 @@ namespace aussois {
 /// Simplices of the idealised complex by what they are to a contact (LMD-7): faces are the triangles of
 /// regions, creases and wide edges are chains, corners and wide vertices are ends of chains, wires or points.
 struct ClassCounts {
-  int v_corner = 0, v_wide = 0, v_node = 0, e_crease = 0, e_wide = 0, e_soft = 0, face = 0, silent = 0;
+  int v_corner = 0, v_wide = 0, e_crease = 0, e_wide = 0, face = 0, silent = 0;
 };
 ClassCounts count_classes(const LmdShape& shape, const Idealisation& ideal);
 

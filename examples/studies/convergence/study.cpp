@@ -9,7 +9,7 @@
 
 #include "examples/common/convergence.hpp"
 #include "examples/common/driver.hpp"
-#include "geometry/check.hpp"
+#include "geometry/settings.hpp"
 #include "integrators/run.hpp"
 
 namespace aussois {
@@ -63,11 +63,24 @@ std::string reason(std::size_t measure, const Case& c, const SchemeTraits& trait
 
 }  // namespace
 
-void validate(const StudyOptions& o) {
-  require_field(std::isfinite(o.h) && o.h >= 0, "StudyOptions::h", o.h, "not be negative [s]");
-  require_field(o.levels >= 3 && o.levels <= 16, "StudyOptions::levels", o.levels, "lie in [3, 16]");
-  require_field(o.phases >= 1 && o.phases <= 64, "StudyOptions::phases", o.phases, "lie in [1, 64]");
-  require_field(o.tolerance >= 0 && o.tolerance < 1, "StudyOptions::tolerance", o.tolerance, "lie in [0, 1)");
+void describe(SettingVisitor& visit, StudyOptions& o) {
+  visit.begin("StudyOptions");
+  visit.number({"h", "largest step; 0: that of the case", "s", not_negative(), "--h0"}, o.h);
+  visit.count({"levels", "number of step sizes, each about half the one before", "", {3, 16}, "--levels"},
+              o.levels);
+  visit.count({"phases",
+               "number of lengths of the first step over which errors are averaged",
+               "",
+               {1, 64},
+               "--phases"},
+              o.phases);
+  visit.number({"tolerance", "tolerance on the scaled residual; 0: that of the case", "-", open_above(0, 1),
+                "--tolerance"},
+               o.tolerance);
+}
+
+void validate(const StudyOptions& options) {
+  check_ranges(options);
 }
 
 bool applies(const Case& c, const SchemeTraits& traits) {

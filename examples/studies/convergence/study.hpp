@@ -14,6 +14,8 @@
 
 namespace aussois {
 
+class SettingVisitor;
+
 struct StudyOptions {
   double h = 0;            // largest step [s]; 0: the one of the case
   int levels = 6;          // step sizes, each about half of the one before, in [3, 16]
@@ -22,6 +24,7 @@ struct StudyOptions {
   std::string settings{};  // of the scheme, what its name does not tell; only kept with the results
 };
 void validate(const StudyOptions& options);  // throws std::invalid_argument: field, value, bound
+void describe(SettingVisitor& visit, StudyOptions& options);
 
 using Reasons = std::array<std::string, kMeasures.size()>;
 

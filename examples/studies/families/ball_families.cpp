@@ -32,7 +32,7 @@ std::vector<Pair> near_pairs(const std::vector<Grain>& grains, double slack) {
   std::vector<Pair> pairs;
   for (int a = 1; a < int(grains.size()); ++a)
     for (int b = 0; b < a; ++b) {
-      const Grain &p = grains[std::size_t(a)], &q = grains[std::size_t(b)];
+      const Grain &p = grains[a], &q = grains[b];
       const double reach = p.radius + q.radius + slack;
       if (std::abs(p.centre.z() - q.centre.z()) < reach &&
           (p.centre - q.centre).squaredNorm() < reach * reach)
@@ -54,7 +54,7 @@ void settle(std::vector<Grain>& grains, double width) {
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
       for (Grain& grain : grains) grain.centre.z() -= sink;
       for (const Pair& pair : pairs) {
-        Grain &p = grains[std::size_t(pair.a)], &q = grains[std::size_t(pair.b)];
+        Grain &p = grains[pair.a], &q = grains[pair.b];
         const Vec3 apart = p.centre - q.centre;
         const double distance = apart.norm(), overlap = p.radius + q.radius - distance;
         if (overlap <= 0 || distance == 0) continue;
@@ -75,14 +75,14 @@ void touch_grains(FrictionScene& scene, const std::vector<Grain>& grains, double
   const int base = int(scene.bodies.size()) - int(grains.size());  // the bin is body 0
   for (int i = 0; i < int(grains.size()); ++i)
     for (const Side& side : bin(width)) {
-      const Grain& grain = grains[std::size_t(i)];
+      const Grain& grain = grains[i];
       const double gap = side.normal.dot(grain.centre) - side.offset - grain.radius;
       if (gap < slack)
         scene.contacts.push_back(contact(base + i, 0, grain.centre - (grain.radius + gap / 2) * side.normal,
                                          side.normal, law, std::max(gap, 0.0)));
     }
   for (const Pair& pair : near_pairs(grains, slack)) {
-    const Grain &p = grains[std::size_t(pair.a)], &q = grains[std::size_t(pair.b)];
+    const Grain &p = grains[pair.a], &q = grains[pair.b];
     const Vec3 normal = (p.centre - q.centre).normalized();
     const double gap = (p.centre - q.centre).norm() - p.radius - q.radius;
     scene.contacts.push_back(contact(base + pair.a, base + pair.b, q.centre + (q.radius + gap / 2) * normal,

@@ -132,7 +132,7 @@ Vec6 wrench_on(const SceneBody& body, const Interaction& at, const Vec6& row) { 
 /// (FAM-3): how far the gap may close, and how fast a closed contact must part again.
 double bias(const FrictionScene& scene, const Interaction& at) {
   if (at.gap > 0) return at.gap / scene.h;
-  const SceneBody &a = scene.bodies[std::size_t(at.a)], &b = scene.bodies[std::size_t(at.b)];
+  const SceneBody &a = scene.bodies[at.a], &b = scene.bodies[at.b];
   const double before = wrench_on(a, at, at.rows[0]).dot(a.twist) - wrench_on(b, at, at.rows[0]).dot(b.twist);
   return at.restitution * std::min(before, 0.0);
 }
@@ -144,10 +144,10 @@ SparseMatrix directions(const FrictionScene& scene, const std::vector<int>& firs
   for (const Interaction& at : interactions)
     for (const Vec6& row : at.rows) {
       for (const auto& [index, sign] : {std::pair(at.a, 1.0), std::pair(at.b, -1.0)}) {
-        if (first[std::size_t(index)] < 0) continue;
-        const Vec6 wrench = sign * wrench_on(scene.bodies[std::size_t(index)], at, row);
+        if (first[index] < 0) continue;
+        const Vec6 wrench = sign * wrench_on(scene.bodies[index], at, row);
         for (int i = 0; i < 6; ++i)
-          if (wrench[i] != 0) entries.emplace_back(first[std::size_t(index)] + i, column, wrench[i]);
+          if (wrench[i] != 0) entries.emplace_back(first[index] + i, column, wrench[i]);
       }
       ++column;
     }

@@ -62,7 +62,7 @@ FrictionScene gyroscopic(int contacts, Random& random) {
     for (int y = 0; y < side; ++y)
       for (int x = 0; x < side; ++x) {
         const Vec3 centre(2 * radius * x, 2 * radius * y, height * (z + 0.5));
-        SceneBody& disk = scene.bodies[std::size_t(add_disk(scene, radius, height, centre, 7800))];
+        SceneBody& disk = scene.bodies[add_disk(scene, radius, height, centre, 7800)];
         const double sense = (x + y) % 2 == 0 ? 1 : -1;
         disk.twist.tail<3>() = speed * (sense * Vec3::UnitZ() + random.vector(0.05));
         for (int i = 0; i < 6; ++i) {
@@ -94,9 +94,7 @@ FrictionScene redundant_joints(int contacts, Random& random) {
   const Vec3 omega = swing * Vec3::UnitY(), speed = omega.cross(crank);
   FrictionScene scene;
   scene.bodies.emplace_back();  // the base
-  const auto move = [&](int body, const Vec3& v, const Vec3& spin) {
-    scene.bodies[std::size_t(body)].twist << v, spin;
-  };
+  const auto move = [&](int body, const Vec3& v, const Vec3& spin) { scene.bodies[body].twist << v, spin; };
   const auto doubled_hinge = [&](int a, int b, const Vec3& point) {
     for (const double y : {-0.02, 0.02})
       scene.joints.push_back(hinge(a, b, point + y * Vec3::UnitY(), Vec3::UnitY()));

@@ -19,7 +19,7 @@ MatX choice_errors(const SolverView& view, PegScenario scenario, const std::vect
   const std::vector<std::vector<int>> choices = peg_choices(scenario);
   MatX errors(choices.size(), samples.size());
   parallel_for(int(samples.size()), threads, [&](int s) {
-    const PegSample& sample = samples[std::size_t(s)];
+    const PegSample& sample = samples[s];
     const std::vector<PegContact> all = peg_contacts(scenario, sample);
     const Vec3 measured = sample.plate_force;
     for (std::size_t c = 0; c < choices.size(); ++c) {

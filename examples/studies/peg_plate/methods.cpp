@@ -94,7 +94,7 @@ NamedMethod fixed_method(const std::string& name, PegScenario scenario, std::vec
 }
 
 std::vector<int> learned_outputs(PegScenario scenario, const Network& network, const PegSample& sample) {
-  const VecX probability = evaluate(network, input_of(load_of(sample)));
+  const VecX probability = network_output(network, input_of(load_of(sample)));
   if (scenario == PegScenario::surface) return chosen_places(probability, face_places());
   Eigen::Index best = 0;
   probability.maxCoeff(&best);
@@ -114,7 +114,7 @@ NamedMethod oracle_method(PegScenario scenario, const SolverView& view) {
     return [=, choices = peg_choices(scenario)](const PegSample& sample, bool) {
       Eigen::Index best = 0;
       choice_errors(view, scenario, {sample}).col(0).minCoeff(&best);
-      return picked(peg_contacts(scenario, sample), choices[std::size_t(best)]);
+      return picked(peg_contacts(scenario, sample), choices[best]);
     };
   };
   return {"oracle", make, true};

@@ -178,7 +178,7 @@ Plant make_plant(const PlantOptions& options) {
   plant.mu.resize(n);
   plant.stiffness = Eigen::Map<const Array>(stiffness.data(), n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const Vec3& at = places[std::size_t(i)];
+    const Vec3& at = places[i];
     plant.x[i] = at.x();
     plant.y[i] = at.y();
     plant.z[i] = at.z();

@@ -83,7 +83,7 @@ std::vector<PegContact> peg_contacts(PegScenario scenario, const PegSample& samp
 
 std::vector<PegContact> picked(const std::vector<PegContact>& all, const std::vector<int>& which) {
   std::vector<PegContact> out;
-  for (const int i : which) out.push_back(all[std::size_t(i)]);
+  for (const int i : which) out.push_back(all[i]);
   return out;
 }
 
@@ -97,8 +97,7 @@ std::vector<std::vector<int>> peg_choices(PegScenario scenario) {
   for (int i = 0; i < int(place.size()); ++i)
     for (int j = i + 1; j < int(place.size()); ++j)
       for (int k = j + 1; k < int(place.size()); ++k)
-        if (!on_a_line(place[std::size_t(i)], place[std::size_t(j)], place[std::size_t(k)]))
-          out.push_back({i, j, k});
+        if (!on_a_line(place[i], place[j], place[k])) out.push_back({i, j, k});
   return out;
 }
 

@@ -129,9 +129,8 @@ std::vector<PegSample> run_case(const PegStudyOptions& options, int index) {
 }
 
 PegData generate(const PegStudyOptions& options) {
-  PegData data(std::size_t(case_count(options)));
-  parallel_for(int(data.size()), options.threads,
-               [&](int i) { data[std::size_t(i)] = run_case(options, i); });
+  PegData data(case_count(options));
+  parallel_for(int(data.size()), options.threads, [&](int i) { data[i] = run_case(options, i); });
   return data;
 }
 
@@ -140,8 +139,7 @@ PegSplit split_cases(int cases, std::uint64_t seed) {
   std::vector<int> order(static_cast<std::size_t>(cases));
   std::iota(order.begin(), order.end(), 0);
   Random random(seed);
-  for (int i = cases - 1; i > 0; --i)
-    std::swap(order[std::size_t(i)], order[std::size_t(random.index(i + 1))]);
+  for (int i = cases - 1; i > 0; --i) std::swap(order[i], order[random.index(i + 1)]);
   const auto middle = order.begin() + std::clamp(std::lround(kTrainShare * cases), 1L, cases - 1L);
   PegSplit split{{order.begin(), middle}, {middle, order.end()}};
   std::ranges::sort(split.train);
@@ -161,7 +159,7 @@ Lessons make_lessons(const PegData& data, const PegSplit& split, const PegStudyO
   std::vector<PegSample> samples;
   for (const int i : split.train) {
     int still = 0, moving = 0;
-    for (const PegSample& s : data[std::size_t(i)])
+    for (const PegSample& s : data[i])
       if (s.is_static ? still++ % options.static_stride == 0 : moving++ % options.moving_stride == 0)
         samples.push_back(s);
   }
@@ -199,8 +197,7 @@ std::vector<NamedMethod> all_methods(const PegStudyOptions& options, const Lesso
                                      const std::vector<Network>& networks) {
   const PegScenario scenario = options.plant.scenario;
   std::vector<NamedMethod> methods = untrained_methods(scenario, options.view, options.plant.seed);
-  methods.push_back(
-      fixed_method("best_fixed", scenario, peg_choices(scenario)[std::size_t(learnt.best_choice)]));
+  methods.push_back(fixed_method("best_fixed", scenario, peg_choices(scenario)[learnt.best_choice]));
   for (std::size_t i = 0; i < networks.size(); ++i)
     methods.push_back(learned_method(std::string("mlc_") + to_string(kLabelModes[i]), scenario, networks[i]));
   methods.push_back(oracle_method(scenario, options.view));
@@ -219,7 +216,7 @@ PegScore score(const NamedMethod& method, const PegData& data, const std::vector
     int still_seen = 0, moving_seen = 0;
     bool first = true, has_before = false;
     Vec3 before = Vec3::Zero(), before_e = Vec3::Zero();
-    for (const PegSample& s : data[std::size_t(i)]) {
+    for (const PegSample& s : data[i]) {
       const int seen = s.is_static ? still_seen++ : moving_seen++;
       if (seen % (s.is_static ? dear : dear * options.moving_scored) != 0) continue;
       const Vec3 F = plate_force(options.view, s, contacts_of(s, first)), F_e = s.plate_force;
@@ -252,8 +249,8 @@ std::vector<PegScore> score_all(const std::vector<NamedMethod>& methods, const P
   const PegSplit split = split_cases(options);
   std::vector<PegScore> out(methods.size());
   parallel_for(int(methods.size()), options.threads, [&](int i) {
-    const NamedMethod& method = methods[std::size_t(i)];
-    if (!progress || progress(method.name)) out[std::size_t(i)] = score(method, data, split.test, options);
+    const NamedMethod& method = methods[i];
+    if (!progress || progress(method.name)) out[i] = score(method, data, split.test, options);
   });
   return out;
 }

@@ -115,7 +115,7 @@ bool draw_places(const std::filesystem::path& folder, const std::vector<const Pe
   for (const PegSample* s : still) {
     const Vec2 at = 1e3 * centre_of_pressure(*s);
     pressure.add({at.x(), at.y()});
-    for (const int i : learned_outputs(PegScenario::surface, network, *s)) ++count[std::size_t(i)];
+    for (const int i : learned_outputs(PegScenario::surface, network, *s)) ++count[i];
   }
   pressure.close();
   CsvTable csv(folder / "choices.csv", {"x_mm", "y_mm", "share"});
@@ -145,7 +145,7 @@ bool draw_normals(const std::filesystem::path& folder, const std::vector<const P
                   const Network& network) {
   std::vector<int> count(std::size_t(network.outputs()), 0);
   for (const PegSample* s : still)
-    for (const int i : learned_outputs(PegScenario::edge, network, *s)) ++count[std::size_t(i)];
+    for (const int i : learned_outputs(PegScenario::edge, network, *s)) ++count[i];
   CsvTable csv(folder / "choices.csv", {"about_y_deg", "about_x_deg", "share"});
   for (std::size_t i = 0; i < count.size(); ++i)
     csv.add({15.0 * double(i / 7) - 45, 15.0 * double(i % 7) - 45, double(count[i]) / double(still.size())});
@@ -302,10 +302,10 @@ std::optional<TrainingCheck> read_training_check(const std::filesystem::path& pa
 bool write_pictures(const std::filesystem::path& folder, const PegData& data, const std::vector<int>& cases,
                     const std::vector<NamedMethod>& methods, const Network& network,
                     const PegStudyOptions& options) {
-  const bool drawn = draw_forces(folder, data[std::size_t(cases.front())], methods, options);
+  const bool drawn = draw_forces(folder, data[cases.front()], methods, options);
   std::vector<const PegSample*> still;
   for (const int i : cases)
-    for (const PegSample& s : data[std::size_t(i)])
+    for (const PegSample& s : data[i])
       if (s.is_static) still.push_back(&s);
   if (still.empty()) return drawn;
   return (options.plant.scenario == PegScenario::surface ? draw_places(folder, still, network)

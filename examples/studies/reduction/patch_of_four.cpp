@@ -6,8 +6,8 @@
 namespace aussois {
 
 std::vector<int> patch_of_four(const ContactSet& contacts, std::span<const int> members) {
-  const auto at = [&](int k) { return mid_point(contacts.points[std::size_t(members[std::size_t(k)])]); };
-  const Vec3 n = contacts.points[std::size_t(members.front())].normal;
+  const auto at = [&](int k) { return mid_point(contacts.points[members[k]]); };
+  const Vec3 n = contacts.points[members.front()].normal;
   const auto farthest = [&](const auto& measure) {  // of all members; -1 if none measures more than zero
     int best = -1;
     double most = 0;
@@ -40,7 +40,7 @@ ContactSelector patch_of_four_selector() {
         kept.insert(kept.end(), cluster.begin(), cluster.end());
         continue;
       }
-      for (const int k : patch_of_four(input.contacts, cluster)) kept.push_back(cluster[std::size_t(k)]);
+      for (const int k : patch_of_four(input.contacts, cluster)) kept.push_back(cluster[k]);
     }
     return kept;
   };

@@ -59,9 +59,9 @@ class MeanError {
           std::span(order_).subspan(first, std::min(std::size_t(kAtOnce), order_.size() - first));
       std::vector<int> steps(batch.size());
       parallel_for(int(batch.size()), threads_, [&](int i) {
-        const TossRun run = roll_out(tosses_[batch[std::size_t(i)]], world);
-        steps[std::size_t(i)] = run.steps;
-        error[batch[std::size_t(i)]] = way_off(run);
+        const TossRun run = roll_out(tosses_[batch[i]], world);
+        steps[i] = run.steps;
+        error[batch[i]] = way_off(run);
       });
       for (const std::size_t k : batch) sum += error[k];
       for (const int n : steps) steps_ += n;

@@ -35,7 +35,7 @@ std::vector<double> each(const std::vector<TossRun>& runs, double (*of)(const To
 // How many values lie in each bin; the last holds all that is beyond.
 std::vector<int> counts(const std::vector<double>& values, double width) {
   std::vector<int> out(kBins, 0);
-  for (const double v : values) ++out[std::size_t(std::min(int(v / width), kBins - 1))];
+  for (const double v : values) ++out[std::min(int(v / width), kBins - 1)];
   return out;
 }
 
@@ -107,8 +107,7 @@ bool write_toss_histogram(const std::filesystem::path& folder, const std::vector
   CsvTable csv(folder / "histogram.csv",
                {"position_percent", "tosses", "rotation_deg", "tosses_by_rotation"});
   for (int i = 0; i < kBins; ++i)
-    csv.add({(i + 0.5) * kPositionBin, double(position[std::size_t(i)]), (i + 0.5) * kRotationBin,
-             double(rotation[std::size_t(i)])});
+    csv.add({(i + 0.5) * kPositionBin, double(position[i]), (i + 0.5) * kRotationBin, double(rotation[i])});
   csv.close();
   write_whole_file(folder / "histogram.gp",
                    "# draws histogram.png: gnuplot histogram.gp\n"

@@ -112,8 +112,7 @@ VerificationCase keeps(const char* name, const std::string& scene_name, const Is
                        .measure =
                            [=] {
                              std::array<Lost, 3> runs;
-                             for (int i = 0; i < 3; ++i)
-                               runs[std::size_t(i)] = lost(scene, variant, 1e-2 / (1 << i));
+                             for (int i = 0; i < 3; ++i) runs[i] = lost(scene, variant, 1e-2 / (1 << i));
                              Figures figures;
                              for (const Claim& claim : claims) figures[claim.figure] = judged(claim, runs);
                              return figures;

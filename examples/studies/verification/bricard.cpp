@@ -73,8 +73,7 @@ double mass(const VecX& q, const VecX& speed) {
 double potential(const VecX& q) {
   const Ring r = turned(q);
   double sum = 0;
-  for (int k = 0; k < 5; ++k)
-    sum += kGravity * (r.rod[std::size_t(k)] * Vec3((kCorner[k] + kCorner[k + 1]) / 2)).y();
+  for (int k = 0; k < 5; ++k) sum += kGravity * (r.rod[k] * Vec3((kCorner[k] + kCorner[k + 1]) / 2)).y();
   return sum;
 }
 

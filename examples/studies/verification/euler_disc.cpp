@@ -273,7 +273,7 @@ double lost_in_a_turn(int corners, double h, const std::string& scheme) {
   std::vector<Vec3> rim;
   for (int k = 0; k < corners; ++k)
     rim.push_back(rotation(Vec3::UnitZ(), 2 * kPi * k / corners) * Vec3(0, -disc.radius, 0));
-  RigidBody body = smooth.model.bodies[std::size_t(smooth.body)];
+  RigidBody body = smooth.model.bodies[smooth.body];
   body.shape = add(s.model, prepare(dilate(make_complex(rim, {}), kRound)));
   s.body = add(s.model, body);
   s.state = rest_state(s.model);

@@ -188,7 +188,7 @@ CaseScene cradle(const std::vector<double>& masses, double gap = -1e-15) {
 double off_speeds(const CaseScene& s, const SchemeOptions& o, int steps, const std::vector<double>& right) {
   const State end = run_to(s, "moreau_jean", o, steps * o.step.h);
   Worst out;
-  for (int i = 0; i < int(right.size()); ++i) out.add(std::abs(twist(end, i)[0] - right[std::size_t(i)]));
+  for (int i = 0; i < int(right.size()); ++i) out.add(std::abs(twist(end, i)[0] - right[i]));
   return out;
 }
 
@@ -281,9 +281,8 @@ Weighed weigh(int beads, const SolverOptions& solver) {
   out.report = step(make_scheme("moreau_jean", s.model, options), state);
   std::vector<double> push(std::size_t(beads) + 1);
   for (const StepContact& c : out.report.contacts)
-    push[std::size_t(std::max(c.point.a.body, c.point.b.body))] += std::abs(c.impulse.z()) / options.step.h;
-  for (int k = 1; k <= beads; ++k)
-    out.error.add(std::abs(push[std::size_t(k)] / ((beads - k + 1) * kGravity) - 1));
+    push[std::max(c.point.a.body, c.point.b.body)] += std::abs(c.impulse.z()) / options.step.h;
+  for (int k = 1; k <= beads; ++k) out.error.add(std::abs(push[k] / ((beads - k + 1) * kGravity) - 1));
   return out;
 }
 

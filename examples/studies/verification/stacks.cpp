@@ -148,12 +148,11 @@ VerificationCase tower(const std::string& name) {
                 for (int i = 0; i < 20; ++i) report = step(scheme, state);
                 std::vector<double> below(scene.bodies.size());
                 for (const StepContact& c : report.contacts)
-                  below[std::size_t(std::max(c.point.a.body, c.point.b.body))] +=
-                      std::abs(c.impulse.z()) / report.h;
+                  below[std::max(c.point.a.body, c.point.b.body)] += std::abs(c.impulse.z()) / report.h;
                 Worst force;
                 double above = 0;
                 for (std::size_t b = scene.bodies.size() - 1; b >= 1; --b) {
-                  above += scene.shapes[std::size_t(scene.bodies[b].shape)].mass * kGravity;
+                  above += scene.shapes[scene.bodies[b].shape].mass * kGravity;
                   force.add(std::abs(below[b] / above - 1));
                 }
                 return Figures{{"force", force}};

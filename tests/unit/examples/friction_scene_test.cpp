@@ -22,7 +22,7 @@ TEST(FrictionScene, WeighsABoxByItsFormulaInAnyPose) {
   const SE3 pose = random.pose(2);
   const Vec3 size(0.3, 0.2, 0.1);
   FrictionScene scene;
-  const SceneBody& body = scene.bodies[std::size_t(add_box(scene, size, pose, 700))];
+  const SceneBody& body = scene.bodies[add_box(scene, size, pose, 700)];
   const double mass = 700 * 0.3 * 0.2 * 0.1;
   const Vec3 square = size.cwiseProduct(size), inertia = mass / 12 * (Vec3::Constant(square.sum()) - square);
   const Mat3 R = pose.R.toRotationMatrix();
@@ -38,7 +38,7 @@ TEST(FrictionScene, WeighsAPrismOfManySidesAsADisk) {
     circle.push_back(0.4 * Vec2(std::cos(kPi * i / 1000), std::sin(kPi * i / 1000)));
   const int prism = add_prism(scene, circle, at_height(1), 0.1, 500);
   const int disk = add_disk(scene, 0.4, 0.1, Vec3(0, 0, 1), 500);
-  const SceneBody &p = scene.bodies[std::size_t(prism)], &d = scene.bodies[std::size_t(disk)];
+  const SceneBody &p = scene.bodies[prism], &d = scene.bodies[disk];
   EXPECT_NEAR(p.mass, d.mass, 1e-5 * d.mass);  // the polygon lacks 4e-6 of the circle
   EXPECT_LT((p.inertia - d.inertia).norm(), 1e-5 * d.inertia.norm());
 }

@@ -145,8 +145,7 @@ TEST(PegPlate, ChoicesAreAllTriplesButLinesAndAllNormals) {  // R-7.3: 40 of 680
   EXPECT_EQ(triples.size(), 640u);
   const std::vector<Vec3> places = face_places();
   for (const std::vector<int>& t : triples) {
-    const Vec3 a = places[std::size_t(t[1])] - places[std::size_t(t[0])],
-               b = places[std::size_t(t[2])] - places[std::size_t(t[0])];
+    const Vec3 a = places[t[1]] - places[t[0]], b = places[t[2]] - places[t[0]];
     EXPECT_GT(a.cross(b).norm(), 1e-6);
   }
   EXPECT_EQ(peg_choices(PegScenario::edge).size(), 49u);
@@ -265,7 +264,7 @@ TEST(PegStudy, SplitsByCase) {
   std::vector<int> all = split.train;
   all.insert(all.end(), split.test.begin(), split.test.end());
   std::ranges::sort(all);
-  for (int i = 0; i < 100; ++i) EXPECT_EQ(all[std::size_t(i)], i);
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(all[i], i);
   EXPECT_NE(split_cases(100, 5).test, split.test);
 }
 
@@ -337,8 +336,8 @@ TEST(PegStudy, LearnsWhatDependsOnTheLoad) {
   };
   std::vector<PegSample> samples(40);
   for (int i = 0; i < 40; ++i) {
-    samples[std::size_t(i)].torque.y() = (i - 19.5) * 0.01;
-    lessons.X.col(i) = input_of(load_of(samples[std::size_t(i)]));
+    samples[i].torque.y() = (i - 19.5) * 0.01;
+    lessons.X.col(i) = input_of(load_of(samples[i]));
     lessons.errors(choice(i < 20 ? std::vector<int>{1, 9, 10} : std::vector<int>{5, 13, 14}), i) = 0;
   }
   PegStudyOptions options;
@@ -346,7 +345,7 @@ TEST(PegStudy, LearnsWhatDependsOnTheLoad) {
   for (const LabelMode mode : {LabelMode::argmin, LabelMode::soft, LabelMode::ranked}) {
     const Training made = train(lessons, mode, options);
     for (const int i : {0, 10, 30, 39}) {
-      std::vector<int> chosen = learned_outputs(PegScenario::surface, made.network, samples[std::size_t(i)]);
+      std::vector<int> chosen = learned_outputs(PegScenario::surface, made.network, samples[i]);
       std::ranges::sort(chosen);
       EXPECT_EQ(chosen, i < 20 ? (std::vector<int>{1, 9, 10}) : (std::vector<int>{5, 13, 14}))
           << to_string(mode);

@@ -16,7 +16,7 @@ namespace aussois {
 namespace {
 
 const SceneBody& body(const FrictionScene& scene, int index) {
-  return scene.bodies[std::size_t(index)];
+  return scene.bodies[index];
 }
 
 double weight(const FrictionScene& scene) {
@@ -202,8 +202,8 @@ TEST(SpherePile, IsSettledWithoutOverlap) {
   const FrictionScene scene = sphere_pile(300, random);
   std::vector<int> touching(scene.bodies.size());
   for (const Interaction& at : scene.contacts) {
-    ++touching[std::size_t(at.a)];
-    ++touching[std::size_t(at.b)];
+    ++touching[at.a];
+    ++touching[at.b];
     for (const int index : {at.a, at.b}) {
       if (index == 0) continue;
       const SceneBody& ball = body(scene, index);

@@ -11,7 +11,7 @@ namespace {
 // A block on a plate and two parts on hinges, of which one has no shape.
 Scene hinged_parts() {
   Scene s = block_on_plate(0.3, 0, 0);
-  const RigidBody block = s.model.bodies[std::size_t(s.block)];
+  const RigidBody block = s.model.bodies[s.block];
   for (const auto& [name, shape] : {std::pair{"lid", block.shape}, std::pair{"pin", -1}}) {
     RigidBody part = block;
     part.name = name, part.shape = shape;

@@ -51,8 +51,7 @@ SE3 screw(const FastenerOptions& options, double angle) {
 
 Corners corners(const SimplicialComplex& complex, std::size_t t) {
   const auto& [a, b, c] = complex.triangles[t];
-  return {complex.vertices[std::size_t(a)], complex.vertices[std::size_t(b)],
-          complex.vertices[std::size_t(c)]};
+  return {complex.vertices[a], complex.vertices[b], complex.vertices[c]};
 }
 
 // All triangles, or only those whose corners lie between two radii and above the head.
@@ -272,7 +271,7 @@ TEST(Fastener, TurnsWithoutTouchingAndKeepsThePromisedGap) {
     double tightest = kInf, loosest = 0;
     for (int k = 1; k <= 50; ++k) {
       const double facet_steps =
-          std::floor(k * options.facets / 9.0) + std::array{0.0, 0.25, 0.5, 0.83}[std::size_t(k % 4)];
+          std::floor(k * options.facets / 9.0) + std::array{0.0, 0.25, 0.5, 0.83}[k % 4];
       const double turns = facet_steps / options.facets;
       const SimplicialComplex turned = transformed(nut, screw(options, 2 * kPi * turns));
       const Judgement found = judge(bolt, turned, options);

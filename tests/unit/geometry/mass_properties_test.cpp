@@ -164,8 +164,8 @@ TEST_P(ConvexHull, OfAnyPointsIsClosedAndNoPointIsOutside) {
   const SimplicialComplex hull = make_complex(points, convex_hull(points));
   EXPECT_TRUE(is_closed_oriented(hull));
   for (const auto& [i, j, k] : hull.triangles) {
-    const Vec3 a = points[std::size_t(i)];
-    const Vec3 normal = (points[std::size_t(j)] - a).cross(points[std::size_t(k)] - a);
+    const Vec3 a = points[i];
+    const Vec3 normal = (points[j] - a).cross(points[k] - a);
     ASSERT_TRUE(kind == 3 || normal.norm() > 0);
     for (const Vec3& x : points)  // 1e-15: rounding of this very formula, coordinates are of order one
       ASSERT_LE(normal.dot(x - a), kind == 2 ? 0 : 1e-15) << "integers are exact";

@@ -54,9 +54,9 @@ std::pair<std::map<int, int>, std::map<int, int>> told(const MeshFeatures& f) {
 void expect_each_active_feature_once(const MeshFeatures& f) {
   const auto [vertices, edges] = told(f);
   for (int v = 0; v < int(f.vertex_active.size()); ++v)
-    EXPECT_EQ(vertices.contains(v) ? vertices.at(v) : 0, int(f.vertex_active[std::size_t(v)])) << v;
+    EXPECT_EQ(vertices.contains(v) ? vertices.at(v) : 0, int(f.vertex_active[v])) << v;
   for (int e = 0; e < int(f.edge_class.size()); ++e)
-    EXPECT_EQ(edges.contains(e) ? edges.at(e) : 0, int(is_active(f.edge_class[std::size_t(e)]))) << e;
+    EXPECT_EQ(edges.contains(e) ? edges.at(e) : 0, int(is_active(f.edge_class[e]))) << e;
 }
 
 int vertex_at(const MeshFeatures& f, const Vec3& x) {
@@ -149,7 +149,7 @@ TEST(MeshFeatures, T_1_4_OfAStepAreNotAtTheEndsOfItsCrease) {
     for (const double z : {-0.5, 0.5}) {
       const int v = vertex_at(f, {1, 1, z});
       EXPECT_FALSE(f.vertex_active.at(std::size_t(v)));
-      EXPECT_EQ(f.vertex_class[std::size_t(v)], VertexClass::concave);
+      EXPECT_EQ(f.vertex_class[v], VertexClass::concave);
     }
     EXPECT_EQ(vertex_bits(f), 10);
     expect_each_active_feature_once(f);
@@ -211,7 +211,7 @@ using Classes = std::map<std::array<int, 2>, int>;
 Classes classes(const MeshFeatures& f, const std::vector<int>& name) {
   Classes out;
   for (std::size_t e = 0; e < f.edge_class.size(); ++e) {
-    const int a = name[std::size_t(f.complex.edges[e][0])], b = name[std::size_t(f.complex.edges[e][1])];
+    const int a = name[f.complex.edges[e][0]], b = name[f.complex.edges[e][1]];
     out[{std::min(a, b), std::max(a, b)}] = int(f.edge_class[e]);
   }
   for (std::size_t v = 0; v < f.vertex_class.size(); ++v)
@@ -226,23 +226,22 @@ TEST(MeshFeatures, T_1_10_DoNotDependOnOrderPoseOrScale) {
     const SimplicialComplex mesh = bumpy_sphere(random, int(seed % 2), 0.25);
     const int n = int(mesh.vertices.size());
     std::vector<int> same(static_cast<std::size_t>(n)), place = same;  // of vertex i in the copy
-    for (int i = 0; i < n; ++i) same[std::size_t(i)] = place[std::size_t(i)] = i;
-    for (int i = n - 1; i > 0; --i) std::swap(place[std::size_t(i)], place[std::size_t(random.index(i + 1))]);
+    for (int i = 0; i < n; ++i) same[i] = place[i] = i;
+    for (int i = n - 1; i > 0; --i) std::swap(place[i], place[random.index(i + 1)]);
 
     const SE3 g = random.pose(1);
     const double scale = random.log_uniform(1e-3, 1e3);
     std::vector<Vec3> vertices(mesh.vertices.size());
-    for (std::size_t i = 0; i < vertices.size(); ++i)
-      vertices[std::size_t(place[i])] = scale * (g * mesh.vertices[i]);
+    for (std::size_t i = 0; i < vertices.size(); ++i) vertices[place[i]] = scale * (g * mesh.vertices[i]);
     Triangles triangles = mesh.triangles;
     for (auto& t : triangles) {
-      for (int& v : t) v = place[std::size_t(v)];
+      for (int& v : t) v = place[v];
       std::rotate(t.begin(), t.begin() + random.index(3), t.end());
     }
     for (int i = int(triangles.size()) - 1; i > 0; --i)
-      std::swap(triangles[std::size_t(i)], triangles[std::size_t(random.index(i + 1))]);
+      std::swap(triangles[i], triangles[random.index(i + 1)]);
     std::vector<int> name(same.size());
-    for (std::size_t i = 0; i < name.size(); ++i) name[std::size_t(place[i])] = int(i);
+    for (std::size_t i = 0; i < name.size(); ++i) name[place[i]] = int(i);
 
     const Classes before = classes(features(mesh), same);
     ASSERT_EQ(classes(features(make_complex(vertices, triangles)), name), before) << "seed " << seed;
@@ -266,8 +265,7 @@ TEST(MeshFeatures, T_1_11_OfASphereAreAllItsEdgesAndVertices) {
 double winding(const SimplicialComplex& k, const Vec3& x) {
   double sum = 0;
   for (const auto& t : k.triangles) {
-    const Vec3 a = k.vertices[std::size_t(t[0])] - x, b = k.vertices[std::size_t(t[1])] - x,
-               c = k.vertices[std::size_t(t[2])] - x;
+    const Vec3 a = k.vertices[t[0]] - x, b = k.vertices[t[1]] - x, c = k.vertices[t[2]] - x;
     sum += std::atan2(a.dot(b.cross(c)), a.norm() * b.norm() * c.norm() + a.dot(b) * c.norm() +
                                              b.dot(c) * a.norm() + c.dot(a) * b.norm());
   }
@@ -277,14 +275,14 @@ double winding(const SimplicialComplex& k, const Vec3& x) {
 // How many of `n` directions lie in the polar of the tangent cone at v, found by distances: the point a
 // little out is outside and nearer to v than to any point of the edges and faces there.
 int sampled_polar(const SimplicialComplex& k, int v, int n, Random& random) {
-  const Vec3& x = k.vertices[std::size_t(v)];
+  const Vec3& x = k.vertices[v];
   int inside_polar = 0;
   for (int i = 0; i < n; ++i) {
     const Vec3 d = random.direction();
     bool nearest = true;
     for (const int t : k.vertex_triangles[v]) {
-      for (const int w : k.triangles[std::size_t(t)])
-        if (w != v) nearest = nearest && d.dot(k.vertices[std::size_t(w)] - x) <= 0;
+      for (const int w : k.triangles[t])
+        if (w != v) nearest = nearest && d.dot(k.vertices[w] - x) <= 0;
       if (!nearest) break;
     }
     if (nearest && winding(k, x + 1e-6 * d) < 0.5) ++inside_polar;
@@ -299,12 +297,12 @@ TEST(MeshFeatures, T_1_11_OfATorusAreThoseThatSamplingFinds) {
   int active = 0, inactive = 0;
   for (int v = 0; v < int(torus.vertices.size()); v += 5) {  // all places round the tube
     const int found = sampled_polar(torus, v, 10000, random);
-    if (f.vertex_active[std::size_t(v)]) {
+    if (f.vertex_active[v]) {
       EXPECT_GT(found, 0) << v;
     } else {
       EXPECT_EQ(found, 0) << v;
     }
-    (f.vertex_active[std::size_t(v)] ? active : inactive) += 1;
+    (f.vertex_active[v] ? active : inactive) += 1;
   }
   EXPECT_GT(active, 10);
   EXPECT_GT(inactive, 10);
@@ -335,10 +333,10 @@ TEST(MeshFeatures, T_1_12_AreEnoughForEveryDistance) {
     Random random(seed);
     const MeshFeatures f = find_mesh_features(bumpy_sphere(random, 1, 0.3), {.flat_angle = 1e-6});
     const SimplicialComplex& k = f.complex;
-    const auto at = [&](int v) { return k.vertices[std::size_t(v)]; };
+    const auto at = [&](int v) { return k.vertices[v]; };
     concave += count(f, EdgeClass::concave);
     for (int pose = 0; pose < 100; ++pose) {
-      const auto& t = k.triangles[std::size_t(random.index(int(k.triangles.size())))];
+      const auto& t = k.triangles[random.index(int(k.triangles.size()))];
       const double a = random.uniform(), b = random.uniform(0, 1 - a);
       const Vec3 x = (at(t[0]) + a * (at(t[1]) - at(t[0])) + b * (at(t[2]) - at(t[0]))) *
                      (1 + random.log_uniform(1e-3, 1));  // outside: the mesh is a star
@@ -346,8 +344,8 @@ TEST(MeshFeatures, T_1_12_AreEnoughForEveryDistance) {
       for (int i = 0; i < int(k.vertices.size()); ++i) {
         const double d = interior_distance({at(i)}, x);
         all = std::min(all, d);
-        if (f.vertex_active[std::size_t(i)]) active = std::min(active, d);
-        if (f.vertex_class[std::size_t(i)] == VertexClass::concave) on_concave = std::min(on_concave, d);
+        if (f.vertex_active[i]) active = std::min(active, d);
+        if (f.vertex_class[i] == VertexClass::concave) on_concave = std::min(on_concave, d);
       }
       for (std::size_t e = 0; e < k.edges.size(); ++e) {
         const double d = interior_distance({at(k.edges[e][0]), at(k.edges[e][1])}, x);
@@ -392,8 +390,8 @@ TEST(MeshFeatures, AreTheCornersAndCreasesOfContactDetermination) {
     for (const EdgeLeaf& leaf : shape.edges)
       creases.insert({std::min(leaf.first, leaf.last), std::max(leaf.first, leaf.last)});
     for (int v = 0; v < int(f.vertex_active.size()); ++v) {
-      if (f.vertex_active[std::size_t(v)]) active.insert(v);
-      saddles += f.vertex_class[std::size_t(v)] == VertexClass::saddle_apex;
+      if (f.vertex_active[v]) active.insert(v);
+      saddles += f.vertex_class[v] == VertexClass::saddle_apex;
     }
     for (std::size_t e = 0; e < f.edge_class.size(); ++e)
       if (is_active(f.edge_class[e])) active_edges.insert(f.complex.edges[e]);
@@ -414,7 +412,7 @@ TEST(MeshFeatures, CountWhatTheyWeldAndLeaveOut) {
   EXPECT_EQ(f.complex.triangles.size(), 2u);
   EXPECT_EQ(count(f, EdgeClass::interior), 1);
   EXPECT_EQ(f.vertex_of[3], f.vertex_of[1]);
-  EXPECT_EQ(f.vertex_class[std::size_t(f.vertex_of[6])], VertexClass::unused);
+  EXPECT_EQ(f.vertex_class[f.vertex_of[6]], VertexClass::unused);
 }
 
 // A cube with what meshes have wrong: everything that is a cube's own keeps its class.
@@ -434,7 +432,7 @@ TEST(MeshFeatures, OfADamagedCubeAreThoseOfTheCube) {
     Triangles triangles;
     for (const auto& t : cube.triangles) {
       triangles.push_back({int(corners.size()), int(corners.size()) + 1, int(corners.size()) + 2});
-      for (const int i : t) corners.push_back(v[std::size_t(i)]);
+      for (const int i : t) corners.push_back(v[i]);
     }
     const MeshFeatures f = features(make_complex(corners, triangles));
     expect_cube(f);
@@ -443,23 +441,23 @@ TEST(MeshFeatures, OfADamagedCubeAreThoseOfTheCube) {
   {  // a triangle without area along an edge of the cube, and one of a single place
     std::vector<Vec3> more = v;
     const auto& e = cube.triangles[0];
-    more.push_back((v[std::size_t(e[0])] + v[std::size_t(e[1])]) / 2);
-    more.push_back(v[std::size_t(e[0])]);
+    more.push_back((v[e[0]] + v[e[1]]) / 2);
+    more.push_back(v[e[0]]);
     Triangles triangles = cube.triangles;
     triangles.push_back({e[0], n, e[1]});
     triangles.push_back({e[0], n + 1, e[1]});
     const MeshFeatures f = features(make_complex(more, triangles));
     expect_cube(f);
     EXPECT_EQ(f.removed_triangles, 2);
-    EXPECT_EQ(f.vertex_class[std::size_t(f.vertex_of[std::size_t(n)])], VertexClass::unused);
+    EXPECT_EQ(f.vertex_class[f.vertex_of[n]], VertexClass::unused);
   }
   {  // a vertex of no triangle
     std::vector<Vec3> more = v;
     more.push_back({3, 3, 3});
     const MeshFeatures f = features(make_complex(more, cube.triangles));
     expect_cube(f);
-    EXPECT_EQ(f.vertex_class[std::size_t(f.vertex_of[std::size_t(n)])], VertexClass::unused);
-    EXPECT_FALSE(f.vertex_active[std::size_t(f.vertex_of[std::size_t(n)])]);
+    EXPECT_EQ(f.vertex_class[f.vertex_of[n]], VertexClass::unused);
+    EXPECT_FALSE(f.vertex_active[f.vertex_of[n]]);
   }
 }
 
@@ -469,9 +467,9 @@ TEST(MeshFeatures, OfAFinnedCubeHaveOneNonManifoldEdge) {
   std::vector<Vec3> v = cube.vertices;
   v.push_back({2, 2, 2});
   int corner = 0;  // (1, 1, 1) / 2 and the one below
-  while ((v[std::size_t(corner)] - Vec3(0.5, 0.5, 0.5)).norm() > 1e-12) ++corner;
+  while ((v[corner] - Vec3(0.5, 0.5, 0.5)).norm() > 1e-12) ++corner;
   int below = 0;
-  while ((v[std::size_t(below)] - Vec3(0.5, 0.5, -0.5)).norm() > 1e-12) ++below;
+  while ((v[below] - Vec3(0.5, 0.5, -0.5)).norm() > 1e-12) ++below;
   Triangles triangles = cube.triangles;
   triangles.push_back({corner, below, int(v.size()) - 1});
   const MeshFeatures f = features(make_complex(v, triangles));
@@ -479,7 +477,7 @@ TEST(MeshFeatures, OfAFinnedCubeHaveOneNonManifoldEdge) {
   EXPECT_EQ(count(f, EdgeClass::boundary), 2);
   EXPECT_EQ(count(f, EdgeClass::convex), 11);
   expect_each_active_feature_once(f);
-  EXPECT_EQ(f.vertex_class[std::size_t(vertex_at(f, v[std::size_t(corner)]))], VertexClass::nonmanifold);
+  EXPECT_EQ(f.vertex_class[vertex_at(f, v[corner])], VertexClass::nonmanifold);
 }
 
 TEST(MeshFeatures, RefuseWhatIsNoNumber) {
@@ -496,10 +494,8 @@ TEST(MeshFeatures, RefuseWhatIsNoNumber) {
 }
 
 TEST(MeshFeatures, RefuseBadAngles) {
-  EXPECT_NE(message_of([] {
-              find_mesh_features(make_box(1, 1, 1), {.flat_angle = -1});
-            }).find("MeshFeatureOptions::flat_angle = -1 must lie in [0, pi/2) rad"),
-            std::string::npos);
+  EXPECT_EQ(message_of([] { find_mesh_features(make_box(1, 1, 1), {.flat_angle = -1}); }),
+            "MeshFeatureOptions::flat_angle = -1 must lie in [0, 1.5708) rad");
   EXPECT_TRUE(find_mesh_features(SimplicialComplex{}).triangle_flags.empty());
 }
 
@@ -532,7 +528,7 @@ TEST(AdmissibleNormal, OfEdgesIsInTheFanOrOneOfTheFaces) {
     for (int i = 0; i < 20; ++i) {
       const Vec3 n = random.direction();
       const Vec3 got = admissible_normal(f, 1, e, n);
-      if (f.edge_class[std::size_t(e)] != EdgeClass::convex) {
+      if (f.edge_class[e] != EdgeClass::convex) {
         EXPECT_EQ(got, b.dot(n) > a.dot(n) ? b : a);
         continue;
       }

@@ -32,7 +32,7 @@ Places places_of(const SimplicialComplex& complex) {
   for (const Triangle& triangle : complex.triangles) {
     std::array<std::array<double, 3>, 3> corners{};
     for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3& x = complex.vertices[std::size_t(triangle[k])];
+      const Vec3& x = complex.vertices[triangle[k]];
       corners[k] = {x.x(), x.y(), x.z()};
     }
     std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
@@ -57,7 +57,7 @@ SimplicialComplex box_with_t_junctions(int pieces) {
   const int lower = find(1, 1, -1), upper = find(1, 1, 1);
   Triangles triangles;
   for (const Triangle& t : box.triangles) {
-    const bool on_face = std::ranges::all_of(t, [&](int v) { return vertices[std::size_t(v)].x() == 1; });
+    const bool on_face = std::ranges::all_of(t, [&](int v) { return vertices[v].x() == 1; });
     const bool at_edge = std::ranges::count(t, lower) + std::ranges::count(t, upper) == 2;
     if (!on_face || !at_edge) {
       triangles.push_back(t);
@@ -69,7 +69,7 @@ SimplicialComplex box_with_t_junctions(int pieces) {
     int last = from;
     for (int i = 1; i <= pieces; ++i) {
       const double s = double(i) / pieces;
-      const Vec3 x = (1 - s) * vertices[std::size_t(from)] + s * vertices[std::size_t(to)];
+      const Vec3 x = (1 - s) * vertices[from] + s * vertices[to];
       const int next = i == pieces ? to : int(vertices.size());
       if (i < pieces) vertices.push_back(x);
       triangles.push_back({apex, last, next});
@@ -121,7 +121,7 @@ TEST(MeshRepair, WeldsASoupToTheSolidItWasCutFrom) {
     EXPECT_EQ(repaired.report.welded_same.count, int(soup.vertices.size() - whole.vertices.size()));
     EXPECT_EQ(repaired.report.welded_near.count, 0);
     for (std::size_t i = 0; i < soup.vertices.size(); ++i)
-      EXPECT_EQ(repaired.complex.vertices[std::size_t(repaired.vertex[i])], soup.vertices[i]);
+      EXPECT_EQ(repaired.complex.vertices[repaired.vertex[i]], soup.vertices[i]);
   }
 }
 
@@ -137,8 +137,8 @@ TEST(MeshRepair, WeldsWithinTheToleranceAndMovesNothingFarther) {
     EXPECT_GT(repaired.report.welded_near.distance, 0.3 * tau) << "the sample is hollow";
     double farthest = 0;
     for (std::size_t i = 0; i < soup.vertices.size(); ++i)
-      farthest = std::max(
-          farthest, (repaired.complex.vertices[std::size_t(repaired.vertex[i])] - soup.vertices[i]).norm());
+      farthest =
+          std::max(farthest, (repaired.complex.vertices[repaired.vertex[i]] - soup.vertices[i]).norm());
     EXPECT_LE(farthest, repaired.report.tolerance);
     EXPECT_DOUBLE_EQ(farthest, repaired.report.welded_near.distance);
   }
@@ -258,7 +258,7 @@ TEST(MeshRepair, SplitsOnAllSidesOfATriangle) {
   std::vector<Vec3> x = corner;
   Triangles triangles = {{0, 1, 2}};
   for (int k = 0; k < 3; ++k) {
-    const Vec3 &a = corner[std::size_t(k)], &b = corner[std::size_t((k + 1) % 3)];
+    const Vec3 &a = corner[k], &b = corner[(k + 1) % 3];
     const int apex = int(x.size());
     x.push_back(a + b - (corner[0] + corner[1] + corner[2]) / 3);
     int last = k;
@@ -406,15 +406,14 @@ TEST(MeshRepair, DoesNotDependOnTheOrderOfTheFile) {
     for (int sample = 0; sample < 5; ++sample) {
       std::vector<int> order(mesh.vertices.size());
       std::iota(order.begin(), order.end(), 0);
-      for (std::size_t i = order.size(); i-- > 1;)
-        std::swap(order[i], order[std::size_t(random.index(int(i) + 1))]);
+      for (std::size_t i = order.size(); i-- > 1;) std::swap(order[i], order[random.index(int(i) + 1)]);
       std::vector<Vec3> x(order.size());
-      for (std::size_t i = 0; i < order.size(); ++i) x[std::size_t(order[i])] = mesh.vertices[i];
+      for (std::size_t i = 0; i < order.size(); ++i) x[order[i]] = mesh.vertices[i];
       Triangles triangles = mesh.triangles;
       for (Triangle& t : triangles)
-        for (int& v : t) v = order[std::size_t(v)];
+        for (int& v : t) v = order[v];
       for (std::size_t i = triangles.size(); i-- > 1;)
-        std::swap(triangles[i], triangles[std::size_t(random.index(int(i) + 1))]);
+        std::swap(triangles[i], triangles[random.index(int(i) + 1)]);
       const RepairedMesh other = repair_mesh(make_complex(x, triangles));
       EXPECT_EQ(places_of(other.complex), places_of(first.complex));
       EXPECT_EQ(other.complex.solid, first.complex.solid);
@@ -476,7 +475,7 @@ TEST(MeshRepair, SettlesAnyHeapOfTriangles) {
     const SimplicialComplex heap = make_complex(x, triangles);
     const RepairedMesh once = repair_mesh(heap);
     for (std::size_t i = 0; i < x.size(); ++i)
-      EXPECT_LE((once.complex.vertices[std::size_t(once.vertex[i])] - x[i]).norm(), once.report.tolerance);
+      EXPECT_LE((once.complex.vertices[once.vertex[i]] - x[i]).norm(), once.report.tolerance);
     EXPECT_EQ(once.complex.solid, once.report.reason.empty());
     const Welded welded = weld_vertices(once.complex, once.report.tolerance);
     EXPECT_EQ(welded.vertices.count, 0);

@@ -184,7 +184,7 @@ TEST(SelfIntersections, TakeEqualPlacesAsShared) {
   std::vector<Vec3> split;
   Triangles triangles;
   for (const auto& [a, b, c] : box.triangles) {
-    for (const int v : {a, b, c}) split.push_back(box.vertices[std::size_t(v)]);
+    for (const int v : {a, b, c}) split.push_back(box.vertices[v]);
     const int last = int(split.size()) - 1;
     triangles.push_back({last - 2, last - 1, last});
   }
@@ -223,9 +223,7 @@ TEST(SelfIntersections, OfTheTreeAreThoseOfAllPairs) {
     const int shift = int(both.vertices.size()), cut = int(both.triangles.size());
     both.vertices.insert(both.vertices.end(), box.vertices.begin(), box.vertices.end());
     for (const auto& [i, j, k] : box.triangles) both.triangles.push_back({i + shift, j + shift, k + shift});
-    const auto corner = [&](int t, std::size_t k) {
-      return both.vertices[std::size_t(both.triangles[std::size_t(t)][k])];
-    };
+    const auto corner = [&](int t, std::size_t k) { return both.vertices[both.triangles[t][k]]; };
     Pairs expected;
     for (int i = 0; i < cut; ++i)
       for (int j = cut; j < int(both.triangles.size()); ++j)

@@ -15,7 +15,7 @@ TEST(ParallelFor, CallsEachIndexOnceForAnyNumberOfThreads) {
   for (const int threads : {-1, 0, 1, 2, 3, 7}) {
     for (const int n : {0, 1, 2, 1000}) {
       std::vector<int> calls(std::size_t(n), 0);
-      parallel_for(n, threads, [&](int i) { ++calls[std::size_t(i)]; });
+      parallel_for(n, threads, [&](int i) { ++calls[i]; });
       EXPECT_EQ(calls, std::vector<int>(std::size_t(n), 1)) << threads << " threads";
     }
   }
@@ -24,8 +24,7 @@ TEST(ParallelFor, CallsEachIndexOnceForAnyNumberOfThreads) {
 TEST(ParallelFor, GivesTheSameSumToTheLastBitWhenPlacesAreJoinedInOrder) {
   const auto sum = [](int threads) {
     std::vector<double> places(10000);
-    parallel_for(10000, threads,
-                 [&](int i) { places[std::size_t(i)] = std::sin(i) * std::pow(10.0, i % 30); });
+    parallel_for(10000, threads, [&](int i) { places[i] = std::sin(i) * std::pow(10.0, i % 30); });
     return std::accumulate(places.begin(), places.end(), 0.0);
   };
   const double expected = sum(1);

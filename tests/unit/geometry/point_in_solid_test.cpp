@@ -23,8 +23,7 @@ bool is_inside(const SimplicialComplex& solid, const Vec3& p) {
 double winding_number(const SimplicialComplex& solid, const Vec3& p) {
   double sum = 0;
   for (const auto& [i, j, k] : solid.triangles) {
-    const Vec3 a = solid.vertices[std::size_t(i)] - p, b = solid.vertices[std::size_t(j)] - p,
-               c = solid.vertices[std::size_t(k)] - p;
+    const Vec3 a = solid.vertices[i] - p, b = solid.vertices[j] - p, c = solid.vertices[k] - p;
     const double x = a.norm(), y = b.norm(), z = c.norm();
     sum += std::atan2(a.dot(b.cross(c)), x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y);
   }
@@ -72,8 +71,7 @@ TEST(PointInSolid, KnowsTheSideOfPointsAboveSlivers) {
   SimplicialComplex box = make_box(2, 2, 2);
   std::vector<std::array<int, 3>> triangles;
   for (const auto& [a, b, c] : box.triangles) {  // each gets a vertex next to the middle of an edge
-    const Vec3 &u = box.vertices[std::size_t(a)], &v = box.vertices[std::size_t(b)],
-               &w = box.vertices[std::size_t(c)];
+    const Vec3 &u = box.vertices[a], &v = box.vertices[b], &w = box.vertices[c];
     const int middle = int(box.vertices.size());
     const Vec3 x = 0.5 * (u + v) + 1e-13 * (w - 0.5 * (u + v));
     for (const auto& t : {std::array{a, b, middle}, std::array{b, c, middle}, std::array{c, a, middle}})
@@ -88,7 +86,7 @@ TEST(PointInSolid, KnowsTheSideOfPointsAboveSlivers) {
     double sum = 0;
     for (const int corner : t) {
       const double weight = random.uniform();
-      p += weight * cut.vertices[std::size_t(corner)], sum += weight;
+      p += weight * cut.vertices[corner], sum += weight;
     }
     p /= sum;
     Eigen::Index across = 0;

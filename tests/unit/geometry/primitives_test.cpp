@@ -104,9 +104,8 @@ TEST(Primitives, PlateIsASheetFacingUpwards) {
   EXPECT_EQ(euler_characteristic(plate), 1);
   double area = 0;
   for (const auto& [a, b, c] : plate.triangles) {
-    const Vec3 corner = plate.vertices[std::size_t(a)];
-    const Vec3 twice =
-        (plate.vertices[std::size_t(b)] - corner).cross(plate.vertices[std::size_t(c)] - corner);
+    const Vec3 corner = plate.vertices[a];
+    const Vec3 twice = (plate.vertices[b] - corner).cross(plate.vertices[c] - corner);
     EXPECT_GT(twice.z(), 0);
     area += twice.norm() / 2;
   }

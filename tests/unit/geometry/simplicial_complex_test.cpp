@@ -93,22 +93,21 @@ TEST(SimplicialComplex, IncidencesAreThoseOfTheDefinition) {
     };
     for (std::size_t t = 0; t < triangles.size(); ++t)
       for (std::size_t k = 0; k < 3; ++k)
-        EXPECT_EQ(complex.edges[std::size_t(complex.triangle_edges[t][k])],
+        EXPECT_EQ(complex.edges[complex.triangle_edges[t][k]],
                   ascending(triangles[t][k], triangles[t][(k + 1) % 3]));
     for (int e = 0; e < int(complex.edges.size()); ++e) {
-      const Edge& ends = complex.edges[std::size_t(e)];
+      const Edge& ends = complex.edges[e];
       std::vector<int> expected;
       for (int t = 0; t < int(triangles.size()); ++t)
-        if (contains(triangles[std::size_t(t)], ends[0]) && contains(triangles[std::size_t(t)], ends[1]))
-          expected.push_back(t);
+        if (contains(triangles[t], ends[0]) && contains(triangles[t], ends[1])) expected.push_back(t);
       EXPECT_EQ(items(complex.edge_triangles, e), expected);
     }
     for (int v = 0; v < n; ++v) {
       std::vector<int> expected_edges, expected_triangles;
       for (int e = 0; e < int(complex.edges.size()); ++e)
-        if (contains(complex.edges[std::size_t(e)], v)) expected_edges.push_back(e);
+        if (contains(complex.edges[e], v)) expected_edges.push_back(e);
       for (int t = 0; t < int(triangles.size()); ++t)
-        if (contains(triangles[std::size_t(t)], v)) expected_triangles.push_back(t);
+        if (contains(triangles[t], v)) expected_triangles.push_back(t);
       EXPECT_EQ(items(complex.vertex_edges, v), expected_edges);
       EXPECT_EQ(items(complex.vertex_triangles, v), expected_triangles);
     }

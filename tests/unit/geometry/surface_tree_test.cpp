@@ -39,11 +39,11 @@ TEST(SurfaceTree, NamesTheSimplexThatCarriesTheNearestPoint) {
   const SurfaceTree tree(box);
   const SurfacePoint corner = tree.nearest(Vec3(2, 2, 2));
   EXPECT_EQ(corner.dim, 0);
-  EXPECT_EQ(box.vertices[std::size_t(corner.simplex)], Vec3(1, 1, 1));
+  EXPECT_EQ(box.vertices[corner.simplex], Vec3(1, 1, 1));
   const SurfacePoint edge = tree.nearest(Vec3(2, 2, 0.3));
   ASSERT_EQ(edge.dim, 1);
-  const auto& [a, b] = box.edges[std::size_t(edge.simplex)];
-  EXPECT_LT((box.vertices[std::size_t(a)] + box.vertices[std::size_t(b)] - Vec3(2, 2, 0)).norm(), 1e-15);
+  const auto& [a, b] = box.edges[edge.simplex];
+  EXPECT_LT((box.vertices[a] + box.vertices[b] - Vec3(2, 2, 0)).norm(), 1e-15);
   EXPECT_EQ(tree.nearest(Vec3(2, 0.3, 0.1)).dim, 2);
 }
 

@@ -76,8 +76,7 @@ TEST(GeneralisedCoordinates, GiveTheDoublePendulumThatBodiesWithJointsGive) {
     State state = rest_state(model);
     if (of_bodies)
       for (int i = 0; i < 2; ++i) {
-        state.g[std::size_t(i)].p.x() =
-            0.5 + i;  // rotations about -y raise the end: angles from the horizontal
+        state.g[i].p.x() = 0.5 + i;  // rotations about -y raise the end: angles from the horizontal
         add(model, joint_at(JointKind::revolute, "hinge", i, -1 + i, state.g,
                             translation(i, 0, 0) * rotation(Vec3::UnitX(), kPi / 2)));
       }

@@ -25,7 +25,7 @@ TEST(D1MinusLinear, IsOfOrderTwoWhileContactLasts) {
          .add_to =
              [body = s.block](const Model& model, const State&, double t, GeneralisedForce& force) {
                force.f[first_velocity(body)] +=
-                   model.bodies[std::size_t(body)].mass * kGravity * (1 + std::sin(kW * t)) / 2;
+                   model.bodies[body].mass * kGravity * (1 + std::sin(kW * t)) / 2;
              },
          .potential = {}});
     twist(s.state, s.block)[0] = kStart;
@@ -79,7 +79,7 @@ TEST(D1MinusLinear, LetsNoBlockCreep) {
     ASSERT_TRUE(report.ok()) << report.reason;
     Vec3 sum = Vec3::Zero();  // of both stages: the weight over the step
     for (const StepContact& contact : report.contacts) sum += contact.impulse;
-    const double mass = s.model.bodies[std::size_t(s.block)].mass;
+    const double mass = s.model.bodies[s.block].mass;
     ASSERT_LT((sum - report.h * mass * s.model.gravity).norm(), 1e-8);  // A is the plate
   }
   EXPECT_LT((pose(s.state, s.block).p - start).norm(), 1e-9);

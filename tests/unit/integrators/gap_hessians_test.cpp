@@ -33,7 +33,7 @@ Pair pair_of(const SimplicialComplex& a, const SE3& g_a, const SimplicialComplex
   }
   out.state = rest_state(out.model);
   for (const int body : {0, 1})
-    pose(out.state, body) = (body == 0 ? g_a : g_b) * inverse(out.model.bodies[std::size_t(body)].g_bs);
+    pose(out.state, body) = (body == 0 ? g_a : g_b) * inverse(out.model.bodies[body].g_bs);
   return out;
 }
 

@@ -35,7 +35,7 @@ double may_turn(const Model& model, const State& before, const State& after, con
   double v = 0, omega = 0, impulses = 0, torques = 0;
   for (int b = 0; b < int(model.bodies.size()); ++b) {
     const Vec6 was = twist(before, b), is = twist(after, b);
-    const RigidBody& body = model.bodies[std::size_t(b)];
+    const RigidBody& body = model.bodies[b];
     if (!is_dynamic(body)) continue;
     v = std::max({v, was.head<3>().norm(), is.head<3>().norm()});
     omega = std::max({omega, was.tail<3>().norm(), is.tail<3>().norm()});
@@ -80,7 +80,7 @@ TEST(Ledger, SharesTheWorkOfContactsOutAmongContactsAndTheirLaws) {
     const std::string name = label(variant.name, variant.options);
     Scene s = block_on_plate(0.3, 0, 0);
     const State below = s.state;
-    const int rider = add(s.model, s.model.bodies[std::size_t(s.block)]);
+    const int rider = add(s.model, s.model.bodies[s.block]);
     s.model.pair_laws[{s.block, rider}] = {.mu = 0.05, .restitution = 0.2};
     s.state = rest_state(s.model);
     pose(s.state, s.block) = pose(below, s.block);
@@ -102,7 +102,7 @@ TEST(Ledger, SharesTheWorkOfContactsOutAmongContactsAndTheirLaws) {
       EXPECT_LT(sum[0], -1e-3 * part) << name;
       EXPECT_LT(sum[1], -1e-5 * part) << name;
       ASSERT_EQ(report.law_work.size(), 2U);
-      for (const int i : {0, 1}) EXPECT_NEAR(report.law_work[std::size_t(i)], sum[i], 1e-15) << name;
+      for (const int i : {0, 1}) EXPECT_NEAR(report.law_work[i], sum[i], 1e-15) << name;
       const double off = variant.name == "event_driven" ? 1e-11 : 1e-13;
       EXPECT_NEAR(sum[0] + sum[1], report.energy.contact_work, off) << name;
     }

@@ -36,15 +36,15 @@ TEST_P(LiveTarget, LedFromRowToRowMovesAsTheRecordedPath) {
   constexpr int kSteps = 60;
   Scene recorded = block_on_plate(0.5, 0, 0);
   const Trajectory path = attached(swing(kSteps), pose(recorded.state, recorded.ground));
-  recorded.model.bodies[std::size_t(recorded.ground)].motion = Prescribed{path};
+  recorded.model.bodies[recorded.ground].motion = Prescribed{path};
   Scene led = recorded;
-  led.model.bodies[std::size_t(led.ground)].motion = Driven{};
+  led.model.bodies[led.ground].motion = Driven{};
   SchemeOptions options = GetParam().options;
   options.step.h = kStep;
   const Scheme along = make_scheme(GetParam().name, recorded.model, options),
                live = make_scheme(GetParam().name, led.model, options);
   for (int k = 0; k < kSteps; ++k) {
-    lead(led.model, led.state, led.ground, path.pose[std::size_t(k + 1)], kStep);
+    lead(led.model, led.state, led.ground, path.pose[k + 1], kStep);
     const StepReport a = along.step(recorded.state, kInf), b = live.step(led.state, kInf);
     ASSERT_TRUE(a.ok() && b.ok()) << a.reason << b.reason;
     if (a.h < kStep) return;  // rows and steps part; what came before counts
@@ -69,7 +69,7 @@ TEST(LiveTarget, AHandleThatIsLedPullsAsAPathDoes) {
   State a = rest_state(recorded), b = rest_state(led);
   const MoreauJean along(recorded, {.h = kStep}, {.theta = 0.5}), live(led, {.h = kStep}, {.theta = 0.5});
   for (int k = 0; k < kSteps; ++k) {
-    lead(led, b, handle, path.pose[std::size_t(k + 1)], kStep);
+    lead(led, b, handle, path.pose[k + 1], kStep);
     const double within = a.t + kStep / 2;
     EXPECT_LT((coupling_wrench(recorded, a, 0, path, spring, within).force -
                coupling_wrench(led, b, 0, handle, spring, within).force)

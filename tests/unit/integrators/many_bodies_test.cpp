@@ -64,8 +64,8 @@ TEST(ManyBodies, ContactsOfAllPairsAreThoseOfEachPair) {
   for (int a = 0; a < int(s.model.bodies.size()); ++a)
     for (int b = a + 1; b < int(s.model.bodies.size()); ++b) {
       const auto posed = [&](int body) {
-        const RigidBody& r = s.model.bodies[std::size_t(body)];
-        return PosedShape{s.model.shapes[std::size_t(r.shape)].get(), pose(s.state, body) * r.g_bs, body};
+        const RigidBody& r = s.model.bodies[body];
+        return PosedShape{s.model.shapes[r.shape].get(), pose(s.state, body) * r.g_bs, body};
       };
       for (const ContactPoint& c : find_contacts(posed(a), posed(b), {.threshold = 2e-3}).points)
         one_by_one.push_back(key_of(c));
@@ -103,9 +103,9 @@ TEST(ManyBodies, PairsNeedABodyThatMoves) {
   const std::vector<StepPair> pairs = pairs_within(model, state, body_bounds(model), {0, 0, 0, 0}, 1);
   ASSERT_EQ(pairs.size(), 3U);
   for (int i = 0; i < 3; ++i) {
-    EXPECT_EQ(pairs[std::size_t(i)].a, i);
-    EXPECT_EQ(pairs[std::size_t(i)].b, 3);
-    EXPECT_EQ(pairs[std::size_t(i)].dilation, 2 * kEps);
+    EXPECT_EQ(pairs[i].a, i);
+    EXPECT_EQ(pairs[i].b, 3);
+    EXPECT_EQ(pairs[i].dilation, 2 * kEps);
   }
 }
 

@@ -31,7 +31,7 @@ struct Chain {
     for (int i = 0; i < rods; ++i) add(model, rod());
     state = rest_state(model);
     for (int i = 0; i < rods; ++i) {
-      state.g[std::size_t(i)].p = Vec3(0.5 + i, 0, 0);
+      state.g[i].p = Vec3(0.5 + i, 0, 0);
       add(model, joint_at(JointKind::revolute, "hinge", i, i - 1, state.g, translation(i, 0, 0) * kAboutY));
     }
   }
@@ -148,8 +148,8 @@ TEST(Bricard, MovesAndKeepsItsEnergy) {
     for (int i = 0; i < 5; ++i) add(model, rod());
     State state = rest_state(model);
     for (int i = 0; i < 5; ++i)
-      state.g[std::size_t(i)] = {Quat::FromTwoVectors(Vec3::UnitX(), corner[i + 1] - corner[i]),
-                                 (corner[i] + corner[i + 1]) / 2};
+      state.g[i] = {Quat::FromTwoVectors(Vec3::UnitX(), corner[i + 1] - corner[i]),
+                    (corner[i] + corner[i + 1]) / 2};
     for (int i = 0; i < 6; ++i)
       add(model, joint_at(JointKind::revolute, "hinge", i < 5 ? i : -1, i - 1, state.g,
                           {Quat::FromTwoVectors(Vec3::UnitZ(), axis[i]), corner[i]}));
@@ -345,7 +345,7 @@ TEST(FreeChain, KeepsItsLinearMomentumToRoundingAndItsAngularMomentumToSecondOrd
     model.gravity = Vec3::Zero();
     for (int i = 0; i < 5; ++i) add(model, rod(1 + 0.2 * i));
     State state = rest_state(model);
-    for (int i = 0; i < 5; ++i) state.g[std::size_t(i)].p.x() = i;
+    for (int i = 0; i < 5; ++i) state.g[i].p.x() = i;
     for (int i = 0; i < 4; ++i)
       add(model, joint_at(i % 2 ? JointKind::spherical : JointKind::universal, "joint", i + 1, i, state.g,
                           translation(i + 0.5, 0, 0)));

@@ -134,7 +134,7 @@ TEST(Joint, RefusesWhatActsAlongAnAxisThatItHasNot) {
   TwoBalls s;
   const auto message = [&](JointKind kind, int axis, const JointAxis& with) {
     Joint joint{.name = "j", .kind = kind, .body_a = 0, .body_b = -1, .length = 1};
-    joint.axis[std::size_t(axis)] = with;
+    joint.axis[axis] = with;
     return message_of([&] { add(s.model, joint); });
   };
   const Motor motor{.kind = MotorKind::speed, .target = [](double) { return 1.0; }};
@@ -207,7 +207,7 @@ TEST(PlasticImpact, OfThreeBallsInTouchSharesTheMomentumWhateverTheStep) {
         const int ball = add(model, prepare(dilate(make_point(), 0.05)));
         for (int i = 0; i < 3; ++i) add(model, TwoBalls::body(ball));
         State state = rest_state(model);
-        for (int i = 0; i < 3; ++i) state.g[std::size_t(i)].p.x() = 0.1 * i;
+        for (int i = 0; i < 3; ++i) state.g[i].p.x() = 0.1 * i;
         state.v[0] = 1;
         const Scheme scheme = make_scheme("moreau_jean", model,
                                           {.step = {.h = h}, .moreau_jean = {.theta = theta, .law = law}});

@@ -69,7 +69,7 @@ TEST(MoreauJean, AnIsolatedPairKeepsItsMomenta) {
   const auto momenta = [&] {
     Vec6 sum = Vec6::Zero();
     for (int b = 0; b < 2; ++b) {
-      const RigidBody& body = model.bodies[std::size_t(b)];
+      const RigidBody& body = model.bodies[b];
       const Vec3 p = body.mass * twist(state, b).head<3>();
       sum.head<3>() += p;
       sum.tail<3>() +=

@@ -37,7 +37,7 @@ TEST(Scheme, LeavesABlockAtRestOnABeltThatMoves) {
   for (const SchemeVariant& variant : variants) {
     Scene s = block_on_plate(0.5, 0, 0);
     const double speed = 0.3;
-    s.model.bodies[std::size_t(s.ground)].motion =
+    s.model.bodies[s.ground].motion =
         Prescribed{{.t = {0, 1}, .pose = {SE3{}, {Quat::Identity(), Vec3(speed, 0, 0)}}}};
     twist(s.state, s.ground)[0] = twist(s.state, s.block)[0] = speed;
     SchemeOptions options = variant.options;

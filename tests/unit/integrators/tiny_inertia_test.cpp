@@ -29,7 +29,7 @@ struct Rods {
           RigidBody{.name = "rod", .mass = 1, .inertia = Vec3(about_x, 1. / 12, 1. / 12).asDiagonal()});
     state = rest_state(model);
     for (int i = 0; i < count; ++i) {
-      state.g[std::size_t(i)].p = Vec3(0.5 + i, 0, 0);
+      state.g[i].p = Vec3(0.5 + i, 0, 0);
       add(model, joint_at(JointKind::revolute, "hinge", i, i - 1, state.g,
                           frame(Vec3(i, 0, 0), i == 0 ? Vec3(0, 1, 0.5) : Vec3(0, 1, 0))));
     }
@@ -48,7 +48,7 @@ struct SixBar {
     state = rest_state(model);
     for (int i = 0; i < 6; ++i) {
       const Vec3 along = corner(i + 1) - corner(i);
-      state.g[std::size_t(i)] = {Quat::FromTwoVectors(Vec3::UnitX(), along), (corner(i) + corner(i + 1)) / 2};
+      state.g[i] = {Quat::FromTwoVectors(Vec3::UnitX(), along), (corner(i) + corner(i + 1)) / 2};
     }
     add(model, joint_at(JointKind::revolute, "held", 0, -1, state.g, frame(corner(0), Vec3(0.2, 1, 0.1))));
     for (int i = 1; i < 6; ++i)
@@ -71,8 +71,8 @@ struct Ring {
           RigidBody{.name = "rod", .mass = 1, .inertia = Vec3(about_x, 1. / 12, 1. / 12).asDiagonal()});
     state = rest_state(model);
     for (int i = 0; i < 5; ++i)
-      state.g[std::size_t(i)] = {Quat::FromTwoVectors(Vec3::UnitX(), corner[i + 1] - corner[i]),
-                                 (corner[i] + corner[i + 1]) / 2};
+      state.g[i] = {Quat::FromTwoVectors(Vec3::UnitX(), corner[i + 1] - corner[i]),
+                    (corner[i] + corner[i + 1]) / 2};
     for (int i = 0; i < 6; ++i)
       add(model, joint_at(JointKind::revolute, "hinge", i < 5 ? i : -1, i - 1, state.g,
                           frame(corner[i], axis[i % 3])));
@@ -180,7 +180,7 @@ TEST(LightLinks, BetweenHeavyBodiesTransmitWhatThoseNeed) {
                            .inertia = mass * Vec3(0.01, 0.08, 0.08).asDiagonal().toDenseMatrix()});
     State state = rest_state(model);
     for (int i = 0; i < 3; ++i) {
-      state.g[std::size_t(i)].p = Vec3(0.5 + i, 0, 0);
+      state.g[i].p = Vec3(0.5 + i, 0, 0);
       add(model,
           joint_at(JointKind::revolute, "hinge", i, i - 1, state.g, frame(Vec3(i, 0, 0), Vec3::UnitY())));
     }

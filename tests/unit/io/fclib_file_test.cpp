@@ -130,7 +130,7 @@ Law any_law(Random& random) {
 enum class Family { plane, space, rolling, mixed };
 
 std::vector<Law> any_laws(Random& random, Family family) {
-  std::vector<Law> laws(std::size_t(1 + random.index(5)));
+  std::vector<Law> laws(1 + random.index(5));
   for (Law& law : laws) {
     const double mu = random.uniform();
     law = family == Family::plane     ? coulomb_2d(mu)
@@ -585,7 +585,7 @@ TEST(FclibFile, NeverCrashesOnFlippedBits) {
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     Random random(seed);
     std::string bad = good;
-    char& byte = bad[std::size_t(random.index(int(bad.size())))];
+    char& byte = bad[random.index(int(bad.size()))];
     byte = char(byte ^ (1 << random.index(8)));
     refused +=
         message_of<std::runtime_error>([&] { read_fclib(write_bytes(folder / "bad.hdf5", bad)); }) != "";

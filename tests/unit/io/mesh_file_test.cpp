@@ -39,7 +39,7 @@ std::string binary_stl(const std::string& header, const SimplicialComplex& compl
   for (const auto& triangle : complex.triangles) {
     for (int k = 0; k < 3; ++k) append(bytes, std::nanf(""));  // nobody needs the normal
     for (const int v : triangle)
-      for (int k = 0; k < 3; ++k) append(bytes, float(complex.vertices[std::size_t(v)][k]));
+      for (int k = 0; k < 3; ++k) append(bytes, float(complex.vertices[v][k]));
     append(bytes, std::uint16_t(7));
   }
   return bytes;
@@ -161,8 +161,8 @@ TEST(ReadStl, WeldsBinaryTrianglesToTheSurfaceTheyCameFrom) {
   EXPECT_EQ(mesh.notes.welded_vertices, int(3 * torus.triangles.size() - torus.vertices.size()));
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (std::size_t k = 0; k < 3; ++k)
-      EXPECT_EQ(mesh.vertices[std::size_t(mesh.triangles[t][k])],
-                torus.vertices[std::size_t(torus.triangles[t][k])].cast<float>().cast<double>());
+      EXPECT_EQ(mesh.vertices[mesh.triangles[t][k]],
+                torus.vertices[torus.triangles[t][k]].cast<float>().cast<double>());
   EXPECT_TRUE(report_mesh(make_complex(mesh.vertices, mesh.triangles)).solid());
 }
 

@@ -87,9 +87,7 @@ Vec3 drawn(const Page& page, int bodies, int k, int body, const std::vector<floa
   const std::vector<float> pose = page.floats("pose");
   const float* g = pose.data() + 7 * (k * bodies + body);
   const Quat R(g[6], g[3], g[4], g[5]);
-  return R * Vec3(vertices[std::size_t(3 * v)], vertices[std::size_t(3 * v + 1)],
-                  vertices[std::size_t(3 * v + 2)]) +
-         Vec3(g[0], g[1], g[2]);
+  return R * Vec3(vertices[3 * v], vertices[3 * v + 1], vertices[3 * v + 2]) + Vec3(g[0], g[1], g[2]);
 }
 
 }  // namespace
@@ -142,7 +140,7 @@ TEST(ReplayHtml, HoldsTheRun) {
       << "no gap: not a number";
   const auto offset = page.ints("contact.offset");
   ASSERT_EQ(offset.size(), 121u);
-  for (int k = 0; k < 120; ++k) EXPECT_EQ(offset[std::size_t(k + 1)] - offset[std::size_t(k)], k % 6);
+  for (int k = 0; k < 120; ++k) EXPECT_EQ(offset[k + 1] - offset[k], k % 6);
 
   // A is the fixed bush in every contact, so the page shows B's side: normal and force reversed, at point_b.
   const std::size_t c = std::size_t(offset[7]);
@@ -167,13 +165,12 @@ TEST(ReplayHtml, DrawsEveryVertexWhereTheBodyIs) {
   const Vec3 origin = run.steps[0].pose[1].p;
   for (const int k : {0, 13, 29})
     for (const int body : {0, 1}) {
-      const RunBody& row = run.header.bodies[std::size_t(body)];
+      const RunBody& row = run.header.bodies[body];
       const RunMesh& mesh = run.header.meshes.at(row.mesh);
       const std::vector<float> vertices = page.floats("mesh" + std::to_string(body) + ".vertices");
       ASSERT_EQ(vertices.size(), 3 * mesh.vertices.size());
       for (const int v : {0, 17, 200}) {
-        const Vec3 x =
-            run.steps[std::size_t(k)].pose[std::size_t(body)] * (row.g_bs * mesh.vertices[std::size_t(v)]);
+        const Vec3 x = run.steps[k].pose[body] * (row.g_bs * mesh.vertices[v]);
         EXPECT_LT((drawn(page, 2, k, body, vertices, v) - (x - origin)).norm(), 2e-8);  // float32 of 0.05 m
       }
     }

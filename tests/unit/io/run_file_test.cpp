@@ -204,7 +204,7 @@ TEST(RunFile, OfARunWithoutStepsOrBodiesIsReadable) {
   EXPECT_TRUE(read_run(folder / "no_steps.h5").steps.empty());
   RunData empty;
   empty.steps.resize(3);
-  for (int k = 0; k < 3; ++k) empty.steps[std::size_t(k)].step = k;
+  for (int k = 0; k < 3; ++k) empty.steps[k].step = k;
   write_run(folder / "no_bodies.h5", empty);
   EXPECT_EQ(read_run(folder / "no_bodies.h5").steps.size(), 3u);
 }
@@ -219,11 +219,10 @@ TEST_P(ResumedRunFile, HasTheSameDataAsOneThatWasNeverInterrupted) {
   const int checkpoint = GetParam(), killed = std::min(199, checkpoint + 37);
   {
     RunWriter writer(folder / "parts.h5", run.header);
-    for (int k = 0; k < checkpoint; ++k) writer.append(run.steps[std::size_t(k)]);
+    for (int k = 0; k < checkpoint; ++k) writer.append(run.steps[k]);
     writer.flush();
     for (int k = checkpoint; k < killed; ++k) {
-      RunStep lost =
-          run.steps[std::size_t(k)];  // what the killed process wrote after its checkpoint, and must not stay
+      RunStep lost = run.steps[k];  // what the killed process wrote after its checkpoint, and must not stay
       lost.kinetic = 1e9;
       if (!lost.contacts.empty()) lost.contacts.pop_back();
       writer.append(lost);
@@ -231,7 +230,7 @@ TEST_P(ResumedRunFile, HasTheSameDataAsOneThatWasNeverInterrupted) {
   }
   RunWriter writer = RunWriter::resume(folder / "parts.h5", std::size_t(checkpoint));
   EXPECT_EQ(writer.rows(), std::size_t(checkpoint));
-  for (int k = checkpoint; k < 200; ++k) writer.append(run.steps[std::size_t(k)]);
+  for (int k = checkpoint; k < 200; ++k) writer.append(run.steps[k]);
   writer.close();
   const auto whole = datasets_of(folder / "whole.h5"), parts = datasets_of(folder / "parts.h5");
   // The layout of doc/run_file.md: 2 x 3 mesh, 8 body, 3 joint, 2 coordinates; 57 of steps, 8 of contacts.

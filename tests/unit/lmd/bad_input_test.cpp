@@ -52,7 +52,7 @@ TEST(BadInput, NotANumberIsNamedAtEveryDoor) {
   EXPECT_EQ(message_of([] { prepare({.complex = make_point(), .radius = kNan}); }),
             "DilatedShape::radius = nan must be finite and not negative [m]");
   EXPECT_EQ(message_of([] { prepare(dilate(make_point(), 0), {.planarity = kNan}); }),
-            "LmdShapeOptions::planarity = nan must lie in [0, 1e-2]");
+            "LmdShapeOptions::planarity = nan must lie in [0, 0.01]");
   const auto refusal = [](const LmdOptions& options) { return message_of([&] { validate(options); }); };
   EXPECT_NE(refusal({.threshold = kNan}).find("LmdOptions::threshold = nan must"), std::string::npos);
   EXPECT_NE(refusal({.threshold = -1}).find("LmdOptions::threshold = -1 must"), std::string::npos);
@@ -122,11 +122,9 @@ TEST(BadInput, AnOpenSolidIsRefusedWithItsEdges) {
   const LmdShape shape = prepare(dilate(sheets, 0.01));  // as sheets it has contacts like any other
   const LmdShape ball = prepare(dilate(make_point(), 0.1));
   const auto& [i, j, k] = box.triangles.front();
-  const Vec3 middle =
-      (box.vertices[std::size_t(i)] + box.vertices[std::size_t(j)] + box.vertices[std::size_t(k)]) / 3;
-  const Vec3 normal = (box.vertices[std::size_t(j)] - box.vertices[std::size_t(i)])
-                          .cross(box.vertices[std::size_t(k)] - box.vertices[std::size_t(i)])
-                          .normalized();
+  const Vec3 middle = (box.vertices[i] + box.vertices[j] + box.vertices[k]) / 3;
+  const Vec3 normal =
+      (box.vertices[j] - box.vertices[i]).cross(box.vertices[k] - box.vertices[i]).normalized();
   const SE3 above{Quat::Identity(), middle + 0.15 * normal};
   const ContactSet found = find_contacts({&ball, above, 0}, {&shape, {}, 1}, {.threshold = 0.1});
   ASSERT_FALSE(found.points.empty());

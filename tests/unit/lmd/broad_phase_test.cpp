@@ -82,7 +82,7 @@ IndexPairs all_pairs(const Boxes& boxes) {
   IndexPairs pairs;
   for (int i = 0; i < int(boxes.size()); ++i)
     for (int j = i + 1; j < int(boxes.size()); ++j) {
-      const DilatedBox &a = boxes[std::size_t(i)], &b = boxes[std::size_t(j)];
+      const DilatedBox &a = boxes[i], &b = boxes[j];
       if (!(a.fixed && b.fixed) && !(separation(a, b) > 0)) pairs.emplace_back(i, j);
     }
   return pairs;
@@ -103,7 +103,7 @@ Boxes scene(const std::string& name, int n, Random& random) {
     for (int i = 0; i < n; ++i)
       boxes.push_back(
           ball({random.uniform(0, side), random.uniform(0, side), random.uniform(0.4, side)}, 0.5));
-    boxes[std::size_t(n / 3)] = {.half = {2 * side, 2 * side, 0}, .radius = 1e-3, .fixed = true};
+    boxes[n / 3] = {.half = {2 * side, 2 * side, 0}, .radius = 1e-3, .fixed = true};
   }
   if (name == "shelves")  // plates as wide as the scene, pebbles between them
     for (int i = 0; i < n; ++i) {
@@ -125,7 +125,7 @@ Boxes scene(const std::string& name, int n, Random& random) {
       boxes.push_back(ball(random.log_uniform(1e-100, 1e100) * random.direction(), 1));
   if (name == "mostly fixed") {
     for (int i = 0; i < n; ++i) boxes.push_back(random_box(random, 1, {0.5, 0.5, 0.5}, 0));
-    for (int i = 3; i < n; ++i) boxes[std::size_t(i)].fixed = true;
+    for (int i = 3; i < n; ++i) boxes[i].fixed = true;
   }
   if (name == "line")
     for (int i = 0; i < n; ++i) boxes.push_back(ball({0.9 * i, 0, 0}, 0.5));

@@ -90,7 +90,7 @@ double distance_of_all_pairs(const LmdShape& a, const SE3& g, const LmdShape& b)
   double least = kInf;
   const auto place = [](const LmdShape& shape, const std::array<int, 3>& triangle, const SE3& at) {
     std::vector<Vec3> out;
-    for (const int v : triangle) out.push_back(at * shape.complex.vertices[std::size_t(v)]);
+    for (const int v : triangle) out.push_back(at * shape.complex.vertices[v]);
     return out;
   };
   for (const auto& p : a.complex.triangles)

@@ -168,7 +168,7 @@ void check_shape(const LmdShape& shape) {
     Content content;
     const BaseSimplex& simplex = shape.rest[i];
     for (std::size_t k = 0; k <= std::size_t(simplex.dim); ++k)
-      content.points.push_back(shape.complex.vertices[std::size_t(simplex.vertex[k])]);
+      content.points.push_back(shape.complex.vertices[simplex.vertex[k]]);
     return content;
   };
   check(shape.rest_tree, rest, shape.rest.size());
@@ -211,7 +211,7 @@ TEST_P(ConeTrees, HoldRandomItemsInTheirOrder) {
   std::vector<int> order;
   const ConeTree tree = build_cone_tree(items, middle, order);
   const ContentOf content_of_item = [&](std::size_t i) {
-    const ConeTreeItem& item = items.at(std::size_t(order.at(i)));
+    const ConeTreeItem& item = items.at(order.at(i));
     Content content;
     for (int k = 0; k < item.point_count; ++k) content.points.push_back(item.points[k]);
     for (int k = 0; k < 8; ++k)  // on the rim of the cap

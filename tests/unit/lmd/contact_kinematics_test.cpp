@@ -82,8 +82,8 @@ std::optional<Stencil> stencil_of(const Motion& motion, const ContactKey& key) {
     const double t = (i - 2) * kH;
     const auto c = motion.contact(key, t);
     if (!c) return std::nullopt;
-    s.contact[std::size_t(i)] = *c;
-    s.kinematics[std::size_t(i)] = motion.kinematics(*c, t);
+    s.contact[i] = *c;
+    s.kinematics[i] = motion.kinematics(*c, t);
   }
   return s;
 }

@@ -45,11 +45,10 @@ TEST(DeformingShape, KeepsTheNumbersOfItsFeatures) {
     const LmdShape there = refit(shape, moved(shape, random_field(shape, random, 0.05), 1));
     EXPECT_TRUE(keeps_features(there));
     EXPECT_EQ(there.complex.triangles, shape.complex.triangles);
-    for (int t = 0; t < int(there.triangle_region.size()); ++t)
-      EXPECT_EQ(there.triangle_region[std::size_t(t)], t);
+    for (int t = 0; t < int(there.triangle_region.size()); ++t) EXPECT_EQ(there.triangle_region[t], t);
     for (const EdgeLeaf& edge : there.edges) {
       EXPECT_EQ(edge.path_length, 1U);
-      const std::array<int, 2> ends = there.complex.edges[std::size_t(edge.path)];
+      const std::array<int, 2> ends = there.complex.edges[edge.path];
       EXPECT_EQ((std::array{edge.first, edge.last}), ends);
     }
   }

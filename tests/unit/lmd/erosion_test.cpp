@@ -79,11 +79,11 @@ TEST(Erosion, TheDilatedSolidStaysInsideTheSolid) {
   ASSERT_TRUE(r.ok());
   Random random(3);
   for (int i = 0; i < 20000; ++i) {
-    const auto& [a, b, c] = r.complex.triangles[std::size_t(random.index(int(r.complex.triangles.size())))];
+    const auto& [a, b, c] = r.complex.triangles[random.index(int(r.complex.triangles.size()))];
     double s = random.uniform(), t = random.uniform();
     if (s + t > 1) s = 1 - s, t = 1 - t;
-    const Vec3 y = (1 - s - t) * r.complex.vertices[std::size_t(a)] + s * r.complex.vertices[std::size_t(b)] +
-                   t * r.complex.vertices[std::size_t(c)] + e * random.direction();
+    const Vec3 y = (1 - s - t) * r.complex.vertices[a] + s * r.complex.vertices[b] +
+                   t * r.complex.vertices[c] + e * random.direction();
     const double outside = std::max({-y.x(), -y.y(), y.x() - 0.03, y.y() - 0.03, std::abs(y.z()) - 0.005,
                                      std::min(y.x() - 0.01, y.y() - 0.01)});
     ASSERT_LT(outside, 1e-16) << y.transpose();
@@ -115,8 +115,8 @@ TEST(Erosion, FollowsTheRoundedDigitsOfAFile) {
   for (std::size_t t = 0; t < file.triangles.size(); ++t)
     for (int v : file.triangles[t]) {
       const auto region = std::size_t(r.ideal.triangle_region[t]);
-      off = std::max(off, std::abs(r.ideal.region_normal[region].dot(file.vertices[std::size_t(v)]) -
-                                   r.ideal.region_offset[region]));
+      off = std::max(
+          off, std::abs(r.ideal.region_normal[region].dot(file.vertices[v]) - r.ideal.region_offset[region]));
     }
   EXPECT_EQ(r.ideal.region_normal.size(), 6U);
   EXPECT_GT(off, 5e-9);
@@ -281,8 +281,7 @@ TEST(Erosion, OfAVertexWhereTwoSolidsTouchPartsThem) {
       vertices.push_back(y);
     }
   for (const auto& one : index)
-    for (const auto& [a, b, c] : box.triangles)
-      triangles.push_back({one[std::size_t(a)], one[std::size_t(b)], one[std::size_t(c)]});
+    for (const auto& [a, b, c] : box.triangles) triangles.push_back({one[a], one[b], one[c]});
   const ErosionResult r = erode(make_complex(vertices, triangles, {}, true), {.depth = 0.1});
   ASSERT_TRUE(r.ok()) << r.reason;
   EXPECT_EQ(r.complex.vertices.size(), 16U);
@@ -327,7 +326,7 @@ TEST(Erosion, RefusesWhatIsNoSolid) {
   EXPECT_EQ(erode(inside_out, {.depth = 0.1}).status, ErosionStatus::not_solid);
   SimplicialComplex two = make_box(1, 1, 1);  // two boxes through each other
   const int n = int(two.vertices.size());
-  for (int i = 0; i < n; ++i) two.vertices.push_back(two.vertices[std::size_t(i)] + Vec3(0.5, 0.3, 0.2));
+  for (int i = 0; i < n; ++i) two.vertices.push_back(two.vertices[i] + Vec3(0.5, 0.3, 0.2));
   const auto triangles = two.triangles;
   for (const auto& [a, b, c] : triangles) two.triangles.push_back({a + n, b + n, c + n});
   const ErosionResult r = erode(make_complex(two.vertices, two.triangles, {}, true), {.depth = 0.1});

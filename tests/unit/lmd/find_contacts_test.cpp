@@ -134,9 +134,9 @@ TEST_P(LocalMinima, AreConsistentPoints) {
       Vec3 x = Vec3::Zero();
       for (int i = 0; i <= f->dim; ++i) {
         const int v = f->dim == 0   ? f->simplex
-                      : f->dim == 1 ? k.edges[std::size_t(f->simplex)][std::size_t(i)]
-                                    : k.triangles[std::size_t(f->simplex)][std::size_t(i)];
-        x += f->bary[std::size_t(i)] * k.vertices[std::size_t(v)];
+                      : f->dim == 1 ? k.edges[f->simplex][i]
+                                    : k.triangles[f->simplex][i];
+        x += f->bary[i] * k.vertices[v];
       }
       const Vec3 foot =
           f == &c.a ? Vec3(c.x_a + shape.radius * c.normal) : Vec3(c.x_b - shape.radius * c.normal);
@@ -455,8 +455,7 @@ std::vector<std::vector<Vec3>> star(const LmdShape& shape, const SE3& g, const V
   for (int s = 0; s < base_count(shape); ++s) {
     const BaseSimplex simplex = base_simplex(shape, s);
     std::vector<Vec3> corners;
-    for (int i = 0; i <= simplex.dim; ++i)
-      corners.push_back(g * shape.complex.vertices[std::size_t(simplex.vertex[std::size_t(i)])]);
+    for (int i = 0; i <= simplex.dim; ++i) corners.push_back(g * shape.complex.vertices[simplex.vertex[i]]);
     const std::vector<Vec3> point{foot};
     if (closest_points(corners, point).distance < 1e-9) out.push_back(corners);
   }
@@ -466,7 +465,7 @@ std::vector<std::vector<Vec3>> star(const LmdShape& shape, const SE3& g, const V
 // Corners of all open simplices of a base complex, in the world.
 std::vector<std::vector<Vec3>> open_simplices(const LmdShape& shape, const SE3& g) {
   const SimplicialComplex& k = shape.complex;
-  const auto at = [&](int v) { return g * k.vertices[std::size_t(v)]; };
+  const auto at = [&](int v) { return g * k.vertices[v]; };
   std::vector<std::vector<Vec3>> out;
   for (int v = 0; v < int(k.vertices.size()); ++v) out.push_back({at(v)});
   for (const auto& e : k.edges) out.push_back({at(e[0]), at(e[1])});
@@ -491,9 +490,8 @@ bool through_a_solid(const Scene& s, const ClosestPoints& near) {
     const Vec3 probe = inverse(g) * Vec3(foot + 1e-5 * (towards - foot).normalized());
     double solid_angle = 0;  // 4 pi inside, 0 outside [Van Oosterom and Strackee 1983]
     for (const auto& t : shape.complex.triangles) {
-      const Vec3 a = shape.complex.vertices[std::size_t(t[0])] - probe,
-                 b = shape.complex.vertices[std::size_t(t[1])] - probe,
-                 c = shape.complex.vertices[std::size_t(t[2])] - probe;
+      const Vec3 a = shape.complex.vertices[t[0]] - probe, b = shape.complex.vertices[t[1]] - probe,
+                 c = shape.complex.vertices[t[2]] - probe;
       solid_angle += 2 * std::atan2(a.dot(b.cross(c)), a.norm() * b.norm() * c.norm() + a.dot(b) * c.norm() +
                                                            b.dot(c) * a.norm() + c.dot(a) * b.norm());
     }

@@ -65,7 +65,7 @@ TEST(Mitre, OfConvexVerticesIsTheIntersectionOfTheHalfSpaces) {
       for (const VertexPlane& plane : planes) EXPECT_LT(distance(p, plane), 1e-9);
     for (std::size_t i = 0; i < planes.size(); ++i) {
       ASSERT_FALSE(m->of_plane[i].empty());
-      for (int p : m->of_plane[i]) EXPECT_NEAR(distance(m->points[std::size_t(p)], planes[i]), 0, 1e-9);
+      for (int p : m->of_plane[i]) EXPECT_NEAR(distance(m->points[p], planes[i]), 0, 1e-9);
       EXPECT_EQ(m->of_plane[i].back(), m->of_plane[(i + 1) % planes.size()].front()) << "one edge, one end";
     }
   }
@@ -110,8 +110,7 @@ std::optional<double> volume_of(const std::vector<VertexPlane>& planes, const Mi
   for (std::size_t i = 0; i < planes.size(); ++i) {
     const Vec3 &n = planes[i].normal, &after = planes[(i + 1) % planes.size()].spoke, &own = planes[i].spoke;
     std::vector<Vec3> line;
-    for (auto p = m.of_plane[i].rbegin(); p != m.of_plane[i].rend(); ++p)
-      line.push_back(m.points[std::size_t(*p)]);
+    for (auto p = m.of_plane[i].rbegin(); p != m.of_plane[i].rend(); ++p) line.push_back(m.points[*p]);
     const Vec3 first = line.front(), last = line.back();
     line.insert(line.begin(), first + (reach - after.dot(first)) * after);
     line.push_back(last + (reach - own.dot(last)) * own);
@@ -138,13 +137,12 @@ std::vector<Mitre> splits_of_five(const std::vector<VertexPlane>& planes) {
     for (int t = 0; t < 3; ++t) {
       const int b = (apex + 1 + t) % 5, c = (apex + 2 + t) % 5;
       Mat3 n;
-      n << planes[std::size_t(apex)].normal.transpose(), planes[std::size_t(b)].normal.transpose(),
-          planes[std::size_t(c)].normal.transpose();
+      n << planes[apex].normal.transpose(), planes[b].normal.transpose(), planes[c].normal.transpose();
       m.points.push_back(n.partialPivLu().solve(Vec3::Constant(-1)));
-      m.of_plane[std::size_t(b)].insert(m.of_plane[std::size_t(b)].begin(), t);
-      m.of_plane[std::size_t(c)].push_back(t);
+      m.of_plane[b].insert(m.of_plane[b].begin(), t);
+      m.of_plane[c].push_back(t);
     }
-    m.of_plane[std::size_t(apex)] = {2, 1, 0};
+    m.of_plane[apex] = {2, 1, 0};
     for (std::size_t i = 1; i < 5; ++i) std::ranges::sort(m.of_plane[(std::size_t(apex) + i) % 5]);
     all.push_back(std::move(m));
   }

@@ -131,7 +131,7 @@ TEST(Nesting, OfConvexShapesIsThatOfTheirHalfSpaces) {
     const auto behind = [](const LmdShape& inner, const SE3& g_in, const LmdShape& outer, const SE3& g_out) {
       const SE3 g = inverse(g_out) * g_in;
       for (const auto& [j, k, l] : outer.complex.triangles) {
-        const auto x = [&](int v) { return outer.complex.vertices[std::size_t(v)]; };
+        const auto x = [&](int v) { return outer.complex.vertices[v]; };
         const Vec3 n = (x(k) - x(j)).cross(x(l) - x(j));
         for (const Vec3& y : inner.complex.vertices)
           if (n.dot(g * y - x(j)) > 0) return false;

@@ -25,7 +25,7 @@ TEST(Trajectory, GoesThroughItsRows) {
   Random random(3);
   const Trajectory path = random_path(random, 6);
   for (std::size_t i = 0; i < path.t.size(); ++i) {
-    const SE3 g = evaluate(path, path.t[i]).pose;
+    const SE3 g = trajectory_point(path, path.t[i]).pose;
     EXPECT_LT((g.p - path.pose[i].p).norm(), 1e-15);
     EXPECT_LT(angle_between(g.R, path.pose[i].R), 1e-15);
   }
@@ -33,7 +33,7 @@ TEST(Trajectory, GoesThroughItsRows) {
 
 TEST(Trajectory, MovesOnALineAndAGeodesicAtConstantSpeed) {
   const Trajectory path{{1, 3}, {{Quat::Identity(), {1, 0, 0}}, {rotation({0, 0, 1}, 1.0).R, {1, 4, 0}}}};
-  const TrajectoryPoint quarter = evaluate(path, 1.5);
+  const TrajectoryPoint quarter = trajectory_point(path, 1.5);
   EXPECT_LT((quarter.pose.p - Vec3(1, 1, 0)).norm(), 1e-15);
   EXPECT_LT(angle_between(quarter.pose.R, rotation({0, 0, 1}, 0.25).R), 1e-15);
   EXPECT_LT((quarter.twist - (Vec6() << 0, 2, 0, 0, 0, 0.5).finished()).norm(), 1e-15);
@@ -46,8 +46,8 @@ TEST(Trajectory, TwistIsTheDerivativeOfThePose) {
     const Trajectory path = random_path(random, 4);
     const std::size_t i = std::size_t(random.index(3));
     const double t = path.t[i] + random.uniform(0.1, 0.9) * (path.t[i + 1] - path.t[i]), e = 1e-5;
-    const TrajectoryPoint at = evaluate(path, t);
-    const SE3 before = evaluate(path, t - e).pose, after = evaluate(path, t + e).pose;
+    const TrajectoryPoint at = trajectory_point(path, t);
+    const SE3 before = trajectory_point(path, t - e).pose, after = trajectory_point(path, t + e).pose;
     const Vec3 v = (after.p - before.p) / (2 * e);
     const Vec3 omega = log_so3(before.R.conjugate() * after.R) / (2 * e);
     EXPECT_LT((at.twist.head<3>() - v).norm(), 1e-9) << "seed " << seed;  // rounding 1e-16 / e
@@ -58,17 +58,17 @@ TEST(Trajectory, TwistIsTheDerivativeOfThePose) {
 
 TEST(Trajectory, TakesTheShorterWayRoundWhateverTheSignOfTheQuaternion) {
   Trajectory path{{0, 1}, {SE3{}, rotation({1, 0, 0}, 0.4)}};
-  const Vec6 twist = evaluate(path, 0.5).twist;
+  const Vec6 twist = trajectory_point(path, 0.5).twist;
   path.pose[1].R.coeffs() *= -1;
-  EXPECT_LT((evaluate(path, 0.5).twist - twist).norm(), 1e-15);
+  EXPECT_LT((trajectory_point(path, 0.5).twist - twist).norm(), 1e-15);
   EXPECT_NEAR(twist[3], 0.4, 1e-15);
 }
 
 TEST(Trajectory, IsHeldOutsideItsTimes) {
   Random random(5);
   const Trajectory path = random_path(random, 3);
-  const TrajectoryPoint before = evaluate(path, path.t.front() - 1e-9),
-                        after = evaluate(path, path.t.back() + 1e-9);
+  const TrajectoryPoint before = trajectory_point(path, path.t.front() - 1e-9),
+                        after = trajectory_point(path, path.t.back() + 1e-9);
   EXPECT_EQ(before.pose.p, path.pose.front().p);
   EXPECT_EQ(after.pose.p, path.pose.back().p);
   EXPECT_EQ(before.twist, Vec6::Zero());
@@ -77,9 +77,9 @@ TEST(Trajectory, IsHeldOutsideItsTimes) {
 
 TEST(Trajectory, ARowBelongsToTheSegmentItBegins) {
   const Trajectory path{{0, 1, 2}, {translation(0, 0, 0), translation(1, 0, 0), translation(3, 0, 0)}};
-  EXPECT_EQ(evaluate(path, 0).twist[0], 1);
-  EXPECT_EQ(evaluate(path, 1).twist[0], 2);
-  EXPECT_EQ(evaluate(path, 2).twist[0], 2);
+  EXPECT_EQ(trajectory_point(path, 0).twist[0], 1);
+  EXPECT_EQ(trajectory_point(path, 1).twist[0], 2);
+  EXPECT_EQ(trajectory_point(path, 2).twist[0], 2);
 }
 
 // A nut turned on a bolt: the axis is straight in any frame on it, so the interpolation is exact for frames
@@ -94,7 +94,7 @@ TEST(Trajectory, IsExactForAScrewAtTheRows) {
     path.pose.push_back(screw(0.7 * i));
   }
   for (const double t : {0.05, 0.1, 0.333, 0.8}) {
-    const SE3 g = evaluate(attached(path, translation(0, 0, 0.01)), t).pose,
+    const SE3 g = trajectory_point(attached(path, translation(0, 0, 0.01)), t).pose,
               exact = screw(7 * t) * translation(0, 0, 0.01);
     EXPECT_LT((g.p - exact.p).norm(), 1e-15) << t;
     EXPECT_LT(angle_between(g.R, exact.R), 1e-14) << t;
@@ -108,7 +108,7 @@ TEST(Trajectory, AttachedFramesDifferByTheSagitta) {
   const Trajectory other = attached(path, g_old_new);
   for (std::size_t i = 0; i < 2; ++i)
     EXPECT_LT((other.pose[i].p - (path.pose[i] * g_old_new).p).norm(), 1e-15);
-  const SE3 chord = evaluate(other, 0.5).pose, arc = evaluate(path, 0.5).pose * g_old_new;
+  const SE3 chord = trajectory_point(other, 0.5).pose, arc = trajectory_point(path, 0.5).pose * g_old_new;
   EXPECT_NEAR((chord.p - arc.p).norm(), arm * (1 - std::cos(angle / 2)), 1e-15);  // (TRJ-2)
   EXPECT_LT((chord.p - arc.p).norm(), arm * angle * angle / 8);
   EXPECT_LT(angle_between(chord.R, arc.R), 1e-15);  // the rotation is the same geodesic in any frame
@@ -118,7 +118,7 @@ TEST(Trajectory, NormalisesWhatItReturns) {
   Trajectory path{{0, 1}, {SE3{}, rotation({1, 2, 3}, 1)}};
   for (SE3& g : path.pose) g.R.coeffs() *= 1 + 5e-7;
   EXPECT_NO_THROW(validate(path));
-  for (const double t : {-1.0, 0.3, 2.0}) EXPECT_NEAR(evaluate(path, t).pose.R.norm(), 1, 1e-15);
+  for (const double t : {-1.0, 0.3, 2.0}) EXPECT_NEAR(trajectory_point(path, t).pose.R.norm(), 1, 1e-15);
 }
 
 std::string refusal(const Trajectory& path) {

@@ -192,7 +192,7 @@ TEST_P(CouplingRandom, DoesNotDependOnTheFrameOfTheWorld) {
 TEST_P(CouplingRandom, HasNoLagAtConstantSpeed) {
   const Trajectory path = path_through(target, random_twist(random, 1));
   for (const double t : {-0.7, 0.0, 0.4}) {
-    const TrajectoryPoint point = evaluate(path, t);
+    const TrajectoryPoint point = trajectory_point(path, t);
     state.g[1] = point.pose;
     twist(state, 1) = point.twist;
     const CouplingWrench wrench = coupling_wrench(model, state, 1, path, options, t);
@@ -226,9 +226,9 @@ TEST(VirtualCoupling, CatchesUpWithAMovingTarget) {
   double largest_lag = 0;
   while (state.t < 0.4) {
     advance(model, state, path, options, 1e-4);
-    largest_lag = std::max(largest_lag, (evaluate(path, state.t).pose.p - state.g[1].p).norm());
+    largest_lag = std::max(largest_lag, (trajectory_point(path, state.t).pose.p - state.g[1].p).norm());
   }
-  const SE3 lag = inverse(state.g[1]) * evaluate(path, state.t).pose;
+  const SE3 lag = inverse(state.g[1]) * trajectory_point(path, state.t).pose;
   EXPECT_GT(largest_lag, 1e-3);  // it did have to catch up: v sqrt(m / k) / e = 1.8 mm
   EXPECT_LT(lag.p.norm(), 1e-12);
   EXPECT_LT(log_so3(lag.R).norm(), 1e-12);
@@ -260,14 +260,14 @@ TEST(VirtualCoupling, RefusesOptionsOutOfRange) {
                                                     number_text(value) + " must " + bound);
   };
   for (const double bad : {0.0, -1.0, nan}) {
-    refuses({.stiffness = bad}, "stiffness", bad, "be positive and finite [N/m]");
-    refuses({.rotation_stiffness = bad}, "rotation_stiffness", bad, "be positive and finite [N m/rad]");
-    refuses({.force_limit = bad}, "force_limit", bad, "be positive [N]");
-    refuses({.torque_limit = bad}, "torque_limit", bad, "be positive [N m]");
+    refuses({.stiffness = bad}, "stiffness", bad, "be finite and > 0 [N/m]");
+    refuses({.rotation_stiffness = bad}, "rotation_stiffness", bad, "be finite and > 0 [N m/rad]");
+    refuses({.force_limit = bad}, "force_limit", bad, "be > 0 [N]");
+    refuses({.torque_limit = bad}, "torque_limit", bad, "be > 0 [N m]");
   }
   for (const double bad : {-0.1, kInf, nan})
-    refuses({.damping_ratio = bad}, "damping_ratio", bad, "be at least 0 and finite");
-  refuses({.stiffness = kInf}, "stiffness", kInf, "be positive and finite [N/m]");
+    refuses({.damping_ratio = bad}, "damping_ratio", bad, "be finite and >= 0");
+  refuses({.stiffness = kInf}, "stiffness", kInf, "be finite and > 0 [N/m]");
 }
 
 TEST(VirtualCoupling, RefusesWhatItCannotPull) {

@@ -27,7 +27,7 @@ MatX random_matrix(const std::vector<int>& body, const Couplings& couplings, Ran
   MatX A = MatX::Zero(n, n);
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index j = 0; j < n; ++j) {
-      const int a = body[std::size_t(i)], b = body[std::size_t(j)];
+      const int a = body[i], b = body[j];
       const bool coupled = a == b || std::ranges::count(couplings, std::pair(a, b)) > 0 ||
                            std::ranges::count(couplings, std::pair(b, a)) > 0;
       if (coupled) A(i, j) = random.uniform(-1, 1) + (i == j ? 20 : 0);
@@ -39,8 +39,7 @@ std::vector<Mat6> blocks_of(const BodyLu& lu, const MatX& A) {
   std::vector<Mat6> blocks = lu.zero();
   for (int i = 0; i < A.rows(); ++i)
     for (int j = 0; j < A.cols(); ++j)
-      if (A(i, j) != 0)
-        blocks[std::size_t(lu.block(lu.body(i), lu.body(j)))](lu.place(i), lu.place(j)) = A(i, j);
+      if (A(i, j) != 0) blocks[lu.block(lu.body(i), lu.body(j))](lu.place(i), lu.place(j)) = A(i, j);
   return blocks;
 }
 
@@ -89,7 +88,7 @@ TEST(FillReducingOrder, IsThatOfTheGraphAndItsTransposed) {
       Eigen::AMDOrdering<int>()(graph, expected);
       const std::vector<int> order = fill_reducing_order(columns.begin, columns.row);
       for (int i = 0; i < n; ++i)
-        EXPECT_EQ(order[std::size_t(i)], expected.indices()[i]) << n << (symmetric ? " symmetric" : "");
+        EXPECT_EQ(order[i], expected.indices()[i]) << n << (symmetric ? " symmetric" : "");
     }
 }
 

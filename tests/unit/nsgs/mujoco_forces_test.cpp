@@ -97,7 +97,7 @@ TEST(Regularised, T_5_1_FindsMuJoCosForces) {
     for (int c = 0; c < data->ncon; ++c) {
       const double normal = theirs[3 * c], tangential = theirs.segment<2>(3 * c + 1).norm();
       open += normal == 0;
-      sliding += normal > 0 && tangential > 0.999 * problem.laws[std::size_t(c)].mu * normal;
+      sliding += normal > 0 && tangential > 0.999 * problem.laws[c].mu * normal;
     }
   }
   RecordProperty("worst_relative_difference", std::to_string(worst));

@@ -28,8 +28,8 @@ struct Oracle {
 
   Oracle(const Mat3& W_in, const Vec3& q_in, double mu_in) : mu(mu_in) {
     for (int i = 0; i < 3; ++i) {
-      q[std::size_t(i)] = q_in[i];
-      for (int j = 0; j < 3; ++j) W[std::size_t(i)][std::size_t(j)] = W_in(i, j);
+      q[i] = q_in[i];
+      for (int j = 0; j < 3; ++j) W[i][j] = W_in(i, j);
     }
   }
   Real3 velocity(const Real3& r) const {
@@ -163,8 +163,8 @@ class ExactOracle {
     size_ = length({q[0], q[1], q[2]});
     unit_ = size_ / w;
     for (int i = 0; i < 3; ++i) {
-      q_[std::size_t(i)] = q[i] / size_;
-      for (int j = 0; j < 3; ++j) W_[std::size_t(i)][std::size_t(j)] = W(i, j) / w;
+      q_[i] = q[i] / size_;
+      for (int j = 0; j < 3; ++j) W_[i][j] = W(i, j) / w;
     }
   }
 

@@ -59,7 +59,7 @@ TEST(Delassus, HasTheSameMatrixBlocksAndShiftedInverseInBothForms) {
     for (const Delassus* form : {bodies.get(), contacts.get()}) {
       EXPECT_LT((form->shifted_inverse(0.1)(b) - x).norm(), 1e-11 * x.norm()) << "seed " << seed;
       for (int c = 0; c < form->count(); ++c) {
-        const int k = form->first[std::size_t(c)], rows = form->scaled.laws[std::size_t(c)].rows;
+        const int k = form->first[c], rows = form->scaled.laws[c].rows;
         EXPECT_LT((form->block(c) - W.block(k, k, rows, rows)).norm(), 1e-12) << "seed " << seed;
       }
     }
@@ -83,9 +83,8 @@ TEST(Delassus, GivesBlocksThatFeelEachOtherDifferentColours) {
       for (int c = 0; c < form->count(); ++c)
         for (int d = 0; d < c; ++d) {
           const auto block =
-              W.block(form->first[std::size_t(c)], form->first[std::size_t(d)],
-                      form->scaled.laws[std::size_t(c)].rows, form->scaled.laws[std::size_t(d)].rows);
-          EXPECT_TRUE(block.isZero(0) || colours[std::size_t(c)] != colours[std::size_t(d)]) << c << " " << d;
+              W.block(form->first[c], form->first[d], form->scaled.laws[c].rows, form->scaled.laws[d].rows);
+          EXPECT_TRUE(block.isZero(0) || colours[c] != colours[d]) << c << " " << d;
         }
     }
   }

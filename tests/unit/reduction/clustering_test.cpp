@@ -47,10 +47,9 @@ ContactSet contacts_of(const std::vector<Vec3>& normals) {
 ContactSet shuffled(const ContactSet& set, Random& random, std::vector<int>& from) {
   from.resize(set.points.size());
   std::iota(from.begin(), from.end(), 0);
-  for (int i = int(from.size()) - 1; i > 0; --i)
-    std::swap(from[std::size_t(i)], from[std::size_t(random.index(i + 1))]);
+  for (int i = int(from.size()) - 1; i > 0; --i) std::swap(from[i], from[random.index(i + 1)]);
   ContactSet out;
-  for (const int i : from) out.points.push_back(set.points[std::size_t(i)]);
+  for (const int i : from) out.points.push_back(set.points[i]);
   return out;
 }
 
@@ -132,7 +131,7 @@ TEST(CubeMap, T_2_4_HasCellsAsWideAsComputed) {
         for (const double v : place(j))
           if (std::abs(u) <= 1 && std::abs(v) <= 1) {
             const Vec3 d = Vec3(1, u, v).normalized();
-            cell[std::size_t(cube_cell(d, {.cells = kCells}))].push_back(d);
+            cell[cube_cell(d, {.cells = kCells})].push_back(d);
           }
     }
   double widest = 0;
@@ -145,7 +144,7 @@ TEST(CubeMap, T_2_4_HasCellsAsWideAsComputed) {
   for (const bool equi_angular : {false, true}) {
     std::vector<int> count(6 * 8 * 8);
     for (int i = 0; i < 2000000; ++i)
-      ++count[std::size_t(cube_cell(random.direction(), {.cells = 8, .equi_angular = equi_angular}))];
+      ++count[cube_cell(random.direction(), {.cells = 8, .equi_angular = equi_angular})];
     const auto [least, most] = std::ranges::minmax_element(count);
     const double ratio = double(*most) / *least;  // to sqrt(2) and 3 sqrt(3) as cells shrink; 3 % by sampling
     if (equi_angular) {
@@ -211,9 +210,9 @@ TEST(NormalClusters, T_2_7_DoNotDependOnTheOrderOfTheSet) {
                            b = cluster_normals(other, {.method = method});
       ASSERT_EQ(a.centre, b.centre) << "seed " << seed;
       for (std::size_t i = 0; i < from.size(); ++i)
-        ASSERT_EQ(b.label[i], a.label[std::size_t(from[i])]) << "seed " << seed;
+        ASSERT_EQ(b.label[i], a.label[from[i]]) << "seed " << seed;
       for (std::size_t i = 0; i < normals.size(); ++i)
-        ASSERT_LE(angle(normals[i], a.centre[std::size_t(a.label[i])]), 60 * kDegree + 1e-12);
+        ASSERT_LE(angle(normals[i], a.centre[a.label[i]]), 60 * kDegree + 1e-12);
     }
   }
 }
@@ -228,7 +227,7 @@ TEST(NormalClusters, T_2_8_AreAtRestAfterThreeIterationsIfBundlesAreApart) {
         centre.push_back(d);
     }
     std::vector<Vec3> normals;
-    for (int i = 0; i < 18; ++i) normals.push_back(near(centre[std::size_t(i % 3)], 5 * kDegree, random));
+    for (int i = 0; i < 18; ++i) normals.push_back(near(centre[i % 3], 5 * kDegree, random));
     const NormalClusters found = cluster_normals(contacts_of(normals));
     ASSERT_TRUE(found.converged && found.iterations <= 3) << "seed " << seed;
     ASSERT_EQ(found.centre.size(), 3u) << "seed " << seed;
@@ -293,9 +292,8 @@ TEST(NormalClusters, OfManyPairsAreWhatReducersTake) {
   for (std::size_t k = 0; k < 6; ++k) {
     ASSERT_EQ(clusters[k].size(), 10u);
     for (std::size_t i = 0; i < 10; ++i) {
-      EXPECT_EQ(from[std::size_t(again[k][i])], clusters[k][i]);
-      const ContactPoint &a = set.points[std::size_t(clusters[k][0])],
-                         &b = set.points[std::size_t(clusters[k][i])];
+      EXPECT_EQ(from[again[k][i]], clusters[k][i]);
+      const ContactPoint &a = set.points[clusters[k][0]], &b = set.points[clusters[k][i]];
       EXPECT_LE(a.gap, b.gap);
       EXPECT_EQ(a.a.body, b.a.body);
       EXPECT_GT(a.normal.dot(b.normal), 0.9);
@@ -331,14 +329,14 @@ TEST(KMeans, T_2_10_T_2_11_T_2_12_DescendsToAFixedPointAndStaysThere) {
         VecX sum = VecX::Zero(dim);
         double weight = 0;
         for (int i = 0; i < 60; ++i)
-          if (found.label[std::size_t(i)] == c) sum += w[i] * x.col(i), weight += w[i];
+          if (found.label[i] == c) sum += w[i] * x.col(i), weight += w[i];
         if (weight > 0) {
           ASSERT_LT((found.centres.col(c) - sum / weight).norm(), 1e-12);
         }
       }
       for (int i = 0; i < 60; ++i)  // each at its nearest
         for (int c = 0; c < found.centres.cols(); ++c)
-          ASSERT_LE((x.col(i) - found.centres.col(found.label[std::size_t(i)])).norm(),
+          ASSERT_LE((x.col(i) - found.centres.col(found.label[i])).norm(),
                     (x.col(i) - found.centres.col(c)).norm());
       const KMeans again = kmeans(x, w, {.k = 5, .seeding = SeedWarm{found.centres}});
       EXPECT_EQ(again.centres, found.centres);
@@ -382,14 +380,14 @@ TEST(KMeans, SeedsAreDrawnWithTheirProbabilities) {
     const KMeansOptions none{.k = 2, .seeding = SeedRandom{seed}, .max_iterations = 0};
     for (int c = 0; c < 2; ++c) {
       const double at = kmeans(x, {}, none).centres(0, c);
-      for (int i = 0; i < 4; ++i) random[std::size_t(i)] += at == x(0, i);
+      for (int i = 0; i < 4; ++i) random[i] += at == x(0, i);
     }
     const KMeans plus =
         kmeans(x, VecX::Unit(4, 0), {.k = 2, .seeding = SeedPlusPlus{seed}, .max_iterations = 0});
     EXPECT_EQ(plus.centres.cols(), 1) << "only one point weighs";
     const MatX second =
         kmeans(x, VecX::Ones(4), {.k = 2, .seeding = SeedPlusPlus{seed}, .max_iterations = 0}).centres.col(1);
-    for (int i = 0; i < 4; ++i) far[std::size_t(i)] += second(0, 0) == x(0, i);
+    for (int i = 0; i < 4; ++i) far[i] += second(0, 0) == x(0, i);
   }
   for (const int n : random) EXPECT_NEAR(n, 2000, 4 * std::sqrt(4000 * 0.25));
   // By hand: the second is 10 with 100/105, 81/83 after 1 and so on; 0 with 0, 1/83, 4/69, 100/245.
@@ -459,7 +457,7 @@ TEST(MeanContacts, InSevenDimensionsTellNormalsAndFrictionApart) {
   const MeanContacts by_mu = mean_contacts(set, {0.2, 0.8, 0.3, 0.8}, {1, 1, 3, 1}, seven);
   EXPECT_EQ(by_mu.label[0], by_mu.label[2]);
   EXPECT_NE(by_mu.label[0], by_mu.label[1]);
-  const MeanContact& low = by_mu.contacts[std::size_t(by_mu.label[0])];
+  const MeanContact& low = by_mu.contacts[by_mu.label[0]];
   EXPECT_NEAR(low.mu, (1 * 0.2 + 3 * 0.3) / 4, 1e-15);
   EXPECT_EQ(low.mu_min, 0.2);
   EXPECT_EQ(low.mu_max, 0.3);
@@ -490,7 +488,7 @@ TEST(MeanContacts, DoNotDependOnTheOrderOfTheSetAndCountNormalsThatCancel) {
     const MeanContacts a = mean_contacts(set, {}, {}, {.rule = rule, .seeding = SeedPlusPlus{5}}),
                        b = mean_contacts(other, {}, {}, {.rule = rule, .seeding = SeedPlusPlus{5}});
     EXPECT_EQ(a.centres, b.centres);
-    for (std::size_t i = 0; i < from.size(); ++i) EXPECT_EQ(b.label[i], a.label[std::size_t(from[i])]);
+    for (std::size_t i = 0; i < from.size(); ++i) EXPECT_EQ(b.label[i], a.label[from[i]]);
   }
   const MeanContacts opposite = mean_contacts(contacts_of({Vec3::UnitX(), -Vec3::UnitX()}), {}, {}, {.k = 1});
   EXPECT_EQ(opposite.cancelled, 1);

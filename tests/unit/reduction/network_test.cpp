@@ -41,7 +41,7 @@ Network constant_network(const VecX& probability) {
 TEST(Network, SaysWhatOneFindsByHand) {
   const double h = std::tanh(0.3 * (3 - 1) / 2.0 - 0.4 * (-1 + 2) / 0.5 + 0.1);
   const double a = std::exp(h), b = std::exp(0.5), c = std::exp(-2 * h), sum = a + b + c;
-  const VecX p = evaluate(small_network(), Vec2(3, -1));
+  const VecX p = network_output(small_network(), Vec2(3, -1));
   ASSERT_EQ(p.size(), 3);
   EXPECT_NEAR(p[0], a / sum, 1e-15);
   EXPECT_NEAR(p[1], b / sum, 1e-15);
@@ -52,7 +52,7 @@ TEST(Network, SumsToOneForScoresThatOverflow) {
   Network n = small_network();
   n.W2.setZero();
   n.b2 = Vec3(1000, -1000, 999);
-  const VecX p = evaluate(n, Vec2(0, 0));
+  const VecX p = network_output(n, Vec2(0, 0));
   EXPECT_NEAR(p.sum(), 1, 1e-15);
   EXPECT_NEAR(p[0], 1 / (1 + std::exp(-1)), 1e-15);
   EXPECT_LT(p[1], 1e-300);
@@ -69,7 +69,8 @@ TEST(Network, IsRefusedWithItsField) {
   EXPECT_NE(message([](Network& n) { n.W2.resize(3, 2); }).find("Network::W2 has 6"), std::string::npos);
   EXPECT_NE(message([](Network& n) { n.scale[1] = 0; }).find("Network::scale = 0"), std::string::npos);
   EXPECT_NE(message([](Network& n) { n.b1[0] = NAN; }).find("finite"), std::string::npos);
-  EXPECT_NE(message_of([] { evaluate(small_network(), Vec3(0, 0, 0)); }).find("x has 3"), std::string::npos);
+  EXPECT_NE(message_of([] { network_output(small_network(), Vec3(0, 0, 0)); }).find("x has 3"),
+            std::string::npos);
 }
 
 TEST(ChosenPlaces, AreTheMostProbableThatAreNoLine) {

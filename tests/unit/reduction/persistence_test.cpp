@@ -62,7 +62,7 @@ std::vector<int> tracked(const Motion& m, int step, double jump) {
       int best = -1;
       double least = jump;
       for (int j = 0; j < int(set.points.size()); ++j) {
-        const ContactPoint& d = set.points[std::size_t(j)];
+        const ContactPoint& d = set.points[j];
         const double distance = apart(feet(c, g), feet(d, h));
         if (distance < least && c.normal.dot(d.normal) > 0.9) least = distance, best = j;
       }
@@ -71,8 +71,7 @@ std::vector<int> tracked(const Motion& m, int step, double jump) {
     std::vector<int> next(to.points.size(), -1);
     for (std::size_t j = 0; j < next.size(); ++j) {
       const int i = nearest(to.points[j], m.pose(t1), from, m.pose(t0));
-      if (i >= 0 && nearest(from.points[std::size_t(i)], m.pose(t0), to, m.pose(t1)) == int(j))
-        next[j] = origin[std::size_t(i)];
+      if (i >= 0 && nearest(from.points[i], m.pose(t0), to, m.pose(t1)) == int(j)) next[j] = origin[i];
     }
     origin = std::move(next);
     from = to;
@@ -235,18 +234,18 @@ void follow(unsigned from, unsigned to, double turning, Successions& out) {
     const ContactSet before = m.contacts(0), after = m.contacts(1);
     ASSERT_FALSE(before.points.empty() || after.points.empty()) << "seed " << seed;
     const int i = closest(before), j = closest(after);
-    if (key_of(before.points[std::size_t(i)]) == key_of(after.points[std::size_t(j)])) continue;
+    if (key_of(before.points[i]) == key_of(after.points[j])) continue;
     ++out.changes;
     bool flip = false;
-    Feet at = feet(before.points[std::size_t(i)], m.pose(0));
+    Feet at = feet(before.points[i], m.pose(0));
     for (int s = 1; s <= kSubsteps && !flip; ++s) {
       const double t = double(s) / kSubsteps;
       const ContactSet set = m.contacts(t);
-      const Feet next = feet(set.points[std::size_t(closest(set))], m.pose(t));
+      const Feet next = feet(set.points[closest(set)], m.pose(t));
       flip = apart(at, next) > 1e-3;  // the bodies move by 1e-4 at most
       at = next;
     }
-    flip = flip || apart(feet(before.points[std::size_t(i)], m.pose(0)), at) > 1e-2;  // over the reach
+    flip = flip || apart(feet(before.points[i], m.pose(0)), at) > 1e-2;  // over the reach
     out.flips += flip;
     if (flip) continue;
     const WarmStart start = matched(m, 0, Matching::cascade);
@@ -255,27 +254,25 @@ void follow(unsigned from, unsigned to, double turning, Successions& out) {
         nearer = false,    // came of it, and the other one has the impulse, because it is nearer
         newcomer = false;  // has it, is incident, and the closest now was there before
     const auto way = [&](const ContactPoint& c) {
-      return apart(feet(c, m.pose(1)), feet(before.points[std::size_t(i)], m.pose(0)));
+      return apart(feet(c, m.pose(1)), feet(before.points[i], m.pose(0)));
     };
     for (std::size_t k = 0; k < after.points.size(); ++k) {
       if (!carries(start, k, i)) continue;
-      const ContactPoint &old = before.points[std::size_t(i)], &now = after.points[k];
+      const ContactPoint &old = before.points[i], &now = after.points[k];
       stays = stays || key_of(now) == key_of(old);
       nearby = nearby || way(now) < 2e-3;
-      nearer = nearer || way(now) <= way(after.points[std::size_t(j)]);
-      newcomer =
-          newcomer || (start.kind[k] == MatchKind::adjacent && start.kind[std::size_t(j)] == MatchKind::key);
+      nearer = nearer || way(now) <= way(after.points[j]);
+      newcomer = newcomer || (start.kind[k] == MatchKind::adjacent && start.kind[j] == MatchKind::key);
     }
     const bool hands_over = carries(start, std::size_t(j), i);
     EXPECT_TRUE(stays || hands_over || nearby || newcomer) << "seed " << seed << ": the impulse is lost";
-    const bool is_found =
-        stays || hands_over || nearer || (nearby && start.kind[std::size_t(j)] != MatchKind::none);
+    const bool is_found = stays || hands_over || nearer || (nearby && start.kind[j] != MatchKind::none);
     out.found += is_found;
     out.elsewhere += !is_found && newcomer;
     if (stays)
       ++out.kinds[0];
     else
-      ++out.kinds[std::size_t(start.kind[std::size_t(j)])];
+      ++out.kinds[std::size_t(start.kind[j])];
   }
 }
 TEST(Persistence, T_4_4_FindsTheSuccessorAcrossFeatures) {
@@ -394,14 +391,14 @@ TEST(Persistence, MatchesByIncidenceBeforePlace) {
   const ContactSet now{{contact({1, 0}, 0)}};
   // The other one is gone: its heir is the same contact.
   const WarmStart by_incidence = warm_start(memory, now, {.shapes = shapes});
-  EXPECT_EQ(memory.contacts[std::size_t(by_incidence.match[0])].drilling, both ? 2 : 1)
+  EXPECT_EQ(memory.contacts[by_incidence.match[0]].drilling, both ? 2 : 1)
       << "the nearest of those that are incident";
   EXPECT_EQ(by_incidence.kind[0], MatchKind::adjacent);
   EXPECT_EQ(by_incidence.drilling[0], 3);
   EXPECT_EQ(by_incidence.impulse[0], Vec3(0, 0, 3));
   EXPECT_EQ(by_incidence.counts.inherited, 1);
   const WarmStart by_place = warm_start(memory, now);
-  EXPECT_EQ(memory.contacts[std::size_t(by_place.match[0])].drilling, 2);
+  EXPECT_EQ(memory.contacts[by_place.match[0]].drilling, 2);
   EXPECT_EQ(by_place.kind[0], MatchKind::geometric);
   EXPECT_EQ(warm_start(memory, now, {.shapes = shapes}, {.matching = Matching::key}).counts.unmatched, 1);
   const ContactSet far{{contact({1, 0}, -1.5e-3)}};

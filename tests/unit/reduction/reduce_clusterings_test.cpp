@@ -48,7 +48,7 @@ TEST_P(EveryClustering, PutsEachContactIntoOneGroupOfItsPairTheDeepestFirst) {
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     const Known known = random_contacts(seed, 60);
     std::vector<int> seen;
-    const auto point = [&](int i) -> const ContactPoint& { return known.set.points[std::size_t(i)]; };
+    const auto point = [&](int i) -> const ContactPoint& { return known.set.points[i]; };
     for (const std::vector<int>& group : clusters_of(known.input(), options())) {
       ASSERT_FALSE(group.empty());
       for (const int i : group) {
@@ -71,7 +71,7 @@ TEST_P(EveryClustering, NeverHoldsNormalsThatCancel) {
     const Known known = random_contacts(seed, 60);
     for (const std::vector<int>& group : clusters_of(known.input(), options())) {
       Vec3 sum = Vec3::Zero();
-      for (const int i : group) sum += known.set.points[std::size_t(i)].normal;
+      for (const int i : group) sum += known.set.points[i].normal;
       least = std::min(least, sum.norm() / double(group.size()));
     }
   }
@@ -85,23 +85,23 @@ TEST_P(EveryClustering, ReducesWhateverTheOrderOfTheSetBitForBit) {
     std::vector<int> order(60);
     std::iota(order.begin(), order.end(), 0);
     Random random(seed + 1000);
-    for (int i = 59; i > 0; --i) std::swap(order[std::size_t(i)], order[std::size_t(random.index(i + 1))]);
+    for (int i = 59; i > 0; --i) std::swap(order[i], order[random.index(i + 1)]);
     Known shuffled;
     for (const int i : order) {
-      shuffled.set.points.push_back(known.set.points[std::size_t(i)]);
-      shuffled.mu.push_back(known.mu[std::size_t(i)]);
-      shuffled.kept_before.push_back(known.kept_before[std::size_t(i)]);
+      shuffled.set.points.push_back(known.set.points[i]);
+      shuffled.mu.push_back(known.mu[i]);
+      shuffled.kept_before.push_back(known.kept_before[i]);
     }
     const Selection a = reduce(known.input(), {.clustering = options()}),
                     b = reduce(shuffled.input(), {.clustering = options()});
     std::vector<int> back;
-    for (const int i : b.kept) back.push_back(order[std::size_t(i)]);
+    for (const int i : b.kept) back.push_back(order[i]);
     std::sort(back.begin(), back.end());
     ASSERT_EQ(a.kept, back) << "seed " << seed;
     EXPECT_EQ(a.cluster_count, b.cluster_count);
     EXPECT_EQ(a.loss.margin, b.loss.margin);
     for (std::size_t i = 0; i < order.size(); ++i)
-      EXPECT_EQ(a.cluster[std::size_t(order[i])], b.cluster[i]) << "seed " << seed;
+      EXPECT_EQ(a.cluster[order[i]], b.cluster[i]) << "seed " << seed;
   }
 }
 
@@ -122,7 +122,7 @@ TEST_P(EveryClustering, KeepsTheEndsOfEveryPartOfALine) {
   EXPECT_NEAR(selection.loss.margin, 1, 1e-12);
   for (const int end : {1, 4}) EXPECT_TRUE(std::ranges::binary_search(selection.kept, end));
   std::vector<int> in_group(std::size_t(selection.cluster_count), 0);
-  for (const int c : selection.cluster) ++in_group[std::size_t(c)];
+  for (const int c : selection.cluster) ++in_group[c];
   std::size_t corners = 0;  // besides, the deepest by order, which is an inner one perhaps
   for (const int n : in_group) corners += std::size_t(std::min(n, 2));
   EXPECT_GE(selection.kept.size(), corners);
@@ -216,7 +216,7 @@ TEST(Clustering, OfKmcwStartsWhereTheLastProblemHadItsContacts) {
   }
   const auto after = [&](const std::vector<int>& kept) {
     square.kept_before.assign(36, 0);
-    for (const int i : kept) square.kept_before[std::size_t(i)] = 1;
+    for (const int i : kept) square.kept_before[i] = 1;
     return groups_of(square, {.rule = Clustering::kmcw, .k = 2});
   };
   EXPECT_EQ(after({6, 12, 18, 24, 11, 17, 23, 29}), (std::set<std::set<int>>{left, right}));

@@ -143,9 +143,8 @@ TEST(Reduce, DoesNotChainRoundACylinder) {
             int(2 * kPi / options.clustering.angle) + 1);  // seeds are farther apart than alpha
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < i; ++j) {
-      if (selection.cluster[std::size_t(i)] != selection.cluster[std::size_t(j)]) continue;
-      EXPECT_GE(set.points[std::size_t(i)].normal.dot(set.points[std::size_t(j)].normal),
-                std::cos(0.2) - 1e-12);
+      if (selection.cluster[i] != selection.cluster[j]) continue;
+      EXPECT_GE(set.points[i].normal.dot(set.points[j].normal), std::cos(0.2) - 1e-12);
     }
 }
 
@@ -162,8 +161,7 @@ TEST(Reduce, ResolvesAnglesThatTheCosineCannot) {
 TEST(Reduce, KeepsClosedFeetUnderOpenCorners) {
   ContactSet set = flat(grid(6, 4, 0.6, 0.4));
   for (ContactPoint& c : set.points) c.gap = 1e-3;
-  for (const int foot : {8, 9, 14})
-    set.points[std::size_t(foot)].gap = 1e-9 * foot;  // three inner points of the grid
+  for (const int foot : {8, 9, 14}) set.points[foot].gap = 1e-9 * foot;  // three inner points of the grid
   EXPECT_EQ(reduce(set).kept, (std::vector<int>{0, 5, 8, 9, 14, 18, 23}));
   EXPECT_EQ(reduce(set, {.layer = 0}).kept, (std::vector<int>{0, 5, 8, 18, 23}));  // the deepest foot alone
 }
@@ -183,7 +181,7 @@ ContactSet random_set(Random& random, int n) {
 
 std::vector<int> simplices_of(const ContactSet& set, const std::vector<int>& kept) {
   std::vector<int> result;
-  for (const int i : kept) result.push_back(set.points[std::size_t(i)].a.simplex);
+  for (const int i : kept) result.push_back(set.points[i].a.simplex);
   std::sort(result.begin(), result.end());
   return result;
 }
@@ -196,11 +194,11 @@ TEST_P(ReduceRandom, DoesNotDependOnTheOrderOfTheSet) {
   for (std::size_t i = 0; i < set.points.size(); i += 3) set.points[i].gap = 0;  // ties in depth
   ContactSet shuffled = set;
   for (std::size_t i = shuffled.points.size() - 1; i > 0; --i)
-    std::swap(shuffled.points[i], shuffled.points[std::size_t(random.index(int(i) + 1))]);
+    std::swap(shuffled.points[i], shuffled.points[random.index(int(i) + 1)]);
   const Selection a = reduce(set), b = reduce(shuffled);
   EXPECT_EQ(simplices_of(set, a.kept), simplices_of(shuffled, b.kept));
   for (std::size_t i = 0; i < set.points.size(); ++i)
-    EXPECT_EQ(b.cluster[i], a.cluster[std::size_t(shuffled.points[i].a.simplex)]);
+    EXPECT_EQ(b.cluster[i], a.cluster[shuffled.points[i].a.simplex]);
   EXPECT_LT(a.kept.size(), set.points.size());  // the sample is not hollow: something is dropped
 }
 
@@ -220,8 +218,7 @@ TEST_P(ReduceRandom, AlwaysKeepsTheDeepest) {
   for (int k = 0; k < selection.cluster_count; ++k) {
     int deepest = -1;
     for (int i = 0; i < int(set.points.size()); ++i)
-      if (selection.cluster[std::size_t(i)] == k &&
-          (deepest < 0 || set.points[std::size_t(i)].gap < set.points[std::size_t(deepest)].gap))
+      if (selection.cluster[i] == k && (deepest < 0 || set.points[i].gap < set.points[deepest].gap))
         deepest = i;
     EXPECT_TRUE(std::binary_search(selection.kept.begin(), selection.kept.end(), deepest)) << "cluster " << k;
   }
@@ -294,8 +291,7 @@ TEST(MeasureLoss, OfRandomPatchesIsThatOfThePrototype) {
       points.push_back({radius * std::cos(angle), radius * std::sin(angle)});
     }
     ContactSet set = flat(points);
-    set.points[std::size_t(reduce(set, kExtremes).kept.back())].gap =
-        -1e-9;  // an extreme is the deepest: no fifth point
+    set.points[reduce(set, kExtremes).kept.back()].gap = -1e-9;  // an extreme is the deepest: no fifth point
     const Selection selection = reduce(set, kExtremes);
     const LossReport loss = measure_loss(set, selection);
     area += loss.area / trials;

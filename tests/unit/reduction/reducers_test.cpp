@@ -57,7 +57,7 @@ Figures figures(const PatchRule& rule, const std::vector<Vec2>& points, bool abo
   const std::vector<int> kept = rule(patch);
   if (about_corners) {
     patch.centroid.setZero();
-    for (const int i : patch.hull) patch.centroid += patch.x[std::size_t(i)] / double(patch.hull.size());
+    for (const int i : patch.hull) patch.centroid += patch.x[i] / double(patch.hull.size());
   }
   const LossReport loss = loss_of(patch, kept);
   return {loss.area, loss.margin, double(kept.size())};
@@ -267,7 +267,7 @@ TEST_P(EveryReducer, T_3_3_DoesNotDependOnTheOrderOfTheSet) {
     const Known known = random_contacts(random, 60, 0.3);
     std::vector<std::size_t> order(60);
     for (std::size_t i = 0; i < 60; ++i) order[i] = i;
-    for (std::size_t i = 59; i > 0; --i) std::swap(order[i], order[std::size_t(random.index(int(i) + 1))]);
+    for (std::size_t i = 59; i > 0; --i) std::swap(order[i], order[random.index(int(i) + 1)]);
     Known shuffled;
     for (const std::size_t i : order) {
       shuffled.set.points.push_back(known.set.points[i]);
@@ -278,7 +278,7 @@ TEST_P(EveryReducer, T_3_3_DoesNotDependOnTheOrderOfTheSet) {
     shuffled.bodies = known.bodies;
     const Selection a = reduce(known.input(), options()), b = reduce(shuffled.input(), options());
     std::vector<int> back;
-    for (const int i : b.kept) back.push_back(int(order[std::size_t(i)]));
+    for (const int i : b.kept) back.push_back(int(order[i]));
     std::sort(back.begin(), back.end());
     ASSERT_EQ(a.kept, back) << "seed " << seed;
     EXPECT_EQ(a.loss.margin, b.loss.margin);  // bit for bit
@@ -381,12 +381,12 @@ TEST_P(EveryReducer, KeepsTheDeepestOfEveryCluster) {
     EXPECT_EQ(selection.loss.depth, 0);
     std::vector<double> deepest(std::size_t(selection.cluster_count), kInf), kept = deepest;
     for (std::size_t i = 0; i < 60; ++i) {
-      double& gap = deepest[std::size_t(selection.cluster[i])];
+      double& gap = deepest[selection.cluster[i]];
       gap = std::min(gap, known.set.points[i].gap);
     }
     for (const int i : selection.kept) {
-      double& gap = kept[std::size_t(selection.cluster[std::size_t(i)])];
-      gap = std::min(gap, known.set.points[std::size_t(i)].gap);
+      double& gap = kept[selection.cluster[i]];
+      gap = std::min(gap, known.set.points[i].gap);
     }
     EXPECT_EQ(kept, deepest);
   }
@@ -491,18 +491,16 @@ TEST(LoadCarrier, IsATriangleAboutTheCentreOfPressure) {
     const std::vector<int> kept = load_carrier(patch, load);
     ASSERT_EQ(kept.size(), 3u);
     Mat3 A;
-    for (int k = 0; k < 3; ++k) A.col(k) << patch.x[std::size_t(kept[std::size_t(k)])], 1;
+    for (int k = 0; k < 3; ++k) A.col(k) << patch.x[kept[k]], 1;
     const Vec3 weight = A.inverse() * Vec3(centre.x(), centre.y(), 1);
     EXPECT_GE(weight.minCoeff(), -1e-9);
     // No corner of the hull is outside the circle through the three: the farthest-point triangle.
-    const Vec2 a = patch.x[std::size_t(kept[0])], b = patch.x[std::size_t(kept[1])],
-               c = patch.x[std::size_t(kept[2])];
+    const Vec2 a = patch.x[kept[0]], b = patch.x[kept[1]], c = patch.x[kept[2]];
     Mat2 sides;
     sides << (b - a).transpose(), (c - a).transpose();
     const Vec2 middle = sides.inverse() * Vec2((b.squaredNorm() - a.squaredNorm()) / 2,
                                                (c.squaredNorm() - a.squaredNorm()) / 2);
-    for (const int i : patch.hull)
-      EXPECT_LE((patch.x[std::size_t(i)] - middle).norm(), (a - middle).norm() * (1 + 1e-9));
+    for (const int i : patch.hull) EXPECT_LE((patch.x[i] - middle).norm(), (a - middle).norm() * (1 + 1e-9));
   }
 }
 
@@ -576,14 +574,14 @@ TEST(WrenchConeRule, T_3_8_KeepsEveryWrenchUpToItsFactor) {
     const Selection selection = reduce(known.input(), {.reducer = Reducer::wrench_cone, .wrench_loss = loss});
     dropped += 16 - int(selection.kept.size());
     std::vector<int> all(16);
-    for (int i = 0; i < 16; ++i) all[std::size_t(i)] = i;
+    for (int i = 0; i < 16; ++i) all[i] = i;
     const UnitWrenches wrenches = unit_wrenches(known.input(), all);
     EXPECT_LE(wrench_factor(wrenches, selection.kept), 1 / (1 - loss) + 1e-8) << "seed " << seed;
     MatX d(10000, 6);
     for (double& x : d.reshaped()) x = random.uniform(-1, 1);
     VecX h_all = VecX::Zero(d.rows()), h_kept = h_all;
     for (int m = 0; m < 16; ++m) {
-      const int first = wrenches.first[std::size_t(m)], end = wrenches.first[std::size_t(m) + 1];
+      const int first = wrenches.first[m], end = wrenches.first[std::size_t(m) + 1];
       const VecX reach = (d * wrenches.g.middleCols(first, end - first)).rowwise().maxCoeff();
       h_all = h_all.cwiseMax(reach);
       if (std::ranges::binary_search(selection.kept, m)) h_kept = h_kept.cwiseMax(reach);
@@ -609,7 +607,7 @@ TEST(WrenchConeRule, ChoosesTheSameInATurnedSceneWithFriction) {
     }
     std::vector<SE3> g = {{random.rotation(), Vec3::Zero()}, {random.rotation(), Vec3::UnitX()}};
     std::vector<int> all(40);
-    for (int i = 0; i < 40; ++i) all[std::size_t(i)] = i;
+    for (int i = 0; i < 40; ++i) all[i] = i;
     const auto kept_with = [&](std::span<const SE3> poses) {
       ReductionInput input = known.input();
       input.g = poses;
@@ -707,7 +705,7 @@ TEST(Hysteresis, KeepsTheCornersOfATurningDisc) {
         ReductionInput input{.contacts = set};
         if (memory && !before.empty()) {
           input.kept_before.assign(50, 0);
-          for (const int i : before) input.kept_before[std::size_t(i)] = 1;
+          for (const int i : before) input.kept_before[i] = 1;
         }
         const std::vector<int> kept = reduce(input, {.reducer = which}).kept;
         (memory ? exchanged_with : exchanged_without) += step > 0 && kept != before;
@@ -723,8 +721,7 @@ TEST(Hysteresis, GivesWayToWhatIsBetter) {
   const ContactSet set = flat(ring(48));
   ReductionInput input{.contacts = set};
   input.kept_before.assign(48, 0);
-  for (const int i : {0, 3, 6, 9, 12, 15, 18, 21})
-    input.kept_before[std::size_t(i)] = 1;  // one half of the rim
+  for (const int i : {0, 3, 6, 9, 12, 15, 18, 21}) input.kept_before[i] = 1;  // one half of the rim
   for (const Reducer which : {Reducer::extreme_points, Reducer::hull_area_loss, Reducer::hull_margin})
     EXPECT_GT(reduce(input, {.reducer = which}).loss.margin, 0.7) << to_string(which);
 }
@@ -758,7 +755,7 @@ TEST(OnePlace, IsHeldOnByWhatWasKeptThereIfNothingIsDeeper) {
     ReductionInput input{.contacts = set};
     input.kept_before.assign(12, 0);
     const std::vector<int> before{1, 5, 7, 11};
-    for (const int i : before) input.kept_before[std::size_t(i)] = 1;
+    for (const int i : before) input.kept_before[i] = 1;
     EXPECT_EQ(std::ranges::includes(reduce(input).kept, before), open < 1e-9) << open;
     EXPECT_FALSE(std::ranges::includes(reduce(input, {.hysteresis = 0}).kept, before)) << "no memory";
   }
