@@ -55,8 +55,8 @@ struct Scene {
 void add_box(Model& model, int columns, double pitch,
              double floor) {  // open at the top; sheets of two triangles
   const double wide = columns * pitch + 4e-4, high = kLayers * pitch + kSize;
-  const int ground = add(model, prepare(dilate(make_plate(wide, wide), 1e-4)));
-  const int wall = add(model, prepare(dilate(make_plate(high, wide), 1e-4)));
+  const auto ground = add(model, prepare(dilate(make_plate(wide, wide), 1e-4)));
+  const auto wall = add(model, prepare(dilate(make_plate(high, wide), 1e-4)));
   RigidBody body = fixed_body("ground", ground);
   body.g_bs = translation(columns * pitch / 2, columns * pitch / 2, floor);
   add(model, body);
@@ -74,7 +74,7 @@ Scene lattice(int n, const std::vector<DilatedShape>& shapes, const std::vector<
               double pitch, double shift, double tilt) {
   Scene s;
   const int columns = int(std::ceil(std::sqrt(double(n) / kLayers)));
-  std::vector<int> index;
+  std::vector<ShapeId> index;
   for (const DilatedShape& shape : shapes) index.push_back(add(s.model, prepare(shape)));
   add_box(s.model, columns, pitch, -2e-4);
   const int first = int(s.model.bodies.size());
@@ -85,9 +85,10 @@ Scene lattice(int n, const std::vector<DilatedShape>& shapes, const std::vector<
   }
   s.state = rest_state(s.model);
   for (int i = 0; i < n; ++i) {
+    const auto body = BodyId::at(first + i);
     const int layer = i / (columns * columns), row = i / columns % columns, column = i % columns;
-    twist(s.state, first + i)[2] = -kSpeed;
-    SE3& g = pose(s.state, first + i);
+    twist(s.state, body)[2] = -kSpeed;
+    SE3& g = pose(s.state, body);
     g.p = pitch * Vec3(column + 0.5, row + 0.5, layer + 0.5);
     for (double& x : g.p) x += jitter(shift);
     const double yaw = jitter(tilt), a = jitter(tilt), b = jitter(tilt);
@@ -152,9 +153,9 @@ Row measure(const Scene& scene, int n, const Arguments& a) {
   Row row{.bodies = double(n)};
   for (const RigidBody& body : scene.model.bodies)
     row.triangles += double(scene.model.shapes[body.shape]->complex.triangles.size());
-  const std::vector<BodyBounds> bounds = body_bounds(scene.model);
+  const PerBody<BodyBounds> bounds = body_bounds(scene.model);
   VecX v = VecX::Zero(scene.state.v.size());
-  for (int b = 0; b < int(scene.model.bodies.size()); ++b)
+  for (const BodyId b : scene.model.bodies.ids())
     if (is_dynamic(scene.model.bodies[b])) linear_part(v, b).z() = -kSpeed - 9.81 * kStep;
   const StepMotion estimate{scene.model, scene.state, v, kStep};
   std::vector<StepPair> pairs;

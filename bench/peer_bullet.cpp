@@ -39,7 +39,7 @@ struct World {
   btCollisionDispatcher dispatcher{&configuration};
   btDbvtBroadphase broad_phase{};
   btSequentialImpulseConstraintSolver solver{};
-  std::vector<std::unique_ptr<btCollisionShape>> shapes{};
+  Table<ShapeId, std::unique_ptr<btCollisionShape>> shapes{};
   std::vector<std::unique_ptr<btRigidBody>> bodies{};
   std::vector<Vec3> force{};
   btDiscreteDynamicsWorld dynamics{&dispatcher, &broad_phase, &solver, &configuration};

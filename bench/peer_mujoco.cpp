@@ -39,7 +39,7 @@ std::string geom_of(const PeerScene& scene, const PeerBody& body, double h) {
       out += "type=\"box\" size=\"" + text_of(shape.size / 2) + "\"";
       break;
     case PeerShapeKind::prism:
-      out += formatted("type=\"mesh\" mesh=\"shape%d\"", body.shape);
+      out += formatted("type=\"mesh\" mesh=\"shape%d\"", body.shape.index());
       break;
   }
   // Of two priorities the higher one's friction counts: the smaller.
@@ -57,9 +57,9 @@ std::string model_of(const PeerScene& scene, double h) {
                     text_of(scene.gravity) + "\"><flag multiccd=\"enable\"/></option>" +
                     formatted("<size nconmax=\"%d\" njmax=\"%d\" nstack=\"%d\"/><asset>", contacts,
                               (frictionless ? 1 : 3) * contacts, 30000000);
-  for (std::size_t i = 0; i < scene.shapes.size(); ++i) {
+  for (const ShapeId i : scene.shapes.ids()) {
     if (scene.shapes[i].kind != PeerShapeKind::prism) continue;
-    out += formatted("<mesh name=\"shape%d\" vertex=\"", int(i));
+    out += formatted("<mesh name=\"shape%d\" vertex=\"", i.index());
     for (const Vec3& x : corners(scene.shapes[i], 0)) out += text_of(x) + " ";
     out += "\"/>";
   }
@@ -80,8 +80,8 @@ std::string model_of(const PeerScene& scene, double h) {
 struct World {
   mjModel* model = nullptr;
   mjData* data = nullptr;
-  std::vector<SE3> start{};
-  std::vector<char> fixed{};
+  PerBody<SE3> start{};
+  PerBody<char> fixed{};
 
   int steps = 1;
 
@@ -98,10 +98,10 @@ struct World {
     model->opt.iterations *= tuning.iterations;
     if (tuning.iterations > 1) model->opt.tolerance = 1e-15;  // its default, 1e-8, ends most solves before
     data = mj_makeData(model);
-    for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    for (const BodyId b : scene.bodies.ids()) {
       start.push_back(scene.bodies[b].g);
       fixed.push_back(scene.bodies[b].fixed);
-      for (int i = 0; i < 3; ++i) data->xfrc_applied[6 * (b + 1) + std::size_t(i)] = scene.bodies[b].force[i];
+      for (int i = 0; i < 3; ++i) data->xfrc_applied[6 * (b.index() + 1) + i] = scene.bodies[b].force[i];
     }
   }
   ~World() {
@@ -115,9 +115,9 @@ struct World {
     for (int k = 0; k < steps; ++k) mj_step(model, data);
   }
   PeerSample look() const {
-    PeerSample out{.t = data->time, .g = start, .v = std::vector<Vec3>(start.size(), Vec3::Zero())};
+    PeerSample out{.t = data->time, .g = start, .v = PerBody<Vec3>(start.size(), Vec3::Zero())};
     const mjtNum *q = data->qpos, *v = data->qvel;
-    for (std::size_t b = 0; b < start.size(); ++b) {
+    for (const BodyId b : start.ids()) {
       if (fixed[b]) continue;
       out.g[b] = {Quat(q[3], q[4], q[5], q[6]), Vec3(q[0], q[1], q[2])};
       out.v[b] = Vec3(v[0], v[1], v[2]);

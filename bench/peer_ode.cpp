@@ -14,10 +14,10 @@ struct World {
   dWorldID world = nullptr;
   dSpaceID space = nullptr;
   dJointGroupID contacts = nullptr;
-  std::vector<dBodyID> bodies{};
+  PerBody<dBodyID> bodies{};
   std::vector<double> mu{};
-  std::vector<Vec3> force{};
-  std::vector<SE3> start{};
+  PerBody<Vec3> force{};
+  PerBody<SE3> start{};
   int steps = 1;
   double restitution = 0, h = 0, t = 0;  // h of one of its own steps
 
@@ -29,13 +29,13 @@ struct World {
     space = dHashSpaceCreate(nullptr);
     contacts = dJointGroupCreate(0);
     dWorldSetGravity(world, scene.gravity.x(), scene.gravity.y(), scene.gravity.z());
-    for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+    for (const BodyId b : scene.bodies.ids()) {
       const PeerBody& body = scene.bodies[b];
       const PeerShape& shape = scene.shapes[body.shape];
       const dGeomID geom = shape.kind == PeerShapeKind::ball
                                ? dCreateSphere(space, shape.size.x())
                                : dCreateBox(space, shape.size.x(), shape.size.y(), shape.size.z());
-      dGeomSetData(geom, reinterpret_cast<void*>(b));
+      dGeomSetData(geom, reinterpret_cast<void*>(std::intptr_t(b.index())));
       bodies.push_back(body.fixed ? nullptr : dBodyCreate(world));
       mu.push_back(body.mu);
       force.push_back(body.force);
@@ -68,7 +68,9 @@ struct World {
     if (!dGeomGetBody(a) && !dGeomGetBody(b)) return;
     dContact found[kContactsOfAPair];
     const int count = dCollide(a, b, kContactsOfAPair, &found[0].geom, sizeof(dContact));
-    const auto friction = [&](dGeomID geom) { return mu[reinterpret_cast<std::size_t>(dGeomGetData(geom))]; };
+    const auto friction = [&](dGeomID geom) {
+      return mu[reinterpret_cast<std::intptr_t>(dGeomGetData(geom))];
+    };
     for (int i = 0; i < count; ++i) {
       dSurfaceParameters& surface = found[i].surface;
       surface = {};
@@ -84,7 +86,7 @@ struct World {
   }
   void advance_once() {
     dSpaceCollide(space, this, &near);
-    for (std::size_t b = 0; b < bodies.size(); ++b)
+    for (const BodyId b : bodies.ids())
       if (!force[b].isZero(0)) dBodyAddForce(bodies[b], force[b].x(), force[b].y(), force[b].z());
     dWorldQuickStep(world, h);
     dJointGroupEmpty(contacts);
@@ -92,7 +94,7 @@ struct World {
   }
   PeerSample look() const {
     PeerSample out{.t = t, .g = start};
-    for (std::size_t b = 0; b < bodies.size(); ++b) {
+    for (const BodyId b : bodies.ids()) {
       out.v.push_back(Vec3::Zero());
       if (!bodies[b]) continue;
       const dReal *x = dBodyGetPosition(bodies[b]), *R = dBodyGetQuaternion(bodies[b]),

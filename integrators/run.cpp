@@ -18,8 +18,8 @@ namespace {
 
 void check_joints(const Model& model, const State& state, double tolerance) {
   const std::string bound = "be at most " + number_text(tolerance) + "; see consistent()";
-  for (int j = 0; j < int(model.joints.size()); ++j) {
-    const std::string who = "start: joint " + std::to_string(j) + " (" + model.joints[j].name + "): ";
+  for (const JointId j : model.joints.ids()) {
+    const std::string who = "start: joint " + to_string(j) + " (" + model.joints[j].name + "): ";
     const JointError error = joint_error(model, state, j);
     require_field(error.translation <= tolerance, (who + "translation error [m]").c_str(), error.translation,
                   bound.c_str());
@@ -42,9 +42,9 @@ void check_size(const std::string& who, const MatX& A, Eigen::Index rows, Eigen:
 }
 
 void check_coordinates(const Model& model, const State& state) {
-  for (int i = 0; i < int(model.coordinates.size()); ++i) {
+  for (const BlockId i : model.coordinates.ids()) {
     const Coordinates& block = model.coordinates[i];
-    const std::string who = "coordinates " + std::to_string(i) + " (" + block.name + "): ";
+    const std::string who = "coordinates " + to_string(i) + " (" + block.name + "): ";
     const VecX q = coordinates(model, state, i);
     const MatX M = block.mass(q);
     check_size(who + "mass", M, block.size, block.size);
@@ -62,9 +62,9 @@ void check_coordinates(const Model& model, const State& state) {
 }
 
 void check_gaps(const Model& model, const State& state) {
-  for (std::size_t i = 0; i < model.gaps.size(); ++i) {
+  for (const GapId i : model.gaps.ids()) {
     const GapFunction& gap = model.gaps[i];
-    const std::string who = "gap function " + std::to_string(i) + " (" + gap.name + "): ";
+    const std::string who = "gap function " + to_string(i) + " (" + gap.name + "): ";
     const GapRows rows = gap.evaluate(model, state, state.t);
     require_field(rows.J.rows() >= 1 && rows.J.rows() <= 3, ("start: " + who + "rows of J").c_str(),
                   rows.J.rows(), "lie in [1, 3]");

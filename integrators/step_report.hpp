@@ -37,7 +37,7 @@ struct StepContact {
 
 /// A gap function that took part in the solve.
 struct StepGap {
-  int index = -1;
+  GapId id{};
   double gap = 0;               // at the start of the step [m]
   Vec3 impulse = Vec3::Zero();  // normal first [N s]
   double work = 0;              // as for a contact [J]
@@ -67,9 +67,9 @@ struct StepJoint {
 
 /// A stretch of the path of a step with constant velocities.
 struct PathPiece {
-  double t = 0, h = 0;   // when it begins and how long it lasts [s]
-  std::vector<SE3> g{};  // poses at its start
-  VecX v{};              // indexed as State::v
+  double t = 0, h = 0;  // when it begins and how long it lasts [s]
+  PerBody<SE3> g{};     // poses at its start
+  VecX v{};             // indexed as State::v
 };
 
 enum class EventKind {
@@ -86,10 +86,10 @@ const char* to_string(EventKind kind);
 /// An event between the ends of a step, from a scheme that stops at events.
 struct StepEvent {
   EventKind kind = EventKind::impact;
-  double t = 0;                  // [s]
-  int body_a = -1, body_b = -1;  // of a contact
-  int slot = -1;                 // of an axis or gap function: first entry of State::r
-  double speed = 0;              // impacts: normal closing speed [m/s, rad/s], >= 0
+  double t = 0;               // [s]
+  BodyId body_a{}, body_b{};  // of a contact
+  int slot = -1;              // of an axis or gap function: first entry of State::r
+  double speed = 0;           // impacts: normal closing speed [m/s, rad/s], >= 0
 };
 
 /// What a step passed to the solver, and what came back.
@@ -149,7 +149,7 @@ struct StepReport {
   int passing_pairs = 0;  // near pairs that were skipped, since the model lets them pass (Model::passing)
   // Pairs of moved and fixed bodies that are not proven to stay apart in the step and cannot be stopped
   // (CA-20), sorted
-  std::vector<std::pair<int, int>> driven_overlaps{};
+  std::vector<BodyPair> driven_overlaps{};
   // Residuals of the last problem solved; iterations and failures of all problems; the worst status of those
   // that the step depends on: stages, landing (MJ-17), impacts (IMP-1), projection (PRJ-1). event_driven: the
   // worst of its impacts and settled contacts
@@ -171,7 +171,7 @@ struct StepReport {
   std::vector<StepGap> gaps{};           // of the active gap functions
   std::vector<double> law_work{};        // work of contacts and gap functions, summed for each of
                                          // contact_laws(model) [J]
-  std::vector<StepJoint> joints{};       // of every joint of the model
+  Table<JointId, StepJoint> joints{};    // of every joint of the model
   double t_joints = 0;                   // time that joint forces are means about, or belong to (MJT-17) [s]
   std::vector<StepEvent> events{};       // in order of time; only from schemes that stop at events
   std::optional<StepProblem> problem{};  // the last one solved, even in a step that failed; only if asked for

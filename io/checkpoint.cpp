@@ -88,7 +88,7 @@ void write_state(hid_t file, const State& state) {
     write_rows(file, name, gathered<T>(memory, [&](const auto& contact) { return contact.*field; }));
   };
   write_rows(file, "/memory/bodies", gathered<std::array<int, 2>>(memory, [](const auto& contact) {
-               return std::array{contact.key.body_a, contact.key.body_b};
+               return std::array{contact.key.body_a.index(), contact.key.body_b.index()};
              }));
   write_rows(file, "/memory/feature",
              gathered<std::uint64_t>(memory, [](const auto& contact) { return contact.key.feature; }));
@@ -143,7 +143,8 @@ State read_state(hid_t file) {
   read("/memory/drilling", &RememberedContact::drilling);
   read("/memory/anchor_b", &RememberedContact::anchor_b);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    memory.contacts[i].key = {.body_a = bodies[i][0], .body_b = bodies[i][1], .feature = feature[i]};
+    memory.contacts[i].key = {
+        .body_a = BodyId::at(bodies[i][0]), .body_b = BodyId::at(bodies[i][1]), .feature = feature[i]};
     memory.contacts[i].held = held[i] != 0;
     memory.contacts[i].solved = solved[i] != 0;
   }

@@ -13,8 +13,7 @@ namespace {
 
 double displacement(const Frame& f) {
   double out = 0;
-  for (std::size_t b = 0; b < f.state.g.size(); ++b)
-    out = std::max(out, (f.state.g[b].p - f.start.g[b].p).norm());
+  for (const BodyId b : f.state.g.ids()) out = std::max(out, (f.state.g[b].p - f.start.g[b].p).norm());
   return out;
 }
 
@@ -122,14 +121,14 @@ std::vector<Gauge> model_gauges(const Model& model) {
   const std::vector<ContactLaw> laws = contact_laws(model);
   for (std::size_t i = 0; i < laws.size(); ++i)
     add("work:" + name_of(laws[i]), [i](const Frame& f) { return f.report.law_work[i]; });
-  for (std::size_t j = 0; j < model.joints.size(); ++j)
+  for (const JointId j : model.joints.ids())
     add("work:joint:" + model.joints[j].name,
         [j](const Frame& f) { return f.report.joints[j].work.total(); });
   Eigen::Index at = 0;
   for (const Coordinates& block : model.coordinates)
     for (int i = 0; i < block.size; ++i, ++at)
       add("q:" + block.name + ":" + std::to_string(i), [at](const Frame& f) { return f.state.q[at]; });
-  for (int j = 0; j < int(model.joints.size()); ++j)
+  for (const JointId j : model.joints.ids())
     for (int axis = 0; axis < axis_count(model.joints[j].kind); ++axis)
       add("joint:" + model.joints[j].name + ":" + std::to_string(axis),
           [j, axis](const Frame& f) { return joint_coordinate(f.model, f.state, j, axis); });

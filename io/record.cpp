@@ -19,13 +19,13 @@ RunMesh run_mesh(const SimplicialComplex& complex) {
 }
 
 // Where it is; what it did is in the report of a step.
-RunJoint run_joint(const Model& model, const State& state, int index) {
+RunJoint run_joint(const Model& model, const State& state, JointId joint) {
   RunJoint out;
-  for (int axis = 0; axis < axis_count(model.joints[index].kind); ++axis) {
-    out.coordinate[axis] = joint_coordinate(model, state, index, axis);
-    out.speed[axis] = joint_speed(model, state, index, axis);
+  for (int axis = 0; axis < axis_count(model.joints[joint].kind); ++axis) {
+    out.coordinate[axis] = joint_coordinate(model, state, joint, axis);
+    out.speed[axis] = joint_speed(model, state, joint, axis);
   }
-  const JointError off = joint_error(model, state, index);
+  const JointError off = joint_error(model, state, joint);
   out.translation_error = off.translation;
   out.rotation_error = off.rotation;
   return out;
@@ -52,11 +52,11 @@ int status_code(SolveStatus status) {
 
 RunHeader run_header(const Model& model) {
   RunHeader header;
-  std::map<int, std::string> mesh_of_shape;
+  std::map<ShapeId, std::string> mesh_of_shape;
   for (const RigidBody& body : model.bodies) {
     RunBody row{body.name, {},        body.g_bs,   std::holds_alternative<Fixed>(body.motion),
                 0,         body.mass, body.inertia};
-    if (body.shape >= 0) {
+    if (body.shape) {
       const LmdShape& shape = *model.shapes[body.shape];
       const bool first = mesh_of_shape.emplace(body.shape, body.name).second;
       if (first) {
@@ -70,7 +70,8 @@ RunHeader run_header(const Model& model) {
     header.bodies.push_back(std::move(row));
   }
   for (const Joint& joint : model.joints)
-    header.joints.push_back({joint.name, to_string(joint.kind), {joint.body_a, joint.body_b}});
+    header.joints.push_back(
+        {joint.name, to_string(joint.kind), {joint.body_a.index(), joint.body_b.index()}});
   for (const Coordinates& block : model.coordinates) header.blocks.push_back({block.name, block.size});
   validate(header);
   return header;
@@ -81,14 +82,14 @@ RunStep run_step(std::int64_t step, const Model& model, const State& state, cons
   row.step = step;
   row.time = state.t;
   row.pose = state.g;
-  const int of_bodies = first_velocity(int(state.g.size()));
+  const int of_bodies = first_velocity(state.g.next());
   row.velocity = state.v.head(of_bodies);
   row.q = state.q;
   row.q_speed = state.v.tail(state.v.size() - of_bodies);
-  for (int b = 0; b < int(model.bodies.size()); ++b)
+  for (const BodyId b : model.bodies.ids())
     if (deforms(model.bodies[b]))
       std::ranges::move(deformed_vertices(model, state, b), std::back_inserter(row.vertices));
-  for (int i = 0; i < int(model.joints.size()); ++i) row.joints.push_back(run_joint(model, state, i));
+  for (const JointId i : model.joints.ids()) row.joints.push_back(run_joint(model, state, i));
   const Energy now = energy(model, state);
   row.kinetic = now.kinetic;
   row.gravity = now.gravity;
@@ -103,9 +104,9 @@ RunStep run_step(std::int64_t step, const Model& model, const State& state, cons
   RunStep row = run_step(step, model, state, coupling);
   for (const StepContact& contact : report.contacts)
     row.contacts.push_back(run_contact(contact.point, contact.impulse));
-  for (std::size_t i = 0; i < report.joints.size(); ++i) {
+  for (const JointId i : report.joints.ids()) {
     const StepJoint& joint = report.joints[i];
-    RunJoint& out = row.joints[i];
+    RunJoint& out = row.joints[i.index()];
     out.force = joint.force;
     out.torque = joint.torque;
     out.effort = joint.effort;
@@ -154,7 +155,7 @@ RunStep run_step(std::int64_t step, const Model& model, const State& state, cons
 }
 
 RunContact run_contact(const ContactPoint& contact, const Vec3& impulse) {
-  return {{contact.a.body, contact.b.body},
+  return {{contact.a.body.index(), contact.b.body.index()},
           {{{contact.a.dim, contact.a.simplex, contact.a.region},
             {contact.b.dim, contact.b.simplex, contact.b.region}}},
           contact.x_a,

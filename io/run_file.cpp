@@ -288,7 +288,7 @@ void validate(const RunHeader& header, const RunStep& step) {
   const int bodies = int(header.bodies.size());
   require_field(int(step.pose.size()) == bodies, "RunStep::pose: size", step.pose.size(),
                 "be the number of bodies");
-  require_field(step.velocity.size() == first_velocity(bodies), "RunStep::velocity: size",
+  require_field(step.velocity.size() == first_velocity(BodyId::at(bodies)), "RunStep::velocity: size",
                 step.velocity.size(), "be six times the number of bodies");
   require_field(step.joints.size() == header.joints.size(), "RunStep::joints: size", step.joints.size(),
                 "be the number of joints");
@@ -580,7 +580,7 @@ void RunReader::Impl::read_states() {
   const std::size_t bodies = header.bodies.size(), coordinates = coordinate_count(header),
                     moving = moving_vertices(header);
   const std::vector<double> pose = read_wide(kPose, 7 * bodies),
-                            velocity = read_wide(kVelocity, std::size_t(first_velocity(int(bodies)))),
+                            velocity = read_wide(kVelocity, std::size_t(first_velocity(BodyId::at(bodies)))),
                             q = read_wide(kCoordinates, coordinates),
                             q_speed = read_wide(kCoordinateSpeeds, coordinates),
                             vertices = read_wide(kVertices, 3 * moving);
@@ -593,7 +593,7 @@ void RunReader::Impl::read_states() {
     }
     for (std::size_t i = 0; i < moving; ++i)
       step.vertices.emplace_back(vertices.data() + 3 * (k * moving + i));
-    step.velocity = row_of(velocity, k, std::size_t(first_velocity(int(bodies))));
+    step.velocity = row_of(velocity, k, std::size_t(first_velocity(BodyId::at(bodies))));
     step.q = row_of(q, k, coordinates);
     step.q_speed = row_of(q_speed, k, coordinates);
   }

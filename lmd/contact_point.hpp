@@ -8,12 +8,13 @@
 #include <vector>
 
 #include "geometry/types.hpp"
+#include "lmd/body_id.hpp"
 
 namespace aussois {
 
 /// The open simplex that carries a proximal point.
 struct Feature {
-  int body = -1;    // index of the posed shape
+  BodyId body{};    // index of the posed shape
   int dim = 0;      // 0 vertex, 1 edge, 2 face
   int simplex = 0;  // index among the simplices of that dimension
   int region = 0;   // what the simplex belongs to after idealisation: the vertex itself, the straight
@@ -24,7 +25,7 @@ struct Feature {
 /// Identifies a contact from step to step (PER-1): both bodies, and (dim, region) of both sides in one word,
 /// A's in the upper half. Keys are ordered by (body_a, body_b, dim and region of A, dim and region of B).
 struct ContactKey {
-  std::int32_t body_a = -1, body_b = -1;
+  BodyId body_a{}, body_b{};
   std::uint64_t feature = 0;
   auto operator<=>(const ContactKey&) const = default;
 };

@@ -84,7 +84,7 @@ std::array<double, 3> barycentric(const Leaf& face, const Vec3& x) {
 }
 
 // The edge of a chain that carries the foot x.
-Feature edge_of_chain(const LmdShape& shape, int chain, const Vec3& x, int body) {
+Feature edge_of_chain(const LmdShape& shape, int chain, const Vec3& x, BodyId body) {
   const SimplicialComplex& k = shape.complex;
   const EdgeLeaf& leaf = shape.edges[chain];
   const Vec3 &begin = k.vertices[leaf.first], &end = k.vertices[leaf.last];
@@ -107,7 +107,7 @@ Feature edge_of_chain(const LmdShape& shape, int chain, const Vec3& x, int body)
   }
 }
 
-Feature make_feature(const LmdShape& shape, LeafId leaf, const Vec3& x, int body) {
+Feature make_feature(const LmdShape& shape, LeafId leaf, const Vec3& x, BodyId body) {
   const auto i = std::size_t(leaf.index);
   if (leaf.dim == 0) {
     const int v = shape.vertices[i].vertex;

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "geometry/se3.hpp"
+#include "lmd/body_id.hpp"
 #include "lmd/lmd_shape.hpp"
 
 namespace aussois {
@@ -12,7 +13,7 @@ namespace aussois {
 struct PosedShape {
   const LmdShape* shape = nullptr;
   SE3 g_ws{};                             // shape frame in the world
-  int body = -1;                          // copied into the features
+  BodyId body{};                          // copied into the features
   std::shared_ptr<const LmdShape> own{};  // owns `shape` if it was made for this pose alone
 };
 

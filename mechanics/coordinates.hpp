@@ -6,9 +6,13 @@
 #include <functional>
 #include <string>
 
+#include "geometry/id.hpp"
 #include "mechanics/contact_law.hpp"
 
 namespace aussois {
+
+using BlockId = Id<struct BlockTag>;
+using GapId = Id<struct GapTag>;
 
 struct Model;
 struct State;
@@ -38,7 +42,7 @@ struct GapRows {
 /// A user-defined contact. It is always a candidate: no search finds it, and no certificate covers it.
 struct GapFunction {
   std::string name{};
-  int block = -1;  // J has a column per velocity of this block of coordinates; -1: of all of State::v
+  BlockId block{};  // J has a column per velocity of this block of coordinates; none: of all of State::v
   std::function<GapRows(const Model&, const State&, double t)> evaluate{};
   ContactLaw law{};  // its Contensou radius must be 0
 };

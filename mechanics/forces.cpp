@@ -16,14 +16,14 @@ void add_outer(std::vector<Triplet>& matrix, int row, int column, double factor,
 }
 
 // Spring, damper and effort motor of an axis; directions at the middle of the step (MJT-9).
-AxisImpulse add_axis_force(const Model& model, const State& state, const std::vector<SE3>& middle, int j,
+AxisImpulse add_axis_force(const Model& model, const State& state, const PerBody<SE3>& middle, JointId j,
                            int i, double t, GeneralisedForce& force) {
   const Joint& joint = model.joints[j];
   const JointAxis& axis = joint.axis[i];
   const JointRow row = axis_row(joint, middle, i);
   std::vector<std::pair<int, Vec6>> ends;  // (first velocity, J)
-  if (joint.body_a >= 0) ends.emplace_back(first_velocity(joint.body_a), row.J_a);
-  if (joint.body_b >= 0) ends.emplace_back(first_velocity(joint.body_b), row.J_b);
+  if (joint.body_a) ends.emplace_back(first_velocity(joint.body_a), row.J_a);
+  if (joint.body_b) ends.emplace_back(first_velocity(joint.body_b), row.J_b);
   AxisImpulse out{.joint = j, .axis = i, .row = row};
   out.motor = axis.motor.kind == MotorKind::effort ? axis.motor.target(t) : 0;
   out.spring = -axis.stiffness * (joint_coordinate(model, state, j, i) - axis.rest) -
@@ -46,8 +46,8 @@ bool pushes(const JointAxis& axis) {
 
 double axis_speed(const Joint& joint, const JointRow& row, const VecX& v) {
   double out = 0;
-  if (joint.body_a >= 0) out += row.J_a.dot(of_body(v, joint.body_a));
-  if (joint.body_b >= 0) out += row.J_b.dot(of_body(v, joint.body_b));
+  if (joint.body_a) out += row.J_a.dot(of_body(v, joint.body_a));
+  if (joint.body_b) out += row.J_b.dot(of_body(v, joint.body_b));
   return out;
 }
 
@@ -57,10 +57,10 @@ bool has_axis_forces(const Model& model) {
   });
 }
 
-std::vector<AxisImpulse> add_axis_forces(const Model& model, const State& state,
-                                         const std::vector<SE3>& middle, double t, GeneralisedForce& force) {
+std::vector<AxisImpulse> add_axis_forces(const Model& model, const State& state, const PerBody<SE3>& middle,
+                                         double t, GeneralisedForce& force) {
   std::vector<AxisImpulse> out;
-  for (int j = 0; j < int(model.joints.size()); ++j)
+  for (const JointId j : model.joints.ids())
     for (int i = 0; i < axis_count(model.joints[j].kind); ++i)
       if (pushes(model.joints[j].axis[i]))
         out.push_back(add_axis_force(model, state, middle, j, i, t, force));
@@ -106,7 +106,7 @@ Forces forces_at(const Model& model, const State& state, const Layout& dofs) {
   out.gravity = out.gyroscopic = VecX::Zero(dofs.rows);
   out.laws = free_velocities(dofs, force.f);
   std::vector<Triplet> mass, K = free_entries(force.K, dofs), C = free_entries(force.C, dofs);
-  for (int b = 0; b < int(model.bodies.size()); ++b) {
+  for (const BodyId b : model.bodies.ids()) {
     const int row = dofs.first[b];
     if (row < 0) continue;
     const RigidBody& body = model.bodies[b];
@@ -117,7 +117,7 @@ Forces forces_at(const Model& model, const State& state, const Layout& dofs) {
     out.gravity.segment<3>(row) = body.mass * model.gravity;
     out.gyroscopic.segment<3>(row + 3) = -omega.cross(momentum);
   }
-  for (int i = 0; i < int(model.coordinates.size()); ++i) {
+  for (const BlockId i : model.coordinates.ids()) {
     const Coordinates& block = model.coordinates[i];
     const int row = dofs.coordinates + first_coordinate(model, i);
     const VecX q = coordinates(model, state, i), v = speeds(model, state, i);

@@ -13,7 +13,8 @@ double axis_speed(const Joint& joint, const JointRow& row, const VecX& v);
 /// What a spring, a damper and an effort motor exert along an axis of a joint: an impulse over a step
 /// [N s, N m s], or a force [N, N m].
 struct AxisImpulse {
-  int joint = -1, axis = 0;
+  JointId joint{};
+  int axis = 0;
   JointRow row{};
   double motor = 0;
   double spring = 0;  // of spring and damper, if the velocity does not change
@@ -22,8 +23,8 @@ struct AxisImpulse {
 
 /// Adds the springs, dampers and effort motors of the joints' axes at time t, with directions at the poses
 /// `middle` (MJT-9), and returns them one by one.
-std::vector<AxisImpulse> add_axis_forces(const Model& model, const State& state,
-                                         const std::vector<SE3>& middle, double t, GeneralisedForce& force);
+std::vector<AxisImpulse> add_axis_forces(const Model& model, const State& state, const PerBody<SE3>& middle,
+                                         double t, GeneralisedForce& force);
 /// Whether any joint axis of the model has a spring, a damper or an effort motor.
 bool has_axis_forces(const Model& model);
 /// Impulses over a step of length h, by the trapezoidal rule from the forces at its start and end.

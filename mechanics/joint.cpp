@@ -8,9 +8,9 @@
 namespace aussois {
 namespace {
 
-const SE3& pose_of(const std::vector<SE3>& g, int body) {
+const SE3& pose_of(const PerBody<SE3>& g, BodyId body) {
   static const SE3 world;
-  return body < 0 ? world : g[body];
+  return body ? g[body] : world;
 }
 
 // The two frames of a joint in the world, and what moves them.
@@ -21,7 +21,7 @@ struct Frames {
   Vec3 d;           // from the origin of B's frame to that of A's [m]
 };
 
-Frames frames_of(const Joint& joint, const std::vector<SE3>& g) {
+Frames frames_of(const Joint& joint, const PerBody<SE3>& g) {
   const SE3 &body_a = pose_of(g, joint.body_a), &body_b = pose_of(g, joint.body_b);
   const SE3 frame_a = body_a * joint.frame_a, frame_b = body_b * joint.frame_b;
   return {.to_a = body_a.R.toRotationMatrix().transpose(),
@@ -130,7 +130,7 @@ const char* to_string(JointKind kind) {
   return "?";
 }
 
-Joint joint_at(JointKind kind, std::string name, int body_a, int body_b, const std::vector<SE3>& g,
+Joint joint_at(JointKind kind, std::string name, BodyId body_a, BodyId body_b, const PerBody<SE3>& g,
                const SE3& frame) {
   return {.name = std::move(name),
           .kind = kind,
@@ -249,7 +249,7 @@ JointRow axis_row(const Joint& joint, const JointPoses& at, int axis) {
   }
 }
 
-SE3 frame_on_a(const Joint& joint, const std::vector<SE3>& g) {
+SE3 frame_on_a(const Joint& joint, const PerBody<SE3>& g) {
   return pose_of(g, joint.body_a) * joint.frame_a;
 }
 

@@ -10,8 +10,13 @@
 #include <vector>
 
 #include "geometry/se3.hpp"
+#include "lmd/body_id.hpp"
 
 namespace aussois {
+
+using JointId = Id<struct JointTag>;
+
+inline constexpr BodyId kWorld{};  // the other end of a joint that holds on to nothing else
 
 enum class JointKind {  // locked motions -> free axes, in order
   fixed,                // all -> none
@@ -54,7 +59,7 @@ struct JointAxis {
 struct Joint {
   std::string name{};
   JointKind kind = JointKind::fixed;
-  int body_a = -1, body_b = -1;  // index of the body, -1: the world
+  BodyId body_a = kWorld, body_b = kWorld;
   // true: the two bodies touch each other like any others, and may not overlap at the start; false: they pass
   // through each other, without contacts or certificate (Model::passing)
   bool collide = false;
@@ -68,14 +73,14 @@ struct Joint {
 /// between external wheels), racks [m/rad] and belts.
 struct Coupling {
   std::string name{};
-  int joint_1 = -1, axis_1 = 0;
-  int joint_2 = -1, axis_2 = 0;
+  JointId joint_1{}, joint_2{};
+  int axis_1 = 0, axis_2 = 0;
   double ratio = 1;   // not 0
   double offset = 0;  // [m, rad]
 };
 
 /// A joint of two bodies whose two joint frames coincide at the poses `g`, at `frame` in the world.
-Joint joint_at(JointKind kind, std::string name, int body_a, int body_b, const std::vector<SE3>& g,
+Joint joint_at(JointKind kind, std::string name, BodyId body_a, BodyId body_b, const PerBody<SE3>& g,
                const SE3& frame);
 
 int axis_count(JointKind kind);
@@ -92,10 +97,10 @@ struct JointRow {
 /// both ends. Then J times the mean velocity of a Cayley step is the exact change of the row (MJT-14), and
 /// the value of the row is meaningless.
 struct JointPoses {
-  const std::vector<SE3>& start;
-  const std::vector<SE3>* end = nullptr;
-  JointPoses(const std::vector<SE3>& g) : start(g) {}  // NOLINT: poses are what most callers have
-  JointPoses(const std::vector<SE3>& g, const std::vector<SE3>& g_end) : start(g), end(&g_end) {}
+  const PerBody<SE3>& start;
+  const PerBody<SE3>* end = nullptr;
+  JointPoses(const PerBody<SE3>& g) : start(g) {}  // NOLINT: poses are what most callers have
+  JointPoses(const PerBody<SE3>& g, const PerBody<SE3>& g_end) : start(g), end(&g_end) {}
 };
 /// Zero where the joint holds: metres for translations, sines of angles for rotations (MJT-3), (MJT-4).
 std::vector<JointRow> locked_rows(const Joint& joint, const JointPoses& at);
@@ -103,6 +108,6 @@ std::vector<JointRow> locked_rows(const Joint& joint, const JointPoses& at);
 JointRow axis_row(const Joint& joint, const JointPoses& at, int axis);
 
 /// The pose of the joint's frame on A, in the world.
-SE3 frame_on_a(const Joint& joint, const std::vector<SE3>& g);
+SE3 frame_on_a(const Joint& joint, const PerBody<SE3>& g);
 
 }  // namespace aussois

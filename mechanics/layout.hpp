@@ -3,9 +3,8 @@
 // has only the free ones.
 #pragma once
 
-#include <vector>
-
 #include "geometry/types.hpp"
+#include "lmd/body_id.hpp"
 
 namespace aussois {
 
@@ -13,28 +12,28 @@ struct Model;
 
 /// First entry of a body in State::v: v_G in the world, then omega in the body. The coordinates follow all
 /// bodies.
-constexpr int first_velocity(int body) {
-  return 6 * body;
+constexpr int first_velocity(BodyId body) {
+  return 6 * body.index();
 }
 /// The part of a body in a vector laid out as State::v (velocities, forces, momenta): all six entries, those
 /// of the translation [world], those of the rotation [body].
 template <class Vector>
-auto of_body(Vector& all, int body) {
+auto of_body(Vector& all, BodyId body) {
   return all.template segment<6>(first_velocity(body));
 }
 template <class Vector>
-auto linear_part(Vector& all, int body) {
+auto linear_part(Vector& all, BodyId body) {
   return all.template segment<3>(first_velocity(body));
 }
 template <class Vector>
-auto angular_part(Vector& all, int body) {
+auto angular_part(Vector& all, BodyId body) {
   return all.template segment<3>(first_velocity(body) + 3);
 }
 
 /// Which rows of a problem belong to a body, six each; the coordinates follow all bodies.
 struct Layout {
-  std::vector<int> first{};  // per body: its first row, -1 if it is not dynamic
-  int coordinates = 0;       // first row of the coordinates
+  PerBody<int> first{};  // its first row, -1 if it is not dynamic
+  int coordinates = 0;   // first row of the coordinates
   int rows = 0;
 };
 Layout layout(const Model& model);

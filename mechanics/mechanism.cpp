@@ -7,11 +7,11 @@
 namespace aussois {
 namespace {
 
-double turned(const std::vector<int>& turns, int joint, int axis) {
-  return turns.empty() ? 0 : 2 * kPi * turns[3 * joint + axis];
+double turned(const std::vector<int>& turns, JointId joint, int axis) {
+  return turns.empty() ? 0 : 2 * kPi * turns[3 * joint.index() + axis];
 }
 
-JointRow with_turns(const Model& model, const JointPoses& at, const std::vector<int>& turns, int joint,
+JointRow with_turns(const Model& model, const JointPoses& at, const std::vector<int>& turns, JointId joint,
                     int axis) {
   JointRow row = axis_row(model.joints[joint], at, axis);
   row.value += turned(turns, joint, axis);
@@ -25,20 +25,20 @@ void add_error(JointError& sum, bool is_rotation, double value) {
 
 }  // namespace
 
-double joint_coordinate(const Model& model, const State& state, int joint, int axis) {
+double joint_coordinate(const Model& model, const State& state, JointId joint, int axis) {
   return with_turns(model, state.g, state.turns, joint, axis).value;
 }
 
-double joint_speed(const Model& model, const State& state, int joint, int axis) {
+double joint_speed(const Model& model, const State& state, JointId joint, int axis) {
   const Joint& j = model.joints[joint];
   const JointRow row = axis_row(j, state.g, axis);
   double speed = 0;
-  if (j.body_a >= 0) speed += row.J_a.dot(twist(state, j.body_a));
-  if (j.body_b >= 0) speed += row.J_b.dot(twist(state, j.body_b));
+  if (j.body_a) speed += row.J_a.dot(twist(state, j.body_a));
+  if (j.body_b) speed += row.J_b.dot(twist(state, j.body_b));
   return speed;
 }
 
-JointError joint_error(const Model& model, const State& state, int joint) {
+JointError joint_error(const Model& model, const State& state, JointId joint) {
   const Joint& j = model.joints[joint];
   JointError error;
   int k = 0;
@@ -49,7 +49,7 @@ JointError joint_error(const Model& model, const State& state, int joint) {
 
 JointError joint_error(const Model& model, const State& state) {
   JointError worst;
-  for (int j = 0; j < int(model.joints.size()); ++j) {
+  for (const JointId j : model.joints.ids()) {
     const JointError error = joint_error(model, state, j);
     add_error(worst, false, error.translation);
     add_error(worst, true, error.rotation);
@@ -70,22 +70,22 @@ CouplingRow coupling_row(const Model& model, const Coupling& c, const JointPoses
   return row;
 }
 
-std::vector<int> counted_turns(const Model& model, const State& before, const std::vector<SE3>& after) {
+std::vector<int> counted_turns(const Model& model, const State& before, const PerBody<SE3>& after) {
   std::vector<int> turns = before.turns;
   turns.resize(3 * model.joints.size(), 0);
-  for (std::size_t j = 0; j < model.joints.size(); ++j)
+  for (const JointId j : model.joints.ids())
     for (int axis = 0; axis < axis_count(model.joints[j].kind); ++axis) {
       if (!is_angle(model.joints[j].kind, axis)) continue;
       const double was = axis_row(model.joints[j], before.g, axis).value,
                    is = axis_row(model.joints[j], after, axis).value;
-      turns[3 * j + std::size_t(axis)] += int(std::lround((was - is) / (2 * kPi)));
+      turns[3 * j.index() + axis] += int(std::lround((was - is) / (2 * kPi)));
     }
   return turns;
 }
 
 double spring_energy(const Model& model, const State& state) {  // (MJT-9)
   double sum = 0;
-  for (int j = 0; j < int(model.joints.size()); ++j)
+  for (const JointId j : model.joints.ids())
     for (int i = 0; i < axis_count(model.joints[j].kind); ++i) {
       const JointAxis& axis = model.joints[j].axis[i];
       if (axis.stiffness == 0) continue;

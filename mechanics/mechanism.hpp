@@ -7,15 +7,15 @@
 namespace aussois {
 
 /// Coordinate of a free axis, full turns included [m, rad], and its speed [m/s, rad/s].
-double joint_coordinate(const Model& model, const State& state, int joint, int axis = 0);
-double joint_speed(const Model& model, const State& state, int joint, int axis = 0);
+double joint_coordinate(const Model& model, const State& state, JointId joint, int axis = 0);
+double joint_speed(const Model& model, const State& state, JointId joint, int axis = 0);
 
 /// The error of a joint at the state, and the largest error of all joints and couplings.
 struct JointError {
   double translation = 0;  // [m]
   double rotation = 0;     // [rad], also of couplings between angles
 };
-JointError joint_error(const Model& model, const State& state, int joint);
+JointError joint_error(const Model& model, const State& state, JointId joint);
 JointError joint_error(const Model& model, const State& state);
 
 /// q_1 - ratio q_2 - offset of a coupling, with its derivatives along its two joints (MJT-8).
@@ -28,7 +28,7 @@ CouplingRow coupling_row(const Model& model, const Coupling& coupling, const Joi
 
 /// Turns of all angles after a motion from `before` to `after` in which no angle moved by half a turn or more
 /// (MJT-7).
-std::vector<int> counted_turns(const Model& model, const State& before, const std::vector<SE3>& after);
+std::vector<int> counted_turns(const Model& model, const State& before, const PerBody<SE3>& after);
 
 /// Energy of the springs on joint axes [J].
 double spring_energy(const Model& model, const State& state);

@@ -31,10 +31,10 @@ void check_inertia(const Mat3& J, const std::string& who) {
                 ("not exceed the sum of the others, " + number_text(moment[0] + moment[1])).c_str());
 }
 
-void check_body(const RigidBody& body, int index, std::size_t shape_count) {
-  const std::string who = "body " + std::to_string(index) + " (" + body.name + "): ";
-  require_field(body.shape >= -1 && body.shape < int(shape_count), (who + "shape").c_str(), body.shape,
-                ("lie in [-1, " + std::to_string(shape_count) + ")").c_str());
+void check_body(const RigidBody& body, BodyId index, const Model& model) {
+  const std::string who = "body " + to_string(index) + " (" + body.name + "): ";
+  require_field(body.shape == ShapeId() || model.shapes.contains(body.shape), (who + "shape").c_str(),
+                body.shape, ("lie in [-1, " + to_string(model.shapes.next()) + ")").c_str());
   checked_pose(body.g_bs, (who + "g_bs").c_str());
   if (is_dynamic(body)) {
     require_field(body.mass > 0 && std::isfinite(body.mass), (who + "mass").c_str(), body.mass,
@@ -50,11 +50,11 @@ void check_body(const RigidBody& body, int index, std::size_t shape_count) {
   }
 }
 
-void check_deformation(const RigidBody& body, int index, const Model& model) {
+void check_deformation(const RigidBody& body, BodyId index, const Model& model) {
   if (!deforms(body)) return;
-  const std::string who = "body " + std::to_string(index) + " (" + body.name + "): deformation ";
+  const std::string who = "body " + to_string(index) + " (" + body.name + "): deformation ";
   require(bool(body.deformation.columns), who + "needs columns beside vertices");
-  require(body.shape >= 0, who + "needs a shape");
+  require(bool(body.shape), who + "needs a shape");
   require(keeps_features(*model.shapes[body.shape]),
           who + "needs a shape prepared with LmdShapeOptions::deforming");
   require(!is_moved(body), who + "needs a dynamic or fixed body");
@@ -93,16 +93,15 @@ bool is_plain(const JointAxis& axis) {
          axis.damping == 0 && axis.motor.kind == MotorKind::none;
 }
 
-void check_joint(const Joint& joint, int index, const std::vector<RigidBody>& bodies) {
-  const std::string who = "joint " + std::to_string(index) + " (" + joint.name + "): ";
-  const int count = int(bodies.size());
-  const std::string range = "lie in [-1, " + std::to_string(count) + "), -1 being the world";
-  require_field(joint.body_a >= -1 && joint.body_a < count, (who + "body_a").c_str(), joint.body_a,
-                range.c_str());
-  require_field(joint.body_b >= -1 && joint.body_b < count, (who + "body_b").c_str(), joint.body_b,
-                range.c_str());
+void check_joint(const Joint& joint, JointId index, const Table<BodyId, RigidBody>& bodies) {
+  const std::string who = "joint " + to_string(index) + " (" + joint.name + "): ";
+  const std::string range = "lie in [-1, " + to_string(bodies.next()) + "), -1 being the world";
+  require_field(joint.body_a == kWorld || bodies.contains(joint.body_a), (who + "body_a").c_str(),
+                joint.body_a, range.c_str());
+  require_field(joint.body_b == kWorld || bodies.contains(joint.body_b), (who + "body_b").c_str(),
+                joint.body_b, range.c_str());
   require_field(joint.body_a != joint.body_b, (who + "body_b").c_str(), joint.body_b, "differ from body_a");
-  const auto moves = [&](int body) { return body >= 0 && is_dynamic(bodies[body]); };
+  const auto moves = [&](BodyId body) { return body && is_dynamic(bodies[body]); };
   require(moves(joint.body_a) || moves(joint.body_b), who + "one of its bodies must be dynamic");
   checked_pose(joint.frame_a, (who + "frame_a").c_str());
   checked_pose(joint.frame_b, (who + "frame_b").c_str());
@@ -121,19 +120,19 @@ void check_joint(const Joint& joint, int index, const std::vector<RigidBody>& bo
 }
 
 // Joint::collide and Model::passing must not contradict each other.
-void check_collide(const Joint& joint, int index, const Model& model) {
+void check_collide(const Joint& joint, JointId index, const Model& model) {
   if (!joint.collide) return;
-  const std::string who = "joint " + std::to_string(index) + " (" + joint.name + "): collide ";
-  require(joint.body_a >= 0 && joint.body_b >= 0, who + "needs two bodies: the world has no shape");
-  require(!model.passing.contains(std::minmax(joint.body_a, joint.body_b)),
+  const std::string who = "joint " + to_string(index) + " (" + joint.name + "): collide ";
+  require(joint.body_a && joint.body_b, who + "needs two bodies: the world has no shape");
+  require(!model.passing.contains(in_order(joint.body_a, joint.body_b)),
           who + "contradicts Model::passing, where its bodies are; joints without collide put them there");
 }
 
-void check_coupling(const Coupling& coupling, int index, const std::vector<Joint>& joints) {
+void check_coupling(const Coupling& coupling, int index, const Table<JointId, Joint>& joints) {
   const std::string who = "coupling " + std::to_string(index) + " (" + coupling.name + "): ";
-  const auto check_end = [&](int joint, int axis, const char* field_joint, const char* field_axis) {
-    require_field(joint >= 0 && joint < int(joints.size()), (who + field_joint).c_str(), joint,
-                  ("lie in [0, " + std::to_string(joints.size()) + ")").c_str());
+  const auto check_end = [&](JointId joint, int axis, const char* field_joint, const char* field_axis) {
+    require_field(joints.contains(joint), (who + field_joint).c_str(), joint,
+                  ("lie in [0, " + to_string(joints.next()) + ")").c_str());
     const int axes = axis_count(joints[joint].kind);
     require_field(axis >= 0 && axis < axes, (who + field_axis).c_str(), axis,
                   ("lie in [0, " + std::to_string(axes) + "), the axes of the joint").c_str());
@@ -147,16 +146,16 @@ void check_coupling(const Coupling& coupling, int index, const std::vector<Joint
   require_field(std::isfinite(coupling.offset), (who + "offset").c_str(), coupling.offset, "be finite");
 }
 
-void check_block(const Coordinates& block, int index) {
-  const std::string who = "coordinates " + std::to_string(index) + " (" + block.name + "): ";
+void check_block(const Coordinates& block, BlockId index) {
+  const std::string who = "coordinates " + to_string(index) + " (" + block.name + "): ";
   require_field(block.size >= 1, (who + "size").c_str(), block.size, "be at least 1");
   require(bool(block.mass), who + "mass must be callable");
 }
 
-void check_gap(const GapFunction& gap, int index, std::size_t block_count) {
-  const std::string who = "gap function " + std::to_string(index) + " (" + gap.name + "): ";
-  require_field(gap.block >= -1 && gap.block < int(block_count), (who + "block").c_str(), gap.block,
-                ("lie in [-1, " + std::to_string(block_count) + ")").c_str());
+void check_gap(const GapFunction& gap, GapId index, const Table<BlockId, Coordinates>& blocks) {
+  const std::string who = "gap function " + to_string(index) + " (" + gap.name + "): ";
+  require_field(gap.block == BlockId() || blocks.contains(gap.block), (who + "block").c_str(), gap.block,
+                ("lie in [-1, " + to_string(blocks.next()) + ")").c_str());
   require(bool(gap.evaluate), who + "evaluate must be callable");
   check_law(gap.law, who + "law.");
   require_field(gap.law.contensou_radius == 0, (who + "law.contensou_radius").c_str(),
@@ -165,32 +164,29 @@ void check_gap(const GapFunction& gap, int index, std::size_t block_count) {
 
 }  // namespace
 
-int add(Model& model, LmdShape shape) {
-  model.shapes.push_back(std::make_shared<const LmdShape>(std::move(shape)));
-  return int(model.shapes.size()) - 1;
+ShapeId add(Model& model, LmdShape shape) {
+  return model.shapes.append(std::make_shared<const LmdShape>(std::move(shape)));
 }
 
-int add(Model& model, RigidBody body) {
-  check_body(body, int(model.bodies.size()), model.shapes.size());
-  check_deformation(body, int(model.bodies.size()), model);
-  model.bodies.push_back(std::move(body));
-  return int(model.bodies.size()) - 1;
+BodyId add(Model& model, RigidBody body) {
+  check_body(body, model.bodies.next(), model);
+  check_deformation(body, model.bodies.next(), model);
+  return model.bodies.append(std::move(body));
 }
 
-int add(Model& model, Joint joint) {
-  const int index = int(model.joints.size());
+JointId add(Model& model, Joint joint) {
+  const JointId index = model.joints.next();
   check_joint(joint, index, model.bodies);
   check_collide(joint, index, model);
-  if (!joint.collide && joint.body_a >= 0 && joint.body_b >= 0) {
-    const auto pair = std::minmax(joint.body_a, joint.body_b);
+  if (!joint.collide && joint.body_a && joint.body_b) {
+    const BodyPair pair = in_order(joint.body_a, joint.body_b);
     for (const Joint& other : model.joints)
-      require(!other.collide || std::minmax(other.body_a, other.body_b) != pair,
-              "joint " + std::to_string(index) + " (" + joint.name + "): without collide contradicts joint " +
+      require(!other.collide || in_order(other.body_a, other.body_b) != pair,
+              "joint " + to_string(index) + " (" + joint.name + "): without collide contradicts joint " +
                   other.name + " of the same bodies, which has it");
     model.passing.insert(pair);
   }
-  model.joints.push_back(std::move(joint));
-  return index;
+  return model.joints.append(std::move(joint));
 }
 
 void add(Model& model, Coupling coupling) {
@@ -198,16 +194,14 @@ void add(Model& model, Coupling coupling) {
   model.couplings.push_back(std::move(coupling));
 }
 
-int add(Model& model, Coordinates block) {
-  check_block(block, int(model.coordinates.size()));
-  model.coordinates.push_back(std::move(block));
-  return int(model.coordinates.size()) - 1;
+BlockId add(Model& model, Coordinates block) {
+  check_block(block, model.coordinates.next());
+  return model.coordinates.append(std::move(block));
 }
 
-int add(Model& model, GapFunction gap) {
-  check_gap(gap, int(model.gaps.size()), model.coordinates.size());
-  model.gaps.push_back(std::move(gap));
-  return int(model.gaps.size()) - 1;
+GapId add(Model& model, GapFunction gap) {
+  check_gap(gap, model.gaps.next(), model.coordinates);
+  return model.gaps.append(std::move(gap));
 }
 
 void add(Model& model, ForceLaw law) {
@@ -215,8 +209,8 @@ void add(Model& model, ForceLaw law) {
   model.forces.push_back(std::move(law));
 }
 
-const ContactLaw& contact_law(const Model& model, int body_a, int body_b) {
-  const auto named = model.pair_laws.find(std::minmax(body_a, body_b));
+const ContactLaw& contact_law(const Model& model, BodyId body_a, BodyId body_b) {
+  const auto named = model.pair_laws.find(in_order(body_a, body_b));
   return named == model.pair_laws.end() ? model.contact_law : named->second;
 }
 
@@ -230,22 +224,22 @@ std::vector<ContactLaw> contact_laws(const Model& model) {
   return out;
 }
 
-int first_coordinate(const Model& model, int block) {
+int first_coordinate(const Model& model, BlockId block) {
   int first = 0;
-  for (int i = 0; i < block; ++i) first += model.coordinates[i].size;
+  for (const BlockId i : IdRange(block)) first += model.coordinates[i].size;
   return first;
 }
 
-int first_speed(const Model& model, int block) {
-  return first_velocity(int(model.bodies.size())) + first_coordinate(model, block);
+int first_speed(const Model& model, BlockId block) {
+  return first_velocity(model.bodies.next()) + first_coordinate(model, block);
 }
 
 int velocity_count(const Model& model) {
-  return first_speed(model, int(model.coordinates.size()));
+  return first_speed(model, model.coordinates.next());
 }
 
 int gap_columns(const Model& model, const GapFunction& gap) {
-  return gap.block < 0 ? velocity_count(model) : model.coordinates[gap.block].size;
+  return gap.block ? model.coordinates[gap.block].size : velocity_count(model);
 }
 
 void validate(const Model& model) {
@@ -253,33 +247,31 @@ void validate(const Model& model) {
           "model: has neither bodies nor coordinates, nothing can move");
   require(model.gravity.allFinite(), "model: gravity must be finite [m/s^2]");
   check_law(model.contact_law, "model: contact_law.");
-  const int count = int(model.bodies.size());
+  const BodyId end = model.bodies.next();
   for (const auto& [pair, law] : model.pair_laws) {
-    const std::string who =
-        "model: pair_laws{" + std::to_string(pair.first) + ", " + std::to_string(pair.second) + "}";
-    require(0 <= pair.first && pair.first < pair.second && pair.second < count,
-            who + ": bodies must be different, in [0, " + std::to_string(count) + ") and the smaller first");
+    const std::string who = "model: pair_laws{" + to_string(pair.a) + ", " + to_string(pair.b) + "}";
+    require(pair.a && pair.a < pair.b && pair.b < end,
+            who + ": bodies must be different, in [0, " + to_string(end) + ") and the smaller first");
     check_law(law, who + ".");
   }
-  for (std::size_t i = 0; i < model.shapes.size(); ++i)
-    require(model.shapes[i] != nullptr, "model: shape " + std::to_string(i) + " must not be empty");
-  for (int i = 0; i < count; ++i) {
-    check_body(model.bodies[i], i, model.shapes.size());
+  for (const ShapeId i : model.shapes.ids())
+    require(model.shapes[i] != nullptr, "model: shape " + to_string(i) + " must not be empty");
+  for (const BodyId i : model.bodies.ids()) {
+    check_body(model.bodies[i], i, model);
     check_deformation(model.bodies[i], i, model);
   }
   for (const auto& [a, b] : model.passing)
-    require(0 <= a && a < b && b < count, "model: passing{" + std::to_string(a) + ", " + std::to_string(b) +
-                                              "}: bodies must be different, in [0, " + std::to_string(count) +
-                                              ") and the smaller first");
-  for (std::size_t i = 0; i < model.joints.size(); ++i) {
-    check_joint(model.joints[i], int(i), model.bodies);
-    check_collide(model.joints[i], int(i), model);
+    require(a && a < b && b < end, "model: passing{" + to_string(a) + ", " + to_string(b) +
+                                       "}: bodies must be different, in [0, " + to_string(end) +
+                                       ") and the smaller first");
+  for (const JointId i : model.joints.ids()) {
+    check_joint(model.joints[i], i, model.bodies);
+    check_collide(model.joints[i], i, model);
   }
   for (std::size_t i = 0; i < model.couplings.size(); ++i)
     check_coupling(model.couplings[i], int(i), model.joints);
-  for (std::size_t i = 0; i < model.coordinates.size(); ++i) check_block(model.coordinates[i], int(i));
-  for (std::size_t i = 0; i < model.gaps.size(); ++i)
-    check_gap(model.gaps[i], int(i), model.coordinates.size());
+  for (const BlockId i : model.coordinates.ids()) check_block(model.coordinates[i], i);
+  for (const GapId i : model.gaps.ids()) check_gap(model.gaps[i], i, model.coordinates);
   for (const ForceLaw& law : model.forces)
     require(bool(law.add_to), "force law (" + law.name + "): add_to must be callable");
 }

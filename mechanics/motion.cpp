@@ -19,8 +19,8 @@ SE3 retract(const SE3& g, const Vec6& twist, double time) {
 }  // namespace
 
 State retract(const Model& model, State state, const VecX& v, double time) {
-  std::vector<SE3> g = state.g;
-  for (int b = 0; b < int(g.size()); ++b) g[b] = retract(g[b], of_body(v, b), time);
+  PerBody<SE3> g = state.g;
+  for (const BodyId b : g.ids()) g[b] = retract(g[b], of_body(v, b), time);
   if (!model.joints.empty()) state.turns = counted_turns(model, state, g);
   state.g = std::move(g);
   state.q += time * v.tail(state.q.size());
@@ -35,7 +35,7 @@ Vec6 twist_between(const SE3& from, const SE3& to, double time) {
 
 VecX velocity_between(const State& state, const State& plain, const State& end, VecX v, double time) {
   if (end.q != plain.q) v.tail(end.q.size()) = (end.q - state.q) / time;
-  for (int b = 0; b < int(state.g.size()); ++b) {
+  for (const BodyId b : state.g.ids()) {
     const SE3 &g = pose(state, b), &to = pose(end, b), &led_to = pose(plain, b);
     if (to.p == led_to.p && to.R.coeffs() == led_to.R.coeffs()) continue;
     linear_part(v, b) = (to.p - g.p) / time;
@@ -48,19 +48,19 @@ VecX velocity_between(const State& state, const State& plain, const State& end, 
   return v;
 }
 
-void lead(const Model& model, State& state, int body, const SE3& target, double time) {
-  require_field(body >= 0 && body < int(model.bodies.size()), "lead: body", body,
-                ("lie in [0, " + std::to_string(model.bodies.size()) + ")").c_str());
+void lead(const Model& model, State& state, BodyId body, const SE3& target, double time) {
+  require_field(model.bodies.contains(body), "lead: body", body,
+                ("lie in [0, " + to_string(model.bodies.next()) + ")").c_str());
   const RigidBody& led = model.bodies[body];
   require(std::holds_alternative<Driven>(led.motion),
-          "lead: body " + std::to_string(body) + " (" + led.name + ") must be driven");
+          "lead: body " + to_string(body) + " (" + led.name + ") must be driven");
   require_field(time > 0, "lead: time", time, "be positive [s]");
   twist(state, body) = twist_between(pose(state, body), checked_pose(target, "lead: target"), time);
 }
 
 VecX prescribed_velocity(const Model& model, const State& state, double h) {
   VecX v = VecX::Zero(state.v.size());
-  for (int b = 0; b < int(model.bodies.size()); ++b) {
+  for (const BodyId b : model.bodies.ids()) {
     const Motion& motion = model.bodies[b].motion;
     if (const auto* moved = std::get_if<Prescribed>(&motion))
       of_body(v, b) = twist_between(pose(state, b), trajectory_point(moved->path, state.t + h).pose, h);
@@ -70,9 +70,9 @@ VecX prescribed_velocity(const Model& model, const State& state, double h) {
   return v;
 }
 
-std::vector<SE3> moved_poses(const Model& model, const State& state, const VecX& v, double time) {
-  std::vector<SE3> g(state.g.size());
-  for (int b = 0; b < int(g.size()); ++b) {
+PerBody<SE3> moved_poses(const Model& model, const State& state, const VecX& v, double time) {
+  PerBody<SE3> g(state.g.size());
+  for (const BodyId b : g.ids()) {
     const auto* moved = std::get_if<Prescribed>(&model.bodies[b].motion);
     g[b] = moved ? trajectory_point(moved->path, state.t + time).pose
                  : retract(pose(state, b), of_body(v, b), time);
@@ -105,7 +105,7 @@ GroupUpdate group_update(const std::string& name) {
 VecX path_velocity(GroupUpdate update, const Model& model, const State& state, const VecX& v, double h) {
   if (update == GroupUpdate::exponential) return v;  // (LIE-1)
   VecX out = v;
-  for (int b = 0; b < int(model.bodies.size()); ++b) {
+  for (const BodyId b : model.bodies.ids()) {
     const Vec3 omega = angular_part(v, b);
     const double half = h / 2 * omega.norm();
     if (!is_dynamic(model.bodies[b]) || half == 0) continue;

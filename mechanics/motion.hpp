@@ -23,7 +23,7 @@ VecX velocity_between(const State& state, const State& plain, const State& end, 
 /// Gives a driven body the constant twist that leads it from its present pose to `target` in `time` [s], the
 /// shorter way round. The body keeps this twist until it is led elsewhere. Throws std::invalid_argument
 /// unless the body is driven, `target` is a valid pose and the time is positive.
-void lead(const Model& model, State& state, int body, const SE3& target, double time);
+void lead(const Model& model, State& state, BodyId body, const SE3& target, double time);
 
 /// Velocities of the bodies that are not dynamic, laid out as State::v; zero for everything free. A
 /// prescribed body moves from its pose at t to that at t + h at constant speeds; a driven one moves with its
@@ -32,7 +32,7 @@ VecX prescribed_velocity(const Model& model, const State& state, double h);
 
 /// Poses after moving at the velocities `v`, laid out as State::v, for a time (MJ-8); prescribed bodies are
 /// on their path.
-std::vector<SE3> moved_poses(const Model& model, const State& state, const VecX& v, double time);
+PerBody<SE3> moved_poses(const Model& model, const State& state, const VecX& v, double time);
 /// The state at the end of a path of constant velocities `v_path`, laid out as State::v (MJ-8), with
 /// prescribed bodies on their path and with the velocities `v_end`. It remembers no contacts.
 State state_after(const Model& model, const State& state, const VecX& v_path, const VecX& v_end, double h);

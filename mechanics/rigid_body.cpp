@@ -3,7 +3,7 @@
 
 namespace aussois {
 
-RigidBody solid_body(std::string name, int shape, const MassProperties& mass) {
+RigidBody solid_body(std::string name, ShapeId shape, const MassProperties& mass) {
   const Vec3 to_shape = -mass.centre;
   return {.name = std::move(name),
           .shape = shape,
@@ -12,15 +12,15 @@ RigidBody solid_body(std::string name, int shape, const MassProperties& mass) {
           .inertia = mass.inertia};
 }
 
-RigidBody fixed_body(std::string name, int shape) {
+RigidBody fixed_body(std::string name, ShapeId shape) {
   return {.name = std::move(name), .shape = shape, .motion = Fixed{}};
 }
 
-RigidBody prescribed_body(std::string name, int shape, Trajectory path) {
+RigidBody prescribed_body(std::string name, ShapeId shape, Trajectory path) {
   return {.name = std::move(name), .shape = shape, .motion = Prescribed{std::move(path)}};
 }
 
-RigidBody driven_body(std::string name, int shape) {
+RigidBody driven_body(std::string name, ShapeId shape) {
   return {.name = std::move(name), .shape = shape, .motion = Driven{}};
 }
 

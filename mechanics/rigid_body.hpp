@@ -6,11 +6,14 @@
 #include <string>
 #include <variant>
 
+#include "geometry/id.hpp"
 #include "geometry/mass_properties.hpp"
 #include "mechanics/deformation.hpp"
 #include "mechanics/trajectory.hpp"
 
 namespace aussois {
+
+using ShapeId = Id<struct ShapeTag>;
 
 struct Dynamic {};
 struct Fixed {};
@@ -22,7 +25,7 @@ using Motion = std::variant<Dynamic, Fixed, Prescribed, Driven>;
 
 struct RigidBody {
   std::string name{};
-  int shape = -1;               // index into Model::shapes, -1: no shape
+  ShapeId shape{};              // of Model::shapes; none: no shape
   SE3 g_bs{};                   // shape frame seen from the body frame
   double mass = 0;              // [kg], > 0 if dynamic
   Mat3 inertia = Mat3::Zero();  // about the centre of mass, body frame [kg m^2]; see (MEC-3)
@@ -48,13 +51,13 @@ inline bool yields(const RigidBody& body) {
 }
 
 /// A dynamic body whose frame has the axes of the shape and sits at the centre of mass.
-RigidBody solid_body(std::string name, int shape, const MassProperties& mass);
+RigidBody solid_body(std::string name, ShapeId shape, const MassProperties& mass);
 /// A fixed body whose frame is the shape's.
-RigidBody fixed_body(std::string name, int shape);
+RigidBody fixed_body(std::string name, ShapeId shape);
 /// A body whose frame is the shape's, moved along `path`.
-RigidBody prescribed_body(std::string name, int shape, Trajectory path);
+RigidBody prescribed_body(std::string name, ShapeId shape, Trajectory path);
 /// A body whose frame is the shape's; its motion is set by the user between steps. Without a shape (-1) it is
 /// a handle.
-RigidBody driven_body(std::string name, int shape = -1);
+RigidBody driven_body(std::string name, ShapeId shape = {});
 
 }  // namespace aussois

@@ -21,8 +21,8 @@ State rest_state(const Model& model) {
   State state;
   state.g.resize(model.bodies.size());
   state.v = VecX::Zero(velocity_count(model));
-  state.q = VecX::Zero(first_coordinate(model, int(model.coordinates.size())));
-  for (std::size_t i = 0; i < model.bodies.size(); ++i)
+  state.q = VecX::Zero(first_coordinate(model, model.coordinates.next()));
+  for (const BodyId i : model.bodies.ids())
     if (const Prescribed* prescribed = std::get_if<Prescribed>(&model.bodies[i].motion))
       state.g[i] = trajectory_point(prescribed->path, prescribed->path.t.front()).pose;
   return state;
@@ -41,7 +41,7 @@ void validate(const Model& model, const State& state) {
                   ("be " + std::string(what) + ", " + std::to_string(wanted)).c_str());
   };
   const std::size_t speeds = std::size_t(velocity_count(model)),
-                    of_bodies = std::size_t(first_velocity(int(count)));
+                    of_bodies = std::size_t(first_velocity(model.bodies.next()));
   check_size(
       state.v.size(), speeds, "size of State::v",
       speeds == of_bodies ? "six times the number of bodies" : "that of six per body and the coordinates");
@@ -58,43 +58,42 @@ void validate(const Model& model, const State& state) {
   require(state.q.allFinite(), "State::q must be finite");
   require(state.v.tail(state.q.size()).allFinite(), "State::v: the speeds of q must be finite");
   require(state.r.allFinite(), "State::r must be finite");
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::string who = "State, body " + std::to_string(i) + " (" + model.bodies[i].name + "): ";
+  for (const BodyId i : model.bodies.ids()) {
+    const std::string who = "State, body " + to_string(i) + " (" + model.bodies[i].name + "): ";
     checked_pose(state.g[i], (who + "pose").c_str());
-    require(of_body(state.v, int(i)).allFinite(), who + "twist must be finite");
+    require(of_body(state.v, i).allFinite(), who + "twist must be finite");
   }
   for (std::size_t i = 0; i < state.memory.contacts.size(); ++i) {
     const RememberedContact& c = state.memory.contacts[i];
     require(c.normal.allFinite() && c.point_a.allFinite() && c.point_b.allFinite() && c.impulse.allFinite() &&
                 std::isfinite(c.drilling) && c.anchor_b.allFinite(),
             "State::memory, contact " + std::to_string(i) + ": normal, points and impulse must be finite");
-    require(c.key.body_a >= 0 && c.key.body_b >= 0 && std::size_t(c.key.body_a) < count &&
-                std::size_t(c.key.body_b) < count,
+    require(model.bodies.contains(c.key.body_a) && model.bodies.contains(c.key.body_b),
             "State::memory, contact " + std::to_string(i) + ": its bodies must exist");
   }
   require(sorted_by_key(state.memory), "State::memory must be sorted by key");
 }
 
-SE3& pose(State& state, int body) {
+SE3& pose(State& state, BodyId body) {
   return state.g.at(body);
 }
-const SE3& pose(const State& state, int body) {
+const SE3& pose(const State& state, BodyId body) {
   return state.g.at(body);
 }
 
-Eigen::Ref<Vec6> twist(State& state, int body) {
-  AUSSOIS_ASSERT(body >= 0 && first_velocity(body + 1) <= state.v.size());
+Eigen::Ref<Vec6> twist(State& state, BodyId body) {
+  AUSSOIS_ASSERT(body && first_velocity(body) + 6 <= state.v.size());
   return of_body(state.v, body);
 }
-Vec6 twist(const State& state, int body) {
-  AUSSOIS_ASSERT(body >= 0 && first_velocity(body + 1) <= state.v.size());
+Vec6 twist(const State& state, BodyId body) {
+  AUSSOIS_ASSERT(body && first_velocity(body) + 6 <= state.v.size());
   return of_body(state.v, body);
 }
 
-VecX coordinates(const Model& model, const State& state, int block) {
+VecX coordinates(const Model& model, const State& state, BlockId block) {
   return state.q.segment(first_coordinate(model, block), model.coordinates[block].size);
 }
-VecX speeds(const Model& model, const State& state, int block) {
+VecX speeds(const Model& model, const State& state, BlockId block) {
   return state.v.segment(first_speed(model, block), model.coordinates[block].size);
 }
 
@@ -110,28 +109,28 @@ void check_size(const MatX& A, Eigen::Index rows, Eigen::Index columns, const st
 
 }  // namespace
 
-MatX block_mass(const Model& model, int block, const VecX& q) {
+MatX block_mass(const Model& model, BlockId block, const VecX& q) {
   const Coordinates& c = model.coordinates[block];
   MatX M = c.mass(q);
-  check_size(M, c.size, c.size, "coordinates " + std::to_string(block) + " (" + c.name + "): mass");
+  check_size(M, c.size, c.size, "coordinates " + to_string(block) + " (" + c.name + "): mass");
   return M;
 }
 
-CoordinateForce block_force(const Model& model, int block, double t, const VecX& q, const VecX& v) {
+CoordinateForce block_force(const Model& model, BlockId block, double t, const VecX& q, const VecX& v) {
   const Coordinates& c = model.coordinates[block];
   if (!c.force) return {.f = VecX::Zero(c.size), .K = {}, .C = {}};
   CoordinateForce out = c.force(t, q, v);
-  const std::string who = "coordinates " + std::to_string(block) + " (" + c.name + "): force.";
+  const std::string who = "coordinates " + to_string(block) + " (" + c.name + "): force.";
   check_size(out.f, c.size, 1, who + "f");
   if (out.K.size() > 0) check_size(out.K, c.size, c.size, who + "K");
   if (out.C.size() > 0) check_size(out.C, c.size, c.size, who + "C");
   return out;
 }
 
-GapRows gap_function(const Model& model, const State& state, int gap, double t) {
+GapRows gap_function(const Model& model, const State& state, GapId gap, double t) {
   const GapFunction& g = model.gaps[gap];
   GapRows out = g.evaluate(model, state, t);
-  const std::string who = "gap function " + std::to_string(gap) + " (" + g.name + "): ";
+  const std::string who = "gap function " + to_string(gap) + " (" + g.name + "): ";
   require_field(out.J.rows() >= 1 && out.J.rows() <= 3, (who + "rows of J").c_str(), out.J.rows(),
                 "lie in [1, 3]");
   check_size(out.J, out.J.rows(), gap_columns(model, g), who + "J");
@@ -168,8 +167,8 @@ std::uint64_t hash(const State& state) {
   for (const double component : state.a) digest.add(component);
   digest.add(std::uint64_t(state.memory.contacts.size()));
   for (const RememberedContact& c : state.memory.contacts) {
-    digest.add(std::uint64_t(std::uint32_t(c.key.body_a)));
-    digest.add(std::uint64_t(std::uint32_t(c.key.body_b)));
+    digest.add(std::uint64_t(std::uint32_t(c.key.body_a.index())));
+    digest.add(std::uint64_t(std::uint32_t(c.key.body_b.index())));
     digest.add(c.key.feature);
     digest.add(c.normal);
     digest.add(c.point_a);
@@ -185,10 +184,10 @@ std::uint64_t hash(const State& state) {
 
 Energy energy(const Model& model, const State& state) {  // (MEC-4)
   Energy energy;
-  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+  for (const BodyId i : model.bodies.ids()) {
     const RigidBody& body = model.bodies[i];
     if (!is_dynamic(body)) continue;
-    const Vec6 v = twist(state, int(i));
+    const Vec6 v = twist(state, i);
     const Vec3 v_G = v.head<3>(), omega = v.tail<3>();
     energy.kinetic += 0.5 * body.mass * v_G.squaredNorm() + 0.5 * omega.dot(body.inertia * omega);
     energy.gravity -= body.mass * model.gravity.dot(state.g[i].p);
@@ -196,7 +195,7 @@ Energy energy(const Model& model, const State& state) {  // (MEC-4)
   for (const ForceLaw& law : model.forces)
     if (law.potential) energy.laws += law.potential(model, state, state.t);
   energy.laws += spring_energy(model, state);
-  for (int i = 0; i < int(model.coordinates.size()); ++i) {
+  for (const BlockId i : model.coordinates.ids()) {
     const Coordinates& block = model.coordinates[i];
     const VecX q = coordinates(model, state, i), v = speeds(model, state, i);
     energy.kinetic += 0.5 * v.dot(block_mass(model, i, q) * v);
@@ -207,10 +206,10 @@ Energy energy(const Model& model, const State& state) {  // (MEC-4)
 
 Momentum momentum(const Model& model, const State& state) {  // (MEC-6)
   Momentum sum;
-  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+  for (const BodyId i : model.bodies.ids()) {
     const RigidBody& body = model.bodies[i];
     if (!is_dynamic(body)) continue;
-    const Vec6 v = twist(state, int(i));
+    const Vec6 v = twist(state, i);
     const Vec3 p = body.mass * v.head<3>();
     sum.linear += p;
     sum.angular += state.g[i].p.cross(p) + state.g[i].R * Vec3(body.inertia * v.tail<3>());

@@ -13,12 +13,12 @@
 namespace aussois {
 
 struct State {
-  double t = 0;          // [s]
-  double h = 0;          // length of the last accepted step [s], 0 before the first: impulses scale with it
-  double h_next = 0;     // next step that the step control would try [s]; 0: as large as the scheme allows
-  std::vector<SE3> g{};  // g_wb of every body
-  VecX q{};              // of all blocks of coordinates, in order
-  VecX v{};  // six per body: v_G in the world [m/s], omega in the body [rad/s]; then the speeds of q
+  double t = 0;       // [s]
+  double h = 0;       // length of the last accepted step [s], 0 before the first: impulses scale with it
+  double h_next = 0;  // next step that the step control would try [s]; 0: as large as the scheme allows
+  PerBody<SE3> g{};   // g_wb of every body
+  VecX q{};           // of all blocks of coordinates, in order
+  VecX v{};           // six per body: v_G in the world [m/s], omega in the body [rad/s]; then the speeds of q
   std::vector<int> turns{};  // full turns of the joints' angles: three per joint, one per axis; empty: all
                              // zero (MJT-7)
   VecX r{};  // impulses of the last step on joint axes and gap functions [N s, N m s]; empty: none (MJT-12)
@@ -32,18 +32,18 @@ State rest_state(const Model& model);
 /// quaternions (1e-6) and the memory is sorted by key.
 void validate(const Model& model, const State& state);
 
-SE3& pose(State& state, int body);
-const SE3& pose(const State& state, int body);
-Eigen::Ref<Vec6> twist(State& state, int body);
-Vec6 twist(const State& state, int body);
+SE3& pose(State& state, BodyId body);
+const SE3& pose(const State& state, BodyId body);
+Eigen::Ref<Vec6> twist(State& state, BodyId body);
+Vec6 twist(const State& state, BodyId body);
 /// Coordinates of a block and their speeds.
-VecX coordinates(const Model& model, const State& state, int block);
-VecX speeds(const Model& model, const State& state, int block);
+VecX coordinates(const Model& model, const State& state, BlockId block);
+VecX speeds(const Model& model, const State& state, BlockId block);
 /// Evaluate the blocks and gap functions of a model. They throw std::invalid_argument naming a result of the
 /// wrong size, with both sizes.
-MatX block_mass(const Model& model, int block, const VecX& q);
-CoordinateForce block_force(const Model& model, int block, double t, const VecX& q, const VecX& v);
-GapRows gap_function(const Model& model, const State& state, int gap, double t);
+MatX block_mass(const Model& model, BlockId block, const VecX& q);
+CoordinateForce block_force(const Model& model, BlockId block, double t, const VecX& q, const VecX& v);
+GapRows gap_function(const Model& model, const State& state, GapId gap, double t);
 
 /// 64-bit hash of all bits of the state: equal states have equal hashes, no matter what computed them; -0.0
 /// differs from 0.0.

@@ -15,11 +15,11 @@ std::vector<int> corners_of(const SimplicialComplex& k, const Feature& on) {
   return {k.triangles[at].begin(), k.triangles[at].end()};
 }
 
-std::string name_of(const Model& model, int body) {
-  return "body " + std::to_string(body) + " (" + model.bodies[body].name + "): ";
+std::string name_of(const Model& model, BodyId body) {
+  return "body " + to_string(body) + " (" + model.bodies[body].name + "): ";
 }
 
-std::vector<VertexColumn> columns_of(const Model& model, const State& state, int body, int vertex) {
+std::vector<VertexColumn> columns_of(const Model& model, const State& state, BodyId body, int vertex) {
   std::vector<VertexColumn> out;
   model.bodies[body].deformation.columns(model, state, vertex, out);
   for (const VertexColumn& c : out)
@@ -31,7 +31,7 @@ std::vector<VertexColumn> columns_of(const Model& model, const State& state, int
 
 }  // namespace
 
-std::vector<Vec3> deformed_vertices(const Model& model, const State& state, int body) {
+std::vector<Vec3> deformed_vertices(const Model& model, const State& state, BodyId body) {
   const RigidBody& b = model.bodies[body];
   const std::size_t count = model.shapes[b.shape]->complex.vertices.size();
   std::vector<Vec3> vertices = b.deformation.vertices(model, state);
@@ -41,7 +41,7 @@ std::vector<Vec3> deformed_vertices(const Model& model, const State& state, int 
   return vertices;
 }
 
-PosedShape posed_shape(const Model& model, const State& state, int body) {
+PosedShape posed_shape(const Model& model, const State& state, BodyId body) {
   const RigidBody& b = model.bodies[body];
   PosedShape out{.shape = model.shapes[b.shape].get(), .g_ws = pose(state, body) * b.g_bs, .body = body};
   if (!deforms(b)) return out;
@@ -50,7 +50,7 @@ PosedShape posed_shape(const Model& model, const State& state, int body) {
   return out;
 }
 
-std::vector<Vec3> vertex_velocities(const Model& model, const State& state, int body, const VecX& v) {
+std::vector<Vec3> vertex_velocities(const Model& model, const State& state, BodyId body, const VecX& v) {
   const RigidBody& b = model.bodies[body];
   std::vector<Vec3> out(model.shapes[b.shape]->complex.vertices.size(), Vec3::Zero());
   for (std::size_t i = 0; i < out.size(); ++i)

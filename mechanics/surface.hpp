@@ -13,15 +13,15 @@ namespace aussois {
 
 /// The shape of a body at its pose; if the body deforms, as deformed at the state. The body must have a
 /// shape.
-PosedShape posed_shape(const Model& model, const State& state, int body);
+PosedShape posed_shape(const Model& model, const State& state, BodyId body);
 
 /// The vertices of a body that deforms, in the frame of its shape [m]. Throws std::invalid_argument naming
 /// the body if its deformation does not give one vertex for each vertex of the shape.
-std::vector<Vec3> deformed_vertices(const Model& model, const State& state, int body);
+std::vector<Vec3> deformed_vertices(const Model& model, const State& state, BodyId body);
 
 /// The velocities of these vertices, in the frame of the shape, at the velocities `v`, laid out as State::v
 /// [m/s].
-std::vector<Vec3> vertex_velocities(const Model& model, const State& state, int body, const VecX& v);
+std::vector<Vec3> vertex_velocities(const Model& model, const State& state, BodyId body, const VecX& v);
 
 /// Velocity of a point of a body along N axes, per unit of each velocity that moves it.
 template <int N>

@@ -18,7 +18,7 @@ struct CouplingError {
   Vec3 phi_dot = Vec3::Zero();                // rotation speed, body [rad/s]
 };
 
-CouplingError coupling_error(const State& state, int body, const TrajectoryPoint& target) {
+CouplingError coupling_error(const State& state, BodyId body, const TrajectoryPoint& target) {
   const SE3& g = pose(state, body);
   const Vec6 v = twist(state, body);
   const Quat R_error = g.R.conjugate() * target.pose.R;
@@ -32,7 +32,7 @@ CouplingError coupling_error(const State& state, int body, const TrajectoryPoint
 }
 
 // Where a body that is moved will be at time t.
-TrajectoryPoint handle_at(const Model& model, const State& state, int handle, double t) {
+TrajectoryPoint handle_at(const Model& model, const State& state, BodyId handle, double t) {
   const Vec6 v = twist(state, handle);
   const RigidBody& body = model.bodies[handle];
   if (const auto* moved = std::get_if<Prescribed>(&body.motion)) return trajectory_point(moved->path, t);
@@ -95,8 +95,8 @@ void validate(const VirtualCouplingOptions& options) {
 
 namespace {
 
-CouplingWrench wrench_towards(const Model& model, const State& state, int body, const TrajectoryPoint& target,
-                              const VirtualCouplingOptions& options) {
+CouplingWrench wrench_towards(const Model& model, const State& state, BodyId body,
+                              const TrajectoryPoint& target, const VirtualCouplingOptions& options) {
   const Damping gain = damping(model.bodies.at(body), options);
   const Pull pull = pull_of(coupling_error(state, body, target), gain, options);
   return {.force = pull.force.pull,
@@ -104,13 +104,13 @@ CouplingWrench wrench_towards(const Model& model, const State& state, int body, 
           .saturated = pull.force.saturated || pull.torque.saturated};
 }
 
-ForceLaw coupling_towards(const Model& model, int body, Target target,
+ForceLaw coupling_towards(const Model& model, BodyId body, Target target,
                           const VirtualCouplingOptions& options) {
-  require_field(body >= 0 && body < int(model.bodies.size()), "virtual_coupling: body", body,
-                ("lie in [0, " + std::to_string(model.bodies.size()) + ")").c_str());
+  require_field(model.bodies.contains(body), "virtual_coupling: body", body,
+                ("lie in [0, " + to_string(model.bodies.next()) + ")").c_str());
   const RigidBody& pulled = model.bodies[body];
   require(is_dynamic(pulled),
-          "virtual_coupling: body " + std::to_string(body) + " (" + pulled.name + ") must be dynamic");
+          "virtual_coupling: body " + to_string(body) + " (" + pulled.name + ") must be dynamic");
   validate(options);
 
   ForceLaw law;
@@ -143,17 +143,17 @@ ForceLaw coupling_towards(const Model& model, int body, Target target,
 
 }  // namespace
 
-CouplingWrench coupling_wrench(const Model& model, const State& state, int body, const Trajectory& path,
+CouplingWrench coupling_wrench(const Model& model, const State& state, BodyId body, const Trajectory& path,
                                const VirtualCouplingOptions& options, double t) {
   return wrench_towards(model, state, body, trajectory_point(path, t), options);
 }
 
-CouplingWrench coupling_wrench(const Model& model, const State& state, int body, int handle,
+CouplingWrench coupling_wrench(const Model& model, const State& state, BodyId body, BodyId handle,
                                const VirtualCouplingOptions& options, double t) {
   return wrench_towards(model, state, body, handle_at(model, state, handle, t), options);
 }
 
-ForceLaw virtual_coupling(const Model& model, int body, Trajectory path,
+ForceLaw virtual_coupling(const Model& model, BodyId body, Trajectory path,
                           const VirtualCouplingOptions& options) {
   validate(path);
   return coupling_towards(
@@ -162,11 +162,11 @@ ForceLaw virtual_coupling(const Model& model, int body, Trajectory path,
       options);
 }
 
-ForceLaw virtual_coupling(const Model& model, int body, int handle, const VirtualCouplingOptions& options) {
-  require_field(handle >= 0 && handle < int(model.bodies.size()) && handle != body,
-                "virtual_coupling: handle", handle,
-                ("lie in [0, " + std::to_string(model.bodies.size()) + ") and not be the body").c_str());
-  require(!is_dynamic(model.bodies[handle]), "virtual_coupling: handle " + std::to_string(handle) + " (" +
+ForceLaw virtual_coupling(const Model& model, BodyId body, BodyId handle,
+                          const VirtualCouplingOptions& options) {
+  require_field(model.bodies.contains(handle) && handle != body, "virtual_coupling: handle", handle,
+                ("lie in [0, " + to_string(model.bodies.next()) + ") and not be the body").c_str());
+  require(!is_dynamic(model.bodies[handle]), "virtual_coupling: handle " + to_string(handle) + " (" +
                                                  model.bodies[handle].name + ") must not be dynamic");
   return coupling_towards(
       model, body,

@@ -4,6 +4,7 @@
 // [Colgate1995].
 #pragma once
 
+#include "lmd/body_id.hpp"
 #include "mechanics/force_law.hpp"
 #include "mechanics/trajectory.hpp"
 
@@ -29,21 +30,21 @@ struct CouplingWrench {
 };
 /// Pull on `body` at time t; `path` is the path of the body frame. Force and torque are scaled back to their
 /// limits, each as a whole vector (VC-4).
-CouplingWrench coupling_wrench(const Model& model, const State& state, int body, const Trajectory& path,
+CouplingWrench coupling_wrench(const Model& model, const State& state, BodyId body, const Trajectory& path,
                                const VirtualCouplingOptions& options, double t);
 
 /// The force law with its potential, stiffness and damping (VC-5); the blocks of a saturated part are zero. K
 /// is not symmetric for large rotation errors. Throws std::invalid_argument unless the body is dynamic and
 /// path and options are valid.
-ForceLaw virtual_coupling(const Model& model, int body, Trajectory path,
+ForceLaw virtual_coupling(const Model& model, BodyId body, Trajectory path,
                           const VirtualCouplingOptions& options = {});
 
 /// The same with another body's frame as the target, wherever that body moves during the step. A driven body
 /// is a handle that is led from step to step. Throws likewise, and also unless `handle` is another body that
 /// is not dynamic.
-CouplingWrench coupling_wrench(const Model& model, const State& state, int body, int handle,
+CouplingWrench coupling_wrench(const Model& model, const State& state, BodyId body, BodyId handle,
                                const VirtualCouplingOptions& options, double t);
-ForceLaw virtual_coupling(const Model& model, int body, int handle,
+ForceLaw virtual_coupling(const Model& model, BodyId body, BodyId handle,
                           const VirtualCouplingOptions& options = {});
 
 }  // namespace aussois

@@ -56,6 +56,6 @@ ContactMemory remember(const ContactSet& contacts, const std::vector<Vec3>& impu
 std::vector<SE3> inverses(std::span<const SE3> g);
 
 /// The pose of a body, the identity where none is given.
-SE3 pose_of(std::span<const SE3> g, int body);
+SE3 pose_of(std::span<const SE3> g, BodyId body);
 
 }  // namespace aussois

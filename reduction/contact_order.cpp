@@ -9,7 +9,7 @@ namespace {
 
 /// What mostly decides, side by side in memory: a set of a million contacts does not fit into a cache.
 struct Rank {
-  int body_a = -1, body_b = -1;
+  BodyId body_a{}, body_b{};
   double gap = 0;
   int dim_a = 0, simplex_a = 0;
   int index = -1;

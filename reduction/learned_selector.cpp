@@ -54,13 +54,12 @@ VecX input_of(const BodyLoad& load) {
   return x;
 }
 
-ContactSelector contact_selector(LearnedSelector selector, int body) {
+ContactSelector contact_selector(LearnedSelector selector, BodyId body) {
   validate(selector);
   require_field(selector.network.inputs() == kLoadInputs, "LearnedSelector::network.inputs()",
                 selector.network.inputs(), "be 24");
   return [selector = std::move(selector), body](const ReductionInput& input, const Clusters& clusters) {
-    require_field(body >= 0 && std::size_t(body) < input.bodies.size(), "body", body,
-                  "name a body whose load the input knows");
+    require_field(input.bodies.contains(body), "body", body, "name a body whose load the input knows");
     const BodyLoad& load = input.bodies[body];
     const std::vector<int> places =
         chosen_places(network_output(selector.network, input_of(load)), selector.places, selector.keep);

@@ -34,6 +34,6 @@ VecX input_of(const BodyLoad& load);
 /// more contacts than `keep`, it keeps the contact nearest to each chosen place. Of other clusters it keeps
 /// all contacts. Throws std::invalid_argument if the selector is invalid or its network does not have 24
 /// inputs. The returned function throws it if the input lacks the body's load.
-ContactSelector contact_selector(LearnedSelector selector, int body);
+ContactSelector contact_selector(LearnedSelector selector, BodyId body);
 
 }  // namespace aussois

@@ -29,7 +29,7 @@ struct ReductionInput {
   std::vector<double> mu{};         // Coulomb friction [-], >= 0
   double h = 0;                     // the step length that the impulses scale with [s]; 0: not known
   std::span<const SE3> g{};         // g_wb by Feature::body; empty: the identity
-  std::vector<BodyLoad> bodies{};   // by Feature::body; only for Reducer::selector
+  PerBody<BodyLoad> bodies{};       // only for Reducer::selector
 };
 
 /// A user-defined reducer: returns indices of the contacts to keep, in any order. It must be a pure function.

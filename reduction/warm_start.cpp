@@ -158,7 +158,9 @@ class Cascade {
 
   bool is_adjacent(std::size_t i, std::size_t j) const {
     const ContactKey &now = now_[i].key, &old = old_[j].key;
-    const auto shape = [&](int body) { return input_.shapes.empty() ? nullptr : input_.shapes[body]; };
+    const auto shape = [&](BodyId body) {
+      return input_.shapes.empty() ? nullptr : input_.shapes[body.index()];
+    };
     const LmdShape *a = shape(now.body_a), *b = shape(now.body_b);
     return a && b && incident(*a, feature_a(now), feature_a(old)) &&
            incident(*b, feature_b(now), feature_b(old));

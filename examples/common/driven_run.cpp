@@ -87,7 +87,7 @@ void tell_other_program(const Recording& recording, const std::filesystem::path&
 
 void write_page(const Model& model, const std::filesystem::path& folder) {
   const std::filesystem::path replay = folder / "replay.html";
-  if (std::ranges::any_of(model.bodies, [](const RigidBody& b) { return b.shape >= 0; })) {
+  if (std::ranges::any_of(model.bodies, [](const RigidBody& b) { return bool(b.shape); })) {
     RunReader run(folder / "run.h5");
     write_replay_html(replay, run);
   } else {

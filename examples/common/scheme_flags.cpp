@@ -72,7 +72,7 @@ void add(Cli& cli, SchemeFlags& f, const std::vector<SchemeFlag>& all, bool of_s
 void set_selector(const SchemeFlags& f, ReductionOptions& options) {
   if (f.selector.empty()) return;
   options.reducer = Reducer::selector;
-  options.selector = contact_selector(read_selector(f.selector), f.selector_body);
+  options.selector = contact_selector(read_selector(f.selector), BodyId::at(f.selector_body));
 }
 
 }  // namespace

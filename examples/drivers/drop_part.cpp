@@ -48,10 +48,10 @@ ExitCode drop(const Arguments& a) {
   const double size = part.report.box.diagonal();
   Model model;
   model.contact_law = {.mu = a.mu, .restitution = a.restitution};
-  const int plate = add(model, prepare(dilate(make_plate(20 * size, 20 * size), a.dilation)));
-  const int shape = add(model, prepare(dilate(part.complex, a.dilation)));
+  const auto plate = add(model, prepare(dilate(make_plate(20 * size, 20 * size), a.dilation)));
+  const ShapeId shape = add(model, prepare(dilate(part.complex, a.dilation)));
   add(model, fixed_body("plate", plate));
-  const int body = add(model, solid_body(part.name, shape, mass.properties));
+  const BodyId body = add(model, solid_body(part.name, shape, mass.properties));
 
   // 2. The start: tilted about an oblique axis, its lowest point at the height.
   State state = rest_state(model);

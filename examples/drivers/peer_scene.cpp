@@ -64,7 +64,8 @@ std::string outline(const PeerShape& shape, const SE3& g) {
 
 bool draw(const std::filesystem::path& folder, const PeerScene& scene, const State& end) {
   std::string before, after;
-  for (std::size_t b = 1; b < scene.bodies.size(); ++b) {
+  for (const BodyId b : scene.bodies.ids()) {
+    if (b == 0) continue;  // the ground
     const PeerShape& shape = scene.shapes[scene.bodies[b].shape];
     before += outline(shape, scene.bodies[b].g);
     after += outline(shape, end.g[b]);

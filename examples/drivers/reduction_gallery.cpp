@@ -64,10 +64,10 @@ Resting resting(const Part& part, const Arguments& a) {
   model.gravity =
       9.81 * Vec3(std::sin(tilt) * std::cos(towards), std::sin(tilt) * std::sin(towards), -std::cos(tilt));
   model.contact_law = {.mu = kMu};
-  const int plate = add(model, prepare(dilate(make_plate(0.4, 0.4), kDilation)));
-  const int shape = add(model, prepare(dilate(part.complex, kDilation)));
+  const auto plate = add(model, prepare(dilate(make_plate(0.4, 0.4), kDilation)));
+  const ShapeId shape = add(model, prepare(dilate(part.complex, kDilation)));
   add(model, fixed_body("plate", plate));
-  const int body = add(model, solid_body(part.name, shape, mass_properties(part.complex, kDensity)));
+  const BodyId body = add(model, solid_body(part.name, shape, mass_properties(part.complex, kDensity)));
   State state = rest_state(model);
   double lowest = kInf;
   for (const Vec3& x : part.complex.vertices) lowest = std::min(lowest, x.z());

@@ -206,7 +206,7 @@ CouplingWrench pull_at(const AssemblyScene& scene, const State& state) {
   return coupling_wrench(scene.model, state, scene.moving, scene.target, scene.coupling, state.t);
 }
 
-double contact_force(const Frame& f, int moving) {
+double contact_force(const Frame& f, BodyId moving) {
   Vec3 sum = Vec3::Zero();
   for (const StepContact& c : f.report.contacts) sum += (c.point.a.body == moving ? 1.0 : -1.0) * c.impulse;
   return sum.norm() / f.report.h;

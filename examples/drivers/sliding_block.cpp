@@ -48,10 +48,10 @@ double simulated_travel(const Arguments& a, double h, StepDump dump) {
   model.gravity = kGravity * Vec3(std::sin(slope), 0, -std::cos(slope));
   model.contact_law = {.mu = a.mu, .restitution = 0};
   const SimplicialComplex box = make_box(kSide, kSide, kSide);
-  const int plate = add(model, prepare(dilate(make_plate(plate_side, plate_side), kRadius)));
-  const int cube = add(model, prepare(dilate(box, kRadius)));
+  const auto plate = add(model, prepare(dilate(make_plate(plate_side, plate_side), kRadius)));
+  const auto cube = add(model, prepare(dilate(box, kRadius)));
   add(model, fixed_body("slope", plate));
-  const int block = add(model, solid_body("block", cube, mass_properties(box, kDensity)));
+  const auto block = add(model, solid_body("block", cube, mass_properties(box, kDensity)));
 
   // 2. The start: the dilated surfaces just touch, the block slides down.
   State state = rest_state(model);

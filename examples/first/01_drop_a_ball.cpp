@@ -11,10 +11,10 @@ namespace au = aussois;
 int main() {
   au::Model model;
   model.contact_law = {.mu = 0.3, .restitution = 0.5};
-  const int floor = add(model, prepare(dilate(au::make_plate(2, 2), 1e-3)));  // a square of 2 m, 1 mm thick
-  const int ball = add(model, prepare(dilate(au::make_point(), 0.05)));       // all within 5 cm of a point
+  const auto floor = add(model, prepare(dilate(au::make_plate(2, 2), 1e-3)));  // a square of 2 m, 1 mm thick
+  const auto ball = add(model, prepare(dilate(au::make_point(), 0.05)));       // all within 5 cm of a point
   add(model, au::fixed_body("floor", floor));
-  const int body = add(model, solid_body("ball", ball, wire_mass_properties(au::make_point(), 0.05, 1000)));
+  const auto body = add(model, solid_body("ball", ball, wire_mass_properties(au::make_point(), 0.05, 1000)));
 
   au::State state = rest_state(model);
   pose(state, body).p.z() = 0.55;  // [m]

@@ -10,7 +10,8 @@ namespace au = aussois;
 int main() {
   const double mass = 0.2, drag = 4;  // [kg], [N s/m]
   au::Model model;
-  const int body = add(model, au::RigidBody{.name = "sinker", .mass = mass, .inertia = au::Mat3::Identity()});
+  const auto body =
+      add(model, au::RigidBody{.name = "sinker", .mass = mass, .inertia = au::Mat3::Identity()});
   au::ForceLaw oil;
   oil.name = "drag of the oil";
   oil.add_to = [=](const au::Model&, const au::State& state, double, au::GeneralisedForce& sum) {

@@ -13,14 +13,14 @@ namespace au = aussois;
 int main() {
   au::Model model;
   const au::SimplicialComplex leaf = au::make_box(0.8, 0.04, 2.0);  // [m]
-  const int door = add(model, solid_body("door", -1, mass_properties(leaf, 600)));
+  const auto door = add(model, solid_body("door", {}, mass_properties(leaf, 600)));
   au::Joint hinge{.name = "hinge", .kind = au::JointKind::revolute, .body_a = door};  // to the world, about z
   hinge.frame_a = {au::Quat::Identity(), au::Vec3(-0.4, 0, 0)};  // at the edge of the door
   hinge.frame_b = {au::Quat::Identity(), au::Vec3(-0.4, 0, 0)};
   hinge.axis[0] = {
       .upper = 1.5,  // [rad]
       .motor = {.kind = au::MotorKind::speed, .target = [](double) { return 1.0; }, .limit = 50}};
-  const int joint = add(model, hinge);
+  const auto joint = add(model, hinge);
 
   au::State state = rest_state(model);
   const au::MoreauJean scheme(model, {.h = 5e-3});

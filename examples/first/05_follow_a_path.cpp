@@ -16,7 +16,7 @@ int main() {
   model.contact_law.mu = 0.4;
   const au::SimplicialComplex box = au::make_box(0.1, 0.1, 0.1);
   add(model, au::fixed_body("table", add(model, prepare(dilate(au::make_plate(2, 1), 1e-3)))));
-  const int part =
+  const auto part =
       add(model, solid_body("box", add(model, prepare(dilate(box, 1e-3))), mass_properties(box, 500)));
 
   const au::Trajectory path{.t = {0, 1, 2},  // [s]

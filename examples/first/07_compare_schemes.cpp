@@ -10,8 +10,8 @@ namespace au = aussois;
 
 int main() {
   au::Model model;
-  const int shape = add(model, prepare(dilate(au::make_point(), 0.05)));
-  const int ball = add(model, solid_body("ball", shape, wire_mass_properties(au::make_point(), 0.05, 1000)));
+  const auto shape = add(model, prepare(dilate(au::make_point(), 0.05)));
+  const auto ball = add(model, solid_body("ball", shape, wire_mass_properties(au::make_point(), 0.05, 1000)));
   const double h = 0.01, exact = -9.81 / 2 * 0.5 * 0.5;  // [s], [m]
   bool all = true;
   for (const au::SchemeVariant& variant : au::scheme_variants()) {

@@ -14,7 +14,7 @@ int main() {
   au::Model model;
   const au::SimplicialComplex gear = au::make_cylinder(0.1, 0.04, 60);  // stands on sixty corners
   add(model, au::fixed_body("table", add(model, prepare(dilate(au::make_plate(1, 1), 1e-3)))));
-  const int body =
+  const auto body =
       add(model, solid_body("gear", add(model, prepare(dilate(gear, 1e-3))), mass_properties(gear, 7800)));
 
   au::StepOptions options{.h = 5e-3};

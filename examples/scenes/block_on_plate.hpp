@@ -13,7 +13,7 @@ inline constexpr double kSide = 0.1, kRadius = 1e-3, kGravity = 9.81, kDensity =
 
 struct Scene {
   Model model{};
-  int ground = -1, block = -1;
+  BodyId ground{}, block{};
   State state{};
 };
 
@@ -23,8 +23,8 @@ inline Scene block_on_plate(double mu, double restitution, double slope, double 
   s.model.gravity = kGravity * Vec3(std::sin(slope), 0, -std::cos(slope));
   s.model.contact_law = {.mu = mu, .restitution = restitution};
   const SimplicialComplex box = make_box(kSide, kSide, kSide);
-  const int plate = add(s.model, prepare(dilate(make_plate(6, 6), kRadius)));
-  const int cube = add(s.model, prepare(dilate(box, kRadius)));
+  const auto plate = add(s.model, prepare(dilate(make_plate(6, 6), kRadius)));
+  const auto cube = add(s.model, prepare(dilate(box, kRadius)));
   s.ground = add(s.model, fixed_body("ground", plate));
   s.block = add(s.model, solid_body("block", cube, mass_properties(box, kDensity)));
   s.state = rest_state(s.model);

@@ -13,7 +13,7 @@ namespace aussois {
 struct CaseScene {
   Model model{};
   State state{};
-  int body = -1;  // the one that is looked at
+  BodyId body{};  // the one that is looked at
 };
 
 struct Case {

@@ -20,8 +20,8 @@ CaseScene block_on_slope(double mu, double slope, double speed) {
   s.model.gravity = kGravity * Vec3(std::sin(slope), 0, -std::cos(slope));
   s.model.contact_law = {.mu = mu, .restitution = 0};
   const SimplicialComplex box = make_box(kSide, kSide, kSide);
-  const int plate = add(s.model, prepare(dilate(make_plate(40, 40), kDilation)));
-  const int cube = add(s.model, prepare(dilate(box, 0)));
+  const auto plate = add(s.model, prepare(dilate(make_plate(40, 40), kDilation)));
+  const auto cube = add(s.model, prepare(dilate(box, 0)));
   add(s.model, fixed_body("plate", plate));
   s.body = add(s.model, solid_body("block", cube, mass_properties(box, kDensity)));
   s.state = rest_state(s.model);
@@ -152,8 +152,8 @@ ExactMotion slip_to_roll(const SlippingSphere& s) {
 CaseScene sphere_on_plate(const SlippingSphere& s) {
   CaseScene out;
   out.model.contact_law = {.mu = s.mu, .restitution = 0};
-  const int plate = add(out.model, prepare(dilate(make_plate(20, 20), kDilation)));
-  const int point = add(out.model, prepare(dilate(make_point(), s.R)));
+  const auto plate = add(out.model, prepare(dilate(make_plate(20, 20), kDilation)));
+  const auto point = add(out.model, prepare(dilate(make_point(), s.R)));
   add(out.model, fixed_body("plate", plate));
   out.body = add(
       out.model,
@@ -239,8 +239,8 @@ CaseScene disc_scene(const SpinningDisc& disc) {
   constexpr double kFoot = 5e-3;
   CaseScene out;
   out.model.contact_law = {.mu = disc.mu, .contensou_radius = disc.R_e()};
-  const int plate = add(out.model, prepare(dilate(make_plate(20, 20), kDilation)));
-  const int point = add(out.model, prepare(dilate(make_point(), kFoot)));
+  const auto plate = add(out.model, prepare(dilate(make_plate(20, 20), kDilation)));
+  const auto point = add(out.model, prepare(dilate(make_point(), kFoot)));
   add(out.model, fixed_body("plate", plate));
   const double J = disc.R * disc.R / 4;
   out.body = add(out.model, RigidBody{.name = "disc",

@@ -20,9 +20,9 @@ MotionSample along_z(double z, double v) {
 CaseScene ball_over_plate(double e, double z, double v, double top = 0) {
   CaseScene s;
   s.model.contact_law = {.mu = 0, .restitution = e};
-  const int plate = add(s.model, prepare(dilate(make_plate(2, 2), kRadius)));
-  const int point = add(s.model, prepare(dilate(make_point(), kRadius)));
-  const int ground = add(s.model, fixed_body("plate", plate));
+  const auto plate = add(s.model, prepare(dilate(make_plate(2, 2), kRadius)));
+  const auto point = add(s.model, prepare(dilate(make_point(), kRadius)));
+  const auto ground = add(s.model, fixed_body("plate", plate));
   s.body = add(
       s.model,
       RigidBody{
@@ -40,7 +40,7 @@ MotionSample height(const CaseScene& s, const State& state) {
 }
 
 /// m z'' = -k z + A cos(W t + phase), k = 1 N/m, along z.
-ForceLaw shaken_spring(int body, double A, double W, double phase) {
+ForceLaw shaken_spring(BodyId body, double A, double W, double phase) {
   return {.name = "spring",
           .add_to =
               [=](const Model&, const State& state, double t, GeneralisedForce& force) {

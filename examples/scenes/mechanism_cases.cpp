@@ -53,7 +53,7 @@ CaseScene heavy_top_scene(const HeavyTop& top) {
   s.state = rest_state(s.model);
   pose(s.state, s.body).p = top.X;
   twist(s.state, s.body) << top.omega.cross(top.X), top.omega;
-  add(s.model, joint_at(JointKind::spherical, "tip", s.body, -1, s.state.g, SE3{}));
+  add(s.model, joint_at(JointKind::spherical, "tip", s.body, kWorld, s.state.g, SE3{}));
   return s;
 }
 

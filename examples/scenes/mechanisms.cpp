@@ -32,7 +32,7 @@ GapFunction flat_contact(const char* name, double b, const Vec3& wn, const Vec3&
 }
 
 /// From the point x_b of a body to a fixed point of the world; k (|d| - l0) along d (MCH-6).
-ForceLaw spring_to_world(int body, const Vec3& x_b, const Vec3& x_w, double k, double l0) {
+ForceLaw spring_to_world(BodyId body, const Vec3& x_b, const Vec3& x_w, double k, double l0) {
   const auto cross = [](const Vec3& x) -> Mat3 {
     Mat3 out;
     out << 0, -x.z(), x.y(), x.z(), 0, -x.x(), -x.y(), x.x(), 0;
@@ -112,14 +112,14 @@ CaseScene squeezer() {
   for (int i = 0; i < 7; ++i)
     add(s.model, RigidBody{.name = names[i], .mass = mass[i], .inertia = inertia[i] * Mat3::Identity()});
   s.state = rest_state(s.model);
-  for (int i = 0; i < 7; ++i) pose(s.state, i) = frames[i] * SE3{Quat::Identity(), centre[i]};
-  const auto hinge = [&](const char* name, int of, int to, const SE3& at) {
+  for (int i = 0; i < 7; ++i) pose(s.state, BodyId::at(i)) = frames[i] * SE3{Quat::Identity(), centre[i]};
+  const auto hinge = [&](const char* name, BodyId of, BodyId to, const SE3& at) {
     add(s.model, joint_at(JointKind::revolute, name, of, to, s.state.g, at));
   };
-  hinge("beta", 0, -1, crank), hinge("theta", 1, 0, coupler), hinge("gamma", 2, -1, lever);
-  hinge("phi", 3, 4, fourth), hinge("delta", 4, -1, fifth);
-  hinge("Omega", 5, 6, sixth), hinge("epsilon", 6, -1, seventh);
-  for (const int i : {2, 3, 5}) hinge("knee", i, 1, knee);
+  hinge("beta", 0, kWorld, crank), hinge("theta", 1, 0, coupler), hinge("gamma", 2, kWorld, lever);
+  hinge("phi", 3, 4, fourth), hinge("delta", 4, kWorld, fifth);
+  hinge("Omega", 5, 6, sixth), hinge("epsilon", 6, kWorld, seventh);
+  for (const BodyId i : {BodyId(2), BodyId(3), BodyId(5)}) hinge("knee", i, 1, knee);
   s.model.joints[0].axis[0].motor = {.kind = MotorKind::effort, .target = [](double) { return 0.033; }};
   const Vec3 D = Vec3(0.02, -0.018, 0) - centre[2];
   add(s.model, spring_to_world(2, D, C, 4530, 0.07785));
@@ -135,19 +135,20 @@ CaseScene four_bars(int windows) {
   s.state = rest_state(s.model);
   const int cranks = windows + 1;
   for (int i = 0; i < cranks; ++i) {
-    pose(s.state, i) = {upright.R, Vec3(i, 0, 0.5)};
-    twist(s.state, i) << 0.5, 0, 0, 0, 1, 0;
+    pose(s.state, BodyId::at(i)) = {upright.R, Vec3(i, 0, 0.5)};
+    twist(s.state, BodyId::at(i)) << 0.5, 0, 0, 0, 1, 0;
   }
   for (int i = 0; i < windows; ++i) {
-    pose(s.state, cranks + i).p = Vec3(i + 0.5, 0, 1);
-    twist(s.state, cranks + i)[0] = 1;
+    pose(s.state, BodyId::at(cranks + i)).p = Vec3(i + 0.5, 0, 1);
+    twist(s.state, BodyId::at(cranks + i))[0] = 1;
   }
   const auto hinge = [&](int of, int to, double x, double z) {
-    add(s.model, joint_at(JointKind::revolute, "hinge", of, to, s.state.g, translation(x, 0, z) * along_y));
+    add(s.model, joint_at(JointKind::revolute, "hinge", BodyId::at(of), BodyId::at(to), s.state.g,
+                          translation(x, 0, z) * along_y));
   };
   for (int i = 0; i < cranks; ++i) hinge(i, -1, i, 0);
   for (int i = 0; i < windows; ++i) hinge(cranks + i, i, i, 1), hinge(cranks + i, i + 1, i + 1, 1);
-  s.body = cranks;
+  s.body = BodyId::at(cranks);
   return s;
 }
 
@@ -159,11 +160,11 @@ CaseScene bricard() {
   for (int i = 0; i < 5; ++i) add(s.model, rod(kBricardRadius));
   s.state = rest_state(s.model);
   for (int i = 0; i < 5; ++i)
-    pose(s.state, i) = {Quat::FromTwoVectors(Vec3::UnitX(), corner[i + 1] - corner[i]),
-                        (corner[i] + corner[i + 1]) / 2};
+    pose(s.state, BodyId::at(i)) = {Quat::FromTwoVectors(Vec3::UnitX(), corner[i + 1] - corner[i]),
+                                    (corner[i] + corner[i + 1]) / 2};
   for (int i = 0; i < 6; ++i)
-    add(s.model, joint_at(JointKind::revolute, "hinge", i < 5 ? i : -1, i - 1, s.state.g,
-                          {Quat::FromTwoVectors(Vec3::UnitZ(), axis[i % 3]), corner[i]}));
+    add(s.model, joint_at(JointKind::revolute, "hinge", BodyId::at(i < 5 ? i : -1), BodyId::at(i - 1),
+                          s.state.g, {Quat::FromTwoVectors(Vec3::UnitZ(), axis[i % 3]), corner[i]}));
   s.body = 2;
   return s;
 }
@@ -180,12 +181,14 @@ CaseScene spinning_chain(int rods, double omega, JointKind kind) {
   for (int i = 0; i < rods; ++i) add(s.model, rod(1e-2));
   s.state = rest_state(s.model);
   for (int i = 0; i < rods; ++i) {
-    pose(s.state, i) = rotation(Vec3::UnitZ(), 2 * kPi * i / rods) * translation(r, 0, 0) * along_y;
-    twist(s.state, i) << Vec3(0, 0, omega).cross(pose(s.state, i).p), Vec3(0, 0, omega);
+    pose(s.state, BodyId::at(i)) =
+        rotation(Vec3::UnitZ(), 2 * kPi * i / rods) * translation(r, 0, 0) * along_y;
+    twist(s.state, BodyId::at(i)) << Vec3(0, 0, omega).cross(pose(s.state, BodyId::at(i)).p),
+        Vec3(0, 0, omega);
   }
-  for (int i = 0; i < rods; ++i)  // at the end of rod i
-    add(s.model,
-        joint_at(kind, "joint", i, (i + 1) % rods, s.state.g, pose(s.state, i) * translation(0.5, 0, 0)));
+  for (const BodyId i : s.state.g.ids())  // at its end
+    add(s.model, joint_at(kind, "joint", i, BodyId::at((i.index() + 1) % rods), s.state.g,
+                          pose(s.state, i) * translation(0.5, 0, 0)));
   s.body = 0;
   return s;
 }
@@ -194,8 +197,8 @@ CaseScene bead_column(int beads) {
   constexpr double kRadius = 0.05, kDilation = 1e-2;
   CaseScene s;
   s.model.contact_law = {.mu = 0.3};
-  const int plate = add(s.model, prepare(dilate(make_plate(1, 1), kDilation)));
-  const int bead = add(s.model, prepare(dilate(make_point(), kRadius)));
+  const auto plate = add(s.model, prepare(dilate(make_plate(1, 1), kDilation)));
+  const auto bead = add(s.model, prepare(dilate(make_point(), kRadius)));
   add(s.model, fixed_body("plate", plate));
   for (int i = 0; i < beads; ++i)
     s.body = add(
@@ -204,7 +207,7 @@ CaseScene bead_column(int beads) {
             .name = "bead", .shape = bead, .mass = 1, .inertia = 0.4 * kRadius * kRadius * Mat3::Identity()});
   s.state = rest_state(s.model);
   for (int i = 0; i < beads; ++i)
-    pose(s.state, i + 1).p = Vec3(0.03, 0.02, kDilation + kRadius * (1 + 2 * i));
+    pose(s.state, BodyId::at(i + 1)).p = Vec3(0.03, 0.02, kDilation + kRadius * (1 + 2 * i));
   return s;
 }
 

@@ -17,10 +17,10 @@ struct Judged {
 
 inline Judged judge(const Model& model, const State& state) {
   Judged out;
-  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+  for (const BodyId b : model.bodies.ids()) {
     const RigidBody& body = model.bodies[b];
     if (!std::holds_alternative<Dynamic>(body.motion)) continue;
-    const Vec3 x = state.g[b].p, v = linear_part(state.v, int(b)), omega = angular_part(state.v, int(b)),
+    const Vec3 x = state.g[b].p, v = linear_part(state.v, b), omega = angular_part(state.v, b),
                spin = body.inertia * omega;
     out.linear += body.mass * v;
     out.angular += body.mass * x.cross(v) + state.g[b].R.toRotationMatrix() * spin;

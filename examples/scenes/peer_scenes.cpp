@@ -94,7 +94,8 @@ double exact_bounce_energy(double drop, double restitution, double t) {
 // Of balls, above the rest on the ground [J].
 double ball_energy(const PeerScene& scene, const PeerSample& now) {
   double energy = 0;
-  for (std::size_t b = 1; b < now.g.size(); ++b) {
+  for (const BodyId b : now.g.ids()) {
+    if (b == 0) continue;
     const PeerShape& shape = scene.shapes[scene.bodies[b].shape];
     energy += shape.mass * (kGravity * (now.g[b].p.z() - shape.size.x()) + now.v[b].squaredNorm() / 2);
   }
@@ -103,10 +104,11 @@ double ball_energy(const PeerScene& scene, const PeerSample& now) {
 
 double deepest_overlap(const PeerScene& scene, const PeerSample& now) {
   double deepest = 0;
-  for (std::size_t a = 1; a < now.g.size(); ++a) {
+  for (const BodyId a : now.g.ids()) {
+    if (a == 0) continue;
     const double radius = scene.shapes[scene.bodies[a].shape].size.x();
     deepest = std::max(deepest, radius - now.g[a].p.z());
-    for (std::size_t b = 1; b < a; ++b) {
+    for (BodyId b = 1; b < a; ++b) {
       const double sum = radius + scene.shapes[scene.bodies[b].shape].size.x();
       const double squared = (now.g[a].p - now.g[b].p).squaredNorm();
       if (squared < sum * sum) deepest = std::max(deepest, sum - std::sqrt(squared));
@@ -117,8 +119,7 @@ double deepest_overlap(const PeerScene& scene, const PeerSample& now) {
 
 double largest_displacement(const PeerScene& scene, const PeerSample& now) {
   double out = 0;
-  for (std::size_t b = 0; b < now.g.size(); ++b)
-    out = std::max(out, (now.g[b].p - scene.bodies[b].g.p).norm());
+  for (const BodyId b : now.g.ids()) out = std::max(out, (now.g[b].p - scene.bodies[b].g.p).norm());
   return out;
 }
 
@@ -194,7 +195,8 @@ PeerScene tower_scene(double top_mass) {
   scene.shapes.push_back(box(Vec3::Constant(edge), mass));
   scene.shapes.push_back(box(Vec3::Constant(edge), top_mass));
   for (int i = 0; i < 10; ++i)
-    scene.bodies.push_back({.shape = i < 9 ? 1 : 2, .mu = 0.5, .g = translation(0, 0, (i + 0.5) * edge)});
+    scene.bodies.push_back(
+        {.shape = ShapeId::at(i < 9 ? 1 : 2), .mu = 0.5, .g = translation(0, 0, (i + 0.5) * edge)});
   scene.t_end = 10;
   return scene;
 }
@@ -236,8 +238,8 @@ PeerScene arch_scene(const Arch& arch) {
   return scene;
 }
 
-int crown(const PeerScene& arch) {
-  return int(arch.bodies.size()) / 2;
+BodyId crown(const PeerScene& arch) {
+  return BodyId::at(arch.bodies.size() / 2);
 }
 
 namespace {
@@ -285,27 +287,26 @@ KernelScene kernel_scene(const PeerScene& scene) {
   Model& model = out.model;
   model.gravity = scene.gravity;
   model.contact_law = {.mu = scene.bodies.back().mu, .restitution = scene.restitution};  // of most pairs
-  std::vector<int> shape;
-  for (const PeerShape& s : scene.shapes) shape.push_back(add(model, prepare(dilated(s))));
-  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+  for (const PeerShape& s : scene.shapes) add(model, prepare(dilated(s)));
+  for (const BodyId b : scene.bodies.ids()) {
     const PeerBody& body = scene.bodies[b];
     const PeerShape& s = scene.shapes[body.shape];
-    const std::string name = "body " + std::to_string(b);
-    const int of_model = shape[body.shape];
-    add(model, body.fixed ? fixed_body(name, of_model)
-                          : RigidBody{.name = name, .shape = of_model, .mass = s.mass, .inertia = s.inertia});
-    for (std::size_t a = 0; a < b; ++a)
+    const std::string name = "body " + to_string(b);
+    add(model, body.fixed
+                   ? fixed_body(name, body.shape)
+                   : RigidBody{.name = name, .shape = body.shape, .mass = s.mass, .inertia = s.inertia});
+    for (BodyId a = 0; a < b; ++a)
       if (const double mu = std::min(scene.bodies[a].mu, body.mu); mu != model.contact_law.mu)
-        model.pair_laws[{int(a), int(b)}] = {.mu = mu, .restitution = scene.restitution};
+        model.pair_laws[{a, b}] = {.mu = mu, .restitution = scene.restitution};
     if (body.force.isZero(0)) continue;
-    add(model, ForceLaw{.name = "push",
-                        .add_to = [b = int(b), force = body.force](
-                                      const Model&, const State&, double,
-                                      GeneralisedForce& f) { linear_part(f.f, b) += force; },
-                        .potential = {}});
+    add(model,
+        ForceLaw{.name = "push",
+                 .add_to = [b, force = body.force](const Model&, const State&, double,
+                                                   GeneralisedForce& f) { linear_part(f.f, b) += force; },
+                 .potential = {}});
   }
   out.state = rest_state(model);
-  for (std::size_t b = 0; b < scene.bodies.size(); ++b) out.state.g[b] = scene.bodies[b].g;
+  for (const BodyId b : scene.bodies.ids()) out.state.g[b] = scene.bodies[b].g;
   return out;
 }
 
@@ -320,7 +321,7 @@ SchemeOptions kernel_options(const PeerScene& scene, double h) {
 
 PeerSample sample(const State& state) {
   PeerSample out{.t = state.t, .g = state.g};
-  for (int b = 0; b < int(state.g.size()); ++b) out.v.push_back(twist(state, b).head<3>());
+  for (const BodyId b : state.g.ids()) out.v.push_back(twist(state, b).head<3>());
   return out;
 }
 

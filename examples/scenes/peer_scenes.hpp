@@ -26,7 +26,7 @@ struct PeerShape {
 std::vector<Vec3> corners(const PeerShape& shape, double depth);
 
 struct PeerBody {
-  int shape = 0;
+  ShapeId shape{0};
   bool fixed = false;
   double mu = 0;              // of a pair the smaller of the two [-]
   SE3 g{};                    // at the start
@@ -43,10 +43,10 @@ enum class PeerMeasure {
 
 struct PeerScene {
   std::string name{}, what{};
-  std::vector<PeerShape> shapes{};
-  std::vector<PeerBody> bodies{};  // the first is the ground, its top at z = 0
-  Vec3 gravity{0, 0, -9.81};       // [m/s^2]
-  double restitution = 0;          // of all pairs [-]
+  Table<ShapeId, PeerShape> shapes{};
+  Table<BodyId, PeerBody> bodies{};  // the first is the ground, its top at z = 0
+  Vec3 gravity{0, 0, -9.81};         // [m/s^2]
+  double restitution = 0;            // of all pairs [-]
   PeerMeasure measure = PeerMeasure::displacement;
   double acceleration = 0;  // exact, of body 1 along its force; of the measure speed [m/s^2]
   double t_end = 1;         // [s]
@@ -72,7 +72,7 @@ constexpr double spread(const Arch& arch) {
   return 28 * arch.stones / 25.0;
 }
 PeerScene arch_scene(const Arch& arch);
-int crown(const PeerScene& arch);  // the stone in the middle
+BodyId crown(const PeerScene& arch);  // the stone in the middle
 
 /// Those of the comparison with peers, by their names.
 std::vector<std::string> peer_scene_names();
@@ -93,8 +93,8 @@ SchemeOptions kernel_options(const PeerScene& scene, double h);
 /// Where the bodies of a scene are, in any engine.
 struct PeerSample {
   double t = 0;
-  std::vector<SE3> g{};   // poses of the centres of mass
-  std::vector<Vec3> v{};  // their velocities, world [m/s]
+  PerBody<SE3> g{};   // poses of the centres of mass
+  PerBody<Vec3> v{};  // their velocities, world [m/s]
 };
 PeerSample sample(const State& state);
 

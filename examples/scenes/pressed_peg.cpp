@@ -20,8 +20,8 @@ CaseScene pressed_peg() {
   model.contact_law = {.mu = 0.15};
   const SimplicialComplex core =
       make_cylinder(peg.radius - kDilation, 2 * (peg.half_length - kDilation), kSides);
-  const int shape = add(model, prepare(dilate(core, kDilation)));
-  const int plate = add(model, prepare(dilate(make_plate(0.2, 0.2), kDilation)));
+  const ShapeId shape = add(model, prepare(dilate(core, kDilation)));
+  const auto plate = add(model, prepare(dilate(make_plate(0.2, 0.2), kDilation)));
   add(model, RigidBody{.name = "peg", .shape = shape, .mass = peg.mass, .inertia = peg.inertia.asDiagonal()});
   add(model, fixed_body("plate", plate));
   add(model, ForceLaw{.name = "robot", .add_to = [](const Model&, const State&, double, GeneralisedForce& f) {

@@ -107,8 +107,8 @@ CaseScene rocking_scene(const RockingBlock& block) {
   CaseScene s;
   s.model.contact_law = {.mu = kMu, .restitution = 0};
   const SimplicialComplex box = make_box(2 * block.b, kDepth, 2 * block.a);
-  const int plate = add(s.model, prepare(dilate(make_plate(2, 2), kDilation)));
-  const int shape = add(s.model, prepare(dilate(box, 0)));
+  const auto plate = add(s.model, prepare(dilate(make_plate(2, 2), kDilation)));
+  const ShapeId shape = add(s.model, prepare(dilate(box, 0)));
   add(s.model, fixed_body("plate", plate));
   s.body = add(s.model, solid_body("block", shape, mass_properties(box, 1000)));
   s.state = rest_state(s.model);

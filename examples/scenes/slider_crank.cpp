@@ -175,12 +175,12 @@ CaseScene slider_crank_of_bodies(double mu) {
   constexpr double kDilation = 1e-2, kWidth = 0.02;  // of the walls, and of the slider across the plane [m]
   CaseScene s;
   s.model.contact_law = {.mu = mu, .restitution = kRestitution};
-  const int box = add(s.model, prepare(dilate(make_box(2 * a, kWidth, 2 * b), 0)));
-  const int plate = add(s.model, prepare(dilate(make_plate(2, 0.2), kDilation)));
+  const auto box = add(s.model, prepare(dilate(make_box(2 * a, kWidth, 2 * b), 0)));
+  const auto plate = add(s.model, prepare(dilate(make_plate(2, 0.2), kDilation)));
   const char* names[] = {"crank", "rod", "slider"};
   for (int i = 0; i < 3; ++i)
     s.body = add(s.model, RigidBody{.name = names[i],
-                                    .shape = i == 2 ? box : -1,
+                                    .shape = i == 2 ? box : ShapeId(),
                                     .mass = kMass[i],
                                     .inertia = kInertia[i] * Mat3::Identity()});
   for (const char* name : {"upper wall", "lower wall"}) add(s.model, fixed_body(name, plate));
@@ -188,11 +188,12 @@ CaseScene slider_crank_of_bodies(double mu) {
   const double x[] = {kCrankLength / 2, kCrankLength + kConnectingRodLength / 2,
                       kCrankLength + kConnectingRodLength},
                joint_x[] = {0, kCrankLength, kCrankLength + kConnectingRodLength};
-  for (int i = 0; i < 3; ++i) pose(s.state, i).p.x() = x[i];
+  for (int i = 0; i < 3; ++i) pose(s.state, BodyId::at(i)).p.x() = x[i];
   for (const int side : {1, -1})
-    pose(s.state, side > 0 ? 3 : 4).p = Vec3(kConnectingRodLength, 0, side * (b + kClearance + kDilation));
+    pose(s.state, BodyId::at(side > 0 ? 3 : 4)).p =
+        Vec3(kConnectingRodLength, 0, side * (b + kClearance + kDilation));
   for (int i = 0; i < 3; ++i)  // about -y: raises what points along x
-    add(s.model, joint_at(JointKind::revolute, "hinge", i, i - 1, s.state.g,
+    add(s.model, joint_at(JointKind::revolute, "hinge", BodyId::at(i), BodyId::at(i - 1), s.state.g,
                           translation(joint_x[i], 0, 0) * rotation(Vec3::UnitX(), kPi / 2)));
   twist(s.state, 0) << 0, 0, kSpeed[0] * kCrankLength / 2, 0, -kSpeed[0], 0;
   twist(s.state, 1) << 0, 0, kSpeed[0] * kCrankLength + kSpeed[1] * kConnectingRodLength / 2, 0, -kSpeed[1],

@@ -7,7 +7,7 @@
 namespace aussois {
 
 /// Between a body's centre and the origin [N/m], with its exact derivative.
-inline ForceLaw spring(int body, const Vec3& stiffness) {
+inline ForceLaw spring(BodyId body, const Vec3& stiffness) {
   return {.name = "spring",
           .add_to =
               [=](const Model&, const State& state, double, GeneralisedForce& force) {

@@ -8,7 +8,7 @@
 namespace aussois {
 namespace {
 
-RigidBody ball(const char* name, int shape, double mass, double radius) {
+RigidBody ball(const char* name, ShapeId shape, double mass, double radius) {
   return {
       .name = name, .shape = shape, .mass = mass, .inertia = 0.4 * mass * radius * radius * Mat3::Identity()};
 }
@@ -20,8 +20,8 @@ CaseScene frictionless(double restitution) {
   return s;
 }
 
-int add_paper(Model& model) {
-  const int sheet = add(model, prepare(dilate(make_plate(kPaperSide, kPaperSide), kPaperHalfThickness)));
+BodyId add_paper(Model& model) {
+  const auto sheet = add(model, prepare(dilate(make_plate(kPaperSide, kPaperSide), kPaperHalfThickness)));
   const double J = kPaperMass * kPaperSide * kPaperSide / 12;
   return add(
       model,
@@ -42,7 +42,7 @@ CaseScene on_plate(const ContactLaw& law) {
 }
 
 /// The gap of a body's point at `arm` from its centre of mass (world) above z = 0, with friction in space.
-GapRows rows_above_plate(const State& state, int body, const Vec3& arm, double gap) {
+GapRows rows_above_plate(const State& state, BodyId body, const Vec3& arm, double gap) {
   const Mat3 R = pose(state, body).R.toRotationMatrix();
   Eigen::Matrix<double, 3, 6> J;
   J << Mat3::Identity(), -skew(arm) * R;
@@ -57,7 +57,7 @@ GapRows rows_above_plate(const State& state, int body, const Vec3& arm, double g
 CaseScene bullet_and_paper(double restitution, double gap) {
   CaseScene s = frictionless(restitution);
   add_paper(s.model);
-  const int point = add(s.model, prepare(dilate(make_point(), kBulletRadius)));
+  const auto point = add(s.model, prepare(dilate(make_point(), kBulletRadius)));
   s.body = add(s.model, ball("bullet", point, kBulletMass, kBulletRadius));
   s.state = rest_state(s.model);
   pose(s.state, s.body).p.z() = kBulletRadius + kPaperHalfThickness + gap;
@@ -75,8 +75,8 @@ CaseScene bullet_on_edge(double restitution, double gap, double offset) {
 CaseScene needle_and_sheet(double restitution, double angle) {
   constexpr double kLength = 0.1, kThickness = 5e-4, kMass = 1e-3, kTipSpeed = 500, kTooNear = 0.01;
   CaseScene s = frictionless(restitution);
-  const int sheet = add(s.model, prepare(dilate(make_plate(kPaperSide, kPaperSide), kPaperHalfThickness)));
-  const int needle = add(s.model, prepare(dilate(make_segment(kLength - 2 * kThickness), kThickness)));
+  const auto sheet = add(s.model, prepare(dilate(make_plate(kPaperSide, kPaperSide), kPaperHalfThickness)));
+  const auto needle = add(s.model, prepare(dilate(make_segment(kLength - 2 * kThickness), kThickness)));
   add(s.model, fixed_body("sheet", sheet));
   const double J = kMass * kLength * kLength / 12;
   s.body = add(s.model, RigidBody{.name = "needle",
@@ -92,7 +92,7 @@ CaseScene needle_and_sheet(double restitution, double angle) {
 
 CaseScene crossing_bullets(double miss, double distance) {
   CaseScene s = frictionless(1);
-  const int point = add(s.model, prepare(dilate(make_point(), kBulletRadius)));
+  const auto point = add(s.model, prepare(dilate(make_point(), kBulletRadius)));
   add(s.model, ball("bullet", point, kBulletMass, kBulletRadius));
   s.body = add(s.model, ball("other bullet", point, kBulletMass, kBulletRadius));
   s.state = rest_state(s.model);
@@ -106,7 +106,7 @@ CaseScene tippe_top(double contensou_radius) {
   constexpr double kTilt = 0.1, kSpin = 180;
   const TippeTop top;
   CaseScene s = on_plate({.mu = top.mu, .contensou_radius = contensou_radius});
-  const int sphere = add(s.model, prepare(dilate(make_point(), top.R1)));
+  const auto sphere = add(s.model, prepare(dilate(make_point(), top.R1)));
   s.body = add(s.model, RigidBody{.name = "top",
                                   .shape = sphere,
                                   .g_bs = translation(0, 0, top.a1),
@@ -209,9 +209,9 @@ double precession(const CaseScene& s, const State& state) {
 
 namespace {
 
-int add_dimer(Model& model) {
+BodyId add_dimer(Model& model) {
   const Dimer d;
-  const int shape =
+  const ShapeId shape =
       add(model, prepare(dilate(make_complex({Vec3(-d.half, 0, 0), Vec3(d.half, 0, 0)}, {}), d.radius)));
   const double own = 0.4 * d.radius * d.radius, far = d.half * d.half + own;
   return add(model, RigidBody{.name = "dimer",
@@ -260,11 +260,11 @@ CaseScene dimer_and_rod(double x, double height, double speed) {
   CaseScene s;
   s.model.gravity = Vec3::Zero();
   s.model.contact_law = {.mu = 0.3, .restitution = 0};
-  const int balls =
+  const auto balls =
       add(s.model,
           prepare(dilate(make_complex({Vec3(-kBallPlace, 0, 0), Vec3(kBallPlace, 0, 0)}, {}), kBallRadius)));
-  const int bar = add(s.model, prepare(dilate(make_segment(2 * kBallPlace), kBarRadius)));
-  const int rod = add(s.model, prepare(dilate(make_segment(kPushedRodLength), kPushedRodRadius)));
+  const auto bar = add(s.model, prepare(dilate(make_segment(2 * kBallPlace), kBarRadius)));
+  const auto rod = add(s.model, prepare(dilate(make_segment(kPushedRodLength), kPushedRodRadius)));
   add(s.model, fixed_body("balls", balls));
   add(s.model, fixed_body("bar", bar));
   const double J = kMass * kPushedRodLength * kPushedRodLength / 12;

@@ -23,7 +23,7 @@ struct Tumbling {
     joint.pitch = 0.5, joint.length = 0.3;
     if (kind == JointKind::distance) joint.frame_b = joint.frame_b * translation(0.1, 0.2, 0.2);
     add(model, joint);
-    for (int i = 0; i < 2; ++i) twist(state, i) << random.vector(1), random.vector(3);
+    for (const BodyId i : state.g.ids()) twist(state, i) << random.vector(1), random.vector(3);
     state = consistent(model, state);
   }
 };

@@ -29,7 +29,7 @@ OdeOptions for_a_step(OdeOptions o, double h) {
 
 // Prescribed bodies stand and move where their paths say.
 void EventRun::move_prescribed() {
-  for (int b = 0; b < int(model_.bodies.size()); ++b)
+  for (const BodyId b : model_.bodies.ids())
     if (const auto* motion = std::get_if<Prescribed>(&model_.bodies[b].motion)) {
       const TrajectoryPoint now = trajectory_point(motion->path, state_.t + kSameTime);
       pose(state_, b) = now.pose;
@@ -109,7 +109,7 @@ bool EventRun::integrate_piece() {
   const double stop = next_row();
   OdeOptions ode = ode_of_piece();
   const std::size_t gone = report_.pieces.size();
-  const std::vector<std::pair<int, int>> driven = report_.driven_overlaps;
+  const std::vector<BodyPair> driven = report_.driven_overlaps;
   for (int retry = 0; retry < kMaxRetries; ++retry) {
     report_.pieces.resize(gone);
     report_.driven_overlaps = driven;
@@ -178,11 +178,11 @@ void EventRun::tell_contacts(const State& start) {
     report_.t_joints = start.t + report_.h / 2;
     report_.joint_error = joint_error(model_, state_);
   }
-  std::ranges::sort(report_.gaps, {}, &StepGap::index);
+  std::ranges::sort(report_.gaps, {}, &StepGap::id);
   report_.law_work.assign(setting_.laws.size(), 0);
   for (const StepContact& c : report_.contacts)
     add_work(setting_, contact_law(model_, c.point.a.body, c.point.b.body), c.work, report_);
-  for (const StepGap& gap : report_.gaps) add_work(setting_, model_.gaps[gap.index].law, gap.work, report_);
+  for (const StepGap& gap : report_.gaps) add_work(setting_, model_.gaps[gap.id].law, gap.work, report_);
 }
 
 StepReport EventRun::step(State& out) {

@@ -80,7 +80,8 @@ EventLayout layout_of(const StepSetting& setting, const std::vector<ClosedTouch>
   return out;
 }
 
-void add_touch(const Touch& touch, double p, const VecX& v, const VecX& on, std::vector<StepJoint>& joints) {
+void add_touch(const Touch& touch, double p, const VecX& v, const VecX& on,
+               Table<JointId, StepJoint>& joints) {
   const double moved = touch.u[0] - touch.N.col(0).dot(v);
   add_effort(touch.slot, p, 1, joints);
   add_work(touch.slot, p, moved + touch.N.col(0).dot(on), moved, joints);
@@ -89,7 +90,7 @@ void add_touch(const Touch& touch, double p, const VecX& v, const VecX& on, std:
 VecX EventRun::packed() const {
   VecX y = VecX::Zero(layout_.size);
   int at = 0;
-  for (std::size_t b = 0; b < model_.bodies.size(); ++b) {
+  for (const BodyId b : model_.bodies.ids()) {
     if (setting_.dofs.first[b] < 0) continue;
     y.segment<3>(at) = state_.g[b].p;
     y.segment<4>(at + 3) = state_.g[b].R.coeffs();
@@ -104,7 +105,7 @@ State EventRun::unpacked(double t, const VecX& y) const {
   State out = state_;
   out.t = t;
   int at = 0;
-  for (int b = 0; b < int(model_.bodies.size()); ++b) {
+  for (const BodyId b : model_.bodies.ids()) {
     if (setting_.dofs.first[b] >= 0) {
       pose(out, b).p = y.segment<3>(at);
       pose(out, b).R = Quat(Eigen::Vector4d(y.segment<4>(at + 3))).normalized();
@@ -150,7 +151,7 @@ bool EventRun::rate(double t, const VecX& y, VecX& out) const {
   if (!now.solved) return false;
   out.setZero();
   int at = 0;
-  for (int b = 0; b < int(model_.bodies.size()); ++b) {
+  for (const BodyId b : model_.bodies.ids()) {
     if (setting_.dofs.first[b] < 0) continue;
     const Vec6 v = twist(s, b);
     const Quat R(Eigen::Vector4d(y.segment<4>(at + 3)));
@@ -168,7 +169,7 @@ bool EventRun::rate(double t, const VecX& y, VecX& out) const {
     out.segment<3>(layout_.momentum + kMomentum * part + 3) += rate.angular;
   };
   push(of_forces, forces.applied);
-  std::vector<StepJoint> joints(model_.joints.size());
+  Table<JointId, StepJoint> joints(model_.joints.size());
   std::size_t k = 0;
   for (std::size_t i = 0; i < closed_.size(); ++i) {
     if (match[i] < 0) continue;
@@ -190,8 +191,8 @@ bool EventRun::rate(double t, const VecX& y, VecX& out) const {
     add_forces(model_, held.columns, now.reaction, s.g, 1, joints);
     add_work(model_, held.columns, now.reaction, on, joints);
     add_work(model_, forces.axes, 0 * s.v, on, joints);
-    for (std::size_t j = 0; j < joints.size(); ++j)
-      out.segment<kJointSums>(layout_.joints + kJointSums * Eigen::Index(j)) = sums_of(joints[j]);
+    for (const JointId j : joints.ids())
+      out.segment<kJointSums>(layout_.joints + kJointSums * j.index()) = sums_of(joints[j]);
   }
   if (!model_.coordinates.empty())
     out[layout_.work + by_mass] = rate_along(model_, s, [&](const State& moved) -> VecX {
@@ -260,8 +261,8 @@ void EventRun::take(const VecX& y) {
     add_impulse(closed_[i].touch, y.segment(layout_.first_impulse[i], closed_[i].touch.law.rows),
                 y[layout_.touch_work + Eigen::Index(i)]);
   }
-  for (std::size_t j = 0; j < joints_.size(); ++j)
-    add_sums(y.segment<kJointSums>(layout_.joints + kJointSums * Eigen::Index(j)), joints_[j]);
+  for (const JointId j : joints_.ids())
+    add_sums(y.segment<kJointSums>(layout_.joints + kJointSums * j.index()), joints_[j]);
   const auto part = [&](EventMomentum k) {
     return Momentum{y.segment<3>(layout_.momentum + kMomentum * k),
                     y.segment<3>(layout_.momentum + kMomentum * k + 3)};

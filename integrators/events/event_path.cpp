@@ -22,7 +22,7 @@ bool EventRun::certified(const State& from, const State& to, const std::function
   const double dt = to.t - from.t;
   const auto path = [&](const State& a, const State& b) {
     VecX v = VecX::Zero(a.v.size());
-    for (int k = 0; k < int(model_.bodies.size()); ++k)
+    for (const BodyId k : model_.bodies.ids())
       of_body(v, k) = twist_between(pose(a, k), pose(b, k), b.t - a.t);
     return v;
   };
@@ -32,7 +32,7 @@ bool EventRun::certified(const State& from, const State& to, const std::function
   if (dilation == kInf) return true;
   const State middle = at(from.t + dt / 2);
   const State straight = retract(model_, from, path(from, to), dt / 2);
-  for (std::size_t b = 0; b < model_.bodies.size(); ++b)
+  for (const BodyId b : model_.bodies.ids())
     off = std::max(off, (middle.g[b].p - straight.g[b].p).norm() +
                             setting_.bounds[b].radius * angle_between(middle.g[b].R, straight.g[b].R));
   const int pieces = std::clamp(int(std::ceil(std::sqrt(off / (kChord * dilation)))), 1, kMaxPieces);
@@ -53,7 +53,7 @@ bool EventRun::certified(const State& from, const State& to, const std::function
     }
     report_.min_base_distance = std::min(report_.min_base_distance, proof.min_distance);
     report_.pieces.push_back({.t = a.t, .h = b.t - a.t, .g = a.g, .v = v});
-    std::vector<std::pair<int, int>> told;
+    std::vector<BodyPair> told;
     std::ranges::set_union(
         report_.driven_overlaps,
         driven_overlaps(gone, setting_.bounds, setting_.pieces, o, setting_.options.threads),
@@ -68,8 +68,8 @@ bool EventRun::certified(const State& from, const State& to, const std::function
 // and acceleration of now (EVD-10).
 double EventRun::safe_until(const State& from, double stop) const {
   const double dt = stop - from.t;
-  std::vector<double> speed, acceleration, reach;
-  for (int b = 0; b < int(model_.bodies.size()); ++b) {
+  PerBody<double> speed, acceleration, reach;
+  for (const BodyId b : model_.bodies.ids()) {
     const double radius = setting_.bounds[b].radius;
     const auto size = [&](const Vec6& v) { return 2 * (v.head<3>().norm() + radius * v.tail<3>().norm()); };
     speed.push_back(size(twist(from, b)));
@@ -78,7 +78,7 @@ double EventRun::safe_until(const State& from, double stop) const {
   }
   double stride = kInf;
   for (const StepPair& pair : pairs_within(model_, from, setting_.bounds, reach, setting_.options.threads)) {
-    const auto sum = [&](const std::vector<double>& of) { return of[pair.a] + of[pair.b]; };
+    const auto sum = [&](const PerBody<double>& of) { return of[pair.a] + of[pair.b]; };
     const double room = pair.dilation / 2;
     stride = std::min(stride, room / (sum(speed) + std::sqrt(room * (sum(acceleration) + kTiny))));
   }
@@ -87,8 +87,8 @@ double EventRun::safe_until(const State& from, double stop) const {
 
 // Could a pair have passed through each other in an internal step?
 bool EventRun::leapt(const State& from, const State& to) {
-  std::vector<double> moved;
-  for (int b = 0; b < int(model_.bodies.size()); ++b)
+  PerBody<double> moved;
+  for (const BodyId b : model_.bodies.ids())
     moved.push_back((pose(to, b).p - pose(from, b).p).norm() +
                     setting_.bounds[b].radius * angle_between(pose(from, b).R, pose(to, b).R));
   const NearPairs near = near_pairs(model_, from, setting_.bounds, moved, setting_.options.threads);

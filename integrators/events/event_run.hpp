@@ -42,7 +42,8 @@ EventLayout layout_of(const StepSetting& setting, const std::vector<ClosedTouch>
 
 /// Adds to its joint what a stop or dry friction does with `p` at the velocity `on`; `v` is the velocity at
 /// which the touch was made.
-void add_touch(const Touch& touch, double p, const VecX& v, const VecX& on, std::vector<StepJoint>& joints);
+void add_touch(const Touch& touch, double p, const VecX& v, const VecX& on,
+               Table<JointId, StepJoint>& joints);
 
 /// One step: from event to event.
 class EventRun {
@@ -108,7 +109,7 @@ class EventRun {
   State state_;  // where the run is
   double t_begin_, t_end_;
   StepReport report_{};
-  std::vector<StepJoint> joints_{};  // their impulses and work so far
+  Table<JointId, StepJoint> joints_{};  // their impulses and work so far
   double work_[kWorks] = {};
   MomentumLedger momentum_{};  // its parts so far
   int stops_ = 0;

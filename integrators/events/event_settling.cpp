@@ -43,11 +43,10 @@ void EventRun::add_impulse(const Touch& touch, const VecX& r, double work) {
   if (touch.slot >= 0) {
     state_.r.segment(touch.slot, r.size()) += r;
     if (of_a_joint(touch)) return;
-    const int index = (touch.slot - first_gap_row(model_)) / 3;
-    const auto known = std::ranges::find(report_.gaps, index, &StepGap::index);
-    StepGap& gap = known == report_.gaps.end()
-                       ? report_.gaps.emplace_back(StepGap{.index = index, .gap = touch.gap})
-                       : *known;
+    const auto id = GapId::at((touch.slot - first_gap_row(model_)) / 3);
+    const auto known = std::ranges::find(report_.gaps, id, &StepGap::id);
+    StepGap& gap =
+        known == report_.gaps.end() ? report_.gaps.emplace_back(StepGap{.id = id, .gap = touch.gap}) : *known;
     gap.impulse.head(r.size()) += r;
     gap.work += work;
     return;

@@ -35,15 +35,15 @@ Touch touch_of(const StepSetting& setting, const State& state, const MatX& J, co
   return out;
 }
 
-void put(MatX& J, Eigen::Index row, int body, const Vec6& values) {
-  if (body >= 0) J.row(row).segment<6>(first_velocity(body)) = values.transpose();
+void put(MatX& J, Eigen::Index row, BodyId body, const Vec6& values) {
+  if (body) J.row(row).segment<6>(first_velocity(body)) = values.transpose();
 }
 
 // Stops and dry friction of the axes of all joints.
 void add_axes(const StepSetting& setting, const State& state, std::vector<Touch>& out) {
   const Model& model = setting.model;
   const VecX none = VecX::Zero(1);
-  for (int j = 0; j < int(model.joints.size()); ++j) {
+  for (const JointId j : model.joints.ids()) {
     const Joint& joint = model.joints[j];
     for (int i = 0; i < axis_count(joint.kind); ++i) {
       const JointAxis& axis = joint.axis[i];
@@ -53,7 +53,7 @@ void add_axes(const StepSetting& setting, const State& state, std::vector<Touch>
       put(J, 0, joint.body_a, row.J_a);
       put(J, 0, joint.body_b, row.J_b);
       const double q = joint_coordinate(model, state, j, i);
-      const int slot = kRowsOfAJoint * j + kRowsOfAnAxis * i;
+      const int slot = kRowsOfAJoint * j.index() + kRowsOfAnAxis * i;
       if (axis.lower > -kInf)
         out.push_back(
             touch_of(setting, state, J, none, unilateral(), q - axis.lower, axis.restitution, slot));
@@ -72,14 +72,14 @@ Law law_of_rows(const ContactLaw& law, Eigen::Index rows) {
 
 void add_gap_functions(const StepSetting& setting, const State& state, std::vector<Touch>& out) {
   const Model& model = setting.model;
-  for (int i = 0; i < int(model.gaps.size()); ++i) {
+  for (const GapId i : model.gaps.ids()) {
     const GapFunction& gap = model.gaps[i];
     const GapRows now = gap_function(model, state, i, state.t);
     MatX J = MatX::Zero(now.J.rows(), state.v.size());
-    J.middleCols(gap.block < 0 ? 0 : first_speed(model, gap.block), now.J.cols()) = now.J;
+    J.middleCols(gap.block ? first_speed(model, gap.block) : 0, now.J.cols()) = now.J;
     const VecX rate = now.rate.size() > 0 ? now.rate : VecX(VecX::Zero(J.rows()));
     out.push_back(touch_of(setting, state, J, rate, law_of_rows(gap.law, J.rows()), now.gap,
-                           gap.law.restitution, first_gap_row(model) + 3 * i));
+                           gap.law.restitution, first_gap_row(model) + 3 * i.index()));
   }
 }
 
@@ -166,13 +166,13 @@ SparseMatrix mass_of(const StepSetting& setting, const State& state) {
   const Model& model = setting.model;
   const Layout& dofs = setting.dofs;
   std::vector<Triplet> M;
-  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+  for (const BodyId b : model.bodies.ids()) {
     const int row = dofs.first[b];
     if (row < 0) continue;
     add_block(M, row, row, model.bodies[b].mass * Mat3::Identity());
     add_block(M, row + 3, row + 3, model.bodies[b].inertia);
   }
-  for (int i = 0; i < int(model.coordinates.size()); ++i) {
+  for (const BlockId i : model.coordinates.ids()) {
     const MatX block = block_mass(model, i, coordinates(model, state, i));
     const int row = dofs.coordinates + first_coordinate(model, i);
     for (int k = 0; k < block.cols(); ++k)
@@ -254,8 +254,7 @@ VecX slip_of(const Touch& touch, const VecX& u) {
 VecX rate_along(const Model& model, const State& state, const std::function<VecX(const State&)>& f) {
   // Coordinates may be angles too
   double turning = state.q.size() > 0 ? state.v.tail(state.q.size()).lpNorm<Eigen::Infinity>() : 0;
-  for (int b = 0; b < int(model.bodies.size()); ++b)
-    turning = std::max(turning, twist(state, b).tail<3>().norm());
+  for (const BodyId b : model.bodies.ids()) turning = std::max(turning, twist(state, b).tail<3>().norm());
   const double d = std::min(kLargestGlide, kGlide / std::max(turning, 1e-300));
   const auto gone = [&](double time) {
     State there = retract(model, state, state.v, time);
@@ -289,18 +288,18 @@ SmoothForces smooth_forces(const StepSetting& setting, const State& state) {
   SmoothForces out{.axes = add_axis_forces(model, state, state.g, state.t, force)};
   out.M = mass_of(setting, state);
   out.laws = free_velocities(dofs, force.f);
-  for (int i = 0; i < int(model.coordinates.size()); ++i)
+  for (const BlockId i : model.coordinates.ids())
     out.laws.segment(dofs.coordinates + first_coordinate(model, i), model.coordinates[i].size) +=
         block_force(model, i, state.t, coordinates(model, state, i), speeds(model, state, i)).f;
   out.applied = out.laws;
-  for (std::size_t b = 0; b < model.bodies.size(); ++b)
+  for (const BodyId b : model.bodies.ids())
     if (const int row = dofs.first[b]; row >= 0)
       out.applied.segment<3>(row) += model.bodies[b].mass * model.gravity;
   out.all = out.applied;
-  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+  for (const BodyId b : model.bodies.ids()) {
     const int row = dofs.first[b];
     if (row < 0) continue;
-    const Vec3 omega = twist(state, int(b)).tail<3>();
+    const Vec3 omega = twist(state, b).tail<3>();
     out.all.segment<3>(row + 3) -= omega.cross(model.bodies[b].inertia * omega);
   }
   return out;

@@ -48,7 +48,7 @@ Law law_of(const ContactLaw& law, double patch_radius) {
   const double radius = std::max(law.contensou_radius, patch_radius);
   return radius > 0 ? contensou(law.mu, radius) : coulomb(law.mu);
 }
-void set_drilling_row(const State& state, int body, double sign, const Vec3& normal, RowJacobian& J) {
+void set_drilling_row(const State& state, BodyId body, double sign, const Vec3& normal, RowJacobian& J) {
   J.row(3).tail<3>() = sign * (pose(state, body).R.toRotationMatrix().transpose() * normal).transpose();
 }
 
@@ -88,8 +88,8 @@ struct BodyColumns {
   const RowJacobian* J = nullptr;
   int first = -1;
 };
-int first_of(const Layout& dofs, int body) {
-  return body < 0 ? -1 : dofs.first[body];
+int first_of(const Layout& dofs, BodyId body) {
+  return body ? dofs.first[body] : -1;
 }
 
 }  // namespace
@@ -145,7 +145,7 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
     }
     row.w = product(row.J_a, of_body(v_prescribed, row.body_a), row.law) +
             product(row.J_b, of_body(v_prescribed, row.body_b), row.law);
-    const auto twist_before = [&](int body) {  // of a moved body: that of its path on this step
+    const auto twist_before = [&](BodyId body) {  // of a moved body: that of its path on this step
       return is_dynamic(model.bodies[body]) ? twist(state, body) : Vec6(of_body(v_prescribed, body));
     };
     RowVector u_before = product(row.J_a, twist_before(row.body_a), row.law) +
@@ -163,12 +163,11 @@ GapFunctionRows gap_rows(const Model& model, const State& state, const Layout& d
                          double h, const NormalRule& options, const Reached& reached) {
   GapFunctionRows out;
   std::vector<Carried> carried;
-  for (int i = 0; i < int(model.gaps.size()); ++i) {
+  for (const GapId i : model.gaps.ids()) {
     const GapFunction& gap = model.gaps[i];
     const GapRows now = gap_function(model, state, i, state.t + reached.time);
-    const Eigen::Index size = gap_columns(model, gap),
-                       first = gap.block < 0 ? 0 : first_speed(model, gap.block);
-    ContactRow row{.law = law_of(gap.law, now.J.rows()), .slot = first_gap_row(model) + 3 * i};
+    const Eigen::Index size = gap_columns(model, gap), first = gap.block ? first_speed(model, gap.block) : 0;
+    ContactRow row{.law = law_of(gap.law, now.J.rows()), .slot = first_gap_row(model) + 3 * i.index()};
     row.gap = now.gap;
     if (reached.time > 0 && now.rate.size() > 0) row.gap -= reached.time * now.rate[0];
     if (now.rate.size() > 0) row.w.head(now.J.rows()) = now.rate;
@@ -240,14 +239,14 @@ FrictionProblem contact_problem(const FreeMotion& free, const Layout& dofs,
 double normal_speed(const ContactRow& row, const VecX& v) {
   double out = 0;
   for (const auto& [body, J] : {std::pair(row.body_a, &row.J_a), std::pair(row.body_b, &row.J_b)})
-    if (body >= 0) out += J->row(0).dot(of_body(v, body));
+    if (body) out += J->row(0).dot(of_body(v, body));
   return out;
 }
 
 RowVector relative_velocity(const ContactRow& row, const Layout& dofs, const VecX& v) {
   RowVector u = row.w;
-  const auto add = [&](int body, const RowJacobian& J) {
-    const int first = body < 0 ? -1 : dofs.first[body];
+  const auto add = [&](BodyId body, const RowJacobian& J) {
+    const int first = body ? dofs.first[body] : -1;
     if (first >= 0) u += product(J, v.segment<6>(first), row.law);
   };
   add(row.body_a, row.J_a);
@@ -264,8 +263,8 @@ VecX momentum_of(const std::vector<ContactRow>& rows, const Layout& dofs, const 
   VecX out = VecX::Zero(dofs.rows);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (r[i].isZero(0)) continue;
-    const auto add = [&](int body, const RowJacobian& J) {
-      const int first = body < 0 ? -1 : dofs.first[body];
+    const auto add = [&](BodyId body, const RowJacobian& J) {
+      const int first = body ? dofs.first[body] : -1;
       if (first >= 0) out.segment<6>(first) += J.transpose() * r[i];
     };
     add(rows[i].body_a, rows[i].J_a);

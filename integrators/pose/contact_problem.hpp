@@ -18,7 +18,7 @@ using RowVector = Eigen::Matrix<double, kRowsOfAContact, 1>;
 /// One block of rows as the dynamics sees it: a contact, a gap function, or what acts on the axis of a joint.
 /// Rows beyond those of its law are ignored.
 struct ContactRow {
-  int body_a = -1, body_b = -1;           // -1: none, or the world
+  BodyId body_a{}, body_b{};              // -1: none, or the world
   Mat3 frame = Mat3::Identity();          // of a contact: columns n, t1, t2; impulses act on A [world]
   RowJacobian J_a = RowJacobian::Zero();  // u = J_a twist_a + J_b twist_b + others + w
   RowJacobian J_b = RowJacobian::Zero();
@@ -74,7 +74,7 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
 /// The rows of the model's gap functions at the start of the step (GEN-3), in their order, and their gaps.
 struct GapFunctionRows {
   std::vector<ContactRow> rows{};
-  std::vector<double> gap{};  // [m]
+  Table<GapId, double> gap{};  // [m]
 };
 GapFunctionRows gap_rows(const Model& model, const State& state, const Layout& dofs, const VecX& v_prescribed,
                          double h, const NormalRule& options, const Reached& reached = {});

@@ -15,25 +15,25 @@ constexpr double kClosed = 1e-5;  // of the dilations: pairs that near touch alr
 // out (CA-16).
 void leave_apart(const State& state, const Estimate& estimate, const AdvancementOptions& o,
                  FoundContacts& found) {
-  std::vector<std::pair<int, int>> asked = estimate.meeting;
+  std::vector<BodyPair> asked = estimate.meeting;
   for (const RememberedContact& c : state.memory.contacts)
-    if (!c.impulse.isZero(0)) asked.emplace_back(c.key.body_a, c.key.body_b);
+    if (!c.impulse.isZero(0)) asked.push_back({c.key.body_a, c.key.body_b});
   const std::vector<double> dilation = contact_dilations(found.pairs, found.contacts);
   for (std::size_t i = 0; i < dilation.size(); ++i)
     if (const ContactPoint& c = found.contacts.points[i]; c.gap <= kClosed * dilation[i])
-      asked.emplace_back(c.a.body, c.b.body);
+      asked.push_back({c.a.body, c.b.body});
   std::ranges::sort(asked);
   const auto is_apart = [&](const StepPair& pair) {
     const double linear = 2 * o.max_overlap * pair.dilation * pair.dilation;
     return pair.threshold * pair.threshold > linear &&
-           !std::ranges::binary_search(asked, std::pair(pair.a, pair.b));
+           !std::ranges::binary_search(asked, BodyPair{pair.a, pair.b});
   };
   std::ranges::copy_if(found.pairs, std::back_inserter(found.apart), is_apart);
   if (found.apart.empty()) return;
   std::erase_if(found.pairs, is_apart);
-  const auto bodies = [](const StepPair& pair) { return std::pair(pair.a, pair.b); };
+  const auto bodies = [](const StepPair& pair) { return BodyPair{pair.a, pair.b}; };
   std::erase_if(found.contacts.points, [&](const ContactPoint& c) {
-    return std::ranges::binary_search(found.apart, std::pair(c.a.body, c.b.body), {}, bodies);
+    return std::ranges::binary_search(found.apart, BodyPair{c.a.body, c.b.body}, {}, bodies);
   });
 }
 
@@ -51,7 +51,7 @@ ReductionInput reduction_input(const StepSetting& setting, const State& state, c
   if (setting.options.reduction.reducer != Reducer::selector) return input;
   const VecX wrench =
       all_velocities(setting.dofs, forces_at(setting.model, state, setting.dofs).sum(), 0 * state.v);
-  for (int b = 0; b < int(state.g.size()); ++b)
+  for (const BodyId b : state.g.ids())
     input.bodies.push_back({pose(state, b), twist(state, b), of_body(wrench, b)});
   return input;
 }

@@ -10,8 +10,8 @@ namespace aussois {
 
 /// What an attempt is based on.
 struct Estimate {
-  VecX v{};  // all velocities, indexed as State::v: how far bodies may move (CA-4)
-  std::vector<std::pair<int, int>> meeting{};  // fast pairs that met without contacts, sorted (CA-16)
+  VecX v{};                         // all velocities, indexed as State::v: how far bodies may move (CA-4)
+  std::vector<BodyPair> meeting{};  // fast pairs that met without contacts, sorted (CA-16)
 };
 
 /// Contacts within the displacement bound of an estimated motion (CA-4), which of them the problem begins
@@ -21,12 +21,12 @@ struct FoundContacts {
   double h = 0;
   std::vector<StepPair> pairs{};  // pairs whose contacts are offered to the problem
   std::vector<StepPair> apart{};  // pairs that must prove to need no contacts (CA-16)
-  std::vector<double> reach{};    // of every body: how far it may move (CA-5) [m]
+  PerBody<double> reach{};        // of every body: how far it may move (CA-5) [m]
   int passing = 0;                // number of pairs that are near but skipped
   int count = 0;                  // number of all contacts, including those of `apart`
   double min_gap = kInf;          // smallest gap of these contacts [m]
   ContactSet contacts{};
-  std::vector<SE3> g{};                       // poses of the bodies where the contacts are
+  PerBody<SE3> g{};                           // poses of the bodies where the contacts are
   std::vector<std::array<Vec3, 2>> places{};  // StepTrace::places, if any body deforms
   Selection selection{};                      // (RED-1)
   WarmStart warm{};                           // (RED-5)

@@ -28,7 +28,7 @@ void subtract_moved_anchors(const GeneralisedForce& force, const Layout& dofs, c
 std::vector<AxisImpulse> implicit(const Model& model, const State& state, double h, double theta,
                                   std::vector<AxisImpulse> forces) {
   VecX moved = prescribed_velocity(model, state, h);
-  for (int b = 0; b < int(model.bodies.size()); ++b)
+  for (const BodyId b : model.bodies.ids())
     if (is_dynamic(model.bodies[b])) of_body(moved, b) = of_body(state.v, b);
   for (AxisImpulse& f : forces) {
     const Joint& joint = model.joints[f.joint];
@@ -45,7 +45,7 @@ std::vector<AxisImpulse> implicit(const Model& model, const State& state, double
 // the step for the mass (GEN-2); M^ gets h theta C + h^2 theta^2 K through `law_D`.
 void add_coordinates(const Model& model, const State& state, const Layout& dofs, double h, double theta,
                      std::vector<Triplet>& mass, std::vector<Triplet>& law_D, VecX& laws, VecX& v) {
-  for (int i = 0; i < int(model.coordinates.size()); ++i) {
+  for (const BlockId i : model.coordinates.ids()) {
     const Coordinates& block = model.coordinates[i];
     const int row = dofs.coordinates + first_coordinate(model, i);
     const VecX q_i = coordinates(model, state, i), v_i = speeds(model, state, i);
@@ -145,7 +145,7 @@ FreeMotion free_motion(const Model& model, const State& state, const Layout& dof
         add_axis_forces(model, state, moved_poses(model, state, state.v, h / 2), state.t + theta * h, force));
   out.v = out.gravity = out.gyroscopic = out.laws = VecX::Zero(dofs.rows);
   DiagonalBlocks mass(dofs.rows, out.mass), gyroscopic(dofs.rows, out.gyroscopic_D);
-  for (int b = 0; b < int(model.bodies.size()); ++b) {
+  for (const BodyId b : model.bodies.ids()) {
     const int row = dofs.first[b];
     if (row < 0) continue;
     const RigidBody& body = model.bodies[b];

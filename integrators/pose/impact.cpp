@@ -20,12 +20,12 @@ SparseMatrix mass_at(const Model& model, const State& state, const Layout& dofs)
       for (int i = 0; i < block.rows(); ++i)
         if (block(i, j) != 0) M.emplace_back(at + i, at + j, block(i, j));
   };
-  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+  for (const BodyId b : model.bodies.ids()) {
     if (dofs.first[b] < 0) continue;
     append(dofs.first[b], model.bodies[b].mass * Mat3::Identity());
     append(dofs.first[b] + 3, model.bodies[b].inertia);
   }
-  for (int i = 0; i < int(model.coordinates.size()); ++i)
+  for (const BlockId i : model.coordinates.ids())
     append(dofs.coordinates + first_coordinate(model, i), block_mass(model, i, coordinates(model, state, i)));
   SparseMatrix out(dofs.rows, dofs.rows);
   out.setFromTriplets(M.begin(), M.end());

@@ -19,7 +19,7 @@ struct ImpactJump {
   // Columns of the joints, the poses `middle` at which they act, and the mean velocity of the jump, rows of
   // the problem
   std::vector<JointColumn> columns{};
-  std::vector<SE3> middle{};
+  PerBody<SE3> middle{};
   VecX v_mean{};
   int solves = 0;
   SolveReport solve{};  // effort of all solves, and their worst status

@@ -24,7 +24,7 @@ struct ImpulseStep {
   SharedMotion free{};
   VecX v_prescribed{};
   std::vector<ContactRow> rows{};  // contacts first, then gap functions, then joint axes
-  std::vector<double> gap{};       // of the gap functions [m]
+  Table<GapId, double> gap{};      // of the gap functions [m]
   JointSystem joints{};
   ReducedSolution solved{};
   SolveReport beside{};  // effort of the step's other solves, and the worst status of those it depends on
@@ -41,7 +41,7 @@ struct ImpulseStep {
 /// The rows of contacts and gap functions, biased for a normal law (MJ-6), in ImpulseStep's order.
 struct ContactBlocks {
   std::vector<ContactRow> rows{};
-  std::vector<double> gap{};  // of the gap functions [m]
+  Table<GapId, double> gap{};  // of the gap functions [m]
 };
 ContactBlocks contact_blocks(const StepSetting& setting, const State& state, const ContactSet& contacts,
                              double h, const NormalRule& normal, const Reached& reached = {});

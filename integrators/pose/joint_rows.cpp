@@ -46,8 +46,8 @@ struct VelocityRow {
   }
 };
 void append(VelocityRow& out, const Joint& joint, const JointRow& row) {
-  if (joint.body_a >= 0) out.parts.emplace_back(first_velocity(joint.body_a), row.J_a);
-  if (joint.body_b >= 0) out.parts.emplace_back(first_velocity(joint.body_b), row.J_b);
+  if (joint.body_a) out.parts.emplace_back(first_velocity(joint.body_a), row.J_a);
+  if (joint.body_b) out.parts.emplace_back(first_velocity(joint.body_b), row.J_b);
 }
 VelocityRow velocity_row(const Joint& joint, const JointRow& row) {
   VelocityRow out{.value = row.value};
@@ -56,7 +56,7 @@ VelocityRow velocity_row(const Joint& joint, const JointRow& row) {
 }
 VelocityRow velocity_row(const Model& model, const JointColumn& column) {
   VelocityRow out = velocity_row(model.joints[column.joint], column.row);
-  if (column.other >= 0) append(out, model.joints[column.other], column.of_other);
+  if (column.other) append(out, model.joints[column.other], column.of_other);
   return out;
 }
 JointColumn column_of(const Model& model, const Coupling& coupling, const JointPoses& at,
@@ -166,12 +166,12 @@ struct Equations {
 };
 
 // What a position motor is off at the end; of schemes that ask for it.
-double motor_error(const JointStep& step, const Motor& motor, int joint, int axis) {
+double motor_error(const JointStep& step, const Motor& motor, JointId joint, int axis) {
   if (!step.end || motor.kind != MotorKind::position) return 0;
   return joint_coordinate(step.model, *step.end, joint, axis) - motor.target(step.state.t + step.h);
 }
 
-void add_axis(const JointStep& step, const JointPoses& middle, int j, int i, Equations& equations,
+void add_axis(const JointStep& step, const JointPoses& middle, JointId j, int i, Equations& equations,
               std::vector<ContactRow>& rows) {
   const Joint& joint = step.model.joints[j];
   const JointAxis& axis = joint.axis[i];
@@ -181,7 +181,7 @@ void add_axis(const JointStep& step, const JointPoses& middle, int j, int i, Equ
   now.value = joint_coordinate(step.model, step.state, j, i);
   const JointRow mid = axis_row(joint, middle, i);
   const VelocityRow row_now = velocity_row(joint, now), row_mid = velocity_row(joint, mid);
-  const int slot = kRowsOfAJoint * j + kRowsOfAnAxis * i;
+  const int slot = kRowsOfAJoint * j.index() + kRowsOfAnAxis * i;
   if (axis.lower > -kInf) rows.push_back(stop(step, joint, axis, now, 1, axis.lower, slot));
   if (axis.upper < kInf) rows.push_back(stop(step, joint, axis, now, -1, axis.upper, slot + 1));
   if (axis.friction > 0)
@@ -197,7 +197,7 @@ void add_axis(const JointStep& step, const JointPoses& middle, int j, int i, Equ
     rows.push_back(axis_law(joint, mid, 1, dry_friction(axis.motor.limit * step.h), bias, slot + 3));
 }
 
-JointSystem system_of(const JointStep& step, std::vector<SE3> middle_poses) {
+JointSystem system_of(const JointStep& step, PerBody<SE3> middle_poses) {
   const Model& model = step.model;
   const State& state = step.state;
   JointSystem out{.middle = std::move(middle_poses)};
@@ -209,7 +209,7 @@ JointSystem system_of(const JointStep& step, std::vector<SE3> middle_poses) {
     const double bias = step.locked_bias(start, middle, at_end);
     equations.add(step.dofs, std::move(column), middle, bias, middle.value);
   };
-  for (int j = 0; j < int(model.joints.size()); ++j) {
+  for (const JointId j : model.joints.ids()) {
     const Joint& joint = model.joints[j];
     const std::vector<JointRow> start = locked_rows(joint, state.g), middle = locked_rows(joint, middle_at),
                                 end = locked_rows(joint, last.g);
@@ -257,7 +257,7 @@ Constraints constraints(const Model& model, const State& state, bool velocities)
     out.rows.push_back(velocity_row(model, column));
     out.columns.push_back(std::move(column));
   };
-  for (int j = 0; j < int(model.joints.size()); ++j) {
+  for (const JointId j : model.joints.ids()) {
     const Joint& joint = model.joints[j];
     for (const JointRow& row : locked_rows(joint, state.g)) add({ColumnKind::locked, j, 0, row});
     for (int i = 0; i < axis_count(joint.kind); ++i) {
@@ -287,7 +287,7 @@ struct NearestMotion {
 };
 NearestMotion nearest_motion(const Model& model, const Layout& dofs, const std::vector<VelocityRow>& rows) {
   std::vector<Triplet> M, G;
-  for (std::size_t b = 0; b < model.bodies.size(); ++b)
+  for (const BodyId b : model.bodies.ids())
     if (const int at = dofs.first[b]; at >= 0) {
       add_block(M, at, at, model.bodies[b].mass * Mat3::Identity());
       add_block(M, at + 3, at + 3, model.bodies[b].inertia);
@@ -342,8 +342,8 @@ bool has_loops(const Model& model, const Layout& dofs) {
   const std::size_t world = model.bodies.size();
   std::vector<std::size_t> leader(world + 1);
   std::iota(leader.begin(), leader.end(), std::size_t(0));
-  const auto leader_of = [&](int body) {
-    std::size_t i = body < 0 || dofs.first[body] < 0 ? world : std::size_t(body);
+  const auto leader_of = [&](BodyId body) {
+    std::size_t i = !body || dofs.first[body] < 0 ? world : std::size_t(body.index());
     while (leader[i] != i) i = leader[i] = leader[leader[i]];
     return i;
   };

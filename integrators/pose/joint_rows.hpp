@@ -23,9 +23,10 @@ std::string text_of(const JointError& error, const JointOptions& options);
 enum class ColumnKind { locked, motor, coupling };
 struct JointColumn {
   ColumnKind kind = ColumnKind::locked;
-  int joint = -1, axis = 0;  // axis: of a motor
+  JointId joint{};
+  int axis = 0;  // axis: of a motor
   JointRow row{};
-  int other = -1;  // a coupling's second joint
+  JointId other{};  // a coupling's second joint
   JointRow of_other{};
 };
 
@@ -33,7 +34,7 @@ struct JointColumn {
 struct JointSystem {
   JointEquations equations{};
   std::vector<JointColumn> columns{};
-  std::vector<SE3> middle{};       // poses, or nearly those, at which the directions of locked rows are taken
+  PerBody<SE3> middle{};           // poses, or nearly those, at which the directions of locked rows are taken
   std::vector<ContactRow> rows{};  // stops, dry friction, limited motors
   VecX off{};                      // error of each column at the poses `middle` [m, rad]; speed motors: zero
 };

@@ -14,9 +14,9 @@ constexpr double kLargestRotation = 0.2;  // [rad]; cones enlarged by more say n
 
 }  // namespace
 
-const LmdShape* shape_of(const Model& model, int body) {
-  const int shape = model.bodies[body].shape;
-  return shape < 0 ? nullptr : model.shapes[shape].get();
+const LmdShape* shape_of(const Model& model, BodyId body) {
+  const ShapeId shape = model.bodies[body].shape;
+  return shape ? model.shapes[shape].get() : nullptr;
 }
 
 RelativeBounds bounds_of(const StepPath& path, const StepPair& pair) {
@@ -69,11 +69,11 @@ double bend_of(const LmdShape& shape, const std::vector<Vec3>& velocity, double 
   return std::acos(std::clamp(least, -1.0, 1.0));
 }
 
-BodyBounds bounds_of_deformed(const Model& model, int body, const std::vector<Vec3>& vertices) {
+BodyBounds bounds_of_deformed(const Model& model, BodyId body, const std::vector<Vec3>& vertices) {
   return bounds_of_body(model.bodies[body], vertices, dilated_box(vertices, shape_of(model, body)->radius));
 }
 
-DeformingShape deforming_shape(const StepMotion& step, int body) {
+DeformingShape deforming_shape(const StepMotion& step, BodyId body) {
   DeformingShape out{.start = posed_shape(step.model, step.state, body),
                      .velocity = vertex_velocities(step.model, step.state, body, step.v)};
   out.bounds = bounds_of_deformed(step.model, body, out.start.shape->complex.vertices);
@@ -82,19 +82,19 @@ DeformingShape deforming_shape(const StepMotion& step, int body) {
 
 }  // namespace
 
-std::vector<BodyBounds> body_bounds(const Model& model) {
-  std::vector<DilatedBox> box_of_shape;
+PerBody<BodyBounds> body_bounds(const Model& model) {
+  Table<ShapeId, DilatedBox> box_of_shape;
   for (const auto& shape : model.shapes)
     box_of_shape.push_back(dilated_box(shape->complex.vertices, shape->radius));
-  std::vector<BodyBounds> bounds(model.bodies.size());
-  for (std::size_t b = 0; b < bounds.size(); ++b)
-    if (const RigidBody& body = model.bodies[b]; body.shape >= 0)
+  PerBody<BodyBounds> bounds(model.bodies.size());
+  for (const BodyId b : bounds.ids())
+    if (const RigidBody& body = model.bodies[b]; body.shape)
       bounds[b] = bounds_of_body(body, model.shapes[body.shape]->complex.vertices, box_of_shape[body.shape]);
   return bounds;
 }
 
-std::vector<Pieces> pieces_of_shapes(const Model& model) {
-  std::vector<Pieces> out;
+Table<ShapeId, Pieces> pieces_of_shapes(const Model& model) {
+  Table<ShapeId, Pieces> out;
   out.reserve(model.shapes.size());
   for (const auto& shape : model.shapes) out.push_back(connected_pieces(shape->complex));
   return out;
@@ -111,13 +111,13 @@ std::vector<std::pair<int, int>> near_boxes(const std::vector<DilatedBox>& boxes
 
 }  // namespace
 
-NearPairs near_pairs(const Model& model, const State& state, const std::vector<BodyBounds>& bounds,
-                     std::vector<double> reach, int threads, ContactScratch* scratch) {
-  std::vector<int> body_of;
+NearPairs near_pairs(const Model& model, const State& state, const PerBody<BodyBounds>& bounds,
+                     PerBody<double> reach, int threads, ContactScratch* scratch) {
+  std::vector<BodyId> body_of;
   std::vector<DilatedBox> boxes;
   body_of.reserve(bounds.size());
   boxes.reserve(bounds.size());
-  for (int b = 0; b < int(model.bodies.size()); ++b) {
+  for (const BodyId b : model.bodies.ids()) {
     if (!shape_of(model, b)) continue;
     const bool rigid = !deforms(model.bodies[b]);
     boxes.push_back(
@@ -128,7 +128,7 @@ NearPairs near_pairs(const Model& model, const State& state, const std::vector<B
   }
   NearPairs out{.reach = std::move(reach)};
   for (const auto& [i, j] : near_boxes(boxes, threads, scratch)) {  // (CA-12)
-    const int a = body_of[i], b = body_of[j];
+    const BodyId a = body_of[i], b = body_of[j];
     if (model.passing.contains({a, b}))
       ++out.passing;
     else
@@ -138,16 +138,15 @@ NearPairs near_pairs(const Model& model, const State& state, const std::vector<B
   return out;
 }
 
-std::vector<StepPair> pairs_within(const Model& model, const State& state,
-                                   const std::vector<BodyBounds>& bounds, const std::vector<double>& reach,
-                                   int threads, ContactScratch* scratch) {
+std::vector<StepPair> pairs_within(const Model& model, const State& state, const PerBody<BodyBounds>& bounds,
+                                   const PerBody<double>& reach, int threads, ContactScratch* scratch) {
   return near_pairs(model, state, bounds, reach, threads, scratch).pairs;
 }
 
-StepPath step_path(const StepMotion& step, const std::vector<BodyBounds>& bounds, double enlargement) {
+StepPath step_path(const StepMotion& step, const PerBody<BodyBounds>& bounds, double enlargement) {
   StepPath path{.model = step.model, .h = step.h};
   path.bodies.reserve(bounds.size());
-  for (int b = 0; b < int(bounds.size()); ++b) {
+  for (const BodyId b : bounds.ids()) {
     const RigidMotion motion{.g = pose(step.state, b),
                              .v = enlargement * linear_part(step.v, b),
                              .omega = enlargement * angular_part(step.v, b)};
@@ -177,18 +176,18 @@ std::string strayed(const StepPath& path, const State& end) {
       off = std::max(off, (there[i] - start - path.h * shape.velocity[i]).norm());
     }
     if (off > kRounding * (shape.bounds.radius + path.bodies[body].stretch))
-      return "body " + std::to_string(body) + ": a vertex is " + number_text(off) +
+      return "body " + to_string(body) + ": a vertex is " + number_text(off) +
              " m off where the columns of its deformation led it";
   }
   return {};
 }
 
-NearPairs step_pairs(const StepMotion& estimate, const std::vector<BodyBounds>& bounds,
+NearPairs step_pairs(const StepMotion& estimate, const PerBody<BodyBounds>& bounds,
                      const AdvancementOptions& o, int threads, ContactScratch* scratch) {
   const StepPath path = step_path(estimate, bounds, o.enlargement);
-  std::vector<double> reach;
+  PerBody<double> reach;
   reach.reserve(bounds.size());
-  for (int b = 0; b < int(bounds.size()); ++b) {
+  for (const BodyId b : bounds.ids()) {
     const LmdShape* shape = shape_of(path.model, b);
     reach.push_back(shape ? path.bodies[b].displacement + o.floor * shape->radius : 0);
   }
@@ -206,8 +205,8 @@ namespace {
 // `scratch` is of every pair, or empty.
 ContactSet contacts_of(const Model& model, const State& state, const std::vector<StepPair>& pairs,
                        const LmdOptions& options, std::span<PairScratch> scratch) {
-  const std::vector<PosedShape> posed = posed_once<PosedShape>(
-      model.bodies.size(), pairs, [&](int body) { return posed_shape(model, state, body); });
+  const PerBody<PosedShape> posed = posed_once<PosedShape>(
+      model.bodies.size(), pairs, [&](BodyId body) { return posed_shape(model, state, body); });
   std::vector<ContactSet> found(count_of_parts(pairs));
   for_each_part(pairs, options.threads, [&](int part, std::span<const StepPair> some, int threads) {
     for (const StepPair& pair : some) {
@@ -236,13 +235,13 @@ ContactSet contacts_of(const Model& model, const State& state, const std::vector
 
 // What the scratch knows of these pairs, in their order.
 void keep_those_of(const std::vector<StepPair>& pairs, ContactScratch& scratch) {
-  std::vector<std::pair<int, int>> bodies;
+  std::vector<BodyPair> bodies;
   std::vector<PairScratch> kept;
   bodies.reserve(pairs.size());
   kept.reserve(pairs.size());
   std::size_t next = 0;
   for (const StepPair& pair : pairs) {
-    bodies.emplace_back(pair.a, pair.b);
+    bodies.push_back({pair.a, pair.b});
     while (next < scratch.bodies.size() && scratch.bodies[next] < bodies.back()) ++next;
     const bool known = next < scratch.bodies.size() && scratch.bodies[next] == bodies.back();
     kept.push_back(known ? std::move(scratch.pairs[next]) : PairScratch{});
@@ -262,8 +261,8 @@ ContactSet contacts_of(const Model& model, const State& state, const std::vector
                        const LmdOptions& options, ContactScratch& scratch) {
   const std::unique_lock lock(scratch.in_use, std::try_to_lock);
   if (!lock) return contacts_of(model, state, pairs, options);
-  const auto is_of = [](const StepPair& pair, const std::pair<int, int>& bodies) {
-    return std::pair(pair.a, pair.b) == bodies;
+  const auto is_of = [](const StepPair& pair, const BodyPair& bodies) {
+    return BodyPair{pair.a, pair.b} == bodies;
   };
   if (!std::ranges::equal(pairs, scratch.bodies, is_of)) keep_those_of(pairs, scratch);
   return contacts_of(model, state, pairs, options, std::span(scratch.pairs));

@@ -20,7 +20,7 @@ namespace aussois {
 
 /// Two bodies with shapes, at least one of them dynamic, that can touch in a step.
 struct StepPair {
-  int a = 0, b = 0;
+  BodyId a{}, b{};
   double dilation = 0;   // sum of both dilations [m]
   double threshold = 0;  // contacts are searched for up to this gap [m]
   double rotation = 0;   // bound on the relative rotation [rad]
@@ -32,7 +32,7 @@ struct BodyBounds {
   DilatedBox box{};   // around the dilated shape
 };
 /// Bounds of the shapes as they are in the model.
-std::vector<BodyBounds> body_bounds(const Model& model);
+PerBody<BodyBounds> body_bounds(const Model& model);
 
 /// An attempted step: all six velocities of every body of the model, constant on the path of the step, and
 /// its length.
@@ -55,10 +55,10 @@ struct DeformingShape {
 struct StepPath {
   const Model& model;
   double h = 0;
-  std::vector<MovingBody> bodies{};
-  std::map<int, DeformingShape> deforming{};  // by body
+  PerBody<MovingBody> bodies{};
+  std::map<BodyId, DeformingShape> deforming{};  // by body
 };
-StepPath step_path(const StepMotion& step, const std::vector<BodyBounds>& bounds, double enlargement = 1);
+StepPath step_path(const StepMotion& step, const PerBody<BodyBounds>& bounds, double enlargement = 1);
 /// Empty if the vertices of deforming bodies are where the path led them at its end, otherwise which ones are
 /// not (DEF-2).
 std::string strayed(const StepPath& path, const State& end);
@@ -67,7 +67,7 @@ std::string strayed(const StepPath& path, const State& end);
 /// finds it in use by another goes without.
 struct ContactScratch {
   std::mutex in_use{};
-  std::vector<std::pair<int, int>> bodies{};  // sorted
+  std::vector<BodyPair> bodies{};  // sorted
   std::vector<PairScratch> pairs{};
   BroadPhaseScratch near{};
 };
@@ -75,20 +75,20 @@ struct ContactScratch {
 /// The pairs of bodies that are near each other.
 struct NearPairs {
   std::vector<StepPair> pairs{};  // sorted by (a, b)
-  std::vector<double> reach{};    // of every body: how far it may move without meeting any other [m]
+  PerBody<double> reach{};        // of every body: how far it may move without meeting any other [m]
   int passing = 0;                // number of pairs that are near too, but pass through each other
                                   // (Model::passing)
 };
 /// Pairs whose boxes come nearer than the sum of their `reach` [m], one per body; thresholds are left at 0.
 /// Sorted by (a, b).
-NearPairs near_pairs(const Model& model, const State& state, const std::vector<BodyBounds>& bounds,
-                     std::vector<double> reach, int threads, ContactScratch* scratch = nullptr);
-std::vector<StepPair> pairs_within(const Model& model, const State& state,
-                                   const std::vector<BodyBounds>& bounds, const std::vector<double>& reach,
-                                   int threads, ContactScratch* scratch = nullptr);
+NearPairs near_pairs(const Model& model, const State& state, const PerBody<BodyBounds>& bounds,
+                     PerBody<double> reach, int threads, ContactScratch* scratch = nullptr);
+std::vector<StepPair> pairs_within(const Model& model, const State& state, const PerBody<BodyBounds>& bounds,
+                                   const PerBody<double>& reach, int threads,
+                                   ContactScratch* scratch = nullptr);
 
 /// The pairs that can touch if the bodies move at most as in `estimate`, enlarged.
-NearPairs step_pairs(const StepMotion& estimate, const std::vector<BodyBounds>& bounds,
+NearPairs step_pairs(const StepMotion& estimate, const PerBody<BodyBounds>& bounds,
                      const AdvancementOptions& options, int threads, ContactScratch* scratch = nullptr);
 
 /// Contacts of the pairs within their thresholds, cones enlarged by their rotations; sorted by pair. Many
@@ -100,10 +100,10 @@ ContactSet contacts_of(const Model& model, const State& state, const std::vector
                        const LmdOptions& options, ContactScratch& scratch);
 
 /// The pieces of the complex of every shape of a model.
-std::vector<Pieces> pieces_of_shapes(const Model& model);
+Table<ShapeId, Pieces> pieces_of_shapes(const Model& model);
 
 /// The shape of a body; null: none.
-const LmdShape* shape_of(const Model& model, int body);
+const LmdShape* shape_of(const Model& model, BodyId body);
 /// How far the two bodies of a pair may move and turn relative to each other along the path; the rotation is
 /// capped where enlarged cones no longer say anything.
 RelativeBounds bounds_of(const StepPath& path, const StepPair& pair);
@@ -116,11 +116,11 @@ void for_each_part(const std::vector<StepPair>& pairs, int threads,
 
 /// The bodies of the pairs, each posed once by `pose_of(body)`; the others are default-constructed.
 template <class Posed, class PoseOf>
-std::vector<Posed> posed_once(std::size_t bodies, const std::vector<StepPair>& pairs, const PoseOf& pose_of) {
-  std::vector<Posed> out(bodies);
-  std::vector<char> done(bodies, 0);
+PerBody<Posed> posed_once(std::size_t bodies, const std::vector<StepPair>& pairs, const PoseOf& pose_of) {
+  PerBody<Posed> out(bodies);
+  PerBody<char> done(bodies, 0);
   for (const StepPair& pair : pairs)
-    for (const int body : {pair.a, pair.b})
+    for (const BodyId body : {pair.a, pair.b})
       if (!std::exchange(done[body], 1)) out[body] = pose_of(body);
   return out;
 }

@@ -32,8 +32,8 @@ void check_count(Now now, Wanted wanted, const char* what, const char* why) {
 }  // namespace
 
 void refuse_deforming(const Model& model, const char* who) {
-  for (std::size_t b = 0; b < model.bodies.size(); ++b)
-    require(!deforms(model.bodies[b]), std::string(who) + ": body " + std::to_string(b) + " (" +
+  for (const BodyId b : model.bodies.ids())
+    require(!deforms(model.bodies[b]), std::string(who) + ": body " + to_string(b) + " (" +
                                            model.bodies[b].name + ") deforms; only rigid bodies may");
 }
 
@@ -43,7 +43,7 @@ StepSetting step_setting(const Model& model, const StepOptions& options, NormalL
   int undilated = 0;
   bool dynamic_undilated = false;
   for (const RigidBody& body : model.bodies) {
-    if (body.shape < 0 || model.shapes[body.shape]->radius > 0) continue;
+    if (!body.shape || model.shapes[body.shape]->radius > 0) continue;
     ++undilated;
     dynamic_undilated = dynamic_undilated || is_dynamic(body);
   }
@@ -62,7 +62,7 @@ StepSetting step_setting(const Model& model, const StepOptions& options, NormalL
                   .pieces = pieces_of_shapes(model)};
   out.laws = contact_laws(model);
   for (const RigidBody& body : model.bodies)
-    out.shapes.push_back(body.shape < 0 ? nullptr : model.shapes[body.shape].get());
+    out.shapes.push_back(body.shape ? model.shapes[body.shape].get() : nullptr);
   if (out.options.advancement.min_h == 0) out.options.advancement.min_h = std::min(1e-7, 1e-4 * options.h);
   out.options.lmd.threads = options.threads;
   out.options.solver.for_all = [threads = options.threads](int n, const std::function<void(int)>& f) {
@@ -82,7 +82,7 @@ void check_fits(const StepSetting& setting, const State& state, double h_limit) 
   check_count(now.coordinates, then.coordinates, "model: number of blocks of coordinates", kMade);
   check_count(now.gaps, then.gaps, "model: number of gap functions", kMade);
   const int speeds = velocity_count(setting.model);
-  const int coordinates = speeds - first_velocity(int(now.bodies));
+  const int coordinates = speeds - first_velocity(setting.model.bodies.next());
   check_count(setting.dofs.rows - setting.dofs.coordinates, coordinates, "model: number of coordinates",
               kMade);
   constexpr const char* kModel = ", as the model wants it: see rest_state";
@@ -92,13 +92,13 @@ void check_fits(const StepSetting& setting, const State& state, double h_limit) 
   if (!state.turns.empty()) check_count(state.turns.size(), 3 * now.joints, "size of State::turns", kModel);
   if (state.r.size() > 0) check_count(state.r.size(), row_count(setting.model), "size of State::r", kModel);
   if (state.a.size() > 0) check_count(state.a.size(), 2 * speeds, "size of State::a", kModel);
-  for (std::size_t b = 0; b < state.g.size(); ++b) {
+  for (const BodyId b : state.g.ids()) {
     const RigidBody& body = setting.model.bodies[b];
     if (is_dynamic(body) != (setting.dofs.first[b] >= 0))
-      require(false, "model: motion of body " + std::to_string(b) + " (" + body.name + ") must stay" + kMade);
+      require(false, "model: motion of body " + to_string(b) + " (" + body.name + ") must stay" + kMade);
     const double square = state.g[b].R.squaredNorm();
     if (std::isfinite(square) && std::abs(square - 1) > 2e-6)
-      require_field(false, ("State::g, body " + std::to_string(b) + " (" + body.name + "): |R|").c_str(),
+      require_field(false, ("State::g, body " + to_string(b) + " (" + body.name + "): |R|").c_str(),
                     std::sqrt(square), "be 1 within 1e-6");
   }
 }
@@ -106,7 +106,7 @@ void check_fits(const StepSetting& setting, const State& state, double h_limit) 
 std::string joint_that_is_off(const StepSetting& setting, const State& state) {
   const JointOptions& o = setting.options.joints;
   if (state.h > 0 || !o.project) return "";
-  for (int j = 0; j < int(setting.model.joints.size()); ++j) {
+  for (const JointId j : setting.model.joints.ids()) {
     const JointError error = joint_error(setting.model, state, j);
     if (within(error, o) || !std::isfinite(error.translation + error.rotation)) continue;
     std::ostringstream text;
@@ -120,7 +120,7 @@ std::string joint_that_is_off(const StepSetting& setting, const State& state) {
 
 ContactSet contacts_within(const StepSetting& setting, const State& state, double threshold) {
   check_fits(setting, state);
-  const std::vector<double> reach(setting.model.bodies.size(), threshold / 2);
+  const PerBody<double> reach(setting.model.bodies.size(), threshold / 2);
   std::vector<StepPair> pairs =
       pairs_within(setting.model, state, setting.bounds, reach, setting.options.threads);
   for (StepPair& pair : pairs) pair.threshold = threshold;

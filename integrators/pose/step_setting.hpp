@@ -19,8 +19,8 @@ struct StepSetting {
   StepOptions options{};  // AdvancementOptions::min_h resolved
   NormalRule normal{};
   Layout dofs{};
-  std::vector<BodyBounds> bounds{};
-  std::vector<Pieces> pieces{};           // of every shape
+  PerBody<BodyBounds> bounds{};
+  Table<ShapeId, Pieces> pieces{};        // of every shape
   std::vector<const LmdShape*> shapes{};  // of every body; null: none
   std::vector<ContactLaw> laws{};         // contact_laws(model)
   std::shared_ptr<ContactScratch> scratch = std::make_shared<ContactScratch>();

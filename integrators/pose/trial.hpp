@@ -25,7 +25,7 @@ struct Move {
 struct Objection {
   Outcome outcome = Outcome::accepted;
   std::string reason{};
-  std::vector<std::pair<int, int>> meeting{};  // pairs of FoundContacts::apart that meet, sorted
+  std::vector<BodyPair> meeting{};  // pairs of FoundContacts::apart that meet, sorted
 };
 
 /// Figures that only some schemes have; reported as they are (StepReport).

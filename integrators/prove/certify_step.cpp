@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kFineHalvings = 16;  // a near miss by 1 um at 1600 m/s and 1 ms needs 14
 
-MovingShape moving_shape(const StepPath& path, int body) {
+MovingShape moving_shape(const StepPath& path, BodyId body) {
   MovingShape out{.shape = shape_of(path.model, body),
                   .g_bs = path.model.bodies[body].g_bs,
                   .motion = path.bodies[body].motion};
@@ -21,7 +21,7 @@ MovingShape moving_shape(const StepPath& path, int body) {
   return out;
 }
 
-const SE3& pose_of(const StepPath& path, int body) {
+const SE3& pose_of(const StepPath& path, BodyId body) {
   return path.bodies[body].motion.g;
 }
 
@@ -44,8 +44,8 @@ std::string broken_bound(const StepPath& path, const std::vector<StepPair>& pair
   return {};
 }
 
-std::string broken_reach(const StepPath& path, const std::vector<double>& reach) {
-  for (int b = 0; b < int(reach.size()); ++b) {
+std::string broken_reach(const StepPath& path, const PerBody<double>& reach) {
+  for (const BodyId b : reach.ids()) {
     const double moved = path.bodies[b].displacement;
     if (!shape_of(path.model, b) || moved <= reach[b]) continue;
     std::ostringstream text;
@@ -69,7 +69,7 @@ Vec3 likely_axis(const StepPath& path, const StepPair& pair, const ContactSet& c
   return deepest ? Vec3(-deepest->normal) : Vec3(pose_of(path, pair.b).p - pose_of(path, pair.a).p);
 }
 
-DilatedBox posed_box(const StepPath& path, const std::vector<BodyBounds>& bounds, int body) {
+DilatedBox posed_box(const StepPath& path, const PerBody<BodyBounds>& bounds, BodyId body) {
   const auto shape = path.deforming.find(body);
   return pose_of(path, body) * (shape == path.deforming.end() ? bounds[body] : shape->second.bounds).box;
 }
@@ -93,7 +93,7 @@ StepCertificate certify_pair(const StepPath& path, const StepPair& pair, double 
 
 // Of some pairs, up to the first that is not certified.
 StepCertificate certify_pairs(const StepPath& path, std::span<const StepPair> pairs,
-                              const std::vector<DilatedBox>& boxes, const ContactSet& contacts,
+                              const PerBody<DilatedBox>& boxes, const ContactSet& contacts,
                               const AdvancementOptions& o, int threads) {
   StepCertificate out;
   for (const StepPair& pair : pairs) {
@@ -114,8 +114,8 @@ StepCertificate certify_pairs(const StepPath& path, std::span<const StepPair> pa
 
 }  // namespace
 
-StepCertificate certify_apart(const StepPath& path, const StepPair& pair,
-                              const std::vector<BodyBounds>& bounds, int threads) {
+StepCertificate certify_apart(const StepPath& path, const StepPair& pair, const PerBody<BodyBounds>& bounds,
+                              int threads) {
   const double apart = separation(posed_box(path, bounds, pair.a), posed_box(path, bounds, pair.b));
   return certify_pair(path, pair, apart,
                       {.required = pair.dilation,
@@ -125,10 +125,10 @@ StepCertificate certify_apart(const StepPath& path, const StepPair& pair,
 }
 
 StepCertificate certify_step(const StepPath& path, const std::vector<StepPair>& pairs,
-                             const std::vector<BodyBounds>& bounds, const ContactSet& contacts,
+                             const PerBody<BodyBounds>& bounds, const ContactSet& contacts,
                              const AdvancementOptions& o, int threads) {
-  const std::vector<DilatedBox> boxes =
-      posed_once<DilatedBox>(bounds.size(), pairs, [&](int body) { return posed_box(path, bounds, body); });
+  const PerBody<DilatedBox> boxes = posed_once<DilatedBox>(
+      bounds.size(), pairs, [&](BodyId body) { return posed_box(path, bounds, body); });
   std::vector<StepCertificate> of_part(count_of_parts(pairs));
   for_each_part(pairs, threads, [&](int part, std::span<const StepPair> some, int threads_each) {
     of_part[part] = certify_pairs(path, some, boxes, contacts, o, threads_each);
@@ -143,14 +143,14 @@ StepCertificate certify_step(const StepPath& path, const std::vector<StepPair>& 
   return out;
 }
 
-std::vector<StepPair> driven_pairs(const StepPath& path, const std::vector<BodyBounds>& bounds, int threads) {
-  const std::vector<RigidBody>& bodies = path.model.bodies;
+std::vector<StepPair> driven_pairs(const StepPath& path, const PerBody<BodyBounds>& bounds, int threads) {
+  const Table<BodyId, RigidBody>& bodies = path.model.bodies;
   if (std::ranges::none_of(bodies, is_moved)) return {};
-  std::vector<int> body_of;
+  std::vector<BodyId> body_of;
   std::vector<DilatedBox> boxes;
-  for (int b = 0; b < int(bodies.size()); ++b) {
+  for (const BodyId b : bodies.ids()) {
     const RigidBody& body = bodies[b];
-    if (body.shape < 0 || yields(body)) continue;
+    if (!body.shape || yields(body)) continue;
     boxes.push_back(posed_box(path, bounds, b));
     boxes.back().radius += path.bodies[b].displacement;
     boxes.back().fixed = !is_moved(body);
@@ -158,7 +158,7 @@ std::vector<StepPair> driven_pairs(const StepPath& path, const std::vector<BodyB
   }
   std::vector<StepPair> out;
   for (const auto& [i, j] : broad_phase(boxes, threads)) {
-    const int a = body_of[i], b = body_of[j];
+    const BodyId a = body_of[i], b = body_of[j];
     const double dilation = shape_of(path.model, a)->radius + shape_of(path.model, b)->radius;
     if (dilation > 0 && !path.model.passing.contains({a, b}))
       out.push_back({.a = a, .b = b, .dilation = dilation});
@@ -168,20 +168,20 @@ std::vector<StepPair> driven_pairs(const StepPath& path, const std::vector<BodyB
 
 namespace {
 
-const Pieces& pieces_of(const Model& model, const std::vector<Pieces>& pieces, int body) {
+const Pieces& pieces_of(const Model& model, const Table<ShapeId, Pieces>& pieces, BodyId body) {
   return pieces[model.bodies[body].shape];
 }
 
 }  // namespace
 
-std::vector<std::pair<int, int>> driven_overlaps(const StepPath& path, const std::vector<BodyBounds>& bounds,
-                                                 const std::vector<Pieces>& pieces,
-                                                 const AdvancementOptions& o, int threads) {
-  const auto posed = [&](int body) {
+std::vector<BodyPair> driven_overlaps(const StepPath& path, const PerBody<BodyBounds>& bounds,
+                                      const Table<ShapeId, Pieces>& pieces, const AdvancementOptions& o,
+                                      int threads) {
+  const auto posed = [&](BodyId body) {
     const MovingShape shape = moving_shape(path, body);
     return PosedShape{shape.shape, shape.motion.g * shape.g_bs, body};
   };
-  std::vector<std::pair<int, int>> out;
+  std::vector<BodyPair> out;
   for (const StepPair& pair : driven_pairs(path, bounds, threads)) {
     const double required = required_distance(pair, o);
     const double apart = separation(posed_box(path, bounds, pair.a), posed_box(path, bounds, pair.b));
@@ -189,19 +189,19 @@ std::vector<std::pair<int, int>> driven_overlaps(const StepPath& path, const std
         certify_pair(path, pair, apart, {.required = required, .wanted = required, .threads = threads});
     if (!proof.failure.empty() || find_nesting(posed(pair.a), pieces_of(path.model, pieces, pair.a),
                                                posed(pair.b), pieces_of(path.model, pieces, pair.b)))
-      out.emplace_back(pair.a, pair.b);
+      out.push_back({pair.a, pair.b});
   }
   return out;
 }
 
 std::optional<Overlap> deepest_overlap(const Model& model, const State& state,
-                                       const std::vector<BodyBounds>& bounds,
-                                       const AdvancementOptions& options, int threads) {
+                                       const PerBody<BodyBounds>& bounds, const AdvancementOptions& options,
+                                       int threads) {
   const VecX rest = VecX::Zero(state.v.size());
   const StepPath still = step_path({model, state, rest, 0}, bounds);
   std::optional<Overlap> out;
   for (const StepPair& pair :
-       pairs_within(model, state, bounds, std::vector<double>(model.bodies.size(), 0), threads)) {
+       pairs_within(model, state, bounds, PerBody<double>(model.bodies.size(), 0), threads)) {
     const Overlap here{
         pair.a, pair.b,
         base_distance(moving_shape(still, pair.a), moving_shape(still, pair.b), pair.dilation, threads),
@@ -215,8 +215,8 @@ std::optional<Overlap> deepest_overlap(const Model& model, const State& state,
 
 namespace {
 
-std::string name_of(const Model& model, int body) {
-  return std::to_string(body) + " (" + model.bodies[body].name + ")";
+std::string name_of(const Model& model, BodyId body) {
+  return to_string(body) + " (" + model.bodies[body].name + ")";
 }
 
 std::string text_of(const Model& model, const Overlap& overlap) {
@@ -224,10 +224,9 @@ std::string text_of(const Model& model, const Overlap& overlap) {
   text << "bodies " << name_of(model, overlap.a) << " and " << name_of(model, overlap.b)
        << ": base distance = " << number_text(overlap.distance) << " must be at least "
        << number_text(overlap.required) << " [m]";
-  for (std::size_t j = 0; j < model.joints.size(); ++j)
+  for (const JointId j : model.joints.ids())
     if (const Joint& joint = model.joints[j];
-        joint.collide &&
-        std::pair<int, int>(std::minmax(joint.body_a, joint.body_b)) == std::pair(overlap.a, overlap.b)) {
+        joint.collide && in_order(joint.body_a, joint.body_b) == BodyPair{overlap.a, overlap.b}) {
       text << "; they touch each other because joint " << j << " (" << joint.name << ") has collide";
       break;
     }
@@ -237,7 +236,7 @@ std::string text_of(const Model& model, const Overlap& overlap) {
 }  // namespace
 
 std::string nested_pair(const Model& model, const State& state, const std::vector<StepPair>& pairs,
-                        const std::vector<Pieces>& pieces) {
+                        const Table<ShapeId, Pieces>& pieces) {
   for (const StepPair& pair : pairs)
     if (const auto nesting =
             find_nesting(posed_shape(model, state, pair.a), pieces_of(model, pieces, pair.a),
@@ -246,15 +245,16 @@ std::string nested_pair(const Model& model, const State& state, const std::vecto
   return {};
 }
 
-std::string nested_at(const Model& model, const State& state, const std::vector<BodyBounds>& bounds,
-                      const std::vector<Pieces>& pieces, int threads) {
+std::string nested_at(const Model& model, const State& state, const PerBody<BodyBounds>& bounds,
+                      const Table<ShapeId, Pieces>& pieces, int threads) {
   if (std::ranges::none_of(model.shapes, [](const auto& shape) { return shape->complex.solid; })) return {};
-  const std::vector<double> reach(model.bodies.size(), 0);
+  const PerBody<double> reach(model.bodies.size(), 0);
   return nested_pair(model, state, pairs_within(model, state, bounds, reach, threads), pieces);
 }
 
-std::string wrong_start(const Model& model, const State& state, const std::vector<BodyBounds>& bounds,
-                        const std::vector<Pieces>& pieces, const AdvancementOptions& options, int threads) {
+std::string wrong_start(const Model& model, const State& state, const PerBody<BodyBounds>& bounds,
+                        const Table<ShapeId, Pieces>& pieces, const AdvancementOptions& options,
+                        int threads) {
   const std::optional<Overlap> overlap = deepest_overlap(model, state, bounds, options, threads);
   return overlap ? text_of(model, *overlap) : nested_at(model, state, bounds, pieces, threads);
 }

@@ -8,14 +8,14 @@
 namespace aussois {
 namespace {
 
-bool all_finite(const std::vector<SE3>& poses) {
+bool all_finite(const PerBody<SE3>& poses) {
   return std::ranges::all_of(poses, [](const SE3& g) { return g.p.allFinite() && g.R.coeffs().allFinite(); });
 }
 
 // Those of `apart` whose dilated shapes are not proven to keep apart on the path (CA-16).
-std::vector<std::pair<int, int>> meeting_pairs(const StepSetting& setting, const StepPath& path,
-                                               const std::vector<StepPair>& apart, Judgement& judgement) {
-  std::vector<std::pair<int, int>> out;
+std::vector<BodyPair> meeting_pairs(const StepSetting& setting, const StepPath& path,
+                                    const std::vector<StepPair>& apart, Judgement& judgement) {
+  std::vector<BodyPair> out;
   for (const StepPair& pair : apart) {
     const StepCertificate proof = certify_apart(path, pair, setting.bounds, setting.options.threads);
     judgement.certificate_rounds += int(proof.rounds);
@@ -41,7 +41,7 @@ std::string without_room(const StepSetting& setting, const FoundContacts& found,
     if (!(gap < 0)) continue;
     const double speed = slip_velocity(row, setting.dofs, move.v_end).x();
     if (speed < 0 && gap + move.goes_on * speed < -o.max_overlap * dilation[i])
-      return "bodies " + std::to_string(c.a.body) + " and " + std::to_string(c.b.body) +
+      return "bodies " + to_string(c.a.body) + " and " + to_string(c.b.body) +
              ": the overlap that is allowed leaves no room to stop them";
   }
   return "";
@@ -81,7 +81,7 @@ Objection proven(const StepSetting& setting, const Trial& trial, const StepPath&
   const StepOptions& o = setting.options;
   const FoundContacts& found = trial.found;
   const double begin = step_clock();
-  std::vector<std::pair<int, int>> meeting = meeting_pairs(setting, path, found.apart, out);  // (CA-16)
+  std::vector<BodyPair> meeting = meeting_pairs(setting, path, found.apart, out);  // (CA-16)
   if (!meeting.empty())
     return {Outcome::meets, "bodies meet whose contacts were not asked", std::move(meeting)};
   const StepCertificate certificate =

@@ -15,7 +15,7 @@ struct Judgement {
   JointError joint_error{};
   int certificate_rounds = 0;
   double min_base_distance = kInf;  // a lower bound over the step [m]
-  std::vector<std::pair<int, int>> driven_overlaps{};
+  std::vector<BodyPair> driven_overlaps{};
   double seconds_certificate = 0;
 };
 

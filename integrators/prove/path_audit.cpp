@@ -26,15 +26,15 @@ std::vector<PathPiece> pieces_of(const State& start, const StepReport& report) {
 struct Audited {
   const Model& model;
   const StepReport& report;
-  std::vector<BodyBounds> bounds{};
-  std::vector<Pieces> pieces{};
+  PerBody<BodyBounds> bounds{};
+  Table<ShapeId, Pieces> pieces{};
   int threads = 1;
 };
 
 // What a certificate says of a pair: (CA-6), and the bound of the report. That speaks of the pairs that came
 // near and can be stopped; their others are proven to be farther apart than their dilations.
 double certified_distance(const Audited& step, const StepPair& pair, double max_overlap) {
-  const auto moves = [&](int body) { return yields(step.model.bodies[body]); };
+  const auto moves = [&](BodyId body) { return yields(step.model.bodies[body]); };
   const double required = required_distance(pair, {.max_overlap = max_overlap});
   if (!moves(pair.a) && !moves(pair.b)) return required;
   return std::max(required, std::min(step.report.min_base_distance, pair.dilation));
@@ -42,10 +42,10 @@ double certified_distance(const Audited& step, const StepPair& pair, double max_
 
 // Nothing is certified of what is told to overlap.
 bool is_told(const StepPair& pair, const StepReport& report) {
-  return std::ranges::binary_search(report.driven_overlaps, std::pair(pair.a, pair.b));
+  return std::ranges::binary_search(report.driven_overlaps, BodyPair{pair.a, pair.b});
 }
 
-double extent(const Audited& step, const State& there, int body) {
+double extent(const Audited& step, const State& there, BodyId body) {
   return pose(there, body).p.norm() + step.bounds[body].radius;
 }
 
@@ -56,7 +56,7 @@ MovingShape still(const PosedShape& posed) {
 
 // Pairs whose dilated shapes come nearer than the sum of their dilations.
 std::vector<StepPair> pairs_at(const Audited& step, const State& there) {
-  std::vector<double> dilation;
+  PerBody<double> dilation;
   for (const BodyBounds& body : step.bounds) dilation.push_back(body.box.radius);
   std::vector<StepPair> out = pairs_within(step.model, there, step.bounds, dilation, step.threads);
   const VecX rest = VecX::Zero(there.v.size());
@@ -112,7 +112,7 @@ bool is_covered(const Audited& step, const State& there) {
 // A pair that is certified where the path ends cannot pass through each other on a way to the state that is
 // shorter than their distance.
 bool leads_to(const Audited& step, const State& path_end, const State& end, double max_overlap) {
-  const auto moved = [&](int b) {
+  const auto moved = [&](BodyId b) {
     double stretch = 0;
     if (deforms(step.model.bodies[b])) {
       const std::vector<Vec3> from = deformed_vertices(step.model, path_end, b),
@@ -122,8 +122,8 @@ bool leads_to(const Audited& step, const State& path_end, const State& end, doub
     return stretch + (pose(end, b).p - pose(path_end, b).p).norm() +
            step.bounds[b].radius * angle_between(pose(end, b).R, pose(path_end, b).R);
   };
-  std::vector<double> reach;
-  for (int b = 0; b < int(step.bounds.size()); ++b) reach.push_back(moved(b));
+  PerBody<double> reach;
+  for (const BodyId b : step.bounds.ids()) reach.push_back(moved(b));
   return std::ranges::none_of(
       pairs_within(step.model, path_end, step.bounds, reach, step.threads), [&](const StepPair& pair) {
         return reach[pair.a] + reach[pair.b] >= certified_distance(step, pair, max_overlap);
@@ -134,7 +134,7 @@ bool leads_to(const Audited& step, const State& path_end, const State& end, doub
 
 void audit_path(const Model& model, const State& start, const State& end, const StepReport& report,
                 int threads, PathAudit& audit) {
-  const auto has_shape = [](const RigidBody& body) { return body.shape >= 0; };
+  const auto has_shape = [](const RigidBody& body) { return bool(body.shape); };
   if (audit.samples == 0 || std::ranges::count_if(model.bodies, has_shape) < 2) return;
   const Audited step{model, report, body_bounds(model), pieces_of_shapes(model), threads};
   Seen seen;
@@ -162,17 +162,17 @@ void audit_path(const Model& model, const State& start, const State& end, const 
   audit.violations += !seen.kept || seen.nested || !covered || !leads_to(step, there, end, audit.max_overlap);
 }
 
-std::vector<std::pair<int, int>> skipped_pairs(const Model& model) {
-  std::vector<std::pair<int, int>> out;
+std::vector<BodyPair> skipped_pairs(const Model& model) {
+  std::vector<BodyPair> out;
   for (const auto& [a, b] : model.passing)
-    if (model.bodies[a].shape >= 0 && model.bodies[b].shape >= 0) out.emplace_back(a, b);
+    if (model.bodies[a].shape && model.bodies[b].shape) out.push_back({a, b});
   return out;
 }
 
 double min_base_distance(const Model& model, const State& state, double cutoff, int threads) {
   double distance = cutoff;
   for (const StepPair& pair : pairs_within(model, state, body_bounds(model),
-                                           std::vector<double>(model.bodies.size(), cutoff / 2), threads)) {
+                                           PerBody<double>(model.bodies.size(), cutoff / 2), threads)) {
     const PosedShape a = posed_shape(model, state, pair.a), b = posed_shape(model, state, pair.b);
     distance = base_distance(still(a), still(b), distance, threads);
   }

@@ -36,7 +36,7 @@ void audit_path(const Model& model, const State& start, const State& end, const 
 
 /// Pairs of Model::passing in which both bodies have shapes: neither certificate nor audit looks at them.
 /// Sorted.
-std::vector<std::pair<int, int>> skipped_pairs(const Model& model);
+std::vector<BodyPair> skipped_pairs(const Model& model);
 
 /// Smallest distance of the base complexes of bodies that can touch [m], or `cutoff` if that is smaller.
 double min_base_distance(const Model& model, const State& state, double cutoff, int threads);

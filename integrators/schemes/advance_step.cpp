@@ -64,7 +64,7 @@ bool Search::goes_on(const Judgement& judgement) {
       if (++enlarged % 4 == 0) halve();
       return true;
     case Outcome::meets: {
-      std::vector<std::pair<int, int>> all;
+      std::vector<BodyPair> all;
       std::ranges::set_union(estimate.meeting, judgement.objection.meeting, std::back_inserter(all));
       estimate.meeting = std::move(all);
       return true;

@@ -53,7 +53,7 @@ double normal_velocity(const ContactRow& row, const Layout& dofs, const VecX& v)
 double normal_changes(const ContactRow& row, const Layout& dofs, const VecX& dv) {
   double sum = 0;
   for (const auto& [body, J] : {std::pair(row.body_a, &row.J_a), std::pair(row.body_b, &row.J_b)})
-    if (const int first = body < 0 ? -1 : dofs.first[body]; first >= 0)
+    if (const int first = body ? dofs.first[body] : -1; first >= 0)
       sum += std::abs(J->row(0).dot(dv.segment<6>(first)));
   for (const Triplet& e : row.others)
     if (e.row() == 0) sum += std::abs(e.value() * dv[e.col()]);

@@ -92,7 +92,7 @@ std::vector<double> normal_impulses(const FoundContacts& found) {
 double closing_by_turning(const StepSetting& setting, const State& start, const VecX& v_prescribed,
                           const ContactRow& row, double slip, double h) {
   double out = 0;
-  for (const int body : {row.body_a, row.body_b}) {
+  for (const BodyId body : {row.body_a, row.body_b}) {
     const bool free = is_dynamic(setting.model.bodies[body]);
     const double spin = angular_part(free ? start.v : v_prescribed, body).norm();
     out += h * spin * (spin * setting.bounds[body].radius + slip);

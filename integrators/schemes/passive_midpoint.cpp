@@ -20,7 +20,7 @@ constexpr double kExact = 1e-16;   // of the gyroscopic torque: its error is qua
 FreeMotion with_gyroscopic(const Model& model, const Layout& dofs, double h, GyroscopicTerm term,
                            const VecX& v_guess, FreeMotion free) {
   std::vector<Triplet> entries;
-  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+  for (const BodyId b : model.bodies.ids()) {
     const int row = dofs.first[b];
     if (row < 0) continue;
     const Mat3& J = model.bodies[b].inertia;

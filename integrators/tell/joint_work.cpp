@@ -10,7 +10,7 @@ void for_each_row(const std::vector<JointColumn>& columns, const VecX& lambda, c
   for (std::size_t k = 0; k < columns.size(); ++k) {
     const JointColumn& c = columns[k];
     f(c, c.joint, c.row, lambda[Eigen::Index(k)]);
-    if (c.other >= 0) f(c, c.other, c.of_other, lambda[Eigen::Index(k)]);
+    if (c.other) f(c, c.other, c.of_other, lambda[Eigen::Index(k)]);
   }
 }
 
@@ -18,15 +18,15 @@ void for_each_row(const std::vector<JointColumn>& columns, const VecX& lambda, c
 
 // A row of impulse p at a joint: its wrench on A, moved to the joint's frame (MJT-12).
 void add_forces(const Model& model, const std::vector<JointColumn>& columns, const VecX& lambda,
-                const std::vector<SE3>& g, double time, std::vector<StepJoint>& joints) {
-  for_each_row(columns, lambda, [&](const JointColumn& column, int j, const JointRow& row, double p) {
+                const PerBody<SE3>& g, double time, Table<JointId, StepJoint>& joints) {
+  for_each_row(columns, lambda, [&](const JointColumn& column, JointId j, const JointRow& row, double p) {
     StepJoint& out = joints[j];
     if (column.kind == ColumnKind::motor) {
       out.effort[column.axis] += p / time;
       return;
     }
     const Joint& joint = model.joints[j];
-    const SE3 body = joint.body_a < 0 ? SE3{} : g[joint.body_a];
+    const SE3 body = joint.body_a ? g[joint.body_a] : SE3{};
     const Vec3 force = p / time * row.J_a.head<3>(), arm = frame_on_a(joint, g).p - body.p;
     out.force += force;
     out.torque += body.R * Vec3(p / time * row.J_a.tail<3>()) - arm.cross(force);
@@ -50,14 +50,14 @@ void add_row_work(const Joint& joint, const JointRow& row, double p, const Worke
 
 }  // namespace
 
-void add_effort(int slot, double p, double time, std::vector<StepJoint>& joints) {
-  Vec3& effort = joints[slot / kRowsOfAJoint].effort;
+void add_effort(int slot, double p, double time, Table<JointId, StepJoint>& joints) {
+  Vec3& effort = joints[JointId::at(slot / kRowsOfAJoint)].effort;
   effort[slot % kRowsOfAJoint / kRowsOfAnAxis] += (kind_of(slot) == upper_stop ? -p : p) / time;
 }
 
 void add_work(const Model& model, const std::vector<JointColumn>& columns, const VecX& lambda,
-              const WorkedOn& on, std::vector<StepJoint>& joints) {
-  for_each_row(columns, lambda, [&](const JointColumn& column, int j, const JointRow& row, double p) {
+              const WorkedOn& on, Table<JointId, StepJoint>& joints) {
+  for_each_row(columns, lambda, [&](const JointColumn& column, JointId j, const JointRow& row, double p) {
     JointWork& work = joints[j].work;
     double& part = column.kind == ColumnKind::locked  ? work.locked
                    : column.kind == ColumnKind::motor ? work.motors
@@ -66,15 +66,15 @@ void add_work(const Model& model, const std::vector<JointColumn>& columns, const
   });
 }
 
-void add_work(int slot, double p, double u, double moved, std::vector<StepJoint>& joints) {
-  JointWork& work = joints[slot / kRowsOfAJoint].work;
+void add_work(int slot, double p, double u, double moved, Table<JointId, StepJoint>& joints) {
+  JointWork& work = joints[JointId::at(slot / kRowsOfAJoint)].work;
   const AxisSlot kind = kind_of(slot);
   (kind == of_motor ? work.motors : kind == of_friction ? work.friction : work.stops) += p * u;
   work.supports -= p * moved;
 }
 
 void add_work(const Model& model, const std::vector<AxisImpulse>& axes, const VecX& change,
-              const WorkedOn& on, std::vector<StepJoint>& joints) {
+              const WorkedOn& on, Table<JointId, StepJoint>& joints) {
   for (const AxisImpulse& axis : axes) {
     const Joint& joint = model.joints[axis.joint];
     JointWork& work = joints[axis.joint].work;

@@ -15,15 +15,15 @@ struct WorkedOn {
 /// Adds to the reports of the joints what impulses do over `time` [s]: `lambda` along columns, at the poses
 /// `g`; `p` along the row that begins at entry `slot` of State::r.
 void add_forces(const Model& model, const std::vector<JointColumn>& columns, const VecX& lambda,
-                const std::vector<SE3>& g, double time, std::vector<StepJoint>& joints);
-void add_effort(int slot, double p, double time, std::vector<StepJoint>& joints);
+                const PerBody<SE3>& g, double time, Table<JointId, StepJoint>& joints);
+void add_effort(int slot, double p, double time, Table<JointId, StepJoint>& joints);
 /// Adds their work (MJT-16); that of a row is on its speed `u`, of which `moved` is the part of moved bodies.
 void add_work(const Model& model, const std::vector<JointColumn>& columns, const VecX& lambda,
-              const WorkedOn& on, std::vector<StepJoint>& joints);
-void add_work(int slot, double p, double u, double moved, std::vector<StepJoint>& joints);
+              const WorkedOn& on, Table<JointId, StepJoint>& joints);
+void add_work(int slot, double p, double u, double moved, Table<JointId, StepJoint>& joints);
 /// Adds the work of springs, dampers and effort motors; the velocity at the end differs by `change` from that
 /// at the start.
 void add_work(const Model& model, const std::vector<AxisImpulse>& axes, const VecX& change,
-              const WorkedOn& on, std::vector<StepJoint>& joints);
+              const WorkedOn& on, Table<JointId, StepJoint>& joints);
 
 }  // namespace aussois

@@ -16,7 +16,7 @@ double change_of_mass(const Model& model, const State& state, const State& next,
                       const Layout& dofs, const VecX& v) {
   if (model.coordinates.empty()) return 0;
   double work = 0;
-  for (int i = 0; i < int(model.coordinates.size()); ++i) {
+  for (const BlockId i : model.coordinates.ids()) {
     const VecX before = speeds(model, state, i), after = speeds(model, next, i);
     work += 0.5 * after.dot(block_mass(model, i, coordinates(model, next, i)) * after) -
             0.5 * before.dot(block_mass(model, i, coordinates(model, state, i)) * before);
@@ -113,9 +113,9 @@ void tell_work(const StepSetting& setting, const ImpulseStep& step, const VecX& 
       add_work(setting, contact_law(setting.model, row.body_a, row.body_b), work, report);
     }
     for (StepGap& gap : report.gaps)
-      if (first_gap + 3 * gap.index == row.slot) {
+      if (first_gap + 3 * gap.id.index() == row.slot) {
         gap.work = work;
-        add_work(setting, setting.model.gaps[gap.index].law, work, report);
+        add_work(setting, setting.model.gaps[gap.id].law, work, report);
       }
     sum += work;
   }
@@ -130,7 +130,7 @@ void tell_work(const StepSetting& setting, const ImpulseStep& step, const VecX& 
 Momentum momentum_given(const StepSetting& setting, const State& state, const VecX& impulse) {
   Momentum out;
   if (impulse.size() == 0) return out;
-  for (std::size_t b = 0; b < state.g.size(); ++b) {
+  for (const BodyId b : state.g.ids()) {
     const int at = setting.dofs.first[b];
     if (at < 0) continue;
     const Vec3 p = impulse.segment<3>(at);
@@ -169,16 +169,16 @@ void tell_ledgers(const StepSetting& setting, const State& state, const State& n
   tell_work(setting, step, balance.r, v_end, report);
 }
 
-std::vector<StepJoint> step_joints(const StepSetting& setting, const ImpulseStep& step, const Move& move,
-                                   double h, const VecX& r, const VecX& lambda, const ProjectedState& held,
-                                   const State& next) {
+Table<JointId, StepJoint> step_joints(const StepSetting& setting, const ImpulseStep& step, const Move& move,
+                                      double h, const VecX& r, const VecX& lambda, const ProjectedState& held,
+                                      const State& next) {
   const Model& model = setting.model;
   const Layout& dofs = setting.dofs;
   const VecX &v = step.free->v, &v_solved = step.solved.solution.v, &moved = step.v_prescribed;
   const VecX middle = (v + free_velocities(dofs, next.v)) / 2;
   const WorkedOn mean{all_velocities(dofs, middle, moved), moved};
   const double time = move.lasts * h;
-  std::vector<StepJoint> out(model.joints.size());
+  Table<JointId, StepJoint> out(model.joints.size());
   if (step.impact) {
     add_forces(model, step.impact->columns, step.impact->lambda, step.impact->middle, h, out);
     add_work(model, step.impact->columns, step.impact->lambda,

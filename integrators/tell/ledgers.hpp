@@ -30,8 +30,8 @@ void tell_ledgers(const StepSetting& setting, const State& state, const State& n
 
 /// What acted at the joints (MJT-12), (MJT-16) in a step of length `h`. `r` are the impulses of the problem's
 /// blocks, `lambda` those of the columns [N s, N m s]; `held` is the projection that led to the end `next`.
-std::vector<StepJoint> step_joints(const StepSetting& setting, const ImpulseStep& step, const Move& move,
-                                   double h, const VecX& r, const VecX& lambda, const ProjectedState& held,
-                                   const State& next);
+Table<JointId, StepJoint> step_joints(const StepSetting& setting, const ImpulseStep& step, const Move& move,
+                                      double h, const VecX& r, const VecX& lambda, const ProjectedState& held,
+                                      const State& next);
 
 }  // namespace aussois

@@ -133,9 +133,9 @@ ContactMemory memory_after(const StepSetting& setting, const FoundContacts& foun
 std::vector<StepGap> step_gaps(const Model& model, const ImpulseStep& step, std::size_t contacts,
                                const VecX& r) {
   std::vector<StepGap> out;
-  for (int i = 0; i < int(step.gap.size()); ++i)
-    if (const ContactRow& row = step.rows[contacts + std::size_t(i)]; row.active)
-      out.push_back({i, step.gap[i], r.segment<3>(first_gap_row(model) + 3 * i)});
+  for (const GapId i : model.gaps.ids())
+    if (const ContactRow& row = step.rows[contacts + i.index()]; row.active)
+      out.push_back({i, step.gap[i], r.segment<3>(first_gap_row(model) + 3 * i.index())});
   return out;
 }
 
@@ -146,7 +146,7 @@ void add_impact(const ImpactJump& impact, const ImpulseStep& step, std::size_t c
     report.contacts[k].impulse += step.rows[i].frame * impact.r[i].head<3>();
     if (step.rows[i].law.rows > 3) report.contacts[k].drilling += impact.r[i][3];
   }
-  for (StepGap& gap : report.gaps) gap.impulse += impact.r[contacts + std::size_t(gap.index)].head<3>();
+  for (StepGap& gap : report.gaps) gap.impulse += impact.r[contacts + gap.id.index()].head<3>();
 }
 
 Impulses impulses_of(const StepSetting& setting, const ImpulseStep& step) {

@@ -187,6 +187,14 @@ def velocity_places(root):
             for place, _ in sixes]
 
 
+def strong_ids(root):
+    """In the headers of the rooms that know bodies, a body, shape, joint, block or gap is named by its id, not by an int."""
+    headers = [path for path in sources(root, ".hpp")
+               if path.relative_to(root).parts[0] in ("lmd", "reduction", "mechanics", "integrators")]
+    bare = lines(root, headers, r"\bint (?:body|shape|joint|block|gap)(?:_\w+)?\b(?! *\()")
+    return [f"{place}: say BodyId, ShapeId, JointId, BlockId or GapId" for place, _ in bare]
+
+
 def equations(root):
     r"""Every equation cited in code, such as (MJ-4), stands in the manual as \tag{MJ-4}, and stands there once."""
     bad, home = [], {}
@@ -317,7 +325,7 @@ def viewer_is_built(root):
 
 
 RULES = {rule.__name__: rule for rule in (includes, halls, short_functions, few_public_headers, own_header_first, public_headers,
-                                          listed, one_definition, velocity_places, equations, licence, links, pages, references,
+                                          listed, one_definition, velocity_places, strong_ids, equations, licence, links, pages, references,
                                           tests, short_sentences, tutorials, viewer_is_built)}
 
 

@@ -109,6 +109,13 @@ class House(unittest.TestCase):
             tree["examples/b.cpp"] = text
             self.assertEqual(len(self.offences(house.velocity_places, tree)), 1, text)
 
+    def test_ids_are_no_ints(self):
+        tree = {"mechanics/a.hpp": "BodyId body{};\nint gap_columns(int bodies);\n", "nsgs/a.hpp": "int body = 0;\n"}
+        self.assertEqual(self.offences(house.strong_ids, tree), [])
+        for text in ("int body = -1;", "void f(int shape);", "int joint_1 = 0, axis = 0;"):
+            tree["reduction/b.hpp"] = text
+            self.assertEqual(len(self.offences(house.strong_ids, tree)), 1, text)
+
     def test_cited_equations_stand_once_in_the_manual(self):
         tree = {"doc/theory/nsgs.md": "$$ a = b \\tag{NSGS-1} $$\n", "nsgs/a.hpp": "// (NSGS-1), in UTF-8 (UTF-8)\n"}
         self.assertEqual(self.offences(house.equations, tree), [])

@@ -24,7 +24,7 @@ TEST_P(RecordedPath, HasTheContactsOfTheExhaustiveSearch) {
           ? read_assembly_files(kOwn / "socket.obj", kOwn / "peg.obj", kOwn / "peg_out.csv", 1e-3)
           : read_assembly_pair(data, pair, 1e-3);
   const AssemblyScene scene = make_assembly_scene(input, {}, 2);
-  const auto posed = [&](int body, const SE3& g_wb) {
+  const auto posed = [&](BodyId body, const SE3& g_wb) {
     const RigidBody& b = scene.model.bodies[body];
     return PosedShape{scene.model.shapes[b.shape].get(), g_wb * b.g_bs, body};
   };

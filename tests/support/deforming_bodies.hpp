@@ -21,8 +21,8 @@ struct PulsatingBall {
 
 /// A ball that swells by 1 + q: six degrees of freedom of the body, the seventh is the last block of
 /// coordinates. Returns the body.
-inline int add_pulsating_ball(Model& model, const PulsatingBall& ball, const std::string& name = "ball") {
-  const int block =
+inline BodyId add_pulsating_ball(Model& model, const PulsatingBall& ball, const std::string& name = "ball") {
+  const auto block =
       add(model,
           Coordinates{.name = "swelling of " + name,
                       .size = 1,
@@ -53,13 +53,13 @@ inline int add_pulsating_ball(Model& model, const PulsatingBall& ball, const std
 
 /// A square cloth in the plane z = 0 of n x n points with mass, each with a stiff spring to its place: three
 /// coordinates a point, on a body that stays where it is. Returns the body.
-inline int add_cloth(Model& model, double side, int n, double mass, double stiffness, double dilation) {
+inline BodyId add_cloth(Model& model, double side, int n, double mass, double stiffness, double dilation) {
   const SimplicialComplex sheet = make_plate(side, side, n - 1, n - 1);
   const auto points = Eigen::Index(sheet.vertices.size());
   VecX rest(3 * points);
   for (Eigen::Index i = 0; i < points; ++i) rest.segment<3>(3 * i) = sheet.vertices[i];
   const double of_point = mass / double(points);
-  const int block = add(
+  const auto block = add(
       model, Coordinates{
                  .name = "points of the cloth",
                  .size = int(rest.size()),

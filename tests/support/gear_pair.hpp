@@ -16,8 +16,8 @@ struct GearPair {
       add(model, RigidBody{.name = "wheel", .mass = 1, .inertia = J * Mat3::Identity()});
     state = rest_state(model);
     state.g[1].p.x() = 1;
-    add(model, joint_at(JointKind::revolute, "first", 0, -1, state.g, kAboutY));
-    add(model, joint_at(JointKind::revolute, "second", 1, -1, state.g, translation(1, 0, 0) * kAboutY));
+    add(model, joint_at(JointKind::revolute, "first", 0, kWorld, state.g, kAboutY));
+    add(model, joint_at(JointKind::revolute, "second", 1, kWorld, state.g, translation(1, 0, 0) * kAboutY));
     add(model, Coupling{.name = "gears", .joint_1 = 0, .joint_2 = 1, .ratio = -2.5});
     model.joints[0].axis[0].motor = {.kind = MotorKind::effort, .target = [](double) { return 7; }};
   }

@@ -17,7 +17,7 @@ struct OneAxis {
     add(model, RigidBody{.name = "part", .mass = mass, .inertia = 0.5 * Mat3::Identity()});
     state = rest_state(model);
     const SE3 frame = kind == JointKind::prismatic ? rotation(Vec3::UnitY(), kPi / 2) : kAboutY;
-    add(model, joint_at(kind, "axis", 0, -1, state.g, frame));
+    add(model, joint_at(kind, "axis", 0, kWorld, state.g, frame));
   }
   JointAxis& axis() { return model.joints[0].axis[0]; }
   double q() const { return joint_coordinate(model, state, 0); }

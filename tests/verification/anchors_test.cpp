@@ -58,7 +58,7 @@ TEST(Anchors, T_4_1_T_4_2_KeepABlockInPlaceAndFeedNoEnergy) {
 Scene prism_on_plate(double mu, double slope) {
   Scene s = block_on_plate(mu, 0, slope);
   const SimplicialComplex prism = make_cylinder(kSide / 2, kSide / 2, 8);
-  const int shape = add(s.model, prepare(dilate(prism, kRadius)));
+  const ShapeId shape = add(s.model, prepare(dilate(prism, kRadius)));
   s.model.bodies[s.block] = solid_body("prism", shape, mass_properties(prism, kDensity));
   pose(s.state, s.block).p.z() = kSide / 4 + 2 * kRadius;
   return s;
@@ -103,7 +103,7 @@ double slip_on_a_turntable(Scene s, const Steps& steps_of) {
     path.t.push_back(0.05 * i);
     path.pose.push_back(rotation(Vec3::UnitZ(), 0.05 * i));
   }
-  const int shape = s.model.bodies[s.ground].shape;
+  const ShapeId shape = s.model.bodies[s.ground].shape;
   s.model.bodies[s.ground] = prescribed_body("table", shape, path);
   pose(s.state, s.block).p.x() = 0.2;
   twist(s.state, s.block) << 0, 0.2, 0, 0, 0, 1;

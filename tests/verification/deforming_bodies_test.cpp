@@ -23,7 +23,7 @@ namespace {
 
 constexpr double kPlate = 1e-3;  // dilation of plates [m]
 
-int add_plate(Model& model, const std::string& name) {
+BodyId add_plate(Model& model, const std::string& name) {
   RigidBody plate = fixed_body(name, add(model, prepare(dilate(make_box(1, 1, 0.02), kPlate))));
   return add(model, plate);
 }
@@ -31,7 +31,7 @@ int add_plate(Model& model, const std::string& name) {
 struct Fall {
   Model model{};
   State state{};
-  int plate = 0, ball = 0;
+  BodyId plate{}, ball{};
 };
 
 // A pulsating ball above a plate whose upper side is z = 0, by a gap, turned at random.
@@ -109,7 +109,7 @@ TEST(Deforming, ContactsGiveToPointsWhatTheyTakeFromTheBall) {
   model.contact_law.mu = 0.5;
   add_cloth(model, 0.2, 5, 0.5, 0, 2e-3);
   PulsatingBall ball{.radius = 0.03, .dilation = 2e-3, .swelling_mass = 1e-4, .stiffness = 20};
-  const int hit = add_pulsating_ball(model, ball);
+  const BodyId hit = add_pulsating_ball(model, ball);
   State state = rest_state(model);
   pose(state, hit).p = {0.01, 0.02, 0.035};
   twist(state, hit) << 0.3, 0.1, -1, 3, 2, 1;
@@ -137,10 +137,10 @@ TEST(Deforming, ContactsGiveToPointsWhatTheyTakeFromTheBall) {
 TEST(Deforming, NothingIsSweptThroughBySwelling) {
   Fall f = fall({.swelling_mass = 1e-3, .stiffness = 400, .subdivisions = 1}, 0.02, 0);
   f.model.gravity.setZero();
-  const int lid = add_plate(f.model, "lid");
+  const BodyId lid = add_plate(f.model, "lid");
   const State low = f.state;
   f.state = rest_state(f.model);
-  for (const int body : {f.plate, f.ball}) pose(f.state, body) = pose(low, body);
+  for (const BodyId body : {f.plate, f.ball}) pose(f.state, body) = pose(low, body);
   pose(f.state, lid).p.z() = 2 * 0.1 + 0.04 + 0.01 + 3 * kPlate;
   f.state.v[first_speed(f.model, 0)] = 600;
   const MoreauJean scheme(f.model, {.h = 2e-3}, {.theta = 1});
@@ -190,8 +190,8 @@ TEST(Deforming, IsRecordedAndDrawn) {
   writer.close();
   const RunData run = read_run(folder / "run.h5");
   const std::vector<Vec3>& rest = run.header.meshes.at("ball").vertices;
-  EXPECT_EQ(run.header.bodies[f.ball].moving_vertices, int(rest.size()));
-  EXPECT_EQ(run.header.bodies[f.plate].moving_vertices, 0);
+  EXPECT_EQ(run.header.bodies[f.ball.index()].moving_vertices, int(rest.size()));
+  EXPECT_EQ(run.header.bodies[f.plate.index()].moving_vertices, 0);
   for (std::size_t k = 0; k < run.steps.size(); ++k)
     for (std::size_t i = 0; i < rest.size(); ++i)
       EXPECT_LT((run.steps[k].vertices[i] - (1 + q[k]) * rest[i]).norm(), 1e-15);

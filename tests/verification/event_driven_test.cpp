@@ -27,7 +27,7 @@ CaseScene slide(bool falls) {
   s.model.gravity = Vec3(0, 0, falls ? -9.81 : 0);
   s.body = add(s.model, RigidBody{.name = "slider", .mass = 1, .inertia = 1e-2 * Mat3::Identity()});
   s.state = rest_state(s.model);
-  add(s.model, joint_at(JointKind::prismatic, "slide", s.body, -1, s.state.g, SE3{}));
+  add(s.model, joint_at(JointKind::prismatic, "slide", s.body, kWorld, s.state.g, SE3{}));
   return s;
 }
 

@@ -130,11 +130,12 @@ TEST(Stack, CarriesTheWeightAboveEachContact) {
     pose(s.state, s.block + i).p.z() = kSide / 2 + 2 * kRadius + i * (kSide + 2 * kRadius);
   const StepReport report =
       run(MoreauJean(s.model, {.h = 5e-3, .solver = {.tolerance = 1e-12}}, {.theta = 1}), s.state, 0.1);
-  std::vector<double> carried(3, 0);
+  PerBody<double> carried(3, 0);
   for (const StepContact& c : report.contacts)
     carried[std::min(c.point.a.body, c.point.b.body)] += std::abs(c.impulse.z()) / report.h;
   const double weight = kDensity * std::pow(kSide, 3) * kGravity;
-  for (int i = 0; i < 3; ++i) EXPECT_NEAR(carried[i], (3 - i) * weight, 1e-6 * weight) << "below block " << i;
+  for (int i = 0; i < 3; ++i)
+    EXPECT_NEAR(carried[BodyId::at(i)], (3 - i) * weight, 1e-6 * weight) << "below block " << i;
 }
 
 }  // namespace

@@ -167,7 +167,7 @@ TEST(NoTunnelling, SlidingAHundredDilationsAlongAWashboardIsCertifiedOnlyAboveTh
 }
 
 // The whole scheme, with steps as long as it likes: each accepted step is replayed.
-void replay_steps(Model& model, State state, int fixed, int moving, double h, double t_end) {
+void replay_steps(Model& model, State state, BodyId fixed, BodyId moving, double h, double t_end) {
   const MoreauJean scheme(model, {.h = h}, {.theta = 1});
   const SimplicialComplex &a = model.shapes[model.bodies[fixed].shape]->complex,
                           &b = model.shapes[model.bodies[moving].shape]->complex;
@@ -190,15 +190,15 @@ void replay_steps(Model& model, State state, int fixed, int moving, double h, do
   EXPECT_LT(closest, dilations);  // they did touch
 }
 
-RigidBody centred(const std::string& name, int shape, const SimplicialComplex& complex) {
+RigidBody centred(const std::string& name, ShapeId shape, const SimplicialComplex& complex) {
   return solid_body(name, shape, mass_properties(complex, 7800));
 }
 
 TEST(NoTunnelling, TheSchemeStopsABulletInFrontOfPaper) {
   Model model;
   const SimplicialComplex ball = make_sphere(5e-3, 1);
-  const int paper = add(model, fixed_body("paper", add(model, prepare(dilate(make_plate(0.2, 0.2), kEps)))));
-  const int bullet = add(model, centred("bullet", add(model, prepare(dilate(ball, kEps))), ball));
+  const auto paper = add(model, fixed_body("paper", add(model, prepare(dilate(make_plate(0.2, 0.2), kEps)))));
+  const auto bullet = add(model, centred("bullet", add(model, prepare(dilate(ball, kEps))), ball));
   State state = rest_state(model);
   pose(state, bullet).p = {0.013, 0.021, 0.5};
   twist(state, bullet)[2] = -1000;
@@ -210,8 +210,8 @@ TEST(NoTunnelling, TheSchemeKeepsASliderOnAWashboardAtAHundredDilationsPerStep) 
   model.contact_law = {.mu = 0.1};
   model.gravity = {0, 0, -2000};  // pressed down, or the first ridge throws it off
   const SimplicialComplex box = make_box(40 * kEps, 0.01, 0.004);
-  const int board = add(model, fixed_body("board", add(model, prepare(dilate(washboard(80), kEps)))));
-  const int slider = add(model, centred("slider", add(model, prepare(dilate(box, kEps))), box));
+  const auto board = add(model, fixed_body("board", add(model, prepare(dilate(washboard(80), kEps)))));
+  const auto slider = add(model, centred("slider", add(model, prepare(dilate(box, kEps))), box));
   State state = rest_state(model);
   pose(state, slider).p = {4 * kWave, 0, 0.002 + 4 * kEps};
   twist(state, slider)[0] = 10;  // 100 eps per millisecond

@@ -55,7 +55,7 @@ TEST(PeerScenes, TheJudgeSeesWhatIsWrong) {
   now = sample(kernel_scene(bouncing).state);
   of_bouncing.see(now);
   for (const double t : {2.5986, 2.5987}) {
-    for (std::size_t b = 1; b < now.g.size(); ++b) now.g[b].p.z() = 0.1;
+    for (std::size_t b = 1; b < now.g.size(); ++b) now.g[BodyId::at(b)].p.z() = 0.1;
     now.t = t;
     of_bouncing.see(now);
     EXPECT_NEAR(of_bouncing.worst(), 0.64, 1e-12);

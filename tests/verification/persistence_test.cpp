@@ -17,15 +17,15 @@ Scene stack_of_ten() {
   Scene s;
   s.model.contact_law = {.mu = 0.5, .restitution = 0};
   const SimplicialComplex box = make_box(0.07, 0.07, 0.05);
-  const int plate = add(s.model, prepare(dilate(make_plate(1, 1), kRadius)));
-  const int shape = add(s.model, prepare(dilate(box, kRadius)));
+  const auto plate = add(s.model, prepare(dilate(make_plate(1, 1), kRadius)));
+  const ShapeId shape = add(s.model, prepare(dilate(box, kRadius)));
   s.ground = add(s.model, fixed_body("ground", plate));
   for (int i = 0; i < 10; ++i)
     s.block = add(s.model, solid_body("box " + std::to_string(i), shape, mass_properties(box, kDensity)));
   s.state = rest_state(s.model);
   for (int i = 0; i < 10; ++i)
-    pose(s.state, i + 1) = translation(0, 0, 0.025 + 0.05 * i + 2 * kRadius * (i + 1)) *
-                           rotation(Vec3::UnitZ(), i % 2 ? kPi / 4 : 0.0);
+    pose(s.state, BodyId::at(i + 1)) = translation(0, 0, 0.025 + 0.05 * i + 2 * kRadius * (i + 1)) *
+                                       rotation(Vec3::UnitZ(), i % 2 ? kPi / 4 : 0.0);
   return s;
 }
 

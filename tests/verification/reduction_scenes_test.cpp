@@ -113,7 +113,7 @@ TEST(ReducedCylinder, T_3_7_FallsAtATiltThatItsMarginPromises) {
 
 struct Upright {
   Model model{};
-  int body = -1;
+  BodyId body{};
   State state{};
   double mass = 0, inertia = 0;  // about the axis
 };
@@ -123,8 +123,8 @@ Upright upright_cylinder(int facets, double radius, double height, double mu, do
   s.model.contact_law = {.mu = mu};
   const SimplicialComplex cylinder = make_cylinder(radius, height, facets);
   const MassProperties mass = mass_properties(cylinder, 1000);
-  const int plate = add(s.model, prepare(dilate(make_plate(6, 6), kRadius)));
-  const int shape = add(s.model, prepare(dilate(cylinder, kRadius)));
+  const auto plate = add(s.model, prepare(dilate(make_plate(6, 6), kRadius)));
+  const ShapeId shape = add(s.model, prepare(dilate(cylinder, kRadius)));
   add(s.model, fixed_body("ground", plate));
   s.body = add(s.model, solid_body("cylinder", shape, mass));
   s.state = rest_state(s.model);
@@ -261,8 +261,8 @@ Columns columns() {
   s.model.gravity = 9.81 * Vec3(0.02, 0.01, -1);
   s.model.contact_law = {.mu = 0.3};
   const SimplicialComplex cylinder = make_cylinder(0.05, 0.06, 32);
-  const int plate = add(s.model, prepare(dilate(make_plate(6, 6), kRadius)));
-  const int shape = add(s.model, prepare(dilate(cylinder, kRadius)));
+  const auto plate = add(s.model, prepare(dilate(make_plate(6, 6), kRadius)));
+  const ShapeId shape = add(s.model, prepare(dilate(cylinder, kRadius)));
   add(s.model, fixed_body("ground", plate));
   for (int i = 0; i < 3; ++i)
     add(s.model, solid_body("column " + std::to_string(i), shape, mass_properties(cylinder, 1000)));
@@ -335,20 +335,21 @@ TEST_P(EveryReducerInAScene, T_3_3_ChoosesTheSameWhenTheSceneIsTurned) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     Random random(seed);
     Columns s = columns();
-    for (std::size_t b = 1; b < s.state.g.size(); ++b) s.state.g[b].R *= exp_so3(1e-6 * random.vector(1));
+    for (std::size_t b = 1; b < s.state.g.size(); ++b)
+      s.state.g[BodyId::at(b)].R *= exp_so3(1e-6 * random.vector(1));
     Columns turned = s;
     const SE3 turn{random.rotation(), random.vector(1)};
     turned.model.gravity = turn.R * s.model.gravity;
     for (SE3& g : turned.state.g) g = turn * g;
-    for (std::size_t b = 0; b < s.state.g.size(); ++b)  // velocities of centres are the world's
-      twist(turned.state, int(b)).head<3>() = turn.R * Vec3(twist(s.state, int(b)).head<3>());
+    for (const BodyId b : s.state.g.ids())  // velocities of centres are the world's
+      twist(turned.state, b).head<3>() = turn.R * Vec3(twist(s.state, b).head<3>());
     ASSERT_TRUE(MoreauJean(s.model, options, {.theta = 1}).step(s.state).ok());
     ASSERT_TRUE(MoreauJean(turned.model, options, {.theta = 1}).step(turned.state).ok());
     EXPECT_GT(solved(s.state).size(), 9u) << "nothing touches: the test says nothing";
     if (GetParam() != "wrench_cone") {
       EXPECT_EQ(solved(s.state), solved(turned.state)) << "seed " << seed;
     }
-    for (std::size_t b = 0; b < s.state.g.size(); ++b)
+    for (const BodyId b : s.state.g.ids())
       EXPECT_LT((turn * s.state.g[b].p - turned.state.g[b].p).norm(), 1e-10) << "seed " << seed;
   }
 }

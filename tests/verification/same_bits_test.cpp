@@ -17,7 +17,7 @@ namespace {
 Scene tumbling_blocks(double mu = 0.4, std::optional<double> hinge_friction = 0.01) {
   Scene s = block_on_plate(mu, 0.3, 0.1, 0.02);
   const SimplicialComplex box = make_box(kSide, kSide, kSide);
-  const int shape = s.model.bodies[s.block].shape;
+  const ShapeId shape = s.model.bodies[s.block].shape;
   for (int i = 0; i < 3; ++i) add(s.model, solid_body("block", shape, mass_properties(box, kDensity)));
   const State placed = s.state;
   s.state = rest_state(s.model);
@@ -135,20 +135,20 @@ TEST_P(EveryScheme, HasTheSameBitsWithoutJointsToo) {
 }
 
 /// The same scene with body i as body order[i].
-Scene renumbered(const Scene& s, const std::vector<int>& order) {
+Scene renumbered(const Scene& s, const PerBody<BodyId>& order) {
   Scene out = s;
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const auto to = std::size_t(order[i]);
+  for (const BodyId i : order.ids()) {
+    const BodyId to = order[i];
     out.model.bodies[to] = s.model.bodies[i];
     out.state.g[to] = s.state.g[i];
-    of_body(out.state.v, int(to)) = of_body(s.state.v, int(i));
+    of_body(out.state.v, to) = of_body(s.state.v, i);
   }
   for (Joint& joint : out.model.joints) {
     joint.body_a = order[joint.body_a];
     joint.body_b = order[joint.body_b];
   }
   out.model.passing.clear();
-  for (const auto& [a, b] : s.model.passing) out.model.passing.insert(std::minmax(order[a], order[b]));
+  for (const auto& [a, b] : s.model.passing) out.model.passing.insert(in_order(order[a], order[b]));
   return out;
 }
 
@@ -158,7 +158,7 @@ struct Compared {
   std::size_t touching = 0;
 };
 Compared compared(const Scene& s, const std::string& name, const SchemeOptions& options, int steps) {
-  const std::vector<int> order{3, 0, 4, 2, 1};
+  const PerBody<BodyId> order{3, 0, 4, 2, 1};
   Scene other = renumbered(s, order);
   State plain = s.state;
   const Scheme here = make_scheme(name, s.model, options), there = make_scheme(name, other.model, options);
@@ -167,7 +167,7 @@ Compared compared(const Scene& s, const std::string& name, const SchemeOptions& 
     EXPECT_TRUE(here.step(plain, kInf).ok()) << k;
     EXPECT_TRUE(there.step(other.state, kInf).ok()) << k;
     for (const RememberedContact& c : plain.memory.contacts) out.touching += !c.impulse.isZero(0);
-    for (std::size_t i = 0; i < order.size(); ++i) {
+    for (const BodyId i : order.ids()) {
       const SE3 &a = plain.g[i], &b = other.state.g[order[i]];
       out.off = std::max({out.off, (a.p - b.p).norm(), angle_between(a.R, b.R)});
     }

@@ -20,8 +20,8 @@ Tower tower(int cubes, double top) {
   Tower t;
   t.model.contact_law = {.mu = 0.5, .restitution = 0};
   const SimplicialComplex slab = make_box(1, 1, kEdge), cube = make_box(kEdge, kEdge, kEdge);
-  const int slab_shape = add(t.model, prepare(dilate(slab, kDilation))),
-            cube_shape = add(t.model, prepare(dilate(cube, kDilation)));
+  const auto slab_shape = add(t.model, prepare(dilate(slab, kDilation))),
+             cube_shape = add(t.model, prepare(dilate(cube, kDilation)));
   add(t.model, fixed_body("slab", slab_shape));
   for (int i = 0; i < cubes; ++i)
     add(t.model, solid_body("cube " + std::to_string(i), cube_shape,
@@ -29,7 +29,7 @@ Tower tower(int cubes, double top) {
   t.state = rest_state(t.model);
   pose(t.state, 0).p.z() = -kEdge / 2;
   for (int i = 0; i < cubes; ++i)
-    pose(t.state, i + 1).p.z() = kEdge / 2 + i * kEdge + 2 * kDilation * (i + 1);
+    pose(t.state, BodyId::at(i + 1)).p.z() = kEdge / 2 + i * kEdge + 2 * kDilation * (i + 1);
   return t;
 }
 
@@ -47,7 +47,7 @@ TEST(Stack, OfTenCubesNeedsNoMoreThanASweepPerStep) {
   }
   EXPECT_LE(sweeps, 1);
   EXPECT_LE(solves, 199);  // linear ones of Newton: less than one per step
-  for (int b = 1; b <= 10; ++b) EXPECT_LT(twist(t.state, b).norm(), 1e-7) << b;
+  for (int b = 1; b <= 10; ++b) EXPECT_LT(twist(t.state, BodyId::at(b)).norm(), 1e-7) << b;
 }
 
 TEST(Stack, WithATopAHundredTimesHeavierIsSolvedAtEveryStep) {
@@ -60,8 +60,9 @@ TEST(Stack, WithATopAHundredTimesHeavierIsSolvedAtEveryStep) {
     ASSERT_LE(report.solve.residual, 1e-10);
   }
   for (int b = 1; b <= 10; ++b) {
-    EXPECT_LT(twist(t.state, b).norm(), 1e-6) << b;
-    EXPECT_NEAR(pose(t.state, b).p.z(), kEdge / 2 + (b - 1) * kEdge + 2 * kDilation * b, 1e-7) << b;
+    EXPECT_LT(twist(t.state, BodyId::at(b)).norm(), 1e-6) << b;
+    EXPECT_NEAR(pose(t.state, BodyId::at(b)).p.z(), kEdge / 2 + (b - 1) * kEdge + 2 * kDilation * b, 1e-7)
+        << b;
   }
 }
 

@@ -14,7 +14,7 @@
 namespace aussois {
 namespace {
 
-using Pairs = std::vector<std::pair<int, int>>;
+using Pairs = std::vector<BodyPair>;
 
 class Certified : public ::testing::TestWithParam<SchemeVariant> {
  protected:
@@ -30,7 +30,7 @@ Scene cube_within(const SimplicialComplex& around) {
   Scene s;
   const SimplicialComplex cube = make_box(kSide, kSide, kSide);
   s.ground = add(s.model, fixed_body("around", add(s.model, prepare(dilate(around, kRadius)))));
-  const int shape = add(s.model, prepare(dilate(cube, kRadius)));
+  const ShapeId shape = add(s.model, prepare(dilate(cube, kRadius)));
   s.block = add(s.model, solid_body("cube", shape, mass_properties(cube, kDensity)));
   s.state = rest_state(s.model);
   return s;
@@ -97,8 +97,8 @@ TEST_P(Certified, LandsBesideAVertexInsideAChain) {
   const LmdShape around = prepare(dilate(box_with_border({{0.1, 0.8e-6}}), kRadius));
   ASSERT_EQ(around.straightened.size(), 1U);
   add(model, fixed_body("edge", add(model, around)));
-  const int shape = add(model, prepare(dilate(tetrahedron, kRadius)));
-  const int falling = add(model, solid_body("tetrahedron", shape, mass));
+  const ShapeId shape = add(model, prepare(dilate(tetrahedron, kRadius)));
+  const auto falling = add(model, solid_body("tetrahedron", shape, mass));
   State state = rest_state(model);
   const Vec3 corner = mass.centre;  // from it to the centre of mass
   pose(state, falling).p = Vec3(0.1, -0.5 + 0.4e-6, 0.5 + 2 * kRadius + kFall) + corner;
@@ -128,7 +128,7 @@ Scene box_on_a_guide(bool collide) {
 TEST_P(Certified, TellsOfJointsWhoseBodiesPassThroughEachOther) {
   Scene s = box_on_a_guide(false);
   EXPECT_EQ(message_of([&] { validate_start(s.model, s.state); }), "");
-  EXPECT_EQ(skipped_pairs(s.model), Pairs({{s.ground, s.block}}));
+  EXPECT_EQ(skipped_pairs(s.model), (Pairs{{s.ground, s.block}}));
   const StepReport report = scheme_of(s.model).step(s.state, kInf);
   ASSERT_TRUE(report.ok()) << report.reason;
   EXPECT_EQ(report.contacts_found, 0);
@@ -161,7 +161,7 @@ TEST_P(Certified, KeepsBodiesOfAJointApartThatCollide) {
 TEST_P(Certified, TellsOfMovedBodiesThatNothingStops) {
   Model model;
   add(model, fixed_body("post", add(model, prepare(dilate(make_box(0.2, 0.2, 0.2), kRadius)))));
-  const int slide = add(model, prepare(dilate(make_box(0.06, 0.06, 0.06), kRadius)));
+  const auto slide = add(model, prepare(dilate(make_box(0.06, 0.06, 0.06), kRadius)));
   add(model, prescribed_body("slide", slide,
                              {.t = {0, 0.6}, .pose = {translation(0.3, 0, 0), translation(-0.3, 0, 0)}}));
   add(model, RigidBody{.name = "ball", .mass = 1, .inertia = Mat3::Identity()});
@@ -175,7 +175,7 @@ TEST_P(Certified, TellsOfMovedBodiesThatNothingStops) {
     StepReport report = scheme.step(state, kInf);
     ASSERT_TRUE(report.ok()) << report.reason;
     const bool expected = k >= 16 && k <= 43;  // steps of 10 ms from 0.16 s to 0.44 s
-    EXPECT_EQ(report.driven_overlaps, expected ? Pairs({{0, 1}}) : Pairs()) << k;
+    EXPECT_EQ(report.driven_overlaps, (expected ? Pairs{{0, 1}} : Pairs())) << k;
     EXPECT_EQ(report.min_base_distance, kInf);
     told += int(report.driven_overlaps.size());
     audit_path(model, start, state, report, 1, audit);

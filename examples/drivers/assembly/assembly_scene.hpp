@@ -40,10 +40,10 @@ struct AssemblyOptions {
 
 struct AssemblyScene {
   Model model{};
-  int fixed = 0, moving = 1;  // bodies
-  Trajectory path{};          // recorded, of the moving body's frame (its centre of mass)
-  Trajectory target{};        // what the coupling pulls towards: the path, misaligned
-  std::vector<SE3> poses{};   // the recorded poses, of that frame
+  BodyId fixed = 0, moving = 1;
+  Trajectory path{};         // recorded, of the moving body's frame (its centre of mass)
+  Trajectory target{};       // what the coupling pulls towards: the path, misaligned
+  std::vector<SE3> poses{};  // the recorded poses, of that frame
   VirtualCouplingOptions coupling{};
   double frequency = 0;     // of the part on its coupling [Hz]
   double sag = 0;           // how far its weight pulls it off its path where it hangs free (VC-7) [m]

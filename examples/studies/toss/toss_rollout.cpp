@@ -51,8 +51,8 @@ Model toss_model(const TossWorld& world) {
   model.gravity = {0, 0, -kTossGravity};
   model.contact_law = {.mu = world.mu, .restitution = world.restitution};
   const double inner = kTossEdge - 2 * kDilation;
-  const int cube = add(model, prepare(dilate(cut_cube(inner, world.cut), kDilation)));
-  const int board = add(model, prepare(dilate(make_plate(kBoardSide, kBoardSide), kDilation)));
+  const auto cube = add(model, prepare(dilate(cut_cube(inner, world.cut), kDilation)));
+  const auto board = add(model, prepare(dilate(make_plate(kBoardSide, kBoardSide), kDilation)));
   add(model,
       RigidBody{
           .name = "cube", .shape = cube, .mass = kTossMass, .inertia = kTossInertia * Mat3::Identity()});

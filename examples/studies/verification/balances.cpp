@@ -254,7 +254,7 @@ CaseScene masses_on_springs() {
   pose(s.state, 0).p = Vec3(0.1, -0.2, 0.3);
   pose(s.state, 1).p = Vec3(-0.3, 0.1, 0.2);
   twist(s.state, 1) << 1, 2, -1, 0.3, 4, 0.2;
-  add(s.model, joint_at(JointKind::prismatic, "slider", 0, -1, s.state.g, pose(s.state, 0)));
+  add(s.model, joint_at(JointKind::prismatic, "slider", 0, kWorld, s.state.g, pose(s.state, 0)));
   s.model.joints[0].axis[0] = {.stiffness = 700, .rest = 0.05};
   s.state.v = consistent_velocity(s.model, s.state);
   return s;
@@ -408,7 +408,7 @@ VerificationCase gain_of_a_run() {
 // ---- passivity
 
 /// A force held over the step, as a port gives it: no stiffness, no damping. A step may ask more than once.
-ForceLaw port(int body, std::function<Vec6(const State&)> wrench) {
+ForceLaw port(BodyId body, std::function<Vec6(const State&)> wrench) {
   return {.name = "port",
           .add_to = [body, wrench](const Model&, const State& state, double, GeneralisedForce& force) {
             of_body(force.f, body) += wrench(state);

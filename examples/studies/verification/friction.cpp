@@ -339,8 +339,8 @@ CaseScene painleve_rod() {
   const double J = 1.0 / 3;
   CaseScene s;
   s.model.contact_law = {.mu = 2, .restitution = 0};
-  const int plate = add(s.model, prepare(dilate(make_plate(4, 4), 0.05)));
-  const int rod = add(s.model, prepare(dilate(make_segment(2), 0)));
+  const auto plate = add(s.model, prepare(dilate(make_plate(4, 4), 0.05)));
+  const auto rod = add(s.model, prepare(dilate(make_segment(2), 0)));
   add(s.model, fixed_body("plate", plate));
   s.body = add(s.model,
                RigidBody{.name = "rod", .shape = rod, .mass = 1, .inertia = Vec3(1e-6, J, J).asDiagonal()});

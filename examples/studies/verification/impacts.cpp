@@ -175,11 +175,11 @@ CaseScene cradle(const std::vector<double>& masses, double gap = -1e-15) {
   CaseScene s;
   s.model.gravity = Vec3::Zero();
   s.model.contact_law = {.mu = 0, .restitution = 1};
-  const int ball = add(s.model, prepare(dilate(make_point(), 0.05)));
+  const auto ball = add(s.model, prepare(dilate(make_point(), 0.05)));
   for (const double m : masses)
     add(s.model, RigidBody{.name = "ball", .shape = ball, .mass = m, .inertia = 1e-3 * m * Mat3::Identity()});
   s.state = rest_state(s.model);
-  for (int i = 0; i < int(masses.size()); ++i) pose(s.state, i).p.x() = i * (0.1 + gap);
+  for (const BodyId b : s.state.g.ids()) pose(s.state, b).p.x() = b.index() * (0.1 + gap);
   twist(s.state, 0)[0] = 1;
   return s;
 }
@@ -188,7 +188,7 @@ CaseScene cradle(const std::vector<double>& masses, double gap = -1e-15) {
 double off_speeds(const CaseScene& s, const SchemeOptions& o, int steps, const std::vector<double>& right) {
   const State end = run_to(s, "moreau_jean", o, steps * o.step.h);
   Worst out;
-  for (int i = 0; i < int(right.size()); ++i) out.add(std::abs(twist(end, i)[0] - right[i]));
+  for (int i = 0; i < int(right.size()); ++i) out.add(std::abs(twist(end, BodyId::at(i))[0] - right[i]));
   return out;
 }
 
@@ -279,10 +279,11 @@ Weighed weigh(int beads, const SolverOptions& solver) {
   State state = s.state;
   Weighed out;
   out.report = step(make_scheme("moreau_jean", s.model, options), state);
-  std::vector<double> push(std::size_t(beads) + 1);
+  PerBody<double> push(std::size_t(beads) + 1);
   for (const StepContact& c : out.report.contacts)
     push[std::max(c.point.a.body, c.point.b.body)] += std::abs(c.impulse.z()) / options.step.h;
-  for (int k = 1; k <= beads; ++k) out.error.add(std::abs(push[k] / ((beads - k + 1) * kGravity) - 1));
+  for (int k = 1; k <= beads; ++k)
+    out.error.add(std::abs(push[BodyId::at(k)] / ((beads - k + 1) * kGravity) - 1));
   return out;
 }
 

@@ -57,7 +57,7 @@ VerificationCase flat_block(const std::string& scheme) {
             s.model.contact_law = {.mu = 4, .restitution = 0};
             const SimplicialComplex box = make_box(2 * b, 0.1, 2 * a);
             add(s.model, fixed_body("plate", add(s.model, prepare(dilate(make_plate(2, 2), kDilation)))));
-            const int shape = add(s.model, prepare(dilate(box, 0)));
+            const ShapeId shape = add(s.model, prepare(dilate(box, 0)));
             s.body = add(s.model, solid_body("block", shape, mass_properties(box, 1000)));
             s.state = rest_state(s.model);
             pose(s.state, s.body).p.z() = kDilation + a - 1e-14;
@@ -143,7 +143,7 @@ Pecking peck(double h, double t_end, const std::vector<double>& times = {}) {
     const double until = next < times.size() ? times[next] : t_end;
     const StepReport report = step(scheme, state, until - state.t);
     const bool pushes = std::ranges::any_of(
-        report.gaps, [](const StepGap& gap) { return gap.index == 0 && gap.impulse.x() > 0; });
+        report.gaps, [](const StepGap& gap) { return gap.id == 0 && gap.impulse.x() > 0; });
     if (pushes && !touched) out.beak.push_back(state.t - report.h / 2);
     touched = pushes;
     if (std::abs(state.v[0]) < 1e-8 && std::abs(state.v[1]) < 1e-8) out.stuck += report.h;
@@ -326,7 +326,7 @@ double off_squeezer(const std::string& scheme, const SchemeOptions& o) {
   const State end = run_to(s, scheme, o, kSqueezed);
   Worst worst;
   for (int i = 0; i < 7; ++i)
-    worst.add(std::abs(joint_coordinate(s.model, end, i) + kSqueezerStart[i] - kAngles[i]));
+    worst.add(std::abs(joint_coordinate(s.model, end, JointId::at(i)) + kSqueezerStart[i] - kAngles[i]));
   return worst;
 }
 
@@ -342,7 +342,8 @@ VerificationCase squeezer_at_its_start() {
         const CaseScene s = squeezer();
         const State end = run_to(s, "moreau_jean", mechanism_steps(h), h);
         Worst off;
-        for (int i = 0; i < 7; ++i) off.add(std::abs(joint_speed(s.model, end, i) / h - kPublished[i]));
+        for (int i = 0; i < 7; ++i)
+          off.add(std::abs(joint_speed(s.model, end, JointId::at(i)) / h - kPublished[i]));
         return Figures{{"joints", joint_error(s.model, s.state).translation}, {"acceleration", off}};
       }};
 }

@@ -23,7 +23,7 @@ struct Run {
   Worst sunk{};                                   // of the body `watched` [m]
   Worst gain{};                                   // of energy, in a step [J]
 };
-Run run(const PeerScene& scene, const SchemeOptions& o, double t_end, int watched = 1) {
+Run run(const PeerScene& scene, const SchemeOptions& o, double t_end, BodyId watched = 1) {
   const KernelScene k = kernel_scene(scene);
   const MoreauJean scheme(k.model, o.step, o.moreau_jean);
   State state = k.state;
@@ -120,8 +120,7 @@ VerificationCase stays(const char* name, const std::string& scene, bool slow) {
               const Scheme scheme = make_scheme(variant.name, s.model, variant.options);
               State state = s.state;
               for (int k = 0; k < (large ? 3 : 8); ++k) attempts.add(step(scheme, state, pile.h).attempts);
-              for (std::size_t b = 0; b < state.g.size(); ++b)
-                way.add((state.g[b].p - s.state.g[b].p).norm());
+              for (const BodyId b : state.g.ids()) way.add((state.g[b].p - s.state.g[b].p).norm());
               gain.add(std::abs(energy(s.model, state).total() / before - 1));
               ++runs;
             }
@@ -146,12 +145,13 @@ VerificationCase tower(const std::string& name) {
                 State state = k.state;
                 StepReport report;
                 for (int i = 0; i < 20; ++i) report = step(scheme, state);
-                std::vector<double> below(scene.bodies.size());
+                PerBody<double> below(scene.bodies.size());
                 for (const StepContact& c : report.contacts)
                   below[std::max(c.point.a.body, c.point.b.body)] += std::abs(c.impulse.z()) / report.h;
                 Worst force;
                 double above = 0;
-                for (std::size_t b = scene.bodies.size() - 1; b >= 1; --b) {
+                for (int i = int(scene.bodies.size()) - 1; i >= 1; --i) {
+                  const auto b = BodyId::at(i);
                   above += scene.shapes[scene.bodies[b].shape].mass * kGravity;
                   force.add(std::abs(below[b] / above - 1));
                 }
@@ -242,7 +242,8 @@ VerificationCase house_falls_as_one() {
             const PeerScene scene = peer_scene("kapla");
             KernelScene k = kernel_scene(scene);
             const State start = k.state;
-            for (std::size_t b = 1; b < k.state.g.size(); ++b) k.state.g[b].p.z() += 0.5;
+            for (const BodyId b : k.state.g.ids())
+              if (b > 0) k.state.g[b].p.z() += 0.5;
             const Scheme scheme = make_scheme("moreau_jean", k.model, kernel_options(scene, 1e-2));
             Least contacts;
             Worst solve, way;
@@ -253,8 +254,9 @@ VerificationCase house_falls_as_one() {
               solve.add(report.solve.iterations + report.solve.newton_iterations);
               at_rounding += report.solve.status == SolveStatus::at_rounding;
             }
-            const auto fallen = [&](std::size_t b) { return k.state.g[b].p.z() - start.g[b].p.z() - 0.5; };
-            for (std::size_t b = 2; b < k.state.g.size(); ++b) way.add(std::abs(fallen(b) - fallen(1)));
+            const auto fallen = [&](BodyId b) { return k.state.g[b].p.z() - start.g[b].p.z() - 0.5; };
+            for (const BodyId b : k.state.g.ids())
+              if (b > 1) way.add(std::abs(fallen(b) - fallen(1)));
             return Figures{
                 {"contacts", contacts}, {"solve", solve}, {"at_rounding", double(at_rounding)}, {"way", way}};
           },
@@ -350,7 +352,7 @@ VerificationCase scattered_arch(double scatter, Reducer reducer) {
                 State state = k.state, at_rest = state;
                 const auto way = [](const State& from, const State& to) {
                   Worst out;
-                  for (std::size_t b = 0; b < from.g.size(); ++b) out.add((to.g[b].p - from.g[b].p).norm());
+                  for (const BodyId b : from.g.ids()) out.add((to.g[b].p - from.g[b].p).norm());
                   return double(out);
                 };
                 Least contacts;
@@ -407,7 +409,8 @@ VerificationCase rolling(const std::string& name) {
                     const MoreauJean scheme(k.model, o.step, o.moreau_jean);
                     State state = k.state;
                     while (state.t < t_end - h / 2) step(scheme, state);
-                    for (int b = 1; b < int(scene.bodies.size()); ++b) {
+                    for (const BodyId b : scene.bodies.ids()) {
+                      if (b == 0) continue;  // the ground
                       const double a = (b == 1 ? 1 : 2.0 / 7) * scene.acceleration;
                       const double way = a * t_end * (t_end / 2 + (theta - 0.5) * h);
                       speed.add(std::abs(twist(state, b).head<3>().dot(along) - a * t_end));

@@ -12,10 +12,10 @@ namespace {
 Scene hinged_parts() {
   Scene s = block_on_plate(0.3, 0, 0);
   const RigidBody block = s.model.bodies[s.block];
-  for (const auto& [name, shape] : {std::pair{"lid", block.shape}, std::pair{"pin", -1}}) {
+  for (const auto& [name, shape] : {std::pair{"lid", block.shape}, std::pair{"pin", ShapeId()}}) {
     RigidBody part = block;
     part.name = name, part.shape = shape;
-    const int body = add(s.model, part);
+    const BodyId body = add(s.model, part);
     add(s.model, Joint{.kind = JointKind::spherical, .body_a = body, .body_b = s.block});
   }
   s.state = rest_state(s.model);

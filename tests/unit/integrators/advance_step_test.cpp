@@ -39,7 +39,7 @@ struct Scripted {
                setting, s, out.found,
                std::make_shared<const FreeMotion>(free_motion(model, s, setting.dofs, length, 1)), 1);
            out.move = {.v_path = VecX::Constant(6, k), .v_end = VecX::Zero(6)};
-           out.beforehand = {outcome, "attempt " + std::to_string(h.size()), {{int(k), 9}}};
+           out.beforehand = {outcome, "attempt " + std::to_string(h.size()), {{BodyId::at(h.size()), 9}}};
            return out;
          }});
   }
@@ -104,7 +104,7 @@ TEST(AdvanceStep, GathersWhatMeetsUntilItHalves) {
   };
   EXPECT_TRUE(s.step().ok());
   ASSERT_EQ(s.asked.size(), 4U);
-  const std::vector<std::pair<int, int>> one{{1, 9}}, two{{1, 9}, {2, 9}}, none;
+  const std::vector<BodyPair> one{{1, 9}}, two{{1, 9}, {2, 9}}, none;
   EXPECT_EQ(s.asked[1].meeting, one);
   EXPECT_EQ(s.asked[2].meeting, two);
   EXPECT_EQ(s.asked[3].meeting, none);
@@ -136,8 +136,8 @@ TEST(AdvanceStep, LooksAgainWhereASolveLeavesWhatWasLookedAt) {
     Model model;
     model.gravity = Vec3::Zero();
     model.contact_law = {.mu = 0, .restitution = 0};
-    const int ball = add(model, prepare(dilate(point, 1e-2)));
-    const int wall = add(model, prepare(dilate(make_plate(1, 1), 1e-3)));
+    const auto ball = add(model, prepare(dilate(point, 1e-2)));
+    const auto wall = add(model, prepare(dilate(make_plate(1, 1), 1e-3)));
     add(model, fixed_body("wall", wall));
     for (const double mass : {0.1, 10.0})
       add(model,

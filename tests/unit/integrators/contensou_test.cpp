@@ -18,8 +18,8 @@ struct Disc {
   State state{};
   explicit Disc(double v, double w) {
     model.contact_law = {.mu = kMu, .contensou_radius = kR_e};
-    const int plate = add(model, prepare(dilate(make_plate(6, 6), kRadius)));
-    const int foot = add(model, prepare(dilate(make_point(), 5e-3)));
+    const auto plate = add(model, prepare(dilate(make_plate(6, 6), kRadius)));
+    const auto foot = add(model, prepare(dilate(make_point(), 5e-3)));
     add(model, fixed_body("ground", plate));
     add(model, RigidBody{.name = "disc",
                          .shape = foot,
@@ -90,7 +90,7 @@ TEST(ContensouDisc, RemembersItsDrillingImpulse) {
   // almost pure spin: all friction drills; it takes A, the ground, along, whose normal points down
   const double most = kMu * kMass * kGravity * kR_e * first.h;
   EXPECT_NEAR(first.contacts[0].drilling, -most, 2e-3 * most);
-  EXPECT_EQ(first.contacts[0].point.a.body, 0);
+  EXPECT_EQ(first.contacts[0].point.a.body, BodyId(0));
   State other = disc.state;
   other.memory.contacts[0].drilling = 0;
   EXPECT_NE(hash(other), hash(disc.state));

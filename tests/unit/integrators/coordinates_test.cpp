@@ -76,8 +76,9 @@ TEST(GeneralisedCoordinates, GiveTheDoublePendulumThatBodiesWithJointsGive) {
     State state = rest_state(model);
     if (of_bodies)
       for (int i = 0; i < 2; ++i) {
-        state.g[i].p.x() = 0.5 + i;  // rotations about -y raise the end: angles from the horizontal
-        add(model, joint_at(JointKind::revolute, "hinge", i, -1 + i, state.g,
+        state.g[BodyId::at(i)].p.x() =
+            0.5 + i;  // rotations about -y raise the end: angles from the horizontal
+        add(model, joint_at(JointKind::revolute, "hinge", BodyId::at(i), BodyId::at(-1 + i), state.g,
                             translation(i, 0, 0) * rotation(Vec3::UnitX(), kPi / 2)));
       }
     const double E = energy(model, state).total();

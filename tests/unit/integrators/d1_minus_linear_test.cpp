@@ -92,7 +92,7 @@ TEST(D1MinusLinear, TakesJointsStopsAndDryFriction) {
   State state = rest_state(model);
   pose(state, 0).p = Vec3(1, 0, 0);
   const SE3 about_y{rotation(Vec3::UnitX(), -kPi / 2).R, Vec3::Zero()};
-  add(model, joint_at(JointKind::revolute, "hinge", 0, -1, state.g, about_y));
+  add(model, joint_at(JointKind::revolute, "hinge", 0, kWorld, state.g, about_y));
   JointAxis& axis = model.joints[0].axis[0];
   axis.lower = -0.5, axis.upper = 0.5, axis.restitution = 0.5, axis.friction = 0.2;
   const D1MinusLinear scheme(model, {.h = 1e-3});

@@ -79,7 +79,7 @@ TEST(EnergyGain, IsThatOfAContactPressedShutWhileItOpens) {
     Scene scene = block_on_plate(0, 0, 0);
     twist(scene.state, scene.block)[2] = speed;
     EnergyGain gain = energy_gain(scene.model, scene.state);
-    const double first = gain.stored, mass = scene.model.bodies[std::size_t(scene.block)].mass;
+    const double first = gain.stored, mass = scene.model.bodies[scene.block].mass;
     const StepReport report = MoreauJean(scene.model, {.h = h}, {.theta = theta}).step(scene.state, kInf);
     ASSERT_TRUE(report.ok()) << report.reason;
     add(scene.model, scene.state, report, gain);

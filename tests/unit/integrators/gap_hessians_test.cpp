@@ -24,7 +24,7 @@ Pair pair_of(const SimplicialComplex& a, const SE3& g_a, const SimplicialComplex
   Pair out;
   out.model.contact_law = {.mu = 0};
   for (const SimplicialComplex* complex : {&a, &b}) {
-    const int shape = add(out.model, prepare(dilate(*complex, 0.02)));
+    const ShapeId shape = add(out.model, prepare(dilate(*complex, 0.02)));
     add(out.model, RigidBody{.name = complex == &a ? "a" : "b",
                              .shape = shape,
                              .g_bs = {exp_so3(Vec3(0.1, 0.2, -0.3)), Vec3(0.01, -0.02, 0.03)},
@@ -32,7 +32,7 @@ Pair pair_of(const SimplicialComplex& a, const SE3& g_a, const SimplicialComplex
                              .inertia = Vec3(1, 2, 2.5).asDiagonal()});
   }
   out.state = rest_state(out.model);
-  for (const int body : {0, 1})
+  for (const BodyId body : out.model.bodies.ids())
     pose(out.state, body) = (body == 0 ? g_a : g_b) * inverse(out.model.bodies[body].g_bs);
   return out;
 }

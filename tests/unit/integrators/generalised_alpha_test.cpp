@@ -130,7 +130,7 @@ TEST(GeneralisedAlpha, HoldsJointsAtBothLevelsAndTellsTheirForce) {
     State state = rest_state(model);
     pose(state, 0).p = Vec3(0, 1, 0);
     twist(state, 0) << Vec3(0, 0, 3).cross(Vec3(0, 1, 0)), Vec3(0, 0, 3);
-    add(model, joint_at(JointKind::revolute, "hinge", 0, -1, state.g, SE3{}));
+    add(model, joint_at(JointKind::revolute, "hinge", 0, kWorld, state.g, SE3{}));
     const GeneralisedAlpha scheme(model, {.h = h});
     StepReport report;
     while (state.t < 1 - h / 2) {

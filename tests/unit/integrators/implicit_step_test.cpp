@@ -126,10 +126,10 @@ TEST(ImplicitStep, SquaresItsErrorWithGapHessians) {
   Model model;
   model.gravity *= 30;
   model.contact_law = {.mu = 0};
-  const int ball = add(model, prepare(dilate(make_point(), 0.05)));
+  const auto ball = add(model, prepare(dilate(make_point(), 0.05)));
   const MassProperties mass{.mass = 1, .inertia = 1e-3 * Mat3::Identity()};
   add(model, fixed_body("below", ball));
-  const int moving = add(model, solid_body("above", ball, mass));
+  const auto moving = add(model, solid_body("above", ball, mass));
   State state = rest_state(model);
   pose(state, moving).p.z() = 0.1;
   twist(state, moving)[0] = 0.3;

@@ -34,13 +34,13 @@ class JointWorkInEveryScheme : public ::testing::TestWithParam<SchemeVariant> {
   const double rounding = event_driven ? 5e-8 : 1e-12;
 
   // Of each joint, over a run whose every step closes: the joints' work is that of the ledger.
-  std::vector<JointWork> work(const Model& model, State& state, double h, double t_end) const {
+  Table<JointId, JointWork> work(const Model& model, State& state, double h, double t_end) const {
     SchemeOptions o = v.options;
     o.step.h = h;
-    std::vector<JointWork> out(model.joints.size());
+    Table<JointId, JointWork> out(model.joints.size());
     advance(make_scheme(v.name, model, o), state, t_end, [&](const StepReport& r) {
       double total = 0;
-      for (std::size_t j = 0; j < out.size(); ++j) {
+      for (const JointId j : out.ids()) {
         add(r.joints[j].work, out[j]);
         total += r.joints[j].work.total();
       }
@@ -139,11 +139,11 @@ TEST_P(JointWorkInEveryScheme, OfAClosedLoopIsNothingOrWhatTheSchemeLoses) {
   state.g[0] = {upright.R, Vec3(0, 0, 0.5)};
   state.g[1] = {upright.R, Vec3(1, 0, 0.5)};
   state.g[2].p = Vec3(0.5, 0, 1);
-  const auto hinge = [&](int a, int b, double x, double z) {
+  const auto hinge = [&](BodyId a, BodyId b, double x, double z) {
     add(model, joint_at(JointKind::revolute, "hinge", a, b, state.g, translation(x, 0, z) * kAboutY));
   };
-  hinge(0, -1, 0, 0), hinge(1, -1, 1, 0), hinge(0, 2, 0, 1), hinge(1, 2, 1, 1);
-  for (const int crank : {0, 1}) twist(state, crank) << 0.5, 0, 0, 0, 1, 0;
+  hinge(0, kWorld, 0, 0), hinge(1, kWorld, 1, 0), hinge(0, 2, 0, 1), hinge(1, 2, 1, 1);
+  for (const BodyId crank : {BodyId(0), BodyId(1)}) twist(state, crank) << 0.5, 0, 0, 0, 1, 0;
   twist(state, 2) << 1, 0, 0, 0, 0, 0;
   const auto locked = [&](double h) {
     State swings = state;
@@ -203,7 +203,7 @@ TEST_P(JointWorkInEveryScheme, ForcesBelongToTheTimeThatIsTold) {
     add(model, RigidBody{.name = "rod", .mass = 2, .inertia = Vec3(1e-3, 2.0 / 12, 2.0 / 12).asDiagonal()});
     State state = rest_state(model);
     state.g[0].p.x() = 0.5;
-    add(model, joint_at(JointKind::revolute, "hinge", 0, -1, state.g, kAboutY));
+    add(model, joint_at(JointKind::revolute, "hinge", 0, kWorld, state.g, kAboutY));
     SchemeOptions o = v.options;
     o.step.h = h;
     o.step.joints.project = project;

@@ -187,8 +187,8 @@ TEST_P(EverySchemeAndJoint, TurnsTwoWheelsByTheirGears) {
     add(model, RigidBody{.name = "wheel", .mass = 1, .inertia = J * Mat3::Identity()});
   State state = rest_state(model);
   state.g[1].p.x() = 1;
-  add(model, joint_at(JointKind::revolute, "first", 0, -1, state.g, kAboutY));
-  add(model, joint_at(JointKind::revolute, "second", 1, -1, state.g, translation(1, 0, 0) * kAboutY));
+  add(model, joint_at(JointKind::revolute, "first", 0, kWorld, state.g, kAboutY));
+  add(model, joint_at(JointKind::revolute, "second", 1, kWorld, state.g, translation(1, 0, 0) * kAboutY));
   add(model, Coupling{.name = "gears", .joint_1 = 0, .joint_2 = 1, .ratio = -2.5});
   model.joints[0].axis[0].motor = {.kind = MotorKind::effort, .target = [](double) { return 7; }};
   const double acceleration = 7 / (0.5 + 3.0 / (2.5 * 2.5));
@@ -235,8 +235,8 @@ TEST_P(EverySchemeAndJoint, TurnsAsHookeSays) {
     add(model, RigidBody{.name = "shaft", .mass = 1, .inertia = 0.1 * Mat3::Identity()});
   State state = rest_state(model);
   const SE3 out = rotation(Vec3::UnitX(), bend);
-  add(model, joint_at(JointKind::revolute, "in", 0, -1, state.g, SE3{}));
-  add(model, joint_at(JointKind::revolute, "out", 1, -1, state.g, out));
+  add(model, joint_at(JointKind::revolute, "in", 0, kWorld, state.g, SE3{}));
+  add(model, joint_at(JointKind::revolute, "out", 1, kWorld, state.g, out));
   add(model, Joint{.name = "cross",
                    .kind = JointKind::universal,
                    .body_a = 1,
@@ -259,13 +259,14 @@ TEST_P(EverySchemeAndJoint, FallsOnTheGroundOnItsHinge) {
   model.contact_law = {.mu = 0.5};
   const SimplicialComplex box = make_box(0.4, 0.2, 0.05);
   const double radius = 1e-3;
-  const int shape = add(model, prepare(dilate(box, radius)));
+  const ShapeId shape = add(model, prepare(dilate(box, radius)));
   add(model, fixed_body("ground", add(model, prepare(dilate(make_plate(3, 3), radius)))));
   add(model, solid_body("flap", shape, mass_properties(box, 1000)));
   State state = rest_state(model);
   const double height = 0.025 + 2 * radius;
   state.g[1].p.z() = height;
-  add(model, joint_at(JointKind::revolute, "hinge", 1, -1, state.g, translation(-0.3, 0, height) * kAboutY));
+  add(model,
+      joint_at(JointKind::revolute, "hinge", 1, kWorld, state.g, translation(-0.3, 0, height) * kAboutY));
   state.g[1] = translation(-0.3, 0, height) * rotation(Vec3::UnitY(), -1) * translation(0.3, 0, 0);
   double carried = 0, h = 0;
   advance(scheme(model, 2e-3), state, 0.6, [&](const StepReport& report) {

@@ -33,7 +33,7 @@ struct Off {
 // momentum does not turn by itself [N m s].
 double may_turn(const Model& model, const State& before, const State& after, const StepReport& report) {
   double v = 0, omega = 0, impulses = 0, torques = 0;
-  for (int b = 0; b < int(model.bodies.size()); ++b) {
+  for (const BodyId b : model.bodies.ids()) {
     const Vec6 was = twist(before, b), is = twist(after, b);
     const RigidBody& body = model.bodies[b];
     if (!is_dynamic(body)) continue;
@@ -80,7 +80,7 @@ TEST(Ledger, SharesTheWorkOfContactsOutAmongContactsAndTheirLaws) {
     const std::string name = label(variant.name, variant.options);
     Scene s = block_on_plate(0.3, 0, 0);
     const State below = s.state;
-    const int rider = add(s.model, s.model.bodies[s.block]);
+    const auto rider = add(s.model, s.model.bodies[s.block]);
     s.model.pair_laws[{s.block, rider}] = {.mu = 0.05, .restitution = 0.2};
     s.state = rest_state(s.model);
     pose(s.state, s.block) = pose(below, s.block);
@@ -155,7 +155,7 @@ TEST(Ledger, KnowsThatWhatActsInsideCancelsInEveryScheme) {
   model.gravity.setZero();
   model.contact_law = {.mu = 0.4, .restitution = 0.5};
   const SimplicialComplex box = make_box(kSide, kSide, kSide);
-  const int shape = add(model, prepare(dilate(box, kRadius)));
+  const ShapeId shape = add(model, prepare(dilate(box, kRadius)));
   for (int i = 0; i < 4; ++i) add(model, solid_body("block", shape, mass_properties(box, kDensity)));
   State start = rest_state(model);
   start.g[1].p = Vec3(0.13, 0, 0);

@@ -24,7 +24,7 @@ Trajectory swing(int rows) {
 
 double difference(const State& a, const State& b) {
   double worst = (a.v - b.v).lpNorm<Eigen::Infinity>();
-  for (std::size_t i = 0; i < a.g.size(); ++i)
+  for (const BodyId i : a.g.ids())
     worst = std::max({worst, (a.g[i].p - b.g[i].p).norm(), angle_between(a.g[i].R, b.g[i].R)});
   return worst;
 }
@@ -64,7 +64,7 @@ TEST(LiveTarget, AHandleThatIsLedPullsAsAPathDoes) {
   for (Model* model : {&recorded, &led})
     add(*model, {.name = "part", .mass = 2, .inertia = Vec3(0.02, 0.03, 0.04).asDiagonal()});
   add(recorded, virtual_coupling(recorded, 0, path, spring));
-  const int handle = add(led, driven_body("hand"));
+  const auto handle = add(led, driven_body("hand"));
   add(led, virtual_coupling(led, 0, handle, spring));
   State a = rest_state(recorded), b = rest_state(led);
   const MoreauJean along(recorded, {.h = kStep}, {.theta = 0.5}), live(led, {.h = kStep}, {.theta = 0.5});
@@ -84,7 +84,7 @@ TEST(LiveTarget, AHandleThatIsLedPullsAsAPathDoes) {
 // Nothing but the state says where it goes: it goes on until it is led elsewhere.
 TEST(LiveTarget, GoesOnAsItWasLed) {
   Model model;
-  const int hand = add(model, driven_body("hand"));
+  const auto hand = add(model, driven_body("hand"));
   State state = rest_state(model);
   lead(model, state, hand, {exp_so3(Vec3(0, 0, 0.1)), Vec3(1, 2, 3)}, 0.5);
   const MoreauJean scheme(model, {.h = 0.1}, {.theta = 1});
@@ -96,7 +96,7 @@ TEST(LiveTarget, GoesOnAsItWasLed) {
 TEST(LiveTarget, IsRefusedForBodiesThatAreNotLed) {
   Model model;
   add(model, {.name = "part", .mass = 2, .inertia = Mat3::Identity()});
-  const int hand = add(model, driven_body("hand"));
+  const auto hand = add(model, driven_body("hand"));
   State state = rest_state(model);
   EXPECT_EQ(message_of([&] { lead(model, state, 0, {}, 1); }), "lead: body 0 (part) must be driven");
   EXPECT_EQ(message_of([&] { lead(model, state, 2, {}, 1); }), "lead: body = 2 must lie in [0, 2)");

@@ -21,19 +21,19 @@ struct Heap {
 Heap heap() {
   Heap s;
   const SimplicialComplex box = make_box(kEdge, kEdge, kEdge);
-  const int plate = add(s.model, prepare(dilate(make_plate(3, 3), kEps)));
-  const int cube = add(s.model, prepare(dilate(box, kEps)));
+  const auto plate = add(s.model, prepare(dilate(make_plate(3, 3), kEps)));
+  const auto cube = add(s.model, prepare(dilate(box, kEps)));
   add(s.model, fixed_body("plate", plate));
   for (int i = 0; i < 75; ++i) add(s.model, solid_body("box", cube, mass_properties(box, 1000)));
   s.state = rest_state(s.model);
   Random random(41);
   const double pitch = kEdge + 2 * kEps + 1e-3;
   for (int i = 0; i < 75; ++i) {
-    SE3& g = pose(s.state, 1 + i);
+    SE3& g = pose(s.state, BodyId::at(1 + i));
     g.p = pitch * Vec3(i % 5, i / 5 % 5, i / 25) + Vec3(0, 0, kEdge / 2 + 2 * kEps + 1e-4) +
           random.vector(5e-5);
     g.R = exp_so3(random.vector(1e-3));
-    twist(s.state, 1 + i)[2] = -0.2;
+    twist(s.state, BodyId::at(1 + i))[2] = -0.2;
   }
   return s;
 }
@@ -61,9 +61,9 @@ TEST(ManyBodies, ContactsOfAllPairsAreThoseOfEachPair) {
   const ContactSet all = scheme.contacts(s.state, 2e-3);
   std::vector<ContactKey> keys, one_by_one;
   for (const ContactPoint& c : all.points) keys.push_back(key_of(c));
-  for (int a = 0; a < int(s.model.bodies.size()); ++a)
-    for (int b = a + 1; b < int(s.model.bodies.size()); ++b) {
-      const auto posed = [&](int body) {
+  for (const BodyId a : s.model.bodies.ids())
+    for (BodyId b = a + 1; s.model.bodies.contains(b); ++b) {
+      const auto posed = [&](BodyId body) {
         const RigidBody& r = s.model.bodies[body];
         return PosedShape{s.model.shapes[r.shape].get(), pose(s.state, body) * r.g_bs, body};
       };
@@ -96,15 +96,15 @@ TEST(ManyBodies, ReductionOfAllPairsIsThatOfEachPair) {
 
 TEST(ManyBodies, PairsNeedABodyThatMoves) {
   Model model;
-  const int plate = add(model, prepare(dilate(make_plate(1, 1), kEps)));
+  const auto plate = add(model, prepare(dilate(make_plate(1, 1), kEps)));
   for (int i = 0; i < 3; ++i) add(model, fixed_body("plate", plate));
   add(model, RigidBody{.name = "free", .shape = plate, .mass = 1, .inertia = Mat3::Identity()});
   const State state = rest_state(model);
   const std::vector<StepPair> pairs = pairs_within(model, state, body_bounds(model), {0, 0, 0, 0}, 1);
   ASSERT_EQ(pairs.size(), 3U);
   for (int i = 0; i < 3; ++i) {
-    EXPECT_EQ(pairs[i].a, i);
-    EXPECT_EQ(pairs[i].b, 3);
+    EXPECT_EQ(pairs[i].a, BodyId::at(i));
+    EXPECT_EQ(pairs[i].b, BodyId(3));
     EXPECT_EQ(pairs[i].dilation, 2 * kEps);
   }
 }

@@ -50,8 +50,9 @@ TEST(MeanJoints, KeepTheEnergyOfADoublePendulum) {
         RigidBody{.name = "rod", .mass = 1, .inertia = Vec3(1.0 / 1200, 1.0 / 12, 1.0 / 12).asDiagonal()});
   State state = rest_state(model);
   for (int i = 0; i < 2; ++i) {
-    pose(state, i).p.x() = 0.5 + i;
-    add(model, joint_at(JointKind::revolute, "hinge", i, i - 1, state.g, translation(i, 0, 0) * hinge));
+    pose(state, BodyId::at(i)).p.x() = 0.5 + i;
+    add(model, joint_at(JointKind::revolute, "hinge", BodyId::at(i), BodyId::at(i - 1), state.g,
+                        translation(i, 0, 0) * hinge));
   }
   const double E = energy(model, state).total();
   double worst = 0, fastest = 0;
@@ -71,8 +72,8 @@ TEST(MeanJoints, HoldGearsAndMotorsAtTheEnd) {
     add(model, RigidBody{.name = "wheel", .mass = 1, .inertia = J * Mat3::Identity()});
   State state = rest_state(model);
   pose(state, 1).p.x() = 1;
-  add(model, joint_at(JointKind::revolute, "first", 0, -1, state.g, axis));
-  add(model, joint_at(JointKind::revolute, "second", 1, -1, state.g, translation(1, 0, 0) * axis));
+  add(model, joint_at(JointKind::revolute, "first", 0, kWorld, state.g, axis));
+  add(model, joint_at(JointKind::revolute, "second", 1, kWorld, state.g, translation(1, 0, 0) * axis));
   add(model, Coupling{.name = "gears", .joint_1 = 0, .joint_2 = 1, .ratio = -2.5});
   const auto wanted = [](double t) { return 1 - std::cos(5 * t); };
   model.joints[0].axis[0].motor = {.kind = MotorKind::position, .target = wanted};

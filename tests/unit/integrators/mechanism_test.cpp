@@ -31,8 +31,9 @@ struct Chain {
     for (int i = 0; i < rods; ++i) add(model, rod());
     state = rest_state(model);
     for (int i = 0; i < rods; ++i) {
-      state.g[i].p = Vec3(0.5 + i, 0, 0);
-      add(model, joint_at(JointKind::revolute, "hinge", i, i - 1, state.g, translation(i, 0, 0) * kAboutY));
+      state.g[BodyId::at(i)].p = Vec3(0.5 + i, 0, 0);
+      add(model, joint_at(JointKind::revolute, "hinge", BodyId::at(i), BodyId::at(i - 1), state.g,
+                          translation(i, 0, 0) * kAboutY));
     }
   }
 };
@@ -83,7 +84,7 @@ TEST(Pendulum, HangsOnItsJointWithItsWeight) {
   add(model, rod(2));
   State state = rest_state(model);
   state.g[0].p.x() = 0.5;
-  add(model, joint_at(JointKind::fixed, "clamp", 0, -1, state.g, SE3{}));
+  add(model, joint_at(JointKind::fixed, "clamp", 0, kWorld, state.g, SE3{}));
   const StepReport report = MoreauJean(model, {}, {.theta = 1}).step(state);
   ASSERT_TRUE(report.ok());
   EXPECT_LT((report.joints[0].force - Vec3(0, 0, 2 * kG)).norm(), 1e-9);
@@ -113,11 +114,11 @@ TEST(FourBar, MovesAsItsOneEquationSaysAlthoughItsJointsAreRedundant) {
     state.g[0] = {upright.R, Vec3(0, 0, 0.5)};
     state.g[1] = {upright.R, Vec3(1, 0, 0.5)};
     state.g[2].p = Vec3(0.5, 0, 1);
-    const auto hinge = [&](int a, int b, double x, double z) {
+    const auto hinge = [&](BodyId a, BodyId b, double x, double z) {
       add(model, joint_at(JointKind::revolute, "hinge", a, b, state.g, translation(x, 0, z) * kAboutY));
     };
-    hinge(0, -1, 0, 0), hinge(1, -1, 1, 0), hinge(0, 2, 0, 1), hinge(1, 2, 1, 1);  // 20 rows for 17
-    for (const int crank : {0, 1}) twist(state, crank) << 0.5, 0, 0, 0, 1, 0;
+    hinge(0, kWorld, 0, 0), hinge(1, kWorld, 1, 0), hinge(0, 2, 0, 1), hinge(1, 2, 1, 1);  // 20 rows for 17
+    for (const BodyId crank : {BodyId(0), BodyId(1)}) twist(state, crank) << 0.5, 0, 0, 0, 1, 0;
     twist(state, 2) << 1, 0, 0, 0, 0, 0;
     const double E = energy(model, state).total();
     const MoreauJean scheme(model, {.h = h}, {.theta = 0.5});
@@ -148,11 +149,11 @@ TEST(Bricard, MovesAndKeepsItsEnergy) {
     for (int i = 0; i < 5; ++i) add(model, rod());
     State state = rest_state(model);
     for (int i = 0; i < 5; ++i)
-      state.g[i] = {Quat::FromTwoVectors(Vec3::UnitX(), corner[i + 1] - corner[i]),
-                    (corner[i] + corner[i + 1]) / 2};
+      state.g[BodyId::at(i)] = {Quat::FromTwoVectors(Vec3::UnitX(), corner[i + 1] - corner[i]),
+                                (corner[i] + corner[i + 1]) / 2};
     for (int i = 0; i < 6; ++i)
-      add(model, joint_at(JointKind::revolute, "hinge", i < 5 ? i : -1, i - 1, state.g,
-                          {Quat::FromTwoVectors(Vec3::UnitZ(), axis[i]), corner[i]}));
+      add(model, joint_at(JointKind::revolute, "hinge", BodyId::at(i < 5 ? i : -1), BodyId::at(i - 1),
+                          state.g, {Quat::FromTwoVectors(Vec3::UnitZ(), axis[i]), corner[i]}));
     const double E = energy(model, state).total();
     EXPECT_NEAR(E, -3 * kG, 1e-12);
     double worst = 0;
@@ -321,8 +322,8 @@ TEST(Universal, TurnsAsHookeSays) {
     add(model, RigidBody{.name = "shaft", .mass = 1, .inertia = 0.1 * Mat3::Identity()});
   State state = rest_state(model);
   const SE3 out = rotation(Vec3::UnitX(), bend);
-  add(model, joint_at(JointKind::revolute, "in", 0, -1, state.g, SE3{}));
-  add(model, joint_at(JointKind::revolute, "out", 1, -1, state.g, out));
+  add(model, joint_at(JointKind::revolute, "in", 0, kWorld, state.g, SE3{}));
+  add(model, joint_at(JointKind::revolute, "out", 1, kWorld, state.g, out));
   add(model, Joint{.name = "cross",
                    .kind = JointKind::universal,
                    .body_a = 1,
@@ -345,11 +346,11 @@ TEST(FreeChain, KeepsItsLinearMomentumToRoundingAndItsAngularMomentumToSecondOrd
     model.gravity = Vec3::Zero();
     for (int i = 0; i < 5; ++i) add(model, rod(1 + 0.2 * i));
     State state = rest_state(model);
-    for (int i = 0; i < 5; ++i) state.g[i].p.x() = i;
+    for (int i = 0; i < 5; ++i) state.g[BodyId::at(i)].p.x() = i;
     for (int i = 0; i < 4; ++i)
-      add(model, joint_at(i % 2 ? JointKind::spherical : JointKind::universal, "joint", i + 1, i, state.g,
-                          translation(i + 0.5, 0, 0)));
-    for (int i = 0; i < 5; ++i) twist(state, i) << random.vector(1), random.vector(2);
+      add(model, joint_at(i % 2 ? JointKind::spherical : JointKind::universal, "joint", BodyId::at(i + 1),
+                          BodyId::at(i), state.g, translation(i + 0.5, 0, 0)));
+    for (int i = 0; i < 5; ++i) twist(state, BodyId::at(i)) << random.vector(1), random.vector(2);
     state = consistent(model, state);
     EXPECT_LT((consistent_velocity(model, state) - state.v).norm(), 1e-12);
     const Momentum before = momentum(model, state);
@@ -398,8 +399,8 @@ TEST(Rack, FollowsItsPinion) {
   add(model, RigidBody{.name = "rack", .mass = 4, .inertia = Mat3::Identity()});
   State state = rest_state(model);
   state.g[1].p.z() = -0.3;
-  add(model, joint_at(JointKind::revolute, "axle", 0, -1, state.g, kAboutY));
-  add(model, joint_at(JointKind::prismatic, "slide", 1, -1, state.g,
+  add(model, joint_at(JointKind::revolute, "axle", 0, kWorld, state.g, kAboutY));
+  add(model, joint_at(JointKind::prismatic, "slide", 1, kWorld, state.g,
                       translation(0, 0, -0.3) * rotation(Vec3::UnitY(), kPi / 2)));
   add(model, Coupling{.name = "teeth", .joint_1 = 1, .joint_2 = 0, .ratio = -0.3, .offset = 0});
   model.joints[0].axis[0].motor = {.kind = MotorKind::effort, .target = [](double) { return 2; }};
@@ -427,7 +428,7 @@ TEST(SliderCrank, FollowsACrankOnARecordedPath) {
   add(model, joint_at(JointKind::revolute, "pin", 1, 0, state.g, translation(crank, 0, 0) * kAboutY));
   add(model,
       joint_at(JointKind::revolute, "wrist", 2, 1, state.g, translation(crank + length, 0, 0) * kAboutY));
-  add(model, joint_at(JointKind::prismatic, "guide", 2, -1, state.g,
+  add(model, joint_at(JointKind::prismatic, "guide", 2, kWorld, state.g,
                       translation(crank + length, 0, 0) * rotation(Vec3::UnitY(), kPi / 2)));
   advance(MoreauJean(model, {.h = 5e-3}, {.theta = 1}), state, 3.5, [&](const StepReport& report) {
     const double a = 3 * state.t;
@@ -444,14 +445,14 @@ TEST(Flap, FallsOnTheGroundAndLiesThere) {
     model.contact_law = {.mu = 0.5};
     const SimplicialComplex box = make_box(0.4, 0.2, 0.05);
     const double radius = 1e-3;
-    const int shape = add(model, prepare(dilate(box, radius)));
+    const ShapeId shape = add(model, prepare(dilate(box, radius)));
     add(model, fixed_body("ground", add(model, prepare(dilate(make_plate(3, 3), radius)))));
     add(model, solid_body("flap", shape, mass_properties(box, 1000)));
     State state = rest_state(model);
     const double height = 0.025 + 2 * radius;
     const SE3 hinge = translation(-0.3, 0, height) * kAboutY;
     state.g[1].p.z() = height;
-    add(model, joint_at(JointKind::revolute, "hinge", 1, -1, state.g, hinge));
+    add(model, joint_at(JointKind::revolute, "hinge", 1, kWorld, state.g, hinge));
     const double up = -1.0;  // about +y: the far end rises
     state.g[1] = translation(-0.3, 0, height) * rotation(Vec3::UnitY(), up) * translation(0.3, 0, 0);
     double weight = 0;

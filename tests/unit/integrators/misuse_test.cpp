@@ -15,12 +15,12 @@ struct TwoBalls {
   Model model{};
   State state{};
   TwoBalls() {
-    const int ball = add(model, prepare(dilate(make_point(), 0.05)));
+    const auto ball = add(model, prepare(dilate(make_point(), 0.05)));
     for (int i = 0; i < 2; ++i) add(model, body(ball));
     state = rest_state(model);
     state.g[1].p.x() = 1;
   }
-  static RigidBody body(int shape) {
+  static RigidBody body(ShapeId shape) {
     return {.name = "ball", .shape = shape, .mass = 1, .inertia = 1e-3 * Mat3::Identity()};
   }
 };
@@ -133,7 +133,7 @@ TEST(Step, RefusesWhatGapFunctionsSayInTheWrongSizeByTheirName) {
 TEST(Joint, RefusesWhatActsAlongAnAxisThatItHasNot) {
   TwoBalls s;
   const auto message = [&](JointKind kind, int axis, const JointAxis& with) {
-    Joint joint{.name = "j", .kind = kind, .body_a = 0, .body_b = -1, .length = 1};
+    Joint joint{.name = "j", .kind = kind, .body_a = 0, .body_b = kWorld, .length = 1};
     joint.axis[axis] = with;
     return message_of([&] { add(s.model, joint); });
   };
@@ -204,10 +204,10 @@ TEST(PlasticImpact, OfThreeBallsInTouchSharesTheMomentumWhateverTheStep) {
     for (const NormalLaw law : {NormalLaw::combined, NormalLaw::gap_over_step, NormalLaw::moreau})
       for (const double h : {1e-2, 1e-3, 1e-4}) {
         Model model{.gravity = Vec3::Zero()};
-        const int ball = add(model, prepare(dilate(make_point(), 0.05)));
+        const auto ball = add(model, prepare(dilate(make_point(), 0.05)));
         for (int i = 0; i < 3; ++i) add(model, TwoBalls::body(ball));
         State state = rest_state(model);
-        for (int i = 0; i < 3; ++i) state.g[i].p.x() = 0.1 * i;
+        for (int i = 0; i < 3; ++i) state.g[BodyId::at(i)].p.x() = 0.1 * i;
         state.v[0] = 1;
         const Scheme scheme = make_scheme("moreau_jean", model,
                                           {.step = {.h = h}, .moreau_jean = {.theta = theta, .law = law}});
@@ -221,8 +221,8 @@ TEST(PlasticImpact, OfThreeBallsInTouchSharesTheMomentumWhateverTheStep) {
 // The impact, the solve that stops what would close again, and the displacement (MJ-17): a sweep each.
 TEST(Landing, TellsTheIterationsOfAllThatItSolved) {
   Model model;
-  const int plate = add(model, prepare(dilate(make_plate(6, 6), 1e-3)));
-  const int ball = add(model, prepare(dilate(make_point(), 0.05)));
+  const auto plate = add(model, prepare(dilate(make_plate(6, 6), 1e-3)));
+  const auto ball = add(model, prepare(dilate(make_point(), 0.05)));
   add(model, fixed_body("ground", plate));
   add(model, RigidBody{.name = "ball", .shape = ball, .mass = 1, .inertia = 1e-3 * Mat3::Identity()});
   State state = rest_state(model);

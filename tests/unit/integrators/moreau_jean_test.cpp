@@ -60,7 +60,7 @@ TEST(MoreauJean, AnIsolatedPairKeepsItsMomenta) {
   model.gravity = Vec3::Zero();
   model.contact_law = {.mu = 0.4, .restitution = 0};
   const SimplicialComplex box = make_box(kSide, 0.8 * kSide, 0.6 * kSide);
-  const int shape = add(model, prepare(dilate(box, kRadius)));
+  const ShapeId shape = add(model, prepare(dilate(box, kRadius)));
   for (const char* name : {"a", "b"}) add(model, solid_body(name, shape, mass_properties(box, kDensity)));
   State state = rest_state(model);
   pose(state, 0) = {random.rotation(), Vec3(0, 0, 0)};
@@ -68,7 +68,7 @@ TEST(MoreauJean, AnIsolatedPairKeepsItsMomenta) {
   twist(state, 1) << 0.1, 0, -1, 3, -2, 1;
   const auto momenta = [&] {
     Vec6 sum = Vec6::Zero();
-    for (int b = 0; b < 2; ++b) {
+    for (const BodyId b : model.bodies.ids()) {
       const RigidBody& body = model.bodies[b];
       const Vec3 p = body.mass * twist(state, b).head<3>();
       sum.head<3>() += p;
@@ -103,8 +103,8 @@ TEST(MoreauJean, StopsSlipInTheMiddleOfTheGap) {
   Model model;
   model.gravity = Vec3::Zero();
   model.contact_law = {.mu = 10};
-  const int point = add(model, prepare(dilate(make_point(), kRadius)));
-  const int plate = add(model, prepare(dilate(make_plate(2, 2), 1e-3)));
+  const auto point = add(model, prepare(dilate(make_point(), kRadius)));
+  const auto plate = add(model, prepare(dilate(make_plate(2, 2), 1e-3)));
   add(model, fixed_body("plate", plate));
   add(model,
       RigidBody{
@@ -126,8 +126,8 @@ TEST(MoreauJean, DoesNotTunnel) {
     Model model;
     model.gravity = Vec3::Zero();
     const SimplicialComplex paper = make_plate(0.1, 0.1);
-    const int sheet = add(model, prepare(dilate(paper, 5e-5)));
-    const int point = add(model, prepare(dilate(make_point(), 5e-3)));
+    const auto sheet = add(model, prepare(dilate(paper, 5e-5)));
+    const auto point = add(model, prepare(dilate(make_point(), 5e-3)));
     add(model,
         RigidBody{
             .name = "paper", .shape = sheet, .mass = 1e-3, .inertia = Vec3(8e-7, 8e-7, 1.6e-6).asDiagonal()});
@@ -250,7 +250,7 @@ TEST(MoreauJean, NamesBadOptions) {
   EXPECT_THROW(MoreauJean(s.model, {}, {.theta = 0.3}), std::invalid_argument);
   EXPECT_THROW(MoreauJean(s.model, {.advancement = {.max_overlap = 1}}), std::invalid_argument);
   Model bare;
-  const int plate = add(bare, prepare(dilate(make_plate(1, 1), 0)));
+  const auto plate = add(bare, prepare(dilate(make_plate(1, 1), 0)));
   add(bare, RigidBody{.name = "a", .shape = plate, .mass = 1, .inertia = Vec3(1, 1, 2).asDiagonal()});
   add(bare, RigidBody{.name = "b", .shape = plate, .mass = 1, .inertia = Vec3(1, 1, 2).asDiagonal()});
   EXPECT_THROW(MoreauJean(bare, {}), std::invalid_argument);

@@ -199,7 +199,7 @@ TEST(SchemeOptions, AreRefusedWhereTheyContradictEachOther) {
 // block is 0.4 mm above the plate.
 TEST(EveryScheme, RefusesToBeginInOverlapAndKeepsTheState) {
   Scene s = block_on_plate(0.3, 0, 0);
-  const int tilted = add(s.model, s.model.bodies[s.block]);
+  const auto tilted = add(s.model, s.model.bodies[s.block]);
   const SE3 plain = pose(s.state, s.block);
   s.state = rest_state(s.model);
   pose(s.state, s.block) = translation(0, 0, -0.3 * kRadius) * plain;

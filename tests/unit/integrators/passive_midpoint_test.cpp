@@ -142,7 +142,7 @@ TEST(PassiveMidpoint, KeepsTheEnergyOfATopOnItsTipToSecondOrder) {
     State state = rest_state(model);
     pose(state, 0).p = Vec3(0, 1, 0);
     twist(state, 0) << Vec3(3, 20, -2).cross(Vec3(0, 1, 0)), Vec3(3, 20, -2);
-    add(model, joint_at(JointKind::spherical, "tip", 0, -1, state.g, SE3{}));
+    add(model, joint_at(JointKind::spherical, "tip", 0, kWorld, state.g, SE3{}));
     const double E = energy(model, state).total();
     const PassiveMidpoint scheme(model, exact(h));
     double worst = 0;

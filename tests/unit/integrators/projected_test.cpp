@@ -84,8 +84,8 @@ TEST(MoreauJeanProjected, CombinedActivatesWhatThePositionsAskFor) {
 TEST(MoreauJeanProjected, HoldsGapFunctionsAndJoints) {
   Model model;
   model.contact_law = {.mu = 0.2, .restitution = 0.3};
-  const int ball = add(model, prepare(dilate(make_point(), 0.05)));
-  const int plate = add(model, prepare(dilate(make_plate(2, 2), 1e-3)));
+  const auto ball = add(model, prepare(dilate(make_point(), 0.05)));
+  const auto plate = add(model, prepare(dilate(make_plate(2, 2), 1e-3)));
   add(model, RigidBody{.name = "ball", .shape = ball, .mass = 1, .inertia = 1e-3 * Mat3::Identity()});
   add(model, fixed_body("floor", plate));
   add(model, Coordinates{.name = "point",
@@ -110,7 +110,7 @@ TEST(MoreauJeanProjected, HoldsGapFunctionsAndJoints) {
     pose(state, 0).p = Vec3(0.3, 0, 0.13);
     state.q[0] = 0.1;
     Model hinged = model;
-    add(hinged, joint_at(JointKind::revolute, "hinge", 0, -1, state.g,
+    add(hinged, joint_at(JointKind::revolute, "hinge", 0, kWorld, state.g,
                          translation(0, 0, 0.051) * rotation(Vec3::UnitX(), -kPi / 2)));
     const MoreauJeanProjected scheme(hinged, {.h = 2e-3}, {.order = order});
     double deepest = 0, joint = 0, q_least = 0;

@@ -57,8 +57,8 @@ TEST(Start, IsRefusedWithAJointWhoseCollidingBodiesOverlap) {
 TEST(Start, IsRefusedWithAPieceOfABodyInsideAnother) {
   Scene s = block_on_plate(0.3, 0, 0, 0.1);
   const SimplicialComplex lump = make_box(0.01, 0.01, 0.01);
-  const int lumps = add(s.model, prepare(dilate(merged({lump, moved(lump, 1, 0, 0)}, true), kRadius)));
-  const int dumbbell =
+  const auto lumps = add(s.model, prepare(dilate(merged({lump, moved(lump, 1, 0, 0)}, true), kRadius)));
+  const auto dumbbell =
       add(s.model, solid_body("dumbbell", lumps, mass_properties(make_box(1, 0.01, 0.01), kDensity)));
   s.state = rest_state(s.model);
   pose(s.state, s.block).p.z() = 1;
@@ -73,7 +73,7 @@ TEST(Start, IsRefusedWithAPieceOfABodyInsideAnother) {
 
 TEST(Start, IsRefusedWithAJointThatDoesNotHoldUntilItIsMadeConsistent) {
   Scene s = block_on_plate(0.3, 0, 0, 0.1);
-  add(s.model, joint_at(JointKind::revolute, "hinge", s.block, -1, s.state.g, pose(s.state, s.block)));
+  add(s.model, joint_at(JointKind::revolute, "hinge", s.block, kWorld, s.state.g, pose(s.state, s.block)));
   EXPECT_EQ(refusal(s.model, s.state), "");
   pose(s.state, s.block).p.x() += 1e-3;
   expect_names(refusal(s.model, s.state), "start: joint 0 (hinge): translation error [m] = 0.001");

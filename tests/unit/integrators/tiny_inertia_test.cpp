@@ -29,8 +29,8 @@ struct Rods {
           RigidBody{.name = "rod", .mass = 1, .inertia = Vec3(about_x, 1. / 12, 1. / 12).asDiagonal()});
     state = rest_state(model);
     for (int i = 0; i < count; ++i) {
-      state.g[i].p = Vec3(0.5 + i, 0, 0);
-      add(model, joint_at(JointKind::revolute, "hinge", i, i - 1, state.g,
+      state.g[BodyId::at(i)].p = Vec3(0.5 + i, 0, 0);
+      add(model, joint_at(JointKind::revolute, "hinge", BodyId::at(i), BodyId::at(i - 1), state.g,
                           frame(Vec3(i, 0, 0), i == 0 ? Vec3(0, 1, 0.5) : Vec3(0, 1, 0))));
     }
   }
@@ -48,11 +48,13 @@ struct SixBar {
     state = rest_state(model);
     for (int i = 0; i < 6; ++i) {
       const Vec3 along = corner(i + 1) - corner(i);
-      state.g[i] = {Quat::FromTwoVectors(Vec3::UnitX(), along), (corner(i) + corner(i + 1)) / 2};
+      state.g[BodyId::at(i)] = {Quat::FromTwoVectors(Vec3::UnitX(), along), (corner(i) + corner(i + 1)) / 2};
     }
-    add(model, joint_at(JointKind::revolute, "held", 0, -1, state.g, frame(corner(0), Vec3(0.2, 1, 0.1))));
+    add(model,
+        joint_at(JointKind::revolute, "held", 0, kWorld, state.g, frame(corner(0), Vec3(0.2, 1, 0.1))));
     for (int i = 1; i < 6; ++i)
-      add(model, joint_at(JointKind::revolute, "hinge", i, i - 1, state.g, frame(corner(i), Vec3::UnitY())));
+      add(model, joint_at(JointKind::revolute, "hinge", BodyId::at(i), BodyId::at(i - 1), state.g,
+                          frame(corner(i), Vec3::UnitY())));
     add(model, joint_at(JointKind::spherical, "closes", 0, 5, state.g, translation(corner(0).x(), 0, 0)));
   }
 };
@@ -71,11 +73,11 @@ struct Ring {
           RigidBody{.name = "rod", .mass = 1, .inertia = Vec3(about_x, 1. / 12, 1. / 12).asDiagonal()});
     state = rest_state(model);
     for (int i = 0; i < 5; ++i)
-      state.g[i] = {Quat::FromTwoVectors(Vec3::UnitX(), corner[i + 1] - corner[i]),
-                    (corner[i] + corner[i + 1]) / 2};
+      state.g[BodyId::at(i)] = {Quat::FromTwoVectors(Vec3::UnitX(), corner[i + 1] - corner[i]),
+                                (corner[i] + corner[i + 1]) / 2};
     for (int i = 0; i < 6; ++i)
-      add(model, joint_at(JointKind::revolute, "hinge", i < 5 ? i : -1, i - 1, state.g,
-                          frame(corner[i], axis[i % 3])));
+      add(model, joint_at(JointKind::revolute, "hinge", BodyId::at(i < 5 ? i : -1), BodyId::at(i - 1),
+                          state.g, frame(corner[i], axis[i % 3])));
   }
 };
 
@@ -161,7 +163,8 @@ TEST(TinyInertia, OfABobOnALongArmIsThatOfAPoint) {
     add(model, RigidBody{.name = "bob", .mass = 1, .inertia = moment * Mat3::Identity()});
     State state = rest_state(model);
     state.g[0].p = Vec3(1, 0, 0);
-    add(model, joint_at(JointKind::revolute, "hinge", 0, -1, state.g, frame(Vec3::Zero(), Vec3(0, 1, 0.3))));
+    add(model,
+        joint_at(JointKind::revolute, "hinge", 0, kWorld, state.g, frame(Vec3::Zero(), Vec3(0, 1, 0.3))));
     const double before = energy(model, state).total();
     const StepReport last = run_until(MoreauJean(model, {.h = 1e-3}, {.theta = 0.5}), state, 0.5);
     ASSERT_TRUE(last.ok()) << moment << ": " << last.reason;
@@ -180,9 +183,9 @@ TEST(LightLinks, BetweenHeavyBodiesTransmitWhatThoseNeed) {
                            .inertia = mass * Vec3(0.01, 0.08, 0.08).asDiagonal().toDenseMatrix()});
     State state = rest_state(model);
     for (int i = 0; i < 3; ++i) {
-      state.g[i].p = Vec3(0.5 + i, 0, 0);
-      add(model,
-          joint_at(JointKind::revolute, "hinge", i, i - 1, state.g, frame(Vec3(i, 0, 0), Vec3::UnitY())));
+      state.g[BodyId::at(i)].p = Vec3(0.5 + i, 0, 0);
+      add(model, joint_at(JointKind::revolute, "hinge", BodyId::at(i), BodyId::at(i - 1), state.g,
+                          frame(Vec3(i, 0, 0), Vec3::UnitY())));
     }
     const double before = energy(model, state).total();
     const StepReport last = run_until(MoreauJean(model, {.h = 1e-3}, {.theta = 0.5}), state, 0.3);
@@ -198,8 +201,8 @@ TEST(Joints, ThatCannotHoldAreRefusedAndNotOk) {
   add(model, RigidBody{.name = "bar", .mass = 1, .inertia = Vec3(0.01, 0.1, 0.1).asDiagonal()});
   State state = rest_state(model);
   state.g[0].p.x() = 0.5;
-  add(model, joint_at(JointKind::revolute, "left", 0, -1, state.g, frame(Vec3::Zero(), Vec3::UnitY())));
-  add(model, joint_at(JointKind::revolute, "right", 0, -1, state.g, frame(Vec3::UnitX(), Vec3::UnitY())));
+  add(model, joint_at(JointKind::revolute, "left", 0, kWorld, state.g, frame(Vec3::Zero(), Vec3::UnitY())));
+  add(model, joint_at(JointKind::revolute, "right", 0, kWorld, state.g, frame(Vec3::UnitX(), Vec3::UnitY())));
   State far = state;
   model.joints[1].frame_b.p.x() += 1e-3;  // now 1 mm too far apart
   for (const std::string& scheme : scheme_names()) {

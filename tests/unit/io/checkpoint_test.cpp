@@ -34,7 +34,7 @@ Checkpoint nasty_checkpoint() {
   state.r = Vec2(0.1, -5e-324);
   state.a = Vec3(-0.0, 0.1 + 0.2, -1e300);
   for (int i = 0; i < 3; ++i)
-    state.memory.contacts.push_back({.key = {i, 1, 0xfedcba9876543210u + unsigned(i)},
+    state.memory.contacts.push_back({.key = {BodyId::at(i), 1, 0xfedcba9876543210u + unsigned(i)},
                                      .normal = Vec3(0.6, -0.0, 0.8),
                                      .point_a = Vec3(i, 1e-320, 0.1),
                                      .point_b = Vec3(0.1 + 0.2, -0.0, i),
@@ -69,8 +69,8 @@ TEST(Checkpoint, GivesTheStateBackBitForBit) {
   EXPECT_TRUE(same_bits(&a.t, &b.t, 1) && same_bits(&a.h, &b.h, 1) && same_bits(&a.h_next, &b.h_next, 1));
   ASSERT_EQ(a.g.size(), b.g.size());
   for (std::size_t i = 0; i < b.g.size(); ++i)
-    EXPECT_TRUE(same_bits(a.g[i].p.data(), b.g[i].p.data(), 3) &&
-                same_bits(a.g[i].R.coeffs().data(), b.g[i].R.coeffs().data(), 4));
+    EXPECT_TRUE(same_bits(a.g[BodyId::at(i)].p.data(), b.g[BodyId::at(i)].p.data(), 3) &&
+                same_bits(a.g[BodyId::at(i)].R.coeffs().data(), b.g[BodyId::at(i)].R.coeffs().data(), 4));
   ASSERT_EQ(a.v.size(), b.v.size());
   EXPECT_TRUE(same_bits(a.v.data(), b.v.data(), 12));
   ASSERT_TRUE(a.q.size() == 3 && a.r.size() == 2);

@@ -12,8 +12,8 @@ namespace {
 /// A fixed plate and two balls that share a shape, one above the other.
 Model two_balls_on_a_plate() {
   Model model;
-  const int plate = add(model, prepare(dilate(make_box(1, 1, 0.1), 1e-3)));
-  const int ball = add(model, prepare(dilate(make_complex({Vec3::Zero()}, {}), 0.05)));
+  const auto plate = add(model, prepare(dilate(make_box(1, 1, 0.1), 1e-3)));
+  const auto ball = add(model, prepare(dilate(make_complex({Vec3::Zero()}, {}), 0.05)));
   add(model, fixed_body("plate", plate));
   for (const char* name : {"low", "high"}) {
     RigidBody body;
@@ -45,11 +45,11 @@ TEST(Record, TakesBodiesAndSharedShapesFromTheModel) {
 
 TEST(Record, KeepsWiresAndRefusesTwoShapesOfOneName) {
   Model model;
-  const int wire = add(
+  const auto wire = add(
       model, prepare(dilate(make_complex({{0, 0, 0}, {1, 0, 0}, {2, 1, 0}}, {}, {{0, 1}, {1, 2}}), 0.01)));
   add(model, fixed_body("cable", wire));
   EXPECT_EQ(run_header(model).meshes.at("cable").wires.size(), 2u);
-  const int other = add(model, prepare(dilate(make_complex({Vec3::Zero()}, {}), 0.01)));
+  const auto other = add(model, prepare(dilate(make_complex({Vec3::Zero()}, {}), 0.01)));
   add(model, fixed_body("cable", other));
   EXPECT_THROW(run_header(model), std::invalid_argument);
 }
@@ -59,7 +59,7 @@ TEST(Record, TakesJointsCoordinatesAndMatchesIntoARow) {
   Model model;
   add(model, RigidBody{.name = "arm", .mass = 1, .inertia = Mat3::Identity()});
   State state = rest_state(model);
-  add(model, joint_at(JointKind::revolute, "hinge", 0, -1, state.g, SE3{}));
+  add(model, joint_at(JointKind::revolute, "hinge", 0, kWorld, state.g, SE3{}));
   add(model, Coordinates{.name = "weight", .size = 2, .mass = [](const VecX&) -> MatX {
                            return MatX::Identity(2, 2);
                          }});

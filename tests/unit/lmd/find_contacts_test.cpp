@@ -215,9 +215,9 @@ TEST(PairScratch, IsKeptForABallHoweverItTurns) {
     Random random(5);
     int searches = 0;
     for (int i = 0; i < 100; ++i) {
-      const PosedShape on{&plate, translation(1e-3 * i, 0, 0), ball_first ? 1 : 0};
+      const PosedShape on{&plate, translation(1e-3 * i, 0, 0), BodyId::at(ball_first ? 1 : 0)};
       const PosedShape rolls{
-          &ball, {random.rotation(), Vec3(9.9 + 3e-3 * i, 1e-4 * i, 1.01)}, ball_first ? 0 : 1};
+          &ball, {random.rotation(), Vec3(9.9 + 3e-3 * i, 1e-4 * i, 1.01)}, BodyId::at(ball_first ? 0 : 1)};
       const PosedShape &a = ball_first ? rolls : on, &b = ball_first ? on : rolls;
       const Vec3 searched = scratch.candidates.g_ba.p;
       const LmdOptions options{.threshold = 0.05};

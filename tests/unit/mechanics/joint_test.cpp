@@ -23,7 +23,7 @@ SE3 after(const SE3& g, const Vec6& twist, double dt) {
   return {(g.R * exp_so3(dt * twist.tail<3>())).normalized(), g.p + dt * twist.head<3>()};
 }
 
-std::vector<JointRow> all_rows(const Joint& joint, const std::vector<SE3>& g) {
+std::vector<JointRow> all_rows(const Joint& joint, const PerBody<SE3>& g) {
   std::vector<JointRow> rows = locked_rows(joint, g);
   for (int i = 0; i < axis_count(joint.kind); ++i) rows.push_back(axis_row(joint, g, i));
   return rows;
@@ -35,7 +35,7 @@ class JointRows : public ::testing::TestWithParam<unsigned> {};
 TEST_P(JointRows, AreTheDerivativesOfTheirValues) {
   Random random(GetParam());
   for (const JointKind kind : kKinds)
-    for (const auto& [a, b] : {std::pair{0, 1}, std::pair{1, -1}, std::pair{-1, 0}}) {
+    for (const auto& [a, b] : {BodyPair{0, 1}, BodyPair{1, -1}, BodyPair{-1, 0}}) {
       const Joint joint{.kind = kind,
                         .body_a = a,
                         .body_b = b,
@@ -43,7 +43,7 @@ TEST_P(JointRows, AreTheDerivativesOfTheirValues) {
                         .frame_b = random.pose(1),
                         .pitch = 0.3,
                         .length = 0.7};
-      const std::vector<SE3> g{random.pose(1), random.pose(1)};
+      const PerBody<SE3> g{random.pose(1), random.pose(1)};
       Vec6 twist[2];
       for (Vec6& v : twist) v << random.vector(1), random.vector(1);
       const auto moved = [&](double dt) {
@@ -54,8 +54,8 @@ TEST_P(JointRows, AreTheDerivativesOfTheirValues) {
       ASSERT_EQ(int(rows.size()), locked_count(kind) + axis_count(kind));
       for (std::size_t i = 0; i < rows.size(); ++i) {
         double rate = 0;
-        if (a >= 0) rate += rows[i].J_a.dot(twist[a]);
-        if (b >= 0) rate += rows[i].J_b.dot(twist[b]);
+        if (a >= 0) rate += rows[i].J_a.dot(twist[a.index()]);
+        if (b >= 0) rate += rows[i].J_b.dot(twist[b.index()]);
         double change = plus[i].value - minus[i].value;
         change -= 2 * kPi * std::round(change / (2 * kPi));  // across half a turn; other rows change by 1e-5
         const double difference = change / (2 * kStep);
@@ -79,20 +79,20 @@ TEST_P(JointRows, OnTheMeanOfBothEndsAreTheirExactChange) {
                       .frame_a = random.pose(1),
                       .frame_b = random.pose(1),
                       .length = 0.7};
-    std::vector<SE3> start{random.pose(1), random.pose(1)}, end = start;
-    Vec6 step[2];  // mean twists times h: turns of up to 2 rad
-    for (std::size_t i = 0; i < 2; ++i) {
+    PerBody<SE3> start{random.pose(1), random.pose(1)}, end = start;
+    PerBody<Vec6> step(2);  // mean twists times h: turns of up to 2 rad
+    for (const BodyId i : step.ids()) {
       step[i] << random.vector(1), random.vector(1);
       const Vec3 w = step[i].tail<3>();
       const Mat3 half = skew(w) / 2, cay = (Mat3::Identity() - half).inverse() * (Mat3::Identity() + half);
       end[i] = {Quat(Mat3(start[i].R.toRotationMatrix() * cay)), start[i].p + step[i].head<3>()};
     }
     const std::vector<JointRow> before = locked_rows(joint, start), after = locked_rows(joint, end),
-                                mean = locked_rows(joint, {start, end});
+                                mean = locked_rows(joint, JointPoses(start, end));
     for (std::size_t k = 0; k < mean.size(); ++k) {
       double scale = 1;
       if (kind == JointKind::distance) {  // |d|^2 is bilinear; its row is that of the mean d, made a unit
-        const auto d = [&](const std::vector<SE3>& g) {
+        const auto d = [&](const PerBody<SE3>& g) {
           return Vec3((g[0] * joint.frame_a).p - (g[1] * joint.frame_b).p);
         };
         scale = (d(start) + d(end)).norm() / (d(start).norm() + d(end).norm());
@@ -101,7 +101,7 @@ TEST_P(JointRows, OnTheMeanOfBothEndsAreTheirExactChange) {
                   after[k].value - before[k].value, 1e-13)
           << to_string(kind) << " row " << k;
       Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
-      for (const std::size_t i : {0U, 1U}) {
+      for (const BodyId i : start.ids()) {
         const Vec6& J = i == 0 ? mean[k].J_a : mean[k].J_b;
         const Mat3 R = (start[i].R.toRotationMatrix() + end[i].R.toRotationMatrix()) / 2;
         force += J.head<3>();
@@ -114,7 +114,7 @@ TEST_P(JointRows, OnTheMeanOfBothEndsAreTheirExactChange) {
 
 TEST(Joint, HoldsWhereItWasMade) {
   Random random(7);
-  const std::vector<SE3> g{random.pose(1), random.pose(1)};
+  const PerBody<SE3> g{random.pose(1), random.pose(1)};
   for (const JointKind kind : kKinds) {
     if (kind == JointKind::distance) continue;
     Joint joint = joint_at(kind, "j", 0, 1, g, random.pose(1));
@@ -126,8 +126,8 @@ TEST(Joint, HoldsWhereItWasMade) {
 TEST(Joint, LockedRowsAreIndependentAndLeaveTheFreeMotions) {
   Random random(8);
   for (const JointKind kind : kKinds) {
-    const std::vector<SE3> g{random.pose(1)};
-    Joint joint = joint_at(kind, "j", 0, -1, g, random.pose(1));
+    const PerBody<SE3> g{random.pose(1)};
+    Joint joint = joint_at(kind, "j", 0, kWorld, g, random.pose(1));
     joint.pitch = 0.1;
     joint.length = 1;
     if (kind == JointKind::distance) joint.frame_b.p += Vec3(1, 0, 0);
@@ -142,22 +142,22 @@ TEST(Joint, LockedRowsAreIndependentAndLeaveTheFreeMotions) {
 }
 
 TEST(Joint, CoordinatesAreThoseOfAAsSeenFromB) {
-  const std::vector<SE3> g{rotation(Vec3::UnitZ(), 0.3) * translation(0, 0, 0), SE3{}};
+  const PerBody<SE3> g{rotation(Vec3::UnitZ(), 0.3) * translation(0, 0, 0), SE3{}};
   Joint joint{.kind = JointKind::revolute, .body_a = 0, .body_b = 1};
   EXPECT_NEAR(axis_row(joint, g, 0).value, 0.3, 1e-15);
   joint.kind = JointKind::planar;
-  const std::vector<SE3> shifted{translation(1, 2, 0) * rotation(Vec3::UnitZ(), -0.4), SE3{}};
+  const PerBody<SE3> shifted{translation(1, 2, 0) * rotation(Vec3::UnitZ(), -0.4), SE3{}};
   EXPECT_NEAR(axis_row(joint, shifted, 0).value, 1, 1e-15);
   EXPECT_NEAR(axis_row(joint, shifted, 1).value, 2, 1e-15);
   EXPECT_NEAR(axis_row(joint, shifted, 2).value, -0.4, 1e-15);
   joint.kind = JointKind::universal;
-  const std::vector<SE3> bent{rotation(Vec3::UnitZ(), 2) * rotation(Vec3::UnitX(), -1), SE3{}};
+  const PerBody<SE3> bent{rotation(Vec3::UnitZ(), 2) * rotation(Vec3::UnitX(), -1), SE3{}};
   EXPECT_NEAR(locked_rows(joint, bent)[3].value, 0, 1e-15);
   EXPECT_NEAR(axis_row(joint, bent, 0).value, 2, 1e-15);
   EXPECT_NEAR(axis_row(joint, bent, 1).value, -1, 1e-15);
   joint.kind = JointKind::screw;
   joint.pitch = 0.2;  // three turns and a quarter
-  const std::vector<SE3> screwed{translation(0, 0, 3.25 * 0.2) * rotation(Vec3::UnitZ(), kPi / 2), SE3{}};
+  const PerBody<SE3> screwed{translation(0, 0, 3.25 * 0.2) * rotation(Vec3::UnitZ(), kPi / 2), SE3{}};
   EXPECT_NEAR(locked_rows(joint, screwed)[2].value, 0, 1e-15);
 }
 
@@ -167,7 +167,7 @@ TEST(Mechanism, CountsTurnsAndMeasuresDrift) {
   add(model, Joint{.name = "axle", .kind = JointKind::revolute, .body_a = 0});
   State state = rest_state(model);
   for (int i = 1; i <= 20; ++i) {  // one radian each: more than three turns
-    const std::vector<SE3> next{rotation(Vec3::UnitZ(), i)};
+    const PerBody<SE3> next{rotation(Vec3::UnitZ(), i)};
     state.turns = counted_turns(model, state, next);
     state.g = next;
     EXPECT_NEAR(joint_coordinate(model, state, 0), i, 1e-14);
@@ -275,7 +275,7 @@ TEST(Model, RefusesBlocksAndGapsThatCannotBe) {
   expect_names(message_of([&] { add(model, Coordinates{.name = "x", .size = 0, .mass = mass}); }),
                "coordinates 0 (x): size = 0 must be at least 1");
   expect_names(message_of([&] { add(model, Coordinates{.name = "x", .size = 1}); }), "mass must be callable");
-  EXPECT_EQ(add(model, Coordinates{.name = "x", .size = 1, .mass = mass}), 0);
+  EXPECT_EQ(add(model, Coordinates{.name = "x", .size = 1, .mass = mass}), BlockId(0));
   const auto wall = [](const Model&, const State&, double) { return GapRows{}; };
   expect_names(message_of([&] { add(model, GapFunction{.name = "wall", .block = 1, .evaluate = wall}); }),
                "gap function 0 (wall): block = 1 must lie in [-1, 1)");

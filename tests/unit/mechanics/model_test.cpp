@@ -37,10 +37,10 @@ void expect_names(const std::string& message, const std::string& part_of_it) {
 
 TEST(Model, CountsWhatIsAdded) {
   Model model;
-  EXPECT_EQ(add(model, prepare(dilate(make_box(1, 1, 1), 1e-3))), 0);
-  EXPECT_EQ(add(model, prepare(dilate(make_sphere(1, 0), 1e-3))), 1);
-  EXPECT_EQ(add(model, fixed_body("ground", 1)), 0);
-  EXPECT_EQ(add(model, solid_body("part", 0, {.mass = 1, .inertia = Mat3::Identity()})), 1);
+  EXPECT_EQ(add(model, prepare(dilate(make_box(1, 1, 1), 1e-3))), ShapeId(0));
+  EXPECT_EQ(add(model, prepare(dilate(make_sphere(1, 0), 1e-3))), ShapeId(1));
+  EXPECT_EQ(add(model, fixed_body("ground", 1)), BodyId(0));
+  EXPECT_EQ(add(model, solid_body("part", 0, {.mass = 1, .inertia = Mat3::Identity()})), BodyId(1));
   EXPECT_EQ(model.shapes[0]->radius, 1e-3);
   EXPECT_EQ(refusal(model), "");
 }
@@ -116,11 +116,10 @@ TEST(Model, RefusesBadLaws) {
   bad = model;
   bad.pair_laws[{0, 1}].mu = kNan;
   expect_names(refusal(bad), "pair_laws{0, 1}.mu = nan");
-  for (const std::pair<int, int>& pair :
-       {std::pair{1, 0}, std::pair{0, 0}, std::pair{0, 2}, std::pair{-1, 0}}) {
+  for (const BodyPair& pair : {BodyPair{1, 0}, BodyPair{0, 0}, BodyPair{0, 2}, BodyPair{-1, 0}}) {
     bad = model;
     bad.pair_laws[pair] = {};
-    expect_names(refusal(bad), "pair_laws{" + std::to_string(pair.first));
+    expect_names(refusal(bad), "pair_laws{" + to_string(pair.a));
   }
   bad = model;
   bad.gravity.z() = kInf;
@@ -149,7 +148,7 @@ TEST(RigidBody, SolidSitsAtItsCentreOfMass) {
   EXPECT_EQ(body.g_bs * mass.centre, Vec3::Zero());
   EXPECT_EQ(body.mass, 3);
   EXPECT_EQ(body.inertia, mass.inertia);
-  EXPECT_EQ(body.shape, 5);
+  EXPECT_EQ(body.shape, ShapeId(5));
   EXPECT_TRUE(is_dynamic(body));
   EXPECT_FALSE(is_dynamic(fixed_body("wall", 0)));
   EXPECT_FALSE(is_dynamic(prescribed_body("hand", 0, {})));

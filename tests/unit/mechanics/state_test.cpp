@@ -64,9 +64,9 @@ TEST(State, HashSeesEveryNumber) {
   std::vector<std::function<void(State&)>> changes = {
       [&](State& s) { bump(s.t); }, [&](State& s) { bump(s.h); }, [&](State& s) { bump(s.h_next); }};
   for (std::size_t i = 0; i < 2; ++i) {
-    for (int k = 0; k < 4; ++k) changes.push_back([=](State& s) { bump(s.g[i].R.coeffs()[k]); });
+    for (int k = 0; k < 4; ++k) changes.push_back([=](State& s) { bump(s.g[BodyId::at(i)].R.coeffs()[k]); });
     for (int k = 0; k < 3; ++k) {
-      changes.push_back([=](State& s) { bump(s.g[i].p[k]); });
+      changes.push_back([=](State& s) { bump(s.g[BodyId::at(i)].p[k]); });
       changes.push_back([=](State& s) { bump(s.memory.contacts[i].normal[k]); });
       changes.push_back([=](State& s) { bump(s.memory.contacts[i].point_a[k]); });
       changes.push_back([=](State& s) { bump(s.memory.contacts[i].point_b[k]); });

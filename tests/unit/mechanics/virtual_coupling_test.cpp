@@ -273,7 +273,7 @@ TEST(VirtualCoupling, RefusesOptionsOutOfRange) {
 TEST(VirtualCoupling, RefusesWhatItCannotPull) {
   const Model model = one_part();
   const Trajectory path = path_through(SE3{}, Vec6::Zero());
-  const auto refusal = [&](int body, const Trajectory& p, const VirtualCouplingOptions& o = {}) {
+  const auto refusal = [&](BodyId body, const Trajectory& p, const VirtualCouplingOptions& o = {}) {
     return message_of([&] { virtual_coupling(model, body, p, o); });
   };
   EXPECT_EQ(refusal(0, path).find("virtual_coupling: body 0 ("), 0U) << refusal(0, path);

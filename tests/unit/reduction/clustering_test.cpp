@@ -278,7 +278,7 @@ TEST(NormalClusters, OfManyPairsAreWhatReducersTake) {
   for (int pair = 0; pair < 3; ++pair)
     for (int i = 0; i < 20; ++i) {
       ContactPoint c;
-      c.a.body = pair, c.b.body = pair + 1 + pair % 2;
+      c.a.body = BodyId::at(pair), c.b.body = c.a.body + (1 + pair % 2);
       c.a.simplex = i;
       c.normal = near(i % 2 ? Vec3::UnitX() : Vec3::UnitZ(), 2 * kDegree, random);
       c.gap = random.uniform(-1e-3, 0);

@@ -315,7 +315,7 @@ TEST(Persistence, T_4_6_CostsTheSamePerContactFromAThousandToAMillion) {
       ContactSet set;
       for (int i = 0; i < n; ++i) {
         ContactPoint c;
-        c.a.body = i / 100, c.b.body = i / 100 + 1;
+        c.a.body = BodyId::at(i / 100), c.b.body = c.a.body + 1;
         c.a.simplex = c.a.region = c.b.region = i % 100;
         c.x_a = c.x_b = random.vector();
         set.points.push_back(c);

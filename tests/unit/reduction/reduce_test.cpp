@@ -174,7 +174,7 @@ ContactSet random_set(Random& random, int n) {
     const Vec3 normal = normals[random.index(3)];
     const Vec3 point(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
     add(set, point, normal, random.uniform(-1e-4, 1e-4));
-    set.points.back().b.body = 1 + random.index(2);
+    set.points.back().b.body = BodyId(1) + random.index(2);
   }
   return set;
 }

@@ -203,8 +203,8 @@ TEST(ReducerTable, T_3_2_ASquareOfFourCornersKeepsThemAndThePaperLosesOne) {
 }
 
 // Three bodies whose torques a learned selector can tell apart.
-std::vector<BodyLoad> loads() {
-  std::vector<BodyLoad> out(3);
+PerBody<BodyLoad> loads() {
+  PerBody<BodyLoad> out(3);
   for (BodyLoad& load : out) load.wrench.tail<3>() << 0.3, -0.2, double(&load - out.data());
   return out;
 }
@@ -229,7 +229,7 @@ struct Known {
   std::vector<Vec3> impulse{};
   std::vector<double> mu{};
   std::vector<char> kept_before{};
-  std::vector<BodyLoad> bodies = loads();
+  PerBody<BodyLoad> bodies = loads();
   ReductionInput input() const {
     return {.contacts = set, .kept_before = kept_before, .impulse = impulse, .mu = mu, .bodies = bodies};
   }
@@ -241,7 +241,7 @@ Known random_contacts(Random& random, int n, double mu) {
     const Vec3 normal = normals[random.index(3)];
     const Vec3 at(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
     add(k.set, at, normal, i % 3 == 0 ? 0 : random.uniform(0, 1e-4));
-    k.set.points.back().b.body = 1 + random.index(2);
+    k.set.points.back().b.body = BodyId(1) + random.index(2);
     const bool before = random.index(3) == 0;
     k.kept_before.push_back(before);
     k.impulse.push_back(before ? Vec3(random.uniform(0, 1) * normal) : Vec3::Zero());
@@ -315,8 +315,8 @@ TEST_P(EveryReducer, T_3_3_MovesWithTheBodiesOnADiscAndASquare) {
       std::vector<SE3> g = {{random.rotation(), random.vector(1)}, {random.rotation(), random.vector(1)}};
       const std::vector<double> mu(points.size(), 0.3);
       const auto kept = [&](const ContactSet& contacts, std::span<const SE3> poses) {
-        std::vector<BodyLoad> bodies = loads();
-        for (std::size_t b = 0; b < poses.size(); ++b) bodies[b].g_wb = poses[b];
+        PerBody<BodyLoad> bodies = loads();
+        for (std::size_t b = 0; b < poses.size(); ++b) bodies[BodyId::at(b)].g_wb = poses[b];
         return reduce({.contacts = contacts, .mu = mu, .g = poses, .bodies = bodies}, options()).kept;
       };
       const std::vector<int> before = kept(set, g), before_by_the_world = kept(set, {});
