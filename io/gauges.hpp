@@ -30,6 +30,7 @@ struct Gauge {
   Keep keep = Keep::nothing;
   std::function<double(const Frame&)> value{};
   bool whole = false;  // its total is a count
+  bool clock = false;  // time that passed, which differs from run to run: not in run.h5
 };
 
 /// The total of a run without steps: infinity for the least, 0 for all others.

@@ -2,6 +2,7 @@
 #include "io/recording.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <ctime>
 #include <utility>
 
@@ -67,8 +68,15 @@ struct Recording::Impl {
 
 namespace {
 
-RunWriter open_run(const RecordingOptions& o, const RunHeader& header, const Checkpoint& from) {
+bool is_in_run(const Gauge& gauge) {
+  return !gauge.column.empty() && !gauge.clock;
+}
+
+RunWriter open_run(const RecordingOptions& o, RunHeader header, const std::vector<Gauge>& gauges,
+                   const Checkpoint& from) {
   const std::filesystem::path path = o.folder / "run.h5";
+  for (const Gauge& g : gauges)
+    if (is_in_run(g)) header.gauges.push_back(g.column);
   return o.resume ? RunWriter::resume(path, std::size_t(checkpoint_count(from, "run_rows")))
                   : RunWriter(path, header);
 }
@@ -91,7 +99,7 @@ Recording::Recording(const Model& model, const RunHeader& header, std::vector<Ga
     validate(model, from.state);
   }
   const State& state = from.state;
-  RunWriter run = open_run(options, header, from);
+  RunWriter run = open_run(options, header, gauges, from);
   CsvTable table = open_table(options, gauges, from);
   impl_ = std::make_unique<Impl>(Impl{.model = model,
                                       .gauges = std::move(gauges),
@@ -105,7 +113,9 @@ Recording::Recording(const Model& model, const RunHeader& header, std::vector<Ga
     impl_->total.push_back(options.resume && !g.total.empty() ? checkpoint_number(from, "total:" + g.total)
                                                               : total_of_nothing(g.keep));
   if (!options.resume) {
-    impl_->run.append(run_step(0, model, state, impl_->pull(state)));
+    RunStep first = run_step(0, model, state, impl_->pull(state));
+    first.gauges = VecX::Constant(std::ranges::count_if(impl_->gauges, is_in_run), std::nan(""));
+    impl_->run.append(std::move(first));
     return;
   }
   impl_->totals = run_totals_of(from, options.audit_samples);
@@ -125,17 +135,20 @@ void Recording::add(const State& state, const StepReport& report) {
   const Frame frame{r.model, r.start, r.before, state, report, ++r.steps};
   aussois::add(frame, r.options.threads, r.totals);
   const bool recorded = r.steps % r.options.every == 0;
-  std::vector<double> row;
+  std::vector<double> row, in_run;
   for (std::size_t i = 0; i < r.gauges.size(); ++i) {
     const Gauge& g = r.gauges[i];
     const bool in_row = recorded && !g.column.empty();
     if (!in_row && g.keep == Keep::nothing) continue;
     const double value = g.value(frame);
     if (in_row) row.push_back(value);
+    if (in_row && is_in_run(g)) in_run.push_back(value);
     r.total[i] = kept(g.keep, r.total[i], value);
   }
   if (recorded) {
-    r.run.append(run_step(r.steps, r.model, state, report, r.pull(state)));
+    RunStep step = run_step(r.steps, r.model, state, report, r.pull(state));
+    step.gauges = Eigen::Map<const VecX>(in_run.data(), Eigen::Index(in_run.size()));
+    r.run.append(std::move(step));
     r.table.add(row);
   }
   r.before = state;

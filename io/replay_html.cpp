@@ -135,7 +135,7 @@ double contact_force(const RunHeader& header, const RunStep& step) {
 
 /// The numbers of a step that the page shows, each with what survives when a curve is thinned.
 struct Quantity {
-  const char* name;
+  std::string name;
   std::function<double(const RunHeader&, const RunStep&)> value;
   double (*worse)(double, double);
 };
@@ -168,6 +168,20 @@ const std::vector<Quantity>& quantities() {
       {"contact_force", contact_force, larger},
   };
   return list;
+}
+
+double farther_from_zero(double a, double b) {
+  return std::abs(b) > std::abs(a) || std::isnan(a) ? b : a;
+}
+
+/// Those of every page, and the gauges of the run.
+std::vector<Quantity> quantities_of(const RunHeader& header) {
+  std::vector<Quantity> out = quantities();
+  for (Eigen::Index i = 0; i < Eigen::Index(header.gauges.size()); ++i)
+    out.push_back({"gauge" + std::to_string(i),
+                   [i](const RunHeader&, const RunStep& s) { return number_or_nan(s.gauges[i]); },
+                   farther_from_zero});
+  return out;
 }
 
 /// A quantity at the frames, and its curve: each point keeps the worst of its bucket of steps.
@@ -212,6 +226,7 @@ Summary page_header(const RunHeader& header, std::size_t recorded,
     joint_names.push_back(joint.name), joint_kinds.push_back(joint.kind);
   page.set("joint_name", joint_names);
   page.set("joint_kind", joint_kinds);
+  page.set("gauge_name", header.gauges);
   return page;
 }
 
@@ -242,7 +257,8 @@ void write_page_of(const std::filesystem::path& html, const RunHeader& header, s
     centres.push_back(body.mesh.empty() ? Vec3::Zero() : centre_of(header.meshes.at(body.mesh)));
   Vec3 origin = Vec3::Zero();
   Frames frames;
-  std::vector<Curve> curves(quantities().size());
+  const std::vector<Quantity> shown_quantities = quantities_of(header);
+  std::vector<Curve> curves(shown_quantities.size());
   std::size_t point = 0;
   for (std::size_t row = 0; row < steps; ++row) {
     const RunStep& step = step_of(row);
@@ -251,7 +267,7 @@ void write_page_of(const std::filesystem::path& html, const RunHeader& header, s
     const bool is_frame = frames.step.size() < rows.size() && row == rows[frames.step.size()];
     const bool begins = begins_bucket(row, point, steps, points);
     for (std::size_t i = 0; i < curves.size(); ++i) {
-      const Quantity& quantity = quantities()[i];
+      const Quantity& quantity = shown_quantities[i];
       Curve& curve = curves[i];
       const double value = quantity.value(header, step);
       if (is_frame) curve.at_frames.push_back(float(value));
@@ -266,8 +282,8 @@ void write_page_of(const std::filesystem::path& html, const RunHeader& header, s
   add_arrays(frames, arrays);
   for (std::size_t i = 0; i < curves.size(); ++i) {
     curves[i].points.push_back(float(curves[i].kept));
-    arrays.add(std::string("frame.") + quantities()[i].name, curves[i].at_frames);
-    arrays.add(std::string("curve.") + quantities()[i].name, curves[i].points);
+    arrays.add("frame." + shown_quantities[i].name, curves[i].at_frames);
+    arrays.add("curve." + shown_quantities[i].name, curves[i].points);
   }
   write_page(html, page_header(header, steps, frames.step), arrays);
 }

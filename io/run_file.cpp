@@ -106,6 +106,8 @@ constexpr const char* kCoordinateSpeeds = "/state/q_speed";
 constexpr const char* kOffset = "/contact/offset";
 constexpr const char* kMovingVertices = "/body/moving_vertices";  // files of version 3 may lack it
 constexpr const char* kVertices = "/state/vertices";              // if there are any
+constexpr const char* kGaugeNames = "/gauge/name";                // files of version 3 may lack it
+constexpr const char* kGauges = "/gauge/value";                   // if there are any
 
 template <class Fields, class F>
 void for_each_field(const Fields& fields, const F& f) {
@@ -190,6 +192,7 @@ void write_header(hid_t file, const RunHeader& header) {
   write_rows(file, "/joint/pair", pairs);
   write_texts(file, "/coordinates/name", blocks);
   write_rows(file, "/coordinates/size", sizes);
+  write_texts(file, kGaugeNames, header.gauges);
 }
 
 /// The rows of a dataset that must have as many as there are bodies, steps or contacts.
@@ -240,6 +243,7 @@ RunHeader read_header(hid_t file) {
     if (sizes[i] < 1) fail_hdf5(file, "/coordinates/size", "is not positive at row " + std::to_string(i));
     header.blocks.push_back({blocks[i], sizes[i]});
   }
+  if (has_link(file, kGaugeNames)) header.gauges = read_texts(file, kGaugeNames);
   return header;
 }
 
@@ -297,6 +301,8 @@ void validate(const RunHeader& header, const RunStep& step) {
                   values->size(), "be the sum of the sizes of the blocks");
   require_field(step.vertices.size() == moving_vertices(header), "RunStep::vertices: size",
                 step.vertices.size(), "be the number of vertices of the bodies that deform");
+  require_field(std::size_t(step.gauges.size()) == header.gauges.size(), "RunStep::gauges: size",
+                step.gauges.size(), "be the number of gauges");
   for (const RunContact& contact : step.contacts)
     for (const int body : contact.pair)
       require_field(body >= 0 && body < bodies, "RunContact::pair", body, "be the index of a body");
@@ -337,6 +343,8 @@ std::vector<ColumnPlan> step_columns(const RunHeader& header, bool with_joint_wo
   plans.push_back({kCoordinateSpeeds, H5T_NATIVE_DOUBLE, {coordinates}, kRows, ""});
   if (const std::size_t moving = moving_vertices(header); moving > 0)
     plans.push_back({kVertices, H5T_NATIVE_DOUBLE, {moving, 3}, kRows, "m"});
+  if (!header.gauges.empty())
+    plans.push_back({kGauges, H5T_NATIVE_DOUBLE, {header.gauges.size()}, kRows, ""});
   const auto of_joints = [&](const auto& field) {
     plans.push_back({field.name, H5T_NATIVE_DOUBLE, joint_shape(field, joints), kRows, field.unit});
   };
@@ -356,7 +364,7 @@ std::vector<ColumnPlan> contact_columns() {
 
 // What the rows of a run depend on.
 RunHeader rows_of(const RunHeader& header) {
-  return {.bodies = header.bodies, .joints = header.joints, .blocks = header.blocks};
+  return {.bodies = header.bodies, .joints = header.joints, .blocks = header.blocks, .gauges = header.gauges};
 }
 
 const ColumnPlan kOffsetColumn = {kOffset, H5T_NATIVE_UINT64, {}, kHdf5ChunkRows, ""};
@@ -365,7 +373,7 @@ const ColumnPlan kOffsetColumn = {kOffset, H5T_NATIVE_UINT64, {}, kHdf5ChunkRows
 
 struct RunWriter::Impl {
   std::filesystem::path path{};
-  RunHeader header{};  // what rows depend on: bodies, joints, blocks
+  RunHeader header{};  // what rows depend on: bodies, joints, blocks, gauges
   Hdf5Id file{};
   std::unordered_map<std::string, Hdf5Column> columns{};  // looked up by name, never iterated
   std::vector<RunStep> pending{};
@@ -394,7 +402,7 @@ struct RunWriter::Impl {
   void write_pending() {
     const Hdf5Silence silence;
     std::vector<PoseRow> pose;
-    std::vector<double> velocity, q, q_speed;
+    std::vector<double> velocity, q, q_speed, gauges;
     std::vector<RunJoint> joint;
     std::vector<RunContact> contact;
     std::vector<std::uint64_t> offset;
@@ -405,6 +413,7 @@ struct RunWriter::Impl {
       velocity.insert(velocity.end(), step.velocity.begin(), step.velocity.end());
       q.insert(q.end(), step.q.begin(), step.q.end());
       q_speed.insert(q_speed.end(), step.q_speed.begin(), step.q_speed.end());
+      gauges.insert(gauges.end(), step.gauges.begin(), step.gauges.end());
       joint.insert(joint.end(), step.joints.begin(), step.joints.end());
       contact.insert(contact.end(), step.contacts.begin(), step.contacts.end());
       offset.push_back(contacts + contact.size());
@@ -419,6 +428,7 @@ struct RunWriter::Impl {
     columns.at(kVelocity).append(velocity.data(), pending.size());
     columns.at(kCoordinates).append(q.data(), pending.size());
     columns.at(kCoordinateSpeeds).append(q_speed.data(), pending.size());
+    if (!gauges.empty()) columns.at(kGauges).append(gauges.data(), pending.size());
     if (!vertices.empty()) columns.at(kVertices).append(vertices.data(), pending.size());
     columns.at(kOffset).append(offset.data(), offset.size());
     rows += pending.size();
@@ -583,6 +593,7 @@ void RunReader::Impl::read_states() {
                             velocity = read_wide(kVelocity, std::size_t(first_velocity(BodyId::at(bodies)))),
                             q = read_wide(kCoordinates, coordinates),
                             q_speed = read_wide(kCoordinateSpeeds, coordinates),
+                            gauges = read_wide(kGauges, header.gauges.size()),
                             vertices = read_wide(kVertices, 3 * moving);
   for (std::size_t k = 0; k < block.size(); ++k) {
     RunStep& step = block[k];
@@ -596,6 +607,7 @@ void RunReader::Impl::read_states() {
     step.velocity = row_of(velocity, k, std::size_t(first_velocity(BodyId::at(bodies))));
     step.q = row_of(q, k, coordinates);
     step.q_speed = row_of(q_speed, k, coordinates);
+    step.gauges = row_of(gauges, k, header.gauges.size());
   }
 }
 

@@ -55,6 +55,7 @@ struct RunHeader {
   std::vector<RunBody> bodies{};
   std::vector<RunJointName> joints{};
   std::vector<RunBlock> blocks{};
+  std::vector<std::string> gauges{};  // columns of the recording's table, but for the time that passed
 };
 
 /// A contact that took part in the step, as it stood when it was found.
@@ -119,6 +120,8 @@ struct RunStep {
 
   Vec3 coupling_force = Vec3::Zero();   // of the virtual coupling, on its body, world [N]
   Vec3 coupling_torque = Vec3::Zero();  // the same, body frame [N m]
+
+  VecX gauges{};  // of the header; NaN in the initial state
 
   double seconds_contact = 0, seconds_solve = 0, seconds_certificate = 0,
          seconds_total = 0;  // elapsed [s]

@@ -124,6 +124,9 @@ function start(run) {
   const resize = () => { scene.resize(); plots.resize(); plots.draw(frame, time[frame]); };
   addEventListener('resize', resize);
 
+  plots.gauges.forEach(({ name }, i) => $('gauge').add(new Option(name, i)));
+  $('gauges').hidden = !plots.gauges.length;
+  $('gauge').onchange = e => { plots.choose(+e.target.value); plots.resize(); plots.draw(frame, time[frame]); };
   document.querySelector('footer').hidden = last === 0 && !$('note').textContent;  // nothing to play
   if (!pushes(run)) for (const id of ['forces', 'scale']) $(id).parentElement.hidden = true;
   describe(run, scene);

@@ -112,9 +112,19 @@ export class Plots {
       ['energy', 'J', [curve('kinetic', '#b26a00', 'kinetic'), curve('total', '#5c6878', 'total')]],
       ['residual', '', [curve('residual', '#6a4fb3')], { log: true, text: power }],
     ];
+    this.parent = parent;
+    this.make = (title, unit, curves, how) => new Plot(parent, title, unit, curves, { ...how, seek });
     const tells = c => c.y.some(v => Number.isFinite(v) && v !== 0);  // of a run without coupling, no pull
     this.plots = time.length < 2 ? [] : wanted.map(([title, unit, curves, how]) => [title, unit, curves.filter(tells), how])
-      .filter(([, , curves]) => curves.length).map(([title, unit, curves, how]) => new Plot(parent, title, unit, curves, { ...how, seek }));
+      .filter(([, , curves]) => curves.length).map(entry => this.make(...entry));
+    this.gauges = time.length < 2 ? [] : (run.gauge_name ?? []).map((name, i) => ({ name, curve: curve(`gauge${i}`, '#8a5a44') }))
+      .filter(({ curve }) => tells(curve));
+  }
+  /** Draws the gauge as the last plot; -1: none. */
+  choose(i) {
+    if (this.chosen) this.plots.pop().canvas.remove();
+    this.chosen = i >= 0;
+    if (this.chosen) this.plots.push(this.make(this.gauges[i].name, '', [this.gauges[i].curve]));
   }
   resize() { for (const plot of this.plots) plot.resize(); }
   draw(frame, time) { for (const plot of this.plots) plot.draw(frame, time); }

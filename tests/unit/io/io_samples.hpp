@@ -48,6 +48,7 @@ inline RunHeader peg_header() {
   header.bodies = {bush, peg};
   header.joints = {{"guide", "cylindrical", {1, -1}}, {"clamp", "fixed", {1, 0}}};
   header.blocks = {{"spring", 2}, {"rotor", 1}};
+  header.gauges = {"displacement", "work:mu 0.3 e 0 R_e 0"};
   return header;
 }
 
@@ -61,6 +62,7 @@ inline RunStep peg_step(int k, int last) {
   step.velocity = VecX::LinSpaced(12, -s, 1 + s);
   step.q = VecX::LinSpaced(3, s, 2 + s);
   step.q_speed = VecX::LinSpaced(3, -s, 5 * s);
+  step.gauges = k == 0 ? Vec2(NAN, NAN) : Vec2(s, -1e-3 * k);
   for (int i = 0; i < 2; ++i) {
     RunJoint joint;
     joint.coordinate = Vec3(0.01 * k + i, 7 * s, 0);

@@ -182,6 +182,7 @@ TEST(ReplayHtml, ThinsFramesButKeepsTheEndsAndThePeaks) {
   run.steps[613].residual = 0.5;
   run.steps[614].min_gap = -4e-5;
   run.steps[615].coupling_force = Vec3(0, 0, 900);
+  run.steps[616].gauges[1] = -40;
   write_replay_html(path, run, {.max_frames = 50, .max_plot_points = 64});
   const Page page(path);
   const std::vector<int> steps = page.header["step"];
@@ -198,6 +199,10 @@ TEST(ReplayHtml, ThinsFramesButKeepsTheEndsAndThePeaks) {
   EXPECT_EQ(*std::min_element(gap.begin(), gap.end()), -4e-5f);
   const auto pull = curve("coupling");
   EXPECT_EQ(*std::max_element(pull.begin(), pull.end()), 900.f);
+  EXPECT_EQ(page.header["gauge_name"], run.header.gauges);
+  const auto work = curve("gauge1");
+  EXPECT_EQ(*std::min_element(work.begin(), work.end()), -40.f);
+  EXPECT_EQ(page.floats("frame.gauge0").back(), 1.f);
 }
 
 // A page is drawn from a file in one pass: it is the page of the run in memory, and a run that is four times

@@ -56,6 +56,9 @@ void expect_same(const RunStep& a, const RunStep& b) {
   EXPECT_EQ(a.velocity, b.velocity);
   EXPECT_EQ(a.q, b.q);
   EXPECT_EQ(a.q_speed, b.q_speed);
+  ASSERT_EQ(a.gauges.size(), b.gauges.size());
+  for (Eigen::Index i = 0; i < a.gauges.size(); ++i)
+    EXPECT_TRUE(a.gauges[i] == b.gauges[i] || (std::isnan(a.gauges[i]) && std::isnan(b.gauges[i])));
   ASSERT_EQ(a.joints.size(), b.joints.size());
   for (std::size_t i = 0; i < a.joints.size(); ++i) expect_same(a.joints[i], b.joints[i]);
   ASSERT_EQ(a.contacts.size(), b.contacts.size());
@@ -136,6 +139,7 @@ void expect_same(const RunHeader& a, const RunHeader& b) {
     EXPECT_EQ(a.joints[i].kind, b.joints[i].kind);
     EXPECT_EQ(a.joints[i].pair, b.joints[i].pair);
   }
+  EXPECT_EQ(a.gauges, b.gauges);
   ASSERT_EQ(a.blocks.size(), b.blocks.size());
   for (std::size_t i = 0; i < a.blocks.size(); ++i) {
     EXPECT_EQ(a.blocks[i].name, b.blocks[i].name);
@@ -233,8 +237,9 @@ TEST_P(ResumedRunFile, HasTheSameDataAsOneThatWasNeverInterrupted) {
   for (int k = checkpoint; k < 200; ++k) writer.append(run.steps[k]);
   writer.close();
   const auto whole = datasets_of(folder / "whole.h5"), parts = datasets_of(folder / "parts.h5");
-  // The layout of doc/run_file.md: 2 x 3 mesh, 8 body, 3 joint, 2 coordinates; 57 of steps, 8 of contacts.
-  EXPECT_EQ(whole.size(), 85u);
+  // The layout of doc/run_file.md: 2 x 3 mesh, 8 body, 3 joint, 2 coordinates, 1 gauge; 58 of steps, 8 of
+  // contacts.
+  EXPECT_EQ(whole.size(), 87u);
   EXPECT_TRUE(whole == parts);
 }
 INSTANTIATE_TEST_SUITE_P(Steps, ResumedRunFile, ::testing::Values(0, 1, 63, 64, 65, 100, 128, 199));
@@ -318,6 +323,19 @@ TEST(RunFile, MayLackTheWorkOfJoints) {
       j.work_locked = j.work_couplings = j.work_stops = j.work_friction = j.work_motors = j.work_springs =
           j.work_supports = 0;
   }
+  expect_same(read_run(path), run);
+}
+
+TEST(RunFile, MayLackGauges) {
+  const auto path = fresh_folder() / "run.h5";
+  RunData run = peg_run(10);
+  write_run(path, run);
+  {
+    const Hdf5Id file = open_hdf5(path, Hdf5Access::write);
+    for (const char* name : {"/gauge/name", "/gauge/value"}) H5Ldelete(file, name, H5P_DEFAULT);
+  }
+  run.header.gauges.clear();
+  for (RunStep& step : run.steps) step.gauges.resize(0);
   expect_same(read_run(path), run);
 }
 
