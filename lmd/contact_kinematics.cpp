@@ -3,6 +3,7 @@
 
 #include "geometry/check.hpp"
 #include "geometry/frame.hpp"
+#include "geometry/named.hpp"
 #include "lmd/leaf.hpp"
 
 namespace aussois {
@@ -54,16 +55,13 @@ struct Side {
 
 }  // namespace
 
+constexpr Named<KinematicsStatus> kKinematicsStatuses[] = {
+    {KinematicsStatus::ok, "ok"},
+    {KinematicsStatus::bases_too_near, "bases_too_near"},
+    {KinematicsStatus::parallel_edges, "parallel_edges"}};
+
 const char* to_string(KinematicsStatus status) {
-  switch (status) {
-    case KinematicsStatus::ok:
-      return "ok";
-    case KinematicsStatus::bases_too_near:
-      return "bases_too_near";
-    case KinematicsStatus::parallel_edges:
-      return "parallel_edges";
-  }
-  return "?";
+  return name_of(status, kKinematicsStatuses);
 }
 
 ContactKinematics contact_kinematics(const ContactPoint& contact, const PosedShape& a, const SE3& g_a,

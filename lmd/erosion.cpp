@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 
+#include "geometry/named.hpp"
 #include "geometry/self_intersections.hpp"
 #include "geometry/settings.hpp"
 #include "lmd/erosion_attempt.hpp"
@@ -183,28 +184,18 @@ ErosionResult give_up(ErosionResult result, ErosionStatus status, const std::str
 
 }  // namespace
 
+constexpr Named<ErosionStatus> kErosionStatuses[] = {{ErosionStatus::done, "done"},
+                                                     {ErosionStatus::not_solid, "not_solid"},
+                                                     {ErosionStatus::unsettled_vertex, "unsettled_vertex"},
+                                                     {ErosionStatus::lost_edge, "lost_edge"},
+                                                     {ErosionStatus::lost_face, "lost_face"},
+                                                     {ErosionStatus::inside_out, "inside_out"},
+                                                     {ErosionStatus::self_intersecting, "self_intersecting"},
+                                                     {ErosionStatus::too_shallow, "too_shallow"},
+                                                     {ErosionStatus::too_round, "too_round"}};
+
 const char* to_string(ErosionStatus status) {
-  switch (status) {
-    case ErosionStatus::done:
-      return "done";
-    case ErosionStatus::not_solid:
-      return "not_solid";
-    case ErosionStatus::unsettled_vertex:
-      return "unsettled_vertex";
-    case ErosionStatus::lost_edge:
-      return "lost_edge";
-    case ErosionStatus::lost_face:
-      return "lost_face";
-    case ErosionStatus::inside_out:
-      return "inside_out";
-    case ErosionStatus::self_intersecting:
-      return "self_intersecting";
-    case ErosionStatus::too_shallow:
-      return "too_shallow";
-    case ErosionStatus::too_round:
-      return "too_round";
-  }
-  return "unknown";
+  return name_of(status, kErosionStatuses);
 }
 
 double interior_angle(const SimplicialComplex& k, const Idealisation& ideal, const Chain& chain) {

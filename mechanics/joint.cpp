@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "geometry/check.hpp"
+#include "geometry/named.hpp"
 
 namespace aussois {
 namespace {
@@ -106,28 +107,15 @@ JointRow length(const Frames& f, double wanted) {
 
 }  // namespace
 
+constexpr Named<JointKind> kJointKinds[] = {
+    {JointKind::fixed, "fixed"},         {JointKind::revolute, "revolute"},
+    {JointKind::prismatic, "prismatic"}, {JointKind::cylindrical, "cylindrical"},
+    {JointKind::spherical, "spherical"}, {JointKind::universal, "universal"},
+    {JointKind::planar, "planar"},       {JointKind::screw, "screw"},
+    {JointKind::distance, "distance"}};
+
 const char* to_string(JointKind kind) {
-  switch (kind) {
-    case JointKind::fixed:
-      return "fixed";
-    case JointKind::revolute:
-      return "revolute";
-    case JointKind::prismatic:
-      return "prismatic";
-    case JointKind::cylindrical:
-      return "cylindrical";
-    case JointKind::spherical:
-      return "spherical";
-    case JointKind::universal:
-      return "universal";
-    case JointKind::planar:
-      return "planar";
-    case JointKind::screw:
-      return "screw";
-    case JointKind::distance:
-      return "distance";
-  }
-  return "?";
+  return name_of(kind, kJointKinds);
 }
 
 Joint joint_at(JointKind kind, std::string name, BodyId body_a, BodyId body_b, const PerBody<SE3>& g,

@@ -5,25 +5,17 @@
 #include <string>
 
 #include "geometry/check.hpp"
+#include "geometry/named.hpp"
 
 namespace aussois {
 
+constexpr Named<LawKind> kLawKinds[] = {
+    {LawKind::coulomb, "coulomb"},     {LawKind::rolling, "rolling"},
+    {LawKind::contensou, "contensou"}, {LawKind::unilateral, "unilateral"},
+    {LawKind::bilateral, "bilateral"}, {LawKind::dry_friction, "dry_friction"}};
+
 const char* to_string(LawKind kind) {
-  switch (kind) {
-    case LawKind::coulomb:
-      return "coulomb";
-    case LawKind::rolling:
-      return "rolling";
-    case LawKind::contensou:
-      return "contensou";
-    case LawKind::unilateral:
-      return "unilateral";
-    case LawKind::bilateral:
-      return "bilateral";
-    case LawKind::dry_friction:
-      return "dry_friction";
-  }
-  return "unknown";
+  return name_of(kind, kLawKinds);
 }
 
 void validate(const Law& law, std::size_t index) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <sstream>
 
+#include "geometry/named.hpp"
 #include "geometry/settings.hpp"
 #include "integrators/events/event_run.hpp"
 #include "integrators/prove/certify_step.hpp"
@@ -216,24 +217,16 @@ StepReport EventRun::step(State& out) {
   return report_;
 }
 
+constexpr Named<EventKind> kEventKinds[] = {{EventKind::impact, "impact"},
+                                            {EventKind::rest, "rest"},
+                                            {EventKind::release, "release"},
+                                            {EventKind::slip, "slip"},
+                                            {EventKind::stick, "stick"},
+                                            {EventKind::reversal, "reversal"},
+                                            {EventKind::tangential_impact, "tangential impact"}};
+
 const char* to_string(EventKind kind) {
-  switch (kind) {
-    case EventKind::impact:
-      return "impact";
-    case EventKind::rest:
-      return "rest";
-    case EventKind::release:
-      return "release";
-    case EventKind::slip:
-      return "slip";
-    case EventKind::stick:
-      return "stick";
-    case EventKind::reversal:
-      return "reversal";
-    case EventKind::tangential_impact:
-      return "tangential impact";
-  }
-  return "?";
+  return name_of(kind, kEventKinds);
 }
 
 void describe(SettingVisitor& visit, OdeOptions& o) {

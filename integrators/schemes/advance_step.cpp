@@ -7,22 +7,18 @@
 #include <tuple>
 #include <utility>
 
+#include "geometry/named.hpp"
 #include "integrators/prove/certify_step.hpp"
 
 namespace aussois {
 
+constexpr Named<StepStatus> kStepStatuses[] = {{StepStatus::ok, "ok"},
+                                               {StepStatus::not_solved, "not solved"},
+                                               {StepStatus::refused, "refused"},
+                                               {StepStatus::not_finite, "not finite"}};
+
 const char* to_string(StepStatus status) {
-  switch (status) {
-    case StepStatus::ok:
-      return "ok";
-    case StepStatus::not_solved:
-      return "not solved";
-    case StepStatus::refused:
-      return "refused";
-    case StepStatus::not_finite:
-      return "not finite";
-  }
-  return "?";
+  return name_of(status, kStepStatuses);
 }
 
 namespace {

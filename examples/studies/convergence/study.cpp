@@ -9,6 +9,7 @@
 
 #include "examples/common/convergence.hpp"
 #include "examples/common/driver.hpp"
+#include "geometry/named.hpp"
 #include "geometry/settings.hpp"
 #include "integrators/run.hpp"
 
@@ -112,20 +113,15 @@ std::pair<Errors, Reasons> expected_orders(const Case& c, const SchemeTraits& tr
   return {out, why};
 }
 
+constexpr Named<OrderVerdict> kVerdicts[] = {
+    {OrderVerdict::met, "met"},
+    {OrderVerdict::less, "met, less than order one is promised"},
+    {OrderVerdict::none, "no order of the graph is promised"},
+    {OrderVerdict::missed, "missed"},
+    {OrderVerdict::not_judged, "not judged: steps were shortened at too many step sizes"}};
+
 const char* to_string(OrderVerdict verdict) {
-  switch (verdict) {
-    case OrderVerdict::met:
-      return "met";
-    case OrderVerdict::less:
-      return "met, less than order one is promised";
-    case OrderVerdict::none:
-      return "no order of the graph is promised";
-    case OrderVerdict::missed:
-      return "missed";
-    case OrderVerdict::not_judged:
-      return "not judged: steps were shortened at too many step sizes";
-  }
-  return "?";
+  return name_of(verdict, kVerdicts);
 }
 
 double shortened_error(const Study& s) {

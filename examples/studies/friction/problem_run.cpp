@@ -2,7 +2,6 @@
 #include "examples/studies/friction/problem_run.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
@@ -10,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "geometry/check.hpp"
+#include "geometry/named.hpp"
 #include "io/atomic_file.hpp"
 
 namespace aussois {
@@ -131,26 +131,17 @@ Json json_of(const ProblemRun& run) {
   return out;
 }
 
-constexpr std::array kStarts{Start::zero, Start::guess, Start::solution};
-
 }  // namespace
 
+constexpr Named<Start> kStarts[] = {
+    {Start::zero, "zero"}, {Start::guess, "guess"}, {Start::solution, "solution"}};
+
 const char* to_string(Start start) {
-  switch (start) {
-    case Start::zero:
-      return "zero";
-    case Start::guess:
-      return "guess";
-    case Start::solution:
-      return "solution";
-  }
-  return "unknown";
+  return name_of(start, kStarts);
 }
 
 Start start_named(const std::string& name) {
-  for (const Start start : kStarts)
-    if (name == to_string(start)) return start;
-  throw std::invalid_argument("start '" + name + "' must be zero, guess or solution");
+  return value_named(name, "start", kStarts);
 }
 
 std::vector<std::filesystem::path> problem_files(const std::vector<std::filesystem::path>& given) {

@@ -63,7 +63,7 @@ TEST(RunProblem, TellsOfFilesAndNumbersByAStatus) {
   EXPECT_EQ(nan.status, "not_finite");
   EXPECT_FALSE(nan.solved);
   EXPECT_NE(message_of([&] { run_problem(folder / "nan.hdf5", {.solver = {.tolerance = -1}}); }), "");
-  EXPECT_EQ(message_of([] { start_named("warm"); }), "start 'warm' must be zero, guess or solution");
+  EXPECT_EQ(message_of([] { start_named("warm"); }), "start = warm must be one of zero, guess, solution");
 }
 
 TEST(ProblemFiles, AreThoseOfFoldersInOrder) {
