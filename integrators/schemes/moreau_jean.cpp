@@ -9,6 +9,7 @@
 #include "integrators/pose/gap_hessians.hpp"
 #include "integrators/pose/projection.hpp"
 #include "integrators/schemes/advance_step.hpp"
+#include "integrators/schemes/shared_settings.hpp"
 
 namespace aussois {
 namespace {
@@ -164,20 +165,8 @@ void describe(SettingVisitor& visit, NewtonOptions& o) {
 
 void describe(SettingVisitor& visit, MoreauJeanOptions& o) {
   visit.begin("MoreauJeanOptions");
-  visit.number({.name = "theta",
-                .what = "point of the step at which forces act; 0.5: midpoint, 1: end",
-                .unit = "-",
-                .range = {0.5, 1},
-                .flag = "--theta",
-                .label = "theta %",
-                .in_every_label = true},
-               o.theta);
-  visit.choice({.name = "law",
-                .what = "law of normal rows",
-                .flag = "--normal-law",
-                .label = "%",
-                .in_every_label = true},
-               o.law, kNormalLaws);
+  visit.number(theta_setting(), o.theta);
+  visit.choice(normal_law_setting(), o.law, kNormalLaws);
   visit.number({.name = "gamma",
                 .what = "weight of the end velocity in the contact laws; 1: end velocity alone",
                 .unit = "-",

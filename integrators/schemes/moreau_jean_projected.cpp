@@ -6,6 +6,7 @@
 #include "geometry/settings.hpp"
 #include "integrators/pose/projection.hpp"
 #include "integrators/schemes/advance_step.hpp"
+#include "integrators/schemes/shared_settings.hpp"
 
 namespace aussois {
 namespace {
@@ -40,14 +41,7 @@ bool too_far(const Projection& projection, const FoundContacts& found, const Adv
 
 void describe(SettingVisitor& visit, MoreauJeanProjectedOptions& o) {
   visit.begin("MoreauJeanProjectedOptions");
-  visit.number({.name = "theta",
-                .what = "point of the step at which forces act; 0.5: midpoint, 1: end",
-                .unit = "-",
-                .range = {0.5, 1},
-                .flag = "--theta",
-                .label = "theta %",
-                .in_every_label = true},
-               o.theta);
+  visit.number(theta_setting(), o.theta);
   visit.choice({.name = "order",
                 .what = "order in which velocities and positions are solved",
                 .flag = "--projection",

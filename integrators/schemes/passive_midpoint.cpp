@@ -6,6 +6,7 @@
 
 #include "geometry/settings.hpp"
 #include "integrators/schemes/advance_step.hpp"
+#include "integrators/schemes/shared_settings.hpp"
 
 namespace aussois {
 namespace {
@@ -106,12 +107,7 @@ void describe(SettingVisitor& visit, PassiveMidpointOptions& o) {
                 .label = "%",
                 .in_every_label = true},
                o.gyroscopic, kGyroscopicTerms);
-  visit.choice({.name = "law",
-                .what = "law of normal rows",
-                .flag = "--normal-law",
-                .label = "%",
-                .in_every_label = true},
-               o.law, kNormalLaws);
+  visit.choice(normal_law_setting(), o.law, kNormalLaws);
   visit.toggle({.name = "passive",
                 .what = "lift the rule that contacts add no energy",
                 .flag = "--not-passive=false",

@@ -18,7 +18,7 @@ MAY_INCLUDE["nsgs"] = {"nsgs"}
 for room in ("integrators", "io"):
     MAY_INCLUDE[room].add("nsgs")
 # The solver knows numbers and errors, but nothing that has a shape (doc/decisions/0003).
-ALSO = {"nsgs": {"geometry/types.hpp", "geometry/check.hpp", "geometry/settings.hpp"}}
+ALSO = {"nsgs": {"geometry/types.hpp", "geometry/check.hpp", "geometry/named.hpp", "geometry/settings.hpp"}}
 # The halls of a room: each includes itself and those further left.
 HALLS = {"integrators": ["pose", "prove", "tell", "schemes", "events"]}
 LONGEST_FUNCTION = 60  # lines
