@@ -146,7 +146,7 @@ Results run_cells(const Arguments& a, const std::vector<Cell>& cells, const ForA
       });
       if (int(made.h.size()) < a.study.levels || interrupted()) return;
       made.scheme = wanted.scheme;
-      write_whole_file(file, to_json(made, program));
+      write_study(file, made, program);
       studies[i] = std::move(made);
     } catch (const NumericalFailure& failure) {
       failures[i] = failure.what();

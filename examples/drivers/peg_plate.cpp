@@ -104,10 +104,14 @@ void train(const Job& job, bool quiet) {
   write_lessons(lessons_file, learnt_from(lessons, job.set.scenario));
 }
 
+std::optional<PegResult> known_result(const Job& job) {
+  return read_result(job.folder / "result.json", job.set.name, job.options.plant.seed);
+}
+
 /// True: the pictures are there.
 bool evaluate(const Job& job, bool quiet) {
   claim_folder(job.folder, job.options);
-  if (read_result(job.folder / "result.json")) return true;
+  if (known_result(job)) return true;
   const std::optional<LessonsLearnt> learnt = read_lessons(job.folder / "lessons.json");
   if (!learnt) throw std::runtime_error(job.folder.string() + "/lessons.json is missing: train first");
   const PegData data = read_data(job.folder, case_count(job.options));
@@ -140,7 +144,7 @@ std::vector<TrainingCheck> check_trainings(const Arguments& a) {
   std::vector<TrainingCheck> out;
   for (int seed = a.seed; seed < a.seed + a.seeds; ++seed) {
     const std::filesystem::path file = a.out / ("seed_" + std::to_string(seed)) / "training.json";
-    std::optional<TrainingCheck> check = read_training_check(file);
+    std::optional<TrainingCheck> check = read_training_check(file, std::uint64_t(seed));
     if (!check) write_training_check(file, *(check = check_training(std::uint64_t(seed))));
     out.push_back(*check);
   }
@@ -150,8 +154,7 @@ std::vector<TrainingCheck> check_trainings(const Arguments& a) {
 ExitCode tell(const Arguments& a, const std::vector<Job>& jobs) {
   std::vector<PegResult> results;
   for (const Job& job : jobs)
-    if (const std::optional<PegResult> result = read_result(job.folder / "result.json"))
-      results.push_back(*result);
+    if (const std::optional<PegResult> result = known_result(job)) results.push_back(*result);
   const std::vector<PegVerdict> lines = verdicts(results, check_trainings(a));
   const std::string table = score_table(results), verdict = to_string(lines);
   write_whole_file(a.out / "scores.md", table);

@@ -72,8 +72,7 @@ int measure_all(List& list, const Arguments& a) {
     const bool was_known = entry.measured.has_value();
     if (!was_known) {
       entry.measured = measure(*entry.asked);
-      if (entry.measured->missing.empty())
-        write_whole_file(file, to_json(*entry.asked, *entry.measured, program));
+      if (entry.measured->missing.empty()) write_measured(file, *entry.asked, *entry.measured, program);
     }
     const std::lock_guard lock(mutex);
     known += was_known;

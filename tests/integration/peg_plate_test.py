@@ -51,6 +51,10 @@ class PegPlate(DriverTest):
             (self.folder / FOLDER / name).unlink()
         self.peg_plate(*ALL, *SMALL, "--threads", 2)
         self.assertEqual(self.files(), whole)
+        for name in ("seed_1/training.json", "seed_1/edge_0.1/result.json"):  # damaged
+            (self.folder / "out" / name).write_text('{"seed": 1,')
+        self.peg_plate(*ALL, *SMALL)
+        self.assertEqual(self.files(), whole)
 
     def test_a_folder_of_another_study_is_refused(self):
         self.peg_plate("generate", *SMALL)

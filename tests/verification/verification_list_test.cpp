@@ -153,8 +153,8 @@ TEST(VerificationResults, ReadBackAsTheSameBitsForTheSameProgramAndCase) {
   VerificationCase other = c;
   other.setting = "there";
   const std::filesystem::path path = ::testing::TempDir() + "/verification_result.json";
-  const auto write = [&](const Measured& m) { std::ofstream(path) << to_json(c, m, 7); };
-  for (const double figure : {1.0 / 3, 5e-324, HUGE_VAL}) {
+  const auto write = [&](const Measured& m) { write_measured(path, c, m, 7); };
+  for (const double figure : {1.0 / 3, 5e-324, HUGE_VAL, -HUGE_VAL}) {
     write({.figures = {{"x", figure}}});
     EXPECT_EQ(read_measured(path, c, 7).value().figures.at("x"), figure);
   }

@@ -46,8 +46,9 @@ Json key_of(const Study& s, std::uint64_t program) {
           {"program", program}};
 }
 
-Json json_of(const Study& s, std::uint64_t program) {
-  Json out = key_of(s, program);
+// What is kept beside the key.
+Json fields_of(const Study& s) {
+  Json out;
   out["as_expected"] = as_expected(s);
   out["verdict"] = to_string(verdict(s));
   out["order"] = json_of(s.order);
@@ -96,13 +97,17 @@ std::string stem_of(const Study& s) {
 }
 
 std::string to_json(const Study& study, std::uint64_t program) {
-  return json_of(study, program).dump(2) + "\n";
+  return file_text(with_key(key_of(study, program), fields_of(study)));
 }
 
 std::string to_json(const std::vector<Study>& studies, std::uint64_t program) {
   Json out = Json::array();
-  for (const Study& s : studies) out.push_back(json_of(s, program));
-  return out.dump(2) + "\n";
+  for (const Study& s : studies) out.push_back(with_key(key_of(s, program), fields_of(s)));
+  return file_text(out);
+}
+
+void write_study(const std::filesystem::path& path, const Study& study, std::uint64_t program) {
+  write_kept(path, key_of(study, program), fields_of(study));
 }
 
 std::optional<Study> read_study(const std::filesystem::path& path, const Study& wanted,

@@ -20,6 +20,8 @@ std::string stem_of(const Study& study);
 std::string to_json(const Study& study, std::uint64_t program);
 /// Of several, as a list.
 std::string to_json(const std::vector<Study>& studies, std::uint64_t program);
+/// Keeps it in a file, as this text.
+void write_study(const std::filesystem::path& path, const Study& study, std::uint64_t program);
 /// What was written by this program for the same case, scheme and options; nothing if there is no such file,
 /// or it is of another study or damaged.
 std::optional<Study> read_study(const std::filesystem::path& path, const Study& wanted,

@@ -11,11 +11,11 @@
 #include <nlohmann/json.hpp>
 
 #include "examples/common/gnuplot.hpp"
+#include "examples/common/kept_json.hpp"
 #include "geometry/check.hpp"
 #include "io/atomic_file.hpp"
 #include "io/csv_table.hpp"
 #include "io/number_table.hpp"
-#include "io/text.hpp"
 #include "reduction/learned_selector.hpp"
 
 namespace aussois {
@@ -43,14 +43,6 @@ Json json_of(const PegStudyOptions& o) {
           {"iterations", o.training.iterations}};
 }
 
-// The file's contents, or nothing if it is not there or damaged: then it is made again.
-std::optional<Json> json_in(const std::filesystem::path& path) {
-  if (!std::filesystem::exists(path)) return {};
-  Json json = Json::parse(read_file(path), nullptr, false);
-  if (json.is_discarded()) return {};
-  return json;
-}
-
 struct ScoreField {
   const char* name;
   double PegScore::*value;
@@ -60,6 +52,15 @@ constexpr std::array kScoreFields{
     ScoreField{"moving_size", &PegScore::moving_size}, ScoreField{"moving_vector", &PegScore::moving},
     ScoreField{"chatter_N", &PegScore::chatter},       ScoreField{"case_mean", &PegScore::case_mean},
     ScoreField{"case_worst", &PegScore::case_worst}};
+
+// By what a training check and a result are found in their files.
+Json seed_key(std::uint64_t seed) {
+  return Json::object({{"seed", seed}});
+}
+
+Json result_key(const std::string& set, std::uint64_t seed) {
+  return {{"reference", "synthetic"}, {"set", set}, {"seed", seed}};
+}
 
 std::string preamble(const char* name, const char* size) {
   return std::string("# draws ") + name + ".png: gnuplot " + name + ".gp\nset terminal pngcairo size " +
@@ -168,8 +169,10 @@ void claim_folder(const std::filesystem::path& folder, const PegStudyOptions& op
   std::filesystem::create_directories(folder / "samples");
   const std::filesystem::path path = folder / "options.json";
   const Json wanted = json_of(options);
-  const std::optional<Json> found = json_in(path);
-  if (!found) return write_whole_file(path, wanted.dump(2) + "\n");
+  const std::optional<Json> found = read_kept(path, {}, [](const Json& json) {
+    return Json(json.get_ref<const Json::object_t&>());  // throws if it is none
+  });
+  if (!found) return write_kept(path, wanted, {});
   for (const auto& [name, value] : wanted.items())
     require(found->value(name, Json()) == value, path.string() + ": the study there has " + name + " = " +
                                                      found->value(name, Json()).dump() + ", not " +
@@ -238,65 +241,53 @@ PegData read_data(const std::filesystem::path& folder, int cases) {
 }
 
 void write_lessons(const std::filesystem::path& path, const LessonsLearnt& lessons) {
-  const Json json{{"best_choice", lessons.best_choice}, {"upright_share", lessons.upright_share}};
-  write_whole_file(path, json.dump(2) + "\n");
+  write_kept(path, {},
+             {{"best_choice", lessons.best_choice}, {"upright_share", number_json(lessons.upright_share)}});
 }
 
 std::optional<LessonsLearnt> read_lessons(const std::filesystem::path& path) {
-  const std::optional<Json> json = json_in(path);
-  if (!json || !json->contains("best_choice") || !json->contains("upright_share")) return {};
-  return LessonsLearnt{json->at("best_choice"), json->at("upright_share")};
+  return read_kept(path, {}, [](const Json& json) {
+    return LessonsLearnt{json.at("best_choice"), number_in(json.at("upright_share"))};
+  });
 }
 
 void write_result(const std::filesystem::path& path, const PegResult& result) {
-  Json json{{"reference", "synthetic"},
-            {"set", result.set},
-            {"seed", result.seed},
-            {"upright_share", result.upright_share},
-            {"methods", Json::object()}};
+  Json json{{"upright_share", number_json(result.upright_share)}, {"methods", Json::object()}};
   for (const PegScore& score : result.scores)
-    for (const ScoreField& field : kScoreFields) json["methods"][score.name][field.name] = score.*field.value;
-  write_whole_file(path, json.dump(2) + "\n");
+    for (const ScoreField& field : kScoreFields)
+      json["methods"][score.name][field.name] = number_json(score.*field.value);
+  write_kept(path, result_key(result.set, result.seed), json);
 }
 
-std::optional<PegResult> read_result(const std::filesystem::path& path) {
-  const std::optional<Json> json = json_in(path);
-  if (!json) return {};
-  try {
-    PegResult out{
-        .set = json->at("set"), .seed = json->at("seed"), .upright_share = json->at("upright_share")};
-    for (const auto& [name, fields] : json->at("methods").items()) {
+std::optional<PegResult> read_result(const std::filesystem::path& path, const std::string& set,
+                                     std::uint64_t seed) {
+  return read_kept(path, result_key(set, seed), [&](const Json& json) {
+    PegResult out{.set = set, .seed = seed, .upright_share = number_in(json.at("upright_share"))};
+    for (const auto& [name, fields] : json.at("methods").items()) {
       PegScore score{.name = name};
-      for (const ScoreField& field : kScoreFields) score.*field.value = fields.at(field.name);
+      for (const ScoreField& field : kScoreFields) score.*field.value = number_in(fields.at(field.name));
       out.scores.push_back(score);
     }
     return out;
-  } catch (const Json::exception&) {
-    return {};
-  }
+  });
 }
 
 void write_training_check(const std::filesystem::path& path, const TrainingCheck& check) {
-  const Json json{{"seed", check.seed},
-                  {"gradient_error", check.gradient},
-                  {"weights_that_differ", check.weights_that_differ},
-                  {"loss", check.loss},
-                  {"reference_loss", kSciPyLoss},
-                  {"loss_error", check.loss_error()}};
-  write_whole_file(path, json.dump(2) + "\n");
+  write_kept(path, seed_key(check.seed),
+             {{"gradient_error", number_json(check.gradient)},
+              {"weights_that_differ", check.weights_that_differ},
+              {"loss", number_json(check.loss)},
+              {"reference_loss", kSciPyLoss},
+              {"loss_error", number_json(check.loss_error())}});
 }
 
-std::optional<TrainingCheck> read_training_check(const std::filesystem::path& path) {
-  const std::optional<Json> json = json_in(path);
-  if (!json) return {};
-  try {
-    return TrainingCheck{.seed = json->at("seed"),
-                         .gradient = json->at("gradient_error"),
-                         .weights_that_differ = json->at("weights_that_differ"),
-                         .loss = json->at("loss")};
-  } catch (const Json::exception&) {
-    return {};
-  }
+std::optional<TrainingCheck> read_training_check(const std::filesystem::path& path, std::uint64_t seed) {
+  return read_kept(path, seed_key(seed), [&](const Json& json) {
+    return TrainingCheck{.seed = seed,
+                         .gradient = number_in(json.at("gradient_error")),
+                         .weights_that_differ = json.at("weights_that_differ"),
+                         .loss = number_in(json.at("loss"))};
+  });
 }
 
 bool write_pictures(const std::filesystem::path& folder, const PegData& data, const std::vector<int>& cases,

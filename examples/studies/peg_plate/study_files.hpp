@@ -23,15 +23,18 @@ PegData read_data(const std::filesystem::path& folder, int cases);
 
 /// What training leaves besides its networks: lessons.json.
 void write_lessons(const std::filesystem::path& path, const LessonsLearnt& lessons);
-std::optional<LessonsLearnt> read_lessons(
-    const std::filesystem::path& path);  // nothing: not there, or damaged
+/// Nothing: not there, or damaged.
+std::optional<LessonsLearnt> read_lessons(const std::filesystem::path& path);
 
 void write_result(const std::filesystem::path& path, const PegResult& result);
-std::optional<PegResult> read_result(const std::filesystem::path& path);
+/// Nothing: not there, damaged, or of another set or seed.
+std::optional<PegResult> read_result(const std::filesystem::path& path, const std::string& set,
+                                     std::uint64_t seed);
 
-/// training.json of a seed: what A-5 is judged by. Read: nothing if it is not there, or damaged.
+/// training.json of a seed: what A-5 is judged by. Read: nothing if it is not there, of another seed, or
+/// damaged.
 void write_training_check(const std::filesystem::path& path, const TrainingCheck& check);
-std::optional<TrainingCheck> read_training_check(const std::filesystem::path& path);
+std::optional<TrainingCheck> read_training_check(const std::filesystem::path& path, std::uint64_t seed);
 
 /// forces.png: |F| over one test case, measured and by methods; choices.png: what the network chooses, with
 /// centres of pressure (surface) or by normal (edge); each with its CSV and gnuplot script. False: gnuplot is

@@ -46,21 +46,18 @@ std::string stem_of(const VerificationCase& c) {
   return file_stem(c.setting.empty() ? c.name : c.name + "_" + c.setting);
 }
 
-std::string to_json(const VerificationCase& c, const Measured& measured, std::uint64_t program) {
-  Json json = key_of(c, program);
-  json["failure"] = measured.failure;
-  json["figures"] = Json::object();
-  for (const auto& [name, value] : measured.figures)
-    json["figures"][name] = std::isfinite(value) ? Json(value) : Json(std::to_string(value));  // "inf", "nan"
-  return json.dump(2) + "\n";
+void write_measured(const std::filesystem::path& path, const VerificationCase& c, const Measured& measured,
+                    std::uint64_t program) {
+  Json json{{"failure", measured.failure}, {"figures", Json::object()}};
+  for (const auto& [name, value] : measured.figures) json["figures"][name] = number_json(value);
+  write_kept(path, key_of(c, program), json);
 }
 
 std::optional<Measured> read_measured(const std::filesystem::path& path, const VerificationCase& c,
                                       std::uint64_t program) {
   const auto known = read_kept(path, key_of(c, program), [&](const Json& json) {
     Measured out{.failure = json.at("failure")};
-    for (const auto& [name, value] : json.at("figures").items())
-      out.figures[name] = value.is_string() ? std::stod(value.get<std::string>()) : value.get<double>();
+    for (const auto& [name, value] : json.at("figures").items()) out.figures[name] = number_in(value);
     return out;
   });
   const bool whole = known && (!known->failure.empty() || std::ranges::all_of(c.rows, [&](const Asked& row) {

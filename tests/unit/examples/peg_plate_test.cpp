@@ -411,25 +411,38 @@ TEST(PegFiles, GiveBackWhatWasWritten) {
   EXPECT_EQ(read_lessons(folder / "lessons.json")->best_choice, 17);
   EXPECT_EQ(read_lessons(folder / "lessons.json")->upright_share, 0.25);
 
-  EXPECT_FALSE(read_training_check(folder / "training.json"));
+  write_bytes(folder / "lessons.json", "{\"best_choice\": \"many\", \"upright_share\": 1}");
+  EXPECT_FALSE(read_lessons(folder / "lessons.json"));
+
+  EXPECT_FALSE(read_training_check(folder / "training.json", 3));
   write_training_check(folder / "training.json",
                        {.seed = 3, .gradient = 1e-10, .weights_that_differ = 2, .loss = 0.34});
-  const std::optional<TrainingCheck> check = read_training_check(folder / "training.json");
+  const std::optional<TrainingCheck> check = read_training_check(folder / "training.json", 3);
   ASSERT_TRUE(check);
   EXPECT_EQ(check->seed, 3u);
   EXPECT_EQ(check->gradient, 1e-10);
   EXPECT_EQ(check->weights_that_differ, 2);
   EXPECT_EQ(check->loss, 0.34);
+  EXPECT_FALSE(read_training_check(folder / "training.json", 4));
+  write_bytes(folder / "training.json", "3");
+  EXPECT_FALSE(read_training_check(folder / "training.json", 3));
 
   const PegResult result{
-      .set = "edge_0.1", .seed = 3, .scores = {{.name = "upright", .still_size = 0.1, .chatter = 0.3}}};
+      .set = "edge_0.1",
+      .seed = 3,
+      .scores = {{.name = "upright", .still_size = 0.1, .chatter = 0.3, .case_worst = kInf}}};
   write_result(folder / "result.json", result);
-  const std::optional<PegResult> again = read_result(folder / "result.json");
+  const std::optional<PegResult> again = read_result(folder / "result.json", "edge_0.1", 3);
   ASSERT_TRUE(again && again->scores.size() == 1);
+  EXPECT_EQ(again->set, "edge_0.1");
+  EXPECT_EQ(again->seed, 3u);
   EXPECT_EQ(again->scores[0].still_size, 0.1);
   EXPECT_EQ(again->scores[0].chatter, 0.3);
+  EXPECT_EQ(again->scores[0].case_worst, kInf);
+  EXPECT_FALSE(read_result(folder / "result.json", "edge_0.1", 4));
+  EXPECT_FALSE(read_result(folder / "result.json", "edge_0.3", 3));
   write_bytes(folder / "result.json", "{\"set\":");
-  EXPECT_FALSE(read_result(folder / "result.json"));
+  EXPECT_FALSE(read_result(folder / "result.json", "edge_0.1", 3));
 }
 
 TEST(PegFiles, RefuseAFolderOfOtherOptions) {
@@ -438,6 +451,13 @@ TEST(PegFiles, RefuseAFolderOfOtherOptions) {
   claim_folder(folder, options);
   options.plant.seed = 2;
   EXPECT_NE(message_of([&] { claim_folder(folder, options); }).find("seed = 1, not 2"), std::string::npos);
+  for (const char* damaged : {"", "{\"seed\": ", "7"}) {  // tells nothing: it is made again
+    write_bytes(folder / "options.json", damaged);
+    claim_folder(folder, options);
+    options.plant.seed = 3;
+    EXPECT_NE(message_of([&] { claim_folder(folder, options); }).find("seed = 2, not 3"), std::string::npos);
+    options.plant.seed = 2;
+  }
 }
 
 TEST(PegFiles, NameTheLineOfABrokenSample) {

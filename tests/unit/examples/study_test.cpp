@@ -186,7 +186,8 @@ TEST(StudyFile, ReadsBackWhatItHoldsForThisProgramOnly) {
   const std::filesystem::path file = fresh_folder() / "s.json";
   Study s = made_up(1.25);
   s.why = {"a", "b", "c", "d"}, s.cut[1] = 7;
-  write_bytes(file, to_json(s, 42));
+  write_study(file, s, 42);
+  EXPECT_EQ(content_of(file), to_json(s, 42));
   const std::optional<Study> back = read_study(file, s, 42);
   ASSERT_TRUE(back.has_value());
   EXPECT_EQ(back->h, s.h);
