@@ -9,11 +9,14 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <map>
+#include <optional>
 
 #include "examples/common/driver.hpp"
 #include "examples/common/progress.hpp"
+#include "examples/studies/friction/limited_run.hpp"
 #include "examples/studies/friction/performance_profile.hpp"
-#include "examples/studies/friction/profile_table.hpp"
+#include "examples/studies/friction/profile_result.hpp"
 #include "geometry/check.hpp"
 
 using namespace aussois;
@@ -83,15 +86,54 @@ ProfileKey key_of(const Arguments& a, const Problem& problem, const std::string&
       .digest = problem.digest, .solver = solver, .tolerance = tolerance, .max_iterations = a.max_iterations};
 }
 
+using Results = std::map<ProfileKey, ProfileResult>;
+
+/// The results of all solvers on all problems; what the folder does not know is solved. Nothing: interrupted.
+std::optional<Results> results_of(const Arguments& a, const std::vector<Problem>& problems,
+                                  const std::vector<std::string>& solvers,
+                                  const std::vector<double>& tolerances) {
+  const std::filesystem::path folder = a.out / "results";
+  std::filesystem::create_directories(folder);
+  const double total = double(problems.size() * solvers.size() * tolerances.size());
+  double done = 0;
+  int known = 0;
+  Results results;
+  Progress progress("solver_profile", total, Progress::style_of_stderr(a.quiet));
+  for (const Problem& problem : problems)
+    for (const std::string& solver : solvers)
+      for (const double tolerance : tolerances) {
+        const ProfileKey key = key_of(a, problem, solver, tolerance);
+        std::optional<ProfileResult> result = read_profile_result(folder, key, a.time_limit);
+        if (result) {
+          ++known;
+        } else {
+          progress.at(done, solver + " on " + problem.file.stem().string());
+          const RunOptions options{.solver = {.method = method(solver),
+                                              .tolerance = tolerance,
+                                              .max_iterations = a.max_iterations},
+                                   .repeat = a.repeat};
+          result = run_limited(problem.file, options, a.time_limit);
+          if (interrupted()) return {};
+          result->contacts = problem.contacts;  // also of what was ended
+          write_profile_result(folder, key, *result);
+        }
+        results[key] = *result;
+        ++done;
+      }
+  progress.at(total);
+  if (known > 0) std::printf("%d of %.0f results were already in %s\n", known, total, folder.c_str());
+  return results;
+}
+
 /// The seconds of each solver on each problem, infinity where it failed.
-std::vector<std::vector<double>> costs(const Arguments& a, const ProfileTable& table,
+std::vector<std::vector<double>> costs(const Arguments& a, const Results& results,
                                        const std::vector<Problem>& problems,
                                        const std::vector<std::string>& solvers, double tolerance) {
   std::vector<std::vector<double>> cost;
   for (const std::string& solver : solvers) {
     cost.emplace_back();
     for (const Problem& problem : problems) {
-      const ProfileResult& result = *table.find(key_of(a, problem, solver, tolerance), a.time_limit);
+      const ProfileResult& result = results.at(key_of(a, problem, solver, tolerance));
       cost.back().push_back(result.solved && result.cpu_s <= a.time_limit ? std::max(result.cpu_s, 1e-9)
                                                                           : kInf);
     }
@@ -126,44 +168,14 @@ ExitCode profile(const Arguments& a) {
   const std::vector<std::filesystem::path> files = problem_files(a.files);
   const std::vector<Problem> problems = readable(files);
   if (problems.empty()) throw std::runtime_error("none of the files can be read");
-  std::filesystem::create_directories(a.out);
+  const std::optional<Results> results = results_of(a, problems, solvers, tolerances);
+  if (!results) return ExitCode::interrupted;
 
-  // 1. Solve what the table does not know yet.
-  ProfileTable table(a.out / "results.csv");
-  {
-    const double total = double(problems.size() * solvers.size() * tolerances.size());
-    double done = 0;
-    int known = 0;
-    Progress progress("solver_profile", total, Progress::style_of_stderr(a.quiet));
-    for (const Problem& problem : problems)
-      for (const std::string& solver : solvers)
-        for (const double tolerance : tolerances) {
-          const ProfileKey key = key_of(a, problem, solver, tolerance);
-          if (table.find(key, a.time_limit) != nullptr) {
-            ++known, ++done;
-            continue;
-          }
-          progress.at(done, solver + " on " + problem.file.stem().string());
-          const RunOptions options{.solver = {.method = method(solver),
-                                              .tolerance = tolerance,
-                                              .max_iterations = a.max_iterations},
-                                   .repeat = a.repeat};
-          ProfileResult result = run_limited(problem.file, options, a.time_limit);
-          if (interrupted()) return ExitCode::interrupted;
-          result.contacts = problem.contacts;  // also of what was ended
-          table.add(key, result);
-          ++done;
-        }
-    progress.at(total);
-    if (known > 0)
-      std::printf("%d of %.0f results were already in %s\n", known, total, (a.out / "results.csv").c_str());
-  }
-
-  // 2. A profile per tolerance.
+  // A profile per tolerance.
   bool pictures = true;
   std::size_t first_solved = 0;
   for (const double tolerance : tolerances) {
-    const std::vector<std::vector<double>> cost = costs(a, table, problems, solvers, tolerance);
+    const std::vector<std::vector<double>> cost = costs(a, *results, problems, solvers, tolerance);
     const PerformanceProfile curves = performance_profile(cost);
     char title[120];
     std::snprintf(title, sizeof title, "%zu problems to %g on the scaled residual, CPU time", problems.size(),
@@ -202,7 +214,8 @@ int main(int argc, char** argv) {
              {1, 1e9});
   cli.group("output");
   cli.option("-o,--out", a.out,
-             "folder for the results, created if missing; results already in its results.csv are reused");
+             "folder for the profiles, created if missing; its folder results has a JSON file for each "
+             "result, and those already there are reused");
   cli.flag("--quiet", a.quiet, "omit progress; still print warnings");
   cli.example("solver_profile fclib/ --solvers auto,nsgs --tolerances 1e-8", "open out/profile_1e-08.png");
   cli.example("solver_profile fclib/ --time-limit 600",

@@ -191,14 +191,17 @@ class SolverProfile(Problems):
         return run
 
     def results(self):
-        lines = (self.folder / "out" / "results.csv").read_text().splitlines()
-        return [line.split(",") for line in lines[1:]]
+        """{name: its JSON} of all results."""
+        return {path.name: json.loads(path.read_text()) for path in (self.folder / "out" / "results").iterdir()}
 
     def test_draws_a_profile_per_tolerance_and_solves_nothing_twice(self):
         self.write_samples()
         self.profile(".")
         self.assertEqual(len(self.results()), 3 * 2 * 2)
-        self.assertEqual({row[4] for row in self.results()}, {"converged"})
+        self.assertEqual({(one["status"], one["solved"]) for one in self.results().values()}, {("converged", True)})
+        self.assertEqual({(one["problem"], one["solver"], one["tolerance"]) for one in self.results().values()},
+                         {(problem, solver, tolerance) for problem in ("plane", "open", "space")
+                          for solver in ("auto", "nsgs") for tolerance in (1e-4, 1e-9)})
         for tolerance in ("1e-04", "1e-09"):
             head, *rows = [line.split(",") for line in
                            (self.folder / "out" / f"profile_{tolerance}.csv").read_text().splitlines()]
@@ -209,8 +212,20 @@ class SolverProfile(Problems):
             self.assertEqual((auto[-1], nsgs[-1]), (1, 1))
             self.assertTrue((self.folder / "out" / f"profile_{tolerance}.gp").exists())
         before = self.results()
-        self.assertIn("12 of 12 results were already in out/results.csv", self.profile(".").stdout)
+        self.assertIn("12 of 12 results were already in out/results", self.profile(".").stdout)
         self.assertEqual(self.results(), before)
+        self.assertNotIn("already in", self.profile(".", "--max-iterations", 9999).stdout)  # other results
+        self.assertEqual(len(self.results()), 24)
+
+    def test_a_damaged_result_is_done_again(self):
+        self.write_samples()
+        self.profile(".")
+        half, strange, gone, *_ = sorted((self.folder / "out" / "results").iterdir())
+        half.write_bytes(half.read_bytes()[:100])
+        strange.write_bytes(strange.read_bytes().replace(b'"solved": true', b'"solved": "so"'))
+        gone.unlink()
+        self.assertIn("9 of 12 results were already in out/results", self.profile(".").stdout)
+        self.assertEqual([one["status"] for one in self.results().values()], ["converged"] * 12)
 
     def test_continues_after_an_interruption(self):
         self.write_samples()
@@ -224,14 +239,30 @@ class SolverProfile(Problems):
         self.profile(".")
         self.assertEqual(len(self.results()), 12)
 
+    def test_a_kill_loses_nothing_that_was_done(self):
+        self.write_samples()
+        command = [Path(os.environ["AUSSOIS_DRIVERS"], "solver_profile"), ".", "--solvers", "auto,nsgs",
+                   "--tolerances", "1e-4,1e-9", "--repeat", "20000", "--quiet"]
+        run = subprocess.Popen(command, cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        end = time.monotonic() + 60
+        while not list(self.folder.glob("out/results/*.json")) and time.monotonic() < end:
+            time.sleep(0.005)
+        run.kill()
+        run.wait()
+        done = {path: path.read_bytes() for path in self.folder.glob("out/results/*.json")}
+        self.assertTrue(done)
+        self.assertIn(f"{len(done)} of 12 results were already in out/results", self.profile(".").stdout)
+        self.assertEqual({path: path.read_bytes() for path in done}, done)
+
     def test_time_is_limited_and_a_failure_is_never_within_a_factor(self):
         self.write_samples()
         self.profile("space.hdf5", "--repeat", 100000000, "--time-limit", 0.05, code=NOT_ACCEPTED)
-        self.assertEqual({(row[4], row[7], row[11]) for row in self.results()}, {("time_limit", "nan", "2")})
+        self.assertEqual({(one["status"], one["scaled_residual"], one["contacts"]) for one in self.results().values()},
+                         {("time_limit", "nan", 2)})
         table = (self.folder / "out" / "profile_1e-09.csv").read_text().splitlines()
         self.assertEqual(table[1], "1,0,0")
         self.profile("space.hdf5", "--time-limit", 10)  # more patience: solved again
-        self.assertEqual([row[4] for row in self.results()], ["time_limit"] * 4 + ["converged"] * 4)
+        self.assertEqual([one["status"] for one in self.results().values()], ["converged"] * 4)
 
     def test_bad_files_are_left_out_and_told(self):
         self.write_samples()
