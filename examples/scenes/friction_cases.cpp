@@ -339,7 +339,7 @@ std::vector<Case> friction_cases() {
           slip_to_roll_case("side_spin", "a sphere with side and pivot spin, on a curved path (B3)",
                             {3, 0, 0}, {40, 0, 10}, 200),
           disc_case("spinning_disc", "a disc that slides and spins, ellipsoid law (B4)", 1, 10),
-          disc_case("sliding_disc", "the same disc slides more than it spins (B4)", 1, 2),
+          disc_case("sliding_disc", "a disc that slides more than it spins (B4)", 1, 2),
           pivoting_case("pivoting_sphere", "a sphere that slips, rolls and pivots, ellipsoid law (B5)")};
 }
 

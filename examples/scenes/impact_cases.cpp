@@ -80,7 +80,7 @@ Case bouncing_ball_case(const char* name, double e, double t_end) {
   return {.name = name,
           .what = "a ball dropped from 1 m (A1)",
           .t_end = t_end,
-          .h = e > 0 && e < 1 ? 2e-3 : 5e-3,  // the last hops of a ball that comes to rest want small steps
+          .h = e > 0 && e < 1 ? 2e-3 : 5e-3,  // the last hops of a ball that comes to rest need small steps
           .bounces = e > 0,
           .lands = e == 0,
           .hops_out = e > 0 && e < 1,

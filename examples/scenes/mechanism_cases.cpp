@@ -67,7 +67,7 @@ ExactMotion turning(int rods, double omega) {
 }
 
 // C2, up to shortly before the fourth impact. In steps of a microsecond the joints, which hold to rounding,
-// still ask for 1e-11 m/s and more: a solver cannot be asked for less.
+// still need velocities of 1e-11 m/s and more: a solver cannot reach less.
 Case slider_crank_case(const char* name, const char* what, double h, CaseScene (*scene)(double mu),
                        MotionSample (*observe)(const CaseScene&, const State&)) {
   return {.name = name,

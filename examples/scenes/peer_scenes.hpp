@@ -98,7 +98,7 @@ struct PeerSample {
 };
 PeerSample sample(const State& state);
 
-/// Sees every step of a run, from the start on, and tells its error.
+/// Receives every step of a run, from the start on, and returns its error.
 class PeerJudge {
  public:
   explicit PeerJudge(const PeerScene& scene);

@@ -136,7 +136,7 @@ std::vector<Case> rotation_cases() {
            .observe = tilt,
            .exact = [block](double until) { return rocking(block, until); }},
           free_top_case("free_top", "a free asymmetric top (D2)", {3, 2, 1}, {0.6, 1, 1.3}, 10, 0.1),
-          free_top_case("dzhanibekov", "a top that flips over, by a stronger push (D1)", {1, 10, 11},
+          free_top_case("dzhanibekov", "a free top about its middle axis flips over (D1)", {1, 10, 11},
                         {0, 2, 0.1}, 10, 0.02)};
 }
 

@@ -9,7 +9,7 @@
 
 namespace aussois {
 
-/// The shared data folder (AUSSOIS_DATA_DIR) is not there, or not what is asked for in it.
+/// The shared data folder (AUSSOIS_DATA_DIR) is missing, or lacks the file.
 struct MissingData : std::runtime_error {
   using std::runtime_error::runtime_error;
 };

@@ -55,7 +55,8 @@ std::string reason(std::size_t measure, const Case& c, const SchemeTraits& trait
            "(CONV-9)";
   if (measure == v_graph && c.lands && traits.landing < order)
     return "a landing ends up to a step above the plate, and the second fall lasts sqrt h (CONV-9)";
-  if (measure == v_l1 && order > 1) return "a step function is off by O(h) from what accelerates (CONV-2)";
+  if (measure == v_l1 && order > 1)
+    return "a step function is off by O(h) where the velocity changes (CONV-2)";
   if (c.hops_out) return "log(T/h) impacts are seen, each timed to a step: h log(T/h) (CONV-8)";
   if (!c.smooth) return "impacts, slip and stick are timed to a step";
   return order > 1 ? "no contact changes its state, and the scheme is of order two between events"

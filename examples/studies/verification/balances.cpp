@@ -315,11 +315,13 @@ VerificationCase kanes_paradox() {
       .what = "rod that strikes the floor with friction that sticks, e = 0.9, moreau_jean",
       .rows = {{"newton", "work and gain by Newton's law, off 0.02 J", "J", 1e-7,
                 "closed form; the solver's tolerance"},
-               {"told", "steps by Newton's law that say so", "-", 1, "the energy rises", Sense::exactly},
+               {"told", "steps by Newton's law that report a gain", "-", 1, "the energy rises",
+                Sense::exactly},
                {"poisson", "work by Poisson's law, off -0.098125 J", "J", 1e-12, "closed form; rounding"},
                {"impulse", "impulses by Poisson's law, off 0.95 and -0.225 N s", "N s", 1e-12,
                 "closed form; rounding"},
-               {"alarm", "steps by Poisson's law that say so", "-", 0, "energy is lost", Sense::exactly},
+               {"alarm", "steps by Poisson's law that report a gain", "-", 0, "energy is lost",
+                Sense::exactly},
                {"ledger", "worst change of energy that no work explains", "J", 1e-12, "identity; rounding"}},
       .measure =
           [] {
@@ -377,10 +379,10 @@ VerificationCase gain_of_a_run() {
       .setting = "d1_minus_linear",
       .what = "free top, 1000 steps of 0.1 s, none of which rises by itself",
       .rows = {{"gain", "energy gained, relative", "-", 0.01, "an explicit scheme", Sense::at_least},
-               {"off", "what the run is told to have gained, off it, relative", "-", 0.05,
+               {"off", "gain that the run reports, off the true one, relative", "-", 0.05,
                 "theory (LED-4): it swings a little as it climbs"},
-               {"told", "runs that are told", "-", 1, "theory (LED-4): above a thousandth", Sense::exactly},
-               {"alarms", "steps that are told", "-", 0, "each gains too little", Sense::exactly}},
+               {"told", "runs that report it", "-", 1, "theory (LED-4): above a thousandth", Sense::exactly},
+               {"alarms", "steps that report it", "-", 0, "each gains too little", Sense::exactly}},
       .measure =
           [] {
             CaseScene s;
@@ -534,9 +536,9 @@ VerificationCase late_wall(int delay) {
 VerificationCase fresh_scheme_in_each_step(const std::string& scene) {
   return {.name = "H4.fresh_scheme_in_each_step",
           .setting = scene,
-          .what = "event_driven, a scheme for all and one for each of four long steps",
-          .rows = {{"other_bits", "states with other bits", "-", 0, "all that it knows stands in the state",
-                    Sense::exactly}},
+          .what = "event_driven, one scheme for all of four long steps and a fresh one for each",
+          .rows = {{"other_bits", "states with other bits", "-", 0,
+                    "the scheme keeps everything in the state", Sense::exactly}},
           .measure = [scene] {
             const Case& c = case_named(scene);
             const CaseScene s = c.scene();

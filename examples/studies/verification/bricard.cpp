@@ -122,7 +122,7 @@ constexpr double kReferenceStep = 2e-3;
 VerificationCase equation_of_the_ring() {
   return {
       .name = "C8.equation_of_the_ring",
-      .what = "the motion in one coordinate that Bricard's ring is held to, 10 s at 2 ms",
+      .what = "the motion in one coordinate that Bricard's ring is compared with, 10 s at 2 ms",
       .rows = {{"energy", "worst energy", "J", 1e-9, "conserved; order four"},
                {"open", "worst opening of the last hinge", "m", 1e-10, "the ring stays closed; order four"}},
       .measure = [] {
@@ -137,7 +137,7 @@ VerificationCase one_coordinate(const std::string& scheme) {
           .what = "Bricard's ring of six hinges for 10 s at 2 ms",
           .rows = {{"start", "energy at the start, off -29.43 J", "J", 1e-12, "closed form"},
                    {"corner", "worst place of the corner", "m", 1e-5,
-                    "motion in one coordinate; the benchmark grants 1e-3"},
+                    "motion in one coordinate; the benchmark allows 1e-3"},
                    {"energy", "worst energy, relative", "-", 1e-6, "conserved; guard: order two"},
                    {"drift", "worst error of a joint", "m", 1e-12, "joints hold to rounding"}},
           .measure = [scheme] {
@@ -163,7 +163,7 @@ VerificationCase rank() {
       .name = "C8.rank",
       .what = "the 30 equations of Bricard's ring along 3 s at 10 ms",
       .rows = {{"equations", "equations", "-", 30, "six hinges", Sense::exactly},
-               {"looks", "states that were looked at", "-", 300, "3 s of steps", Sense::exactly},
+               {"looks", "states examined", "-", 300, "3 s of steps", Sense::exactly},
                {"least", "largest of the least singular values", "-", 1e-10, "theory: rank 29"},
                {"next", "least of the ones above", "-", 0.2, "theory: no more than one is lost",
                 Sense::at_least}},

@@ -106,10 +106,10 @@ VerificationCase paper(const Gun& gun) {
       {{"in_front", "least distance of the centres after it", "m", 0.95 * kBulletRadius,
         "no tunnelling; overlap of 4 %", Sense::at_least},
        {"momentum", "change of momentum, relative", "-", 1e-12, "conservation; list"},
-       {"late", "impulses begin after the impact by", "s", late,
+       {"late", "delay of the first impulse after the impact", "s", late,
         "4 % of the radii at 800 m/s; the projection takes it back"},
-       {"early", "impulses end before the impact by", "s", 1e-12, "closed form; rounding"},
-       {"lasts", "impulses act for", "s", 2 * kStep, "an impact is over in two steps"},
+       {"early", "lead of the last impulse before the impact", "s", 1e-12, "closed form; rounding"},
+       {"lasts", "duration of the impulses", "s", 2 * kStep, "an impact is over in two steps"},
        {"attempts", "attempts of one step", "-", 50, "guard: halvings down to 0.1 us are 14"},
        {"speed", "worst speed after it", "m/s", 0.02,
         "closed form; speed of the overlap that is pushed out"}},
@@ -203,7 +203,7 @@ VerificationCase edge(const Gun& gun) {
 // went round the edge (MJ-16).
 VerificationCase beside_the_edge(const Gun& gun) {
   return with_gun(
-      gun, "A5.beside_the_edge", "bullet at the edge of the sheet, 1 um beside, in Newton's loop, 100 starts",
+      gun, "A5.beside_the_edge", "bullet 1 um beside the edge of the sheet, in Newton's loop, 100 starts",
       {{"speed", "worst speed of the bullet along its way", "m/s", 0.02, "closed form (TOY-1)"},
        {"aside", "worst speed sideways, off 0.035 (1 + e) m/s", "m/s", 0.1,
         "theory (MJ-16): 170 without it"}},
@@ -253,9 +253,9 @@ VerificationCase needle(const Gun& gun) {
   const double lag = gun.scheme.options.step.update == GroupUpdate::cayley ? 0.12 : 1e-12;
   return with_gun(
       gun, "A5.needle", "needle whose tips come at 500 m/s, ten rad a step, starts spread over 1.72 rad",
-      {{"late", "step of the impact begins late by, relative", "-", lag,
+      {{"late", "delay of the start of the step that hits, relative", "-", lag,
         "geometry; Cayley's 2 atan(x/2) lags behind x by 0.12"},
-       {"early", "step of the impact ends early by, relative", "-", 1e-12, "geometry; rounding"},
+       {"early", "lead of the end of the step that hits, relative", "-", 1e-12, "geometry; rounding"},
        {"least_rise", "least speed upwards", "m/s", 20, "stopped at its tip", Sense::at_least},
        {"rise", "largest speed upwards", "m/s", 145, "closed form: 144 with the tip straight out"}},
       [gun] {
@@ -275,9 +275,9 @@ VerificationCase needle(const Gun& gun) {
 VerificationCase refused() {
   return {.name = "A5.refused",
           .what = "bullet on paper with steps of 1 us at least, passive_midpoint, 100 starts",
-          .rows = {{"refused", "starts that are refused", "-", 11,
-                    "the overlap is crossed in a quarter of the step", Sense::at_least},
-                   {"otherwise", "of them with another status or reason, or a state that changed", "-", 0,
+          .rows = {{"refused", "refused starts", "-", 11, "the overlap is crossed in a quarter of the step",
+                    Sense::at_least},
+                   {"otherwise", "refused starts with another status or reason, or a changed state", "-", 0,
                     "a refused step names the pair and changes nothing", Sense::exactly},
                    {"in_front", "least distance of the centres", "m", 0.95 * kBulletRadius, "no tunnelling",
                     Sense::at_least}},

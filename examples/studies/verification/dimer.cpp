@@ -193,11 +193,11 @@ VerificationCase pushed_rod(const std::string& name) {
       .setting = name,
       .what = "rod pushed at 0.1 m/s beside the flank of a ball, 250 steps of 1 ms",
       .rows = {{"depth", "deepest in balls and bar, by points and segments", "m", h * kSpeed,
-                "theory: the way of a step"},
+                "theory: the distance of a step"},
                {"ball", "impulse of the balls", "N s", 1e-6, "it comes down on a flank", Sense::at_least},
                {"bar", "impulse of the bar", "N s", 1e-6, "it comes down to the bar", Sense::at_least},
-               {"other_bits", "states that a fresh scheme reaches otherwise, from seven of them", "-", 0,
-                "all that a scheme knows stands in the state", Sense::exactly}},
+               {"other_bits", "states that a fresh scheme misses, from seven of them", "-", 0,
+                "a scheme keeps everything in the state", Sense::exactly}},
       .measure =
           [name] {
             const CaseScene s = dimer_and_rod(0.018, 0.012, kSpeed);

@@ -73,7 +73,7 @@ VerificationCase ten_turns_on_the_mean() {
       .rows = {{"tilt", "worst tilt, relative", "-", 6e-6, "steady motion; guard: order two"},
                {"precession", "worst precession, relative", "-", 1.1e-5, "steady motion; guard: order two"},
                {"energy", "worst energy, relative", "-", 3e-6, "conserved; guard: order two"},
-               {"way", "way of the centre", "m", 1.1e-8, "steady motion; guard: order two"},
+               {"way", "shift of the centre", "m", 1.1e-8, "steady motion; guard: order two"},
                {"order", "order of the tilt, 0.2 to 0.05 ms, off 2", "-", 0.3, "theory (MJ-10): two"},
                {"order_of_precession", "order of the precession, 0.2 to 0.05 ms, off 2", "-", 0.15,
                 "theory (MJ-10): two"}},
@@ -117,7 +117,7 @@ VerificationCase ten_turns(const std::string& scheme) {
       .rows = {{"tilt", "worst tilt, relative", "-", bound, "steady motion; guard: order one"},
                {"precession", "worst precession, relative", "-", std::max(bound / 2, 4.2e-3),
                 "steady motion; guard: order one"},
-               {"way", "way of the centre", "m", 1e-4, "steady motion; guard: order one"},
+               {"way", "shift of the centre", "m", 1e-4, "steady motion; guard: order one"},
                {"order", "order of the tilt, 0.1 to 0.05 ms, off 1", "-", 0.12, "one; guard at these steps"}},
       .measure = [scheme] {
         const CaseScene s = euler_disc({});
@@ -232,9 +232,9 @@ VerificationCase pivot_torque() {
 VerificationCase power_of_the_contour() {
   return {.name = "B8.power_of_the_contour",
           .what = "the equations with friction along the contour, 1 s",
-          .rows = {{"along", "way of the contact along the rim", "rad", 100, "there is something to see",
+          .rows = {{"along", "path of the contact along the rim", "rad", 100, "the effect is visible",
                     Sense::at_least},
-                   {"energy", "energy lost, off the moment times that way", "J", 1e-9, "identity (TOY-16)"}},
+                   {"energy", "energy lost, off the moment times that path", "J", 1e-9, "identity (TOY-16)"}},
           .measure = [] {
             const auto y = exact(kContour, 1);
             const auto energy_at = [&](double t) {

@@ -28,10 +28,10 @@ VerificationCase incline(const std::string& scheme) {
   return {.name = "B1.incline",
           .setting = scheme,
           .what = "block on a slope, mu = 1/2, steps of 10 ms (event_driven: 1 s)",
-          .rows = {{"creep", "way in 10 s on tan a = 0.45", "m", 1e-13, "closed form; list: 1e-10"},
-                   {"on_the_angle", "way in 10 s on tan a = mu", "m", event_driven ? 1e-8 : 1e-10,
+          .rows = {{"creep", "distance in 10 s on tan a = 0.45", "m", 1e-13, "closed form; list: 1e-10"},
+                   {"on_the_angle", "distance in 10 s on tan a = mu", "m", event_driven ? 1e-8 : 1e-10,
                     "undecidable; rounding, over 10 s"},
-                   {"slide", "way in 1 s at mu = 0.49, off a t^2 / 2", "m", 1e-6,
+                   {"slide", "distance in 1 s at mu = 0.49, off a t^2 / 2", "m", 1e-6,
                     "closed form; rounding of a slow slip"}},
           .measure = [=] {
             const double angle = std::atan(0.5), pull = kGravity * (std::sin(angle) - 0.49 * std::cos(angle));
@@ -51,7 +51,7 @@ VerificationCase incline(const std::string& scheme) {
 VerificationCase every_direction() {
   return {.name = "B1.every_direction",
           .what = "block down 30 degrees for 0.5 s in steps of 5 ms, slope and block turned about the normal",
-          .rows = {{"way", "worst difference from the way along x", "m", 1e-9,
+          .rows = {{"way", "worst difference from the path along x", "m", 1e-9,
                     "isotropy; rounding of 100 steps"}},
           .measure = [] {
             const CaseScene along_x = case_named("incline_30").scene();
@@ -162,7 +162,7 @@ VerificationCase stop_of_the_disc(double spin, double time, double way) {
   char setting[32], times[64], ways[64];
   std::snprintf(setting, sizeof setting, "%g rad/s", spin);
   std::snprintf(times, sizeof times, "time of the stop over the disc's, off %.3f", time);
-  std::snprintf(ways, sizeof ways, "way over the disc's, off %.3f", way);
+  std::snprintf(ways, sizeof ways, "distance over the disc's, off %.3f", way);
   return {.name = "B4.stop_of_the_disc",
           .setting = setting,
           .what = "disc of 0.1 m, 1 m/s and a spin, moreau_jean, h = 0.2 ms, until it rests",
@@ -233,12 +233,12 @@ void move_plate(CaseScene& s, const Vec3& v, double spin, double t_end) {
 VerificationCase moving_plate(const std::string& scheme) {
   return {.name = "B4.moving_plate",
           .setting = scheme,
-          .what = "disc that slides and spins for 0.3 s on a plate of 0.5 m/s and on one at rest, h = 2 ms",
+          .what = "disc that slides and spins for 0.3 s on a plate at 0.5 m/s and on one at rest, h = 2 ms",
           .rows = {{"position", "difference of positions beside the plate", "m", 1e-8,
-                    "Galilei; guard, rounding may move events"},
+                    "Galilean invariance; guard, rounding may move events"},
                    {"velocity", "difference of velocities beside the plate", "m/s", 1e-8,
-                    "Galilei; guard, rounding may move events"},
-                   {"spin", "difference of spins", "rad/s", 1e-7, "Galilei; the same over R"}},
+                    "Galilean invariance; guard, rounding may move events"},
+                   {"spin", "difference of spins", "rad/s", 1e-7, "Galilean invariance; the same over R"}},
           .measure = [scheme] {
             constexpr double t = 0.3;
             const Vec3 v(0.4, -0.3, 0);
@@ -287,7 +287,7 @@ VerificationCase turntable(const std::string& scheme) {
 // 8/9.
 VerificationCase closed_motion() {
   return {.name = "B4.closed_motion",
-          .what = "the closed motion that B4.contensou is held to",
+          .what = "the closed motion that B4.contensou is compared with",
           .rows = {{"exponent", "log of drilling over log of slip, off 8/9", "-", 1e-9, "closed form"},
                    {"stop", "slip and drilling 1e-9 before the stop", "m/s", 1e-7,
                     "closed form: both stop at once"},

@@ -157,7 +157,7 @@ VerificationCase pecking() {
   return {
       .name = "C3.woodpecker_over_a_period",
       .what = "woodpecker, moreau_jean, h = 10 us, 0.15 s",
-      .rows = {{"rows", "rows of the shared series that were met", "-", 150, "shared series", Sense::exactly},
+      .rows = {{"rows", "rows of the shared series compared here", "-", 150, "shared series", Sense::exactly},
                {"position", "worst coordinate", "m, rad", 4e-4,
                 "shared series, good to 2e-4; as much again"}},
       .measure = [] {

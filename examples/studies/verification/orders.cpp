@@ -91,8 +91,7 @@ Figures in_long_steps(const Case& c) {
 }
 
 VerificationCase long_steps(const Case& c) {
-  const std::string source =
-      "closed form; what the tolerances of 1e-12 add up to where it is stiff or unstable";
+  const std::string source = "closed form; what tolerances of 1e-12 add up to in a stiff or unstable motion";
   VerificationCase out{
       .name = item_of(c).long_steps,
       .setting = c.name,
@@ -100,7 +99,7 @@ VerificationCase long_steps(const Case& c) {
       .rows = {{"position", "worst position at their ends", "m, rad", 5e-9, source},
                {"velocity", "worst velocity at their ends", "m/s, rad/s", 5e-9, source},
                {"energy", "worst change of energy that no work explains", "J", 2e-9, source},
-               {"unasked", "events of a motion that has none", "-", 0, "closed form", Sense::exactly}},
+               {"unasked", "events where the exact motion has none", "-", 0, "closed form", Sense::exactly}},
       .measure = [&c] { return in_long_steps(c); }};
   if (!c.smooth)
     out.rows.push_back({"time", "worst time from a new piece of the motion to an event", "s",
@@ -115,8 +114,8 @@ VerificationCase end_of_impacts() {
   return {.name = "A1.end_of_impacts",
           .what = "ball from 1 m, e = 1/2, event_driven",
           .rows = {{"time", "end of infinitely many impacts", "s", 1e-8, "closed form: t1 (1 + e) / (1 - e)"},
-                   {"events", "events", "-", 19, "18 impacts that leave faster than 10 um/s, and the rest",
-                    Sense::exactly},
+                   {"events", "events", "-", 19,
+                    "18 impacts that leave faster than 10 um/s, and coming to rest", Sense::exactly},
                    {"speed", "speed after it", "m/s, rad/s", 1e-12, "closed form: rest"}},
           .measure = [] {
             const Watched run = watch(case_named("ball_e05"), by_events(1));
@@ -203,8 +202,8 @@ VerificationCase jump() {
   return {.name = "B9.jump",
           .setting = "event_driven",
           .what = "rod of 2 m at 45 degrees in coordinates, mu = 2, one step of 1 us at 1, 0.1 and 0.01 m/s",
-          .rows = {{"jumps", "runs with one event, a tangential impact", "-", 3, "no force will do",
-                    Sense::exactly},
+          .rows = {{"jumps", "runs with one event, a tangential impact", "-", 3,
+                    "no finite force is a solution", Sense::exactly},
                    {"impulse", "worst impulse, off 0.375 and 0.625 of the speed", "N s", 10 * h,
                     "closed form; gravity acts for a step"},
                    {"velocity", "worst velocity, off what it leaves", "m/s, rad/s", 20 * h,
@@ -229,7 +228,7 @@ VerificationCase slides_on() {
       .name = "B9.slides_on",
       .setting = "event_driven",
       .what = "the same rod with mu = 1/2 at 1 m/s, one step of 1 ms",
-      .rows = {{"events", "events", "-", 0, "a finite force will do", Sense::exactly},
+      .rows = {{"events", "events", "-", 0, "a finite force is a solution", Sense::exactly},
                {"push", "normal impulse", "N s", 1e-6, "the ground pushes", Sense::at_least},
                {"friction", "impulse of friction, off half of it", "N s", 1e-12, "Coulomb's law; rounding"}},
       .measure = [] {
@@ -314,7 +313,7 @@ VerificationCase orders(const std::string& name, const SchemeVariant& variant, c
         {kMeasures[m], std::string("order of ") + kMeasures[m] + (c.hops_out ? ", off that of (CONV-8)" : ""),
          "-", (c.hops_out ? 0 : expected[m]) - kOrderSlack, "theory: " + why[m] + scatter, Sense::at_least});
   out.rows.push_back({"whole", "step sizes without a shortened step", "-", double(o.levels),
-                      "theory (CONV-10): as many as a fit is asked to have", Sense::at_least});
+                      "theory (CONV-10): a fit needs as many", Sense::at_least});
   out.rows.push_back({"shortened", "error of shortened steps, over that of whole ones of twice the length",
                       "-", 1, "theory (CONV-10): no worse"});
   return out;
@@ -391,8 +390,8 @@ VerificationCase newtons_loop() {
           .what =
               "block that turns back, moreau_jean, contacts at the midpoint, 50 solves at most, at "
               "tolerances of 1e-12 and 1e-8",
-          .rows = {{"cut", "steps that were shortened", "-", 0,
-                    "the loop ends where the tolerance does (MJ-12)", Sense::exactly}},
+          .rows = {{"cut", "shortened steps", "-", 0, "the loop ends where the tolerance does (MJ-12)",
+                    Sense::exactly}},
           .measure =
               [] {
                 SchemeVariant v = moreau_jean(0.5, NormalLaw::moreau);
@@ -539,7 +538,7 @@ VerificationCase plain_moreau_jean(const char* name, const std::string& scene, c
                 "shared series: the same method; its digits"},
                {"velocity", "worst ratio of the errors of the velocity, L1", "-", 1.001,
                 "shared series: the same method; its digits"},
-               {"graph", "largest distance of graphs, over its", "m/s", 2e-3,
+               {"graph", "largest excess of the distance of graphs", "m/s", 2e-3,
                 "shared series; its points are 2 mm/s apart"}},
       .measure = [=] {
         Case c = case_named(scene);
@@ -567,7 +566,7 @@ VerificationCase oscillator_of_the_series() {
           .what = "the exact motion of the oscillator, z = -1/2, e = 0.8",
           .rows = {{"first", "time of the first impact, off 2 pi / 3", "s", 1e-14, "closed form; rounding"},
                    {"first_speed", "speed before it, off sqrt(3) / 2", "m/s", 1e-14, "closed form; rounding"},
-                   {"impacts", "impacts that are compared", "-", 20, "list", Sense::at_least},
+                   {"impacts", "impacts compared", "-", 20, "list", Sense::at_least},
                    {"time", "worst time of an impact", "s", 1e-11, "shared series, to its digits"},
                    {"before", "worst speed before an impact", "m/s", 1e-11, "shared series, to its digits"},
                    {"after", "worst speed after an impact", "m/s", 1e-11, "shared series, to its digits"}},
@@ -644,8 +643,8 @@ VerificationCase impacts_of_one_coordinate() {
       .name = "A2.impacts_of_one_coordinate",
       .what = "oscillator of one coordinate for 12 s, moreau_jean, theta 1/2, h = 1 ms",
       .rows = {{"impacts", "impacts", "-", 3, "closed form", Sense::exactly},
-               {"time", "worst time of one", "s", 5 * h, "closed form; five steps"},
-               {"speed", "worst speed after one", "m/s", 3 * h, "closed form; three steps at 1 m/s^2"}},
+               {"time", "worst time of an impact", "s", 5 * h, "closed form; five steps"},
+               {"speed", "worst speed after an impact", "m/s", 3 * h, "closed form; three steps at 1 m/s^2"}},
       .measure =
           [] {
             const CaseScene s = oscillator_of_one_coordinate();

@@ -88,7 +88,7 @@ std::string spin_text(double spin) {
 VerificationCase equations(double spin, double t_end, double turns_at) {
   return {.name = "B7.equations_of_rolling",
           .setting = spin_text(spin),
-          .what = "the equations that the rattleback is held to, strides of 0.25 ms",
+          .what = "the equations that the rattleback is compared with, strides of 0.25 ms",
           .rows = {{"energy", "worst energy, relative", "-", 1e-12, "list"},
                    {"stride", "worst difference from half the stride", "rad/s", 1e-8, "order eight"},
                    {"reversal",
@@ -133,7 +133,7 @@ VerificationCase mean_velocity() {
                    {"energy", "energy at the end, relative to the kinetic", "-", 3e-4,
                     "conserved; guard: order two"},
                    {"order", "order of the spin, 1 to 0.2 ms, off 2", "-", 0.1, "theory (MJ-10): two"},
-                   {"promised", "order that the scheme promises", "-", 2, "theory (MJ-10)", Sense::exactly}},
+                   {"promised", "order that the scheme states", "-", 2, "theory (MJ-10)", Sense::exactly}},
           .measure = [] {
             const auto exact = reference(5, 1);
             const Followed coarse = follow("moreau_jean", 5, 1e-3, 1, exact, kMean),
@@ -168,7 +168,7 @@ VerificationCase last_velocity(const std::string& scheme) {
       .rows = {{"spin", "worst vertical spin", "rad/s", 0.07,
                 "equations of rolling; guard: order one, amplified"},
                {"ratio", "the same over that at 0.2 ms", "-", 0.7, "theory: order one"},
-               {"order", "order, 0.2 to 0.1 ms, off the one that the scheme promises", "-", 0.3,
+               {"order", "order, 0.2 to 0.1 ms, off the one that the scheme states", "-", 0.3,
                 "theory: SchemeTraits::rolling"}},
       .measure = [scheme] {
         const auto exact = reference(5, 1);
@@ -185,10 +185,9 @@ VerificationCase last_velocity(const std::string& scheme) {
 VerificationCase too_soon() {
   return {.name = "B7.too_soon",
           .what = "rattleback of -5 rad/s, moreau_jean, law of the last velocity, at 0.2, 0.1 and 0.05 ms",
-          .rows = {{"late", "largest time by which it turns late", "s", 0, "its work turns it too soon"},
-                   {"ratio", "largest ratio of the times too soon, from step to step", "-", 0.8,
-                    "theory: order one"},
-                   {"soon", "time too soon at 0.05 ms", "s", 0.45, "guard: order one, amplified"}},
+          .rows = {{"late", "largest delay of the reversal", "s", 0, "its work turns it too soon"},
+                   {"ratio", "largest ratio of the leads, from step to step", "-", 0.8, "theory: order one"},
+                   {"soon", "lead of the reversal at 0.05 ms", "s", 0.45, "guard: order one, amplified"}},
           .measure = [] {
             const double exact = reversal(reference(-5, 3), 3);
             double before = kInf;

@@ -139,7 +139,7 @@ VerificationCase force_exactly(const Ring& chain) {
   return {
       .name = "C10.force",
       .setting = chain.name(),
-      .what = "closed chain of 3 rad/s, event_driven, steps of 1 ms: over a turn the mean of a force is none",
+      .what = "closed chain of 3 rad/s, event_driven, steps of 1 ms: the mean of a force over a turn is zero",
       .rows = {{"force", "force of a joint, off 7.79423 N", "N", 1e-5, "closed form; its digits"}},
       .measure = [chain] {
         return Figures{
@@ -179,7 +179,7 @@ CaseScene hung_chain() {
 // Energy of second order with the directions of a predicted middle, and to rounding on mean joints.
 VerificationCase hung() {
   return {.name = "C10.hung",
-          .what = "six rods on balls, hung at one joint, 1 s at 1 ms; 59 J fall",
+          .what = "six rods on balls, hung at one joint, 1 s at 1 ms; a fall of 59 J",
           .rows = {{"energy", "worst energy, moreau_jean", "J", 2e-4, "conserved; guard: order two"},
                    {"order", "order of it, 4 to 1 ms, off 2", "-", 0.4, "two; guard at these steps"},
                    {"on_mean_joints", "worst energy, passive_midpoint", "J", 2e-12, "conserved; rounding"},

@@ -99,10 +99,10 @@ VerificationCase stays(const char* name, const std::string& scene, bool slow) {
       .setting = scene,
       .what =
           "bodies on each other, eight steps by every scheme in every setting (three by its first "
-          "where they are more than 150)",
-      .rows = {{"way", "worst way of a body", "m", 1e-9, "it rests; the solver's tolerance"},
+          "for more than 150 bodies)",
+      .rows = {{"way", "worst shift of a body", "m", 1e-9, "it rests; the solver's tolerance"},
                {"energy", "worst energy, relative", "-", 1e-10, "conserved; the solver's tolerance"},
-               {"attempts", "most attempts of a step", "-", 1, "nothing to halve for", Sense::exactly},
+               {"attempts", "most attempts of a step", "-", 1, "no reason to halve a step", Sense::exactly},
                {"runs", "runs", "-", 5, "none is left out", Sense::at_least}},
       .measure =
           [scene] {
@@ -166,7 +166,7 @@ VerificationCase towers_stand(const std::string& name, bool in_full) {
   return {.name = in_full ? "G1.stands_in_full" : "G1.stands",
           .setting = name,
           .what = "tower of ten cubes, steps of 10 ms, " + text(t_end) + " s",
-          .rows = {{"way", "worst way of a cube", "m", in_full ? 1e-6 : 1e-7,
+          .rows = {{"way", "worst shift of a cube", "m", in_full ? 1e-6 : 1e-7,
                     "it rests; the solver's tolerance"}},
           .measure =
               [=] {
@@ -205,7 +205,7 @@ VerificationCase elastic_pile() {
       .what = "666 balls, e = 1, for 1 s at 10 ms",
       .rows = {{"energy", "energy at the end, relative", "-", 1e-9,
                 "conserved (IMP-2); the solver's tolerance"},
-               {"hits", "contacts that push", "-", 101, "they do hit", Sense::at_least},
+               {"hits", "contacts that push", "-", 101, "the balls collide", Sense::at_least},
                {"rises", "steps in which energy rises", "-", 0, "conserved (IMP-2)", Sense::exactly}},
       .measure =
           [] {
@@ -236,7 +236,8 @@ VerificationCase house_falls_as_one() {
                {"solve", "sweeps and Newton's iterations of a step", "-", 20, "next to nothing to solve"},
                {"at_rounding", "steps solved to rounding", "-", 3, "the residual is one of rounding's size",
                 Sense::exactly},
-               {"way", "worst difference of the ways of two cards", "m", 1e-14, "they fall alike; rounding"}},
+               {"way", "worst difference of the falls of two cards", "m", 1e-14,
+                "they fall alike; rounding"}},
       .measure =
           [] {
             const PeerScene scene = peer_scene("kapla");
@@ -266,7 +267,7 @@ VerificationCase house_falls_as_one() {
 VerificationCase house_stands() {
   return {.name = "G3.stands",
           .what = "house of cards, steps of 10 ms, 5 s",
-          .rows = {{"way", "worst way of a card", "m", 1e-6, "it rests; the solver's tolerance"}},
+          .rows = {{"way", "worst shift of a card", "m", 1e-6, "it rests; the solver's tolerance"}},
           .measure =
               [] {
                 return Figures{{"way", run("kapla", 1e-2, 5).error}};
@@ -282,8 +283,8 @@ VerificationCase arch_limits(const char* name, int stones, const std::vector<Arc
   return {.name = name,
           .what = "arch of " + std::to_string(stones) +
                   " stones on either side of its limits of friction, thickness and tilt, steps of 10 ms",
-          .rows = {{"stands", "worst way of a stone inside the limits, " + text(stands_for) + " s", "m", way,
-                    "limit analysis (PEER-2): it stands; the solver's tolerance"},
+          .rows = {{"stands", "worst shift of a stone inside the limits, " + text(stands_for) + " s", "m",
+                    way, "limit analysis (PEER-2): it stands; the solver's tolerance"},
                    {"falls", "latest fall outside the limits", "s", falls_within,
                     "limit analysis (PEER-2): it falls"}},
           .measure =
@@ -315,9 +316,9 @@ VerificationCase arch_for_a_minute(double mu) {
   return {.name = "G4.a_minute",
           .setting = "mu = " + text(mu),
           .what = "arch of 25 stones, steps of 10 ms, 60 s",
-          .rows = {{"way", "worst way of a stone", "m", 1e-9,
+          .rows = {{"way", "worst shift of a stone", "m", 1e-9,
                     "limit analysis (PEER-2): it stands; a millionth of a millimetre"},
-                   {"sunk", "way of the crown downwards", "m", 1e-9,
+                   {"sunk", "descent of the crown", "m", 1e-9,
                     "limit analysis (PEER-2): it stands; a millionth of a millimetre"}},
           .measure =
               [mu] {
@@ -334,11 +335,11 @@ VerificationCase scattered_arch(double scatter, Reducer reducer) {
   const double openings = 26 * kPi / 25 * spread(arch) * scatter;  // stones are pi / 25 m from each other
   return {.name = "G4.scattered_arch",
           .setting = text(scatter) + " m, reducer " + to_string(reducer),
-          .what = "arch of 25 stones that are off their places at random, steps of 10 ms, 3 s",
+          .what = "arch of 25 stones displaced at random, steps of 10 ms, 3 s",
           .rows = {{"contacts", "contacts found at rest", "contacts", 104,
-                    "four a joint, as of the exact arch", Sense::at_least},
-                   {"way", "worst way of a stone", "m", openings, "sum of the openings of all joints"},
-                   {"drift", "worst way of a stone from 1 s to 3 s", "m", 1e-8,
+                    "four a joint, as in the exact arch", Sense::at_least},
+                   {"way", "worst shift of a stone", "m", openings, "sum of the openings of all joints"},
+                   {"drift", "worst shift of a stone from 1 s to 3 s", "m", 1e-8,
                     "limit analysis (PEER-2): it stands; the solver's tolerance"},
                    {"solve", "sweeps and Newton's iterations of a step from 1 s on, mean", "-", 20,
                     "next to nothing to solve"}},
@@ -373,15 +374,16 @@ VerificationCase scattered_arch(double scatter, Reducer reducer) {
 }
 
 VerificationCase arch_of_101_stands() {
-  return {.name = "G4.arch_of_101_stands",
-          .what = "arch of 101 stones, steps of 10 ms, 5 s",
-          .rows = {{"way", "worst way of a stone", "m", 1e-6, "limit analysis (PEER-2): it stands; solver"}},
-          .measure =
-              [] {
-                return Figures{{"way", run("arch_101", 1e-2, 5).error}};
-              },
-          .slow = true,
-          .certified = true};
+  return {
+      .name = "G4.arch_of_101_stands",
+      .what = "arch of 101 stones, steps of 10 ms, 5 s",
+      .rows = {{"way", "worst shift of a stone", "m", 1e-6, "limit analysis (PEER-2): it stands; solver"}},
+      .measure =
+          [] {
+            return Figures{{"way", run("arch_101", 1e-2, 5).error}};
+          },
+      .slow = true,
+      .certified = true};
 }
 
 // The box, and the balls on it with 2/7 of its acceleration: speeds are exact, and positions those of the

@@ -126,9 +126,9 @@ VerificationCase smaller_steps() {
 // the scheme.
 VerificationCase too_long_steps() {
   return {.name = "B6.too_long_steps",
-          .what = "tippe-top under Coulomb's law, moreau_jean, h = 1 ms: it inverts, which is false",
-          .rows = {{"end", "time when the stem touches", "s", 2.6, "what the manual says of such steps"},
-                   {"angle", "angle of the axis there", "rad", 2, "what the manual says of such steps",
+          .what = "tippe-top under Coulomb's law, moreau_jean, h = 1 ms: it inverts, wrongly",
+          .rows = {{"end", "time when the stem touches", "s", 2.6, "the manual: such steps are too long"},
+                   {"angle", "angle of the axis there", "rad", 2, "the manual: such steps are too long",
                     Sense::at_least}},
           .measure = [] {
             const CaseScene s = tippe_top(0);
@@ -158,9 +158,9 @@ VerificationCase stem_on_time() {
 VerificationCase drilling_alone() {
   return {.name = "B6.drilling_alone",
           .what = "tippe-top under Contensou's law, moreau_jean, h = 0.1 ms, until the stem touches",
-          .rows = {{"jellett", "change of Jellett's integral less that by drilling, relative", "-", 1e-5,
+          .rows = {{"jellett", "change of Jellett's integral beyond that by drilling, relative", "-", 1e-5,
                     "(TOY-5); order two"},
-                   {"drilling", "change by drilling, relative", "-", 0.02, "there is something to see",
+                   {"drilling", "change by drilling, relative", "-", 0.02, "the effect is visible",
                     Sense::at_least}},
           .measure = [] {
             const CaseScene s = tippe_top(kTippeTopDrilling);
@@ -213,7 +213,7 @@ std::vector<Asked> rows_of_series(double tilt, double spin, double energy, int r
   return {{"angle", "worst angle of the axis", "rad", tilt, source},
           {"spin", "worst spin about the vertical", "rad/s", spin, source},
           {"energy", "worst energy, relative", "-", energy, source},
-          {"rows", "rows of the series that were met", "-", double(rows), "shared series", Sense::exactly}};
+          {"rows", "rows of the series compared", "-", double(rows), "shared series", Sense::exactly}};
 }
 
 VerificationCase inverts(const std::string& scheme) {
@@ -234,7 +234,7 @@ VerificationCase inverts(const std::string& scheme) {
                        {"touch", std::abs(touch_time(off.end, scheme, good(scheme)) - kTouch)}};
       }};
   out.rows.push_back(
-      {"touch", "time when the stem touches then, off 1.37332 s", "s", 0.01 * kTouch, "list; a hundredth"});
+      {"touch", "time when the stem touches, off 1.37332 s", "s", 0.01 * kTouch, "list; a hundredth"});
   return out;
 }
 
@@ -259,14 +259,14 @@ VerificationCase wrong_radius(const std::string& part) {
           .setting = part,
           .what =
               "tippe-top with a drilling radius that is 8 % off, event_driven: B6.inverts_as_the_series "
-              "would see it",
+              "would fail",
           .rows = {{"angle", "worst angle of the axis", "rad", kTiltWithDrilling, "bound of the series",
                     Sense::at_least},
                    {"spin", "worst spin", "rad/s", kSpinWithDrilling, "bound of the series", Sense::at_least},
                    {"energy", "worst energy, relative", "-", kEnergyWithDrilling, "bound of the series",
                     Sense::at_least},
                    {"touch", "time when the stem touches, off 1.37332 s", "s", 1.5e-3 * kTouch,
-                    "it hardly tells"}},
+                    "it hardly changes"}},
           .measure = [part] {
             const CaseScene s = tippe_top(std::stod(part) * kTippeTopDrilling);
             const Deviation off =
