@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which factorisation should the solver take for its linear systems? One factorisation and one solve of W + s
-// by each candidate, on the matrices of friction problems, beside the one that the solver chooses.
+// Compares factorisations for the solver's linear systems: times one factorisation and one solve of W + s by
+// each candidate, on the matrices of friction problems, beside the one that the solver chooses.
 //
 // Theory   doc/theory/proximal_newton.md, doc/theory/admm.md (ADMM-2)
 // Run      bench_factorisation data/problems
@@ -131,12 +131,12 @@ ExitCode bench(const Arguments& a) {
   }
   require(count > 0, "no problem has as many rows as --smallest");
   return print_verdicts({{.key = "worst_ratio",
-                          .what = "choice to the best candidate, longest",
+                          .what = "time of the choice over the best candidate's, longest",
                           .where = worst_problem,
                           .value = worst,
                           .wanted = 3},
                          {.key = "geometric_mean_ratio",
-                          .what = "choice to the best candidate, geometric mean",
+                          .what = "time of the choice over the best candidate's, geometric mean",
                           .value = std::exp(log_ratio / count),
                           .wanted = 1.5}})
              ? ExitCode::ok

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What all contacts of a pair cost against what a distance query costs with a peer, on real assemblies in one
-// run: read the ratios, not the times.
+// Compares the cost of all contacts of a pair with the cost of a peer's distance query, on real assemblies in
+// one run. Read the ratios, not the times.
 //
 // Theory   doc/theory/lmd.md (LMD-9)
 // Run      bench_lmd
 //          bench_lmd --data DIR --json out/bench_lmd.json
 //          bench_lmd --data DIR --pair press_p1p2,own_tslot --ablation
-// Expect   a line per number that is wanted, with PASS; the last one is the geometric mean of the ratios to
-// FCL
+// Expect   a line per verdict, with PASS; the last one is the geometric mean of the ratios to FCL
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
@@ -49,7 +48,7 @@ std::vector<double> parse_thresholds(const std::string& list) {
     out.push_back(value);
   }
   require(std::ranges::count(out, kVerdictThreshold) == 1,
-          "--thresholds = " + list + " must contain 0.01 once: verdicts are about it");
+          "--thresholds = " + list + " must contain 0.01 once: verdicts refer to it");
   return out;
 }
 
@@ -69,7 +68,7 @@ std::vector<std::string> pair_names(const Arguments& a) {
 
 ExitCode bench(const Arguments& a) {
   CostOptions options{.thresholds = parse_thresholds(a.thresholds), .poses = a.poses, .repeats = a.repeats};
-  require(a.common.threads == 1, "--threads must be 1: what is measured is the time of one thread");
+  require(a.common.threads == 1, "--threads must be 1: one thread is timed");
   const std::vector<std::string> names = pair_names(a);
   make_folders(a.common);
   if (a.json.has_parent_path()) std::filesystem::create_directories(a.json.parent_path());
@@ -90,7 +89,7 @@ ExitCode bench(const Arguments& a) {
     if (interrupted()) return ExitCode::interrupted;
   }
 
-  // 2. Tell.
+  // 2. Report.
   std::printf("\n%s", header_line().c_str());
   for (const PairCost& p : pairs) std::printf("%s", lines_of(p).c_str());
   if (a.ablation) {
@@ -100,7 +99,7 @@ ExitCode bench(const Arguments& a) {
   }
   if (!a.json.empty()) write_cost_json(a.json, pairs);
   if (!write_cost_plot(a.common.out, pairs))
-    std::fprintf(stderr, "no picture: gnuplot is not there, or fails on %s\n",
+    std::fprintf(stderr, "no picture: gnuplot is missing, or fails on %s\n",
                  (a.common.out / "bench_lmd.gp").c_str());
   std::printf("\n");
   return print_verdicts(verdicts(pairs)) ? ExitCode::ok : ExitCode::not_accepted;
@@ -112,11 +111,11 @@ int main(int argc, char** argv) {
   Arguments a;
   Cli cli(
       "bench_lmd",
-      "Times contact queries along assembly paths against FCL's distance and CGAL's pairs of triangles: CPU "
-      "time of one thread, per pose the fastest repeat, of all poses the median. Bytes per triangle are "
-      "those a search reads: vertices, triangles, planes, normal cones and trees.");
+      "Times contact queries along assembly paths against FCL's distance and CGAL's pairs of triangles. "
+      "Figures are CPU times of one thread: the fastest repeat of each pose, the median of all poses. "
+      "Bytes per triangle count what a search reads: vertices, triangles, planes, normal cones and trees.");
   cli.group("scene");
-  cli.input("--data", a.data, "folder with meshes/ and assembly/; without it our own bolt and nut");
+  cli.input("--data", a.data, "folder with meshes/ and assembly/; without it, our own bolt and nut");
   cli.option("--pair", a.pairs, "names of assembly/pairs.csv, comma separated; empty: all");
   cli.option("--scale", a.scale, "metres per unit of the files", "m", {1e-12, 1e12});
   cli.group("measurement");
@@ -125,8 +124,8 @@ int main(int argc, char** argv) {
   cli.option("--poses", a.poses, "of each path, spread evenly", "", {1, 1000});
   cli.option("--repeats", a.repeats, "per pose; the fastest counts", "", {1, 1000});
   cli.flag("--ablation", a.ablation, "leave out each test of the search in turn, at 1 % and three poses");
-  cli.option("--ablation-triangles", a.ablation_triangles, "most of a pair for that, unless pairs are named",
-             "", {0, 1e9});
+  cli.option("--ablation-triangles", a.ablation_triangles,
+             "largest pair for --ablation, unless pairs are named", "", {0, 1e9});
   cli.option("--json", a.json, "file for all numbers");
   cli.common(a.common);
   cli.example("bench_lmd -o out", "our own bolt and nut");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What many bodies cost per body: pairs, contacts and a whole step, at the same packing from 1e3 to 1e5
-// bodies. Read the ratios to the smallest size: 1 is linear.
+// Times pairs, contacts and a whole step per body, at the same packing from 1e3 to 1e5 bodies. Read the
+// ratios to the smallest size: 1 is linear.
 //
 // Theory   doc/theory/conservative_advancement.md (CA-11), (CA-12); doc/decisions/0009
 // Run      bench_many_bodies
@@ -229,9 +229,9 @@ int main(int argc, char** argv) {
   Arguments a;
   Cli cli("bench_many_bodies", "Times pairs, contacts and a step per body, from 1e3 to 1e5 bodies in a box.");
   cli.group("scene");
-  cli.choice("--scene", a.scene, "which", {"spheres", "mixed_parts", "both"});
+  cli.choice("--scene", a.scene, "the bodies", {"spheres", "mixed_parts", "both"});
   cli.option("--largest", a.largest, "number of bodies", "", {1000, 1e6});
-  cli.option("--largest-step", a.largest_step, "number of bodies that also do a whole step", "", {0, 1e6});
+  cli.option("--largest-step", a.largest_step, "number of bodies up to which steps are timed", "", {0, 1e6});
   cli.option("--sweeps", a.max_sweeps, "of the solver in that step", "", {1, 1e6});
   cli.option("--repeats", a.repeats, "of each query; the fastest counts", "", {1, 1000});
   cli.group("output");

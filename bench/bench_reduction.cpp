@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What each reducer costs and what it loses, and the default one by each clustering, against the rule of four
-// points that engines use; and the cost per contact from ten to a million contacts in one patch.
+// Compares the cost and loss of each reducer, and of the default one with each clustering, with the rule of
+// four points that engines use. Times a contact in patches of ten to a million contacts.
 //
 // Theory   doc/theory/reduction.md (RED-1) to (RED-15)
 // Run      bench_reduction
 //          bench_reduction --largest 1000000 --json reduction.json
-// Expect   no family in which hull_margin keeps less margin than the four points do; cost per contact at
-//          most three times that of ten thousand contacts
+// Expect   hull_margin keeps at least the margin of the four points in every family; the cost per contact
+//          stays below three times that at ten thousand contacts
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -77,8 +77,8 @@ std::vector<Family> families() {
   return {{"rim", rim}, {"grid", grid}, {"l", l}, {"scattered", in_disc(48, 7)}};
 }
 
-// Microseconds of both calls, the fastest of some batches each, and the median of their ratios, measured in
-// turn.
+// Microseconds of both calls, measured in turn: the fastest of some batches each, and the median of their
+// ratios.
 struct Paired {
   double us = kInf, us_other = kInf, ratio = 0;
 };
@@ -106,7 +106,7 @@ struct Rule {
   std::string name{};
   ReductionOptions options{};
 };
-// Against the whole patch, whatever groups a rule makes of it.
+// Compared with the whole patch, whatever groups a rule makes of it.
 LossReport loss_of_patch(const ContactSet& set, Selection selection) {
   selection.cluster.assign(set.points.size(), 0);
   selection.cluster_count = 1;
@@ -166,7 +166,7 @@ ExitCode bench(const Arguments& a) {
   CsvTable scaling(a.common.out / "bench_reduction_scaling.csv",
                    {"contacts", "ns_hull_margin", "ns_patch_of_four", "ns_rule_alone", "ratio"});
   std::vector<double> counts, costs;
-  double at_ten_thousand = std::nan("");  // below, a processor knows the branches of a sort by heart
+  double at_ten_thousand = std::nan("");  // below, a processor predicts all branches of a sort
   for (int n = 10; n <= a.largest && !interrupted(); n *= 10) {
     const Family family("disc", in_disc(n, 11));
     std::vector<int> members(std::size_t(n), 0);
@@ -190,9 +190,9 @@ ExitCode bench(const Arguments& a) {
   summary.set("contacts", counts);
   summary.set("ns_hull_margin", costs);
   std::vector<Bar> verdicts = {
-      {"margin", "margin of the four points beyond that of hull_margin", "", worst_difference, 0}};
+      {"margin", "margin of the four points less that of hull_margin", "", worst_difference, 0}};
   if (a.largest >= 10000)
-    verdicts.push_back({"growth", "cost per contact of the most contacts over that of ten thousand", "",
+    verdicts.push_back({"growth", "cost per contact of the largest patch over that of ten thousand", "",
                         costs.back() / at_ten_thousand, 3});
   const bool pass = print_verdicts(verdicts);
   for (const Bar& v : verdicts) summary.set(v.key, v.value);
@@ -206,14 +206,14 @@ ExitCode bench(const Arguments& a) {
 
 int main(int argc, char** argv) {
   Arguments a;
-  Cli cli("bench_reduction", "What reducers cost and lose, against the four points of engines.");
+  Cli cli("bench_reduction", "Compares the cost and loss of reducers with the four points of engines.");
   cli.group("size");
   cli.option("--largest", a.largest, "number of contacts of one patch", "", {10, 1e7});
-  cli.option("--pairs", a.pairs, "of measurements in turn; their median ratio counts", "", {1, 1000});
+  cli.option("--pairs", a.pairs, "of measurements, taken in turn; the median ratio counts", "", {1, 1000});
   cli.group("output");
   cli.option("--json", a.json, "file for all columns");
   cli.common(a.common);
   cli.example("bench_reduction", "all families, up to a million contacts");
-  cli.example("bench_reduction --largest 10000 --json reduction.json", "less");
+  cli.example("bench_reduction --largest 10000 --json reduction.json", "a short run");
   return run_driver(cli, argc, argv, [&] { return bench(a); });
 }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What our automatic solver costs against the best solver of Siconos, chosen per problem with hindsight, and
-// against its default, on the same problems in one run and with one judge: read the ratios, not the times.
+// Compares our automatic solver with the best solver of Siconos, chosen per problem with hindsight, and with
+// its default, on the same problems in one run and with one judge. Read the ratios, not the times.
 //
 // Theory   doc/theory/nsgs.md (NSGS-9); the files: doc/fclib_file.md
 // Run      bench_solver data/problems
 //          bench_solver data/problems --tolerance 1e-12 --json out/bench_solver.json
-// Expect   a line per number that is wanted, with PASS; the last one is the geometric mean of the ratios to
-// the best solver of Siconos
+// Expect   a line per verdict, with PASS; the last one is the geometric mean of the ratios to the best solver
+// of Siconos
 #include <cstdio>
 
 #include "bench/solver_report.hpp"
@@ -27,7 +27,7 @@ struct Arguments {
 };
 
 ExitCode bench(const Arguments& a) {
-  require(a.common.threads == 1, "--threads must be 1: what is measured is the time of one thread");
+  require(a.common.threads == 1, "--threads must be 1: one thread is timed");
   require_field(a.cost.tolerance <= a.cost.coarse, "--coarse", a.cost.coarse, "be at least --tolerance");
   const std::vector<std::filesystem::path> files = problem_files(a.files);
   make_folders(a.common);
@@ -47,7 +47,7 @@ ExitCode bench(const Arguments& a) {
     if (interrupted()) return ExitCode::interrupted;
   }
 
-  // 2. Tell.
+  // 2. Report.
   std::printf("\n%s", solver_table_head(a.cost).c_str());
   for (const ProblemCost& cost : costs) std::printf("%s", line_of(cost).c_str());
   if (!a.json.empty()) write_solver_json(a.json, costs, a.cost);
@@ -66,9 +66,9 @@ int main(int argc, char** argv) {
       "bench_solver",
       "Times our automatic solver against those of Siconos on frictional contact problems: CPU time of one "
       "thread from r = 0, the fastest of several calls, judged by our scaled residual. Siconos gets W in "
-      "rows of blocks and the tolerance of its own that meets ours; it is left out where it is not "
-      "installed. Global problems are condensed before either clock starts; the last column is ours from "
-      "the bodies, to condensing and Siconos together.");
+      "rows of blocks and the tolerance of its own that meets ours. It is left out where it is not "
+      "installed. Global problems are condensed before either clock starts. The last column is our time from "
+      "the bodies, over that of condensing and Siconos together.");
   cli.group("scene");
   cli.files(a.files, "HDF5 files, or folders of them");
   cli.group("measurement");
@@ -80,6 +80,6 @@ int main(int argc, char** argv) {
   cli.option("--json", a.json, "file for all numbers");
   cli.common(a.common);
   cli.example("bench_solver DIR -o out", "all problems, with out/bench_solver.csv and a picture");
-  cli.example("bench_solver DIR --json out/bench_solver.json", "what every solver of Siconos took");
+  cli.example("bench_solver DIR --json out/bench_solver.json", "times of every solver of Siconos");
   return run_driver(cli, argc, argv, [&] { return bench(a); });
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The CPU time of a call that may take a microsecond or ten seconds, on a machine that others use too.
+// Measures the CPU time of a call of a microsecond to ten seconds, on a machine with other load.
 #pragma once
 
 #include <algorithm>
@@ -8,17 +8,17 @@
 
 namespace aussois {
 
-/// CPU time of this thread [s]. That of the process is counted in ticks of some ms once it has a limit.
+/// CPU time of this thread [s]. The clock of a process with a limit ticks every few ms only.
 inline double cpu_seconds() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
 }
 
-/// Seconds of one call: of several batches the fastest. `prepare(n)` makes what n calls need, `call(x)` uses
-/// up one of them; only calls are timed. Batches are long beside the 1 us that reading the clock takes; there
-/// are 3 to 25 of them within `budget`. A call longer than a fifth of the budget, `about` says, is made once
-/// more.
+/// Seconds of one call, in the fastest of several batches. `prepare(n)` makes what n calls need, `call(x)`
+/// uses up one of them; only calls are timed. Batches are long beside the 1 us that reading the clock takes;
+/// there are 3 to 25 of them within `budget`. A call that takes more than a fifth of the budget by `about` is
+/// made once more.
 template <class Prepare, class Call>
 double fastest_call(double about, double budget, const Prepare& prepare, const Call& call) {
   const int batch = std::clamp(int(1e-4 / std::max(about, 1e-7)), 1, 50),

@@ -23,7 +23,7 @@ const PairCost* named(const std::vector<PairCost>& pairs, const std::string& nam
   return nullptr;
 }
 
-// The largest of what `value` gives for the pairs; those it gives nan for do not count.
+// The largest `value` of the pairs; nan does not count.
 template <class Value>
 void add_worst(std::vector<Bar>& out, const std::vector<PairCost>& pairs, Bar verdict, const Value& value) {
   verdict.value = -kInf;
@@ -32,7 +32,7 @@ void add_worst(std::vector<Bar>& out, const std::vector<PairCost>& pairs, Bar ve
   if (!verdict.where.empty()) out.push_back(verdict);
 }
 
-// The same surface with more triangles: more contacts may take longer, each of them may not.
+// The same surface with more triangles: the query may take longer in total, but not per contact.
 void add_growth(std::vector<Bar>& out, const PairCost& coarse, const PairCost& fine) {
   const QueryCost *c = query_at(coarse, kVerdictThreshold), *f = query_at(fine, kVerdictThreshold);
   if (c && f && c->contacts > 0 && f->contacts > 0)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What bench_lmd found, for people and scripts: tables, verdicts against what is wanted, JSON, a picture.
+// Reports the results of bench_lmd: tables, verdicts, JSON, a picture.
 #pragma once
 
 #include <filesystem>
@@ -11,11 +11,11 @@
 
 namespace aussois {
 
-/// The threshold that verdicts are about: 1 % of the moving radius.
+/// The threshold that verdicts refer to: 1 % of the moving radius.
 inline constexpr double kVerdictThreshold = 0.01;
 
-/// Those that could be measured: memory, build, growth, the worst ratio, last the geometric mean of the
-/// ratios.
+/// Verdicts on all that could be measured: memory, build, growth, the worst ratio, and last the geometric
+/// mean of the ratios.
 std::vector<Bar> verdicts(const std::vector<PairCost>& pairs);
 
 double ratio_to_fcl(const PairCost& pair);  // at kVerdictThreshold; nan without FCL

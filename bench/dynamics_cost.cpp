@@ -9,7 +9,7 @@
 namespace aussois {
 namespace {
 
-constexpr int kJudgedSteps = 1000;  // between two looks at whether to go on
+constexpr int kJudgedSteps = 1000;  // between two checks whether to go on
 constexpr double kTwoBounces =
     4;  // balls that fall 4.9 m meet the ground at 1 s and, without loss, at 3 s [s]
 

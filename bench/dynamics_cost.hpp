@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a scene of the peers costs in every engine, and how wrong it gets there: one judged run, then rounds
-// that are only timed, all engines in turn, so that a busy machine hits them alike.
+// Measures cost and error of a scene of the peers in every engine: one judged run, then rounds that are only
+// timed. Engines take turns, so that a busy machine slows them alike.
 #pragma once
 
 #include "bench/peer_engine.hpp"
@@ -13,7 +13,7 @@ struct DynamicsCase {
   double h = 1e-3;      // [s]
   double error = kInf;  // by the measure of the scene
   double us = kInf;     // CPU time of a step [us]
-  double t_least = 0;   // simulated time of a timed run at least: what the scene is about happens in it [s]
+  double t_least = 0;  // simulated time of a timed run at least, so that it contains the essential motion [s]
 };
 const std::vector<DynamicsCase>& dynamics_cases();
 
@@ -36,7 +36,8 @@ struct SceneCost {
   std::vector<EngineCost> engines{};  // those that can run it, ours first
 };
 
-/// `step(what)` hears what comes next and answers whether to go on; if not, what is returned is not complete.
+/// `step(what)` is called with the name of the next part and returns whether to go on. If not, the result is
+/// incomplete.
 SceneCost measure_scene(const DynamicsCase& of, const std::vector<PeerEngine>& engines,
                         const DynamicsOptions& options, const std::function<bool(const std::string&)>& step);
 

@@ -27,7 +27,7 @@ double thread_ms() {
   return 1e3 * double(t.tv_sec) + 1e-6 * double(t.tv_nsec);
 }
 
-// The fastest of `repeats`, but no further one after two seconds: what takes long is measured well enough.
+// The fastest of `repeats`, but no further one after two seconds: long calls need no repeats.
 double fastest_ms(int repeats, const std::function<void()>& work) {
   const double start = thread_ms();
   double best = kInf;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What all contacts of a pair cost along its path, beside what peers ask for one distance of the same meshes:
-// CPU time of one thread, of every pose the fastest of some repeats, of all poses the median.
+// Measures the cost of all contacts of a pair along its path, and of one distance of the same meshes by
+// peers. Times are CPU times of one thread: the fastest of some repeats of each pose, the median of all
+// poses.
 #pragma once
 
 #include <functional>
@@ -17,8 +18,8 @@ inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
 struct CostOptions {
   std::vector<double> thresholds{};  // largest distances of the bases, in moving radii [-]
-  double ablation = 0;               // at this threshold each test is left out in turn; 0: none is [-]
-  int poses = 9;                     // of the path, spread evenly
+  double ablation = 0;  // the threshold at which each test is left out in turn; 0: none is left out [-]
+  int poses = 9;        // of the path, spread evenly
   int repeats = 3;
 };
 
@@ -51,8 +52,8 @@ struct PairCost {
 /// The query at `threshold`; nullptr if it was not measured.
 const QueryCost* query_at(const PairCost& pair, double threshold);
 
-/// `step(done)` hears how much is done, from 0 to 1, and answers whether to go on; if not, what is measured
-/// so far is not to be used. Throws NumericalFailure if contacts depend on which tests prune.
+/// `step(done)` is called with the fraction done, from 0 to 1, and returns whether to go on. If not, the
+/// result is not to be used. Throws NumericalFailure if contacts depend on which tests prune.
 PairCost measure_pair(const AssemblyInput& input, const CostOptions& options,
                       const std::function<bool(double)>& step);
 

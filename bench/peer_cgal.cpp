@@ -20,7 +20,7 @@ Kernel::Point_3 point_of(const Vec3& x) {
   return {x.x(), x.y(), x.z()};
 }
 
-// Counts what CGAL's traversal writes.
+// Counts the output of CGAL's traversal.
 struct Counter {
   using iterator_category = std::output_iterator_tag;
   using value_type = void;

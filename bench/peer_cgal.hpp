@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The peer for the set: pairs of triangles near each other, as CGAL's AABB tree enumerates them. Links a GPL
-// part of CGAL: only with AUSSOIS_WITH_GPL (doc/decisions/0011-a-benchmark-asks-a-gpl-peer.md).
+// The peer for the set of contacts: pairs of triangles near each other, as CGAL's AABB tree enumerates them.
+// Links a GPL part of CGAL: only with AUSSOIS_WITH_GPL (doc/decisions/0011-a-benchmark-asks-a-gpl-peer.md).
 #pragma once
 
 #include <memory>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An engine of rigid bodies, ours or a peer, as bench_dynamics sees it: it takes a scene, steps, and tells
-// where the bodies are.
+// The interface of bench_dynamics to an engine of rigid bodies, ours or a peer: it takes a scene, steps, and
+// returns the poses of the bodies.
 #pragma once
 
 #include <functional>
@@ -10,7 +10,7 @@
 
 namespace aussois {
 
-/// A scene that an engine has taken in. Owns everything; gone with the last copy.
+/// A scene inside an engine. Owns everything; deleted with the last copy.
 struct EngineRun {
   std::function<void()> step{};  // by the h that the run was started with
   std::function<PeerSample()> sample{};
@@ -22,9 +22,9 @@ struct PeerEngine {
   std::function<std::optional<EngineRun>(const PeerScene&, double h)> start{};
 };
 
-/// A peer with its defaults, or as a user who wants accuracy would set it.
+/// A peer with its defaults, or tuned for accuracy.
 struct PeerTuning {
-  int steps = 1;       // of its own in each step that it is asked for
+  int steps = 1;       // of its own in each step of the scene
   int iterations = 1;  // of its solver, times its default
 };
 inline constexpr PeerTuning kTuned{.steps = 10, .iterations = 10};
@@ -39,7 +39,7 @@ PeerEngine mujoco_engine(const PeerTuning& tuning = {});  // Newton, 100 iterati
                                                           // restitution by a spring of ten steps contact time
 std::string peer_name(const char* name, const PeerTuning& tuning);
 
-/// Ours first, then the peers that were there when this was configured, each with its defaults and tuned.
+/// Ours first, then the peers found at configuration, each with its defaults and tuned.
 std::vector<PeerEngine> engines();
 
 }  // namespace aussois

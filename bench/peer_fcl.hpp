@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The peer for one number: FCL's smallest distance of two triangle meshes (OBBRSS trees, double). FCL's
-// kernel of two triangles takes squared normals below 1e-15 for zero and then answers 0: it gets the meshes
-// with the box of A 100 long. In metres it found screw_387266 and spot_link_dock touching where they do not.
+// kernel of two triangles takes squared normals below 1e-15 for zero and then returns 0, so the meshes are
+// scaled until the box of A is 100 long. In metres, FCL reported contact for screw_387266 and spot_link_dock,
+// which do not touch.
 #pragma once
 
 #include <memory>

@@ -27,7 +27,7 @@
 #include "bench/call_time.hpp"
 #include "nsgs/residual.hpp"
 
-// OpenBLAS, if that is the BLAS below Siconos: one thread, as everybody else here.
+// OpenBLAS, if that is the BLAS below Siconos: one thread, as for all other solvers here.
 extern "C" __attribute__((weak)) void openblas_set_num_threads(int);
 
 namespace aussois {
@@ -196,7 +196,7 @@ void set_alarm(double seconds) {
   setitimer(ITIMER_PROF, &timer, nullptr);
 }
 
-// What a child tells through a pipe.
+// What a child sends through a pipe.
 struct Message {
   int solved = 0, iterations = 0;
   double cpu_s = 0, residual = 0, own_tolerance = 0;
@@ -228,7 +228,7 @@ Message solve_in_child(const LocalProblem& problem, const SiconosSolver& solver,
                   [](const std::unique_ptr<Call>& again) { (*again)(); }),
               .residual = residual,
               .own_tolerance = own};
-    if (info != 0) break;  // it does not reach what it was asked for: asking for more does not help
+    if (info != 0) break;  // it misses its own tolerance: a smaller one does not help
   }
   return out;
 }
@@ -246,7 +246,7 @@ Message solve_in_child(const LocalProblem& problem, const SiconosSolver& solver,
   try {
     const Message message = solve_in_child(problem, solver, tolerance, time_limit, budget);
     if (write(pipe, &message, sizeof message) == ssize_t(sizeof message)) code = EXIT_SUCCESS;
-  } catch (...) {  // no memory: the parent sees a child that failed
+  } catch (...) {  // no memory: the parent finds a failed child
   }
   _exit(code);
 }
@@ -264,7 +264,7 @@ std::string failure_of(int status) {
   return WEXITSTATUS(status) == EXIT_SUCCESS ? "residual" : "exit " + std::to_string(WEXITSTATUS(status));
 }
 
-// Of all blocks; 0 for laws that Siconos has no problem for.
+// Of all blocks; 0 for laws that Siconos does not have.
 int dimension_of(const std::vector<Law>& laws) {
   if (laws.empty()) return 0;
   const Law& first = laws.front();

@@ -39,7 +39,7 @@ void run_peer(const LocalProblem& problem, const SolverCostOptions& options,
                                                              options.time_limit, options.budget)});
   for (const std::string& solver : solvers) {
     if (!step(cost.name + " " + solver)) return;
-    const NamedRun* best = best_siconos(cost);  // nobody needs to know how much slower the others are
+    const NamedRun* best = best_siconos(cost);  // how much slower the others are does not matter
     const double limit =
         best ? std::clamp(2 * best->run.cpu_s, kShortestLimit, std::max(options.time_limit, kShortestLimit))
              : options.time_limit;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What one problem costs with our automatic solver, and with every solver of Siconos that applies, both from
-// r = 0 and judged by our scaled residual: CPU time of one thread, the fastest of several calls.
+// Measures the cost of one problem with our automatic solver and with every solver of Siconos that applies,
+// from r = 0 and judged by our scaled residual: CPU time of one thread, the fastest of several calls.
 #pragma once
 
 #include <filesystem>
@@ -23,7 +23,7 @@ struct SolverCostOptions {
 
 struct OurRun {
   SolveReport report{};
-  bool solved = false;  // the judge's word, from r alone
+  bool solved = false;  // by the judge, from r alone
   double cpu_s = 0;
 };
 
@@ -36,7 +36,7 @@ struct ProblemCost {
   std::string name{}, form{};  // local, global
   int contacts = 0, rows = 0;
   OurRun ours{}, ours_coarse{};  // of solve(LocalProblem)
-  // A global problem is condensed before anybody's clock starts. What that takes, and ours from the bodies:
+  // A global problem is condensed before either clock starts. The time of that, and ours from the bodies:
   double condense_s = std::numeric_limits<double>::quiet_NaN();
   OurRun ours_global{};
   std::vector<NamedRun> siconos{};  // at `tolerance`; empty where Siconos or a solver for the laws is missing
@@ -52,8 +52,8 @@ double ratio_to_nsgs(const ProblemCost& cost);
 /// solve(FrictionProblem) to condense() and the best of Siconos; NaN for local problems.
 double ratio_from_bodies(const ProblemCost& cost);
 
-/// `step(what)` hears what comes next and answers whether to go on; if not, what is measured so far is not to
-/// be used. Throws std::runtime_error for a file that cannot be read.
+/// `step(what)` is called with the name of the next part and returns whether to go on. If not, the result is
+/// not to be used. Throws std::runtime_error for a file that cannot be read.
 ProblemCost measure_problem(const std::filesystem::path& file, const SolverCostOptions& options,
                             const std::function<bool(const std::string&)>& step);
 

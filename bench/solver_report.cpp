@@ -17,7 +17,7 @@ using Json = nlohmann::ordered_json;
 using Ratio = double (*)(const ProblemCost&);
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-// A number that does not exist is a dash.
+// Prints a dash for a number that does not exist.
 std::string cell(const char* format, int width, double value) {
   return std::isfinite(value) ? formatted(format, width, value) : formatted("%*s", width, "-");
 }
@@ -105,7 +105,7 @@ Json json_of(const ProblemCost& cost) {
 
 std::vector<Bar> solver_verdicts(const std::vector<ProblemCost>& costs) {
   std::vector<Bar> out;
-  Bar unsolved{"unsolved", "problems that we do not solve", "", 0, 0};
+  Bar unsolved{"unsolved", "problems unsolved by us", "", 0, 0};
   for (const ProblemCost& cost : costs)
     if (!cost.ours.solved || !cost.ours_coarse.solved) ++unsolved.value, unsolved.where = cost.name;
   out.push_back(unsolved);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What bench_solver found, for people and scripts: a table, verdicts against what is wanted, JSON, CSV, a
-// picture.
+// Reports the results of bench_solver: a table, verdicts, JSON, CSV, a picture.
 #pragma once
 
 #include <filesystem>
@@ -12,12 +11,12 @@
 
 namespace aussois {
 
-/// Verdicts are about problems with more contacts: below, a call is a few microseconds.
+/// Verdicts refer to problems with more contacts: below, a call takes a few microseconds.
 inline constexpr int kFewContacts = 10;
 
-/// How many of all problems we do not solve; of those with more than kFewContacts, the worst and the
-/// geometric mean of the ratios, to Siconos' default at the coarse tolerance and last to its best: those that
-/// could be measured.
+/// The number of all problems that we do not solve. Of problems with more than kFewContacts, the worst and
+/// the geometric mean of the ratios that could be measured: to Siconos' default at the coarse tolerance, and
+/// last to its best solver.
 std::vector<Bar> solver_verdicts(const std::vector<ProblemCost>& costs);
 
 /// "Siconos solves 40 of 43 problems with its best solver, ...".

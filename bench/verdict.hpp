@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A number that was measured against the one that is wanted.
+// A verdict: a measured number compared with its bound.
 #pragma once
 
 #include <cstdio>

@@ -16,7 +16,7 @@ void parallel_for(int n, int threads, const std::function<void(int)>& f) {
     return;
   }
   tbb::task_arena arena(std::min(threads, tbb::info::default_concurrency()));
-  // oneTBB hands tasks over and back in order; saying so once more lets the thread sanitizer know.
+  // oneTBB hands tasks over and back in order; this repeats it for the thread sanitizer.
   std::atomic<int> order{0};
   const auto task = [&](int i) {
     order.load(std::memory_order_acquire);

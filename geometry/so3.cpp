@@ -17,7 +17,7 @@ Mat3 skew(const Vec3& a) {
 double stumpff(int m, double x) {
   static constexpr std::array<double, 6> kInverseFactorial = {1, 1, 1. / 2, 1. / 6, 1. / 24, 1. / 120};
   AUSSOIS_ASSERT(m >= 0 && m <= 5);
-  if (x == 0) return kInverseFactorial[m];  // what the series says, for all that does not turn
+  if (x == 0) return kInverseFactorial[m];  // the value of the series, for all that does not turn
   if (x < 1) {                              // c_m = 1/m! (1 - x/((m+1)(m+2)) (1 - x/((m+3)(m+4)) (...)))
     double sum = 1;
     for (int k = m + 18; k > m; k -= 2) sum = 1 - x / (k * (k - 1)) * sum;

@@ -13,7 +13,7 @@ bool comes_before(const Vec3& x, const Vec3& y) {
 }
 
 // For each vertex the one that stands for it (CPX-7). In the order of the coordinates, so that the numbering
-// of the vertices has no say, each free vertex takes the free ones around it.
+// of the vertices has no influence, each free vertex takes the free ones around it.
 std::vector<int> leaders(const std::vector<Vec3>& vertices, double tolerance) {
   const auto at = [&](int i) -> const Vec3& { return vertices[i]; };
   std::vector<int> leader = first_at_same_place(vertices);

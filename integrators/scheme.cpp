@@ -11,7 +11,7 @@ namespace {
 
 using Step = std::function<StepReport(State&, double)>;
 
-/// All that the rest of the house knows about a scheme.
+/// All that other code uses of a scheme.
 struct Entry {
   const char* name = "";
   Step (*make)(const Model&, const SchemeOptions&) = nullptr;

@@ -94,7 +94,7 @@ WriterLock::WriterLock(const std::filesystem::path& path) : path_(path) {
   do {
     if (descriptor_ >= 0) close(descriptor_);
     descriptor_ = open(path.c_str(), O_RDWR | O_CLOEXEC);
-    if (descriptor_ < 0) return;  // none, or none that we may write: who makes or opens it says so
+    if (descriptor_ < 0) return;  // none, or not writable: the code that makes or opens it reports that
     if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
       close(descriptor_);
       fail(path, "another run is writing it: wait until it ends, or choose another folder");
@@ -116,7 +116,7 @@ WriterLock& WriterLock::operator=(WriterLock&& other) noexcept {
 }
 
 void WriterLock::remove_file() {
-  std::error_code ignored;  // what is in the way is told by who makes the new one
+  std::error_code ignored;  // the code that makes the new file reports what is in the way
   if (descriptor_ >= 0) std::filesystem::remove(path_, ignored);
 }
 

@@ -90,7 +90,7 @@ std::vector<int> outer_of(const std::vector<int>& starts) {
   return outer;
 }
 
-/// The matrix must be rows x cols: what its vectors say is known before it is read.
+/// The matrix must be rows x cols, as the vectors that were read before it.
 SparseMatrix read_matrix(hid_t file, const std::string& name, Eigen::Index rows, Eigen::Index cols) {
   const int m = read_integer(file, name + "/m"), n = read_integer(file, name + "/n"),
             nz = read_integer(file, name + "/nz"), nzmax = read_integer(file, name + "/nzmax");
@@ -149,8 +149,8 @@ int row_count(const std::vector<Law>& laws) {
   return std::accumulate(laws.begin(), laws.end(), 0, [](int sum, const Law& law) { return sum + law.rows; });
 }
 
-/// What FCLIB calls spacedim if it can say these laws: the rows that all have, coulomb or rolling. Otherwise
-/// 0.
+/// FCLIB's spacedim, the rows of every block, if it can represent these laws (all coulomb or all rolling).
+/// Otherwise 0.
 int spacedim(const std::vector<Law>& laws) {
   if (laws.empty()) return 3;
   const Law& first = laws.front();
@@ -251,7 +251,7 @@ void write_laws(hid_t file, const std::string& group, const std::vector<Law>& la
 
 // ---- the problem
 
-/// How a problem is told: the group it stands in says it.
+/// The form of a problem, which the name of its group gives.
 struct Form {
   const char* group;
   bool is_local, is_rolling, has_table;

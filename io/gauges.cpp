@@ -62,7 +62,7 @@ const std::vector<Gauge>& known_gauges() {
   return all;
 }
 
-// A total without a column may have the name of a column: "total:energy_residual" tells it.
+// A total without a column may have the name of a column: "total:energy_residual" differs from it.
 std::string name_of(const Gauge& gauge) {
   return gauge.column.empty() ? "total:" + gauge.total : gauge.column;
 }

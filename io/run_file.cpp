@@ -484,7 +484,7 @@ RunWriter::~RunWriter() {
   if (!impl_ || impl_->file < 0) return;
   try {
     impl_->write_pending();
-  } catch (const std::runtime_error&) {  // nobody left to tell: what was flushed before is still there
+  } catch (const std::runtime_error&) {  // cannot be reported here: what was flushed before is still there
   }
 }
 

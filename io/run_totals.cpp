@@ -8,7 +8,7 @@
 namespace aussois {
 namespace {
 
-// The members and their names in a checkpoint, told once for writing and for reading.
+// The members and their names in a checkpoint, listed once for writing and for reading.
 template <class Totals, class Numbers, class Counts>
 void for_each_field(Totals& t, const Numbers& number, const Counts& count) {
   count("matched_by_key", t.matches.by_key);

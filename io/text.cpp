@@ -23,7 +23,7 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, begin < end ? end - begin : 0);
 }
 
-// from_chars knows no leading plus; "+-1" stays an error.
+// from_chars takes no leading plus; "+-1" stays an error.
 std::string_view without_plus(std::string_view token) {
   const bool plus = token.size() > 1 && token[0] == '+' && token[1] != '-';
   return plus ? token.substr(1) : token;

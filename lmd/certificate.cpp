@@ -95,7 +95,7 @@ double separation(const MovingSimplex& a, const MovingSimplex& b, const Vec3& n,
 }
 
 // Edges that slide across each other are parted by their common perpendicular, coplanar triangles by a normal
-// of an edge in their plane. True if `try_direction` says that nothing better is wanted.
+// of an edge in their plane. True if `try_direction` needs no better one.
 template <class TryDirection>
 bool try_edge_directions(const MovingSimplex& p, const MovingSimplex& q, const TryDirection& try_direction) {
   const auto edge = [](const MovingSimplex& s, int i) { return Vec3(s.x[(i + 1) % s.count] - s.x[i]); };
@@ -468,7 +468,7 @@ double separation_along(const MovingShape& a, const MovingShape& b, const Vec3& 
   return std::min(-of_b.now - of_a.now, -of_b.end - of_a.end - (of_a.bend + of_b.bend) * dt * dt / 2);
 }
 
-// Comparisons with what is no number are false, as if all were far apart: ask before.
+// Comparisons with NaN are false, as if all were far apart: check before.
 bool is_finite(const RigidMotion& motion) {
   return motion.g.p.allFinite() && motion.g.R.coeffs().allFinite() && motion.v.allFinite() &&
          motion.omega.allFinite();

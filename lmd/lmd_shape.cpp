@@ -91,7 +91,7 @@ std::vector<Vec3> vertex_directions(const SimplicialComplex& k, const Idealisati
 }
 
 // A pointed hull is a corner of a solid, or the complement of a pit: the creases on its extreme rays are all
-// convex or all concave. The sharpest tells, since rounding may turn one that is nearly flat.
+// convex or all concave. The sharpest decides, since rounding may turn one that is nearly flat.
 bool is_pit(const Idealisation& ideal, const std::vector<ChainCone>& cones, const NormalCone& cone, int v) {
   double sharpest = 0;
   for (int c : ideal.vertex_chains[v]) {

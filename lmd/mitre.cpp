@@ -76,7 +76,7 @@ Vec3 least_mitre(std::span<const VertexPlane> planes) {
     wanted[Eigen::Index(k)] = planes[k].offset;
   }
   Eigen::JacobiSVD<MatX> svd(n, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  svd.setThreshold(0.1);  // taste: nothing goes farther than some ten times the way of the planes
+  svd.setThreshold(0.1);  // by choice: no vertex moves farther than some ten times the planes
   return svd.solve(wanted);
 }
 

@@ -92,7 +92,7 @@ TreePair tree_pair(const RelativePair& pair, const Frames& frames, const MotionW
   return out;
 }
 
-// Lanes of the buckets of B last used: neighbouring buckets of A ask for the same ones.
+// Lanes of the buckets of B last used: neighbouring buckets of A need the same ones.
 template <class Lanes>
 class RecentLanes {
  public:

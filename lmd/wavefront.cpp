@@ -234,7 +234,7 @@ class Front {
     return planes;
   }
 
-  // Where a new vertex goes; it becomes several if its planes ask for it.
+  // Where a new vertex goes; it becomes several if its planes require it.
   void settle(int index, bool split) {
     touched_.push_back(index);
     const double way = o_.depth - vertex(index).since;

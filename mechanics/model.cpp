@@ -87,7 +87,7 @@ void check_axis(const JointAxis& axis, const std::string& who) {
           who + "motor.target must be callable");
 }
 
-// An axis that the joint has not: nothing acts along it.
+// For axes that the joint lacks: nothing acts along them.
 bool is_plain(const JointAxis& axis) {
   return axis.lower == -kInf && axis.upper == kInf && axis.friction == 0 && axis.stiffness == 0 &&
          axis.damping == 0 && axis.motor.kind == MotorKind::none;

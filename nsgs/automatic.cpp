@@ -41,7 +41,7 @@ Iterate warmed(Delassus& W, const Iterate& start, const SolverOptions& options, 
                         report);
 }
 
-// The second phase, asked again where it failed, from elsewhere and another way (AUTO-3).
+// The second phase; after a failure, again from elsewhere and in another way (AUTO-3).
 Iterate second_phase(Delassus& W, const Iterate& start, int attempt, const SolverOptions& options,
                      SolveReport& report) {
   ProximalOptions way{.tolerance = options.tolerance, .max_iterations = 100};

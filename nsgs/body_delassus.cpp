@@ -17,7 +17,7 @@ namespace aussois {
 namespace {
 
 constexpr Eigen::Index kDenseSize = 150;  // velocities; above, sparse LU
-constexpr double kLargestCost = 2e7;      // of LU by bodies; above, sparse LU, which knows better orders
+constexpr double kLargestCost = 2e7;      // of LU by bodies; above, sparse LU, which finds better orders
 constexpr double kRefined = 1e-10;        // of the right-hand side: Newton makes up for it
 constexpr double kExact = 1e-6;  // what LU by bodies may leave of the right-hand side, after refinement
 
@@ -204,7 +204,7 @@ class BodyDelassus final : public Delassus {
   void add(int c, const Rows<R>& dr) {
     for (const Arm<R>& arm : arms(c)) dv_[arm.row] += arm.Y.dot(dr);
   }
-  const Block<R>& prepared(int c) {  // when a sweep first asks
+  const Block<R>& prepared(int c) {  // made when a sweep first needs it
     std::optional<Block<R>>& block = prepared_[c];
     if (!block) block = prepare_block(own_[c], scaled.laws[c]);
     return *block;

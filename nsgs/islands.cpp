@@ -106,7 +106,7 @@ std::vector<Island> islands(const FrictionProblem& problem, const std::vector<ch
   }
   for (std::size_t c = 0; c < problem.laws.size(); ++c) {
     if (is_left_out(c)) continue;
-    if (dof_of_block[c] < 0) out.emplace_back();  // nothing moves it: its own trouble, told by the solver
+    if (dof_of_block[c] < 0) out.emplace_back();  // nothing moves it: the solver reports this trouble
     Island& island = dof_of_block[c] < 0 ? out.back() : out[island_of[groups.root(dof_of_block[c])]];
     island.blocks.push_back(int(c));
     for (int j = first[c]; j < first[c + 1]; ++j) island.rows.push_back(j);

@@ -32,13 +32,13 @@ struct Saddle {
 }  // namespace
 
 // Proximal steps (JNT-3) on S lambda = x, S = G^T M^-1 G: the rows of S are scaled to a diagonal of one, a
-// compliance kProximal is added, and what it left out is asked for again. From zero they stay in the range of
-// S and end in the solution of smallest (scaled) norm.
+// compliance kProximal is added, and what it left out is solved for again. From zero they stay in the range
+// of S and end in the solution of smallest (scaled) norm.
 struct JointFactor {
   SparseMatrix S{};  // scaled
   VecX scale{};
   Eigen::SparseLU<SparseMatrix> lu{};
-  std::optional<Saddle> saddle{};  // instead, where S would lose what heavy directions say
+  std::optional<Saddle> saddle{};  // instead, where S would lose the digits of heavy directions
 
   VecX solve(const VecX& x) const;
 };

@@ -39,7 +39,7 @@ Blocks<R> block_rows(const SparseMatrix& W, const Scaling& scaled, const std::ve
   out.other.resize(out.begin.back());
   out.block.resize(out.other.size());
   std::vector<int> end(out.begin.begin(), out.begin.end() - 1);  // of what each row has by now
-  const auto at = [&](int i, int c) -> RowBlock<R>& {            // made when first asked for
+  const auto at = [&](int i, int c) -> RowBlock<R>& {            // made when first needed
     int& next = end[i];
     if (next == out.begin[i] || out.other[std::size_t(next) - 1] != c) {
       out.other[next] = c;
@@ -283,7 +283,7 @@ class LocalDelassus final : public Delassus {
   }
   Rows<R> velocity(int c, const VecX& r) const { return times(c, r) + scaled.q.segment<R>(at(c), rows(c)); }
 
-  Blocks<R> rows_{}, columns_{};  // columns and order are made when Newton first asks
+  Blocks<R> rows_{}, columns_{};  // columns and order are made when Newton first needs them
   std::vector<int> order_{};
   std::vector<std::size_t> own_{};                   // places of the diagonal in rows_
   std::vector<std::optional<Block<R>>> diagonal_{};  // of blocks that a sweep has found closed

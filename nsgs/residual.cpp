@@ -10,7 +10,7 @@
 namespace aussois {
 
 double natural_map_residual(const LocalProblem& problem, const VecX& r) {
-  // so that 0 / 0 is 0: nothing asked, nothing wrong
+  // so that 0 / 0 is 0: a problem without q has no error
   constexpr double kTiny = std::numeric_limits<double>::min();
   return natural_map(problem.W * r + problem.q, r, problem.laws) / std::max(problem.q.norm(), kTiny);
 }

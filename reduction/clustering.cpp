@@ -45,7 +45,7 @@ MeanContactOptions places_of(const ReductionInput& input, const std::vector<int>
   }
 }
 
-// Places know nothing of normals: each group is parted by them where they would cancel (CLU-5).
+// Places do not contain normals: each group is split by normals where they would cancel (CLU-5).
 Clusters clusters_by_place(const ReductionInput& input, const ClusteringOptions& o) {
   Clusters out;
   for (const std::vector<int>& members : contacts_by_pair(input.contacts)) {

@@ -59,7 +59,7 @@ ContactSelector contact_selector(LearnedSelector selector, BodyId body) {
   require_field(selector.network.inputs() == kLoadInputs, "LearnedSelector::network.inputs()",
                 selector.network.inputs(), "be 24");
   return [selector = std::move(selector), body](const ReductionInput& input, const Clusters& clusters) {
-    require_field(input.bodies.contains(body), "body", body, "name a body whose load the input knows");
+    require_field(input.bodies.contains(body), "body", body, "name a body whose load is in the input");
     const BodyLoad& load = input.bodies[body];
     const std::vector<int> places =
         chosen_places(network_output(selector.network, input_of(load)), selector.places, selector.keep);

@@ -47,7 +47,7 @@ VecX coordinates(const ContactPoint& c, double mu, const MeanContactOptions& o) 
   return z;
 }
 
-// A contact with all that its mean asks for.
+// A contact with all that its mean needs.
 struct Member {
   const ContactPoint* contact = nullptr;
   double weight = 1, mu = 0, force = 1;

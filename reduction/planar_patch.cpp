@@ -182,7 +182,7 @@ Margin margin_of(const PlanarPatch& patch, std::span<const int> part) {
   if (!(patch.extent > 0)) return {};
   const std::vector<Vec2> P = places(patch, patch.hull), S = places(patch, hull_of(patch, part));
   std::vector<Vec2> directions;
-  if (P.size() == 2) {  // only the line's own directions tell
+  if (P.size() == 2) {  // only the line's own directions matter
     directions = {(P[0] - P[1]).stableNormalized(), (P[1] - P[0]).stableNormalized()};
   } else {
     for (const std::vector<Vec2>* hull : {&P, &S})

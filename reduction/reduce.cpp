@@ -76,7 +76,7 @@ std::vector<double> loads(const ReductionInput& input, std::span<const int> memb
   return out;
 }
 
-// A reducer of one plane, without memory. (The others are not asked here.)
+// A reducer of one plane, without memory; other reducers do not come here.
 std::vector<int> fresh_choice(const ReductionInput& input, std::span<const int> members,
                               const PlanarPatch& patch, const ReductionOptions& o) {
   switch (o.reducer) {
@@ -121,7 +121,8 @@ std::vector<int> old_choice(const ReductionInput& input, std::span<const int> me
   return at(old, fresh_choice(input, at(members, old), planar_patch(std::move(x)), o));
 }
 
-// Whether it stays (RED-14): about as few, not worse by more than the hysteresis, and no promise broken.
+// Whether it stays (RED-14): about as few, not worse by more than the hysteresis, and no required margin
+// lost.
 bool stays(const PlanarPatch& patch, const std::vector<int>& old, const std::vector<int>& fresh,
            const ReductionOptions& o) {
   if (old.empty() || old.size() > fresh.size() + 1) return false;
@@ -153,7 +154,7 @@ std::vector<int> deepest_there(const ReductionInput& input, std::span<const int>
   return chosen;
 }
 
-// What the reducer says of one cluster, or of its closed layer.
+// What the reducer chooses of one cluster, or of its closed layer.
 std::vector<int> chosen_of(const ReductionInput& input, std::span<const int> members,
                            const ReductionOptions& options) {
   if (int(members.size()) <= options.min_per_cluster) return {members.begin(), members.end()};
@@ -222,7 +223,7 @@ std::vector<int> chosen_by_selector(const ReductionInput& input, const Clusters&
   return kept;
 }
 
-// Adds corners until the margin is met, and says what the cluster loses then (RED-7).
+// Adds corners until the margin is met, and returns what the cluster loses then (RED-7).
 LossReport complete(const ReductionInput& input, const std::vector<int>& cluster, double min_margin,
                     std::vector<char>& mark) {
   const ContactSet& found = input.contacts;

@@ -120,8 +120,8 @@ class Cascade {
     }
   }
 
-  // What has no key yet, by incidence (PER-4), then by place (PER-5); and who inherits from those that nobody
-  // is (PER-6). Found in a window along A's x.
+  // Matches what has no key yet, by incidence (PER-4), then by place (PER-5). What is then left in the memory
+  // is inherited (PER-6). Searches a window along A's x.
   void match_places() {
     std::vector<std::size_t> left;  // of the memory, by point_a.x
     for (std::size_t l = 0; l < old_.size(); ++l)
@@ -166,7 +166,7 @@ class Cascade {
            incident(*b, feature_b(now), feature_b(old));
   }
 
-  // Nearest first, nobody twice.
+  // Nearest first, none twice.
   void claim(std::vector<Candidate>& candidates, MatchKind kind) {
     std::sort(candidates.begin(), candidates.end());
     for (const Candidate& c : candidates) {

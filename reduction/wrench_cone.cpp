@@ -27,8 +27,8 @@ Generators columns_of(const UnitWrenches& all, std::span<const int> members) {
   return out;
 }
 
-// Projects on the directions in which the columns truly reach: of parallel normals there are five, and a
-// sixth in which the last digits differ, which nothing could serve.
+// Projects on the directions in which the columns truly reach. Parallel normals have five; in a sixth only
+// the last digits differ, and no choice of contacts could follow them.
 Mat6 span_of(const Generators& g) {
   const Eigen::SelfAdjointEigenSolver<Mat6> directions(Mat6(g * g.transpose()));
   const Vec6 reach = directions.eigenvalues().cwiseMax(0).cwiseSqrt();

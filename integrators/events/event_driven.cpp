@@ -60,8 +60,8 @@ OdeOptions EventRun::ode_of_piece() const {
   return out;
 }
 
-// Step by step to `stop` or a root, each step proven; state_ is where it began. `last` is where it got to;
-// false: it got nowhere, for want of a proof with other options in `ode`, or for good, then it is refused.
+// Goes step by step to `stop` or a root, each step proven; state_ is where it began. `last` is where it got
+// to. False: it failed. Either `ode` has new options for another attempt, or the step is refused for good.
 bool EventRun::follow(const OdeProblem& problem, double stop, OdeOptions& ode, State& last, bool& refusal) {
   OdePiece run(problem, ode, state_.t, packed());
   OdeStop what = OdeStop::stepped;
@@ -159,7 +159,7 @@ bool EventRun::run(const State& start) {
   return within(off, setting_.options.joints) || refused(text_of(off, setting_.options.joints));
 }
 
-// What contacts and joints did, and what the next step is to know of it.
+// Reports what contacts and joints did, and keeps what the next step needs of it.
 void EventRun::tell_contacts(const State& start) {
   report_.contacts_found = report_.contacts_kept = int(report_.contacts.size());
   ContactSet acted;
@@ -298,7 +298,7 @@ EventDriven::EventDriven(const Model& model, const StepOptions& step, const Even
                   axis.motor.limit == kInf,
               "joint " + joint.name +
                   ": a motor of speed or position with a limit has no law on the level of "
-                  "accelerations; event_driven knows it without limit only");
+                  "accelerations; event_driven takes it without limit only");
 }
 
 StepReport EventDriven::step(State& state, double h_limit) const {

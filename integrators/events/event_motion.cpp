@@ -10,7 +10,7 @@ namespace aussois {
 namespace {
 
 constexpr double kDirection = 1e-8;  // slips slower than this keep the direction they began with [m/s]
-constexpr double kSurelyOff = 1e-9;  // until then a contact that just opened is not asked whether it did [s]
+constexpr double kSurelyOff = 1e-9;  // until then a contact that just opened is not checked [s]
 
 JointSums sums_of(const StepJoint& joint) {
   const JointWork& w = joint.work;

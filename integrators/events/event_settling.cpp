@@ -11,7 +11,7 @@ namespace {
 constexpr double kAtRest = 1e-8;         // normal speeds that count as zero: what tolerances leave [m/s]
 constexpr double kAcceleration = 1e-10;  // accelerations that count as zero, of the largest around [-]
 constexpr double kLiftOff = 1e-13;       // gaps of what opens without speed are known to this [m]
-constexpr double kPush = 1e-9;           // forces act so long to see which jump they ask for (EVD-8) [s]
+constexpr double kPush = 1e-9;           // forces act so long to show which jump they cause (EVD-8) [s]
 
 double kinetic(const StepSetting& setting, const State& state) {
   return energy(setting.model, state).kinetic;

@@ -15,7 +15,7 @@ namespace aussois {
 namespace {
 
 constexpr double kStabilisation = 10;  // [1/s]; drift falls as exp(-10 t), slower than anything of interest
-constexpr double kResidual = 1e-9;     // scaled; accepted, the solver is asked for less [-]
+constexpr double kResidual = 1e-9;     // scaled; accepted, the solver's tolerance is smaller [-]
 constexpr double kRoom = 1e-9;         // inside the cone of friction by this part is inside [-]
 constexpr double kRank = 1e-10;        // of W: directions that redundant contacts share [-]
 constexpr double kGlide =

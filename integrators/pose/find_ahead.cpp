@@ -37,8 +37,7 @@ void leave_apart(const State& state, const Estimate& estimate, const Advancement
   });
 }
 
-// What a reducer may look at. Only a selector asks for the bodies, whose forces cost as much as a free
-// motion.
+// What a reducer may look at. Only a selector needs the bodies, whose forces cost as much as a free motion.
 ReductionInput reduction_input(const StepSetting& setting, const State& state, const FoundContacts& found) {
   ReductionInput input{.contacts = found.contacts,
                        .kept_before = found.warm.remembered,

@@ -31,7 +31,7 @@ struct FreeMotion {
   // How contact impulses turn while a fully implicit step converges (MJ-14); empty: they do not
   VecX turning{};
   SparseMatrix turning_D{};  // also contained in M^
-  // For schemes that know the motion between contacts before they solve for impulses; otherwise empty
+  // For schemes that compute the motion between contacts before they solve for impulses; otherwise empty
   VecX joints{};     // impulse of the joints in that motion, besides that of the solve
   VecX numerical{};  // what the scheme adds of its own
 };

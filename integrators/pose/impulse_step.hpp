@@ -29,7 +29,7 @@ struct ImpulseStep {
   ReducedSolution solved{};
   SolveReport beside{};  // effort of the step's other solves, and the worst status of those it depends on
   std::optional<ImpactJump> impact{};  // impact before the step, at the same poses
-  // For schemes that know the motion between contacts before they solve for impulses: the mean impulses of
+  // For schemes that compute the motion between contacts before they solve for impulses: the mean impulses of
   // joints in that motion; lambda_earlier then holds the impulses that they are reported to give
   std::vector<JointImpulses> between{};
   // For schemes that solve in stages; otherwise empty

@@ -76,7 +76,7 @@ void append_column(std::vector<Triplet>& G, const Layout& dofs, const VelocityRo
       for (int i = 0; i < 6; ++i) G.emplace_back(first + i, column, J[i]);
 }
 
-// What a step knows about velocities before it begins.
+// The velocities that are given before a step begins.
 struct Speeds {
   VecX before{};  // at the start; of moved bodies: on their path
   VecX moved{};   // of moved bodies only, zero elsewhere
@@ -95,7 +95,7 @@ struct JointStep {
   double h, theta;
   const NormalRule& normal;
   double stabilisation;
-  const State* end = nullptr;        // if velocities there are asked for, instead of those on the path
+  const State* end = nullptr;        // if velocities there count, instead of those on the path
   const ReachedEnd* mean = nullptr;  // if rows are those of the mean with an end that is known so far
 
   // b of a row that is to move by -`excess` while v_theta acts; what its velocity is off at the start, `lag`,
@@ -165,7 +165,7 @@ struct Equations {
   }
 };
 
-// What a position motor is off at the end; of schemes that ask for it.
+// Error of a position motor at the end, for schemes that set JointStep::end; otherwise 0.
 double motor_error(const JointStep& step, const Motor& motor, JointId joint, int axis) {
   if (!step.end || motor.kind != MotorKind::position) return 0;
   return joint_coordinate(step.model, *step.end, joint, axis) - motor.target(step.state.t + step.h);
@@ -274,7 +274,7 @@ Constraints constraints(const Model& model, const State& state, bool velocities)
   return out;
 }
 
-// The smallest steps in the metric of the masses along which rows change by what is asked for (MJT-13).
+// The smallest steps in the metric of the masses along which rows change by given amounts (MJT-13).
 struct NearestMotion {
   FrictionProblem problem{};
   std::optional<MotionInverse> inverse{};  // nothing if something is not finite

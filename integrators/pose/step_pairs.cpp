@@ -10,7 +10,7 @@ namespace aussois {
 namespace {
 
 constexpr int kPairsOfAPart = 16;  // of a piece of work; so many pairs or fewer get all threads each instead
-constexpr double kLargestRotation = 0.2;  // [rad]; cones enlarged by more say nothing, the certificate has to
+constexpr double kLargestRotation = 0.2;  // [rad]; cones enlarged by more exclude nothing
 
 }  // namespace
 
@@ -233,7 +233,7 @@ ContactSet contacts_of(const Model& model, const State& state, const std::vector
   return all;  // pairs are sorted, so the whole set is
 }
 
-// What the scratch knows of these pairs, in their order.
+// Keeps the scratch of these pairs, in their order.
 void keep_those_of(const std::vector<StepPair>& pairs, ContactScratch& scratch) {
   std::vector<BodyPair> bodies;
   std::vector<PairScratch> kept;

@@ -105,7 +105,7 @@ Table<ShapeId, Pieces> pieces_of_shapes(const Model& model);
 /// The shape of a body; null: none.
 const LmdShape* shape_of(const Model& model, BodyId body);
 /// How far the two bodies of a pair may move and turn relative to each other along the path; the rotation is
-/// capped where enlarged cones no longer say anything.
+/// capped where enlarged cones no longer exclude anything.
 RelativeBounds bounds_of(const StepPath& path, const StepPair& pair);
 
 /// Splits the work on the pairs into parts, which do not depend on the number of threads. Each part calls f

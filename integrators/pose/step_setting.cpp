@@ -85,7 +85,7 @@ void check_fits(const StepSetting& setting, const State& state, double h_limit) 
   const int coordinates = speeds - first_velocity(setting.model.bodies.next());
   check_count(setting.dofs.rows - setting.dofs.coordinates, coordinates, "model: number of coordinates",
               kMade);
-  constexpr const char* kModel = ", as the model wants it: see rest_state";
+  constexpr const char* kModel = ", as in the model: see rest_state";
   check_count(state.g.size(), now.bodies, "size of State::g", kModel);
   check_count(state.v.size(), speeds, "size of State::v", kModel);
   check_count(state.q.size(), coordinates, "size of State::q", kModel);

@@ -32,7 +32,7 @@ struct StepSetting {
 StepSetting step_setting(const Model& model, const StepOptions& options, NormalLaw law = NormalLaw::combined,
                          double gamma = 1);
 
-/// For code that asks where the contacts of a rigid body go: throws std::invalid_argument naming the first
+/// For code that follows the contacts of a rigid body: throws std::invalid_argument naming the first
 /// body that deforms.
 void refuse_deforming(const Model& model, const char* who);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A trial of a scheme: where it wants to go, and with which impulses. Other parts judge whether it may go
-// there, and report what happened.
+// A trial of a scheme: the motion that it proposes, and the impulses. Other parts judge whether it is
+// accepted, and report what happened.
 #pragma once
 
 #include "integrators/pose/impulse_step.hpp"
@@ -9,7 +9,8 @@ namespace aussois {
 
 enum class Outcome { accepted, bound_exceeded, meets, not_certified, not_solved, not_finite };
 
-/// Where a scheme wants to go: velocities constant on the path, and those at its end; rows of the problem.
+/// The motion that a scheme proposes: velocities constant on the path, and those at its end; rows of the
+/// problem.
 struct Move {
   VecX v_path{}, v_end{};
   std::optional<State> end{};  // other poses and coordinates at which the path must end (PRJ-4)
@@ -21,7 +22,7 @@ struct Move {
   double lasts = 1, about = 0.5;
 };
 
-/// Why a trial may not be taken as it is; accepted: nothing speaks against it.
+/// Why a trial may not be taken as it is; accepted: there is no objection.
 struct Objection {
   Outcome outcome = Outcome::accepted;
   std::string reason{};
@@ -44,7 +45,7 @@ struct Trial {
   Move move{};
   VecX a{};                // State::a after the trial
   Objection beforehand{};  // by the scheme itself: the trial is not worth a proof
-  Objection afterwards{};  // by the scheme itself, if nothing else speaks against the trial
+  Objection afterwards{};  // by the scheme itself, if there is no other objection
   SchemeFigures figures{};
 };
 

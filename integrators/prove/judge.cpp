@@ -83,7 +83,8 @@ Objection proven(const StepSetting& setting, const Trial& trial, const StepPath&
   const double begin = step_clock();
   std::vector<BodyPair> meeting = meeting_pairs(setting, path, found.apart, out);  // (CA-16)
   if (!meeting.empty())
-    return {Outcome::meets, "bodies meet whose contacts were not asked", std::move(meeting)};
+    return {Outcome::meets, "bodies meet, but the step did not search for their contacts",
+            std::move(meeting)};
   const StepCertificate certificate =
       certify_step(path, found.pairs, setting.bounds, found.contacts, o.advancement, o.threads);  // (CA-6)
   out.certificate_rounds += int(certificate.rounds);

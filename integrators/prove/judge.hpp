@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Judges whether a scheme may go where it wants to: by the bounds within which contacts were found, and by
-// the certificate.
+// Judges whether the motion that a scheme proposes is accepted: by the bounds within which contacts were
+// found, and by the certificate.
 #pragma once
 
 #include "integrators/pose/trial.hpp"

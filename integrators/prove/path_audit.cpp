@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kRounding = 1e-14;  // of what coordinates and bodies measure
 
-// The stretches of the step, whichever way its scheme told them.
+// The pieces of the step's path, in whichever form its scheme reported them.
 std::vector<PathPiece> pieces_of(const State& start, const StepReport& report) {
   if (report.v_path.size() > 0) return {{.t = start.t, .h = report.h, .g = start.g, .v = report.v_path}};
   require(!report.pieces.empty(),
@@ -31,8 +31,8 @@ struct Audited {
   int threads = 1;
 };
 
-// What a certificate says of a pair: (CA-6), and the bound of the report. That speaks of the pairs that came
-// near and can be stopped; their others are proven to be farther apart than their dilations.
+// The distance certified for a pair: by (CA-6), and by the bound of the report. That bound covers the pairs
+// that came near and can be stopped; their other pairs are proven to be farther apart than their dilations.
 double certified_distance(const Audited& step, const StepPair& pair, double max_overlap) {
   const auto moves = [&](BodyId body) { return yields(step.model.bodies[body]); };
   const double required = required_distance(pair, {.max_overlap = max_overlap});
@@ -40,7 +40,7 @@ double certified_distance(const Audited& step, const StepPair& pair, double max_
   return std::max(required, std::min(step.report.min_base_distance, pair.dilation));
 }
 
-// Nothing is certified of what is told to overlap.
+// Pairs reported to overlap are not certified.
 bool is_told(const StepPair& pair, const StepReport& report) {
   return std::ranges::binary_search(report.driven_overlaps, BodyPair{pair.a, pair.b});
 }
@@ -66,7 +66,7 @@ std::vector<StepPair> pairs_at(const Audited& step, const State& there) {
   return out;
 }
 
-// But for those that are told to overlap.
+// All pairs but those reported to overlap.
 std::vector<StepPair> untold_pairs(const Audited& step, const State& there) {
   std::vector<StepPair> out = pairs_at(step, there);
   std::erase_if(out, [&](const StepPair& pair) { return is_told(pair, step.report); });

@@ -25,7 +25,7 @@ namespace {
 
 // What a step tries next: how long, and with which estimate of where bodies may be.
 struct Search {
-  double h_limit = 0, h_control = 0;  // what may be tried, what the control wants [s]
+  double h_limit = 0, h_control = 0;  // what may be tried, what the control chose [s]
   double growth = 1, min_h = 0;
   double h = 0;
   Estimate estimate{};
@@ -51,7 +51,7 @@ bool Search::goes_on(const Judgement& judgement) {
       if (!may_halve()) return false;
       halve();
       return true;
-    case Outcome::not_solved:  // a shorter step is an easier problem; after that the report tells
+    case Outcome::not_solved:  // a shorter step is an easier problem; after that the report shows it
       if (++unsolved > 3 || !may_halve()) return false;
       halve();
       return true;
@@ -96,7 +96,7 @@ std::pair<StepStatus, std::string> wrong_from_here(const StepSetting& setting, c
   return {StepStatus::ok, ""};
 }
 
-// Why the attempts came to nothing.
+// Why all attempts failed.
 std::string refusal(const StepSetting& setting, const State& state, double min_h, const std::string& reason) {
   const AdvancementOptions& o = setting.options.advancement;
   std::ostringstream text;

@@ -77,7 +77,7 @@ std::vector<char> lasting_contacts(const std::vector<ContactRow>& rows, const La
   return out;
 }
 
-// The rows of a stage: u >= 0 where they are asked, friction of axes within `part` of its limit.
+// The rows of a stage: u >= 0 for those in `asked`, friction of axes within `part` of its limit.
 std::vector<ContactRow> stage_rows(const std::vector<ContactRow>& rows, const std::vector<char>& asked,
                                    double part) {
   std::vector<ContactRow> out = rows;
@@ -127,7 +127,7 @@ std::vector<RowVector> solve_stage(StagedStep& s) {
   s.step.free = std::make_shared<const FreeMotion>(s.free);
   solve_rows(s.setting, s.from, s.found, s.step);
   keep_status(s.step);
-  for (const int i : s.step.solved.kept)  // what was asked once is asked in all stages
+  for (const int i : s.step.solved.kept)  // a row kept once is in all stages
     if (std::size_t(i) < s.found.contacts.points.size()) s.found.selection.kept.push_back(i);
   return row_impulses(s.step);
 }

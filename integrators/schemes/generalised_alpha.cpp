@@ -207,8 +207,8 @@ GeneralisedAlpha::GeneralisedAlpha(const Model& model, const StepOptions& step,
 
 namespace {
 
-// Where gaps end says which of them take part in the impact (GA-7); what a sweep has left of an impulse at a
-// gap that ends open does not.
+// Gaps that end closed take part in the impact (GA-7). An impulse that a sweep has left at a gap that ends
+// open does not count.
 void choose_impacts(const StepSetting& setting, const ImpulseStep& mean, double h, double touching,
                     ImpulseStep& step) {
   const std::vector<RowVector> push = row_impulses(mean);

@@ -11,7 +11,7 @@
 namespace aussois {
 namespace {
 
-// Lets those take part in the velocity law that the positions asked for; false: none that did not (PRJ-5).
+// Adds to the velocity law the contacts that moved positions; false: all took part already (PRJ-5).
 bool activate(const Projection& projection, FoundContacts& found, ContactBlocks& blocks) {
   bool any = false;
   for (std::size_t i = 0; i < blocks.rows.size(); ++i) {
@@ -29,8 +29,8 @@ bool activate(const Projection& projection, FoundContacts& found, ContactBlocks&
   return any;
 }
 
-// Directions of the end say nothing about bodies that would have to be moved farther than contacts are looked
-// for at rest (PRJ-6).
+// Directions of the end do not hold for bodies that would have to move farther than contacts are searched for
+// at rest (PRJ-6).
 bool too_far(const Projection& projection, const FoundContacts& found, const AdvancementOptions& o) {
   double dilation = kInf;
   for (const StepPair& pair : found.pairs) dilation = std::min(dilation, pair.dilation);

@@ -11,7 +11,7 @@ namespace {
 // Of the kinetic energy: above what the solver's tolerance of 1e-8 gives to a body at rest
 constexpr double kGain = 1e-5;
 
-// Kinetic energy of the coordinates beyond what the mass of the step says of it (GEN-4).
+// Kinetic energy of the coordinates beyond that by the mass of the step (GEN-4).
 double change_of_mass(const Model& model, const State& state, const State& next, const FreeMotion& free,
                       const Layout& dofs, const VecX& v) {
   if (model.coordinates.empty()) return 0;

@@ -105,7 +105,7 @@ VecX total_impulses(const ImpulseStep& step) {
   return r;
 }
 
-// What the next step knows of the contacts: the solved ones, the first `contacts` rows of the problem, and
+// What the next step needs of the contacts: the solved ones, the first `contacts` rows of the problem, and
 // those that wait with an anchor.
 ContactMemory memory_after(const StepSetting& setting, const FoundContacts& found, const ImpulseStep& step,
                            const Impulses& impulses, int contacts, const VecX& v) {

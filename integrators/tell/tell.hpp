@@ -12,10 +12,10 @@ namespace aussois {
 StepReport tell(const StepSetting& setting, const State& state, const Trial& trial,
                 const Judgement& judgement);
 
-/// The state that a trial leads to, with all that the next step needs to know of contacts and impulses.
+/// The state that a trial leads to, with all that the next step needs of contacts and impulses.
 State next_state(const StepSetting& setting, const Trial& trial, const Judgement& judgement);
 
-/// Whether the trial may be taken: nothing speaks against it, except perhaps a solver that did not converge.
+/// Whether the trial may be taken: there is no objection, except perhaps that the solver did not converge.
 bool may_be_taken(const Judgement& judgement);
 
 }  // namespace aussois

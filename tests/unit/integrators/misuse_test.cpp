@@ -46,7 +46,7 @@ TEST(Step, RefusesAStateThatDoesNotFitItsModel) {
     expect_refusal(s.model, state, part);
   };
   with([](State& x) { x.v.conservativeResize(6); },
-       "size of State::v = 6 must be 12, as the model wants it: see rest_state");
+       "size of State::v = 6 must be 12, as in the model: see rest_state");
   with([](State& x) { x.v = VecX::Zero(18); }, "size of State::v = 18 must be 12");
   with([](State& x) { x.g.resize(1); }, "size of State::g = 1 must be 2");
   with([](State& x) { x.q = VecX::Zero(1); }, "size of State::q = 1 must be 0");
