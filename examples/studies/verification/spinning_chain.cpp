@@ -179,7 +179,7 @@ CaseScene hung_chain() {
 // Energy of second order with the directions of a predicted middle, and to rounding on mean joints.
 VerificationCase hung() {
   return {.name = "C10.hung",
-          .what = "six rods on balls, hung at one joint, 1 s at 1 ms; a fall of 59 J",
+          .what = "six rods on balls, hung at one joint, 1 s at 1 ms",
           .rows = {{"energy", "worst energy, moreau_jean", "J", 2e-4, "conserved; guard: order two"},
                    {"order", "order of it, 4 to 1 ms, off 2", "-", 0.4, "two; guard at these steps"},
                    {"on_mean_joints", "worst energy, passive_midpoint", "J", 2e-12, "conserved; rounding"},
