@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/check.hpp"
+
 namespace aussois {
 
 /// The place of an item in a Table, or none. A literal converts (`pose(state, 0)`); a number of run time does
@@ -19,6 +21,8 @@ class Id {
   constexpr Id() = default;                       // none
   consteval Id(int literal) : index_(literal) {}  // NOLINT(google-explicit-constructor)
   static constexpr Id at(std::integral auto index) {
+    static_assert(!std::same_as<decltype(index), bool>);
+    AUSSOIS_ASSERT(std::in_range<int>(index));
     Id out;
     out.index_ = int(index);
     return out;
@@ -60,7 +64,7 @@ class IdRange {
   AnyId end_;
 };
 
-/// A vector whose items are found by ids of one kind.
+/// A vector whose [] and `at` take ids of one kind.
 template <class AnyId, class T>
 class Table : public std::vector<T> {
   using Base = std::vector<T>;
@@ -68,8 +72,14 @@ class Table : public std::vector<T> {
  public:
   using Base::Base;
   // The caller of [] sees to it that there is such an item; `at` throws std::out_of_range.
-  T& operator[](AnyId id) { return Base::operator[](id.index()); }
-  const T& operator[](AnyId id) const { return Base::operator[](id.index()); }
+  T& operator[](AnyId id) {
+    AUSSOIS_ASSERT(contains(id));
+    return Base::operator[](id.index());
+  }
+  const T& operator[](AnyId id) const {
+    AUSSOIS_ASSERT(contains(id));
+    return Base::operator[](id.index());
+  }
 
   T& at(AnyId id) { return Base::at(std::size_t(id.index())); }
   const T& at(AnyId id) const { return Base::at(std::size_t(id.index())); }

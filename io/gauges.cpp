@@ -17,7 +17,7 @@ double displacement(const Frame& f) {
   return out;
 }
 
-// In the order in which --help and messages name them.
+// In the order in which messages name them.
 const std::vector<Gauge>& known_gauges() {
   using F = const Frame&;
   constexpr Keep kNothing = Keep::nothing;
@@ -93,12 +93,6 @@ double kept(Keep keep, double total, double value) {
       return total + value;
   }
   return total;
-}
-
-std::vector<std::string> gauge_names() {
-  std::vector<std::string> out;
-  for (const Gauge& g : known_gauges()) out.push_back(name_of(g));
-  return out;
 }
 
 Gauge gauge(const std::string& name) {

@@ -41,7 +41,6 @@ double kept(Keep keep, double total, double value);
 /// std::invalid_argument listing the known names.
 Gauge gauge(const std::string& name);
 std::vector<Gauge> gauges(const std::vector<std::string>& names);
-std::vector<std::string> gauge_names();
 
 /// Gauges for the columns of a model: work:LAW of every contact law [J], work:joint:NAME [J], q:BLOCK:i and
 /// joint:NAME:axis [m, rad, or units of the block].

@@ -56,8 +56,8 @@ RigidBody solid_body(std::string name, ShapeId shape, const MassProperties& mass
 RigidBody fixed_body(std::string name, ShapeId shape);
 /// A body whose frame is the shape's, moved along `path`.
 RigidBody prescribed_body(std::string name, ShapeId shape, Trajectory path);
-/// A body whose frame is the shape's; its motion is set by the user between steps. Without a shape (-1) it is
-/// a handle.
+/// A body whose frame is the shape's; its motion is set by the user between steps. Without a shape it is a
+/// handle.
 RigidBody driven_body(std::string name, ShapeId shape = {});
 
 }  // namespace aussois

@@ -16,7 +16,7 @@ bool before(const RememberedContact& a, const RememberedContact& b) {
 }  // namespace
 
 SE3 pose_of(std::span<const SE3> g, BodyId body) {
-  return g.empty() ? SE3{} : g[body.index()];
+  return g.empty() || !body ? SE3{} : g[body.index()];
 }
 
 std::vector<SE3> inverses(std::span<const SE3> g) {

@@ -49,9 +49,10 @@ void check(const ReductionInput& input) {
                                                     std::to_string(points.size()) + " contacts");
   if (input.g.empty()) return;
   for (const ContactPoint& c : points)
-    if (const BodyId body = std::max(c.a.body, c.b.body); body.index() >= int(input.g.size()))
-      throw std::invalid_argument("ReductionInput::g: " + std::to_string(input.g.size()) +
-                                  " poses for a contact of body " + to_string(body));
+    for (const BodyId body : {c.a.body, c.b.body})
+      require(body && body.index() < int(input.g.size()),
+              "ReductionInput::g: " + std::to_string(input.g.size()) + " poses for a contact of body " +
+                  to_string(body));
 }
 
 std::vector<int> at(std::span<const int> members, const std::vector<int>& chosen) {

@@ -54,7 +54,8 @@ struct DrivenRun {
 /// says on stderr where a step is refused.
 DrivenRun drive(const Model& model, const State& start, RunPlan plan, const RunFlags& flags);
 
-/// Prints what was gained, of whom no certificate speaks, and what the audit found. True: no violation.
+/// Prints the energy gained, the pairs without a certificate, and the result of the audit. True: no
+/// violation.
 bool tell(const RunTotals& totals, const Model& model);
 bool tell(const PathAudit& audit, const Model& model);
 

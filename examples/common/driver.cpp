@@ -196,9 +196,9 @@ void Cli::common(CommonOptions& options, Restart restart) {
   option("-o,--out", options.out, "folder for the results, created if missing");
   option("--summary", options.summary, "also write the key numbers to this JSON file");
   option("--threads", options.threads, "number of threads; does not affect the results", "", {1, 256});
-  option("--every", options.every, "record every n-th step", "", {1, 1e9});
   flag("--quiet", options.quiet, "omit progress and details; still print warnings and the result");
   if (restart == Restart::no) return;
+  option("--every", options.every, "record every n-th step", "", {1, 1e9});
   option("--checkpoint-every", options.checkpoint_every, "wall time between checkpoints; 0: after every step",
          "s", {0, 1e9});
   flag("--resume", options.resume, "continue from the checkpoint in the folder for the results");

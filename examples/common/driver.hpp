@@ -91,8 +91,8 @@ class Cli {
   /// What stands without a flag: one or more files. They are not looked at: a driver that takes many says
   /// which of them are bad and does the others. A command line without any is refused.
   void files(std::vector<std::filesystem::path>& value, const std::string& what);
-  /// The group "output" with -o, --summary, --threads, --every, --quiet; in drivers whose runs can be
-  /// continued also --resume, --resume-anyway and --checkpoint-every.
+  /// The group "output" with -o, --summary, --threads, --quiet; in drivers whose runs are recorded also
+  /// --every, --checkpoint-every, --resume and --resume-anyway.
   enum class Restart { no, yes };
   void common(CommonOptions& options, Restart restart = Restart::no);
   /// A command line that works and what it shows; --help prints them all.

@@ -24,6 +24,9 @@ std::vector<SchemeFlag> flags_of(const SchemeOptions& options, SaidSettings& sai
         std::ranges::find_if(out, [&](const SchemeFlag& f) { return f.first.flag == one.flag; });
     if (known == out.end())
       out.push_back({one, {one.path}});
+    else if (known->first.usual != one.usual)
+      throw std::logic_error(one.flag + ": " + known->first.path + " = " + known->first.usual + " and " +
+                             one.path + " = " + one.usual + " share the flag");
     else
       known->paths.push_back(one.path);
   }
@@ -78,6 +81,10 @@ void set_selector(const SchemeFlags& f, ReductionOptions& options) {
 }  // namespace
 
 SchemeFlags::SchemeFlags() = default;
+
+void start_from_theta(SchemeOptions& options, double theta) {
+  options.moreau_jean.theta = options.moreau_jean_projected.theta = theta;
+}
 
 void add_options(Cli& cli, SchemeFlags& f) {
   const std::vector<SchemeFlag> all = flags_of(f.options, f.said);

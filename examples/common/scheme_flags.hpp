@@ -19,7 +19,11 @@ struct SchemeFlags {
   SaidSettings said{};
 };
 
+/// Sets theta of all schemes that have one, for a driver that starts from another than the schemes do.
+void start_from_theta(SchemeOptions& options, double theta);
+
 /// The groups "scheme" and "solver": --scheme and the settings of schemes. `flags` must stay where it is.
+/// Throws std::logic_error if options that share a flag differ: its default would be that of one of them.
 void add_options(Cli& cli, SchemeFlags& flags);
 
 /// Throws std::invalid_argument naming flag, scheme and who reads the flag, if the user said what the chosen

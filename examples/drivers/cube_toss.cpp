@@ -209,7 +209,7 @@ ExitCode run(Arguments& a) {
 int main(int argc, char** argv) {
   Arguments a;
   a.command_line = command_line(argc, argv);
-  a.scheme.options.moreau_jean.theta = 1;  // of the study: doc/theory/cube_toss.md
+  start_from_theta(a.scheme.options, 1);  // of the study: doc/theory/cube_toss.md
   Cli cli("cube_toss",
           "Simulates recorded tosses of a cube and reports the errors of position and rotation: mean over "
           "time, then over tosses.");

@@ -85,6 +85,8 @@ ExitCode drop(const Arguments& a) {
     Summary summary;
     r.set(summary);
     summary.set("speed_at_end", speed);
+    summary.set("scheme", run.scheme);
+    summary.set("options", run.options);
     write_summary(a.run.common.summary, summary);
   }
   const double rise = r.total("energy_rise");

@@ -317,7 +317,7 @@ int main(int argc, char** argv) {
   Arguments a;
   a.command_line = command_line(argc, argv);
   // Below theta = 1 a coupling that is stiff for the step gives energy through contacts that open (LED-5).
-  a.run.scheme.options.moreau_jean.theta = a.run.scheme.options.moreau_jean_projected.theta = 1;
+  start_from_theta(a.run.scheme.options, 1);
   Cli cli("replay_assembly", "Replays a recorded assembly path of two parts, with all their contacts.");
   cli.group("scene");
   cli.input("--data", a.data, "folder with meshes/ and assembly/");

@@ -114,7 +114,7 @@ int main(int argc, char** argv) {
   cli.group("stepping");
   cli.option("--h0", a.h0, "largest step", "s", {1e-5, 0.1});
   cli.option("--levels", a.levels, "number of step sizes, each about half the one before", "", {3, 16});
-  a.scheme.options.moreau_jean.theta = 1;  // whose order shows
+  start_from_theta(a.scheme.options, 1);  // whose order shows
   a.scheme.options.step.solver.tolerance = 1e-12;
   add_options(cli, a.scheme);
   add_options(cli, a.dump);

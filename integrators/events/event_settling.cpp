@@ -33,8 +33,8 @@ void EventRun::add_event(EventKind kind, const Touch& touch, double t, double sp
   const bool contact = touch.slot < 0;
   report_.events.push_back({.kind = kind,
                             .t = t,
-                            .body_a = contact ? touch.point.a.body : -1,
-                            .body_b = contact ? touch.point.b.body : -1,
+                            .body_a = contact ? touch.point.a.body : BodyId(),
+                            .body_b = contact ? touch.point.b.body : BodyId(),
                             .slot = touch.slot,
                             .speed = speed});
 }

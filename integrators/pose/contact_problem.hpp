@@ -18,7 +18,7 @@ using RowVector = Eigen::Matrix<double, kRowsOfAContact, 1>;
 /// One block of rows as the dynamics sees it: a contact, a gap function, or what acts on the axis of a joint.
 /// Rows beyond those of its law are ignored.
 struct ContactRow {
-  BodyId body_a{}, body_b{};              // -1: none, or the world
+  BodyId body_a{}, body_b{};              // none: nothing, or the world
   Mat3 frame = Mat3::Identity();          // of a contact: columns n, t1, t2; impulses act on A [world]
   RowJacobian J_a = RowJacobian::Zero();  // u = J_a twist_a + J_b twist_b + others + w
   RowJacobian J_b = RowJacobian::Zero();

@@ -32,6 +32,11 @@ TEST(Id, IsNoneUntilItIsSet) {
   EXPECT_LT(AppleId(), AppleId(0));
 }
 
+TEST(Id, OfANumberOfRunTimeSaysSo) {
+  for (const int k : {-1, 0, 7}) EXPECT_EQ(AppleId::at(k).index(), k);
+  EXPECT_EQ(AppleId::at(std::size_t(7)), AppleId(7));
+}
+
 TEST(Id, IsWrittenAsItsIndex) {
   std::ostringstream text;
   text << AppleId(3);

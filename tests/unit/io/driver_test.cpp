@@ -6,6 +6,7 @@
 
 #include "examples/common/many_tasks.hpp"
 #include "examples/common/progress.hpp"
+#include "examples/common/scheme_flags.hpp"
 #include "io/build_info.hpp"
 #include "tests/unit/io/io_samples.hpp"
 
@@ -235,6 +236,20 @@ TEST(Progress, CanBeSilent) {
   ::testing::internal::CaptureStderr();
   Progress(std::string("drop"), 1, Progress::style_of_stderr(true)).at(1);
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+}
+
+TEST(SchemeFlags, HaveOneDefaultForAllOptionsOfAFlag) {
+  SchemeFlags one;
+  start_from_theta(one.options, 0.7);
+  Cli cli("program", "A program.");
+  add_options(cli, one);
+  EXPECT_EQ(scheme_options(one).moreau_jean.theta, 0.7);
+  EXPECT_EQ(scheme_options(one).moreau_jean_projected.theta, 0.7);
+  SchemeFlags two;
+  two.options.moreau_jean.theta = 1;
+  Cli other("program", "A program.");
+  EXPECT_EQ(message_of<std::logic_error>([&] { add_options(other, two); }),
+            "--theta: moreau_jean.theta = 1 and moreau_jean_projected.theta = 0.5 share the flag");
 }
 
 TEST(Driver, TakesFilesWithoutAFlagAnywhere) {
