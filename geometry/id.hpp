@@ -13,13 +13,13 @@
 
 namespace aussois {
 
-/// The place of an item in a Table, or none. A literal converts (`pose(state, 0)`); a number of run time does
-/// not: Id::at(number).
+/// The place of an item in a Table, or none. A constant converts (`pose(state, 0)`); a number of run time
+/// does not: Id::at(number).
 template <class Tag>
 class Id {
  public:
-  constexpr Id() = default;                       // none
-  consteval Id(int literal) : index_(literal) {}  // NOLINT(google-explicit-constructor)
+  constexpr Id() = default;                         // none
+  consteval Id(int constant) : index_(constant) {}  // NOLINT(google-explicit-constructor)
   static constexpr Id at(std::integral auto index) {
     static_assert(!std::same_as<decltype(index), bool>);
     AUSSOIS_ASSERT(std::in_range<int>(index));

@@ -12,6 +12,7 @@ using BodyId = Id<struct BodyTag>;
 template <class T>
 using PerBody = Table<BodyId, T>;
 
+/// Two bodies, in the order that their holder states.
 struct BodyPair {
   BodyId a{}, b{};
   friend constexpr auto operator<=>(const BodyPair&, const BodyPair&) = default;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "geometry/types.hpp"
 #include "io/atomic_file.hpp"
 
 namespace aussois {
@@ -29,10 +30,9 @@ Json number_json(double value) {
 
 double number_in(const Json& json) {
   if (json.is_number()) return json.get<double>();
-  constexpr double kInfinite = std::numeric_limits<double>::infinity();
   const std::string text = json.get<std::string>();  // throws if it is no text
-  if (text == "inf") return kInfinite;
-  if (text == "-inf") return -kInfinite;
+  if (text == "inf") return kInf;
+  if (text == "-inf") return -kInf;
   if (text == "nan") return std::numeric_limits<double>::quiet_NaN();
   throw std::invalid_argument(aussois::quoted(text) + " is not a number");
 }
