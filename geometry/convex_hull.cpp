@@ -5,19 +5,13 @@
 #include <cmath>
 #include <string>
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <Eigen/Geometry>
 
 #include "geometry/check.hpp"
+#include "geometry/exact_point.hpp"
 
 namespace aussois {
 namespace {
-
-using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
-
-Point exact(const Vec3& x) {
-  return {x.x(), x.y(), x.z()};
-}
 
 struct Facet {
   std::array<int, 3> corner{};     // counter-clockwise from outside

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <string>
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 
+#include "geometry/exact_point.hpp"
 #include "geometry/mesh_report.hpp"
 #include "geometry/min_norm_point.hpp"
 #include "geometry/settings.hpp"
@@ -20,13 +20,7 @@ constexpr Named<VertexRule> kVertexRules[] = {{VertexRule::tangent_cone, "tangen
                                               {VertexRule::moravanszky_terdiman, "moravanszky_terdiman"},
                                               {VertexRule::paper_exact, "paper_exact"}};
 
-using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
-
 constexpr double kRounding = 1e-12;  // of unit vectors and what is made of a few of them
-
-Point exact(const Vec3& x) {
-  return {x.x(), x.y(), x.z()};
-}
 
 std::size_t side_of(const SimplicialComplex& k, int t, int e) {
   const auto& sides = k.triangle_edges[t];

@@ -4,18 +4,13 @@
 #include <algorithm>
 #include <numeric>
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include "geometry/exact_point.hpp"
 
 namespace aussois {
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-
-Kernel::Point_2 flat(const Vec3& x) {
+ExactKernel::Point_2 flat(const Vec3& x) {
   return {x.x(), x.y()};
-}
-Kernel::Point_3 point(const Vec3& x) {
-  return {x.x(), x.y(), x.z()};
 }
 
 }  // namespace
@@ -63,7 +58,7 @@ int crossing(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
       turns += from_below ? 1 : -1;
   }
   if (turns == 0) return 0;
-  const CGAL::Orientation side = CGAL::orientation(point(a), point(b), point(c), point(p));
+  const CGAL::Orientation side = CGAL::orientation(exact(a), exact(b), exact(c), exact(p));
   return int(side) * turns < 0 ? turns : 0;  // above p
 }
 

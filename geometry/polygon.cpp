@@ -6,17 +6,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include "geometry/exact_point.hpp"
 
 namespace aussois {
 namespace {
 
-using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_2;
 using Triangles = std::vector<std::array<int, 3>>;
-
-Point exact(const Vec2& x) {
-  return {x.x(), x.y()};
-}
 
 // +1: a, b, c run counter-clockwise.
 int turn(const Vec2& a, const Vec2& b, const Vec2& c) {
@@ -127,7 +122,7 @@ class EarCutter {
   std::vector<int> ring_;
 };
 
-struct HalfEdge {
+struct Side {
   int from = 0, to = 0;
   std::size_t triangle = 0, side = 0;
 };
@@ -146,16 +141,16 @@ void make_delaunay(const std::vector<Vec2>& points, Triangles& triangles) {
   const auto x = [&](int i) -> const Vec2& { return points[i]; };
   for (std::size_t pass = 0, flips = 1; flips > 0 && pass < 4 * triangles.size() + 8; ++pass) {
     flips = 0;
-    std::vector<HalfEdge> half;
+    std::vector<Side> half;
     for (std::size_t t = 0; t < triangles.size(); ++t)
       for (std::size_t k = 0; k < 3; ++k) half.push_back({triangles[t][k], triangles[t][(k + 1) % 3], t, k});
-    const auto key = [](const HalfEdge& h) {
+    const auto key = [](const Side& h) {
       return std::array<int, 3>{std::min(h.from, h.to), std::max(h.from, h.to), h.from};
     };
     std::ranges::sort(half, {}, key);
     std::vector<char> changed(triangles.size(), 0);
     for (std::size_t i = 0; i + 1 < half.size(); ++i) {
-      const HalfEdge &h = half[i], &g = half[i + 1];
+      const Side &h = half[i], &g = half[i + 1];
       if (h.from != g.to || h.to != g.from || changed[h.triangle] || changed[g.triangle]) continue;
       const int a = h.from, b = h.to, c = triangles[h.triangle][(h.side + 2) % 3],
                 d = triangles[g.triangle][(g.side + 2) % 3];  // a b c and b a d

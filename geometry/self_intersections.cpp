@@ -3,18 +3,16 @@
 
 #include <algorithm>
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-
 #include "geometry/box_tree.hpp"
+#include "geometry/exact_point.hpp"
 #include "geometry/mesh_report.hpp"
 
 namespace aussois {
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Point = Kernel::Point_3;
-using Segment = Kernel::Segment_3;
-using Triangle = Kernel::Triangle_3;
+using Point = ExactKernel::Point_3;
+using Segment = ExactKernel::Segment_3;
+using Triangle = ExactKernel::Triangle_3;
 
 struct Corners {
   std::array<int, 3> place{};  // equal numbers: equal places
@@ -76,7 +74,7 @@ std::vector<std::array<int, 2>> self_intersections(const SimplicialComplex& comp
       const auto vertex = std::size_t(complex.triangles[t][k]);
       const Vec3& x = complex.vertices[vertex];
       corners[t].place[k] = place[vertex];
-      corners[t].point[k] = Point(x.x(), x.y(), x.z());
+      corners[t].point[k] = exact(x);
       boxes[t] = united(boxes[t], {x, x});
     }
     const auto& [a, b, c] = corners[t].point;

@@ -11,8 +11,8 @@
 namespace aussois {
 namespace {
 
-constexpr const char* kFormat = "aussois-checkpoint";
-constexpr const char* kVersion = "6";
+constexpr const char* kCheckpointFormat = "aussois-checkpoint";
+constexpr const char* kCheckpointVersion = "6";
 
 std::string hex(std::uint64_t value) {
   char text[24];
@@ -105,11 +105,6 @@ void write_state(hid_t file, const State& state) {
   write_rows(file, "/state/hash", std::vector<std::uint64_t>{hash(state)});
 }
 
-VecX read_vector(hid_t file, const std::string& name) {
-  const std::vector<double> rows = read_rows<double>(file, name);
-  return Eigen::Map<const VecX>(rows.data(), Eigen::Index(rows.size()));
-}
-
 State read_state(hid_t file) {
   State state;
   state.t = read_one<double>(file, "/state/t");
@@ -159,8 +154,8 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& check
   const Hdf5Silence silence;
   write_atomically(path, [&](const std::filesystem::path& temporary) {
     const Hdf5Id file = create_hdf5(temporary);
-    write_text(file, "/", "format", kFormat);
-    write_text(file, "/", "version", kVersion);
+    write_text(file, "/", "format", kCheckpointFormat);
+    write_text(file, "/", "version", kCheckpointVersion);
     write_text(file, "/", "program", checkpoint.program.empty() ? program_version() : checkpoint.program);
     write_rows(file, "/fingerprint", std::vector<std::uint64_t>{checkpoint.fingerprint});
     write_rows(file, "/step", std::vector<std::int64_t>{checkpoint.step});
@@ -174,7 +169,7 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& check
 Checkpoint read_checkpoint(const std::filesystem::path& path, std::uint64_t fingerprint, OtherProgram other) {
   const Hdf5Silence silence;
   const Hdf5Id file = open_hdf5(path, Hdf5Access::read);
-  check_format(file, kFormat, kVersion);
+  check_format(file, kCheckpointFormat, kCheckpointVersion);
   Checkpoint checkpoint;
   checkpoint.program = read_text(file, "/", "program");
   if (other == OtherProgram::refuse && checkpoint.program != program_version())

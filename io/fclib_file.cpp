@@ -15,12 +15,7 @@ namespace {
 
 // ---- vectors and single numbers
 
-VecX read_vector(hid_t file, const std::string& name) {
-  const std::vector<double> values = read_rows<double>(file, name);
-  return Eigen::Map<const VecX>(values.data(), Eigen::Index(values.size()));
-}
-
-VecX read_vector(hid_t file, const std::string& name, Eigen::Index size) {
+VecX read_sized(hid_t file, const std::string& name, Eigen::Index size) {
   VecX vector = read_vector(file, name);
   if (vector.size() != size)
     fail_hdf5(file, name,
@@ -181,7 +176,7 @@ std::vector<Law> read_plain_laws(hid_t file, const std::string& group, bool is_r
     fail_hdf5(file, group + "/spacedim",
               "is " + std::to_string(dim) + ", must be " + (is_rolling ? "5" : "2 or 3"));
   const VecX mu = read_vector(file, group + "/vectors/mu"),
-             mu_r = is_rolling ? read_vector(file, group + "/vectors/mu_r", mu.size()) : VecX();
+             mu_r = is_rolling ? read_sized(file, group + "/vectors/mu_r", mu.size()) : VecX();
   std::vector<Law> laws;
   for (Eigen::Index i = 0; i < mu.size(); ++i)
     laws.push_back(is_rolling ? rolling(mu[i], mu_r[i]) : dim == 2 ? coulomb_2d(mu[i]) : coulomb(mu[i]));
@@ -207,7 +202,7 @@ std::vector<Law> read_law_table(hid_t file, const std::string& name) {
     fail_hdf5(file, name + "/rows",
               "has " + std::to_string(rows.size()) + " values, must have " + std::to_string(kinds.size()));
   const auto column = [&](const char* field) {
-    return read_vector(file, name + "/" + field, Eigen::Index(kinds.size()));
+    return read_sized(file, name + "/" + field, Eigen::Index(kinds.size()));
   };
   const VecX mu = column("mu"), mu_r = column("mu_r"), radius = column("radius"), limit = column("limit");
   std::vector<Law> laws;
@@ -297,7 +292,7 @@ LocalProblem read_local(hid_t file, const Form& form) {
               "couples joints to a local problem: save the global one, or eliminate them");
   LocalProblem problem{.laws = read_laws(file, form)};
   const int m = row_count(problem.laws);
-  problem.q = read_vector(file, group + "/vectors/q", m);
+  problem.q = read_sized(file, group + "/vectors/q", m);
   problem.W = read_matrix(file, group + "/W", m, m);
   return problem;
 }
@@ -307,7 +302,7 @@ FrictionProblem read_global(hid_t file, const Form& form) {
   FrictionProblem problem{.laws = read_laws(file, form)};
   const int m = row_count(problem.laws);
   problem.f = read_vector(file, group + "/vectors/f");
-  problem.w = read_vector(file, group + "/vectors/w", m);
+  problem.w = read_sized(file, group + "/vectors/w", m);
   const Eigen::Index n = problem.f.size();
   problem.M = read_matrix(file, group + "/M", n, n);
   problem.H = read_matrix(file, group + "/H", n, m);
@@ -316,7 +311,7 @@ FrictionProblem read_global(hid_t file, const Form& form) {
     problem.G = read_matrix(file, group + "/G", n, problem.b.size());
   }
   if (form.has_table && has_link(file, group + "/vectors/R"))
-    problem.R = read_vector(file, group + "/vectors/R", m);
+    problem.R = read_sized(file, group + "/vectors/R", m);
   return problem;
 }
 
@@ -356,7 +351,7 @@ Sizes sizes_of(const FclibFile& file) {
 
 VecX read_optional(hid_t file, const std::string& name, Eigen::Index size) {
   if (!has_link(file, name)) return {};
-  return size < 0 ? read_vector(file, name) : read_vector(file, name, size);
+  return size < 0 ? read_vector(file, name) : read_sized(file, name, size);
 }
 
 FclibValues read_values(hid_t file, const std::string& group, const Sizes& sizes) {

@@ -181,5 +181,9 @@ std::vector<T> read_rows(hid_t file, const std::string& name) {
   column.read(rows.data(), 0, column.rows());
   return rows;
 }
+inline VecX read_vector(hid_t file, const std::string& name) {
+  const std::vector<double> values = read_rows<double>(file, name);
+  return Eigen::Map<const VecX>(values.data(), Eigen::Index(values.size()));
+}
 
 }  // namespace aussois

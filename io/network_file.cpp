@@ -11,8 +11,8 @@
 namespace aussois {
 namespace {
 
-constexpr const char* kFormat = "aussois_network";
-constexpr int kVersion = 1;
+constexpr const char* kNetworkFormat = "aussois_network";
+constexpr int kNetworkVersion = 1;
 constexpr std::int64_t kMostUnits = 10000;  // of a layer
 
 void append_hexadecimal(std::string& text, double value) {
@@ -31,7 +31,7 @@ void append(std::string& text, const char* name, const MatX& rows) {
 }
 
 std::string text_of(const Network& n) {
-  std::string text = std::string(kFormat) + " " + std::to_string(kVersion) + "\ninputs " +
+  std::string text = std::string(kNetworkFormat) + " " + std::to_string(kNetworkVersion) + "\ninputs " +
                      std::to_string(n.inputs()) + "\nhidden " + std::to_string(n.hidden()) + "\noutputs " +
                      std::to_string(n.outputs()) + "\n";
   append(text, "mean", n.mean.transpose());
@@ -91,8 +91,8 @@ class NetworkReader {
 
 // Without places if the file ends before them.
 LearnedSelector read(NetworkReader& in) {
-  in.word(kFormat);
-  in.word(std::to_string(kVersion).c_str());
+  in.word(kNetworkFormat);
+  in.word(std::to_string(kNetworkVersion).c_str());
   const Eigen::Index inputs = in.size("inputs"), hidden = in.size("hidden"), outputs = in.size("outputs");
   LearnedSelector out;
   Network& n = out.network;

@@ -15,8 +15,8 @@
 namespace aussois {
 namespace {
 
-constexpr const char* kFormat = "aussois-run";
-constexpr const char* kVersion = "3";
+constexpr const char* kRunFormat = "aussois-run";
+constexpr const char* kRunVersion = "3";
 
 /// One dataset and the member it holds.
 template <class Row, class T>
@@ -155,8 +155,8 @@ void write_bodies(hid_t file, const RunHeader& header) {
 }
 
 void write_header(hid_t file, const RunHeader& header) {
-  write_text(file, "/", "format", kFormat);
-  write_text(file, "/", "version", kVersion);
+  write_text(file, "/", "format", kRunFormat);
+  write_text(file, "/", "version", kRunVersion);
   write_text(file, "/", "units", "SI: m, kg, s, N, J, rad; impulses in N s");
   write_text(file, "/", "pose", "x y z qx qy qz qw: body frame seen from the world");
   write_text(file, "/", "velocity", "v_G in the world, omega in the body");
@@ -206,7 +206,7 @@ std::vector<T> read_exactly(hid_t file, const std::string& name, std::size_t row
 }
 
 RunHeader read_header(hid_t file) {
-  check_format(file, kFormat, kVersion);
+  check_format(file, kRunFormat, kRunVersion);
   RunHeader header;
   header.title = read_text(file, "/", "title");
   header.command_line = read_text(file, "/", "command_line");

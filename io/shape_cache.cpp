@@ -19,8 +19,8 @@
 namespace aussois {
 namespace {
 
-constexpr const char* kFormat = "aussois-lmd-shape";
-constexpr const char* kVersion = "3";  // raise it when a table, or what prepare() puts into one, changes
+constexpr const char* kShapeFormat = "aussois-lmd-shape";
+constexpr const char* kShapeVersion = "3";  // raise it when a table, or what prepare() puts into one, changes
 
 std::string hex(std::uint64_t value) {
   char text[24];
@@ -112,7 +112,7 @@ struct Row<ConeNode> {  // its 32-bit words, floats and integers, in the order o
   using type = std::array<std::uint32_t, 80>;
   static type of(const ConeNode& node) {
     static_assert(offsetof(ConeNode, h) + sizeof node.h == sizeof(type));
-    static_assert(sizeof node == 320, "a field was added: raise kVersion");
+    static_assert(sizeof node == 320, "a field was added: raise kShapeVersion");
     type row;
     std::memcpy(row.data(), &node, sizeof row);
     return row;
@@ -163,7 +163,7 @@ void visit_mesh(Archive& archive, M& mesh) {
   archive.one("/mesh/solid", mesh.solid);
 }
 
-/// Every field by name: one that is added to LmdShape does not compile until it stands here (raise kVersion
+/// Every field by name: one that is added to LmdShape does not compile until it stands here (raise kShapeVersion
 /// then).
 template <class Archive, class Shape>
 void visit_shape(Archive& archive, Shape& shape) {
@@ -411,8 +411,8 @@ bool is_sealed(const std::filesystem::path& path) {
 void write_hdf5(const std::filesystem::path& path, const LmdShape& shape, std::uint64_t key) {
   const Mesh mesh = mesh_of(shape.complex);
   const Hdf5Id file = create_hdf5(path);
-  write_text(file, "/", "format", kFormat);
-  write_text(file, "/", "version", kVersion);
+  write_text(file, "/", "format", kShapeFormat);
+  write_text(file, "/", "version", kShapeVersion);
   write_text(file, "/", "key", hex(key));
   write_text(file, "/", "build", build_info());
   Writer writer(file);
@@ -446,7 +446,7 @@ LmdShape read_hdf5(const std::filesystem::path& path, std::uint64_t key, const S
   if (!is_sealed(path))
     throw std::runtime_error(path.string() + ": missing, truncated or damaged: its checksum does not fit");
   const Hdf5Id file = open_hdf5(path, Hdf5Access::read);
-  check_format(file, kFormat, kVersion);
+  check_format(file, kShapeFormat, kShapeVersion);
   if (const std::string found = read_text(file, "/", "key"); found != hex(key))
     fail_hdf5(file, "/@key", "is " + found + ", this mesh with these options has " + hex(key));
   Mesh mesh;
@@ -476,7 +476,7 @@ std::uint64_t shape_key(const DilatedShape& shape, const LmdShapeOptions& option
   key.one("radius", shape.radius);
   key.one("planarity", planarity);
   key.one("deforming", int(deforming));
-  key.one("program", fingerprint_of(build_info() + kVersion));
+  key.one("program", fingerprint_of(build_info() + kShapeVersion));
   return key.value();
 }
 

@@ -23,9 +23,7 @@ constexpr double kRounding = 1e-14;  // of the coordinates: some ulps of the sum
 constexpr double kRoomOfQueries = 8, kRoomOfRadius = 1.0 / 16;
 constexpr int kNeighboursOfAPart = 1024;  // of a piece of work
 
-using Bounds = StraightBox;
-
-Bounds bounds_of(const DilatedBox& box) {
+StraightBox bounds_of(const DilatedBox& box) {
   Vec3 reach = Vec3::Constant(box.radius);
   if (!box.half.isZero(0)) reach += box.axes.cwiseAbs() * box.half;
   const Vec3 slack = Vec3::Constant(kRounding * (box.centre.norm() + reach.sum()));
@@ -33,7 +31,7 @@ Bounds bounds_of(const DilatedBox& box) {
 }
 
 struct Node {
-  Bounds bounds{};
+  StraightBox bounds{};
   int first = 0,
       count = 0;  // leaf: places first .. first + count - 1; otherwise count = 0, children first, first + 1
   bool moves = false;  // something below is not fixed
@@ -42,14 +40,14 @@ struct Node {
 // Places are the boxes in the order of the leaves.
 struct Tree {
   std::vector<Node> nodes{};
-  std::vector<int> order{};      // box at a place
-  std::vector<Bounds> bounds{};  // of the boxes, by place
+  std::vector<int> order{};           // box at a place
+  std::vector<StraightBox> bounds{};  // of the boxes, by place
 };
 
 // Halves at the median of the centres along the axis of their largest spread.
-class Builder {
+class BoxTreeBuilder {
  public:
-  Builder(const std::vector<DilatedBox>& boxes, const std::vector<Bounds>& bounds)
+  BoxTreeBuilder(const std::vector<DilatedBox>& boxes, const std::vector<StraightBox>& bounds)
       : boxes_(boxes), bounds_(bounds) {
     tree_.order.resize(boxes.size());
     std::iota(tree_.order.begin(), tree_.order.end(), 0);
@@ -62,10 +60,10 @@ class Builder {
  private:
   void fill(int node, int begin, int end) {
     Node out{.first = begin, .count = end - begin};
-    Bounds centres;
+    StraightBox centres;
     for (int k = begin; k < end; ++k) {
       const DilatedBox& box = boxes_[tree_.order[k]];
-      const Bounds& b = bounds_[tree_.order[k]];
+      const StraightBox& b = bounds_[tree_.order[k]];
       out.bounds.add(b.lo, b.hi);
       centres.add(box.centre, box.centre);
       out.moves = out.moves || !box.fixed;
@@ -81,7 +79,7 @@ class Builder {
     tree_.nodes[node] = out;
   }
 
-  int split_at_median(int begin, int end, const Bounds& centres) {
+  int split_at_median(int begin, int end, const StraightBox& centres) {
     Eigen::Index axis = 0;
     (centres.hi - centres.lo).maxCoeff(&axis);
     const auto first = tree_.order.begin();
@@ -94,14 +92,14 @@ class Builder {
   }
 
   const std::vector<DilatedBox>& boxes_;
-  const std::vector<Bounds>& bounds_;
+  const std::vector<StraightBox>& bounds_;
   Tree tree_{};
 };
 
 using IndexPair = std::pair<int, int>;
 
 // What one part of the descent collects.
-struct Part {
+struct PartialPairs {
   std::vector<IndexPair> found{};
   BroadPhaseStatistics count{};
 };
@@ -114,7 +112,7 @@ class Descent {
       : boxes_(boxes), tree_(tree), near_(near) {}
 
   // One pair of nodes: pairs of boxes if both are leaves, otherwise what is to be looked at next.
-  void open(IndexPair at, std::vector<IndexPair>& next, Part& part) const {
+  void open(IndexPair at, std::vector<IndexPair>& next, PartialPairs& part) const {
     ++part.count.node_pairs;
     const auto [i, j] = at;
     const Node &n = tree_.nodes[i], &m = tree_.nodes[j];
@@ -132,7 +130,7 @@ class Descent {
   }
 
  private:
-  void test(int p, int q, Part& part) const {
+  void test(int p, int q, PartialPairs& part) const {
     ++part.count.box_pairs;
     if (!tree_.bounds[p].meets(tree_.bounds[q])) return;
     const int i = tree_.order[p], j = tree_.order[q];
@@ -146,14 +144,14 @@ class Descent {
 };
 
 // By counting the pairs of each first index, then sorting its few partners.
-std::vector<IndexPair> sorted_pairs(const std::vector<Part>& parts, std::size_t boxes) {
+std::vector<IndexPair> sorted_pairs(const std::vector<PartialPairs>& parts, std::size_t boxes) {
   std::vector<std::size_t> begin(boxes + 1, 0);
-  for (const Part& part : parts)
+  for (const PartialPairs& part : parts)
     for (const IndexPair& pair : part.found) ++begin[std::size_t(pair.first) + 1];
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   std::vector<IndexPair> all(begin.back());
   std::vector<std::size_t> place(begin.begin(), begin.end() - 1);
-  for (const Part& part : parts)
+  for (const PartialPairs& part : parts)
     for (const IndexPair& pair : part.found) all[place[pair.first]++] = pair;
   for (std::size_t i = 0; i < boxes; ++i)
     std::sort(all.begin() + std::ptrdiff_t(begin[i]), all.begin() + std::ptrdiff_t(begin[i + 1]));
@@ -161,11 +159,12 @@ std::vector<IndexPair> sorted_pairs(const std::vector<Part>& parts, std::size_t 
 }
 
 template <class Near>
-std::vector<IndexPair> pairs_in_tree(const std::vector<DilatedBox>& boxes, const std::vector<Bounds>& bounds,
-                                     const Near& near, int threads, BroadPhaseStatistics* statistics) {
-  const Tree tree = Builder(boxes, bounds).tree();
+std::vector<IndexPair> pairs_in_tree(const std::vector<DilatedBox>& boxes,
+                                     const std::vector<StraightBox>& bounds, const Near& near, int threads,
+                                     BroadPhaseStatistics* statistics) {
+  const Tree tree = BoxTreeBuilder(boxes, bounds).tree();
   const Descent<Near> descent(boxes, tree, near);
-  std::vector<Part> parts(1);
+  std::vector<PartialPairs> parts(1);
   std::vector<IndexPair> front{{0, 0}};
   while (!front.empty() && int(front.size()) < kParts) {  // breadth first until there is enough to share
     std::vector<IndexPair> next;
@@ -183,7 +182,7 @@ std::vector<IndexPair> pairs_in_tree(const std::vector<DilatedBox>& boxes, const
   });
   if (statistics) {
     *statistics = {};
-    for (const Part& part : parts) {
+    for (const PartialPairs& part : parts) {
       statistics->node_pairs += part.count.node_pairs;
       statistics->box_pairs += part.count.box_pairs;
     }
@@ -191,8 +190,8 @@ std::vector<IndexPair> pairs_in_tree(const std::vector<DilatedBox>& boxes, const
   return sorted_pairs(parts, boxes.size());
 }
 
-std::vector<Bounds> bounds_of(const std::vector<DilatedBox>& boxes) {
-  std::vector<Bounds> out;
+std::vector<StraightBox> bounds_of(const std::vector<DilatedBox>& boxes) {
+  std::vector<StraightBox> out;
   out.reserve(boxes.size());
   for (const DilatedBox& box : boxes) {
     AUSSOIS_ASSERT(box.centre.allFinite());
@@ -201,7 +200,7 @@ std::vector<Bounds> bounds_of(const std::vector<DilatedBox>& boxes) {
   return out;
 }
 
-bool all_in_their_rooms(const std::vector<DilatedBox>& boxes, const std::vector<Bounds>& bounds,
+bool all_in_their_rooms(const std::vector<DilatedBox>& boxes, const std::vector<StraightBox>& bounds,
                         const BroadPhaseScratch& scratch) {
   if (boxes.size() != scratch.room.size()) return false;
   for (std::size_t i = 0; i < boxes.size(); ++i)
@@ -209,7 +208,7 @@ bool all_in_their_rooms(const std::vector<DilatedBox>& boxes, const std::vector<
   return true;
 }
 
-void make_rooms(const std::vector<DilatedBox>& boxes, const std::vector<Bounds>& bounds, int threads,
+void make_rooms(const std::vector<DilatedBox>& boxes, const std::vector<StraightBox>& bounds, int threads,
                 BroadPhaseScratch& scratch) {
   const bool again = scratch.last.size() == boxes.size();
   scratch.room.clear();
@@ -224,7 +223,7 @@ void make_rooms(const std::vector<DilatedBox>& boxes, const std::vector<Bounds>&
 }
 
 DilatedBox box_along(const Mat3& axes, const std::vector<Vec3>& points) {
-  Bounds b;
+  StraightBox b;
   for (const Vec3& x : points) b.add(axes.transpose() * x, axes.transpose() * x);
   return {.centre = axes * (b.lo + b.hi) / 2, .axes = axes, .half = (b.hi - b.lo) / 2};
 }
@@ -294,7 +293,7 @@ std::vector<std::pair<int, int>> broad_phase(const std::vector<DilatedBox>& boxe
 
 std::vector<std::pair<int, int>> broad_phase(const std::vector<DilatedBox>& boxes, int threads,
                                              BroadPhaseScratch& scratch) {
-  std::vector<Bounds> bounds = bounds_of(boxes);
+  std::vector<StraightBox> bounds = bounds_of(boxes);
   if (!all_in_their_rooms(boxes, bounds, scratch)) make_rooms(boxes, bounds, threads, scratch);
   const auto near = [&](const IndexPair& pair) {
     const auto i = std::size_t(pair.first), j = std::size_t(pair.second);

@@ -113,7 +113,7 @@ bool try_edge_directions(const MovingSimplex& p, const MovingSimplex& q, const T
 }
 
 // What one part of the descent finds.
-struct Part {
+struct PartialCheck {
   bool failed = false;
   double min_distance = kInf;
   long simplex_pairs = 0, rounds = 0;
@@ -134,7 +134,7 @@ class PairCheck {
     return distance + dt_ * closing - (p.bend + q.bend) * dt_ * dt_ / 2 > reach;
   }
 
-  void check(int i, int j, const MovingSimplex& p, const MovingSimplex& q, Part& part) const {
+  void check(int i, int j, const MovingSimplex& p, const MovingSimplex& q, PartialCheck& part) const {
     ++part.simplex_pairs;
     check_interval(i, j, 0, dt_, options_.max_halvings, p, q, part);
   }
@@ -151,7 +151,7 @@ class PairCheck {
 
  private:
   void check_interval(int i, int j, double s0, double s1, int halvings, const MovingSimplex& p,
-                      const MovingSimplex& q, Part& part) const {
+                      const MovingSimplex& q, PartialCheck& part) const {
     ++part.rounds;
     const double dt = s1 - s0;
     double bound = -kInf;
@@ -310,7 +310,7 @@ int parted(const SimplexLanes& p, int k, const SimplexLanes& q, float wanted) {
 class CertificateDescent {
  public:
   CertificateDescent(const PairCheck& check, const BaseFrames& frames, const NodeVelocity& a,
-                     const NodeVelocity& b, int first_a, int first_b, Part& part)
+                     const NodeVelocity& b, int first_a, int first_b, PartialCheck& part)
       : check_(check), frames_(frames), a_(a), b_(b), first_a_(first_a), first_b_(first_b), part_(part) {
     dt_ = float(check.dt());
     const double stretch = check.stretch();  // what vertices travel seen from their bodies
@@ -365,7 +365,7 @@ class CertificateDescent {
   const BaseFrames& frames_;
   const NodeVelocity &a_, &b_;
   int first_a_, first_b_;
-  Part& part_;
+  PartialCheck& part_;
   float dt_ = 0, wanted_ = 0;
   MovingSimplex p_[kBucket];  // of A's open bucket
   SimplexLanes lanes_{};
@@ -494,12 +494,13 @@ Certificate certify(const MovingShape& a, const MovingShape& b, double dt,
   const NodeVelocity of_a(check.now_a(), check.now_b(), b.shape->centre);
   const NodeVelocity of_b(check.now_b(), check.now_b(), b.shape->centre);
   const auto descend = [&](const ConeTree& tree_a, const ConeTree& tree_b, int first_a, int first_b, int cut,
-                           Part& part) {
+                           PartialCheck& part) {
     CertificateDescent tests(check, frames, of_a, of_b, first_a, first_b, part);
     DualDescent<CertificateDescent>(tree_a, tree_b, frames.motion, tests).run(cut);
   };
   Certificate out{.certified = true, .min_distance = options.wanted};
-  for (const Part& part : over_base_trees<Part>(*a.shape, *b.shape, options.threads, {}, descend)) {
+  for (const PartialCheck& part :
+       over_base_trees<PartialCheck>(*a.shape, *b.shape, options.threads, {}, descend)) {
     out.certified = out.certified && !part.failed;
     out.min_distance = std::min(out.min_distance, part.min_distance);
     out.simplex_pairs += part.simplex_pairs;

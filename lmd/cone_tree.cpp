@@ -26,9 +26,9 @@ struct Bounds {
   float r, cos, sin;
 };
 
-class Builder {
+class ConeTreeBuilder {
  public:
-  Builder(const std::vector<ConeTreeItem>& items, const Vec3& centre, std::vector<int>& order)
+  ConeTreeBuilder(const std::vector<ConeTreeItem>& items, const Vec3& centre, std::vector<int>& order)
       : items_(items), centre_(centre), order_(order) {
     order_.resize(items.size());
     std::iota(order_.begin(), order_.end(), 0);
@@ -228,7 +228,7 @@ class Builder {
 
 ConeTree build_cone_tree(const std::vector<ConeTreeItem>& items, const Vec3& centre,
                          std::vector<int>& order) {
-  return Builder(items, centre, order).take();
+  return ConeTreeBuilder(items, centre, order).take();
 }
 
 }  // namespace aussois

@@ -28,7 +28,7 @@ bool segments_meet(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
 using BySense = std::array<double, 2>;
 
 // One point between three planes, with the senses in which the edges from the parts beyond arrive.
-struct Choice {
+struct EdgeChoice {
   int apex = 0, left = 0, right = 0;
   double value = -kInf;
 };
@@ -80,7 +80,7 @@ class LargestSplit {
     std::priority_queue<Partial> queue;
     const int root = sense_of_spoke(0, d_ - 1);
     for (int j = 1; j + 1 < d_; ++j)
-      for (const Choice& c : choices(0, j, d_ - 1, root)) {
+      for (const EdgeChoice& c : choices(0, j, d_ - 1, root)) {
         const Vec3& p = meeting_[at(0, j, d_ - 1)].x;
         extend({.bound = c.value + to_infinity(d_ - 1, 0, p)}, 0, d_ - 1, c, queue);
       }
@@ -95,7 +95,7 @@ class LargestSplit {
       for (int j = o.i + 1; j < o.k; ++j) {
         const Vec3& p = meeting_[at(o.i, j, o.k)].x;
         if (!arrives(o.i, o.k, p, q, o.sense)) continue;
-        for (const Choice& c : choices(o.i, j, o.k, o.sense)) {
+        for (const EdgeChoice& c : choices(o.i, j, o.k, o.sense)) {
           Partial next = best;
           next.bound = without + c.value + below(o.i, o.k, p, q);
           if (add(next, {o.i, p, q}) && add(next, {o.k, p, q})) extend(std::move(next), o.i, o.k, c, queue);
@@ -148,8 +148,8 @@ class LargestSplit {
   }
 
   // Ways to take the triangle (i, j, k) if its edge between i and k leaves in this sense.
-  std::vector<Choice> choices(int i, int j, int k, int out) const {
-    std::vector<Choice> all;
+  std::vector<EdgeChoice> choices(int i, int j, int k, int out) const {
+    std::vector<EdgeChoice> all;
     const MeetingPoint& p = meeting_[at(i, j, k)];
     if (!is_usable(p)) return all;
     for (int left : {0, 1})
@@ -168,7 +168,7 @@ class LargestSplit {
   void solve(int i, int k) {
     for (int j = i + 1; j < k; ++j)
       for (int s : {0, 1})
-        for (const Choice& c : choices(i, j, k, s)) {
+        for (const EdgeChoice& c : choices(i, j, k, s)) {
           double& best = triangle_[at(i, j, k)][s];
           best = std::max(best, c.value);
         }
@@ -185,7 +185,7 @@ class LargestSplit {
     }
   }
 
-  void extend(Partial partial, int i, int k, const Choice& c, std::priority_queue<Partial>& queue) const {
+  void extend(Partial partial, int i, int k, const EdgeChoice& c, std::priority_queue<Partial>& queue) const {
     const int j = c.apex;
     const Vec3& p = meeting_[at(i, j, k)].x;
     partial.points.push_back({{i, j, k}, p});

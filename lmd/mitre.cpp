@@ -13,8 +13,9 @@ namespace {
 
 constexpr std::size_t kMostPlanes = 40;  // the search for a split takes O(d^4) and more
 constexpr double kLongestMitre = 1e5;    // depths
-constexpr double kReach = 2;  // a split that goes farther than this times the one point is the worse choice:
-                              // of the facets of a thread, planes that differ by 1e-3 meet 40 depths away
+constexpr double kLongSplit =
+    2;  // a split that goes farther than this times the one point is the worse choice:
+        // of the facets of a thread, planes that differ by 1e-3 meet 40 depths away
 
 // Points that coincide are one.
 Mitre joined(const std::vector<SplitPoint>& triples, std::span<const VertexPlane> planes, double meet) {
@@ -63,7 +64,7 @@ std::optional<Mitre> mitre(std::span<const VertexPlane> planes, const MitreOptio
   const bool near_enough = near.residual <= options.deviation;
   if (options.split && planes.size() > 3 && planes.size() <= kMostPlanes)
     if (const auto split =
-            largest_split(planes, options.meet, near_enough ? kReach * near.x.norm() : kLongestMitre))
+            largest_split(planes, options.meet, near_enough ? kLongSplit * near.x.norm() : kLongestMitre))
       return joined(*split, planes, options.meet);
   return near_enough ? std::optional(at_one_point(near)) : std::nullopt;
 }

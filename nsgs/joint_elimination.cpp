@@ -17,6 +17,8 @@ constexpr double kProximal = 1e-8;
 constexpr int kProximalSteps = 20;
 constexpr double kLightest = 1e-4;  // of the mass along a column; S keeps 12 digits of the others then
 
+}  // namespace
+
 // Both equations at once (JNT-5), of the rows of M that G touches; the rows are scaled by the masses of
 // (JNT-6), the columns of G to the metric that these give, where the compliance is kProximal.
 struct Saddle {
@@ -28,8 +30,6 @@ struct Saddle {
   // M v - G lambda = x, G^T v = y; v and x of all rows, those that G does not touch left as they are.
   VecX solve(const VecX& x, const VecX& y, VecX& v) const;
 };
-
-}  // namespace
 
 // Proximal steps (JNT-3) on S lambda = x, S = G^T M^-1 G: the rows of S are scaled to a diagonal of one, a
 // compliance kProximal is added, and what it left out is solved for again. From zero they stay in the range
@@ -157,6 +157,8 @@ std::optional<Saddle> saddle_of(const SparseMatrix& M, const SparseMatrix& G, co
   return out.inverse ? std::optional(std::move(out)) : std::nullopt;
 }
 
+}  // namespace
+
 VecX Saddle::solve(const VecX& x, const VecX& y, VecX& v) const {
   const Eigen::Index n = M.rows(), p = G.cols();
   VecX target(n + p), found = VecX::Zero(n + p);
@@ -179,8 +181,6 @@ VecX Saddle::solve(const VecX& x, const VecX& y, VecX& v) const {
   v(rows) = row_scale.cwiseProduct(found.head(n));
   return column_scale.cwiseProduct(found.tail(p));
 }
-
-}  // namespace
 
 VecX JointFactor::solve(const VecX& x) const {
   const VecX target = scale.asDiagonal() * x;

@@ -16,6 +16,13 @@
 #include "geometry/check.hpp"
 
 namespace aussois {
+
+// What CVODE calls with: exceptions of the problem wait until C is left.
+struct OdeCall {
+  const OdeProblem& problem;
+  std::exception_ptr thrown{};
+};
+
 namespace {
 
 VecX values(N_Vector y) {
@@ -28,15 +35,10 @@ void store(const VecX& values, double* out) {
 constexpr double kUnjudged = 1e20;  // tolerance of what is not looked at
 constexpr int kTryShorter = 1;      // CVODE's word for a function that has no value here
 
-// What CVODE calls with: exceptions of the problem wait until C is left.
-struct Called {
-  const OdeProblem& problem;
-  std::exception_ptr thrown{};
-};
 template <class F>
 int call(void* called, Eigen::Index size, double* out, const F& f) {
   constexpr int kStop = -1;
-  auto& c = *static_cast<Called*>(called);
+  auto& c = *static_cast<OdeCall*>(called);
   try {
     VecX value(size);
     if (!f(c.problem, value) || !value.allFinite()) return kTryShorter;
@@ -54,7 +56,7 @@ int rate(double t, N_Vector y, N_Vector out, void* called) {
 }
 
 int roots(double t, N_Vector y, double* out, void* called) {
-  return call(called, static_cast<Called*>(called)->problem.root_count, out,
+  return call(called, static_cast<OdeCall*>(called)->problem.root_count, out,
               [&](const OdeProblem& p, VecX& value) { return p.roots(t, values(y), value); });
 }
 
@@ -65,7 +67,7 @@ void require_ok(bool ok) {
 }  // namespace
 
 struct OdePiece::Memory {
-  Called called;
+  OdeCall called;
   explicit Memory(const OdeProblem& problem) : called{problem} {}
   SUNContext context = nullptr;
   void* cvode = nullptr;

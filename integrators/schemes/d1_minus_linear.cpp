@@ -12,7 +12,7 @@
 namespace aussois {
 namespace {
 
-constexpr double kTheta = 0.5;  // joints hold for the mean velocity (MJT-10)
+constexpr double kJointTheta = 0.5;  // joints hold for the mean velocity (MJT-10)
 
 /// What all stages of a step share.
 struct Start {
@@ -32,7 +32,7 @@ Start start_of(const StepSetting& setting, const State& state, double h) {
   out.mass = model.coordinates.empty()
                  ? out.forces.mass
                  : forces_at(model, state_after(model, state, state.v, state.v, h / 2), dofs).mass;
-  out.joints = joint_system(model, state, dofs, out.v_prescribed, h, kTheta, setting.normal, o.joints);
+  out.joints = joint_system(model, state, dofs, out.v_prescribed, h, kJointTheta, setting.normal, o.joints);
   const FrictionProblem problem{.M = out.mass,
                                 .H = SparseMatrix(dofs.rows, 0),
                                 .f = out.mass * out.v + h * out.forces.sum(),

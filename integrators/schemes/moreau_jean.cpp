@@ -211,7 +211,7 @@ SharedMotion free(const StepSetting& setting, const State& state, double h, doub
 }
 
 // Where a step begins, an impact behind it or not, and how it would go on without contacts.
-struct Start {
+struct StepStart {
   const State& state;
   const std::optional<AfterImpact>& after;
   SharedMotion free{};
@@ -226,7 +226,7 @@ struct Iterate {
 };
 
 // Solves again where the last solve leads (MJ-11), (MJ-12).
-void solve_again(const StepSetting& setting, const MoreauJeanOptions& o, const Start& start, double h,
+void solve_again(const StepSetting& setting, const MoreauJeanOptions& o, const StepStart& start, double h,
                  Iterate& now) {
   const double theta = o.theta, time = time_of(o.contacts, h);
   const VecX v = now.step.solved.solution.v;
@@ -270,7 +270,7 @@ Trial attempt(const StepSetting& setting, const MoreauJeanOptions& o, const Stat
   Iterate now{.found = find_ahead(setting, state, ahead, h)};
   const std::optional<AfterImpact> after = after_impact(setting, state, now.found, o.impact, theta);
   const State& from = after ? after->state : state;
-  const Start start{from, after, after ? free(setting, from, h, theta) : without};
+  const StepStart start{from, after, after ? free(setting, from, h, theta) : without};
   now.step = solve_step(
       setting, from, now.found, start.free, theta,
       after ? after->blocks : contact_blocks(setting, from, now.found.contacts, h, setting.normal));

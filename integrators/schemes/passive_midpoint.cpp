@@ -11,11 +11,11 @@
 namespace aussois {
 namespace {
 
-constexpr double kTheta = 0.5;
-constexpr int kRounds = 20;        // of linearisation and passivity together; 2 or 3 are usual
-constexpr double kSolved = 1e-15;  // change of velocities by mean joints, relative
-constexpr double kGivenUp = 1e-8;  // [m/s, rad/s]; more than that is no solution
-constexpr double kExact = 1e-16;   // of the gyroscopic torque: its error is quadratic in that of the guess
+constexpr double kMidpoint = 0.5;
+constexpr int kRounds = 20;              // of linearisation and passivity together; 2 or 3 are usual
+constexpr double kJointsSolved = 1e-15;  // change of velocities by mean joints, relative
+constexpr double kJointsGivenUp = 1e-8;  // [m/s, rad/s]; more than that is no solution
+constexpr double kExact = 1e-16;  // of the gyroscopic torque: its error is quadratic in that of the guess
 
 // `free` at theta = 1/2 with its gyroscopic torque taken there. `v_guess`: rows of the problem.
 FreeMotion with_gyroscopic(const Model& model, const Layout& dofs, double h, GyroscopicTerm term,
@@ -142,17 +142,18 @@ StepReport PassiveMidpoint::step(State& state, double h_limit) const {
   const Layout& dofs = setting.dofs;
   const bool mean_joints = own_.mean_joints && !model.joints.empty();
   const auto estimate = [&](const State& start, double h) {
-    return estimate_without_contacts(setting, start, free_motion(model, start, dofs, h, kTheta), h, kTheta);
+    return estimate_without_contacts(setting, start, free_motion(model, start, dofs, h, kMidpoint), h,
+                                     kMidpoint);
   };
   const auto attempt = [&](const State& start, const Estimate& ahead, double h) {
     FoundContacts found = find_ahead(setting, start, ahead, h);
-    const FreeMotion plain = free_motion(model, start, dofs, h, kTheta);  // (MJ-4), (MJ-5)
+    const FreeMotion plain = free_motion(model, start, dofs, h, kMidpoint);  // (MJ-4), (MJ-5)
     VecX guess = plain.v_free;
     const auto with_torque = [&] {
       return std::make_shared<const FreeMotion>(
           with_gyroscopic(model, dofs, h, own_.gyroscopic, guess, plain));
     };
-    ImpulseStep step = pose_step(setting, start, found, with_torque(), kTheta);
+    ImpulseStep step = pose_step(setting, start, found, with_torque(), kMidpoint);
     std::vector<char> stated(step.rows.size(), 0);
     VecX last = VecX::Constant(dofs.rows, kInf);
     double change = kInf;
@@ -163,8 +164,8 @@ StepReport PassiveMidpoint::step(State& state, double h_limit) const {
       if (!v.allFinite()) break;
       if (mean_joints) {
         const double before = std::exchange(change, (v - last).lpNorm<Eigen::Infinity>());
-        joints_stand = change <= kSolved * v.lpNorm<Eigen::Infinity>() ||
-                       (change <= kGivenUp && change >= before / 2);  // as far as rounding lets it
+        joints_stand = change <= kJointsSolved * v.lpNorm<Eigen::Infinity>() ||
+                       (change <= kJointsGivenUp && change >= before / 2);  // as far as rounding lets it
         last = v;
       }
       const bool off = own_.gyroscopic == GyroscopicTerm::midpoint &&
@@ -181,9 +182,9 @@ StepReport PassiveMidpoint::step(State& state, double h_limit) const {
     if (!joints_stand && is_solved(step.solved.solution.report.status))
       step.solved.solution.report.status = SolveStatus::max_iterations;
     const VecX& v = step.solved.solution.v;
-    Trial trial{.move = {.v_path = kTheta * v + (1 - kTheta) * step.free->v,  // (PMI-4)
+    Trial trial{.move = {.v_path = kMidpoint * v + (1 - kMidpoint) * step.free->v,  // (PMI-4)
                          .v_end = v,
-                         .goes_on = 2 * (1 - kTheta) * setting.options.advancement.min_h},
+                         .goes_on = 2 * (1 - kMidpoint) * setting.options.advancement.min_h},
                 .figures = {.contacts_made_passive = int(std::count(stated.begin(), stated.end(), 1))}};
     trial.found = std::move(found);
     trial.impulses = std::move(step);
