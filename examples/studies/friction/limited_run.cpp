@@ -11,6 +11,9 @@
 #include <stdexcept>
 #include <unistd.h>
 
+#ifdef __linux__
+#include <sys/prctl.h>
+#endif
 #include <sys/wait.h>
 
 #include "examples/common/driver.hpp"
@@ -18,6 +21,15 @@
 
 namespace aussois {
 namespace {
+
+/// Ends this process with `parent`, whatever ends that. Elsewhere than on Linux it goes on to its own end.
+void end_with(pid_t parent) noexcept {
+#ifdef __linux__
+  if (prctl(PR_SET_PDEATHSIG, SIGKILL) == 0 && getppid() != parent) _exit(1);  // it had ended before
+#else
+  static_cast<void>(parent);
+#endif
+}
 
 /// The child of run_limited: all that it has to say is its result as JSON. What it throws ends it.
 [[noreturn]] void run_and_tell(const std::filesystem::path& path, const RunOptions& options,
@@ -65,8 +77,9 @@ ProfileResult run_limited(const std::filesystem::path& path, const RunOptions& o
   ProfileResult result{.status = "crashed", .problem = path.stem().string()};
   int ends[2];
   if (pipe(ends) != 0) throw std::runtime_error(std::string("pipe: ") + std::strerror(errno));
-  const pid_t child = fork();
+  const pid_t parent = getpid(), child = fork();
   if (child == 0) {
+    end_with(parent);
     close(ends[0]);
     run_and_tell(path, options, ends[1]);
   }
