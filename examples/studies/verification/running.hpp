@@ -32,6 +32,29 @@ StepReport step(const AnyScheme& scheme, State& state, double h_max = kInf) {
   return report;
 }
 
+/// Steps until State::t is t_end [s], accepted, or `go_on(report)`, called after each, returns false.
+template <class AnyScheme, class GoOn>
+void run_accepted(const AnyScheme& scheme, State& state, double t_end, const GoOn& go_on) {
+  require_accepted(
+      run(scheme, state, t_end, [&](const StepReport& report) { return report.ok() && go_on(report); }));
+}
+template <class AnyScheme>
+void run_accepted(const AnyScheme& scheme, State& state, double t_end) {
+  run_accepted(scheme, state, t_end, [](const StepReport&) { return true; });
+}
+
+/// Whole steps, accepted, until State::t is `t` [s] or more, or `go_on`
+/// returns false: none is shortened so that it ends at `t`, which is later than the start by a step or more.
+template <class AnyScheme, class GoOn>
+void run_past(const AnyScheme& scheme, State& state, double t, const GoOn& go_on) {
+  run_accepted(scheme, state, t + (t - state.t),
+               [&](const StepReport& report) { return go_on(report) && state.t < t; });
+}
+template <class AnyScheme>
+void run_past(const AnyScheme& scheme, State& state, double t) {
+  run_past(scheme, state, t, [](const StepReport&) { return true; });
+}
+
 /// Steps up to t_end [s], accepted; `look` sees the state after each.
 inline State run_to(const CaseScene& scene, const std::string& name, const SchemeOptions& options,
                     double t_end, const std::function<void(const State&, const StepReport&)>& look = {}) {

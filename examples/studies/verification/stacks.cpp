@@ -32,14 +32,14 @@ Run run(const PeerScene& scene, const SchemeOptions& o, double t_end, BodyId wat
   Run out;
   const double height = pose(state, watched).p.z();
   double before = energy(k.model, state).total();
-  while (state.t < t_end - o.step.h / 2 && judge.fall_time() == kInf) {
-    step(scheme, state);
+  run_past(scheme, state, t_end - o.step.h / 2, [&](const StepReport&) {
     judge.see(sample(state));
     const double now = energy(k.model, state).total();
     out.gain.add(now - before);
     before = now;
     out.sunk.add(height - pose(state, watched).p.z());
-  }
+    return judge.fall_time() == kInf;
+  });
   out.error = judge.error(), out.worst = judge.worst(), out.fall_time = judge.fall_time();
   return out;
 }
@@ -214,11 +214,11 @@ VerificationCase elastic_pile() {
             const Scheme scheme = make_scheme("moreau_jean", k.model, kernel_options(scene, 1e-2));
             State state = k.state;
             long hits = 0, rises = 0;
-            while (state.t < 1) {
-              const StepReport report = step(scheme, state);
+            run_past(scheme, state, 1, [&](const StepReport& report) {
               rises += report.energy_rises;
               for (const StepContact& c : report.contacts) hits += !c.impulse.isZero(0);
-            }
+              return true;
+            });
             return Figures{
                 {"energy", std::abs(energy(k.model, state).total() / energy(k.model, k.state).total() - 1)},
                 {"hits", double(hits)},
@@ -410,7 +410,7 @@ VerificationCase rolling(const std::string& name) {
                     o.step.solver.tolerance = 1e-12;  // rounding is asked for
                     const MoreauJean scheme(k.model, o.step, o.moreau_jean);
                     State state = k.state;
-                    while (state.t < t_end - h / 2) step(scheme, state);
+                    run_past(scheme, state, t_end - h / 2);
                     for (const BodyId b : scene.bodies.ids()) {
                       if (b == 0) continue;  // the ground
                       const double a = (b == 1 ? 1 : 2.0 / 7) * scene.acceleration;

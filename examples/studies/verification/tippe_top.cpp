@@ -28,10 +28,10 @@ State spin(const CaseScene& s, const std::string& name, const SchemeOptions& o, 
            const std::function<void(const State&, const StepReport&)>& look = {}) {
   const Scheme scheme = make_scheme(name, s.model, o);
   State state = s.state;
-  while (state.t < t_end * (1 - 1e-12) && stem_gap(s, state) > 1e-6) {
-    const StepReport report = step(scheme, state, t_end - state.t);
+  run_accepted(scheme, state, t_end, [&](const StepReport& report) {
     if (look) look(state, report);
-  }
+    return stem_gap(s, state) > 1e-6;
+  });
   return state;
 }
 
@@ -194,7 +194,7 @@ Deviation off_series(const CaseScene& s, const std::string& name, const SchemeOp
   Deviation out{.end = s};
   for (const SeriesRow& row : shared_series(series)) {
     if (row.at("t_s") > t_end) break;
-    while (state.t < row.at("t_s") - 1e-12) step(scheme, state, row.at("t_s") - state.t);
+    run_accepted(scheme, state, row.at("t_s"));
     const Vec3 omega = pose(state, s.body).R * Vec3(twist(state, s.body).tail<3>());
     out.tilt.add(std::abs(axis_angle(s, state) - row.at("theta_rad")));
     out.spin.add(std::abs(omega.z() - row.at("omega_z_rad_s")));
