@@ -12,6 +12,7 @@
 #include "examples/studies/reduction/selection_picture.hpp"
 #include "geometry/mass_properties.hpp"
 #include "geometry/primitives.hpp"
+#include "integrators/run.hpp"
 #include "integrators/schemes/moreau_jean.hpp"
 #include "io/atomic_file.hpp"
 #include "io/mesh_file.hpp"
@@ -72,11 +73,11 @@ Resting resting(const Part& part, const Arguments& a) {
   double lowest = kInf;
   for (const Vec3& x : part.complex.vertices) lowest = std::min(lowest, x.z());
   pose(state, body).p.z() = 2 * kDilation - lowest - model.bodies[body].g_bs.p.z();
-  const MoreauJean scheme(model, {.h = 1e-3, .reduction = {.reducer = Reducer::none}}, {.theta = 1});
-  for (int i = 0; i < 10; ++i) {
-    const StepReport report = scheme.step(state);
-    if (!report.ok()) throw NumericalFailure(part.name + ": " + report.reason);
-  }
+  constexpr double h = 1e-3;
+  const MoreauJean scheme(
+      model, {.h = h, .reduction = {.reducer = Reducer::none}, .threads = a.common.threads}, {.theta = 1});
+  const StepReport last = run_until(scheme, state, 10 * h);
+  if (!last.ok()) throw NumericalFailure(part.name + ": " + last.reason);
   Resting out{.contacts = scheme.contacts(state, 1e-5)};
   const WarmStart warm = warm_start(state.memory, out.contacts);
   out.impulse = warm.impulse;
