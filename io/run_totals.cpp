@@ -81,7 +81,10 @@ void set(const RunTotals& totals, const Model& model, Summary& summary) {
   summary.set("passing_pairs", totals.uncertified.passing_pairs);
   summary.set("driven_overlaps", totals.uncertified.driven_overlaps);
   summary.set("driven_overlap_t", totals.uncertified.driven_t);
-  const PathAudit& audit = totals.audit;
+  if (totals.audit.samples > 0) set(totals.audit, names_of_skipped(model), summary);
+}
+
+void set(const PathAudit& audit, const std::vector<std::string>& skipped, Summary& summary) {
   if (audit.samples == 0) return;
   summary.set("certify_samples", std::int64_t(audit.samples));
   summary.set("certify_steps", audit.steps);
@@ -89,7 +92,7 @@ void set(const RunTotals& totals, const Model& model, Summary& summary) {
   summary.set("certify_nested", audit.nested);
   summary.set("certify_uncovered", audit.uncovered);
   summary.set("certify_min_distance", audit.min_distance);
-  summary.set("certify_skipped", names_of_skipped(model));
+  summary.set("certify_skipped", skipped);
 }
 
 void keep(const RunTotals& totals, Checkpoint& out) {

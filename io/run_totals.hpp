@@ -42,6 +42,8 @@ void add(const Frame& frame, int threads, RunTotals& totals);
 /// certify_min_distance [m; null: no two bodies came near] and certify_skipped, the names of the pairs that
 /// neither certificate nor audit looks at.
 void set(const RunTotals& totals, const Model& model, Summary& summary);
+/// Only what the audit adds; `skipped` are the names of the pairs that it leaves out.
+void set(const PathAudit& audit, const std::vector<std::string>& skipped, Summary& summary);
 /// The names of pairs that neither certificate nor audit looks at: "lid and box".
 std::vector<std::string> names_of_skipped(const Model& model);
 

@@ -42,12 +42,8 @@ double pairwise_order(const std::vector<double>& h, const std::vector<double>& e
   return std::log(error[i] / error[i - 1]) / std::log(h[i] / h[i - 1]);  // (CONV-6)
 }
 
-Convergence convergence_study(const std::vector<double>& steps,
-                              const std::function<double(double)>& error_of) {
-  Convergence out{.h = steps};
-  for (const double h : steps) out.error.push_back(error_of(h));
-  out.order = fitted_order(out.h, out.error);
-  return out;
+Convergence convergence_study(const std::vector<double>& steps, const std::vector<double>& errors) {
+  return {.h = steps, .error = errors, .order = fitted_order(steps, errors)};
 }
 
 std::string to_string(const Convergence& s, const std::string& quantity) {

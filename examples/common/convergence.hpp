@@ -3,7 +3,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -25,9 +24,8 @@ double fitted_order(const std::vector<double>& h, const std::vector<double>& err
 /// From level i - 1 to i >= 1 (CONV-6).
 double pairwise_order(const std::vector<double>& h, const std::vector<double>& error, std::size_t i);
 
-/// Throws std::invalid_argument for fewer than three steps or an error that is not positive and finite.
-Convergence convergence_study(const std::vector<double>& steps,
-                              const std::function<double(double)>& error_of);
+/// With the fitted order; throws what that throws.
+Convergence convergence_study(const std::vector<double>& steps, const std::vector<double>& errors);
 
 std::string to_string(const Convergence& study, const std::string& quantity);
 

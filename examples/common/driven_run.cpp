@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "examples/common/progress.hpp"
-#include "geometry/check.hpp"
+#include "examples/common/run_watch.hpp"
 #include "geometry/number_text.hpp"
 #include "io/build_info.hpp"
 #include "io/replay_html.hpp"
@@ -38,17 +38,14 @@ std::string scene_text(const Cli& cli, const std::string& content, const std::ve
 
 void check(const Cli& cli, const RunFlags& flags) {
   refuse_unread(cli, flags.scheme);
-  step_choice(flags.dump.steps);
-  const std::vector<std::string> unread = unread_by(flags.scheme.scheme);
-  require(flags.dump.folder.empty() || std::ranges::find(unread, "step.keep_problem") == unread.end(),
-          "--dump-problem: " + flags.scheme.scheme + " solves no one-step problem");
+  check(flags.dump, flags.scheme.scheme);
 }
 
 namespace {
 
-SchemeOptions options_of(const RunFlags& flags, double h) {
-  SchemeOptions out = scheme_options(flags.scheme);
-  out.step.h = h;
+SchemeOptions options_of(const RunPlan& plan, const RunFlags& flags) {
+  SchemeOptions out = plan.options ? *plan.options : scheme_options(flags.scheme);
+  out.step.h = plan.h;
   out.step.threads = flags.common.threads;
   out.step.keep_problem = !flags.dump.folder.empty();
   return out;
@@ -96,18 +93,10 @@ void write_page(const Model& model, const std::filesystem::path& folder) {
   }
 }
 
-std::string nearest_of(const PathAudit& audit) {
-  if (!(audit.min_distance < kInf)) return "no two bodies came within twice their dilations";
-  char text[100];
-  std::snprintf(text, sizeof text, "base distance at least %.4g um, %.4g um above the certificate",
-                1e6 * audit.min_distance, 1e6 * audit.min_slack);
-  return text;
-}
-
 }  // namespace
 
 DrivenRun drive(const Model& model, const State& start, RunPlan plan, const RunFlags& flags) {
-  const SchemeOptions chosen = options_of(flags, plan.h);
+  const SchemeOptions chosen = options_of(plan, flags);
   const Scheme scheme = make_scheme(flags.scheme.scheme, model, chosen);
   const std::string name = label(flags.scheme.scheme, chosen);
   const std::vector<std::string> options = settings_text(chosen);
@@ -130,7 +119,9 @@ DrivenRun drive(const Model& model, const State& start, RunPlan plan, const RunF
                        out.step_cpu += double(std::clock() - begin) / CLOCKS_PER_SEC;
                        return report;
                      }};
-  out.last = record_run(timed, out.state, plan.t_end, out.recording, [&](const StepReport& report) {
+  const auto goes_on = [&] { return !plan.go_on || plan.go_on(out.recording); };
+  const double t_end = goes_on() ? plan.t_end : out.state.t;
+  out.last = record_run(timed, out.state, t_end, out.recording, [&](const StepReport& report) {
     const std::int64_t steps = out.recording.steps();
     dump.step(steps + !report.moved(), report);
     char note[80];
@@ -138,7 +129,7 @@ DrivenRun drive(const Model& model, const State& start, RunPlan plan, const RunF
                   counted(report.contacts_found, "contact").c_str());
     progress.at(out.state.t, note);
     out.interrupted = interrupted() || (flags.stop_after > 0 && steps >= flags.stop_after);
-    return !out.interrupted;
+    return !out.interrupted && goes_on();
   });
   if (out.interrupted) {
     out.recording.checkpoint();
@@ -156,24 +147,7 @@ DrivenRun drive(const Model& model, const State& start, RunPlan plan, const RunF
 }
 
 bool tell(const PathAudit& audit, const Model& model) {
-  if (audit.samples == 0) return true;
-  if (audit.steps == 0)
-    std::printf("certify: nothing to check, no two bodies can touch\n");
-  else
-    std::printf("certify: %s, each at %s and at its end, %s, %s\n", counted(audit.steps, "step").c_str(),
-                counted(audit.samples, "place").c_str(), nearest_of(audit).c_str(),
-                counted(audit.violations, "violation").c_str());
-  if (audit.nested > 0)
-    std::printf("certify: one body was inside another in %s\n", counted(audit.nested, "step").c_str());
-  if (audit.uncovered > 0)
-    std::printf("certify: contacts and base distances disagree at the end of %s\n",
-                counted(audit.uncovered, "step").c_str());
-  const std::vector<std::string> skipped = names_of_skipped(model);
-  if (!skipped.empty())
-    std::printf("certify: not checked, because they may pass through each other: %s%s\n",
-                skipped.front().c_str(),
-                skipped.size() > 1 ? (", and " + std::to_string(skipped.size() - 1) + " more").c_str() : "");
-  return audit.violations == 0;
+  return tell(RunAudit{.path = audit, .skipped = names_of_skipped(model)});
 }
 
 bool tell(const RunTotals& totals, const Model& model) {

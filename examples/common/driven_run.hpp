@@ -37,6 +37,9 @@ struct RunPlan {
   RunHeader header{};            // title, command line and notes; build, scheme and options are added
   std::vector<Gauge> gauges{};
   std::function<CouplingWrench(const State&)> pull{};
+  std::optional<SchemeOptions> options{};         // instead of those of the flags; h and threads are set
+  std::function<bool(const Recording&)> go_on{};  // asked before the first step and after each; empty: to
+                                                  // the end. What it depends on survives in the checkpoint
 };
 
 struct DrivenRun {

@@ -191,13 +191,18 @@ void Cli::files(std::vector<std::filesystem::path>& value, const std::string& wh
   impl_->add("FILE", value, "...", what, "", "");
   impl_->files = &value;
 }
-void Cli::common(CommonOptions& options, Restart restart) {
+void Cli::common(CommonOptions& options, Restart restart, Threads threads) {
   group("output");
-  option("-o,--out", options.out, "folder for the results, created if missing");
+  option(
+      "-o,--out", options.out,
+      std::string("folder for the results, created if missing") +
+          (restart == Restart::by_itself ? "; runs that this program has already saved there are not repeated"
+                                         : ""));
   option("--summary", options.summary, "also write the key numbers to this JSON file");
-  option("--threads", options.threads, "number of threads; does not affect the results", "", {1, 256});
+  if (threads == Threads::yes)
+    option("--threads", options.threads, "number of threads; does not affect the results", "", {1, 256});
   flag("--quiet", options.quiet, "omit progress and details; still print warnings and the result");
-  if (restart == Restart::no) return;
+  if (restart != Restart::yes) return;
   option("--every", options.every, "record every n-th step", "", {1, 1e9});
   option("--checkpoint-every", options.checkpoint_every, "wall time between checkpoints; 0: after every step",
          "s", {0, 1e9});

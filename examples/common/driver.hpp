@@ -92,9 +92,11 @@ class Cli {
   /// which of them are bad and does the others. A command line without any is refused.
   void files(std::vector<std::filesystem::path>& value, const std::string& what);
   /// The group "output" with -o, --summary, --threads, --quiet; in drivers whose runs are recorded also
-  /// --every, --checkpoint-every, --resume and --resume-anyway.
-  enum class Restart { no, yes };
-  void common(CommonOptions& options, Restart restart = Restart::no);
+  /// --every, --checkpoint-every, --resume and --resume-anyway. A driver that keeps its finished runs in the
+  /// folder of -o says so there; one without work for threads has no --threads.
+  enum class Restart { no, by_itself, yes };
+  enum class Threads { no, yes };
+  void common(CommonOptions& options, Restart restart = Restart::no, Threads threads = Threads::yes);
   /// A command line that works and what it shows; --help prints them all.
   void example(std::string command, std::string shows);
 

@@ -29,8 +29,10 @@ void make_folders(const ManyTasks& options) {
     if (!folder.empty()) std::filesystem::create_directories(folder);
 }
 
-void tell_known(int known, std::size_t all, const ManyTasks& options) {
-  if (known > 0) std::printf("%d of %zu were already in %s\n", known, all, options.out.c_str());
+void tell_known(int known, std::size_t all, const std::filesystem::path& folder, const std::string& results) {
+  if (known > 0)
+    std::printf("%d of %zu %swere already in %s\n", known, all,
+                (results.empty() ? "" : results + " ").c_str(), folder.c_str());
 }
 
 std::string file_stem(std::string words) {

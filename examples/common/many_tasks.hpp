@@ -18,8 +18,9 @@ struct ManyTasks {
 void add_options(Cli& cli, ManyTasks& options, const std::string& tasks, const std::string& numbers);
 /// Makes the folder of the results and that of the JSON file.
 void make_folders(const ManyTasks& options);
-/// Prints a line if results of an earlier call were found.
-void tell_known(int known, std::size_t all, const ManyTasks& options);
+/// Prints a line if results of an earlier call were found in the folder: "3 of 7 levels were already in out".
+void tell_known(int known, std::size_t all, const std::filesystem::path& folder,
+                const std::string& results = {});
 
 /// "A4.unequal_balls", "ball_e05_moreau_jean_theta_0.5": the name of a file, of letters, digits, '_', '.' and
 /// '-'; what is none of them in `words` becomes '_'.

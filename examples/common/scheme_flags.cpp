@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "io/network_file.hpp"
+#include "io/text.hpp"
 
 namespace aussois {
 namespace {
@@ -127,6 +128,14 @@ SchemeOptions scheme_options(const Cli& cli, const SchemeFlags& f, SchemeOptions
   take(said, others);
   set_selector(f, others.step.reduction);
   return others;
+}
+
+std::string choice_text(const SchemeFlags& f, const SchemeOptions& options) {
+  std::string text = f.scheme;
+  for (const std::string& setting : settings_text(options)) (text += '\n') += setting;
+  if (!f.selector.empty())
+    text += "\nselector of body " + std::to_string(f.selector_body) + "\n" + read_file(f.selector);
+  return text;
 }
 
 }  // namespace aussois

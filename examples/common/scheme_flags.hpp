@@ -36,4 +36,8 @@ SchemeOptions scheme_options(const SchemeFlags& flags);
 /// The same, with `others` for what the user did not say.
 SchemeOptions scheme_options(const Cli& cli, const SchemeFlags& flags, SchemeOptions others);
 
+/// All of the choice that the bits of a run depend on, one a line: the scheme, its settings, and the content
+/// of a selector.
+std::string choice_text(const SchemeFlags& flags, const SchemeOptions& options);
+
 }  // namespace aussois

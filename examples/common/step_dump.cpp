@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
+#include <mutex>
 #include <sstream>
 
 #include "geometry/check.hpp"
@@ -84,6 +85,8 @@ void StepDump::step(std::int64_t number, const StepReport& report) {
     file.solution = std::move(answer);
   else
     file.guesses.push_back(std::move(answer));
+  static std::mutex one_at_a_time;  // HDF5 need not be built for threads
+  const std::lock_guard lock(one_at_a_time);
   write_fclib(folder_ / (name_ + tail + ".hdf5"), file);
   ++written_;
 }

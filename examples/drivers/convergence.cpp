@@ -5,6 +5,7 @@
 // Theory   doc/theory/convergence.md (CONV-1) to (CONV-10)
 // Run      convergence --case forced_46
 //          convergence --case free_top --theta 1 --levels 5 --phases 1
+//          convergence --case forced_46 --levels 3 --phases 1 --certify 10
 // Expect   the orders of theory, each with its reason: one across impacts, two at the midpoint for smooth
 //          motion; exit code 0 if all are met
 //
@@ -38,6 +39,7 @@ struct Arguments {
   SchemeFlags scheme{};
   SaidSettings said{};  // of the study
   StudyOptions study{};
+  DumpOptions dump{};
   bool all = false, list = false, farm = false;
   ManyTasks tasks{};
 };
@@ -132,7 +134,9 @@ Results run_cells(const Arguments& a, const std::vector<Cell>& cells, const ForA
       progress.at(levels_done += levels, wanted.case_name + " " + wanted.scheme);
     };
     if (interrupted()) return;
-    if (const std::optional<Study> known = read_study(file, wanted, program)) {
+    std::optional<Study> known;
+    if (a.dump.folder.empty()) known = read_study(file, wanted, program);  // else files are wanted
+    if (known) {
       studies[i] = *known;
       say(a.study.levels);
       const std::lock_guard lock(mutex);
@@ -140,10 +144,12 @@ Results run_cells(const Arguments& a, const std::vector<Cell>& cells, const ForA
       return;
     }
     try {
-      Study made = study(*cell.scene, scheme, options, wanted.options, [&](int level) {
-        say(level <= a.study.levels);
-        return !interrupted();
-      });
+      Study made = study(*cell.scene, scheme, options, wanted.options,
+                         [&](int level) {
+                           say(level <= a.study.levels);
+                           return !interrupted();
+                         },
+                         {.options = a.dump, .name = "convergence_" + stem_of(wanted)});
       if (int(made.h.size()) < a.study.levels || interrupted()) return;
       made.scheme = wanted.scheme;
       write_study(file, made, program);
@@ -189,11 +195,13 @@ ExitCode run(Arguments a) {
   if (interrupted()) return ExitCode::interrupted;
   bool pictures = true;
   std::map<OrderVerdict, int> count;
+  RunAudit audit;
   for (const Study& s : results.done) {
     if (!a.all && !a.tasks.quiet)
       std::printf("%s, %s\n%s", s.case_name.c_str(), s.scheme.c_str(), to_string(s).c_str());
     pictures = write_picture(a.tasks.out, s) && pictures;
     ++count[verdict(s)];
+    add(s.audit, audit);
   }
   if (!a.tasks.json.empty())
     write_whole_file(a.tasks.json, a.all                  ? to_json(results.done, program_digest())
@@ -206,15 +214,17 @@ ExitCode run(Arguments a) {
   }
   if (!pictures) std::fprintf(stderr, "no picture: gnuplot is missing or failed\n");
   for (const std::string& text : results.failures) std::fprintf(stderr, "convergence: %s\n", text.c_str());
-  tell_known(results.known, cells.size(), a.tasks);
+  tell_known(results.known, cells.size(), a.tasks.out);
   std::printf(
       "convergence: %d of %zu met the orders of theory, one or more; %d met less than one, as theory "
       "predicts; %d without a promised order of the graph; %d not judged; %d missed\n",
       count[OrderVerdict::met], cells.size(), count[OrderVerdict::less], count[OrderVerdict::none],
       count[OrderVerdict::not_judged], count[OrderVerdict::missed]);
+  const bool certified = tell(audit);
   if (!results.failures.empty()) return ExitCode::numerical;
-  return count[OrderVerdict::missed] + count[OrderVerdict::not_judged] == 0 ? ExitCode::ok
-                                                                            : ExitCode::not_accepted;
+  return certified && count[OrderVerdict::missed] + count[OrderVerdict::not_judged] == 0
+             ? ExitCode::ok
+             : ExitCode::not_accepted;
 }
 
 }  // namespace
@@ -238,6 +248,7 @@ int main(int argc, char** argv) {
       "not event_driven: its errors depend on its tolerances, not on h, see doc/theory/event_driven.md";
   a.scheme.left_out = {"--tolerance"};
   add_options(cli, a.scheme);
+  add_options(cli, a.dump);
   add_options(cli, a.tasks, "studies", "all numbers");
   cli.example("convergence --case ball_e05 --theta 1 --normal-law combined",
               "open out/ball_e05_moreau_jean_theta_1_combined.png");
@@ -248,6 +259,7 @@ int main(int argc, char** argv) {
         require(!a.all,
                 flag + " cannot be combined with --all, which runs every scheme with its own settings");
     refuse_unread(cli, a.scheme);
+    check(a.dump, a.scheme.scheme);
     take(a.said, a.study);
     if (!a.all) a.study.settings = cli.values("scheme") + cli.values("solver");
     return run(a);

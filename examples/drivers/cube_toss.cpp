@@ -5,11 +5,15 @@
 // Theory   doc/theory/cube_toss.md
 // Run      cube_toss --synthetic 20 --replay toss_003
 //          cube_toss --synthetic 6 --fit --replay toss_002
+//          cube_toss --synthetic 6 --substeps 3 --certify 20 --replay toss_004
 // Expect   mean errors of position and rotation over all tosses; no refused step
+//
+// It can be interrupted at any time: the next call with the same -o continues. Tosses of --synthetic are
+// data: while they are made they are neither audited nor written as problems.
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 
+#include "examples/common/many_tasks.hpp"
 #include "examples/common/progress.hpp"
 #include "examples/common/scheme_flags.hpp"
 #include "examples/studies/toss/toss_fit.hpp"
@@ -28,6 +32,7 @@ struct Arguments {
   double noise = 5e-4;
   TossWorld world{};
   SchemeFlags scheme{};
+  WatchFlags watch{};
   std::string persistence = "on";
   double scale = 1;
   double from_mu = 0.3, from_restitution = 0.3;  // of a fit; far from what tosses were found to have
@@ -47,18 +52,19 @@ std::vector<Toss> synthetic_tosses(const Arguments& a) {
   return tosses;
 }
 
-// Empty if it was interrupted.
-std::vector<TossRun> roll_out_all(const std::vector<Toss>& tosses, const TossWorld& world, int threads,
-                                  Progress& progress) {
-  constexpr int kAtOnce = 16;
-  std::vector<TossRun> runs(tosses.size());
-  for (int first = 0; first < int(tosses.size()); first += kAtOnce) {
-    const int count = std::min(kAtOnce, int(tosses.size()) - first);
-    parallel_for(count, threads, [&](int i) { runs[first + i] = roll_out(tosses[first + i], world); });
-    progress.at(double(first + count));
-    if (interrupted()) return {};
-  }
-  return runs;
+TossKeep keep_of(const Arguments& a) {
+  return {.folder = a.common.out / "results",
+          .read = a.watch.dump.folder.empty(),  // files of problems are wanted
+          .choice = choice_text(a.scheme, a.world.options)};
+}
+
+// `name` of the tosses; none if it was interrupted.
+TossRuns roll_out_all(const Arguments& a, const std::string& name, const std::vector<Toss>& tosses,
+                      const TossWorld& world, Progress& progress) {
+  return roll_out_all(tosses, world, a.watch, keep_of(a), name, a.common.threads, [&](int done) {
+    progress.at(double(done));
+    return !interrupted();
+  });
 }
 
 void tell(const char* what, const std::vector<TossRun>& runs) {
@@ -90,8 +96,9 @@ std::vector<Toss> every_second(const std::vector<Toss>& tosses, std::size_t from
   return out;
 }
 
+// `audit` of what else was rolled out.
 ExitCode finish(const Arguments& a, Summary& summary, const std::vector<Toss>& tosses,
-                const std::vector<TossRun>& runs, const TossWorld& world) {
+                const std::vector<TossRun>& runs, const TossWorld& world, RunAudit audit = {}) {
   std::int64_t failures = 0;
   for (std::size_t i = 0; i < runs.size(); ++i)
     if (!runs[i].failure.empty()) {
@@ -99,6 +106,8 @@ ExitCode finish(const Arguments& a, Summary& summary, const std::vector<Toss>& t
       std::fprintf(stderr, "%s: %s\n", tosses[i].name.c_str(), runs[i].failure.c_str());
     }
   summary.set("failures", failures);
+  for (const TossRun& run : runs) add(run.audit, audit);
+  set(audit, summary);
   write_toss_table(a.common.out, tosses, runs);
   if (!write_toss_histogram(a.common.out, runs))
     std::fprintf(stderr, "no histogram.png: gnuplot is missing or failed\n");
@@ -108,7 +117,7 @@ ExitCode finish(const Arguments& a, Summary& summary, const std::vector<Toss>& t
   for (const std::filesystem::path& file : {a.json, a.common.summary})
     if (!file.empty()) write_summary(file, summary);
   std::printf("%s: per-toss table, histogram and %s.html\n", a.common.out.c_str(), tosses[i].name.c_str());
-  return failures == 0 ? ExitCode::ok : ExitCode::not_accepted;
+  return tell(audit) && failures == 0 ? ExitCode::ok : ExitCode::not_accepted;
 }
 
 std::vector<Toss> read_scaled(const std::filesystem::path& folder, double scale) {
@@ -130,21 +139,28 @@ ExitCode fit_and_report(const Arguments& a, const std::vector<Toss>& tosses) {
   {
     constexpr double kAbout = 35;  // points
     Progress progress("cube_toss --fit", kAbout, Progress::style_of_stderr(a.common.quiet));
-    found = fit(seen, world, a.common.threads, [&](const TossFit& at) {
-      char note[80];
-      std::snprintf(note, sizeof note, "mu %.4f e %.4f error %.3f mm", at.mu, at.restitution, 1e3 * at.error);
-      progress.at(std::min(double(at.points), kAbout), note);
-      return !interrupted();
-    });
+    found = fit(
+        seen, world, a.common.threads,
+        [&](const TossFit& at) {
+          char note[80];
+          std::snprintf(note, sizeof note, "mu %.4f e %.4f error %.3f mm", at.mu, at.restitution,
+                        1e3 * at.error);
+          progress.at(std::min(double(at.points), kAbout), note);
+          return !interrupted();
+        },
+        keep_of(a), a.watch.certify);
   }
   if (interrupted()) return ExitCode::interrupted;
   world.mu = found.mu;
   world.restitution = found.restitution;
   Progress progress("cube_toss", double(seen.size() + unseen.size()),
                     Progress::style_of_stderr(a.common.quiet));
-  const std::vector<TossRun> runs_seen = roll_out_all(seen, world, a.common.threads, progress);
-  const std::vector<TossRun> runs = roll_out_all(unseen, world, a.common.threads, progress);
+  const TossRuns of_seen = roll_out_all(a, "seen", seen, world, progress);
+  const TossRuns of_unseen = roll_out_all(a, "unseen", unseen, world, progress);
   if (interrupted()) return ExitCode::interrupted;
+  const std::vector<TossRun>&runs_seen = of_seen.runs, &runs = of_unseen.runs;
+  tell_known(found.known, std::size_t(found.points), keep_of(a).folder, "points of the fit");
+  tell_known(of_seen.known + of_unseen.known, seen.size() + unseen.size(), keep_of(a).folder, "tosses");
   std::printf(
       "mu = %.4f, restitution = %.4f, board at %.2f mm: mean error %.3f mm after %d points, %.2g million "
       "steps\n",
@@ -163,7 +179,9 @@ ExitCode fit_and_report(const Arguments& a, const std::vector<Toss>& tosses) {
   summary.set("fit_steps", found.steps);
   set_errors(summary, "seen_", statistics_of(runs_seen));
   set_errors(summary, "", statistics_of(runs));
-  return finish(a, summary, unseen, runs, world);
+  RunAudit audit = found.audit;
+  for (const TossRun& run : runs_seen) add(run.audit, audit);
+  return finish(a, summary, unseen, runs, world, audit);
 }
 
 ExitCode run(Arguments& a) {
@@ -182,9 +200,10 @@ ExitCode run(Arguments& a) {
     for (Toss& toss : tosses) toss = scaled(std::move(toss), a.scale);
   if (a.fit) return fit_and_report(a, tosses);
   Progress progress("cube_toss", double(tosses.size()), Progress::style_of_stderr(a.common.quiet));
-  const std::clock_t begin = std::clock();
-  const std::vector<TossRun> runs = roll_out_all(tosses, a.world, a.common.threads, progress);
+  const TossRuns done = roll_out_all(a, "all", tosses, a.world, progress);
   if (interrupted()) return ExitCode::interrupted;
+  const std::vector<TossRun>& runs = done.runs;
+  tell_known(done.known, tosses.size(), keep_of(a).folder, "tosses");
   tell(a.synthetic > 0 ? "synthetic" : "all", runs);
   Summary summary;
   summary.set("tosses", std::int64_t(tosses.size()));
@@ -200,7 +219,7 @@ ExitCode run(Arguments& a) {
   summary.set("reduced_steps", reduced);
   summary.set("scale", a.scale);
   set_errors(summary, "", statistics_of(runs));
-  summary.set("cpu_s", double(std::clock() - begin) / CLOCKS_PER_SEC);
+  summary.set("cpu_s", done.cpu_s);
   return finish(a, summary, tosses, runs, a.world);
 }
 
@@ -245,7 +264,8 @@ int main(int argc, char** argv) {
   cli.option("--replay", a.replay,
              "toss to replay in the browser, such as toss_042; empty: the one of median loss");
   add_options(cli, a.scheme);
-  cli.common(a.common);
+  add_options(cli, a.watch, "roll-outs");
+  cli.common(a.common, Cli::Restart::by_itself);
   cli.example("cube_toss --data cube_toss --json out/toss.json", "347 tosses in a few seconds");
   cli.example("cube_toss --data cube_toss --fit",
               "friction and restitution from one half, tested on the other");
@@ -254,6 +274,7 @@ int main(int argc, char** argv) {
               "recovers the values that its synthetic tosses were made with");
   return run_driver(cli, argc, argv, [&] {
     refuse_unread(cli, a.scheme);
+    check(a.watch.dump, a.scheme.scheme);
     for (const std::string& flag : cli.given("world")) {
       require(
           !a.fit || a.synthetic > 0 || (flag != "--mu" && flag != "--restitution"),

@@ -267,7 +267,7 @@ int main(int argc, char** argv) {
              {1, 1e8});
   cli.group("output");
   cli.option("--json", a.json, "write all numbers of the report to this JSON file");
-  cli.common(a.common);
+  cli.common(a.common, Cli::Restart::no, Cli::Threads::no);
   cli.example("prepare_part --builtin gear --erode --dilation 2e-4", "open out/part.html; out/eroded.obj");
   cli.example("prepare_part --mesh bracket.obj --scale 1e-3 --dilation 1e-4 --erode --json part.json",
               "your own part, in millimetres");

@@ -7,17 +7,24 @@
 //          and with other schemes, the driver only prints the order and does not judge it.
 // Run      sliding_block
 //          sliding_block --angle 10 --speed 0.5
+//          sliding_block --levels 4 --certify 20
 // Expect   observed order of at least 0.95 at theta = 1; exit code 0
+//
+// It can be interrupted at any time: the next call with the same -o continues.
 #include <cmath>
 #include <cstdio>
+#include <optional>
 
 #include "examples/common/convergence.hpp"
+#include "examples/common/kept_json.hpp"
+#include "examples/common/many_tasks.hpp"
 #include "examples/common/progress.hpp"
+#include "examples/common/run_watch.hpp"
 #include "examples/common/scheme_flags.hpp"
-#include "examples/common/step_dump.hpp"
 #include "geometry/check.hpp"
 #include "geometry/primitives.hpp"
 #include "integrators/run.hpp"
+#include "io/build_info.hpp"
 #include "io/summary.hpp"
 
 using namespace aussois;
@@ -30,8 +37,9 @@ struct Arguments {
   double mu = 0.3, angle = 0, speed = 1, h0 = 1e-2;
   int levels = 7;
   SchemeFlags scheme{};
-  DumpOptions dump{};
+  WatchFlags watch{};
   CommonOptions common{};
+  std::string said{};  // of the scene
 };
 
 double deceleration(const Arguments& a) {
@@ -39,8 +47,22 @@ double deceleration(const Arguments& a) {
   return kGravity * (a.mu * std::cos(slope) - std::sin(slope));
 }
 
-/// Distance slid down the slope until well after the stop [m].
-double simulated_travel(const Arguments& a, double h, StepDump dump) {
+/// A run with steps of one length.
+struct Level {
+  double travel = 0;  // distance slid down the slope until well after the stop [m]
+  RunAudit audit{};
+};
+
+SchemeOptions options_of(const Arguments& a, double h) {
+  SchemeOptions options = scheme_options(a.scheme);
+  options.step.h = h;
+  options.step.threads = a.common.threads;
+  options.step.keep_problem = !a.watch.dump.folder.empty();
+  return options;
+}
+
+/// Nothing: it was interrupted.
+std::optional<Level> simulated(const Arguments& a, double h, const std::string& name) {
   // 1. The scene: a plate in the plane of the slope, a block on it, gravity tilted.
   const double slope = a.angle * kPi / 180;
   const double plate_side = 4 * (kSide + a.speed * a.speed / (2 * deceleration(a)));
@@ -59,32 +81,71 @@ double simulated_travel(const Arguments& a, double h, StepDump dump) {
   twist(state, block)[0] = a.speed;
 
   // 3. Until it has rested for a while.
-  SchemeOptions options = scheme_options(a.scheme);
-  options.step.h = h;
-  options.step.threads = a.common.threads;
-  options.step.keep_problem = dump.wants_problems();
-  const Scheme scheme = make_scheme(a.scheme.scheme, model, options);
-  std::int64_t steps = 0;
-  const StepReport last = run_until(scheme, state, 1.5 * a.speed / deceleration(a),
-                                    [&](const StepReport& report) { dump.step(++steps, report); });
+  RunWatch watch(a.watch, name, a.common.threads);
+  const Scheme scheme = watch.watched(model, make_scheme(a.scheme.scheme, model, options_of(a, h)));
+  const StepReport last = run(scheme, state, 1.5 * a.speed / deceleration(a),
+                              [](const StepReport& report) { return report.ok() && !interrupted(); });
   if (!last.ok()) throw NumericalFailure("t = " + std::to_string(state.t) + " s: " + last.reason);
-  return pose(state, block).p.x();
+  if (interrupted()) return {};
+  return Level{pose(state, block).p.x(), watch.audit()};
 }
+
+/// Level 1 is kept in OUT/results/level_1.json, with what it depends on, and read from there.
+class Levels {
+ public:
+  explicit Levels(const Arguments& a) : a_(a), folder_(a.common.out / "results") {
+    std::filesystem::create_directories(folder_);
+  }
+
+  std::optional<Level> operator()(int number, double h) {
+    using Json = nlohmann::ordered_json;
+    const std::string name = "level_" + std::to_string(number);
+    const std::filesystem::path path = folder_ / (name + ".json");
+    const Json key{{"program", program_digest()},
+                   {"scene", a_.said},
+                   {"scheme", choice_text(a_.scheme, options_of(a_, h))},
+                   {"h_s", h},
+                   {"certify", a_.watch.certify}};
+    if (a_.watch.dump.folder.empty())  // else files of problems are wanted
+      if (const std::optional<Level> kept = read_kept(path, key, [](const Json& json) {
+            return Level{number_in(json.at("travel_m")), audit_in(json.at("audit"))};
+          })) {
+        ++known_;
+        return kept;
+      }
+    const std::optional<Level> made = simulated(a_, h, "sliding_block_" + name);
+    if (made)
+      write_kept(path, key, {{"travel_m", number_json(made->travel)}, {"audit", json_of(made->audit)}});
+    return made;
+  }
+
+  void tell_known(int all) const { aussois::tell_known(known_, std::size_t(all), folder_, "levels"); }
+
+ private:
+  const Arguments& a_;
+  std::filesystem::path folder_{};
+  int known_ = 0;
+};
 
 ExitCode slide(const Arguments& a) {
   require_field(deceleration(a) > 0, "--angle", a.angle,
                 "be below the friction angle [deg], or the block never stops");
   const double exact = a.speed * a.speed / (2 * deceleration(a));
-  step_choice(a.dump.steps);  // refused before anything runs
   make_folders(a.common);
   Progress progress("sliding_block", a.levels, Progress::style_of_stderr(a.common.quiet));
-  int done = 0;
-  const Convergence study = convergence_study(step_sizes(a.h0, a.levels), [&](double h) {
-    StepDump dump(a.dump, "sliding_block_level_" + std::to_string(++done));
-    const double error = std::abs(simulated_travel(a, h, std::move(dump)) - exact);
-    progress.at(done);
-    return error;
-  });
+  Levels levels(a);
+  const std::vector<double> steps = step_sizes(a.h0, a.levels);
+  std::vector<double> errors;
+  RunAudit audit;
+  for (const double h : steps) {
+    const std::optional<Level> level = levels(int(errors.size()) + 1, h);
+    if (!level) return ExitCode::interrupted;
+    errors.push_back(std::abs(level->travel - exact));
+    add(level->audit, audit);
+    progress.at(double(errors.size()));
+  }
+  const Convergence study = convergence_study(steps, errors);
+  levels.tell_known(a.levels);
   if (!a.common.quiet) std::printf("%s", to_string(study, "travel error [m]").c_str());
   write_convergence(a.common.out, "sliding_block", study, "error of the distance slid [m]");
   if (!a.common.summary.empty()) {
@@ -92,13 +153,14 @@ ExitCode slide(const Arguments& a) {
     summary.set("order", study.order);
     summary.set("exact_travel", exact);
     summary.set("smallest_error", study.error.back());
+    set(audit, summary);
     write_summary(a.common.summary, summary);
   }
   const SchemeOptions chosen = scheme_options(a.scheme);
   std::printf("sliding_block: exact travel %.6g m, observed order %.4f by %s\n", exact, study.order,
               label(a.scheme.scheme, chosen).c_str());
   const bool judged = a.scheme.scheme == "moreau_jean" && chosen.moreau_jean.theta == 1;
-  return !judged || study.order >= 0.95 ? ExitCode::ok : ExitCode::not_accepted;
+  return tell(audit) && (!judged || study.order >= 0.95) ? ExitCode::ok : ExitCode::not_accepted;
 }
 
 }  // namespace
@@ -117,12 +179,14 @@ int main(int argc, char** argv) {
   start_from_theta(a.scheme.options, 1);  // whose order shows
   a.scheme.options.step.solver.tolerance = 1e-12;
   add_options(cli, a.scheme);
-  add_options(cli, a.dump);
-  cli.common(a.common);
+  add_options(cli, a.watch, "levels");
+  cli.common(a.common, Cli::Restart::by_itself);
   cli.example("sliding_block -o out", "a table of errors and orders; out/sliding_block.csv and .gp");
   cli.example("sliding_block --angle 10 --speed 0.5", "on a slope");
   return run_driver(cli, argc, argv, [&] {
     refuse_unread(cli, a.scheme);
+    check(a.watch.dump, a.scheme.scheme);
+    a.said = cli.values("scene");
     return slide(a);
   });
 }

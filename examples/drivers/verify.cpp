@@ -110,7 +110,7 @@ ExitCode run(const Arguments& a) {
   if (interrupted()) return ExitCode::interrupted;
   if (!a.tasks.quiet) std::printf("%s", to_text(list).c_str());
   if (!a.tasks.json.empty()) write_whole_file(a.tasks.json, to_json(list));
-  tell_known(known, list.size(), a.tasks);
+  tell_known(known, list.size(), a.tasks.out);
   std::printf("%s", summary(list).c_str());
   const int held = count(list, Verdict::pass), failed = count(list, Verdict::fail);
   if (!a.page.empty() && failed + count(list, Verdict::skipped) == 0)

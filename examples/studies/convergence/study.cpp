@@ -79,6 +79,13 @@ void describe(SettingVisitor& visit, StudyOptions& o) {
   visit.number({"tolerance", "tolerance on the scaled residual; 0: that of the case", "-", open_above(0, 1),
                 "--tolerance"},
                o.tolerance);
+  visit.count(
+      {"certify",
+       "check the certificate of every step of all studies at this many places of its path; 0: no check",
+       "",
+       {0, 1000000},
+       "--certify"},
+      o.certify);
 }
 
 void validate(const StudyOptions& options) {
@@ -152,9 +159,15 @@ bool as_expected(const Study& s) {
 
 ComputedMotion run_case(const Case& c, const std::string& scheme_name, const SchemeOptions& options,
                         double phase) {
+  RunWatch nothing({}, {});
+  return run_case(c, scheme_name, options, phase, nothing);
+}
+
+ComputedMotion run_case(const Case& c, const std::string& scheme_name, const SchemeOptions& options,
+                        double phase, RunWatch& watch) {
   CaseScene scene = c.scene();
   State state = scene.state;
-  const Scheme scheme = make_scheme(scheme_name, scene.model, options);
+  const Scheme scheme = watch.watched(scene.model, make_scheme(scheme_name, scene.model, options));
   ComputedMotion out{.t = {0}, .node = {c.observe(scene, state)}};
   const Scheme from_a_phase{.name = scheme.name, .step = [&](State& s, double left) {
                               return scheme.step(s, s.t == 0 ? std::min(phase * options.step.h, left) : left);
@@ -171,12 +184,13 @@ ComputedMotion run_case(const Case& c, const std::string& scheme_name, const Sch
 }
 
 Study study(const Case& c, const std::string& scheme, SchemeOptions scheme_options, const StudyOptions& o,
-            const std::function<bool(int level)>& level_done) {
+            const std::function<bool(int level)>& level_done, const StudyDump& dump) {
   validate(o);
   const SchemeTraits traits = scheme_traits(scheme, scheme_options);
   require_applies(c, scheme, scheme_options);
   const std::vector<double> sizes = step_sizes(o.h > 0 ? o.h : c.h, o.levels + kMoreLevels);
   Study out{.case_name = c.name, .scheme = label(scheme, scheme_options), .options = o};
+  scheme_options.step.keep_problem = !dump.options.folder.empty();
   scheme_options.step.solver.tolerance = o.tolerance > 0 ? o.tolerance : c.tolerance;
   const ExactMotion exact = c.exact(c.t_end);
   for (const double h : sizes) {
@@ -185,7 +199,11 @@ Study study(const Case& c, const std::string& scheme, SchemeOptions scheme_optio
     Errors mean{};
     long cut = 0;
     for (int k = 0; k < o.phases; ++k) {
-      const ComputedMotion computed = run_case(c, scheme, scheme_options, (k + 0.5) / o.phases);
+      RunWatch watch(
+          {.certify = o.certify, .dump = dump.options},
+          dump.name + "_level_" + std::to_string(out.h.size() + 1) + "_phase_" + std::to_string(k + 1));
+      const ComputedMotion computed = run_case(c, scheme, scheme_options, (k + 0.5) / o.phases, watch);
+      add(watch.audit(), out.audit);
       const Errors errors = errors_of(computed, exact);
       for (std::size_t m = 0; m < mean.size(); ++m) mean[m] += errors[m] / o.phases;
       out.steps += long(computed.t.size()) - 1;

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "examples/common/run_watch.hpp"
 #include "examples/scenes/cases.hpp"
 #include "examples/studies/convergence/error_measures.hpp"
 #include "integrators/scheme.hpp"
@@ -21,6 +22,7 @@ struct StudyOptions {
   int levels = 6;          // step sizes, each about half of the one before, in [3, 16]
   int phases = 4;          // errors are means over so many lengths of the first step, in [1, 64]
   double tolerance = 0;    // of the solver, on the scaled residual [-], in [0, 1); 0: the one of the case
+  int certify = 0;         // places of each step at which its certificate is checked; 0: no check
   std::string settings{};  // of the scheme, what its name does not tell; only kept with the results
 };
 void validate(const StudyOptions& options);  // throws std::invalid_argument: field, value, bound
@@ -38,6 +40,7 @@ struct Study {
   Errors expected{};  // by theory
   Reasons why{};      // theory expects that
   long steps = 0;     // taken
+  RunAudit audit{};   // of all runs
 };
 
 /// Fitted orders may miss the promised ones by this: what the phases of the impacts leave of their scatter.
@@ -71,6 +74,15 @@ std::pair<Errors, Reasons> expected_orders(const Case& c, const SchemeTraits& tr
 /// From the scene's state to the end of the case; the first step has the part `phase` of the step h. Throws
 /// NumericalFailure naming case, time and reason where a step fails.
 ComputedMotion run_case(const Case& c, const std::string& scheme, const SchemeOptions& options, double phase);
+/// The same, watched. A watch is of one run.
+ComputedMotion run_case(const Case& c, const std::string& scheme, const SchemeOptions& options, double phase,
+                        RunWatch& watch);
+
+/// Files of problems: their names begin with "NAME_level_1_phase_1".
+struct StudyDump {
+  DumpOptions options{};
+  std::string name{};
+};
 
 inline constexpr int kMoreLevels = 4;
 /// The study, of the scheme as it is delivered: with its certificate, which shortens long steps that would
@@ -78,7 +90,8 @@ inline constexpr int kMoreLevels = 4;
 /// levels: up to kMoreLevels shorter ones are added. Steps and tolerance of the scheme are those of
 /// `options`. `level_done` is called after each step size and ends the study early if it returns false.
 Study study(const Case& c, const std::string& scheme, SchemeOptions scheme_options,
-            const StudyOptions& options, const std::function<bool(int level)>& level_done = {});
+            const StudyOptions& options, const std::function<bool(int level)>& level_done = {},
+            const StudyDump& dump = {});
 
 /// Errors and pairwise orders as a table, fitted and expected orders below, the reasons of the latter, and
 /// the verdict.

@@ -42,6 +42,7 @@ Json key_of(const Study& s, std::uint64_t program) {
           {"levels", s.options.levels},
           {"phases", s.options.phases},
           {"tolerance", s.options.tolerance},
+          {"certify", s.options.certify},
           {"settings", s.options.settings},
           {"program", program}};
 }
@@ -55,6 +56,7 @@ Json fields_of(const Study& s) {
   out["expected"] = json_of(s.expected);
   for (std::size_t m = 0; m < s.why.size(); ++m) out["why"][kMeasures[m]] = s.why[m];
   out["steps"] = s.steps;
+  if (s.options.certify > 0) out["audit"] = aussois::json_of(s.audit);
   for (std::size_t i = 0; i < s.h.size(); ++i) {
     Json level = json_of(s.errors[i]);
     level["h_s"] = s.h[i];
@@ -117,6 +119,7 @@ std::optional<Study> read_study(const std::filesystem::path& path, const Study& 
     out.order = errors_in(json.at("order")), out.expected = errors_in(json.at("expected"));
     for (std::size_t m = 0; m < out.why.size(); ++m) out.why[m] = json.at("why").at(kMeasures[m]);
     out.steps = json.at("steps");
+    if (wanted.options.certify > 0) out.audit = audit_in(json.at("audit"));
     out.h.clear(), out.errors.clear(), out.cut.clear();
     for (const Json& level : json.at("levels_done")) {
       out.h.push_back(level.at("h_s"));

@@ -41,46 +41,70 @@ double way_off(const TossRun& run) {
 // (TOSS-5) of points of the grid.
 class MeanError {
  public:
-  MeanError(const std::vector<Toss>& tosses, const TossWorld& world, int threads)
-      : tosses_(tosses), world_(world), threads_(threads), order_(tosses.size()) {
+  // `start` is the place of the first point, but for its number.
+  MeanError(const FitPlace& start, int threads, const TossKeep& keep)
+      : place_(start), threads_(threads), keep_(keep), order_(start.tosses.size()) {
     std::iota(order_.begin(), order_.end(), std::size_t(0));
   }
 
   // The mean over all tosses if it is less than `bound`, else infinite, as soon as that is certain.
   double operator()(Point p, double bound) {
-    const TossWorld world = world_at(world_, p);
+    const TossWorld world = world_at(place_.start, p);
     if (world.mu < 0 || world.restitution < 0 || world.restitution > 1) return kInf;
-    if (const auto [at, fresh] = known_.emplace(p, kInf); !fresh) return at->second;
+    if (const auto [at, fresh] = tried_.emplace(p, kInf); !fresh) return at->second;
+    place_.number = points();
+    place_.mu = p.first, place_.restitution = p.second;
+    place_.bound = bound;
+    std::optional<FitPoint> point = read_point(keep_, place_);
+    known_ += point.has_value();
+    if (!point) {
+      point = roll_out_at(world, bound);
+      write_point(keep_, place_, *point);
+    }
+    steps_ += point->steps;
+    add(point->audit, audit_);
+    if (point->error < kInf)
+      std::ranges::stable_sort(order_, std::ranges::greater(), [&](std::size_t k) { return point->each[k]; });
+    return tried_[p] = point->error;
+  }
+
+  int points() const { return int(tried_.size()); }
+  int known() const { return known_; }
+  std::int64_t steps() const { return steps_; }
+  const RunAudit& audit() const { return audit_; }
+
+ private:
+  FitPoint roll_out_at(const TossWorld& world, double bound) const {
+    const WatchFlags watch{.certify = place_.certify};
     const double most = bound * double(order_.size());
-    std::vector<double> error(order_.size(), 0.0);
+    FitPoint out{.each = std::vector<double>(order_.size(), 0.0)};
     double sum = 0;
     for (std::size_t first = 0; first < order_.size(); first += kAtOnce) {
       const std::span<const std::size_t> batch =
           std::span(order_).subspan(first, std::min(std::size_t(kAtOnce), order_.size() - first));
-      std::vector<int> steps(batch.size());
-      parallel_for(int(batch.size()), threads_, [&](int i) {
-        const TossRun run = roll_out(tosses_[batch[i]], world);
-        steps[i] = run.steps;
-        error[batch[i]] = way_off(run);
-      });
-      for (const std::size_t k : batch) sum += error[k];
-      for (const int n : steps) steps_ += n;
-      if (!(sum < most)) return kInf;
+      std::vector<TossRun> runs(batch.size());
+      parallel_for(int(batch.size()), threads_,
+                   [&](int i) { runs[i] = roll_out(place_.tosses[batch[i]], world, watch, {}); });
+      for (std::size_t i = 0; i < batch.size(); ++i) {
+        out.each[batch[i]] = way_off(runs[i]);
+        sum += out.each[batch[i]];
+        out.steps += runs[i].steps;
+        add(runs[i].audit, out.audit);
+      }
+      if (!(sum < most)) return out;
     }
-    std::ranges::stable_sort(order_, std::ranges::greater(), [&](std::size_t k) { return error[k]; });
-    return known_[p] = sum / double(order_.size());
+    out.error = sum / double(order_.size());
+    return out;
   }
 
-  int points() const { return int(known_.size()); }
-  std::int64_t steps() const { return steps_; }
-
- private:
-  const std::vector<Toss>& tosses_;
-  TossWorld world_;
+  FitPlace place_{};
   int threads_ = 1;
+  const TossKeep& keep_;
   std::vector<std::size_t> order_;  // of tosses: those first that were worst at the best point so far
-  std::map<Point, double> known_{};
+  std::map<Point, double> tried_{};
+  int known_ = 0;
   std::int64_t steps_ = 0;
+  RunAudit audit_{};
 };
 
 }  // namespace
@@ -93,14 +117,15 @@ double board_of(const std::vector<Toss>& tosses) {
 }
 
 TossFit fit(const std::vector<Toss>& tosses, const TossWorld& world, int threads,
-            const std::function<bool(const TossFit&)>& seen) {
+            const std::function<bool(const TossFit&)>& seen, const TossKeep& keep, int certify) {
   Point best{int(std::lround(world.mu / kGridMu)), int(std::lround(world.restitution / kGridRestitution))};
   TossFit out;
   bool go_on = true;
+  FitPlace start{.tosses = tosses, .start = world, .certify = certify};
   for (const Stage& stage : kStages) {
-    TossWorld stepped = world;
-    stepped.substeps = std::min(stage.substeps, world.substeps);
-    MeanError error_at(tosses, stepped, threads);
+    ++start.stage;
+    start.start.substeps = std::min(stage.substeps, world.substeps);
+    MeanError error_at(start, threads, keep);
     const TossFit before = out;
     const auto better = [&](Point p, double bound) {
       const int tried = error_at.points();
@@ -110,6 +135,9 @@ TossFit fit(const std::vector<Toss>& tosses, const TossWorld& world, int threads
       out.restitution = kGridRestitution * best.second;
       out.points = before.points + error_at.points();
       out.steps = before.steps + error_at.steps();
+      out.known = before.known + error_at.known();
+      out.audit = before.audit;
+      add(error_at.audit(), out.audit);
       if (error_at.points() > tried) go_on = seen(out);
     };
     if (go_on) better(best, kInf);

@@ -60,15 +60,21 @@ Model toss_model(const TossWorld& world) {
   return model;
 }
 
-TossRun roll_out(const Toss& toss, const TossWorld& world, const LookAtStep& look) {
-  return roll_out(toss, start_of(toss), world, look);
+TossRun roll_out(const Toss& toss, const TossWorld& world) {
+  return roll_out(toss, start_of(toss), world);
+}
+TossRun roll_out(const Toss& toss, const TossWorld& world, const WatchFlags& flags, const std::string& name) {
+  return roll_out(toss, start_of(toss), world, {}, flags, name);
 }
 
-TossRun roll_out(const Toss& toss, const TossStart& start, const TossWorld& world, const LookAtStep& look) {
+TossRun roll_out(const Toss& toss, const TossStart& start, const TossWorld& world, const LookAtStep& look,
+                 const WatchFlags& flags, const std::string& name) {
   const Model model = toss_model(world);
+  RunWatch watch(flags, name);
   SchemeOptions options = world.options;
+  options.step.keep_problem = watch.wants_problems();
   options.step.h = (toss.t.back() - toss.t.front()) / double(toss.t.size() - 1) / world.substeps;
-  const Scheme scheme = make_scheme(world.scheme, model, options);
+  const Scheme scheme = watch.watched(model, make_scheme(world.scheme, model, options));
   State state = rest_state(model);
   pose(state, 1) = translation(0, 0, world.board - kDilation);
   pose(state, kCube) = start.pose;
@@ -105,6 +111,7 @@ TossRun roll_out(const Toss& toss, const TossStart& start, const TossWorld& worl
   run.errors.position /= rows;
   run.errors.rotation /= rows;
   run.errors.loss /= rows;
+  run.audit = watch.audit();
   return run;
 }
 

@@ -4,6 +4,7 @@
 
 #include <functional>
 
+#include "examples/common/run_watch.hpp"
 #include "examples/studies/toss/toss_data.hpp"
 #include "integrators/scheme.hpp"
 
@@ -40,13 +41,16 @@ struct TossRun {
   int reduced_steps = 0;  // in which fewer contacts were kept than found
   double lifted = 0;      // the recorded start was below the board by this, and raised by it [m]
   std::string failure{};  // empty: every step was taken and solved
+  RunAudit audit{};       // by the watch
 };
 /// From start_of(toss), or from `start`. A step that is refused or not solved ends the run: its errors are
 /// then over the rows that were reached. `look` sees every step and the state after it.
 using LookAtStep = std::function<void(const State&, const StepReport&)>;
-TossRun roll_out(const Toss& toss, const TossWorld& world, const LookAtStep& look = {});
 TossRun roll_out(const Toss& toss, const TossStart& start, const TossWorld& world,
-                 const LookAtStep& look = {});
+                 const LookAtStep& look = {}, const WatchFlags& watch = {}, const std::string& name = {});
+TossRun roll_out(const Toss& toss, const TossWorld& world);
+/// The same, audited; files of its problems have names that begin with `name`.
+TossRun roll_out(const Toss& toss, const TossWorld& world, const WatchFlags& watch, const std::string& name);
 
 /// A toss that never happened: thrown by seeded random numbers in the range of the recorded ones, moved by
 /// the kernel, then measured with noise of `noise` [m] and `noise` / (edge / 2) [rad].
