@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs a scene used to compare rigid-body engines with Moreau-Jean or another scheme, measures its error
-// against exact results, and draws the bodies at the start and at the end.
+// Runs a scene used to compare rigid-body engines with Moreau-Jean or another scheme, records it, measures
+// its error against exact results, and draws the bodies at the start and at the end.
 //
 // Theory   doc/theory/peer_scenes.md
 // Run      peer_scene --time 2
 //          peer_scene --mu 0.25 --time 1
 //          peer_scene --scene tower --time 2
+//          peer_scene --time 0.2 --certify 20
 // Expect   the arch stands if its friction is above 0.3077, and falls if it is below
 #include <algorithm>
 #include <cstdio>
 
+#include "examples/common/driven_run.hpp"
 #include "examples/common/gnuplot.hpp"
-#include "examples/common/progress.hpp"
-#include "examples/common/scheme_flags.hpp"
 #include "examples/scenes/peer_scenes.hpp"
-#include "integrators/run.hpp"
+#include "geometry/number_text.hpp"
 #include "io/atomic_file.hpp"
-#include "io/summary.hpp"
+#include "io/record.hpp"
 
 using namespace aussois;
 
@@ -26,10 +26,12 @@ struct Arguments {
   std::string scene = "arch";
   Arch arch{};
   double tilt = 0, h = 1e-2, time = 0;  // [deg, s, s]
-  SchemeFlags scheme{};
   const Cli* cli = nullptr;
-  CommonOptions common{};
+  RunFlags run{};
+  std::string command_line{};
 };
+
+constexpr double kAfterFall = 0.5;  // a run goes on so long after something fell [s]
 
 // What a body looks like against y: the points of a closed line, x and z.
 std::string outline(const PeerShape& shape, const SE3& g) {
@@ -84,56 +86,96 @@ bool draw(const std::filesystem::path& folder, const PeerScene& scene, const Sta
   return run_gnuplot(folder, "peer_scene.gp");
 }
 
+// What the scene is judged by, so that a run that is continued is judged as one that was not stopped.
+std::vector<Gauge> gauges_of(const PeerScene& scene) {
+  const auto off = [&scene](const Frame& f) { return off_exact(scene, sample(f.start), sample(f.state)); };
+  std::vector<Gauge> out = gauges({"step", "t", "h", "contacts", "min_gap", "energy", "residual",
+                                   "total:max_contacts", "total:solver_failures"});
+  out.push_back({"error", "worst_error", Keep::most, [off](const Frame& f) { return off(f).off; }});
+  out.push_back({"", "error_sum", Keep::sum, [off](const Frame& f) { return off(f).term; }});
+  out.push_back({"", "error_scale", Keep::sum, [off](const Frame& f) { return off(f).scale; }});
+  out.push_back({"", "fall_time", Keep::least, [off](const Frame& f) { return off(f).fall_time; }});
+  return out;
+}
+
+PeerTotals totals_of(const PeerScene& scene, const State& start, const Recording& r) {
+  PeerTotals out;
+  add(off_exact(scene, sample(start), sample(start)), out);
+  out.samples += long(r.steps());
+  out.sum += r.total("error_sum");
+  out.scale += r.total("error_scale");
+  out.worst = std::max(out.worst, r.total("worst_error"));
+  out.fall_time = std::min(out.fall_time, r.total("fall_time"));
+  return out;
+}
+
+// What came of it, for people. True: nothing is wrong.
+bool tell_end(const PeerScene& scene, const Model& model, const PeerTotals& totals, const DrivenRun& run) {
+  const Recording& r = run.recording;
+  std::printf("peer_scene: %s, %s; error %.3g after %.3g s, %s\n", scene.name.c_str(),
+              totals.fall_time < kInf
+                  ? ("a body was 0.1 m off its place at " + std::to_string(totals.fall_time) + " s").c_str()
+                  : "stands",
+              error_of(scene, totals), run.state.t, counted(r.steps(), "step").c_str());
+  const auto failures = std::int64_t(r.total("solver_failures"));
+  if (failures > 0)
+    std::fprintf(stderr, "not solved to the tolerance: %s\n", counted(failures, "step").c_str());
+  return tell(r.totals(), model) && run.last.moved() && failures == 0;
+}
+
+void write_summary(const std::filesystem::path& path, const PeerScene& scene, const PeerTotals& totals,
+                   const DrivenRun& run) {
+  if (path.empty()) return;
+  Summary out;
+  out.set("error", error_of(scene, totals));
+  out.set("scene", scene.name);
+  out.set("scheme", run.scheme);
+  out.set("options", run.options);
+  out.set("t", run.state.t);
+  run.recording.set(out);
+  out.set("fall_time", totals.fall_time < kInf ? totals.fall_time : -1);
+  write_summary(path, out);
+}
+
 ExitCode run(const Arguments& a) {
   // 1. The scene.
   Arch arch = a.arch;
   arch.tilt = a.tilt * kPi / 180;
   const PeerScene scene = a.scene == "arch" ? arch_scene(arch) : peer_scene(a.scene);
-  KernelScene k = kernel_scene(scene);
-  SchemeOptions options = scheme_options(*a.cli, a.scheme, kernel_options(scene, a.h));
-  options.step.threads = a.common.threads;
-  const Scheme scheme = make_scheme(a.scheme.scheme, k.model, options);
-  const double t_end = a.time > 0 ? a.time : scene.t_end;
+  const KernelScene k = kernel_scene(scene);
+  validate_start(k.model, k.state);
 
   // 2. Until the end, or half a second after something fell.
-  PeerJudge judge(scene);
-  judge.see(sample(k.state));
-  make_folders(a.common);
-  Progress progress("peer_scene", t_end, Progress::style_of_stderr(a.common.quiet));
-  const StepReport last = aussois::run(scheme, k.state, t_end, [&](const StepReport& report) {
-    if (!report.ok()) return false;
-    judge.see(sample(k.state));
-    progress.at(k.state.t);
-    return k.state.t < judge.fall_time() + 0.5 && !interrupted();
-  });
-  if (!last.ok()) throw NumericalFailure("t = " + std::to_string(k.state.t) + " s: " + last.reason);
-  if (interrupted()) return ExitCode::interrupted;
+  RunPlan plan{.driver = "peer_scene",
+               .name = scene.name,
+               .h = a.h,
+               .t_end = a.time > 0 ? a.time : scene.t_end,
+               .scene = scene_text(*a.cli),
+               .header = run_header(k.model),
+               .gauges = gauges_of(scene),
+               .options = scheme_options(*a.cli, a.run.scheme, kernel_options(scene, a.h)),
+               .go_on = [](const Recording& r) { return r.state().t < r.total("fall_time") + kAfterFall; }};
+  plan.header.title = "peer_scene " + scene.name;
+  plan.header.command_line = a.command_line;
+  const DrivenRun run = drive(k.model, k.state, std::move(plan), a.run);
+  if (run.interrupted) return ExitCode::interrupted;
 
   // 3. What became of it.
-  std::printf("peer_scene: %s, %s; error %.3g after %.3g s\n", scene.name.c_str(),
-              judge.fall_time() < kInf
-                  ? ("a body was 0.1 m off its place at " + std::to_string(judge.fall_time()) + " s").c_str()
-                  : "stands",
-              judge.error(), k.state.t);
-  if (!draw(a.common.out, scene, k.state))
-    std::fprintf(stderr, "no picture: gnuplot is missing or failed on %s\n",
-                 (a.common.out / "peer_scene.gp").c_str());
-  if (!a.common.summary.empty()) {
-    Summary summary;
-    summary.set("error", judge.error());
-    summary.set("fall_time", judge.fall_time() < kInf ? judge.fall_time() : -1);
-    write_summary(a.common.summary, summary);
-  }
-  return ExitCode::ok;
+  const std::filesystem::path& out = a.run.common.out;
+  if (!draw(out, scene, run.state))
+    std::fprintf(stderr, "no picture: gnuplot is missing or failed on %s\n", (out / "peer_scene.gp").c_str());
+  const PeerTotals totals = totals_of(scene, k.state, run.recording);
+  write_summary(a.run.common.summary, scene, totals, run);
+  return tell_end(scene, k.model, totals, run) ? ExitCode::ok : ExitCode::not_accepted;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   Arguments a;
+  a.command_line = command_line(argc, argv);
   Cli cli("peer_scene",
-          "Runs a scene used to compare rigid-body engines, reports its error and draws it. run_scene "
-          "records the same scenes and audits the certificate of every step (--certify).");
+          "Runs a scene used to compare rigid-body engines, records it, reports its error and draws it.");
   cli.group("scene");
   cli.choice("--scene", a.scene, "scene to run", peer_scene_names());
   cli.option("--stones", a.arch.stones, "number of stones of the arch", "", {3, 1001});
@@ -147,12 +189,11 @@ int main(int argc, char** argv) {
   cli.option("--h", a.h, "largest step", "s", {1e-5, 0.1});
   cli.option("--time", a.time, "time to simulate; 0: the whole scene", "s", {0, 1e5});
   a.cli = &cli;
-  add_options(cli, a.scheme);
-  cli.common(a.common);
+  add_run_options(cli, a.run);
   cli.example("peer_scene --mu 0.25", "an arch that slides apart");
   cli.example("peer_scene --thickness 0.1", "an arch that is too thin and folds over four hinges");
   return run_driver(cli, argc, argv, [&] {
-    refuse_unread(cli, a.scheme);
+    check(cli, a.run);
     return run(a);
   });
 }

@@ -325,50 +325,57 @@ PeerSample sample(const State& state) {
   return out;
 }
 
-PeerJudge::PeerJudge(const PeerScene& scene) : scene_(scene) {}
-
-void PeerJudge::see(const PeerSample& now) {
-  if (steps_ == 0 && scene_.measure == PeerMeasure::energy) energy_ = ball_energy(scene_, now);
-  ++steps_;
-  switch (scene_.measure) {
+PeerOff off_exact(const PeerScene& scene, const PeerSample& start, const PeerSample& now) {
+  PeerOff out;
+  switch (scene.measure) {
     case PeerMeasure::speed: {
-      const Vec3 exact = scene_.acceleration * now.t * scene_.bodies[1].force.normalized();
+      const Vec3 exact = scene.acceleration * now.t * scene.bodies[1].force.normalized();
       const double off = (now.v[1] - exact).norm();
-      sum_ += off * off;
-      scale_ += exact.squaredNorm();
-      if (now.t > 0) worst_ = std::max(worst_, off / exact.norm());
+      out.term = off * off;
+      out.scale = exact.squaredNorm();
+      if (now.t > 0) out.off = off / exact.norm();
       break;
     }
     case PeerMeasure::energy: {
-      const double exact = exact_bounce_energy(kDrop - kBallRadius, scene_.restitution, now.t);
-      const double off = std::abs(ball_energy(scene_, now) / energy_ - exact);
-      sum_ += off;
-      worst_ = std::max(worst_, off);
+      const double exact = exact_bounce_energy(kDrop - kBallRadius, scene.restitution, now.t);
+      out.off = out.term = std::abs(ball_energy(scene, now) / ball_energy(scene, start) - exact);
       break;
     }
     case PeerMeasure::overlap:
-      worst_ = std::max(worst_, deepest_overlap(scene_, now));
+      out.off = deepest_overlap(scene, now);
       break;
-    case PeerMeasure::displacement: {
-      const double displacement = largest_displacement(scene_, now);
-      worst_ = std::max(worst_, displacement);
-      if (displacement > kFallen) fall_time_ = std::min(fall_time_, now.t);
+    case PeerMeasure::displacement:
+      out.off = largest_displacement(scene, now);
+      if (out.off > kFallen) out.fall_time = now.t;
       break;
-    }
   }
+  return out;
 }
 
-double PeerJudge::error() const {
-  switch (scene_.measure) {
+void add(const PeerOff& one, PeerTotals& totals) {
+  ++totals.samples;
+  totals.sum += one.term;
+  totals.scale += one.scale;
+  totals.worst = std::max(totals.worst, one.off);
+  totals.fall_time = std::min(totals.fall_time, one.fall_time);
+}
+
+double error_of(const PeerScene& scene, const PeerTotals& totals) {
+  switch (scene.measure) {
     case PeerMeasure::speed:
-      return scale_ > 0 ? std::sqrt(sum_ / scale_) : 0;
+      return totals.scale > 0 ? std::sqrt(totals.sum / totals.scale) : 0;
     case PeerMeasure::energy:
-      return steps_ > 0 ? sum_ / double(steps_) : 0;
+      return totals.samples > 0 ? totals.sum / double(totals.samples) : 0;
     case PeerMeasure::overlap:
     case PeerMeasure::displacement:
       break;
   }
-  return worst_;
+  return totals.worst;
+}
+
+void PeerJudge::see(const PeerSample& now) {
+  if (totals_.samples == 0) start_ = now;
+  add(off_exact(scene_, start_, now), totals_);
 }
 
 }  // namespace aussois

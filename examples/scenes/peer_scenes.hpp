@@ -98,20 +98,41 @@ struct PeerSample {
 };
 PeerSample sample(const State& state);
 
+/// How far one sample of a run is from what is exact.
+struct PeerOff {
+  double off = 0;           // by the measure of the scene
+  double term = 0;          // of its sum over the samples: the square of `off` (speed) or `off` (energy)
+  double scale = 0;         // of what that sum is relative to
+  double fall_time = kInf;  // the time of the sample if a body is 0.1 m from its place [s]
+};
+/// `start`: the sample at the start of the run.
+PeerOff off_exact(const PeerScene& scene, const PeerSample& start, const PeerSample& now);
+
+/// Of all samples of a run, the start included.
+struct PeerTotals {
+  long samples = 0;
+  double sum = 0, scale = 0, worst = 0, fall_time = kInf;
+};
+void add(const PeerOff& one, PeerTotals& totals);
+/// The error of the run by the measure of the scene.
+double error_of(const PeerScene& scene, const PeerTotals& totals);
+
 /// Receives every step of a run, from the start on, and returns its error.
 class PeerJudge {
  public:
-  explicit PeerJudge(const PeerScene& scene);
+  explicit PeerJudge(const PeerScene& scene) : scene_(scene) {}
   void see(const PeerSample& now);
-  double error() const;                            // by the measure of the scene
-  double worst() const { return worst_; }          // of a single step; of the measures speed and energy
-  double fall_time() const { return fall_time_; }  // when a body was 0.1 m from its place, or infinity [s]
+  double error() const { return error_of(scene_, totals_); }
+  double worst() const { return totals_.worst; }  // of a single step; of the measures speed and energy
+  double fall_time() const {
+    return totals_.fall_time;
+  }  // when a body was 0.1 m from its place, or
+     // infinity [s]
 
  private:
   const PeerScene& scene_;
-  double energy_ = 0;  // at the start, above the rest on the ground [J]
-  double sum_ = 0, scale_ = 0, worst_ = 0, fall_time_ = kInf;
-  long steps_ = 0;
+  PeerSample start_{};
+  PeerTotals totals_{};
 };
 
 }  // namespace aussois
