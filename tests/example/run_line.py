@@ -24,19 +24,24 @@ RESULTS = {
     "cube_toss": {"tosses.csv", "histogram.csv", "histogram.gp", *(["histogram.png"] if shutil.which("gnuplot") else []),
                   *(f"{word}.html" for flag, word in zip(COMMAND, COMMAND[1:]) if flag == "--replay"),
                   *(f"synthetic/toss_{i + 1:03}.csv" for flag, n in zip(COMMAND, COMMAND[1:]) if flag == "--synthetic"
-                    for i in range(int(n)))},
+                    for i in range(int(n))),
+                  *(f"results/{name}" for name in (
+                      ("fit_STAGE_NUMBER.json", "seen_001.json", "unseen_001.json") if "--fit" in COMMAND else
+                      [f"all_{i + 1:03}.json" for flag, n in zip(COMMAND, COMMAND[1:]) if flag == "--synthetic"
+                       for i in range((int(n) + 15) // 16)]))},  # batches of 16
     "peg_plate": {"scores.md", "verdicts.txt", "seed_1/training.json",
                   *(f"seed_1/surface_0.3/{name}" for name in (
                       "choices.csv", "choices.gp", "forces.csv", "forces.gp", "lessons.json", "mlc_argmin.txt", "mlc_ranked.txt", "mlc_soft.txt",
                       "options.json", "pressure.csv", "result.json", *(f"samples/{i:03}.csv" for i in range(16)),
                       *(["choices.png", "forces.png"] if shutil.which("gnuplot") else [])))},
     "convergence": {f"{STUDY}.{kind}" for kind in ("json", "csv", "gp", *(["png"] if shutil.which("gnuplot") else []))},
-    "sliding_block": {"sliding_block.csv", "sliding_block.gp"},
+    "sliding_block": {"sliding_block.csv", "sliding_block.gp",
+                      *(f"results/level_{i + 1}.json" for i in range(4 if "--levels" in COMMAND else 7))},
     "verify": set() if "--list" in COMMAND else {"verified.json", "verify/A4.unequal_balls.json"},
     "prepare_part": {"part.html", "eroded.obj"},
     "run_scene": {"run.h5", "steps.csv", *([] if "bricard" in COMMAND else ["replay.html"])},  # it has no shapes
     "reduction_gallery": {f"reduction_{part}.svg" for part in ("cylinder", "torus", "gear", "peg")},
-    "peer_scene": {"before.dat", "after.dat", "peer_scene.gp", *(["peer_scene.png"] if shutil.which("gnuplot") else [])},
+    "peer_scene": {"run.h5", "steps.csv", "replay.html", "before.dat", "after.dat", "peer_scene.gp", *(["peer_scene.png"] if shutil.which("gnuplot") else [])},
     "drop_part": {"replay.html", "run.h5", "steps.csv"},
     "replay_assembly": {"replay.html", "run.h5", "poses.csv" if "kinematic" in COMMAND else "steps.csv"},
     "query_contacts": set(WRITES),
@@ -56,7 +61,8 @@ class RunLine(DriverTest):
         self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
         self.assertTrue(run.stdout.splitlines()[-1].strip(), "ends with one clear line")
         files = self.files()
-        self.assertEqual({re.sub("/[0-9a-f]{16}_", "/DIGEST_", name) for name in files},
+        any_name = lambda name: re.sub(r"/fit_\d_\d{3}", "/fit_STAGE_NUMBER", re.sub("/[0-9a-f]{16}_", "/DIGEST_", name))
+        self.assertEqual({any_name(name) for name in files},
                          {f"out/{name}" for name in RESULTS[COMMAND[0]]})
         for name, content in files.items():
             self.assertGreater(len(content), 40, name)

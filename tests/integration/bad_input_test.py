@@ -252,8 +252,8 @@ class BadInput(DriverTest):
 
     def test_resume_where_nothing_can_be_resumed(self):
         self.refused_replay(USAGE, ["--resume"], *self.with_peg("--mode", "kinematic"), "--resume")
-        for driver in ("peer_scene", "sliding_block"):
-            self.refused(USAGE, ["--resume"], driver, "--resume")
+        self.refused(FILES, ["out/checkpoint.h5"], "peer_scene", "--resume")
+        self.refused(USAGE, ["--resume"], "sliding_block", "--resume")
 
 
 class OpenMesh(DriverTest):

@@ -239,6 +239,26 @@ class SolverProfile(Problems):
         self.profile(".")
         self.assertEqual(len(self.results()), 12)
 
+    @unittest.skipUnless(sys.platform == "linux", "a child ends with its parent on Linux")
+    def test_a_kill_ends_the_solver_too(self):
+        self.write_samples()
+        command = [Path(os.environ["AUSSOIS_DRIVERS"], "solver_profile"), "space.hdf5", "--repeat", "100000000",
+                   "--time-limit", "1e6", "--quiet"]
+        run = subprocess.Popen(command, cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        children = Path(f"/proc/{run.pid}/task/{run.pid}/children")
+        end = time.monotonic() + 60
+        while not (solvers := children.read_text().split()) and time.monotonic() < end:
+            time.sleep(0.005)
+        time.sleep(0.2)  # it is at work
+        run.kill()
+        run.wait()
+        self.assertEqual(len(solvers), 1)
+        alive = lambda: Path(f"/proc/{solvers[0]}/stat").exists() and ") Z " not in Path(f"/proc/{solvers[0]}/stat").read_text()
+        end = time.monotonic() + 20
+        while alive() and time.monotonic() < end:
+            time.sleep(0.01)
+        self.assertFalse(alive())
+
     def test_a_kill_loses_nothing_that_was_done(self):
         self.write_samples()
         command = [Path(os.environ["AUSSOIS_DRIVERS"], "solver_profile"), ".", "--solvers", "auto,nsgs",
