@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "geometry/check.hpp"
+#include "geometry/settings.hpp"
 
 namespace aussois {
 namespace {
@@ -33,14 +34,11 @@ double thread_phase(const FastenerOptions& options) {
 }
 
 void validate(const FastenerOptions& o) {
-  require_field(o.diameter > 0 && std::isfinite(o.diameter), "diameter", o.diameter, "be finite and > 0 [m]");
-  require_field(o.pitch > 0 && o.pitch <= o.diameter / 4, "pitch", o.pitch, "lie in (0, diameter / 4] [m]");
-  require_field(o.clearance > 0 && o.clearance <= o.pitch / 4, "clearance", o.clearance,
-                "lie in (0, pitch / 4] [m]");
-  require_field(o.facets >= 16 && o.facets <= 240 && o.facets % 8 == 0, "facets", o.facets,
-                "be a multiple of 8 in [16, 240]");
-  require_field(o.bolt_turns >= 1 && o.bolt_turns <= 100, "bolt_turns", o.bolt_turns, "lie in [1, 100]");
-  require_field(o.nut_turns >= 1 && o.nut_turns <= 100, "nut_turns", o.nut_turns, "lie in [1, 100]");
+  check_ranges(o);
+  require_field(o.pitch <= o.diameter / 4, "FastenerOptions::pitch", o.pitch, "not exceed diameter / 4 [m]");
+  require_field(o.clearance <= o.pitch / 4, "FastenerOptions::clearance", o.clearance,
+                "not exceed pitch / 4 [m]");
+  require_field(o.facets % 8 == 0, "FastenerOptions::facets", o.facets, "be a multiple of 8");
 }
 
 struct Surface {
@@ -191,6 +189,16 @@ SimplicialComplex make_solid(Surface surface) {
 }
 
 }  // namespace
+
+void describe(SettingVisitor& visit, FastenerOptions& o) {
+  visit.begin("FastenerOptions");
+  visit.number({"diameter", "nominal diameter of the thread", "m", positive()}, o.diameter);
+  visit.number({"pitch", "rise of the thread per turn", "m", positive()}, o.pitch);
+  visit.number({"clearance", "radial gap between the threads", "m", positive()}, o.clearance);
+  visit.count({"facets", "number of facets per turn", "", {16, 240}}, o.facets);
+  visit.count({"bolt_turns", "threaded length of the bolt in pitches", "", {1, 100}}, o.bolt_turns);
+  visit.count({"nut_turns", "height of the nut in pitches", "", {1, 100}}, o.nut_turns);
+}
 
 SimplicialComplex make_bolt(const FastenerOptions& options) {
   validate(options);

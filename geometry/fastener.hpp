@@ -8,6 +8,8 @@
 
 namespace aussois {
 
+class SettingVisitor;
+
 struct FastenerOptions {
   double diameter = 16e-3;  // nominal thread diameter [m], > 0; across flats 1.5 diameter, head 0.65 diameter
   double pitch = 2e-3;      // rise per turn [m], in (0, diameter / 4]; right-handed
@@ -16,6 +18,7 @@ struct FastenerOptions {
   int bolt_turns = 8;       // threaded length of the bolt in pitches, in [1, 100]
   int nut_turns = 3;        // height of the nut in pitches, in [1, 100]
 };
+void describe(SettingVisitor& visit, FastenerOptions& options);
 
 /// A solid with axis z. The threaded shank occupies z in [0, bolt_turns * pitch] and ends in a plane cut; the
 /// hexagonal head lies below it. Throws std::invalid_argument naming the option that is out of range.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "geometry/check.hpp"
+#include "geometry/settings.hpp"
 #include "integrators/run.hpp"
 #include "io/build_info.hpp"
 #include "io/csv_table.hpp"
@@ -27,10 +28,7 @@ std::vector<std::string> columns_of(const std::vector<Gauge>& gauges) {
 }
 
 void validate(const RecordingOptions& o, const std::vector<Gauge>& gauges) {
-  require_field(o.every >= 1, "RecordingOptions::every", o.every, "be at least 1");
-  require_field(o.checkpoint_every >= 0, "RecordingOptions::checkpoint_every", o.checkpoint_every,
-                "not be negative [s]");
-  require_field(o.audit_samples >= 0, "RecordingOptions::audit_samples", o.audit_samples, "not be negative");
+  check_ranges(o);
   for (std::size_t i = 0; i < gauges.size(); ++i) {
     const Gauge& g = gauges[i];
     require(bool(g.value), "Gauge " + g.column + g.total + ": value must be callable");
@@ -42,6 +40,26 @@ void validate(const RecordingOptions& o, const std::vector<Gauge>& gauges) {
 }
 
 }  // namespace
+
+void describe(SettingVisitor& visit, RecordingOptions& o) {
+  visit.begin("RecordingOptions");
+  visit.count({"every", "number of steps per recorded step", "", at_least(1)}, o.every);
+  visit.number({.name = "checkpoint_every",
+                .what = "wall time between checkpoints",
+                .unit = "s",
+                .range = at_least(0),
+                .changes_nothing = true},
+               o.checkpoint_every);
+  visit.count({"audit_samples", "number of places of the path of a step at which its certificate is checked",
+               "", at_least(0)},
+              o.audit_samples);
+  visit.count({.name = "threads",
+               .what = "number of threads of the audit",
+               .unit = "",
+               .range = at_least(1),
+               .changes_nothing = true},
+              o.threads);
+}
 
 struct Recording::Impl {
   const Model& model;

@@ -9,6 +9,7 @@
 
 #include "geometry/check.hpp"
 #include "geometry/parallel.hpp"
+#include "geometry/settings.hpp"
 #include "lmd/dual_descent.hpp"
 #include "lmd/simplex_distance.hpp"
 
@@ -476,9 +477,24 @@ bool is_finite(const RigidMotion& motion) {
 
 }  // namespace
 
+void describe(SettingVisitor& visit, CertificateOptions& o) {
+  visit.begin("CertificateOptions");
+  visit.number({"required", "distance that is never undercut", "m", above(0)}, o.required);
+  visit.number({"wanted", "distance above which pairs are not examined further", "m", above(0)}, o.wanted);
+  visit.count(
+      {"max_halvings", "maximum number of halvings of the time interval of two simplices", "", at_least(0)},
+      o.max_halvings);
+  visit.count({.name = "threads",
+               .what = "number of threads",
+               .unit = "",
+               .range = at_least(1),
+               .changes_nothing = true},
+              o.threads);
+}
+
 Certificate certify(const MovingShape& a, const MovingShape& b, double dt,
                     const CertificateOptions& options) {
-  require_field(options.required > 0, "CertificateOptions::required", options.required, "be positive [m]");
+  check_ranges(options);
   require_field(options.wanted >= options.required, "CertificateOptions::wanted", options.wanted,
                 "be at least `required`");
   for (const MovingShape* m : {&a, &b})

@@ -11,6 +11,8 @@
 
 namespace aussois {
 
+class SettingVisitor;
+
 struct MovingShape {
   const LmdShape* shape = nullptr;  // at the start of the step
   SE3 g_bs{};                       // shape frame in the body frame
@@ -23,11 +25,12 @@ struct CertificateOptions {
   double required = 0;    // distance that must never be undercut [m], > 0
   double wanted = 0;      // pairs certain to stay farther apart are not examined further [m], >= required
   int max_halvings = 12;  // of the time interval of a pair of simplices before the pair counts as failed
-  int threads = 1;
+  int threads = 1;        // >= 1
   // Direction from a to b, world, tried first, for both shapes as a whole: any direction is safe, and a
   // contact's normal settles convex shapes (CA-15). Zero: none.
   Vec3 axis = Vec3::Zero();
 };
+void describe(SettingVisitor& visit, CertificateOptions& options);  // all but axis
 
 struct Certificate {
   bool certified = false;
@@ -36,6 +39,7 @@ struct Certificate {
   long rounds = 0;             // time intervals over which pairs were examined
 };
 
+/// Throws std::invalid_argument for a bad option.
 Certificate certify(const MovingShape& a, const MovingShape& b, double dt, const CertificateOptions& options);
 
 struct BaseDistance {

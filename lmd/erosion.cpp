@@ -10,9 +10,9 @@
 
 #include "geometry/named.hpp"
 #include "geometry/self_intersections.hpp"
-#include "geometry/settings.hpp"
 #include "lmd/erosion_attempt.hpp"
 #include "lmd/erosion_measures.hpp"
+#include "lmd/shared_settings.hpp"
 
 namespace aussois {
 namespace {
@@ -210,17 +210,40 @@ double interior_angle(const SimplicialComplex& k, const Idealisation& ideal, con
 
 void describe(SettingVisitor& visit, ErosionOptions& o) {
   visit.begin("ErosionOptions");
-  visit.number({"depth", "radius of the dilation to come", "m", positive()}, o.depth);
-  visit.number({"planarity", "tolerance of planar regions, relative to the box diagonal", "-", {0, 1e-2}},
-               o.planarity);
-  visit.number({"meet", "planes this close to a point, in depths, meet there", "-", open_below(0, 1e-2)},
-               o.meet);
-  visit.number({"deviation", "miss of planes at a vertex that cannot be split, in depths", "-", {0, 0.1}},
+  visit.number({.name = "depth",
+                .what = "dilation of the part, and depth of its erosion",
+                .unit = "m",
+                .range = positive(),
+                .flag = "--dilation"},
+               o.depth);
+  visit.number(planarity_setting(), o.planarity);
+  visit.number(
+      {"meet", "distance of planes from a point at which they meet, in depths", "-", open_below(0, 1e-2)},
+      o.meet);
+  visit.number({.name = "deviation",
+                .what = "largest distance of planes from a vertex that cannot be split, in depths; 0: refuse",
+                .unit = "-",
+                .range = {0, 0.1},
+                .flag = "--deviation"},
                o.deviation);
-  visit.toggle({"split", "split vertices of more than three planes"}, o.split);
+  visit.toggle(
+      {.name = "split",
+       .what = "never split a vertex: fewer triangles on round surfaces, but up to --deviation of error",
+       .flag = "--no-split=false"},
+      o.split);
   visit.toggle({"contract", "let edges vanish that would turn around"}, o.contract);
-  visit.number({"max_rounding", "largest loss of the solid", "m", above(0)}, o.max_rounding);
-  visit.count({"samples", "samples of each surface", "", {1, 1e8}}, o.samples);
+  visit.number({.name = "max_rounding",
+                .what = "largest rounding; an erosion that rounds by more is refused",
+                .unit = "m",
+                .range = above(0),
+                .flag = "--max-rounding"},
+               o.max_rounding);
+  visit.count({.name = "samples",
+               .what = "approximate number of sample points per surface for the measures",
+               .unit = "",
+               .range = {1, 1e8},
+               .flag = "--samples"},
+              o.samples);
 }
 
 ErosionResult erode(const SimplicialComplex& solid, const ErosionOptions& options) {

@@ -11,15 +11,18 @@
 
 #include "geometry/simplicial_complex.hpp"
 #include "lmd/idealisation.hpp"
+#include "lmd/lmd_shape.hpp"
+#include "lmd/mitre.hpp"
 
 namespace aussois {
 
 class SettingVisitor;
 
 struct ErosionOptions {
-  double depth = 0;         // eps, the radius of the dilation to come [m], > 0
-  double planarity = 1e-6;  // as in LmdShapeOptions: relative to the box diagonal [-], in [0, 1e-2]
-  double meet = 1e-6;       // planes that pass a point within this many depths meet there [-], in (0, 1e-2]
+  double depth = 0;                                // eps, the radius of the dilation to come [m], > 0
+  double planarity = LmdShapeOptions{}.planarity;  // relative to the box diagonal [-], in [0, 1e-2]
+  double meet =
+      MitreOptions{}.meet;  // planes that pass a point within this many depths meet there [-], in (0, 1e-2]
   double deviation = 1e-3;  // where a vertex cannot be split, its planes may miss a common point by this
                             // many depths, and a split saddle the depth by as much [-], in [0, 0.1];
                             // 0: exact or refused. Deviations used are counted, and missing depth is

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <optional>
 
-#include "geometry/settings.hpp"
 #include "lmd/normal_cone.hpp"
+#include "lmd/shared_settings.hpp"
 
 namespace aussois {
 namespace {
@@ -229,11 +229,7 @@ std::size_t bytes(const std::vector<T>& v) {
 
 void describe(SettingVisitor& visit, LmdShapeOptions& o) {
   visit.begin("LmdShapeOptions");
-  visit.number({"planarity",
-                "tolerance of planar regions and straight chains, relative to the box diagonal",
-                "-",
-                {0, 1e-2}},
-               o.planarity);
+  visit.number(planarity_setting(), o.planarity);
   visit.toggle({"deforming", "keep every triangle and edge for a shape that deforms"}, o.deforming);
 }
 

@@ -6,6 +6,7 @@
 
 #include <Eigen/Dense>
 
+#include "geometry/settings.hpp"
 #include "lmd/largest_split.hpp"
 
 namespace aussois {
@@ -52,7 +53,17 @@ Mitre joined(const std::vector<SplitPoint>& triples, std::span<const VertexPlane
 
 }  // namespace
 
+void describe(SettingVisitor& visit, MitreOptions& o) {
+  visit.begin("MitreOptions");
+  visit.number({"meet", "distance of planes from a point at which they meet", "-", positive()}, o.meet);
+  visit.number({"deviation", "distance of planes from a point at which they may be taken to meet", "-",
+                not_negative()},
+               o.deviation);
+  visit.toggle({"split", "let a vertex become several"}, o.split);
+}
+
 std::optional<Mitre> mitre(std::span<const VertexPlane> planes, const MitreOptions& options) {
+  check_ranges(options);
   const auto at_one_point = [&](const MeetingPoint& p) {
     return Mitre{.points = {p.x},
                  .of_plane = std::vector<std::vector<int>>(planes.size(), {0}),

@@ -11,6 +11,8 @@
 
 namespace aussois {
 
+class SettingVisitor;
+
 /// A plane at a vertex. The planes come in order around the vertex, counter-clockwise seen from outside.
 struct VertexPlane {
   Vec3 normal = Vec3::UnitZ();  // unit, outwards
@@ -25,6 +27,7 @@ struct MitreOptions {
                          // works [-]; >= 0
   bool split = true;     // a vertex may become several
 };
+void describe(SettingVisitor& visit, MitreOptions& options);
 
 /// All lengths are in units of the distance that the planes move.
 struct Mitre {
@@ -35,7 +38,7 @@ struct Mitre {
 };
 
 /// nullopt if the planes do not meet within the options, and no points and edges between them bound each
-/// plane by a simple polygon. Up to 40 planes are split.
+/// plane by a simple polygon. Up to 40 planes are split. Throws std::invalid_argument for a bad option.
 std::optional<Mitre> mitre(std::span<const VertexPlane> planes, const MitreOptions& options = {});
 
 /// A displacement for planes that have no mitre: nearest to all of them without going far (least squares).

@@ -7,6 +7,7 @@
 #include <array>
 #include <vector>
 
+#include "lmd/erosion.hpp"
 #include "lmd/mitre.hpp"
 #include "lmd/vertex_fans.hpp"
 
@@ -39,11 +40,11 @@ struct WaveEdge {
 };
 
 struct WaveOptions {
-  double depth = 0;         // [m]
-  double meet = 1e-6;       // as in ErosionOptions
-  double deviation = 1e-3;  // as in ErosionOptions
-  bool split = true;        // as in ErosionOptions
-  double together = 1e-6;   // events within this many depths are taken as one
+  double depth = 0;  // [m]
+  double meet = ErosionOptions{}.meet;
+  double deviation = ErosionOptions{}.deviation;
+  bool split = ErosionOptions{}.split;
+  double together = 1e-6;  // events within this many depths are taken as one
 };
 
 /// Requests for single fans.

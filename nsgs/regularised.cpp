@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 
 #include "geometry/check.hpp"
+#include "geometry/settings.hpp"
 #include "nsgs/residual.hpp"
 
 namespace aussois {
@@ -17,14 +18,6 @@ constexpr int kGuesses = 20;       // of which contacts are closed
 constexpr int kMostSweeps = 1000;  // on a dense matrix
 constexpr double kStill = 0.1;  // of the tolerance: a sweep that moves less than this of lambda is the last
 constexpr int kFewRows = 320;   // a dense factor of as many costs no more than a hundred sweeps
-
-struct Named {
-  FrictionReading reading;
-  const char* name;
-};
-constexpr Named kReadings[] = {{FrictionReading::coulomb_pgs, "coulomb_pgs"},
-                               {FrictionReading::convex_cone, "convex_cone"},
-                               {FrictionReading::hybrid, "hybrid"}};
 
 void check(const LocalProblem& problem, const VecX& R) {
   validate(problem);
@@ -167,14 +160,14 @@ Start dense_start(const LocalProblem& soft, const VecX& lambda_0, const Regulari
 }  // namespace
 
 const char* to_string(FrictionReading reading) {
-  return std::ranges::find(kReadings, reading, &Named::reading)->name;
+  return name_of(reading, kFrictionReadings);
 }
 
-FrictionReading friction_reading(const std::string& name) {
-  const auto* found = std::ranges::find(kReadings, name, &Named::name);
-  require(found != std::end(kReadings),
-          "friction reading " + name + " must be coulomb_pgs, convex_cone or hybrid");
-  return found->reading;
+void describe(SettingVisitor& visit, RegularisedOptions& o) {
+  visit.begin("RegularisedOptions");
+  visit.choice({"reading", "how friction is treated"}, o.reading, kFrictionReadings);
+  visit.number({"tolerance", "tolerance on the scaled residual", "-", inside(0, 1)}, o.tolerance);
+  visit.count({"max_iterations", "maximum number of sweeps or steps", "", at_least(1)}, o.max_iterations);
 }
 
 VecX regularisation(const LocalProblem& problem, double rho) {
@@ -198,7 +191,7 @@ RegularisedSolution solve_regularised(const LocalProblem& problem, const VecX& R
                                       const RegularisedOptions& options) {
   check(problem, R);
   const LocalProblem soft{compliant(problem, R, options.reading), problem.q, problem.laws};
-  validate(options_of(options));
+  check_ranges(options);
   Start start{lambda_0};
   const bool dense = problem.q.size() > 0 && problem.q.size() <= kFewRows;
   if (dense && problem.q.allFinite() && lambda_0.allFinite() &&

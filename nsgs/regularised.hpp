@@ -3,8 +3,7 @@
 // form (REG-2), in three readings of what its friction means. See doc/theory/regularised.md.
 #pragma once
 
-#include <string>
-
+#include "geometry/named.hpp"
 #include "nsgs/solve.hpp"
 
 namespace aussois {
@@ -15,15 +14,17 @@ enum class FrictionReading {
   hybrid,       // Coulomb's law with De Saxce's shift by the default solver (REG-7): the same fixed points as
                 // coulomb_pgs, also where that converges slowly or not at all
 };
+inline constexpr Named<FrictionReading> kFrictionReadings[] = {{FrictionReading::coulomb_pgs, "coulomb_pgs"},
+                                                               {FrictionReading::convex_cone, "convex_cone"},
+                                                               {FrictionReading::hybrid, "hybrid"}};
 const char* to_string(FrictionReading reading);
-/// The reading with this name; throws std::invalid_argument listing all names.
-FrictionReading friction_reading(const std::string& name);
 
 struct RegularisedOptions {
   FrictionReading reading = FrictionReading::coulomb_pgs;
-  double tolerance = 1e-8;   // on the scaled residual [-], in (0, 1)
-  int max_iterations = 200;  // sweeps or steps, >= 1
+  double tolerance = SolverOptions{}.tolerance;  // on the scaled residual [-], in (0, 1)
+  int max_iterations = 200;                      // sweeps or steps, >= 1
 };
+void describe(SettingVisitor& visit, RegularisedOptions& options);
 
 struct RegularisedSolution {
   VecX lambda{};         // impulses, m, normal first [N s]

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "examples/common/setting_flags.hpp"
 
+#include <algorithm>
+#include <stdexcept>
+
 namespace aussois {
 namespace {
 
@@ -87,6 +90,15 @@ void add_flag(Cli& cli, const OfferedSetting& offered, SaidSettings& said, const
     cli.choice(offered.flag, to.choice, what, offered.names);
   else
     cli.flag(offered.flag, to.toggle, what);
+}
+
+void add_flags(Cli& cli, const std::vector<OfferedSetting>& offered, SaidSettings& said,
+               const std::vector<std::string>& flags) {
+  for (const std::string& flag : flags) {
+    const auto one = std::ranges::find(offered, flag, &OfferedSetting::flag);
+    if (one == offered.end()) throw std::logic_error(flag + " is not offered");
+    add_flag(cli, *one, said);
+  }
 }
 
 }  // namespace aussois

@@ -82,6 +82,14 @@ void add_flags(Cli& cli, Options& options, SaidSettings& said) {
   for (const OfferedSetting& one : offered(options, said)) add_flag(cli, one, said);
 }
 
+/// Adds some flags of the table, in the order of `flags`. Throws std::logic_error for one that is not in it.
+void add_flags(Cli& cli, const std::vector<OfferedSetting>& offered, SaidSettings& said,
+               const std::vector<std::string>& flags);
+template <class Options>
+void add_flags(Cli& cli, Options& options, SaidSettings& said, const std::vector<std::string>& flags) {
+  add_flags(cli, offered(options, said), said, flags);
+}
+
 /// Gives the options what the user said.
 template <class Options>
 void take(const SaidSettings& said, Options& options) {

@@ -15,6 +15,7 @@
 
 #include "examples/common/driver.hpp"
 #include "examples/common/progress.hpp"
+#include "examples/common/setting_flags.hpp"
 #include "examples/studies/peg_plate/study_files.hpp"
 #include "geometry/check.hpp"
 #include "geometry/parallel.hpp"
@@ -27,9 +28,10 @@ namespace {
 
 struct Arguments {
   std::vector<std::filesystem::path> stages{};
-  std::string set = "all", reading = to_string(SolverView{}.reading);
+  std::string set = "all";
   int seed = 1, seeds = 1;
   PegStudyOptions study{};
+  SaidSettings said{};  // of the study
   std::filesystem::path out = "out";
   bool quiet = false;
 };
@@ -51,7 +53,6 @@ std::vector<Job> jobs_of(const Arguments& a) {
     for (const PegSet& set : peg_sets()) {
       if (a.set != "all" && a.set != set.name) continue;
       Job job{.set = set, .options = options_for(set, a.study)};
-      job.options.view.reading = friction_reading(a.reading);
       job.options.plant.seed = job.options.training.seed = std::uint64_t(seed);
       if (set.scenario == PegScenario::edge)
         job.options.plant.count = std::max(1, (a.study.plant.count + 1) / 2);
@@ -196,26 +197,21 @@ int main(int argc, char** argv) {
   cli.option("--seed", a.seed, "seed of the plant, the split of the cases and the initial weights", "",
              {0, 1e6});
   cli.option("--seeds", a.seeds, "number of seeds, the first of which is --seed", "", {1, 100});
-  cli.option("--count", a.study.plant.count, "number of incidences and of speeds; edge sets use half as many",
-             "", {1, 100});
-  cli.option("--leans", a.study.plant.leans, "number of lean angles of edge sets", "", {1, 100});
-  cli.option("--step", a.study.plant.step, "time step of the reference", "s", {1e-6, 5e-5});
+  const std::vector<OfferedSetting> study = offered(a.study, a.said);
+  add_flags(cli, study, a.said, {"--count", "--leans", "--step"});
   cli.group("solver");
-  cli.option("--rho", a.study.view.rho, "regularisation of the solver", "-", {0, 1});
-  cli.choice("--reading", a.reading, "how the solver treats friction",
-             {"coulomb_pgs", "convex_cone", "hybrid"});
+  add_flags(cli, study, a.said, {"--rho", "--reading"});
   cli.group("training");
-  cli.flag("--tilted", a.study.tilted,
-           "train surface sets on as many cases again, with plates tilted by up to 0.5 degrees");
-  cli.option("--hidden", a.study.training.hidden, "number of units of the hidden layer", "", {1, 10000});
-  cli.option("--iterations", a.study.training.iterations, "maximum number of L-BFGS iterations", "",
-             {1, 1e6});
+  add_flags(cli, study, a.said, {"--tilted", "--hidden", "--iterations"});
   cli.group("output");
   cli.option("-o,--out", a.out, "folder for the study, created if missing; results already in it are reused");
-  cli.option("--threads", a.study.threads, "number of threads; does not affect the results", "", {1, 256});
+  add_flags(cli, study, a.said, {"--threads"});
   cli.flag("--quiet", a.quiet, "omit progress and details; still print warnings and the result");
   cli.example("peg_plate generate train evaluate --count 4 --set surface_0.3",
               "a small study; open out/seed_1/surface_0.3/forces.png");
   cli.example("peg_plate generate train evaluate --seeds 5 -o study", "the whole study; see study/scores.md");
-  return run_driver(cli, argc, argv, [&] { return run(a); });
+  return run_driver(cli, argc, argv, [&] {
+    take(a.said, a.study);
+    return run(a);
+  });
 }

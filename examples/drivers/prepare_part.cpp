@@ -11,7 +11,7 @@
 #include <cstdio>
 #include <optional>
 
-#include "examples/common/driver.hpp"
+#include "examples/common/setting_flags.hpp"
 #include "examples/drivers/assembly/assembly_input.hpp"
 #include "examples/drivers/part/part_picture.hpp"
 #include "geometry/check.hpp"
@@ -29,9 +29,11 @@ namespace {
 struct Arguments {
   std::filesystem::path mesh{}, json{};
   std::string builtin = "box", fallback = "refuse";
-  double scale = 1e-3, dilation = 2e-4, alpha = 2, planarity = 1e-6, deviation = 1e-3, max_rounding = 0;
-  int samples = 100'000;
-  bool erode = false, no_split = false;
+  double scale = 1e-3, alpha = 2;
+  ErosionOptions erosion{.depth = 2e-4};
+  LmdShapeOptions shape{};
+  SaidSettings said{};  // of both
+  bool erode = false;
   CommonOptions common{};
   std::string command_line{};
 };
@@ -87,7 +89,7 @@ void report_mesh_and_classes(Report& report, const AssemblyPart& part, const Lmd
   report.add("duplicate_triangles", mesh.duplicate_triangles);
   report.add("self_intersections", mesh.self_intersections);
   report.add("size", mesh.box.diagonal());
-  report.add("dilation", a.dilation);
+  report.add("dilation", a.erosion.depth);
   report.add("search_bytes", search_bytes(shape));
   report.show("triangles", std::to_string(mesh.triangles));
   report.show("solid", part.complex.solid ? "yes" : "no, two-sided sheets");
@@ -182,7 +184,7 @@ ExitCode prepare_part(const Arguments& a) {
   const AssemblyPart part = part_of(a);
   for (const std::string& note : part.notes) std::fprintf(stderr, "warning: %s\n", note.c_str());
   require(!part.complex.triangles.empty(), "the part has no triangles");
-  const LmdShape shape = prepare({.complex = part.complex, .radius = a.dilation}, {.planarity = a.planarity});
+  const LmdShape shape = prepare({.complex = part.complex, .radius = a.erosion.depth}, a.shape);
   const Idealisation ideal = idealise(part.complex, shape.tolerance);
   Report report;
   report_mesh_and_classes(report, part, shape, ideal, a);
@@ -191,19 +193,13 @@ ExitCode prepare_part(const Arguments& a) {
   make_folders(a.common);
   ErosionResult eroded;
   if (a.erode) {
-    const ErosionOptions options{.depth = a.dilation,
-                                 .planarity = a.planarity,
-                                 .deviation = a.deviation,
-                                 .split = !a.no_split,
-                                 .max_rounding = a.max_rounding > 0 ? a.max_rounding : kInf,
-                                 .samples = a.samples};
-    eroded = erode(part.complex, options);
+    eroded = erode(part.complex, a.erosion);
     report_erosion(report, eroded);
     if (eroded.ok())
       write_obj(a.common.out / "eroded.obj",
                 {.vertices = eroded.complex.vertices, .triangles = eroded.complex.triangles}, a.scale);
     else
-      report_refusal(report, part.complex, eroded, options, a.fallback == "none");
+      report_refusal(report, part.complex, eroded, a.erosion, a.fallback == "none");
   }
 
   // 3. The picture and the numbers.
@@ -229,7 +225,7 @@ ExitCode prepare_part(const Arguments& a) {
     return a.fallback == "none" ? ExitCode::ok : ExitCode::not_accepted;
   }
   std::printf("prepare_part: eroded by %s; dilation restores faces to %.1e of the size and rounds by %s\n",
-              micrometres(a.dilation).c_str(), eroded.measures.face_error / part.report.box.diagonal(),
+              micrometres(a.erosion.depth).c_str(), eroded.measures.face_error / part.report.box.diagonal(),
               micrometres(eroded.measures.rounding).c_str());
   return ExitCode::ok;
 }
@@ -246,30 +242,26 @@ int main(int argc, char** argv) {
   cli.choice("--builtin", a.builtin, "built-in part, used if no --mesh is given",
              {"box", "l", "gear", "peg", "ball", "bolt", "nut"});
   cli.option("--scale", a.scale, "length of one unit of the mesh file", "m", {1e-12, 1e12});
-  cli.option("--planarity", a.planarity,
-             "tolerance of planar regions and straight chains, relative to the part's size", "-", {0, 1e-2});
+  add_flags(cli, a.shape, a.said);
   cli.option("--alpha", a.alpha,
              "enlargement of normal cones; only used to warn about meshes that are too fine", "deg", {0, 45});
   cli.group("erosion");
-  cli.option("--dilation", a.dilation, "dilation of the part, and depth of its erosion", "m", {1e-9, 1});
+  const std::vector<OfferedSetting> erosion = offered(a.erosion, a.said);
+  add_flags(cli, erosion, a.said, {"--dilation"});
   cli.flag("--erode", a.erode, "first make the part smaller by the dilation");
   cli.choice("--fallback", a.fallback,
              "if the part cannot be eroded: refuse exits with code 1, none keeps the part as it is",
              {"refuse", "none"});
-  cli.option("--deviation", a.deviation,
-             "largest distance of planes from a vertex that cannot be split, in dilations; 0: refuse", "-",
-             {0, 0.1});
-  cli.flag("--no-split", a.no_split,
-           "never split a vertex: fewer triangles on round surfaces, but up to --deviation of error");
-  cli.option("--max-rounding", a.max_rounding, "refuse an erosion that rounds by more than this; 0: no limit",
-             "m", {0, 1});
-  cli.option("--samples", a.samples, "approximate number of sample points per surface for the measures", "",
-             {1, 1e8});
+  add_flags(cli, erosion, a.said, {"--deviation", "--no-split", "--max-rounding", "--samples"});
   cli.group("output");
   cli.option("--json", a.json, "write all numbers of the report to this JSON file");
   cli.common(a.common, Cli::Restart::no, Cli::Threads::no);
   cli.example("prepare_part --builtin gear --erode --dilation 2e-4", "open out/part.html; out/eroded.obj");
   cli.example("prepare_part --mesh bracket.obj --scale 1e-3 --dilation 1e-4 --erode --json part.json",
               "your own part, in millimetres");
-  return run_driver(cli, argc, argv, [&] { return prepare_part(a); });
+  return run_driver(cli, argc, argv, [&] {
+    take(a.said, a.erosion);
+    take(a.said, a.shape);
+    return prepare_part(a);
+  });
 }

@@ -36,6 +36,7 @@ struct Arguments {
   double scale = 1e-3;
   double threshold = 0;  // kinematic
   AssemblyOptions scene{};
+  SaidSettings said{};  // of the scene
   RunFlags run{};
   const Cli* cli = nullptr;
   std::string command_line{};
@@ -299,6 +300,7 @@ ExitCode replay(Arguments& a) {
   require(dynamic || a.run.certify == 0, "--certify needs --mode dynamic: a kinematic replay takes no steps");
   require(dynamic || a.run.dump.folder.empty(),
           "--dump-problem needs --mode dynamic: a kinematic replay solves no problem");
+  take(a.said, a.scene);
   a.scene.gravity = parse_vector(a.gravity, "--gravity");
   const AssemblyInput input = read_input(a);
   AssemblyScene scene;
@@ -333,31 +335,17 @@ int main(int argc, char** argv) {
   cli.choice("--mode", a.mode,
              "dynamic: pull the part along by a spring; kinematic: find contacts at the recorded poses",
              {"dynamic", "kinematic"});
-  cli.option("--dilation", a.scene.dilation,
-             "dilation of each part; 0: three tenths of the smallest clearance", "m", {0, 1});
-  cli.option("--mu", a.scene.mu, "friction coefficient", "-", {0, 10});
-  cli.option("--restitution", a.scene.restitution, "restitution coefficient", "-", {0, 1});
-  cli.option("--density", a.scene.density, "density of the moving part", "kg/m^3", {1e-3, 1e5});
-  cli.option("--mass", a.scene.mass, "mass of the moving part; 0: from density and volume", "kg", {0, 1e6});
+  const std::vector<OfferedSetting> scene = offered(a.scene, a.said);
+  add_flags(cli, scene, a.said, {"--dilation", "--mu", "--restitution", "--density", "--mass"});
   cli.option(
       "--gravity", a.gravity,
       "gravity x,y,z in the fixed part's frame, m/s^2; oblique by default, so that the part leans on it");
   cli.group("path");
-  cli.option("--speed", a.scene.speed, "speed of the part's farthest point along the path", "m/s",
-             {1e-6, 1e3});
-  cli.option("--misalignment", a.scene.misalignment,
-             "offset of the coupling's target along (1, 1, 1), in clearances", "-", {-1e6, 1e6});
-  cli.option("--frequency", a.scene.frequency,
-             "frequency of the part on its coupling; 0: 20, or more if its weight would pull it off the path",
-             "Hz", {0, 1e5});
-  cli.option("--damping-ratio", a.scene.damping_ratio, "damping ratio of the coupling", "-", {0, 100});
-  cli.option("--force-limit", a.scene.force_limit, "largest force of the coupling", "N", {1e-9, kInf});
-  cli.option("--torque-limit", a.scene.torque_limit, "largest torque of the coupling", "N m", {1e-12, kInf});
-  cli.option("--hold", a.scene.hold, "time to hold the part at the end of the path", "s", {0, 1e4});
+  add_flags(cli, scene, a.said,
+            {"--speed", "--misalignment", "--frequency", "--damping-ratio", "--force-limit", "--torque-limit",
+             "--hold"});
   cli.group("stepping");
-  cli.option("--stride", a.scene.stride, "largest motion per step, relative to the sum of the two dilations",
-             "-", {1e-3, 1e4});
-  cli.option("--h", a.scene.h, "largest step; 0: from --stride and --speed", "s", {0, 1});
+  add_flags(cli, scene, a.said, {"--stride", "--h"});
   cli.option("--threshold", a.threshold,
              "with --mode kinematic: largest gap of a contact; 0: twice the smallest clearance", "m", {0, 1});
   add_run_options(cli, a.run);

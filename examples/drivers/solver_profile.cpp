@@ -14,6 +14,7 @@
 
 #include "examples/common/driver.hpp"
 #include "examples/common/progress.hpp"
+#include "examples/common/setting_flags.hpp"
 #include "examples/studies/friction/limited_run.hpp"
 #include "examples/studies/friction/performance_profile.hpp"
 #include "examples/studies/friction/profile_result.hpp"
@@ -26,7 +27,9 @@ namespace {
 struct Arguments {
   std::vector<std::filesystem::path> files{};
   std::string solvers = "auto,nsgs,proximal_newton", tolerances = "1e-4,1e-8,1e-12";
-  int max_iterations = SolverOptions{}.max_iterations, repeat = 1;
+  SolverOptions solver{};  // its method and tolerance are those of the lists
+  SaidSettings said{};
+  int repeat = 1;
   double time_limit = 60;
   std::filesystem::path out = "out";
   bool quiet = false;
@@ -82,8 +85,10 @@ std::vector<Problem> readable(const std::vector<std::filesystem::path>& files) {
 }
 
 ProfileKey key_of(const Arguments& a, const Problem& problem, const std::string& solver, double tolerance) {
-  return {
-      .digest = problem.digest, .solver = solver, .tolerance = tolerance, .max_iterations = a.max_iterations};
+  return {.digest = problem.digest,
+          .solver = solver,
+          .tolerance = tolerance,
+          .max_iterations = a.solver.max_iterations};
 }
 
 using Results = std::map<ProfileKey, ProfileResult>;
@@ -108,10 +113,9 @@ std::optional<Results> results_of(const Arguments& a, const std::vector<Problem>
           ++known;
         } else {
           progress.at(done, solver + " on " + problem.file.stem().string());
-          const RunOptions options{.solver = {.method = method(solver),
-                                              .tolerance = tolerance,
-                                              .max_iterations = a.max_iterations},
-                                   .repeat = a.repeat};
+          RunOptions options{.solver = a.solver, .repeat = a.repeat};
+          options.solver.method = method(solver);
+          options.solver.tolerance = tolerance;
           result = run_limited(problem.file, options, a.time_limit);
           if (interrupted()) return {};
           result->contacts = problem.contacts;  // also of what was ended
@@ -205,8 +209,7 @@ int main(int argc, char** argv) {
   cli.option("--solvers", a.solvers, "comma-separated names of solvers (methods of nsgs/solve.hpp)");
   cli.option("--tolerances", a.tolerances,
              "comma-separated tolerances on the scaled residual; each gets its own picture");
-  cli.option("--max-iterations", a.max_iterations, "maximum number of sweeps or steps of a solver", "",
-             {1, 1e9});
+  add_flags(cli, a.solver, a.said, {"--max-iterations"});
   cli.option("--time-limit", a.time_limit,
              "CPU time per problem, including all repeats; a solver that needs more has failed", "s",
              {1e-3, 1e7});
@@ -220,5 +223,8 @@ int main(int argc, char** argv) {
   cli.example("solver_profile fclib/ --solvers auto,nsgs --tolerances 1e-8", "open out/profile_1e-08.png");
   cli.example("solver_profile fclib/ --time-limit 600",
               "later, with a higher limit: solves only the problems that the lower one stopped");
-  return run_driver(cli, argc, argv, [&] { return profile(a); });
+  return run_driver(cli, argc, argv, [&] {
+    take(a.said, a.solver);
+    return profile(a);
+  });
 }

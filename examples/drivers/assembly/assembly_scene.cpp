@@ -6,24 +6,13 @@
 #include <sstream>
 
 #include "geometry/check.hpp"
+#include "geometry/settings.hpp"
 #include "io/shape_cache.hpp"
 #include "lmd/certificate.hpp"
 #include "lmd/nesting.hpp"
 
 namespace aussois {
 namespace {
-
-void validate(const AssemblyOptions& o) {
-  require_field(o.dilation >= 0, "--dilation", o.dilation, "not be negative [m]");
-  require_field(o.speed > 0, "--speed", o.speed, "be positive [m/s]");
-  require_field(o.stride > 0, "--stride", o.stride, "be positive");
-  require_field(o.h >= 0, "--h", o.h, "not be negative [s]");
-  require_field(o.frequency >= 0, "--frequency", o.frequency, "not be negative [Hz]");
-  require_field(o.density > 0, "--density", o.density, "be positive [kg/m^3]");
-  require_field(o.mass >= 0, "--mass", o.mass, "not be negative [kg]");
-  require_field(std::isfinite(o.misalignment), "--misalignment", o.misalignment, "be finite");
-  require_field(o.hold >= 0, "--hold", o.hold, "not be negative [s]");
-}
 
 std::shared_ptr<const LmdShape> prepared(AssemblyScene& scene, const AssemblyPart& part, double dilation,
                                          const std::filesystem::path& cache) {
@@ -119,9 +108,39 @@ Trajectory timed(const std::vector<SE3>& poses, double radius, double speed) {
 
 }  // namespace
 
+void describe(SettingVisitor& visit, AssemblyOptions& o) {
+  visit.begin("AssemblyOptions");
+  const auto number = [&](double& value, const char* name, const char* what, const char* unit, Range range,
+                          const char* flag) {
+    visit.number({name, what, unit, range, flag}, value);
+  };
+  number(o.dilation, "dilation", "dilation of each part; 0: three tenths of the smallest clearance", "m",
+         {0, 1}, "--dilation");
+  number(o.mu, "mu", "friction coefficient", "-", {0, 10}, "--mu");
+  number(o.restitution, "restitution", "restitution coefficient", "-", {0, 1}, "--restitution");
+  number(o.density, "density", "density of the moving part", "kg/m^3", {1e-3, 1e5}, "--density");
+  number(o.mass, "mass", "mass of the moving part; 0: from density and volume", "kg", {0, 1e6}, "--mass");
+  number(o.speed, "speed", "speed of the part's farthest point along the path", "m/s", {1e-6, 1e3},
+         "--speed");
+  number(o.stride, "stride", "largest motion per step, relative to the sum of the two dilations", "-",
+         {1e-3, 1e4}, "--stride");
+  number(o.h, "h", "largest step; 0: from --stride and --speed", "s", {0, 1}, "--h");
+  number(o.frequency, "frequency",
+         "frequency of the part on its coupling; 0: 20, or more if its weight would pull it off the path",
+         "Hz", {0, 1e5}, "--frequency");
+  number(o.damping_ratio, "damping_ratio", "damping ratio of the coupling", "-", {0, 100}, "--damping-ratio");
+  number(o.force_limit, "force_limit", "largest force of the coupling", "N", at_least(1e-9), "--force-limit");
+  number(o.torque_limit, "torque_limit", "largest torque of the coupling", "N m", at_least(1e-12),
+         "--torque-limit");
+  number(o.hold, "hold", "time to hold the part at the end of the path", "s", {0, 1e4}, "--hold");
+  number(o.misalignment, "misalignment", "offset of the coupling's target along (1, 1, 1), in clearances",
+         "-", {-1e6, 1e6}, "--misalignment");
+}
+
 AssemblyScene make_assembly_scene(const AssemblyInput& input, const AssemblyOptions& options, int threads,
                                   const std::function<void(int, int)>& progress) {
-  validate(options);
+  check_ranges(options);
+  require(options.gravity.allFinite(), "AssemblyOptions::gravity must be finite [m/s^2]");
   AssemblyScene scene;
   const auto shape = [&](const AssemblyPart& part, double dilation) {
     return prepared(scene, part, dilation, options.cache);

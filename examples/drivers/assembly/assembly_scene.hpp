@@ -14,7 +14,8 @@ namespace aussois {
 /// Of the part's radius, beside the misalignment: a part that ends farther from the end of its path is stuck.
 inline constexpr double kArrival = 0.1;
 
-/// Zero means: derived from the parts and their path; what was chosen stands in AssemblyScene.
+/// Zero means: derived from the parts and their path; what was chosen stands in AssemblyScene. The table has
+/// the ranges.
 struct AssemblyOptions {
   double dilation = 0;     // of each part [m]; 0: three tenths of the smallest clearance along the path
   double mu = 0.2;         // friction [-]
@@ -27,16 +28,17 @@ struct AssemblyOptions {
   // Of the part on its coupling alone [Hz]; 0: 20, or more if its weight would pull it more than half of what
   // counts as arrived off its path (VC-7)
   double frequency = 0;
-  double damping_ratio = 1;    // of the coupling [-]
-  double force_limit = kInf;   // [N]
-  double torque_limit = kInf;  // [N m]
-  double hold = 0.1;           // time at the end of the path, for the part to arrive [s]
+  double damping_ratio = VirtualCouplingOptions{}.damping_ratio;  // of the coupling [-]
+  double force_limit = VirtualCouplingOptions{}.force_limit;      // [N]
+  double torque_limit = VirtualCouplingOptions{}.torque_limit;    // [N m]
+  double hold = 0.1;  // time at the end of the path, for the part to arrive [s]
   // In the frame of the fixed part [m/s^2]: oblique, so that the part leans on it
   Vec3 gravity = {-5.66, -5.66, -5.66};
   // The coupling pulls towards the path displaced along (1, 1, 1), in clearances [-]
   double misalignment = 1;
   std::filesystem::path cache{};  // folder of prepared shapes, see prepare_cached; empty: none
 };
+void describe(SettingVisitor& visit, AssemblyOptions& options);  // its numbers
 
 struct AssemblyScene {
   Model model{};

@@ -6,6 +6,7 @@
 
 #include "geometry/check.hpp"
 #include "geometry/parallel.hpp"
+#include "geometry/settings.hpp"
 
 namespace aussois {
 namespace {
@@ -47,16 +48,19 @@ std::vector<int> ranking(const MatX& errors, double delta) {
   }
 }
 
+constexpr Named<LabelMode> kNamesOfModes[] = {
+    {LabelMode::argmin, "argmin"}, {LabelMode::soft, "soft"}, {LabelMode::ranked, "ranked"}};
+
 const char* to_string(LabelMode mode) {
-  switch (mode) {
-    case LabelMode::argmin:
-      return "argmin";
-    case LabelMode::soft:
-      return "soft";
-    case LabelMode::ranked:
-      break;
-  }
-  return "ranked";
+  return name_of(mode, kNamesOfModes);
+}
+
+void describe(SettingVisitor& visit, LabelOptions& o) {
+  visit.begin("LabelOptions");
+  visit.choice({"mode", "how targets follow from the errors"}, o.mode, kNamesOfModes);
+  visit.number({"tau", "scale of the errors of soft targets", "-", positive()}, o.tau);
+  visit.number({"delta", "difference of errors within which a choice serves a sample", "-", not_negative()},
+               o.delta);
 }
 
 std::vector<int> chosen_labels(const MatX& errors, const LabelOptions& options) {
@@ -73,8 +77,7 @@ std::vector<int> chosen_labels(const MatX& errors, const LabelOptions& options) 
 
 MatX targets(const MatX& errors, const std::vector<std::vector<int>>& choices, int outputs,
              const LabelOptions& options) {
-  require_field(options.tau > 0, "LabelOptions::tau", options.tau, "be positive");
-  require_field(options.delta >= 0, "LabelOptions::delta", options.delta, "be at least 0");
+  check_ranges(options);
   MatX out = MatX::Zero(outputs, errors.cols());
   const auto add = [&](Eigen::Index s, std::size_t c, double weight) {
     for (const int i : choices[c]) out(i, s) += weight / double(choices[c].size());

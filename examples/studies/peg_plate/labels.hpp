@@ -33,6 +33,7 @@ struct LabelOptions {
   double tau = 0.005;   // of soft [-], > 0
   double delta = 0.01;  // of ranked [-], >= 0: two to three times the sensors' noise
 };
+void describe(SettingVisitor& visit, LabelOptions& options);
 
 /// Target probabilities, outputs x samples; every column sums to one.
 MatX targets(const MatX& errors, const std::vector<std::vector<int>>& choices, int outputs,

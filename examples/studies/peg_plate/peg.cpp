@@ -17,7 +17,7 @@ Vec2 centre_of_pressure(const PegSample& s) {
 }
 
 const char* to_string(PegScenario scenario) {
-  return scenario == PegScenario::surface ? "surface" : "edge";
+  return name_of(scenario, kPegScenarios);
 }
 
 std::vector<PegCase> peg_cases(PegScenario scenario, int count, int leans) {

@@ -6,6 +6,7 @@
 #include <array>
 #include <vector>
 
+#include "geometry/named.hpp"
 #include "reduction/selection.hpp"
 
 namespace aussois {
@@ -47,6 +48,8 @@ struct PegCase {
 };
 
 enum class PegScenario { surface, edge };
+inline constexpr Named<PegScenario> kPegScenarios[] = {{PegScenario::surface, "surface"},
+                                                       {PegScenario::edge, "edge"}};
 const char* to_string(PegScenario scenario);
 
 /// `count` incidences of 45 to 135 degrees times as many speeds of 0.02 to 0.07 m/s, for the edge also times

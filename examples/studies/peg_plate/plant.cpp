@@ -6,6 +6,7 @@
 
 #include "examples/common/random.hpp"
 #include "geometry/check.hpp"
+#include "geometry/settings.hpp"
 
 namespace aussois {
 namespace {
@@ -132,22 +133,24 @@ void add_patch(std::vector<Vec3>& places, std::vector<double>& stiffness, double
 
 }  // namespace
 
-void validate(const PlantOptions& options) {
-  require_field(options.tilt >= 0 && options.tilt <= 1, "PlantOptions::tilt", options.tilt,
-                "lie in [0, 1] deg");
-  require_field(options.tilts >= 0 && options.tilts <= 1, "PlantOptions::tilts", options.tilts,
-                "lie in [0, 1] deg");
-  require_field(options.scatter >= 0 && options.scatter <= 1, "PlantOptions::scatter", options.scatter,
-                "lie in [0, 1] deg");
-  require_field(options.step > 0 && options.step <= 5e-5, "PlantOptions::step", options.step,
-                "lie in (0, 5e-5] s");
-  require_field(options.sample >= kMeanOver, "PlantOptions::sample", options.sample, "be at least 1e-3 s");
-  require_field(options.count >= 1, "PlantOptions::count", options.count, "be at least 1");
-  require_field(options.leans >= 1, "PlantOptions::leans", options.leans, "be at least 1");
+void describe(SettingVisitor& visit, PlantOptions& o) {
+  visit.begin("PlantOptions");
+  visit.choice({"scenario", "what of the peg touches the plate"}, o.scenario, kPegScenarios);
+  visit.number({"tilt", "tilt of the plate", "deg", {0, 1}}, o.tilt);
+  visit.number({"tilts", "largest random tilt of the plate from case to case", "deg", {0, 1}}, o.tilts);
+  visit.number({"scatter", "largest random turn of the set-point from case to case", "deg", {0, 1}},
+               o.scatter);
+  visit.number({"step", "time step of the reference", "s", {1e-6, 5e-5}, "--step"}, o.step);
+  visit.number({"sample", "time between samples", "s", at_least(kMeanOver)}, o.sample);
+  visit.count(
+      {"count", "number of incidences and of speeds; edge sets use half as many", "", {1, 100}, "--count"},
+      o.count);
+  visit.count({"leans", "number of lean angles of edge sets", "", {1, 100}, "--leans"}, o.leans);
+  visit.seed({"seed", "seed of the plant and its noise"}, o.seed);
 }
 
 Plant make_plant(const PlantOptions& options) {
-  validate(options);
+  check_ranges(options);
   const Peg peg;
   Random random(options.seed);
   Plant plant{.options = options};

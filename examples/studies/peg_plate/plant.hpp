@@ -11,18 +11,20 @@
 
 namespace aussois {
 
+class SettingVisitor;
+
 struct PlantOptions {
   PegScenario scenario = PegScenario::surface;
   double tilt = 0.1;      // of the plate about x; about y it is -0.7 of this [deg], in [0, 1]
   double tilts = 0;       // and up to this more about x and y from case to case, at random [deg], in [0, 1]
   double scatter = 0.05;  // of the set-point's orientation from case to case, about x and y [deg], in [0, 1]
-  double step = 2e-5;     // [s], in (0, 5e-5]: explicit steps
+  double step = 2e-5;     // [s], in [1e-6, 5e-5]: explicit steps
   double sample = 4e-3;   // between samples [s], >= 1e-3
-  int count = 10;         // incidences, and speeds, >= 1
-  int leans = 5;          // of the edge, >= 1
+  int count = 10;         // incidences, and speeds, in [1, 100]
+  int leans = 5;          // of the edge, in [1, 100]
   std::uint64_t seed = 1;
 };
-void validate(const PlantOptions& options);  // throws std::invalid_argument: field, value, bound
+void describe(SettingVisitor& visit, PlantOptions& options);
 
 /// The peg's face as made: one patch per entry.
 struct Plant {
@@ -30,6 +32,7 @@ struct Plant {
   Eigen::ArrayXd x{}, y{}, z{};      // in the body's frame [m]
   Eigen::ArrayXd stiffness{}, mu{};  // [N/m], [-]
 };
+/// Throws std::invalid_argument for a bad option.
 Plant make_plant(const PlantOptions& options);
 
 /// The samples in contact (more than 2 N on the plate). A pure function of plant, case and its index, which

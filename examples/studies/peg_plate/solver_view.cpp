@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "geometry/frame.hpp"
+#include "geometry/settings.hpp"
 #include "reduction/learned_selector.hpp"
 
 namespace aussois {
@@ -24,6 +25,16 @@ MatX directions(const PegSample& sample, std::span<const PegContact> contacts) {
 }
 
 }  // namespace
+
+void describe(SettingVisitor& visit, SolverView& o) {
+  visit.begin("SolverView");
+  visit.number({"rho", "regularisation of the solver", "-", {0, 1}, "--rho"}, o.rho);
+  visit.number({"mu", "friction coefficient", "-", not_negative()}, o.mu);
+  visit.number({"e", "restitution coefficient", "-", {0, 1}}, o.e);
+  visit.number({"step", "time step of the solver", "s", positive()}, o.step);
+  visit.choice({.name = "reading", .what = "how the solver treats friction", .flag = "--reading"}, o.reading,
+               kFrictionReadings);
+}
 
 std::vector<Vec3> contact_forces(const SolverView& view, const PegSample& s,
                                  std::span<const PegContact> contacts) {

@@ -11,11 +11,13 @@
 namespace aussois {
 
 struct SolverView {
-  double rho = 1e-3;  // regularisation (REG-4)
-  double mu = 0.15, e = 0.01;
-  double step = 1e-3;  // [s]
-  FrictionReading reading = FrictionReading::coulomb_pgs;
+  double rho = 1e-3;   // regularisation (REG-4), in [0, 1]
+  double mu = 0.15;    // friction [-], >= 0
+  double e = 0.01;     // restitution [-], in [0, 1]
+  double step = 1e-3;  // [s], > 0
+  FrictionReading reading = RegularisedOptions{}.reading;
 };
+void describe(SettingVisitor& visit, SolverView& view);
 
 struct PegContact {
   Vec3 arm = Vec3::Zero();      // from the peg's centre of mass, world [m]

@@ -10,6 +10,7 @@
 #include "examples/common/random.hpp"
 #include "geometry/check.hpp"
 #include "geometry/parallel.hpp"
+#include "geometry/settings.hpp"
 #include "reduction/learned_selector.hpp"
 
 namespace aussois {
@@ -114,6 +115,31 @@ const std::vector<PegSet>& peg_sets() {
   return sets;
 }
 
+void describe(SettingVisitor& visit, PegStudyOptions& o) {
+  visit.begin("PegStudyOptions");
+  visit.group("plant", o.plant);
+  visit.group("view", o.view);
+  visit.group("training", o.training);
+  const auto stride = [&](const char* name, const char* what, int& value) {
+    visit.count({name, what, "", at_least(1)}, value);
+  };
+  stride("static_stride", "stride of the static samples of a case for training", o.static_stride);
+  stride("moving_stride", "stride of the other samples of a case for training", o.moving_stride);
+  stride("moving_scored", "number of those samples that are scored", o.moving_scored);
+  stride("dear_stride", "stride of scored samples for expensive methods", o.dear_stride);
+  visit.toggle({.name = "tilted",
+                .what = "train surface sets on as many cases again, with plates tilted by up to 0.5 degrees",
+                .flag = "--tilted"},
+               o.tilted);
+  visit.count({.name = "threads",
+               .what = "number of threads; does not affect the results",
+               .unit = "",
+               .range = {1, 256},
+               .flag = "--threads",
+               .changes_nothing = true},
+              o.threads);
+}
+
 int case_count(const PegStudyOptions& options) {
   return (with_tilted(options) ? 2 : 1) * own_cases(options.plant);
 }
@@ -156,6 +182,7 @@ PegSplit split_cases(const PegStudyOptions& options) {
 
 Lessons make_lessons(const PegData& data, const PegSplit& split, const PegStudyOptions& options,
                      const std::function<void(double)>& progress) {
+  check_ranges(options);
   std::vector<PegSample> samples;
   for (const int i : split.train) {
     int still = 0, moving = 0;
@@ -206,6 +233,7 @@ std::vector<NamedMethod> all_methods(const PegStudyOptions& options, const Lesso
 
 PegScore score(const NamedMethod& method, const PegData& data, const std::vector<int>& cases,
                const PegStudyOptions& options) {
+  check_ranges(options);
   const int dear = method.dear ? options.dear_stride : 1;
   const PegMethod contacts_of = method.make();
   Rms still_size, still, moving_size, moving;

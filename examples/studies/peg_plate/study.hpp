@@ -21,6 +21,7 @@ struct PegStudyOptions {
   bool tilted = false;     // train besides on as many cases on plates tilted at random (surface only)
   int threads = 1;         // no result depends on it
 };
+void describe(SettingVisitor& visit, PegStudyOptions& options);
 
 /// The sets of the study: surface with plate tilts of 0.1, 0.3 and 0 degrees, edge with 0.1 and 0.3.
 struct PegSet {

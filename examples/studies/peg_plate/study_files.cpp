@@ -13,6 +13,7 @@
 #include "examples/common/gnuplot.hpp"
 #include "examples/common/kept_json.hpp"
 #include "geometry/check.hpp"
+#include "geometry/settings.hpp"
 #include "io/atomic_file.hpp"
 #include "io/csv_table.hpp"
 #include "io/number_table.hpp"
@@ -27,20 +28,15 @@ const std::vector<std::string> kColumns{"t",  "static", "px", "py", "pz", "qw", 
                                         "qz", "vx",     "vy", "vz", "wx", "wy", "wz", "fx",
                                         "fy", "fz",     "tx", "ty", "tz", "Fx", "Fy", "Fz"};
 
-Json json_of(const PegStudyOptions& o) {
-  return {{"scenario", to_string(o.plant.scenario)},
-          {"tilt_deg", o.plant.tilt},
-          {"scatter_deg", o.plant.scatter},
-          {"step_s", o.plant.step},
-          {"sample_s", o.plant.sample},
-          {"count", o.plant.count},
-          {"leans", o.plant.leans},
-          {"tilted", o.tilted},
-          {"seed", o.plant.seed},
-          {"rho", o.view.rho},
-          {"reading", to_string(o.view.reading)},
-          {"hidden", o.training.hidden},
-          {"iterations", o.training.iterations}};
+// What the results depend on; a value that is no JSON is a text.
+Json json_of(const PegStudyOptions& options) {
+  Json out;
+  for (const SettingValue& one : values_of(options)) {
+    if (one.setting.changes_nothing) continue;
+    const Json value = Json::parse(one.value, nullptr, false);
+    out[one.path] = value.is_discarded() ? Json(one.value) : value;
+  }
+  return out;
 }
 
 struct ScoreField {

@@ -8,6 +8,7 @@
 
 #include "examples/common/random.hpp"
 #include "geometry/check.hpp"
+#include "geometry/settings.hpp"
 
 namespace aussois {
 namespace {
@@ -115,11 +116,18 @@ Loss training_loss(const Network& network, const MatX& X, const MatX& Y, double 
   return loss_of(network, scaled(network, X), Y, decay);
 }
 
+void describe(SettingVisitor& visit, TrainingOptions& o) {
+  visit.begin("TrainingOptions");
+  visit.count({"hidden", "number of units of the hidden layer", "", {1, 10000}, "--hidden"}, o.hidden);
+  visit.count({"iterations", "maximum number of L-BFGS iterations", "", {1, 1e6}, "--iterations"},
+              o.iterations);
+  visit.number({"decay", "weight decay", "-", not_negative()}, o.decay);
+  visit.seed({"seed", "seed of the first weights"}, o.seed);
+}
+
 Training train(const MatX& X, const MatX& Y, const TrainingOptions& options,
                const std::function<bool(int, double)>& progress) {
-  require_field(options.hidden >= 1, "TrainingOptions::hidden", options.hidden, "be at least 1");
-  require_field(options.iterations >= 1, "TrainingOptions::iterations", options.iterations, "be at least 1");
-  require_field(options.decay >= 0, "TrainingOptions::decay", options.decay, "be at least 0");
+  check_ranges(options);
   require(X.cols() == Y.cols() && X.cols() > 0, "train: X has " + std::to_string(X.cols()) +
                                                     " samples and Y " + std::to_string(Y.cols()) +
                                                     ", they must have the same number, at least one");

@@ -9,12 +9,15 @@
 
 namespace aussois {
 
+class SettingVisitor;
+
 struct TrainingOptions {
-  int hidden = 40;         // >= 1
-  int iterations = 100;    // of L-BFGS, >= 1; with more it learns the noise (doc/theory/peg_plate.md)
+  int hidden = 40;         // units, in [1, 10000]
+  int iterations = 100;    // of L-BFGS, in [1, 1e6]; with more it learns the noise (doc/theory/peg_plate.md)
   double decay = 1e-5;     // on the squares of all weights and biases, >= 0
   std::uint64_t seed = 1;  // of the first weights
 };
+void describe(SettingVisitor& visit, TrainingOptions& options);
 
 /// Weights N(0, 1 / fan in), biases zero, scaling from the columns of X (inputs x samples): mean and standard
 /// deviation, 1 where an input never changes.

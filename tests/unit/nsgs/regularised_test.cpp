@@ -342,13 +342,15 @@ TEST(Regularised, RefusesWhatItCannotMean) {
   EXPECT_NE(message_of([&] { solve_regularised(problem, -R); }).find("R = -"), std::string::npos);
   EXPECT_NE(message_of([&] { with_restitution(problem.q, problem.q, problem.laws, 2); }).find("e = 2"),
             std::string::npos);
-  EXPECT_NE(message_of([] { friction_reading("ccp"); }).find("convex_cone"), std::string::npos);
+  EXPECT_EQ(message_of([&] { solve_regularised(problem, R, {}, {.tolerance = 1}); }),
+            "RegularisedOptions::tolerance = 1 must lie in (0, 1)");
   problem.laws[1] = bilateral(3);
   EXPECT_NE(message_of([&] { solve_regularised(problem, R); }).find("laws[1].kind"), std::string::npos);
 }
 
 TEST(Regularised, ReadingsHaveNames) {
-  for (const FrictionReading reading : kAll) EXPECT_EQ(friction_reading(to_string(reading)), reading);
+  for (const FrictionReading reading : kAll)
+    EXPECT_EQ(value_named(to_string(reading), "reading", kFrictionReadings), reading);
 }
 
 }  // namespace
