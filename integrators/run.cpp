@@ -9,6 +9,7 @@
 
 #include "geometry/check.hpp"
 #include "geometry/number_text.hpp"
+#include "geometry/settings.hpp"
 #include "integrators/pose/joint_rows.hpp"
 #include "integrators/prove/certify_step.hpp"
 #include "mechanics/mechanism.hpp"
@@ -76,13 +77,14 @@ void check_gaps(const Model& model, const State& state) {
 }  // namespace
 
 void validate_start(const Model& model, const State& state, const AdvancementOptions& options,
-                    double joint_tolerance) {
+                    const JointOptions& joints) {
   validate(model);
   validate(model, state);
   validate(options);
+  check_ranges(joints);
   check_coordinates(model, state);
   check_gaps(model, state);
-  check_joints(model, state, joint_tolerance);
+  check_joints(model, state, joints.tolerance);
   if (!options.certify) return;
   const std::string wrong =
       wrong_start(model, state, body_bounds(model), pieces_of_shapes(model), options, 1);

@@ -13,10 +13,10 @@ namespace aussois {
 /// Throws std::invalid_argument naming what is wrong, its value and its bound, if validate(model, state)
 /// refuses; if base complexes of two bodies are nearer than the certificate allows (CA-6); if a body lies
 /// inside the solid of another (CA-19), which no step after the first checks; if a joint is off by more than
-/// `joint_tolerance` [m, rad] (`consistent` corrects that); or if a block or gap function has matrices of the
+/// the tolerance of `joints` (`consistent` corrects that); or if a block or gap function has matrices of the
 /// wrong size, or a mass that is not symmetric and positive definite.
 void validate_start(const Model& model, const State& state, const AdvancementOptions& options = {},
-                    double joint_tolerance = 1e-6);
+                    const JointOptions& joints = {});
 
 /// The nearest poses, in the metric of the masses, at which all joints, couplings and position motors without
 /// a limit hold (Newton's method, to 1e-13 m and rad or as far as rounding allows), and the nearest

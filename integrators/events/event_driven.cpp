@@ -280,14 +280,23 @@ namespace {
 
 StepSetting setting_of(const Model& model, StepOptions step, const EventDrivenOptions& own) {
   validate(own);
-  step.solver.tolerance =
-      StepOptions{}.solver.tolerance;  // a comparison gives all schemes that of the others
+  step.solver.tolerance = SolverOptions{}.tolerance;  // a comparison sets it for all schemes
   refuse_unread(step, EventDriven::unread(), "event_driven");
   step.solver.tolerance = own.tolerance;
   return step_setting(model, step);
 }
 
 }  // namespace
+
+std::vector<std::string> EventDriven::unread() {
+  std::vector<std::string> out{
+      "correction_speed", "touching",          "joints.project",     "joints.stabilisation",
+      "solver.tolerance", "advancement.min_h", "advancement.growth", "advancement.max_attempts",
+      "update",           "keep_problem"};
+  for (const SettingValue& one : values_of(StepOptions{}))  // all contacts count, and none is matched
+    if (one.path.starts_with("reduction.") || one.path.starts_with("persistence.")) out.push_back(one.path);
+  return out;
+}
 
 EventDriven::EventDriven(const Model& model, const StepOptions& step, const EventDrivenOptions& own)
     : setting_(std::make_shared<const StepSetting>(setting_of(model, step, own))), own_(own) {

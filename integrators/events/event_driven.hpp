@@ -60,16 +60,10 @@ class EventDriven {
   /// the report says moved(). Throws for arguments that do not fit (check_fits), not for numerical trouble.
   [[nodiscard]] StepReport step(State& state, double h_limit = kInf) const;
 
-  /// Options of a step that the scheme does not read; they are refused if they are set.
-  static std::vector<std::string> unread() {
-    return {"update",
-            "keep_problem",
-            "solver.tolerance",
-            "persistence.anchors",
-            "advancement.min_h",
-            "reduction.reducer",
-            "reduction.friction"};
-  }
+  /// Options of a step that the scheme does not read. They are refused if they are set, all but
+  /// "solver.tolerance": a comparison sets it for all schemes, and here EventDrivenOptions::tolerance stands
+  /// for it. Drivers refuse its flag.
+  static std::vector<std::string> unread();
 
  private:
   std::shared_ptr<const StepSetting> setting_;

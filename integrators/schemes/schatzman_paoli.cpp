@@ -54,7 +54,7 @@ void describe(SettingVisitor& visit, SchatzmanPaoliOptions& o) {
                 .unit = "-",
                 .range = {0, 1},
                 .flag = "--force-theta",
-                .label = "theta %"},
+                .label = "force theta %"},
                o.force_theta);
 }
 

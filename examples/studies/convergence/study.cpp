@@ -186,6 +186,7 @@ ComputedMotion run_case(const Case& c, const std::string& scheme_name, const Sch
 Study study(const Case& c, const std::string& scheme, SchemeOptions scheme_options, const StudyOptions& o,
             const std::function<bool(int level)>& level_done, const StudyDump& dump) {
   validate(o);
+  refuse_unread(scheme_options, {"step.h", "step.solver.tolerance"}, "a study");
   const SchemeTraits traits = scheme_traits(scheme, scheme_options);
   require_applies(c, scheme, scheme_options);
   const std::vector<double> sizes = step_sizes(o.h > 0 ? o.h : c.h, o.levels + kMoreLevels);

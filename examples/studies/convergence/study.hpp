@@ -88,7 +88,8 @@ inline constexpr int kMoreLevels = 4;
 /// The study, of the scheme as it is delivered: with its certificate, which shortens long steps that would
 /// end too deep in each other, and with them their errors. Step sizes where that happens do not count as
 /// levels: up to kMoreLevels shorter ones are added. Steps and tolerance of the scheme are those of
-/// `options`. `level_done` is called after each step size and ends the study early if it returns false.
+/// `options`; they are refused in `scheme_options`. `level_done` is called after each step size and ends the
+/// study early if it returns false.
 Study study(const Case& c, const std::string& scheme, SchemeOptions scheme_options,
             const StudyOptions& options, const std::function<bool(int level)>& level_done = {},
             const StudyDump& dump = {});

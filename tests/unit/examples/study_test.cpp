@@ -111,6 +111,15 @@ TEST(Study, RefusesAPlasticSchemeWhereThingsBounce) {
             std::string::npos);
 }
 
+// Steps and tolerance have one place each.
+TEST(Study, RefusesStepsAndToleranceAmongTheOptionsOfTheScheme) {
+  const auto refusal = [](const StepOptions& step) {
+    return message_of([&] { study(case_named("incline_30"), "moreau_jean", {.step = step}, {}); });
+  };
+  EXPECT_EQ(refusal({.h = 0.1}), "step.h = 0.1 is not read by a study");
+  EXPECT_EQ(refusal({.solver = {.tolerance = 1e-6}}), "step.solver.tolerance = 1e-06 is not read by a study");
+}
+
 TEST(Study, RefusesPairwiseImpactsWhereContactsCloseAtOnce) {
   SchemeOptions options = moreau(0.5);
   options.moreau_jean.impact.order = ImpactOrder::sequential;

@@ -165,6 +165,9 @@ TEST(SchemeOptions, AreRefusedWhereASchemeDoesNotReadThem) {
               std::string("persistence.anchors = true is not read by ") + scheme);
   EXPECT_EQ(refusal("event_driven", {.update = GroupUpdate::cayley}),
             "update = cayley is not read by event_driven");
+  EXPECT_EQ(refusal("event_driven", {.reduction = {.min_margin = 0.2}}),
+            "reduction.min_margin = 0.2 is not read by event_driven");
+  EXPECT_EQ(refusal("event_driven", {.solver = {.tolerance = 1e-6}}), "");  // comparisons set it for all
   EXPECT_EQ(refusal("generalised_alpha", {.joints = {.stabilisation = 0.3}}),
             "joints.stabilisation = 0.3 is not read by generalised_alpha");
   const std::vector<std::string> unread = unread_by("schatzman_paoli");

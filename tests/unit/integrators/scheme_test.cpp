@@ -100,6 +100,8 @@ TEST(Scheme, HasALabelOfItsOwnForEachVariant) {
   std::sort(labels.begin(), labels.end());
   EXPECT_EQ(std::adjacent_find(labels.begin(), labels.end()), labels.end());
   EXPECT_GE(labels.size(), 6u);  // Moreau-Jean: two theta, three normal laws
+  EXPECT_EQ(label("schatzman_paoli", {.schatzman_paoli = {.force_theta = 0.5}}),
+            "schatzman_paoli force theta 0.5");  // not the theta of Moreau-Jean
 }
 
 TEST(Scheme, PromisesOrderTwoAtTheMidpointOnly) {

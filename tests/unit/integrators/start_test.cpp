@@ -36,6 +36,8 @@ TEST(Start, IsRefusedInOverlapBeyondTheDilations) {
   EXPECT_EQ(refusal(s.model, s.state), "");
   EXPECT_EQ(message_of([&] { validate_start(s.model, s.state, {.max_overlap = 2}); }).find("Advancement"),
             0U);
+  EXPECT_EQ(message_of([&] { validate_start(s.model, s.state, {}, {.tolerance = 0}); }).find("JointOptions"),
+            0U);
 }
 
 // Overlap of bodies that a joint lets pass is nobody's business; of those that collide by it, it names it.
