@@ -229,13 +229,14 @@ int main(int argc, char** argv) {
   Arguments a;
   Cli cli("bench_many_bodies", "Times pairs, contacts and a step per body, from 1e3 to 1e5 bodies in a box.");
   cli.group("scene");
-  cli.choice("--scene", a.scene, "the bodies", {"spheres", "mixed_parts", "both"});
+  cli.choice("--scene", a.scene, "kind of the bodies", {"spheres", "mixed_parts", "both"});
   cli.option("--largest", a.largest, "number of bodies", "", {1000, 1e6});
   cli.option("--largest-step", a.largest_step, "number of bodies up to which steps are timed", "", {0, 1e6});
-  cli.option("--sweeps", a.max_sweeps, "of the solver in that step", "", {1, 1e6});
-  cli.option("--repeats", a.repeats, "of each query; the fastest counts", "", {1, 1000});
+  cli.option("--sweeps", a.max_sweeps, "maximum number of sweeps of the solver in a timed step", "",
+             {1, 1e6});
+  cli.option("--repeats", a.repeats, "number of runs of each query; the fastest counts", "", {1, 1000});
   cli.group("output");
-  cli.option("--json", a.json, "file for all columns");
+  cli.option("--json", a.json, "write all columns to this JSON file");
   cli.common(a.common);
   cli.example("bench_many_bodies --largest 10000", "both scenes");
   cli.example("bench_many_bodies --scene spheres --largest-step 0 --json many.json", "queries alone");

@@ -192,9 +192,9 @@ SimplicialComplex make_solid(Surface surface) {
 
 void describe(SettingVisitor& visit, FastenerOptions& o) {
   visit.begin("FastenerOptions");
-  visit.number({"diameter", "nominal diameter of the thread", "m", positive()}, o.diameter);
-  visit.number({"pitch", "rise of the thread per turn", "m", positive()}, o.pitch);
-  visit.number({"clearance", "radial gap between the threads", "m", positive()}, o.clearance);
+  visit.number({"diameter", "nominal diameter of the thread", "m", positive_range()}, o.diameter);
+  visit.number({"pitch", "rise of the thread per turn", "m", positive_range()}, o.pitch);
+  visit.number({"clearance", "radial gap between the threads", "m", positive_range()}, o.clearance);
   visit.count({"facets", "number of facets per turn", "", {16, 240}}, o.facets);
   visit.count({"bolt_turns", "threaded length of the bolt in pitches", "", {1, 100}}, o.bolt_turns);
   visit.count({"nut_turns", "height of the nut in pitches", "", {1, 100}}, o.nut_turns);

@@ -4,7 +4,7 @@
 //
 //   void describe(SettingVisitor& visit, FallOptions& o) {
 //     visit.begin("FallOptions");
-//     visit.number({"h", "largest step", "s", positive()}, o.h);
+//     visit.number({"h", "largest step", "s", positive_range()}, o.h);
 //     visit.choice({.name = "law", .what = "of impacts", .flag = "--impact-law"}, o.law, kImpactLaws);
 //     visit.group("solver", o.solver);
 //   }
@@ -28,19 +28,19 @@ struct Range {
   double highest = std::numeric_limits<double>::infinity();
   bool open_below = false, open_above = false;
 };
-inline Range positive() {
+inline Range positive_range() {
   return {0, std::numeric_limits<double>::infinity(), true, true};  // and finite
 }
-inline Range not_negative() {
+inline Range not_negative_range() {
   return {0, std::numeric_limits<double>::infinity(), false, true};  // and finite
 }
 inline Range at_least(double lowest) {
   return {.lowest = lowest};
 }
-inline Range above(double lowest) {
+inline Range range_above(double lowest) {
   return {.lowest = lowest, .open_below = true};
 }
-inline Range inside(double lowest, double highest) {
+inline Range open_range(double lowest, double highest) {
   return {lowest, highest, true, true};
 }
 inline Range open_below(double lowest, double highest) {

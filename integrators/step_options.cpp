@@ -27,7 +27,7 @@ void describe(SettingVisitor& visit, JointOptions& o) {
   visit.number({"stabilisation", "fraction of the joint drift that a step removes", "-", {0, 1}},
                o.stabilisation);
   visit.number(
-      {"tolerance", "largest joint error at the start and after each projection", "m, rad", positive()},
+      {"tolerance", "largest joint error at the start and after each projection", "m, rad", positive_range()},
       o.tolerance);
 }
 
@@ -55,10 +55,10 @@ void describe(SettingVisitor& visit, AdvancementOptions& o) {
 
 void describe(SettingVisitor& visit, StepOptions& o) {
   visit.begin("StepOptions");
-  visit.number({"h", "largest step", "s", positive()}, o.h);
+  visit.number({"h", "largest step", "s", positive_range()}, o.h);
   visit.number({"correction_speed", "largest speed at which overlaps are pushed apart", "m/s", at_least(0)},
                o.correction_speed);
-  visit.number({"touching", "largest gap that counts as closed", "m, rad", not_negative()}, o.touching);
+  visit.number({"touching", "largest gap that counts as closed", "m, rad", not_negative_range()}, o.touching);
   visit.group("joints", o.joints);
   visit.group("lmd", o.lmd);
   visit.group("reduction", o.reduction);

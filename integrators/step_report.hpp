@@ -88,7 +88,7 @@ struct StepEvent {
   EventKind kind = EventKind::impact;
   double t = 0;               // [s]
   BodyId body_a{}, body_b{};  // of a contact
-  int slot = -1;              // of an axis or gap function: first entry of State::r
+  int slot = -1;              // of an axis or gap function, see axis_slot and gap_of; -1: a contact
   double speed = 0;           // impacts: normal closing speed [m/s, rad/s], >= 0
 };
 

@@ -79,12 +79,10 @@ double total_of_nothing(Keep keep) {
   return keep == Keep::least ? kInf : 0;
 }
 
-double kept(Keep keep, double total, double value) {
+double next_total(Keep keep, double total, double value) {
   switch (keep) {
     case Keep::nothing:
       break;
-    case Keep::last:
-      return value;
     case Keep::least:
       return std::min(total, value);
     case Keep::most:

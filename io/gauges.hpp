@@ -22,7 +22,7 @@ struct Frame {
 };
 
 /// What a gauge keeps of its values.
-enum class Keep { nothing, last, least, most, sum };
+enum class Keep { nothing, least, most, sum };
 
 struct Gauge {
   std::string column{};  // name in the table; empty: no column
@@ -35,7 +35,7 @@ struct Gauge {
 
 /// The total of a run without steps: infinity for the least, 0 for all others.
 double total_of_nothing(Keep keep);
-double kept(Keep keep, double total, double value);
+double next_total(Keep keep, double total, double value);
 
 /// Finds a gauge of the kernel by the name of its column, or of its total if it has no column. Throws
 /// std::invalid_argument listing the known names.

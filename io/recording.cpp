@@ -161,7 +161,7 @@ void Recording::add(const State& state, const StepReport& report) {
     const double value = g.value(frame);
     if (in_row) row.push_back(value);
     if (in_row && is_in_run(g)) in_run.push_back(value);
-    r.total[i] = kept(g.keep, r.total[i], value);
+    r.total[i] = next_total(g.keep, r.total[i], value);
   }
   if (recorded) {
     RunStep step = run_step(r.steps, r.model, state, report, r.pull(state));

@@ -479,8 +479,9 @@ bool is_finite(const RigidMotion& motion) {
 
 void describe(SettingVisitor& visit, CertificateOptions& o) {
   visit.begin("CertificateOptions");
-  visit.number({"required", "distance that is never undercut", "m", above(0)}, o.required);
-  visit.number({"wanted", "distance above which pairs are not examined further", "m", above(0)}, o.wanted);
+  visit.number({"required", "distance that is never undercut", "m", range_above(0)}, o.required);
+  visit.number({"wanted", "distance above which pairs are not examined further", "m", range_above(0)},
+               o.wanted);
   visit.count(
       {"max_halvings", "maximum number of halvings of the time interval of two simplices", "", at_least(0)},
       o.max_halvings);

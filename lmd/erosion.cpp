@@ -213,7 +213,7 @@ void describe(SettingVisitor& visit, ErosionOptions& o) {
   visit.number({.name = "depth",
                 .what = "dilation of the part, and depth of its erosion",
                 .unit = "m",
-                .range = positive(),
+                .range = positive_range(),
                 .flag = "--dilation"},
                o.depth);
   visit.number(planarity_setting(), o.planarity);
@@ -235,7 +235,7 @@ void describe(SettingVisitor& visit, ErosionOptions& o) {
   visit.number({.name = "max_rounding",
                 .what = "largest rounding; an erosion that rounds by more is refused",
                 .unit = "m",
-                .range = above(0),
+                .range = range_above(0),
                 .flag = "--max-rounding"},
                o.max_rounding);
   visit.count({.name = "samples",
@@ -276,12 +276,12 @@ ErosionResult erode(const SimplicialComplex& solid, const ErosionOptions& option
   result.triangle_region = made.triangle_region;
   const SurfaceTree inner(result.complex);
   const auto rounded = rounded_parts(solid, result.ideal, fans, made.wave, options.depth);
-  result.measures = measure_erosion(solid, result.complex, inner, options.depth, options.samples,
-                                    [&](int t, const Vec3& x, const SurfacePoint&) {
-                                      const auto region = result.ideal.triangle_region[t];
-                                      return std::ranges::none_of(
-                                          rounded[region], [&](const Rounded& r) { return within(r, x); });
-                                    });
+  result.measures = measure_erosion_where(
+      solid, result.complex, inner, options.depth, options.samples,
+      [&](int t, const Vec3& x, const SurfacePoint&) {
+        const auto region = result.ideal.triangle_region[t];
+        return std::ranges::none_of(rounded[region], [&](const Rounded& r) { return within(r, x); });
+      });
   predict(solid, result.ideal, fans, made.wave, made.triangle_region, inner, options, result.measures);
   if (result.measures.shallow >
       options.depth - least_depth(made.wave, options, size) + 2 * result.ideal.tolerance) {

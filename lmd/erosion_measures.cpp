@@ -78,9 +78,9 @@ Thickness smallest_thickness(const SimplicialComplex& k, const SurfaceTree& tree
   return best;
 }
 
-ErosionMeasures measure_erosion(const SimplicialComplex& solid, const SimplicialComplex& eroded,
-                                const SurfaceTree& inner, double depth, int samples,
-                                const IsRestored& restored) {
+ErosionMeasures measure_erosion_where(const SimplicialComplex& solid, const SimplicialComplex& eroded,
+                                      const SurfaceTree& inner, double depth, int samples,
+                                      const IsRestored& restored) {
   const SurfaceTree outer(solid);
   ErosionMeasures out;
   out.rounding = -kInf;
@@ -113,11 +113,11 @@ ErosionMeasures measure_erosion(const SimplicialComplex& solid, const Simplicial
                                 int samples) {
   const SurfaceTree inner(eroded);
   const ConvexParts convex = convex_parts(eroded, inner);
-  return measure_erosion(solid, eroded, inner, depth, samples,
-                         [&](int, const Vec3&, const SurfacePoint& foot) {
-                           return !(foot.dim == 1 && convex.edges[foot.simplex]) &&
-                                  !(foot.dim == 0 && convex.vertices[foot.simplex]);
-                         });
+  return measure_erosion_where(solid, eroded, inner, depth, samples,
+                               [&](int, const Vec3&, const SurfacePoint& foot) {
+                                 return !(foot.dim == 1 && convex.edges[foot.simplex]) &&
+                                        !(foot.dim == 0 && convex.vertices[foot.simplex]);
+                               });
 }
 
 }  // namespace aussois

@@ -20,8 +20,8 @@ Thickness smallest_thickness(const SimplicialComplex& solid, const SurfaceTree& 
 /// Fills shallow, face_error, rounding, hausdorff, thickness and samples. `restored(triangle, x, foot)` says
 /// whether the dilation should restore a sample of the solid; `inner` is the tree of the eroded solid.
 using IsRestored = std::function<bool(int triangle, const Vec3& x, const SurfacePoint& foot)>;
-ErosionMeasures measure_erosion(const SimplicialComplex& solid, const SimplicialComplex& eroded,
-                                const SurfaceTree& inner, double depth, int samples,
-                                const IsRestored& restored);
+ErosionMeasures measure_erosion_where(const SimplicialComplex& solid, const SimplicialComplex& eroded,
+                                      const SurfaceTree& inner, double depth, int samples,
+                                      const IsRestored& restored);
 
 }  // namespace aussois

@@ -229,7 +229,7 @@ void describe(SettingVisitor& visit, SearchTests& o) {
 
 void describe(SettingVisitor& visit, LmdOptions& o) {
   visit.begin("LmdOptions");
-  visit.number({"threshold", "largest gap of a contact", "m", not_negative()}, o.threshold);
+  visit.number({"threshold", "largest gap of a contact", "m", not_negative_range()}, o.threshold);
   visit.number({"alpha", "rotation tolerated at a local minimum", "rad", {0, 0.5}}, o.alpha);
   visit.number({"alpha_ee", "the same for edge against edge", "rad", {0, 1}}, o.alpha_ee);
   visit.count({.name = "threads",

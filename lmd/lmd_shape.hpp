@@ -29,8 +29,7 @@ enum class SimplexClass : std::uint8_t {
   v_wide,    // end or bend of a wire, point, corner of a sheet: the normal cone contains a line or more
   e_crease,  // edge with a normal arc below 180 degrees
   e_wide,    // wire, or border of a sheet
-  face,
-  silent,  // can never carry a contact; not in the hierarchy
+  silent,    // can never carry a contact; not in the hierarchy
 };
 
 /// A corner: an essential vertex.

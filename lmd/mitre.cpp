@@ -55,9 +55,9 @@ Mitre joined(const std::vector<SplitPoint>& triples, std::span<const VertexPlane
 
 void describe(SettingVisitor& visit, MitreOptions& o) {
   visit.begin("MitreOptions");
-  visit.number({"meet", "distance of planes from a point at which they meet", "-", positive()}, o.meet);
+  visit.number({"meet", "distance of planes from a point at which they meet", "-", positive_range()}, o.meet);
   visit.number({"deviation", "distance of planes from a point at which they may be taken to meet", "-",
-                not_negative()},
+                not_negative_range()},
                o.deviation);
   visit.toggle({"split", "let a vertex become several"}, o.split);
 }

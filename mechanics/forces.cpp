@@ -93,7 +93,7 @@ std::vector<Triplet> free_entries(const std::vector<Triplet>& entries, const Lay
   return out;
 }
 
-void add_block(std::vector<Triplet>& out, int at, const MatX& block, double scale) {
+void add_diagonal_block(std::vector<Triplet>& out, int at, const MatX& block, double scale) {
   for (int j = 0; j < block.cols(); ++j)
     for (int i = 0; i < block.rows(); ++i)
       if (block(i, j) != 0) out.emplace_back(at + i, at + j, scale * block(i, j));
@@ -121,12 +121,12 @@ Forces forces_at(const Model& model, const State& state, const Layout& dofs) {
     const Coordinates& block = model.coordinates[i];
     const int row = dofs.coordinates + first_coordinate(model, i);
     const VecX q = coordinates(model, state, i), v = speeds(model, state, i);
-    add_block(mass, row, block_mass(model, i, q), 1);
+    add_diagonal_block(mass, row, block_mass(model, i, q), 1);
     if (!block.force) continue;
     const CoordinateForce own = block_force(model, i, state.t, q, v);
     out.laws.segment(row, block.size) += own.f;
-    add_block(C, row, own.C, 1);
-    add_block(K, row, own.K, 1);
+    add_diagonal_block(C, row, own.C, 1);
+    add_diagonal_block(K, row, own.K, 1);
   }
   out.mass = square_matrix(dofs.rows, mass);
   out.K = square_matrix(dofs.rows, K);

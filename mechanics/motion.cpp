@@ -48,14 +48,14 @@ VecX velocity_between(const State& state, const State& plain, const State& end, 
   return v;
 }
 
-void lead(const Model& model, State& state, BodyId body, const SE3& target, double time) {
-  require_field(model.bodies.contains(body), "lead: body", body,
+void lead_body(const Model& model, State& state, BodyId body, const SE3& target, double time) {
+  require_field(model.bodies.contains(body), "lead_body: body", body,
                 ("lie in [0, " + to_string(model.bodies.next()) + ")").c_str());
   const RigidBody& led = model.bodies[body];
   require(std::holds_alternative<Driven>(led.motion),
-          "lead: body " + to_string(body) + " (" + led.name + ") must be driven");
-  require_field(time > 0, "lead: time", time, "be positive [s]");
-  twist(state, body) = twist_between(pose(state, body), checked_pose(target, "lead: target"), time);
+          "lead_body: body " + to_string(body) + " (" + led.name + ") must be driven");
+  require_field(time > 0, "lead_body: time", time, "be positive [s]");
+  twist(state, body) = twist_between(pose(state, body), checked_pose(target, "lead_body: target"), time);
 }
 
 VecX prescribed_velocity(const Model& model, const State& state, double h) {
@@ -98,10 +98,6 @@ State state_after(const Model& model, const State& state, const VecX& v_path, co
 const char* to_string(GroupUpdate update) {
   return name_of(update, kGroupUpdates);
 }
-GroupUpdate group_update(const std::string& name) {
-  return value_named(name, "group update", kGroupUpdates);
-}
-
 VecX path_velocity(GroupUpdate update, const Model& model, const State& state, const VecX& v, double h) {
   if (update == GroupUpdate::exponential) return v;  // (LIE-1)
   VecX out = v;

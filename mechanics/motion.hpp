@@ -23,7 +23,7 @@ VecX velocity_between(const State& state, const State& plain, const State& end, 
 /// Gives a driven body the constant twist that leads it from its present pose to `target` in `time` [s], the
 /// shorter way round. The body keeps this twist until it is led elsewhere. Throws std::invalid_argument
 /// unless the body is driven, `target` is a valid pose and the time is positive.
-void lead(const Model& model, State& state, BodyId body, const SE3& target, double time);
+void lead_body(const Model& model, State& state, BodyId body, const SE3& target, double time);
 
 /// Velocities of the bodies that are not dynamic, laid out as State::v; zero for everything free. A
 /// prescribed body moves from its pose at t to that at t + h at constant speeds; a driven one moves with its
@@ -47,8 +47,6 @@ inline constexpr Named<GroupUpdate> kGroupUpdates[] = {{GroupUpdate::exponential
                                                        {GroupUpdate::cayley, "cayley"},
                                                        {GroupUpdate::screw, "screw"}};
 const char* to_string(GroupUpdate update);
-/// The update with this name; throws std::invalid_argument listing all three names.
-GroupUpdate group_update(const std::string& name);
 /// The constant velocities (MJ-8) that lead where the update leads with the mean velocities `v`. Both are
 /// laid out as State::v.
 VecX path_velocity(GroupUpdate update, const Model& model, const State& state, const VecX& v, double h);

@@ -138,11 +138,36 @@ GapRows gap_function(const Model& model, const State& state, GapId gap, double t
   return out;
 }
 
+namespace {
+
+constexpr int kRowsOfAnAxis = 4, kRowsOfAJoint = 3 * kRowsOfAnAxis, kRowsOfAGap = 3;
+
 int first_gap_row(const Model& model) {
   return kRowsOfAJoint * int(model.joints.size());
 }
+
+}  // namespace
+
+int slot_of(const AxisSlot& of) {
+  return kRowsOfAJoint * of.joint.index() + kRowsOfAnAxis * of.axis + int(of.row);
+}
+int slot_of(const Model& model, GapId gap) {
+  return first_gap_row(model) + kRowsOfAGap * gap.index();
+}
 int row_count(const Model& model) {
-  return first_gap_row(model) + 3 * int(model.gaps.size());
+  return first_gap_row(model) + kRowsOfAGap * int(model.gaps.size());
+}
+bool is_of_axis(const Model& model, int slot) {
+  return slot >= 0 && slot < first_gap_row(model);
+}
+AxisSlot axis_slot(int slot) {
+  return {.joint = JointId::at(slot / kRowsOfAJoint),
+          .axis = slot % kRowsOfAJoint / kRowsOfAnAxis,
+          .row = AxisRow(slot % kRowsOfAnAxis)};
+}
+GapId gap_of(const Model& model, int slot) {
+  const int row = slot - first_gap_row(model);
+  return row < 0 ? GapId() : GapId::at(row / kRowsOfAGap);
 }
 
 std::uint64_t hash(const State& state) {

@@ -49,11 +49,24 @@ GapRows gap_function(const Model& model, const State& state, GapId gap, double t
 /// differs from 0.0.
 std::uint64_t hash(const State& state);
 
-/// Entries of State::r: stops, dry friction and limited motor of every axis of every joint, three axes each;
-/// then three rows per gap function.
-inline constexpr int kRowsOfAnAxis = 4, kRowsOfAJoint = 3 * kRowsOfAnAxis;
-int first_gap_row(const Model& model);
+/// Slots, the entries of State::r: stops, dry friction and limited motor of every axis of every joint, three
+/// axes each; then three rows per gap function.
+enum class AxisRow { lower_stop, upper_stop, friction, motor };
+struct AxisSlot {
+  JointId joint{};
+  int axis = 0;
+  AxisRow row = AxisRow::lower_stop;
+};
+int slot_of(const AxisSlot& of);
+/// The first of three.
+int slot_of(const Model& model, GapId gap);
 int row_count(const Model& model);
+/// False for a gap function, and for -1, a contact.
+bool is_of_axis(const Model& model, int slot);
+/// Inverts slot_of.
+AxisSlot axis_slot(int slot);
+/// None for an axis, and for -1, a contact.
+GapId gap_of(const Model& model, int slot);
 
 /// Energy of the dynamic bodies and the coordinates; `laws` is the sum of the potentials of force laws, joint
 /// springs and coordinates at the state's own time (MEC-4).

@@ -43,7 +43,7 @@ TrajectoryPoint trajectory_point(const Trajectory& path, double t) {
   return point;
 }
 
-Trajectory attached(const Trajectory& path, const SE3& g_old_new) {
+Trajectory path_of_attached_frame(const Trajectory& path, const SE3& g_old_new) {
   Trajectory result = path;
   for (SE3& pose : result.pose) pose = pose * g_old_new;
   return result;

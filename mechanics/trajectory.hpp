@@ -29,6 +29,6 @@ TrajectoryPoint trajectory_point(const Trajectory& path, double t);
 /// The same path for the frame g_old_new attached to the moving frame: pose * g_old_new, interpolated anew.
 /// It is exact at the rows and off between them by at most |g_old_new.p| phi^2 / 8 for a rotation by phi from
 /// row to row (TRJ-2).
-Trajectory attached(const Trajectory& path, const SE3& g_old_new);
+Trajectory path_of_attached_frame(const Trajectory& path, const SE3& g_old_new);
 
 }  // namespace aussois

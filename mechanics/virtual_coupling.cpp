@@ -81,12 +81,15 @@ double spring_energy(double x, double k, double limit) {
 
 void describe(SettingVisitor& visit, VirtualCouplingOptions& o) {
   visit.begin("VirtualCouplingOptions");
-  visit.number({"stiffness", "of translations", "N/m", positive()}, o.stiffness);
-  visit.number({"rotation_stiffness", "of rotations", "N m/rad", positive()}, o.rotation_stiffness);
-  visit.number({"damping_ratio", "of the critical damping of the body alone", "-", not_negative()},
+  visit.number({"stiffness", "stiffness of the coupling in translation", "N/m", positive_range()},
+               o.stiffness);
+  visit.number({"rotation_stiffness", "stiffness of the coupling in rotation", "N m/rad", positive_range()},
+               o.rotation_stiffness);
+  visit.number({"damping_ratio", "damping relative to the critical damping of the body alone", "-",
+                not_negative_range()},
                o.damping_ratio);
-  visit.number({"force_limit", "largest pull", "N", above(0)}, o.force_limit);
-  visit.number({"torque_limit", "largest torque", "N m", above(0)}, o.torque_limit);
+  visit.number({"force_limit", "largest force of the coupling", "N", range_above(0)}, o.force_limit);
+  visit.number({"torque_limit", "largest torque of the coupling", "N m", range_above(0)}, o.torque_limit);
 }
 
 void validate(const VirtualCouplingOptions& options) {

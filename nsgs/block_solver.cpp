@@ -60,7 +60,7 @@ Candidate<R> judged(const Block<R>& block, const Rows<R>& q, const Law& law, con
   return {r, std::isfinite(wrong) ? wrong : kInf, wrong <= allowed<R>(block, q, r)};
 }
 
-// r = answer(r - rho u) by Newton (ONE-2).
+// r = block_answer(r - rho u) by Newton (ONE-2).
 template <int R>
 Candidate<R> newton(const Block<R>& block, const Rows<R>& q, const Law& law, const Rows<R>& start) {
   Candidate<R> best = judged<R>(block, q, law, start);
@@ -70,7 +70,7 @@ Candidate<R> newton(const Block<R>& block, const Rows<R>& q, const Law& law, con
   for (int step = 0; step < kNewtonSteps && !best.good; ++step) {
     const Rows<R> y = I_minus_rho_W * r - block.rho.cwiseProduct(q);
     const RowBlock<R> J = RowBlock<R>::Identity(n, n) - answer_derivative<R>(law, y) * I_minus_rho_W;
-    const Rows<R> wrong = r - answer<R>(law, y);
+    const Rows<R> wrong = r - block_answer<R>(law, y);
     if constexpr (R != Eigen::Dynamic && R <= 4)
       r -= J.inverse() * wrong;
     else
@@ -150,7 +150,8 @@ BlockSolution<R> solved(const Block<R>& block, const Rows<R>& q, const Law& law,
   }
   if (block.regular && solver != LocalSolver::alart_curnier) {
     const Rows<R> stick = -block.inverse * q;
-    if (answer<R>(law, stick) == stick && judged<R>(block, q, law, stick).good) return {stick};  // (ONE-7)
+    if (block_answer<R>(law, stick) == stick && judged<R>(block, q, law, stick).good)
+      return {stick};  // (ONE-7)
   }
   if (law.kind == LawKind::bilateral) {
     const Rows<R> r = MatX(block.W).completeOrthogonalDecomposition().solve(VecX(-q));
@@ -167,7 +168,7 @@ BlockSolution<R> solved(const Block<R>& block, const Rows<R>& q, const Law& law,
       from.setZero();
       from[0] = -q[0] / block.W(0, 0);
     }
-    const Candidate<R> by_newton = newton<R>(block, q, law, answer<R>(law, from));
+    const Candidate<R> by_newton = newton<R>(block, q, law, block_answer<R>(law, from));
     if (by_newton.wrong < found.wrong) found = by_newton;
   }
   if (found.good || solver == LocalSolver::alart_curnier) return {found.r, found.good};
@@ -176,7 +177,7 @@ BlockSolution<R> solved(const Block<R>& block, const Rows<R>& q, const Law& law,
     const Candidate<R> now = enumerated<R>(block, q, law);
     if (now.good || now.wrong < found.wrong) found = now;
   } else {
-    const Candidate<R> now = proximal<R>(block, q, law, answer<R>(law, start));
+    const Candidate<R> now = proximal<R>(block, q, law, block_answer<R>(law, start));
     if (now.wrong < found.wrong) found = now;
   }
   return {found.r, found.good, fail_safe};

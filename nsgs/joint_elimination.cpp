@@ -271,10 +271,10 @@ LocalProblem condense(const FrictionProblem& problem) {
   validate(problem);
   const std::optional<MotionInverse> inverse = invert_motion(problem.M, problem.G);
   if (!inverse) throw std::runtime_error("condense: FrictionProblem::M is singular or not finite");
-  return condense(problem, *inverse);
+  return condense_with_inverse(problem, *inverse);
 }
 
-LocalProblem condense(const FrictionProblem& problem, const MotionInverse& inverse) {
+LocalProblem condense_with_inverse(const FrictionProblem& problem, const MotionInverse& inverse) {
   if (problem.laws.empty()) return {};
   const SparseMatrix Ht = problem.H.transpose();
   LocalProblem local{.W = product(Ht, inverse * problem.H), .laws = problem.laws};

@@ -32,6 +32,6 @@ struct JointedMotion {
 };
 JointedMotion motion(const FrictionProblem& problem, const MotionInverse& inverse, const VecX& r);
 
-LocalProblem condense(const FrictionProblem& problem, const MotionInverse& inverse);
+LocalProblem condense_with_inverse(const FrictionProblem& problem, const MotionInverse& inverse);
 
 }  // namespace aussois

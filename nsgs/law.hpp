@@ -199,7 +199,7 @@ Rows<R> project(const Law& law, Rows<R> r) {
 /// the answer of a block whose compliance is the same in every row. It is not the nearest point of the set:
 /// friction does not push back on the normal.
 template <int R>
-Rows<R> answer(const Law& law, Rows<R> y) {
+Rows<R> block_answer(const Law& law, Rows<R> y) {
   if (has_normal(law) && !(y[0] > 0)) return Rows<R>::Zero(y.size());
   if (R != 1 && law.kind == LawKind::coulomb) {
     const double radius = law.mu * y[0], length = tangential_length<R>(law, y);
@@ -213,7 +213,7 @@ Rows<R> answer(const Law& law, Rows<R> y) {
   return y;
 }
 
-/// One element of the generalised derivative of `answer` (LAW-7).
+/// One element of the generalised derivative of `block_answer` (LAW-7).
 template <int R>
 RowBlock<R> answer_derivative(const Law& law, const Rows<R>& y) {
   if (has_normal(law) && !(y[0] > 0)) return RowBlock<R>::Zero(y.size(), y.size());

@@ -58,7 +58,7 @@ inline void for_all(const SolverOptions& options, int n, const std::function<voi
 }
 
 /// Runs options.method.
-Iterate run(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
+Iterate run_method(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
 
 Iterate nsgs(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);
 Iterate coloured_nsgs(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report);

@@ -63,7 +63,7 @@ constexpr Named<ProxMetric> kMetrics[] = {
 
 }  // namespace
 
-Iterate run(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report) {
+Iterate run_method(Delassus& W, const Iterate& start, const SolverOptions& options, SolveReport& report) {
   return entry(options.method).run(W, start, options, report);
 }
 
@@ -128,7 +128,7 @@ void describe(SettingVisitor& visit, SolverOptions& o) {
   visit.number({.name = "tolerance",
                 .what = "tolerance on the scaled residual",
                 .unit = "-",
-                .range = inside(0, 1),
+                .range = open_range(0, 1),
                 .flag = "--tolerance"},
                o.tolerance);
   visit.count({.name = "max_iterations",
@@ -140,7 +140,7 @@ void describe(SettingVisitor& visit, SolverOptions& o) {
   visit.number({.name = "relaxation",
                 .what = "relaxation factor of nsgs, sor_prox, jor_prox and admm",
                 .unit = "-",
-                .range = inside(0, 2),
+                .range = open_range(0, 2),
                 .flag = "--relaxation"},
                o.relaxation);
   visit.choice({.name = "local", .what = "method by which nsgs solves a single contact", .flag = "--local"},

@@ -14,7 +14,7 @@ LocalSolution solve_one_contact(const Mat3& W, const Vec3& q, double mu, const V
   if (q[0] >= 0) return {};  // separation (ONE-1)
   const Law law = coulomb(mu);
   const double unit = size / w;
-  const Vec3 start = r_start.allFinite() ? answer<3>(law, r_start / unit) : Vec3(Vec3::Zero());
+  const Vec3 start = r_start.allFinite() ? block_answer<3>(law, r_start / unit) : Vec3(Vec3::Zero());
   const BlockSolution<3> found = solve_block(prepare_block(Mat3(W / w), law), q / size, law, start, solver);
   return {.r = found.r * unit, .solved = found.solved, .fail_safe = found.fail_safe};
 }

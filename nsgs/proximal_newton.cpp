@@ -25,7 +25,7 @@ VecX answers(const std::vector<Law>& laws, const VecX& s) {  // (PROX-3)
     VecX r(s.size());
     Eigen::Index k = 0;
     for (const Law& law : laws) {
-      r.segment<R>(k, law.rows) = answer<R>(law, s.segment<R>(k, law.rows));
+      r.segment<R>(k, law.rows) = block_answer<R>(law, s.segment<R>(k, law.rows));
       k += law.rows;
     }
     return r;

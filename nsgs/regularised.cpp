@@ -166,7 +166,7 @@ const char* to_string(FrictionReading reading) {
 void describe(SettingVisitor& visit, RegularisedOptions& o) {
   visit.begin("RegularisedOptions");
   visit.choice({"reading", "how friction is treated"}, o.reading, kFrictionReadings);
-  visit.number({"tolerance", "tolerance on the scaled residual", "-", inside(0, 1)}, o.tolerance);
+  visit.number({"tolerance", "tolerance on the scaled residual", "-", open_range(0, 1)}, o.tolerance);
   visit.count({"max_iterations", "maximum number of sweeps or steps", "", at_least(1)}, o.max_iterations);
 }
 

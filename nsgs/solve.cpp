@@ -66,7 +66,7 @@ void open(Part<FrictionProblem>& part) {
   const bool few_contacts = problem.f.size() > 2 * problem.w.size() || problem.laws.size() == 1;
   const bool condensed =
       part.inverse->mass.factor || part.inverse->joints || problem.R.size() > 0 || few_contacts;
-  part.W = condensed ? make_delassus(condense(problem, *part.inverse))
+  part.W = condensed ? make_delassus(condense_with_inverse(problem, *part.inverse))
                      : make_delassus(problem, part.inverse->mass);
   part.cancelled = cancelled(part);
 }
@@ -95,7 +95,7 @@ double estimated_error(Delassus& W, const Iterate& found) {
 Iterate further(Delassus& W, const Iterate& start, SolverOptions options, SolveReport& report) {
   SolveReport more;
   options.max_iterations = kFurther;
-  Iterate best = run(W, start, options, more);
+  Iterate best = run_method(W, start, options, more);
   report.iterations += more.iterations;
   report.newton_iterations += more.newton_iterations;
   report.local_failures += more.local_failures;
@@ -115,7 +115,7 @@ Solved solve_rows(Delassus& W, const VecX& r0, SolverOptions options, double flo
   if (start.residual > kGoodStart)
     if (Iterate none = judged(W, scaled_start(scaled, {}), options.method); !(start.residual < none.residual))
       start = std::move(none);
-  Iterate best = start.residual <= options.tolerance ? start : run(W, start, options, out.report);
+  Iterate best = start.residual <= options.tolerance ? start : run_method(W, start, options, out.report);
   if (best.residual > asked && best.residual <= floor && floor <= kFewDigits) {
     options.tolerance = asked;
     best = further(W, best, options, out.report);

@@ -96,7 +96,7 @@ void validate(const ClusteringOptions& options) {
 Clusters clusters_of(const ReductionInput& input, const ClusteringOptions& o) {
   switch (o.rule) {
     case Clustering::angle:
-      return clusters_of(input.contacts, o.angle);
+      return clusters_by_angle(input.contacts, o.angle);
     case Clustering::cube_map:
       return clusters_by_normals(input.contacts, {.method = NormalClustering::cube_map, .cube = o.cube});
     case Clustering::normals:

@@ -8,7 +8,7 @@
 
 namespace aussois {
 
-Clusters clusters_of(const ContactSet& found, double angle) {
+Clusters clusters_by_angle(const ContactSet& found, double angle) {
   const auto normal = [&](int i) -> const Vec3& { return found.points[i].normal; };
   const double chord = 2 * std::sin(angle / 2);
   const auto of_one_pair = [&](int i, int j) { return same_pair(found.points[i], found.points[j]); };

@@ -14,7 +14,7 @@ namespace aussois {
 using Clusters = std::vector<std::vector<int>>;
 
 /// `angle`: largest angle of a normal to that of the deepest contact of its cluster [rad], in (0, pi/2].
-Clusters clusters_of(const ContactSet& found, double angle);
+Clusters clusters_by_angle(const ContactSet& found, double angle);
 
 /// The members of each label, in their order. Labels count from 0; labels without members are left out.
 Clusters parts_of(const std::vector<int>& members, const std::vector<int>& label);

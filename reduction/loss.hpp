@@ -22,7 +22,7 @@ struct LossReport {
 };
 
 /// The worse of the two, field by field.
-inline LossReport worst(const LossReport& a, const LossReport& b) {
+inline LossReport worst_loss(const LossReport& a, const LossReport& b) {
   const auto off = [](double torsion) { return torsion > 0 ? std::abs(std::log(torsion)) : kInf; };
   return {.margin = std::min(a.margin, b.margin),
           .area = std::min(a.area, b.area),

@@ -91,7 +91,7 @@ void describe(SettingVisitor& visit, MeanContactOptions& o) {
                o.normal_length);
   visit.number({"friction_length", "length that a unit change of friction counts as", "m", at_least(0)},
                o.friction_length);
-  visit.number({"depth_floor", "added to the depth to give the weight of a contact", "m", above(0)},
+  visit.number({"depth_floor", "added to the depth to give the weight of a contact", "m", range_above(0)},
                o.depth_floor);
   visit.count({"max_iterations", "iterations of k-means", "", at_least(0)}, o.max_iterations);
 }

@@ -339,7 +339,7 @@ Selection reduce(const ReductionInput& input, const ReductionOptions& options) {
   for (std::size_t k = 0; k < clusters.size(); ++k) {
     for (const int i : clusters[k]) out.cluster[i] = int(k);
     mark[clusters[k].front()] = 1;  // the deepest, always
-    out.loss = worst(out.loss, complete(input, clusters[k], options.min_margin, mark));
+    out.loss = worst_loss(out.loss, complete(input, clusters[k], options.min_margin, mark));
   }
   for (std::size_t i = 0; i < mark.size(); ++i)
     if (mark[i]) out.kept.push_back(int(i));
@@ -363,7 +363,7 @@ LossReport measure_loss(const ContactSet& found, const Selection& selection) {
     std::swap(cluster.front(), *std::min_element(cluster.begin(), cluster.end(), [&](int i, int j) {
                 return found.points[i].gap < found.points[j].gap;
               }));
-    loss = worst(loss, complete({.contacts = found}, cluster, 0, mark));
+    loss = worst_loss(loss, complete({.contacts = found}, cluster, 0, mark));
   }
   return loss;
 }

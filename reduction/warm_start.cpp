@@ -209,8 +209,8 @@ Anchor moved_anchor(const RememberedContact& from, const ContactPoint& c, std::s
 void describe(SettingVisitor& visit, PersistenceOptions& o) {
   visit.begin("PersistenceOptions");
   visit.choice({"matching", "matching of contacts with those of the last step"}, o.matching, kMatchings);
-  visit.number({"reach", "largest motion of a contact matched by place", "m", not_negative()}, o.reach);
-  visit.number({"max_reach", "upper bound of that distance for moving bodies", "m", not_negative()},
+  visit.number({"reach", "largest motion of a contact matched by place", "m", not_negative_range()}, o.reach);
+  visit.number({"max_reach", "upper bound of that distance for moving bodies", "m", not_negative_range()},
                o.max_reach);
   visit.number(
       {"max_turn", "largest turn of the normal of a contact matched by place", "rad", open_above(0, kPi / 2)},
@@ -220,9 +220,9 @@ void describe(SettingVisitor& visit, PersistenceOptions& o) {
                o.anchors);
   visit.number({"anchor_rate", "fraction of the drift undone per step", "-", open_below(0, 1)},
                o.anchor_rate);
-  visit.number({"anchor_speed", "largest speed at which the drift is undone", "m/s", above(0)},
+  visit.number({"anchor_speed", "largest speed at which the drift is undone", "m/s", range_above(0)},
                o.anchor_speed);
-  visit.number({"slip_speed", "slip speed above which a contact releases its anchor", "m/s", above(0)},
+  visit.number({"slip_speed", "slip speed above which a contact releases its anchor", "m/s", range_above(0)},
                o.slip_speed);
 }
 

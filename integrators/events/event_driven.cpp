@@ -182,8 +182,8 @@ void EventRun::tell_contacts(const State& start) {
   std::ranges::sort(report_.gaps, {}, &StepGap::id);
   report_.law_work.assign(setting_.laws.size(), 0);
   for (const StepContact& c : report_.contacts)
-    add_work(setting_, contact_law(model_, c.point.a.body, c.point.b.body), c.work, report_);
-  for (const StepGap& gap : report_.gaps) add_work(setting_, model_.gaps[gap.id].law, gap.work, report_);
+    add_law_work(setting_, contact_law(model_, c.point.a.body, c.point.b.body), c.work, report_);
+  for (const StepGap& gap : report_.gaps) add_law_work(setting_, model_.gaps[gap.id].law, gap.work, report_);
 }
 
 StepReport EventRun::step(State& out) {
@@ -235,18 +235,18 @@ void describe(SettingVisitor& visit, OdeOptions& o) {
   visit.number({.name = "relative",
                 .what = "relative tolerance of the integration",
                 .unit = "-",
-                .range = inside(0, 1),
+                .range = open_range(0, 1),
                 .flag = "--ode-relative",
                 .label = "relative %"},
                o.relative);
   visit.number({.name = "absolute",
                 .what = "absolute tolerance of the integration",
                 .unit = "m, m/s, rad",
-                .range = positive(),
+                .range = positive_range(),
                 .flag = "--ode-absolute",
                 .label = "absolute %"},
                o.absolute);
-  visit.number({"largest_step", "largest step of the integration", "s", above(0)}, o.largest_step);
+  visit.number({"largest_step", "largest step of the integration", "s", range_above(0)}, o.largest_step);
   visit.count({"max_steps", "maximum number of integration steps in one step of the scheme", "", at_least(1)},
               o.max_steps);
 }
@@ -254,19 +254,20 @@ void describe(SettingVisitor& visit, OdeOptions& o) {
 void describe(SettingVisitor& visit, EventDrivenOptions& o) {
   visit.begin("EventDrivenOptions");
   visit.group("ode", o.ode);
-  visit.number({"horizon", "gap below which a contact is watched", "m", positive()}, o.horizon);
-  visit.number({"gap_tolerance", "gap below which a contact counts as closed", "m, rad", positive()},
+  visit.number({"horizon", "gap below which a contact is watched", "m", positive_range()}, o.horizon);
+  visit.number({"gap_tolerance", "gap below which a contact counts as closed", "m, rad", positive_range()},
                o.gap_tolerance);
-  visit.number({"rest_speed", "leaving speed below which a contact stays closed", "m/s, rad/s", positive()},
-               o.rest_speed);
-  visit.number({"stick_speed", "slip speed below which a contact may stick", "m/s, rad/s", positive()},
-               o.stick_speed);
   visit.number(
-      {"stiff_slip", "initial slip speed below which a piece is integrated with bdf", "m/s", not_negative()},
-      o.stiff_slip);
+      {"rest_speed", "leaving speed below which a contact stays closed", "m/s, rad/s", positive_range()},
+      o.rest_speed);
+  visit.number({"stick_speed", "slip speed below which a contact may stick", "m/s, rad/s", positive_range()},
+               o.stick_speed);
+  visit.number({"stiff_slip", "initial slip speed below which a piece is integrated with bdf", "m/s",
+                not_negative_range()},
+               o.stiff_slip);
   visit.count({"max_events", "maximum number of events in one step", "", at_least(1)}, o.max_events);
   visit.number(
-      {"tolerance", "tolerance on the scaled residual of impacts and accelerations", "-", inside(0, 1)},
+      {"tolerance", "tolerance on the scaled residual of impacts and accelerations", "-", open_range(0, 1)},
       o.tolerance);
 }
 

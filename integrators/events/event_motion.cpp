@@ -83,8 +83,8 @@ EventLayout layout_of(const StepSetting& setting, const std::vector<ClosedTouch>
 void add_touch(const Touch& touch, double p, const VecX& v, const VecX& on,
                Table<JointId, StepJoint>& joints) {
   const double moved = touch.u[0] - touch.N.col(0).dot(v);
-  add_effort(touch.slot, p, 1, joints);
-  add_work(touch.slot, p, moved + touch.N.col(0).dot(on), moved, joints);
+  add_effort(axis_slot(touch.slot), p, 1, joints);
+  add_axis_work(axis_slot(touch.slot), p, moved + touch.N.col(0).dot(on), moved, joints);
 }
 
 VecX EventRun::packed() const {
@@ -189,8 +189,8 @@ bool EventRun::rate(double t, const VecX& y, VecX& out) const {
     push(of_joints, force);
     const WorkedOn on = worked_on(s, v);
     add_forces(model_, held.columns, now.reaction, s.g, 1, joints);
-    add_work(model_, held.columns, now.reaction, on, joints);
-    add_work(model_, forces.axes, 0 * s.v, on, joints);
+    add_column_work(model_, held.columns, now.reaction, on, joints);
+    add_spring_and_motor_work(model_, forces.axes, 0 * s.v, on, joints);
     for (const JointId j : joints.ids())
       out.segment<kJointSums>(layout_.joints + kJointSums * j.index()) = sums_of(joints[j]);
   }

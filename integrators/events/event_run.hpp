@@ -90,7 +90,7 @@ class EventRun {
   void add_jump(const std::vector<Touch>& near, const Collision& hit, const VecX& before);
   WorkedOn worked_on(const State& state, const VecX& v) const;
   void project();
-  bool of_a_joint(const Touch& touch) const { return touch.slot >= 0 && touch.slot < first_gap_row(model_); }
+  bool of_a_joint(const Touch& touch) const { return is_of_axis(model_, touch.slot); }
   void tell(const SolveReport& solve) {
     add_part(solve, report_.solve);
     report_.solve.residual = std::max(report_.solve.residual, solve.residual);

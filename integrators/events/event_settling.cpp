@@ -43,7 +43,7 @@ void EventRun::add_impulse(const Touch& touch, const VecX& r, double work) {
   if (touch.slot >= 0) {
     state_.r.segment(touch.slot, r.size()) += r;
     if (of_a_joint(touch)) return;
-    const auto id = GapId::at((touch.slot - first_gap_row(model_)) / 3);
+    const auto id = gap_of(model_, touch.slot);
     const auto known = std::ranges::find(report_.gaps, id, &StepGap::id);
     StepGap& gap =
         known == report_.gaps.end() ? report_.gaps.emplace_back(StepGap{.id = id, .gap = touch.gap}) : *known;
@@ -129,7 +129,7 @@ void EventRun::add_jump(const std::vector<Touch>& near, const Collision& hit, co
   work_[by_joints] += middle.dot(impulse);
   momentum_.joints += momentum_given(setting_, state_, impulse);
   add_forces(model_, held.columns, hit.reaction, state_.g, 1, joints_);
-  add_work(model_, held.columns, hit.reaction, worked_on(state_, middle), joints_);
+  add_column_work(model_, held.columns, hit.reaction, worked_on(state_, middle), joints_);
 }
 
 WorkedOn EventRun::worked_on(const State& state, const VecX& v) const {
@@ -147,8 +147,8 @@ void EventRun::project() {
   momentum_.joints += momentum(model_, state_) - before;
   work_[by_joints] += kinetic(setting_, state_) - kinetic_before;
   add_forces(model_, held.columns, held.lambda, state_.g, 1, joints_);
-  add_work(model_, held.columns, held.lambda,
-           worked_on(state_, free_velocities(setting_.dofs, (v + state_.v) / 2)), joints_);
+  add_column_work(model_, held.columns, held.lambda,
+                  worked_on(state_, free_velocities(setting_.dofs, (v + state_.v) / 2)), joints_);
 }
 
 // The impacts that were left out would have ended after a geometric series of flights (EVD-9).

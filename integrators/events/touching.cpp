@@ -53,15 +53,16 @@ void add_axes(const StepSetting& setting, const State& state, std::vector<Touch>
       put(J, 0, joint.body_a, row.J_a);
       put(J, 0, joint.body_b, row.J_b);
       const double q = joint_coordinate(model, state, j, i);
-      const int slot = kRowsOfAJoint * j.index() + kRowsOfAnAxis * i;
+      const auto slot = [&](AxisRow of) { return slot_of({.joint = j, .axis = i, .row = of}); };
       if (axis.lower > -kInf)
-        out.push_back(
-            touch_of(setting, state, J, none, unilateral(), q - axis.lower, axis.restitution, slot));
+        out.push_back(touch_of(setting, state, J, none, unilateral(), q - axis.lower, axis.restitution,
+                               slot(AxisRow::lower_stop)));
       if (axis.upper < kInf)
-        out.push_back(
-            touch_of(setting, state, -J, none, unilateral(), axis.upper - q, axis.restitution, slot + 1));
+        out.push_back(touch_of(setting, state, -J, none, unilateral(), axis.upper - q, axis.restitution,
+                               slot(AxisRow::upper_stop)));
       if (axis.friction > 0)
-        out.push_back(touch_of(setting, state, J, none, dry_friction(axis.friction), -kInf, 0, slot + 2));
+        out.push_back(touch_of(setting, state, J, none, dry_friction(axis.friction), -kInf, 0,
+                               slot(AxisRow::friction)));
     }
   }
 }
@@ -79,7 +80,7 @@ void add_gap_functions(const StepSetting& setting, const State& state, std::vect
     J.middleCols(gap.block ? first_speed(model, gap.block) : 0, now.J.cols()) = now.J;
     const VecX rate = now.rate.size() > 0 ? now.rate : VecX(VecX::Zero(J.rows()));
     out.push_back(touch_of(setting, state, J, rate, law_of_rows(gap.law, J.rows()), now.gap,
-                           gap.law.restitution, first_gap_row(model) + 3 * i.index()));
+                           gap.law.restitution, slot_of(model, i)));
   }
 }
 

@@ -167,7 +167,7 @@ GapFunctionRows gap_rows(const Model& model, const State& state, const Layout& d
     const GapFunction& gap = model.gaps[i];
     const GapRows now = gap_function(model, state, i, state.t + reached.time);
     const Eigen::Index size = gap_columns(model, gap), first = gap.block ? first_speed(model, gap.block) : 0;
-    ContactRow row{.law = law_of(gap.law, now.J.rows()), .slot = first_gap_row(model) + 3 * i.index()};
+    ContactRow row{.law = law_of(gap.law, now.J.rows()), .slot = slot_of(model, i)};
     row.gap = now.gap;
     if (reached.time > 0 && now.rate.size() > 0) row.gap -= reached.time * now.rate[0];
     if (now.rate.size() > 0) row.w.head(now.J.rows()) = now.rate;

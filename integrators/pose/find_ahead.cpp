@@ -25,15 +25,13 @@ void leave_apart(const State& state, const Estimate& estimate, const Advancement
   std::ranges::sort(asked);
   const auto is_apart = [&](const StepPair& pair) {
     const double linear = 2 * o.max_overlap * pair.dilation * pair.dilation;
-    return pair.threshold * pair.threshold > linear &&
-           !std::ranges::binary_search(asked, BodyPair{pair.a, pair.b});
+    return pair.threshold * pair.threshold > linear && !std::ranges::binary_search(asked, bodies_of(pair));
   };
   std::ranges::copy_if(found.pairs, std::back_inserter(found.apart), is_apart);
   if (found.apart.empty()) return;
   std::erase_if(found.pairs, is_apart);
-  const auto bodies = [](const StepPair& pair) { return BodyPair{pair.a, pair.b}; };
   std::erase_if(found.contacts.points, [&](const ContactPoint& c) {
-    return std::ranges::binary_search(found.apart, BodyPair{c.a.body, c.b.body}, {}, bodies);
+    return std::ranges::binary_search(found.apart, BodyPair{c.a.body, c.b.body}, {}, bodies_of);
   });
 }
 

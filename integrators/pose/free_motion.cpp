@@ -49,13 +49,13 @@ void add_coordinates(const Model& model, const State& state, const Layout& dofs,
     const Coordinates& block = model.coordinates[i];
     const int row = dofs.coordinates + first_coordinate(model, i);
     const VecX q_i = coordinates(model, state, i), v_i = speeds(model, state, i);
-    add_block(mass, row, block_mass(model, i, q_i + h / 2 * v_i), 1);
+    add_diagonal_block(mass, row, block_mass(model, i, q_i + h / 2 * v_i), 1);
     v.segment(row, block.size) = v_i;
     if (!block.force) continue;
     const CoordinateForce force = block_force(model, i, state.t + theta * h, q_i + theta * h * v_i, v_i);
     laws.segment(row, block.size) += h * force.f;
-    add_block(law_D, row, force.C, h * theta);
-    add_block(law_D, row, force.K, h * h * theta * theta);
+    add_diagonal_block(law_D, row, force.C, h * theta);
+    add_diagonal_block(law_D, row, force.K, h * h * theta * theta);
   }
 }
 

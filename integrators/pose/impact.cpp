@@ -208,7 +208,7 @@ std::optional<ImpactJump> impact_jump(const Model& model, const State& state, co
   bool meets = false;
   for (int i = 0; i < int(rows.size()); ++i) {
     const ContactRow& row = rows[i];
-    if (row.slot >= 0 && row.slot < first_gap_row(model)) continue;
+    if (is_of_axis(model, row.slot)) continue;
     near.push_back(i);
     meets = meets || ((row.restitution > 0 || options.order == ImpactOrder::sequential) &&
                       closes(row.gap, slip_velocity(row, dofs, v).x(), h, law));

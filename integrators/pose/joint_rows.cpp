@@ -181,12 +181,14 @@ void add_axis(const JointStep& step, const JointPoses& middle, JointId j, int i,
   now.value = joint_coordinate(step.model, step.state, j, i);
   const JointRow mid = axis_row(joint, middle, i);
   const VelocityRow row_now = velocity_row(joint, now), row_mid = velocity_row(joint, mid);
-  const int slot = kRowsOfAJoint * j.index() + kRowsOfAnAxis * i;
-  if (axis.lower > -kInf) rows.push_back(stop(step, joint, axis, now, 1, axis.lower, slot));
-  if (axis.upper < kInf) rows.push_back(stop(step, joint, axis, now, -1, axis.upper, slot + 1));
+  const auto slot = [&](AxisRow of) { return slot_of({.joint = j, .axis = i, .row = of}); };
+  if (axis.lower > -kInf)
+    rows.push_back(stop(step, joint, axis, now, 1, axis.lower, slot(AxisRow::lower_stop)));
+  if (axis.upper < kInf)
+    rows.push_back(stop(step, joint, axis, now, -1, axis.upper, slot(AxisRow::upper_stop)));
   if (axis.friction > 0)
-    rows.push_back(
-        axis_law(joint, mid, 1, dry_friction(axis.friction * step.h), row_mid.times(step.v.moved), slot + 2));
+    rows.push_back(axis_law(joint, mid, 1, dry_friction(axis.friction * step.h), row_mid.times(step.v.moved),
+                            slot(AxisRow::friction)));
   if (!driven) return;
   const double at_end = step.mean ? joint_coordinate(step.model, step.mean->state, j, i) : 0;
   const double bias = step.motor_bias(axis.motor, row_now, row_mid, at_end);
@@ -194,7 +196,8 @@ void add_axis(const JointStep& step, const JointPoses& middle, JointId j, int i,
     equations.add(step.dofs, {ColumnKind::motor, j, i, mid}, row_mid, bias,
                   motor_error(step, axis.motor, j, i));
   else
-    rows.push_back(axis_law(joint, mid, 1, dry_friction(axis.motor.limit * step.h), bias, slot + 3));
+    rows.push_back(
+        axis_law(joint, mid, 1, dry_friction(axis.motor.limit * step.h), bias, slot(AxisRow::motor)));
 }
 
 JointSystem system_of(const JointStep& step, PerBody<SE3> middle_poses) {

@@ -241,7 +241,7 @@ void keep_those_of(const std::vector<StepPair>& pairs, ContactScratch& scratch) 
   kept.reserve(pairs.size());
   std::size_t next = 0;
   for (const StepPair& pair : pairs) {
-    bodies.push_back({pair.a, pair.b});
+    bodies.push_back(bodies_of(pair));
     while (next < scratch.bodies.size() && scratch.bodies[next] < bodies.back()) ++next;
     const bool known = next < scratch.bodies.size() && scratch.bodies[next] == bodies.back();
     kept.push_back(known ? std::move(scratch.pairs[next]) : PairScratch{});
@@ -261,9 +261,7 @@ ContactSet contacts_of(const Model& model, const State& state, const std::vector
                        const LmdOptions& options, ContactScratch& scratch) {
   const std::unique_lock lock(scratch.in_use, std::try_to_lock);
   if (!lock) return contacts_of(model, state, pairs, options);
-  const auto is_of = [](const StepPair& pair, const BodyPair& bodies) {
-    return BodyPair{pair.a, pair.b} == bodies;
-  };
+  const auto is_of = [](const StepPair& pair, const BodyPair& bodies) { return bodies_of(pair) == bodies; };
   if (!std::ranges::equal(pairs, scratch.bodies, is_of)) keep_those_of(pairs, scratch);
   return contacts_of(model, state, pairs, options, std::span(scratch.pairs));
 }

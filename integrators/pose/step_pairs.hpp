@@ -25,6 +25,9 @@ struct StepPair {
   double threshold = 0;  // contacts are searched for up to this gap [m]
   double rotation = 0;   // bound on the relative rotation [rad]
 };
+inline BodyPair bodies_of(const StepPair& pair) {
+  return {pair.a, pair.b};
+}
 
 /// What encloses a body's shape, seen from the body frame; nothing for a body without a shape.
 struct BodyBounds {

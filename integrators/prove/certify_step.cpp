@@ -60,8 +60,8 @@ namespace {
 
 // Where a plane may part the pair, from A to B: across its deepest contact, or from centre to centre.
 Vec3 likely_axis(const StepPath& path, const StepPair& pair, const ContactSet& contacts) {
-  const auto bodies = [](const ContactPoint& c) { return std::pair(c.a.body, c.b.body); };
-  const std::pair ours(pair.a, pair.b);
+  const auto bodies = [](const ContactPoint& c) { return BodyPair{c.a.body, c.b.body}; };
+  const BodyPair ours = bodies_of(pair);
   const ContactPoint* deepest = nullptr;
   for (auto c = std::ranges::lower_bound(contacts.points, ours, {}, bodies);
        c != contacts.points.end() && bodies(*c) == ours; ++c)
@@ -189,7 +189,7 @@ std::vector<BodyPair> driven_overlaps(const StepPath& path, const PerBody<BodyBo
         certify_pair(path, pair, apart, {.required = required, .wanted = required, .threads = threads});
     if (!proof.failure.empty() || find_nesting(posed(pair.a), pieces_of(path.model, pieces, pair.a),
                                                posed(pair.b), pieces_of(path.model, pieces, pair.b)))
-      out.push_back({pair.a, pair.b});
+      out.push_back(bodies_of(pair));
   }
   return out;
 }

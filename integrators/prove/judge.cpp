@@ -20,7 +20,7 @@ std::vector<BodyPair> meeting_pairs(const StepSetting& setting, const StepPath& 
     const StepCertificate proof = certify_apart(path, pair, setting.bounds, setting.options.threads);
     judgement.certificate_rounds += int(proof.rounds);
     judgement.min_base_distance = std::min(judgement.min_base_distance, proof.min_distance);
-    if (!proof.failure.empty()) out.emplace_back(pair.a, pair.b);
+    if (!proof.failure.empty()) out.push_back(bodies_of(pair));
   }
   return out;
 }

@@ -42,7 +42,7 @@ double certified_distance(const Audited& step, const StepPair& pair, double max_
 
 // Pairs reported to overlap are not certified.
 bool is_told(const StepPair& pair, const StepReport& report) {
-  return std::ranges::binary_search(report.driven_overlaps, BodyPair{pair.a, pair.b});
+  return std::ranges::binary_search(report.driven_overlaps, bodies_of(pair));
 }
 
 double extent(const Audited& step, const State& there, BodyId body) {

@@ -156,7 +156,7 @@ void describe(SettingVisitor& visit, NewtonOptions& o) {
                .flag = "--newton-iterations",
                .label = "implicit"},
               o.max_iterations);
-  visit.number({"tolerance", "largest change of a velocity at convergence", "m/s, rad/s", positive()},
+  visit.number({"tolerance", "largest change of a velocity at convergence", "m/s, rad/s", positive_range()},
                o.tolerance);
   visit.toggle(
       {.name = "gap_hessians", .what = "include gap Hessians in the Newton matrix", .flag = "--gap-hessians"},

@@ -35,12 +35,6 @@ void add_forces(const Model& model, const std::vector<JointColumn>& columns, con
 
 namespace {
 
-// Of an axis: stops, dry friction, limited motor.
-enum AxisSlot { lower_stop, upper_stop, of_friction, of_motor };
-AxisSlot kind_of(int slot) {
-  return AxisSlot(slot % kRowsOfAnAxis);
-}
-
 // Of an impulse along a row: `part` on both bodies, and what that leaves to moved ones.
 void add_row_work(const Joint& joint, const JointRow& row, double p, const WorkedOn& on, double& part,
                   double& supports) {
@@ -50,13 +44,12 @@ void add_row_work(const Joint& joint, const JointRow& row, double p, const Worke
 
 }  // namespace
 
-void add_effort(int slot, double p, double time, Table<JointId, StepJoint>& joints) {
-  Vec3& effort = joints[JointId::at(slot / kRowsOfAJoint)].effort;
-  effort[slot % kRowsOfAJoint / kRowsOfAnAxis] += (kind_of(slot) == upper_stop ? -p : p) / time;
+void add_effort(const AxisSlot& of, double p, double time, Table<JointId, StepJoint>& joints) {
+  joints[of.joint].effort[of.axis] += (of.row == AxisRow::upper_stop ? -p : p) / time;
 }
 
-void add_work(const Model& model, const std::vector<JointColumn>& columns, const VecX& lambda,
-              const WorkedOn& on, Table<JointId, StepJoint>& joints) {
+void add_column_work(const Model& model, const std::vector<JointColumn>& columns, const VecX& lambda,
+                     const WorkedOn& on, Table<JointId, StepJoint>& joints) {
   for_each_row(columns, lambda, [&](const JointColumn& column, JointId j, const JointRow& row, double p) {
     JointWork& work = joints[j].work;
     double& part = column.kind == ColumnKind::locked  ? work.locked
@@ -66,15 +59,16 @@ void add_work(const Model& model, const std::vector<JointColumn>& columns, const
   });
 }
 
-void add_work(int slot, double p, double u, double moved, Table<JointId, StepJoint>& joints) {
-  JointWork& work = joints[JointId::at(slot / kRowsOfAJoint)].work;
-  const AxisSlot kind = kind_of(slot);
-  (kind == of_motor ? work.motors : kind == of_friction ? work.friction : work.stops) += p * u;
+void add_axis_work(const AxisSlot& of, double p, double u, double moved, Table<JointId, StepJoint>& joints) {
+  JointWork& work = joints[of.joint].work;
+  (of.row == AxisRow::motor      ? work.motors
+   : of.row == AxisRow::friction ? work.friction
+                                 : work.stops) += p * u;
   work.supports -= p * moved;
 }
 
-void add_work(const Model& model, const std::vector<AxisImpulse>& axes, const VecX& change,
-              const WorkedOn& on, Table<JointId, StepJoint>& joints) {
+void add_spring_and_motor_work(const Model& model, const std::vector<AxisImpulse>& axes, const VecX& change,
+                               const WorkedOn& on, Table<JointId, StepJoint>& joints) {
   for (const AxisImpulse& axis : axes) {
     const Joint& joint = model.joints[axis.joint];
     JointWork& work = joints[axis.joint].work;

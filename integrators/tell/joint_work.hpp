@@ -13,17 +13,17 @@ struct WorkedOn {
   VecX moved{};  // those of moved bodies, zero elsewhere
 };
 /// Adds to the reports of the joints what impulses do over `time` [s]: `lambda` along columns, at the poses
-/// `g`; `p` along the row that begins at entry `slot` of State::r.
+/// `g`; `p` along a row of an axis.
 void add_forces(const Model& model, const std::vector<JointColumn>& columns, const VecX& lambda,
                 const PerBody<SE3>& g, double time, Table<JointId, StepJoint>& joints);
-void add_effort(int slot, double p, double time, Table<JointId, StepJoint>& joints);
+void add_effort(const AxisSlot& of, double p, double time, Table<JointId, StepJoint>& joints);
 /// Adds their work (MJT-16); that of a row is on its speed `u`, of which `moved` is the part of moved bodies.
-void add_work(const Model& model, const std::vector<JointColumn>& columns, const VecX& lambda,
-              const WorkedOn& on, Table<JointId, StepJoint>& joints);
-void add_work(int slot, double p, double u, double moved, Table<JointId, StepJoint>& joints);
+void add_column_work(const Model& model, const std::vector<JointColumn>& columns, const VecX& lambda,
+                     const WorkedOn& on, Table<JointId, StepJoint>& joints);
+void add_axis_work(const AxisSlot& of, double p, double u, double moved, Table<JointId, StepJoint>& joints);
 /// Adds the work of springs, dampers and effort motors; the velocity at the end differs by `change` from that
 /// at the start.
-void add_work(const Model& model, const std::vector<AxisImpulse>& axes, const VecX& change,
-              const WorkedOn& on, Table<JointId, StepJoint>& joints);
+void add_spring_and_motor_work(const Model& model, const std::vector<AxisImpulse>& axes, const VecX& change,
+                               const WorkedOn& on, Table<JointId, StepJoint>& joints);
 
 }  // namespace aussois

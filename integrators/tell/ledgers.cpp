@@ -95,13 +95,12 @@ MomentumLedger momentum_ledger(const StepSetting& setting, const State& state, c
 void tell_work(const StepSetting& setting, const ImpulseStep& step, const VecX& r, const VecX& v_end,
                StepReport& report) {
   const Layout& dofs = setting.dofs;
-  const int first_gap = first_gap_row(setting.model);
   report.law_work.assign(setting.laws.size(), 0);
   double sum = 0;
   for (std::size_t k = 0; k < step.solved.kept.size(); ++k) {
     const auto i = std::size_t(step.solved.kept[k]);
     const ContactRow& row = step.rows[i];
-    if (row.slot >= 0 && row.slot < first_gap) continue;
+    if (is_of_axis(setting.model, row.slot)) continue;
     const VecX::ConstSegmentReturnType r_k = r.segment(step.solved.first_row[k], row.law.rows);
     double work = step.impact ? step.impact->work[i] : 0;
     if (!r_k.isZero(0)) {  // most contacts of a pile have none
@@ -110,12 +109,12 @@ void tell_work(const StepSetting& setting, const ImpulseStep& step, const VecX& 
     }
     if (row.slot < 0) {
       report.contacts[k].work = work;
-      add_work(setting, contact_law(setting.model, row.body_a, row.body_b), work, report);
+      add_law_work(setting, contact_law(setting.model, row.body_a, row.body_b), work, report);
     }
     for (StepGap& gap : report.gaps)
-      if (first_gap + 3 * gap.id.index() == row.slot) {
+      if (gap.id == gap_of(setting.model, row.slot)) {
         gap.work = work;
-        add_work(setting, setting.model.gaps[gap.id].law, work, report);
+        add_law_work(setting, setting.model.gaps[gap.id].law, work, report);
       }
     sum += work;
   }
@@ -140,7 +139,7 @@ Momentum momentum_given(const StepSetting& setting, const State& state, const Ve
   return out;
 }
 
-void add_work(const StepSetting& setting, const ContactLaw& law, double work, StepReport& report) {
+void add_law_work(const StepSetting& setting, const ContactLaw& law, double work, StepReport& report) {
   const auto known = std::ranges::find(setting.laws, law);
   require(known != setting.laws.end(), "model: a contact law has changed since the scheme was made");
   report.law_work[known - setting.laws.begin()] += work;
@@ -181,27 +180,28 @@ Table<JointId, StepJoint> step_joints(const StepSetting& setting, const ImpulseS
   Table<JointId, StepJoint> out(model.joints.size());
   if (step.impact) {
     add_forces(model, step.impact->columns, step.impact->lambda, step.impact->middle, h, out);
-    add_work(model, step.impact->columns, step.impact->lambda,
-             {all_velocities(dofs, step.impact->v_mean, moved), moved}, out);
+    add_column_work(model, step.impact->columns, step.impact->lambda,
+                    {all_velocities(dofs, step.impact->v_mean, moved), moved}, out);
   }
   add_forces(model, step.joints.columns, lambda, step.joints.middle, time, out);
   if (step.between.empty()) {
-    add_work(model, step.joints.columns, lambda, mean, out);
+    add_column_work(model, step.joints.columns, lambda, mean, out);
     add_forces(model, held.columns, held.lambda, next.g, time, out);
   } else {
-    add_work(model, step.joints.columns, step.solved.solution.lambda, mean, out);
-    for (const JointImpulses& p : step.between) add_work(model, p.columns, p.lambda, mean, out);
+    add_column_work(model, step.joints.columns, step.solved.solution.lambda, mean, out);
+    for (const JointImpulses& p : step.between) add_column_work(model, p.columns, p.lambda, mean, out);
   }
-  add_work(model, held.columns, held.lambda, mean, out);
+  add_column_work(model, held.columns, held.lambda, mean, out);
   for (std::size_t k = 0; k < step.solved.kept.size(); ++k) {
     const ContactRow& row = step.rows[step.solved.kept[k]];
-    if (row.slot < 0 || row.slot >= first_gap_row(model)) continue;
+    if (!is_of_axis(model, row.slot)) continue;
     const double p = r[step.solved.first_row[k]];
-    add_effort(row.slot, p, time, out);
-    add_work(row.slot, p, normal_speed(row, mean.v), normal_speed(row, moved), out);
+    add_effort(axis_slot(row.slot), p, time, out);
+    add_axis_work(axis_slot(row.slot), p, normal_speed(row, mean.v), normal_speed(row, moved), out);
   }
   const VecX path = all_velocities(dofs, move.v_path, moved);
-  add_work(model, step.free->axes, all_velocities(dofs, v_solved - v, 0 * moved), {path, moved}, out);
+  add_spring_and_motor_work(model, step.free->axes, all_velocities(dofs, v_solved - v, 0 * moved),
+                            {path, moved}, out);
   return out;
 }
 

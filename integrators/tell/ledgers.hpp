@@ -21,7 +21,7 @@ struct StepBalance {
 Momentum momentum_given(const StepSetting& setting, const State& state, const VecX& impulse);
 
 /// Adds to the work of a contact law in a report that has one entry for each of setting.laws.
-void add_work(const StepSetting& setting, const ContactLaw& law, double work, StepReport& report);
+void add_law_work(const StepSetting& setting, const ContactLaw& law, double work, StepReport& report);
 
 /// For a step from `state` to `next`, fills in energy and momentum, the work of each contact and gap
 /// function, impulse_gain and energy_rises. The report must have its contacts and gap functions already.

@@ -88,7 +88,7 @@ Impulses sorted_impulses(const Model& model, const std::vector<ContactRow>& rows
       continue;
     }
     out.r.segment(row.slot, count) = r.segment(first, count);
-    if (row.slot < first_gap_row(model)) out.of_joints.segment(first, count) = r.segment(first, count);
+    if (is_of_axis(model, row.slot)) out.of_joints.segment(first, count) = r.segment(first, count);
   }
   return out;
 }
@@ -135,7 +135,7 @@ std::vector<StepGap> step_gaps(const Model& model, const ImpulseStep& step, std:
   std::vector<StepGap> out;
   for (const GapId i : model.gaps.ids())
     if (const ContactRow& row = step.rows[contacts + i.index()]; row.active)
-      out.push_back({i, step.gap[i], r.segment<3>(first_gap_row(model) + 3 * i.index())});
+      out.push_back({i, step.gap[i], r.segment<3>(slot_of(model, i))});
   return out;
 }
 

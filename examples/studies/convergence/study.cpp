@@ -67,7 +67,7 @@ std::string reason(std::size_t measure, const Case& c, const SchemeTraits& trait
 
 void describe(SettingVisitor& visit, StudyOptions& o) {
   visit.begin("StudyOptions");
-  visit.number({"h", "largest step; 0: that of the case", "s", not_negative(), "--h0"}, o.h);
+  visit.number({"h", "largest step; 0: that of the case", "s", not_negative_range(), "--h0"}, o.h);
   visit.count({"levels", "number of step sizes, each about half the one before", "", {3, 16}, "--levels"},
               o.levels);
   visit.count({"phases",

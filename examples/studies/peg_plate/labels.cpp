@@ -58,9 +58,10 @@ const char* to_string(LabelMode mode) {
 void describe(SettingVisitor& visit, LabelOptions& o) {
   visit.begin("LabelOptions");
   visit.choice({"mode", "how targets follow from the errors"}, o.mode, kNamesOfModes);
-  visit.number({"tau", "scale of the errors of soft targets", "-", positive()}, o.tau);
-  visit.number({"delta", "difference of errors within which a choice serves a sample", "-", not_negative()},
-               o.delta);
+  visit.number({"tau", "scale of the errors of soft targets", "-", positive_range()}, o.tau);
+  visit.number(
+      {"delta", "difference of errors within which a choice serves a sample", "-", not_negative_range()},
+      o.delta);
 }
 
 std::vector<int> chosen_labels(const MatX& errors, const LabelOptions& options) {

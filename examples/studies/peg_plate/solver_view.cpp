@@ -29,9 +29,9 @@ MatX directions(const PegSample& sample, std::span<const PegContact> contacts) {
 void describe(SettingVisitor& visit, SolverView& o) {
   visit.begin("SolverView");
   visit.number({"rho", "regularisation of the solver", "-", {0, 1}, "--rho"}, o.rho);
-  visit.number({"mu", "friction coefficient", "-", not_negative()}, o.mu);
+  visit.number({"mu", "friction coefficient", "-", not_negative_range()}, o.mu);
   visit.number({"e", "restitution coefficient", "-", {0, 1}}, o.e);
-  visit.number({"step", "time step of the solver", "s", positive()}, o.step);
+  visit.number({"step", "time step of the solver", "s", positive_range()}, o.step);
   visit.choice({.name = "reading", .what = "how the solver treats friction", .flag = "--reading"}, o.reading,
                kFrictionReadings);
 }

@@ -121,7 +121,7 @@ void describe(SettingVisitor& visit, TrainingOptions& o) {
   visit.count({"hidden", "number of units of the hidden layer", "", {1, 10000}, "--hidden"}, o.hidden);
   visit.count({"iterations", "maximum number of L-BFGS iterations", "", {1, 1e6}, "--iterations"},
               o.iterations);
-  visit.number({"decay", "weight decay", "-", not_negative()}, o.decay);
+  visit.number({"decay", "weight decay", "-", not_negative_range()}, o.decay);
   visit.seed({"seed", "seed of the first weights"}, o.seed);
 }
 

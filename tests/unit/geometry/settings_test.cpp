@@ -34,7 +34,7 @@ void describe(SettingVisitor& visit, Room& o) {
   visit.choice({.name = "colour", .what = "of its walls", .label = "% walls", .in_every_label = true},
                o.colour, kColours);
   visit.group("lamp", o.lamp);
-  visit.number({"height", "of its walls", "m", positive(), nullptr, "height %"}, o.height);
+  visit.number({"height", "of its walls", "m", positive_range(), nullptr, "height %"}, o.height);
 }
 
 std::string refusal(const Room& room) {
@@ -56,20 +56,20 @@ TEST(Settings, CheckRangesAndNameTheMember) {
 TEST(Settings, HaveOpenAndClosedEnds) {
   const double inf = std::numeric_limits<double>::infinity();
   EXPECT_TRUE(contains({0, 1}, 0) && contains({0, 1}, 1));
-  EXPECT_FALSE(contains(inside(0, 1), 0) || contains(inside(0, 1), 1));
+  EXPECT_FALSE(contains(open_range(0, 1), 0) || contains(open_range(0, 1), 1));
   EXPECT_TRUE(contains(open_above(0, 1), 0) && !contains(open_above(0, 1), 1));
-  EXPECT_TRUE(contains(above(0), inf) && !contains(above(0), 0));
-  EXPECT_FALSE(contains(not_negative(), inf));
+  EXPECT_TRUE(contains(range_above(0), inf) && !contains(range_above(0), 0));
+  EXPECT_FALSE(contains(not_negative_range(), inf));
   EXPECT_TRUE(contains(at_least(0), inf));
   EXPECT_FALSE(contains({}, std::nan("")));
   EXPECT_EQ(range_text({}), "");
   EXPECT_EQ(range_text({0, 1}), "in [0, 1]");
-  EXPECT_EQ(range_text(inside(0, 2)), "in (0, 2)");
+  EXPECT_EQ(range_text(open_range(0, 2)), "in (0, 2)");
   EXPECT_EQ(range_text(at_least(1)), ">= 1");
-  EXPECT_EQ(range_text(positive()), "> 0 and finite");
+  EXPECT_EQ(range_text(positive_range()), "> 0 and finite");
   EXPECT_EQ(range_text({.highest = 3}), "<= 3");
   EXPECT_EQ(range_order({.highest = 3}), "be <= 3");
-  EXPECT_EQ(range_order(above(0)), "be > 0");
+  EXPECT_EQ(range_order(range_above(0)), "be > 0");
 }
 
 TEST(Settings, HavePathsAndValues) {

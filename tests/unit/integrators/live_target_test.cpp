@@ -35,7 +35,7 @@ class LiveTarget : public ::testing::TestWithParam<SchemeVariant> {};
 TEST_P(LiveTarget, LedFromRowToRowMovesAsTheRecordedPath) {
   constexpr int kSteps = 60;
   Scene recorded = block_on_plate(0.5, 0, 0);
-  const Trajectory path = attached(swing(kSteps), pose(recorded.state, recorded.ground));
+  const Trajectory path = path_of_attached_frame(swing(kSteps), pose(recorded.state, recorded.ground));
   recorded.model.bodies[recorded.ground].motion = Prescribed{path};
   Scene led = recorded;
   led.model.bodies[led.ground].motion = Driven{};
@@ -44,7 +44,7 @@ TEST_P(LiveTarget, LedFromRowToRowMovesAsTheRecordedPath) {
   const Scheme along = make_scheme(GetParam().name, recorded.model, options),
                live = make_scheme(GetParam().name, led.model, options);
   for (int k = 0; k < kSteps; ++k) {
-    lead(led.model, led.state, led.ground, path.pose[k + 1], kStep);
+    lead_body(led.model, led.state, led.ground, path.pose[k + 1], kStep);
     const StepReport a = along.step(recorded.state, kInf), b = live.step(led.state, kInf);
     ASSERT_TRUE(a.ok() && b.ok()) << a.reason << b.reason;
     if (a.h < kStep) return;  // rows and steps part; what came before counts
@@ -69,7 +69,7 @@ TEST(LiveTarget, AHandleThatIsLedPullsAsAPathDoes) {
   State a = rest_state(recorded), b = rest_state(led);
   const MoreauJean along(recorded, {.h = kStep}, {.theta = 0.5}), live(led, {.h = kStep}, {.theta = 0.5});
   for (int k = 0; k < kSteps; ++k) {
-    lead(led, b, handle, path.pose[k + 1], kStep);
+    lead_body(led, b, handle, path.pose[k + 1], kStep);
     const double within = a.t + kStep / 2;
     EXPECT_LT((coupling_wrench(recorded, a, 0, path, spring, within).force -
                coupling_wrench(led, b, 0, handle, spring, within).force)
@@ -86,7 +86,7 @@ TEST(LiveTarget, GoesOnAsItWasLed) {
   Model model;
   const auto hand = add(model, driven_body("hand"));
   State state = rest_state(model);
-  lead(model, state, hand, {exp_so3(Vec3(0, 0, 0.1)), Vec3(1, 2, 3)}, 0.5);
+  lead_body(model, state, hand, {exp_so3(Vec3(0, 0, 0.1)), Vec3(1, 2, 3)}, 0.5);
   const MoreauJean scheme(model, {.h = 0.1}, {.theta = 1});
   for (int k = 0; k < 10; ++k) ASSERT_TRUE(scheme.step(state).ok());
   EXPECT_LT((pose(state, hand).p - Vec3(2, 4, 6)).norm(), 1e-12);
@@ -98,9 +98,11 @@ TEST(LiveTarget, IsRefusedForBodiesThatAreNotLed) {
   add(model, {.name = "part", .mass = 2, .inertia = Mat3::Identity()});
   const auto hand = add(model, driven_body("hand"));
   State state = rest_state(model);
-  EXPECT_EQ(message_of([&] { lead(model, state, 0, {}, 1); }), "lead: body 0 (part) must be driven");
-  EXPECT_EQ(message_of([&] { lead(model, state, 2, {}, 1); }), "lead: body = 2 must lie in [0, 2)");
-  EXPECT_EQ(message_of([&] { lead(model, state, hand, {}, 0); }), "lead: time = 0 must be positive [s]");
+  EXPECT_EQ(message_of([&] { lead_body(model, state, 0, {}, 1); }),
+            "lead_body: body 0 (part) must be driven");
+  EXPECT_EQ(message_of([&] { lead_body(model, state, 2, {}, 1); }), "lead_body: body = 2 must lie in [0, 2)");
+  EXPECT_EQ(message_of([&] { lead_body(model, state, hand, {}, 0); }),
+            "lead_body: time = 0 must be positive [s]");
   EXPECT_EQ(message_of([&] { (void)virtual_coupling(model, 0, 0); }),
             "virtual_coupling: handle = 0 must lie in [0, 2) and not be the body");
   EXPECT_EQ(message_of([&] { (void)virtual_coupling(model, hand, 0); }),

@@ -18,7 +18,6 @@ TEST(Recording, GoesOnWithItsTotalsAndItsTable) {
   std::vector<Gauge> list =
       gauges({"step", "t", "min_gap", "displacement", "total:solver_failures", "total:max_contacts"});
   list.push_back({"speed", "top_speed", Keep::most, [](const Frame& f) { return f.state.v.norm(); }});
-  list.push_back({"", "last_speed", Keep::last, [](const Frame& f) { return f.state.v.norm(); }});
   list.push_back(
       {"", "travel", Keep::sum, [](const Frame& f) { return (f.state.g[1].p - f.before.g[1].p).norm(); }});
   const auto run = [&](const std::string& name, int stop) {
@@ -42,7 +41,6 @@ TEST(Recording, GoesOnWithItsTotalsAndItsTable) {
       recording.close();
       recording.set(told);
       EXPECT_EQ(recording.steps(), 100);
-      EXPECT_EQ(recording.total("last_speed"), state.v.norm());
     }
     return std::pair(to_json(told), content_of(options.folder / "steps.csv"));
   };

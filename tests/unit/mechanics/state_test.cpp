@@ -132,6 +132,34 @@ TEST(State, IsRefusedUnlessItFitsTheModel) {
   }
 }
 
+// Two joints of three axes with four rows each, then two gap functions of three rows.
+TEST(State, HasASlotForEachRowOfAnAxisAndOfAGapFunction) {
+  Model model;
+  model.joints.resize(2);
+  model.gaps.resize(2);
+  EXPECT_EQ(row_count(model), 2 * 3 * 4 + 2 * 3);
+  int next = 0;
+  for (const JointId joint : model.joints.ids())
+    for (int axis = 0; axis < 3; ++axis)
+      for (const AxisRow row :
+           {AxisRow::lower_stop, AxisRow::upper_stop, AxisRow::friction, AxisRow::motor}) {
+        const int slot = slot_of({.joint = joint, .axis = axis, .row = row});
+        EXPECT_EQ(slot, next++);
+        const AxisSlot back = axis_slot(slot);
+        EXPECT_TRUE(back.joint == joint && back.axis == axis && back.row == row) << slot;
+        EXPECT_TRUE(is_of_axis(model, slot) && !gap_of(model, slot)) << slot;
+      }
+  for (const GapId gap : model.gaps.ids()) {
+    EXPECT_EQ(slot_of(model, gap), next);
+    for (int row = 0; row < 3; ++row, ++next) {
+      EXPECT_EQ(gap_of(model, next), gap);
+      EXPECT_FALSE(is_of_axis(model, next));
+    }
+  }
+  EXPECT_EQ(next, row_count(model));
+  EXPECT_TRUE(!is_of_axis(model, -1) && !gap_of(model, -1));  // a contact
+}
+
 TEST(State, EnergyIsThatByHand) {
   Model model = two_bodies();
   model.gravity = {0, 0, -10};

@@ -94,7 +94,7 @@ TEST(Trajectory, IsExactForAScrewAtTheRows) {
     path.pose.push_back(screw(0.7 * i));
   }
   for (const double t : {0.05, 0.1, 0.333, 0.8}) {
-    const SE3 g = trajectory_point(attached(path, translation(0, 0, 0.01)), t).pose,
+    const SE3 g = trajectory_point(path_of_attached_frame(path, translation(0, 0, 0.01)), t).pose,
               exact = screw(7 * t) * translation(0, 0, 0.01);
     EXPECT_LT((g.p - exact.p).norm(), 1e-15) << t;
     EXPECT_LT(angle_between(g.R, exact.R), 1e-14) << t;
@@ -105,7 +105,7 @@ TEST(Trajectory, AttachedFramesDifferByTheSagitta) {
   const double arm = 0.2, angle = 0.1;
   const Trajectory path{{0, 1}, {SE3{}, rotation({0, 0, 1}, angle)}};
   const SE3 g_old_new = translation(arm, 0, 0) * rotation({0, 1, 0}, 0.3);
-  const Trajectory other = attached(path, g_old_new);
+  const Trajectory other = path_of_attached_frame(path, g_old_new);
   for (std::size_t i = 0; i < 2; ++i)
     EXPECT_LT((other.pose[i].p - (path.pose[i] * g_old_new).p).norm(), 1e-15);
   const SE3 chord = trajectory_point(other, 0.5).pose, arc = trajectory_point(path, 0.5).pose * g_old_new;

@@ -71,7 +71,8 @@ TEST(Law, CoulombDerivativeIsThatOfCentralDifferences) {
     const Mat3 D = answer_derivative<3>(coulomb(mu), x);
     for (int j = 0; j < 3; ++j) {
       const Vec3 e = step * Vec3::Unit(j);
-      const Vec3 difference = (answer<3>(coulomb(mu), x + e) - answer<3>(coulomb(mu), x - e)) / (2 * step);
+      const Vec3 difference =
+          (block_answer<3>(coulomb(mu), x + e) - block_answer<3>(coulomb(mu), x - e)) / (2 * step);
       EXPECT_LT((D.col(j) - difference).norm(), 1e-8)
           << "seed 3, case " << i;  // step^2 / 0.1^3, and 1e-16 / step
     }
@@ -108,11 +109,11 @@ TEST(Law, EveryKindProjectsOnTheNearestPoint) {
 }
 
 TEST(Law, EveryKindAnswersWithMaximalDissipation) {
-  // r = answer(y) solves the block with unit compliance: u = r - y and the law (LAW-6).
+  // r = block_answer(y) solves the block with unit compliance: u = r - y and the law (LAW-6).
   for (const Law& law : kKinds) {
     Random random(5);
     for (int i = 0; i < 500; ++i) {
-      const AnyRows y = uniform_vector(random, law.rows, -2, 2), r = answer<Eigen::Dynamic>(law, y);
+      const AnyRows y = uniform_vector(random, law.rows, -2, 2), r = block_answer<Eigen::Dynamic>(law, y);
       const AnyRows u = r - y,
                     wrong = r - project<Eigen::Dynamic>(law, r - modified_velocity<Eigen::Dynamic>(law, u));
       EXPECT_LT(wrong.norm(), 1e-14) << to_string(law.kind) << ", case " << i;
@@ -133,7 +134,8 @@ TEST(Law, EveryDerivativeIsThatOfCentralDifferences) {
         AnyRows e = AnyRows::Zero(law.rows);
         e[j] = step;
         const AnyRows difference =
-            (answer<Eigen::Dynamic>(law, y + e) - answer<Eigen::Dynamic>(law, y - e)) / (2 * step);
+            (block_answer<Eigen::Dynamic>(law, y + e) - block_answer<Eigen::Dynamic>(law, y - e)) /
+            (2 * step);
         worst = std::max(worst, (D.col(j) - difference).norm());
       }
       close += worst < 1e-6;

@@ -134,7 +134,7 @@ TEST(ContactSelector, AsksTheNetworkForTheLoadOfTheBody) {
   const ContactSelector select = contact_selector(selector, 0);
   for (const double pull : {1.0, -1.0}) {
     input.bodies[0].wrench[0] = pull;
-    const std::vector<int> kept = select(input, clusters_of(set, 0.1));
+    const std::vector<int> kept = select(input, clusters_by_angle(set, 0.1));
     EXPECT_EQ(kept, pull > 0 ? (std::vector<int>{5, 23}) : (std::vector<int>{0, 18})) << pull;
   }
 }
