@@ -40,6 +40,15 @@ class Random {
       if (d.norm() > 0.1 && d.norm() <= 1) return d.normalized();
     }
   }
+  /// Of any direction, with a length from `shortest` to `longest`.
+  Vec3 vector_of_length(double shortest, double longest) {
+    const double length = uniform(shortest, longest);
+    return length * direction();
+  }
+  Vec3 vector_of_log_length(double shortest, double longest) {
+    const double length = log_uniform(shortest, longest);
+    return length * direction();
+  }
   Quat rotation() {
     const Vec3 axis = direction();
     return exp_so3(uniform(0, kPi) * axis);

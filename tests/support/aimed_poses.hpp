@@ -107,7 +107,10 @@ class AimedPoses {
       return Vec3(side * double(s_.triangle_sign[t]) * s_.regions[region(t)].normal);
     };
     Aim aim{.x = p + s * (q - p), .u = normal()};
-    if (random.index(4) == 0) aim.u = (aim.u + random.uniform() * normal()).stableNormalized();
+    if (random.index(4) == 0) {
+      const double share = random.uniform();
+      aim.u = (aim.u + share * normal()).stableNormalized();
+    }
     if (!(aim.u.norm() > 0.5)) aim.u = Vec3::UnitZ();
     const Vec3 across[] = {along.cross(aim.u), along, random.direction()};
     aim.beside = across[random.index(3)];
@@ -225,7 +228,7 @@ inline CoverageAudit audit_coverage(const LmdShape& shape, long poses, std::uint
     axes << std::cos(turn) * aim.beside + std::sin(turn) * y,
         std::cos(turn) * y - std::sin(turn) * aim.beside, aim.u;
     Quat R(axes);
-    if (random.index(3) == 0) R = R * exp_so3(random.log_uniform(1e-10, 0.5) * random.direction());
+    if (random.index(3) == 0) R = R * exp_so3(random.vector_of_log_length(1e-10, 0.5));
     R.normalize();
     const Vec3 p =
         aim.x + away * aim.u + (random.index(2) ? beside : -beside) * aim.beside - R * probes[which].place;

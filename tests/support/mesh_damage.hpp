@@ -40,7 +40,7 @@ inline LooseMesh soup_of(const LooseMesh& mesh, double jiggle, Random& random) {
     const int n = int(soup.vertices.size());
     soup.triangles.push_back({n, n + 1, n + 2});
     for (const int v : triangle)
-      soup.vertices.push_back(mesh.vertices[v] + random.uniform(0, jiggle) * random.direction());
+      soup.vertices.push_back(mesh.vertices[v] + random.vector_of_length(0, jiggle));
   }
   return soup;
 }
@@ -56,7 +56,8 @@ inline void cut_a_side(LooseMesh& mesh, Cut kind, double smallest, double jiggle
   const Vec3 p = mesh.vertices[a], q = mesh.vertices[b];
   if (height_of(mesh, chosen) < smallest || (q - p).norm() < smallest) return;
   const int v = int(mesh.vertices.size());
-  mesh.vertices.push_back(p + random.uniform(0.3, 0.7) * (q - p) + jiggle * random.direction());
+  const Vec3 at = p + random.uniform(0.3, 0.7) * (q - p);
+  mesh.vertices.push_back(at + jiggle * random.direction());
   const std::size_t n = mesh.triangles.size();
   for (std::size_t t = 0; t < n; ++t) {
     const std::array<int, 3> corners = mesh.triangles[t];

@@ -33,17 +33,24 @@ inline SimplicialComplex make_l_shape(double s) {
 
 inline SimplicialComplex random_shape(Random& random) {
   switch (random.index(9)) {
-    case 0:
-      return make_box(random.uniform(0.5, 1), random.uniform(0.5, 1), random.uniform(0.5, 1),
-                      1 + random.index(2));
-    case 1:
-      return make_cylinder(random.uniform(0.2, 0.6), random.uniform(0.3, 1), 3 + random.index(10));
+    case 0: {
+      const Vec3 size{random.uniform(0.5, 1), random.uniform(0.5, 1), random.uniform(0.5, 1)};
+      return make_box(size.x(), size.y(), size.z(), 1 + random.index(2));
+    }
+    case 1: {
+      const double radius = random.uniform(0.2, 0.6), height = random.uniform(0.3, 1);
+      return make_cylinder(radius, height, 3 + random.index(10));
+    }
     case 2:
       return make_sphere(0.6, random.index(2));
-    case 3:
-      return make_torus(0.6, 0.2, 5 + random.index(6), 3 + random.index(4));
-    case 4:
-      return make_plate(1, 0.7, 1 + random.index(3), 1 + random.index(3));
+    case 3: {
+      const int around = 5 + random.index(6);
+      return make_torus(0.6, 0.2, around, 3 + random.index(4));
+    }
+    case 4: {
+      const int along = 1 + random.index(3);
+      return make_plate(1, 0.7, along, 1 + random.index(3));
+    }
     case 5:
       return make_polyline({random.vector(0.6), random.vector(0.6), random.vector(0.6)});
     case 6:
@@ -73,10 +80,10 @@ inline RandomPair random_pair(std::uint64_t seed, double gap) {
                   .g_b = random.pose(1)};
   Vec3 away = random.direction();
   if (seed % 2 == 1) {
-    const Quat tilt = exp_so3(random.uniform(0, 0.03) * random.direction());
+    const Quat tilt = exp_so3(random.vector_of_length(0, 0.03));
     const Quat quarter = exp_so3(kPi / 2 * random.index(2) * Vec3::UnitX());
     pair.g_a.R = (pair.g_b.R * quarter * tilt).normalized();
-    away = pair.g_b.R * Vec3(random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), 1).normalized();
+    away = pair.g_b.R * Vec3{random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), 1}.normalized();
   }
   pair.distance = kInf;
   for (double s = 4; pair.distance > gap + 1e-4 && s > -4; s -= pair.distance - gap) {

@@ -43,8 +43,10 @@ inline SimplicialComplex damaged_and_repaired(unsigned seed) {
   LooseMesh mesh = loose(seed % 3 == 0   ? make_cylinder(0.5, 1, 12)
                          : seed % 3 == 1 ? make_box(1, 0.8, 0.6, 2)
                                          : make_torus(0.6, 0.2, 8, 6));
-  for (int i = 0; i < 12; ++i)
-    cut_a_side(mesh, Cut(random.index(3)), 1e-3, random.log_uniform(1e-9, 1e-6), random);
+  for (int i = 0; i < 12; ++i) {
+    const Cut kind{random.index(3)};
+    cut_a_side(mesh, kind, 1e-3, random.log_uniform(1e-9, 1e-6), random);
+  }
   return repair_mesh(complex_of(soup_of(mesh, 1e-8, random))).complex;
 }
 

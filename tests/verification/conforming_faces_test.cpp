@@ -49,8 +49,8 @@ struct BoxOnSlab {
 BoxOnSlab box_on_slab(double tilt, bool aligned, Random& random) {
   const Quat yaw = aligned ? Quat::Identity() : exp_so3(random.uniform(-kPi, kPi) * Vec3::UnitZ());
   const Quat lean = exp_so3(tilt * horizontal(random.uniform(-kPi, kPi)));
-  const Vec3 at(aligned ? 0 : random.uniform(-0.3, 0.3), aligned ? 0 : random.uniform(-0.3, 0.3),
-                kBox.z() / 2 + 0.02);
+  const Vec3 at{aligned ? 0 : random.uniform(-0.3, 0.3), aligned ? 0 : random.uniform(-0.3, 0.3),
+                kBox.z() / 2 + 0.02};
   return {{(lean * yaw).normalized(), at}, random.pose(2)};
 }
 
@@ -60,14 +60,17 @@ LmdShape random_slab(Random& random) {
       transformed(cut_up(make_box(1, 1, 0.1), random.index(40), random), translation(0, 0, -0.05)));
 }
 
+LmdShape random_plate(Random& random) {
+  const int along = 1 + random.index(9);
+  return prepared(make_plate(1, 1, along, 1 + random.index(9)));
+}
+
 TEST(ChecklistItem3, ABoxOnASlabHasFourContactsBelowItsCorners) {
   Random random(3);
   for (int mesh = 0; mesh < 40; ++mesh) {  // on solids and on sheets
     const LmdShape box = prepared(cut_up(make_box(kBox.x(), kBox.y(), kBox.z(), 1 + mesh % 3),
                                          random.index(60), random)),
-                   slab = mesh % 2 == 0
-                              ? random_slab(random)
-                              : prepared(make_plate(1, 1, 1 + random.index(9), 1 + random.index(9)));
+                   slab = mesh % 2 == 0 ? random_slab(random) : random_plate(random);
     for (int sample = 0; sample < 40; ++sample) {
       const double tilt = sample < 2 ? 0 : random.uniform(0, 0.999) * kDefault.alpha;
       const BoxOnSlab s = box_on_slab(tilt, sample == 0, random);
@@ -237,10 +240,13 @@ TEST(ChecklistItem4, ConformingPrismsTouchAtTheCornersOfTheClippedPolygon) {
   std::array<int, 23> with_corners{};
   for (unsigned seed = 0; seed < 1000; ++seed) {
     Random random(seed);
-    const Polygon p = random_polygon(3 + random.index(9), random.uniform(0.3, 1), random),
-                  q = random_polygon(3 + random.index(9), random.uniform(0.3, 1), random);
+    const auto polygon = [&] {
+      const int corners = 3 + random.index(9);
+      return random_polygon(corners, random.uniform(0.3, 1), random);
+    };
+    const Polygon p = polygon(), q = polygon();
     const SE3 g{exp_so3(random.uniform(-kPi, kPi) * Vec3::UnitZ()),
-                Vec3(random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6), h)};
+                Vec3{random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6), h}};
     const Polygon seen = projected(p, g), expected = clipped(seen, q);
     if (expected.empty() || clearance(seen, q) < band) {
       ++(expected.empty() ? apart : close);  // apart: prisms side by side share no polygon

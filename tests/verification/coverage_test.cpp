@@ -61,8 +61,10 @@ TEST(Coverage, ACornerOfAFaceThatIsNearlyFlatIsNoPit) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Random random(seed);
     std::vector<Vec2> front;
-    for (double x = -0.5 + random.uniform(0, 0.2); x < 0.5; x += random.uniform(0.01, 0.1))
-      front.emplace_back(x, (random.index(2) ? 1 : -1) * random.log_uniform(1e-7, 1e-6));
+    for (double x = -0.5 + random.uniform(0, 0.2); x < 0.5; x += random.uniform(0.01, 0.1)) {
+      const double side = random.index(2) ? 1 : -1;
+      front.emplace_back(x, side * random.log_uniform(1e-7, 1e-6));
+    }
     const LmdShape shape = prepare(dilate(box_with_border(front), 1e-4));
     expect_covered(audit_coverage(shape, 500, seed), 500);
   }

@@ -102,7 +102,7 @@ Star random_star(Random& random) {
     IntVec g = random_integers(random, half);
     if (kind == Kind::half_space && g.dot(up) < 0) g = -g;
     if (kind == Kind::planar || (kind == Kind::few_planes && random.index(2) == 0))
-      g = (random.index(5) - 2) * up + (random.index(5) - 2) * side;
+      g = (random.index(5) - 2) * up, g += (random.index(5) - 2) * side;
     star.push_back(g);
     if (random.index(8) == 0) star.push_back((1 + random.index(3)) * g);  // the same direction again
     if (random.index(8) == 0) star.push_back(-g);

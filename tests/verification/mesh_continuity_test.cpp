@@ -33,14 +33,14 @@ void audit_beside(const LmdShape& shape, int motions, std::uint64_t seed, Contin
     const double away = dilations * random.log_uniform(2e-3, 3);
     Mat3 axes;
     axes << aim.beside, aim.u.cross(aim.beside), aim.u;
-    const Quat R = (Quat(axes) * exp_so3(random.log_uniform(1e-6, 0.3) * random.direction())).normalized();
+    const Quat R = (Quat(axes) * exp_so3(random.vector_of_log_length(1e-6, 0.3))).normalized();
     pair.a = probe.shape;
     pair.g_a = {R, aim.x + away * aim.u - R * probe.place};
     if (nested({&pair.a, pair.g_a, 0}, {&pair.b, {}, 1})) continue;
-    const Vec3 sway = away * random.log_uniform(0.1, 30) * random.direction();
+    const Vec3 sway = away * random.vector_of_log_length(0.1, 30);
     const SmoothMotion motion{.g = pair.g_a,
                               .sway = sway - (sway.dot(aim.u) + away * random.uniform(-1, 1)) * aim.u,
-                              .turn = random.log_uniform(1e-6, 0.3) * random.direction(),
+                              .turn = random.vector_of_log_length(1e-6, 0.3),
                               .phase = Vec3::Zero()};
     const LmdOptions options{.threshold = dilations * random.log_uniform(0.3, 3)};
     ContinuityAuditor(pair, motion, options, 1e-3 * dilations, Faces::idealised).run(6, 60, audit);

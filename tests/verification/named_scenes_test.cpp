@@ -40,7 +40,7 @@ Quat yaw(double angle) {
 }
 
 Quat tilt_below_alpha(Random& random) {
-  return exp_so3(random.uniform(0, 0.999) * kAlpha * random.direction());
+  return exp_so3(random.vector_of_length(0, 0.999 * kAlpha));
 }
 
 // Unit cubes at integer places, as one solid.
@@ -83,7 +83,7 @@ TEST(ChecklistItem5, AStandingCylinderHasAContactPerFacet) {
     for (int sample = 0; sample < 20; ++sample) {
       const Quat lean = sample == 0 ? Quat::Identity() : tilt_below_alpha(random);
       const SE3 g{lean * yaw(random.uniform(-kPi, kPi)),
-                  Vec3(random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), 0.06)};
+                  Vec3{random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), 0.06}};
       EXPECT_EQ(count(cylinder, g, plate, 0.02), n) << "sample " << sample;
     }
   }
@@ -105,7 +105,7 @@ TEST(ChecklistItem5, ALyingCylinderTouchesAlongTheCreasesNearItsLowestLine) {
                         : sample < 6 ? delta / 2  // on a facet
                                      : random.uniform(-kPi, kPi);
     const SE3 g{yaw(random.uniform(-kPi, kPi)) * exp_so3(kPi / 2 * Vec3::UnitX()) * yaw(roll),
-                Vec3(random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), 0.06)};
+                Vec3{random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), 0.06}};
     const Vec3 down = g.R.conjugate() * Vec3(0, 0, -1);
     int expected = 0;
     for (int k = 0; k < n; ++k) {

@@ -97,7 +97,7 @@ TEST(NoTunnelling, ABulletThroughPaperIsNeverCertified) {
                  bullet = prepare(dilate(make_sphere(5e-3, 0), 5e-5));
   Verdicts verdicts;
   for (int sample = 0; sample < 120; ++sample) {  // 1000 m/s, from both sides, straight and oblique, tumbling
-    const Vec3 aim(random.uniform(-0.12, 0.12), random.uniform(-0.12, 0.12), 0);
+    const Vec3 aim{random.uniform(-0.12, 0.12), random.uniform(-0.12, 0.12), 0};
     const Vec3 direction = (Vec3(0, 0, sample % 2 ? 1 : -1) + random.vector(0.5)).normalized();
     const RigidMotion shot{{random.rotation(), aim - random.uniform(0.01, 2.2) * direction},
                            1000 * direction,

@@ -65,10 +65,10 @@ SE3 near_pose(const LmdShape& a, const LmdShape& b, bool parallel, Random& rando
   SE3 g;
   Vec3 from = random.direction();
   if (parallel) {
-    from = Vec3(random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), 1).normalized();
-    g.R =
-        exp_so3(random.uniform(2e-3, 0.9 * 2 * kPi / 180) * Vec3(1, random.uniform(-1, 1), 0).normalized()) *
-        exp_so3(random.uniform(0, kPi) * Vec3::UnitZ());
+    from = Vec3{random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), 1}.normalized();
+    const double tilt = random.uniform(2e-3, 0.9 * 2 * kPi / 180);
+    const Vec3 about = Vec3(1, random.uniform(-1, 1), 0).normalized();
+    g.R = exp_so3(tilt * about) * exp_so3(random.uniform(0, kPi) * Vec3::UnitZ());
   } else {
     g.R = random.rotation();
   }

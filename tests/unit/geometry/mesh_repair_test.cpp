@@ -464,8 +464,10 @@ TEST(MeshRepair, SettlesAnyHeapOfTriangles) {
     Random random(seed);
     const int grid = 2 + random.index(3);
     std::vector<Vec3> x;
-    for (int i = 0; i < 4 + random.index(40); ++i)
-      x.push_back(Vec3(random.index(grid), random.index(grid), random.index(2)) + 1e-7 * random.vector());
+    for (int i = 0; i < 4 + random.index(40); ++i) {
+      const Eigen::Vector3i node{random.index(grid), random.index(grid), random.index(2)};
+      x.push_back(node.cast<double>() + 1e-7 * random.vector());
+    }
     Triangles triangles;
     for (int i = 0; i < 60; ++i) {
       const Triangle t = {random.index(int(x.size())), random.index(int(x.size())),

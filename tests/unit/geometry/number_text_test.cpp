@@ -20,7 +20,7 @@ TEST(NumberText, IsTheShortestThatReadsBack) {
   EXPECT_EQ(number_text(std::numeric_limits<double>::infinity()), "inf");
   Random random(1);
   for (int i = 0; i < 10000; ++i) {
-    const double x = random.uniform(-1, 1) * std::exp(random.uniform(-600, 600));
+    const double part = random.uniform(-1, 1), x = part * std::exp(random.uniform(-600, 600));
     const std::string text = number_text(x);
     double back = 0;
     std::from_chars(text.data(), text.data() + text.size(), back);

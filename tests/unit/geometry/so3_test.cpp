@@ -93,7 +93,7 @@ TEST(SO3, ExponentialUndoesTheLogarithmOfAnyQuaternion) {
   Random random(kSeed);
   int beyond_half_a_turn = 0;
   for (int i = 0; i < 200; ++i) {
-    Quat R(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+    Quat R{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
     R.normalize();
     beyond_half_a_turn += R.w() < 0;
     const Vec3 phi = log_so3(R);

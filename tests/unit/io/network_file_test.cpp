@@ -17,7 +17,10 @@ namespace {
 LearnedSelector random_selector(Random& random) {
   const auto fill = [&](auto& m, Eigen::Index rows, Eigen::Index columns) {
     m.resize(rows, columns);
-    for (double& x : m.reshaped()) x = random.uniform(-1, 1) * random.log_uniform(1e-300, 1e300);
+    for (double& x : m.reshaped()) {
+      x = random.uniform(-1, 1);
+      x *= random.log_uniform(1e-300, 1e300);
+    }
   };
   LearnedSelector s{.keep = 2};
   Network& n = s.network;

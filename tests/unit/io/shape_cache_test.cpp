@@ -114,7 +114,8 @@ TEST(ShapeCache, GivesEveryTableBackBitForBit) {
                                   prepare(dilate(bent_square(), 0.01))};
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     Random random(seed);
-    shapes.push_back(prepare(dilate(random_shape(random), random.uniform(0, 0.1)), {.planarity = 1e-4}));
+    const SimplicialComplex complex = random_shape(random);
+    shapes.push_back(prepare(dilate(complex, random.uniform(0, 0.1)), {.planarity = 1e-4}));
   }
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     write_lmd_shape(path, shapes[i], i);

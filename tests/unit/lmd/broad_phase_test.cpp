@@ -39,7 +39,7 @@ TEST(Separation, IsBelowTheDistanceAndPositiveForDisjointBoxes) {
   Random random(1);
   int apart = 0, overlapping = 0;
   for (int sample = 0; sample < 2000; ++sample) {
-    const auto half = [&] { return Vec3(random.uniform(), random.uniform(0, 0.1), random.uniform()); };
+    const auto half = [&] { return Vec3{random.uniform(), random.uniform(0, 0.1), random.uniform()}; };
     const DilatedBox a = random_box(random, 1, half(), 0), b = random_box(random, 1, half(), 0);
     const double bound = separation(a, b), distance = distance_by_projections(a, b, 3000);
     EXPECT_LE(bound, distance + 1e-12) << sample;
@@ -67,7 +67,7 @@ TEST(BoxAround, HoldsItsPointsAndFollowsASlantedRod) {
     std::vector<Vec3> points;
     for (int i = 0; i < 30; ++i)
       points.push_back(g *
-                       Vec3(random.uniform(-1, 1), random.uniform(-0.05, 0.05), random.uniform(-0.05, 0.05)));
+                       Vec3{random.uniform(-1, 1), random.uniform(-0.05, 0.05), random.uniform(-0.05, 0.05)});
     const DilatedBox box = box_around(points);
     for (const Vec3& x : points)
       EXPECT_TRUE(
@@ -121,8 +121,7 @@ Boxes scene(const std::string& name, int n, Random& random) {
   if (name == "one place")
     for (int i = 0; i < n; ++i) boxes.push_back(random_box(random, 0, {1, 1, 1}, 0));
   if (name == "everywhere")
-    for (int i = 0; i < n; ++i)
-      boxes.push_back(ball(random.log_uniform(1e-100, 1e100) * random.direction(), 1));
+    for (int i = 0; i < n; ++i) boxes.push_back(ball(random.vector_of_log_length(1e-100, 1e100), 1));
   if (name == "mostly fixed") {
     for (int i = 0; i < n; ++i) boxes.push_back(random_box(random, 1, {0.5, 0.5, 0.5}, 0));
     for (int i = 3; i < n; ++i) boxes[i].fixed = true;
@@ -161,7 +160,7 @@ TEST_P(BroadPhaseScene, FindsTheSamePairsWithWhatItKeptOfTheLastStep) {
       const double pace = step % 20 == 19 ? 1 : 1e-3;
       for (DilatedBox& box : boxes) {
         const double size = box.half.norm() + box.radius;
-        const SE3 turn{exp_so3(random.uniform(0, pace) * random.direction()), Vec3::Zero()};
+        const SE3 turn{exp_so3(random.vector_of_length(0, pace)), Vec3::Zero()};
         box.axes = turn.R.toRotationMatrix() * box.axes;
         box.centre += pace * size * random.direction();
         box.radius *= random.uniform(1 - pace / 2, 1 + pace / 2);

@@ -31,8 +31,10 @@ TEST(ClosestPoints, AgreeWithDenseSampling) {
       }
       return Vec3(x / sum);
     };
-    for (int probe = 0; probe < 200; ++probe)
-      EXPECT_GE((point_of(a) - point_of(b)).norm(), closest.distance - 1e-12);
+    for (int probe = 0; probe < 200; ++probe) {
+      const Vec3 of_a = point_of(a), of_b = point_of(b);
+      EXPECT_GE((of_a - of_b).norm(), closest.distance - 1e-12);
+    }
     // Optimality: no vertex lies beyond the planes through the closest points (convexity makes this
     // sufficient).
     if (closest.distance > 1e-9) {
@@ -76,7 +78,7 @@ TEST(Certificate, FailsAtOnceForWhatEndsTooNear) {
   const LmdShape ball = prepare(dilate(make_point(), 0.1)), slab = prepare({.complex = make_box(10, 10, 1)});
   Random random(41);
   for (int sample = 0; sample < 100; ++sample) {
-    const Vec3 at(random.uniform(-4, 4), random.uniform(-4, 4), 0.5 + 0.1 + random.uniform(0, 0.05));
+    const Vec3 at{random.uniform(-4, 4), random.uniform(-4, 4), 0.5 + 0.1 + random.uniform(0, 0.05)};
     const MovingShape a{&ball, {}, {.g = {Quat::Identity(), at}, .v = Vec3(0, 0, -10)}}, b{&slab, {}, {}};
     const Certificate found = certify(a, b, 1e-2, {.required = 0.1, .wanted = 0.1, .max_halvings = 16});
     EXPECT_FALSE(found.certified) << sample;

@@ -89,7 +89,7 @@ TEST(DeformingShape, IsCertifiedOnlyWhereDenseSamplesKeepApart) {
                    b = soft(some_complex(random.index(4)), 0.01);
     const double speed = random.uniform(0, 1);
     const std::vector<Vec3> v_a = random_field(a, random, speed), v_b = random_field(b, random, speed);
-    const SE3 g_a = random.pose(0.2), g_b{random.rotation(), random.uniform(0.8, 1.4) * random.direction()};
+    const SE3 g_a = random.pose(0.2), g_b{random.rotation(), random.vector_of_length(0.8, 1.4)};
     const double turn = random.uniform(0, 2);
     MovingShape m{.shape = &a,
                   .g_bs = random.pose(0.1),

@@ -29,17 +29,24 @@ ContactSet contacts_of(const LmdShape& a, const SE3& g_a, const LmdShape& b, con
 // One of the shapes that the random tests draw: solids convex and not, sheets, wires, points.
 SimplicialComplex random_complex(Random& random) {
   switch (random.index(8)) {
-    case 0:
-      return make_box(random.uniform(0.5, 1), random.uniform(0.5, 1), random.uniform(0.5, 1),
-                      1 + random.index(3));
-    case 1:
-      return make_cylinder(random.uniform(0.2, 0.6), random.uniform(0.3, 1), 3 + random.index(14));
+    case 0: {
+      const Vec3 size{random.uniform(0.5, 1), random.uniform(0.5, 1), random.uniform(0.5, 1)};
+      return make_box(size.x(), size.y(), size.z(), 1 + random.index(3));
+    }
+    case 1: {
+      const double radius = random.uniform(0.2, 0.6), height = random.uniform(0.3, 1);
+      return make_cylinder(radius, height, 3 + random.index(14));
+    }
     case 2:
       return make_sphere(0.6, random.index(3));
-    case 3:
-      return make_torus(0.6, 0.2, 5 + random.index(10), 3 + random.index(6));
-    case 4:
-      return make_plate(1, 0.7, 1 + random.index(3), 1 + random.index(3));
+    case 3: {
+      const int around = 5 + random.index(10);
+      return make_torus(0.6, 0.2, around, 3 + random.index(6));
+    }
+    case 4: {
+      const int along = 1 + random.index(3);
+      return make_plate(1, 0.7, along, 1 + random.index(3));
+    }
     case 5:
       return make_polyline({random.vector(0.6), random.vector(0.6), random.vector(0.6), random.vector(0.6)});
     case 6:
@@ -62,10 +69,10 @@ Scene random_scene(std::uint64_t seed, double gap) {
               random.pose(0)};
   Vec3 away = random.direction();
   if (seed % 2 == 1) {
-    const Quat tilt = exp_so3(random.uniform(0, 0.9 * kAlpha) * random.direction());
+    const Quat tilt = exp_so3(random.vector_of_length(0, 0.9 * kAlpha));
     const Quat quarter = exp_so3(kPi / 2 * random.index(2) * Vec3::UnitX());
     scene.g_a.R = (scene.g_b.R * quarter * tilt).normalized();
-    away = scene.g_b.R * Vec3(random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), 1).normalized();
+    away = scene.g_b.R * Vec3{random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), 1}.normalized();
   }
   for (double s = 4, distance = kInf; distance > gap + 1e-4; s -= distance - gap) {
     scene.g_a.p = s * away;
@@ -182,8 +189,8 @@ TEST_P(LocalMinima, AreTheSameToTheBitWithWhatWasKeptOfAWalk) {
   int reused = 0;
   for (int i = 0; i < 40; ++i) {
     const double pace = i < 30 ? 1e-4 : 0.05;  // a walk, then leaps
-    g.R = (exp_so3(random.uniform(0, pace) * random.direction()) * g.R).normalized();
-    g.p += random.uniform(0, pace) * random.direction();
+    g.R = (exp_so3(random.vector_of_length(0, pace)) * g.R).normalized();
+    g.p += random.vector_of_length(0, pace);
     const LmdOptions options{.threshold = random.uniform(0.04, 0.05), .alpha = random.uniform(0.03, 0.04)};
     const SE3 searched = scratch.candidates.g_ba;
     const ContactSet fresh = find_contacts({&s.a, g, 0}, b, options);

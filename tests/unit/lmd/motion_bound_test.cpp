@@ -86,11 +86,11 @@ TEST(ApproachBound, HoldsForAllPointsOfABallAndAllDirectionsOfACap) {
     const Approach approach = approach_of(a, b, dt);
     const double radius = random.uniform(0, 0.3) * radius_a,
                  half_angle = random.uniform(0, sample % 3 ? 0.3 : kPi);
-    const Vec3 centre = a.g * ((radius_a - radius) * random.uniform() * random.direction()),
-               axis = random.direction();
+    const Vec3 centre = a.g * random.vector_of_length(0, radius_a - radius), axis = random.direction();
     const double bound = approach_bound(approach, centre, radius, axis, half_angle);
     for (int probe = 0; probe < 60; ++probe) {
-      const Vec3 x = centre + radius * (probe % 2 ? 1 : random.uniform()) * random.direction();
+      const double from_centre = radius * (probe % 2 ? 1 : random.uniform());
+      const Vec3 x = centre + from_centre * random.direction();
       const Vec3 side = axis.cross(random.direction()).normalized();
       const Vec3 u = exp_so3((probe % 3 ? 1 : random.uniform()) * half_angle * side) * axis;
       const double s = probe % 4 ? dt : random.uniform(0, dt);

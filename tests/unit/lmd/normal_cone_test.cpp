@@ -92,9 +92,11 @@ TEST_P(NormalConeOfIntegerStar, ProjectsAsDykstraDoesAndItsCapHoldsIt) {
     const bool half_space = sample % 2 == 0;  // otherwise most stars span everything
     std::vector<Vec3> star;
     const int n = 1 + random.index(9);
-    for (int i = 0; i < n; ++i)
-      star.push_back(
-          Vec3(random.index(5) - 2, random.index(5) - 2, half_space ? random.index(3) : random.index(5) - 2));
+    for (int i = 0; i < n; ++i) {
+      const Eigen::Vector3i d{random.index(5) - 2, random.index(5) - 2,
+                              half_space ? random.index(3) : random.index(5) - 2};
+      star.push_back(d.cast<double>());
+    }
     std::erase_if(star, [](const Vec3& d) { return d.norm() == 0; });
     const NormalCone cone = make_normal_cone(star);
     for (int probe = 0; probe < 5; ++probe) {

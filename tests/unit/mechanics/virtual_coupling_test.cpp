@@ -82,7 +82,7 @@ class CouplingRandom : public ::testing::TestWithParam<std::uint64_t> {
   // A rotation error of at most 3 rad: at pi the shorter way round jumps and there is no derivative.
   void SetUp() override {
     state.g[1].p = random.vector();
-    state.g[1].R = (target.R * exp_so3(random.uniform(0, 3) * random.direction())).normalized();
+    state.g[1].R = (target.R * exp_so3(random.vector_of_length(0, 3))).normalized();
     twist(state, 1) = random_twist(random, 2);
   }
   State displaced(int k, double e) const {  // along the twist coordinates: R <- R exp(delta)

@@ -73,9 +73,15 @@ TEST_P(AllMethods, FindThePlantedVelocitiesOfEveryLaw) {
       {"coulomb", [](Random& random) { return coulomb(random.uniform(0, 0.4)); }},
       {"planar", [](Random& random) { return coulomb_2d(random.uniform(0, 0.4)); }},
       {"rolling",
-       [](Random& random) { return rolling(random.uniform(0.1, 0.4), random.uniform(0.01, 0.1)); }},
+       [](Random& random) {
+         const double mu = random.uniform(0.1, 0.4);
+         return rolling(mu, random.uniform(0.01, 0.1));
+       }},
       {"contensou",
-       [](Random& random) { return contensou(random.uniform(0.1, 0.4), random.uniform(0.2, 1)); }},
+       [](Random& random) {
+         const double mu = random.uniform(0.1, 0.4);
+         return contensou(mu, random.uniform(0.2, 1));
+       }},
       {"unilateral", [](Random&) { return unilateral(); }},
       {"bilateral", [](Random& random) { return bilateral(1 + random.index(3)); }},
       {"dry friction", [](Random& random) { return dry_friction(random.uniform(0.05, 0.5)); }}};

@@ -49,7 +49,7 @@ TEST(BodyLu, SolvesWhatADenseFactorisationSolves) {
     const int bodies = 1 + random.index(12);
     Couplings couplings;
     for (int k = random.index(2 * bodies); k > 0; --k)
-      couplings.emplace_back(random.index(bodies), random.index(bodies));
+      couplings.push_back({random.index(bodies), random.index(bodies)});
     const std::vector<int> body = mixed_rows(bodies);
     const MatX A = random_matrix(body, couplings, random);
     const VecX b = VecX::LinSpaced(A.rows(), -1, 2);

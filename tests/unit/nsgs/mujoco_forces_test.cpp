@@ -41,13 +41,14 @@ std::string random_scene(Random& random, int boxes) {
     const Quat R =
         Quat(Eigen::AngleAxisd(turn, Vec3::UnitZ())) * Quat(Eigen::AngleAxisd(tilt, Vec3::UnitX()));
     const double height = (b < boxes ? half.z() : half.x()) - 2e-3;
+    const double density = random.log_uniform(100, 5000), mu = random.uniform(0.1, 0.9);
     const char* shape = b < boxes ? "box" : "sphere";
     std::snprintf(text, sizeof text,
                   "<body pos=\"%.17g 0 %.17g\" quat=\"%.17g %.17g %.17g %.17g\"><freejoint/>"
                   "<geom type=\"%s\" size=\"%.17g %.17g %.17g\" density=\"%.17g\" friction=\"%.17g 0 0\" "
                   "condim=\"3\" priority=\"1\"/></body>",
-                  double(b), height, R.w(), R.x(), R.y(), R.z(), shape, half.x(), half.y(), half.z(),
-                  random.log_uniform(100, 5000), random.uniform(0.1, 0.9));
+                  double(b), height, R.w(), R.x(), R.y(), R.z(), shape, half.x(), half.y(), half.z(), density,
+                  mu);
     out += text;
   }
   return out + "</worldbody></mujoco>";

@@ -115,7 +115,8 @@ Sample random_sample(Random& random, double decades) {
   const double choice = random.uniform(0, 1);
   const double mu = choice < 0.1 ? 0 : choice < 0.2 ? 10 : random.uniform(0, 1.2);
   const double scale = random.log_uniform(1e-6, 1e6);
-  return {W * scale, uniform_vector(random, 3, -1, 1) * random.log_uniform(1e-6, 1e6), mu};
+  const Vec3 q = uniform_vector(random, 3, -1, 1);
+  return {W * scale, q * random.log_uniform(1e-6, 1e6), mu};
 }
 
 double distance(const Vec3& r, const std::vector<Real3>& solutions) {
@@ -277,7 +278,8 @@ Sample unsymmetric_sample(Random& random, bool full) {
   skew << 0, -s[2], s[1], s[2], 0, -s[0], -s[1], s[0], 0;
   const double choice = random.uniform(0, 1), scale = random.log_uniform(1e-6, 1e6);
   const double mu = choice < 0.1 ? 0 : choice < 0.2 ? 10 : random.uniform(0, 1.2);
-  Vec3 q = uniform_vector(random, 3, -1, 1) * random.log_uniform(1e-6, 1e6);
+  Vec3 q = uniform_vector(random, 3, -1, 1);
+  q *= random.log_uniform(1e-6, 1e6);
   q[0] = -std::abs(q[0]);
   return {(0.5 * (symmetric + symmetric.transpose()) + skew) * scale, q, mu};
 }
@@ -330,7 +332,7 @@ TEST(OneContact, SolvesPlanarBlocksOfConditionTwelveToo) {
     const double least = random.log_uniform(1e-12, 1), skew = random.log_uniform(1e-12, 0.9);
     RowBlock<2> W;
     W << c * c + least * s * s, (1 - least) * c * s - skew, (1 - least) * c * s + skew, s * s + least * c * c;
-    const Rows<2> q(-random.uniform(1e-3, 1), random.uniform(-1, 1));
+    const Rows<2> q{-random.uniform(1e-3, 1), random.uniform(-1, 1)};
     const Law law = coulomb_2d(random.uniform(0, 1.2));
     if (W(0, 0) < 1e-11) continue;  // locked (ONE-10)
     ASSERT_TRUE(solve_block(prepare_block(W, law), q, law, Rows<2>::Zero(), LocalSolver::hybrid).solved)

@@ -22,12 +22,14 @@ struct Pair {
 Pair planted_pair(Random& random, const Law& law) {
   Pair out{AnyRows::Zero(law.rows), AnyRows::Zero(law.rows)};
   if (law.kind == LawKind::bilateral) {
-    out.r = random.uniform(0.1, 1) * unit_vector(random, law.rows);
+    const double length = random.uniform(0.1, 1);
+    out.r = length * unit_vector(random, law.rows);
     return out;
   }
   if (has_normal(law)) {
     if (random.uniform() < 1.0 / 3) {  // open: the tangents may do anything
-      out.u = random.uniform(0.1, 1) * unit_vector(random, law.rows);
+      const double length = random.uniform(0.1, 1);
+      out.u = length * unit_vector(random, law.rows);
       out.u[0] = std::abs(out.u[0]) + 0.1;
       return out;
     }

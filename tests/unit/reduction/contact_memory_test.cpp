@@ -116,8 +116,10 @@ TEST(WarmStart, DoesNotDependOnTheOrderOfTheSets) {
     ContactSet old, now;
     std::vector<Vec3> r;
     for (int i = 0; i < 30; ++i) {  // 9 keys for 30 contacts
-      old.points.push_back(contact(random.index(3), random.index(3), random.vector()));
-      now.points.push_back(contact(random.index(3), random.index(3), random.vector()));
+      for (ContactSet* set : {&old, &now}) {
+        const int a = random.index(3), b = random.index(3);
+        set->points.push_back(contact(a, b, random.vector()));
+      }
       r.push_back(random.vector());
     }
     const WarmStart start = warm_start(remember(old, r), now);

@@ -437,7 +437,7 @@ TEST(Redistribute, KeepsTheWrenchOfThePatch) {
     const ContactSet set = patch(points);
     std::vector<Vec3> impulse(points.size(), Vec3::Zero());
     for (std::size_t i = 4; i < impulse.size(); ++i)
-      impulse[i] = Vec3(random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), random.uniform(0.5, 1));
+      impulse[i] = Vec3{random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), random.uniform(0.5, 1)};
     const Selection selection{
         .kept = {0, 1, 2, 3}, .cluster = std::vector<int>(points.size(), 0), .cluster_count = 1};
     const std::vector<Vec3> start =

@@ -29,8 +29,8 @@ Known random_contacts(std::uint64_t seed, int n) {
   const Vec3 normals[] = {Vec3::UnitX(), Vec3(0, 0.6, 0.8), -Vec3::UnitX(), Vec3::UnitZ()};
   Known out;
   for (int i = 0; i < n; ++i) {
-    const Vec3 at(random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1));
-    const Vec3 off(random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1));
+    const Vec3 at{random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1)};
+    const Vec3 off{random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1)};
     add(out.set, at, (normals[random.index(4)] + off).normalized(), random.uniform(-1e-4, 1e-4));
     out.set.points.back().b.body = BodyId(1) + random.index(2);
     out.mu.push_back(random.index(2) == 0 ? 0.2 : 0.8);

@@ -42,7 +42,7 @@ TEST(Reduce, KeepsTheCornersOfANoisyRectangle) {
   int lost_with_a_tight_tie = 0;
   for (int trial = 0; trial < 200; ++trial) {
     std::vector<Vec2> points = grid(6, 4, 0.3, 0.1);
-    for (Vec2& p : points) p += 3e-6 * Vec2(random.uniform(-1, 1), random.uniform(-1, 1));
+    for (Vec2& p : points) p += 3e-6 * Vec2{random.uniform(-1, 1), random.uniform(-1, 1)};
     const ContactSet set = flat(points);
     EXPECT_EQ(reduce(set).kept, kGridCorners) << "trial " << trial;
     EXPECT_EQ(reduce(set, kExtremes).kept, kGridCorners) << "trial " << trial;
@@ -56,7 +56,7 @@ std::vector<Vec2> disc(int rim, int inside, std::uint64_t seed) {
   for (int i = 0; i < rim; ++i) points.push_back({std::cos(2 * kPi * i / rim), std::sin(2 * kPi * i / rim)});
   Random random(seed);
   while (int(points.size()) < rim + inside) {
-    const Vec2 p(random.uniform(-1, 1), random.uniform(-1, 1));
+    const Vec2 p{random.uniform(-1, 1), random.uniform(-1, 1)};
     if (p.norm() < 0.95) points.push_back(p);
   }
   return points;
@@ -172,7 +172,7 @@ ContactSet random_set(Random& random, int n) {
   const Vec3 normals[] = {Vec3::UnitX(), Vec3(0, 0.6, 0.8), -Vec3::UnitX()};
   for (int i = 0; i < n; ++i) {
     const Vec3 normal = normals[random.index(3)];
-    const Vec3 point(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+    const Vec3 point{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
     add(set, point, normal, random.uniform(-1e-4, 1e-4));
     set.points.back().b.body = BodyId(1) + random.index(2);
   }
@@ -205,7 +205,7 @@ TEST_P(ReduceRandom, DoesNotDependOnTheOrderOfTheSet) {
 TEST_P(ReduceRandom, MovesWithTheBodies) {
   Random random(GetParam());
   const ContactSet set = random_set(random, 60);
-  const Vec3 p(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+  const Vec3 p{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
   const Selection a = reduce(set), b = reduce(moved(set, random.rotation(), p));
   EXPECT_EQ(a.kept, b.kept);
   EXPECT_EQ(a.cluster, b.cluster);

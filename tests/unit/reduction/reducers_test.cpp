@@ -32,7 +32,7 @@ std::vector<Vec2> ring(int n, double turn = 0) {
 std::vector<Vec2> disc_points() {  // 48 on the rim, some inside
   std::vector<Vec2> points = ring(48);
   Random random(3);
-  for (int i = 0; i < 60; ++i) points.push_back(Vec2(random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6)));
+  for (int i = 0; i < 60; ++i) points.push_back(Vec2{random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6)});
   return points;
 }
 std::vector<Vec2> normal_points(Random& random, int n) {  // by Box and Muller
@@ -239,7 +239,7 @@ Known random_contacts(Random& random, int n, double mu) {
   Known k;
   for (int i = 0; i < n; ++i) {
     const Vec3 normal = normals[random.index(3)];
-    const Vec3 at(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+    const Vec3 at{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
     add(k.set, at, normal, i % 3 == 0 ? 0 : random.uniform(0, 1e-4));
     k.set.points.back().b.body = BodyId(1) + random.index(2);
     const bool before = random.index(3) == 0;
@@ -311,7 +311,8 @@ TEST_P(EveryReducer, T_3_3_MovesWithTheBodiesOnADiscAndASquare) {
   for (const std::vector<Vec2>& points : {disc, grid(7, 7, 1, 1)})
     for (std::uint64_t seed = 1; seed <= 25; ++seed) {
       Random random(seed);
-      const ContactSet set = moved(flat(points), random.rotation(), random.vector(1));
+      const Quat turn = random.rotation();
+      const ContactSet set = moved(flat(points), turn, random.vector(1));
       std::vector<SE3> g = {{random.rotation(), random.vector(1)}, {random.rotation(), random.vector(1)}};
       const std::vector<double> mu(points.size(), 0.3);
       const auto kept = [&](const ContactSet& contacts, std::span<const SE3> poses) {
@@ -528,7 +529,7 @@ TEST(CheapestCombination, IsThatOfAllVertices) {
       for (int i = 0; i < 3; ++i) G(i, j) = random.uniform(-0.3, 1);
       cost[j] = random.uniform(0, 1);
     }
-    const Vec3 g(random.uniform(-0.5, 1), random.uniform(-0.5, 1), random.uniform(-0.5, 1));
+    const Vec3 g{random.uniform(-0.5, 1), random.uniform(-0.5, 1), random.uniform(-0.5, 1)};
     double best = kInf;
     for (int a = 0; a < n; ++a)
       for (int b = 0; b < a; ++b)
@@ -566,7 +567,7 @@ TEST(WrenchConeRule, T_3_8_KeepsEveryWrenchUpToItsFactor) {
     for (Vec3& n : normals) n = random.rotation() * Vec3::UnitZ();
     Known known;
     for (int i = 0; i < 16; ++i) {
-      const Vec3 at(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+      const Vec3 at{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
       add(known.set, 0.1 * at, normals[std::size_t(i) % normals.size()]);
       known.mu.push_back(seed % 2 ? 0.4 : 0);
     }
@@ -602,7 +603,7 @@ TEST(WrenchConeRule, ChoosesTheSameInATurnedSceneWithFriction) {
     Known known = random_contacts(random, 40, 0.4);
     for (ContactPoint& c : known.set.points) {
       c.b.body = 1;
-      const Vec3 off(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+      const Vec3 off{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
       c.normal = (c.normal + 0.3 * off).normalized();
     }
     std::vector<SE3> g = {{random.rotation(), Vec3::Zero()}, {random.rotation(), Vec3::UnitX()}};
@@ -637,7 +638,8 @@ TEST(WrenchConeRule, DoesNotSeeTheRoundingOfNormals) {
     known.mu.push_back(0.3);
   }
   Random random(1);
-  known.set = moved(known.set, random.rotation(), random.vector(1));
+  const Quat turn = random.rotation();
+  known.set = moved(known.set, turn, random.vector(1));
   const std::vector<int> exact = reduce(known.input(), {.reducer = Reducer::wrench_cone}).kept;
   EXPECT_LT(exact.size(), 16u);
   for (const double noise : {1e-15, 1e-13, 1e-11}) {
@@ -700,7 +702,7 @@ TEST(Hysteresis, KeepsTheCornersOfATurningDisc) {
       Random random(5);
       for (int step = 0; step < 360; ++step) {
         std::vector<Vec2> points = ring(50, step * kPi / 180);
-        for (Vec2& p : points) p += 1e-3 * Vec2(random.uniform(-1, 1), random.uniform(-1, 1));
+        for (Vec2& p : points) p += 1e-3 * Vec2{random.uniform(-1, 1), random.uniform(-1, 1)};
         const ContactSet set = flat(points);
         ReductionInput input{.contacts = set};
         if (memory && !before.empty()) {
