@@ -252,6 +252,23 @@ TEST(SchemeFlags, HaveOneDefaultForAllOptionsOfAFlag) {
             "--theta: moreau_jean.theta = 1 and moreau_jean_projected.theta = 0.5 share the flag");
 }
 
+// The flags of a part with what the user said; those that the driver does not name are not offered.
+TEST(SettingFlags, AreAddedInTheOrderOfTheDriver) {
+  SolverOptions solver{.max_iterations = 7};
+  SaidSettings said;
+  Cli cli("program", "A program.");
+  add_flags(cli, solver, said, {"--tolerance", "--max-iterations"});
+  EXPECT_EQ(cli.values(), "--tolerance 1e-08\n--max-iterations 7\n");
+  const char* arguments[] = {"program", "--tolerance", "1e-4"};
+  ExitCode code = ExitCode::ok;
+  ASSERT_TRUE(cli.parse(3, arguments, code));
+  take(said, solver);
+  EXPECT_EQ(solver.tolerance, 1e-4);
+  EXPECT_EQ(solver.max_iterations, 7);
+  EXPECT_EQ(message_of<std::logic_error>([&] { add_flags(cli, solver, said, {"--mu"}); }),
+            "--mu is not offered");
+}
+
 TEST(Driver, TakesFilesWithoutAFlagAnywhere) {
   Cli cli("many", "Takes files.");
   std::vector<std::filesystem::path> files;
