@@ -5,7 +5,7 @@
 // Theory   doc/theory/convergence.md (CONV-1) to (CONV-10)
 // Run      convergence --case forced_46
 //          convergence --case free_top --theta 1 --levels 5 --phases 1
-//          convergence --case forced_46 --levels 3 --phases 1 --certify 10
+//          convergence --case forced_46 --certify 10
 // Expect   the orders of theory, each with its reason: one across impacts, two at the midpoint for smooth
 //          motion; exit code 0 if all are met
 //

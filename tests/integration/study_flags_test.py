@@ -50,7 +50,7 @@ class StudyFlags(DriverTest):
         self.assertIn(", 3 violations\n", run.stdout)
 
 
-class PeerScene(StudyFlags):
+class PeerSceneFlags(StudyFlags):
     FALL = ("--mu", 0.25, "--time", 0.9, "--certify", 5)
 
     def content(self, out):
@@ -103,7 +103,7 @@ class PeerScene(StudyFlags):
         self.assertIn("moreau_jean theta 0.5", self.json("s.json")["scheme"])
 
 
-class SlidingBlock(StudyFlags):
+class SlidingBlockFlags(StudyFlags):
     def test_levels_that_are_there_are_not_done_again(self):
         levels = ("--levels", 3, "-o", "out", "--summary", "s.json")
         slide = (*levels, "--certify", 5)
@@ -146,7 +146,7 @@ class SlidingBlock(StudyFlags):
                 (self.folder / f"steps/sliding_block_level_{level}_000005.hdf5").unlink()
 
 
-class CubeToss(StudyFlags):
+class CubeTossFlags(StudyFlags):
     def without_clock(self, name):
         return {key: value for key, value in self.json(name).items() if key != "cpu_s"}
 
@@ -191,7 +191,7 @@ class CubeToss(StudyFlags):
         self.assertIn("event_driven solves no one-step problem", run.stderr)
 
 
-class Convergence(StudyFlags):
+class ConvergenceFlags(StudyFlags):
     SMALL = ("--case", "incline_20_up", "--levels", 3, "--phases", 1)
 
     def test_every_step_of_every_run_is_audited_and_the_audit_is_kept(self):
