@@ -311,8 +311,8 @@ TEST_P(EveryReducer, T_3_3_MovesWithTheBodiesOnADiscAndASquare) {
   for (const std::vector<Vec2>& points : {disc, grid(7, 7, 1, 1)})
     for (std::uint64_t seed = 1; seed <= 25; ++seed) {
       Random random(seed);
-      const Quat turn = random.rotation();
-      const ContactSet set = moved(flat(points), turn, random.vector(1));
+      const Quat R = random.rotation();
+      const ContactSet set = moved(flat(points), R, random.vector(1));
       std::vector<SE3> g = {{random.rotation(), random.vector(1)}, {random.rotation(), random.vector(1)}};
       const std::vector<double> mu(points.size(), 0.3);
       const auto kept = [&](const ContactSet& contacts, std::span<const SE3> poses) {
