@@ -163,8 +163,8 @@ void visit_mesh(Archive& archive, M& mesh) {
   archive.one("/mesh/solid", mesh.solid);
 }
 
-/// Every field by name: one that is added to LmdShape does not compile until it stands here (raise kShapeVersion
-/// then).
+/// Every field by name: one that is added to LmdShape does not compile until it stands here (raise
+/// kShapeVersion then).
 template <class Archive, class Shape>
 void visit_shape(Archive& archive, Shape& shape) {
   auto& [complex, radius, centre, bounding_radius, tolerance, straightened, regions, triangle_region,
