@@ -291,9 +291,9 @@ StepSetting setting_of(const Model& model, StepOptions step, const EventDrivenOp
 
 std::vector<std::string> EventDriven::unread() {
   std::vector<std::string> out{
-      "correction_speed", "touching",          "joints.project",     "joints.stabilisation",
-      "solver.tolerance", "advancement.min_h", "advancement.growth", "advancement.max_attempts",
-      "update",           "keep_problem"};
+      "correction_speed",  "touching",           "joints.stabilisation",     "solver.tolerance",
+      "advancement.min_h", "advancement.growth", "advancement.max_attempts", "update",
+      "keep_problem"};
   for (const SettingValue& one : values_of(StepOptions{}))  // all contacts count, and none is matched
     if (one.path.starts_with("reduction.") || one.path.starts_with("persistence.")) out.push_back(one.path);
   return out;
