@@ -205,9 +205,15 @@ inline std::vector<long> shuffled(long n, Random& random) {
   return out;
 }
 
+/// Part `number` of `of` parts of all poses.
+struct PoseSlice {
+  int number = 0, of = 1;
+};
+
 /// `poses` poses of the probes aimed at the borders of `shape`, from the seed: three of four go where one is
-/// due, until none is.
-inline CoverageAudit audit_coverage(const LmdShape& shape, long poses, std::uint64_t seed) {
+/// due, until none is. Those of the slice are judged.
+inline CoverageAudit audit_coverage(const LmdShape& shape, long poses, std::uint64_t seed,
+                                    PoseSlice slice = {}) {
   CoverageAudit audit;
   const AimedPoses aimed(shape);
   if (aimed.empty()) return audit;
@@ -234,7 +240,8 @@ inline CoverageAudit audit_coverage(const LmdShape& shape, long poses, std::uint
         aim.x + away * aim.u + (random.index(2) ? beside : -beside) * aim.beside - R * probes[which].place;
     static const char* const kNames[] = {"point", "corner",           "crease",          "end of a crease",
                                          "face",  "border of a face", "corner of a face"};
-    judge_coverage({&probes[which].shape, {R, p}, 0}, {&shape, {}, 1}, kNames[which], audit);
+    if (i * slice.of / poses == slice.number)
+      judge_coverage({&probes[which].shape, {R, p}, 0}, {&shape, {}, 1}, kNames[which], audit);
   }
   audit.missed = std::ssize(due);
   return audit;

@@ -117,8 +117,9 @@ TEST(Coverage, IsAMatterOfTheSmallestGapAlone) {
   EXPECT_FALSE(is_covered_by(kInf, a, b, distance));
 }
 
-// Of each shared mesh; with `all_due` above every vertex inside a chain and every border of a region.
-void expect_meshes_covered(long poses_of_each, bool all_due, long at_least) {
+// Of each shared mesh. `poses_of` says how many poses a shape is given; those of the slice are judged.
+template <class PosesOf>
+void expect_meshes_covered(PosesOf poses_of, long at_least, PoseSlice slice = {}) {
   const char* data = std::getenv("AUSSOIS_DATA_DIR");
   if (!data || !*data) GTEST_SKIP() << "AUSSOIS_DATA_DIR names no folder";
   std::vector<std::filesystem::path> meshes;
@@ -132,10 +133,10 @@ void expect_meshes_covered(long poses_of_each, bool all_due, long at_least) {
     const AssemblyPart part = read_part(mesh, 1e-3);
     if (part.complex.triangles.empty()) continue;
     const LmdShape shape = prepare(dilate(part.complex, 1e-4 * part.report.box.diagonal()));
-    const long poses = all_due ? std::max(poses_of_each, poses_of_all_due(shape)) : poses_of_each;
-    const CoverageAudit audit = audit_coverage(shape, poses, 1);
-    expect_covered(audit, poses);
-    EXPECT_TRUE(!all_due || audit.missed == 0);
+    const long poses = poses_of(shape);
+    const CoverageAudit audit = audit_coverage(shape, poses, 1, slice);
+    expect_covered(audit, poses / slice.of);
+    EXPECT_TRUE(poses < poses_of_all_due(shape) || audit.missed == 0);
     judged += audit.poses;
     worst = std::max(worst, audit.worst);
   }
@@ -143,11 +144,17 @@ void expect_meshes_covered(long poses_of_each, bool all_due, long at_least) {
   std::printf("%ld aimed poses, worst difference %.3g of the tolerances\n", judged, worst);
 }
 TEST(SharedMeshes, HaveAContactWhereverAProbeIsAimed) {
-  expect_meshes_covered(1000, false, 20000);
+  expect_meshes_covered([](const LmdShape&) { return 1000L; }, 20000);
 }
-TEST(SharedMeshes, HaveAContactWhereverAProbeIsAimedAMillionTimes) {
-  expect_meshes_covered(27000, true, 1000000);
+
+// Above every vertex inside a chain and every border of a region. Each slice is a test of its own.
+constexpr int kSlices = 16;
+class SharedMeshesInSlices : public testing::TestWithParam<int> {};
+TEST_P(SharedMeshesInSlices, HaveAContactWhereverAProbeIsAimedAMillionTimes) {
+  expect_meshes_covered([](const LmdShape& shape) { return std::max(27000L, poses_of_all_due(shape)); },
+                        1000000 / kSlices, {GetParam(), kSlices});
 }
+INSTANTIATE_TEST_SUITE_P(Slices, SharedMeshesInSlices, testing::Range(0, kSlices));
 
 }  // namespace
 }  // namespace aussois
