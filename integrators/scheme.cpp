@@ -45,11 +45,9 @@ Entry entry_of(const char* name, SchemeTraits (*traits)(const SchemeOptions&),
 }
 
 // Moreau's law stops a body up to half a step before the plate: if that is where the step ends it falls once
-// more, for a time O(sqrt h). With the other laws it ends closed (MJ-17), or overlapped by O(h) and is pushed
-// out at a speed that does not depend on h.
-double landing_order(NormalLaw law, double theta, bool stops_first, bool overlaps) {
-  if (law == NormalLaw::moreau) return theta == 1 || stops_first ? 0.5 : 1;
-  return overlaps ? 0 : 1;
+// more, for a time O(sqrt h). With the other laws it ends closed (MJ-17).
+double landing_order(NormalLaw law, double theta, bool stops_first) {
+  return law == NormalLaw::moreau && (theta == 1 || stops_first) ? 0.5 : 1;
 }
 
 bool speaks_of_the_mean(const MoreauJeanOptions& o) {
@@ -63,8 +61,7 @@ SchemeTraits moreau_jean_traits(const SchemeOptions& options) {
   return {.nonsmooth = 1,
           .smooth = o.theta == 0.5 ? 2.0 : 1.0,
           .rolling = speaks_of_the_mean(o) ? 2.0 : 1.0,
-          .landing = landing_order(o.law, o.theta, o.impact.order == ImpactOrder::sequential,
-                                   o.theta < 1 && (o.gamma < 1 || o.contacts == ContactsAt::end)),
+          .landing = landing_order(o.law, o.theta, o.impact.order == ImpactOrder::sequential),
           .restitution = o.law != NormalLaw::gap_over_step || o.gamma < 1,
           .pairwise = o.impact.order == ImpactOrder::sequential};
 }
@@ -118,7 +115,7 @@ SchemeTraits passive_midpoint_traits(const SchemeOptions& options) {
   const PassiveMidpointOptions& o = options.passive_midpoint;
   return {.nonsmooth = 1,
           .smooth = o.gyroscopic == GyroscopicTerm::midpoint ? 2.0 : 1.0,
-          .landing = landing_order(o.law, 0.5, false, true),
+          .landing = landing_order(o.law, 0.5, false),
           .restitution = o.law != NormalLaw::gap_over_step};
 }
 

@@ -217,9 +217,9 @@ ExitCode run(Arguments a) {
   tell_known(results.known, cells.size(), a.tasks.out);
   std::printf(
       "convergence: %d of %zu met the orders of theory, one or more; %d met less than one, as theory "
-      "predicts; %d without a promised order of the graph; %d not judged; %d missed\n",
-      count[OrderVerdict::met], cells.size(), count[OrderVerdict::less], count[OrderVerdict::none],
-      count[OrderVerdict::not_judged], count[OrderVerdict::missed]);
+      "predicts; %d not judged; %d missed\n",
+      count[OrderVerdict::met], cells.size(), count[OrderVerdict::less], count[OrderVerdict::not_judged],
+      count[OrderVerdict::missed]);
   const bool certified = tell(audit);
   if (!results.failures.empty()) return ExitCode::numerical;
   return certified && count[OrderVerdict::missed] + count[OrderVerdict::not_judged] == 0

@@ -7,7 +7,7 @@
 
 #include "geometry/settings.hpp"
 #include "integrators/pose/gap_hessians.hpp"
-#include "integrators/pose/projection.hpp"
+#include "integrators/pose/landing.hpp"
 #include "integrators/schemes/advance_step.hpp"
 #include "integrators/schemes/shared_settings.hpp"
 
@@ -86,59 +86,6 @@ std::vector<double> normal_impulses(const FoundContacts& found) {
   for (std::size_t i = 0; i < found.contacts.points.size(); ++i)
     r_N.push_back(found.contacts.points[i].normal.dot(found.start[i]));
   return r_N;
-}
-
-// How fast a closed contact may close again by the turning of its bodies alone: its arms and its normal are
-// others after a step (MJ-17) [m/s].
-double closing_by_turning(const StepSetting& setting, const State& start, const VecX& v_prescribed,
-                          const ContactRow& row, double slip, double h) {
-  double out = 0;
-  for (const BodyId body : {row.body_a, row.body_b}) {
-    const bool free = is_dynamic(setting.model.bodies[body]);
-    const double spin = angular_part(free ? start.v : v_prescribed, body).norm();
-    out += h * spin * (spin * setting.bounds[body].radius + slip);
-  }
-  return out;
-}
-
-// What lands - was closing on the path, faster than a closed contact does, and would end overlapped - ends
-// closed, and is stopped if it still closes then; nothing else gets closer than closed (MJ-17). Whether a row
-// lands is a matter of velocities, which are unique where shares of a load are not. Returns the velocities of
-// that path; `step` gets the impulses.
-VecX land(const StepSetting& setting, const State& start, const FoundContacts& found, const VecX& v_path,
-          ImpulseStep& step) {
-  const VecX v_end = step.solved.solution.v;
-  std::vector<ContactRow> opening;
-  bool lands = false, closes_on = false;
-  for (ContactRow& row : step.rows) {
-    if (row.law.kind == LawKind::dry_friction) continue;
-    const double ahead = row.gap + found.h * slip_velocity(row, setting.dofs, v_path).x();
-    bool landing = ahead < -kOverlapRounding;
-    if (landing && row.slot < 0) {
-      const RowVector before = slip_velocity(row, setting.dofs, step.free->v);
-      landing = -before.x() >
-                closing_by_turning(setting, start, step.v_prescribed, row, before.head<3>().norm(), found.h);
-    } else if (landing) {  // of gap functions and stops: none that bore a load
-      landing = start.r.size() == 0 || !(start.r[row.slot] > 0);
-    }
-    opening.push_back(row);
-    opening.back().w.x() = landing ? ahead : std::max(0.0, ahead);
-    lands |= landing;
-    if (!landing || slip_velocity(row, setting.dofs, v_end).x() >= 0) continue;
-    row.w.x() = row.moved.x();
-    closes_on = true;
-  }
-  if (!lands) return v_path;
-  if (closes_on) {
-    keep_status(step);
-    solve_rows(setting, start, found, step);
-  }
-  const double begin = step_clock();
-  const auto [d, report] =
-      opening_displacement(setting, step.free->mass, std::move(opening), step.joints.equations.G, found.h);
-  step.seconds += step_clock() - begin;
-  add_part(report, step.beside);
-  return v_path + d / found.h;
 }
 
 double time_of(ContactsAt at, double h) {
@@ -282,9 +229,8 @@ Trial attempt(const StepSetting& setting, const MoreauJeanOptions& o, const Stat
     solve_again(setting, o, start, h, now);
   if (after) now.step.impact = after->impact;
   VecX v_path = theta * now.step.solved.solution.v + (1 - theta) * start.free->v;  // (MJ-7)
-  if (theta < 1 && o.contacts != ContactsAt::end && o.gamma == 1 && o.law != NormalLaw::moreau &&
-      v_path.allFinite())
-    v_path = land(setting, from, now.found, v_path, now.step);
+  if (theta < 1 && o.gamma == 1 && o.law != NormalLaw::moreau && v_path.allFinite())
+    v_path = landing_path(setting, from, now.found, v_path, now.step);
   Trial trial{.move = {.v_path = v_path,
                        .v_end = now.step.solved.solution.v,
                        .goes_on = 2 * (1 - theta) * setting.options.advancement.min_h},

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "geometry/settings.hpp"
+#include "integrators/pose/landing.hpp"
 #include "integrators/schemes/advance_step.hpp"
 #include "integrators/schemes/shared_settings.hpp"
 
@@ -92,6 +93,20 @@ void set_mean_joints(const StepSetting& setting, const State& start, double h, I
   step.rows.insert(step.rows.end(), step.joints.rows.begin(), step.joints.rows.end());
 }
 
+// The displacement that ends landings closed (MJ-17), as part of the velocities of the path, unless the
+// forces are given more on it than contacts took in the step (PMI-7).
+VecX path_after_landing(const StepSetting& setting, const State& start, const FoundContacts& found,
+                        bool passive, ImpulseStep& step) {
+  const FreeMotion& free = *step.free;
+  const VecX v_path = kMidpoint * step.solved.solution.v + (1 - kMidpoint) * free.v;  // (PMI-4)
+  if (setting.normal.law == NormalLaw::moreau || !v_path.allFinite()) return v_path;
+  const VecX closed = landing_path(setting, start, found, v_path, step);
+  const VecX& v = step.solved.solution.v;
+  const double taken = VecX(free.M * (free.v_free - v)).dot(free.v + v) / 2;
+  const double given = (free.v - free.v_free).dot(free.mass * (closed - v_path));
+  return passive && given > taken ? v_path : closed;
+}
+
 StepOptions without_projection(StepOptions o) {
   o.joints.project = false;
   return o;
@@ -138,52 +153,56 @@ PassiveMidpoint::PassiveMidpoint(const Model& model, const StepOptions& step,
 
 StepReport PassiveMidpoint::step(State& state, double h_limit) const {
   const StepSetting& setting = *setting_;
-  const Model& model = setting.model;
   const Layout& dofs = setting.dofs;
-  const bool mean_joints = own_.mean_joints && !model.joints.empty();
+  const bool mean_joints = own_.mean_joints && !setting.model.joints.empty();
   const auto estimate = [&](const State& start, double h) {
-    return estimate_without_contacts(setting, start, free_motion(model, start, dofs, h, kMidpoint), h,
+    return estimate_without_contacts(setting, start, free_motion(setting.model, start, dofs, h, kMidpoint), h,
                                      kMidpoint);
   };
   const auto attempt = [&](const State& start, const Estimate& ahead, double h) {
     FoundContacts found = find_ahead(setting, start, ahead, h);
-    const FreeMotion plain = free_motion(model, start, dofs, h, kMidpoint);  // (MJ-4), (MJ-5)
+    const FreeMotion plain = free_motion(setting.model, start, dofs, h, kMidpoint);  // (MJ-4), (MJ-5)
     VecX guess = plain.v_free;
     const auto with_torque = [&] {
       return std::make_shared<const FreeMotion>(
-          with_gyroscopic(model, dofs, h, own_.gyroscopic, guess, plain));
+          with_gyroscopic(setting.model, dofs, h, own_.gyroscopic, guess, plain));
     };
     ImpulseStep step = pose_step(setting, start, found, with_torque(), kMidpoint);
     std::vector<char> stated(step.rows.size(), 0);
-    VecX last = VecX::Constant(dofs.rows, kInf);
-    double change = kInf;
     bool joints_stand = !mean_joints;
-    for (int k = 0; k < kRounds; ++k) {
-      solve_rows(setting, start, found, step);
-      const VecX& v = step.solved.solution.v;
-      if (!v.allFinite()) break;
-      if (mean_joints) {
-        const double before = std::exchange(change, (v - last).lpNorm<Eigen::Infinity>());
-        joints_stand = change <= kJointsSolved * v.lpNorm<Eigen::Infinity>() ||
-                       (change <= kJointsGivenUp && change >= before / 2);  // as far as rounding lets it
-        last = v;
+    const auto settle = [&] {
+      VecX last = VecX::Constant(dofs.rows, kInf);
+      double change = kInf;
+      for (int k = 0; k < kRounds; ++k) {
+        solve_rows(setting, start, found, step);
+        const VecX& v = step.solved.solution.v;
+        if (!v.allFinite()) break;
+        if (mean_joints) {
+          const double before = std::exchange(change, (v - last).lpNorm<Eigen::Infinity>());
+          joints_stand = change <= kJointsSolved * v.lpNorm<Eigen::Infinity>() ||
+                         (change <= kJointsGivenUp && change >= before / 2);  // as far as rounding lets it
+          last = v;
+        }
+        const bool off = own_.gyroscopic == GyroscopicTerm::midpoint &&
+                         gyroscopic_error(dofs, plain.v, guess, v, h) > kExact;
+        const bool gives =
+            own_.passive && make_passive(dofs, setting.options.solver.tolerance, step, stated) > 0;
+        if (!off && !gives && joints_stand) break;
+        if (off) {
+          guess = v;
+          step.free = with_torque();
+        }
+        if (!joints_stand) set_mean_joints(setting, start, h, step);
       }
-      const bool off = own_.gyroscopic == GyroscopicTerm::midpoint &&
-                       gyroscopic_error(dofs, plain.v, guess, v, h) > kExact;
-      const bool gives =
-          own_.passive && make_passive(dofs, setting.options.solver.tolerance, step, stated) > 0;
-      if (!off && !gives && joints_stand) break;
-      if (off) {
-        guess = v;
-        step.free = with_torque();
-      }
-      if (!joints_stand) set_mean_joints(setting, start, h, step);
-    }
+    };
+    settle();
+    const VecX first = step.solved.solution.v;
+    VecX v_path = path_after_landing(setting, start, found, own_.passive, step);
+    if (step.solved.solution.v != first) settle();  // a landing was stopped
     if (!joints_stand && is_solved(step.solved.solution.report.status))
       step.solved.solution.report.status = SolveStatus::max_iterations;
-    const VecX& v = step.solved.solution.v;
-    Trial trial{.move = {.v_path = kMidpoint * v + (1 - kMidpoint) * step.free->v,  // (PMI-4)
-                         .v_end = v,
+    Trial trial{.move = {.v_path = std::move(v_path),
+                         .v_end = step.solved.solution.v,
                          .goes_on = 2 * (1 - kMidpoint) * setting.options.advancement.min_h},
                 .figures = {.contacts_made_passive = int(std::count(stated.begin(), stated.end(), 1))}};
     trial.found = std::move(found);

@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <string>
 
+#include <gtest/gtest.h>
+
 namespace aussois {
 
 /// What `call` throws as an Error, or "" if it throws nothing. Anything else that it throws passes through.
@@ -15,6 +17,10 @@ std::string message_of(const Call& call) {
     return error.what();
   }
   return "";
+}
+
+inline void expect_names(const std::string& message, const std::string& part) {
+  EXPECT_NE(message.find(part), std::string::npos) << message;
 }
 
 }  // namespace aussois

@@ -16,11 +16,11 @@ namespace aussois {
 namespace {
 
 constexpr double kAlpha = LmdOptions{}.alpha, kAlphaEe = LmdOptions{}.alpha_ee;
-constexpr double kRadius = 1e-3;  // of every shape here, small against all gaps [m]
+constexpr double kDilation = 1e-3;  // of every shape here, small against all gaps [m]
 constexpr double kDegree = kPi / 180;
 
-LmdShape prepared(SimplicialComplex complex) {
-  return prepare(dilate(std::move(complex), kRadius));
+LmdShape prepared_scene(SimplicialComplex complex) {
+  return prepare(dilate(std::move(complex), kDilation));
 }
 
 // Contacts of base complexes nearer than `distance`.
@@ -28,7 +28,7 @@ ContactSet contacts(const LmdShape& a, const SE3& g_a, const LmdShape& b, double
                     double alpha = kAlpha) {
   return find_contacts(
       {&a, g_a, 0}, {&b, {}, 1},
-      {.threshold = distance - 2 * kRadius, .alpha = alpha, .alpha_ee = std::max(alpha, kAlphaEe)});
+      {.threshold = distance - 2 * kDilation, .alpha = alpha, .alpha_ee = std::max(alpha, kAlphaEe)});
 }
 
 int count(const LmdShape& a, const SE3& g_a, const LmdShape& b, double distance, double alpha = kAlpha) {
@@ -77,9 +77,9 @@ SimplicialComplex make_bar(const std::vector<Vec2>& profile, double length) {
 
 TEST(ChecklistItem5, AStandingCylinderHasAContactPerFacet) {
   Random random(51);
-  const LmdShape plate = prepared(make_plate(1, 1, 3, 3));
+  const LmdShape plate = prepared_scene(make_plate(1, 1, 3, 3));
   for (const int n : {3, 8, 16, 24, 48, 128}) {
-    const LmdShape cylinder = prepared(make_cylinder(0.05, 0.1, n));
+    const LmdShape cylinder = prepared_scene(make_cylinder(0.05, 0.1, n));
     for (int sample = 0; sample < 20; ++sample) {
       const Quat lean = sample == 0 ? Quat::Identity() : tilt_below_alpha(random);
       const SE3 g{lean * yaw(random.uniform(-kPi, kPi)),
@@ -94,10 +94,10 @@ TEST(ChecklistItem5, AStandingCylinderHasAContactPerFacet) {
 // are one crease or, lying on a facet, two; beyond, two or three.
 TEST(ChecklistItem5, ALyingCylinderTouchesAlongTheCreasesNearItsLowestLine) {
   Random random(52);
-  const LmdShape plate = prepared(make_plate(1, 1, 3, 3));
+  const LmdShape plate = prepared_scene(make_plate(1, 1, 3, 3));
   const int n = 16;
   const double delta = 2 * kPi / n;
-  const LmdShape cylinder = prepared(make_cylinder(0.05, 0.1, n));
+  const LmdShape cylinder = prepared_scene(make_cylinder(0.05, 0.1, n));
   std::map<int, int> seen;
   for (int sample = 0; sample < 600; ++sample) {
     const double alpha = std::array{2 * kDegree, 8 * kDegree, 12 * kDegree}[sample % 3];
@@ -123,8 +123,9 @@ TEST(ChecklistItem5, ALyingCylinderTouchesAlongTheCreasesNearItsLowestLine) {
 // upper crease, s = sin(psi) / 2 beside the lower one, see it in the direction (s, h), or its slope once s >
 // h; the part of that direction along the upper crease is what takes it out of the end's normal cone.
 TEST(ChecklistItem5, CreaseOnCreaseIsTwoEndsAndOneCrossing) {
-  const LmdShape below = prepared(make_bar({{-1, -1}, {1, -1}, {0, 0}}, 2)),
-                 above = prepared(make_bar({{0, 0}, {1, std::tan(kPi / 3)}, {-1, std::tan(kPi / 3)}}, 1));
+  const LmdShape below = prepared_scene(make_bar({{-1, -1}, {1, -1}, {0, 0}}, 2)),
+                 above =
+                     prepared_scene(make_bar({{0, 0}, {1, std::tan(kPi / 3)}, {-1, std::tan(kPi / 3)}}, 1));
   const double h = 0.01, cutoff = 0.03;
   std::map<int, int> seen;
   for (const double psi : {0.0,  1e-9,  1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 3e-3, 0.01, 0.015, 0.02, 0.025,
@@ -141,8 +142,8 @@ TEST(ChecklistItem5, CreaseOnCreaseIsTwoEndsAndOneCrossing) {
 }
 
 TEST(ChecklistItem5, TwoBallsOnARodAreTwoContactsAtAnyTilt) {
-  const LmdShape dimer = prepared(make_complex({Vec3(-0.3, 0, 0), Vec3(0.3, 0, 0)}, {})),
-                 rod = prepared(make_segment(2));
+  const LmdShape dimer = prepared_scene(make_complex({Vec3(-0.3, 0, 0), Vec3(0.3, 0, 0)}, {})),
+                 rod = prepared_scene(make_segment(2));
   for (const double alpha : {0.0, kAlpha})
     for (const double tilt : {-0.5, -0.1, -1e-3, -1e-9, 0.0, 1e-9, 1e-3, 0.1, 0.5}) {
       const SE3 g{exp_so3(tilt * Vec3::UnitY()), Vec3(0.1, 0.02, 0.3)};
@@ -152,7 +153,7 @@ TEST(ChecklistItem5, TwoBallsOnARodAreTwoContactsAtAnyTilt) {
 
 // The singularity of a minimum is that it jumps from end to end at no tilt; the quasi-minima cover it openly.
 TEST(ChecklistItem5, ADumbbellOnARodIsTwoContactsBelowAlphaAndOneBeyond) {
-  const LmdShape dumbbell = prepared(make_segment(0.6)), rod = prepared(make_segment(2));
+  const LmdShape dumbbell = prepared_scene(make_segment(0.6)), rod = prepared_scene(make_segment(2));
   for (const double tilt :
        {-0.3, -1.01 * kAlpha, -0.99 * kAlpha, -1e-6, 0.0, 1e-6, 0.99 * kAlpha, 1.01 * kAlpha, 0.3}) {
     const SE3 g{exp_so3(tilt * Vec3::UnitY()), Vec3(0.1, 0, 0.3)};
@@ -190,10 +191,10 @@ TEST(ChecklistItem5, APegOfSixteenFacetsInAHoleHasThirtyTwoToSixtyFourContacts) 
   Random random(55);
   const int n = 16;
   const double delta = 2 * kPi / n, hole = 0.05;
-  const LmdShape block = prepared(make_ring(0.1, hole, 0.2, n));
+  const LmdShape block = prepared_scene(make_ring(0.1, hole, 0.2, n));
   std::map<int, int> seen;
   for (const double r : {0.9 * hole, 0.96 * hole}) {
-    const LmdShape peg = prepared(make_cylinder(r, 0.2, n));
+    const LmdShape peg = prepared_scene(make_cylinder(r, 0.2, n));
     for (int sample = 0; sample < 100; ++sample) {
       const double turn = sample == 0   ? 0
                           : sample < 50 ? random.uniform(0, 2) * kAlpha
@@ -216,7 +217,7 @@ TEST(ChecklistItem5, APegOfSixteenFacetsInAHoleHasThirtyTwoToSixtyFourContacts) 
 TEST(ChecklistItem5, ACubeInACornerHasFourContactsPerWall) {
   std::vector<std::array<int, 3>> cells;
   for (int i = 0; i < 7; ++i) cells.push_back({i & 1, i >> 1 & 1, i >> 2 & 1});  // all but the eighth
-  const LmdShape corner = prepared(make_blocks(cells)), cube = prepared(make_box(0.5, 0.5, 0.5));
+  const LmdShape corner = prepared_scene(make_blocks(cells)), cube = prepared_scene(make_box(0.5, 0.5, 0.5));
   Random random(56);
   for (int sample = 0; sample < 200; ++sample) {
     const SE3 g{sample == 0 ? Quat::Identity() : tilt_below_alpha(random), Vec3(1.28, 1.29, 1.3)};
@@ -243,7 +244,7 @@ TEST(ChecklistItem5, AnLBlockOnAStepHasFourContactsPerFace) {
   for (int y = -2; y < 3; ++y)
     for (int x = -2; x < 2; ++x)
       for (int z = -2; z < (x < 0 ? -1 : 1); ++z) cells.push_back({x, y, z});
-  const LmdShape step = prepared(make_blocks(cells)), block = prepared(make_l());
+  const LmdShape step = prepared_scene(make_blocks(cells)), block = prepared_scene(make_l());
   Random random(57);
   for (int sample = 0; sample < 200; ++sample) {
     const SE3 g{sample == 0 ? Quat::Identity() : tilt_below_alpha(random),
@@ -263,7 +264,7 @@ TEST(ChecklistItem5, AnLBlockOnAStepHasFourContactsPerFace) {
 // dominated by what stays: the front of the other arm at d cos(delta), delta the angle by which the direction
 // points into that arm.
 TEST(ChecklistItem5, AtASaddleVertexAContactVanishesBehindANearerOne) {
-  const LmdShape block = prepared(make_l()), ball = prepared(make_point());
+  const LmdShape block = prepared_scene(make_l()), ball = prepared_scene(make_point());
   const double front = 0.05, under = 0.08, d = std::hypot(front, under), step = 1e-6;
   const auto at = [&](double x) {
     return contacts(ball, translation(x, 1 + front, 1 - under), block, 0.2).points;
@@ -271,10 +272,10 @@ TEST(ChecklistItem5, AtASaddleVertexAContactVanishesBehindANearerOne) {
   const std::vector<ContactPoint> before = at(step), after = at(-step);
   ASSERT_EQ(before.size(), 2U);  // the lower side of the upper arm, the upright side of the lower arm
   ASSERT_EQ(after.size(), 1U);   // the front of the lower arm
-  EXPECT_NEAR(std::max(before[0].gap, before[1].gap) + 2 * kRadius, d, 1e-12);
-  EXPECT_NEAR(smallest_gap({before}) + 2 * kRadius, front, 1e-10);  // step^2 / (2 front)
+  EXPECT_NEAR(std::max(before[0].gap, before[1].gap) + 2 * kDilation, d, 1e-12);
+  EXPECT_NEAR(smallest_gap({before}) + 2 * kDilation, front, 1e-10);  // step^2 / (2 front)
   const double delta = std::asin(under / d);
-  EXPECT_NEAR(after[0].gap + 2 * kRadius, d * std::cos(delta), 1e-12);
+  EXPECT_NEAR(after[0].gap + 2 * kDilation, d * std::cos(delta), 1e-12);
   EXPECT_EQ(after[0].b.dim, 2);
 }
 
@@ -283,7 +284,8 @@ TEST(ChecklistItem5, AtASaddleVertexAContactVanishesBehindANearerOne) {
 // slope (4); one that fits with both (8).
 TEST(ChecklistItem5, AVOverAConcaveValleyTouchesBothSlopes) {
   const double slope = std::tan(30 * kDegree);
-  const LmdShape valley = prepared(make_bar({{-2, -1}, {2, -1}, {2, 2 * slope}, {0, 0}, {-2, 2 * slope}}, 4));
+  const LmdShape valley =
+      prepared_scene(make_bar({{-2, -1}, {2, -1}, {2, 2 * slope}, {0, 0}, {-2, 2 * slope}}, 4));
   struct Case {
     double rise, height, distance;
     int expected;
@@ -292,7 +294,7 @@ TEST(ChecklistItem5, AVOverAConcaveValleyTouchesBothSlopes) {
   Random random(59);
   for (const Case& c : {Case{50, 0.1, 0.3, 4, 4}, Case{30, 0.1, 0.3, 8, 4}, Case{20, 0.3, 0.5, 4, 0}}) {
     const double top = std::tan(c.rise * kDegree);
-    const LmdShape v = prepared(make_bar({{0, 0}, {1, top}, {-1, top}}, 1));
+    const LmdShape v = prepared_scene(make_bar({{0, 0}, {1, top}, {-1, top}}, 1));
     for (int sample = 0; sample < 50; ++sample) {
       const SE3 g{sample == 0 ? Quat::Identity() : tilt_below_alpha(random),
                   Vec3(0, random.uniform(-1, 1), c.height)};

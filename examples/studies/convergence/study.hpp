@@ -54,13 +54,12 @@ double shortened_error(const Study& study);
 enum class OrderVerdict {
   met,         // all orders are those of theory, one or more
   less,        // they are, but theory promises less than one of some
-  none,        // they are, but theory promises no convergence of some
   missed,      // one is below what theory promises, or shortened steps are worse than whole ones
   not_judged,  // too few step sizes without a step that was shortened
 };
 const char* to_string(OrderVerdict verdict);
 OrderVerdict verdict(const Study& study);
-/// Nothing that theory promises is missed: met, less or none.
+/// Nothing that theory promises is missed: met or less.
 bool as_expected(const Study& study);
 
 /// False: the case asks for bounces, or for impacts at once, and the scheme has none.

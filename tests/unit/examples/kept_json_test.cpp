@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-const Json kKey{{"case", "ball"}, {"h", 0.1}, {"program", 0xfedcba9876543210u}};
+const Json kBallKey{{"case", "ball"}, {"h", 0.1}, {"program", 0xfedcba9876543210u}};
 
 std::optional<int> answer_in(const std::filesystem::path& path, const Json& key) {
   return read_kept(path, key, [](const Json& json) { return json.at("answer").get<int>(); });
@@ -23,36 +23,36 @@ std::optional<int> answer_in(const std::filesystem::path& path, const Json& key)
 
 TEST(KeptJson, IsFoundWithItsKeyOnly) {
   const std::filesystem::path path = fresh_folder() / "kept.json";
-  EXPECT_FALSE(answer_in(path, kKey));
-  write_kept(path, kKey, {{"answer", 42}, {"case", "the key wins"}});
+  EXPECT_FALSE(answer_in(path, kBallKey));
+  write_kept(path, kBallKey, {{"answer", 42}, {"case", "the key wins"}});
   EXPECT_EQ(
       content_of(path),
       "{\n  \"case\": \"ball\",\n  \"h\": 0.1,\n  \"program\": 18364758544493064720,\n  \"answer\": 42\n}\n");
-  EXPECT_EQ(answer_in(path, kKey), 42);
+  EXPECT_EQ(answer_in(path, kBallKey), 42);
   EXPECT_EQ(answer_in(path, {}), 42);
-  for (const auto& [name, value] : kKey.items()) {
-    Json other = kKey;
+  for (const auto& [name, value] : kBallKey.items()) {
+    Json other = kBallKey;
     other[name] = 7;
     EXPECT_FALSE(answer_in(path, other)) << name;
   }
-  Json more = kKey;
+  Json more = kBallKey;
   more["seed"] = 1;
   EXPECT_FALSE(answer_in(path, more));
 }
 
 TEST(KeptJson, IsNothingIfItIsDamaged) {
   const std::filesystem::path path = fresh_folder() / "kept.json";
-  write_kept(path, kKey, {{"answer", 42}});
+  write_kept(path, kBallKey, {{"answer", 42}});
   const std::string whole = content_of(path);
   for (std::size_t size = 0; size + 2 < whole.size(); ++size) {
     write_bytes(path, whole.substr(0, size));
-    EXPECT_FALSE(answer_in(path, kKey)) << size;
+    EXPECT_FALSE(answer_in(path, kBallKey)) << size;
   }
   for (const char* text : {"7", "[]", "null", "\xff", "{\"answer\": \"42\"}"}) {
     write_bytes(path, text);
     EXPECT_FALSE(answer_in(path, {})) << text;
   }
-  write_kept(path, kKey, {{"answer", 42}});
+  write_kept(path, kBallKey, {{"answer", 42}});
   EXPECT_EQ(content_of(path), whole);
   EXPECT_EQ(names_in(path.parent_path()), std::set<std::string>{"kept.json"});
 }
@@ -72,7 +72,7 @@ TEST(KeptJson, HasEveryNumberToTheLastBit) {
 
 TEST(KeptJson, SaysWhereItCannotWrite) {
   const std::filesystem::path path = fresh_folder() / "no such folder" / "kept.json";
-  EXPECT_NE(message_of<std::runtime_error>([&] { write_kept(path, kKey, {}); }).find(path.string()),
+  EXPECT_NE(message_of<std::runtime_error>([&] { write_kept(path, kBallKey, {}); }).find(path.string()),
             std::string::npos);
 }
 

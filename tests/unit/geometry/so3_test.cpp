@@ -10,18 +10,19 @@
 namespace aussois {
 namespace {
 
-constexpr unsigned kSeed = 20121;
+constexpr unsigned kRotationSeed = 20121;
 // Of central differences: truncation step^2 / 6, rounding 1e-16 / step: both near 1e-11
-constexpr double kStep = 1e-5;
+constexpr double kTurn = 1e-5;
 
 // f(phi) for the delicate angles about 20 random axes each.
 template <class F>
 void for_each_rotation_vector(F f) {
-  Random random(kSeed);
+  Random random(kRotationSeed);
   for (const double angle : kAngles) {
     for (int i = 0; i < 20; ++i) {
       const Vec3 phi = angle * random.direction();
-      SCOPED_TRACE(::testing::Message() << "seed " << kSeed << ", angle " << angle << ", sample " << i);
+      SCOPED_TRACE(::testing::Message()
+                   << "seed " << kRotationSeed << ", angle " << angle << ", sample " << i);
       f(phi, random);
     }
   }
@@ -90,15 +91,16 @@ TEST(SO3, LogarithmUndoesTheExponential) {
 }
 
 TEST(SO3, ExponentialUndoesTheLogarithmOfAnyQuaternion) {
-  Random random(kSeed);
+  Random random(kRotationSeed);
   int beyond_half_a_turn = 0;
   for (int i = 0; i < 200; ++i) {
     Quat R{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
     R.normalize();
     beyond_half_a_turn += R.w() < 0;
     const Vec3 phi = log_so3(R);
-    EXPECT_LE(phi.norm(), kPi * (1 + 1e-15)) << "seed " << kSeed;
-    EXPECT_LT((exp_so3(phi).toRotationMatrix() - R.toRotationMatrix()).norm(), 3e-15) << "seed " << kSeed;
+    EXPECT_LE(phi.norm(), kPi * (1 + 1e-15)) << "seed " << kRotationSeed;
+    EXPECT_LT((exp_so3(phi).toRotationMatrix() - R.toRotationMatrix()).norm(), 3e-15)
+        << "seed " << kRotationSeed;
   }
   EXPECT_GT(beyond_half_a_turn, 50);  // both signs of the double cover were seen
   EXPECT_LT(beyond_half_a_turn, 150);
@@ -123,9 +125,9 @@ TEST(SO3, LogarithmOfHalfATurnHasItsFirstNonzeroEntryPositive) {
 TEST(SO3, DifferentialsAgreeWithCentralDifferences) {
   for_each_rotation_vector([](const Vec3& phi, auto& random) {
     const Vec3 direction = random.direction();
-    const Quat ahead = exp_so3(phi + kStep * direction), behind = exp_so3(phi - kStep * direction);
-    EXPECT_LT((dexp_left(phi) * direction - log_so3(ahead * behind.conjugate()) / (2 * kStep)).norm(), 1e-10);
-    EXPECT_LT((dexp_right(phi) * direction - log_so3(behind.conjugate() * ahead) / (2 * kStep)).norm(),
+    const Quat ahead = exp_so3(phi + kTurn * direction), behind = exp_so3(phi - kTurn * direction);
+    EXPECT_LT((dexp_left(phi) * direction - log_so3(ahead * behind.conjugate()) / (2 * kTurn)).norm(), 1e-10);
+    EXPECT_LT((dexp_right(phi) * direction - log_so3(behind.conjugate() * ahead) / (2 * kTurn)).norm(),
               1e-10);
   });
 }

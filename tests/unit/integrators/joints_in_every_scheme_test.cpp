@@ -16,7 +16,7 @@
 namespace aussois {
 namespace {
 
-constexpr double kG = 9.81;
+constexpr double kPull = 9.81;
 
 constexpr JointKind kKinds[] = {JointKind::fixed,       JointKind::revolute,  JointKind::prismatic,
                                 JointKind::cylindrical, JointKind::spherical, JointKind::universal,
@@ -211,7 +211,7 @@ TEST_P(EverySchemeAndJoint, RunsDownItsThread) {
   add(model, RigidBody{.name = "nut", .mass = 2, .inertia = 0.01 * Mat3::Identity()});
   State state = rest_state(model);
   add(model, Joint{.name = "thread", .kind = JointKind::screw, .body_a = 0, .pitch = 0.1});
-  const double lead = 0.1 / (2 * kPi), acceleration = kG * 2 / (2 + 0.01 / (lead * lead));
+  const double lead = 0.1 / (2 * kPi), acceleration = kPull * 2 / (2 + 0.01 / (lead * lead));
   advance(scheme(model, h), state, t, [&](const StepReport&) {
     EXPECT_NEAR(state.g[0].p.z(), lead * joint_coordinate(model, state, 0), 1e-12);
   });
@@ -280,7 +280,7 @@ TEST_P(EverySchemeAndJoint, FallsOnTheGroundOnItsHinge) {
   });
   const bool still_pushed =
       v.name == "passive_midpoint" && v.options.passive_midpoint.law == NormalLaw::combined;
-  const double weight = 1000 * 0.4 * 0.2 * 0.05 * kG;
+  const double weight = 1000 * 0.4 * 0.2 * 0.05 * kPull;
   EXPECT_NEAR(joint_coordinate(model, state, 0), 0, 1e-4);
   EXPECT_LT(twist(state, 1).norm(), still_pushed ? 3e-3 : 1e-9);
   EXPECT_NEAR(carried, weight, (still_pushed ? 0.1 : alpha ? 1e-3 : 1e-9) * weight);

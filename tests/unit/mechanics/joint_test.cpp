@@ -193,10 +193,6 @@ std::string refusal(const Joint& joint) {
   EXPECT_EQ(model.joints.size(), message.empty() ? 1u : 0u);
   return message;
 }
-void expect_names(const std::string& message, const std::string& part) {
-  EXPECT_NE(message.find(part), std::string::npos) << message;
-}
-
 TEST(Joint, RefusesWhatIsNoJoint) {
   const Joint good{.name = "hinge", .kind = JointKind::revolute, .body_a = 0, .body_b = 1};
   EXPECT_EQ(refusal(good), "");

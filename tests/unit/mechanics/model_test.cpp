@@ -31,10 +31,6 @@ std::string refusal(const Model& model) {
   return message_of([&] { validate(model); });
 }
 
-void expect_names(const std::string& message, const std::string& part_of_it) {
-  EXPECT_NE(message.find(part_of_it), std::string::npos) << message;
-}
-
 TEST(Model, CountsWhatIsAdded) {
   Model model;
   EXPECT_EQ(add(model, prepare(dilate(make_box(1, 1, 1), 1e-3))), ShapeId(0));
