@@ -173,7 +173,7 @@ ExitCode run(Arguments a) {
   if (!a.case_name.empty()) case_named(a.case_name);
   validate(a.study);
   const std::vector<Cell> cells = shard_of(cells_of(a), a.shard);
-  if (!a.all) {  // told before a folder is made
+  if (!a.all) {  // refused before a folder is made
     const SchemeVariant& variant = cells.front().variant;
     const Case* scene = cells.front().scene;
     require_applies(*scene, variant.name, variant.options);

@@ -70,7 +70,7 @@ std::string short_text(double tolerance) {
   return {text, std::to_chars(text, text + sizeof text, tolerance, std::chars_format::scientific).ptr};
 }
 
-/// Those that can be read; the others are told and left out.
+/// Those that can be read; the others are reported and left out.
 std::vector<Problem> readable(const std::vector<std::filesystem::path>& files) {
   std::vector<Problem> problems;
   for (const std::filesystem::path& file : files) {

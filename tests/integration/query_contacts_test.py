@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""query_contacts: what it tells about a pose is true of the pose, a path is its poses, bad input is named."""
+"""query_contacts: what it prints about a pose is true of the pose, a path is its poses, bad input is named."""
 
 import json
 import math

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Acceptance A-7 on recorded tosses, and what persistence and reduction may change in them
-// (doc/theory/cube_toss.md).
+// Recorded tosses are rolled out as well as by published simulators, and persistence and reduction change
+// them little (doc/theory/cube_toss.md).
 #include <cmath>
 #include <cstdlib>
 

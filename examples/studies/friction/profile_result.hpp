@@ -26,7 +26,7 @@ struct ProfileResult {
   std::string status{};  // of SolveStatus, or time_limit, crashed, unreadable, failed
   bool solved = false;
   int iterations = 0;
-  double scaled_residual = std::numeric_limits<double>::quiet_NaN();  // nobody judged
+  double scaled_residual = std::numeric_limits<double>::quiet_NaN();  // NaN: not judged
   double natural_map_residual = std::numeric_limits<double>::quiet_NaN();
   double cpu_s = 0;       // of solve()
   double time_limit = 0;  // that it had, for all of its process [s]

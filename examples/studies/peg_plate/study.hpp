@@ -94,8 +94,8 @@ struct PegResult {
   std::vector<PegScore> scores{};
   double upright_share = 0;  // LessonsLearnt's
 };
-/// Of the scores only: all methods on the test cases. `progress` is told what it scores next, from any
-/// thread; false: no more.
+/// Of the scores only: all methods on the test cases. `progress` gets what is scored next, from any
+/// thread; if it returns false, no more is scored.
 std::vector<PegScore> score_all(const std::vector<NamedMethod>& methods, const PegData& data,
                                 const PegStudyOptions& options,
                                 const std::function<bool(const std::string&)>& progress = {});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Results of solvers come back from their files to the last bit, and only to whom they belong.
+// Results of solvers come back from their files to the last bit, and only for the key that they belong to.
 #include "examples/studies/friction/profile_result.hpp"
 
 #include <cmath>

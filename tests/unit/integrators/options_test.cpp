@@ -153,7 +153,7 @@ TEST(SchemeOptions, HaveTheRangesThatTheirHeadersState) {
   }
 }
 
-// Who does not read an option says so where it is set, and its flag is refused there.
+// A scheme that does not read an option says so where the option is set, and its flag is refused there.
 TEST(SchemeOptions, AreRefusedWhereASchemeDoesNotReadThem) {
   const Scene s = block_on_plate(0.3, 0, 0);
   const auto refusal = [&](const char* scheme, const StepOptions& step) {
