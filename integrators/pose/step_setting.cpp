@@ -101,6 +101,7 @@ void check_fits(const StepSetting& setting, const State& state, double h_limit) 
       require_field(false, ("State::g, body " + to_string(b) + " (" + body.name + "): |R|").c_str(),
                     std::sqrt(square), "be 1 within 1e-6");
   }
+  validate(setting.model, state.memory);
 }
 
 std::string joint_that_is_off(const StepSetting& setting, const State& state) {

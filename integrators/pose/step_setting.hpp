@@ -37,8 +37,9 @@ StepSetting step_setting(const Model& model, const StepOptions& options, NormalL
 void refuse_deforming(const Model& model, const char* who);
 
 /// Checks the input of every step, in release builds too. Throws std::invalid_argument if the model has grown
-/// or shrunk since the scheme was made, if the state does not fit it or has an orientation that is not of
-/// unit length, or if `h_limit` [s] is not positive. Numbers that are not finite are left to the status.
+/// or shrunk since the scheme was made, if the state does not fit it, has an orientation that is not of unit
+/// length or remembers features that the shapes do not have, or if `h_limit` [s] is not positive. Numbers
+/// that are not finite are left to the status.
 void check_fits(const StepSetting& setting, const State& state, double h_limit = kInf);
 
 /// Names the joint that is off by more than JointOptions::tolerance before the first step, and by how much.

@@ -56,6 +56,52 @@ TEST(Step, RefusesAStateThatDoesNotFitItsModel) {
   with([](State& x) { x.g[1].R.coeffs() *= 2; }, "State::g, body 1 (ball): |R| = 2 must be 1 within 1e-6");
 }
 
+// Features are remembered by number: those of another mesh may not exist.
+TEST(Step, RefusesAMemoryOfFeaturesThatTheShapesLack) {
+  const TwoBalls s;  // of one vertex each
+  const auto with = [&](const ContactKey& key, const std::string& part) {
+    State state = s.state;
+    state.memory.contacts = {{.key = {0, 1, feature_word({0, 0}, {0, 0})}}, {.key = key}};
+    expect_refusal(s.model, state, "State::memory, contact 1: " + part);
+    EXPECT_NE(message_of([&] { validate(s.model, state); }).find(part), std::string::npos);
+  };
+  with({0, 1, feature_word({0, 0}, {0, 1})}, "vertex of body 1 (ball) = 1 must lie in [0, 1)");
+  with({0, 1, feature_word({0, 7}, {0, 0})}, "vertex of body 0 (ball) = 7 must lie in [0, 1)");
+  with({0, 1, feature_word({0, 0}, {1, 0})}, "chain of body 1 (ball) = 0 must lie in [0, 0)");
+  with({0, 1, feature_word({2, 3}, {0, 0})}, "region of body 0 (ball) = 3 must lie in [0, 0)");
+  with({0, 1, feature_word({3, 0}, {0, 0})},
+       "dimension of the feature of body 0 (ball) = 3 must lie in [0, 2]");
+  with({0, 2, feature_word({0, 0}, {0, 0})}, "its bodies must exist");
+  with({-1, 1, feature_word({0, 0}, {0, 0})}, "its bodies must exist");
+}
+
+TEST(Step, RefusesAStateThatWasReachedWithAFinerMesh) {
+  const auto can = [](int facets) {
+    Scene s = block_on_plate(0.3, 0, 0);
+    s.model.shapes[1] =
+        std::make_shared<const LmdShape>(prepare(dilate(make_cylinder(kSide / 2, kSide, facets), kRadius)));
+    return s;
+  };
+  Scene fine = can(64);
+  ASSERT_TRUE(make_scheme("moreau_jean", fine.model, {}).step(fine.state, 1e-3).ok());
+  ASSERT_GT(fine.state.memory.contacts.size(), 4U);
+  const Scene coarse = can(4);
+  expect_refusal(coarse.model, fine.state, "vertex of body 1 (block) = ");
+  fine.state.memory = {};
+  for (const std::string& name : scheme_names()) {
+    State state = fine.state;
+    EXPECT_EQ(message_of([&] { EXPECT_TRUE(make_scheme(name, coarse.model, {}).step(state, 1e-3).ok()); }),
+              "");
+  }
+}
+
+TEST(Step, RefusesAMemoryOfABodyThatHasNoShape) {
+  TwoBalls s;
+  s.model.bodies[1].shape = {};
+  s.state.memory.contacts = {{.key = {0, 1, feature_word({0, 0}, {0, 0})}}};
+  expect_refusal(s.model, s.state, "State::memory, contact 0: body 1 (ball) must have a shape");
+}
+
 TEST(Step, RefusesAModelThatHasChangedSinceTheSchemeWasMade) {
   for (const std::string& name : scheme_names()) {
     const auto refused = [&](const std::function<void(Model&)>& change) {
