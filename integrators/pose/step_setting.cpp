@@ -29,6 +29,15 @@ void check_count(Now now, Wanted wanted, const char* what, const char* why) {
     require_field(false, what, now, ("be " + std::to_string(wanted) + why).c_str());
 }
 
+void check_shape(const Model& model, BodyId b, const BodyShape& then, const char* why) {
+  const RigidBody& body = model.bodies[b];
+  const bool same = body.shape == then.id && (!then.id || model.shapes[then.id] == then.shape),
+             there = body.g_bs.p == then.g_bs.p && body.g_bs.R.coeffs() == then.g_bs.R.coeffs();
+  if (!same || !there)
+    require(false, std::string("model: ") + (same ? "g_bs" : "shape") + " of body " + to_string(b) + " (" +
+                       body.name + ") must stay" + why);
+}
+
 }  // namespace
 
 void refuse_deforming(const Model& model, const char* who) {
@@ -61,8 +70,10 @@ StepSetting step_setting(const Model& model, const StepOptions& options, NormalL
                   .bounds = body_bounds(model),
                   .pieces = pieces_of_shapes(model)};
   out.laws = contact_laws(model);
-  for (const RigidBody& body : model.bodies)
-    out.shapes.push_back(body.shape ? model.shapes[body.shape].get() : nullptr);
+  for (const RigidBody& body : model.bodies) {
+    out.body_shapes.push_back({body.shape, body.shape ? model.shapes[body.shape] : nullptr, body.g_bs});
+    out.shapes.push_back(out.body_shapes.back().shape.get());
+  }
   if (out.options.advancement.min_h == 0) out.options.advancement.min_h = std::min(1e-7, 1e-4 * options.h);
   out.options.lmd.threads = options.threads;
   out.options.solver.for_all = [threads = options.threads](int n, const std::function<void(int)>& f) {
@@ -96,6 +107,7 @@ void check_fits(const StepSetting& setting, const State& state, double h_limit) 
     const RigidBody& body = setting.model.bodies[b];
     if (is_dynamic(body) != (setting.dofs.first[b] >= 0))
       require(false, "model: motion of body " + to_string(b) + " (" + body.name + ") must stay" + kMade);
+    check_shape(setting.model, b, setting.body_shapes[b], kMade);
     const double square = state.g[b].R.squaredNorm();
     if (std::isfinite(square) && std::abs(square - 1) > 2e-6)
       require_field(false, ("State::g, body " + to_string(b) + " (" + body.name + "): |R|").c_str(),

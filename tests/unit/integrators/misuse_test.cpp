@@ -129,6 +129,18 @@ TEST(Step, RefusesAModelThatHasChangedSinceTheSchemeWasMade) {
                                    }});
               }).find("blocks of coordinates = 1"),
               std::string::npos);
+    const std::string shape = "model: shape of body 1 (ball) must stay, as when the scheme was made";
+    EXPECT_NE(refused([](Model& m) { m.bodies[1].shape = {}; }).find(shape), std::string::npos);
+    EXPECT_NE(refused([](Model& m) { m.bodies[1].shape = 7; }).find(shape), std::string::npos);
+    EXPECT_NE(refused([](Model& m) {  // of the same size: what the scheme knew of it is gone
+                m.shapes[0] = std::make_shared<const LmdShape>(prepare(dilate(make_point(), 0.05)));
+              })
+                  .find("model: shape of body 0 (ball) must stay"),
+              std::string::npos);
+    for (const auto& change : {+[](SE3& g) { g.p.x() = 0.01; }, +[](SE3& g) { g.R = Quat(0, 1, 0, 0); }})
+      EXPECT_NE(
+          refused([&](Model& m) { change(m.bodies[1].g_bs); }).find("model: g_bs of body 1 (ball) must stay"),
+          std::string::npos);
   }
 }
 
@@ -152,6 +164,18 @@ TEST(Step, RefusesAForceLawThatWritesOutsideOfTheVelocities) {
                  out.f = VecX::Zero(3);
                }});
   expect_refusal(s.model, s.state, "force law (spring): size of GeneralisedForce::f = 3 must stay 12");
+}
+
+TEST(Scheme, StepsAgainOnceTheShapeIsBack) {
+  for (const std::string& name : scheme_names()) {
+    TwoBalls s;
+    const Scheme scheme = make_scheme(name, s.model, {});
+    const auto other = std::make_shared<const LmdShape>(prepare(dilate(make_point(), 0.05)));
+    const auto shape = std::exchange(s.model.shapes[0], other);
+    EXPECT_NE(message_of([&] { EXPECT_FALSE(scheme.step(s.state, 1e-3).ok()); }), "") << name;
+    s.model.shapes[0] = shape;
+    EXPECT_TRUE(scheme.step(s.state, 1e-3).ok()) << name;
+  }
 }
 
 // Through the integrator, which is C and calls back.
