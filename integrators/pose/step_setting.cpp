@@ -117,16 +117,30 @@ void check_fits(const StepSetting& setting, const State& state, double h_limit) 
 }
 
 std::string joint_that_is_off(const StepSetting& setting, const State& state) {
-  const JointOptions& o = setting.options.joints;
-  if (state.h > 0 || !o.project) return "";
-  for (const JointId j : setting.model.joints.ids()) {
-    const JointError error = joint_error(setting.model, state, j);
-    if (within(error, o) || !std::isfinite(error.translation + error.rotation)) continue;
-    std::ostringstream text;
-    text << "start: joint " << j << " (" << setting.model.joints[j].name << ") is off by "
-         << error.translation << " m and " << error.rotation << " rad, at most " << o.tolerance
-         << " is allowed; see consistent()";
+  if (state.h > 0) return "";
+  const Model& model = setting.model;
+  const double tolerance = setting.options.joints.tolerance;
+  std::ostringstream text;
+  text << "start: ";
+  const auto told = [&] {
+    text << ", at most " << tolerance << " is allowed; see consistent()";
     return text.str();
+  };
+  for (const JointId j : model.joints.ids()) {
+    const JointError error = joint_error(model, state, j);
+    const double worst = std::max(error.translation, error.rotation);
+    if (worst <= tolerance || !std::isfinite(error.translation + error.rotation)) continue;
+    text << "joint " << j << " (" << model.joints[j].name << ") is off by " << error.translation << " m and "
+         << error.rotation << " rad";
+    return told();
+  }
+  for (std::size_t i = 0; i < model.couplings.size(); ++i) {
+    const Coupling& c = model.couplings[i];
+    const double error = std::abs(coupling_row(model, c, state.g, state.turns).value);
+    if (error <= tolerance || !std::isfinite(error)) continue;
+    text << "coupling " << i << " (" << c.name << ") is off by " << error
+         << (is_angle(model.joints[c.joint_1].kind, c.axis_1) ? " rad" : " m");
+    return told();
   }
   return "";
 }

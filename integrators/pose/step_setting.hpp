@@ -50,8 +50,8 @@ void refuse_deforming(const Model& model, const char* who);
 /// [s] is not positive. Numbers that are not finite are left to the status.
 void check_fits(const StepSetting& setting, const State& state, double h_limit = kInf);
 
-/// Names the joint that is off by more than JointOptions::tolerance before the first step, and by how much.
-/// Empty if none is, or if joints are not projected and so close only gradually.
+/// Names the joint or coupling that is off by more than JointOptions::tolerance before the first step, and by
+/// how much, whether or not steps project. Empty if none is.
 std::string joint_that_is_off(const StepSetting& setting, const State& state);
 
 /// Contacts of all pairs of bodies at the state with gap <= threshold [m], as a step would find them.

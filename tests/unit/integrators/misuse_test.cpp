@@ -6,7 +6,9 @@
 #include "integrators/run.hpp"
 #include "integrators/scheme.hpp"
 #include "tests/support/block_scene.hpp"
+#include "tests/support/gear_pair.hpp"
 #include "tests/support/message_of.hpp"
+#include "tests/support/scheme_variants.hpp"
 
 namespace aussois {
 namespace {
@@ -229,6 +231,56 @@ TEST(StepOptions, RefuseThreadsThatAStepWouldOverrule) {
             }).find("solver.for_all must be empty"),
             std::string::npos);
 }
+
+// Off on purpose is what a tolerance says; that steps do not project, or cannot, does not say it.
+class FarOff : public ::testing::TestWithParam<SchemeVariant> {
+ protected:
+  static StepReport first_step(const Model& model, State state, const JointOptions& joints) {
+    SchemeOptions o = GetParam().options;
+    o.step.h = 1e-3;
+    o.step.joints = joints;
+    return make_scheme(GetParam().name, model, o).step(state, kInf);
+  }
+  // By more than the tolerance; `text` says by how much.
+  static void expect_refused(const Model& model, const State& state, const std::string& text) {
+    for (const bool project : {true, false}) {
+      const StepReport report = first_step(model, state, {.project = project});
+      EXPECT_EQ(report.status, StepStatus::refused) << project;
+      EXPECT_EQ(report.reason, "start: " + text + ", at most 1e-06 is allowed; see consistent()") << project;
+      EXPECT_TRUE(first_step(model, consistent(model, state), {.project = project}).ok()) << project;
+    }
+    State later = state;
+    later.h = 1e-3;
+    for (const auto& [begin, tolerance] : {std::pair(state, 0.2), std::pair(later, 1e-6)}) {
+      const StepReport report = first_step(model, begin, {.project = false, .tolerance = tolerance});
+      EXPECT_TRUE(report.ok()) << begin.h << ": " << report.reason;
+    }
+  }
+};
+
+TEST_P(FarOff, AJointAtTheStartIsRefused) {
+  OneAxis s(JointKind::revolute);
+  s.state.g[0].p.x() = 0.1;
+  expect_refused(s.model, s.state, "joint 0 (axis) is off by 0.1 m and 0 rad");
+}
+
+TEST_P(FarOff, ACouplingAtTheStartIsRefused) {
+  GearPair wheels;
+  wheels.state.g[0].R = exp_so3(Vec3(0, 0.1, 0));
+  expect_refused(wheels.model, wheels.state, "coupling 0 (gears) is off by 0.1 rad");
+  OneAxis sliders(JointKind::prismatic);
+  add(sliders.model, sliders.model.bodies[0]);
+  sliders.state = rest_state(sliders.model);
+  sliders.state.g[0].p.x() = 0.1;
+  Joint second = sliders.model.joints[0];
+  second.body_a = 1;
+  add(sliders.model, second);
+  add(sliders.model, Coupling{.name = "rods", .joint_1 = 0, .joint_2 = 1, .ratio = 1});
+  expect_refused(sliders.model, sliders.state, "coupling 0 (rods) is off by 0.1 m");
+}
+
+INSTANTIATE_TEST_SUITE_P(Schemes, FarOff, ::testing::ValuesIn(variants_with_joints()),
+                         [](const auto& v) { return test_name(v.param); });
 
 // A loop on the time alone would not end.
 TEST(RunUntil, EndsWithTheFirstReportThatIsNotOk) {
