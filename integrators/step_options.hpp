@@ -56,8 +56,8 @@ inline bool in_the_step(const ImpactOptions& o) {
 struct JointOptions {
   bool project = true;         // joints hold to rounding after each step, positions and velocities (MJT-13)
   double stabilisation = 0.2;  // fraction of the drift that a step removes [-], in [0, 1] (MJT-11)
-  double tolerance = 1e-6;     // largest error before the first step and after each projection; a larger one
-                               // is refused [m, rad], > 0
+  double tolerance = 1e-6;     // largest error before the first step, also without `project`, and after each
+                               // projection; a larger one is refused [m, rad], > 0
 };
 void describe(SettingVisitor& visit, JointOptions& options);
 /// Contacts are searched for within a bound on the step's displacement. A step is accepted only if it stayed
