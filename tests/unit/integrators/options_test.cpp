@@ -256,7 +256,7 @@ TEST(EveryScheme, RefusesABadModel) {
     drilled.contact_law.contensou_radius = -1e-3;
     EXPECT_NE(message_of([&] {
                 make_scheme(name, drilled, {});
-              }).find("contact_law.contensou_radius = -0.001 must be at least 0"),
+              }).find("contact_law.contensou_radius = -0.001 must be finite and >= 0"),
               std::string::npos)
         << name;
   }
