@@ -11,6 +11,7 @@
 
 #include "geometry/number_text.hpp"
 #include "io/build_info.hpp"
+#include "io/recording.hpp"
 
 namespace aussois {
 namespace {
@@ -154,6 +155,12 @@ void Cli::option(const std::string& flag, int& value, const std::string& what, c
                  Range range) {
   impl_->add_number(flag, value, what, unit, range);
 }
+void Cli::option(const Setting& setting, double& value) {
+  option(setting.flag, value, setting.what, setting.unit, setting.range);
+}
+void Cli::option(const Setting& setting, int& value) {
+  option(setting.flag, value, setting.what, setting.unit, setting.range);
+}
 void Cli::option(const std::string& flag, std::uint64_t& value, const std::string& what,
                  const std::string& unit) {
   impl_->add_number(flag, value, what, unit, {0, std::numeric_limits<double>::infinity()});
@@ -200,12 +207,11 @@ void Cli::common(CommonOptions& options, Restart restart, Threads threads) {
                                          : ""));
   option("--summary", options.summary, "also write the key numbers to this JSON file");
   if (threads == Threads::yes)
-    option("--threads", options.threads, "number of threads; does not affect the results", "", {1, 256});
+    option("--threads", options.threads, "number of threads; does not affect the results", "", kThreads);
   flag("--quiet", options.quiet, "omit progress and details; still print warnings and the result");
   if (restart != Restart::yes) return;
-  option("--every", options.every, "record every n-th step", "", {1, 1e9});
-  option("--checkpoint-every", options.checkpoint_every, "wall time between checkpoints; 0: after every step",
-         "s", {0, 1e9});
+  option(setting_of<RecordingOptions>("every"), options.every);
+  option(setting_of<RecordingOptions>("checkpoint_every"), options.checkpoint_every);
   flag("--resume", options.resume, "continue from the checkpoint in the folder for the results");
   flag("--resume-anyway", options.resume_anyway,
        "like --resume, but also from a checkpoint of another build of the program");

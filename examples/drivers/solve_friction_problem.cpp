@@ -87,7 +87,7 @@ int main(int argc, char** argv) {
   cli.group("solver");
   add_flags(cli, a.run.solver, a.said);
   cli.option("--threads", a.threads, "number of threads for islands and colours; does not affect the results",
-             "", {1, 256});
+             "", kThreads);
   cli.group("output");
   cli.option("--json", a.json, "write a list with one object per problem to this JSON file");
   cli.option("--save", a.run.save, "write each problem, with the computed solution, to this folder");

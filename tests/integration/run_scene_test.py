@@ -82,7 +82,7 @@ class RunScene(DriverTest):
         scene = ("--scene", "tower", "--time", "0.1", "--quiet")
         self.run_scene(*scene, "--stop-after", 2, code=INTERRUPTED)
         for other in (["--reducer", "none"], ["--patch-friction"], ["--update", "cayley"], ["--gap-hessians"],
-                      ["--min-h", "1e-9"]):
+                      ["--min-h", "1e-9"], ["--every", 2], ["--certify", 3]):
             before = self.files()
             run = self.drive("run_scene", *scene, *other, "--resume")
             self.assertNotEqual(run.returncode, 0, other)
