@@ -3,9 +3,11 @@
 #include "examples/common/driver.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <map>
 
 #include <CLI/CLI.hpp>
 
@@ -93,6 +95,7 @@ struct Cli::Impl {
   std::vector<std::vector<std::string>*> lists{};
   const std::vector<std::filesystem::path>* files = nullptr;
   CommonOptions* restarts = nullptr;
+  std::map<std::string, std::string> flag_of{};  // by "Struct::member"
   CLI::App app{};
   bool show_help = false, show_version = false;
 
@@ -217,6 +220,23 @@ void Cli::common(CommonOptions& options, Restart restart, Threads threads) {
        "like --resume, but also from a checkpoint of another build of the program");
   impl_->restarts = &options;
 }
+void Cli::stands_for(const std::string& flag, const std::string& member) {
+  impl_->flag_of[member] = flag;
+}
+
+std::string Cli::said_with_flags(std::string message) const {
+  const auto in_word = [](char x) { return x == '_' || std::isalnum(static_cast<unsigned char>(x)); };
+  for (const auto& [member, flag] : impl_->flag_of)
+    for (std::size_t at = 0; (at = message.find(member, at)) != std::string::npos;) {
+      const std::size_t end = at + member.size();
+      const bool whole =
+          (at == 0 || !in_word(message[at - 1])) && (end == message.size() || !in_word(message[end]));
+      if (whole) message.replace(at, member.size(), flag);
+      at += whole ? flag.size() : member.size();
+    }
+  return message;
+}
+
 void Cli::example(std::string command, std::string shows) {
   impl_->examples.emplace_back(std::move(command), std::move(shows));
 }
@@ -311,7 +331,7 @@ int run_driver(Cli& cli, int argc, const char* const* argv, const std::function<
   try {
     return static_cast<int>(body());
   } catch (const std::invalid_argument& wrong) {
-    return fail(cli.name(), wrong.what(), ExitCode::usage);
+    return fail(cli.name(), cli.said_with_flags(wrong.what()), ExitCode::usage);
   } catch (const NumericalFailure& wrong) {
     return fail(cli.name(), wrong.what(), ExitCode::numerical);
   } catch (const std::runtime_error& wrong) {

@@ -111,6 +111,9 @@ class Cli {
   enum class Restart { no, by_itself, yes };
   enum class Threads { no, yes };
   void common(CommonOptions& options, Restart restart = Restart::no, Threads threads = Threads::yes);
+  /// Where a message of run_driver would name the member of a struct, "Struct::member", it names the flag.
+  void stands_for(const std::string& flag, const std::string& member);
+  std::string said_with_flags(std::string message) const;
   /// A command line that works and what it shows; --help prints them all.
   void example(std::string command, std::string shows);
 

@@ -224,6 +224,7 @@ int main(int argc, char** argv) {
              in_degrees(setting_of<LmdOptions>("alpha")).range);
   cli.option("--alpha-ee", a.alpha_ee, "the same for edge against edge; must be at least --alpha", "deg",
              in_degrees(setting_of<LmdOptions>("alpha_ee")).range);
+  cli.stands_for("--alpha-ee", "LmdOptions::alpha_ee");
   cli.option("--threads", a.threads, "number of threads; does not affect the contacts", "", kThreads);
   cli.option("--repeat", a.repeat, "number of times to query each pose; the median time is reported", "",
              {1, 1e6});
