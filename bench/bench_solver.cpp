@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares our automatic solver with the best solver of Siconos, chosen per problem with hindsight, and with
-// its default, on the same problems in one run and with one judge. Read the ratios, not the times.
+// Compares our automatic solver with Siconos on the same problems, in one run and with one judge: with its
+// best solver, chosen for each problem after all have run, and with its default. Read the ratios, not the
+// times.
 //
 // Theory   doc/theory/nsgs.md (NSGS-9); the files: doc/fclib_file.md
 // Run      bench_solver data/problems

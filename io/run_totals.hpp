@@ -13,8 +13,8 @@ namespace aussois {
 
 /// Counts of the contacts of all steps.
 struct MatchTotals {
-  std::int64_t by_key = 0, by_adjacency = 0, by_geometry = 0, unmatched = 0;  // of those found
-  std::int64_t inherited = 0;                                                 // of those gone
+  std::int64_t by_key = 0, by_adjacency = 0, by_geometry = 0, unmatched = 0;  // contacts that were found
+  std::int64_t inherited = 0;  // contacts that are gone and left their impulse to a neighbour
 };
 
 /// What the certificates of a run do not cover.

@@ -26,8 +26,8 @@ void start_from_theta(SchemeOptions& options, double theta);
 /// Throws std::logic_error if options that share a flag differ: its default would be that of one of them.
 void add_options(Cli& cli, SchemeFlags& flags);
 
-/// Throws std::invalid_argument naming flag, scheme and who reads the flag, if the user said what the chosen
-/// scheme does not read.
+/// Throws std::invalid_argument naming flag, scheme and which schemes read the flag, if the user set what
+/// the chosen scheme does not read.
 void refuse_unread(const Cli& cli, const SchemeFlags& flags);
 
 /// What the user said. Throws std::runtime_error "path:line: ..." for a file of --selector that cannot be

@@ -173,7 +173,7 @@ ExitCode run(Arguments a) {
   if (!a.case_name.empty()) case_named(a.case_name);
   validate(a.study);
   const std::vector<Cell> cells = shard_of(cells_of(a), a.shard);
-  if (!a.all) {  // told before a folder is made
+  if (!a.all) {  // refused before a folder is made
     const SchemeVariant& variant = cells.front().variant;
     const Case* scene = cells.front().scene;
     require_applies(*scene, variant.name, variant.options);
@@ -248,6 +248,7 @@ int main(int argc, char** argv) {
       "not event_driven: its errors depend on its tolerances, not on h, see doc/theory/event_driven.md";
   a.scheme.left_out = {"--tolerance"};
   add_options(cli, a.scheme);
+  add_certify(cli, a.study.certify, "studies");
   add_options(cli, a.dump);
   add_options(cli, a.tasks, "studies", "all numbers");
   cli.example("convergence --case ball_e05 --theta 1 --normal-law combined",

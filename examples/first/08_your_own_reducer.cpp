@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A reducer of your own: of the contacts of a finely meshed box on a table the problem begins with those that
-// lie farthest out. Contacts that would close are let back in, so the box rests whatever is chosen.
+// A reducer of your own, for a gear (a cylinder with sixty corners) on a table: the problem begins with the
+// contacts that lie farthest out along two diagonals. Contacts that would close are let back in, so the gear
+// rests whatever is chosen.
 #include <algorithm>
 #include <cstdio>
 

@@ -45,6 +45,11 @@ def lines(root, paths, pattern):
                 yield f"{path.relative_to(root)}:{number}", match
 
 
+def comments(root, paths):
+    """(place, text) of every comment that begins with //; place is "file:line", relative to the root."""
+    return ((place, match[1]) for place, match in lines(root, paths, r"//(.*)"))
+
+
 def sources(root, *suffixes):
     return [path for path in files(root, *suffixes) if path.relative_to(root).parts[0] in MAY_INCLUDE]
 
@@ -208,6 +213,18 @@ def equations(root):
     return bad
 
 
+def numbers(root):
+    """Every test, reading or acceptance cited in a comment by its number, such as T-4.2 or A-5, stands in a page below
+    doc/theory: by itself or within a range, such as T-4.1 to T-4.7."""
+    manual = "\n".join(path.read_text(encoding="utf-8") for path in files(root / "doc/theory", ".md"))
+    number = r"\b[RTA]-\d+(?:\.\d+)?\b"
+    known = set(re.findall(number, manual))
+    for kind, first, last in re.findall(r"\b([RTA]-(?:\d+\.)?)(\d+) to \1(\d+)\b", manual):
+        known.update(f"{kind}{i}" for i in range(int(first), int(last) + 1))
+    return [f"{place}: {cited} stands nowhere in doc/theory" for place, text in comments(root, files(root, ".hpp", ".cpp"))
+            for cited in re.findall(number, text) if cited not in known]
+
+
 def licence(root):
     """Every source starts with its licence (a script: after the line that names its interpreter)."""
     def is_script(path):
@@ -296,6 +313,14 @@ def short_sentences(root):
     return [f"{page}:1: {words} words: {sentence[:80]}" for words, page, sentence in reversed(found) if words >= MOST_WORDS]
 
 
+def persons(root):
+    """Pages and comments do not take things for persons: what a function or a file does has no place for these words."""
+    prose = [(place, match[0]) for place, match in lines(root, files(root, ".md"), r".+")]
+    prose += comments(root, files(root, ".hpp", ".cpp", ".js", ".mjs"))
+    return [f"{place}: {word} is a person; say what it is" for place, text in prose
+            for word in re.findall(r"\b(?:nobody|somebody|whoever|whom)\b", text, re.IGNORECASE)]
+
+
 def tutorials(root):
     """Each program of examples/first has a page in doc/tutorials that quotes it to the letter; README quotes the first, which has
     at most 30 lines."""
@@ -327,8 +352,8 @@ def viewer_is_built(root):
 
 
 RULES = {rule.__name__: rule for rule in (includes, halls, short_functions, few_public_headers, own_header_first, public_headers,
-                                          listed, one_definition, velocity_places, strong_ids, equations, licence, links, pages, references,
-                                          tests, short_sentences, tutorials, viewer_is_built)}
+                                          listed, one_definition, velocity_places, strong_ids, equations, numbers, licence, links, pages, references,
+                                          tests, short_sentences, persons, tutorials, viewer_is_built)}
 
 
 def main():

@@ -125,6 +125,15 @@ class House(unittest.TestCase):
                          ["doc/theory/other.md:1: (NSGS-1) stands already in doc/theory/nsgs.md:1",
                           "nsgs/a.hpp:2: (NSGS-3) stands nowhere in the manual"])
 
+    def test_cited_numbers_stand_in_the_manual(self):
+        tree = {"doc/theory/a.md": "T-4.1 to T-4.3, T-4.12 and A-5\n", "doc/b.md": "R-5\n",
+                "tests/a.cpp": "// T-4.2. (T-4.12) of A-5, (CA-7), UTF-8\nf(\"A-1\");\n"}
+        self.assertEqual(self.offences(house.numbers, tree), [])
+        tree["tests/a.cpp"] += "f();  // R-5, T-4.1\n/// T-4.4, A-5.1\n"
+        self.assertEqual(self.offences(house.numbers, tree),
+                         ["tests/a.cpp:3: R-5 stands nowhere in doc/theory", "tests/a.cpp:4: T-4.4 stands nowhere in doc/theory",
+                          "tests/a.cpp:4: A-5.1 stands nowhere in doc/theory"])
+
     def test_sources_start_with_their_licence(self):
         tree = {"a.hpp": SPDX, "b.py": "#!/usr/bin/env python3\n# SPDX-License-Identifier: Apache-2.0\n",
                 "c.cpp": "\n" + SPDX, "build/d.cpp": "", ".e/f.cpp": "", "CMakeLists.txt": "project(x)\n"}
@@ -173,6 +182,16 @@ class House(unittest.TestCase):
         self.assertEqual(self.offences(house.short_sentences, tree), [])
         tree["doc/b.md"] = long * 3
         self.assertEqual(len(self.offences(house.short_sentences, tree)), 4)
+
+    def test_things_are_no_persons(self):
+        tree = {"a.md": "A user who reads this.\n", "nsgs/a.cpp": "int nobody = 0;  // whose impulse\n"}
+        self.assertEqual(self.offences(house.persons, tree), [])
+        tree["a.md"] += "Nobody prints it.\n"
+        tree["nsgs/a.hpp"] = "int a;  // for whom\n/// whoever, somebody\n"
+        self.assertEqual(self.offences(house.persons, tree),
+                         ["a.md:2: Nobody is a person; say what it is", "nsgs/a.hpp:1: whom is a person; say what it is",
+                          "nsgs/a.hpp:2: whoever is a person; say what it is",
+                          "nsgs/a.hpp:2: somebody is a person; say what it is"])
 
     def test_tutorials_quote_their_programs(self):
         tree = {"examples/first/01_a.cpp": SPDX + "int main() {}\n", "examples/first/02_b.cpp": SPDX + "// b\n",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""tools/run_tests on a build of five tests: what passed is not repeated, what did not run is told with its reason."""
+"""tools/run_tests on a build of five tests: what passed is not repeated, what did not run is listed with its reason."""
 
 import os
 import signal

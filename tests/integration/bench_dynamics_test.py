@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""bench_dynamics and peer_scene: numbers fit together, bad input is named. Times are nobody's to judge here."""
+"""bench_dynamics and peer_scene: numbers fit together, bad input is named. Times are not judged here."""
 
 import json
 import os

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""bench_lmd: its numbers fit together, and bad input is named. Times are nobody's to judge here."""
+"""bench_lmd: its numbers fit together, and bad input is named. Times are not judged here."""
 
 import json
 import math

@@ -40,7 +40,7 @@ class StudyFlags(DriverTest):
         return {name: text for name, text in self.files().items() if name.startswith(f"{out}/results/")}
 
     def violates(self, driver, *arguments, result, audit):
-        """A kept audit is told like one that was just made, and a violation is the exit code."""
+        """A kept audit is reported like one that was just made, and a violation is the exit code."""
         path = self.folder / result
         kept = json.loads(path.read_text())
         self.assertEqual(audit(kept)["violations"], 0)

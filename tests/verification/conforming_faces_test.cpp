@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Items 3 and 4 of the checklist: a box on a slab, and convex prisms on prisms. Faces that conform, exactly
-// or within alpha, touch at the corners of the polygon they share; the tests know that polygon without
-// contacts.
+// Questions 3 and 4 of doc/theory/lmd.md: a box on a slab, and convex prisms on prisms. Faces that conform,
+// exactly or within alpha, touch at the corners of the polygon they share; the tests know that polygon
+// without contacts.
 #include <algorithm>
 #include <cmath>
 #include <vector>

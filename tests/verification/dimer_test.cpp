@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// C5: what is found between the balls of a dimer when a rod comes there, whoever remembers what; the rest of
-// C4 and C5 are rows of the driver `verify`.
+// C5: what is found between the balls of a dimer when a rod comes there, whatever is remembered of steps
+// before; the rest of C4 and C5 are rows of the driver `verify`.
 
 #include <gtest/gtest.h>
 
@@ -19,8 +19,8 @@ void expect_same(const ContactSet& a, const ContactSet& b) {
   }
 }
 
-// Asked at one pose after the other, forward and backward, by those who remember what they saw: candidates
-// kept from query to query, and a step that has the impulses of the last one.
+// One pose after the other, forward and backward, with what is kept from pose to pose: the candidates of the
+// last query, and in a step the impulses of the last one.
 TEST(DimerC5, ContactSetIsAFunctionOfThePose) {
   const CaseScene s = dimer_and_rod(0, 1e-3, 0);
   const StepOptions o{.h = 1e-3, .advancement = {.certify = false}};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Number 12 of the checklist of contact determination: parts like those of assemblies come back from erosion
-// and dilation with their faces and concave edges, their convex edges rounded by (ERO-5).
+// Question 12 of doc/theory/lmd.md: parts like those of assemblies come back from erosion and dilation with
+// their faces and concave edges, their convex edges rounded by (ERO-5).
 #include <cstdlib>
 #include <filesystem>
 #include <string>

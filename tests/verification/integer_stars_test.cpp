@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Item 2 of the checklist: normal cones of 1e5 stars with integer directions, where every question has an
-// exact answer in 64-bit integers. Coplanar, opposite and repeated directions are the rule here.
+// Question 2 of doc/theory/lmd.md: normal cones of 1e5 stars with integer directions, where all that is asked
+// has an exact answer in 64-bit integers. Coplanar, opposite and repeated directions are the rule here.
 #include <algorithm>
 #include <sstream>
 #include <vector>

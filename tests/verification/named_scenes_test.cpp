@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Item 5 of the checklist: scenes with a name, whose contacts are counted by hand.
+// Question 5 of doc/theory/lmd.md: scenes with a name, whose contacts are counted by hand.
 #include <algorithm>
 #include <cmath>
 #include <map>

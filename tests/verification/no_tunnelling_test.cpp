@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Nothing passes through anything, however fast (checklist of contact determination, item 11): what is
-// certified, and what the scheme accepts, keeps its distance when the motion is replayed without hierarchy,
-// cones or bounds of the library.
+// Nothing passes through anything, however fast (question 11 of doc/theory/lmd.md): what is certified, and
+// what the scheme accepts, keeps its distance when the motion is replayed without hierarchy, cones or bounds
+// of the library.
 #include <algorithm>
 #include <cmath>
 

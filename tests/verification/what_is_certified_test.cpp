@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Of whom it is promised that they do not pass through each other, and what is told of the others: bodies
-// inside others (CA-19), bodies that share a joint, bodies that nothing can stop (CA-20). In every scheme.
+// Which bodies are proven not to pass through each other, in every scheme, and what is reported of the
+// others: bodies inside others (CA-19), bodies that share a joint, bodies that nothing can stop (CA-20).
 #include <algorithm>
 
 #include "integrators/prove/path_audit.hpp"

@@ -11,7 +11,7 @@ struct ContactPair {
   AssemblyPart a{}, b{};
   std::vector<SE3> poses{};               // of A's mesh in the frame of B's
   double dilation_a = 0, dilation_b = 0;  // [m]
-  double threshold = 0;                   // [m]; 0: nobody said
+  double threshold = 0;                   // [m]; 0: not given
 };
 
 /// "x,y,z,qw,qx,qy,qz", the position in multiples of `scale` [m]. Throws std::invalid_argument with the text

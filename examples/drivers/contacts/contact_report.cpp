@@ -77,7 +77,7 @@ Json contact_json(const ContactReport& report, const ContactQuery& query, const 
           {"feature_b", feature_json(c.b)}};
 }
 
-// What a pose of a path is told by, with the unit of the table and its factor.
+// The columns for a pose of a path, with the unit of the table and its factor.
 struct Column {
   const char *name, *unit;
   double factor;

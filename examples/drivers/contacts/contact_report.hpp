@@ -21,7 +21,7 @@ struct ContactQuery {
   LmdStatistics count{};
   double ms = 0;                      // CPU
   std::optional<bool> bases_touch{};  // then contacts are missing: there a normal is not defined;
-                                      // empty: nobody looked
+                                      // empty: not checked
   std::optional<Nesting> nesting{};   // of bases that do not touch: then contacts see nothing of it
   std::optional<bool> covered{};      // of bases that are no farther apart than the threshold (LMD-14)
 };

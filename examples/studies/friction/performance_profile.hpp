@@ -15,9 +15,9 @@ struct PerformanceProfile {
   std::vector<std::vector<double>> share{};  // of each solver, at each tau [-]
 };
 
-/// cost[s][p] > 0 of solver s on problem p; infinity where it failed. A problem that nobody solves counts in
-/// the shares. Throws std::invalid_argument if the solvers have different numbers of problems or a cost is
-/// not positive.
+/// cost[s][p] > 0 of solver s on problem p; infinity where it failed. A problem that no solver solves counts
+/// in the shares. Throws std::invalid_argument if the solvers have different numbers of problems or a cost
+/// is not positive.
 PerformanceProfile performance_profile(const std::vector<std::vector<double>>& cost);
 
 /// FOLDER/NAME.csv (tau and a column per solver), FOLDER/NAME.gp, and FOLDER/NAME.png if gnuplot is there:

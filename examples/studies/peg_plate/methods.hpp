@@ -28,7 +28,7 @@ std::vector<NamedMethod> untrained_methods(PegScenario scenario, const SolverVie
 NamedMethod fixed_method(const std::string& name, PegScenario scenario, std::vector<int> outputs);
 /// The places, or the normal, that a network finds most probable.
 NamedMethod learned_method(const std::string& name, PegScenario scenario, Network network);
-/// The choice of least error (PEG-9), which nobody knows in advance.
+/// The choice of least error (PEG-9), which is not known in advance.
 NamedMethod oracle_method(PegScenario scenario, const SolverView& view);
 
 /// Outputs that a network chooses for a sample.

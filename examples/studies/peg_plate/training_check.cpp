@@ -13,7 +13,7 @@ namespace {
 constexpr int kInputs = 24, kClasses = 17;
 constexpr double kDecay = 1e-3;
 
-// The largest error of a slope over the largest slope, of a network that nobody has trained.
+// The largest error of a slope over the largest slope, of a network that is not trained.
 double gradient_error(std::uint64_t seed) {
   constexpr int kDirections = 5;
   // Differences of fourth order: h^4 of truncation and 1e-16 / h of rounding are both below 1e-10.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whether training can be trusted (A-5 of (PEG-17)): its gradient, its bits, and its loss beside that of
-// another library, on inputs and classes that are formulas, so that anybody can run the same.
+// another library, on inputs and classes that are formulas, so that the same can be run anywhere.
 #pragma once
 
 #include "examples/studies/peg_plate/training.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is told of many roll-outs: statistics, a table of tosses, a histogram, one toss in the browser.
+// The report on many roll-outs: statistics, a table of tosses, a histogram, one toss in the browser.
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A problem that is solved in a process of its own tells the same, and may crash or take too long.
+// A problem that is solved in a process of its own gives the same result, and may crash or take too long.
 #include "examples/studies/friction/limited_run.hpp"
 
 #include "tests/support/files.hpp"

@@ -140,7 +140,7 @@ TEST(PegPlate, TheSolverBalancesAnExactSample) {
   EXPECT_EQ(plate_force(view, s, {}).norm(), 0);
 }
 
-TEST(PegPlate, ChoicesAreAllTriplesButLinesAndAllNormals) {  // 40 of 680 triples are collinear
+TEST(PegPlate, ChoicesAreAllTriplesButLinesAndAllNormals) {  // 40 of 680 triples are collinear
   const std::vector<std::vector<int>> triples = peg_choices(PegScenario::surface);
   EXPECT_EQ(triples.size(), 640u);
   const std::vector<Vec3> places = face_places();

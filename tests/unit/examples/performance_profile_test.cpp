@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kFailed = std::numeric_limits<double>::infinity();
 
-// Four problems: A wins two of them by a factor of two and three, B one by five; nobody solves the last.
+// Four problems: A wins two of them by a factor of two and three, B one by five; neither solves the last.
 const std::vector<std::vector<double>> kCost = {{1, 2, 10, kFailed}, {2, 6, 2, kFailed}};
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How a step is tried until it may be accepted (CA-5) to (CA-8): by scripted attempts, and by a blow that
-// throws a body farther than anyone had looked.
+// throws a body beyond what was searched.
 #include "integrators/schemes/advance_step.hpp"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 namespace aussois {
 namespace {
 
-/// One free body, and a scheme that objects to its own trials as a script says; what it was asked is written
+/// One free body, and a scheme that objects to its own trials as a script says; the calls are written
 /// down.
 struct Scripted {
   Model model{};
@@ -127,9 +127,9 @@ TEST(AdvanceStep, RefusesBelowItsSmallestStepAndAfterItsLastAttempt) {
   EXPECT_EQ(hash(s.state), before);
 }
 
-// A ram hits a ball that rests before a wall: the solve throws the ball four times as far as to the wall, for
-// whose contact nobody had looked. The attempt is thrown away, in the explicit step and with the Newton loop
-// whose iterates lie behind the wall; the next one looks that far and the ball stays before it.
+// A ram hits a ball that rests before a wall: the solve throws the ball four times as far as to the wall,
+// whose contact was not searched for. The attempt is thrown away, in the explicit step and with the Newton
+// loop whose iterates lie behind the wall; the next one looks that far and the ball stays before it.
 TEST(AdvanceStep, LooksAgainWhereASolveLeavesWhatWasLookedAt) {
   const SimplicialComplex point = make_complex({Vec3::Zero()}, {});
   for (const int iterations : {1, 50}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A run that gains energy little by little is told, one that keeps it or is given it is not (LED-4).
+// A run that gains energy little by little is reported, one that keeps it or is given it is not (LED-4).
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -37,8 +37,8 @@ struct Top {
   }
 };
 
-// A contact that gives a hundred-thousandth in each step, which is not told: half a thousandth is kept quiet,
-// one per cent is told.
+// A contact gives a hundred-thousandth in each step, which is not reported. Half a thousandth over the run
+// is not either; one per cent is.
 TEST(EnergyGain, TellsWhatAContactGivesInStepsTooSmallToBeTold) {
   const Top top;
   State state = top.state;

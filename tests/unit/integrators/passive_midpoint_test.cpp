@@ -115,7 +115,7 @@ TEST(PathVelocity, LeadsToTheEndOfTheScrew) {
   }
 }
 
-// T-6.3: a spring of 100 N/m at 30 steps a period, 300 periods.
+// A spring of 100 N/m, 300 periods of 30 steps each.
 TEST(PassiveMidpoint, LetsASpringSwingWithoutLoss) {
   Model model = free_body(Mat3::Identity());
   model.forces.push_back({.name = "spring",

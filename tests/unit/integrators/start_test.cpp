@@ -40,7 +40,7 @@ TEST(Start, IsRefusedInOverlapBeyondTheDilations) {
             0U);
 }
 
-// Overlap of bodies that a joint lets pass is nobody's business; of those that collide by it, it names it.
+// Overlap of bodies that a joint lets pass is accepted; if they collide by the joint, the refusal names it.
 TEST(Start, IsRefusedWithAJointWhoseCollidingBodiesOverlap) {
   const auto hinged = [](bool collide) {
     Scene s = block_on_plate(0.3, 0, 0, -0.5 * kRadius);

@@ -37,7 +37,7 @@ std::string binary_stl(const std::string& header, const SimplicialComplex& compl
   bytes.resize(80, ' ');
   append(bytes, std::uint32_t(complex.triangles.size()));
   for (const auto& triangle : complex.triangles) {
-    for (int k = 0; k < 3; ++k) append(bytes, std::nanf(""));  // nobody needs the normal
+    for (int k = 0; k < 3; ++k) append(bytes, std::nanf(""));  // the normal is not read
     for (const int v : triangle)
       for (int k = 0; k < 3; ++k) append(bytes, float(complex.vertices[v][k]));
     append(bytes, std::uint16_t(7));

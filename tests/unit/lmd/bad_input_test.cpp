@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Number 14 of the checklist of contact determination: bad input ends as an exception that names field, value
-// and bound, as a status with its reason, or as a result that is defined.
+// Question 14 of doc/theory/lmd.md: bad input ends as an exception that names field, value and bound, as a
+// status with its reason, or as a result that is defined.
 #include <cmath>
 
 #include <Eigen/Geometry>

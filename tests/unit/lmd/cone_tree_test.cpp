@@ -180,8 +180,8 @@ void check_shape(const LmdShape& shape) {
 
 class ConeTrees : public ::testing::TestWithParam<unsigned> {};
 
-// Checklist item 9: after rounding to float, far from the origin too, at sizes of a micrometre and a
-// kilometre.
+// Question 9 of doc/theory/lmd.md: after rounding to float, far from the origin too, at sizes of a micrometre
+// and a kilometre.
 TEST_P(ConeTrees, HoldEveryLeafOfRandomComplexes) {
   Random random(GetParam());
   const double size = random.log_uniform(1e-6, 1e3);

@@ -264,7 +264,7 @@ TEST(PairScratch, IsKeptForABoxThatSlides) {
   EXPECT_GT(searches, 2);
 }
 
-// Test 9 of the checklist: one search serves every pose within its window.
+// Question 9 of doc/theory/lmd.md: one search serves every pose within its window.
 TEST_P(LocalMinima, OfAllPosesInAWindowAreAmongTheCandidates) {
   const Scene s = random_scene(GetParam(), 0.05);
   Random random(1000 + GetParam());

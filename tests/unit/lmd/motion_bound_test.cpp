@@ -28,7 +28,7 @@ double sampled_displacement(const RigidMotion& a, double radius, const RigidMoti
   return moved;
 }
 
-// Checklist of contact determination, item 10: random screws, turns from nothing to several, many next to pi.
+// Question 10 of doc/theory/lmd.md: random screws, turns from nothing to several, many next to pi.
 class MotionBounds : public ::testing::TestWithParam<double> {};
 
 TEST_P(MotionBounds, AreNotExceededAtAnyTimeAndTheRelativeOneIsNotAboveTheSum) {

@@ -17,7 +17,7 @@ constexpr double kGravity = 9.81, kStep = 1e-3, kMass = 2, kEdge = 0.1;
 constexpr Method kConvexMethods[] = {Method::admm, Method::projected_gradient, Method::interior_point};
 
 // A cube on `side` x `side` contacts with velocity v_x [m/s]; compliance rho of the mean of each block
-//
+// (REG-4).
 FrictionProblem cube_on_ground(int side, double mu, double v_x, double rho) {
   std::vector<ContactSpec> specs;
   for (int i = 0; i < side; ++i)

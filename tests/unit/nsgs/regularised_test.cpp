@@ -281,8 +281,8 @@ TEST(Regularised, T_5_9_SensitivityIsTheDerivative) {
   EXPECT_GT(compared, 90);
 }
 
-// a body that spins on four feet about an axis that is not a principal one, its two ways of writing
-// the gyroscopic term. Impulses are of the size of the step, so the velocities agree to its second order.
+// A body that spins on four feet about an axis that is not a principal one, with its gyroscopic term written
+// in two ways. Impulses are of the size of the step, so the velocities agree to its second order.
 TEST(Regularised, TakesAGyroscopicDelassusOperator) {
   Random random(3);
   const Mat3 turn = random_rotation(random);
