@@ -15,7 +15,7 @@ inline bool overlap(const Box& a, const Box& b) {
   return (a.lo.array() <= b.hi.array()).all() && (b.lo.array() <= a.hi.array()).all();
 }
 
-inline Box united(const Box& a, const Box& b) {
+inline Box bounding_box(const Box& a, const Box& b) {
   return {a.lo.cwiseMin(b.lo), a.hi.cwiseMax(b.hi)};
 }
 
@@ -81,7 +81,7 @@ class BoxTree {
 
   int build(int begin, int end) {
     Node made{{}, begin, end};
-    for (int k = begin; k < end; ++k) made.box = united(made.box, box(items_[k]));
+    for (int k = begin; k < end; ++k) made.box = bounding_box(made.box, box(items_[k]));
     const int index = int(nodes_.size());
     nodes_.push_back(made);
     if (end - begin <= kLeaf) return index;

@@ -104,7 +104,7 @@ class Orientation {
     for (std::size_t i = 0; i < shells.size(); ++i) {
       items.push_back(int(i));
       for (const int t : shells[i].triangles)
-        for (const int v : complex_.triangles[t]) boxes[i] = united(boxes[i], {x(v), x(v)});
+        for (const int v : complex_.triangles[t]) boxes[i] = bounding_box(boxes[i], {x(v), x(v)});
     }
     const BoxTree tree(boxes, std::move(items));
     std::vector<std::size_t> wrong;
@@ -146,7 +146,7 @@ class Orientation {
     int turns = 0;
     for (const int t : shell.triangles) {
       const auto [i, j, k] = corners(t);
-      turns += crossing(place, x(i), x(j), x(k));
+      turns += crossing_sign(place, x(i), x(j), x(k));
     }
     return turns != 0;
   }

@@ -46,7 +46,7 @@ Pieces connected_pieces(const SimplicialComplex& complex) {
 
 // Seen along z: how often the triangle goes round p, counted on the half-line from p along x. An edge that p
 // lies on, or an end of it, is on one side for both of its triangles, so none is crossed twice or never.
-int crossing(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+int crossing_sign(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   if (std::max({a.z(), b.z(), c.z()}) <= p.z()) return 0;
   int turns = 0;
   for (const auto& [u, v] : {std::pair(&a, &b), std::pair(&b, &c), std::pair(&c, &a)}) {
@@ -74,7 +74,7 @@ bool is_inside(const SimplicialComplex& solid, const Pieces& pieces, const Vec3&
   int turns = 0;
   for (const auto& [i, j, k] : solid.triangles)
     if (counts[pieces.of_vertex[i]])
-      turns += crossing(p, solid.vertices[i], solid.vertices[j], solid.vertices[k]);
+      turns += crossing_sign(p, solid.vertices[i], solid.vertices[j], solid.vertices[k]);
   return turns > 0;  // (CPX-13)
 }
 

@@ -19,7 +19,7 @@ Pieces connected_pieces(const SimplicialComplex& complex);
 
 /// How the half-line from p along z crosses a triangle: 1 from behind, -1 from the front, 0 not at all. The
 /// sum over a closed oriented surface that p does not lie on is how often the surface goes round p (CPX-13).
-int crossing(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
+int crossing_sign(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
 
 /// A point in the cavity of a hollow solid is outside. `pieces` are the solid's. Meaningless if the complex
 /// is not a solid, and for points on its surface. O(triangles).

@@ -75,7 +75,7 @@ std::vector<std::array<int, 2>> self_intersections(const SimplicialComplex& comp
       const Vec3& x = complex.vertices[vertex];
       corners[t].place[k] = place[vertex];
       corners[t].point[k] = exact(x);
-      boxes[t] = united(boxes[t], {x, x});
+      boxes[t] = bounding_box(boxes[t], {x, x});
     }
     const auto& [a, b, c] = corners[t].point;
     if (!CGAL::collinear(a, b, c)) with_area.push_back(int(t));

@@ -91,7 +91,7 @@ void validate_start(const Model& model, const State& state, const AdvancementOpt
   require(wrong.empty(), "start: " + wrong);
 }
 
-State consistent(const Model& model, const State& state) {
+State consistent_state(const Model& model, const State& state) {
   return projected_state(model, state).state;
 }
 
@@ -125,7 +125,7 @@ EnergyGain energy_gain(const Model& model, const State& start) {
   return {.stored = stored(model, start, now), .kinetic = now.kinetic};
 }
 
-void add(const Model& model, const State& state, const StepReport& report, EnergyGain& gain) {
+void add_step(const Model& model, const State& state, const StepReport& report, EnergyGain& gain) {
   const Energy now = energy(model, state);
   const double before = std::exchange(gain.stored, stored(model, state, now));
   gain.above = std::max(0.0, gain.above + gain.stored - before - given(model, report));

@@ -154,7 +154,7 @@ Recording::~Recording() = default;
 void Recording::add(const State& state, const StepReport& report) {
   Impl& r = *impl_;
   const Frame frame{r.model, r.start, r.before, state, report, ++r.steps};
-  aussois::add(frame, r.options.threads, r.totals);
+  add_frame(frame, r.options.threads, r.totals);
   const bool recorded = r.steps % r.options.every == 0;
   std::vector<double> row, in_run;
   for (std::size_t i = 0; i < r.gauges.size(); ++i) {
@@ -188,7 +188,7 @@ void Recording::checkpoint() {
       .counts = {{"csv_rows", std::int64_t(r.table.rows())}, {"run_rows", std::int64_t(r.run.rows())}}};
   for (std::size_t i = 0; i < r.gauges.size(); ++i)
     if (!r.gauges[i].total.empty()) out.numbers["total:" + r.gauges[i].total] = r.total[i];
-  keep(r.totals, out);
+  keep_totals(r.totals, out);
   write_checkpoint(r.checkpoint_file(), out);
   r.last_checkpoint = std::time(nullptr);
 }
@@ -231,7 +231,7 @@ void Recording::set(Summary& summary) const {
     if (const Gauge& g = impl_->gauges[i]; !g.total.empty())
       summary.set(g.total,
                   g.whole ? SummaryValue(std::int64_t(impl_->total[i])) : SummaryValue(impl_->total[i]));
-  aussois::set(impl_->totals, impl_->model, summary);
+  set_totals(impl_->totals, impl_->model, summary);
 }
 
 StepReport record_run(const Scheme& scheme, State& state, double t_end, Recording& recording,

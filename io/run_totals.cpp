@@ -45,7 +45,7 @@ void add(const StepReport& report, Uncertified& out) {
   if (out.driven_overlaps++ == 0) out.driven_t = report.t - report.h;
 }
 
-void set(const MatchTotals& m, Summary& summary) {
+void set_matches(const MatchTotals& m, Summary& summary) {
   summary.set("matched_by_key", m.by_key);
   summary.set("matched_by_adjacency", m.by_adjacency);
   summary.set("matched_by_geometry", m.by_geometry);
@@ -61,10 +61,10 @@ RunTotals run_totals(const Model& model, const State& start, int samples) {
   return {.gain = energy_gain(model, start), .audit = {.samples = samples}};
 }
 
-void add(const Frame& frame, int threads, RunTotals& totals) {
+void add_frame(const Frame& frame, int threads, RunTotals& totals) {
   add(frame.report.matches, totals.matches);
   add(frame.report, totals.uncertified);
-  add(frame.model, frame.state, frame.report, totals.gain);
+  add_step(frame.model, frame.state, frame.report, totals.gain);
   audit_path(frame.model, frame.before, frame.state, frame.report, threads, totals.audit);
 }
 
@@ -75,16 +75,16 @@ std::vector<std::string> names_of_skipped(const Model& model) {
   return out;
 }
 
-void set(const RunTotals& totals, const Model& model, Summary& summary) {
-  set(totals.matches, summary);
+void set_totals(const RunTotals& totals, const Model& model, Summary& summary) {
+  set_matches(totals.matches, summary);
   summary.set("energy_gain", totals.gain.largest);
   summary.set("passing_pairs", totals.uncertified.passing_pairs);
   summary.set("driven_overlaps", totals.uncertified.driven_overlaps);
   summary.set("driven_overlap_t", totals.uncertified.driven_t);
-  if (totals.audit.samples > 0) set(totals.audit, names_of_skipped(model), summary);
+  if (totals.audit.samples > 0) set_audit(totals.audit, names_of_skipped(model), summary);
 }
 
-void set(const PathAudit& audit, const std::vector<std::string>& skipped, Summary& summary) {
+void set_audit(const PathAudit& audit, const std::vector<std::string>& skipped, Summary& summary) {
   if (audit.samples == 0) return;
   summary.set("certify_samples", std::int64_t(audit.samples));
   summary.set("certify_steps", audit.steps);
@@ -95,7 +95,7 @@ void set(const PathAudit& audit, const std::vector<std::string>& skipped, Summar
   summary.set("certify_skipped", skipped);
 }
 
-void keep(const RunTotals& totals, Checkpoint& out) {
+void keep_totals(const RunTotals& totals, Checkpoint& out) {
   for_each_field(
       totals, [&](const char* name, double value) { out.numbers[name] = value; },
       [&](const char* name, std::int64_t value) { out.counts[name] = value; });

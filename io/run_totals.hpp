@@ -33,7 +33,7 @@ struct RunTotals {
 
 /// The totals of a run that begins at `start`; `samples`: PathAudit::samples.
 RunTotals run_totals(const Model& model, const State& start, int samples);
-void add(const Frame& frame, int threads, RunTotals& totals);
+void add_frame(const Frame& frame, int threads, RunTotals& totals);
 
 /// Sets matched_by_key, matched_by_adjacency, matched_by_geometry, unmatched, inherited, and match_share: of
 /// the contacts found, the share known from the step before [-], 0 without contacts; energy_gain, the largest
@@ -41,14 +41,14 @@ void add(const Frame& frame, int threads, RunTotals& totals);
 /// certify_samples, certify_steps, certify_violations, certify_nested, certify_uncovered,
 /// certify_min_distance [m; null: no two bodies came near] and certify_skipped, the names of the pairs that
 /// neither certificate nor audit looks at.
-void set(const RunTotals& totals, const Model& model, Summary& summary);
+void set_totals(const RunTotals& totals, const Model& model, Summary& summary);
 /// Only what the audit adds; `skipped` are the names of the pairs that it leaves out.
-void set(const PathAudit& audit, const std::vector<std::string>& skipped, Summary& summary);
+void set_audit(const PathAudit& audit, const std::vector<std::string>& skipped, Summary& summary);
 /// The names of pairs that neither certificate nor audit looks at: "lid and box".
 std::vector<std::string> names_of_skipped(const Model& model);
 
 /// Keeps the totals under names of a checkpoint: all but the number of samples asked for.
-void keep(const RunTotals& totals, Checkpoint& checkpoint);
+void keep_totals(const RunTotals& totals, Checkpoint& checkpoint);
 RunTotals run_totals_of(const Checkpoint& checkpoint, int samples);
 
 }  // namespace aussois

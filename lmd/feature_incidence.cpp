@@ -11,9 +11,9 @@ std::size_t feature_count(const LmdShape& shape, int dim) {
   return dim == 1 ? shape.edges.size() : dim == 2 ? shape.regions.size() : 0;
 }
 
-bool incident(const LmdShape& shape, const KeyFeature& f, const KeyFeature& g) {
+bool are_incident(const LmdShape& shape, const KeyFeature& f, const KeyFeature& g) {
   if (f.dim == g.dim) return f.region == g.region;
-  if (f.dim > g.dim) return incident(shape, g, f);
+  if (f.dim > g.dim) return are_incident(shape, g, f);
   if (f.dim == 0 && g.dim == 1) {
     const EdgeLeaf& chain = shape.edges[g.region];
     return chain.first == f.region || chain.last == f.region;

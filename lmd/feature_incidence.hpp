@@ -12,6 +12,6 @@ std::size_t feature_count(const LmdShape& shape, int dim);
 
 /// True if the two are the same, or if one lies in the border of the other: a vertex that ends a chain or is
 /// a corner of a region's triangle, or a chain that borders a region. The shape must have both.
-bool incident(const LmdShape& shape, const KeyFeature& f, const KeyFeature& g);
+bool are_incident(const LmdShape& shape, const KeyFeature& f, const KeyFeature& g);
 
 }  // namespace aussois

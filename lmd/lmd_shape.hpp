@@ -24,13 +24,13 @@ struct LmdShapeOptions {
 };
 void describe(SettingVisitor& visit, LmdShapeOptions& options);
 
-/// The role of a simplex in contacts (LMD-7); enlargement and partners depend on it.
+/// The role of a simplex in contacts (LMD-7); enlargement and partners depend on it. Simplices that can never
+/// carry a contact are silent: they have no class and are not in the hierarchy.
 enum class SimplexClass : std::uint8_t {
   v_corner,  // vertex with a pointed normal cone
   v_wide,    // end or bend of a wire, point, corner of a sheet: the normal cone contains a line or more
   e_crease,  // edge with a normal arc below 180 degrees
   e_wide,    // wire, or border of a sheet
-  silent,    // can never carry a contact; not in the hierarchy
 };
 
 /// A corner: an essential vertex.

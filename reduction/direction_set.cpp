@@ -11,7 +11,7 @@ std::vector<int> direction_set(const PlanarPatch& patch, int directions, double 
   for (int k = 0; k < directions; ++k) {
     const double angle = 2 * kPi * k / directions;
     const Vec2 d(std::cos(angle), std::sin(angle));
-    result.push_back(extreme(patch, d, Vec2(-d.y(), d.x()), tie * patch.extent));
+    result.push_back(extreme_member(patch, d, Vec2(-d.y(), d.x()), tie * patch.extent));
   }
   std::sort(result.begin(), result.end());
   result.erase(std::unique(result.begin(), result.end()), result.end());

@@ -18,7 +18,7 @@ std::vector<int> extreme_points(const PlanarPatch& patch, double tie, bool paper
   std::vector<int> result;
   for (const Vec2& d : {Vec2(1, 0), Vec2(0, 1), Vec2(-1, 0), Vec2(0, -1)})
     result.push_back(paper_exact ? first_extreme(patch, d)
-                                 : extreme(patch, d, Vec2(-d.y(), d.x()), tie * patch.extent));
+                                 : extreme_member(patch, d, Vec2(-d.y(), d.x()), tie * patch.extent));
   std::sort(result.begin(), result.end());
   result.erase(std::unique(result.begin(), result.end()), result.end());
   return result;

@@ -222,7 +222,7 @@ LossReport loss_of(const PlanarPatch& patch, std::span<const int> part) {
   return loss;
 }
 
-int extreme(const PlanarPatch& patch, const Vec2& d, const Vec2& side, double tie) {
+int extreme_member(const PlanarPatch& patch, const Vec2& d, const Vec2& side, double tie) {
   double far = -kInf, aside = -kInf;
   for (const Vec2& point : patch.x) far = std::max(far, d.dot(point));
   const auto tied = [&](const Vec2& point) { return d.dot(point) >= far - tie; };

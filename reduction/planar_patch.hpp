@@ -47,7 +47,7 @@ LossReport loss_of(const PlanarPatch& patch, std::span<const int> part);
 
 /// E(d, side) of (RED-3). Members within `tie` [m] of the farthest along `d` are tied; of these the farthest
 /// along `side` is taken, and of those at one place the first.
-int extreme(const PlanarPatch& patch, const Vec2& d, const Vec2& side, double tie);
+int extreme_member(const PlanarPatch& patch, const Vec2& d, const Vec2& side, double tie);
 
 inline constexpr double kSamePlace = 1e-9;  // fraction of the extent within which points count as one
 

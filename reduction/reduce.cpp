@@ -234,8 +234,9 @@ LossReport complete(const ReductionInput& input, const std::vector<int>& cluster
   for (std::size_t n = 0; min_margin > 0 && n < patch.hull.size(); ++n) {
     const Margin margin = margin_of(patch, part);
     if (margin.value >= min_margin - kSamePlace) break;
-    const int more = extreme(patch, margin.direction, Vec2(-margin.direction.y(), margin.direction.x()),
-                             kSamePlace * patch.extent);
+    const int more =
+        extreme_member(patch, margin.direction, Vec2(-margin.direction.y(), margin.direction.x()),
+                       kSamePlace * patch.extent);
     part.push_back(more);
     mark[cluster[more]] = 1;
   }

@@ -162,8 +162,8 @@ class Cascade {
       return input_.shapes.empty() ? nullptr : input_.shapes[body.index()];
     };
     const LmdShape *a = shape(now.body_a), *b = shape(now.body_b);
-    return a && b && incident(*a, feature_a(now), feature_a(old)) &&
-           incident(*b, feature_b(now), feature_b(old));
+    return a && b && are_incident(*a, feature_a(now), feature_a(old)) &&
+           are_incident(*b, feature_b(now), feature_b(old));
   }
 
   // Nearest first, none twice.

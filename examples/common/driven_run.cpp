@@ -136,11 +136,11 @@ DrivenRun drive(const Model& model, const State& start, RunPlan plan, const RunF
   return out;
 }
 
-bool tell(const PathAudit& audit, const Model& model) {
-  return tell(RunAudit{.path = audit, .skipped = names_of_skipped(model)});
+bool print_findings(const PathAudit& audit, const Model& model) {
+  return print_findings(RunAudit{.path = audit, .skipped = names_of_skipped(model)});
 }
 
-bool tell(const RunTotals& totals, const Model& model) {
+bool print_findings(const RunTotals& totals, const Model& model) {
   const EnergyGain& gain = totals.gain;
   if (energy_rises(gain))
     std::fprintf(stderr, "energy rose by %.3g J without a source, %.2g of the largest kinetic energy\n",
@@ -149,7 +149,7 @@ bool tell(const RunTotals& totals, const Model& model) {
   if (un.driven_overlaps > 0)
     std::fprintf(stderr, "moved and fixed bodies overlapped in %s, first in the step from t = %.6g s\n",
                  counted(un.driven_overlaps, "step").c_str(), un.driven_t);
-  return tell(totals.audit, model);
+  return print_findings(totals.audit, model);
 }
 
 }  // namespace aussois

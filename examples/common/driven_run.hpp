@@ -59,7 +59,7 @@ DrivenRun drive(const Model& model, const State& start, RunPlan plan, const RunF
 
 /// Prints the energy gained, the pairs without a certificate, and the result of the audit. True: no
 /// violation.
-bool tell(const RunTotals& totals, const Model& model);
-bool tell(const PathAudit& audit, const Model& model);
+bool print_findings(const RunTotals& totals, const Model& model);
+bool print_findings(const PathAudit& audit, const Model& model);
 
 }  // namespace aussois

@@ -65,7 +65,7 @@ void add(const RunAudit& one, RunAudit& all) {
   add(one.skipped, all.skipped);
 }
 
-bool tell(const RunAudit& found) {
+bool print_findings(const RunAudit& found) {
   const PathAudit& audit = found.path;
   if (audit.samples == 0) return true;
   if (audit.steps == 0)
@@ -87,8 +87,8 @@ bool tell(const RunAudit& found) {
   return audit.violations == 0;
 }
 
-void set(const RunAudit& audit, Summary& summary) {
-  set(audit.path, audit.skipped, summary);
+void set_audit(const RunAudit& audit, Summary& summary) {
+  set_audit(audit.path, audit.skipped, summary);
 }
 
 Json json_of(const RunAudit& audit) {

@@ -35,9 +35,9 @@ struct RunAudit {
 /// Counts add up; of distances the least stays. A run without an audit changes nothing.
 void add(const RunAudit& one, RunAudit& all);
 /// Prints what was found, nothing without an audit. True: no violation.
-bool tell(const RunAudit& audit);
+bool print_findings(const RunAudit& audit);
 /// With an audit sets what RunTotals set of theirs: certify_samples and its siblings.
-void set(const RunAudit& audit, Summary& summary);
+void set_audit(const RunAudit& audit, Summary& summary);
 
 /// All of it, as JSON that reads back as the same bits. Reading throws std::exception for anything else.
 nlohmann::ordered_json json_of(const RunAudit& audit);

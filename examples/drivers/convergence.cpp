@@ -220,7 +220,7 @@ ExitCode run(Arguments a) {
       "predicts; %d not judged; %d missed\n",
       count[OrderVerdict::met], cells.size(), count[OrderVerdict::less], count[OrderVerdict::not_judged],
       count[OrderVerdict::missed]);
-  const bool certified = tell(audit);
+  const bool certified = print_findings(audit);
   if (!results.failures.empty()) return ExitCode::numerical;
   return certified && count[OrderVerdict::missed] + count[OrderVerdict::not_judged] == 0
              ? ExitCode::ok

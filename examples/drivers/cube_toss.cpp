@@ -67,7 +67,7 @@ TossRuns roll_out_all(const Arguments& a, const std::string& name, const std::ve
   });
 }
 
-void tell(const char* what, const std::vector<TossRun>& runs) {
+void print_errors(const char* what, const std::vector<TossRun>& runs) {
   const TossStatistics s = statistics_of(runs);
   std::printf(
       "%-12s %4zu tosses: position %.2f +- %.2f %% of the edge (median %.2f), rotation %.2f +- %.2f deg "
@@ -107,7 +107,7 @@ ExitCode finish(const Arguments& a, Summary& summary, const std::vector<Toss>& t
     }
   summary.set("failures", failures);
   for (const TossRun& run : runs) add(run.audit, audit);
-  set(audit, summary);
+  set_audit(audit, summary);
   write_toss_table(a.common.out, tosses, runs);
   if (!write_toss_histogram(a.common.out, runs))
     std::fprintf(stderr, "no histogram.png: gnuplot is missing or failed\n");
@@ -117,7 +117,7 @@ ExitCode finish(const Arguments& a, Summary& summary, const std::vector<Toss>& t
   for (const std::filesystem::path& file : {a.json, a.common.summary})
     if (!file.empty()) write_summary(file, summary);
   std::printf("%s: per-toss table, histogram and %s.html\n", a.common.out.c_str(), tosses[i].name.c_str());
-  return tell(audit) && failures == 0 ? ExitCode::ok : ExitCode::not_accepted;
+  return print_findings(audit) && failures == 0 ? ExitCode::ok : ExitCode::not_accepted;
 }
 
 std::vector<Toss> read_scaled(const std::filesystem::path& folder, double scale) {
@@ -165,8 +165,8 @@ ExitCode fit_and_report(const Arguments& a, const std::vector<Toss>& tosses) {
       "steps\n",
       found.mu, found.restitution, 1e3 * world.board, 1e3 * found.error, found.points,
       1e-6 * double(found.steps));
-  tell("seen", runs_seen);
-  tell("unseen", runs);
+  print_errors("seen", runs_seen);
+  print_errors("unseen", runs);
   Summary summary;
   summary.set("tosses", std::int64_t(seen.size() + unseen.size()));
   summary.set("unseen", std::int64_t(unseen.size()));
@@ -203,7 +203,7 @@ ExitCode run(Arguments& a) {
   if (interrupted()) return ExitCode::interrupted;
   const std::vector<TossRun>& runs = done.runs;
   tell_known(done.known, tosses.size(), keep_of(a).folder, "tosses");
-  tell(a.synthetic > 0 ? "synthetic" : "all", runs);
+  print_errors(a.synthetic > 0 ? "synthetic" : "all", runs);
   Summary summary;
   summary.set("tosses", std::int64_t(tosses.size()));
   summary.set("synthetic", a.synthetic > 0);

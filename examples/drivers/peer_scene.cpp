@@ -120,7 +120,7 @@ bool tell_end(const PeerScene& scene, const Model& model, const PeerTotals& tota
   const auto failures = std::int64_t(r.total("solver_failures"));
   if (failures > 0)
     std::fprintf(stderr, "not solved to the tolerance: %s\n", counted(failures, "step").c_str());
-  return tell(r.totals(), model) && run.last.moved() && failures == 0;
+  return print_findings(r.totals(), model) && run.last.moved() && failures == 0;
 }
 
 void write_summary(const std::filesystem::path& path, const PeerScene& scene, const PeerTotals& totals,

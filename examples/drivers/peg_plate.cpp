@@ -152,7 +152,7 @@ std::vector<TrainingCheck> check_trainings(const Arguments& a) {
   return out;
 }
 
-ExitCode tell(const Arguments& a, const std::vector<Job>& jobs) {
+ExitCode evaluate_jobs(const Arguments& a, const std::vector<Job>& jobs) {
   std::vector<PegResult> results;
   for (const Job& job : jobs)
     if (const std::optional<PegResult> result = known_result(job)) results.push_back(*result);
@@ -178,7 +178,7 @@ ExitCode run(const Arguments& a) {
     if (interrupted()) return ExitCode::interrupted;
   }
   if (!drawn) std::fprintf(stderr, "no picture: gnuplot is missing or failed\n");
-  return asked("evaluate") ? tell(a, jobs) : ExitCode::ok;
+  return asked("evaluate") ? evaluate_jobs(a, jobs) : ExitCode::ok;
 }
 
 }  // namespace

@@ -175,9 +175,9 @@ ExitCode draw(const Arguments& a) {
     promised = promised && (gallery.promised || !a.mesh.empty());
   }
   summary.set("promised", promised);
-  set(audit, summary);
+  set_audit(audit, summary);
   if (!a.common.summary.empty()) write_summary(a.common.summary, summary);
-  return tell(audit) && promised ? ExitCode::ok : ExitCode::not_accepted;
+  return print_findings(audit) && promised ? ExitCode::ok : ExitCode::not_accepted;
 }
 
 }  // namespace

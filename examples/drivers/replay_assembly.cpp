@@ -252,7 +252,7 @@ bool tell_end(const AssemblyInput& input, const AssemblyScene& scene, const Driv
                  "of %.4g N alone pulls it up to %.4g mm off the path (--frequency = %.4g Hz)\n",
                  1e3 * lag, 1e3 * arrival, scene.model.bodies[scene.moving].mass * scene.model.gravity.norm(),
                  1e3 * scene.sag, scene.frequency);
-  return tell(r.totals(), scene.model) && lag <= arrival && run.last.moved() &&
+  return print_findings(r.totals(), scene.model) && lag <= arrival && run.last.moved() &&
          r.total("solver_failures") == 0 && r.total("min_base_distance") > 0 &&
          min_gap >= -0.05 * 2 * scene.dilation;
 }

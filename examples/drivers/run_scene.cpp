@@ -63,7 +63,7 @@ bool tell_end(const Arguments& a, const CaseScene& scene, const DrivenRun& run) 
                  r.total("impulse_gain"));
   if (failures > 0)
     std::fprintf(stderr, "not solved to the tolerance: %s\n", counted(failures, "step").c_str());
-  return tell(r.totals(), scene.model) && run.last.moved() && failures == 0;
+  return print_findings(r.totals(), scene.model) && run.last.moved() && failures == 0;
 }
 
 ExitCode run_scene(const Arguments& a) {

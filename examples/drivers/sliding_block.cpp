@@ -153,14 +153,14 @@ ExitCode slide(const Arguments& a) {
     summary.set("order", study.order);
     summary.set("exact_travel", exact);
     summary.set("smallest_error", study.error.back());
-    set(audit, summary);
+    set_audit(audit, summary);
     write_summary(a.common.summary, summary);
   }
   const SchemeOptions chosen = scheme_options(a.scheme);
   std::printf("sliding_block: exact travel %.6g m, observed order %.4f by %s\n", exact, study.order,
               label(a.scheme.scheme, chosen).c_str());
   const bool judged = a.scheme.scheme == "moreau_jean" && chosen.moreau_jean.theta == 1;
-  return tell(audit) && (!judged || study.order >= 0.95) ? ExitCode::ok : ExitCode::not_accepted;
+  return print_findings(audit) && (!judged || study.order >= 0.95) ? ExitCode::ok : ExitCode::not_accepted;
 }
 
 }  // namespace

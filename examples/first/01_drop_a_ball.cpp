@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A ball falls on a plate from half a metre and bounces with restitution 0.5.
+#include <algorithm>
 #include <cstdio>
 
 #include "geometry/primitives.hpp"

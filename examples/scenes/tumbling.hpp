@@ -24,7 +24,7 @@ struct Tumbling {
     if (kind == JointKind::distance) joint.frame_b = joint.frame_b * translation(0.1, 0.2, 0.2);
     add(model, joint);
     for (const BodyId i : state.g.ids()) twist(state, i) << random.vector(1), random.vector(3);
-    state = consistent(model, state);
+    state = consistent_state(model, state);
   }
 };
 

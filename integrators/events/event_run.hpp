@@ -91,7 +91,7 @@ class EventRun {
   WorkedOn worked_on(const State& state, const VecX& v) const;
   void project();
   bool of_a_joint(const Touch& touch) const { return is_of_axis(model_, touch.slot); }
-  void tell(const SolveReport& solve) {
+  void count_solve(const SolveReport& solve) {
     add_part(solve, report_.solve);
     report_.solve.residual = std::max(report_.solve.residual, solve.residual);
     report_.solve.worst_island = std::max(report_.solve.worst_island, solve.worst_island);

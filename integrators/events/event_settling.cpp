@@ -77,7 +77,7 @@ bool EventRun::collisions(std::vector<Touch>& touches) {
   if (!any) return true;
   const VecX before = free_velocities(setting_.dofs, state_.v);
   const Collision hit = collide(setting_, state_, near, restitution);
-  tell(hit.solve);
+  count_solve(hit.solve);
   if (!hit.solved) return refused("the impact was not solved");
   state_.v = all_velocities(setting_.dofs, hit.v, state_.v);
   add_jump(near, hit, before);
@@ -99,7 +99,7 @@ bool EventRun::jump_without_collision(const std::vector<Touch>& touches) {
   const VecX push = kPush * smooth_forces(setting_, state_).all,
              before = free_velocities(setting_.dofs, state_.v);
   const Collision hit = collide(setting_, state_, near, std::vector<double>(near.size(), 0), push);
-  tell(hit.solve);
+  count_solve(hit.solve);
   const double jump = hit.solved ? (hit.v - before).cwiseAbs().maxCoeff() : 0;
   if (!hit.solved || jump < o_.stick_speed + 100 * push.cwiseAbs().maxCoeff())
     return refused("no finite forces keep the closed contacts closed, and no impulse opens them (Painleve)");
@@ -192,7 +192,7 @@ bool EventRun::decide(const std::vector<Touch>& touches) {
   const auto accelerate = [&] {
     Accelerations out = accelerations(setting_, state_, forces, closed_, {});
     if (out.solved)
-      tell(out.solve);
+      count_solve(out.solve);
     else
       add_counts(out.solve, report_.solve);
     return out;

@@ -96,15 +96,22 @@ void set_mean_joints(const StepSetting& setting, const State& start, double h, I
 // The displacement that ends landings closed (MJ-17), as part of the velocities of the path, unless the
 // forces are given more on it than contacts took in the step (PMI-7).
 VecX path_after_landing(const StepSetting& setting, const State& start, const FoundContacts& found,
-                        bool passive, ImpulseStep& step) {
+                        const VecX& v_path, bool passive, ImpulseStep& step) {
   const FreeMotion& free = *step.free;
-  const VecX v_path = kMidpoint * step.solved.solution.v + (1 - kMidpoint) * free.v;  // (PMI-4)
   if (setting.normal.law == NormalLaw::moreau || !v_path.allFinite()) return v_path;
   const VecX closed = landing_path(setting, start, found, v_path, step);
   const VecX& v = step.solved.solution.v;
   const double taken = VecX(free.M * (free.v_free - v)).dot(free.v + v) / 2;
   const double given = (free.v - free.v_free).dot(free.mass * (closed - v_path));
   return passive && given > taken ? v_path : closed;
+}
+
+// Rows on the mean lead to the end of the mean velocities, not to that of another path.
+State end_on_joints(const StepSetting& setting, const State& start, double h, const VecX& v_path,
+                    const VecX& v_prescribed) {
+  const VecX v = all_velocities(setting.dofs, v_path, v_prescribed);
+  const VecX path = path_velocity(setting.options.update, setting.model, start, v, h);
+  return projected_state(setting.model, state_after(setting.model, start, path, start.v, h)).state;
 }
 
 StepOptions without_projection(StepOptions o) {
@@ -196,8 +203,9 @@ StepReport PassiveMidpoint::step(State& state, double h_limit) const {
       }
     };
     settle();
-    const VecX first = step.solved.solution.v;
-    VecX v_path = path_after_landing(setting, start, found, own_.passive, step);
+    const VecX first = step.solved.solution.v, mean = (first + step.free->v) / 2;  // (PMI-4)
+    VecX v_path = path_after_landing(setting, start, found, mean, own_.passive, step);
+    const bool landed = v_path != mean;
     if (step.solved.solution.v != first) settle();  // a landing was stopped
     if (!joints_stand && is_solved(step.solved.solution.report.status))
       step.solved.solution.report.status = SolveStatus::max_iterations;
@@ -205,6 +213,8 @@ StepReport PassiveMidpoint::step(State& state, double h_limit) const {
                          .v_end = step.solved.solution.v,
                          .goes_on = 2 * (1 - kMidpoint) * setting.options.advancement.min_h},
                 .figures = {.contacts_made_passive = int(std::count(stated.begin(), stated.end(), 1))}};
+    if (mean_joints && landed)
+      trial.move.end = end_on_joints(setting, start, h, trial.move.v_path, step.v_prescribed);
     trial.found = std::move(found);
     trial.impulses = std::move(step);
     return trial;

@@ -46,7 +46,7 @@ Scene tumbling_blocks(double mu = 0.4, std::optional<double> hinge_friction = 0.
   s.state.turns.clear();
   const State full = rest_state(s.model);
   s.state.turns = full.turns, s.state.r = full.r;
-  s.state = consistent(s.model, s.state);
+  s.state = consistent_state(s.model, s.state);
   s.state.v = consistent_velocity(s.model, s.state);
   return s;
 }
@@ -186,14 +186,18 @@ TEST_P(EveryScheme, MovesBodiesThatAreNumberedOtherwiseTheSameWay) {
   EXPECT_LT(runs.off, reference_ ? 1e-9 : 1e-11);
 }
 
-// Without Coulomb's friction the velocities are unique, and nothing in between decides by rounding.
+// Without Coulomb's friction the velocities are unique, and nothing in between decides by rounding. A Newton
+// loop ends where its changes, below 1e-9 m/s, no longer halve: on faces the rest can be tens of times that,
+// for 0.16 s.
 TEST_P(EveryScheme, MovesThemTheSameWayForLongWithoutFriction) {
   SchemeOptions o = options();
   o.step.solver.tolerance = 1e-12;
+  const bool newton = GetParam().name == "moreau_jean" && o.moreau_jean.newton.max_iterations > 1;
+  const double bound = newton ? 1e-8 : reference_ ? 1e-9 : 1e-10;
   for (const double hinge_friction : {0.01, 0.0}) {
     const Compared runs = compared(tumbling_blocks(0, hinge_friction), GetParam().name, o, steps_);
     EXPECT_GT(runs.touching, reference_ ? 2u : 10u);
-    EXPECT_LT(runs.off, reference_ ? 1e-9 : 1e-10) << "hinge friction " << hinge_friction;
+    EXPECT_LT(runs.off, bound) << "hinge friction " << hinge_friction;
   }
 }
 

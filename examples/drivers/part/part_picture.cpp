@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <Eigen/Geometry>
 
@@ -15,15 +16,14 @@ constexpr Colour kCrease = 0x1769d2, kSilent = 0xd4261c, kWide = 0xc77700, kCorn
 // What the chains and the vertices of the idealised complex are to a contact.
 struct Classes {
   Classes(const LmdShape& shape, const Idealisation& ideal)
-      : chain(ideal.chains.size(), SimplexClass::silent),
-        vertex(shape.complex.vertices.size(), SimplexClass::silent) {
+      : chain(ideal.chains.size()), vertex(shape.complex.vertices.size()) {
     for (const EdgeLeaf& leaf : shape.edges) {
       const int edge = leaf.path_length == 1 ? leaf.path : shape.paths[leaf.path];
       chain[ideal.edge_chain[edge]] = class_of(leaf);
     }
     for (const VertexLeaf& leaf : shape.vertices) vertex[leaf.vertex] = class_of(leaf);
   }
-  std::vector<SimplexClass> chain, vertex;
+  std::vector<std::optional<SimplexClass>> chain, vertex;  // none: silent
 };
 
 // Vertices of the idealised complex: ends of chains, and points.
@@ -158,16 +158,16 @@ ClassCounts count_classes(const LmdShape& shape, const Idealisation& ideal) {
   const Classes classes(shape, ideal);
   ClassCounts counts;
   counts.face = int(shape.faces.size());
-  for (const SimplexClass c : classes.chain) {
+  for (const std::optional<SimplexClass>& c : classes.chain) {
     counts.e_crease += c == SimplexClass::e_crease;
     counts.e_wide += c == SimplexClass::e_wide;
-    counts.silent += c == SimplexClass::silent;
+    counts.silent += !c;
   }
   for (int v : essential_vertices(shape.complex, ideal)) {
-    const SimplexClass c = classes.vertex[v];
+    const std::optional<SimplexClass> c = classes.vertex[v];
     counts.v_corner += c == SimplexClass::v_corner;
     counts.v_wide += c == SimplexClass::v_wide;
-    counts.silent += c == SimplexClass::silent;
+    counts.silent += !c;
   }
   return counts;
 }
@@ -207,15 +207,15 @@ PartPicture part_picture(const LmdShape& shape, const Idealisation& ideal, const
       wide{.name = "wide edges (borders, wires)"};
   for (std::size_t i = 0; i < ideal.chains.size(); ++i) {
     const Chain& chain = ideal.chains[i];
-    const SimplexClass c = classes.chain[i];
-    LineLayer& layer = c == SimplexClass::e_wide ? wide : c == SimplexClass::silent ? silent : convex;
+    const std::optional<SimplexClass> c = classes.chain[i];
+    LineLayer& layer = c == SimplexClass::e_wide ? wide : !c ? silent : convex;
     layer.lines.push_back({part.vertices[chain.first], part.vertices[chain.last]});
-    layer.colour.push_back(c == SimplexClass::e_wide ? kWide : c == SimplexClass::silent ? kSilent : kCrease);
+    layer.colour.push_back(c == SimplexClass::e_wide ? kWide : !c ? kSilent : kCrease);
   }
   PointLayer corners{.name = "corners"}, wide_points{.name = "wide vertices"},
       silent_points{.name = "silent vertices", .shown = false};
   for (int v : essential_vertices(part, ideal)) {
-    const SimplexClass c = classes.vertex[v];
+    const std::optional<SimplexClass> c = classes.vertex[v];
     PointLayer& layer = c == SimplexClass::v_corner ? corners
                         : c == SimplexClass::v_wide ? wide_points
                                                     : silent_points;

@@ -172,7 +172,7 @@ CaseScene hung_chain() {
   s.model.gravity = Vec3(0, 0, -9.81);
   const SE3 at = pose(s.state, 0) * translation(0.5, 0, 0);
   add(s.model, joint_at(JointKind::spherical, "nail", 0, kWorld, s.state.g, at));
-  s.state = consistent(s.model, s.state);
+  s.state = consistent_state(s.model, s.state);
   return s;
 }
 

@@ -24,14 +24,14 @@ Scene hinged_parts() {
 
 std::string told(const PathAudit& audit, const Model& model) {
   testing::internal::CaptureStdout();
-  EXPECT_EQ(tell(audit, model), audit.violations == 0);
+  EXPECT_EQ(print_findings(audit, model), audit.violations == 0);
   return testing::internal::GetCapturedStdout();
 }
 
 TEST(RunTotals, NameThePairsThatNobodyLooksAt) {
   const Scene s = hinged_parts();
   Summary summary;
-  set({.audit = {.samples = 3, .steps = 2}}, s.model, summary);
+  set_totals({.audit = {.samples = 3, .steps = 2}}, s.model, summary);
   EXPECT_NE(to_json(summary).find("\"certify_skipped\": [\n    \"block and lid\"\n  ]"), std::string::npos)
       << to_json(summary);
   EXPECT_EQ(
@@ -57,14 +57,14 @@ TEST(RunTotals, AddUpOfWhomTheCertificatesDoNotSpeak) {
     add({s.model, s.state, s.state, s.state, report, k + 1}, 1, run);
   }
   Checkpoint checkpoint;
-  keep(run, checkpoint);
+  keep_totals(run, checkpoint);
   for (const RunTotals& of : {run, run_totals_of(checkpoint, 0)}) {
     EXPECT_EQ(of.uncertified.passing_pairs, 3);
     EXPECT_EQ(of.uncertified.driven_overlaps, 2);
     EXPECT_EQ(of.uncertified.driven_t, 1);
   }
   Summary summary;
-  set({}, s.model, summary);
+  set_totals({}, s.model, summary);
   EXPECT_NE(to_json(summary).find("\"driven_overlap_t\": null"), std::string::npos);
 }
 

@@ -50,7 +50,7 @@ TEST(EnergyGain, TellsWhatAContactGivesInStepsTooSmallToBeTold) {
     report.h = 1e-3;
     report.energy.contact_work = report.energy.kinetic_change = 0.5e-5;
     report.law_work = {0.5e-5};
-    add(top.model, state, report, gain);
+    add_step(top.model, state, report, gain);
     if (k == 50) {
       EXPECT_FALSE(energy_rises(gain));
     }
@@ -65,7 +65,7 @@ TEST(EnergyGain, IsNotHiddenByWhatWasLostBefore) {
   EnergyGain gain = energy_gain(top.model, state);
   for (const double speed : {2.0, 1.0, 1.01}) {
     state.v << speed, 0, 0, 0, 0, 0;
-    add(top.model, state, {}, gain);
+    add_step(top.model, state, {}, gain);
   }
   EXPECT_NEAR(gain.largest, (1.01 * 1.01 - 1) / 2, 1e-12);
   EXPECT_TRUE(energy_rises(gain));
@@ -82,7 +82,7 @@ TEST(EnergyGain, IsThatOfAContactPressedShutWhileItOpens) {
     const double first = gain.stored, mass = scene.model.bodies[scene.block].mass;
     const StepReport report = MoreauJean(scene.model, {.h = h}, {.theta = theta}).step(scene.state, kInf);
     ASSERT_TRUE(report.ok()) << report.reason;
-    add(scene.model, scene.state, report, gain);
+    add_step(scene.model, scene.state, report, gain);
     const double impulse = mass * (9.81 * h - speed);
     EXPECT_NEAR(gain.stored - first, (1 - theta) * impulse * speed - (theta - 0.5) * mass * speed * speed,
                 1e-9 * mass * speed * speed);

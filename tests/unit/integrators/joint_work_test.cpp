@@ -181,7 +181,7 @@ TEST_P(JointWorkInEveryScheme, OfAMachineOnAMovedBaseAddsUp) {
   model.joints[0].axis[0] = {.lower = -0.2, .upper = 0.3, .restitution = 0.5, .friction = 0.2};
   model.joints[0].axis[0].motor = {.kind = MotorKind::effort, .target = [](double t) { return 2 + t; }};
   model.joints[1].axis[0] = {.friction = 0.1, .stiffness = 3, .damping = 0.2, .rest = 0.4};
-  state = consistent(model, state);
+  state = consistent_state(model, state);
   const std::vector<JointWork> of = work(model, state, 2e-3, 0.6);
   EXPECT_LT(of[0].stops, -0.01);
   EXPECT_LT(of[0].friction, -0.01);

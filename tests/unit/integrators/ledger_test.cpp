@@ -164,7 +164,7 @@ TEST(Ledger, KnowsThatWhatActsInsideCancelsInEveryScheme) {
   add(model, joint_at(JointKind::spherical, "link", 1, 0, start.g, translation(0.065, 0, 0)));
   add(model, joint_at(JointKind::revolute, "hinge", 3, 2, start.g, translation(0.085, 0.02, 0.12)));
   twist(start, 0) << 0, 0, 1, 0.5, 1, 0.2;
-  start = consistent(model, start);
+  start = consistent_state(model, start);
   start.v = consistent_velocity(model, start);
   const Judged first = judge(model, start);
   const double E = first.kinetic, p = first.linear.norm(), L = first.angular.norm();

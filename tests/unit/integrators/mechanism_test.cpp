@@ -351,7 +351,7 @@ TEST(FreeChain, KeepsItsLinearMomentumToRoundingAndItsAngularMomentumToSecondOrd
       add(model, joint_at(i % 2 ? JointKind::spherical : JointKind::universal, "joint", BodyId::at(i + 1),
                           BodyId::at(i), state.g, translation(i + 0.5, 0, 0)));
     for (int i = 0; i < 5; ++i) twist(state, BodyId::at(i)) << random.vector(1), random.vector(2);
-    state = consistent(model, state);
+    state = consistent_state(model, state);
     EXPECT_LT((consistent_velocity(model, state) - state.v).norm(), 1e-12);
     const Momentum before = momentum(model, state);
     advance(MoreauJean(model, {.h = h}, {.theta = 0.5}), state, 0.5);

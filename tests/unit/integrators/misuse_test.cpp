@@ -248,7 +248,7 @@ class FarOff : public ::testing::TestWithParam<SchemeVariant> {
       const StepReport report = first_step(model, state, {.project = project});
       EXPECT_EQ(report.status, StepStatus::refused) << project;
       EXPECT_EQ(report.reason, "start: " + text + ", at most 1e-06 is allowed; see consistent()") << project;
-      EXPECT_TRUE(first_step(model, consistent(model, state), {.project = project}).ok()) << project;
+      EXPECT_TRUE(first_step(model, consistent_state(model, state), {.project = project}).ok()) << project;
     }
     State later = state;
     later.h = 1e-3;

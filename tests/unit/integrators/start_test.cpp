@@ -79,7 +79,7 @@ TEST(Start, IsRefusedWithAJointThatDoesNotHoldUntilItIsMadeConsistent) {
   EXPECT_EQ(refusal(s.model, s.state), "");
   pose(s.state, s.block).p.x() += 1e-3;
   expect_names(refusal(s.model, s.state), "start: joint 0 (hinge): translation error [m] = 0.001");
-  EXPECT_EQ(refusal(s.model, consistent(s.model, s.state)), "");
+  EXPECT_EQ(refusal(s.model, consistent_state(s.model, s.state)), "");
   pose(s.state, s.block).R = exp_so3(Vec3(0.01, 0, 0));
   pose(s.state, s.block).p.x() -= 1e-3;
   expect_names(refusal(s.model, s.state), "rotation error [rad] = ");

@@ -366,13 +366,13 @@ TEST(Persistence, MatchesByIncidenceBeforePlace) {
   ASSERT_EQ(box.edges.size(), 12u);
   const EdgeLeaf& edge = box.edges[0];
   const int region = std::abs(edge.conormals[0]) - 1;
-  EXPECT_TRUE(incident(box, {1, 0}, {2, region}));
-  EXPECT_TRUE(incident(box, {2, region}, {1, 0}));
-  EXPECT_TRUE(incident(box, {0, edge.first}, {1, 0}));
-  EXPECT_TRUE(incident(box, {0, edge.last}, {2, region}));
+  EXPECT_TRUE(are_incident(box, {1, 0}, {2, region}));
+  EXPECT_TRUE(are_incident(box, {2, region}, {1, 0}));
+  EXPECT_TRUE(are_incident(box, {0, edge.first}, {1, 0}));
+  EXPECT_TRUE(are_incident(box, {0, edge.last}, {2, region}));
   int corners = 0, faces = 0;
-  for (int v = 0; v < 8; ++v) corners += incident(box, {1, 0}, {0, v});
-  for (int r = 0; r < 6; ++r) faces += incident(box, {1, 0}, {2, r});
+  for (int v = 0; v < 8; ++v) corners += are_incident(box, {1, 0}, {0, v});
+  for (int r = 0; r < 6; ++r) faces += are_incident(box, {1, 0}, {2, r});
   EXPECT_EQ(corners, 2);
   EXPECT_EQ(faces, 2);
 
@@ -387,7 +387,7 @@ TEST(Persistence, MatchesByIncidenceBeforePlace) {
   const ContactSet old{{contact({2, region}, 0.5e-3), contact({2, other}, 0)}};
   const ContactMemory memory = remember(old, {{0, 0, 1}, {0, 0, 2}}, {.drilling = {1, 2}});
   const std::array<const LmdShape*, 2> shapes = {&box, &box};
-  const bool both = incident(box, {1, 0}, {2, other});
+  const bool both = are_incident(box, {1, 0}, {2, other});
   const ContactSet now{{contact({1, 0}, 0)}};
   // The other one is gone: its heir is the same contact.
   const WarmStart by_incidence = warm_start(memory, now, {.shapes = shapes});
