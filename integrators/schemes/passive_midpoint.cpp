@@ -158,65 +158,84 @@ PassiveMidpoint::PassiveMidpoint(const Model& model, const StepOptions& step,
               to_string(step.update));
 }
 
+namespace {
+
+// The rounds of one step: linearisation, passivity and joints on the mean, each stated where the last solve
+// leads.
+struct MidpointSolve {
+  const StepSetting& setting;
+  const PassiveMidpointOptions& own;
+  const State& start;
+  const FoundContacts& found;
+  const bool mean_joints;
+  const FreeMotion plain =
+      free_motion(setting.model, start, setting.dofs, found.h, kMidpoint);  // (MJ-4), (MJ-5)
+  VecX guess = plain.v_free;
+  ImpulseStep step = pose_step(setting, start, found, with_torque(), kMidpoint);
+  std::vector<char> stated = std::vector<char>(step.rows.size(), 0);
+  bool joints_stand = !mean_joints;
+
+  SharedMotion with_torque() const {
+    return std::make_shared<const FreeMotion>(
+        with_gyroscopic(setting.model, setting.dofs, found.h, own.gyroscopic, guess, plain));
+  }
+
+  void settle() {
+    VecX last = VecX::Constant(setting.dofs.rows, kInf);
+    double change = kInf;
+    for (int k = 0; k < kRounds; ++k) {
+      solve_rows(setting, start, found, step);
+      const VecX& v = step.solved.solution.v;
+      if (!v.allFinite()) break;
+      if (mean_joints) {
+        const double before = std::exchange(change, (v - last).lpNorm<Eigen::Infinity>());
+        joints_stand = change <= kJointsSolved * v.lpNorm<Eigen::Infinity>() ||
+                       (change <= kJointsGivenUp && change >= before / 2);  // as far as rounding lets it
+        last = v;
+      }
+      const bool off = own.gyroscopic == GyroscopicTerm::midpoint &&
+                       gyroscopic_error(setting.dofs, plain.v, guess, v, found.h) > kExact;
+      const bool gives =
+          own.passive && make_passive(setting.dofs, setting.options.solver.tolerance, step, stated) > 0;
+      if (!off && !gives && joints_stand) break;
+      if (off) {
+        guess = v;
+        step.free = with_torque();
+      }
+      if (!joints_stand) set_mean_joints(setting, start, found.h, step);
+    }
+  }
+};
+
+}  // namespace
+
 StepReport PassiveMidpoint::step(State& state, double h_limit) const {
   const StepSetting& setting = *setting_;
-  const Layout& dofs = setting.dofs;
   const bool mean_joints = own_.mean_joints && !setting.model.joints.empty();
   const auto estimate = [&](const State& start, double h) {
-    return estimate_without_contacts(setting, start, free_motion(setting.model, start, dofs, h, kMidpoint), h,
-                                     kMidpoint);
+    return estimate_without_contacts(
+        setting, start, free_motion(setting.model, start, setting.dofs, h, kMidpoint), h, kMidpoint);
   };
   const auto attempt = [&](const State& start, const Estimate& ahead, double h) {
     FoundContacts found = find_ahead(setting, start, ahead, h);
-    const FreeMotion plain = free_motion(setting.model, start, dofs, h, kMidpoint);  // (MJ-4), (MJ-5)
-    VecX guess = plain.v_free;
-    const auto with_torque = [&] {
-      return std::make_shared<const FreeMotion>(
-          with_gyroscopic(setting.model, dofs, h, own_.gyroscopic, guess, plain));
-    };
-    ImpulseStep step = pose_step(setting, start, found, with_torque(), kMidpoint);
-    std::vector<char> stated(step.rows.size(), 0);
-    bool joints_stand = !mean_joints;
-    const auto settle = [&] {
-      VecX last = VecX::Constant(dofs.rows, kInf);
-      double change = kInf;
-      for (int k = 0; k < kRounds; ++k) {
-        solve_rows(setting, start, found, step);
-        const VecX& v = step.solved.solution.v;
-        if (!v.allFinite()) break;
-        if (mean_joints) {
-          const double before = std::exchange(change, (v - last).lpNorm<Eigen::Infinity>());
-          joints_stand = change <= kJointsSolved * v.lpNorm<Eigen::Infinity>() ||
-                         (change <= kJointsGivenUp && change >= before / 2);  // as far as rounding lets it
-          last = v;
-        }
-        const bool off = own_.gyroscopic == GyroscopicTerm::midpoint &&
-                         gyroscopic_error(dofs, plain.v, guess, v, h) > kExact;
-        const bool gives =
-            own_.passive && make_passive(dofs, setting.options.solver.tolerance, step, stated) > 0;
-        if (!off && !gives && joints_stand) break;
-        if (off) {
-          guess = v;
-          step.free = with_torque();
-        }
-        if (!joints_stand) set_mean_joints(setting, start, h, step);
-      }
-    };
-    settle();
+    MidpointSolve now{setting, own_, start, found, mean_joints};
+    now.settle();
+    ImpulseStep& step = now.step;
     const VecX first = step.solved.solution.v, mean = (first + step.free->v) / 2;  // (PMI-4)
     VecX v_path = path_after_landing(setting, start, found, mean, own_.passive, step);
     const bool landed = v_path != mean;
-    if (step.solved.solution.v != first) settle();  // a landing was stopped
-    if (!joints_stand && is_solved(step.solved.solution.report.status))
+    if (step.solved.solution.v != first) now.settle();  // a landing was stopped
+    if (!now.joints_stand && is_solved(step.solved.solution.report.status))
       step.solved.solution.report.status = SolveStatus::max_iterations;
-    Trial trial{.move = {.v_path = std::move(v_path),
-                         .v_end = step.solved.solution.v,
-                         .goes_on = 2 * (1 - kMidpoint) * setting.options.advancement.min_h},
-                .figures = {.contacts_made_passive = int(std::count(stated.begin(), stated.end(), 1))}};
+    Trial trial{
+        .move = {.v_path = std::move(v_path),
+                 .v_end = step.solved.solution.v,
+                 .goes_on = 2 * (1 - kMidpoint) * setting.options.advancement.min_h},
+        .figures = {.contacts_made_passive = int(std::count(now.stated.begin(), now.stated.end(), 1))}};
     if (mean_joints && landed)
       trial.move.end = end_on_joints(setting, start, h, trial.move.v_path, step.v_prescribed);
-    trial.found = std::move(found);
     trial.impulses = std::move(step);
+    trial.found = std::move(found);
     return trial;
   };
   return advance_step(setting, state, h_limit, {estimate, attempt});

@@ -183,9 +183,10 @@ std::string order_table(const std::vector<Study>& studies) {
       if (scheme_of(s) == scheme) rows.push_back(s.case_name), columns.push_back(s.scheme);
     rows = once(rows), columns = once(columns);
     std::string head = "| case |", rule = "|---|";
-    for (const std::string& column : columns)
-      head.append(" ").append(column, std::min(scheme.size() + 1, column.size())).append(" |"),
-          rule += "---|";
+    for (const std::string& column : columns) {
+      const std::string settings = column.substr(std::min(scheme.size() + 1, column.size()));
+      head.append(" ").append(settings.empty() ? "defaults" : settings).append(" |"), rule += "---|";
+    }
     out += (out.empty() ? "## " : "\n## ") + scheme + "\n\n" + head + "\n" + rule + "\n";
     for (const std::string& row : rows) {
       out.append("| `").append(row).append("` |");
