@@ -394,7 +394,7 @@ VerificationCase gain_of_a_run() {
             int alarms = 0;
             const State end = run_to(s, "d1_minus_linear", {.step = {.h = 0.1}}, 100,
                                      [&](const State& state, const StepReport& r) {
-                                       add(s.model, state, r, told);
+                                       add_step(s.model, state, r, told);
                                        alarms += r.energy_rises;
                                      });
             const double first = judge(s.model, s.state).kinetic,

@@ -54,7 +54,7 @@ TEST(RunTotals, AddUpOfWhomTheCertificatesDoNotSpeak) {
   for (int k = 0; k < 5; ++k) {
     StepReport report{.t = 0.5 * (k + 1), .h = 0.5, .passing_pairs = k % 4};
     if (k == 2 || k == 4) report.driven_overlaps = {{0, 1}, {0, 2}};
-    add({s.model, s.state, s.state, s.state, report, k + 1}, 1, run);
+    add_frame({s.model, s.state, s.state, s.state, report, k + 1}, 1, run);
   }
   Checkpoint checkpoint;
   keep_totals(run, checkpoint);

@@ -21,7 +21,7 @@ EnergyGain gain_of(const Model& model, State state, const Scheme& scheme, int st
     const StepReport report = scheme.step(state, kInf);
     EXPECT_TRUE(report.ok()) << report.reason;
     EXPECT_FALSE(report.energy_rises) << "step " << k;
-    add(model, state, report, out);
+    add_step(model, state, report, out);
   }
   return out;
 }
