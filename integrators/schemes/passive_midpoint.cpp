@@ -81,16 +81,21 @@ int make_passive(const Layout& dofs, double tolerance, ImpulseStep& step, std::v
   return count;
 }
 
+void set_joints(JointSystem joints, ImpulseStep& step) {
+  step.rows.resize(step.rows.size() - step.joints.rows.size());
+  step.joints = std::move(joints);
+  step.rows.insert(step.rows.end(), step.joints.rows.begin(), step.joints.rows.end());
+}
+
 // Joints on the mean with the end that the last solve leads to (MJT-14), (MJT-15).
 void set_mean_joints(const StepSetting& setting, const State& start, double h, ImpulseStep& step) {
   const VecX& v = step.solved.solution.v;
   const VecX mean = all_velocities(setting.dofs, (step.free->v + v) / 2, step.v_prescribed);
   const VecX path = path_velocity(setting.options.update, setting.model, start, mean, h);
   const State end = state_after(setting.model, start, path, mean, h);
-  step.rows.resize(step.rows.size() - step.joints.rows.size());
-  step.joints = joint_system_on_mean(setting.model, start, {end, mean}, setting.dofs, step.v_prescribed, h,
-                                     setting.normal, setting.options.joints);
-  step.rows.insert(step.rows.end(), step.joints.rows.begin(), step.joints.rows.end());
+  set_joints(joint_system_on_mean(setting.model, start, {end, mean}, setting.dofs, step.v_prescribed, h,
+                                  setting.normal, setting.options.joints),
+             step);
 }
 
 // The displacement that ends landings closed (MJ-17), as part of the velocities of the path, unless the
@@ -106,7 +111,7 @@ VecX path_after_landing(const StepSetting& setting, const State& start, const Fo
   return passive && given > taken ? v_path : closed;
 }
 
-// Rows on the mean lead to the end of the mean velocities, not to that of another path.
+// On the joints, also where rows on the mean or of velocities lead elsewhere.
 State end_on_joints(const StepSetting& setting, const State& start, double h, const VecX& v_path,
                     const VecX& v_prescribed) {
   const VecX v = all_velocities(setting.dofs, v_path, v_prescribed);
@@ -167,17 +172,42 @@ struct MidpointSolve {
   const PassiveMidpointOptions& own;
   const State& start;
   const FoundContacts& found;
-  const bool mean_joints;
+  bool mean_joints;
   const FreeMotion plain =
       free_motion(setting.model, start, setting.dofs, found.h, kMidpoint);  // (MJ-4), (MJ-5)
   VecX guess = plain.v_free;
   ImpulseStep step = pose_step(setting, start, found, with_torque(), kMidpoint);
   std::vector<char> stated = std::vector<char>(step.rows.size(), 0);
   bool joints_stand = !mean_joints;
+  bool landed = false;
 
   SharedMotion with_torque() const {
     return std::make_shared<const FreeMotion>(
         with_gyroscopic(setting.model, setting.dofs, found.h, own.gyroscopic, guess, plain));
+  }
+
+  // Settles on velocities and a path from them.
+  VecX find_path() {
+    settle();
+    const VecX v = step.solved.solution.v, mean = (v + step.free->v) / 2;  // (PMI-4)
+    VecX out = path_after_landing(setting, start, found, mean, own.passive, step);
+    landed = out != mean;
+    if (step.solved.solution.v != v) settle();  // a landing was stopped
+    return out;
+  }
+
+  State end_of(const VecX& v_path) const {
+    return end_on_joints(setting, start, found.h, v_path, step.v_prescribed);
+  }
+
+  // Joints on the mean hand the jump of a landing on from step to step (PMI-8).
+  VecX find_path_to(const State& end) {
+    set_joints(
+        joint_system_at(setting.model, start, end, setting.dofs, step.v_prescribed, found.h, setting.normal),
+        step);
+    mean_joints = false;
+    joints_stand = true;
+    return find_path();
   }
 
   void settle() {
@@ -219,12 +249,10 @@ StepReport PassiveMidpoint::step(State& state, double h_limit) const {
   const auto attempt = [&](const State& start, const Estimate& ahead, double h) {
     FoundContacts found = find_ahead(setting, start, ahead, h);
     MidpointSolve now{setting, own_, start, found, mean_joints};
-    now.settle();
+    VecX v_path = now.find_path();
+    const bool projects = mean_joints && now.landed;
+    if (projects) v_path = now.find_path_to(now.end_of(v_path));
     ImpulseStep& step = now.step;
-    const VecX first = step.solved.solution.v, mean = (first + step.free->v) / 2;  // (PMI-4)
-    VecX v_path = path_after_landing(setting, start, found, mean, own_.passive, step);
-    const bool landed = v_path != mean;
-    if (step.solved.solution.v != first) now.settle();  // a landing was stopped
     if (!now.joints_stand && is_solved(step.solved.solution.report.status))
       step.solved.solution.report.status = SolveStatus::max_iterations;
     Trial trial{
@@ -232,8 +260,7 @@ StepReport PassiveMidpoint::step(State& state, double h_limit) const {
                  .v_end = step.solved.solution.v,
                  .goes_on = 2 * (1 - kMidpoint) * setting.options.advancement.min_h},
         .figures = {.contacts_made_passive = int(std::count(now.stated.begin(), now.stated.end(), 1))}};
-    if (mean_joints && landed)
-      trial.move.end = end_on_joints(setting, start, h, trial.move.v_path, step.v_prescribed);
+    if (projects) trial.move.end = now.end_of(trial.move.v_path);
     trial.impulses = std::move(step);
     trial.found = std::move(found);
     return trial;
