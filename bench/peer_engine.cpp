@@ -3,6 +3,8 @@
 
 #include <memory>
 
+#include "integrators/run.hpp"
+
 namespace aussois {
 namespace {
 
@@ -18,9 +20,7 @@ struct World {
   // A step that was cut is followed by others until h has passed, as the peers' step does. One that fails
   // leaves the clock behind and shows as an error of the scene.
   void advance() {
-    t += h;
-    while (scene.state.t < t - 1e-9 * h)
-      if (!scheme.step(scene.state, t - scene.state.t).moved()) return;
+    (void)run(scheme, scene.state, t += h, [](const StepReport& report) { return report.moved(); });
   }
 };
 

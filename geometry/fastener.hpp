@@ -10,13 +10,14 @@ namespace aussois {
 
 class SettingVisitor;
 
+/// Ranges: its table.
 struct FastenerOptions {
-  double diameter = 16e-3;  // nominal thread diameter [m], > 0; across flats 1.5 diameter, head 0.65 diameter
+  double diameter = 16e-3;  // nominal thread diameter [m]; across flats 1.5 diameter, head 0.65 diameter
   double pitch = 2e-3;      // rise per turn [m], in (0, diameter / 4]; right-handed
   double clearance = 1e-4;  // radial gap, the same everywhere [m], in (0, pitch / 4]; taken off the bolt
   int facets = 48;          // per turn, a multiple of 8 in [16, 240]
-  int bolt_turns = 8;       // threaded length of the bolt in pitches, in [1, 100]
-  int nut_turns = 3;        // height of the nut in pitches, in [1, 100]
+  int bolt_turns = 8;       // threaded length of the bolt in pitches
+  int nut_turns = 3;        // height of the nut in pitches
 };
 void describe(SettingVisitor& visit, FastenerOptions& options);
 

@@ -19,8 +19,9 @@ enum class VertexRule {
   paper_exact,           // the same as printed: no owners, so several triangles may mark one vertex
 };
 
+/// Ranges: its table.
 struct MeshFeatureOptions {
-  double flat_angle = 0.1 * kPi / 180;  // edges that bend by at most this are interior [rad], in [0, pi/2);
+  double flat_angle = 0.1 * kPi / 180;  // edges that bend by at most this are interior [rad];
                                         // games use 5 degrees
   VertexRule vertex_rule = VertexRule::tangent_cone;
 };

@@ -14,9 +14,10 @@ namespace aussois {
 
 class SettingVisitor;
 
+/// Ranges: its table.
 struct RepairOptions {
-  double relative_tolerance = 1e-6;  // relative to the box diagonal [-], in [0, 1e-2]
-  // Upper bound of the tolerance [m], >= 0. Use a small part of the dilation if the clearance is far below
+  double relative_tolerance = 1e-6;  // relative to the box diagonal [-]
+  // Upper bound of the tolerance [m]. Use a small part of the dilation if the clearance is far below
   // the size of the mesh.
   double largest_tolerance = kInf;
 };

@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <limits>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -42,6 +43,9 @@ inline Range range_above(double lowest) {
 }
 inline Range open_range(double lowest, double highest) {
   return {lowest, highest, true, true};
+}
+inline Range finite_range() {
+  return open_range(-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity());
 }
 inline Range open_below(double lowest, double highest) {
   return {lowest, highest, true, false};
@@ -76,6 +80,7 @@ inline std::string range_text(const Range& range) {
 /// The same as an order: "lie in [0, 1)", "be at least 1", "be finite and > 0".
 inline std::string range_order(const Range& range) {
   const std::string text = range_text(range);
+  if (text.empty()) return "be a number";
   if (text.starts_with("in ")) return "lie " + text;
   if (text.starts_with(">= ") && !range.open_above) return "be at least " + text.substr(3);
   const std::size_t finite = text.find(" and finite");
@@ -161,6 +166,7 @@ namespace detail {
 
 class RangeCheck final : public SettingVisitor {
  public:
+  explicit RangeCheck(const std::string& where) : where_(where) {}
   void number(const Setting& setting, double& value) override { check(setting, value); }
   void count(const Setting& setting, int& value) override { check(setting, value); }
   void toggle(const Setting&, bool&) override {}
@@ -173,21 +179,22 @@ class RangeCheck final : public SettingVisitor {
     if (contains(setting.range, value)) return;
     const std::string order = range_order(setting.range), unit = setting.unit;
     const bool bare = unit.empty() || unit == "-", both = order.starts_with("lie");
-    require_field(false, field(setting).c_str(), value,
+    require_field(false, (where_.empty() ? field(setting) : where_ + path(setting)).c_str(), value,
                   (order + (bare   ? ""
                             : both ? " " + unit
                                    : " [" + unit + "]"))
                       .c_str());
   }
+  const std::string& where_;
 };
 
 }  // namespace detail
 
 /// Throws std::invalid_argument "Struct::member = value must lie in [0, 1] m" for the first number out of its
-/// range.
+/// range; `where` stands instead of "Struct::", such as "joint 3: axis[0].".
 template <class Options>
-void check_ranges(const Options& options) {
-  detail::RangeCheck check;
+void check_ranges(const Options& options, const std::string& where = {}) {
+  detail::RangeCheck check(where);
   describe(check, const_cast<Options&>(options));  // it only looks
 }
 
@@ -223,6 +230,14 @@ std::vector<SettingValue> values_of(const Options& options) {
   detail::Values values;
   describe(values, const_cast<Options&>(options));  // it only looks
   return std::move(values.all);
+}
+
+/// What the table says of the option at `path`. Throws std::out_of_range if it has none.
+template <class Options>
+Setting setting_of(const std::string& path) {
+  for (const SettingValue& one : values_of(Options{}))
+    if (one.path == path) return one.setting;
+  throw std::out_of_range(path);
 }
 
 /// "path = value" of every option that a result depends on.

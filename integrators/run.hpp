@@ -12,9 +12,9 @@ namespace aussois {
 
 /// Throws std::invalid_argument naming what is wrong, its value and its bound, if validate(model, state)
 /// refuses; if base complexes of two bodies are nearer than the certificate allows (CA-6); if a body lies
-/// inside the solid of another (CA-19), which no step after the first checks; if a joint is off by more than
-/// the tolerance of `joints` (`consistent` corrects that); or if a block or gap function has matrices of the
-/// wrong size, or a mass that is not symmetric and positive definite.
+/// inside the solid of another (CA-19), which no step after the first checks; if a joint or coupling is off
+/// by more than the tolerance of `joints` (`consistent` corrects that); or if a block or gap function has
+/// matrices of the wrong size, or a mass that is not symmetric and positive definite.
 void validate_start(const Model& model, const State& state, const AdvancementOptions& options = {},
                     const JointOptions& joints = {});
 

@@ -46,7 +46,7 @@ void describe(SettingVisitor& visit, AdvancementOptions& o) {
   visit.number({.name = "min_h",
                 .what = "smallest step; shorter ones are refused; 0: the smaller of 1e-7 s and h / 10000",
                 .unit = "s",
-                .range = {0, 1},
+                .range = not_negative_range(),
                 .flag = "--min-h"},
                o.min_h);
   visit.number({"growth", "largest growth factor of the step after an accepted one", "-", {1, 4}}, o.growth);

@@ -38,10 +38,11 @@ inline constexpr Named<ImpactLaw> kImpactLaws[] = {{ImpactLaw::newton, "newton"}
 inline constexpr Named<ImpactOrder> kImpactOrders[] = {{ImpactOrder::simultaneous, "simultaneous"},
                                                        {ImpactOrder::sequential, "sequential"}};
 
+/// Ranges: its table.
 struct ImpactOptions {
   ImpactLaw law = ImpactLaw::newton;
   ImpactOrder order = ImpactOrder::simultaneous;
-  int max_pairs = 10000;  // most one-contact impacts in a step, >= 1; those left over are plastic
+  int max_pairs = 10000;  // most one-contact impacts in a step; those left over are plastic
 };
 void describe(SettingVisitor& visit, ImpactOptions& options);
 
@@ -53,34 +54,37 @@ inline bool in_the_step(const ImpactOptions& o) {
 
 /// How joints are kept from drifting: stabilisation in the step and projection after it; and how far off they
 /// may be.
+/// Ranges: its table.
 struct JointOptions {
   bool project = true;         // joints hold to rounding after each step, positions and velocities (MJT-13)
-  double stabilisation = 0.2;  // fraction of the drift that a step removes [-], in [0, 1] (MJT-11)
-  double tolerance = 1e-6;     // largest error before the first step and after each projection; a larger one
-                               // is refused [m, rad], > 0
+  double stabilisation = 0.2;  // fraction of the drift that a step removes [-] (MJT-11)
+  double tolerance = 1e-6;     // largest error before the first step, also without `project`, and after each
+                               // projection; a larger one is refused [m, rad]
 };
 void describe(SettingVisitor& visit, JointOptions& options);
 /// Contacts are searched for within a bound on the step's displacement. A step is accepted only if it stayed
 /// within the bound and the base complexes provably stayed apart.
+/// Ranges: its table.
 struct AdvancementOptions {
   bool certify = true;        // false: no proof, no refusal for overlap (for comparison only)
-  double enlargement = 1.25;  // beta: factor that enlarges the estimated speeds [-], in [1, 4]
-  double floor = 0.1;         // smallest search distance, fraction of the sum of the dilations [-], in (0, 1]
-  // Dilated shapes may overlap by this fraction of the sum of the dilations [-], in [0, 0.99]
+  double enlargement = 1.25;  // beta: factor that enlarges the estimated speeds [-]
+  double floor = 0.1;         // smallest search distance, fraction of the sum of the dilations [-]
+  // Dilated shapes may overlap by this fraction of the sum of the dilations [-]
   double max_overlap = 0.04;
-  double min_h = 0;       // a step that would have to be shorter is refused [s], in [0, h]; 0: the smaller of
-                          // 1e-7 s and h / 10000
-  double growth = 1.5;    // growth factor of the step after an accepted one [-], in [1, 4]
-  int max_attempts = 60;  // >= 1
+  double min_h = 0;     // a step that would have to be shorter is refused [s], at most h; 0: the smaller of
+                        // 1e-7 s and h / 10000
+  double growth = 1.5;  // growth factor of the step after an accepted one [-]
+  int max_attempts = 60;
 };
 void validate(const AdvancementOptions& options);  // throws std::invalid_argument: field, value, bound
 void describe(SettingVisitor& visit, AdvancementOptions& options);
 
+/// Ranges: its table.
 struct StepOptions {
-  double h = 1e-3;                 // largest step [s], > 0
-  double correction_speed = 0.01;  // overlaps are pushed apart no faster than this [m/s], >= 0
+  double h = 1e-3;                 // largest step [s]
+  double correction_speed = 0.01;  // overlaps are pushed apart no faster than this [m/s]
   // Gaps up to this count as closed (MJ-6); in short steps the limit is smaller. The solver's tolerance and
-  // rounding leave such gaps to bodies at rest [m; rad for a limit of a rotation], >= 0
+  // rounding leave such gaps to bodies at rest [m; rad for a limit of a rotation]
   double touching = 1e-8;
   JointOptions joints{};
   LmdOptions lmd{};  // the displacement bound sets its threshold in each step

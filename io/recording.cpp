@@ -43,15 +43,18 @@ void validate(const RecordingOptions& o, const std::vector<Gauge>& gauges) {
 
 void describe(SettingVisitor& visit, RecordingOptions& o) {
   visit.begin("RecordingOptions");
-  visit.count({"every", "number of steps per recorded step", "", at_least(1)}, o.every);
+  visit.count({"every", "record every n-th step", "", at_least(1), "--every"}, o.every);
   visit.number({.name = "checkpoint_every",
-                .what = "wall time between checkpoints",
+                .what = "wall time between checkpoints; 0: after every step",
                 .unit = "s",
                 .range = at_least(0),
+                .flag = "--checkpoint-every",
                 .changes_nothing = true},
                o.checkpoint_every);
-  visit.count({"audit_samples", "number of places of the path of a step at which its certificate is checked",
-               "", at_least(0)},
+  visit.count({"audit_samples",
+               "number of places of the path of a step at which its certificate is checked",
+               "",
+               {0, 1000000}},
               o.audit_samples);
   visit.count({.name = "threads",
                .what = "number of threads of the audit",

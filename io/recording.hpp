@@ -15,15 +15,16 @@ namespace aussois {
 
 class SettingVisitor;
 
+/// Ranges: its table.
 struct RecordingOptions {
-  std::filesystem::path folder{};             // must exist
-  int every = 1;                              // each n-th step is a row of run.h5 and of steps.csv, >= 1
-  double checkpoint_every = kInf;             // wall time between checkpoints [s], >= 0
-  bool resume = false;                        // continue from the checkpoint in `folder`
-  OtherProgram other = OtherProgram::refuse;  // whether another program may have written it
-  std::uint64_t fingerprint = 0;              // of all that the bits of the run depend on
-  int audit_samples = 0;                      // PathAudit::samples, >= 0
-  int threads = 1;                            // for the audit, >= 1
+  std::filesystem::path folder{};                      // must exist
+  int every = 1;                                       // each n-th step is a row of run.h5 and of steps.csv
+  double checkpoint_every = kInf;                      // wall time between checkpoints [s]
+  bool resume = false;                                 // continue from the checkpoint in `folder`
+  OtherProgram other = OtherProgram::refuse;           // whether another program may have written it
+  std::uint64_t fingerprint = 0;                       // of all that the bits of the run depend on
+  int audit_samples = 0;                               // PathAudit::samples
+  int threads = 1;                                     // for the audit
   std::function<CouplingWrench(const State&)> pull{};  // written into run.h5; empty: none
 };
 void describe(SettingVisitor& visit, RecordingOptions& options);  // its numbers

@@ -10,9 +10,10 @@ namespace aussois {
 
 class SettingVisitor;
 
+/// Ranges: its table.
 struct ReplayOptions {
-  int max_frames = 600;        // poses and contacts shown; more are thinned evenly, which the page says; >= 2
-  int max_plot_points = 4000;  // per curve; beyond that, each point keeps the worst value of its bucket; >= 2
+  int max_frames = 600;        // poses and contacts shown; more are thinned evenly, which the page says
+  int max_plot_points = 4000;  // per curve; beyond that, each point keeps the worst value of its bucket
 };
 void describe(SettingVisitor& visit, ReplayOptions& options);
 

@@ -21,11 +21,12 @@ struct MovingShape {
   std::span<const Vec3> velocity{};
 };
 
+/// Ranges: its table.
 struct CertificateOptions {
-  double required = 0;    // distance that must never be undercut [m], > 0
+  double required = 0;    // distance that must never be undercut [m]
   double wanted = 0;      // pairs certain to stay farther apart are not examined further [m], >= required
   int max_halvings = 12;  // of the time interval of a pair of simplices before the pair counts as failed
-  int threads = 1;        // >= 1
+  int threads = 1;
   // Direction from a to b, world, tried first, for both shapes as a whole: any direction is safe, and a
   // contact's normal settles convex shapes (CA-15). Zero: none.
   Vec3 axis = Vec3::Zero();

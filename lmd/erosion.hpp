@@ -18,20 +18,20 @@ namespace aussois {
 
 class SettingVisitor;
 
+/// Ranges: its table.
 struct ErosionOptions {
-  double depth = 0;                                // eps, the radius of the dilation to come [m], > 0
-  double planarity = LmdShapeOptions{}.planarity;  // relative to the box diagonal [-], in [0, 1e-2]
-  double meet =
-      MitreOptions{}.meet;  // planes that pass a point within this many depths meet there [-], in (0, 1e-2]
+  double depth = 0;                                // eps, the radius of the dilation to come [m]
+  double planarity = LmdShapeOptions{}.planarity;  // relative to the box diagonal [-]
+  double meet = MitreOptions{}.meet;  // planes that pass a point within this many depths meet there [-]
   double deviation = 1e-3;  // where a vertex cannot be split, its planes may miss a common point by this
-                            // many depths, and a split saddle the depth by as much [-], in [0, 0.1];
+                            // many depths, and a split saddle the depth by as much [-];
                             // 0: exact or refused. Deviations used are counted, and missing depth is
                             // measured.
   bool split = true;        // a vertex of more than three planes may become several; false: smooth surfaces
                             // keep their triangles and lose up to `deviation`
   bool contract = true;     // edges that would turn around may vanish; false: the solid is refused
-  double max_rounding = kInf;  // refused if the solid loses more than this anywhere [m], > 0
-  int samples = 100'000;       // of each surface, roughly; every triangle has at least seven; in [1, 1e8]
+  double max_rounding = kInf;  // refused if the solid loses more than this anywhere [m]
+  int samples = 100'000;       // of each surface, roughly; every triangle has at least seven
 };
 void describe(SettingVisitor& visit, ErosionOptions& options);
 

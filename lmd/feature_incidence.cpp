@@ -6,6 +6,11 @@
 
 namespace aussois {
 
+std::size_t feature_count(const LmdShape& shape, int dim) {
+  if (dim == 0) return shape.complex.vertices.size();
+  return dim == 1 ? shape.edges.size() : dim == 2 ? shape.regions.size() : 0;
+}
+
 bool incident(const LmdShape& shape, const KeyFeature& f, const KeyFeature& g) {
   if (f.dim == g.dim) return f.region == g.region;
   if (f.dim > g.dim) return incident(shape, g, f);

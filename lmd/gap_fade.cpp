@@ -5,16 +5,25 @@
 #include <cmath>
 
 #include "geometry/check.hpp"
+#include "geometry/number_text.hpp"
+#include "geometry/settings.hpp"
+#include "lmd/lmd_options.hpp"
 
 namespace aussois {
 
+void describe(SettingVisitor& visit, GapFade& o) {
+  const Range alpha = setting_of<LmdOptions>("alpha").range;
+  visit.begin("GapFade");
+  visit.number({"alpha0", "angle inside which contacts keep their gap", "rad", alpha}, o.alpha0);
+  visit.number({"alpha_query", "LmdOptions::alpha of the query", "rad", alpha}, o.alpha_query);
+  visit.number({"delta", "what is added to the gap where a contact enters", "m", not_negative_range()},
+               o.delta);
+}
+
 void validate(const GapFade& fade) {
-  require_field(fade.alpha0 >= 0 && fade.alpha0 <= 0.5, "GapFade::alpha0", fade.alpha0,
-                "lie in [0, 0.5] rad");
-  require_field(fade.alpha_query > fade.alpha0 && fade.alpha_query <= 0.5, "GapFade::alpha_query",
-                fade.alpha_query, "lie in (alpha0, 0.5] rad");
-  require_field(fade.delta >= 0 && std::isfinite(fade.delta), "GapFade::delta", fade.delta,
-                "be finite and not negative [m]");
+  check_ranges(fade);
+  require_field(fade.alpha_query > fade.alpha0, "GapFade::alpha_query", fade.alpha_query,
+                ("be more than alpha0 = " + number_text(fade.alpha0) + " rad").c_str());
 }
 
 std::vector<FadedGap> faded_gaps(const ContactSet& contacts, const GapFade& fade) {

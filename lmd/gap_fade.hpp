@@ -10,14 +10,18 @@
 
 namespace aussois {
 
+class SettingVisitor;
+
+/// Ranges: its table, and alpha_query is beyond alpha0.
 struct GapFade {
-  double alpha0 = 2 * kPi / 180;         // contacts inside this angle keep their gap [rad], >= 0
+  double alpha0 = 2 * kPi / 180;         // contacts inside this angle keep their gap [rad]
   double alpha_query = 2.5 * kPi / 180;  // LmdOptions::alpha of the query that found the contacts [rad]; the
                                          // band between the two is best 0.5 degrees or wider
   double delta = 1e-4;                   // added to the gap where a contact enters: the bound of the relative
-                                         // displacement in the step [m], >= 0
+                                         // displacement in the step [m]
 };
 void validate(const GapFade& fade);  // throws std::invalid_argument: field, value, bound
+void describe(SettingVisitor& visit, GapFade& fade);
 
 struct FadedGap {
   double gap = 0;           // [m]

@@ -20,9 +20,10 @@ struct SearchTests {
 };
 void describe(SettingVisitor& visit, SearchTests& options);
 
+/// Ranges: its table.
 struct LmdOptions {
-  double threshold = 1e-3;           // report contacts with gap <= threshold [m], >= 0
-  double alpha = 2 * kPi / 180;      // small rotations tolerated by the quasi-LMD rule [rad], in [0, 0.5]
+  double threshold = 1e-3;           // report contacts with gap <= threshold [m]
+  double alpha = 2 * kPi / 180;      // small rotations tolerated by the quasi-LMD rule [rad]
   double alpha_ee = 10 * kPi / 180;  // the same for the direction of edge against edge [rad], in [alpha, 1]
   int threads = 1;                   // the result does not depend on it
   SearchTests tests{};

@@ -15,9 +15,10 @@ namespace aussois {
 
 class SettingVisitor;
 
+/// Ranges: its table.
 struct LmdShapeOptions {
   double planarity = 1e-6;  // tolerance of planar regions and straight chains, relative to the box diagonal
-                            // [-], in [0, 1e-2]
+                            // [-]
   bool deforming = false;   // each triangle is a region and each edge a chain, with the same index, which
                             // `refit` keeps; `planarity` is then ignored
 };

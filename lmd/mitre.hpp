@@ -20,11 +20,12 @@ struct VertexPlane {
   double offset = -1;           // of the moved plane { x : normal . x = offset }, x from the vertex
 };
 
+/// Ranges: its table.
 struct MitreOptions {
-  double meet = 1e-6;  // planes that pass a point within this distance meet there [-]; > 0, from the rounding
-                       // of coordinates in files
+  double meet = 1e-6;    // planes that pass a point within this distance meet there [-]: from the rounding
+                         // of coordinates in files
   double deviation = 0;  // planes that pass a point within this distance may be taken to meet if no split
-                         // works [-]; >= 0
+                         // works [-]
   bool split = true;     // a vertex may become several
 };
 void describe(SettingVisitor& visit, MitreOptions& options);

@@ -6,12 +6,16 @@
 
 namespace aussois {
 
+class SettingVisitor;
+
+/// Ranges: its table.
 struct ContactLaw {
-  double mu = 0.3;              // Coulomb friction [-], >= 0
-  double restitution = 0.0;     // Newton restitution e [-], in [0, 1]
-  double contensou_radius = 0;  // R_e of Coulomb-Contensou's ellipsoid: drilling torque up to mu r_N R_e [m],
-                                // >= 0; 0: contacts do not resist drilling
+  double mu = 0.3;              // Coulomb friction [-]
+  double restitution = 0.0;     // Newton restitution e [-]
+  double contensou_radius = 0;  // R_e of Coulomb-Contensou's ellipsoid: drilling torque up to mu r_N R_e [m];
+                                // 0: contacts do not resist drilling
   bool operator==(const ContactLaw&) const = default;
 };
+void describe(SettingVisitor& visit, ContactLaw& law);
 
 }  // namespace aussois

@@ -5,6 +5,7 @@
 
 #include "geometry/check.hpp"
 #include "geometry/named.hpp"
+#include "geometry/settings.hpp"
 
 namespace aussois {
 namespace {
@@ -106,6 +107,20 @@ JointRow length(const Frames& f, double wanted) {
 }
 
 }  // namespace
+
+void describe(SettingVisitor& visit, JointAxis& o) {
+  visit.begin("JointAxis");
+  visit.number({"lower", "lower stop", "m, rad"}, o.lower);
+  visit.number({"upper", "upper stop", "m, rad"}, o.upper);
+  visit.number({"restitution", "restitution of the stops", "-", {0, 1}}, o.restitution);
+  visit.number({"friction", "largest force or torque of dry friction", "N, N m", not_negative_range()},
+               o.friction);
+  visit.number({"stiffness", "stiffness of the spring", "N/m, N m", not_negative_range()}, o.stiffness);
+  visit.number({"damping", "damping of the spring", "N s/m, N m s", not_negative_range()}, o.damping);
+  visit.number({"rest", "coordinate at which the spring is at rest", "m, rad", finite_range()}, o.rest);
+  visit.number({"motor.limit", "largest effort of a speed or position motor", "N, N m", range_above(0)},
+               o.motor.limit);
+}
 
 constexpr Named<JointKind> kJointKinds[] = {
     {JointKind::fixed, "fixed"},         {JointKind::revolute, "revolute"},

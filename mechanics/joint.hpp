@@ -14,6 +14,8 @@
 
 namespace aussois {
 
+class SettingVisitor;
+
 using JointId = Id<struct JointTag>;
 
 inline constexpr BodyId kWorld{};  // the other end of a joint that holds on to nothing else
@@ -43,18 +45,19 @@ enum class MotorKind {
 struct Motor {
   MotorKind kind = MotorKind::none;
   std::function<double(double t)> target{};  // [N, N m], [m/s, rad/s] or [m, rad]
-  double limit = kInf;                       // of a speed or position motor [N, N m], > 0
+  double limit = kInf;                       // of a speed or position motor [N, N m]
 };
 
-/// What acts along a free axis with coordinate q [m or rad].
+/// What acts along a free axis with coordinate q [m or rad]. Ranges: its table.
 struct JointAxis {
   double lower = -kInf, upper = kInf;  // stops [m, rad], lower < upper
-  double restitution = 0;              // of the stops [-], in [0, 1]
-  double friction = 0;                 // largest force or torque of dry friction [N, N m], >= 0
-  double stiffness = 0, damping = 0;   // of a spring to `rest` [N/m, N m], [N s/m, N m s], >= 0
+  double restitution = 0;              // of the stops [-]
+  double friction = 0;                 // largest force or torque of dry friction [N, N m]
+  double stiffness = 0, damping = 0;   // of a spring to `rest` [N/m, N m], [N s/m, N m s]
   double rest = 0;                     // [m, rad]
   Motor motor{};
 };
+void describe(SettingVisitor& visit, JointAxis& axis);  // its numbers
 
 struct Joint {
   std::string name{};

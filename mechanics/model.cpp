@@ -7,6 +7,7 @@
 
 #include "geometry/check.hpp"
 #include "geometry/number_text.hpp"
+#include "geometry/settings.hpp"
 #include "mechanics/layout.hpp"
 
 namespace aussois {
@@ -60,29 +61,10 @@ void check_deformation(const RigidBody& body, BodyId index, const Model& model) 
   require(!is_moved(body), who + "needs a dynamic or fixed body");
 }
 
-void check_law(const ContactLaw& law, const std::string& who) {
-  require_field(law.mu >= 0 && std::isfinite(law.mu), (who + "mu").c_str(), law.mu,
-                "be at least 0 and finite");
-  require_field(law.restitution >= 0 && law.restitution <= 1, (who + "restitution").c_str(), law.restitution,
-                "lie in [0, 1]");
-  require_field(law.contensou_radius >= 0 && std::isfinite(law.contensou_radius),
-                (who + "contensou_radius").c_str(), law.contensou_radius, "be at least 0 and finite [m]");
-}
-
 void check_axis(const JointAxis& axis, const std::string& who) {
-  const auto at_least_0 = [&](double value, const char* field) {
-    require_field(value >= 0 && std::isfinite(value), (who + field).c_str(), value,
-                  "be at least 0 and finite");
-  };
+  check_ranges(axis, who);
   require_field(axis.lower < axis.upper, (who + "lower").c_str(), axis.lower,
                 ("be below upper = " + number_text(axis.upper)).c_str());
-  require_field(axis.restitution >= 0 && axis.restitution <= 1, (who + "restitution").c_str(),
-                axis.restitution, "lie in [0, 1]");
-  at_least_0(axis.friction, "friction");
-  at_least_0(axis.stiffness, "stiffness");
-  at_least_0(axis.damping, "damping");
-  require_field(std::isfinite(axis.rest), (who + "rest").c_str(), axis.rest, "be finite");
-  require_field(axis.motor.limit > 0, (who + "motor.limit").c_str(), axis.motor.limit, "be positive");
   require(axis.motor.kind == MotorKind::none || bool(axis.motor.target),
           who + "motor.target must be callable");
 }
@@ -157,7 +139,7 @@ void check_gap(const GapFunction& gap, GapId index, const Table<BlockId, Coordin
   require_field(gap.block == BlockId() || blocks.contains(gap.block), (who + "block").c_str(), gap.block,
                 ("lie in [-1, " + to_string(blocks.next()) + ")").c_str());
   require(bool(gap.evaluate), who + "evaluate must be callable");
-  check_law(gap.law, who + "law.");
+  check_ranges(gap.law, who + "law.");
   require_field(gap.law.contensou_radius == 0, (who + "law.contensou_radius").c_str(),
                 gap.law.contensou_radius, "be 0: a gap function has no spin");
 }
@@ -246,13 +228,13 @@ void validate(const Model& model) {
   require(!model.bodies.empty() || !model.coordinates.empty(),
           "model: has neither bodies nor coordinates, nothing can move");
   require(model.gravity.allFinite(), "model: gravity must be finite [m/s^2]");
-  check_law(model.contact_law, "model: contact_law.");
+  check_ranges(model.contact_law, "model: contact_law.");
   const BodyId end = model.bodies.next();
   for (const auto& [pair, law] : model.pair_laws) {
     const std::string who = "model: pair_laws{" + to_string(pair.a) + ", " + to_string(pair.b) + "}";
     require(pair.a && pair.a < pair.b && pair.b < end,
             who + ": bodies must be different, in [0, " + to_string(end) + ") and the smaller first");
-    check_law(law, who + ".");
+    check_ranges(law, who + ".");
   }
   for (const ShapeId i : model.shapes.ids())
     require(model.shapes[i] != nullptr, "model: shape " + to_string(i) + " must not be empty");

@@ -5,6 +5,7 @@
 
 #include "geometry/check.hpp"
 #include "geometry/digest.hpp"
+#include "lmd/feature_incidence.hpp"
 #include "mechanics/mechanism.hpp"
 
 namespace aussois {
@@ -15,7 +16,36 @@ bool sorted_by_key(const ContactMemory& memory) {
                         [](const RememberedContact& a, const RememberedContact& b) { return a.key < b.key; });
 }
 
+bool has_feature(const Model& model, BodyId body, const KeyFeature& f) {
+  if (!model.bodies.contains(body)) return false;
+  const ShapeId shape = model.bodies[body].shape;
+  return shape && std::size_t(f.region) < feature_count(*model.shapes[shape], f.dim);
+}
+
+// Nothing is put together unless it is wrong: every step comes here.
+void check_feature(const Model& model, std::size_t contact, BodyId body, const KeyFeature& f) {
+  if (has_feature(model, body, f)) return;
+  const std::string who = "State::memory, contact " + std::to_string(contact) + ": ";
+  require(model.bodies.contains(body), who + "its bodies must exist");
+  const ShapeId shape = model.bodies[body].shape;
+  const std::string name = "body " + to_string(body) + " (" + model.bodies[body].name + ")";
+  require(bool(shape), who + name + " must have a shape: clear a memory of other shapes");
+  require_field(f.dim <= 2, (who + "dimension of the feature of " + name).c_str(), f.dim, "lie in [0, 2]");
+  constexpr const char* kFeatures[] = {"vertex", "chain", "region"};
+  const std::string count = std::to_string(feature_count(*model.shapes[shape], f.dim));
+  require_field(false, (who + kFeatures[f.dim] + " of " + name).c_str(), f.region,
+                ("lie in [0, " + count + "), as in its shape: clear a memory of other shapes").c_str());
+}
+
 }  // namespace
+
+void validate(const Model& model, const ContactMemory& memory) {
+  for (std::size_t i = 0; i < memory.contacts.size(); ++i) {
+    const ContactKey& key = memory.contacts[i].key;
+    check_feature(model, i, key.body_a, feature_a(key));
+    check_feature(model, i, key.body_b, feature_b(key));
+  }
+}
 
 State rest_state(const Model& model) {
   State state;
@@ -68,9 +98,8 @@ void validate(const Model& model, const State& state) {
     require(c.normal.allFinite() && c.point_a.allFinite() && c.point_b.allFinite() && c.impulse.allFinite() &&
                 std::isfinite(c.drilling) && c.anchor_b.allFinite(),
             "State::memory, contact " + std::to_string(i) + ": normal, points and impulse must be finite");
-    require(model.bodies.contains(c.key.body_a) && model.bodies.contains(c.key.body_b),
-            "State::memory, contact " + std::to_string(i) + ": its bodies must exist");
   }
+  validate(model, state.memory);
   require(sorted_by_key(state.memory), "State::memory must be sorted by key");
 }
 

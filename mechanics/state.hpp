@@ -29,8 +29,11 @@ struct State {
 /// Bodies at the world's origin and at rest, prescribed ones at the start of their path; q = 0.
 State rest_state(const Model& model);
 /// Throws std::invalid_argument unless sizes fit the model, every number is finite, rotations are unit
-/// quaternions (1e-6) and the memory is sorted by key.
+/// quaternions (1e-6) and the memory is sorted by key, of bodies and features that the model has.
 void validate(const Model& model, const State& state);
+
+/// Of that, what every step checks: throws unless the model has all bodies and features of the memory.
+void validate(const Model& model, const ContactMemory& memory);
 
 SE3& pose(State& state, BodyId body);
 const SE3& pose(const State& state, BodyId body);

@@ -79,6 +79,12 @@ template PointColumns<1> point_columns<1>(const Model&, const State&, const Feat
 template PointColumns<3> point_columns<3>(const Model&, const State&, const Feature&, const Vec3&,
                                           const Mat3&);
 
+Eigen::Matrix<double, 1, 6> spin_columns(const State& state, BodyId body, const Vec3& axis) {
+  Eigen::Matrix<double, 1, 6> out;
+  out << 0, 0, 0, (pose(state, body).R.toRotationMatrix().transpose() * axis).transpose();
+  return out;
+}
+
 Vec3 material_place(const Model& model, const State& state, const Feature& on, const Vec3& x) {
   const RigidBody& b = model.bodies[on.body];
   if (!deforms(b)) return inverse(pose(state, on.body)) * x;

@@ -35,6 +35,10 @@ template <int N>
 PointColumns<N> point_columns(const Model& model, const State& state, const Feature& on, const Vec3& x,
                               const Mat3& frame);
 
+/// Angular velocity of the surface about `axis` [world], per unit of the body's twist (MEC-7): that of the
+/// body, also where the body deforms.
+Eigen::Matrix<double, 1, 6> spin_columns(const State& state, BodyId body, const Vec3& axis);
+
 /// The place of the material at a contact's proximal point, in the frame of its body [m]: at the state for a
 /// rigid body, in the undeformed shape for one that deforms.
 Vec3 material_place(const Model& model, const State& state, const Feature& on, const Vec3& x);

@@ -85,11 +85,14 @@ void describe(SettingVisitor& visit, VirtualCouplingOptions& o) {
                o.stiffness);
   visit.number({"rotation_stiffness", "stiffness of the coupling in rotation", "N m/rad", positive_range()},
                o.rotation_stiffness);
-  visit.number({"damping_ratio", "damping relative to the critical damping of the body alone", "-",
-                not_negative_range()},
-               o.damping_ratio);
-  visit.number({"force_limit", "largest force of the coupling", "N", range_above(0)}, o.force_limit);
-  visit.number({"torque_limit", "largest torque of the coupling", "N m", range_above(0)}, o.torque_limit);
+  visit.number(
+      {"damping_ratio", "damping of the coupling, relative to the critical damping of the body alone", "-",
+       not_negative_range(), "--damping-ratio"},
+      o.damping_ratio);
+  visit.number({"force_limit", "largest force of the coupling", "N", range_above(0), "--force-limit"},
+               o.force_limit);
+  visit.number({"torque_limit", "largest torque of the coupling", "N m", range_above(0), "--torque-limit"},
+               o.torque_limit);
 }
 
 void validate(const VirtualCouplingOptions& options) {

@@ -12,13 +12,14 @@ namespace aussois {
 
 class SettingVisitor;
 
+/// Ranges: its table.
 struct VirtualCouplingOptions {
-  double stiffness = 1e4;          // [N/m], > 0
-  double rotation_stiffness = 10;  // [N m/rad], > 0
-  double damping_ratio = 1.0;      // of the critical damping of the coupled body alone [-], >= 0; for the
+  double stiffness = 1e4;          // [N/m]
+  double rotation_stiffness = 10;  // [N m/rad]
+  double damping_ratio = 1.0;      // of the critical damping of the coupled body alone [-]; for the
                                    // rotation with the mean of its principal moments of inertia (VC-3)
-  double force_limit = kInf;       // largest pull [N], > 0
-  double torque_limit = kInf;      // largest torque [N m], > 0
+  double force_limit = kInf;       // largest pull [N]
+  double torque_limit = kInf;      // largest torque [N m]
 };
 void validate(const VirtualCouplingOptions& options);  // throws std::invalid_argument: field, value, bound
 void describe(SettingVisitor& visit, VirtualCouplingOptions& options);

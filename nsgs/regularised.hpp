@@ -19,10 +19,11 @@ inline constexpr Named<FrictionReading> kFrictionReadings[] = {{FrictionReading:
                                                                {FrictionReading::hybrid, "hybrid"}};
 const char* to_string(FrictionReading reading);
 
+/// Ranges: its table.
 struct RegularisedOptions {
   FrictionReading reading = FrictionReading::coulomb_pgs;
-  double tolerance = SolverOptions{}.tolerance;  // on the scaled residual [-], in (0, 1)
-  int max_iterations = 200;                      // sweeps or steps, >= 1
+  double tolerance = SolverOptions{}.tolerance;  // on the scaled residual [-]
+  int max_iterations = 200;                      // sweeps or steps
 };
 void describe(SettingVisitor& visit, RegularisedOptions& options);
 

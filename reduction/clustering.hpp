@@ -30,11 +30,12 @@ const char* to_string(Clustering rule);
 Clustering clustering(const std::string& name);
 std::vector<std::string> clustering_names();
 
+/// Ranges: its table.
 struct ClusteringOptions {
   Clustering rule = Clustering::angle;
-  double angle = 0.1;             // largest angle to the seed's normal [rad], in (0, pi/2]; a matter of taste
+  double angle = 0.1;             // largest angle to the seed's normal [rad]; a matter of taste
   CubeMapOptions cube{};          // for cube_map
-  int k = 3;                      // for k-means: groups per body pair before they are split by normals, >= 1
+  int k = 3;                      // for k-means: groups per body pair before they are split by normals
   std::uint64_t random_seed = 0;  // for kmc
 };
 void validate(const ClusteringOptions& options);  // throws std::invalid_argument: field, value, bound

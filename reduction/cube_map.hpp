@@ -12,8 +12,9 @@ namespace aussois {
 
 class SettingVisitor;
 
+/// Ranges: its table.
 struct CubeMapOptions {
-  int cells = 4;              // per edge of the cube, in [1, 1024]
+  int cells = 4;              // per edge of the cube
   bool equi_angular = false;  // cells of about the same solid angle (CLU-2)
   double merge = 0;  // neighbouring cells whose mean directions differ by at most this are merged [rad], in
                      // [0, pi/2]; 0: never

@@ -8,9 +8,10 @@ namespace aussois {
 
 class SettingVisitor;
 
+/// Ranges: its table.
 struct HullMargin {
-  double margin = 0.9;  // at least this is kept, unless max_corners binds, in (0, 1]
-  int min_corners = 4;  // if the hull has that many, >= 3
+  double margin = 0.9;  // at least this is kept, unless max_corners binds
+  int min_corners = 4;  // if the hull has that many
   int max_corners = 8;  // >= min_corners
 };
 void describe(SettingVisitor& visit, HullMargin& options);

@@ -24,11 +24,12 @@ struct SeedWarm {  // previous centres, one per column; if too few, the rest as 
 };
 using KMeansSeeding = std::variant<SeedFarthest, SeedRandom, SeedPlusPlus, SeedWarm>;
 
+/// Ranges: its table.
 struct KMeansOptions {
-  int k = 3;  // >= 1; no more centres than points are made
+  int k = 3;  // no more centres than points are made
   KMeansSeeding seeding{};
-  int max_iterations = 100;  // >= 0
-  bool on_sphere = false;    // unit vectors: centres are normalised sums
+  int max_iterations = 100;
+  bool on_sphere = false;  // unit vectors: centres are normalised sums
 };
 void describe(SettingVisitor& visit, KMeansOptions& options);
 

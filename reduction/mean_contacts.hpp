@@ -17,14 +17,15 @@ enum class MeanRule {
   position,                  // KMC, and KMCW with previous centres [Kim2019]
 };
 
+/// Ranges: its table.
 struct MeanContactOptions {
   MeanRule rule = MeanRule::position;
-  int k = 3;                     // >= 1
-  double normal_length = 0.1;    // a unit change of the normal counts as this [m], >= 0; 0.1: as Klampt
-  double friction_length = 0.1;  // a unit change of mu counts as this [m], >= 0
-  double depth_floor = 1e-6;     // the weight of a contact is its depth plus this [m], > 0
-  int max_iterations = 100;      // >= 0
-  KMeansSeeding seeding{};       // SeedWarm{previous.centres}: as KMCW, idempotent
+  int k = 3;
+  double normal_length = 0.1;    // a unit change of the normal counts as this [m]; 0.1: as Klampt
+  double friction_length = 0.1;  // a unit change of mu counts as this [m]
+  double depth_floor = 1e-6;     // the weight of a contact is its depth plus this [m]
+  int max_iterations = 100;
+  KMeansSeeding seeding{};  // SeedWarm{previous.centres}: as KMCW, idempotent
 };
 void validate(const MeanContactOptions& options);  // throws std::invalid_argument: field, value, bound
 void describe(SettingVisitor& visit, MeanContactOptions& options);

@@ -15,14 +15,15 @@ class SettingVisitor;
 
 enum class NormalClustering { kmeans, cube_map };
 
+/// Ranges: its table.
 struct NormalClusterOptions {
   NormalClustering method = NormalClustering::kmeans;
   CubeMapOptions cube{};
-  int k = 3;                       // for k-means, >= 1
-  int max_iterations = 3;          // for k-means, >= 1
-  double merge = 5 * kPi / 180;    // centres of k-means this close are merged [rad], in [0, pi/2)
-  double least_resultant = 0.5;    // |sum of normals| / count below which a group is split, in [0, 1]
-  double widest = 60 * kPi / 180;  // largest normal-to-centre angle without a split [rad], in (0, pi/2]
+  int k = 3;                       // for k-means
+  int max_iterations = 3;          // for k-means
+  double merge = 5 * kPi / 180;    // centres of k-means this close are merged [rad]
+  double least_resultant = 0.5;    // |sum of normals| / count below which a group is split
+  double widest = 60 * kPi / 180;  // largest normal-to-centre angle without a split [rad]
 };
 void validate(const NormalClusterOptions& options);  // throws std::invalid_argument: field, value, bound
 void describe(SettingVisitor& visit, NormalClusterOptions& options);

@@ -38,24 +38,25 @@ enum class FrictionAt {
   patches,   // at the centre of the contact's patch, with the drilling torque of even pressure on it (RED-15)
 };
 
+/// Ranges: its table.
 struct ReductionOptions {
   Reducer reducer = Reducer::hull_margin;
   ClusteringOptions clustering{};  // which contacts of a pair are reduced together
-  int min_per_cluster = 4;         // sets of at most this size are kept whole, >= 1
-  double layer = 1e-5;    // contacts within this of the deepest are also reduced by themselves [m], >= 0; a
-                          // matter of taste
-  double min_margin = 0;  // contacts are added to every cluster until its margin is at least this, in [0, 1];
-                          // 0: whatever the reducer leaves
+  int min_per_cluster = 4;         // sets of at most this size are kept whole
+  double layer = 1e-5;       // contacts within this of the deepest are also reduced by themselves [m]; a
+                             // matter of taste
+  double min_margin = 0;     // contacts are added to every cluster until its margin is at least this;
+                             // 0: whatever the reducer leaves
   double hysteresis = 0.02;  // where a reducer has a choice, it stays with the corners of the last step
-                             // unless others are better by more than this fraction, in [0, 1); 0: no memory
+                             // unless others are better by more than this fraction; 0: no memory
   double tie = 1e-3;  // extremes within this fraction of the cluster's extent are tied, and of contacts that
-                      // close to each other the deepest is kept, in [0, 0.1]; must exceed the flatness of
+                      // close to each other the deepest is kept; must exceed the flatness of
                       // real meshes, or noise chooses the corners
   bool paper_exact = false;  // for extreme_points: as published, without tie rule or hysteresis
   HullMargin hull_margin{};
-  int corners = 4;           // for hull_area_loss, >= 3
-  int directions = 4;        // for direction_set, >= 3
-  double wrench_loss = 0.1;  // for wrench_cone: at least 1 - this of every wrench is kept, in [0, 1)
+  int corners = 4;           // for hull_area_loss
+  int directions = 4;        // for direction_set
+  double wrench_loss = 0.1;  // for wrench_cone: at least 1 - this of every wrench is kept
   FrictionAt friction = FrictionAt::contacts;
   ContactSelector selector{};  // for Reducer::selector, which needs one; no other reducer takes one
 };

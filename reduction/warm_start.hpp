@@ -19,18 +19,19 @@ enum class Matching {
   cascade,  // the same, then those of incident features, then those at the same place
 };
 
+/// Ranges: its table.
 struct PersistenceOptions {
   Matching matching = Matching::cascade;
   double reach = 1e-3;      // a contact not matched by key is the same if it moved by at most this on either
-                            // body, or by at most twice the bodies' own motion there [m], >= 0; a matter of
+                            // body, or by at most twice the bodies' own motion there [m]; a matter of
                             // taste, as in Bullet, Jolt and Newton
   double max_reach = 1e-2;  // upper bound of that distance, whatever the motion [m], >= reach
-  double max_turn = 5 * kPi / 180;  // largest turn of the normal if matched by place [rad], in [0, pi/2)
+  double max_turn = 5 * kPi / 180;  // largest turn of the normal if matched by place [rad]
   bool redistribute = true;    // impulses of contacts that the reducer drops go to those it keeps (PER-7)
   bool anchors = false;        // static friction pulls back the drift (PER-8), (PER-9)
-  double anchor_rate = 0.2;    // fraction of the drift undone per step [-], in (0, 1]
-  double anchor_speed = 0.05;  // the drift is undone at most this fast [m/s], > 0
-  double slip_speed = 1e-4;    // a contact that slips faster than this lets go of its anchor [m/s], > 0
+  double anchor_rate = 0.2;    // fraction of the drift undone per step [-]
+  double anchor_speed = 0.05;  // the drift is undone at most this fast [m/s]
+  double slip_speed = 1e-4;    // a contact that slips faster than this lets go of its anchor [m/s]
 };
 void validate(const PersistenceOptions& options);  // throws std::invalid_argument: field, value, bound
 void describe(SettingVisitor& visit, PersistenceOptions& options);

@@ -17,9 +17,7 @@ namespace aussois {
 void add_run_options(Cli& cli, RunFlags& f) {
   add_options(cli, f.scheme);
   cli.group("run");
-  cli.option("--certify", f.certify,
-             "check the certificate of every step at this many places of its path; 0: no check", "",
-             {0, 1000000});
+  add_certify(cli, f.certify);
   cli.option("--stop-after", f.stop_after,
              "write a checkpoint and stop after this many steps; 0: run to the end", "", {0, 1e9});
   add_options(cli, f.dump);
@@ -51,28 +49,20 @@ SchemeOptions options_of(const RunPlan& plan, const RunFlags& flags) {
   return out;
 }
 
-// Of what the bits of a run depend on.
-std::uint64_t fingerprint(const RunPlan& plan, const RunFlags& flags,
-                          const std::vector<std::string>& options) {
-  std::string text = plan.scene + "\n" + flags.scheme.scheme + "\n" + flags.scheme.selector.string();
-  for (const std::string& option : options) (text += '\n') += option;
-  for (const int number : {flags.scheme.selector_body, flags.common.every, flags.certify})
-    (text += '\n') += std::to_string(number);
-  return fingerprint_of(text);
-}
-
-RecordingOptions recording_options(const RunPlan& plan, const RunFlags& flags,
-                                   const std::vector<std::string>& options) {
+RecordingOptions recording_options(const RunPlan& plan, const RunFlags& flags, const SchemeOptions& chosen) {
   const CommonOptions& o = flags.common;
-  return {.folder = o.out,
-          .every = o.every,
-          .checkpoint_every = o.checkpoint_every,
-          .resume = o.resume,
-          .other = o.resume_anyway ? OtherProgram::accept : OtherProgram::refuse,
-          .fingerprint = fingerprint(plan, flags, options),
-          .audit_samples = flags.certify,
-          .threads = o.threads,
-          .pull = plan.pull};
+  RecordingOptions out{.folder = o.out,
+                       .every = o.every,
+                       .checkpoint_every = o.checkpoint_every,
+                       .resume = o.resume,
+                       .other = o.resume_anyway ? OtherProgram::accept : OtherProgram::refuse,
+                       .audit_samples = flags.certify,
+                       .threads = o.threads,
+                       .pull = plan.pull};
+  std::string text = plan.scene + "\n" + choice_text(flags.scheme, chosen);
+  for (const std::string& option : settings_text(out)) (text += '\n') += option;
+  out.fingerprint = fingerprint_of(text);
+  return out;
 }
 
 void tell_other_program(const Recording& recording, const std::filesystem::path& folder) {
@@ -107,7 +97,7 @@ DrivenRun drive(const Model& model, const State& start, RunPlan plan, const RunF
   DrivenRun out{.scheme = name,
                 .options = options,
                 .recording = Recording(model, plan.header, std::move(plan.gauges),
-                                       recording_options(plan, flags, options), start)};
+                                       recording_options(plan, flags, chosen), start)};
   out.state = out.recording.state();
   out.first = out.recording.steps();
   tell_other_program(out.recording, flags.common.out);

@@ -3,14 +3,17 @@
 #include "examples/common/driver.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <map>
 
 #include <CLI/CLI.hpp>
 
 #include "geometry/number_text.hpp"
 #include "io/build_info.hpp"
+#include "io/recording.hpp"
 
 namespace aussois {
 namespace {
@@ -92,6 +95,7 @@ struct Cli::Impl {
   std::vector<std::vector<std::string>*> lists{};
   const std::vector<std::filesystem::path>* files = nullptr;
   CommonOptions* restarts = nullptr;
+  std::map<std::string, std::string> flag_of{};  // by "Struct::member"
   CLI::App app{};
   bool show_help = false, show_version = false;
 
@@ -154,6 +158,12 @@ void Cli::option(const std::string& flag, int& value, const std::string& what, c
                  Range range) {
   impl_->add_number(flag, value, what, unit, range);
 }
+void Cli::option(const Setting& setting, double& value) {
+  option(setting.flag, value, setting.what, setting.unit, setting.range);
+}
+void Cli::option(const Setting& setting, int& value) {
+  option(setting.flag, value, setting.what, setting.unit, setting.range);
+}
 void Cli::option(const std::string& flag, std::uint64_t& value, const std::string& what,
                  const std::string& unit) {
   impl_->add_number(flag, value, what, unit, {0, std::numeric_limits<double>::infinity()});
@@ -200,17 +210,33 @@ void Cli::common(CommonOptions& options, Restart restart, Threads threads) {
                                          : ""));
   option("--summary", options.summary, "also write the key numbers to this JSON file");
   if (threads == Threads::yes)
-    option("--threads", options.threads, "number of threads; does not affect the results", "", {1, 256});
+    option("--threads", options.threads, "number of threads; does not affect the results", "", kThreads);
   flag("--quiet", options.quiet, "omit progress and details; still print warnings and the result");
   if (restart != Restart::yes) return;
-  option("--every", options.every, "record every n-th step", "", {1, 1e9});
-  option("--checkpoint-every", options.checkpoint_every, "wall time between checkpoints; 0: after every step",
-         "s", {0, 1e9});
+  option(setting_of<RecordingOptions>("every"), options.every);
+  option(setting_of<RecordingOptions>("checkpoint_every"), options.checkpoint_every);
   flag("--resume", options.resume, "continue from the checkpoint in the folder for the results");
   flag("--resume-anyway", options.resume_anyway,
        "like --resume, but also from a checkpoint of another build of the program");
   impl_->restarts = &options;
 }
+void Cli::stands_for(const std::string& flag, const std::string& member) {
+  impl_->flag_of[member] = flag;
+}
+
+std::string Cli::said_with_flags(std::string message) const {
+  const auto in_word = [](char x) { return x == '_' || std::isalnum(static_cast<unsigned char>(x)); };
+  for (const auto& [member, flag] : impl_->flag_of)
+    for (std::size_t at = 0; (at = message.find(member, at)) != std::string::npos;) {
+      const std::size_t end = at + member.size();
+      const bool whole =
+          (at == 0 || !in_word(message[at - 1])) && (end == message.size() || !in_word(message[end]));
+      if (whole) message.replace(at, member.size(), flag);
+      at += whole ? flag.size() : member.size();
+    }
+  return message;
+}
+
 void Cli::example(std::string command, std::string shows) {
   impl_->examples.emplace_back(std::move(command), std::move(shows));
 }
@@ -305,7 +331,7 @@ int run_driver(Cli& cli, int argc, const char* const* argv, const std::function<
   try {
     return static_cast<int>(body());
   } catch (const std::invalid_argument& wrong) {
-    return fail(cli.name(), wrong.what(), ExitCode::usage);
+    return fail(cli.name(), cli.said_with_flags(wrong.what()), ExitCode::usage);
   } catch (const NumericalFailure& wrong) {
     return fail(cli.name(), wrong.what(), ExitCode::numerical);
   } catch (const std::runtime_error& wrong) {

@@ -25,6 +25,7 @@
 #include <vector>
 
 #include "geometry/settings.hpp"
+#include "geometry/types.hpp"
 
 namespace aussois {
 
@@ -43,6 +44,9 @@ struct NumericalFailure : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Of every --threads: more is a slip of the hand.
+inline constexpr Range kThreads{1, 256};
+
 /// The options that mean the same in every driver.
 struct CommonOptions {
   std::filesystem::path out = "out";  // folder of all results, made if missing
@@ -54,6 +58,13 @@ struct CommonOptions {
   bool resume_anyway = false;    // the same, also from that of another program
   double checkpoint_every = 60;  // wall time between checkpoints [s]
 };
+
+/// A row of an angle in radians, as a user says it.
+inline Setting in_degrees(Setting angle) {
+  angle.unit = "deg";
+  angle.range.lowest *= 180 / kPi, angle.range.highest *= 180 / kPi;
+  return angle;
+}
 
 class Cli {
  public:
@@ -74,6 +85,9 @@ class Cli {
               Range range = {});
   void option(const std::string& flag, int& value, const std::string& what, const std::string& unit = "",
               Range range = {});
+  /// With the flag, the meaning, the unit and the range of a row of a table.
+  void option(const Setting& setting, double& value);
+  void option(const Setting& setting, int& value);
   void option(const std::string& flag, std::uint64_t& value, const std::string& what,
               const std::string& unit = "");
   void option(const std::string& flag, std::string& value, const std::string& what);
@@ -97,6 +111,9 @@ class Cli {
   enum class Restart { no, by_itself, yes };
   enum class Threads { no, yes };
   void common(CommonOptions& options, Restart restart = Restart::no, Threads threads = Threads::yes);
+  /// Where a message of run_driver would name the member of a struct, "Struct::member", it names the flag.
+  void stands_for(const std::string& flag, const std::string& member);
+  std::string said_with_flags(std::string message) const;
   /// A command line that works and what it shows; --help prints them all.
   void example(std::string command, std::string shows);
 

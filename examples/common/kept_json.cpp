@@ -37,6 +37,16 @@ double number_in(const Json& json) {
   throw std::invalid_argument(aussois::quoted(text) + " is not a number");
 }
 
+Json settings_json(const std::vector<SettingValue>& values) {
+  Json out = Json::object();
+  for (const SettingValue& one : values) {
+    if (one.setting.changes_nothing) continue;
+    const Json value = Json::parse(one.value, nullptr, false);
+    out[one.path] = value.is_discarded() ? Json(one.value) : value;
+  }
+  return out;
+}
+
 void write_kept(const std::filesystem::path& path, const Json& key, const Json& fields) {
   write_whole_file(path, file_text(with_key(key, fields)));
 }

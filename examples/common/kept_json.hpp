@@ -10,6 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "geometry/settings.hpp"
 #include "io/text.hpp"
 
 namespace aussois {
@@ -23,6 +24,13 @@ std::string file_text(const nlohmann::ordered_json& json);
 /// "nan". All others come back to the last bit. Reading throws std::exception for anything else.
 nlohmann::ordered_json number_json(double value);
 double number_in(const nlohmann::ordered_json& json);
+
+/// The options that a result depends on, by their paths in the table; a value that is no JSON is a text.
+nlohmann::ordered_json settings_json(const std::vector<SettingValue>& values);
+template <class Options>
+nlohmann::ordered_json settings_json(const Options& options) {
+  return settings_json(values_of(options));
+}
 
 /// Writes with_key(key, fields), so that read_kept finds it with this key. The numbers of a key are finite.
 void write_kept(const std::filesystem::path& path, const nlohmann::ordered_json& key,

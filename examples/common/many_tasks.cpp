@@ -20,7 +20,7 @@ void add_options(Cli& cli, ManyTasks& options, const std::string& tasks, const s
                  " that this program has already saved there are not repeated");
   cli.option("--json", options.json, "also write " + numbers + " to this JSON file");
   cli.option("--threads", options.threads,
-             "number of " + tasks + " to run at the same time; does not affect the results", "", {1, 256});
+             "number of " + tasks + " to run at the same time; does not affect the results", "", kThreads);
   cli.flag("--quiet", options.quiet, "omit progress and the table; still print warnings and the counts");
 }
 

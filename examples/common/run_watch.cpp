@@ -8,6 +8,7 @@
 #include "examples/common/kept_json.hpp"
 #include "geometry/check.hpp"
 #include "geometry/number_text.hpp"
+#include "io/recording.hpp"
 #include "io/run_totals.hpp"
 
 namespace aussois {
@@ -31,12 +32,16 @@ void add(const std::vector<std::string>& names, std::vector<std::string>& all) {
 
 }  // namespace
 
+void add_certify(Cli& cli, int& samples, const std::string& runs) {
+  cli.option("--certify", samples,
+             "check the certificate of every step" + (runs.empty() ? "" : " of all " + runs) +
+                 " at this many places of its path; 0: no check",
+             "", setting_of<RecordingOptions>("audit_samples").range);
+}
+
 void add_options(Cli& cli, WatchFlags& flags, const std::string& runs) {
   cli.group("run");
-  cli.option(
-      "--certify", flags.certify,
-      "check the certificate of every step of all " + runs + " at this many places of its path; 0: no check",
-      "", {0, 1000000});
+  add_certify(cli, flags.certify, runs);
   add_options(cli, flags.dump);
 }
 

@@ -20,6 +20,8 @@ struct WatchFlags {
   DumpOptions dump{};
 };
 
+/// --certify of every step, or of every step of all `runs`.
+void add_certify(Cli& cli, int& samples, const std::string& runs = {});
 /// --certify, in a group "run", and the options of a dump. `runs` as one calls them: "tosses".
 void add_options(Cli& cli, WatchFlags& flags, const std::string& runs);
 /// Throws std::invalid_argument for a bad choice of steps, or if the scheme solves no one-step problem.

@@ -14,7 +14,7 @@ namespace {
 // A flag, with the options that it sets.
 struct SchemeFlag {
   OfferedSetting first{};
-  std::vector<std::string> paths{};
+  std::vector<std::string> paths{}, members{};
 };
 
 std::vector<SchemeFlag> flags_of(const SchemeOptions& options, SaidSettings& said) {
@@ -24,12 +24,12 @@ std::vector<SchemeFlag> flags_of(const SchemeOptions& options, SaidSettings& sai
     const auto known =
         std::ranges::find_if(out, [&](const SchemeFlag& f) { return f.first.flag == one.flag; });
     if (known == out.end())
-      out.push_back({one, {one.path}});
+      out.push_back({one, {one.path}, {one.member}});
     else if (known->first.usual != one.usual)
       throw std::logic_error(one.flag + ": " + known->first.path + " = " + known->first.usual + " and " +
                              one.path + " = " + one.usual + " share the flag");
     else
-      known->paths.push_back(one.path);
+      known->paths.push_back(one.path), known->members.push_back(one.member);
   }
   return out;
 }
@@ -70,6 +70,7 @@ void add(Cli& cli, SchemeFlags& f, const std::vector<SchemeFlag>& all, bool of_s
         std::ranges::find(f.left_out, flag.first.flag) != f.left_out.end())
       continue;
     add_flag(cli, flag.first, f.said, scope(readers, f.schemes));
+    for (const std::string& member : flag.members) cli.stands_for(flag.first.flag, member);
   }
 }
 

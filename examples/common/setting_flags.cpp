@@ -22,7 +22,7 @@ SaidSetting* Offer::add(const Setting& setting, OfferedSetting::Kind kind, const
                         std::vector<std::string> names) {
   if (!setting.flag) return nullptr;
   const auto [flag, fixed] = split(setting.flag);
-  all.push_back({path(setting), setting, flag, fixed, std::move(names), kind, usual});
+  all.push_back({path(setting), field(setting), setting, flag, fixed, std::move(names), kind, usual});
   return &said_[flag];
 }
 void Offer::number(const Setting& setting, double& value) {
@@ -77,6 +77,7 @@ void Take::choose(const Setting& setting, Choice& value) {
 
 void add_flag(Cli& cli, const OfferedSetting& offered, SaidSettings& said, const std::string& note) {
   SaidSetting& to = said[offered.flag];
+  cli.stands_for(offered.flag, offered.member);
   const std::string what = offered.setting.what + note;
   const Setting& s = offered.setting;
   using Kind = OfferedSetting::Kind;

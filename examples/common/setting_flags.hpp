@@ -11,7 +11,8 @@ namespace aussois {
 
 /// An option that has a flag; several may share one, such as theta of two schemes.
 struct OfferedSetting {
-  std::string path{};  // "moreau_jean.theta"
+  std::string path{};    // "moreau_jean.theta"
+  std::string member{};  // "MoreauJeanOptions::theta"
   Setting setting{};
   std::string flag{};                // "--not-passive"
   std::string fixed{};               // the value that the flag sets and the user does not say; empty: none

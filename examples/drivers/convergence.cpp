@@ -248,6 +248,7 @@ int main(int argc, char** argv) {
       "not event_driven: its errors depend on its tolerances, not on h, see doc/theory/event_driven.md";
   a.scheme.left_out = {"--tolerance"};
   add_options(cli, a.scheme);
+  add_certify(cli, a.study.certify, "studies");
   add_options(cli, a.dump);
   add_options(cli, a.tasks, "studies", "all numbers");
   cli.example("convergence --case ball_e05 --theta 1 --normal-law combined",

@@ -35,7 +35,7 @@ struct Arguments {
   WatchFlags watch{};
   std::string persistence = "on";
   double scale = 1;
-  double from_mu = 0.3, from_restitution = 0.3;  // of a fit; far from what tosses were found to have
+  ContactLaw from{.mu = 0.3, .restitution = 0.3};  // of a fit; far from what tosses were found to have
   bool fit = false, measure_board = false, swap = false;
   std::string replay{};
   CommonOptions common{};
@@ -132,8 +132,7 @@ ExitCode fit_and_report(const Arguments& a, const std::vector<Toss>& tosses) {
                           unseen = a.test.empty() ? every_second(tosses, a.swap ? 0 : 1)
                                                   : read_scaled(a.test, a.scale);
   TossWorld world = a.world;
-  world.mu = a.from_mu;
-  world.restitution = a.from_restitution;
+  world.law = a.from;
   if (a.measure_board) world.board = board_of(seen);
   TossFit found;
   {
@@ -151,8 +150,8 @@ ExitCode fit_and_report(const Arguments& a, const std::vector<Toss>& tosses) {
         keep_of(a), a.watch.certify);
   }
   if (interrupted()) return ExitCode::interrupted;
-  world.mu = found.mu;
-  world.restitution = found.restitution;
+  world.law.mu = found.mu;
+  world.law.restitution = found.restitution;
   Progress progress("cube_toss", double(seen.size() + unseen.size()),
                     Progress::style_of_stderr(a.common.quiet));
   const TossRuns of_seen = roll_out_all(a, "seen", seen, world, progress);
@@ -208,8 +207,8 @@ ExitCode run(Arguments& a) {
   Summary summary;
   summary.set("tosses", std::int64_t(tosses.size()));
   summary.set("synthetic", a.synthetic > 0);
-  summary.set("mu", a.world.mu);
-  summary.set("restitution", a.world.restitution);
+  summary.set("mu", a.world.law.mu);
+  summary.set("restitution", a.world.law.restitution);
   summary.set("substeps", a.world.substeps);
   summary.set("scheme", label(a.world.scheme, a.world.options));
   summary.set("reducer", to_string(a.world.options.step.reduction.reducer));
@@ -241,22 +240,22 @@ int main(int argc, char** argv) {
   cli.option("--scale", a.scale, "factor on recorded lengths; 1.0225 corrects the scale error of the data",
              "-", {0.5, 2});
   cli.group("world");
-  cli.option("--mu", a.world.mu, "friction coefficient of cube and board", "-", {0, 10});
-  cli.option("--restitution", a.world.restitution, "Newton's restitution coefficient", "-", {0, 1});
-  cli.option("--board", a.world.board, "height of the board's surface", "m", {-0.01, 0.01});
+  cli.option(setting_of<TossWorld>("law.mu"), a.world.law.mu);
+  cli.option(setting_of<TossWorld>("law.restitution"), a.world.law.restitution);
+  cli.option(setting_of<TossWorld>("board"), a.world.board);
   cli.flag("--fit", a.fit, "identify friction and restitution from every second toss, report the others");
-  cli.option("--from-mu", a.from_mu, "with --fit: friction coefficient from which the search starts", "-",
-             {0, 10});
-  cli.option("--from-restitution", a.from_restitution,
-             "with --fit: restitution coefficient from which the search starts", "-", {0, 1});
+  cli.option("--from-mu", a.from.mu, "with --fit: friction coefficient from which the search starts", "-",
+             setting_of<ContactLaw>("mu").range);
+  cli.option("--from-restitution", a.from.restitution,
+             "with --fit: restitution coefficient from which the search starts", "-",
+             setting_of<ContactLaw>("restitution").range);
   cli.flag("--measure-board", a.measure_board,
            "with --fit: take --board from the rest heights of the tosses to identify from");
   cli.flag("--swap", a.swap, "with --fit: exchange the tosses to identify from and those to report");
   cli.input("--test", a.test, "with --fit: identify from all tosses of --data, report those of this folder");
-  cli.option("--cut", a.world.cut, "length cut off the edges at each corner of the cube; 0: keep the corners",
-             "m", {0, 0.05});
+  cli.option(setting_of<TossWorld>("cut"), a.world.cut);
   cli.group("stepping");
-  cli.option("--substeps", a.world.substeps, "steps per recorded row", "", {1, 1000});
+  cli.option(setting_of<TossWorld>("substeps"), a.world.substeps);
   cli.choice("--persistence", a.persistence,
              "match contacts between steps; off: every solve starts from zero impulses", {"on", "off"});
   cli.group("results");

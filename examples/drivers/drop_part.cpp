@@ -24,8 +24,8 @@ namespace {
 struct Arguments {
   std::filesystem::path mesh{};
   std::string builtin = "box";
-  double scale = 1e-3, height = 0.05, tilt = 25, density = 7850, mass = 0, mu = 0.3, restitution = 0.2,
-         dilation = 2e-4;
+  double scale = 1e-3, height = 0.05, tilt = 25, density = 7850, mass = 0, dilation = 2e-4;
+  ContactLaw law{.mu = 0.3, .restitution = 0.2};
   double h = 1e-3, time = 1.5;
   RunFlags run{};
   std::string said{};  // of the scene
@@ -47,7 +47,7 @@ ExitCode drop(const Arguments& a) {
   const PartMass mass = part_mass(part, a.dilation, a.density, a.mass);
   const double size = part.report.box.diagonal();
   Model model;
-  model.contact_law = {.mu = a.mu, .restitution = a.restitution};
+  model.contact_law = a.law;
   const auto plate = add(model, prepare(dilate(make_plate(20 * size, 20 * size), a.dilation)));
   const ShapeId shape = add(model, prepare(dilate(part.complex, a.dilation)));
   add(model, fixed_body("plate", plate));
@@ -112,8 +112,8 @@ int main(int argc, char** argv) {
   cli.option("--tilt", a.tilt, "initial tilt about the axis (2, 1, 0)", "deg", {-180, 180});
   cli.option("--density", a.density, "density of the part", "kg/m^3", {1e-3, 1e5});
   cli.option("--mass", a.mass, "mass of the part; 0: from density and volume", "kg", {0, 1e6});
-  cli.option("--mu", a.mu, "friction coefficient", "-", {0, 10});
-  cli.option("--restitution", a.restitution, "restitution coefficient", "-", {0, 1});
+  cli.option(setting_of<ContactLaw>("mu"), a.law.mu);
+  cli.option(setting_of<ContactLaw>("restitution"), a.law.restitution);
   cli.option("--dilation", a.dilation, "dilation of part and plate", "m", {1e-9, 1});
   cli.group("stepping");
   cli.option("--time", a.time, "time to simulate", "s", {1e-6, 1e4});

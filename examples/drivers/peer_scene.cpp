@@ -178,13 +178,11 @@ int main(int argc, char** argv) {
           "Runs a scene used to compare rigid-body engines, records it, reports its error and draws it.");
   cli.group("scene");
   cli.choice("--scene", a.scene, "scene to run", peer_scene_names());
-  cli.option("--stones", a.arch.stones, "number of stones of the arch", "", {3, 1001});
-  cli.option("--mu", a.arch.mu, "friction coefficient of the arch's stones and its ground", "-", {0, 10});
-  cli.option("--thickness", a.arch.thickness, "thickness of the arch, relative to its mean radius", "-",
-             {0.01, 0.9});
-  cli.option("--tilt", a.tilt, "tilt of arch and ground", "deg", {-60, 60});
-  cli.option("--scatter", a.arch.scatter, "largest random offset of each stone of the arch; 0: exact places",
-             "m", {0, 1e-3});
+  cli.option(setting_of<Arch>("stones"), a.arch.stones);
+  cli.option(setting_of<Arch>("mu"), a.arch.mu);
+  cli.option(setting_of<Arch>("thickness"), a.arch.thickness);
+  cli.option(in_degrees(setting_of<Arch>("tilt")), a.tilt);
+  cli.option(setting_of<Arch>("scatter"), a.arch.scatter);
   cli.group("stepping");
   cli.option("--h", a.h, "largest step", "s", {1e-5, 0.1});
   cli.option("--time", a.time, "time to simulate; 0: the whole scene", "s", {0, 1e5});

@@ -21,6 +21,7 @@
 #include "io/build_info.hpp"
 #include "io/mesh_file.hpp"
 #include "io/summary.hpp"
+#include "lmd/lmd_options.hpp"
 
 using namespace aussois;
 
@@ -29,7 +30,7 @@ namespace {
 struct Arguments {
   std::filesystem::path mesh{}, json{};
   std::string builtin = "box", fallback = "refuse";
-  double scale = 1e-3, alpha = 2;
+  double scale = 1e-3, alpha = LmdOptions{}.alpha * 180 / kPi;
   ErosionOptions erosion{.depth = 2e-4};
   LmdShapeOptions shape{};
   SaidSettings said{};  // of both
@@ -244,7 +245,8 @@ int main(int argc, char** argv) {
   cli.option("--scale", a.scale, "length of one unit of the mesh file", "m", {1e-12, 1e12});
   add_flags(cli, a.shape, a.said);
   cli.option("--alpha", a.alpha,
-             "enlargement of normal cones; only used to warn about meshes that are too fine", "deg", {0, 45});
+             "enlargement of normal cones; only used to warn about meshes that are too fine", "deg",
+             in_degrees(setting_of<LmdOptions>("alpha")).range);
   cli.group("erosion");
   const std::vector<OfferedSetting> erosion = offered(a.erosion, a.said);
   add_flags(cli, erosion, a.said, {"--dilation"});

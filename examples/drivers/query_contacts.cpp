@@ -28,7 +28,8 @@ namespace {
 struct Arguments {
   std::filesystem::path a{}, b{}, data{}, path{}, cache{}, json{}, csv{}, picture{};
   std::string pair{}, builtin{}, pose{};
-  double scale = 1e-3, dilation_a = -1, dilation_b = -1, threshold = 0, alpha = 2, alpha_ee = 10;
+  double scale = 1e-3, dilation_a = -1, dilation_b = -1, threshold = 0,
+         alpha = LmdOptions{}.alpha * 180 / kPi, alpha_ee = LmdOptions{}.alpha_ee * 180 / kPi;
   int threads = 1, rows = 40, repeat = 1;
   bool unchecked = false, quiet = false;
   std::string command_line{};
@@ -219,10 +220,12 @@ int main(int argc, char** argv) {
   cli.option("--threshold", a.threshold,
              "largest gap of a contact; 0: that of --builtin, otherwise 0.01 of A's bounding radius", "m",
              {0, 1e3});
-  cli.option("--alpha", a.alpha, "rotation tolerated at a local minimum", "deg", {0, 28});
+  cli.option("--alpha", a.alpha, setting_of<LmdOptions>("alpha").what, "deg",
+             in_degrees(setting_of<LmdOptions>("alpha")).range);
   cli.option("--alpha-ee", a.alpha_ee, "the same for edge against edge; must be at least --alpha", "deg",
-             {0, 57});
-  cli.option("--threads", a.threads, "number of threads; does not affect the contacts", "", {1, 256});
+             in_degrees(setting_of<LmdOptions>("alpha_ee")).range);
+  cli.stands_for("--alpha-ee", "LmdOptions::alpha_ee");
+  cli.option("--threads", a.threads, "number of threads; does not affect the contacts", "", kThreads);
   cli.option("--repeat", a.repeat, "number of times to query each pose; the median time is reported", "",
              {1, 1e6});
   cli.flag(

@@ -8,6 +8,8 @@
 #include <cstdio>
 
 #include "examples/common/driver.hpp"
+#include "examples/common/run_watch.hpp"
+#include "examples/common/scheme_flags.hpp"
 #include "examples/studies/reduction/patch_of_four.hpp"
 #include "examples/studies/reduction/selection_picture.hpp"
 #include "geometry/mass_properties.hpp"
@@ -31,6 +33,8 @@ struct Arguments {
   std::filesystem::path mesh{};
   double scale = 1e-3;  // [m per unit of the file]
   std::string up = "z";
+  SchemeFlags scheme{};
+  WatchFlags watch{};
   CommonOptions common{};
 };
 
@@ -58,6 +62,7 @@ struct Resting {
   ContactSet contacts{};
   std::vector<Vec3> impulse{};
   std::vector<double> mu{};
+  RunAudit audit{};
 };
 Resting resting(const Part& part, const Arguments& a) {
   Model model;
@@ -73,12 +78,14 @@ Resting resting(const Part& part, const Arguments& a) {
   double lowest = kInf;
   for (const Vec3& x : part.complex.vertices) lowest = std::min(lowest, x.z());
   pose(state, body).p.z() = 2 * kDilation - lowest - model.bodies[body].g_bs.p.z();
-  constexpr double h = 1e-3;
-  const MoreauJean scheme(
-      model, {.h = h, .reduction = {.reducer = Reducer::none}, .threads = a.common.threads}, {.theta = 1});
-  const StepReport last = run_until(scheme, state, 10 * h);
+  SchemeOptions options = scheme_options(a.scheme);
+  options.step.threads = a.common.threads;
+  options.step.keep_problem = !a.watch.dump.folder.empty();
+  RunWatch watch(a.watch, "reduction_" + part.name, a.common.threads);
+  const Scheme scheme = watch.watched(model, make_scheme(a.scheme.scheme, model, options));
+  const StepReport last = run_until(scheme, state, 10 * options.step.h);
   if (!last.ok()) throw NumericalFailure(part.name + ": " + last.reason);
-  Resting out{.contacts = scheme.contacts(state, 1e-5)};
+  Resting out{.contacts = MoreauJean(model, {}).contacts(state, 1e-5), .audit = watch.audit()};
   const WarmStart warm = warm_start(state.memory, out.contacts);
   out.impulse = warm.impulse;
   out.mu.assign(out.contacts.points.size(), kMu);
@@ -113,6 +120,7 @@ struct Gallery {
   std::vector<SelectionPanel> panels{};
   std::vector<double> kept{}, margin{};
   bool promised = true;  // hull_margin keeps 0.9, or as many corners as it may
+  RunAudit audit{};      // of the steps before
 };
 Gallery gallery_of(const Part& part, const Arguments& a) {
   const Resting rest = resting(part, a);
@@ -124,7 +132,7 @@ Gallery gallery_of(const Part& part, const Arguments& a) {
     load.push_back(std::abs(rest.impulse[i].dot(c.normal)));
   }
   const PlanarPatch patch = planar_patch(points);
-  Gallery out;
+  Gallery out{.audit = rest.audit};
   for (const Rule& rule : rules()) {
     const Selection selection =
         reduce({.contacts = rest.contacts, .impulse = rest.impulse, .mu = rest.mu}, rule.options);
@@ -156,17 +164,20 @@ ExitCode draw(const Arguments& a) {
   make_folders(a.common);
   Summary summary;
   bool promised = true;
+  RunAudit audit;
   for (const Part& part : a.mesh.empty() ? parts() : std::vector<Part>{part_of(a)}) {
     const Gallery gallery = gallery_of(part, a);
     write_whole_file(a.common.out / ("reduction_" + part.name + ".svg"), selection_svg(gallery.panels));
     summary.set(part.name + "_kept", gallery.kept);
     summary.set(part.name + "_margin", gallery.margin);
+    add(gallery.audit, audit);
     // Of a part of one's own no eight corners may keep that much: six of twelve keep 0.87, and so do eight.
     promised = promised && (gallery.promised || !a.mesh.empty());
   }
   summary.set("promised", promised);
+  set(audit, summary);
   if (!a.common.summary.empty()) write_summary(a.common.summary, summary);
-  return promised ? ExitCode::ok : ExitCode::not_accepted;
+  return tell(audit) && promised ? ExitCode::ok : ExitCode::not_accepted;
 }
 
 }  // namespace
@@ -183,10 +194,20 @@ int main(int argc, char** argv) {
             "closed surface (OBJ, STL, PLY or OFF) that stands on a face; empty: four built-in parts");
   cli.option("--scale", a.scale, "length of one unit of the mesh file", "m", {1e-9, 1e3});
   cli.choice("--up", a.up, "axis of the mesh file that points up", {"x", "y", "z"});
+  a.scheme.options.step.reduction.reducer = Reducer::none;  // the pictures show what each would leave out
+  start_from_theta(a.scheme.options, 1);
+  std::erase(a.scheme.schemes, "event_driven");
+  a.scheme.not_offered = "not event_driven, which has no reducer";
+  add_options(cli, a.scheme);
+  add_options(cli, a.watch, "parts");
   cli.common(a.common);
   cli.example("reduction_gallery -o out", "four parts, ten pictures each");
   cli.example("reduction_gallery --tilt 0", "the load in the middle");
   cli.example("reduction_gallery --mesh gear.obj --scale 0.05 --up y",
               "your own gear, with its axis along y");
-  return run_driver(cli, argc, argv, [&] { return draw(a); });
+  return run_driver(cli, argc, argv, [&] {
+    refuse_unread(cli, a.scheme);
+    check(a.watch.dump, a.scheme.scheme);
+    return draw(a);
+  });
 }

@@ -170,7 +170,7 @@ int main(int argc, char** argv) {
   Cli cli("sliding_block",
           "Measures the order of convergence on a block that slides to rest under Coulomb friction.");
   cli.group("scene");
-  cli.option("--mu", a.mu, "friction coefficient", "-", {1e-3, 10});
+  cli.option(setting_of<ContactLaw>("mu"), a.mu);
   cli.option("--angle", a.angle, "slope of the plate", "deg", {0, 80});
   cli.option("--speed", a.speed, "initial speed down the slope", "m/s", {1e-3, 10});
   cli.group("stepping");

@@ -20,30 +20,28 @@ namespace {
 
 struct Arguments {
   std::vector<std::filesystem::path> files{};
-  std::string start = "zero";
-  SolverOptions solver{};
+  RunOptions run{};
   SaidSettings said{};
-  int threads = 1, repeat = 1;
-  std::filesystem::path json{}, save{};
+  int threads = 1;
+  std::filesystem::path json{};
   bool quiet = false;
 };
 
-SolverOptions solver_of(const Arguments& a) {
-  SolverOptions out = a.solver;
+RunOptions run_of(const Arguments& a) {
+  RunOptions out = a.run;
   take(a.said, out);
-  out.for_all = [threads = a.threads](int n, const std::function<void(int)>& f) {
+  out.solver.for_all = [threads = a.threads](int n, const std::function<void(int)>& f) {
     parallel_for(n, threads, f);
   };
   return out;
 }
 
 ExitCode solve_all(const Arguments& a) {
-  const RunOptions options{
-      .solver = solver_of(a), .start = start_named(a.start), .repeat = a.repeat, .save = a.save};
-  validate(options.solver);
+  const RunOptions options = run_of(a);
+  validate(options);
   const std::vector<std::filesystem::path> files = problem_files(a.files);
   if (a.json.has_parent_path()) std::filesystem::create_directories(a.json.parent_path());
-  if (!a.save.empty()) std::filesystem::create_directories(a.save);
+  if (!options.save.empty()) std::filesystem::create_directories(options.save);
 
   // 1. Solve, one problem after the other; a signal ends after the one at hand.
   std::vector<ProblemRun> runs;
@@ -85,17 +83,15 @@ int main(int argc, char** argv) {
           "not stop the run.");
   cli.group("scene");
   cli.files(a.files, "HDF5 files, or folders that contain them");
-  cli.choice("--start", a.start, "impulses to start from; zero if the file has no guess or solution",
-             {"zero", "guess", "solution"});
+  add_flags(cli, a.run, a.said, {"--start"});
   cli.group("solver");
-  add_flags(cli, a.solver, a.said);
+  add_flags(cli, a.run.solver, a.said);
   cli.option("--threads", a.threads, "number of threads for islands and colours; does not affect the results",
-             "", {1, 256});
+             "", kThreads);
   cli.group("output");
   cli.option("--json", a.json, "write a list with one object per problem to this JSON file");
-  cli.option("--save", a.save, "write each problem, with the computed solution, to this folder");
-  cli.option("--repeat", a.repeat, "number of times to solve each problem; the shortest time is reported", "",
-             {1, 1e9});
+  cli.option("--save", a.run.save, "write each problem, with the computed solution, to this folder");
+  add_flags(cli, a.run, a.said, {"--repeat"});
   cli.flag("--quiet", a.quiet, "omit progress and the table");
   cli.example("solve_friction_problem box.hdf5", "one problem, its residuals and physical errors");
   cli.example("solve_friction_problem fclib/ --solver nsgs --tolerance 1e-4 --json nsgs.json",

@@ -19,6 +19,7 @@
 #include "examples/studies/friction/performance_profile.hpp"
 #include "examples/studies/friction/profile_result.hpp"
 #include "geometry/check.hpp"
+#include "io/build_info.hpp"
 
 using namespace aussois;
 
@@ -27,9 +28,8 @@ namespace {
 struct Arguments {
   std::vector<std::filesystem::path> files{};
   std::string solvers = "auto,nsgs,proximal_newton", tolerances = "1e-4,1e-8,1e-12";
-  SolverOptions solver{};  // its method and tolerance are those of the lists
+  RunOptions run{};  // method and tolerance of its solver are those of the lists
   SaidSettings said{};
-  int repeat = 1;
   double time_limit = 60;
   std::filesystem::path out = "out";
   bool quiet = false;
@@ -85,19 +85,24 @@ std::vector<Problem> readable(const std::vector<std::filesystem::path>& files) {
 }
 
 ProfileKey key_of(const Arguments& a, const Problem& problem, const std::string& solver, double tolerance) {
-  return {.digest = problem.digest,
-          .solver = solver,
-          .tolerance = tolerance,
-          .max_iterations = a.solver.max_iterations};
+  ProfileKey key{.digest = problem.digest, .options = a.run, .program = program_digest()};
+  key.options.solver.method = method(solver);
+  key.options.solver.tolerance = tolerance;
+  return key;
 }
 
-using Results = std::map<ProfileKey, ProfileResult>;
+/// By its file.
+using Results = std::map<std::filesystem::path, ProfileResult>;
+
+std::filesystem::path results_folder(const Arguments& a) {
+  return a.out / "results";
+}
 
 /// The results of all solvers on all problems; what the folder does not know is solved. Nothing: interrupted.
 std::optional<Results> results_of(const Arguments& a, const std::vector<Problem>& problems,
                                   const std::vector<std::string>& solvers,
                                   const std::vector<double>& tolerances) {
-  const std::filesystem::path folder = a.out / "results";
+  const std::filesystem::path folder = results_folder(a);
   std::filesystem::create_directories(folder);
   const double total = double(problems.size() * solvers.size() * tolerances.size());
   double done = 0;
@@ -113,15 +118,12 @@ std::optional<Results> results_of(const Arguments& a, const std::vector<Problem>
           ++known;
         } else {
           progress.at(done, solver + " on " + problem.file.stem().string());
-          RunOptions options{.solver = a.solver, .repeat = a.repeat};
-          options.solver.method = method(solver);
-          options.solver.tolerance = tolerance;
-          result = run_limited(problem.file, options, a.time_limit);
+          result = run_limited(problem.file, key.options, a.time_limit);
           if (interrupted()) return {};
           result->contacts = problem.contacts;  // also of what was ended
           write_profile_result(folder, key, *result);
         }
-        results[key] = *result;
+        results[profile_result_file(folder, key)] = *result;
         ++done;
       }
   progress.at(total);
@@ -137,7 +139,8 @@ std::vector<std::vector<double>> costs(const Arguments& a, const Results& result
   for (const std::string& solver : solvers) {
     cost.emplace_back();
     for (const Problem& problem : problems) {
-      const ProfileResult& result = results.at(key_of(a, problem, solver, tolerance));
+      const ProfileResult& result =
+          results.at(profile_result_file(results_folder(a), key_of(a, problem, solver, tolerance)));
       cost.back().push_back(result.solved && result.cpu_s <= a.time_limit ? std::max(result.cpu_s, 1e-9)
                                                                           : kInf);
     }
@@ -209,22 +212,21 @@ int main(int argc, char** argv) {
   cli.option("--solvers", a.solvers, "comma-separated names of solvers (methods of nsgs/solve.hpp)");
   cli.option("--tolerances", a.tolerances,
              "comma-separated tolerances on the scaled residual; each gets its own picture");
-  add_flags(cli, a.solver, a.said, {"--max-iterations"});
+  add_flags(cli, a.run, a.said, {"--max-iterations"});
   cli.option("--time-limit", a.time_limit,
              "CPU time per problem, including all repeats; a solver that needs more has failed", "s",
              {1e-3, 1e7});
-  cli.option("--repeat", a.repeat, "number of times to solve each problem; the shortest time counts", "",
-             {1, 1e9});
+  add_flags(cli, a.run, a.said, {"--repeat"});
   cli.group("output");
   cli.option("-o,--out", a.out,
              "folder for the profiles, created if missing; its folder results has a JSON file for each "
-             "result, and those already there are reused");
+             "result, and those that this program has already saved there are reused");
   cli.flag("--quiet", a.quiet, "omit progress; still print warnings");
   cli.example("solver_profile fclib/ --solvers auto,nsgs --tolerances 1e-8", "open out/profile_1e-08.png");
   cli.example("solver_profile fclib/ --time-limit 600",
               "later, with a higher limit: solves only the problems that the lower one stopped");
   return run_driver(cli, argc, argv, [&] {
-    take(a.said, a.solver);
+    take(a.said, a.run);
     return profile(a);
   });
 }

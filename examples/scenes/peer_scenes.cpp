@@ -7,6 +7,7 @@
 #include "examples/common/random.hpp"
 #include "geometry/check.hpp"
 #include "geometry/primitives.hpp"
+#include "geometry/settings.hpp"
 
 namespace aussois {
 namespace {
@@ -217,15 +218,31 @@ PeerScene kapla_scene() {
   return scene;
 }
 
+void describe(SettingVisitor& visit, Arch& o) {
+  visit.begin("Arch");
+  visit.count({"stones", "number of stones of the arch", "", {3, 1001}, "--stones"}, o.stones);
+  Setting mu = setting_of<ContactLaw>("mu");
+  mu.what = "friction coefficient of the arch's stones and its ground";
+  visit.number(mu, o.mu);
+  visit.number(
+      {"thickness", "thickness of the arch, relative to its mean radius", "-", {0.01, 0.9}, "--thickness"},
+      o.thickness);
+  visit.number({"tilt", "tilt of arch and ground", "rad", {-1.1, 1.1}, "--tilt"}, o.tilt);
+  visit.number({"scatter",
+                "largest random offset of each stone of the arch; 0: exact places",
+                "m",
+                {0, 1e-3},
+                "--scatter"},
+               o.scatter);
+}
+
 PeerScene arch_scene(const Arch& arch) {
-  require_field(arch.stones >= 3, "Arch::stones", arch.stones, "be at least 3");
-  require_field(arch.thickness > 0 && arch.thickness < 1, "Arch::thickness", arch.thickness, "lie in (0, 1)");
+  check_ranges(arch);
   PeerScene scene = on_ground("arch", "half a ring of stones on the ground", 5, arch.mu);
   const double half = kPi / arch.stones / 2, in = 1 - arch.thickness / 2, out = 1 + arch.thickness / 2;
   const Vec2 a(std::cos(half), -std::sin(half)), b(a.x(), -a.y());
   Vec2 centre;
   scene.shapes.push_back(prism({in * a, out * a, out * b, in * b}, 0.2, 1000, centre));
-  require_field(arch.scatter >= 0 && arch.scatter <= 1e-3, "Arch::scatter", arch.scatter, "lie in [0, 1e-3]");
   Random random(25);
   for (int i = 0; i < arch.stones; ++i) {
     const SE3 turn = rotation(Vec3::UnitY(), -(2 * i + 1) * half) * rotation(Vec3::UnitX(), kPi / 2);

@@ -59,6 +59,7 @@ PeerScene tower_scene(double top_mass);  // 8 kg: like the others [kg]
 PeerScene kapla_scene();
 
 /// Half a ring of prismatic stones on the ground, mean radius 1 m, 0.2 m wide, 1000 kg/m^3.
+/// Ranges: its table.
 struct Arch {
   int stones = 25;
   double mu = 0.6;
@@ -71,8 +72,9 @@ struct Arch {
 constexpr double spread(const Arch& arch) {
   return 28 * arch.stones / 25.0;
 }
-PeerScene arch_scene(const Arch& arch);
-BodyId crown(const PeerScene& arch);  // the stone in the middle
+void describe(SettingVisitor& visit, Arch& arch);
+PeerScene arch_scene(const Arch& arch);  // throws std::invalid_argument: field, value, bound
+BodyId crown(const PeerScene& arch);     // the stone in the middle
 
 /// Those of the comparison with peers, by their names.
 std::vector<std::string> peer_scene_names();

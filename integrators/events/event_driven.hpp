@@ -22,28 +22,29 @@ enum class OdeMethod {
 };
 inline constexpr Named<OdeMethod> kOdeMethods[] = {{OdeMethod::adams, "adams"}, {OdeMethod::bdf, "bdf"}};
 
+/// Ranges: its table.
 struct OdeOptions {
   OdeMethod method = OdeMethod::adams;
-  // Tolerances of every component, > 0, per 0.1 s of motion. Shorter steps of event_driven reduce both by the
+  // Tolerances of every component, per 0.1 s of motion. Shorter steps of event_driven reduce both by the
   // same factor, in proportion to their length, down to 1e-14 relative (EVD-12)
   double relative = 1e-10, absolute = 1e-12;
-  double largest_step = kInf;  // [s], > 0
-  int max_steps = 100000;      // internal steps in one step of event_driven, >= 1; a step that needs more is
+  double largest_step = kInf;  // [s]
+  int max_steps = 100000;      // internal steps in one step of event_driven; a step that needs more is
                                // refused
 };
 void describe(SettingVisitor& visit, OdeOptions& options);
 
+/// Ranges: its table.
 struct EventDrivenOptions {
   OdeOptions ode{};
-  double horizon = 1e-2;         // smaller gaps are watched [m], > 0
-  double gap_tolerance = 1e-10;  // a smaller gap counts as closed [m, rad], > 0
-  double rest_speed = 1e-5;      // a contact that leaves more slowly stays closed [m/s, rad/s], > 0 (EVD-9)
-  double stick_speed = 1e-8;     // a contact that slips more slowly may stick [m/s, rad/s], > 0
-  double stiff_slip = 0.1;  // a piece that begins with a slower slip in space uses BDF: friction damps what
-                            // is across the slip at the rate mu g / |slip| [m/s], >= 0
-  int max_events = 2000;    // in one step, >= 1
-  double tolerance =
-      1e-13;  // of the problems of impacts and accelerations, on their scaled residuals [-], in (0, 1)
+  double horizon = 1e-2;         // smaller gaps are watched [m]
+  double gap_tolerance = 1e-10;  // a smaller gap counts as closed [m, rad]
+  double rest_speed = 1e-5;      // a contact that leaves more slowly stays closed [m/s, rad/s] (EVD-9)
+  double stick_speed = 1e-8;     // a contact that slips more slowly may stick [m/s, rad/s]
+  double stiff_slip = 0.1;   // a piece that begins with a slower slip in space uses BDF: friction damps what
+                             // is across the slip at the rate mu g / |slip| [m/s]
+  int max_events = 2000;     // in one step
+  double tolerance = 1e-13;  // of the problems of impacts and accelerations, on their scaled residuals [-]
 };
 void validate(const EventDrivenOptions& options);  // throws std::invalid_argument: field, value, bound
 void describe(SettingVisitor& visit, EventDrivenOptions& options);

@@ -48,9 +48,6 @@ Law law_of(const ContactLaw& law, double patch_radius) {
   const double radius = std::max(law.contensou_radius, patch_radius);
   return radius > 0 ? contensou(law.mu, radius) : coulomb(law.mu);
 }
-void set_drilling_row(const State& state, BodyId body, double sign, const Vec3& normal, RowJacobian& J) {
-  J.row(3).tail<3>() = sign * (pose(state, body).R.toRotationMatrix().transpose() * normal).transpose();
-}
 
 Law law_of(const ContactLaw& law, Eigen::Index rows) {
   return rows == 1 ? unilateral() : rows == 2 ? coulomb_2d(law.mu) : coulomb(law.mu);
@@ -140,8 +137,8 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
       set_point_rows<3>(model, state, c, patches.empty() ? p : patches[i].centre, row, carried);
     if (row.law.rows < 3 || !patches.empty()) set_point_rows<1>(model, state, c, p, row, carried);
     if (row.law.kind == LawKind::contensou) {
-      set_drilling_row(state, row.body_a, 1, c.normal, row.J_a);
-      set_drilling_row(state, row.body_b, -1, c.normal, row.J_b);
+      row.J_a.row(3) = spin_columns(state, row.body_a, c.normal);
+      row.J_b.row(3) = -spin_columns(state, row.body_b, c.normal);
     }
     row.w = product(row.J_a, of_body(v_prescribed, row.body_a), row.law) +
             product(row.J_b, of_body(v_prescribed, row.body_b), row.law);

@@ -29,6 +29,15 @@ void check_count(Now now, Wanted wanted, const char* what, const char* why) {
     require_field(false, what, now, ("be " + std::to_string(wanted) + why).c_str());
 }
 
+void check_shape(const Model& model, BodyId b, const BodyShape& then, const char* why) {
+  const RigidBody& body = model.bodies[b];
+  const bool same = body.shape == then.id && (!then.id || model.shapes[then.id] == then.shape),
+             there = body.g_bs.p == then.g_bs.p && body.g_bs.R.coeffs() == then.g_bs.R.coeffs();
+  if (!same || !there)
+    require(false, std::string("model: ") + (same ? "g_bs" : "shape") + " of body " + to_string(b) + " (" +
+                       body.name + ") must stay" + why);
+}
+
 }  // namespace
 
 void refuse_deforming(const Model& model, const char* who) {
@@ -61,8 +70,10 @@ StepSetting step_setting(const Model& model, const StepOptions& options, NormalL
                   .bounds = body_bounds(model),
                   .pieces = pieces_of_shapes(model)};
   out.laws = contact_laws(model);
-  for (const RigidBody& body : model.bodies)
-    out.shapes.push_back(body.shape ? model.shapes[body.shape].get() : nullptr);
+  for (const RigidBody& body : model.bodies) {
+    out.body_shapes.push_back({body.shape, body.shape ? model.shapes[body.shape] : nullptr, body.g_bs});
+    out.shapes.push_back(out.body_shapes.back().shape.get());
+  }
   if (out.options.advancement.min_h == 0) out.options.advancement.min_h = std::min(1e-7, 1e-4 * options.h);
   out.options.lmd.threads = options.threads;
   out.options.solver.for_all = [threads = options.threads](int n, const std::function<void(int)>& f) {
@@ -96,24 +107,40 @@ void check_fits(const StepSetting& setting, const State& state, double h_limit) 
     const RigidBody& body = setting.model.bodies[b];
     if (is_dynamic(body) != (setting.dofs.first[b] >= 0))
       require(false, "model: motion of body " + to_string(b) + " (" + body.name + ") must stay" + kMade);
+    check_shape(setting.model, b, setting.body_shapes[b], kMade);
     const double square = state.g[b].R.squaredNorm();
     if (std::isfinite(square) && std::abs(square - 1) > 2e-6)
       require_field(false, ("State::g, body " + to_string(b) + " (" + body.name + "): |R|").c_str(),
                     std::sqrt(square), "be 1 within 1e-6");
   }
+  validate(setting.model, state.memory);
 }
 
 std::string joint_that_is_off(const StepSetting& setting, const State& state) {
-  const JointOptions& o = setting.options.joints;
-  if (state.h > 0 || !o.project) return "";
-  for (const JointId j : setting.model.joints.ids()) {
-    const JointError error = joint_error(setting.model, state, j);
-    if (within(error, o) || !std::isfinite(error.translation + error.rotation)) continue;
-    std::ostringstream text;
-    text << "start: joint " << j << " (" << setting.model.joints[j].name << ") is off by "
-         << error.translation << " m and " << error.rotation << " rad, at most " << o.tolerance
-         << " is allowed; see consistent()";
+  if (state.h > 0) return "";
+  const Model& model = setting.model;
+  const double tolerance = setting.options.joints.tolerance;
+  std::ostringstream text;
+  text << "start: ";
+  const auto told = [&] {
+    text << ", at most " << tolerance << " is allowed; see consistent()";
     return text.str();
+  };
+  for (const JointId j : model.joints.ids()) {
+    const JointError error = joint_error(model, state, j);
+    const double worst = std::max(error.translation, error.rotation);
+    if (worst <= tolerance || !std::isfinite(error.translation + error.rotation)) continue;
+    text << "joint " << j << " (" << model.joints[j].name << ") is off by " << error.translation << " m and "
+         << error.rotation << " rad";
+    return told();
+  }
+  for (std::size_t i = 0; i < model.couplings.size(); ++i) {
+    const Coupling& c = model.couplings[i];
+    const double error = std::abs(coupling_row(model, c, state.g, state.turns).value);
+    if (error <= tolerance || !std::isfinite(error)) continue;
+    text << "coupling " << i << " (" << c.name << ") is off by " << error
+         << (is_angle(model.joints[c.joint_1].kind, c.axis_1) ? " rad" : " m");
+    return told();
   }
   return "";
 }

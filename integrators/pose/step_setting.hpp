@@ -12,6 +12,13 @@ struct ModelSize {
   std::size_t bodies = 0, shapes = 0, joints = 0, couplings = 0, coordinates = 0, gaps = 0;
 };
 
+/// The shape of a body as it was when the setting was made, kept alive.
+struct BodyShape {
+  ShapeId id{};
+  std::shared_ptr<const LmdShape> shape{};  // null: none
+  SE3 g_bs{};
+};
+
 /// The model must outlive it, and must not change.
 struct StepSetting {
   const Model& model;
@@ -20,8 +27,9 @@ struct StepSetting {
   NormalRule normal{};
   Layout dofs{};
   PerBody<BodyBounds> bounds{};
-  Table<ShapeId, Pieces> pieces{};        // of every shape
-  std::vector<const LmdShape*> shapes{};  // of every body; null: none
+  Table<ShapeId, Pieces> pieces{};  // of every shape
+  PerBody<BodyShape> body_shapes{};
+  std::vector<const LmdShape*> shapes{};  // those of the bodies, for MatchInput; null: none
   std::vector<ContactLaw> laws{};         // contact_laws(model)
   std::shared_ptr<ContactScratch> scratch = std::make_shared<ContactScratch>();
   std::shared_ptr<MassScratch> mass_scratch = std::make_shared<MassScratch>();
@@ -37,12 +45,13 @@ StepSetting step_setting(const Model& model, const StepOptions& options, NormalL
 void refuse_deforming(const Model& model, const char* who);
 
 /// Checks the input of every step, in release builds too. Throws std::invalid_argument if the model has grown
-/// or shrunk since the scheme was made, if the state does not fit it or has an orientation that is not of
-/// unit length, or if `h_limit` [s] is not positive. Numbers that are not finite are left to the status.
+/// or shrunk since the scheme was made or bodies have other shapes, if the state does not fit it, has an
+/// orientation that is not of unit length or remembers features that the shapes do not have, or if `h_limit`
+/// [s] is not positive. Numbers that are not finite are left to the status.
 void check_fits(const StepSetting& setting, const State& state, double h_limit = kInf);
 
-/// Names the joint that is off by more than JointOptions::tolerance before the first step, and by how much.
-/// Empty if none is, or if joints are not projected and so close only gradually.
+/// Names the joint or coupling that is off by more than JointOptions::tolerance before the first step, and by
+/// how much, whether or not steps project. Empty if none is.
 std::string joint_that_is_off(const StepSetting& setting, const State& state);
 
 /// Contacts of all pairs of bodies at the state with gap <= threshold [m], as a step would find them.

@@ -16,8 +16,9 @@ namespace aussois {
 
 struct StepSetting;
 
+/// Ranges: its table.
 struct GeneralisedAlphaOptions {
-  double spectral_radius = 0.8;  // of infinitely stiff motions, per step [-], in [0, 1]; 1: no damping
+  double spectral_radius = 0.8;  // of infinitely stiff motions, per step [-]; 1: no damping
 };
 void validate(const GeneralisedAlphaOptions& options);  // throws std::invalid_argument: field, value, bound
 void describe(SettingVisitor& visit, GeneralisedAlphaOptions& options);

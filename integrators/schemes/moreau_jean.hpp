@@ -23,9 +23,10 @@ inline constexpr Named<ContactsAt> kContactsAt[] = {
 
 /// The Newton loop of the fully implicit step (MJ-12). The default of one iteration makes the step linearly
 /// implicit.
+/// Ranges: its table.
 struct NewtonOptions {
-  int max_iterations = 1;    // >= 1; contacts at the midpoint or the end need one more solve, their predictor
-  double tolerance = 1e-10;  // largest change of a velocity [m/s, rad/s], > 0; if the loop misses it, or
+  int max_iterations = 1;    // contacts at the midpoint or the end need one more solve, their predictor
+  double tolerance = 1e-10;  // largest change of a velocity [m/s, rad/s]; if the loop misses it, or
                              // diverges (MJ-16), the step is halved
   // Adds gap Hessians to its matrix (MJ-14): curved contacts under a load take fewer iterations, but the
   // matrix then couples bodies that touch, which costs time in large stacks. No effect at max_iterations = 1
@@ -34,10 +35,11 @@ struct NewtonOptions {
 };
 void describe(SettingVisitor& visit, NewtonOptions& options);
 
+/// Ranges: its table.
 struct MoreauJeanOptions {
-  double theta = 0.5;  // of the smooth forces and of the position update [-], in [1/2, 1]
+  double theta = 0.5;  // of the smooth forces and of the position update [-]
   NormalLaw law = NormalLaw::combined;
-  // The laws of contacts and stops apply to gamma u+ + (1 - gamma) u- [-], in [1/2, 1]; this implies a
+  // The laws of contacts and stops apply to gamma u+ + (1 - gamma) u- [-]; this implies a
   // restitution of (1 - gamma) / gamma (MJ-10)
   double gamma = 1;
   ContactsAt contacts = ContactsAt::start;

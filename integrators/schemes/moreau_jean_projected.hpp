@@ -21,8 +21,9 @@ enum class ProjectionOrder {
 inline constexpr Named<ProjectionOrder> kProjectionOrders[] = {{ProjectionOrder::direct, "direct"},
                                                                {ProjectionOrder::combined, "combined"}};
 
+/// Ranges: its table.
 struct MoreauJeanProjectedOptions {
-  double theta = 0.5;  // of the smooth forces and of the position update [-], in [1/2, 1]
+  double theta = 0.5;  // of the smooth forces and of the position update [-]
   ProjectionOrder order = ProjectionOrder::combined;
 };
 void validate(

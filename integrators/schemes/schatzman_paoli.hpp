@@ -15,9 +15,10 @@ namespace aussois {
 
 struct StepSetting;
 
+/// Ranges: its table.
 struct SchatzmanPaoliOptions {
-  double force_theta = 0;  // where in the step the force laws are evaluated, linearly implicit [-], in [0,
-                           // 1]; 0: central differences, stable up to 2 / h [rad/s]
+  double force_theta = 0;  // where in the step the force laws are evaluated, linearly implicit [-]; 0:
+                           // central differences, stable up to 2 / h [rad/s]
 };
 void validate(const SchatzmanPaoliOptions& options);  // throws std::invalid_argument: field, value, bound
 void describe(SettingVisitor& visit, SchatzmanPaoliOptions& options);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // npm install && npm run build: page.html + page.css + main.js + three.js -> dist/template.html, one plain ASCII file that
-// is committed and embedded in the library. Building Aussois needs no node; changing the page does. It carries a digest
-// of what it was built from, which the house test `viewer_is_built` holds against the sources.
+// is committed and embedded in the library. Building Aussois needs no node; changing the page does. It carries digests
+// of what it was built from and of itself, which the house test `viewer_is_built` checks.
 import { build } from 'esbuild';
 import { createHash } from 'node:crypto';
 import { readdirSync, readFileSync, writeFileSync } from 'node:fs';
@@ -20,10 +20,11 @@ const notice = text('LICENSE.three.txt').trim().replaceAll('\u00a9', '(c)');
 const sources = readdirSync(here('.')).filter(name => /\.(js|mjs|css|html|txt)$|^package(-lock)?\.json$/.test(name)).sort();
 const digest = sources.reduce((sha, name) => sha.update(name + '\0').update(text(name)).update('\0'), createHash('sha256')).digest('hex');
 
-const page = text('page.html')
-  .replace('<head>', () => `<head>\n<!-- built from sources ${digest} -->`)
+const plain = text('page.html')
   .replace('/*STYLE*/', () => text('page.css').trim())
   .replace('/*SCRIPT*/', () => `/* three.js\n${notice}\n*/\n${script}`);
+const own = createHash('sha256').update(plain).digest('hex');
+const page = plain.replace('<head>', () => `<head>\n<!-- built from sources ${digest}, page ${own} -->`);
 const stray = page.search(/[^\x00-\x7f]/);
 if (stray >= 0) throw new Error(`not ASCII at ${stray}: ${page.slice(stray, stray + 20)}`);
 writeFileSync(here('dist/template.html'), page);

@@ -336,16 +336,18 @@ def tutorials(root):
 
 
 def viewer_is_built(root):
-    """The page that is committed was built from the sources beside it: it names their digest (io/viewer/build.mjs)."""
+    """The page that is committed was built from the sources beside it, and not edited: it names both digests (io/viewer/build.mjs)."""
     viewer = root / "io/viewer"
     sha = hashlib.sha256()
     for path in sorted(viewer.iterdir()):
         if re.search(r"\.(js|mjs|css|html|txt)$|^package(-lock)?\.json$", path.name):
             sha.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
     page = viewer / "dist/template.html"
-    named = re.search(r"built from sources (\w+)", page.read_text(encoding="utf-8")) if page.is_file() else None
+    text = page.read_text(encoding="utf-8") if page.is_file() else ""
+    named = re.search(r"\n<!-- built from sources (\w+), page (\w+) -->", text)
     if named and named[1] == sha.hexdigest():
-        return []
+        own = hashlib.sha256(text.replace(named[0], "", 1).encode()).hexdigest()
+        return [] if named[2] == own else ["io/viewer/dist/template.html:1: edited by hand: change its sources and build it"]
     return ["io/viewer/dist/template.html:1: not built from these sources: npm run build in io/viewer"]
 
 

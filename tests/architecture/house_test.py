@@ -207,8 +207,13 @@ class House(unittest.TestCase):
     def test_the_page_is_built_from_its_sources(self):
         tree = {"io/viewer/main.js": "run();\n", "io/viewer/page.html": "<head>\n"}
         digest = hashlib.sha256(b"main.js\0run();\n\0page.html\0<head>\n\0").hexdigest()
-        tree["io/viewer/dist/template.html"] = f"<head>\n<!-- built from sources {digest} -->\n"
+        own = hashlib.sha256(b"<head>\n").hexdigest()
+        page = f"<head>\n<!-- built from sources {digest}, page {own} -->\n"
+        tree["io/viewer/dist/template.html"] = page
         self.assertEqual(self.offences(house.viewer_is_built, tree), [])
+        tree["io/viewer/dist/template.html"] = page + "<p>"
+        self.assertEqual(len(self.offences(house.viewer_is_built, tree)), 1)
+        tree["io/viewer/dist/template.html"] = page
         tree["io/viewer/main.js"] = "run(1);\n"
         self.assertEqual(len(self.offences(house.viewer_is_built, tree)), 1)
 

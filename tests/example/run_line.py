@@ -48,7 +48,7 @@ RESULTS = {
     "solve_friction_problem": set(WRITES),
     "generate_friction_problems": {f"problems/{family}_n{size}_s{seed}.hdf5"
                                    for family in FAMILIES for size in (20, 100) for seed in (1, 2)},
-    "solver_profile": {*(f"results/DIGEST_{solver}_{tolerance}_10000.json" for solver in ("auto", "nsgs")
+    "solver_profile": {*(f"results/DIGEST_{solver}_{tolerance}_OPTIONS.json" for solver in ("auto", "nsgs")
                          for tolerance in ("1e-04", "1e-08")),
                        *(f"profile_{tolerance}.{kind}" for tolerance in ("1e-04", "1e-08")
                          for kind in ("csv", "gp", *(["png"] if shutil.which("gnuplot") else [])))},
@@ -61,7 +61,12 @@ class RunLine(DriverTest):
         self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
         self.assertTrue(run.stdout.splitlines()[-1].strip(), "ends with one clear line")
         files = self.files()
-        any_name = lambda name: re.sub(r"/fit_\d_\d{3}", "/fit_STAGE_NUMBER", re.sub("/[0-9a-f]{16}_", "/DIGEST_", name))
+        def any_name(name):
+            for digits, word in (("/[0-9a-f]{16}_", "/DIGEST_"), (r"_[0-9a-f]{16}\.json", "_OPTIONS.json"),
+                                 (r"/fit_\d_\d{3}", "/fit_STAGE_NUMBER")):
+                name = re.sub(digits, word, name)
+            return name
+
         self.assertEqual({any_name(name) for name in files},
                          {f"out/{name}" for name in RESULTS[COMMAND[0]]})
         for name, content in files.items():

@@ -156,7 +156,7 @@ class Convergence(DriverTest):
                 (["perpetuum", "ball_e0"], ["--case", "perpetuum"]),
                 (["no restitution"], ["--case", "ball_e05", "--normal-law", "gap_over_step"]),
                 (["--shard 2/2", "--all"], ["--case", "free_top", "--shard", "2/2"]),
-                (["min_h", "0.01", "shortest step"], ["--case", "free_top", "--min-h", "0.01"]),
+                (["--min-h = 0.01", "shortest step"], ["--case", "free_top", "--min-h", "0.01"]),
                 (["--min-h", "-1"], ["--case", "free_top", "--min-h", "-1"]),
                 (["3/2"], ["--all", "--shard", "3/2"]),
                 (["1/2x"], ["--all", "--shard", "1/2x"]),

@@ -199,7 +199,7 @@ class SolverProfile(Problems):
         self.profile(".")
         self.assertEqual(len(self.results()), 3 * 2 * 2)
         self.assertEqual({(one["status"], one["solved"]) for one in self.results().values()}, {("converged", True)})
-        self.assertEqual({(one["problem"], one["solver"], one["tolerance"]) for one in self.results().values()},
+        self.assertEqual({(one["problem"], one["options"]["solver.method"], one["options"]["solver.tolerance"]) for one in self.results().values()},
                          {(problem, solver, tolerance) for problem in ("plane", "open", "space")
                           for solver in ("auto", "nsgs") for tolerance in (1e-4, 1e-9)})
         for tolerance in ("1e-04", "1e-09"):

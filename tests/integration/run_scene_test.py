@@ -82,7 +82,7 @@ class RunScene(DriverTest):
         scene = ("--scene", "tower", "--time", "0.1", "--quiet")
         self.run_scene(*scene, "--stop-after", 2, code=INTERRUPTED)
         for other in (["--reducer", "none"], ["--patch-friction"], ["--update", "cayley"], ["--gap-hessians"],
-                      ["--min-h", "1e-9"]):
+                      ["--min-h", "1e-9"], ["--every", 2], ["--certify", 3]):
             before = self.files()
             run = self.drive("run_scene", *scene, *other, "--resume")
             self.assertNotEqual(run.returncode, 0, other)
@@ -176,7 +176,9 @@ class RunScene(DriverTest):
                                  (["--scene"], []),
                                  (["--h", "-1"], ["--scene", "arch", "--h", "-1"]),
                                  (["--min-h", "2"], ["--scene", "needle", "--min-h", "2"]),
-                                 (["min_h", "0.5"], ["--scene", "needle", "--min-h", "0.5"]),
+                                 (["--min-h = 0.5"], ["--scene", "needle", "--min-h", "0.5"]),
+                                 (["--impact-order = sequential", "--normal-law"],
+                                  ["--scene", "needle", "--impact-order", "sequential", "--normal-law", "gap_over_step"]),
                                  (["--min-h", "event_driven"],
                                   ["--scene", "needle", "--scheme", "event_driven", "--min-h", "1e-12"]),
                                  (["euler"], ["--scene", "arch", "--scheme", "euler"]),

@@ -174,10 +174,10 @@ TEST(CubeToss, FitOnOneHalfMeetsItsBoundsOnTheOddHalfOnly) {
   const auto judged = [](const std::vector<Toss>& seen, const std::vector<Toss>& unseen) {
     TossWorld w = world();
     w.board = board_of(seen);
-    w.mu = 0.3, w.restitution = 0.3;  // as --fit
+    w.law.mu = 0.3, w.law.restitution = 0.3;  // as --fit
     const TossFit found = fit(seen, w, 2, [](const TossFit&) { return true; });
     EXPECT_NEAR(found.mu, 0.18, 0.01);
-    w.mu = found.mu, w.restitution = found.restitution;
+    w.law.mu = found.mu, w.law.restitution = found.restitution;
     const Means errors = means(unseen, w);
     std::printf("mu = %.4f, e = %.4f after %d points and %.2g million steps: %.2f %%, %.2f deg unseen\n",
                 found.mu, found.restitution, found.points, 1e-6 * double(found.steps), errors.position,

@@ -116,8 +116,8 @@ void describe(SettingVisitor& visit, AssemblyOptions& o) {
   };
   number(o.dilation, "dilation", "dilation of each part; 0: three tenths of the smallest clearance", "m",
          {0, 1}, "--dilation");
-  number(o.mu, "mu", "friction coefficient", "-", {0, 10}, "--mu");
-  number(o.restitution, "restitution", "restitution coefficient", "-", {0, 1}, "--restitution");
+  visit.number(setting_of<ContactLaw>("mu"), o.mu);
+  visit.number(setting_of<ContactLaw>("restitution"), o.restitution);
   number(o.density, "density", "density of the moving part", "kg/m^3", {1e-3, 1e5}, "--density");
   number(o.mass, "mass", "mass of the moving part; 0: from density and volume", "kg", {0, 1e6}, "--mass");
   number(o.speed, "speed", "speed of the part's farthest point along the path", "m/s", {1e-6, 1e3},
@@ -128,10 +128,9 @@ void describe(SettingVisitor& visit, AssemblyOptions& o) {
   number(o.frequency, "frequency",
          "frequency of the part on its coupling; 0: 20, or more if its weight would pull it off the path",
          "Hz", {0, 1e5}, "--frequency");
-  number(o.damping_ratio, "damping_ratio", "damping ratio of the coupling", "-", {0, 100}, "--damping-ratio");
-  number(o.force_limit, "force_limit", "largest force of the coupling", "N", at_least(1e-9), "--force-limit");
-  number(o.torque_limit, "torque_limit", "largest torque of the coupling", "N m", at_least(1e-12),
-         "--torque-limit");
+  visit.number(setting_of<VirtualCouplingOptions>("damping_ratio"), o.damping_ratio);
+  visit.number(setting_of<VirtualCouplingOptions>("force_limit"), o.force_limit);
+  visit.number(setting_of<VirtualCouplingOptions>("torque_limit"), o.torque_limit);
   number(o.hold, "hold", "time to hold the part at the end of the path", "s", {0, 1e4}, "--hold");
   number(o.misalignment, "misalignment", "offset of the coupling's target along (1, 1, 1), in clearances",
          "-", {-1e6, 1e6}, "--misalignment");

@@ -12,6 +12,7 @@
 #include "geometry/named.hpp"
 #include "geometry/settings.hpp"
 #include "integrators/run.hpp"
+#include "io/recording.hpp"
 
 namespace aussois {
 namespace {
@@ -76,16 +77,13 @@ void describe(SettingVisitor& visit, StudyOptions& o) {
                {1, 64},
                "--phases"},
               o.phases);
-  visit.number({"tolerance", "tolerance on the scaled residual; 0: that of the case", "-", open_above(0, 1),
-                "--tolerance"},
-               o.tolerance);
-  visit.count(
-      {"certify",
-       "check the certificate of every step of all studies at this many places of its path; 0: no check",
-       "",
-       {0, 1000000},
-       "--certify"},
-      o.certify);
+  Setting tolerance = setting_of<SolverOptions>("tolerance");
+  tolerance.what = "tolerance on the scaled residual; 0: that of the case";
+  tolerance.range.open_below = false;
+  visit.number(tolerance, o.tolerance);
+  Setting certify = setting_of<RecordingOptions>("audit_samples");
+  certify.name = "certify";
+  visit.count(certify, o.certify);
 }
 
 void validate(const StudyOptions& options) {

@@ -17,11 +17,12 @@ namespace aussois {
 
 class SettingVisitor;
 
+/// Ranges: its table.
 struct StudyOptions {
   double h = 0;            // largest step [s]; 0: the one of the case
-  int levels = 6;          // step sizes, each about half of the one before, in [3, 16]
-  int phases = 4;          // errors are means over so many lengths of the first step, in [1, 64]
-  double tolerance = 0;    // of the solver, on the scaled residual [-], in [0, 1); 0: the one of the case
+  int levels = 6;          // step sizes, each about half of the one before
+  int phases = 4;          // errors are means over so many lengths of the first step
+  double tolerance = 0;    // of the solver, on the scaled residual [-]; 0: the one of the case
   int certify = 0;         // places of each step at which its certificate is checked; 0: no check
   std::string settings{};  // of the scheme, what its name does not tell; only kept with the results
 };

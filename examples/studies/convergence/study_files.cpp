@@ -38,11 +38,7 @@ Errors errors_in(const Json& json) {
 Json key_of(const Study& s, std::uint64_t program) {
   return {{"case", s.case_name},
           {"scheme", s.scheme},
-          {"h", s.options.h},
-          {"levels", s.options.levels},
-          {"phases", s.options.phases},
-          {"tolerance", s.options.tolerance},
-          {"certify", s.options.certify},
+          {"options", settings_json(s.options)},
           {"settings", s.options.settings},
           {"program", program}};
 }

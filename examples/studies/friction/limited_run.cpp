@@ -73,7 +73,7 @@ Told listen_to(pid_t child, int pipe_end, double time_limit) {
 
 ProfileResult run_limited(const std::filesystem::path& path, const RunOptions& options, double time_limit) {
   require_field(time_limit > 0 && time_limit < 1e8, "time_limit", time_limit, "lie in (0, 1e8) [s]");
-  validate(options.solver);
+  validate(options);
   ProfileResult result{.status = "crashed", .problem = path.stem().string()};
   int ends[2];
   if (pipe(ends) != 0) throw std::runtime_error(std::string("pipe: ") + std::strerror(errno));

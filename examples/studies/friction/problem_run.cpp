@@ -10,6 +10,7 @@
 
 #include "geometry/check.hpp"
 #include "geometry/named.hpp"
+#include "geometry/settings.hpp"
 #include "io/atomic_file.hpp"
 
 namespace aussois {
@@ -140,8 +141,25 @@ const char* to_string(Start start) {
   return name_of(start, kStarts);
 }
 
-Start start_named(const std::string& name) {
-  return value_named(name, "start", kStarts);
+void describe(SettingVisitor& visit, RunOptions& o) {
+  visit.begin("RunOptions");
+  visit.group("solver", o.solver);
+  visit.choice({.name = "start",
+                .what = "impulses to start from; zero if the file has no guess or solution",
+                .flag = "--start"},
+               o.start, kStarts);
+  visit.count({.name = "repeat",
+               .what = "number of times to solve each problem; the shortest time counts",
+               .unit = "",
+               .range = at_least(1),
+               .flag = "--repeat",
+               .changes_nothing = true},
+              o.repeat);
+}
+
+void validate(const RunOptions& options) {
+  check_ranges(options);
+  validate(options.solver);
 }
 
 std::vector<std::filesystem::path> problem_files(const std::vector<std::filesystem::path>& given) {
@@ -163,8 +181,7 @@ std::vector<std::filesystem::path> problem_files(const std::vector<std::filesyst
 }
 
 ProblemRun run_problem(const std::filesystem::path& path, const RunOptions& options) {
-  validate(options.solver);
-  require_field(options.repeat >= 1, "RunOptions::repeat", options.repeat, "be >= 1");
+  validate(options);
   ProblemRun run{
       .problem = path.stem().string(), .solver = to_string(options.solver.method), .start = options.start};
   FclibFile file;

@@ -15,15 +15,15 @@ namespace aussois {
 
 enum class Start { zero, guess, solution };
 const char* to_string(Start start);
-/// By its name; throws std::invalid_argument naming all.
-Start start_named(const std::string& name);
 
 struct RunOptions {
   SolverOptions solver{};
   Start start = Start::zero;     // the first guess, or the solution, of the file; zero where it has none
-  int repeat = 1;                // solved so often, the smallest time counts, >= 1
+  int repeat = 1;                // solved so often, the smallest time counts
   std::filesystem::path save{};  // folder for the problem with the answer as its solution; empty: none
 };
+void validate(const RunOptions& options);  // throws std::invalid_argument: field, value, bound
+void describe(SettingVisitor& visit, RunOptions& options);  // all but save
 
 struct ProblemRun {
   std::string problem{};                               // stem of the file

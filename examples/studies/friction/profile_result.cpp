@@ -9,6 +9,7 @@
 #include "examples/common/many_tasks.hpp"
 #include "geometry/digest.hpp"
 #include "geometry/number_text.hpp"
+#include "io/checkpoint.hpp"
 #include "io/text.hpp"
 
 namespace aussois {
@@ -23,10 +24,7 @@ std::string hex(std::uint64_t value) {
 }
 
 Json json_of(const ProfileKey& key) {
-  return {{"digest", hex(key.digest)},
-          {"solver", key.solver},
-          {"tolerance", key.tolerance},
-          {"max_iterations", key.max_iterations}};
+  return {{"digest", hex(key.digest)}, {"options", settings_json(key.options)}, {"program", key.program}};
 }
 
 Json json_of(const ProfileResult& result) {
@@ -83,9 +81,11 @@ ProfileResult profile_result_in(const std::string& json) {
 }
 
 std::filesystem::path profile_result_file(const std::filesystem::path& folder, const ProfileKey& key) {
-  return folder / (file_stem(hex(key.digest) + "_" + key.solver + "_" + number_text(key.tolerance) + "_" +
-                             std::to_string(key.max_iterations)) +
-                   ".json");
+  const SolverOptions& solver = key.options.solver;
+  return folder /
+         (file_stem(hex(key.digest) + "_" + to_string(solver.method) + "_" + number_text(solver.tolerance) +
+                    "_" + hex(fingerprint_of(settings_json(key.options).dump()))) +
+          ".json");
 }
 
 void write_profile_result(const std::filesystem::path& folder, const ProfileKey& key,

@@ -13,13 +13,11 @@
 
 namespace aussois {
 
-/// Which result it is: another file, solver or tolerance is another result.
+/// Which result it is: another file, option or program makes another result.
 struct ProfileKey {
   std::uint64_t digest = 0;  // of the bytes of the problem's file
-  std::string solver{};
-  double tolerance = 0;
-  int max_iterations = 0;
-  auto operator<=>(const ProfileKey&) const = default;
+  RunOptions options{};
+  std::uint64_t program = 0;  // program_digest()
 };
 
 struct ProfileResult {
@@ -42,7 +40,8 @@ std::uint64_t file_digest(const std::filesystem::path& path);  // of a missing f
 std::string to_json(const ProfileResult& result);
 ProfileResult profile_result_in(const std::string& json);
 
-/// FOLDER/0123456789abcdef_nsgs_1e-08_10000.json: digest, solver, tolerance, iterations.
+/// FOLDER/0123456789abcdef_nsgs_1e-08_fedcba9876543210.json: digest of the problem, solver, tolerance, digest
+/// of all options. Results of another program are written over.
 std::filesystem::path profile_result_file(const std::filesystem::path& folder, const ProfileKey& key);
 void write_profile_result(const std::filesystem::path& folder, const ProfileKey& key,
                           const ProfileResult& result);

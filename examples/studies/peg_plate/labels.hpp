@@ -28,10 +28,11 @@ enum class LabelMode {
 inline constexpr LabelMode kLabelModes[] = {LabelMode::argmin, LabelMode::soft, LabelMode::ranked};
 const char* to_string(LabelMode mode);
 
+/// Ranges: its table.
 struct LabelOptions {
   LabelMode mode = LabelMode::ranked;
-  double tau = 0.005;   // of soft [-], > 0
-  double delta = 0.01;  // of ranked [-], >= 0: two to three times the sensors' noise
+  double tau = 0.005;   // of soft [-]
+  double delta = 0.01;  // of ranked [-]: two to three times the sensors' noise
 };
 void describe(SettingVisitor& visit, LabelOptions& options);
 

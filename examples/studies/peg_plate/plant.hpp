@@ -13,15 +13,16 @@ namespace aussois {
 
 class SettingVisitor;
 
+/// Ranges: its table.
 struct PlantOptions {
   PegScenario scenario = PegScenario::surface;
-  double tilt = 0.1;      // of the plate about x; about y it is -0.7 of this [deg], in [0, 1]
-  double tilts = 0;       // and up to this more about x and y from case to case, at random [deg], in [0, 1]
-  double scatter = 0.05;  // of the set-point's orientation from case to case, about x and y [deg], in [0, 1]
-  double step = 2e-5;     // [s], in [1e-6, 5e-5]: explicit steps
-  double sample = 4e-3;   // between samples [s], >= 1e-3
-  int count = 10;         // incidences, and speeds, in [1, 100]
-  int leans = 5;          // of the edge, in [1, 100]
+  double tilt = 0.1;      // of the plate about x; about y it is -0.7 of this [deg]
+  double tilts = 0;       // and up to this more about x and y from case to case, at random [deg]
+  double scatter = 0.05;  // of the set-point's orientation from case to case, about x and y [deg]
+  double step = 2e-5;     // [s]: explicit steps
+  double sample = 4e-3;   // between samples [s]
+  int count = 10;         // incidences, and speeds
+  int leans = 5;          // of the edge
   std::uint64_t seed = 1;
 };
 void describe(SettingVisitor& visit, PlantOptions& options);

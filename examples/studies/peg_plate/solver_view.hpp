@@ -10,11 +10,12 @@
 
 namespace aussois {
 
+/// Ranges: its table.
 struct SolverView {
-  double rho = 1e-3;   // regularisation (REG-4), in [0, 1]
-  double mu = 0.15;    // friction [-], >= 0
-  double e = 0.01;     // restitution [-], in [0, 1]
-  double step = 1e-3;  // [s], > 0
+  double rho = 1e-3;   // regularisation (REG-4)
+  double mu = 0.15;    // friction [-]
+  double e = 0.01;     // restitution [-]
+  double step = 1e-3;  // [s]
   FrictionReading reading = RegularisedOptions{}.reading;
 };
 void describe(SettingVisitor& visit, SolverView& view);

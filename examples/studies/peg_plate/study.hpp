@@ -10,14 +10,15 @@
 
 namespace aussois {
 
+/// Ranges: its table.
 struct PegStudyOptions {
   PlantOptions plant{};
   SolverView view{};
   TrainingOptions training{};
-  int static_stride = 5;   // of the static samples of a case that one trains on, >= 1
-  int moving_stride = 10;  // of the others, >= 1
-  int moving_scored = 8;   // of the others that are scored, >= 1
-  int dear_stride = 5;     // of those for methods that are dear, >= 1
+  int static_stride = 5;   // of the static samples of a case that one trains on
+  int moving_stride = 10;  // of the others
+  int moving_scored = 8;   // of the others that are scored
+  int dear_stride = 5;     // of those for methods that are dear
   bool tilted = false;     // train besides on as many cases on plates tilted at random (surface only)
   int threads = 1;         // no result depends on it
 };

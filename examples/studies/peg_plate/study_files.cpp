@@ -28,17 +28,6 @@ const std::vector<std::string> kColumns{"t",  "static", "px", "py", "pz", "qw", 
                                         "qz", "vx",     "vy", "vz", "wx", "wy", "wz", "fx",
                                         "fy", "fz",     "tx", "ty", "tz", "Fx", "Fy", "Fz"};
 
-// What the results depend on; a value that is no JSON is a text.
-Json json_of(const PegStudyOptions& options) {
-  Json out;
-  for (const SettingValue& one : values_of(options)) {
-    if (one.setting.changes_nothing) continue;
-    const Json value = Json::parse(one.value, nullptr, false);
-    out[one.path] = value.is_discarded() ? Json(one.value) : value;
-  }
-  return out;
-}
-
 struct ScoreField {
   const char* name;
   double PegScore::*value;
@@ -164,7 +153,7 @@ bool draw_normals(const std::filesystem::path& folder, const std::vector<const P
 void claim_folder(const std::filesystem::path& folder, const PegStudyOptions& options) {
   std::filesystem::create_directories(folder / "samples");
   const std::filesystem::path path = folder / "options.json";
-  const Json wanted = json_of(options);
+  const Json wanted = settings_json(options);
   const std::optional<Json> found = read_kept(path, {}, [](const Json& json) {
     return Json(json.get_ref<const Json::object_t&>());  // throws if it is none
   });

@@ -11,10 +11,11 @@ namespace aussois {
 
 class SettingVisitor;
 
+/// Ranges: its table.
 struct TrainingOptions {
-  int hidden = 40;         // units, in [1, 10000]
-  int iterations = 100;    // of L-BFGS, in [1, 1e6]; with more it learns the noise (doc/theory/peg_plate.md)
-  double decay = 1e-5;     // on the squares of all weights and biases, >= 0
+  int hidden = 40;         // units
+  int iterations = 100;    // of L-BFGS; with more it learns the noise (doc/theory/peg_plate.md)
+  double decay = 1e-5;     // on the squares of all weights and biases
   std::uint64_t seed = 1;  // of the first weights
 };
 void describe(SettingVisitor& visit, TrainingOptions& options);

@@ -28,8 +28,8 @@ constexpr Stage kStages[] = {{1, 8, 4}, {3, 2, 1}};
 using Point = std::pair<int, int>;  // of the grid
 
 TossWorld world_at(TossWorld world, Point p) {
-  world.mu = kGridMu * p.first;
-  world.restitution = kGridRestitution * p.second;
+  world.law.mu = kGridMu * p.first;
+  world.law.restitution = kGridRestitution * p.second;
   return world;
 }
 
@@ -50,7 +50,7 @@ class MeanError {
   // The mean over all tosses if it is less than `bound`, else infinite, as soon as that is certain.
   double operator()(Point p, double bound) {
     const TossWorld world = world_at(place_.start, p);
-    if (world.mu < 0 || world.restitution < 0 || world.restitution > 1) return kInf;
+    if (world.law.mu < 0 || world.law.restitution < 0 || world.law.restitution > 1) return kInf;
     if (const auto [at, fresh] = tried_.emplace(p, kInf); !fresh) return at->second;
     place_.number = points();
     place_.mu = p.first, place_.restitution = p.second;
@@ -118,7 +118,8 @@ double board_of(const std::vector<Toss>& tosses) {
 
 TossFit fit(const std::vector<Toss>& tosses, const TossWorld& world, int threads,
             const std::function<bool(const TossFit&)>& seen, const TossKeep& keep, int certify) {
-  Point best{int(std::lround(world.mu / kGridMu)), int(std::lround(world.restitution / kGridRestitution))};
+  Point best{int(std::lround(world.law.mu / kGridMu)),
+             int(std::lround(world.law.restitution / kGridRestitution))};
   TossFit out;
   bool go_on = true;
   FitPlace start{.tosses = tosses, .start = world, .certify = certify};

@@ -38,11 +38,7 @@ std::uint64_t digest_of(std::span<const Toss> tosses) {
 Json key_of(std::span<const Toss> tosses, const TossWorld& world, int certify, const TossKeep& keep) {
   return {{"program", program_digest()},
           {"tosses", digest_of(tosses)},
-          {"mu", world.mu},
-          {"restitution", world.restitution},
-          {"substeps", world.substeps},
-          {"board_m", world.board},
-          {"cut_m", world.cut},
+          {"world", settings_json(world)},
           {"scheme", keep.choice},
           {"certify", certify}};
 }

@@ -44,12 +44,21 @@ SimplicialComplex cut_cube(double edge, double cut) {
 
 }  // namespace
 
+void describe(SettingVisitor& visit, TossWorld& o) {
+  visit.begin("TossWorld");
+  visit.group("law", o.law);
+  visit.count({"substeps", "steps per recorded row", "", {1, 1000}, "--substeps"}, o.substeps);
+  visit.number({"board", "height of the board's surface", "m", {-kTossEdge, kTossEdge}, "--board"}, o.board);
+  visit.number({"cut", "length cut off the edges at each corner of the cube; 0: keep the corners", "m",
+                open_above(0, kTossEdge / 2 - kDilation), "--cut"},
+               o.cut);
+}
+
 Model toss_model(const TossWorld& world) {
-  require_field(world.cut >= 0 && world.cut < kTossEdge / 2 - kDilation, "TossWorld::cut", world.cut,
-                "lie in [0, half an edge) [m]");
+  check_ranges(world);
   Model model;
   model.gravity = {0, 0, -kTossGravity};
-  model.contact_law = {.mu = world.mu, .restitution = world.restitution};
+  model.contact_law = world.law;
   const double inner = kTossEdge - 2 * kDilation;
   const auto cube = add(model, prepare(dilate(cut_cube(inner, world.cut), kDilation)));
   const auto board = add(model, prepare(dilate(make_plate(kBoardSide, kBoardSide), kDilation)));

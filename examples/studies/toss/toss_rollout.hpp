@@ -10,17 +10,18 @@
 
 namespace aussois {
 
+/// Ranges: its table.
 struct TossWorld {
-  double mu = 0.18;        // between cube and board [-]
-  double restitution = 0;  // Newton's [-], in [0, 1]
-  int substeps = 10;       // of every row, >= 1
-  double board = 0;        // height of the board's surface [m]
-  // The cube's corners are cut off so far along its edges [m], in [0, edge / 2): faces are octagons then, on
-  // which it lies with eight contacts
+  ContactLaw law{.mu = 0.18};  // of cube and board
+  int substeps = 10;           // of every row
+  double board = 0;            // height of the board's surface [m]
+  // The cube's corners are cut off so far along its edges [m]: faces are octagons then, on which it lies with
+  // eight contacts
   double cut = 0;
   std::string scheme = "moreau_jean";
   SchemeOptions options{};  // but for h
 };
+void describe(SettingVisitor& visit, TossWorld& world);  // all but the scheme and its options
 
 /// Cube and board as dilated complexes; bodies 0 and 1.
 Model toss_model(const TossWorld& world);

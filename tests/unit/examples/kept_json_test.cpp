@@ -40,6 +40,30 @@ TEST(KeptJson, IsFoundWithItsKeyOnly) {
   EXPECT_FALSE(answer_in(path, more));
 }
 
+namespace {
+
+struct Lamp {
+  double power = 1 / 3.0;
+  int bulbs = 2, watched_by = 1;
+  bool dimmed = false;
+};
+void describe(SettingVisitor& visit, Lamp& o) {
+  visit.begin("Lamp");
+  visit.number({"power"}, o.power);
+  visit.count({"bulbs"}, o.bulbs);
+  visit.toggle({"dimmed"}, o.dimmed);
+  visit.count({.name = "watched_by", .changes_nothing = true}, o.watched_by);
+}
+
+}  // namespace
+
+TEST(KeptJson, HasTheOptionsThatItDependsOn) {
+  EXPECT_EQ(settings_json(Lamp{}).dump(), R"({"power":0.3333333333333333,"bulbs":2,"dimmed":false})");
+  const double inf = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(settings_json(Lamp{.power = inf, .watched_by = 7}).dump(),
+            R"({"power":"inf","bulbs":2,"dimmed":false})");
+}
+
 TEST(KeptJson, IsNothingIfItIsDamaged) {
   const std::filesystem::path path = fresh_folder() / "kept.json";
   write_kept(path, kKey, {{"answer", 42}});

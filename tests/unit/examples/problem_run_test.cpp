@@ -63,7 +63,8 @@ TEST(RunProblem, TellsOfFilesAndNumbersByAStatus) {
   EXPECT_EQ(nan.status, "not_finite");
   EXPECT_FALSE(nan.solved);
   EXPECT_NE(message_of([&] { run_problem(folder / "nan.hdf5", {.solver = {.tolerance = -1}}); }), "");
-  EXPECT_EQ(message_of([] { start_named("warm"); }), "start = warm must be one of zero, guess, solution");
+  EXPECT_EQ(message_of([&] { run_problem(folder / "nan.hdf5", {.repeat = 0}); }),
+            "RunOptions::repeat = 0 must be at least 1");
 }
 
 TEST(ProblemFiles, AreThoseOfFoldersInOrder) {

@@ -5,13 +5,14 @@
 #include <cmath>
 #include <limits>
 
+#include "tests/support/altered.hpp"
 #include "tests/support/files.hpp"
 
 namespace aussois {
 namespace {
 
 const ProfileKey kKey{
-    .digest = 0xfedcba9876543210u, .solver = "auto", .tolerance = 1e-8, .max_iterations = 99};
+    .digest = 0xfedcba9876543210u, .options = {.solver = {.max_iterations = 99}}, .program = 42};
 
 ProfileResult solved_result() {
   return {.status = "converged",
@@ -61,18 +62,24 @@ TEST(ProfileResult, ComesBackToTheLastBit) {
 TEST(ProfileResult, IsThatOfItsKeyAlone) {
   const std::filesystem::path folder = fresh_folder();
   write_profile_result(folder, kKey, solved_result());
-  EXPECT_EQ(names_in(folder), (std::set<std::string>{"fedcba9876543210_auto_1e-08_99.json"}));
-  std::vector<ProfileKey> others(4, kKey);
+  EXPECT_TRUE(names_in(folder).begin()->starts_with("fedcba9876543210_auto_1e-08_"));
+  std::vector<ProfileKey> others{kKey};
   others[0].digest = 1;
-  others[1].solver = "nsgs";
-  others[2].tolerance = std::nextafter(1e-8, 1);
-  others[3].max_iterations = 98;
+  for (const auto& [path, options] : altered(kKey.options)) {
+    others.push_back(kKey);
+    others.back().options = options;
+  }
+  EXPECT_EQ(others.size(), 10u);
   for (const ProfileKey& other : others) {
-    EXPECT_FALSE(read_profile_result(folder, other, 1e3));
+    EXPECT_FALSE(read_profile_result(folder, other, 1e3)) << profile_result_file(folder, other);
     write_profile_result(folder, other, {.status = "other"});
   }
-  EXPECT_EQ(names_in(folder).size(), 5u);
+  EXPECT_EQ(names_in(folder).size(), 11u);
   EXPECT_EQ(read_profile_result(folder, kKey, 1e3)->status, "converged");
+  ProfileKey another_program = kKey, oftener = kKey;
+  another_program.program = 43, oftener.options.repeat = 7;
+  EXPECT_FALSE(read_profile_result(folder, another_program, 1e3));
+  EXPECT_TRUE(read_profile_result(folder, oftener, 1e3));
   // What has the name of another's file does not become the other's.
   std::filesystem::copy_file(profile_result_file(folder, kKey), profile_result_file(folder, others[0]),
                              std::filesystem::copy_options::overwrite_existing);

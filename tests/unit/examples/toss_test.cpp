@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include "examples/studies/toss/toss_fit.hpp"
+#include "examples/studies/toss/toss_kept.hpp"
 #include "examples/studies/toss/toss_report.hpp"
 #include "geometry/so3.hpp"
+#include "tests/support/altered.hpp"
 #include "tests/support/files.hpp"
 #include "tests/support/message_of.hpp"
 
@@ -97,8 +99,8 @@ TEST(Toss, ErrorsAreMeansOverTime) {
 // (TOSS-5), where the answer is known: tosses of the kernel with another friction.
 TEST(Toss, FitFindsTheFrictionThatTossesWereMadeWith) {
   TossWorld made, guess;
-  made.mu = 0.25;
-  made.restitution = 0.1;
+  made.law.mu = 0.25;
+  made.law.restitution = 0.1;
   guess.substeps = made.substeps = 3;
   guess.options.moreau_jean.theta = made.options.moreau_jean.theta = 1;  // as cube_toss
   std::vector<Toss> tosses;
@@ -114,7 +116,7 @@ TEST(Toss, FitFindsTheFrictionThatTossesWereMadeWith) {
   EXPECT_NEAR(found.restitution, 0.1, 0.05);
   EXPECT_NEAR(board_of(tosses), 0, 0.02);  // not all had come to rest
   TossWorld there = guess;
-  there.mu = found.mu, there.restitution = found.restitution;
+  there.law.mu = found.mu, there.law.restitution = found.restitution;
   double mean = 0;
   for (const Toss& toss : tosses) {
     const TossRun run = roll_out(toss, there);
@@ -133,7 +135,7 @@ TEST(Toss, FitHasTheSameBitsForAnyThreadsAndStopsWhenTold) {
     toss.pose.resize(40), toss.twist.resize(40), toss.t.resize(40);
     tosses.push_back(std::move(toss));
   }
-  world.mu = 0.2;
+  world.law.mu = 0.2;
   const auto always = [](const TossFit&) { return true; };
   const TossFit one = fit(tosses, world, 1, always), three = fit(tosses, world, 3, always);
   EXPECT_EQ(one.mu, three.mu);
@@ -143,6 +145,26 @@ TEST(Toss, FitHasTheSameBitsForAnyThreadsAndStopsWhenTold) {
   const TossFit stopped = fit(tosses, world, 1, [](const TossFit& at) { return at.points < 3; });
   EXPECT_EQ(stopped.points, 3);
   EXPECT_LT(stopped.steps, one.steps);
+}
+
+TEST(Toss, IsRolledOutAgainInAnotherWorld) {
+  TossWorld world;
+  world.substeps = 2;
+  Toss toss = synthetic_toss(1, world, 0);
+  toss.pose.resize(20), toss.twist.resize(20), toss.t.resize(20);
+  const TossKeep keep{.folder = fresh_folder()};
+  const auto known_in = [&](const TossWorld& other, int certify = 0) {
+    return roll_out_all({toss}, other, {.certify = certify}, keep, "all", 1, [](int) { return true; }).known;
+  };
+  EXPECT_EQ(known_in(world), 0);
+  EXPECT_EQ(known_in(world), 1);
+  const auto others = altered(world);
+  EXPECT_EQ(others.size(), 6U);
+  for (const auto& [path, other] : others) {
+    EXPECT_EQ(known_in(other), 0) << path;
+    EXPECT_EQ(known_in(world), 0) << "written over";
+  }
+  EXPECT_EQ(known_in(world, 1), 0);
 }
 
 TEST(Toss, SpreadIsThatOfASample) {

@@ -51,6 +51,13 @@ TEST(Settings, CheckRangesAndNameTheMember) {
   EXPECT_EQ(refusal({.lamp = {.bulbs = 0}}), "Lamp::bulbs = 0 must be at least 1");
   EXPECT_EQ(refusal({.height = inf}), "Room::height = inf must be finite and > 0 [m]")
       << "the owner is the room's again after the lamp";
+  EXPECT_EQ(message_of([] { check_ranges(Room{.lamp = {.bulbs = 0}}, "room 3: "); }),
+            "room 3: lamp.bulbs = 0 must be at least 1");
+}
+
+TEST(Settings, AreFoundByTheirPath) {
+  EXPECT_EQ(setting_of<Room>("lamp.power").range.highest, 100);
+  EXPECT_THROW(setting_of<Room>("lamp.switch"), std::out_of_range);
 }
 
 TEST(Settings, HaveOpenAndClosedEnds) {

@@ -169,8 +169,9 @@ TEST(ImpactOptions, AreRefusedAtTheDoor) {
   const auto refusal = [&](const MoreauJeanOptions& own) {
     return message_of([&] { MoreauJean(balls.model, {}, own); });
   };
-  EXPECT_NE(refusal({.law = NormalLaw::gap_over_step, .impact = kPoisson}).find("impact law"),
-            std::string::npos);
+  EXPECT_NE(
+      refusal({.law = NormalLaw::gap_over_step, .impact = kPoisson}).find("need MoreauJeanOptions::law"),
+      std::string::npos);
   EXPECT_NE(refusal({.impact = {.max_pairs = 0}}).find("max_pairs"), std::string::npos);
   EXPECT_NE(refusal({.contacts = ContactsAt::end, .impact = kPairs}).find("contacts"), std::string::npos);
   EXPECT_NE(refusal({.gamma = 0.5, .impact = kPairs}).find("gamma"), std::string::npos);

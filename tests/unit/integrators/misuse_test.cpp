@@ -6,7 +6,9 @@
 #include "integrators/run.hpp"
 #include "integrators/scheme.hpp"
 #include "tests/support/block_scene.hpp"
+#include "tests/support/gear_pair.hpp"
 #include "tests/support/message_of.hpp"
+#include "tests/support/scheme_variants.hpp"
 
 namespace aussois {
 namespace {
@@ -56,6 +58,52 @@ TEST(Step, RefusesAStateThatDoesNotFitItsModel) {
   with([](State& x) { x.g[1].R.coeffs() *= 2; }, "State::g, body 1 (ball): |R| = 2 must be 1 within 1e-6");
 }
 
+// Features are remembered by number: those of another mesh may not exist.
+TEST(Step, RefusesAMemoryOfFeaturesThatTheShapesLack) {
+  const TwoBalls s;  // of one vertex each
+  const auto with = [&](const ContactKey& key, const std::string& part) {
+    State state = s.state;
+    state.memory.contacts = {{.key = {0, 1, feature_word({0, 0}, {0, 0})}}, {.key = key}};
+    expect_refusal(s.model, state, "State::memory, contact 1: " + part);
+    EXPECT_NE(message_of([&] { validate(s.model, state); }).find(part), std::string::npos);
+  };
+  with({0, 1, feature_word({0, 0}, {0, 1})}, "vertex of body 1 (ball) = 1 must lie in [0, 1)");
+  with({0, 1, feature_word({0, 7}, {0, 0})}, "vertex of body 0 (ball) = 7 must lie in [0, 1)");
+  with({0, 1, feature_word({0, 0}, {1, 0})}, "chain of body 1 (ball) = 0 must lie in [0, 0)");
+  with({0, 1, feature_word({2, 3}, {0, 0})}, "region of body 0 (ball) = 3 must lie in [0, 0)");
+  with({0, 1, feature_word({3, 0}, {0, 0})},
+       "dimension of the feature of body 0 (ball) = 3 must lie in [0, 2]");
+  with({0, 2, feature_word({0, 0}, {0, 0})}, "its bodies must exist");
+  with({-1, 1, feature_word({0, 0}, {0, 0})}, "its bodies must exist");
+}
+
+TEST(Step, RefusesAStateThatWasReachedWithAFinerMesh) {
+  const auto can = [](int facets) {
+    Scene s = block_on_plate(0.3, 0, 0);
+    s.model.shapes[1] =
+        std::make_shared<const LmdShape>(prepare(dilate(make_cylinder(kSide / 2, kSide, facets), kRadius)));
+    return s;
+  };
+  Scene fine = can(64);
+  ASSERT_TRUE(make_scheme("moreau_jean", fine.model, {}).step(fine.state, 1e-3).ok());
+  ASSERT_GT(fine.state.memory.contacts.size(), 4U);
+  const Scene coarse = can(4);
+  expect_refusal(coarse.model, fine.state, "vertex of body 1 (block) = ");
+  fine.state.memory = {};
+  for (const std::string& name : scheme_names()) {
+    State state = fine.state;
+    EXPECT_EQ(message_of([&] { EXPECT_TRUE(make_scheme(name, coarse.model, {}).step(state, 1e-3).ok()); }),
+              "");
+  }
+}
+
+TEST(Step, RefusesAMemoryOfABodyThatHasNoShape) {
+  TwoBalls s;
+  s.model.bodies[1].shape = {};
+  s.state.memory.contacts = {{.key = {0, 1, feature_word({0, 0}, {0, 0})}}};
+  expect_refusal(s.model, s.state, "State::memory, contact 0: body 1 (ball) must have a shape");
+}
+
 TEST(Step, RefusesAModelThatHasChangedSinceTheSchemeWasMade) {
   for (const std::string& name : scheme_names()) {
     const auto refused = [&](const std::function<void(Model&)>& change) {
@@ -83,6 +131,18 @@ TEST(Step, RefusesAModelThatHasChangedSinceTheSchemeWasMade) {
                                    }});
               }).find("blocks of coordinates = 1"),
               std::string::npos);
+    const std::string shape = "model: shape of body 1 (ball) must stay, as when the scheme was made";
+    EXPECT_NE(refused([](Model& m) { m.bodies[1].shape = {}; }).find(shape), std::string::npos);
+    EXPECT_NE(refused([](Model& m) { m.bodies[1].shape = 7; }).find(shape), std::string::npos);
+    EXPECT_NE(refused([](Model& m) {  // of the same size: what the scheme knew of it is gone
+                m.shapes[0] = std::make_shared<const LmdShape>(prepare(dilate(make_point(), 0.05)));
+              })
+                  .find("model: shape of body 0 (ball) must stay"),
+              std::string::npos);
+    for (const auto& change : {+[](SE3& g) { g.p.x() = 0.01; }, +[](SE3& g) { g.R = Quat(0, 1, 0, 0); }})
+      EXPECT_NE(
+          refused([&](Model& m) { change(m.bodies[1].g_bs); }).find("model: g_bs of body 1 (ball) must stay"),
+          std::string::npos);
   }
 }
 
@@ -106,6 +166,18 @@ TEST(Step, RefusesAForceLawThatWritesOutsideOfTheVelocities) {
                  out.f = VecX::Zero(3);
                }});
   expect_refusal(s.model, s.state, "force law (spring): size of GeneralisedForce::f = 3 must stay 12");
+}
+
+TEST(Scheme, StepsAgainOnceTheShapeIsBack) {
+  for (const std::string& name : scheme_names()) {
+    TwoBalls s;
+    const Scheme scheme = make_scheme(name, s.model, {});
+    const auto other = std::make_shared<const LmdShape>(prepare(dilate(make_point(), 0.05)));
+    const auto shape = std::exchange(s.model.shapes[0], other);
+    EXPECT_NE(message_of([&] { EXPECT_FALSE(scheme.step(s.state, 1e-3).ok()); }), "") << name;
+    s.model.shapes[0] = shape;
+    EXPECT_TRUE(scheme.step(s.state, 1e-3).ok()) << name;
+  }
 }
 
 // Through the integrator, which is C and calls back.
@@ -159,6 +231,56 @@ TEST(StepOptions, RefuseThreadsThatAStepWouldOverrule) {
             }).find("solver.for_all must be empty"),
             std::string::npos);
 }
+
+// Off on purpose is what a tolerance says; that steps do not project, or cannot, does not say it.
+class FarOff : public ::testing::TestWithParam<SchemeVariant> {
+ protected:
+  static StepReport first_step(const Model& model, State state, const JointOptions& joints) {
+    SchemeOptions o = GetParam().options;
+    o.step.h = 1e-3;
+    o.step.joints = joints;
+    return make_scheme(GetParam().name, model, o).step(state, kInf);
+  }
+  // By more than the tolerance; `text` says by how much.
+  static void expect_refused(const Model& model, const State& state, const std::string& text) {
+    for (const bool project : {true, false}) {
+      const StepReport report = first_step(model, state, {.project = project});
+      EXPECT_EQ(report.status, StepStatus::refused) << project;
+      EXPECT_EQ(report.reason, "start: " + text + ", at most 1e-06 is allowed; see consistent()") << project;
+      EXPECT_TRUE(first_step(model, consistent(model, state), {.project = project}).ok()) << project;
+    }
+    State later = state;
+    later.h = 1e-3;
+    for (const auto& [begin, tolerance] : {std::pair(state, 0.2), std::pair(later, 1e-6)}) {
+      const StepReport report = first_step(model, begin, {.project = false, .tolerance = tolerance});
+      EXPECT_TRUE(report.ok()) << begin.h << ": " << report.reason;
+    }
+  }
+};
+
+TEST_P(FarOff, AJointAtTheStartIsRefused) {
+  OneAxis s(JointKind::revolute);
+  s.state.g[0].p.x() = 0.1;
+  expect_refused(s.model, s.state, "joint 0 (axis) is off by 0.1 m and 0 rad");
+}
+
+TEST_P(FarOff, ACouplingAtTheStartIsRefused) {
+  GearPair wheels;
+  wheels.state.g[0].R = exp_so3(Vec3(0, 0.1, 0));
+  expect_refused(wheels.model, wheels.state, "coupling 0 (gears) is off by 0.1 rad");
+  OneAxis sliders(JointKind::prismatic);
+  add(sliders.model, sliders.model.bodies[0]);
+  sliders.state = rest_state(sliders.model);
+  sliders.state.g[0].p.x() = 0.1;
+  Joint second = sliders.model.joints[0];
+  second.body_a = 1;
+  add(sliders.model, second);
+  add(sliders.model, Coupling{.name = "rods", .joint_1 = 0, .joint_2 = 1, .ratio = 1});
+  expect_refused(sliders.model, sliders.state, "coupling 0 (rods) is off by 0.1 m");
+}
+
+INSTANTIATE_TEST_SUITE_P(Schemes, FarOff, ::testing::ValuesIn(variants_with_joints()),
+                         [](const auto& v) { return test_name(v.param); });
 
 // A loop on the time alone would not end.
 TEST(RunUntil, EndsWithTheFirstReportThatIsNotOk) {

@@ -59,6 +59,30 @@ struct SampleDriver {
 
 }  // namespace
 
+TEST(Driver, NamesTheFlagsOfTheMembersThatDoNotGoTogether) {
+  SampleDriver driver;
+  SchemeFlags flags;
+  add_options(driver.cli, flags);
+  const SchemeOptions options{.step = {.h = 1e-8, .advancement = {.min_h = 1e-5}}};
+  std::string message;
+  driver.body = [&]() -> ExitCode {
+    try {
+      validate(options.step);
+    } catch (const std::invalid_argument& error) {
+      message = error.what();
+      throw;
+    }
+    return ExitCode::ok;
+  };
+  EXPECT_EQ(driver.run({}), 2);
+  EXPECT_TRUE(message.starts_with("AdvancementOptions::min_h = 1e-05 must")) << message;
+  EXPECT_EQ(driver.err, "sample: --min-h" + message.substr(message.find(" = ")) + "\n");
+  EXPECT_EQ(driver.cli.said_with_flags("MoreauJeanProjectedOptions::theta and MoreauJeanOptions::theta"),
+            "--theta and --theta");
+  for (const char* other : {"AdvancementOptions::min_here", "MyAdvancementOptions::min_h", "min_h", ""})
+    EXPECT_EQ(driver.cli.said_with_flags(other), other);
+}
+
 TEST(Driver, FillsTheValuesAndRunsTheBody) {
   SampleDriver driver;
   EXPECT_EQ(driver.run({"--mu", "0.25", "--steps=3", "--mode", "kinematic", "-o", "there", "--quiet",

@@ -297,7 +297,9 @@ TEST(GapFade, LeavesContactsInsideAloneAndLiftsEnteringOnesByDelta) {
 
 TEST(GapFade, OptionsOutOfRangeAreNamed) {
   EXPECT_EQ(message_of([] { validate(GapFade{.alpha0 = 0.1, .alpha_query = 0.05}); }),
-            "GapFade::alpha_query = 0.05 must lie in (alpha0, 0.5] rad");
+            "GapFade::alpha_query = 0.05 must be more than alpha0 = 0.1 rad");
+  EXPECT_EQ(message_of([] { validate(GapFade{.alpha_query = 0.6}); }),
+            "GapFade::alpha_query = 0.6 must lie in [0, 0.5] rad");
   EXPECT_THROW(validate(GapFade{.delta = -1}), std::invalid_argument);
   EXPECT_THROW(validate(GapFade{.alpha0 = std::nan("")}), std::invalid_argument);
 }

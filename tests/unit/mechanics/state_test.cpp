@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "geometry/primitives.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/random.hpp"
 
@@ -16,8 +17,9 @@ namespace {
 
 Model two_bodies() {
   Model model;
-  add(model, {.name = "part", .mass = 2, .inertia = Vec3(0.5, 0.25, 0.5).asDiagonal()});
-  add(model, prescribed_body("hand", -1, {{3, 4}, {translation(1, 2, 3), translation(1, 2, 4)}}));
+  const auto box = add(model, prepare(dilate(make_box(1, 1, 1), 0.01)));  // 8 vertices, 12 chains, 6 regions
+  add(model, {.name = "part", .shape = box, .mass = 2, .inertia = Vec3(0.5, 0.25, 0.5).asDiagonal()});
+  add(model, prescribed_body("hand", box, {{3, 4}, {translation(1, 2, 3), translation(1, 2, 4)}}));
   return model;
 }
 
@@ -124,6 +126,18 @@ TEST(State, IsRefusedUnlessItFitsTheModel) {
       {[&](State& s) { s.v[7] = nan; }, "body 1 (hand): twist"},
       {[&](State& s) { s.memory.contacts[1].impulse.x() = nan; }, "State::memory, contact 1"},
       {[](State& s) { s.memory.contacts[1].key.body_b = 2; }, "contact 1: its bodies must exist"},
+      {[](State& s) {
+         s.memory.contacts[1].key.feature = feature_word({0, 0}, {0, 8});
+       },
+       "contact 1: vertex of body 1 (hand) = 8 must lie in [0, 8), as in its shape"},
+      {[](State& s) {
+         s.memory.contacts[1].key.feature = feature_word({1, 12}, {0, 0});
+       },
+       "contact 1: chain of body 0 (part) = 12 must lie in [0, 12)"},
+      {[](State& s) {
+         s.memory.contacts[1].key.feature = feature_word({0, 0}, {2, 6});
+       },
+       "contact 1: region of body 1 (hand) = 6 must lie in [0, 6)"},
       {[](State& s) { std::swap(s.memory.contacts[0], s.memory.contacts[1]); }, "sorted by key"}};
   for (const auto& [change, message] : cases) {
     State state = some_state(model);
