@@ -34,7 +34,8 @@ struct AssemblyInput {
 /// read_mesh.
 AssemblyPart read_part(const std::filesystem::path& path, double scale, const RepairOptions& options = {});
 
-/// The largest way from a vertex of the mesh to where the shape has it, on the chord of its chain (LMD-5) [m].
+/// The largest way from a vertex of the mesh to where the shape has it, on the chord of its chain (LMD-5)
+/// [m].
 double straightened_by(const LmdShape& shape);
 
 /// Adds a note to the part if vertices of its mesh were put on chords when the shape was prepared: how many,
