@@ -42,14 +42,15 @@ AssemblyPart part_of(const Arguments& a) {
 
 ExitCode drop(const Arguments& a) {
   // 1. The scene: a plate as wide as the part may roll, and the part.
-  const AssemblyPart part = part_of(a);
-  for (const std::string& note : part.notes) std::fprintf(stderr, "warning: %s\n", note.c_str());
+  AssemblyPart part = part_of(a);
   const PartMass mass = part_mass(part, a.dilation, a.density, a.mass);
   const double size = part.report.box.diagonal();
   Model model;
   model.contact_law = a.law;
   const auto plate = add(model, prepare(dilate(make_plate(20 * size, 20 * size), a.dilation)));
   const ShapeId shape = add(model, prepare(dilate(part.complex, a.dilation)));
+  note_straightened(part, *model.shapes[shape]);
+  for (const std::string& note : part.notes) std::fprintf(stderr, "warning: %s\n", note.c_str());
   add(model, fixed_body("plate", plate));
   const BodyId body = add(model, solid_body(part.name, shape, mass.properties));
 
@@ -73,6 +74,7 @@ ExitCode drop(const Arguments& a) {
                                  "total:solver_failures", "total:energy_rise"})};
   plan.header.title = "drop_part " + part.name;
   plan.header.command_line = a.command_line;
+  for (const std::string& note : part.notes) plan.header.notes[part.name] += note + "\n";
   plan.header.notes["mass"] = mass.source;
   const DrivenRun run = drive(model, state, std::move(plan), a.run);
   if (run.interrupted) return ExitCode::interrupted;

@@ -100,9 +100,7 @@ void report_mesh_and_classes(Report& report, const AssemblyPart& part, const Lmd
   report.add("chains", ideal.chains.size());
   report.show("planar regions", std::to_string(ideal.region_normal.size()));
   report.show("straight chains", std::to_string(ideal.chains.size()));
-  double farthest = 0;
-  for (const auto& [v, from] : shape.straightened)
-    farthest = std::max(farthest, (shape.complex.vertices[v] - from).norm());
+  const double farthest = straightened_by(shape);
   report.add("straightened_vertices", shape.straightened.size());
   report.add("straightened_by", farthest);
   if (!shape.straightened.empty())

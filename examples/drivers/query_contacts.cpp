@@ -114,10 +114,12 @@ void print_cache(const std::string& name, const CachedShape& cached, bool quiet)
 }
 
 ExitCode query(const Arguments& a) {
-  const ContactPair pair = read_pair(a);
+  ContactPair pair = read_pair(a);
   const CachedShape cached_a = prepare_cached(dilate(pair.a.complex, pair.dilation_a), {}, a.cache),
                     cached_b = prepare_cached(dilate(pair.b.complex, pair.dilation_b), {}, a.cache);
   const LmdShape &shape_a = *cached_a.shape, &shape_b = *cached_b.shape;
+  note_straightened(pair.a, shape_a);
+  note_straightened(pair.b, shape_b);
   ContactReport report{.pair = &pair, .a = &shape_a, .b = &shape_b, .command_line = a.command_line};
   report.options = {.threshold = pair.threshold > 0 ? pair.threshold : 0.01 * shape_a.bounding_radius,
                     .alpha = a.alpha * kPi / 180,

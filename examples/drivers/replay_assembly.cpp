@@ -103,7 +103,7 @@ Summary summary_of(const AssemblyInput& input, const AssemblyScene& scene, const
   Summary out;
   out.set("pair", input.name);
   out.set("mode", a.mode);
-  std::vector<std::string> notes;  // repairs of the meshes, and why a part is no solid
+  std::vector<std::string> notes;  // repairs of the meshes, why a part is no solid, ...
   for (const AssemblyPart* part : {&input.fixed, &input.moving})
     notes.insert(notes.end(), part->notes.begin(), part->notes.end());
   out.set("notes", notes);
@@ -302,12 +302,14 @@ ExitCode replay(Arguments& a) {
           "--dump-problem needs --mode dynamic: a kinematic replay solves no problem");
   take(a.said, a.scene);
   a.scene.gravity = parse_vector(a.gravity, "--gravity");
-  const AssemblyInput input = read_input(a);
+  AssemblyInput input = read_input(a);
   AssemblyScene scene;
   {
     Progress progress("clearance", double(input.poses.size()), Progress::style_of_stderr(a.run.common.quiet));
     scene = make_assembly_scene(input, a.scene, a.run.common.threads, [&](int i, int) { progress.at(i); });
   }
+  note_straightened(input.fixed, *scene.model.shapes[scene.model.bodies[scene.fixed].shape]);
+  note_straightened(input.moving, *scene.model.shapes[scene.model.bodies[scene.moving].shape]);
   print_parts(input, scene, a);
   make_folders(a.run.common);
   return a.mode == "kinematic" ? replay_kinematic(input, scene, a) : replay_dynamic(input, scene, a);

@@ -19,6 +19,10 @@ std::vector<SeriesRow> shared_series(const std::string& name, const std::string&
   const std::filesystem::path path = std::filesystem::path(data ? data : "") / "references" / name;
   if (!data || !*data || !std::filesystem::exists(path))
     throw MissingData("AUSSOIS_DATA_DIR names no folder with references/" + name);
+  return read_series(path, first);
+}
+
+std::vector<SeriesRow> read_series(const std::filesystem::path& path, const std::string& first) {
   const std::string text = read_file(path);
   TextReader in(path, text);
   std::vector<std::string_view> fields;

@@ -2,6 +2,7 @@
 // Series of numbers in the shared data folder, computed by other programs (AUSSOIS_DATA_DIR/references).
 #pragma once
 
+#include <filesystem>
 #include <map>
 #include <stdexcept>
 #include <string>
@@ -21,9 +22,10 @@ struct SeriesRow {
   double at(const std::string& column) const;
 };
 
-/// The rows of references/NAME, at least one; with `first`, those whose first column is this word. Throws
-/// MissingData if there is no such file, and std::runtime_error "path:line: ..." where it is no table of
-/// numbers.
+/// The rows of a file, at least one; with `first`, those whose first column is this word. Throws
+/// std::runtime_error "path:line: ..." where it is no table of numbers.
+std::vector<SeriesRow> read_series(const std::filesystem::path& path, const std::string& first = "");
+/// The same for references/NAME; throws MissingData if there is no such file.
 std::vector<SeriesRow> shared_series(const std::string& name, const std::string& first = "");
 
 }  // namespace aussois

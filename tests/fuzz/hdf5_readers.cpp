@@ -3,6 +3,7 @@
 
 #include "geometry/digest.hpp"
 #include "geometry/primitives.hpp"
+#include "io/atomic_file.hpp"
 #include "io/checkpoint.hpp"
 #include "io/fclib_file.hpp"
 #include "io/shape_cache.hpp"
@@ -89,6 +90,13 @@ std::vector<RunData> runs() {
   return {run, bare};
 }
 
+// A run that was interrupted goes on after its first step.
+void resume_run(const fs::path& file) {
+  fs::rename(file, growing_name(file));
+  RunWriter::resume(file, 1).close();
+  read_run(file);
+}
+
 std::vector<Checkpoint> checkpoints() {
   Checkpoint checkpoint{.fingerprint = kKey, .step = 7};
   State& state = checkpoint.state;
@@ -135,6 +143,7 @@ std::vector<FuzzedReader> hdf5_readers() {
   };
   return {{"fclib", ".hdf5", edited(originals(problems(), write_fclib)), use_problem},
           {"run", ".h5", edited(originals(runs(), write_run)), read_run},
+          {"resume", ".h5", edited(originals(runs(), write_run)), resume_run},
           {"checkpoint", ".h5", edited(originals(checkpoints(), write_checkpoint)),
            [](const fs::path& file) { read_checkpoint(file, kKey, OtherProgram::accept); }},
           {"shape", ".h5", edited(originals(shapes(), write_shape), seal), use_shape}};

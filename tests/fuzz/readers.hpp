@@ -20,14 +20,15 @@ struct FuzzedReader {
   std::function<void(const std::filesystem::path& file)> read{};               // and uses what came
 };
 
-/// OBJ, STL, PLY, OFF, networks, poses, tables: an input is the file, byte for byte.
+/// OBJ, STL, PLY, OFF, networks, poses, tables, also unfinished ones: an input is the file, byte for byte.
 std::vector<FuzzedReader> text_readers();
 
-/// FCLIB problems, runs, checkpoints, cached shapes: an input is a list of changes of a good file
-/// (hdf5_edits.hpp). Bytes that HDF5 itself cannot take are no matter of ours.
+/// FCLIB problems, runs, runs that go on, checkpoints, cached shapes: an input is a list of changes of a good
+/// file (hdf5_edits.hpp). Bytes that HDF5 itself cannot take are no matter of ours.
 std::vector<FuzzedReader> hdf5_readers();
 
-/// What drivers read beside that: tables of pairs, studies that an earlier call kept. An input is the file.
+/// What drivers read beside that: tables of pairs, tosses, samples and series, and what an earlier call kept.
+/// An input is the file; for `kept` a digit that chooses the kind of result, then fields of it.
 std::vector<FuzzedReader> driver_readers();
 
 /// The bytes as a file.

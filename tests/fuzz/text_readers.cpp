@@ -2,6 +2,8 @@
 #include <fstream>
 
 #include "geometry/simplicial_complex.hpp"
+#include "io/atomic_file.hpp"
+#include "io/csv_table.hpp"
 #include "io/mesh_file.hpp"
 #include "io/network_file.hpp"
 #include "io/number_table.hpp"
@@ -35,6 +37,15 @@ void use_numbers(const fs::path& file) {
   column_of(table, table.columns.front(), file);
 }
 
+// The rows that an interrupted run left.
+void use_table(const fs::path& file) {
+  fs::rename(file, growing_name(file));
+  CsvTable table = CsvTable::resume(file, {"t", "x"}, 1);
+  table.add({1, 2});
+  table.close();
+  read_number_table(file);
+}
+
 }  // namespace
 
 void write_input(const fs::path& file, Bytes input) {
@@ -46,7 +57,7 @@ std::vector<FuzzedReader> text_readers() {
   return {{"obj", ".obj", write_input, use_mesh},        {"stl", ".stl", write_input, use_mesh},
           {"ply", ".ply", write_input, use_mesh},        {"off", ".off", write_input, use_mesh},
           {"network", ".txt", write_input, use_network}, {"poses", ".csv", write_input, use_poses},
-          {"numbers", ".csv", write_input, use_numbers}};
+          {"numbers", ".csv", write_input, use_numbers}, {"table", ".csv", write_input, use_table}};
 }
 
 }  // namespace aussois

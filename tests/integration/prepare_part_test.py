@@ -8,7 +8,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from drivers import PARTS, DriverTest
+from drivers import PARTS, DriverTest, slit_obj
 
 
 class PreparePart(DriverTest):
@@ -30,10 +30,7 @@ class PreparePart(DriverTest):
         self.assertAlmostEqual(part["rounding"], 1e-3 * (math.sqrt(3) - 1), delta=1e-15)
 
     def test_a_vertex_inside_a_chain_is_put_on_it_and_told(self):
-        corners = [(x, y, z) for z in (-0.5, 0.5) for y in (-0.5, 0.5) for x in (-0.5, 0.5)]
-        lines = ["v %.9g %.9g %.9g" % v for v in corners + [(0.4999992, 0, 0.5)]]   # 0.8 um inside of its edge
-        faces = "134 142 126 165 378 384 157 173 759 569 987 249 489 629".split()
-        (self.folder / "slit.obj").write_text("\n".join(lines + ["f " + " ".join(f) for f in faces]) + "\n")
+        (self.folder / "slit.obj").write_text(slit_obj())
         run, part = self.prepare("--mesh", self.folder / "slit.obj", "--scale", "1", "--dilation", "1e-3")
         self.assertEqual(part["straightened_vertices"], 1)
         self.assertAlmostEqual(part["straightened_by"], 8e-7, delta=1e-12)

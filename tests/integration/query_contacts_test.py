@@ -8,7 +8,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from drivers import PARTS, DriverTest, box_obj
+from drivers import PARTS, DriverTest, box_obj, slit_obj
 
 USAGE, FILES, NOT_ACCEPTED = 2, 3, 1
 PARTS_OF_PEG = ("--a", PARTS / "peg.obj", "--b", PARTS / "socket.obj")
@@ -172,6 +172,21 @@ class QueryContacts(DriverTest):
         self.assertEqual(run.returncode, 0, run.stderr)
         self.assertIn("warning: ", run.stderr)
         self.assertIn("not kept", run.stderr)
+
+    def test_vertices_put_on_their_chain_are_a_note(self):
+        """In whichever driver prepares the shape; a mesh without such vertices has none."""
+        (self.folder / "slit.obj").write_text(slit_obj())
+        (self.folder / "box.obj").write_text(box_obj(0.2))
+        (self.folder / "path.csv").write_text("x,y,z,qw,qx,qy,qz\n0,0,0.62,1,0,0,0\n0.1,0,0.62,1,0,0,0\n")
+        note = "slit: 1 vertex put on straight chains, moved by up to 0.8 um"
+        _, result = self.ask("--a", "box.obj", "--b", "slit.obj", "--scale", 1, "--pose", "0,0,0.62,1,0,0,0",
+                             "--dilation-a", 1e-3, "--dilation-b", 1e-3)
+        self.assertEqual((result["a"]["notes"], result["b"]["notes"]), ([], [note]))
+        self.replay("out", "--fixed", "slit.obj", "--moving", "box.obj", "--path", "path.csv", "--scale", 1,
+                    "--mode", "kinematic")
+        self.assertEqual(self.summary("out")["notes"], [note])
+        run = self.drive("drop_part", "--mesh", "slit.obj", "--scale", 1, "--dilation", 1e-3, "--time", 0.002, "--quiet")
+        self.assertEqual(run.stderr.splitlines()[0], f"warning: {note}")
 
     def test_pairs_of_the_data(self):
         _, result = self.ask("--data", self.data(), "--pair", "own_tslot", "--quiet")

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Poses that put a corner, a crease or a face of a small probe just where the tests of neighbouring simplices
-// of a shape meet: above its vertices and the borders of its regions, along the normals of the regions,
-// exactly or a little beside. Random poses never hit such places, features cut by one CAD program do. The
-// judge is the distance of the base complexes, which knows no regions, no chains and no cones (lmd.md,
-// Coverage).
+// of a shape meet: above its vertices and the borders of its regions, along the normals of the regions, and
+// across its wires from any side, exactly or a little beside. Random poses never hit such places, features
+// cut by one CAD program do. The judge is the distance of the base complexes, which knows no regions, no
+// chains and no cones (lmd.md, Coverage).
 #pragma once
 
 #include <algorithm>
@@ -51,7 +51,6 @@ class AimedPoses {
   explicit AimedPoses(const LmdShape& shape) : s_(shape), k_(shape.complex) {
     for (int e = 0; e < int(k_.edges.size()); ++e) {
       const auto around = k_.edge_triangles[e];
-      if (around.empty()) continue;
       const bool inside = around.size() == 2 && region(around[0]) == region(around[1]);
       if (!inside) borders_.push_back(e);
     }
@@ -69,7 +68,7 @@ class AimedPoses {
         }
   }
   bool empty() const { return borders_.empty(); }
-  /// Every vertex inside a chain and every border of a region, at each of kBeside.
+  /// Every vertex inside a chain, every border of a region and every edge of a wire, at each of kBeside.
   long due_count() const { return long(std::size(kBeside) * (inner_.size() + borders_.size())); }
 
   /// The `i`-th of those that are due.
@@ -93,6 +92,12 @@ class AimedPoses {
   }
 
  private:
+  // Unit, across a wire.
+  static Vec3 any_across(const Vec3& along, Random& random) {
+    const Vec3 x = along.unitOrthogonal();
+    const double angle = random.uniform(0, 2 * kPi);
+    return std::cos(angle) * x + std::sin(angle) * along.cross(x);
+  }
   // A place on an edge, from its first end (0) to the other (1).
   Aim over(int e, double s, Random& random) const {
     const auto& ends = k_.edges[e];
@@ -102,6 +107,7 @@ class AimedPoses {
                         : s == 1 ? k_.vertex_triangles[ends[1]]
                                  : k_.edge_triangles[e];
     const auto normal = [&] {
+      if (k_.edge_triangles[e].empty()) return any_across(along, random);
       const int t = around[random.index(int(around.size()))];
       const double side = k_.solid || random.index(2) ? 1 : -1;
       return Vec3(side * double(s_.triangle_sign[t]) * s_.regions[region(t)].normal);
@@ -122,7 +128,7 @@ class AimedPoses {
   std::size_t region(int t) const { return std::size_t(s_.triangle_region[t]); }
   const LmdShape& s_;
   const SimplicialComplex& k_;
-  std::vector<int> borders_{}, bent_{};          // edges; those with an end inside a chain
+  std::vector<int> borders_{}, bent_{};  // edges, those of wires too; those with an end inside a chain
   std::vector<std::pair<int, double>> inner_{};  // each vertex inside a chain as an end, 0 or 1, of an edge
 };
 
@@ -210,8 +216,8 @@ struct PoseSlice {
   int number = 0, of = 1;
 };
 
-/// `poses` poses of the probes aimed at the borders of `shape`, from the seed: three of four go where one is
-/// due, until none is. Those of the slice are judged.
+/// `poses` poses of the probes aimed at the borders and wires of `shape`, from the seed: three of four go
+/// where one is due, until none is. Those of the slice are judged.
 inline CoverageAudit audit_coverage(const LmdShape& shape, long poses, std::uint64_t seed,
                                     PoseSlice slice = {}) {
   CoverageAudit audit;

@@ -25,6 +25,14 @@ def box_obj(side):
         f"f {a} {b} {c}\nf {a} {c} {d}\n" for a, b, c, d in faces)
 
 
+def slit_obj():
+    """A cube of side one as the text of an OBJ file; a vertex of its border lies 0.8e-6 inside of its edge."""
+    corners = [(x, y, z) for z in (-0.5, 0.5) for y in (-0.5, 0.5) for x in (-0.5, 0.5)]
+    faces = "134 142 126 165 378 384 157 173 759 569 987 249 489 629".split()
+    return "".join("v %.9g %.9g %.9g\n" % v for v in corners + [(0.4999992, 0, 0.5)]) + "".join(
+        "f " + " ".join(f) + "\n" for f in faces)
+
+
 class DriverTest(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory(prefix="aussois-")

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "examples/drivers/assembly/assembly_input.hpp"
 
+#include <algorithm>
+#include <cstdio>
 #include <fstream>
 #include <sstream>
 
 #include "geometry/check.hpp"
 #include "geometry/fastener.hpp"
+#include "geometry/number_text.hpp"
 #include "io/checkpoint.hpp"
 #include "io/mesh_file.hpp"
 #include "io/pose_file.hpp"
@@ -77,6 +80,22 @@ AssemblyPart read_part(const std::filesystem::path& path, double scale, const Re
   }
   settle(part, complex, options);
   return part;
+}
+
+double straightened_by(const LmdShape& shape) {
+  double farthest = 0;
+  for (const auto& [v, from] : shape.straightened)
+    farthest = std::max(farthest, (shape.complex.vertices[v] - from).norm());
+  return farthest;
+}
+
+void note_straightened(AssemblyPart& part, const LmdShape& shape) {
+  if (shape.straightened.empty()) return;
+  char way[40];
+  std::snprintf(way, sizeof way, "%.3g um", 1e6 * straightened_by(shape));
+  part.notes.push_back(part.name + ": " +
+                       counted(std::int64_t(shape.straightened.size()), "vertex", "vertices") +
+                       " put on straight chains, moved by up to " + way);
 }
 
 AssemblyInput read_assembly_files(const std::filesystem::path& fixed, const std::filesystem::path& moving,

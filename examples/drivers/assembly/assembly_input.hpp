@@ -9,6 +9,7 @@
 
 #include "geometry/mass_properties.hpp"
 #include "geometry/mesh_repair.hpp"
+#include "lmd/lmd_shape.hpp"
 
 namespace aussois {
 
@@ -32,6 +33,14 @@ struct AssemblyInput {
 /// used as two-sided sheets, with a note that says why; wires and points are what they are. Errors as of
 /// read_mesh.
 AssemblyPart read_part(const std::filesystem::path& path, double scale, const RepairOptions& options = {});
+
+/// The largest way from a vertex of the mesh to where the shape has it, on the chord of its chain (LMD-5)
+/// [m].
+double straightened_by(const LmdShape& shape);
+
+/// Adds a note to the part if vertices of its mesh were put on chords when the shape was prepared: how many,
+/// and the largest way.
+void note_straightened(AssemblyPart& part, const LmdShape& shape);
 
 /// DIR/assembly/pairs.csv names the meshes (DIR/meshes/NAME.obj) and the path (DIR/assembly/FILE). Throws
 /// std::invalid_argument with the known names if `pair` is none of them.

@@ -210,7 +210,7 @@ std::vector<PegSample> read_samples(const std::filesystem::path& path) {
   for (const std::vector<double>& x : table.rows)
     out.push_back({.t = x[0],
                    .is_static = x[1] != 0,
-                   .g = {Quat(x[5], x[6], x[7], x[8]), Vec3(x[2], x[3], x[4])},
+                   .g = pose_in(table, out.size(), {2, 3, 4, 5, 6, 7, 8}, path),
                    .v = Vec3(x[9], x[10], x[11]),
                    .omega = Vec3(x[12], x[13], x[14]),
                    .force = Vec3(x[15], x[16], x[17]),

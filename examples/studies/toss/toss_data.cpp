@@ -46,11 +46,10 @@ Toss read_toss(const std::filesystem::path& path) {
     const auto value = [&](std::size_t i) { return row[at[i]]; };
     if (!toss.t.empty() && !(value(0) > toss.t.back()))
       fail("t_s = " + std::to_string(value(0)) + " must be greater than in the row before");
-    Quat R(value(4), value(5), value(6), value(7));
-    if (!(std::abs(R.norm() - 1) <= 1e-6))
-      fail("|(qw, qx, qy, qz)| = " + std::to_string(R.norm()) + " must lie within 1e-6 of 1");
     toss.t.push_back(value(0));
-    toss.pose.push_back({R.normalized(), Vec3(value(1), value(2), value(3))});
+    SE3 g = pose_in(table, toss.pose.size(), {at[1], at[2], at[3], at[4], at[5], at[6], at[7]}, path);
+    g.R.normalize();
+    toss.pose.push_back(g);
     toss.twist.emplace_back(value(8), value(9), value(10), value(11), value(12), value(13));
   }
   if (toss.t.size() < 2) fail("rows = " + std::to_string(toss.t.size()) + " must be at least 2");
