@@ -232,7 +232,7 @@ TEST(OrderTable, MarksWhatIsMissedExactShortenedLessPromisedOrNotThere) {
             "| `ball` | 1.00 1.00 2.00 exact | - |\n"
             "| `block` | - | **0.50** 1.00 2.00 exact |\n"
             "\n## heun\n\n"
-            "| case |  |\n|---|---|\n"
+            "| case | defaults |\n|---|---|\n"
             "| `ball` | 1.00 1.00 (2.00) exact c |\n");
 }
 
