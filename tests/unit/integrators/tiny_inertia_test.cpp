@@ -134,17 +134,20 @@ TEST(TinyInertia, OfAClosedChainKeepsItClosedAndTheOrder) {
 
 // Directions are taken where the ring is closed (MJT-18). Taken where it is open by O(h^2), its equations
 // have rank 30 there and hold it: it lost 0.1 to 1.5 J of the 29.4 J that swing. Order two grants h^2 g / L
-// of these.
+// of these, order one h sqrt(g / L).
 TEST(TinyInertia, OfARedundantLoopLosesNoEnergy) {
   constexpr double kStep = 1e-2, kGravity = 9.81, kSwings = 3 * kGravity;
   for (const std::string& scheme : scheme_names()) {
-    if (scheme == "schatzman_paoli" || scheme == "event_driven") continue;  // of order one; of no fixed step
+    if (scheme == "event_driven") continue;  // of no fixed step: the next test
+    const bool paoli = scheme == "schatzman_paoli";
+    const double allowed = std::pow(kStep * std::sqrt(kGravity), paoli ? 1 : 2) * kSwings;
     for (const double about_x : {1e-1, 1e-5, 1e-6, 1.1e-12}) {
       const End coarse = run(scheme, Ring(about_x), kStep, 1),
                 fine = run(scheme, Ring(about_x), kStep / 2, 1);
       EXPECT_LT(coarse.joints, 1e-12) << scheme << " " << about_x;
-      EXPECT_LT(std::abs(coarse.energy), kStep * kStep * kGravity * kSwings) << scheme << " " << about_x;
-      EXPECT_LT(std::abs(fine.energy), std::abs(coarse.energy) / 3 + 1e-9) << scheme << " " << about_x;
+      EXPECT_LT(std::abs(coarse.energy), allowed) << scheme << " " << about_x;
+      EXPECT_LT(std::abs(fine.energy), std::abs(coarse.energy) / (paoli ? 1.5 : 3) + 1e-9)
+          << scheme << " " << about_x;
     }
   }
 }
