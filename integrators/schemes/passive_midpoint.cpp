@@ -60,7 +60,15 @@ RowVector plain_velocity(const ContactRow& row, const Layout& dofs, const VecX& 
   return relative_velocity(row, dofs, v) - row.w + row.moved;
 }
 
-// Rows that would give energy are stated at the midpoint (PMI-6); how many more that are.
+// (PMI-6). `v`: at the start of the step.
+void state_at_midpoint(const Layout& dofs, const VecX& v, ContactRow& row) {
+  const RowVector before = plain_velocity(row, dofs, v);
+  const double bias = std::max(row.w[0] - row.moved[0], before[0]);
+  row.w.head(row.law.rows) = (row.moved + before).head(row.law.rows);
+  row.w[0] = row.moved[0] + bias;
+}
+
+// Rows that would give energy are stated at the midpoint; how many more that are.
 int make_passive(const Layout& dofs, double tolerance, ImpulseStep& step, std::vector<char>& stated) {
   int count = 0;
   const std::vector<RowVector> r = row_impulses(step);
@@ -72,30 +80,22 @@ int make_passive(const Layout& dofs, double tolerance, ImpulseStep& step, std::v
                     without = plain_velocity(row, dofs, step.free->v_free);
     const double noise = tolerance * r[i].norm() * (before.norm() + without.norm());
     if (r[i].dot(before + after) / 2 <= noise) continue;  // (PMI-5)
-    const double bias = std::max(row.w[0] - row.moved[0], before[0]);
-    row.w.head(row.law.rows) = (row.moved + before).head(row.law.rows);
-    row.w[0] = row.moved[0] + bias;
+    state_at_midpoint(dofs, step.free->v, row);
     stated[i] = 1;
     ++count;
   }
   return count;
 }
 
-void set_joints(JointSystem joints, ImpulseStep& step) {
-  step.rows.resize(step.rows.size() - step.joints.rows.size());
-  step.joints = std::move(joints);
-  step.rows.insert(step.rows.end(), step.joints.rows.begin(), step.joints.rows.end());
-}
-
 // Joints on the mean with the end that the last solve leads to (MJT-14), (MJT-15).
-void set_mean_joints(const StepSetting& setting, const State& start, double h, ImpulseStep& step) {
+JointSystem mean_joint_system(const StepSetting& setting, const State& start, double h,
+                              const ImpulseStep& step) {
   const VecX& v = step.solved.solution.v;
   const VecX mean = all_velocities(setting.dofs, (step.free->v + v) / 2, step.v_prescribed);
   const VecX path = path_velocity(setting.options.update, setting.model, start, mean, h);
   const State end = state_after(setting.model, start, path, mean, h);
-  set_joints(joint_system_on_mean(setting.model, start, {end, mean}, setting.dofs, step.v_prescribed, h,
-                                  setting.normal, setting.options.joints),
-             step);
+  return joint_system_on_mean(setting.model, start, {end, mean}, setting.dofs, step.v_prescribed, h,
+                              setting.normal, setting.options.joints);
 }
 
 // The displacement that ends landings closed (MJ-17), as part of the velocities of the path, unless the
@@ -203,8 +203,7 @@ struct MidpointSolve {
   // Joints on the mean hand the jump of a landing on from step to step (PMI-8).
   VecX find_path_to(const State& end) {
     set_joints(
-        joint_system_at(setting.model, start, end, setting.dofs, step.v_prescribed, found.h, setting.normal),
-        step);
+        joint_system_at(setting.model, start, end, setting.dofs, step.v_prescribed, found.h, setting.normal));
     mean_joints = false;
     joints_stand = true;
     return find_path();
@@ -232,7 +231,17 @@ struct MidpointSolve {
         guess = v;
         step.free = with_torque();
       }
-      if (!joints_stand) set_mean_joints(setting, start, found.h, step);
+      if (!joints_stand) set_joints(mean_joint_system(setting, start, found.h, step));
+    }
+  }
+
+  // What was stated at the midpoint stays so.
+  void set_joints(JointSystem joints) {
+    step.rows.resize(step.rows.size() - step.joints.rows.size());
+    step.joints = std::move(joints);
+    for (ContactRow row : step.joints.rows) {
+      if (stated[step.rows.size()]) state_at_midpoint(setting.dofs, plain.v, row);
+      step.rows.push_back(row);
     }
   }
 };
