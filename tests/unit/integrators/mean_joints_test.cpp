@@ -61,12 +61,12 @@ struct Chain {
 
 // Through long swings: what a chain of hinges loses of its energy is rounding.
 TEST(MeanJoints, KeepTheEnergyOfADoublePendulum) {
-  auto [model, state] = Chain();
-  const double E = energy(model, state).total();
+  Chain s;
+  const double E = energy(s.model, s.state).total();
   double worst = 0, fastest = 0;
-  advance(on_mean(model, 4e-3), state, 3, [&](const StepReport&) {
-    worst = std::max(worst, std::abs(energy(model, state).total() - E));
-    fastest = std::max(fastest, energy(model, state).kinetic);
+  advance(on_mean(s.model, 4e-3), s.state, 3, [&](const StepReport&) {
+    worst = std::max(worst, std::abs(energy(s.model, s.state).total() - E));
+    fastest = std::max(fastest, energy(s.model, s.state).kinetic);
   });
   EXPECT_GT(fastest, 10);
   EXPECT_LT(worst, 1e-11);  // J; projected, with the rows of a predicted middle: 5e-4
@@ -74,15 +74,16 @@ TEST(MeanJoints, KeepTheEnergyOfADoublePendulum) {
 
 // Under torques that are held over each step, a law stated at the midpoint stays so while the joints settle.
 TEST(MeanJoints, LetStopsGiveNoEnergy) {
-  auto [model, state] = Chain();
-  for (JointId j = 0; j < 2; ++j) model.joints[j].axis[0].lower = -0.05, model.joints[j].axis[0].upper = 0.05;
-  model.forces.push_back(
+  Chain s;
+  for (JointId j = 0; j < 2; ++j)
+    s.model.joints[j].axis[0].lower = -0.05, s.model.joints[j].axis[0].upper = 0.05;
+  s.model.forces.push_back(
       {.name = "noise", .add_to = [](const Model&, const State& now, double, GeneralisedForce& force) {
          Random random(std::uint64_t(std::llround(1e6 * now.t)));
          for (BodyId b = 0; b < 2; ++b) of_body(force.f, b)[4] += random.uniform(-100, 100);
        }});
   int made_passive = 0;
-  advance(on_mean(model, 1e-3), state, 1, [&](const StepReport& report) {
+  advance(on_mean(s.model, 1e-3), s.state, 1, [&](const StepReport& report) {
     const double given = report.energy.law_work + report.energy.gravity_work;
     const double stored = report.energy.kinetic_change;
     EXPECT_LT(stored - given, 1e-12);  // J, of the 15 mJ that a torque may give in a step
