@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-# aussois_test(<name> LABEL <label> [SLOW <regex>] [LONG <regex>] SOURCES ... USES ...): one GoogleTest executable, its
+# aussois_test(<name> LABEL <label> [SLOW <regex>] [LONG <regex>] [SERIAL <regex>] SOURCES ... USES ...): one GoogleTest executable, its
 # tests discovered; those whose names match SLOW take over ten seconds in release and have the label slow too, those
-# that match LONG many minutes, and both labels: they are disabled unless AUSSOIS_LONG_TESTS is on.
+# that match LONG many minutes, and both labels: they are disabled unless AUSSOIS_LONG_TESTS is on. Those that match
+# SERIAL run alone, since they measure time.
 # Tests read AUSSOIS_DATA_DIR from the environment (empty: skip). Sources that read small inputs of the project are
 # given AUSSOIS_SOURCE_DIR one by one: the others compile to the same in every checkout.
 include(GoogleTest)
 function(aussois_test name)
-  cmake_parse_arguments(arg "" "LABEL;SLOW;LONG;TIMEOUT" "SOURCES;USES" ${ARGN})
+  cmake_parse_arguments(arg "" "LABEL;SLOW;LONG;SERIAL;TIMEOUT" "SOURCES;USES" ${ARGN})
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 300)
   endif()
@@ -25,7 +26,8 @@ function(aussois_test name)
   if(NOT AUSSOIS_LONG_TESTS)
     string(APPEND long " DISABLED ON")
   endif()
-  foreach(weight IN ITEMS slow long)   # read by ctest: discovery takes no list of labels
+  set(serial "RUN_SERIAL ON")
+  foreach(weight IN ITEMS slow long serial)   # read by ctest: discovery takes no list of labels
     string(TOUPPER ${weight} regex)
     if(arg_${regex})
       set(file ${CMAKE_CURRENT_BINARY_DIR}/${name}_${weight}.cmake)

@@ -10,7 +10,7 @@ namespace aussois {
 
 class SettingVisitor;
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct FastenerOptions {
   double diameter = 16e-3;  // nominal thread diameter [m]; across flats 1.5 diameter, head 0.65 diameter
   double pitch = 2e-3;      // rise per turn [m], in (0, diameter / 4]; right-handed

@@ -19,7 +19,7 @@ enum class VertexRule {
   paper_exact,           // the same as printed: no owners, so several triangles may mark one vertex
 };
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct MeshFeatureOptions {
   double flat_angle = 0.1 * kPi / 180;  // edges that bend by at most this are interior [rad];
                                         // games use 5 degrees

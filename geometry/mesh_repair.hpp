@@ -14,7 +14,7 @@ namespace aussois {
 
 class SettingVisitor;
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct RepairOptions {
   double relative_tolerance = 1e-6;  // relative to the box diagonal [-]
   // Upper bound of the tolerance [m]. Use a small part of the dilation if the clearance is far below

@@ -18,7 +18,7 @@ namespace aussois {
 namespace {
 
 void check_joints(const Model& model, const State& state, double tolerance) {
-  const std::string bound = "be at most " + number_text(tolerance) + "; see consistent()";
+  const std::string bound = "be at most " + number_text(tolerance) + "; see consistent_state()";
   for (const JointId j : model.joints.ids()) {
     const std::string who = "start: joint " + to_string(j) + " (" + model.joints[j].name + "): ";
     const JointError error = joint_error(model, state, j);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Schemes by name, for studies that compare them, drivers that offer them and tests that loop over them. A
-// new scheme is one entry in scheme.cpp. (CONV-7)
+// scheme that is offered by name is a member of SchemeOptions, and a group and an entry in scheme.cpp.
+// (CONV-7)
 #pragma once
 
 #include <functional>

@@ -89,9 +89,10 @@ void validate(const StepOptions& o) {
   validate(o.lmd);
   validate(o.reduction);
   validate(o.persistence);
-  require(!o.persistence.anchors || o.reduction.friction == FrictionAt::contacts,
-          "PersistenceOptions::anchors need ReductionOptions::friction at contacts: a patch has no point to "
-          "pull back");
+  require(
+      !o.persistence.anchors || o.reduction.friction == FrictionAt::contacts,
+      "PersistenceOptions::anchors cannot be combined with ReductionOptions::friction at patches: a patch "
+      "has no point to pull back");
   validate(o.solver);
   const LmdOptions usual;
   require_field(o.lmd.threads == usual.threads || o.lmd.threads == o.threads, "StepOptions::lmd.threads",

@@ -38,7 +38,7 @@ inline constexpr Named<ImpactLaw> kImpactLaws[] = {{ImpactLaw::newton, "newton"}
 inline constexpr Named<ImpactOrder> kImpactOrders[] = {{ImpactOrder::simultaneous, "simultaneous"},
                                                        {ImpactOrder::sequential, "sequential"}};
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct ImpactOptions {
   ImpactLaw law = ImpactLaw::newton;
   ImpactOrder order = ImpactOrder::simultaneous;
@@ -54,7 +54,7 @@ inline bool in_the_step(const ImpactOptions& o) {
 
 /// How joints are kept from drifting: stabilisation in the step and projection after it; and how far off they
 /// may be.
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct JointOptions {
   bool project = true;         // joints hold to rounding after each step, positions and velocities (MJT-13)
   double stabilisation = 0.2;  // fraction of the drift that a step removes [-] (MJT-11)
@@ -64,7 +64,7 @@ struct JointOptions {
 void describe(SettingVisitor& visit, JointOptions& options);
 /// Contacts are searched for within a bound on the step's displacement. A step is accepted only if it stayed
 /// within the bound and the base complexes provably stayed apart.
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct AdvancementOptions {
   bool certify = true;        // false: no proof, no refusal for overlap (for comparison only)
   double enlargement = 1.25;  // beta: factor that enlarges the estimated speeds [-]
@@ -79,7 +79,7 @@ struct AdvancementOptions {
 void validate(const AdvancementOptions& options);  // throws std::invalid_argument: field, value, bound
 void describe(SettingVisitor& visit, AdvancementOptions& options);
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct StepOptions {
   double h = 1e-3;                 // largest step [s]
   double correction_speed = 0.01;  // overlaps are pushed apart no faster than this [m/s]

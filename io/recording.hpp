@@ -15,7 +15,7 @@ namespace aussois {
 
 class SettingVisitor;
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct RecordingOptions {
   std::filesystem::path folder{};                      // must exist
   int every = 1;                                       // each n-th step is a row of run.h5 and of steps.csv

@@ -10,7 +10,7 @@ namespace aussois {
 
 class SettingVisitor;
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct ReplayOptions {
   int max_frames = 600;        // poses and contacts shown; more are thinned evenly, which the page says
   int max_plot_points = 4000;  // per curve; beyond that, each point keeps the worst value of its bucket

@@ -21,7 +21,7 @@ struct MovingShape {
   std::span<const Vec3> velocity{};
 };
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct CertificateOptions {
   double required = 0;    // distance that must never be undercut [m]
   double wanted = 0;      // pairs certain to stay farther apart are not examined further [m], >= required

@@ -18,7 +18,7 @@ namespace aussois {
 
 class SettingVisitor;
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct ErosionOptions {
   double depth = 0;                                // eps, the radius of the dilation to come [m]
   double planarity = LmdShapeOptions{}.planarity;  // relative to the box diagonal [-]

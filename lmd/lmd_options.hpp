@@ -20,7 +20,7 @@ struct SearchTests {
 };
 void describe(SettingVisitor& visit, SearchTests& options);
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct LmdOptions {
   double threshold = 1e-3;           // report contacts with gap <= threshold [m]
   double alpha = 2 * kPi / 180;      // small rotations tolerated by the quasi-LMD rule [rad]

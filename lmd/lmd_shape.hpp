@@ -15,7 +15,7 @@ namespace aussois {
 
 class SettingVisitor;
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct LmdShapeOptions {
   double planarity = 1e-6;  // tolerance of planar regions and straight chains, relative to the box diagonal
                             // [-]

@@ -20,7 +20,7 @@ struct VertexPlane {
   double offset = -1;           // of the moved plane { x : normal . x = offset }, x from the vertex
 };
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct MitreOptions {
   double meet = 1e-6;    // planes that pass a point within this distance meet there [-]: from the rounding
                          // of coordinates in files

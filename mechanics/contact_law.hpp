@@ -8,7 +8,7 @@ namespace aussois {
 
 class SettingVisitor;
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct ContactLaw {
   double mu = 0.3;              // Coulomb friction [-]
   double restitution = 0.0;     // Newton restitution e [-]

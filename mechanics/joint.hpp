@@ -48,7 +48,7 @@ struct Motor {
   double limit = kInf;                       // of a speed or position motor [N, N m]
 };
 
-/// What acts along a free axis with coordinate q [m or rad]. Ranges: its table.
+/// What acts along a free axis with coordinate q [m or rad]. `describe` gives the ranges.
 struct JointAxis {
   double lower = -kInf, upper = kInf;  // stops [m, rad], lower < upper
   double restitution = 0;              // of the stops [-]

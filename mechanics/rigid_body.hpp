@@ -20,7 +20,7 @@ struct Fixed {};
 struct Prescribed {  // pose and velocity known, reactions computed
   Trajectory path{};
 };
-struct Driven {};  // moves with its twist in State::v, which is set between steps (`lead`)
+struct Driven {};  // moves with its twist in State::v, which is set between steps (`lead_body`)
 using Motion = std::variant<Dynamic, Fixed, Prescribed, Driven>;
 
 struct RigidBody {

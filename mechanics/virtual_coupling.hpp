@@ -12,7 +12,7 @@ namespace aussois {
 
 class SettingVisitor;
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct VirtualCouplingOptions {
   double stiffness = 1e4;          // [N/m]
   double rotation_stiffness = 10;  // [N m/rad]

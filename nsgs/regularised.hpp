@@ -19,7 +19,7 @@ inline constexpr Named<FrictionReading> kFrictionReadings[] = {{FrictionReading:
                                                                {FrictionReading::hybrid, "hybrid"}};
 const char* to_string(FrictionReading reading);
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct RegularisedOptions {
   FrictionReading reading = FrictionReading::coulomb_pgs;
   double tolerance = SolverOptions{}.tolerance;  // on the scaled residual [-]

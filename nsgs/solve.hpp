@@ -50,7 +50,7 @@ inline bool is_solved(SolveStatus status) {
   return status <= SolveStatus::at_rounding;
 }
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct SolverOptions {
   Method method = Method::automatic;
   FrictionModel model = FrictionModel::coulomb;  // convex_cone: admm, projected_gradient, interior_point

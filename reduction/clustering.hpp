@@ -30,7 +30,7 @@ const char* to_string(Clustering rule);
 Clustering clustering(const std::string& name);
 std::vector<std::string> clustering_names();
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct ClusteringOptions {
   Clustering rule = Clustering::angle;
   double angle = 0.1;             // largest angle to the seed's normal [rad]; a matter of taste

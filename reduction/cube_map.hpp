@@ -12,7 +12,7 @@ namespace aussois {
 
 class SettingVisitor;
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct CubeMapOptions {
   int cells = 4;              // per edge of the cube
   bool equi_angular = false;  // cells of about the same solid angle (CLU-2)

@@ -8,7 +8,7 @@ namespace aussois {
 
 class SettingVisitor;
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct HullMargin {
   double margin = 0.9;  // at least this is kept, unless max_corners binds
   int min_corners = 4;  // if the hull has that many

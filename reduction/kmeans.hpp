@@ -24,7 +24,7 @@ struct SeedWarm {  // previous centres, one per column; if too few, the rest as 
 };
 using KMeansSeeding = std::variant<SeedFarthest, SeedRandom, SeedPlusPlus, SeedWarm>;
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct KMeansOptions {
   int k = 3;  // no more centres than points are made
   KMeansSeeding seeding{};

@@ -17,7 +17,7 @@ enum class MeanRule {
   position,                  // KMC, and KMCW with previous centres [Kim2019]
 };
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct MeanContactOptions {
   MeanRule rule = MeanRule::position;
   int k = 3;

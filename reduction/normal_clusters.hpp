@@ -15,7 +15,7 @@ class SettingVisitor;
 
 enum class NormalClustering { kmeans, cube_map };
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct NormalClusterOptions {
   NormalClustering method = NormalClustering::kmeans;
   CubeMapOptions cube{};

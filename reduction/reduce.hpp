@@ -38,7 +38,7 @@ enum class FrictionAt {
   patches,   // at the centre of the contact's patch, with the drilling torque of even pressure on it (RED-15)
 };
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct ReductionOptions {
   Reducer reducer = Reducer::hull_margin;
   ClusteringOptions clustering{};  // which contacts of a pair are reduced together

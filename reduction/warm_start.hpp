@@ -19,7 +19,7 @@ enum class Matching {
   cascade,  // the same, then those of incident features, then those at the same place
 };
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct PersistenceOptions {
   Matching matching = Matching::cascade;
   double reach = 1e-3;      // a contact not matched by key is the same if it moved by at most this on either

@@ -59,6 +59,9 @@ struct CommonOptions {
   double checkpoint_every = 60;  // wall time between checkpoints [s]
 };
 
+/// --scale: the length of one unit of a mesh file [m].
+inline constexpr Range kMeshScale{1e-12, 1e12};
+
 /// A row of an angle in radians, as a user says it.
 inline Setting in_degrees(Setting angle) {
   angle.unit = "deg";

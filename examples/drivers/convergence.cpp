@@ -165,6 +165,42 @@ Results run_cells(const Arguments& a, const std::vector<Cell>& cells, const ForA
   return out;
 }
 
+// Pictures, tables and the verdict.
+ExitCode conclude(const Arguments& a, const Results& results, std::size_t cells) {
+  bool pictures = true;
+  std::map<OrderVerdict, int> count;
+  RunAudit audit;
+  for (const Study& s : results.done) {
+    if (!a.all && !a.tasks.quiet)
+      std::printf("%s, %s\n%s", s.case_name.c_str(), s.scheme.c_str(), to_string(s).c_str());
+    pictures = write_picture(a.tasks.out, s) && pictures;
+    ++count[verdict(s)];
+    add(s.audit, audit);
+  }
+  if (!a.tasks.json.empty())
+    write_whole_file(a.tasks.json, a.all                  ? to_json(results.done, program_digest())
+                                   : results.done.empty() ? ""
+                                                          : to_json(results.done.front(), program_digest()));
+  if (a.all) {
+    const std::string table = order_table(results.done);
+    write_whole_file(a.tasks.out / "convergence.md", table);
+    std::printf("%s", table.c_str());
+  }
+  if (!pictures) std::fprintf(stderr, "no picture: gnuplot is missing or failed\n");
+  for (const std::string& text : results.failures) std::fprintf(stderr, "convergence: %s\n", text.c_str());
+  tell_known(results.known, cells, a.tasks.out);
+  std::printf(
+      "convergence: %d of %zu met the orders of theory, one or more; %d met less than one, as theory "
+      "predicts; %d not judged; %d missed\n",
+      count[OrderVerdict::met], cells, count[OrderVerdict::less], count[OrderVerdict::not_judged],
+      count[OrderVerdict::missed]);
+  const bool certified = print_findings(audit);
+  if (!results.failures.empty()) return ExitCode::numerical;
+  return certified && count[OrderVerdict::missed] + count[OrderVerdict::not_judged] == 0
+             ? ExitCode::ok
+             : ExitCode::not_accepted;
+}
+
 ExitCode run(Arguments a) {
   if (a.list) return list();
   require(a.all || !a.case_name.empty(), "give --case NAME, --all or --list");
@@ -193,38 +229,7 @@ ExitCode run(Arguments a) {
   const Results results =
       run_cells(a, cells, [&](int n, const auto& f) { parallel_for(n, a.tasks.threads, f); });
   if (interrupted()) return ExitCode::interrupted;
-  bool pictures = true;
-  std::map<OrderVerdict, int> count;
-  RunAudit audit;
-  for (const Study& s : results.done) {
-    if (!a.all && !a.tasks.quiet)
-      std::printf("%s, %s\n%s", s.case_name.c_str(), s.scheme.c_str(), to_string(s).c_str());
-    pictures = write_picture(a.tasks.out, s) && pictures;
-    ++count[verdict(s)];
-    add(s.audit, audit);
-  }
-  if (!a.tasks.json.empty())
-    write_whole_file(a.tasks.json, a.all                  ? to_json(results.done, program_digest())
-                                   : results.done.empty() ? ""
-                                                          : to_json(results.done.front(), program_digest()));
-  if (a.all) {
-    const std::string table = order_table(results.done);
-    write_whole_file(a.tasks.out / "convergence.md", table);
-    std::printf("%s", table.c_str());
-  }
-  if (!pictures) std::fprintf(stderr, "no picture: gnuplot is missing or failed\n");
-  for (const std::string& text : results.failures) std::fprintf(stderr, "convergence: %s\n", text.c_str());
-  tell_known(results.known, cells.size(), a.tasks.out);
-  std::printf(
-      "convergence: %d of %zu met the orders of theory, one or more; %d met less than one, as theory "
-      "predicts; %d not judged; %d missed\n",
-      count[OrderVerdict::met], cells.size(), count[OrderVerdict::less], count[OrderVerdict::not_judged],
-      count[OrderVerdict::missed]);
-  const bool certified = print_findings(audit);
-  if (!results.failures.empty()) return ExitCode::numerical;
-  return certified && count[OrderVerdict::missed] + count[OrderVerdict::not_judged] == 0
-             ? ExitCode::ok
-             : ExitCode::not_accepted;
+  return conclude(a, results, cells.size());
 }
 
 }  // namespace

@@ -110,7 +110,7 @@ int main(int argc, char** argv) {
   cli.group("scene");
   cli.input("--mesh", a.mesh, "mesh of the part (OBJ, STL, PLY or OFF); empty: --builtin");
   cli.choice("--builtin", a.builtin, "built-in part, used if no --mesh is given", {"box", "bolt"});
-  cli.option("--scale", a.scale, "length of one unit of the mesh file", "m", {1e-12, 1e12});
+  cli.option("--scale", a.scale, "length of one unit of the mesh file", "m", kMeshScale);
   cli.option("--height", a.height, "initial height of the lowest point above the plate", "m", {0, 100});
   cli.option("--tilt", a.tilt, "initial tilt about the axis (2, 1, 0)", "deg", {-180, 180});
   cli.option("--density", a.density, "density of the part", "kg/m^3", {1e-3, 1e5});
@@ -120,7 +120,7 @@ int main(int argc, char** argv) {
   cli.option("--dilation", a.dilation, "dilation of part and plate", "m", {1e-9, 1});
   cli.group("stepping");
   cli.option("--time", a.time, "time to simulate", "s", {1e-6, 1e4});
-  cli.option("--h", a.h, "largest step", "s", {1e-7, 0.1});
+  cli.option("--h", a.h, "largest step", "s", setting_of<StepOptions>("h").range);
   add_run_options(cli, a.run);
   cli.example("drop_part -o out", "a steel box; open out/replay.html");
   cli.example("drop_part --mesh bracket.obj --scale 1e-3 --mu 0.1 --h 5e-4", "your own part, in millimetres");

@@ -184,7 +184,7 @@ int main(int argc, char** argv) {
   cli.option(in_degrees(setting_of<Arch>("tilt")), a.tilt);
   cli.option(setting_of<Arch>("scatter"), a.arch.scatter);
   cli.group("stepping");
-  cli.option("--h", a.h, "largest step", "s", {1e-5, 0.1});
+  cli.option("--h", a.h, "largest step", "s", setting_of<StepOptions>("h").range);
   cli.option("--time", a.time, "time to simulate; 0: the whole scene", "s", {0, 1e5});
   a.cli = &cli;
   add_run_options(cli, a.run);

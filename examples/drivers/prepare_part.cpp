@@ -240,7 +240,7 @@ int main(int argc, char** argv) {
   cli.input("--mesh", a.mesh, "mesh of the part (OBJ, STL, PLY or OFF); empty: --builtin");
   cli.choice("--builtin", a.builtin, "built-in part, used if no --mesh is given",
              {"box", "l", "gear", "peg", "ball", "bolt", "nut"});
-  cli.option("--scale", a.scale, "length of one unit of the mesh file", "m", {1e-12, 1e12});
+  cli.option("--scale", a.scale, "length of one unit of the mesh file", "m", kMeshScale);
   add_flags(cli, a.shape, a.said);
   cli.option("--alpha", a.alpha,
              "enlargement of normal cones; only used to warn about meshes that are too fine", "deg",

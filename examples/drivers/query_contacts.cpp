@@ -113,6 +113,71 @@ void print_cache(const std::string& name, const CachedShape& cached, bool quiet)
   if (!quiet) std::printf("cache: %s: %s\n", name.c_str(), to_string(cached).c_str());
 }
 
+// At how many poses something is the case, and at which first.
+struct Found {
+  std::size_t count = 0, first = 0;
+  void add(bool is_so, std::size_t pose) {
+    if (is_so && ++count == 1) first = pose;
+  }
+};
+
+void print_answers(const ContactReport& report, const ContactPair& pair, int rows) {
+  const ContactQuery& first = report.queries.front();
+  if (pair.poses.size() > 1) {
+    std::printf("%s", statistics_table(report).c_str());
+    std::printf("%s: %s, contacts within %.4g um\n", pair.name.c_str(),
+                counted(std::int64_t(pair.poses.size()), "pose").c_str(), 1e6 * report.options.threshold);
+    return;
+  }
+  if (rows > 0) std::printf("%s", contact_table(report, first, rows).c_str());
+  std::printf("%s: %s within %.4g um, %s, %.3g ms, %s, %s\n", pair.name.c_str(),
+              counted(std::int64_t(first.contact_count), "contact").c_str(), 1e6 * report.options.threshold,
+              gap_text(first.min_gap).c_str(), first.ms, counted(first.count.node_pairs, "node pair").c_str(),
+              counted(first.count.leaf_pairs, "leaf pair").c_str());
+}
+
+void write_answers(const ContactReport& report, const Arguments& a) {
+  if (!a.csv.empty()) {
+    CsvTable csv(a.csv, {"pose", "contacts", "min_gap", "ms", "node_pairs", "leaf_pairs"});
+    for (std::size_t i = 0; i < report.queries.size(); ++i) {
+      const ContactQuery& q = report.queries[i];
+      csv.add({double(i), double(q.contact_count), q.min_gap, q.ms, double(q.count.node_pairs),
+               double(q.count.leaf_pairs)});
+    }
+    csv.close();
+  }
+  if (!a.json.empty()) write_contact_json(a.json, report);
+  if (!a.picture.empty()) write_contact_page(a.picture, report);
+}
+
+// What no contact shows. False: nothing.
+bool print_findings(const ContactReport& report, const ContactPair& pair) {
+  Found touching, nested, bare;
+  for (std::size_t i = 0; i < report.queries.size(); ++i) {
+    const ContactQuery& query = report.queries[i];
+    touching.add(query.bases_touch.value_or(false), i);
+    nested.add(query.nesting.has_value(), i);
+    bare.add(!query.covered.value_or(true), i);
+  }
+  const std::string poses = counted(std::int64_t(pair.poses.size()), "pose");
+  if (touching.count > 0)
+    std::fprintf(stderr,
+                 "the bases of %s and %s touch at %zu of %s, first at pose %zu: contacts are missing there\n",
+                 pair.a.name.c_str(), pair.b.name.c_str(), touching.count, poses.c_str(), touching.first);
+  if (nested.count > 0)
+    std::fprintf(
+        stderr,
+        "%s at pose %zu, the first of %zu of %s with one part inside the other: contacts do not show this\n",
+        to_string(*report.queries[nested.first].nesting, pair.a.name, pair.b.name).c_str(), nested.first,
+        nested.count, poses.c_str());
+  if (bare.count > 0)
+    std::fprintf(stderr,
+                 "the smallest gap is not the distance of the bases less the dilations at %zu of %s, first "
+                 "at pose %zu\n",
+                 bare.count, poses.c_str(), bare.first);
+  return touching.count + nested.count + bare.count > 0;
+}
+
 ExitCode query(const Arguments& a) {
   ContactPair pair = read_pair(a);
   const CachedShape cached_a = prepare_cached(dilate(pair.a.complex, pair.dilation_a), {}, a.cache),
@@ -134,64 +199,18 @@ ExitCode query(const Arguments& a) {
     print_cache(pair.b.name, cached_b, a.quiet);
   }
 
-  // 1. Ask.
   Progress progress("query_contacts", double(pair.poses.size()),
                     Progress::style_of_stderr(a.quiet || pair.poses.size() == 1));
   const Pieces pieces_a = connected_pieces(shape_a.complex), pieces_b = connected_pieces(shape_b.complex);
-  std::size_t touching = 0, first_touching = 0, nested = 0, first_nested = 0, bare = 0, first_bare = 0;
   for (const SE3& pose : pair.poses) {
     report.queries.push_back(ask(report, pose, pieces_a, pieces_b, a));
     if (pair.poses.size() > 1 && a.picture.empty()) report.queries.back().contacts = {};
-    if (report.queries.back().bases_touch.value_or(false) && ++touching == 1)
-      first_touching = report.queries.size() - 1;
-    if (report.queries.back().nesting && ++nested == 1) first_nested = report.queries.size() - 1;
-    if (!report.queries.back().covered.value_or(true) && ++bare == 1) first_bare = report.queries.size() - 1;
     progress.at(double(report.queries.size()));
     if (interrupted()) return ExitCode::interrupted;
   }
-
-  // 2. Tell.
-  const ContactQuery& first = report.queries.front();
-  if (pair.poses.size() > 1) {
-    std::printf("%s", statistics_table(report).c_str());
-    std::printf("%s: %s, contacts within %.4g um\n", pair.name.c_str(),
-                counted(std::int64_t(pair.poses.size()), "pose").c_str(), 1e6 * report.options.threshold);
-  } else {
-    if (a.rows > 0) std::printf("%s", contact_table(report, first, a.rows).c_str());
-    std::printf("%s: %s within %.4g um, %s, %.3g ms, %s, %s\n", pair.name.c_str(),
-                counted(std::int64_t(first.contact_count), "contact").c_str(), 1e6 * report.options.threshold,
-                gap_text(first.min_gap).c_str(), first.ms,
-                counted(first.count.node_pairs, "node pair").c_str(),
-                counted(first.count.leaf_pairs, "leaf pair").c_str());
-  }
-  if (!a.csv.empty()) {
-    CsvTable csv(a.csv, {"pose", "contacts", "min_gap", "ms", "node_pairs", "leaf_pairs"});
-    for (std::size_t i = 0; i < report.queries.size(); ++i) {
-      const ContactQuery& q = report.queries[i];
-      csv.add({double(i), double(q.contact_count), q.min_gap, q.ms, double(q.count.node_pairs),
-               double(q.count.leaf_pairs)});
-    }
-    csv.close();
-  }
-  if (!a.json.empty()) write_contact_json(a.json, report);
-  if (!a.picture.empty()) write_contact_page(a.picture, report);
-  if (touching > 0)
-    std::fprintf(stderr,
-                 "the bases of %s and %s touch at %zu of %s, first at pose %zu: contacts are missing there\n",
-                 pair.a.name.c_str(), pair.b.name.c_str(), touching,
-                 counted(std::int64_t(pair.poses.size()), "pose").c_str(), first_touching);
-  if (nested > 0)
-    std::fprintf(
-        stderr,
-        "%s at pose %zu, the first of %zu of %s with one part inside the other: contacts do not show this\n",
-        to_string(*report.queries[first_nested].nesting, pair.a.name, pair.b.name).c_str(), first_nested,
-        nested, counted(std::int64_t(pair.poses.size()), "pose").c_str());
-  if (bare > 0)
-    std::fprintf(stderr,
-                 "the smallest gap is not the distance of the bases less the dilations at %zu of %s, first "
-                 "at pose %zu\n",
-                 bare, counted(std::int64_t(pair.poses.size()), "pose").c_str(), first_bare);
-  return touching + nested + bare == 0 ? ExitCode::ok : ExitCode::not_accepted;
+  print_answers(report, pair, a.rows);
+  write_answers(report, a);
+  return print_findings(report, pair) ? ExitCode::not_accepted : ExitCode::ok;
 }
 
 }  // namespace
@@ -211,7 +230,7 @@ int main(int argc, char** argv) {
   cli.option("--pose", a.pose,
              "pose of A in the frame of B: x,y,z,qw,qx,qy,qz, with x,y,z in units of the mesh files");
   cli.input("--path", a.path, "CSV file of many such poses, with the header x,y,z,qw,qx,qy,qz");
-  cli.option("--scale", a.scale, "length of one unit of the files", "m", {1e-12, 1e12});
+  cli.option("--scale", a.scale, "length of one unit of the files", "m", kMeshScale);
   cli.option("--dilation-a", a.dilation_a, "dilation of A; negative: that of --builtin, otherwise none", "m",
              {-1, 1});
   cli.option("--dilation-b", a.dilation_b, "dilation of B; negative: that of --builtin, otherwise none", "m",

@@ -192,10 +192,9 @@ int main(int argc, char** argv) {
   cli.group("your own part");
   cli.input("--mesh", a.mesh,
             "closed surface (OBJ, STL, PLY or OFF) that stands on a face; empty: four built-in parts");
-  cli.option("--scale", a.scale, "length of one unit of the mesh file", "m", {1e-9, 1e3});
+  cli.option("--scale", a.scale, "length of one unit of the mesh file", "m", kMeshScale);
   cli.choice("--up", a.up, "axis of the mesh file that points up", {"x", "y", "z"});
   a.scheme.options.step.reduction.reducer = Reducer::none;  // the pictures show what each would leave out
-  start_from_theta(a.scheme.options, 1);
   std::erase(a.scheme.schemes, "event_driven");
   a.scheme.not_offered = "not event_driven, which has no reducer";
   add_options(cli, a.scheme);

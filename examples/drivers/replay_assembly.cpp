@@ -331,7 +331,7 @@ int main(int argc, char** argv) {
   cli.input("--path", a.path,
             "CSV file of poses of the moving part in the frame of the fixed one: x,y,z,qw,qx,qy,qz");
   cli.option("--builtin", a.builtin, "built-in pair: bolt_nut");
-  cli.option("--scale", a.scale, "length of one unit of the files", "m", {1e-12, 1e12});
+  cli.option("--scale", a.scale, "length of one unit of the files", "m", kMeshScale);
   cli.option("--cache", a.scene.cache,
              "folder that keeps prepared shapes for later runs, created if missing; empty: none");
   cli.choice("--mode", a.mode,

@@ -174,7 +174,7 @@ int main(int argc, char** argv) {
   cli.option("--angle", a.angle, "slope of the plate", "deg", {0, 80});
   cli.option("--speed", a.speed, "initial speed down the slope", "m/s", {1e-3, 10});
   cli.group("stepping");
-  cli.option("--h0", a.h0, "largest step", "s", {1e-5, 0.1});
+  cli.option("--h0", a.h0, "largest step", "s", setting_of<StepOptions>("h").range);
   cli.option("--levels", a.levels, "number of step sizes, each about half the one before", "", {3, 16});
   start_from_theta(a.scheme.options, 1);  // whose order shows
   a.scheme.options.step.solver.tolerance = 1e-12;

@@ -89,6 +89,9 @@ std::string summary(const List& list) {
   std::string out;
   for (const auto& [what, rows] : missing(list))
     out += std::to_string(rows) + " rows skipped: " + what + "\n";
+  if (const int guards = count_guards(list); guards > 0)
+    out +=
+        std::to_string(guards) + " of the rows that hold are guards: no worse than when they were written\n";
   return out + text;
 }
 

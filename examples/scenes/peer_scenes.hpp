@@ -59,7 +59,7 @@ PeerScene tower_scene(double top_mass);  // 8 kg: like the others [kg]
 PeerScene kapla_scene();
 
 /// Half a ring of prismatic stones on the ground, mean radius 1 m, 0.2 m wide, 1000 kg/m^3.
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct Arch {
   int stones = 25;
   double mu = 0.6;
@@ -88,7 +88,7 @@ struct KernelScene {
   State state{};
 };
 KernelScene kernel_scene(const PeerScene& scene);
-/// The defaults, but for what keeps the energy of a bounce: theta = 1/2 and Moreau's normal law where the
+/// The defaults, but for theta = 1 where nothing bounces, and Moreau's normal law where the
 /// restitution is not zero.
 SchemeOptions kernel_options(const PeerScene& scene, double h);
 

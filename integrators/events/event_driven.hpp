@@ -22,7 +22,7 @@ enum class OdeMethod {
 };
 inline constexpr Named<OdeMethod> kOdeMethods[] = {{OdeMethod::adams, "adams"}, {OdeMethod::bdf, "bdf"}};
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct OdeOptions {
   OdeMethod method = OdeMethod::adams;
   // Tolerances of every component, per 0.1 s of motion. Shorter steps of event_driven reduce both by the
@@ -34,7 +34,7 @@ struct OdeOptions {
 };
 void describe(SettingVisitor& visit, OdeOptions& options);
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct EventDrivenOptions {
   OdeOptions ode{};
   double horizon = 1e-2;         // smaller gaps are watched [m]

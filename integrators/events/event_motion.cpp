@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The differential equation between events, and where it ends (EVD-2) to (EVD-6).
+#include <algorithm>
 #include <cmath>
 
 #include "integrators/events/event_run.hpp"
@@ -65,7 +66,8 @@ std::vector<Touch> touches_of(const std::vector<ClosedTouch>& closed) {
 
 EventLayout layout_of(const StepSetting& setting, const std::vector<ClosedTouch>& closed) {
   EventLayout out;
-  out.q = 7 * (setting.dofs.coordinates / 6);
+  const auto moves = [](int row) { return row >= 0; };
+  out.q = 7 * int(std::ranges::count_if(setting.dofs.first, moves));
   out.v = out.q + (setting.dofs.rows - setting.dofs.coordinates);
   out.work = out.v + setting.dofs.rows;
   out.impulse = out.work + kWorks;

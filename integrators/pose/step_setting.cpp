@@ -123,7 +123,7 @@ std::string joint_that_is_off(const StepSetting& setting, const State& state) {
   std::ostringstream text;
   text << "start: ";
   const auto told = [&] {
-    text << ", at most " << tolerance << " is allowed; see consistent()";
+    text << ", at most " << tolerance << " is allowed; see consistent_state()";
     return text.str();
   };
   for (const JointId j : model.joints.ids()) {

@@ -16,7 +16,7 @@ namespace aussois {
 
 struct StepSetting;
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct GeneralisedAlphaOptions {
   double spectral_radius = 0.8;  // of infinitely stiff motions, per step [-]; 1: no damping
 };

@@ -133,9 +133,10 @@ void describe(SettingVisitor& visit, MoreauJeanOptions& o) {
 void validate(const MoreauJeanOptions& o) {
   check_ranges(o);
   require(in_the_step(o.impact) || o.law != NormalLaw::gap_over_step,
-          std::string("ImpactOptions::law = ") + name_of(o.impact.law, kImpactLaws) +
-              ", ImpactOptions::order = " + name_of(o.impact.order, kImpactOrders) +
-              " need MoreauJeanOptions::law = moreau or combined");
+          (o.impact.law != ImpactOptions{}.law
+               ? std::string("ImpactOptions::law = ") + name_of(o.impact.law, kImpactLaws)
+               : std::string("ImpactOptions::order = ") + name_of(o.impact.order, kImpactOrders)) +
+              " needs MoreauJeanOptions::law = moreau or combined");
   require(
       in_the_step(o.impact) || o.contacts == ContactsAt::start,
       "MoreauJeanOptions::contacts must be start with Poisson's or sequential impacts, which happen there");

@@ -23,7 +23,7 @@ inline constexpr Named<ContactsAt> kContactsAt[] = {
 
 /// The Newton loop of the fully implicit step (MJ-12). The default of one iteration makes the step linearly
 /// implicit.
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct NewtonOptions {
   int max_iterations = 1;    // contacts at the midpoint or the end need one more solve, their predictor
   double tolerance = 1e-10;  // largest change of a velocity [m/s, rad/s]; if the loop misses it, or
@@ -35,7 +35,7 @@ struct NewtonOptions {
 };
 void describe(SettingVisitor& visit, NewtonOptions& options);
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct MoreauJeanOptions {
   double theta = 0.5;  // of the smooth forces and of the position update [-]
   NormalLaw law = NormalLaw::combined;

@@ -21,7 +21,7 @@ enum class ProjectionOrder {
 inline constexpr Named<ProjectionOrder> kProjectionOrders[] = {{ProjectionOrder::direct, "direct"},
                                                                {ProjectionOrder::combined, "combined"}};
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct MoreauJeanProjectedOptions {
   double theta = 0.5;  // of the smooth forces and of the position update [-]
   ProjectionOrder order = ProjectionOrder::combined;

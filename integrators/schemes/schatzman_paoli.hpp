@@ -15,7 +15,7 @@ namespace aussois {
 
 struct StepSetting;
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct SchatzmanPaoliOptions {
   double force_theta = 0;  // where in the step the force laws are evaluated, linearly implicit [-]; 0:
                            // central differences, stable up to 2 / h [rad/s]

@@ -88,9 +88,10 @@ def halls(root):
 
 
 def short_functions(root):
-    """No function of the library is longer than LONGEST_FUNCTION lines, its braces included."""
+    """No function of the library or of a driver is longer than LONGEST_FUNCTION lines, its braces included."""
     bad = []
-    for path in sources(root, ".hpp", ".cpp"):
+    examples = files(root / "examples", ".hpp", ".cpp")
+    for path in sources(root, ".hpp", ".cpp") + examples:
         start = None
         for number, text in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
             if re.match(r"[A-Za-z].*\(", text) and not re.match(r"(namespace|struct|class|enum|union|using|typedef)\b", text):
@@ -351,9 +352,24 @@ def viewer_is_built(root):
     return ["io/viewer/dist/template.html:1: not built from these sources: npm run build in io/viewer"]
 
 
+def orders_are_counted(root):
+    """What doc/theory/convergence.md says of the cells of orders.md is what stands there."""
+    table = (root / "doc/theory/orders.md").read_text(encoding="utf-8")
+    rows = [line.strip("|").split("|")[1:] for line in table.splitlines() if line.startswith("| `")]
+    cells = [cell.strip() for row in rows for cell in row if cell.strip() not in ("", "-")]
+    less = sum("(" in cell for cell in cells)
+    missed = sum("**" in cell for cell in cells)
+    page = (root / "doc/theory/convergence.md").read_text(encoding="utf-8")
+    return [f'doc/theory/convergence.md:1: must say "{text}"'
+            for text in (f"gives {len(cells)} cells", f"| {len(cells) - less - missed} | {less} | 0 | {missed} |",
+                         f"In {sum(cell.endswith(' c') for cell in cells)} of them the certificate shortened steps")
+            if text not in page]
+
+
 RULES = {rule.__name__: rule for rule in (includes, halls, short_functions, few_public_headers, own_header_first, public_headers,
                                           listed, one_definition, velocity_places, strong_ids, equations, numbers, licence, links, pages, references,
-                                          tests, short_sentences, persons, tutorials, viewer_is_built)}
+                                          tests, short_sentences, persons, tutorials, viewer_is_built,
+                                          orders_are_counted)}
 
 
 def main():

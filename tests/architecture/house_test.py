@@ -60,8 +60,10 @@ class House(unittest.TestCase):
         tree = {"nsgs/a.cpp": f"void f() {{\n{body}}}\n\nnamespace {{\n{body}{body}}}\n", "tests/a.cpp": f"f() {{\n{body}{body}}}\n"}
         self.assertEqual(self.offences(house.short_functions, tree), [])
         tree["nsgs/a.cpp"] += f"\nstruct A {{\n{body}{body}}};\n\nint g(int a,\n      int b) {{\n{body}}}\n"
+        tree["examples/b.cpp"] = f"void f() {{\n{body}  f();\n}}\n"
         self.assertEqual(self.offences(house.short_functions, tree),
-                         [f"nsgs/a.cpp:{5 * house.LONGEST_FUNCTION}: a function of {house.LONGEST_FUNCTION + 1} lines"])
+                         [f"nsgs/a.cpp:{5 * house.LONGEST_FUNCTION}: a function of {house.LONGEST_FUNCTION + 1} lines",
+                          f"examples/b.cpp:1: a function of {house.LONGEST_FUNCTION + 1} lines"])
 
     def test_a_room_shows_few_headers(self):
         headers = [f"h{i}.hpp" for i in range(house.MOST_PUBLIC_HEADERS["integrators"])]
@@ -203,6 +205,14 @@ class House(unittest.TestCase):
         self.assertEqual(self.offences(house.tutorials, tree),
                          ["README.md:1: does not quote examples/first/01_a.cpp",
                           "doc/tutorials/02_b.md:1: does not quote examples/first/02_b.cpp"])
+
+    def test_cells_of_orders_are_counted(self):
+        says = "gives 3 cells\n| 2 | 1 | 0 | 0 |\nIn 1 of them the certificate shortened steps\n"
+        tree = {"doc/theory/orders.md": "| case | a | b |\n|---|---|---|\n| `x` | 1.00 1.00 c | - |\n| `y` | (0.57) 1.00 | exact |\n",
+                "doc/theory/convergence.md": says}
+        self.assertEqual(self.offences(house.orders_are_counted, tree), [])
+        tree["doc/theory/orders.md"] += "| `z` | **0.1** | 1.00 |\n"
+        self.assertEqual(len(self.offences(house.orders_are_counted, tree)), 2)
 
     def test_the_page_is_built_from_its_sources(self):
         tree = {"io/viewer/main.js": "run();\n", "io/viewer/page.html": "<head>\n"}

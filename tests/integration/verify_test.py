@@ -69,6 +69,10 @@ class Verify(DriverTest):
                                rf"verify: 0 rows hold, 0 fail, {len(rows)} are skipped\n$")
         self.assertEqual(list((self.folder / "out/verify").iterdir()), [])
 
+    def test_guards_are_counted(self):
+        rows = [row for row in self.rows("--case", "B6.too_long_steps") if "guard" in row["source"]]
+        self.assertIn(f"\n{len(rows)} of the rows that hold are guards", self.verify("--case", "B6.too_long_steps"))
+
     def test_what_ran_decides_where_other_rows_were_skipped(self):
         os.environ["AUSSOIS_DATA_DIR"], data = "", os.environ.get("AUSSOIS_DATA_DIR", "")
         self.addCleanup(os.environ.__setitem__, "AUSSOIS_DATA_DIR", data)

@@ -17,7 +17,7 @@ namespace aussois {
 
 class SettingVisitor;
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct StudyOptions {
   double h = 0;            // largest step [s]; 0: the one of the case
   int levels = 6;          // step sizes, each about half of the one before

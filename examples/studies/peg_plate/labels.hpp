@@ -28,7 +28,7 @@ enum class LabelMode {
 inline constexpr LabelMode kLabelModes[] = {LabelMode::argmin, LabelMode::soft, LabelMode::ranked};
 const char* to_string(LabelMode mode);
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct LabelOptions {
   LabelMode mode = LabelMode::ranked;
   double tau = 0.005;   // of soft [-]

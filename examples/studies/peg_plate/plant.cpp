@@ -190,30 +190,47 @@ Plant make_plant(const PlantOptions& options) {
   return plant;
 }
 
+namespace {
+
+// The rotation of the plate to the world, whose z is the normal.
+Mat3 plate_rotation(const PlantOptions& options, Random& random) {
+  Vec3 tilt = kDegree * options.tilt * Vec3(1, -0.7, 0);
+  if (options.tilts > 0)
+    for (const int i : {0, 1}) tilt[i] += kDegree * options.tilts * random.uniform(-1, 1);
+  return exp_so3(tilt).toRotationMatrix();
+}
+
+// One of `count` that sensors take the mean of: Newton and Euler on the peg alone.
+void add_mean(const Peg& peg, const Vec3& a, const Vec3& alpha, const Vec3& omega, const Wrench& plate,
+              int count, PegSample& mean) {
+  mean.force += (peg.mass * a - plate.force) / count;
+  mean.torque +=
+      (peg.inertia.cwiseProduct(alpha) + omega.cross(peg.inertia.cwiseProduct(omega)) - plate.torque) / count;
+  mean.plate_force += plate.force / count;
+}
+
+}  // namespace
+
 std::vector<PegSample> run_case(const Plant& plant, const PegCase& which, int index) {
   const Tool tool = make_tool();
   const Vec3 centre(0, 0, tool.centre), to_flange(0, 0, tool.peg.flange - tool.centre);
   Random random(plant.options.seed * 1000003 + std::uint64_t(index) + 1);
-  const double about_y = random.normal(), about_x = random.normal();
-  const Vec3 scatter = plant.options.scatter * kDegree * Vec3(about_x, about_y, 0);
-  Vec3 tilt = kDegree * plant.options.tilt * Vec3(1, -0.7, 0);
-  if (plant.options.tilts > 0)
-    for (const int i : {0, 1}) tilt[i] += kDegree * plant.options.tilts * random.uniform(-1, 1);
-  const Mat3 R_wp = exp_so3(tilt).toRotationMatrix();  // plate to world, its z the normal
-  const SetPoint target = make_set_point(which, exp_so3(Vec3(0, which.lean, 0)) * exp_so3(scatter));
+  const double about_y = random.normal(), about_x = random.normal(),
+               scatter = plant.options.scatter * kDegree;
+  const Mat3 R_wp = plate_rotation(plant.options, random);
+  const SetPoint target =
+      make_set_point(which, exp_so3(Vec3(0, which.lean, 0)) * exp_so3(scatter * Vec3(about_x, about_y, 0)));
 
   const double h = plant.options.step;
   const int per_sample = int(std::lround(plant.options.sample / h)),
             in_mean = int(std::lround(kMeanOver / h));
-  const int steps = int((target.until + kRest) / h);
   Quat R = target.R;
   Vec3 p = target.start - R * to_flange, v = target.way, omega = Vec3::Zero();  // of the tool's centre
   Bristles bristles{Array::Zero(plant.x.size()), Array::Zero(plant.x.size())};
   std::vector<PegSample> out;
   PegSample now;
-  for (int k = 0; k < steps; ++k) {
+  for (int k = 0; k < int((target.until + kRest) / h); ++k) {
     const double t = k * h, travelled = std::min(t, target.until);
-    const bool moves = t < target.until;
     const Mat3 R_wb = R.toRotationMatrix();
     const Vec3 v_peg = v - R_wb * omega.cross(centre);
     const Mat3 R_pb = R_wp.transpose() * R_wb;
@@ -221,8 +238,9 @@ std::vector<PegSample> run_case(const Plant& plant, const PegCase& which, int in
                                         R_wp.transpose() * v_peg, omega, h, bristles);
     const Vec3 plate_force = R_wp * contact.force, plate_torque = R_pb.transpose() * contact.torque;
 
-    const Vec3 pull = kStiffness * (target.start + travelled * target.way - p - R_wb * to_flange) +
-                      kDamping * ((moves ? target.way : Vec3::Zero()) - v - R_wb * omega.cross(to_flange));
+    const Vec3 pull =
+        kStiffness * (target.start + travelled * target.way - p - R_wb * to_flange) +
+        kDamping * ((t < target.until ? target.way : Vec3::Zero()) - v - R_wb * omega.cross(to_flange));
     const Vec3 twist =
         kTurnStiffness.cwiseProduct(log_so3(R.conjugate() * target.R)) - kTurnDamping.cwiseProduct(omega);
     const Vec3 a = (pull + plate_force) / tool.mass;  // (PEG-3): the robot carries the weight
@@ -237,12 +255,9 @@ std::vector<PegSample> run_case(const Plant& plant, const PegCase& which, int in
              .g = {R, p - R_wb * centre},
              .v = v_peg,
              .omega = omega};
-    if (phase < in_mean) {  // Newton and Euler on the peg alone
+    if (phase < in_mean) {
       const Vec3 a_peg = a - R_wb * (alpha.cross(centre) + omega.cross(omega.cross(centre)));
-      const Vec3 J = tool.peg.inertia;
-      now.force += (tool.peg.mass * a_peg - plate_force) / in_mean;
-      now.torque += (J.cwiseProduct(alpha) + omega.cross(J.cwiseProduct(omega)) - plate_torque) / in_mean;
-      now.plate_force += plate_force / in_mean;
+      add_mean(tool.peg, a_peg, alpha, omega, {plate_force, plate_torque}, in_mean, now);
     }
     if (phase == in_mean - 1)
       if (const PegSample seen = as_measured(now, random); seen.plate_force.norm() > kContactForce)

@@ -13,7 +13,7 @@ namespace aussois {
 
 class SettingVisitor;
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct PlantOptions {
   PegScenario scenario = PegScenario::surface;
   double tilt = 0.1;      // of the plate about x; about y it is -0.7 of this [deg]

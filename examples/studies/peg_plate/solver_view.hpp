@@ -10,7 +10,7 @@
 
 namespace aussois {
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct SolverView {
   double rho = 1e-3;   // regularisation (REG-4)
   double mu = 0.15;    // friction [-]

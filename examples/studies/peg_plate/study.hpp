@@ -10,7 +10,7 @@
 
 namespace aussois {
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct PegStudyOptions {
   PlantOptions plant{};
   SolverView view{};

@@ -11,7 +11,7 @@ namespace aussois {
 
 class SettingVisitor;
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct TrainingOptions {
   int hidden = 40;         // units
   int iterations = 100;    // of L-BFGS; with more it learns the noise (doc/theory/peg_plate.md)

@@ -10,7 +10,7 @@
 
 namespace aussois {
 
-/// Ranges: its table.
+/// `describe` gives the ranges.
 struct TossWorld {
   ContactLaw law{.mu = 0.18};  // of cube and board
   int substeps = 10;           // of every row

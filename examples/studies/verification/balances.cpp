@@ -305,6 +305,30 @@ std::vector<SchemeVariant> midpoint_variants() {
   return out;
 }
 
+// A rod whose end, at x + a and y + a with unit masses, strikes a floor on which friction sticks.
+CaseScene rod_on_floor() {
+  CaseScene s;
+  s.model.gravity = Vec3::Zero();
+  add(s.model, Coordinates{.name = "rod",
+                           .size = 3,
+                           .mass = [](const VecX&) -> MatX { return MatX::Identity(3, 3); },
+                           .force = {},
+                           .potential = {}});
+  MatX J(2, 3);
+  J << 0, 1, 1, 1, 0, 1;
+  add(s.model, GapFunction{.name = "floor",
+                           .block = 0,
+                           .evaluate =
+                               [J](const Model& m, const State& state, double) {
+                                 return GapRows{
+                                     .gap = J.row(0).dot(coordinates(m, state, 0)), .J = J, .rate = {}};
+                               },
+                           .law = {.mu = 10, .restitution = 0.9}});
+  s.state = rest_state(s.model);
+  s.state.v << -0.5, -1, 0;
+  return s;
+}
+
 // u_N = y' + a', u_T = x' + a' with unit masses: W = (2 1; 1 2). From u = (-1, -1/2) with e = 0.9 and
 // friction that sticks, Newton's impulses are (1.1, -0.3), their work (1.1 (-0.1) + 0.3 / 2) / 2 = 0.02:
 // Kane's paradox. Poisson's: compression (0.5, 0), expansion (0.45, -0.225); work (-0.95 * 0.325 + 0.225 / 2)
@@ -325,26 +349,7 @@ VerificationCase kanes_paradox() {
                {"ledger", "worst change of energy that no work explains", "J", 1e-12, "identity; rounding"}},
       .measure =
           [] {
-            CaseScene s;
-            s.model.gravity = Vec3::Zero();
-            add(s.model, Coordinates{.name = "rod",
-                                     .size = 3,
-                                     .mass = [](const VecX&) -> MatX { return MatX::Identity(3, 3); },
-                                     .force = {},
-                                     .potential = {}});
-            MatX J(2, 3);
-            J << 0, 1, 1, 1, 0, 1;
-            add(s.model, GapFunction{.name = "floor",
-                                     .block = 0,
-                                     .evaluate =
-                                         [J](const Model& m, const State& state, double) {
-                                           return GapRows{.gap = J.row(0).dot(coordinates(m, state, 0)),
-                                                          .J = J,
-                                                          .rate = {}};
-                                         },
-                                     .law = {.mu = 10, .restitution = 0.9}});
-            s.state = rest_state(s.model);
-            s.state.v << -0.5, -1, 0;
+            const CaseScene s = rod_on_floor();
             Worst ledger;
             const auto strike = [&](ImpactLaw law) {
               State state = s.state;

@@ -73,6 +73,15 @@ int count(const List& list, Verdict wanted) {
   return out;
 }
 
+int count_guards(const List& list) {
+  int out = 0;
+  for (const auto& [c, measured] : list)
+    for (const Asked& row : c->rows)
+      out += measured && verdict(row, *measured) == Verdict::pass &&
+             row.source.find("guard") != std::string::npos;
+  return out;
+}
+
 std::map<std::string, int> missing(const List& list) {
   std::map<std::string, int> out;
   for (const auto& [c, measured] : list)

@@ -29,6 +29,8 @@ using List = std::vector<Entry>;
 
 /// How many rows of the list have this verdict. Cases that were not run have none.
 int count(const List& list, Verdict verdict);
+/// How many of the rows that hold are guards: their bounds say that nothing got worse, and no more.
+int count_guards(const List& list);
 /// Of the rows that are skipped, how many lack what.
 std::map<std::string, int> missing(const List& list);
 /// A line for each case, below it one for each row.

@@ -93,7 +93,7 @@ VerificationCase equations(double spin, double t_end, double turns_at) {
                    {"stride", "worst difference from half the stride", "rad/s", 1e-8, "order eight"},
                    {"reversal",
                     spin < 0 ? "time of the reversal, off 2.77 s" : "time of the reversal, off 11.46 s", "s",
-                    0.01, "the manual's figure, to its digits"},
+                    0.01, "guard: the figure of toys.md, to its digits"},
                    {"turned", "spin at the end, against that of the start", "rad/s", 1e-300,
                     "it has turned round", Sense::at_least}},
           .measure = [=] {
@@ -167,7 +167,7 @@ VerificationCase last_velocity(const std::string& scheme) {
       .what = "rattleback for 1 s with the law of the last velocity, h = 0.1 ms",
       .rows = {{"spin", "worst vertical spin", "rad/s", 0.07,
                 "equations of rolling; guard: order one, amplified"},
-               {"ratio", "the same over that at 0.2 ms", "-", 0.7, "theory: order one"},
+               {"ratio", "the same over that at 0.2 ms", "-", 0.7, "guard: order one halves it"},
                {"order", "order, 0.2 to 0.1 ms, off the one that the scheme states", "-", 0.3,
                 "theory: SchemeTraits::rolling"}},
       .measure = [scheme] {
@@ -186,7 +186,8 @@ VerificationCase too_soon() {
   return {.name = "B7.too_soon",
           .what = "rattleback of -5 rad/s, moreau_jean, law of the last velocity, at 0.2, 0.1 and 0.05 ms",
           .rows = {{"late", "largest delay of the reversal", "s", 0, "its work turns it too soon"},
-                   {"ratio", "largest ratio of the leads, from step to step", "-", 0.8, "theory: order one"},
+                   {"ratio", "largest ratio of the leads, from step to step", "-", 0.8,
+                    "guard: order one halves it in the end"},
                    {"soon", "lead of the reversal at 0.05 ms", "s", 0.45, "guard: order one, amplified"}},
           .measure = [] {
             const double exact = reversal(reference(-5, 3), 3);

@@ -95,7 +95,7 @@ VerificationCase smaller_steps() {
       .what =
           "tippe-top under Coulomb's law for 0.4 s, moreau_jean, contacts at the midpoint and at the start",
       .rows = {{"angle", "error of the largest angle at 0.1 ms over that at 0.2 ms", "-", 0.65,
-                "theory: order one"},
+                "guard: order one halves it"},
                {"angle_of_start", "the same over that of contacts at the start, 0.1 ms", "-", 1,
                 "the midpoint is better"},
                {"jellett", "change of Jellett's integral at 0.1 ms over that at 0.2 ms", "-", 0.3,
@@ -127,8 +127,8 @@ VerificationCase smaller_steps() {
 VerificationCase too_long_steps() {
   return {.name = "B6.too_long_steps",
           .what = "tippe-top under Coulomb's law, moreau_jean, h = 1 ms: it inverts, wrongly",
-          .rows = {{"end", "time when the stem touches", "s", 2.6, "the manual: such steps are too long"},
-                   {"angle", "angle of the axis there", "rad", 2, "the manual: such steps are too long",
+          .rows = {{"end", "time when the stem touches", "s", 2.6, "guard: such steps are too long"},
+                   {"angle", "angle of the axis there", "rad", 2, "guard: such steps are too long",
                     Sense::at_least}},
           .measure = [] {
             const CaseScene s = tippe_top(0);
@@ -266,7 +266,7 @@ VerificationCase wrong_radius(const std::string& part) {
                    {"energy", "worst energy, relative", "-", kEnergyWithDrilling, "bound of the series",
                     Sense::at_least},
                    {"touch", "time when the stem touches, off 1.37332 s", "s", 1.5e-3 * kTouch,
-                    "it hardly changes"}},
+                    "guard: it hardly changes"}},
           .measure = [part] {
             const CaseScene s = tippe_top(std::stod(part) * kTippeTopDrilling);
             const Deviation off =

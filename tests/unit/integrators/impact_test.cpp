@@ -170,7 +170,7 @@ TEST(ImpactOptions, AreRefusedAtTheDoor) {
     return message_of([&] { MoreauJean(balls.model, {}, own); });
   };
   EXPECT_NE(
-      refusal({.law = NormalLaw::gap_over_step, .impact = kPoisson}).find("need MoreauJeanOptions::law"),
+      refusal({.law = NormalLaw::gap_over_step, .impact = kPoisson}).find("needs MoreauJeanOptions::law"),
       std::string::npos);
   EXPECT_NE(refusal({.impact = {.max_pairs = 0}}).find("max_pairs"), std::string::npos);
   EXPECT_NE(refusal({.contacts = ContactsAt::end, .impact = kPairs}).find("contacts"), std::string::npos);

@@ -247,7 +247,8 @@ class FarOff : public ::testing::TestWithParam<SchemeVariant> {
     for (const bool project : {true, false}) {
       const StepReport report = first_step(model, state, {.project = project});
       EXPECT_EQ(report.status, StepStatus::refused) << project;
-      EXPECT_EQ(report.reason, "start: " + text + ", at most 1e-06 is allowed; see consistent()") << project;
+      EXPECT_EQ(report.reason, "start: " + text + ", at most 1e-06 is allowed; see consistent_state()")
+          << project;
       EXPECT_TRUE(first_step(model, consistent_state(model, state), {.project = project}).ok()) << project;
     }
     State later = state;

@@ -286,17 +286,15 @@ TEST(Persistence, T_4_4_FindsTheSuccessorAcrossFeatures) {
   EXPECT_GT(all.found, 150);
   for (const int kind : all.kinds) EXPECT_GE(kind, 10);  // every stage of the cascade is asked
 }
-// Turned by half as much again. Motion 7598 is the one of 338 whose nearest successor has a name of its own
-// already, while an incident contact comes up 3.2 mm away in the same step and is matched with the old one:
-// names come first, then what has none (PER-4), and only then heirs (PER-6). Nothing is lost.
+// Turned by half as much again, a nearest successor may have a name of its own already, while an incident
+// contact comes up a few millimetres away in the same step and is matched with the old one: names come first,
+// then what has none (PER-4), and only then heirs (PER-6). Nothing is lost, and it is rare.
 TEST(Persistence, T_4_4_GivesAnIncidentNewcomerWhatANearerOneWithANameMightHaveHad) {
-  Successions one, others;
-  follow(7580, 7600, 0.009, one);  // of the same two bodies
-  EXPECT_EQ(one.elsewhere, 1);
-  EXPECT_EQ(one.found + one.elsewhere, one.changes - one.flips);
-  follow(5000, 7580, 0.009, others);
-  EXPECT_EQ(others.found, others.changes - others.flips);
-  EXPECT_GT(others.found, 50);
+  Successions all;
+  follow(0, 10000, 0.009, all);
+  EXPECT_EQ(all.found + all.elsewhere, all.changes - all.flips);
+  EXPECT_GE(all.elsewhere, 1);
+  EXPECT_LE(100 * all.elsewhere, all.found);
 }
 
 // T-4.6: CPU time per contact, in pairs of a hundred, of a thousand at a time and of a million: as much

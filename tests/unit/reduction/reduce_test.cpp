@@ -277,9 +277,7 @@ TEST(MeasureLoss, OfAnLIsTheOneByHand) {
   EXPECT_NEAR(loss.margin, (4 - 3 * 19.0 / 21) / (5 - 3 * 19.0 / 21), 1e-12);
 }
 
-// A prototype with fixed axes gave 0.74, 0.53 and 3.9 for its family of 40 random points; principal axes do a
-// little better.
-TEST(MeasureLoss, OfRandomPatchesIsThatOfThePrototype) {
+TEST(MeasureLoss, OfRandomPatchesIsThatOfTheTable) {
   Random random(1);
   double area = 0, margin = 0, kept = 0;
   const int trials = 1000;
