@@ -50,8 +50,8 @@ class SliverFlips {
     }
   }
 
-  Flipped result(const SimplicialComplex& complex) const {
-    Flipped out{{}, done_, border_, 0};
+  FlippedComplex result(const SimplicialComplex& complex) const {
+    FlippedComplex out{{}, done_, border_, 0};
     std::vector<Triangle> kept;
     for (std::size_t t = 0; t < triangles_.size(); ++t) {
       if (dropped_[t]) continue;
@@ -164,7 +164,7 @@ class SliverFlips {
 
 }  // namespace
 
-Flipped flip_slivers(const SimplicialComplex& complex, double tolerance) {
+FlippedComplex flip_slivers(const SimplicialComplex& complex, double tolerance) {
   SliverFlips flips(complex, tolerance);
   flips.run();
   return flips.result(complex);

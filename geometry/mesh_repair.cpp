@@ -22,7 +22,7 @@ void append(RepairStep& sum, const RepairStep& step) {
 
 // Empty for a solid. Several fans of triangles at a vertex, as where two boxes touch in a corner, are none
 // against it: every edge parts inside from outside.
-std::string reason_against(const MeshReport& mesh, const Oriented& oriented) {
+std::string reason_against(const MeshReport& mesh, const OrientedComplex& oriented) {
   std::string text;
   const auto say = [&](int count, const char* one, const char* many = "") {
     if (count > 0) text += (text.empty() ? "" : ", ") + counted(count, one, many);
@@ -38,7 +38,7 @@ std::string reason_against(const MeshReport& mesh, const Oriented& oriented) {
   return text;
 }
 
-void settle(RepairedMesh& out, Oriented oriented, MeshReport mesh) {
+void settle(RepairedMesh& out, OrientedComplex oriented, MeshReport mesh) {
   RepairReport& report = out.report;
   report.shells = oriented.shells;
   report.reason = reason_against(mesh, oriented);
@@ -81,7 +81,7 @@ RepairedMesh repair_mesh(const SimplicialComplex& complex, const RepairOptions& 
   report.tolerance =
       std::min(options.relative_tolerance * report.before.box.diagonal(), options.largest_tolerance);
 
-  Oriented as_given = orient_surface(complex);
+  OrientedComplex as_given = orient_surface(complex);
   if (as_given.turned_shells.count == 0 && reason_against(report.before, as_given).empty()) {
     out.vertex.resize(complex.vertices.size());
     for (std::size_t i = 0; i < out.vertex.size(); ++i) out.vertex[i] = int(i);
@@ -89,21 +89,21 @@ RepairedMesh repair_mesh(const SimplicialComplex& complex, const RepairOptions& 
     return out;
   }
 
-  Welded same = weld_vertices(complex, 0);
-  Welded near = weld_vertices(same.complex, report.tolerance);
+  WeldedComplex same = weld_vertices(complex, 0);
+  WeldedComplex near = weld_vertices(same.complex, report.tolerance);
   for (const int v : same.vertex) out.vertex.push_back(near.vertex[v]);
   report.welded_same = same.vertices;
   report.welded_near = near.vertices;
-  for (const Welded* welded : {&same, &near}) {
+  for (const WeldedComplex* welded : {&same, &near}) {
     append(report.collapsed_triangles, welded->collapsed_triangles);
     append(report.collapsed_wires, welded->collapsed_wires);
   }
-  Distinct distinct = drop_duplicate_triangles(near.complex);
+  DistinctComplex distinct = drop_duplicate_triangles(near.complex);
   report.duplicate_triangles = distinct.dropped;
 
   SimplicialComplex mended = std::move(distinct.complex);
   for (int round = 0; round < kRounds; ++round) {
-    Flipped flips = flip_slivers(mended, report.tolerance);
+    FlippedComplex flips = flip_slivers(mended, report.tolerance);
     Split splits = split_t_junctions(flips.complex, report.tolerance);
     append(report.flipped_slivers, flips.flipped);
     append(report.dropped_slivers, flips.dropped);
@@ -113,7 +113,7 @@ RepairedMesh repair_mesh(const SimplicialComplex& complex, const RepairOptions& 
     if (splits.inserted.count == 0) break;
   }
 
-  Oriented oriented = orient_surface(mended);
+  OrientedComplex oriented = orient_surface(mended);
   report.turned_triangles = oriented.turned_triangles;
   report.turned_shells = oriented.turned_shells;
   MeshReport mesh = report_mesh(oriented.complex);

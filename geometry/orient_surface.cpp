@@ -22,8 +22,8 @@ class Orientation {
   explicit Orientation(const SimplicialComplex& complex)
       : complex_(complex), reached_(complex.triangles.size()), turned_(complex.triangles.size()) {}
 
-  Oriented run() {
-    Oriented out;
+  OrientedComplex run() {
+    OrientedComplex out;
     std::vector<Piece> shells;
     for (int t = 0; t < int(complex_.triangles.size()); ++t) {
       if (reached_[t]) continue;
@@ -98,7 +98,7 @@ class Orientation {
   }
 
   // (CPX-12)
-  void face_outwards(const std::vector<Piece>& shells, Oriented& out) {
+  void face_outwards(const std::vector<Piece>& shells, OrientedComplex& out) {
     std::vector<Box> boxes(shells.size());
     std::vector<int> items;
     for (std::size_t i = 0; i < shells.size(); ++i) {
@@ -157,7 +157,7 @@ class Orientation {
 
 }  // namespace
 
-Oriented orient_surface(const SimplicialComplex& complex) {
+OrientedComplex orient_surface(const SimplicialComplex& complex) {
   return Orientation(complex).run();
 }
 

@@ -11,29 +11,29 @@ namespace aussois {
 /// The edges that are not a side of any triangle, for make_complex.
 std::vector<std::array<int, 2>> wires_of(const SimplicialComplex& complex);
 
-struct Welded {
+struct WeldedComplex {
   SimplicialComplex complex{};
   std::vector<int> vertex{};  // new index of each vertex
   RepairStep vertices{}, collapsed_triangles{}, collapsed_wires{};
 };
 /// Merges vertices nearer than `tolerance` (0: at the same place) (CPX-7). Of each group the vertex with the
 /// smallest coordinates stays where it is; in the new numbering it takes the place of the first of the group.
-Welded weld_vertices(const SimplicialComplex& complex, double tolerance);
+WeldedComplex weld_vertices(const SimplicialComplex& complex, double tolerance);
 
-struct Distinct {
+struct DistinctComplex {
   SimplicialComplex complex{};
   RepairStep dropped{};
 };
 /// Of several triangles with the same three vertices, keeps the first.
-Distinct drop_duplicate_triangles(const SimplicialComplex& complex);
+DistinctComplex drop_duplicate_triangles(const SimplicialComplex& complex);
 
-struct Flipped {
+struct FlippedComplex {
   SimplicialComplex complex{};
   RepairStep flipped{}, dropped{};
   int left = 0;
 };
 /// Flips the longest edge of every triangle no higher than `tolerance` into its neighbour (CPX-8), (CPX-9).
-Flipped flip_slivers(const SimplicialComplex& complex, double tolerance);
+FlippedComplex flip_slivers(const SimplicialComplex& complex, double tolerance);
 
 struct Split {
   SimplicialComplex complex{};
@@ -43,7 +43,7 @@ struct Split {
 /// (CPX-10), (CPX-11).
 Split split_t_junctions(const SimplicialComplex& complex, double tolerance);
 
-struct Oriented {
+struct OrientedComplex {
   SimplicialComplex complex{};
   RepairStep turned_triangles{}, turned_shells{};
   int shells = 0;       // closed and orientable
@@ -52,6 +52,6 @@ struct Oriented {
 };
 /// Makes the triangles of each piece agree, turning over as few as possible. Makes closed shells face
 /// outwards, those at odd nesting depth inwards (CPX-12).
-Oriented orient_surface(const SimplicialComplex& complex);
+OrientedComplex orient_surface(const SimplicialComplex& complex);
 
 }  // namespace aussois

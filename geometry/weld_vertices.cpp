@@ -80,8 +80,8 @@ std::vector<std::array<int, 2>> wires_of(const SimplicialComplex& complex) {
   return wires;
 }
 
-Welded weld_vertices(const SimplicialComplex& complex, double tolerance) {
-  Welded out;
+WeldedComplex weld_vertices(const SimplicialComplex& complex, double tolerance) {
+  WeldedComplex out;
   const std::vector<int> leader = leaders(complex.vertices, tolerance);
   std::vector<Vec3> kept;
   std::vector<int> number(leader.size(), -1);  // of a leader
@@ -102,7 +102,7 @@ Welded weld_vertices(const SimplicialComplex& complex, double tolerance) {
   return out;
 }
 
-Distinct drop_duplicate_triangles(const SimplicialComplex& complex) {
+DistinctComplex drop_duplicate_triangles(const SimplicialComplex& complex) {
   std::vector<Corners> all;
   for (std::size_t t = 0; t < complex.triangles.size(); ++t) {
     all.push_back({complex.triangles[t], int(t)});
@@ -112,7 +112,7 @@ Distinct drop_duplicate_triangles(const SimplicialComplex& complex) {
   std::vector<bool> repeated(all.size());
   for (std::size_t i = 1; i < all.size(); ++i) repeated[all[i].triangle] = all[i].sorted == all[i - 1].sorted;
 
-  Distinct out;
+  DistinctComplex out;
   std::vector<std::array<int, 3>> kept;
   for (std::size_t t = 0; t < complex.triangles.size(); ++t)
     if (repeated[t])

@@ -154,7 +154,8 @@ void describe(SettingVisitor& visit, SolverOptions& o) {
                .flag = "--anderson"},
               o.anderson);
   visit.toggle({.name = "estimate_error",
-                .what = "estimate the error of the velocities relative to |q| by solving further (SOL-4)",
+                .what = "estimate the error of the velocities relative to |q| by solving further "
+                        "(doc/theory/automatic.md)",
                 .flag = "--estimate-error",
                 .changes_nothing = true},
                o.estimate_error);

@@ -189,7 +189,7 @@ bool EventRun::rate(double t, const VecX& y, VecX& out) const {
     const VecX force = held.G * now.reaction;
     out[layout_.work + by_joints] += v.dot(force);
     push(of_joints, force);
-    const WorkedOn on = worked_on(s, v);
+    const WorkVelocities on = worked_on(s, v);
     add_forces(model_, held.columns, now.reaction, s.g, 1, joints);
     add_column_work(model_, held.columns, now.reaction, on, joints);
     add_spring_and_motor_work(model_, forces.axes, 0 * s.v, on, joints);

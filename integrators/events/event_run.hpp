@@ -88,7 +88,7 @@ class EventRun {
   void add_event(EventKind kind, const Touch& touch, double t, double speed = 0);
   void add_impulse(const Touch& touch, const VecX& r, double work);
   void add_jump(const std::vector<Touch>& near, const Collision& hit, const VecX& before);
-  WorkedOn worked_on(const State& state, const VecX& v) const;
+  WorkVelocities worked_on(const State& state, const VecX& v) const;
   void project();
   bool of_a_joint(const Touch& touch) const { return is_of_axis(model_, touch.slot); }
   void count_solve(const SolveReport& solve) {

@@ -132,7 +132,7 @@ void EventRun::add_jump(const std::vector<Touch>& near, const Collision& hit, co
   add_column_work(model_, held.columns, hit.reaction, worked_on(state_, middle), joints_);
 }
 
-WorkedOn EventRun::worked_on(const State& state, const VecX& v) const {
+WorkVelocities EventRun::worked_on(const State& state, const VecX& v) const {
   return {all_velocities(setting_.dofs, v, state.v),
           all_velocities(setting_.dofs, VecX::Zero(v.size()), state.v)};
 }

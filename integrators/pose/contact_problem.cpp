@@ -67,7 +67,8 @@ void set_bias(ContactRow& row, const RowVector& u_before, double restitution, do
 // What is free goes into `others`, what is moved into the bias; its gap is taken back to the start of the
 // step.
 void add_carried(const State& state, const Layout& dofs, const std::vector<Carried>& carried,
-                 const VecX& v_prescribed, const Reached& reached, ContactRow& row, RowVector& u_before) {
+                 const VecX& v_prescribed, const ReachedPlace& reached, ContactRow& row,
+                 RowVector& u_before) {
   for (const Carried& entry : carried) {
     if (entry.row >= row.law.rows) continue;
     const int at = row_of(dofs, entry.velocity);
@@ -118,7 +119,7 @@ NormalBias normal_bias(double gap, double u_before, double restitution, double h
 
 std::vector<ContactRow> contact_rows(const Model& model, const State& state, const Layout& dofs,
                                      const ContactSet& contacts, const VecX& v_prescribed, double h,
-                                     const NormalRule& options, const Reached& reached,
+                                     const NormalRule& options, const ReachedPlace& reached,
                                      const std::vector<FrictionPatch>& patches) {
   std::vector<ContactRow> rows;
   std::vector<Carried> carried;  // of one contact; none but on bodies that deform
@@ -157,7 +158,7 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
 }
 
 GapFunctionRows gap_rows(const Model& model, const State& state, const Layout& dofs, const VecX& v_prescribed,
-                         double h, const NormalRule& options, const Reached& reached) {
+                         double h, const NormalRule& options, const ReachedPlace& reached) {
   GapFunctionRows out;
   std::vector<Carried> carried;
   for (const GapId i : model.gaps.ids()) {

@@ -54,7 +54,7 @@ NormalBias normal_bias(double gap, double u_before, double restitution, double h
 
 /// Poses at which contacts are evaluated: those that the velocities `v`, indexed as State::v, lead to in
 /// `time` [s]. Their gaps count as linearised back to the start of the step (MJ-11).
-struct Reached {
+struct ReachedPlace {
   VecX v{};
   double time = 0;
 };
@@ -68,7 +68,7 @@ bool closes(double gap, double speed, double h, NormalLaw law);
 /// larger (RED-15).
 std::vector<ContactRow> contact_rows(const Model& model, const State& state, const Layout& dofs,
                                      const ContactSet& contacts, const VecX& v_prescribed, double h,
-                                     const NormalRule& options, const Reached& reached = {},
+                                     const NormalRule& options, const ReachedPlace& reached = {},
                                      const std::vector<FrictionPatch>& patches = {});
 
 /// The rows of the model's gap functions at the start of the step (GEN-3), in their order, and their gaps.
@@ -77,7 +77,7 @@ struct GapFunctionRows {
   Table<GapId, double> gap{};  // [m]
 };
 GapFunctionRows gap_rows(const Model& model, const State& state, const Layout& dofs, const VecX& v_prescribed,
-                         double h, const NormalRule& options, const Reached& reached = {});
+                         double h, const NormalRule& options, const ReachedPlace& reached = {});
 
 /// The problem of the rows `kept`, in order; without joints.
 FrictionProblem contact_problem(const FreeMotion& free, const Layout& dofs,

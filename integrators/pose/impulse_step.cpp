@@ -47,7 +47,7 @@ std::vector<RowVector> starting_impulses(const ImpulseStep& step, const FoundCon
 }  // namespace
 
 ContactBlocks contact_blocks(const StepSetting& setting, const State& state, const ContactSet& contacts,
-                             double h, const NormalRule& normal, const Reached& reached) {
+                             double h, const NormalRule& normal, const ReachedPlace& reached) {
   const VecX v_prescribed =  // of the step, wherever on it contacts are looked at
       reached.time > 0 ? all_velocities(setting.dofs, VecX::Zero(setting.dofs.rows), reached.v)
                        : prescribed_velocity(setting.model, state, h);

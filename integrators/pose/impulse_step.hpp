@@ -44,7 +44,7 @@ struct ContactBlocks {
   Table<GapId, double> gap{};  // of the gap functions [m]
 };
 ContactBlocks contact_blocks(const StepSetting& setting, const State& state, const ContactSet& contacts,
-                             double h, const NormalRule& normal, const Reached& reached = {});
+                             double h, const NormalRule& normal, const ReachedPlace& reached = {});
 
 /// Poses and solves the step, with rows and joints as they are at the start of the step. `theta` is that of
 /// FreeMotion, for the axes of joints.

@@ -179,7 +179,7 @@ void solve_again(const StepSetting& setting, const MoreauJeanOptions& o, const S
                  Iterate& now) {
   const double theta = o.theta, time = time_of(o.contacts, h);
   const VecX v = now.step.solved.solution.v;
-  const Reached reached{
+  const ReachedPlace reached{
       all_velocities(setting.dofs, theta * v + (1 - theta) * start.free->v, now.step.v_prescribed), time};
   State at = on_the_way(setting, start.state, reached.v, h, time);
   at.v = start.state.v;

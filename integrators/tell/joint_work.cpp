@@ -36,7 +36,7 @@ void add_forces(const Model& model, const std::vector<JointColumn>& columns, con
 namespace {
 
 // Of an impulse along a row: `part` on both bodies, and what that leaves to moved ones.
-void add_row_work(const Joint& joint, const JointRow& row, double p, const WorkedOn& on, double& part,
+void add_row_work(const Joint& joint, const JointRow& row, double p, const WorkVelocities& on, double& part,
                   double& supports) {
   part += p * axis_speed(joint, row, on.v);
   supports -= p * axis_speed(joint, row, on.moved);
@@ -49,7 +49,7 @@ void add_effort(const AxisSlot& of, double p, double time, Table<JointId, StepJo
 }
 
 void add_column_work(const Model& model, const std::vector<JointColumn>& columns, const VecX& lambda,
-                     const WorkedOn& on, Table<JointId, StepJoint>& joints) {
+                     const WorkVelocities& on, Table<JointId, StepJoint>& joints) {
   for_each_row(columns, lambda, [&](const JointColumn& column, JointId j, const JointRow& row, double p) {
     JointWork& work = joints[j].work;
     double& part = column.kind == ColumnKind::locked  ? work.locked
@@ -68,7 +68,7 @@ void add_axis_work(const AxisSlot& of, double p, double u, double moved, Table<J
 }
 
 void add_spring_and_motor_work(const Model& model, const std::vector<AxisImpulse>& axes, const VecX& change,
-                               const WorkedOn& on, Table<JointId, StepJoint>& joints) {
+                               const WorkVelocities& on, Table<JointId, StepJoint>& joints) {
   for (const AxisImpulse& axis : axes) {
     const Joint& joint = model.joints[axis.joint];
     JointWork& work = joints[axis.joint].work;

@@ -8,7 +8,7 @@
 namespace aussois {
 
 /// Velocities that impulses work on, indexed as State::v.
-struct WorkedOn {
+struct WorkVelocities {
   VecX v{};      // all
   VecX moved{};  // those of moved bodies, zero elsewhere
 };
@@ -19,11 +19,11 @@ void add_forces(const Model& model, const std::vector<JointColumn>& columns, con
 void add_effort(const AxisSlot& of, double p, double time, Table<JointId, StepJoint>& joints);
 /// Adds their work (MJT-16); that of a row is on its speed `u`, of which `moved` is the part of moved bodies.
 void add_column_work(const Model& model, const std::vector<JointColumn>& columns, const VecX& lambda,
-                     const WorkedOn& on, Table<JointId, StepJoint>& joints);
+                     const WorkVelocities& on, Table<JointId, StepJoint>& joints);
 void add_axis_work(const AxisSlot& of, double p, double u, double moved, Table<JointId, StepJoint>& joints);
 /// Adds the work of springs, dampers and effort motors; the velocity at the end differs by `change` from that
 /// at the start.
 void add_spring_and_motor_work(const Model& model, const std::vector<AxisImpulse>& axes, const VecX& change,
-                               const WorkedOn& on, Table<JointId, StepJoint>& joints);
+                               const WorkVelocities& on, Table<JointId, StepJoint>& joints);
 
 }  // namespace aussois

@@ -175,7 +175,7 @@ Table<JointId, StepJoint> step_joints(const StepSetting& setting, const ImpulseS
   const Layout& dofs = setting.dofs;
   const VecX &v = step.free->v, &v_solved = step.solved.solution.v, &moved = step.v_prescribed;
   const VecX middle = (v + free_velocities(dofs, next.v)) / 2;
-  const WorkedOn mean{all_velocities(dofs, middle, moved), moved};
+  const WorkVelocities mean{all_velocities(dofs, middle, moved), moved};
   const double time = move.lasts * h;
   Table<JointId, StepJoint> out(model.joints.size());
   if (step.impact) {

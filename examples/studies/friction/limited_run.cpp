@@ -35,8 +35,8 @@ void end_with(pid_t parent) noexcept {
 [[noreturn]] void run_and_tell(const std::filesystem::path& path, const RunOptions& options,
                                int pipe_end) noexcept {
   const std::string text = to_json(result_of(run_problem(path, options)));
-  const bool told = write(pipe_end, text.data(), text.size()) == ssize_t(text.size());
-  _exit(told ? 0 : 1);
+  const bool written = write(pipe_end, text.data(), text.size()) == ssize_t(text.size());
+  _exit(written ? 0 : 1);
 }
 
 double cpu_seconds_of(pid_t process) {
@@ -46,7 +46,7 @@ double cpu_seconds_of(pid_t process) {
   return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
 }
 
-struct Told {
+struct ChildReport {
   std::string text{};
   bool in_time = true;
 };
@@ -54,8 +54,8 @@ struct Told {
 /// All that a child says until it closes its end; nothing more after a signal, or `time_limit` of its CPU
 /// time. It is looked at from here: a limit that the system watches makes the child's own clock tick
 /// coarsely.
-Told listen_to(pid_t child, int pipe_end, double time_limit) {
-  Told told;
+ChildReport listen_to(pid_t child, int pipe_end, double time_limit) {
+  ChildReport report;
   std::array<char, 4096> part{};
   while (!interrupted()) {
     const double left = time_limit - cpu_seconds_of(child);
@@ -64,9 +64,9 @@ Told listen_to(pid_t child, int pipe_end, double time_limit) {
     if (poll(&end, 1, int(std::clamp(500 * left, 1.0, 100.0))) <= 0) continue;  // milliseconds; or a signal
     const ssize_t count = read(pipe_end, part.data(), part.size());
     if (count == 0 || (count < 0 && errno != EINTR)) break;
-    if (count > 0) told.text.append(part.data(), std::size_t(count));
+    if (count > 0) report.text.append(part.data(), std::size_t(count));
   }
-  return told;
+  return report;
 }
 
 }  // namespace
@@ -88,18 +88,18 @@ ProfileResult run_limited(const std::filesystem::path& path, const RunOptions& o
     close(ends[0]);
     throw std::runtime_error(std::string("fork: ") + std::strerror(errno));
   }
-  const Told told = listen_to(child, ends[0], time_limit);
+  const ChildReport report = listen_to(child, ends[0], time_limit);
   close(ends[0]);
-  if (interrupted() || !told.in_time) kill(child, SIGKILL);
+  if (interrupted() || !report.in_time) kill(child, SIGKILL);
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
   if (interrupted())
     result.status = "interrupted";
-  else if (!told.in_time)
+  else if (!report.in_time)
     result.status = "time_limit";
   else if (WIFEXITED(status) && WEXITSTATUS(status) == 0)
-    result = profile_result_in(told.text);
+    result = profile_result_in(report.text);
   result.time_limit = time_limit;
   return result;
 }

@@ -479,7 +479,7 @@ TEST(MeshRepair, SettlesAnyHeapOfTriangles) {
     for (std::size_t i = 0; i < x.size(); ++i)
       EXPECT_LE((once.complex.vertices[once.vertex[i]] - x[i]).norm(), once.report.tolerance);
     EXPECT_EQ(once.complex.solid, once.report.reason.empty());
-    const Welded welded = weld_vertices(once.complex, once.report.tolerance);
+    const WeldedComplex welded = weld_vertices(once.complex, once.report.tolerance);
     EXPECT_EQ(welded.vertices.count, 0);
     EXPECT_EQ(once.report.after.duplicate_vertices, 0);
     split += once.report.split_edges.count;
