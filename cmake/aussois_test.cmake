@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# aussois_test(<name> LABEL <label> [SLOW <regex>] [LONG <regex>] [SERIAL <regex>] SOURCES ... USES ...): one GoogleTest executable, its
-# tests discovered; those whose names match SLOW take over ten seconds in release and have the label slow too, those
+# aussois_test(<name> LABEL <label> [SLOW <regex>] [LONG <regex>] [SERIAL <regex>] SOURCES ... USES ...): one GoogleTest
+# executable, its tests discovered; those whose names match SLOW take over ten seconds in release and have the label slow too, those
 # that match LONG many minutes, and both labels: they are disabled unless AUSSOIS_LONG_TESTS is on. Those that match
 # SERIAL run alone, since they measure time.
 # Tests read AUSSOIS_DATA_DIR from the environment (empty: skip). Sources that read small inputs of the project are

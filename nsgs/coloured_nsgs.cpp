@@ -34,7 +34,7 @@ Iterate coloured_nsgs(Delassus& W, const Iterate& start, const SolverOptions& op
   const SweepOptions sweep{.local = options.local, .relaxation = options.relaxation};
   const Palette colours = palette(W.colours());
   SweepCounts counts;
-  std::vector<RelaxedBlock> done(colours.blocks.size());
+  std::vector<BlockChange> done(colours.blocks.size());
   const auto step = [&](VecX& r) {
     for (std::size_t k = 0; k + 1 < colours.begin.size(); ++k) {
       const int begin = colours.begin[k], end = colours.begin[k + 1];
@@ -45,7 +45,7 @@ Iterate coloured_nsgs(Delassus& W, const Iterate& start, const SolverOptions& op
       });
     }
     double change = 0;
-    for (const RelaxedBlock& block : done) change += counts.add(block);
+    for (const BlockChange& block : done) change += counts.add(block);
     return std::sqrt(change);
   };
   Iterate best = fixed_point(W, start, Method::coloured_nsgs, options, report, step);

@@ -21,13 +21,13 @@ struct SweepOptions {
   double relaxation = 1;
 };
 /// What a sweep did to one block.
-struct RelaxedBlock {
+struct BlockChange {
   double change = 0;  // squared norm of the change of its r
   bool failed = false, fail_safe = false;
 };
 struct SweepCounts {
   int failures = 0, fail_safes = 0;
-  double add(const RelaxedBlock& block) {  // returns its change
+  double add(const BlockChange& block) {  // returns its change
     failures += block.failed;
     fail_safes += block.fail_safe;
     return block.change;
@@ -63,7 +63,7 @@ class Delassus {
   }
 
   /// One block of such a pass. Blocks of one colour may be relaxed in parallel.
-  virtual RelaxedBlock relax(int c, VecX& r, const SweepOptions& options) = 0;
+  virtual BlockChange relax(int c, VecX& r, const SweepOptions& options) = 0;
   /// The colour of every block: no two blocks that share velocities have the same (COL-1).
   virtual std::vector<int> colours() const = 0;
 

@@ -100,7 +100,7 @@ class LocalDelassus final : public Delassus {
     return u;
   }
 
-  RelaxedBlock relax(int c, VecX& r, const SweepOptions& options) override {
+  BlockChange relax(int c, VecX& r, const SweepOptions& options) override {
     const Law& law = scaled.laws[c];
     const Rows<R> r_old = r.segment<R>(at(c), rows(c)), u = velocity(c, r);
     if (has_normal(law) && u[0] >= 0 && r_old[0] == 0) return {};  // stays open (NSGS-6)

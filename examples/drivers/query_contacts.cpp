@@ -150,7 +150,7 @@ void write_answers(const ContactReport& report, const Arguments& a) {
   if (!a.picture.empty()) write_contact_page(a.picture, report);
 }
 
-// What no contact shows. False: nothing.
+// What no contact shows. True: nothing of the kind.
 bool print_findings(const ContactReport& report, const ContactPair& pair) {
   Found touching, nested, bare;
   for (std::size_t i = 0; i < report.queries.size(); ++i) {
@@ -175,7 +175,7 @@ bool print_findings(const ContactReport& report, const ContactPair& pair) {
                  "the smallest gap is not the distance of the bases less the dilations at %zu of %s, first "
                  "at pose %zu\n",
                  bare.count, poses.c_str(), bare.first);
-  return touching.count + nested.count + bare.count > 0;
+  return touching.count + nested.count + bare.count == 0;
 }
 
 ExitCode query(const Arguments& a) {
@@ -210,7 +210,7 @@ ExitCode query(const Arguments& a) {
   }
   print_answers(report, pair, a.rows);
   write_answers(report, a);
-  return print_findings(report, pair) ? ExitCode::not_accepted : ExitCode::ok;
+  return print_findings(report, pair) ? ExitCode::ok : ExitCode::not_accepted;
 }
 
 }  // namespace

@@ -88,8 +88,7 @@ struct KernelScene {
   State state{};
 };
 KernelScene kernel_scene(const PeerScene& scene);
-/// The defaults, but for theta = 1 where nothing bounces, and Moreau's normal law where the
-/// restitution is not zero.
+/// The defaults, but for theta = 1 where nothing bounces, and Moreau's normal law where something does.
 SchemeOptions kernel_options(const PeerScene& scene, double h);
 
 /// Where the bodies of a scene are, in any engine.

@@ -111,14 +111,6 @@ VecX path_after_landing(const StepSetting& setting, const State& start, const Fo
   return passive && given > taken ? v_path : closed;
 }
 
-// On the joints, also where rows on the mean or of velocities lead elsewhere.
-State end_on_joints(const StepSetting& setting, const State& start, double h, const VecX& v_path,
-                    const VecX& v_prescribed) {
-  const VecX v = all_velocities(setting.dofs, v_path, v_prescribed);
-  const VecX path = path_velocity(setting.options.update, setting.model, start, v, h);
-  return projected_state(setting.model, state_after(setting.model, start, path, start.v, h)).state;
-}
-
 StepOptions without_projection(StepOptions o) {
   o.joints.project = false;
   return o;
@@ -196,8 +188,11 @@ struct MidpointSolve {
     return out;
   }
 
+  // Where a path ends, put on the joints: their rows are those of velocities.
   State end_of(const VecX& v_path) const {
-    return end_on_joints(setting, start, found.h, v_path, step.v_prescribed);
+    const VecX v = all_velocities(setting.dofs, v_path, step.v_prescribed);
+    const VecX path = path_velocity(setting.options.update, setting.model, start, v, found.h);
+    return projected_state(setting.model, state_after(setting.model, start, path, start.v, found.h)).state;
   }
 
   // Joints on the mean hand the jump of a landing on from step to step (PMI-8).
