@@ -13,9 +13,9 @@ class SettingVisitor;
 /// `describe` gives the ranges.
 struct FastenerOptions {
   double diameter = 16e-3;  // nominal thread diameter [m]; across flats 1.5 diameter, head 0.65 diameter
-  double pitch = 2e-3;      // rise per turn [m], in (0, diameter / 4]; right-handed
-  double clearance = 1e-4;  // radial gap, the same everywhere [m], in (0, pitch / 4]; taken off the bolt
-  int facets = 48;          // per turn, a multiple of 8 in [16, 240]
+  double pitch = 2e-3;      // rise per turn [m], at most diameter / 4; right-handed
+  double clearance = 1e-4;  // radial gap, the same everywhere [m], at most pitch / 4; taken off the bolt
+  int facets = 48;          // per turn, a multiple of 8
   int bolt_turns = 8;       // threaded length of the bolt in pitches
   int nut_turns = 3;        // height of the nut in pitches
 };

@@ -25,7 +25,7 @@ void append(RepairStep& sum, const RepairStep& step) {
 std::string reason_against(const MeshReport& mesh, const OrientedComplex& oriented) {
   std::string text;
   const auto say = [&](int count, const char* one, const char* many = "") {
-    if (count > 0) text += (text.empty() ? "" : ", ") + counted(count, one, many);
+    if (count > 0) text += (text.empty() ? "" : ", ") + counted_noun(count, one, many);
   };
   if (mesh.triangles == 0) return "no triangles";
   say(mesh.border_edges, "border edge");
@@ -53,7 +53,8 @@ void describe(SettingVisitor& visit, RepairOptions& o) {
   visit.begin("RepairOptions");
   visit.number({"relative_tolerance", "tolerance relative to the box diagonal", "-", {0, 1e-2}},
                o.relative_tolerance);
-  visit.number({"largest_tolerance", "upper bound of the tolerance", "m", at_least(0)}, o.largest_tolerance);
+  visit.number({"largest_tolerance", "upper bound of the tolerance", "m", range_from(0)},
+               o.largest_tolerance);
 }
 
 void validate(const RepairOptions& options) {
@@ -129,7 +130,7 @@ std::string to_string(const RepairReport& report) {
     const Vec3 mm = 1e3 * step.place;
     std::snprintf(line, sizeof line, ", %s (%.6g, %.6g, %.6g) mm",
                   step.distance > 0 ? "worst at" : "first at", mm.x(), mm.y(), mm.z());
-    text += counted(step.count, one, many) + line;
+    text += counted_noun(step.count, one, many) + line;
     if (step.distance > 0) {
       std::snprintf(line, sizeof line, " by %.3g um", 1e6 * step.distance);
       text += line;

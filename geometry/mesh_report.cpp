@@ -138,8 +138,9 @@ std::string to_string(const MeshReport& report) {
     std::snprintf(line, sizeof line, format, values...);
     text += line;
   };
-  text += counted(report.vertices, "vertex", "vertices") + ", " + counted(report.edges, "edge") + ", " +
-          counted(report.triangles, "triangle") + ", " + counted(report.components, "component") + "\n";
+  text += counted_noun(report.vertices, "vertex", "vertices") + ", " + counted_noun(report.edges, "edge") +
+          ", " + counted_noun(report.triangles, "triangle") + ", " +
+          counted_noun(report.components, "component") + "\n";
   if (report.vertices > 0) {
     const Vec3 size = 1e3 * (report.box.hi - report.box.lo);
     const Vec3 lo = 1e3 * report.box.lo, hi = 1e3 * report.box.hi;
@@ -155,7 +156,7 @@ std::string to_string(const MeshReport& report) {
         report.min_height_ratio * report.box.diagonal(), report.min_height_ratio);
   }
   const auto count = [&](int value, const char* one, const char* many = "") {
-    if (value > 0) text += counted(value, one, many) + "\n";
+    if (value > 0) text += counted_noun(value, one, many) + "\n";
   };
   count(report.isolated_vertices, "isolated vertex", "isolated vertices");
   count(report.wire_edges, "edge without a triangle", "edges without a triangle");

@@ -15,7 +15,7 @@ inline std::string number_text(double value) {
 }
 
 /// "1 step", "2 steps"; `many` if the plural is not formed with an s: "2 vertices".
-inline std::string counted(std::int64_t count, const std::string& one, const std::string& many = {}) {
+inline std::string counted_noun(std::int64_t count, const std::string& one, const std::string& many = {}) {
   return std::to_string(count) + " " + (count == 1 ? one : many.empty() ? one + "s" : many);
 }
 

@@ -35,7 +35,7 @@ inline Range positive_range() {
 inline Range not_negative_range() {
   return {0, std::numeric_limits<double>::infinity(), false, true};  // and finite
 }
-inline Range at_least(double lowest) {
+inline Range range_from(double lowest) {
   return {.lowest = lowest};
 }
 inline Range range_above(double lowest) {
@@ -47,10 +47,10 @@ inline Range open_range(double lowest, double highest) {
 inline Range finite_range() {
   return open_range(-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity());
 }
-inline Range open_below(double lowest, double highest) {
+inline Range range_open_below(double lowest, double highest) {
   return {lowest, highest, true, false};
 }
-inline Range open_above(double lowest, double highest) {
+inline Range range_open_above(double lowest, double highest) {
   return {lowest, highest, false, true};
 }
 

@@ -166,7 +166,7 @@ Box bounding_box(const SimplicialComplex& complex) {
   return box;
 }
 
-SimplicialComplex transformed(const SimplicialComplex& complex, const SE3& g, double scale) {
+SimplicialComplex transformed_complex(const SimplicialComplex& complex, const SE3& g, double scale) {
   require_field(scale > 0 && std::isfinite(scale), "scale", scale, "be finite and > 0");
   SimplicialComplex result = complex;
   for (Vec3& x : result.vertices) x = g * Vec3(scale * x);

@@ -61,6 +61,6 @@ struct Box {
 Box bounding_box(const SimplicialComplex& complex);
 
 /// The same complex with vertices g * (scale * x). Throws std::invalid_argument unless 0 < scale < inf.
-SimplicialComplex transformed(const SimplicialComplex& complex, const SE3& g, double scale = 1.0);
+SimplicialComplex transformed_complex(const SimplicialComplex& complex, const SE3& g, double scale = 1.0);
 
 }  // namespace aussois

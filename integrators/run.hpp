@@ -10,17 +10,19 @@
 
 namespace aussois {
 
-/// Throws std::invalid_argument naming what is wrong, its value and its bound, if validate(model, state)
-/// refuses; if base complexes of two bodies are nearer than the certificate allows (CA-6); if a body lies
-/// inside the solid of another (CA-19), which no step after the first checks; if a joint or coupling is off
-/// by more than the tolerance of `joints` (`consistent_state` corrects that); or if a block or gap function
-/// has matrices of the wrong size, or a mass that is not symmetric and positive definite.
+/// Throws std::invalid_argument, naming what is wrong, its value and its bound, if
+/// - validate(model, state) refuses;
+/// - base complexes of two bodies are nearer than the certificate allows (CA-6);
+/// - a body lies inside the solid of another (CA-19), which no step after the first checks;
+/// - a joint or coupling is off by more than the tolerance of `joints` (`consistent_state` corrects that);
+/// - a block or gap function has matrices of the wrong size, or a mass that is not symmetric and positive
+///   definite.
 void validate_start(const Model& model, const State& state, const AdvancementOptions& options = {},
                     const JointOptions& joints = {});
 
-/// The nearest poses, in the metric of the masses, at which all joints, couplings and position motors without
-/// a limit hold (Newton's method, to 1e-13 m and rad or as far as rounding allows), and the nearest
-/// velocities that keep them so and also satisfy speed motors (MJT-13). Use it to make a start consistent.
+/// Makes a start consistent (MJT-13). The poses are the nearest, in the metric of the masses, at which all
+/// joints, couplings and position motors without a limit hold: Newton's method, to 1e-13 m and rad or as far
+/// as rounding allows. The velocities are the nearest that keep them so and satisfy speed motors.
 State consistent_state(const Model& model, const State& state);
 /// Corrects the velocities only, at the poses of the state.
 VecX consistent_velocity(const Model& model, const State& state);

@@ -21,6 +21,13 @@ struct Entry {
   std::vector<SchemeOptions> (*variants)() = nullptr;
 };
 
+// What a comparison sets for all schemes: event_driven has a tolerance of its own.
+template <class S>
+StepOptions step_of(StepOptions step) {
+  if constexpr (std::is_same_v<S, EventDriven>) step.solver.tolerance = SolverOptions{}.tolerance;
+  return step;
+}
+
 /// The scheme S, whose options are the member `own`; null: it has none.
 template <class S, auto own>
 Entry entry_of(const char* name, SchemeTraits (*traits)(const SchemeOptions&),
@@ -30,7 +37,7 @@ Entry entry_of(const char* name, SchemeTraits (*traits)(const SchemeOptions&),
   out.make = [](const Model& model, const SchemeOptions& o) -> Step {
     std::shared_ptr<const S> scheme;
     if constexpr (has_own)
-      scheme = std::make_shared<const S>(model, o.step, o.*own);
+      scheme = std::make_shared<const S>(model, step_of<S>(o.step), o.*own);
     else
       scheme = std::make_shared<const S>(model, o.step);
     return [scheme](State& state, double h_limit) { return scheme->step(state, h_limit); };

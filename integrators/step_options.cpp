@@ -18,7 +18,8 @@ void describe(SettingVisitor& visit, ImpactOptions& o) {
                 .flag = "--impact-order",
                 .label = "%"},
                o.order, kImpactOrders);
-  visit.count({"max_pairs", "maximum number of one-contact impacts in a step", "", at_least(1)}, o.max_pairs);
+  visit.count({"max_pairs", "maximum number of one-contact impacts in a step", "", range_from(1)},
+              o.max_pairs);
 }
 
 void describe(SettingVisitor& visit, JointOptions& o) {
@@ -35,9 +36,9 @@ void describe(SettingVisitor& visit, AdvancementOptions& o) {
   visit.begin("AdvancementOptions");
   visit.toggle({"certify", "prove that base complexes stay apart"}, o.certify);
   visit.number({"enlargement", "enlargement factor of the estimated speeds", "-", {1, 4}}, o.enlargement);
-  visit.number(
-      {"floor", "smallest search distance, relative to the sum of the dilations", "-", open_below(0, 1)},
-      o.floor);
+  visit.number({"floor", "smallest search distance, relative to the sum of the dilations", "-",
+                range_open_below(0, 1)},
+               o.floor);
   visit.number({"max_overlap",
                 "largest overlap of dilated shapes, relative to the sum of the dilations",
                 "-",
@@ -50,13 +51,13 @@ void describe(SettingVisitor& visit, AdvancementOptions& o) {
                 .flag = "--min-h"},
                o.min_h);
   visit.number({"growth", "largest growth factor of the step after an accepted one", "-", {1, 4}}, o.growth);
-  visit.count({"max_attempts", "maximum number of attempts at a step", "", at_least(1)}, o.max_attempts);
+  visit.count({"max_attempts", "maximum number of attempts at a step", "", range_from(1)}, o.max_attempts);
 }
 
 void describe(SettingVisitor& visit, StepOptions& o) {
   visit.begin("StepOptions");
   visit.number({"h", "largest step", "s", positive_range()}, o.h);
-  visit.number({"correction_speed", "largest speed at which overlaps are pushed apart", "m/s", at_least(0)},
+  visit.number({"correction_speed", "largest speed at which overlaps are pushed apart", "m/s", range_from(0)},
                o.correction_speed);
   visit.number({"touching", "largest gap that counts as closed", "m, rad", not_negative_range()}, o.touching);
   visit.group("joints", o.joints);
@@ -70,7 +71,7 @@ void describe(SettingVisitor& visit, StepOptions& o) {
   visit.count({.name = "threads",
                .what = "number of threads of all parts of a step",
                .unit = "",
-               .range = at_least(1),
+               .range = range_from(1),
                .changes_nothing = true},
               o.threads);
   visit.toggle(
@@ -95,6 +96,8 @@ void validate(const StepOptions& o) {
       "has no point to pull back");
   validate(o.solver);
   const LmdOptions usual;
+  require_field(o.lmd.threshold == usual.threshold, "StepOptions::lmd.threshold", o.lmd.threshold,
+                "not be set: each step searches as far as its bodies may move [m]");
   require_field(o.lmd.threads == usual.threads || o.lmd.threads == o.threads, "StepOptions::lmd.threads",
                 o.lmd.threads, "not be set: StepOptions::threads is for all");
   require(!o.solver.for_all, "StepOptions::solver.for_all must be empty: StepOptions::threads is for all");

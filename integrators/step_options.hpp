@@ -87,9 +87,11 @@ struct StepOptions {
   // rounding leave such gaps to bodies at rest [m; rad for a limit of a rotation]
   double touching = 1e-8;
   JointOptions joints{};
-  LmdOptions lmd{};  // the displacement bound sets its threshold in each step
+  LmdOptions lmd{};  // without threshold: the displacement bound sets it in each step
   ReductionOptions reduction{};
   PersistenceOptions persistence{};
+  // Impacts (IMP-1) are solved to 1e-13 and displacements (PRJ-2) to 1e-12 where its tolerance is larger, and
+  // displacements always by Method::automatic
   SolverOptions solver{};
   AdvancementOptions advancement{};
   GroupUpdate update = GroupUpdate::exponential;

@@ -35,10 +35,11 @@ enum class OtherProgram { refuse, accept };
 /// checkpoint survives whatever ends the process here. Throws std::runtime_error with the path.
 void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
 
-/// Throws std::runtime_error if the file is missing, truncated, damaged (the hash of the state is stored and
-/// compared), or of another version of the format; if another program wrote it, unless `other` accepts that
-/// (the message names both programs and --resume-anyway); and if its fingerprint is not `fingerprint` (the
-/// message names both).
+/// Throws std::runtime_error if
+/// - the file is missing, truncated, damaged (the hash of the state is stored and compared), or of another
+///   version of the format;
+/// - another program wrote it, unless `other` accepts that; the message names both and --resume-anyway;
+/// - its fingerprint is not `fingerprint`; the message names both.
 Checkpoint read_checkpoint(const std::filesystem::path& path, std::uint64_t fingerprint,
                            OtherProgram other = OtherProgram::refuse);
 

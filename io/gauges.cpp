@@ -20,7 +20,7 @@ double displacement(const Frame& f) {
 // In the order in which messages name them.
 const std::vector<Gauge>& known_gauges() {
   using F = const Frame&;
-  constexpr Keep kNothing = Keep::nothing;
+  constexpr GaugeTotal kNothing = GaugeTotal::nothing;
   const auto clock = [](const char* column, double (*value)(F)) {
     return Gauge{.column = column, .value = value, .clock = true};
   };
@@ -30,30 +30,33 @@ const std::vector<Gauge>& known_gauges() {
       {"h", "", kNothing, [](F f) { return f.report.h; }},
       {"attempts", "", kNothing, [](F f) { return double(f.report.attempts); }},
       {"contacts_found", "", kNothing, [](F f) { return double(f.report.contacts_found); }},
-      {"", "max_contacts", Keep::most, [](F f) { return double(f.report.contacts_found); }, true},
+      {"", "max_contacts", GaugeTotal::most, [](F f) { return double(f.report.contacts_found); }, true},
       {"contacts", "", kNothing, [](F f) { return double(f.report.contacts_kept); }},
       {"iterations", "", kNothing, [](F f) { return double(f.report.solve.iterations); }},
       {"newton", "", kNothing, [](F f) { return double(f.report.solve.newton_iterations); }},
       {"residual", "", kNothing, [](F f) { return f.report.solve.residual; }},
-      {"", "solver_failures", Keep::sum, [](F f) { return double(!is_solved(f.report.solve.status)); }, true},
-      {"min_gap", "min_gap", Keep::least, [](F f) { return f.report.min_gap; }},
-      {"min_base_distance", "min_base_distance", Keep::least, [](F f) { return f.report.min_base_distance; }},
+      {"worst_island", "worst_island", GaugeTotal::most, [](F f) { return f.report.solve.worst_island; }},
+      {"", "solver_failures", GaugeTotal::sum, [](F f) { return double(!is_solved(f.report.solve.status)); },
+       true},
+      {"min_gap", "min_gap", GaugeTotal::least, [](F f) { return f.report.min_gap; }},
+      {"min_base_distance", "min_base_distance", GaugeTotal::least,
+       [](F f) { return f.report.min_base_distance; }},
       {"energy", "", kNothing, [](F f) { return energy(f.model, f.state).total(); }},
       {"kinetic", "", kNothing, [](F f) { return energy(f.model, f.state).kinetic; }},
       {"gravity", "", kNothing, [](F f) { return energy(f.model, f.state).gravity; }},
       {"laws", "", kNothing, [](F f) { return energy(f.model, f.state).laws; }},
-      {"", "energy_rise", Keep::most,
+      {"", "energy_rise", GaugeTotal::most,
        [](F f) { return energy(f.model, f.state).total() - energy(f.model, f.before).total(); }},
       {"energy_residual", "", kNothing, [](F f) { return f.report.energy.residual(); }},
-      {"", "energy_residual", Keep::most, [](F f) { return std::abs(f.report.energy.residual()); }},
+      {"", "energy_residual", GaugeTotal::most, [](F f) { return std::abs(f.report.energy.residual()); }},
       {"impulse_gain", "", kNothing, [](F f) { return f.report.impulse_gain; }},
-      {"", "impulse_gain", Keep::sum,
+      {"", "impulse_gain", GaugeTotal::sum,
        [](F f) { return f.report.energy_rises ? f.report.impulse_gain : 0.0; }},
-      {"", "energy_rises", Keep::sum, [](F f) { return double(f.report.energy_rises); }, true},
-      {"joint_drift", "joint_drift", Keep::most, [](F f) { return f.report.joint_error.translation; }},
-      {"joint_drift_angle", "joint_drift_angle", Keep::most,
+      {"", "energy_rises", GaugeTotal::sum, [](F f) { return double(f.report.energy_rises); }, true},
+      {"joint_drift", "joint_drift", GaugeTotal::most, [](F f) { return f.report.joint_error.translation; }},
+      {"joint_drift_angle", "joint_drift_angle", GaugeTotal::most,
        [](F f) { return f.report.joint_error.rotation; }},
-      {"displacement", "max_displacement", Keep::most, displacement},
+      {"displacement", "max_displacement", GaugeTotal::most, displacement},
       clock("ms_contact", [](F f) { return 1e3 * f.report.seconds_contact; }),
       clock("ms_solve", [](F f) { return 1e3 * f.report.seconds_solve; }),
       clock("ms_certificate", [](F f) { return 1e3 * f.report.seconds_certificate; }),
@@ -75,19 +78,19 @@ std::string name_of(const ContactLaw& law) {
 
 }  // namespace
 
-double total_of_nothing(Keep keep) {
-  return keep == Keep::least ? kInf : 0;
+double total_of_nothing(GaugeTotal keep) {
+  return keep == GaugeTotal::least ? kInf : 0;
 }
 
-double next_total(Keep keep, double total, double value) {
+double next_total(GaugeTotal keep, double total, double value) {
   switch (keep) {
-    case Keep::nothing:
+    case GaugeTotal::nothing:
       break;
-    case Keep::least:
+    case GaugeTotal::least:
       return std::min(total, value);
-    case Keep::most:
+    case GaugeTotal::most:
       return std::max(total, value);
-    case Keep::sum:
+    case GaugeTotal::sum:
       return total + value;
   }
   return total;

@@ -22,20 +22,20 @@ struct Frame {
 };
 
 /// What a gauge keeps of its values.
-enum class Keep { nothing, least, most, sum };
+enum class GaugeTotal { nothing, least, most, sum };
 
 struct Gauge {
   std::string column{};  // name in the table; empty: no column
   std::string total{};   // name of its total in summary and checkpoint; empty: no total
-  Keep keep = Keep::nothing;
+  GaugeTotal keep = GaugeTotal::nothing;
   std::function<double(const Frame&)> value{};
   bool whole = false;  // its total is a count
   bool clock = false;  // time that passed, which differs from run to run: not in run.h5
 };
 
 /// The total of a run without steps: infinity for the least, 0 for all others.
-double total_of_nothing(Keep keep);
-double next_total(Keep keep, double total, double value);
+double total_of_nothing(GaugeTotal keep);
+double next_total(GaugeTotal keep, double total, double value);
 
 /// Finds a gauge of the kernel by the name of its column, or of its total if it has no column. Throws
 /// std::invalid_argument listing the known names.

@@ -112,7 +112,7 @@ void add_polygon(MeshFile& mesh, std::span<const int> corners) {
     mesh.triangles.push_back({corners[0], corners[k], corners[k + 1]});
 }
 
-void weld(MeshFile& mesh) {
+void weld_mesh_file(MeshFile& mesh) {
   const std::size_t n = mesh.vertices.size();
   const std::vector<int> first = first_at_same_place(mesh.vertices);
   std::vector<int> new_index(n);
@@ -137,7 +137,7 @@ MeshFile read_mesh(const std::filesystem::path& path, double scale) {
 std::string to_string(const MeshFileNotes& notes) {
   std::string text;
   const auto say = [&](int count, const char* one, const char* many) {
-    if (count > 0) text += (text.empty() ? "" : ", ") + counted(count, one, many);
+    if (count > 0) text += (text.empty() ? "" : ", ") + counted_noun(count, one, many);
   };
   say(notes.fanned_polygons, "polygon cut into a fan", "polygons cut into fans");
   say(notes.welded_vertices, "vertex welded", "vertices welded");

@@ -43,7 +43,7 @@ MeshFile read_mesh(const std::filesystem::path& path, double scale);
 
 /// Merges vertices with equal coordinates and drops triangles and wires that collapse; adds to the notes. For
 /// files that split vertices by their normals or colours; STL is already welded.
-void weld(MeshFile& mesh);
+void weld_mesh_file(MeshFile& mesh);
 
 /// Writes OBJ (v, f, l, p) with coordinates divided by `scale`, under a temporary name that is then renamed.
 /// Coordinates read back as the same doubles if scale is 1. Throws std::runtime_error if the file cannot be

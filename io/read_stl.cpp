@@ -32,7 +32,7 @@ MeshFile read_binary(const std::filesystem::path& path, std::string_view bytes) 
     fail(bytes.size(), "file must have at least the 84 bytes of a binary STL header");
   const auto count = std::size_t(load<std::uint32_t>(bytes, 80));
   if (bytes.size() != binary_size(bytes))
-    fail(80, counted(std::int64_t(count), "triangle") +
+    fail(80, counted_noun(std::int64_t(count), "triangle") +
                  (count == 1 ? " announced needs " : " announced need ") +
                  std::to_string(binary_size(bytes)) + " bytes, the file has " + std::to_string(bytes.size()));
   MeshFile mesh;
@@ -96,7 +96,7 @@ MeshFile read_ascii(const std::filesystem::path& path, std::string_view text) {
 
 MeshFile read_stl(const std::filesystem::path& path, std::string_view bytes) {
   MeshFile mesh = is_binary(bytes) ? read_binary(path, bytes) : read_ascii(path, bytes);
-  weld(mesh);  // every triangle brings its own three vertices
+  weld_mesh_file(mesh);  // every triangle brings its own three vertices
   return mesh;
 }
 

@@ -54,7 +54,7 @@ RunHeader run_header(const Model& model) {
   RunHeader header;
   std::map<ShapeId, std::string> mesh_of_shape;
   for (const RigidBody& body : model.bodies) {
-    RunBody row{body.name, {},        body.g_bs,   std::holds_alternative<Fixed>(body.motion),
+    RunBody row{body.name, {},        body.g_bs,   std::holds_alternative<FixedMotion>(body.motion),
                 0,         body.mass, body.inertia};
     if (body.shape) {
       const LmdShape& shape = *model.shapes[body.shape];

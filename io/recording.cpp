@@ -32,7 +32,7 @@ void validate(const RecordingOptions& o, const std::vector<Gauge>& gauges) {
   for (std::size_t i = 0; i < gauges.size(); ++i) {
     const Gauge& g = gauges[i];
     require(bool(g.value), "Gauge " + g.column + g.total + ": value must be callable");
-    require((g.keep == Keep::nothing) == g.total.empty(),
+    require((g.keep == GaugeTotal::nothing) == g.total.empty(),
             "Gauge " + g.column + g.total + ": a total needs a name, and a name a total");
     for (std::size_t j = 0; j < i; ++j)
       require(g.total.empty() || g.total != gauges[j].total, "Gauge " + g.total + ": two have this total");
@@ -43,11 +43,11 @@ void validate(const RecordingOptions& o, const std::vector<Gauge>& gauges) {
 
 void describe(SettingVisitor& visit, RecordingOptions& o) {
   visit.begin("RecordingOptions");
-  visit.count({"every", "record every n-th step", "", at_least(1), "--every"}, o.every);
+  visit.count({"every", "record every n-th step", "", range_from(1), "--every"}, o.every);
   visit.number({.name = "checkpoint_every",
                 .what = "wall time between checkpoints; 0: after every step",
                 .unit = "s",
-                .range = at_least(0),
+                .range = range_from(0),
                 .flag = "--checkpoint-every",
                 .changes_nothing = true},
                o.checkpoint_every);
@@ -59,7 +59,7 @@ void describe(SettingVisitor& visit, RecordingOptions& o) {
   visit.count({.name = "threads",
                .what = "number of threads of the audit",
                .unit = "",
-               .range = at_least(1),
+               .range = range_from(1),
                .changes_nothing = true},
               o.threads);
 }
@@ -160,7 +160,7 @@ void Recording::add(const State& state, const StepReport& report) {
   for (std::size_t i = 0; i < r.gauges.size(); ++i) {
     const Gauge& g = r.gauges[i];
     const bool in_row = recorded && !g.column.empty();
-    if (!in_row && g.keep == Keep::nothing) continue;
+    if (!in_row && g.keep == GaugeTotal::nothing) continue;
     const double value = g.value(frame);
     if (in_row) row.push_back(value);
     if (in_row && is_in_run(g)) in_run.push_back(value);

@@ -14,8 +14,8 @@ namespace aussois {
 
 void describe(SettingVisitor& visit, ReplayOptions& o) {
   visit.begin("ReplayOptions");
-  visit.count({"max_frames", "poses and contacts shown", "", at_least(2)}, o.max_frames);
-  visit.count({"max_plot_points", "points of a curve", "", at_least(2)}, o.max_plot_points);
+  visit.count({"max_frames", "poses and contacts shown", "", range_from(2)}, o.max_frames);
+  visit.count({"max_plot_points", "points of a curve", "", range_from(2)}, o.max_plot_points);
 }
 
 namespace {

@@ -35,12 +35,14 @@ struct RunTotals {
 RunTotals run_totals(const Model& model, const State& start, int samples);
 void add_frame(const Frame& frame, int threads, RunTotals& totals);
 
-/// Sets matched_by_key, matched_by_adjacency, matched_by_geometry, unmatched, inherited, and match_share: of
-/// the contacts found, the share known from the step before [-], 0 without contacts; energy_gain, the largest
-/// of the run [J]; passing_pairs, driven_overlaps, driven_overlap_t [s; null: none]; with an audit
-/// certify_samples, certify_steps, certify_violations, certify_nested, certify_uncovered,
-/// certify_min_distance [m; null: no two bodies came near] and certify_skipped, the names of the pairs that
-/// neither certificate nor audit looks at.
+/// Sets
+/// - matched_by_key, matched_by_adjacency, matched_by_geometry, unmatched, inherited;
+/// - match_share, the share of the contacts found that the step before knew [-], 0 without contacts;
+/// - energy_gain, the largest of the run [J];
+/// - passing_pairs, driven_overlaps, driven_overlap_t [s; null: none];
+/// - with an audit certify_samples, certify_steps, certify_violations, certify_nested, certify_uncovered,
+///   certify_min_distance [m; null: no two bodies came near];
+/// - certify_skipped, the names of the pairs that neither certificate nor audit looks at.
 void set_totals(const RunTotals& totals, const Model& model, Summary& summary);
 /// Only what the audit adds; `skipped` are the names of the pairs that it leaves out.
 void set_audit(const PathAudit& audit, const std::vector<std::string>& skipped, Summary& summary);

@@ -19,7 +19,7 @@ struct BodyPair {
 };
 
 /// The pair with the smaller id first.
-constexpr BodyPair in_order(BodyId a, BodyId b) {
+constexpr BodyPair ordered_pair(BodyId a, BodyId b) {
   return a < b ? BodyPair{a, b} : BodyPair{b, a};
 }
 

@@ -483,12 +483,12 @@ void describe(SettingVisitor& visit, CertificateOptions& o) {
   visit.number({"wanted", "distance above which pairs are not examined further", "m", range_above(0)},
                o.wanted);
   visit.count(
-      {"max_halvings", "maximum number of halvings of the time interval of two simplices", "", at_least(0)},
+      {"max_halvings", "maximum number of halvings of the time interval of two simplices", "", range_from(0)},
       o.max_halvings);
   visit.count({.name = "threads",
                .what = "number of threads",
                .unit = "",
-               .range = at_least(1),
+               .range = range_from(1),
                .changes_nothing = true},
               o.threads);
 }

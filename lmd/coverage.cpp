@@ -7,13 +7,10 @@
 #include "lmd/find_contacts.hpp"
 
 namespace aussois {
-namespace {
 
 bool all_but_touch(const LmdShape& a, const LmdShape& b, double distance) {
   return distance < 1e-3 * (a.radius + b.radius);
 }
-
-}  // namespace
 
 double gap_beyond_distance(const PosedShape& a, const PosedShape& b, double distance, int threads) {
   const double expected = distance - a.shape->radius - b.shape->radius;

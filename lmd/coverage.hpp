@@ -12,8 +12,10 @@ namespace aussois {
 /// as for nested bodies.
 double gap_beyond_distance(const PosedShape& a, const PosedShape& b, double distance, int threads = 1);
 
-/// Whether (LMD-14) holds at one pose. Bases that all but touch have no direction, hence no contact; they
-/// count as covered.
+/// Bases that all but touch have no direction, hence no contact; (LMD-14) says nothing of them.
+bool all_but_touch(const LmdShape& a, const LmdShape& b, double distance);
+
+/// Whether (LMD-14) holds at one pose; also true for bases that all but touch.
 bool is_covered(const PosedShape& a, const PosedShape& b, double distance, int threads = 1);
 
 /// The same for the smallest gap found by a search with a threshold of at least `distance` less the

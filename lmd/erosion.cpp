@@ -217,9 +217,9 @@ void describe(SettingVisitor& visit, ErosionOptions& o) {
                 .flag = "--dilation"},
                o.depth);
   visit.number(planarity_setting(), o.planarity);
-  visit.number(
-      {"meet", "distance of planes from a point at which they meet, in depths", "-", open_below(0, 1e-2)},
-      o.meet);
+  visit.number({"meet", "distance of planes from a point at which they meet, in depths", "-",
+                range_open_below(0, 1e-2)},
+               o.meet);
   visit.number({.name = "deviation",
                 .what = "largest distance of planes from a vertex that cannot be split, in depths; 0: refuse",
                 .unit = "-",

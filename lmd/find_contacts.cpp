@@ -235,7 +235,7 @@ void describe(SettingVisitor& visit, LmdOptions& o) {
   visit.count({.name = "threads",
                .what = "number of threads of a search",
                .unit = "",
-               .range = at_least(1),
+               .range = range_from(1),
                .changes_nothing = true},
               o.threads);
   visit.group("tests", o.tests);

@@ -183,7 +183,8 @@ void trace_chains(const SimplicialComplex& k, Idealisation& out) {
 
 }  // namespace
 
-std::vector<MovedVertex> straighten(SimplicialComplex& complex, const Idealisation& ideal, double foot) {
+std::vector<MovedVertex> straighten_chains(SimplicialComplex& complex, const Idealisation& ideal,
+                                           double foot) {
   std::vector<MovedVertex> moved;
   for (const Chain& chain : ideal.chains) {
     const Vec3 a = complex.vertices[chain.first];

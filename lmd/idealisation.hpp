@@ -47,7 +47,8 @@ Idealisation idealise_each(const SimplicialComplex& complex, double tolerance);
 /// Moves the vertices inside chains onto the chords if they are off by more than `foot`. The faces on both
 /// sides then end where the chain begins, and no slit is left between them (LMD-14). Vertices move by at most
 /// the tolerance of the idealisation, which holds for the straightened complex as well.
-std::vector<MovedVertex> straighten(SimplicialComplex& complex, const Idealisation& ideal, double foot);
+std::vector<MovedVertex> straighten_chains(SimplicialComplex& complex, const Idealisation& ideal,
+                                           double foot);
 
 /// For each vertex, how far chords and planes that meet there are from parallel: the sum of the two largest
 /// sines |n . d| of a chain's direction d and the normal n of a region beside it (LMD-15); 0 below 1e-6.

@@ -24,7 +24,7 @@ void describe(SettingVisitor& visit, SearchTests& options);
 struct LmdOptions {
   double threshold = 1e-3;           // report contacts with gap <= threshold [m]
   double alpha = 2 * kPi / 180;      // small rotations tolerated by the quasi-LMD rule [rad]
-  double alpha_ee = 10 * kPi / 180;  // the same for the direction of edge against edge [rad], in [alpha, 1]
+  double alpha_ee = 10 * kPi / 180;  // the same for the direction of edge against edge [rad], at least alpha
   int threads = 1;                   // the result does not depend on it
   SearchTests tests{};
 };

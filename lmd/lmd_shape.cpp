@@ -251,7 +251,7 @@ LmdShape prepare(DilatedShape dilated, const LmdShapeOptions& options) {
 
   const Idealisation ideal = (options.deforming ? idealise_each : idealise)(shape.complex, shape.tolerance);
   shape.straightened =
-      straighten(shape.complex, ideal, 1e-10 * box.diagonal());  // a tenth of what feet forgive
+      straighten_chains(shape.complex, ideal, 1e-10 * box.diagonal());  // a tenth of what feet forgive
   for (std::size_t r = 0; r < ideal.region_normal.size(); ++r)
     shape.regions.push_back({ideal.region_normal[r], ideal.region_offset[r]});
   shape.triangle_region = ideal.triangle_region;

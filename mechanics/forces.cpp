@@ -46,8 +46,8 @@ bool pushes(const JointAxis& axis) {
 
 double axis_speed(const Joint& joint, const JointRow& row, const VecX& v) {
   double out = 0;
-  if (joint.body_a) out += row.J_a.dot(of_body(v, joint.body_a));
-  if (joint.body_b) out += row.J_b.dot(of_body(v, joint.body_b));
+  if (joint.body_a) out += row.J_a.dot(body_part(v, joint.body_a));
+  if (joint.body_b) out += row.J_b.dot(body_part(v, joint.body_b));
   return out;
 }
 

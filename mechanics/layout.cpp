@@ -26,7 +26,7 @@ int row_of(const Layout& dofs, Eigen::Index velocity) {
 VecX all_velocities(const Layout& dofs, const VecX& v, const VecX& v_prescribed) {
   VecX all = v_prescribed;
   for (const BodyId b : dofs.first.ids())
-    if (const int row = dofs.first[b]; row >= 0) of_body(all, b) = v.segment<6>(row);
+    if (const int row = dofs.first[b]; row >= 0) body_part(all, b) = v.segment<6>(row);
   all.tail(dofs.rows - dofs.coordinates) = v.tail(dofs.rows - dofs.coordinates);
   return all;
 }
@@ -34,7 +34,7 @@ VecX all_velocities(const Layout& dofs, const VecX& v, const VecX& v_prescribed)
 VecX free_velocities(const Layout& dofs, const VecX& all) {
   VecX v(dofs.rows);
   for (const BodyId b : dofs.first.ids())
-    if (const int row = dofs.first[b]; row >= 0) v.segment<6>(row) = of_body(all, b);
+    if (const int row = dofs.first[b]; row >= 0) v.segment<6>(row) = body_part(all, b);
   v.tail(dofs.rows - dofs.coordinates) = all.tail(dofs.rows - dofs.coordinates);
   return v;
 }

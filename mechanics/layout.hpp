@@ -18,7 +18,7 @@ constexpr int first_velocity(BodyId body) {
 /// The part of a body in a vector laid out as State::v (velocities, forces, momenta): all six entries, those
 /// of the translation [world], those of the rotation [body].
 template <class Vector>
-auto of_body(Vector& all, BodyId body) {
+auto body_part(Vector& all, BodyId body) {
   return all.template segment<6>(first_velocity(body));
 }
 template <class Vector>

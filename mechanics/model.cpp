@@ -42,7 +42,7 @@ void check_body(const RigidBody& body, BodyId index, const Model& model) {
                   "be positive and finite [kg]");
     check_inertia(body.inertia, who);
   }
-  if (const Prescribed* prescribed = std::get_if<Prescribed>(&body.motion)) {
+  if (const PrescribedMotion* prescribed = std::get_if<PrescribedMotion>(&body.motion)) {
     try {
       validate(prescribed->path);
     } catch (const std::invalid_argument& error) {
@@ -106,7 +106,7 @@ void check_collide(const Joint& joint, JointId index, const Model& model) {
   if (!joint.collide) return;
   const std::string who = "joint " + to_string(index) + " (" + joint.name + "): collide ";
   require(joint.body_a && joint.body_b, who + "needs two bodies: the world has no shape");
-  require(!model.passing.contains(in_order(joint.body_a, joint.body_b)),
+  require(!model.passing.contains(ordered_pair(joint.body_a, joint.body_b)),
           who + "contradicts Model::passing, where its bodies are; joints without collide put them there");
 }
 
@@ -161,9 +161,9 @@ JointId add(Model& model, Joint joint) {
   check_joint(joint, index, model.bodies);
   check_collide(joint, index, model);
   if (!joint.collide && joint.body_a && joint.body_b) {
-    const BodyPair pair = in_order(joint.body_a, joint.body_b);
+    const BodyPair pair = ordered_pair(joint.body_a, joint.body_b);
     for (const Joint& other : model.joints)
-      require(!other.collide || in_order(other.body_a, other.body_b) != pair,
+      require(!other.collide || ordered_pair(other.body_a, other.body_b) != pair,
               "joint " + to_string(index) + " (" + joint.name + "): without collide contradicts joint " +
                   other.name + " of the same bodies, which has it");
     model.passing.insert(pair);
@@ -192,7 +192,7 @@ void add(Model& model, ForceLaw law) {
 }
 
 const ContactLaw& contact_law(const Model& model, BodyId body_a, BodyId body_b) {
-  const auto named = model.pair_laws.find(in_order(body_a, body_b));
+  const auto named = model.pair_laws.find(ordered_pair(body_a, body_b));
   return named == model.pair_laws.end() ? model.contact_law : named->second;
 }
 

@@ -20,7 +20,7 @@ SE3 retract(const SE3& g, const Vec6& twist, double time) {
 
 State retract(const Model& model, State state, const VecX& v, double time) {
   PerBody<SE3> g = state.g;
-  for (const BodyId b : g.ids()) g[b] = retract(g[b], of_body(v, b), time);
+  for (const BodyId b : g.ids()) g[b] = retract(g[b], body_part(v, b), time);
   if (!model.joints.empty()) state.turns = counted_turns(model, state, g);
   state.g = std::move(g);
   state.q += time * v.tail(state.q.size());
@@ -52,7 +52,7 @@ void lead_body(const Model& model, State& state, BodyId body, const SE3& target,
   require_field(model.bodies.contains(body), "lead_body: body", body,
                 ("lie in [0, " + to_string(model.bodies.next()) + ")").c_str());
   const RigidBody& led = model.bodies[body];
-  require(std::holds_alternative<Driven>(led.motion),
+  require(std::holds_alternative<DrivenMotion>(led.motion),
           "lead_body: body " + to_string(body) + " (" + led.name + ") must be driven");
   require_field(time > 0, "lead_body: time", time, "be positive [s]");
   twist(state, body) = twist_between(pose(state, body), checked_pose(target, "lead_body: target"), time);
@@ -62,10 +62,10 @@ VecX prescribed_velocity(const Model& model, const State& state, double h) {
   VecX v = VecX::Zero(state.v.size());
   for (const BodyId b : model.bodies.ids()) {
     const Motion& motion = model.bodies[b].motion;
-    if (const auto* moved = std::get_if<Prescribed>(&motion))
-      of_body(v, b) = twist_between(pose(state, b), trajectory_point(moved->path, state.t + h).pose, h);
-    else if (std::holds_alternative<Driven>(motion))
-      of_body(v, b) = twist(state, b);
+    if (const auto* moved = std::get_if<PrescribedMotion>(&motion))
+      body_part(v, b) = twist_between(pose(state, b), trajectory_point(moved->path, state.t + h).pose, h);
+    else if (std::holds_alternative<DrivenMotion>(motion))
+      body_part(v, b) = twist(state, b);
   }
   return v;
 }
@@ -73,9 +73,9 @@ VecX prescribed_velocity(const Model& model, const State& state, double h) {
 PerBody<SE3> moved_poses(const Model& model, const State& state, const VecX& v, double time) {
   PerBody<SE3> g(state.g.size());
   for (const BodyId b : g.ids()) {
-    const auto* moved = std::get_if<Prescribed>(&model.bodies[b].motion);
+    const auto* moved = std::get_if<PrescribedMotion>(&model.bodies[b].motion);
     g[b] = moved ? trajectory_point(moved->path, state.t + time).pose
-                 : retract(pose(state, b), of_body(v, b), time);
+                 : retract(pose(state, b), body_part(v, b), time);
   }
   return g;
 }

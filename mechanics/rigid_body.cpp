@@ -13,15 +13,15 @@ RigidBody solid_body(std::string name, ShapeId shape, const MassProperties& mass
 }
 
 RigidBody fixed_body(std::string name, ShapeId shape) {
-  return {.name = std::move(name), .shape = shape, .motion = Fixed{}};
+  return {.name = std::move(name), .shape = shape, .motion = FixedMotion{}};
 }
 
 RigidBody prescribed_body(std::string name, ShapeId shape, Trajectory path) {
-  return {.name = std::move(name), .shape = shape, .motion = Prescribed{std::move(path)}};
+  return {.name = std::move(name), .shape = shape, .motion = PrescribedMotion{std::move(path)}};
 }
 
 RigidBody driven_body(std::string name, ShapeId shape) {
-  return {.name = std::move(name), .shape = shape, .motion = Driven{}};
+  return {.name = std::move(name), .shape = shape, .motion = DrivenMotion{}};
 }
 
 }  // namespace aussois

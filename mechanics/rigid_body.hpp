@@ -15,13 +15,13 @@ namespace aussois {
 
 using ShapeId = Id<struct ShapeTag>;
 
-struct Dynamic {};
-struct Fixed {};
-struct Prescribed {  // pose and velocity known, reactions computed
+struct DynamicMotion {};
+struct FixedMotion {};
+struct PrescribedMotion {  // pose and velocity known, reactions computed
   Trajectory path{};
 };
-struct Driven {};  // moves with its twist in State::v, which is set between steps (`lead_body`)
-using Motion = std::variant<Dynamic, Fixed, Prescribed, Driven>;
+struct DrivenMotion {};  // moves with its twist in State::v, which is set between steps (`lead_body`)
+using Motion = std::variant<DynamicMotion, FixedMotion, PrescribedMotion, DrivenMotion>;
 
 struct RigidBody {
   std::string name{};
@@ -29,17 +29,18 @@ struct RigidBody {
   SE3 g_bs{};                   // shape frame seen from the body frame
   double mass = 0;              // [kg], > 0 if dynamic
   Mat3 inertia = Mat3::Zero();  // about the centre of mass, body frame [kg m^2]; see (MEC-3)
-  Motion motion = Dynamic{};
+  Motion motion = DynamicMotion{};
   Deformation deformation{};  // of the shape, seen from the body; by default none
 };
 
 inline bool is_dynamic(const RigidBody& body) {
-  return std::holds_alternative<Dynamic>(body.motion);
+  return std::holds_alternative<DynamicMotion>(body.motion);
 }
 
 /// Whether the body moves and nothing can stop it.
 inline bool is_moved(const RigidBody& body) {
-  return std::holds_alternative<Prescribed>(body.motion) || std::holds_alternative<Driven>(body.motion);
+  return std::holds_alternative<PrescribedMotion>(body.motion) ||
+         std::holds_alternative<DrivenMotion>(body.motion);
 }
 /// Whether the shape moves as seen from the body.
 inline bool deforms(const RigidBody& body) {

@@ -53,7 +53,7 @@ State rest_state(const Model& model) {
   state.v = VecX::Zero(velocity_count(model));
   state.q = VecX::Zero(first_coordinate(model, model.coordinates.next()));
   for (const BodyId i : model.bodies.ids())
-    if (const Prescribed* prescribed = std::get_if<Prescribed>(&model.bodies[i].motion))
+    if (const PrescribedMotion* prescribed = std::get_if<PrescribedMotion>(&model.bodies[i].motion))
       state.g[i] = trajectory_point(prescribed->path, prescribed->path.t.front()).pose;
   return state;
 }
@@ -91,7 +91,7 @@ void validate(const Model& model, const State& state) {
   for (const BodyId i : model.bodies.ids()) {
     const std::string who = "State, body " + to_string(i) + " (" + model.bodies[i].name + "): ";
     checked_pose(state.g[i], (who + "pose").c_str());
-    require(of_body(state.v, i).allFinite(), who + "twist must be finite");
+    require(body_part(state.v, i).allFinite(), who + "twist must be finite");
   }
   for (std::size_t i = 0; i < state.memory.contacts.size(); ++i) {
     const RememberedContact& c = state.memory.contacts[i];
@@ -112,11 +112,11 @@ const SE3& pose(const State& state, BodyId body) {
 
 Eigen::Ref<Vec6> twist(State& state, BodyId body) {
   AUSSOIS_ASSERT(body && first_velocity(body) + 6 <= state.v.size());
-  return of_body(state.v, body);
+  return body_part(state.v, body);
 }
 Vec6 twist(const State& state, BodyId body) {
   AUSSOIS_ASSERT(body && first_velocity(body) + 6 <= state.v.size());
-  return of_body(state.v, body);
+  return body_part(state.v, body);
 }
 
 VecX coordinates(const Model& model, const State& state, BlockId block) {

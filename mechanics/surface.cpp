@@ -79,6 +79,16 @@ template PointColumns<1> point_columns<1>(const Model&, const State&, const Feat
 template PointColumns<3> point_columns<3>(const Model&, const State&, const Feature&, const Vec3&,
                                           const Mat3&);
 
+Vec3 point_velocity(const Model& model, const State& state, const Feature& on, const Vec3& x, const VecX& v) {
+  const auto twist = body_part(v, on.body);
+  const SE3& g = pose(state, on.body);
+  Vec3 out = twist.head<3>() + (g.R * Vec3(twist.tail<3>())).cross(x - g.p);
+  if (deforms(model.bodies[on.body]))
+    for (const auto& [entry, column] : point_columns<3>(model, state, on, x, Mat3::Identity()).others)
+      out += v[entry] * column;
+  return out;
+}
+
 Eigen::Matrix<double, 1, 6> spin_columns(const State& state, BodyId body, const Vec3& axis) {
   Eigen::Matrix<double, 1, 6> out;
   out << 0, 0, 0, (pose(state, body).R.toRotationMatrix().transpose() * axis).transpose();

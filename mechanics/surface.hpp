@@ -35,6 +35,9 @@ template <int N>
 PointColumns<N> point_columns(const Model& model, const State& state, const Feature& on, const Vec3& x,
                               const Mat3& frame);
 
+/// Velocity of that point at the velocities `v`, laid out as State::v [m/s].
+Vec3 point_velocity(const Model& model, const State& state, const Feature& on, const Vec3& x, const VecX& v);
+
 /// Angular velocity of the surface about `axis` [world], per unit of the body's twist (MEC-7): that of the
 /// body, also where the body deforms.
 Eigen::Matrix<double, 1, 6> spin_columns(const State& state, BodyId body, const Vec3& axis);

@@ -35,7 +35,8 @@ CouplingError coupling_error(const State& state, BodyId body, const TrajectoryPo
 TrajectoryPoint handle_at(const Model& model, const State& state, BodyId handle, double t) {
   const Vec6 v = twist(state, handle);
   const RigidBody& body = model.bodies[handle];
-  if (const auto* moved = std::get_if<Prescribed>(&body.motion)) return trajectory_point(moved->path, t);
+  if (const auto* moved = std::get_if<PrescribedMotion>(&body.motion))
+    return trajectory_point(moved->path, t);
   if (!is_moved(body)) return {.pose = pose(state, handle)};
   return {pose_at({.g = pose(state, handle), .v = v.head<3>(), .omega = v.tail<3>()}, t - state.t), v};
 }

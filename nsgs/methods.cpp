@@ -134,7 +134,7 @@ void describe(SettingVisitor& visit, SolverOptions& o) {
   visit.count({.name = "max_iterations",
                .what = "maximum number of sweeps or steps of the solver",
                .unit = "",
-               .range = at_least(1),
+               .range = range_from(1),
                .flag = "--max-iterations"},
               o.max_iterations);
   visit.number({.name = "relaxation",

@@ -167,7 +167,7 @@ void describe(SettingVisitor& visit, RegularisedOptions& o) {
   visit.begin("RegularisedOptions");
   visit.choice({"reading", "how friction is treated"}, o.reading, kFrictionReadings);
   visit.number({"tolerance", "tolerance on the scaled residual", "-", open_range(0, 1)}, o.tolerance);
-  visit.count({"max_iterations", "maximum number of sweeps or steps", "", at_least(1)}, o.max_iterations);
+  visit.count({"max_iterations", "maximum number of sweeps or steps", "", range_from(1)}, o.max_iterations);
 }
 
 VecX regularisation(const LocalProblem& problem, double rho) {

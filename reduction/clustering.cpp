@@ -77,13 +77,14 @@ void describe(SettingVisitor& visit, ClusteringOptions& o) {
   visit.begin("ClusteringOptions");
   visit.choice({.name = "rule", .what = "rule that groups contacts into patches", .flag = "--clustering"},
                o.rule, kNames);
-  visit.number({"angle", "largest angle to the normal of the deepest contact", "rad", open_below(0, kPi / 2)},
-               o.angle);
+  visit.number(
+      {"angle", "largest angle to the normal of the deepest contact", "rad", range_open_below(0, kPi / 2)},
+      o.angle);
   visit.group("cube", o.cube);
   visit.count({.name = "k",
                .what = "number of groups per body pair for clusterings by k-means",
                .unit = "",
-               .range = at_least(1),
+               .range = range_from(1),
                .flag = "--clusters"},
               o.k);
   visit.seed({"random_seed", "seed of kmc"}, o.random_seed);

@@ -11,8 +11,8 @@
 namespace aussois {
 void describe(SettingVisitor& visit, KMeansOptions& o) {
   visit.begin("KMeansOptions");
-  visit.count({"k", "number of centres", "", at_least(1)}, o.k);
-  visit.count({"max_iterations", "iterations", "", at_least(0)}, o.max_iterations);
+  visit.count({"k", "number of centres", "", range_from(1)}, o.k);
+  visit.count({"max_iterations", "iterations", "", range_from(0)}, o.max_iterations);
   visit.toggle({"on_sphere", "unit vectors with normalised centres"}, o.on_sphere);
 }
 

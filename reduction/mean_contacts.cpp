@@ -86,14 +86,14 @@ MeanContact mean_of(const std::vector<Member>& members) {
 void describe(SettingVisitor& visit, MeanContactOptions& o) {
   visit.begin("MeanContactOptions");
   visit.choice({"rule", "space in which contacts are near"}, o.rule, kRules);
-  visit.count({"k", "number of means", "", at_least(1)}, o.k);
-  visit.number({"normal_length", "length that a unit change of the normal counts as", "m", at_least(0)},
+  visit.count({"k", "number of means", "", range_from(1)}, o.k);
+  visit.number({"normal_length", "length that a unit change of the normal counts as", "m", range_from(0)},
                o.normal_length);
-  visit.number({"friction_length", "length that a unit change of friction counts as", "m", at_least(0)},
+  visit.number({"friction_length", "length that a unit change of friction counts as", "m", range_from(0)},
                o.friction_length);
   visit.number({"depth_floor", "added to the depth to give the weight of a contact", "m", range_above(0)},
                o.depth_floor);
-  visit.count({"max_iterations", "iterations of k-means", "", at_least(0)}, o.max_iterations);
+  visit.count({"max_iterations", "iterations of k-means", "", range_from(0)}, o.max_iterations);
 }
 
 void validate(const MeanContactOptions& options) {

@@ -27,7 +27,7 @@ void validate(const Network& network) {
 }
 
 VecX network_output(const Network& network, const VecX& x) {
-  require(x.size() == network.inputs(), "evaluate: x has " + std::to_string(x.size()) +
+  require(x.size() == network.inputs(), "network_output: x has " + std::to_string(x.size()) +
                                             " entries and must have " + std::to_string(network.inputs()));
   const VecX scaled = (x - network.mean).cwiseQuotient(network.scale);
   const VecX hidden = (network.W1 * scaled + network.b1).array().tanh();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A small neural network as plain data, and its evaluation (NET-1): one hidden layer of tanh, softmax at the
-// end. Its training is in examples/peg_plate, its text file in io/network_file.hpp.
+// end. Its training is in examples/studies/peg_plate, its text file in io/network_file.hpp.
 #pragma once
 
 #include "geometry/types.hpp"

@@ -100,13 +100,15 @@ void describe(SettingVisitor& visit, NormalClusterOptions& o) {
   visit.begin("NormalClusterOptions");
   visit.choice({"method", "k-means or the cells of a cube"}, o.method, kMethods);
   visit.group("cube", o.cube);
-  visit.count({"k", "groups of k-means", "", at_least(1)}, o.k);
-  visit.count({"max_iterations", "iterations of k-means", "", at_least(1)}, o.max_iterations);
-  visit.number({"merge", "centres of k-means this close are merged", "rad", open_above(0, kPi / 2)}, o.merge);
+  visit.count({"k", "groups of k-means", "", range_from(1)}, o.k);
+  visit.count({"max_iterations", "iterations of k-means", "", range_from(1)}, o.max_iterations);
+  visit.number({"merge", "centres of k-means this close are merged", "rad", range_open_above(0, kPi / 2)},
+               o.merge);
   visit.number({"least_resultant", "mean length below which a group is split", "-", {0, 1}},
                o.least_resultant);
-  visit.number({"widest", "largest angle between a normal and its centre", "rad", open_below(0, kPi / 2)},
-               o.widest);
+  visit.number(
+      {"widest", "largest angle between a normal and its centre", "rad", range_open_below(0, kPi / 2)},
+      o.widest);
 }
 
 void validate(const NormalClusterOptions& options) {

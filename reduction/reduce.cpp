@@ -261,10 +261,10 @@ std::vector<std::string> reducer_names() {
 
 void describe(SettingVisitor& visit, HullMargin& o) {
   visit.begin("HullMargin");
-  visit.number({"margin", "margin to keep", "-", open_below(0, 1)}, o.margin);
-  visit.count({"min_corners", "minimum number of corners to keep, if there are that many", "", at_least(3)},
+  visit.number({"margin", "margin to keep", "-", range_open_below(0, 1)}, o.margin);
+  visit.count({"min_corners", "minimum number of corners to keep, if there are that many", "", range_from(3)},
               o.min_corners);
-  visit.count({"max_corners", "maximum number of corners to keep", "", at_least(4)}, o.max_corners);
+  visit.count({"max_corners", "maximum number of corners to keep", "", range_from(4)}, o.max_corners);
 }
 
 void describe(SettingVisitor& visit, ReductionOptions& o) {
@@ -274,11 +274,11 @@ void describe(SettingVisitor& visit, ReductionOptions& o) {
                 .flag = "--reducer"},
                o.reducer, kNames);
   visit.group("clustering", o.clustering);
-  visit.count({"min_per_cluster", "size up to which sets of contacts are kept whole", "", at_least(1)},
+  visit.count({"min_per_cluster", "size up to which sets of contacts are kept whole", "", range_from(1)},
               o.min_per_cluster);
   visit.number(
       {"layer", "distance from the deepest contact within which contacts are also reduced on their own", "m",
-       at_least(0)},
+       range_from(0)},
       o.layer);
   visit.number({.name = "min_margin",
                 .what = "add contacts until every patch keeps this margin of its support; 0: add none",
@@ -288,15 +288,15 @@ void describe(SettingVisitor& visit, ReductionOptions& o) {
                o.min_margin);
   visit.number(
       {"hysteresis", "fraction by which other corners must be better to replace those of the last step", "-",
-       open_above(0, 1)},
+       range_open_above(0, 1)},
       o.hysteresis);
   visit.number({"tie", "fraction of the extent within which extremes are tied", "-", {0, 0.1}}, o.tie);
   visit.toggle({"paper_exact", "use extreme_points as published"}, o.paper_exact);
   visit.group("hull_margin", o.hull_margin);
-  visit.count({"corners", "number of corners that hull_area_loss keeps", "", at_least(3)}, o.corners);
-  visit.count({"directions", "number of directions of direction_set", "", at_least(3)}, o.directions);
+  visit.count({"corners", "number of corners that hull_area_loss keeps", "", range_from(3)}, o.corners);
+  visit.count({"directions", "number of directions of direction_set", "", range_from(3)}, o.directions);
   visit.number(
-      {"wrench_loss", "largest fraction of a wrench that wrench_cone may lose", "-", open_above(0, 1)},
+      {"wrench_loss", "largest fraction of a wrench that wrench_cone may lose", "-", range_open_above(0, 1)},
       o.wrench_loss);
   visit.choice({.name = "friction",
                 .what = "apply friction at the centre of each patch, with its drilling torque",

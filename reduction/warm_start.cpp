@@ -208,17 +208,21 @@ Anchor moved_anchor(const RememberedContact& from, const ContactPoint& c, std::s
 
 void describe(SettingVisitor& visit, PersistenceOptions& o) {
   visit.begin("PersistenceOptions");
-  visit.choice({"matching", "matching of contacts with those of the last step"}, o.matching, kMatchings);
+  visit.choice(
+      {.name = "matching",
+       .what = "matching of contacts with those of the last step; none: every solve starts from zero",
+       .flag = "--matching"},
+      o.matching, kMatchings);
   visit.number({"reach", "largest motion of a contact matched by place", "m", not_negative_range()}, o.reach);
   visit.number({"max_reach", "upper bound of that distance for moving bodies", "m", not_negative_range()},
                o.max_reach);
-  visit.number(
-      {"max_turn", "largest turn of the normal of a contact matched by place", "rad", open_above(0, kPi / 2)},
-      o.max_turn);
+  visit.number({"max_turn", "largest turn of the normal of a contact matched by place", "rad",
+                range_open_above(0, kPi / 2)},
+               o.max_turn);
   visit.toggle({"redistribute", "pass the impulses of dropped contacts on to kept ones"}, o.redistribute);
   visit.toggle({.name = "anchors", .what = "let static friction undo its drift", .flag = "--anchors"},
                o.anchors);
-  visit.number({"anchor_rate", "fraction of the drift undone per step", "-", open_below(0, 1)},
+  visit.number({"anchor_rate", "fraction of the drift undone per step", "-", range_open_below(0, 1)},
                o.anchor_rate);
   visit.number({"anchor_speed", "largest speed at which the drift is undone", "m/s", range_above(0)},
                o.anchor_speed);

@@ -35,7 +35,7 @@ std::string scene_text(const Cli& cli, const std::string& content, const std::ve
 }
 
 void check(const Cli& cli, const RunFlags& flags) {
-  refuse_unread(cli, flags.scheme);
+  refuse_unread_flags(cli, flags.scheme);
   check(flags.dump, flags.scheme.scheme);
 }
 
@@ -116,7 +116,7 @@ DrivenRun drive(const Model& model, const State& start, RunPlan plan, const RunF
     dump.step(steps + !report.moved(), report);
     char note[80];
     std::snprintf(note, sizeof note, "step %lld, %s", static_cast<long long>(steps),
-                  counted(report.contacts_found, "contact").c_str());
+                  counted_noun(report.contacts_found, "contact").c_str());
     progress.at(out.state.t, note);
     out.interrupted = interrupted() || (flags.stop_after > 0 && steps >= flags.stop_after);
     return !out.interrupted && goes_on();
@@ -148,7 +148,7 @@ bool print_findings(const RunTotals& totals, const Model& model) {
   const Uncertified& un = totals.uncertified;
   if (un.driven_overlaps > 0)
     std::fprintf(stderr, "moved and fixed bodies overlapped in %s, first in the step from t = %.6g s\n",
-                 counted(un.driven_overlaps, "step").c_str(), un.driven_t);
+                 counted_noun(un.driven_overlaps, "step").c_str(), un.driven_t);
   return print_findings(totals.audit, model);
 }
 

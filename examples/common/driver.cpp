@@ -315,7 +315,9 @@ std::string Cli::values(const std::string& group) const {
 std::vector<std::string> Cli::given(const std::string& group) const {
   std::vector<std::string> out;
   for (const Impl::Entry& entry : impl_->entries)
-    if (entry.group == group && impl_->app.count(entry.flag) > 0) out.push_back(entry.flag);
+    if (const std::string flag = entry.flag.substr(entry.flag.rfind(',') + 1);  // of "-o,--out"
+        entry.group == group && impl_->app.count(flag) > 0)
+      out.push_back(flag);
   return out;
 }
 

@@ -71,14 +71,14 @@ bool print_findings(const RunAudit& found) {
   if (audit.steps == 0)
     std::printf("certify: nothing to check, no two bodies can touch\n");
   else
-    std::printf("certify: %s, each at %s and at its end, %s, %s\n", counted(audit.steps, "step").c_str(),
-                counted(audit.samples, "place").c_str(), nearest_of(audit).c_str(),
-                counted(audit.violations, "violation").c_str());
+    std::printf("certify: %s, each at %s and at its end, %s, %s\n", counted_noun(audit.steps, "step").c_str(),
+                counted_noun(audit.samples, "place").c_str(), nearest_of(audit).c_str(),
+                counted_noun(audit.violations, "violation").c_str());
   if (audit.nested > 0)
-    std::printf("certify: one body was inside another in %s\n", counted(audit.nested, "step").c_str());
+    std::printf("certify: one body was inside another in %s\n", counted_noun(audit.nested, "step").c_str());
   if (audit.uncovered > 0)
     std::printf("certify: contacts and base distances disagree at the end of %s\n",
-                counted(audit.uncovered, "step").c_str());
+                counted_noun(audit.uncovered, "step").c_str());
   const std::vector<std::string>& skipped = found.skipped;
   if (!skipped.empty())
     std::printf("certify: not checked, because they may pass through each other: %s%s\n",

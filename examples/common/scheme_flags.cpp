@@ -96,13 +96,14 @@ void add_options(Cli& cli, SchemeFlags& f) {
   cli.input(
       "--selector", f.selector,
       "replace --reducer by a learned selector, such as mlc_*.txt from peg_plate train on a surface set");
+  cli.stands_for("--selector", "ReductionOptions::selector");
   cli.option("--selector-body", f.selector_body,
              "index in the model, from 0, of the body on which the selector acts", "", {0, 1e6});
   cli.group("solver");
   add(cli, f, all, true);
 }
 
-void refuse_unread(const Cli& cli, const SchemeFlags& f) {
+void refuse_unread_flags(const Cli& cli, const SchemeFlags& f) {
   SaidSettings said;
   const std::vector<SchemeFlag> all = flags_of(f.options, said);
   for (const char* group : {"scheme", "solver"})

@@ -28,7 +28,7 @@ void add_options(Cli& cli, SchemeFlags& flags);
 
 /// Throws std::invalid_argument naming flag, scheme and which schemes read the flag, if the user set what
 /// the chosen scheme does not read.
-void refuse_unread(const Cli& cli, const SchemeFlags& flags);
+void refuse_unread_flags(const Cli& cli, const SchemeFlags& flags);
 
 /// What the user said. Throws std::runtime_error "path:line: ..." for a file of --selector that cannot be
 /// read.

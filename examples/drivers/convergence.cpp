@@ -264,7 +264,7 @@ int main(int argc, char** argv) {
       for (const std::string& flag : cli.given(group))
         require(!a.all,
                 flag + " cannot be combined with --all, which runs every scheme with its own settings");
-    refuse_unread(cli, a.scheme);
+    refuse_unread_flags(cli, a.scheme);
     check(a.dump, a.scheme.scheme);
     take(a.said, a.study);
     if (!a.all) a.study.settings = cli.values("scheme") + cli.values("solver");

@@ -33,7 +33,6 @@ struct Arguments {
   TossWorld world{};
   SchemeFlags scheme{};
   WatchFlags watch{};
-  std::string persistence = "on";
   double scale = 1;
   ContactLaw from{.mu = 0.3, .restitution = 0.3};  // of a fit; far from what tosses were found to have
   bool fit = false, measure_board = false, swap = false;
@@ -122,7 +121,7 @@ ExitCode finish(const Arguments& a, Summary& summary, const std::vector<Toss>& t
 
 std::vector<Toss> read_scaled(const std::filesystem::path& folder, double scale) {
   std::vector<Toss> tosses = read_tosses(folder);
-  for (Toss& toss : tosses) toss = scaled(std::move(toss), scale);
+  for (Toss& toss : tosses) toss = scaled_toss(std::move(toss), scale);
   return tosses;
 }
 
@@ -191,12 +190,11 @@ ExitCode run(Arguments& a) {
           "--swap and --test cannot be combined: --test fits to all tosses of --data");
   a.world.scheme = a.scheme.scheme;
   a.world.options = scheme_options(a.scheme);
-  if (a.persistence == "off") a.world.options.step.persistence.matching = Matching::none;
   make_folders(a.common);
   if (a.json.has_parent_path()) std::filesystem::create_directories(a.json.parent_path());
   std::vector<Toss> tosses = a.synthetic > 0 ? synthetic_tosses(a) : read_scaled(a.data, a.scale);
   if (a.synthetic > 0)
-    for (Toss& toss : tosses) toss = scaled(std::move(toss), a.scale);
+    for (Toss& toss : tosses) toss = scaled_toss(std::move(toss), a.scale);
   if (a.fit) return fit_and_report(a, tosses);
   Progress progress("cube_toss", double(tosses.size()), Progress::style_of_stderr(a.common.quiet));
   const TossRuns done = roll_out_all(a, "all", tosses, a.world, progress);
@@ -256,8 +254,6 @@ int main(int argc, char** argv) {
   cli.option(setting_of<TossWorld>("cut"), a.world.cut);
   cli.group("stepping");
   cli.option(setting_of<TossWorld>("substeps"), a.world.substeps);
-  cli.choice("--persistence", a.persistence,
-             "match contacts between steps; off: every solve starts from zero impulses", {"on", "off"});
   cli.group("results");
   cli.option("--json", a.json, "write the key numbers to this JSON file");
   cli.option("--replay", a.replay,
@@ -272,7 +268,7 @@ int main(int argc, char** argv) {
   cli.example("cube_toss --synthetic 40 --fit",
               "recovers the values that its synthetic tosses were made with");
   return run_driver(cli, argc, argv, [&] {
-    refuse_unread(cli, a.scheme);
+    refuse_unread_flags(cli, a.scheme);
     check(a.watch.dump, a.scheme.scheme);
     for (const std::string& flag : cli.given("world")) {
       require(

@@ -71,7 +71,7 @@ ExitCode drop(const Arguments& a) {
                .scene = a.said,
                .header = run_header(model),
                .gauges = gauges({"step", "t", "h", "contacts", "min_gap", "energy", "residual",
-                                 "total:solver_failures", "total:energy_rise"})};
+                                 "worst_island", "total:solver_failures", "total:energy_rise"})};
   plan.header.title = "drop_part " + part.name;
   plan.header.command_line = a.command_line;
   for (const std::string& note : part.notes) plan.header.notes[part.name] += note + "\n";
@@ -92,12 +92,12 @@ ExitCode drop(const Arguments& a) {
     write_summary(a.run.common.summary, summary);
   }
   const double rise = r.total("energy_rise");
-  const double scale = mass.properties.mass * 9.81 * (a.height + size);  // of the fall and of tipping over
+  const double E = mass.properties.mass * 9.81 * (a.height + size);  // of the fall and of tipping over
   std::printf("drop_part: %s, %s, final speed %.3g m/s, largest rise of energy %.3g J of %.3g J\n",
-              counted(r.steps(), "step").c_str(), gap_text(r.total("min_gap")).c_str(), speed, rise, scale);
+              counted_noun(r.steps(), "step").c_str(), gap_text(r.total("min_gap")).c_str(), speed, rise, E);
   const bool accepted = print_findings(r.totals(), model) && run.last.moved() &&
                         r.total("solver_failures") == 0 && speed < 1e-3 &&
-                        r.total("min_gap") > -0.05 * 2 * a.dilation && rise < 1e-4 * scale;
+                        r.total("min_gap") > -0.05 * 2 * a.dilation && rise < 1e-4 * E;
   return accepted ? ExitCode::ok : ExitCode::not_accepted;
 }
 
@@ -113,8 +113,8 @@ int main(int argc, char** argv) {
   cli.option("--scale", a.scale, "length of one unit of the mesh file", "m", kMeshScale);
   cli.option("--height", a.height, "initial height of the lowest point above the plate", "m", {0, 100});
   cli.option("--tilt", a.tilt, "initial tilt about the axis (2, 1, 0)", "deg", {-180, 180});
-  cli.option("--density", a.density, "density of the part", "kg/m^3", {1e-3, 1e5});
-  cli.option("--mass", a.mass, "mass of the part; 0: from density and volume", "kg", {0, 1e6});
+  cli.option("--density", a.density, "density of the part", "kg/m^3", kPartDensity);
+  cli.option("--mass", a.mass, "mass of the part; 0: from density and volume", "kg", kPartMass);
   cli.option(setting_of<ContactLaw>("mu"), a.law.mu);
   cli.option(setting_of<ContactLaw>("restitution"), a.law.restitution);
   cli.option("--dilation", a.dilation, "dilation of part and plate", "m", {1e-9, 1});

@@ -61,7 +61,7 @@ ExitCode generate(const Arguments& a) {
         write_fclib(a.out / (stem + ".hdf5"), family_file(family, size, seed));
       }
   progress.at(total);
-  std::printf("generate_friction_problems: %s in %s\n", counted(done, "file").c_str(), a.out.c_str());
+  std::printf("generate_friction_problems: %s in %s\n", counted_noun(done, "file").c_str(), a.out.c_str());
   return ExitCode::ok;
 }
 

@@ -100,7 +100,7 @@ void train(const Job& job, bool quiet) {
       write_network(job.network(mode), made.network);
     if (!quiet)
       std::printf("%s, %s labels: loss %.4f after %s\n", job.name().c_str(), to_string(mode), made.loss,
-                  counted(made.iterations, "iteration").c_str());
+                  counted_noun(made.iterations, "iteration").c_str());
   }
   write_lessons(lessons_file, learnt_from(lessons, job.set.scenario));
 }

@@ -215,8 +215,9 @@ ExitCode prepare_part(const Arguments& a) {
   if (!a.common.quiet)
     for (const auto& [name, text] : report.facts) std::printf("%-36s %s\n", name.c_str(), text.c_str());
   if (!a.erode) {
-    std::printf("prepare_part: %s, %s\n", counted(std::int64_t(ideal.region_normal.size()), "region").c_str(),
-                counted(std::int64_t(ideal.chains.size()), "chain").c_str());
+    std::printf("prepare_part: %s, %s\n",
+                counted_noun(std::int64_t(ideal.region_normal.size()), "region").c_str(),
+                counted_noun(std::int64_t(ideal.chains.size()), "chain").c_str());
     return ExitCode::ok;
   }
   if (!eroded.ok()) {

@@ -102,7 +102,8 @@ void print_parts(const ContactReport& report, bool quiet) {
   for (const auto& [letter, part, shape] :
        {std::tuple{'A', &report.pair->a, report.a}, std::tuple{'B', &report.pair->b, report.b}})
     std::printf("%c  %s: %s, %s, box %.4g x %.4g x %.4g mm, dilation %.4g um\n", letter, part->name.c_str(),
-                counted(part->report.triangles, "triangle").c_str(), part->complex.solid ? "solid" : "sheets",
+                counted_noun(part->report.triangles, "triangle").c_str(),
+                part->complex.solid ? "solid" : "sheets",
                 1e3 * (part->report.box.hi - part->report.box.lo).x(),
                 1e3 * (part->report.box.hi - part->report.box.lo).y(),
                 1e3 * (part->report.box.hi - part->report.box.lo).z(), 1e6 * shape->radius);
@@ -126,14 +127,16 @@ void print_answers(const ContactReport& report, const ContactPair& pair, int row
   if (pair.poses.size() > 1) {
     std::printf("%s", statistics_table(report).c_str());
     std::printf("%s: %s, contacts within %.4g um\n", pair.name.c_str(),
-                counted(std::int64_t(pair.poses.size()), "pose").c_str(), 1e6 * report.options.threshold);
+                counted_noun(std::int64_t(pair.poses.size()), "pose").c_str(),
+                1e6 * report.options.threshold);
     return;
   }
   if (rows > 0) std::printf("%s", contact_table(report, first, rows).c_str());
   std::printf("%s: %s within %.4g um, %s, %.3g ms, %s, %s\n", pair.name.c_str(),
-              counted(std::int64_t(first.contact_count), "contact").c_str(), 1e6 * report.options.threshold,
-              gap_text(first.min_gap).c_str(), first.ms, counted(first.count.node_pairs, "node pair").c_str(),
-              counted(first.count.leaf_pairs, "leaf pair").c_str());
+              counted_noun(std::int64_t(first.contact_count), "contact").c_str(),
+              1e6 * report.options.threshold, gap_text(first.min_gap).c_str(), first.ms,
+              counted_noun(first.count.node_pairs, "node pair").c_str(),
+              counted_noun(first.count.leaf_pairs, "leaf pair").c_str());
 }
 
 void write_answers(const ContactReport& report, const Arguments& a) {
@@ -159,7 +162,7 @@ bool print_findings(const ContactReport& report, const ContactPair& pair) {
     nested.add(query.nesting.has_value(), i);
     bare.add(!query.covered.value_or(true), i);
   }
-  const std::string poses = counted(std::int64_t(pair.poses.size()), "pose");
+  const std::string poses = counted_noun(std::int64_t(pair.poses.size()), "pose");
   if (touching.count > 0)
     std::fprintf(stderr,
                  "the bases of %s and %s touch at %zu of %s, first at pose %zu: contacts are missing there\n",

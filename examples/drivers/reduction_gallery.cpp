@@ -205,7 +205,7 @@ int main(int argc, char** argv) {
   cli.example("reduction_gallery --mesh gear.obj --scale 0.05 --up y",
               "your own gear, with its axis along y");
   return run_driver(cli, argc, argv, [&] {
-    refuse_unread(cli, a.scheme);
+    refuse_unread_flags(cli, a.scheme);
     check(a.watch.dump, a.scheme.scheme);
     return draw(a);
   });

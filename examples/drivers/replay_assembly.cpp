@@ -81,9 +81,9 @@ void print_parts(const AssemblyInput& input, const AssemblyScene& scene, const A
   std::printf(
       "clearance %.4g um along %s, dilation %.4g um each, moving part %.4g kg (%s) at %.4g Hz, largest step "
       "%.4g ms, path %.4g s\n",
-      1e6 * scene.clearance, counted(std::int64_t(scene.poses.size()), "pose").c_str(), 1e6 * scene.dilation,
-      scene.model.bodies[scene.moving].mass, scene.mass_source.c_str(), scene.frequency, 1e3 * scene.h,
-      scene.path.t.back());
+      1e6 * scene.clearance, counted_noun(std::int64_t(scene.poses.size()), "pose").c_str(),
+      1e6 * scene.dilation, scene.model.bodies[scene.moving].mass, scene.mass_source.c_str(), scene.frequency,
+      1e3 * scene.h, scene.path.t.back());
   std::fflush(stdout);
 }
 
@@ -123,6 +123,10 @@ void write(const Summary& summary, const Arguments& a) {
   if (!a.run.common.summary.empty()) write_summary(a.run.common.summary, summary);
 }
 
+const LmdShape& shape_of(const AssemblyScene& scene, BodyId body) {
+  return *scene.model.shapes[scene.model.bodies[body].shape];
+}
+
 // Where surfaces conform, most of the work is saved by starting from the smallest gap: it is the distance but
 // for what faces and chains are idealised by. Should it be less than the distance, nothing is lost but time.
 double base_distance_at(const AssemblyScene& scene, const State& state, const ContactSet& found,
@@ -138,6 +142,8 @@ double base_distance_at(const AssemblyScene& scene, const State& state, const Co
 
 ExitCode replay_kinematic(const AssemblyInput& input, const AssemblyScene& scene, const Arguments& a) {
   const double threshold = a.threshold > 0 ? a.threshold : 2 * scene.clearance;
+  const LmdShape &fixed = shape_of(scene, scene.fixed), &moving = shape_of(scene, scene.moving);
+  const double covered_below = threshold + 2 * scene.dilation - coverage_tolerance(fixed, moving);
   const MoreauJean scheme(scene.model, {.threads = a.run.common.threads}, {.theta = 1});
   RunWriter run(a.run.common.out / "run.h5", header_of(input, scene, a));
   CsvTable csv(a.run.common.out / "poses.csv", {"pose", "contacts", "min_gap", "base_distance", "ms_query"});
@@ -159,9 +165,7 @@ ExitCode replay_kinematic(const AssemblyInput& input, const AssemblyScene& scene
     row.contacts_found = int(found.points.size());
     row.min_gap = smallest_gap(found);
     row.min_base_distance = distance;
-    uncovered += distance < threshold + 2 * scene.dilation &&
-                 !is_covered(posed_shape(scene.model, state, scene.fixed),
-                             posed_shape(scene.model, state, scene.moving), distance, a.run.common.threads);
+    uncovered += distance < covered_below && !is_covered_by(row.min_gap, fixed, moving, distance);
     run.append(row);
     csv.add({double(poses), double(found.points.size()), row.min_gap, distance, ms.back()});
     min_gap = std::min(min_gap, row.min_gap);
@@ -187,11 +191,11 @@ ExitCode replay_kinematic(const AssemblyInput& input, const AssemblyScene& scene
   std::printf(
       "%s: %s, %s (base distance %.4g um), up to %s within %.4g um, query median %.3g ms, slowest %.3g ms, "
       "%.3g s CPU in total\n",
-      input.name.c_str(), counted(poses, "pose").c_str(), gap_text(min_gap).c_str(), 1e6 * min_distance,
-      counted(max_contacts, "contact").c_str(), 1e6 * threshold, ms[ms.size() / 2], ms.back(), cpu);
+      input.name.c_str(), counted_noun(poses, "pose").c_str(), gap_text(min_gap).c_str(), 1e6 * min_distance,
+      counted_noun(max_contacts, "contact").c_str(), 1e6 * threshold, ms[ms.size() / 2], ms.back(), cpu);
   if (uncovered > 0)
     std::fprintf(stderr, "smallest gap and base distance disagree at %s\n",
-                 counted(uncovered, "pose").c_str());
+                 counted_noun(uncovered, "pose").c_str());
   return min_distance > 0 && uncovered == 0 ? ExitCode::ok : ExitCode::not_accepted;
 }
 
@@ -215,20 +219,21 @@ double contact_force(const Frame& f, BodyId moving) {
 
 std::vector<Gauge> gauges_of(const AssemblyScene& scene) {
   std::vector<Gauge> out = gauges({"step", "t", "h", "contacts_found", "contacts", "iterations", "newton",
-                                   "residual", "min_gap", "min_base_distance", "energy"});
+                                   "residual", "worst_island", "min_gap", "min_base_distance", "energy"});
   using F = const Frame&;
-  const auto add = [&](std::string column, std::string total, Keep keep, std::function<double(F)> value) {
+  const auto add = [&](std::string column, std::string total, GaugeTotal keep,
+                       std::function<double(F)> value) {
     out.push_back({std::move(column), std::move(total), keep, std::move(value)});
   };
-  add("force", "peak_force", Keep::most, [&](F f) { return pull_at(scene, f.state).force.norm(); });
-  add("torque", "peak_torque", Keep::most, [&](F f) { return pull_at(scene, f.state).torque.norm(); });
-  add("lag", "max_lag", Keep::most, [&](F f) { return lag_of(scene, f.state); });
+  add("force", "peak_force", GaugeTotal::most, [&](F f) { return pull_at(scene, f.state).force.norm(); });
+  add("torque", "peak_torque", GaugeTotal::most, [&](F f) { return pull_at(scene, f.state).torque.norm(); });
+  add("lag", "max_lag", GaugeTotal::most, [&](F f) { return lag_of(scene, f.state); });
   std::ranges::move(gauges({"attempts", "ms_contact", "ms_solve", "ms_certificate", "ms_total",
                             "total:solver_failures", "total:max_contacts"}),
                     std::back_inserter(out));
-  add("", "peak_contact_force", Keep::most, [&](F f) { return contact_force(f, scene.moving); });
-  add("", "energy_error", Keep::sum, [](F f) { return std::abs(f.report.energy.residual()); });
-  add("", "energy_scale", Keep::sum, [](F f) {
+  add("", "peak_contact_force", GaugeTotal::most, [&](F f) { return contact_force(f, scene.moving); });
+  add("", "energy_error", GaugeTotal::sum, [](F f) { return std::abs(f.report.energy.residual()); });
+  add("", "energy_scale", GaugeTotal::sum, [](F f) {
     const EnergyLedger& e = f.report.energy;
     return std::abs(e.law_work) + std::abs(e.contact_work) + std::abs(e.kinetic_change);
   });
@@ -240,10 +245,10 @@ bool tell_end(const AssemblyInput& input, const AssemblyScene& scene, const Driv
               double cpu) {
   const Recording& r = run.recording;
   std::printf("%s: %s, %s, %s, pull up to %.3g N and %.3g N m, lag up to %.3g mm, up to %s, %.3g s CPU\n",
-              input.name.c_str(), counted(r.steps(), "step").c_str(), gap_text(min_gap).c_str(),
+              input.name.c_str(), counted_noun(r.steps(), "step").c_str(), gap_text(min_gap).c_str(),
               distance_text(r.total("min_base_distance")).c_str(), r.total("peak_force"),
               r.total("peak_torque"), 1e3 * r.total("max_lag"),
-              counted(std::int64_t(r.total("max_contacts")), "contact").c_str(), cpu);
+              counted_noun(std::int64_t(r.total("max_contacts")), "contact").c_str(), cpu);
   const double arrival = kArrival * scene.radius + std::abs(scene.misalignment),
                lag = lag_of(scene, run.state);
   if (lag > arrival)
@@ -270,7 +275,7 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
       .pull = [&](const State& state) { return pull_at(scene, state); }};
   if (!a.run.common.quiet)
     std::printf("%s to take, more if some are shortened\n",
-                counted(std::int64_t(std::ceil(plan.t_end / scene.h - 1e-9)), "step").c_str());
+                counted_noun(std::int64_t(std::ceil(plan.t_end / scene.h - 1e-9)), "step").c_str());
   std::fflush(stdout);
   const DrivenRun run = drive(scene.model, start, std::move(plan), a.run);
   if (run.interrupted) return ExitCode::interrupted;
@@ -292,14 +297,26 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
   return tell_end(input, scene, run, min_gap, cpu) ? ExitCode::ok : ExitCode::not_accepted;
 }
 
+// A kinematic replay takes no steps, solves nothing and writes no checkpoint.
+void refuse_unread_by_mode(const Cli& cli, bool dynamic) {
+  if (dynamic) {
+    const std::vector<std::string> given = cli.given("stepping");
+    require(std::ranges::find(given, "--threshold") == given.end(), "--threshold needs --mode kinematic");
+    return;
+  }
+  std::vector<std::string> unread;
+  for (const char* group : {"scheme", "solver", "run", "problems"})
+    for (const std::string& flag : cli.given(group)) unread.push_back(flag);
+  for (const std::string& flag : cli.given("output"))
+    if (flag == "--every" || flag == "--checkpoint-every" || flag.starts_with("--resume"))
+      unread.push_back(flag);
+  require(unread.empty(), unread.empty() ? "" : unread.front() + " needs --mode dynamic");
+}
+
 ExitCode replay(Arguments& a) {
   const bool dynamic = a.mode == "dynamic";
-  require(dynamic || (!a.run.common.resume && a.run.stop_after == 0),
-          "--resume and --stop-after need --mode dynamic: a kinematic replay writes no checkpoint");
+  refuse_unread_by_mode(*a.cli, dynamic);
   check(*a.cli, a.run);
-  require(dynamic || a.run.certify == 0, "--certify needs --mode dynamic: a kinematic replay takes no steps");
-  require(dynamic || a.run.dump.folder.empty(),
-          "--dump-problem needs --mode dynamic: a kinematic replay solves no problem");
   take(a.said, a.scene);
   a.scene.gravity = parse_vector(a.gravity, "--gravity");
   AssemblyInput input = read_input(a);
@@ -308,8 +325,8 @@ ExitCode replay(Arguments& a) {
     Progress progress("clearance", double(input.poses.size()), Progress::style_of_stderr(a.run.common.quiet));
     scene = make_assembly_scene(input, a.scene, a.run.common.threads, [&](int i, int) { progress.at(i); });
   }
-  note_straightened(input.fixed, *scene.model.shapes[scene.model.bodies[scene.fixed].shape]);
-  note_straightened(input.moving, *scene.model.shapes[scene.model.bodies[scene.moving].shape]);
+  note_straightened(input.fixed, shape_of(scene, scene.fixed));
+  note_straightened(input.moving, shape_of(scene, scene.moving));
   print_parts(input, scene, a);
   make_folders(a.run.common);
   return a.mode == "kinematic" ? replay_kinematic(input, scene, a) : replay_dynamic(input, scene, a);

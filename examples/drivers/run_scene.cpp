@@ -36,10 +36,26 @@ ExitCode list() {
 }
 
 std::vector<Gauge> gauges_of(const Model& model) {
-  std::vector<Gauge> out = gauges(
-      {"step", "t", "h", "contacts", "min_gap", "kinetic", "gravity", "laws", "residual", "energy_residual",
-       "impulse_gain", "joint_drift", "joint_drift_angle", "displacement", "total:max_contacts",
-       "total:solver_failures", "total:energy_residual", "total:energy_rises", "total:impulse_gain"});
+  std::vector<Gauge> out = gauges({"step",
+                                   "t",
+                                   "h",
+                                   "contacts",
+                                   "min_gap",
+                                   "kinetic",
+                                   "gravity",
+                                   "laws",
+                                   "residual",
+                                   "worst_island",
+                                   "energy_residual",
+                                   "impulse_gain",
+                                   "joint_drift",
+                                   "joint_drift_angle",
+                                   "displacement",
+                                   "total:max_contacts",
+                                   "total:solver_failures",
+                                   "total:energy_residual",
+                                   "total:energy_rises",
+                                   "total:impulse_gain"});
   std::ranges::move(model_gauges(model), std::back_inserter(out));
   return out;
 }
@@ -50,19 +66,19 @@ bool tell_end(const Arguments& a, const CaseScene& scene, const DrivenRun& run) 
   std::printf(
       "%s, %s: %s to t = %.6g s, up to %s, %s, largest displacement %.6g m, joint errors %.2g m, %.2g rad, "
       "energy %.6g to %.6g J (balanced to %.2g J per step), %.3g us per step\n",
-      a.scene.c_str(), run.scheme.c_str(), counted(r.steps(), "step").c_str(), run.state.t,
-      counted(std::int64_t(r.total("max_contacts")), "contact").c_str(), gap_text(r.total("min_gap")).c_str(),
-      r.total("max_displacement"), r.total("joint_drift"), r.total("joint_drift_angle"),
-      energy(scene.model, scene.state).total(), energy(scene.model, run.state).total(),
-      r.total("energy_residual"),
+      a.scene.c_str(), run.scheme.c_str(), counted_noun(r.steps(), "step").c_str(), run.state.t,
+      counted_noun(std::int64_t(r.total("max_contacts")), "contact").c_str(),
+      gap_text(r.total("min_gap")).c_str(), r.total("max_displacement"), r.total("joint_drift"),
+      r.total("joint_drift_angle"), energy(scene.model, scene.state).total(),
+      energy(scene.model, run.state).total(), r.total("energy_residual"),
       1e6 * run.step_cpu / double(std::max<std::int64_t>(1, r.steps() - run.first)));
   const auto rises = std::int64_t(r.total("energy_rises")),
              failures = std::int64_t(r.total("solver_failures"));
   if (rises > 0)
-    std::fprintf(stderr, "contacts added energy in %s, %.3g J\n", counted(rises, "step").c_str(),
+    std::fprintf(stderr, "contacts added energy in %s, %.3g J\n", counted_noun(rises, "step").c_str(),
                  r.total("impulse_gain"));
   if (failures > 0)
-    std::fprintf(stderr, "not solved to the tolerance: %s\n", counted(failures, "step").c_str());
+    std::fprintf(stderr, "not solved to the tolerance: %s\n", counted_noun(failures, "step").c_str());
   return print_findings(r.totals(), scene.model) && run.last.moved() && failures == 0;
 }
 

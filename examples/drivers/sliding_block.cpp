@@ -184,7 +184,7 @@ int main(int argc, char** argv) {
   cli.example("sliding_block -o out", "a table of errors and orders; out/sliding_block.csv and .gp");
   cli.example("sliding_block --angle 10 --speed 0.5", "on a slope");
   return run_driver(cli, argc, argv, [&] {
-    refuse_unread(cli, a.scheme);
+    refuse_unread_flags(cli, a.scheme);
     check(a.watch.dump, a.scheme.scheme);
     a.said = cli.values("scene");
     return slide(a);

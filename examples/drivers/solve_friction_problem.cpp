@@ -67,8 +67,8 @@ ExitCode solve_all(const Arguments& a) {
              unreadable = std::count_if(runs.begin(), runs.end(),
                                         [](const ProblemRun&r) { return r.status == "unreadable"; });
   std::printf("%s: %ld of %s solved to %g in %.3g s of CPU time%s\n", to_string(options.solver.method),
-              long(solved), counted(std::int64_t(files.size()), "problem").c_str(), options.solver.tolerance,
-              cpu_s, interrupted() ? ", interrupted" : "");
+              long(solved), counted_noun(std::int64_t(files.size()), "problem").c_str(),
+              options.solver.tolerance, cpu_s, interrupted() ? ", interrupted" : "");
   if (interrupted()) return ExitCode::interrupted;
   if (unreadable > 0) return ExitCode::missing;
   return std::size_t(solved) == files.size() ? ExitCode::ok : ExitCode::not_accepted;

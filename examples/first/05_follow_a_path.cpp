@@ -32,10 +32,10 @@ int main() {
   files.pull = [&](const au::State& now) { return coupling_wrench(model, now, part, path, spring, now.t); };
   std::filesystem::create_directories(files.folder);
   std::vector<au::Gauge> gauges = au::gauges({"t", "contacts", "min_gap", "residual"});
-  gauges.push_back(
-      {.column = "pull", .total = "largest_pull", .keep = au::Keep::most, .value = [&](const au::Frame& f) {
-         return files.pull(f.state).force.norm();
-       }});
+  gauges.push_back({.column = "pull",
+                    .total = "largest_pull",
+                    .keep = au::GaugeTotal::most,
+                    .value = [&](const au::Frame& f) { return files.pull(f.state).force.norm(); }});
 
   au::Recording recording(model, run_header(model), gauges, files, state);
   const au::StepReport last =

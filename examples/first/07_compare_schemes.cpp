@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The same motion by every scheme: a ball falls for half a second. The path is a parabola; which scheme is on
-// it?
+// The same motion by every time-stepping scheme: a ball falls for half a second. The path is a parabola;
+// which scheme is on it?
 #include <cstdio>
 
 #include "geometry/primitives.hpp"

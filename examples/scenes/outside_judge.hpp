@@ -15,11 +15,11 @@ struct Judged {
   double height = 0;            // - m g . x, the potential of the weight [J]
 };
 
-inline Judged judge(const Model& model, const State& state) {
+inline Judged judged_from_outside(const Model& model, const State& state) {
   Judged out;
   for (const BodyId b : model.bodies.ids()) {
     const RigidBody& body = model.bodies[b];
-    if (!std::holds_alternative<Dynamic>(body.motion)) continue;
+    if (!std::holds_alternative<DynamicMotion>(body.motion)) continue;
     const Vec3 x = state.g[b].p, v = linear_part(state.v, b), omega = angular_part(state.v, b),
                spin = body.inertia * omega;
     out.linear += body.mass * v;

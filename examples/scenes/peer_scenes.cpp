@@ -247,7 +247,7 @@ PeerScene arch_scene(const Arch& arch) {
   for (int i = 0; i < arch.stones; ++i) {
     const SE3 turn = rotation(Vec3::UnitY(), -(2 * i + 1) * half) * rotation(Vec3::UnitX(), kPi / 2);
     SE3 g = turn * translation(centre.x(), centre.y(), 0);
-    if (arch.scatter > 0) g.p += spread(arch) * arch.scatter * g.p + random.vector(arch.scatter);
+    if (arch.scatter > 0) g.p += arch_spread(arch) * arch.scatter * g.p + random.vector(arch.scatter);
     scene.bodies.push_back({.shape = 1, .mu = arch.mu, .g = g});
   }
   scene.gravity = kGravity * Vec3(std::sin(arch.tilt), 0, -std::cos(arch.tilt));

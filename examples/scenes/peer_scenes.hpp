@@ -69,7 +69,7 @@ struct Arch {
                        // overlap, all are farther out by `spread` times as much per metre [m]
 };
 /// Opens the joints of n stones, pi / n m from each other, by more than two stones together may close them.
-constexpr double spread(const Arch& arch) {
+constexpr double arch_spread(const Arch& arch) {
   return 28 * arch.stones / 25.0;
 }
 void describe(SettingVisitor& visit, Arch& arch);

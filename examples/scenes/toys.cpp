@@ -241,7 +241,7 @@ CaseScene dimer_on_vibrating_plate(double acceleration, double t_end) {
     path.t.push_back(k * kRow);
     path.pose.push_back(translation(0, 0, A * std::sin(W * k * kRow)));
   }
-  s.model.bodies[0].motion = Prescribed{path};
+  s.model.bodies[0].motion = PrescribedMotion{path};
   s.body = add_dimer(s.model);
   s.state = rest_state(s.model);
   pose(s.state, s.body).p.z() = 2.66e-3;

@@ -31,7 +31,7 @@ OdeOptions for_a_step(OdeOptions o, double h) {
 // Prescribed bodies stand and move where their paths say.
 void EventRun::move_prescribed() {
   for (const BodyId b : model_.bodies.ids())
-    if (const auto* motion = std::get_if<Prescribed>(&model_.bodies[b].motion)) {
+    if (const auto* motion = std::get_if<PrescribedMotion>(&model_.bodies[b].motion)) {
       const TrajectoryPoint now = trajectory_point(motion->path, state_.t + kSameTime);
       pose(state_, b) = now.pose;
       twist(state_, b) = now.twist;
@@ -42,7 +42,7 @@ void EventRun::move_prescribed() {
 double EventRun::next_row() const {
   double next = t_end_;
   for (const RigidBody& body : model_.bodies)
-    if (const auto* motion = std::get_if<Prescribed>(&body.motion))
+    if (const auto* motion = std::get_if<PrescribedMotion>(&body.motion))
       if (const auto row = std::ranges::upper_bound(motion->path.t, state_.t + kSameTime);
           row != motion->path.t.end() && *row < t_end_ - kSameTime)
         next = std::min(next, *row);
@@ -247,8 +247,9 @@ void describe(SettingVisitor& visit, OdeOptions& o) {
                 .label = "absolute %"},
                o.absolute);
   visit.number({"largest_step", "largest step of the integration", "s", range_above(0)}, o.largest_step);
-  visit.count({"max_steps", "maximum number of integration steps in one step of the scheme", "", at_least(1)},
-              o.max_steps);
+  visit.count(
+      {"max_steps", "maximum number of integration steps in one step of the scheme", "", range_from(1)},
+      o.max_steps);
 }
 
 void describe(SettingVisitor& visit, EventDrivenOptions& o) {
@@ -265,10 +266,10 @@ void describe(SettingVisitor& visit, EventDrivenOptions& o) {
   visit.number({"stiff_slip", "initial slip speed below which a piece is integrated with bdf", "m/s",
                 not_negative_range()},
                o.stiff_slip);
-  visit.count({"max_events", "maximum number of events in one step", "", at_least(1)}, o.max_events);
-  visit.number(
-      {"tolerance", "tolerance on the scaled residual of impacts and accelerations", "-", open_range(0, 1)},
-      o.tolerance);
+  visit.count({"max_events", "maximum number of events in one step", "", range_from(1)}, o.max_events);
+  visit.number({"tolerance", "tolerance on the scaled residual of impacts and accelerations", "-",
+                range_open_below(0, kAcceptedResidual)},
+               o.tolerance);
 }
 
 void validate(const EventDrivenOptions& o) {
@@ -281,7 +282,6 @@ namespace {
 
 StepSetting setting_of(const Model& model, StepOptions step, const EventDrivenOptions& own) {
   validate(own);
-  step.solver.tolerance = SolverOptions{}.tolerance;  // a comparison sets it for all schemes
   refuse_unread(step, EventDriven::unread(), "event_driven");
   step.solver.tolerance = own.tolerance;
   return step_setting(model, step);
@@ -291,9 +291,9 @@ StepSetting setting_of(const Model& model, StepOptions step, const EventDrivenOp
 
 std::vector<std::string> EventDriven::unread() {
   std::vector<std::string> out{
-      "correction_speed",  "touching",           "joints.stabilisation",     "solver.tolerance",
-      "advancement.min_h", "advancement.growth", "advancement.max_attempts", "update",
-      "keep_problem"};
+      "correction_speed", "touching",          "joints.stabilisation", "joints.project",
+      "solver.tolerance", "advancement.min_h", "advancement.growth",   "advancement.max_attempts",
+      "update",           "keep_problem"};
   for (const SettingValue& one : values_of(StepOptions{}))  // all contacts count, and none is matched
     if (one.path.starts_with("reduction.") || one.path.starts_with("persistence.")) out.push_back(one.path);
   return out;

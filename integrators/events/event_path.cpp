@@ -23,7 +23,7 @@ bool EventRun::certified(const State& from, const State& to, const std::function
   const auto path = [&](const State& a, const State& b) {
     VecX v = VecX::Zero(a.v.size());
     for (const BodyId k : model_.bodies.ids())
-      of_body(v, k) = twist_between(pose(a, k), pose(b, k), b.t - a.t);
+      body_part(v, k) = twist_between(pose(a, k), pose(b, k), b.t - a.t);
     return v;
   };
   double dilation = kInf, off = 0;
@@ -73,7 +73,7 @@ double EventRun::safe_until(const State& from, double stop) const {
     const double radius = setting_.bounds[b].radius;
     const auto size = [&](const Vec6& v) { return 2 * (v.head<3>().norm() + radius * v.tail<3>().norm()); };
     speed.push_back(size(twist(from, b)));
-    acceleration.push_back(size(of_body(a_, b)));
+    acceleration.push_back(size(body_part(a_, b)));
     reach.push_back(o_.horizon + dt * (speed.back() + dt * acceleration.back() / 2));
   }
   double stride = kInf;

@@ -15,7 +15,6 @@ namespace aussois {
 namespace {
 
 constexpr double kStabilisation = 10;  // [1/s]; drift falls as exp(-10 t), slower than anything of interest
-constexpr double kResidual = 1e-9;     // scaled; accepted, the solver's tolerance is smaller [-]
 constexpr double kRoom = 1e-9;         // inside the cone of friction by this part is inside [-]
 constexpr double kRank = 1e-10;        // of W: directions that redundant contacts share [-]
 constexpr double kGlide =
@@ -234,9 +233,9 @@ VecX polished(const MatX& W, const VecX& q, const std::vector<Law>& laws, const 
   return out;
 }
 
-// Held to kResidual instead of the solver's tolerance.
+// Held to kAcceptedResidual instead of the solver's tolerance.
 SolveReport held(SolveReport report) {
-  if (report.status != SolveStatus::not_finite && report.residual <= kResidual)
+  if (report.status != SolveStatus::not_finite && report.residual <= kAcceptedResidual)
     report.status = std::min(report.status, SolveStatus::at_rounding);
   return report;
 }

@@ -8,6 +8,9 @@
 
 namespace aussois {
 
+/// Scaled residual up to which accelerations are taken; EventDrivenOptions::tolerance is no larger [-].
+inline constexpr double kAcceptedResidual = 1e-9;
+
 /// One block of rows at a state: a contact, a gap function, or the stop or dry friction of a joint's axis.
 struct Touch {
   int slot = -1;                   // first entry in State::r; -1: a contact

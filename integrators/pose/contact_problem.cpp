@@ -141,10 +141,10 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
       row.J_a.row(3) = spin_columns(state, row.body_a, c.normal);
       row.J_b.row(3) = -spin_columns(state, row.body_b, c.normal);
     }
-    row.w = product(row.J_a, of_body(v_prescribed, row.body_a), row.law) +
-            product(row.J_b, of_body(v_prescribed, row.body_b), row.law);
+    row.w = product(row.J_a, body_part(v_prescribed, row.body_a), row.law) +
+            product(row.J_b, body_part(v_prescribed, row.body_b), row.law);
     const auto twist_before = [&](BodyId body) {  // of a moved body: that of its path on this step
-      return is_dynamic(model.bodies[body]) ? twist(state, body) : Vec6(of_body(v_prescribed, body));
+      return is_dynamic(model.bodies[body]) ? twist(state, body) : Vec6(body_part(v_prescribed, body));
     };
     RowVector u_before = product(row.J_a, twist_before(row.body_a), row.law) +
                          product(row.J_b, twist_before(row.body_b), row.law);
@@ -237,7 +237,7 @@ FrictionProblem contact_problem(const FreeMotion& free, const Layout& dofs,
 double normal_speed(const ContactRow& row, const VecX& v) {
   double out = 0;
   for (const auto& [body, J] : {std::pair(row.body_a, &row.J_a), std::pair(row.body_b, &row.J_b)})
-    if (body) out += J->row(0).dot(of_body(v, body));
+    if (body) out += J->row(0).dot(body_part(v, body));
   return out;
 }
 

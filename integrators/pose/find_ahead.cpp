@@ -49,22 +49,13 @@ ReductionInput reduction_input(const StepSetting& setting, const State& state, c
   const VecX wrench =
       all_velocities(setting.dofs, forces_at(setting.model, state, setting.dofs).sum(), 0 * state.v);
   for (const BodyId b : state.g.ids())
-    input.bodies.push_back({pose(state, b), twist(state, b), of_body(wrench, b)});
+    input.bodies.push_back({pose(state, b), twist(state, b), body_part(wrench, b)});
   return input;
 }
 
 // Velocity of the bodies against each other at a contact, for velocities of all bodies.
 Vec3 relative_velocity_at(const Model& model, const State& at, const ContactPoint& c, const VecX& v) {
-  const auto velocity = [&](const Feature& on, const Vec3& x) {
-    const auto twist = of_body(v, on.body);
-    const SE3& g = pose(at, on.body);
-    Vec3 out = twist.head<3>() + (g.R * Vec3(twist.tail<3>())).cross(x - g.p);
-    if (deforms(model.bodies[on.body]))
-      for (const auto& [entry, column] : point_columns<3>(model, at, on, x, Mat3::Identity()).others)
-        out += v[entry] * column;
-    return out;
-  };
-  return velocity(c.a, c.x_a) - velocity(c.b, c.x_b);
+  return point_velocity(model, at, c.a, c.x_a, v) - point_velocity(model, at, c.b, c.x_b, v);
 }
 
 std::vector<std::array<Vec3, 2>> material_places(const Model& model, const State& at,

@@ -29,7 +29,7 @@ std::vector<AxisImpulse> implicit(const Model& model, const State& state, double
                                   std::vector<AxisImpulse> forces) {
   VecX moved = prescribed_velocity(model, state, h);
   for (const BodyId b : model.bodies.ids())
-    if (is_dynamic(model.bodies[b])) of_body(moved, b) = of_body(state.v, b);
+    if (is_dynamic(model.bodies[b])) body_part(moved, b) = body_part(state.v, b);
   for (AxisImpulse& f : forces) {
     const Joint& joint = model.joints[f.joint];
     const JointAxis& axis = joint.axis[f.axis];
@@ -157,10 +157,10 @@ FreeMotion free_motion(const Model& model, const State& state, const Layout& dof
       gyroscopic.add_multiple_of_one(row + 3, 0);
     else
       gyroscopic.add(row + 3, h * theta * gyroscopic_derivative(body.inertia, omega));
-    out.v.segment<6>(row) = of_body(state.v, b);
+    out.v.segment<6>(row) = body_part(state.v, b);
     out.gravity.segment<3>(row) = h * body.mass * model.gravity;
     out.gyroscopic.segment<3>(row + 3) = -h * omega.cross(momentum);
-    out.laws.segment<6>(row) = h * of_body(force.f, b);
+    out.laws.segment<6>(row) = h * body_part(force.f, b);
   }
   mass.finish();
   gyroscopic.finish();

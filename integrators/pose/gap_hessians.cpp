@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "integrators/pose/gap_hessians.hpp"
 
+#include <utility>
+
 #include <Eigen/SparseCholesky>
 
 #include "lmd/contact_kinematics.hpp"
@@ -28,11 +30,12 @@ SparseMatrix gap_hessians(const Model& model, const State& state, const ContactS
                            posed_shape(model, state, c.b.body), pose(state, c.b.body));
     if (now.status != KinematicsStatus::ok) continue;
     const Mat12 turning = -time * r_N[k] * jacobian_derivative(now).transpose();
-    const int first[] = {dofs.first[c.a.body], dofs.first[c.b.body]};
-    for (int i = 0; i < 12; ++i)
-      for (int j = 0; j < 12; ++j)
-        if (first[i / 6] >= 0 && first[j / 6] >= 0)
-          entries.emplace_back(first[i / 6] + i % 6, first[j / 6] + j % 6, turning(i, j));
+    const std::pair<int, int> sides[] = {{dofs.first[c.a.body], 0}, {dofs.first[c.b.body], 6}};
+    for (const auto& [row, i_0] : sides)
+      for (const auto& [column, j_0] : sides)
+        for (int i = 0; i < 6 && row >= 0; ++i)
+          for (int j = 0; j < 6 && column >= 0; ++j)
+            entries.emplace_back(row + i, column + j, turning(i_0 + i, j_0 + j));
   }
   SparseMatrix out(dofs.rows, dofs.rows);
   out.setFromTriplets(entries.begin(), entries.end());

@@ -226,7 +226,7 @@ std::string text_of(const Model& model, const Overlap& overlap) {
        << number_text(overlap.required) << " [m]";
   for (const JointId j : model.joints.ids())
     if (const Joint& joint = model.joints[j];
-        joint.collide && in_order(joint.body_a, joint.body_b) == BodyPair{overlap.a, overlap.b}) {
+        joint.collide && ordered_pair(joint.body_a, joint.body_b) == BodyPair{overlap.a, overlap.b}) {
       text << "; they touch each other because joint " << j << " (" << joint.name << ") has collide";
       break;
     }

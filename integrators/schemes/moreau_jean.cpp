@@ -99,7 +99,7 @@ void describe(SettingVisitor& visit, NewtonOptions& o) {
   visit.count({.name = "max_iterations",
                .what = "maximum Newton iterations per step; 1: linearly implicit, more: fully implicit",
                .unit = "",
-               .range = at_least(1),
+               .range = range_from(1),
                .flag = "--newton-iterations",
                .label = "implicit"},
               o.max_iterations);
@@ -140,6 +140,9 @@ void validate(const MoreauJeanOptions& o) {
   require(
       in_the_step(o.impact) || o.contacts == ContactsAt::start,
       "MoreauJeanOptions::contacts must be start with Poisson's or sequential impacts, which happen there");
+  require(!o.newton.gap_hessians || (o.newton.max_iterations > 1 && o.contacts != ContactsAt::start),
+          "NewtonOptions::gap_hessians needs NewtonOptions::max_iterations > 1 and "
+          "MoreauJeanOptions::contacts = midpoint or end");
   require(in_the_step(o.impact) || o.gamma == 1,
           "MoreauJeanOptions::gamma must be 1 with Poisson's or sequential impacts, which have their own "
           "average");

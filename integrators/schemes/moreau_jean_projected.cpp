@@ -58,6 +58,7 @@ MoreauJeanProjected::MoreauJeanProjected(const Model& model, const StepOptions& 
                                          const MoreauJeanProjectedOptions& own)
     : setting_(std::make_shared<const StepSetting>(step_setting(model, step, NormalLaw::moreau))), own_(own) {
   validate(own);
+  refuse_unread(step, unread(), "moreau_jean_projected");
 }
 
 StepReport MoreauJeanProjected::step(State& state, double h_limit) const {

@@ -42,7 +42,7 @@ class MoreauJeanProjected {
   [[nodiscard]] StepReport step(State& state, double h_limit = kInf) const;
 
   /// Options of a step that the scheme does not read; they are refused if they are set.
-  static std::vector<std::string> unread() { return {}; }
+  static std::vector<std::string> unread() { return {"correction_speed"}; }
 
  private:
   std::shared_ptr<const StepSetting> setting_;

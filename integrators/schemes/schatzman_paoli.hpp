@@ -36,7 +36,7 @@ class SchatzmanPaoli {
   [[nodiscard]] StepReport step(State& state, double h_limit = kInf) const;
 
   /// Options of a step that the scheme does not read; they are refused if they are set.
-  static std::vector<std::string> unread() { return {"persistence.anchors", "update"}; }
+  static std::vector<std::string> unread() { return {"persistence.anchors", "touching", "update"}; }
 
  private:
   std::shared_ptr<const StepSetting> setting_;

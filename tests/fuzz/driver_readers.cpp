@@ -41,7 +41,7 @@ void use_study(const fs::path& file) {
 }
 
 void use_toss(const fs::path& file) {
-  const TossStart start = start_of(scaled(read_toss(file), kTossScaleError));
+  const TossStart start = start_of(scaled_toss(read_toss(file), kTossScaleError));
   checked_pose(start.pose, "start");
 }
 

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 void use_mesh(const fs::path& file) {
   MeshFile mesh = read_mesh(file, 1e-3);
-  weld(mesh);
+  weld_mesh_file(mesh);
   if (!mesh.vertices.empty()) make_complex(mesh.vertices, mesh.triangles, mesh.wires);
 }
 

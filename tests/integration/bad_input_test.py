@@ -250,8 +250,14 @@ class BadInput(DriverTest):
         self.assertEqual(first.wait(), 0)
         self.assertTrue((self.folder / "out/run.h5").exists() and (self.folder / "out/steps.csv").exists())
 
+    def test_flags_that_only_the_other_mode_reads(self):
+        for flags in (["--scheme", "passive_midpoint"], ["--theta", 0.5], ["--tolerance", 1e-9], ["--reducer", "none"], ["--certify", 3],
+                      ["--stop-after", 2], ["--dump-problem", "steps"], ["--every", 2]):
+            self.refused_replay(USAGE, [f"{flags[0]} needs --mode dynamic"], *self.with_peg("--mode", "kinematic"), *flags)
+        self.refused_replay(USAGE, ["--threshold needs --mode kinematic"], *self.with_peg(), "--threshold", 1e-4)
+
     def test_resume_where_nothing_can_be_resumed(self):
-        self.refused_replay(USAGE, ["--resume"], *self.with_peg("--mode", "kinematic"), "--resume")
+        self.refused_replay(USAGE, ["--resume needs --mode dynamic"], *self.with_peg("--mode", "kinematic"), "--resume")
         self.refused(FILES, ["out/checkpoint.h5"], "peer_scene", "--resume")
         self.refused(USAGE, ["--resume"], "sliding_block", "--resume")
 

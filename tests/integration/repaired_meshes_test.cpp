@@ -10,6 +10,7 @@
 #include "io/mesh_file.hpp"
 #include "lmd/certificate.hpp"
 #include "lmd/find_contacts.hpp"
+#include "tests/support/shared_meshes.hpp"
 
 namespace aussois {
 namespace {
@@ -59,32 +60,28 @@ const std::map<std::string, Expected> kRepaired = {
 
 TEST_F(RepairedMeshes, AreSolidsUnlessTheyPassThroughThemselves) {
   int files = 0, solids = 0;
-  for (const char* folder : {"meshes", "meshes/broken"})
-    for (const auto& entry : std::filesystem::directory_iterator(data_ / folder)) {
-      const std::string extension = entry.path().extension().string();
-      if (extension != ".obj" && extension != ".stl") continue;
-      SCOPED_TRACE(entry.path().filename().string());
-      const SimplicialComplex mesh = as_in_file(entry.path());
-      const RepairedMesh repaired = repair_mesh(mesh);
-      const RepairReport& r = repaired.report;
-      const auto known = kRepaired.find(entry.path().filename().string());
-      const Expected expected = known == kRepaired.end() ? Expected{.solid = true} : known->second;
-      EXPECT_EQ(repaired.complex.solid, expected.solid) << r.reason;
-      EXPECT_EQ(r.welded_near.count, expected.welded_near);
-      EXPECT_EQ(r.flipped_slivers.count + r.dropped_slivers.count, expected.slivers);
-      EXPECT_EQ(r.split_edges.count, expected.split);
-      EXPECT_EQ(r.turned_shells.count, expected.turned_shells);
-      EXPECT_EQ(r.after.border_edges + r.after.non_manifold_edges + r.after.misoriented_edges, 0);
-      EXPECT_EQ(r.changed(), known != kRepaired.end() && !mesh.triangles.empty());
-      if (!r.changed()) {
-        EXPECT_TRUE(repaired.complex.vertices == mesh.vertices &&
-                    repaired.complex.triangles == mesh.triangles);
-      }
-      for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
-        ASSERT_LE((repaired.complex.vertices[repaired.vertex[i]] - mesh.vertices[i]).norm(), r.tolerance);
-      ++files;
-      solids += repaired.complex.solid;
+  for (const std::filesystem::path& path : shared_meshes(data_)) {
+    SCOPED_TRACE(path.filename().string());
+    const SimplicialComplex mesh = as_in_file(path);
+    const RepairedMesh repaired = repair_mesh(mesh);
+    const RepairReport& r = repaired.report;
+    const auto known = kRepaired.find(path.filename().string());
+    const Expected expected = known == kRepaired.end() ? Expected{.solid = true} : known->second;
+    EXPECT_EQ(repaired.complex.solid, expected.solid) << r.reason;
+    EXPECT_EQ(r.welded_near.count, expected.welded_near);
+    EXPECT_EQ(r.flipped_slivers.count + r.dropped_slivers.count, expected.slivers);
+    EXPECT_EQ(r.split_edges.count, expected.split);
+    EXPECT_EQ(r.turned_shells.count, expected.turned_shells);
+    EXPECT_EQ(r.after.border_edges + r.after.non_manifold_edges + r.after.misoriented_edges, 0);
+    EXPECT_EQ(r.changed(), known != kRepaired.end() && !mesh.triangles.empty());
+    if (!r.changed()) {
+      EXPECT_TRUE(repaired.complex.vertices == mesh.vertices && repaired.complex.triangles == mesh.triangles);
     }
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+      ASSERT_LE((repaired.complex.vertices[repaired.vertex[i]] - mesh.vertices[i]).norm(), r.tolerance);
+    ++files;
+    solids += repaired.complex.solid;
+  }
   EXPECT_EQ(files, 62);
   EXPECT_EQ(solids, 54);
 }

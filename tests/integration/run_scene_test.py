@@ -75,13 +75,15 @@ class RunScene(DriverTest):
         run = self.run_scene(*scene, "--selector", "network.txt", code=MISSING)
         self.assertIn("the file ends before keep and places", run.stderr)
         self.run_scene(*scene, "--selector", "nowhere.txt", code=MISSING)
+        run = self.run_scene(*scene, "--reducer", "selector", code=USAGE)
+        self.assertIn("--selector must be given with reducer selector", run.stderr)
         run = self.run_scene(*scene, "--selector", PARTS / "peg_selector.txt", "--selector-body", 7, code=USAGE)
         self.assertIn("--selector-body = 7 must be less than 2", run.stderr)
 
     def test_a_restart_with_other_settings_is_refused(self):
         scene = ("--scene", "tower", "--time", "0.1", "--quiet")
         self.run_scene(*scene, "--stop-after", 2, code=INTERRUPTED)
-        for other in (["--reducer", "none"], ["--patch-friction"], ["--update", "cayley"], ["--gap-hessians"],
+        for other in (["--reducer", "none"], ["--patch-friction"], ["--update", "cayley"], ["--newton-iterations", 9],
                       ["--min-h", "1e-9"], ["--every", 2], ["--certify", 3]):
             before = self.files()
             run = self.drive("run_scene", *scene, *other, "--resume")

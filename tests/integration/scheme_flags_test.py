@@ -10,7 +10,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 from drivers import DriverTest
 
-START = {"run_scene": 0.5, "drop_part": 0.5, "peer_scene": 0.5, "replay_assembly": 1, "sliding_block": 1, "cube_toss": 1}
+START = {"run_scene": 0.5, "drop_part": 0.5, "peer_scene": 1, "replay_assembly": 1, "sliding_block": 1, "cube_toss": 1}
 
 
 class SchemeFlags(DriverTest):
@@ -22,6 +22,7 @@ class SchemeFlags(DriverTest):
 
     def test_a_driver_runs_by_the_theta_of_its_help(self):
         for driver, arguments in (("run_scene", ("--scene", "rocking_block", "--time", "0.01")), ("drop_part", ("--time", "1")),
+                                  ("peer_scene", ("--scene", "tower", "--time", "0.02")),
                                   ("sliding_block", ("--levels", "3")), ("cube_toss", ("--synthetic", "1", "--substeps", "1"))):
             with self.subTest(driver):
                 run = self.drive(driver, *arguments, "--quiet", "-o", driver, "--summary", "summary.json")

@@ -161,7 +161,7 @@ class CubeTossFlags(StudyFlags):
         again = self.run_driver("cube_toss", *toss)
         self.assertEqual(again.stdout, "18 of 18 tosses were already in out/results\n" + first.stdout)
         self.assertEqual((self.json("s.json"), self.files()["out/tosses.csv"]), (summary, table))
-        for other in (("--mu", 0.2), ("--noise", 1e-3), ("--persistence", "off"), ("--cut", 1e-3), ()):
+        for other in (("--mu", 0.2), ("--noise", 1e-3), ("--matching", "none"), ("--cut", 1e-3), ()):
             run = self.run_driver("cube_toss", *tosses, "--certify", 3 if other else 0, *other)
             self.assertNotIn("already", run.stdout, other)
         self.run_driver("cube_toss", *toss)

@@ -148,7 +148,7 @@ inline std::vector<Probe> make_probes(double size, double dilation) {
   const SimplicialComplex crease = make_complex(
       {{-h, 0, 0}, {-h, h, h}, {-h, -h, h}, {h, 0, 0}, {h, h, h}, {h, -h, h}},
       {{0, 2, 1}, {3, 4, 5}, {0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}, {2, 0, 3}, {2, 3, 5}}, {}, true);
-  const SimplicialComplex box = transformed(make_box(size, size, size), translation(0, 0, h));
+  const SimplicialComplex box = transformed_complex(make_box(size, size, size), translation(0, 0, h));
   std::vector<Probe> probes;
   for (const auto& [complex, place] :
        std::initializer_list<std::pair<SimplicialComplex, Vec3>>{{make_point(), Vec3::Zero()},

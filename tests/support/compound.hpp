@@ -25,7 +25,7 @@ inline SimplicialComplex inside_out(const SimplicialComplex& complex) {
 }
 
 inline SimplicialComplex moved(const SimplicialComplex& complex, double x, double y, double z) {
-  return transformed(complex, translation(x, y, z));
+  return transformed_complex(complex, translation(x, y, z));
 }
 
 /// The solid between two closed surfaces.

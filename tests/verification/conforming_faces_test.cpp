@@ -57,7 +57,7 @@ BoxOnSlab box_on_slab(double tilt, bool aligned, Random& random) {
 // Its top is z = 0 in its frame.
 LmdShape random_slab(Random& random) {
   return prepared(
-      transformed(cut_up(make_box(1, 1, 0.1), random.index(40), random), translation(0, 0, -0.05)));
+      transformed_complex(cut_up(make_box(1, 1, 0.1), random.index(40), random), translation(0, 0, -0.05)));
 }
 
 LmdShape random_plate(Random& random) {
@@ -218,10 +218,10 @@ constexpr double kHeight = 0.5;  // of a prism [m]
 
 // A prism whose lower face is in z = 0 of its frame; the one below has its upper face there.
 LmdShape upper_prism(const Polygon& p) {
-  return prepared(transformed(make_extrusion(p, kHeight), translation(0, 0, kHeight / 2)));
+  return prepared(transformed_complex(make_extrusion(p, kHeight), translation(0, 0, kHeight / 2)));
 }
 LmdShape lower_prism(const Polygon& q) {
-  return prepared(transformed(make_extrusion(q, kHeight), translation(0, 0, -kHeight / 2)));
+  return prepared(transformed_complex(make_extrusion(q, kHeight), translation(0, 0, -kHeight / 2)));
 }
 
 // The upper prism's lower face from above, where the frame of the lower one is the world's.

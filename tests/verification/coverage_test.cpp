@@ -10,6 +10,7 @@
 #include "examples/drivers/assembly/assembly_input.hpp"
 #include "tests/support/aimed_poses.hpp"
 #include "tests/support/repaired_meshes.hpp"
+#include "tests/support/shared_meshes.hpp"
 
 namespace aussois {
 namespace {
@@ -122,14 +123,10 @@ template <class PosesOf>
 void expect_meshes_covered(PosesOf poses_of, long at_least, PoseSlice slice = {}) {
   const char* data = std::getenv("AUSSOIS_DATA_DIR");
   if (!data || !*data) GTEST_SKIP() << "AUSSOIS_DATA_DIR names no folder";
-  std::vector<std::filesystem::path> meshes;
-  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(data) / "meshes"))
-    if (entry.path().extension() == ".obj") meshes.push_back(entry.path());
-  std::ranges::sort(meshes);
   long judged = 0;
   int wires = 0;
   double worst = 0;
-  for (const auto& mesh : meshes) {
+  for (const std::filesystem::path& mesh : shared_meshes(data)) {
     SCOPED_TRACE(mesh.filename().string());
     const AssemblyPart part = read_part(mesh, 1e-3);
     if (part.complex.edges.empty()) continue;  // points alone have no border to aim at

@@ -111,7 +111,7 @@ TEST(CubeToss, DoesNotDependOnPersistenceWhileItsContactsAreFew) {
 }
 
 // Beyond two it does, by little: three unknowns of a flat landing are shared by four normal impulses, and
-// friction depends on how.
+// friction depends on how. Means are known to 0.65 % of the edge; 0.1 is a guard below that.
 TEST(CubeToss, DependsOnPersistenceByAThousandthOfTheEdgeAtMost) {
   const std::vector<Toss> tosses = recorded();
   if (tosses.empty()) GTEST_SKIP() << "no cube_toss in AUSSOIS_DATA_DIR";

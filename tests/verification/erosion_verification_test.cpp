@@ -35,7 +35,7 @@ SimplicialComplex shared_mesh(const std::string& name) {
   const char* folder = std::getenv("AUSSOIS_DATA_DIR");
   if (!folder || !*folder) return {};
   MeshFile file = read_mesh(std::filesystem::path(folder) / "meshes" / (name + ".obj"), 1e-3);
-  weld(file);
+  weld_mesh_file(file);
   return make_complex(std::move(file.vertices), std::move(file.triangles));
 }
 

@@ -11,6 +11,7 @@
 #include "tests/support/aimed_poses.hpp"
 #include "tests/support/continuity_audit.hpp"
 #include "tests/support/repaired_meshes.hpp"
+#include "tests/support/shared_meshes.hpp"
 
 namespace aussois {
 namespace {
@@ -85,12 +86,8 @@ TEST(SharedMeshes, EveryComingAndGoingIsExplained) {
   if (!data || !*data) GTEST_SKIP() << "AUSSOIS_DATA_DIR names no folder";
   const char* count = std::getenv("AUSSOIS_MESH_MOTIONS");
   const int motions = count && *count ? std::atoi(count) : 30;
-  std::vector<std::filesystem::path> meshes;
-  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(data) / "meshes"))
-    if (entry.path().extension() == ".obj") meshes.push_back(entry.path());
-  std::ranges::sort(meshes);
   int audited = 0, wires = 0;
-  for (const auto& mesh : meshes) {
+  for (const std::filesystem::path& mesh : shared_meshes(data)) {
     SCOPED_TRACE(mesh.filename().string());
     const AssemblyPart part = read_part(mesh, 1e-3);
     if (part.complex.edges.empty()) continue;  // points alone have no border to aim at

@@ -93,7 +93,8 @@ TEST(MoreauActivation, IsThatOfThePredictedGap) {
 // A plate that rises at 0.1 m/s lifts the block: same speed, force m g, gap closed.
 TEST(PrescribedBody, LiftsABlockWithItsWeight) {
   Scene s = block_on_plate(0.3, 0, 0);
-  s.model.bodies[s.ground].motion = Prescribed{.path = {.t = {0, 10}, .pose = {SE3{}, translation(0, 0, 1)}}};
+  s.model.bodies[s.ground].motion =
+      PrescribedMotion{.path = {.t = {0, 10}, .pose = {SE3{}, translation(0, 0, 1)}}};
   s.state = rest_state(s.model);
   pose(s.state, s.block).p.z() = kSide / 2 + 2 * kRadius;
   const StepReport report =
@@ -110,7 +111,8 @@ TEST(PrescribedBody, LiftsABlockWithItsWeight) {
 TEST(PrescribedBody, HitsWithTheSpeedOfItsPath) {
   Scene s = block_on_plate(0, 0.5, 0, 1e-4);
   s.model.gravity = Vec3::Zero();
-  s.model.bodies[s.ground].motion = Prescribed{.path = {.t = {0, 1}, .pose = {SE3{}, translation(0, 0, 1)}}};
+  s.model.bodies[s.ground].motion =
+      PrescribedMotion{.path = {.t = {0, 1}, .pose = {SE3{}, translation(0, 0, 1)}}};
   const MoreauJean scheme(s.model, {.h = 1e-3}, {.theta = 1});
   ASSERT_TRUE(scheme.step(s.state).ok());
   EXPECT_NEAR(twist(s.state, s.block)[2], 1.5, 1e-6);

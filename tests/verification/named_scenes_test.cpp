@@ -72,7 +72,7 @@ SimplicialComplex make_blocks(const std::vector<std::array<int, 3>>& cells) {
 
 // A profile in (x, z), counter-clockwise seen against y, drawn out along y.
 SimplicialComplex make_bar(const std::vector<Vec2>& profile, double length) {
-  return transformed(make_extrusion(profile, length), rotation(Vec3::UnitX(), kPi / 2));
+  return transformed_complex(make_extrusion(profile, length), rotation(Vec3::UnitX(), kPi / 2));
 }
 
 TEST(ChecklistItem5, AStandingCylinderHasAContactPerFacet) {

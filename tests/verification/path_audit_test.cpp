@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "integrators/prove/certify_step.hpp"
+#include "lmd/coverage.hpp"
 #include "tests/support/block_scene.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/scheme_variants.hpp"
@@ -134,6 +135,21 @@ TEST(PathAudit, CatchesAContactThatIsMissing) {
   audit_path(s.model, start, s.state, report, 1, audit);
   EXPECT_EQ(audit.uncovered, 1);
   EXPECT_EQ(audit.violations, 1);
+}
+
+// Nearer or farther than the plate is: then the step did not find what is there.
+TEST(PathAudit, CatchesAStepThatFoundOtherContacts) {
+  Scene s = thrown_block();
+  const MoreauJean scheme(s.model, {.h = 5e-3}, {.theta = 1});
+  auto [start, report] = landing_step(scheme, s);
+  const auto shape = [&](BodyId body) { return *s.model.shapes[s.model.bodies[body].shape]; };
+  const double found = report.min_gap, tolerance = coverage_tolerance(shape(s.ground), shape(s.block));
+  for (const double off : {0.0, 0.9, -0.9, 1.1, -1.1, kInf}) {
+    report.min_gap = found + off * tolerance;
+    PathAudit audit{.samples = 1};
+    audit_path(s.model, start, s.state, report, 1, audit);
+    EXPECT_EQ(audit.uncovered, std::abs(off) > 1) << off;
+  }
 }
 
 // The certificate speaks of the path; a state elsewhere is not certified, on whichever side of the plate.

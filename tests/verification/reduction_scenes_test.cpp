@@ -26,7 +26,7 @@ Solved solve_with(const ContactSet& contacts, const std::vector<int>& kept, doub
   model.gravity = gravity;
   model.contact_law = {.mu = mu};
   add(model, RigidBody{.name = "block", .mass = 1, .inertia = Vec3(2e-2, 3e-2, 4e-2).asDiagonal()});
-  add(model, RigidBody{.name = "ground", .motion = Fixed{}});
+  add(model, RigidBody{.name = "ground", .motion = FixedMotion{}});
   State state = rest_state(model);
   pose(state, 0).p.z() = height;
   twist(state, 0) = twist_before;

@@ -68,7 +68,7 @@ PairFiles find_pair(const std::filesystem::path& table, const std::string& pair)
 
 AssemblyPart read_part(const std::filesystem::path& path, double scale, const RepairOptions& options) {
   MeshFile mesh = read_mesh(path, scale);
-  weld(mesh);
+  weld_mesh_file(mesh);
   AssemblyPart part{.name = path.stem().string()};
   if (const std::string notes = to_string(mesh.notes); !notes.empty())
     part.notes.push_back(part.name + ": " + notes);
@@ -94,7 +94,7 @@ void note_straightened(AssemblyPart& part, const LmdShape& shape) {
   char way[40];
   std::snprintf(way, sizeof way, "%.3g um", 1e6 * straightened_by(shape));
   part.notes.push_back(part.name + ": " +
-                       counted(std::int64_t(shape.straightened.size()), "vertex", "vertices") +
+                       counted_noun(std::int64_t(shape.straightened.size()), "vertex", "vertices") +
                        " put on straight chains, moved by up to " + way);
 }
 

@@ -9,6 +9,7 @@
 
 #include "geometry/mass_properties.hpp"
 #include "geometry/mesh_repair.hpp"
+#include "geometry/settings.hpp"
 #include "lmd/lmd_shape.hpp"
 
 namespace aussois {
@@ -58,6 +59,8 @@ struct PartMass {
   MassProperties properties{};
   std::string source{};  // "solid", "balls and capsules", "convex hull", with ", given mass" if it was
 };
+inline constexpr Range kPartDensity{1e-3, 1e5};  // [kg/m^3]
+inline constexpr Range kPartMass{0, 1e6};        // [kg]
 PartMass part_mass(const AssemblyPart& part, double dilation, double density, double mass);
 
 }  // namespace aussois

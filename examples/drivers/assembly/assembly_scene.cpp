@@ -76,8 +76,8 @@ double smallest_clearance(const AssemblyInput& input, const LmdShape& fixed, con
       ++more;
   }
   if (more > 0)
-    first += "; " + std::to_string(more + 1) + " of " + counted(std::int64_t(input.poses.size()), "pose") +
-             " are wrong";
+    first += "; " + std::to_string(more + 1) + " of " +
+             counted_noun(std::int64_t(input.poses.size()), "pose") + " are wrong";
   if (!first.empty()) throw std::runtime_error(first);
   return clearance;
 }
@@ -118,8 +118,8 @@ void describe(SettingVisitor& visit, AssemblyOptions& o) {
          {0, 1}, "--dilation");
   visit.number(setting_of<ContactLaw>("mu"), o.mu);
   visit.number(setting_of<ContactLaw>("restitution"), o.restitution);
-  number(o.density, "density", "density of the moving part", "kg/m^3", {1e-3, 1e5}, "--density");
-  number(o.mass, "mass", "mass of the moving part; 0: from density and volume", "kg", {0, 1e6}, "--mass");
+  number(o.density, "density", "density of the moving part", "kg/m^3", kPartDensity, "--density");
+  number(o.mass, "mass", "mass of the moving part; 0: from density and volume", "kg", kPartMass, "--mass");
   number(o.speed, "speed", "speed of the part's farthest point along the path", "m/s", {1e-6, 1e3},
          "--speed");
   number(o.stride, "stride", "largest motion per step, relative to the sum of the two dilations", "-",

@@ -151,7 +151,7 @@ void describe(SettingVisitor& visit, RunOptions& o) {
   visit.count({.name = "repeat",
                .what = "number of times to solve each problem; the shortest time counts",
                .unit = "",
-               .range = at_least(1),
+               .range = range_from(1),
                .flag = "--repeat",
                .changes_nothing = true},
               o.repeat);

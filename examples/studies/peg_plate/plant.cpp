@@ -141,7 +141,7 @@ void describe(SettingVisitor& visit, PlantOptions& o) {
   visit.number({"scatter", "largest random turn of the set-point from case to case", "deg", {0, 1}},
                o.scatter);
   visit.number({"step", "time step of the reference", "s", {1e-6, 5e-5}, "--step"}, o.step);
-  visit.number({"sample", "time between samples", "s", at_least(kMeanOver)}, o.sample);
+  visit.number({"sample", "time between samples", "s", range_from(kMeanOver)}, o.sample);
   visit.count(
       {"count", "number of incidences and of speeds; edge sets use half as many", "", {1, 100}, "--count"},
       o.count);

@@ -121,7 +121,7 @@ void describe(SettingVisitor& visit, PegStudyOptions& o) {
   visit.group("view", o.view);
   visit.group("training", o.training);
   const auto stride = [&](const char* name, const char* what, int& value) {
-    visit.count({name, what, "", at_least(1)}, value);
+    visit.count({name, what, "", range_from(1)}, value);
   };
   stride("static_stride", "stride of the static samples of a case for training", o.static_stride);
   stride("moving_stride", "stride of the other samples of a case for training", o.moving_stride);

@@ -81,7 +81,7 @@ void write_toss(const std::filesystem::path& folder, const Toss& toss) {
   csv.close();
 }
 
-Toss scaled(Toss toss, double factor) {
+Toss scaled_toss(Toss toss, double factor) {
   for (SE3& g : toss.pose) g.p *= factor;
   for (Vec6& v : toss.twist) v.head<3>() *= factor;
   return toss;

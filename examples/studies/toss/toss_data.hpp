@@ -33,7 +33,7 @@ std::vector<Toss> read_tosses(const std::filesystem::path& folder);
 void write_toss(const std::filesystem::path& folder, const Toss& toss);
 
 /// Positions and velocities multiplied by `factor`.
-Toss scaled(Toss toss, double factor);
+Toss scaled_toss(Toss toss, double factor);
 
 struct TossStart {
   std::size_t row = 0;  // the first one that is simulated and compared

@@ -50,7 +50,7 @@ void describe(SettingVisitor& visit, TossWorld& o) {
   visit.count({"substeps", "steps per recorded row", "", {1, 1000}, "--substeps"}, o.substeps);
   visit.number({"board", "height of the board's surface", "m", {-kTossEdge, kTossEdge}, "--board"}, o.board);
   visit.number({"cut", "length cut off the edges at each corner of the cube; 0: keep the corners", "m",
-                open_above(0, kTossEdge / 2 - kDilation), "--cut"},
+                range_open_above(0, kTossEdge / 2 - kDilation), "--cut"},
                o.cut);
 }
 

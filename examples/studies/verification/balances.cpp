@@ -68,11 +68,11 @@ Lost lost(const Isolated& isolated, const SchemeVariant& variant, double h) {
   SchemeOptions options = variant.options;
   options.step.h = h;
   options.step.solver.tolerance = 1e-14;
-  const Judged first = judge(s.model, s.state);
+  const Judged first = judged_from_outside(s.model, s.state);
   const double E = first.kinetic + potential(s.state), p = first.linear.norm(), L = first.angular.norm();
   Lost out;
   run_to(s, variant.name, options, 1, [&](const State& state, const StepReport& report) {
-    const Judged now = judge(s.model, state);
+    const Judged now = judged_from_outside(s.model, state);
     out.linear.add((now.linear - first.linear).norm() / p);
     out.angular.add((now.angular - first.angular).norm() / L);
     out.energy.add(std::abs(now.kinetic + potential(state) - E) / E);
@@ -402,8 +402,8 @@ VerificationCase gain_of_a_run() {
                                        add_step(s.model, state, r, told);
                                        alarms += r.energy_rises;
                                      });
-            const double first = judge(s.model, s.state).kinetic,
-                         gained = judge(s.model, end).kinetic - first;
+            const double first = judged_from_outside(s.model, s.state).kinetic,
+                         gained = judged_from_outside(s.model, end).kinetic - first;
             return Figures{{"gain", gained / first},
                            {"off", std::abs(told.largest / gained - 1)},
                            {"told", double(energy_rises(told))},
@@ -418,7 +418,7 @@ VerificationCase gain_of_a_run() {
 ForceLaw port(BodyId body, std::function<Vec6(const State&)> wrench) {
   return {.name = "port",
           .add_to = [body, wrench](const Model&, const State& state, double, GeneralisedForce& force) {
-            of_body(force.f, body) += wrench(state);
+            body_part(force.f, body) += wrench(state);
           }};
 }
 

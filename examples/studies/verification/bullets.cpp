@@ -107,7 +107,7 @@ VerificationCase paper(const Gun& gun) {
       gun, "A5.paper", "bullet of 800 m/s on paper, e = 0 and 1, starts spread over a step of 0.8 m",
       {{"in_front", "least distance of the centres after it", "m", 0.95 * kBulletRadius,
         "no tunnelling; overlap of 4 %", Sense::at_least},
-       {"momentum", "change of momentum, relative", "-", 1e-12, "conservation; list"},
+       {"momentum", "change of momentum, relative", "-", 1e-12, "conservation; agreed"},
        {"late", "delay of the first impulse after the impact", "s", late,
         "4 % of the radii at 800 m/s; the projection takes it back"},
        {"early", "lead of the last impulse before the impact", "s", 1e-12, "closed form; rounding"},
@@ -186,7 +186,7 @@ VerificationCase edge(const Gun& gun) {
   return with_gun(
       gun, "A5.edge", "bullet head-on at the edge of the sheet, e = 0 and 1, starts spread over a step",
       {{"speed", "worst speed after it", "m/s", kSameSpeed, "closed form (TOY-1); tolerance, ten times"},
-       {"momentum", "change of momentum, relative", "-", 1e-12, "conservation; list"},
+       {"momentum", "change of momentum, relative", "-", 1e-12, "conservation; agreed"},
        {"spin", "speed of rotation of the sheet", "rad/s", 1e-6, "symmetry"}},
       [gun] {
         Worst speed, momentum, spin;

@@ -87,7 +87,7 @@ VerificationCase touches() {
           .what = "dimer that falls on its ends, one step of 70 ms",
           .rows = {{"events", "events", "-", 2, "each end once", Sense::exactly},
                    {"time", "time of the first", "s", 1e-9, "closed form: a free fall; tolerances"},
-                   {"first", "time of the first, off 54.53325 ms", "s", 1e-6, "list"},
+                   {"first", "time of the first, off 54.53325 ms", "s", 1e-6, "agreed"},
                    {"second", "time of the second, off 65.1325 ms", "s", 1e-6, "shared series"}},
           .measure =
               [] {

@@ -44,7 +44,7 @@ VerificationCase steady_motion() {
   return {
       .name = "B8.steady_motion",
       .what = "Euler's disc at its start",
-      .rows = {{"listed", "precession, off 102.38", "rad/s", 5e-3, "list, to its digits"},
+      .rows = {{"listed", "precession, off 102.38", "rad/s", 5e-3, "agreed, to its digits"},
                {"precession", "precession", "rad/s", 1e-11, "closed form (TOY-14); rounding"},
                {"energy", "energy, off 3/2 m g a sin(tilt)", "J", 1e-13, "closed form (TOY-15); rounding"},
                {"spin", "spin about the vertical, off W sin^2(tilt)", "rad/s", 1e-12,
@@ -74,9 +74,10 @@ VerificationCase ten_turns_on_the_mean() {
                {"precession", "worst precession, relative", "-", 1.1e-5, "steady motion; guard: order two"},
                {"energy", "worst energy, relative", "-", 3e-6, "conserved; guard: order two"},
                {"way", "shift of the centre", "m", 1.1e-8, "steady motion; guard: order two"},
-               {"order", "order of the tilt, 0.2 to 0.05 ms, off 2", "-", 0.3, "theory (MJ-10): two"},
+               {"order", "order of the tilt, 0.2 to 0.05 ms, off 2", "-", 0.3,
+                "two (MJ-10); guard at these steps"},
                {"order_of_precession", "order of the precession, 0.2 to 0.05 ms, off 2", "-", 0.15,
-                "theory (MJ-10): two"}},
+                "two (MJ-10); guard at these steps"}},
       .measure = [] {
         const CaseScene s = euler_disc({});
         const Changes coarse = changes(s, "moreau_jean", options(2e-4, kMean), 10 * kTurn),
@@ -182,7 +183,8 @@ VerificationCase contour_friction() {
                {"exactly", "worst tilt, event_driven", "rad", 1e-6, "equations of rolling; tolerances"},
                {"steps", "worst tilt, moreau_jean, law of the mean velocity, h = 0.1 ms", "rad", 2e-5,
                 "equations of rolling; guard: order two"},
-               {"order", "order of that, 0.2 to 0.1 ms, off 2", "-", 0.3, "theory (MJ-10): two"}},
+               {"order", "order of that, 0.2 to 0.1 ms, off 2", "-", 0.3,
+                "two (MJ-10); guard at these steps"}},
       .measure = [] {
         const EulerDisc& d = kContour;
         const double q = std::sqrt(kGravity / d.radius), weight = d.mass * kGravity * d.radius;

@@ -28,7 +28,7 @@ VerificationCase incline(const std::string& scheme) {
   return {.name = "B1.incline",
           .setting = scheme,
           .what = "block on a slope, mu = 1/2, steps of 10 ms (event_driven: 1 s)",
-          .rows = {{"creep", "distance in 10 s on tan a = 0.45", "m", 1e-13, "closed form; list: 1e-10"},
+          .rows = {{"creep", "distance in 10 s on tan a = 0.45", "m", 1e-13, "closed form; agreed: 1e-10"},
                    {"on_the_angle", "distance in 10 s on tan a = mu", "m", event_driven ? 1e-8 : 1e-10,
                     "undecidable; rounding, over 10 s"},
                    {"slide", "distance in 1 s at mu = 0.49, off a t^2 / 2", "m", 1e-6,
@@ -104,7 +104,7 @@ VerificationCase slip_to_roll(const std::string& scene) {
       .name = "B3.rolling",
       .setting = scene,
       .what = case_named(scene).what + "; moreau_jean, theta 1, h = t*/50",
-      .rows = {{"velocity", "velocity at the end, relative", "-", 1e-12, "closed form; list"},
+      .rows = {{"velocity", "velocity at the end, relative", "-", 1e-12, "closed form; agreed"},
                {"pivot", "pivot spin at the end", "rad/s", 1e-12, "closed form: it does not change"}},
       .measure = [scene] {
         const Case& c = case_named(scene);
@@ -122,16 +122,16 @@ VerificationCase slip_to_roll(const std::string& scene) {
 // (R omega): how far from the law of a uniform pressure. Read off a single step.
 VerificationCase ellipsoid() {
   return {.name = "B4.ellipsoid",
-          .what = "disc of 0.1 m at the slips of the list, one step of 10 us",
+          .what = "disc of 0.1 m at the slips of the shared table, one step of 10 us",
           .rows = {{"force", "worst force, off the ellipsoid's, relative", "-", 1e-4,
                     "closed form; h mu g / R omega"},
                    {"torque", "worst torque, off the ellipsoid's, relative", "-", 1e-4,
                     "closed form; h mu g / R omega"},
                    {"force_of_disc", "largest distance from the force of the disc, off 0.117 mu N", "-", 1e-3,
-                    "quadrature of the list"},
+                    "quadrature in the shared table"},
                    {"torque_of_disc", "largest distance from the torque of the disc, off 0.097 mu N R", "-",
-                    1e-3, "quadrature of the list"},
-                   {"pade", "the list's own Pade forms", "-", 1e-12, "closed form"}},
+                    1e-3, "quadrature in the shared table"},
+                   {"pade", "Pade forms of the table", "-", 1e-12, "closed form"}},
           .measure = [] {
             constexpr double R = 0.1, kMu = 0.3, kSpin = 10, h = 1e-5;
             Worst off_force, off_torque, force_of_disc, torque_of_disc, pade;
@@ -166,8 +166,8 @@ VerificationCase stop_of_the_disc(double spin, double time, double way) {
   return {.name = "B4.stop_of_the_disc",
           .setting = setting,
           .what = "disc of 0.1 m, 1 m/s and a spin, moreau_jean, h = 0.2 ms, until it rests",
-          .rows = {{"time", times, "-", 2e-3, "ellipsoid law against the list's disc; five steps"},
-                   {"way", ways, "-", 2e-3, "ellipsoid law against the list's disc"}},
+          .rows = {{"time", times, "-", 2e-3, "ellipsoid law against the shared disc; five steps"},
+                   {"way", ways, "-", 2e-3, "ellipsoid law against the shared disc"}},
           .measure = [=] {
             const std::vector<SeriesRow> rows = shared_series("contensou_disc_motion.csv");
             const auto row =
@@ -226,7 +226,7 @@ void move_plate(CaseScene& s, const Vec3& v, double spin, double t_end) {
     path.t.push_back(t);
     path.pose.push_back({rotation(Vec3::UnitZ(), spin * t).R, t * v});
   }
-  s.model.bodies[0].motion = Prescribed{path};
+  s.model.bodies[0].motion = PrescribedMotion{path};
 }
 
 // Galilei: on a plate that moves straight on, the same motion beside it.

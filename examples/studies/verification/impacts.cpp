@@ -48,18 +48,18 @@ VerificationCase ball_of_euler() {
 // After the accumulation point the ball rests: what is left are the steps of Newton's law on the last g h.
 VerificationCase ball_at_rest(NormalLaw law) {
   constexpr double h = 1e-3;
-  return {
-      .name = "A1.ball_after_its_last_bounce",
-      .setting = to_string(law),
-      .what = "ball from 1 m, e = 1/2, moreau_jean, theta 1/2, h = 1 ms, after 3 s",
-      .rows = {{"speed", "speed at rest", "m/s", 1e-12, "list: Zeno's end; rounding"},
-               {"height", "height at rest", "m", std::sqrt(2 * kGravity) * h, "list: impact speed times h"}},
-      .measure = [law] {
-        const CaseScene s = case_named("ball_e05").scene();
-        const State state = run_to(s, "moreau_jean", exact_options(h, law), 3);
-        return Figures{{"speed", std::abs(twist(state, s.body)[2])},
-                       {"height", std::abs(pose(state, s.body).p.z())}};
-      }};
+  return {.name = "A1.ball_after_its_last_bounce",
+          .setting = to_string(law),
+          .what = "ball from 1 m, e = 1/2, moreau_jean, theta 1/2, h = 1 ms, after 3 s",
+          .rows = {{"speed", "speed at rest", "m/s", 1e-12, "agreed: Zeno's end; rounding"},
+                   {"height", "height at rest", "m", std::sqrt(2 * kGravity) * h,
+                    "agreed: impact speed times h"}},
+          .measure = [law] {
+            const CaseScene s = case_named("ball_e05").scene();
+            const State state = run_to(s, "moreau_jean", exact_options(h, law), 3);
+            return Figures{{"speed", std::abs(twist(state, s.body)[2])},
+                           {"height", std::abs(pose(state, s.body).p.z())}};
+          }};
 }
 
 /// Speeds before the impacts of a run, slower ones than `graze` left out, and the ends of their steps.
@@ -137,7 +137,7 @@ VerificationCase orbit_of_two_periods_exactly() {
       .what = "forced oscillator, W = 4.6, e = 0.7, on its orbit of two periods, 100 impacts",
       .rows = {{"law", "the orbit's own v+ + e v-, and the scene's start", "m/s", 1e-13,
                 "closed form; rounding"},
-               {"listed", "speed of its impact, off 0.276161", "m/s", 1e-6, "list"},
+               {"listed", "speed of its impact, off 0.276161", "m/s", 1e-6, "agreed"},
                {"height", "height at the end", "m", 1e-9, "closed form; ten tolerances of the equation"},
                {"speed", "velocity at the end", "m/s", 1e-9, "closed form; ten tolerances of the equation"}},
       .measure = [] {
@@ -201,22 +201,23 @@ SchemeOptions blow(ImpactOrder order) {
 // All contacts at once: W r = 2 u of the first contact, solved by hand for n equal balls (MCH-9): the last
 // of r = 2 (n - k) / n is what all others leave with. Pair by pair the last one takes all.
 VerificationCase equal_balls() {
-  return {.name = "A4.equal_balls",
-          .what = "2, 3, 5 and 10 balls that touch, e = 1, one step of 1 ms",
-          .rows = {{"at_once", "worst speed, struck at once", "m/s", 1e-12,
-                    "closed form (MCH-9): 2/n - 1, 2/n, ...; list"},
-                   {"in_turn", "worst speed, pair by pair", "m/s", 1e-12, "closed form: 0, ..., 0, 1; list"}},
-          .measure = [] {
-            Worst at_once, in_turn;
-            for (const int n : {2, 3, 5, 10}) {
-              std::vector<double> shared(std::size_t(n), 2.0 / n), passed(std::size_t(n), 0);
-              shared.front() -= 1, passed.back() = 1;
-              const CaseScene s = cradle(std::vector<double>(std::size_t(n), 1));
-              at_once.add(off_speeds(s, blow(ImpactOrder::simultaneous), 1, shared));
-              in_turn.add(off_speeds(s, blow(ImpactOrder::sequential), 1, passed));
-            }
-            return Figures{{"at_once", at_once}, {"in_turn", in_turn}};
-          }};
+  return {
+      .name = "A4.equal_balls",
+      .what = "2, 3, 5 and 10 balls that touch, e = 1, one step of 1 ms",
+      .rows = {{"at_once", "worst speed, struck at once", "m/s", 1e-12,
+                "closed form (MCH-9): 2/n - 1, 2/n, ...; agreed"},
+               {"in_turn", "worst speed, pair by pair", "m/s", 1e-12, "closed form: 0, ..., 0, 1; agreed"}},
+      .measure = [] {
+        Worst at_once, in_turn;
+        for (const int n : {2, 3, 5, 10}) {
+          std::vector<double> shared(std::size_t(n), 2.0 / n), passed(std::size_t(n), 0);
+          shared.front() -= 1, passed.back() = 1;
+          const CaseScene s = cradle(std::vector<double>(std::size_t(n), 1));
+          at_once.add(off_speeds(s, blow(ImpactOrder::simultaneous), 1, shared));
+          in_turn.add(off_speeds(s, blow(ImpactOrder::sequential), 1, passed));
+        }
+        return Figures{{"at_once", at_once}, {"in_turn", in_turn}};
+      }};
 }
 
 // Newton's law on all contacts at once; the sequential rule would give (0, 0, 1).
@@ -224,7 +225,7 @@ VerificationCase three_balls(NormalLaw law) {
   return {.name = "A4.three_balls",
           .setting = to_string(law),
           .what = "three balls that touch, e = 1, one step of 1 ms",
-          .rows = {{"speed", "worst speed, off -1/3, 2/3, 2/3", "m/s", 1e-12, "closed form; list"}},
+          .rows = {{"speed", "worst speed, off -1/3, 2/3, 2/3", "m/s", 1e-12, "closed form; agreed"}},
           .measure = [law] {
             return Figures{{"speed", off_speeds(cradle({1, 1, 1}), exact_options(1e-3, law), 1,
                                                 {-1.0 / 3, 2.0 / 3, 2.0 / 3})}};
@@ -243,7 +244,7 @@ VerificationCase near_balls(NormalLaw law) {
       .what = "three balls a micrometre apart, e = 1, ten steps of 1 ms",
       .rows = {{"speed", shares ? "worst speed, off -1/3, 2/3, 2/3" : "worst speed, off 0, 0, 1", "m/s",
                 shares ? kGap / kStep : 1e-12,
-                shares ? "closed form, to gap over step" : "closed form; list"}},
+                shares ? "closed form, to gap over step" : "closed form; agreed"}},
       .measure = [=] {
         const std::vector<double> right =
             shares ? std::vector{-1.0 / 3, 2.0 / 3, 2.0 / 3} : std::vector{0.0, 0.0, 1.0};
@@ -254,16 +255,17 @@ VerificationCase near_balls(NormalLaw law) {
 // Unequal ones: at once all but the first leave as one body of their common mass (3 kg on 2 + 1 kg); pair by
 // pair each hands over 2 m / (m + m').
 VerificationCase unequal_balls() {
-  return {.name = "A4.unequal_balls",
-          .what = "balls of 3, 2 and 1 kg that touch, e = 1, one step of 1 ms",
-          .rows = {{"at_once", "worst speed, struck at once, off 0, 1, 1", "m/s", 1e-12, "closed form; list"},
-                   {"in_turn", "worst speed, pair by pair, off 1/5, 2/5, 8/5", "m/s", 1e-12,
-                    "closed form; list"}},
-          .measure = [] {
-            const CaseScene s = cradle({3, 2, 1});
-            return Figures{{"at_once", off_speeds(s, blow(ImpactOrder::simultaneous), 1, {0, 1, 1})},
-                           {"in_turn", off_speeds(s, blow(ImpactOrder::sequential), 1, {0.2, 0.4, 1.6})}};
-          }};
+  return {
+      .name = "A4.unequal_balls",
+      .what = "balls of 3, 2 and 1 kg that touch, e = 1, one step of 1 ms",
+      .rows = {{"at_once", "worst speed, struck at once, off 0, 1, 1", "m/s", 1e-12, "closed form; agreed"},
+               {"in_turn", "worst speed, pair by pair, off 1/5, 2/5, 8/5", "m/s", 1e-12,
+                "closed form; agreed"}},
+      .measure = [] {
+        const CaseScene s = cradle({3, 2, 1});
+        return Figures{{"at_once", off_speeds(s, blow(ImpactOrder::simultaneous), 1, {0, 1, 1})},
+                       {"in_turn", off_speeds(s, blow(ImpactOrder::sequential), 1, {0.2, 0.4, 1.6})}};
+      }};
 }
 
 /// One step from a cold start: how far the contact below sphere k is from the weight above it, relative.
@@ -293,7 +295,7 @@ VerificationCase column() {
           .what = "1000 beads of 1 kg on top of each other at rest, one step from a cold start",
           .rows = {{"contacts", "contacts", "-", 1000, "one below each bead", Sense::exactly},
                    {"weight", "worst force, off the weight above, relative", "-", 1e-6,
-                    "closed form (n - k) m g; list"},
+                    "closed form (n - k) m g; agreed"},
                    {"newton", "Newton's iterations, if not found by sweeps", "-", 99,
                     "guard: n^2 sweeps without"}},
           .measure = [] {

@@ -89,7 +89,7 @@ VerificationCase equations(double spin, double t_end, double turns_at) {
   return {.name = "B7.equations_of_rolling",
           .setting = spin_text(spin),
           .what = "the equations that the rattleback is compared with, strides of 0.25 ms",
-          .rows = {{"energy", "worst energy, relative", "-", 1e-12, "list"},
+          .rows = {{"energy", "worst energy, relative", "-", 1e-12, "agreed"},
                    {"stride", "worst difference from half the stride", "rad/s", 1e-8, "order eight"},
                    {"reversal",
                     spin < 0 ? "time of the reversal, off 2.77 s" : "time of the reversal, off 11.46 s", "s",
@@ -169,7 +169,7 @@ VerificationCase last_velocity(const std::string& scheme) {
                 "equations of rolling; guard: order one, amplified"},
                {"ratio", "the same over that at 0.2 ms", "-", 0.7, "guard: order one halves it"},
                {"order", "order, 0.2 to 0.1 ms, off the one that the scheme states", "-", 0.3,
-                "theory: SchemeTraits::rolling"}},
+                "SchemeTraits::rolling; guard at these steps"}},
       .measure = [scheme] {
         const auto exact = reference(5, 1);
         const Followed coarse = follow(scheme, 5, 2e-4, 1, exact, kLast),

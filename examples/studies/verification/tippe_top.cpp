@@ -69,7 +69,7 @@ Tilt rolling_tilt(const std::string& name, const SchemeOptions& o, double t_end)
 // contact: Jellett's integral (TOY-5).
 VerificationCase upright(const std::string& scheme) {
   const bool exact = scheme == "event_driven";
-  const std::string source = exact ? "list, to its digits" : "list; guard: order one at 0.1 ms";
+  const std::string source = exact ? "agreed, to its digits" : "agreed; guard: order one at 0.1 ms";
   return {.name = "B6.upright_under_coulomb",
           .setting = scheme,
           .what = "tippe-top under Coulomb's law for 2 s, at 0.1 ms (event_driven: 5 ms)",
@@ -141,8 +141,8 @@ VerificationCase stem_on_time() {
   return {.name = "B6.stem_on_time",
           .what = "tippe-top under Contensou's law, until the stem touches",
           .rows = {{"steps", "worst time at 1, 0.2 and 0.1 ms, moreau_jean, off 1.37332 s", "s",
-                    0.01 * kTouch, "list; a hundredth"},
-                   {"exactly", "time in event_driven, off 1.37332 s", "s", 2e-5, "list, to its digits"}},
+                    0.01 * kTouch, "agreed; a hundredth"},
+                   {"exactly", "time in event_driven, off 1.37332 s", "s", 2e-5, "agreed, to its digits"}},
           .measure = [] {
             const CaseScene s = tippe_top(kTippeTopDrilling);
             Worst steps;
@@ -234,7 +234,7 @@ VerificationCase inverts(const std::string& scheme) {
                        {"touch", std::abs(touch_time(off.end, scheme, good(scheme)) - kTouch)}};
       }};
   out.rows.push_back(
-      {"touch", "time when the stem touches, off 1.37332 s", "s", 0.01 * kTouch, "list; a hundredth"});
+      {"touch", "time when the stem touches, off 1.37332 s", "s", 0.01 * kTouch, "agreed; a hundredth"});
   return out;
 }
 

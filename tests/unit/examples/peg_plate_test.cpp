@@ -466,6 +466,9 @@ TEST(PegFiles, NameTheLineOfABrokenSample) {
   write_bytes(path, content_of(path) + "1,2\n");
   EXPECT_NE(message_of<std::runtime_error>([&] { read_samples(path); }).find("broken.csv:3: fields = 2"),
             std::string::npos);
+  write_samples(path, {PegSample{}, PegSample{.g = {Quat(1, 0, 0, 1e-2), Vec3::Zero()}}});  // no rotation
+  const std::string refused = message_of<std::runtime_error>([&] { read_samples(path); });
+  EXPECT_NE(refused.find("broken.csv: row 2: |pose.R| = "), std::string::npos) << refused;
   write_bytes(path, "a,b\n1,2\n");
   EXPECT_NE(message_of<std::runtime_error>([&] { read_samples(path); }).find("columns"), std::string::npos);
 }

@@ -18,7 +18,7 @@ class LargeFamilies : public ::testing::TestWithParam<ProblemFamily> {};
 
 TEST_P(LargeFamilies, AreSolvedByTheAutomaticSolver) {
   for (const int size : {100, 300, 1000})
-    for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    for (std::uint64_t seed = 1; seed <= (size < 1000 ? 10u : 3u); ++seed) {
       const std::string stem = family_file_stem(GetParam(), size, seed);
       const FrictionProblem problem = friction_problem(family_scene(GetParam(), size, seed));
       const FrictionSolution s = solve(problem, {}, {.tolerance = 1e-8});

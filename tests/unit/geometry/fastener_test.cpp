@@ -273,7 +273,7 @@ TEST(Fastener, TurnsWithoutTouchingAndKeepsThePromisedGap) {
       const double facet_steps =
           std::floor(k * options.facets / 9.0) + std::array{0.0, 0.25, 0.5, 0.83}[k % 4];
       const double turns = facet_steps / options.facets;
-      const SimplicialComplex turned = transformed(nut, screw(options, 2 * kPi * turns));
+      const SimplicialComplex turned = transformed_complex(nut, screw(options, 2 * kPi * turns));
       const Judgement found = judge(bolt, turned, options);
       EXPECT_FALSE(found.intersecting) << turns;
       EXPECT_GE(found.thread_distance, thread_gap(options) - 1e-16) << turns;
@@ -290,7 +290,7 @@ TEST(Fastener, OfDefaultOptionsTurnsWithoutTouching) {
   const FastenerOptions options;
   const SimplicialComplex bolt = make_bolt(options), nut = make_nut(options);
   for (const double turns : {0.25, 1 + 0.5 / 48, 3.3}) {
-    const Judgement found = judge(bolt, transformed(nut, screw(options, 2 * kPi * turns)), options);
+    const Judgement found = judge(bolt, transformed_complex(nut, screw(options, 2 * kPi * turns)), options);
     EXPECT_FALSE(found.intersecting) << turns;
     EXPECT_GE(found.thread_distance, thread_gap(options) - 1e-16) << turns;
     EXPECT_LE(found.thread_distance, largest_promised_distance(options)) << turns;
@@ -302,7 +302,9 @@ TEST(Fastener, IsSeenToIntersectOutOfPhase) {
   const FastenerOptions options{.facets = 24, .bolt_turns = 4, .nut_turns = 2};
   const double play = options.clearance / std::sqrt(3.0);  // (clearance / 2) / cos 30 degrees
   const SimplicialComplex bolt = make_bolt(options), nut = make_nut(options);
-  const auto pushed = [&](double z) { return transformed(nut, screw(options, 4) * translation(0, 0, z)); };
+  const auto pushed = [&](double z) {
+    return transformed_complex(nut, screw(options, 4) * translation(0, 0, z));
+  };
   EXPECT_FALSE(judge(bolt, pushed(0.9 * play), options).intersecting);
   EXPECT_TRUE(judge(bolt, pushed(2.5 * play), options).intersecting);
   EXPECT_TRUE(judge(bolt, pushed(-2.5 * play), options).intersecting);

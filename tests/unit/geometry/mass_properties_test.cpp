@@ -85,7 +85,7 @@ TEST(MassProperties, MoveWithThePartAlsoFarFromTheOrigin) {
   const SE3 g{Quat(0.5, 0.5, -0.5, 0.5), Vec3(1000, -2000, 500)};  // 10^5 times the size of the part
   const SimplicialComplex part = make_torus(0.02, 0.005, 24, 12);
   const MassProperties here = mass_properties(part, 7850);
-  const MassProperties there = mass_properties(transformed(part, g), 7850);
+  const MassProperties there = mass_properties(transformed_complex(part, g), 7850);
   // The vertices themselves are rounded to 2000 eps, that is 2000 / 0.005 eps relative to the thin side.
   const double rounding = 2000 / 0.005 * kRounding;
   const Mat3 R = g.R.toRotationMatrix();
@@ -95,8 +95,8 @@ TEST(MassProperties, MoveWithThePartAlsoFarFromTheOrigin) {
 }
 
 TEST(MassProperties, AreAdditive) {
-  const SimplicialComplex a = transformed(make_box(0.01, 0.02, 0.03), translation(0.1, 0, 0));
-  const SimplicialComplex b = transformed(make_sphere(0.02, 2), translation(-0.1, 0.05, 0));
+  const SimplicialComplex a = transformed_complex(make_box(0.01, 0.02, 0.03), translation(0.1, 0, 0));
+  const SimplicialComplex b = transformed_complex(make_sphere(0.02, 2), translation(-0.1, 0.05, 0));
   const MassProperties ma = mass_properties(a, 2700), mb = mass_properties(b, 2700);
   const MassProperties both = mass_properties(union_of(a, b), 2700);
   EXPECT_NEAR(both.mass, ma.mass + mb.mass, kRounding * both.mass);

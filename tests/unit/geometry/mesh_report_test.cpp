@@ -219,7 +219,7 @@ TEST(SelfIntersections, OfTheTreeAreThoseOfAllPairs) {
   for (int n = 1; n <= 3; ++n) {
     SimplicialComplex both = make_sphere(1, n);
     const SimplicialComplex box =
-        transformed(make_box(1, 1.1, 1.3, n), translation(0.6, 0.3, 0.2) * rotation({1, 2, 3}, 0.7));
+        transformed_complex(make_box(1, 1.1, 1.3, n), translation(0.6, 0.3, 0.2) * rotation({1, 2, 3}, 0.7));
     const int shift = int(both.vertices.size()), cut = int(both.triangles.size());
     both.vertices.insert(both.vertices.end(), box.vertices.begin(), box.vertices.end());
     for (const auto& [i, j, k] : box.triangles) both.triangles.push_back({i + shift, j + shift, k + shift});

@@ -29,11 +29,11 @@ TEST(NumberText, IsTheShortestThatReadsBack) {
 }
 
 TEST(Counted, KnowsOneFromMany) {
-  EXPECT_EQ(counted(0, "step"), "0 steps");
-  EXPECT_EQ(counted(1, "step"), "1 step");
-  EXPECT_EQ(counted(2, "step"), "2 steps");
-  EXPECT_EQ(counted(1, "vertex welded", "vertices welded"), "1 vertex welded");
-  EXPECT_EQ(counted(3'000'000'000, "vertex welded", "vertices welded"), "3000000000 vertices welded");
+  EXPECT_EQ(counted_noun(0, "step"), "0 steps");
+  EXPECT_EQ(counted_noun(1, "step"), "1 step");
+  EXPECT_EQ(counted_noun(2, "step"), "2 steps");
+  EXPECT_EQ(counted_noun(1, "vertex welded", "vertices welded"), "1 vertex welded");
+  EXPECT_EQ(counted_noun(3'000'000'000, "vertex welded", "vertices welded"), "3000000000 vertices welded");
 }
 
 TEST(RequireField, NamesFieldValueAndBound) {

@@ -105,9 +105,9 @@ TEST(PointInSolid, AgreesWithTheSolidAngle) {
   Random random(3);
   const std::vector<SimplicialComplex> solids{make_torus(1, 0.3, 24, 12),
                                               make_extrusion(gear_profile(9, 0.8, 1), 0.6), make_sphere(1, 2),
-                                              transformed(make_nut(), {}, 1 / 0.008)};
+                                              transformed_complex(make_nut(), {}, 1 / 0.008)};
   for (const SimplicialComplex& solid : solids) {
-    const SimplicialComplex turned = transformed(solid, random.pose(0.1));
+    const SimplicialComplex turned = transformed_complex(solid, random.pose(0.1));
     int inside = 0;
     for (int i = 0; i < 1000; ++i) {
       const Vec3 p = random.vector(1.2);

@@ -19,8 +19,8 @@ struct Lamp {
 };
 void describe(SettingVisitor& visit, Lamp& o) {
   visit.begin("Lamp");
-  visit.number({"power", "of a bulb", "W", open_below(0, 100)}, o.power);
-  visit.count({"bulbs", "in it", "", at_least(1)}, o.bulbs);
+  visit.number({"power", "of a bulb", "W", range_open_below(0, 100)}, o.power);
+  visit.count({"bulbs", "in it", "", range_from(1)}, o.bulbs);
   visit.toggle({.name = "dimmed", .what = "at night", .label = "dimmed"}, o.dimmed);
 }
 
@@ -64,15 +64,15 @@ TEST(Settings, HaveOpenAndClosedEnds) {
   const double inf = std::numeric_limits<double>::infinity();
   EXPECT_TRUE(contains({0, 1}, 0) && contains({0, 1}, 1));
   EXPECT_FALSE(contains(open_range(0, 1), 0) || contains(open_range(0, 1), 1));
-  EXPECT_TRUE(contains(open_above(0, 1), 0) && !contains(open_above(0, 1), 1));
+  EXPECT_TRUE(contains(range_open_above(0, 1), 0) && !contains(range_open_above(0, 1), 1));
   EXPECT_TRUE(contains(range_above(0), inf) && !contains(range_above(0), 0));
   EXPECT_FALSE(contains(not_negative_range(), inf));
-  EXPECT_TRUE(contains(at_least(0), inf));
+  EXPECT_TRUE(contains(range_from(0), inf));
   EXPECT_FALSE(contains({}, std::nan("")));
   EXPECT_EQ(range_text({}), "");
   EXPECT_EQ(range_text({0, 1}), "in [0, 1]");
   EXPECT_EQ(range_text(open_range(0, 2)), "in (0, 2)");
-  EXPECT_EQ(range_text(at_least(1)), ">= 1");
+  EXPECT_EQ(range_text(range_from(1)), ">= 1");
   EXPECT_EQ(range_text(positive_range()), "> 0 and finite");
   EXPECT_EQ(range_text({.highest = 3}), "<= 3");
   EXPECT_EQ(range_order({.highest = 3}), "be <= 3");

@@ -166,23 +166,24 @@ TEST(SimplicialComplex, TakesTheWordSolidOnlyFromClosedSurfacesFacingOutwards) {
 }
 
 TEST(SimplicialComplex, VolumeDoesNotSufferFarFromTheOrigin) {
-  const SimplicialComplex far = transformed(make_box(0.01, 0.01, 0.01), translation(1000, -2000, 3000));
+  const SimplicialComplex far =
+      transformed_complex(make_box(0.01, 0.01, 0.01), translation(1000, -2000, 3000));
   EXPECT_NEAR(signed_volume(far), 1e-6, 1e-6 * 1e-9);  // coordinates are rounded at 4.5e-13 of 0.01
 }
 
 TEST(SimplicialComplex, TransformationScalesThenMoves) {
   const SimplicialComplex box = make_box(1, 2, 3);
   const SE3 g = translation(10, 0, 0) * rotation({0, 0, 1}, kPi / 2);
-  const SimplicialComplex moved = transformed(box, g, 2);
+  const SimplicialComplex moved = transformed_complex(box, g, 2);
   EXPECT_LT((bounding_box(moved).lo - Vec3(8, -1, -3)).norm(), 1e-14);
   EXPECT_LT((bounding_box(moved).hi - Vec3(12, 1, 3)).norm(), 1e-14);
   EXPECT_EQ(moved.edges, box.edges);
   EXPECT_TRUE(moved.solid);
   EXPECT_NEAR(radius_about(moved, {10, 0, 0}), std::sqrt(14.0), 1e-14);
   EXPECT_DOUBLE_EQ(bounding_box(box).diagonal(), std::sqrt(14.0));
-  EXPECT_THROW(transformed(box, g, 0), std::invalid_argument);
-  EXPECT_THROW(transformed(box, g, -1), std::invalid_argument);  // would turn a solid inside out
-  EXPECT_THROW(transformed(box, g, kInf), std::invalid_argument);
+  EXPECT_THROW(transformed_complex(box, g, 0), std::invalid_argument);
+  EXPECT_THROW(transformed_complex(box, g, -1), std::invalid_argument);  // would turn a solid inside out
+  EXPECT_THROW(transformed_complex(box, g, kInf), std::invalid_argument);
 }
 
 TEST(DilatedShape, RefusesARadiusThatIsNotALengthAndAnEmptyComplex) {

@@ -116,7 +116,7 @@ TEST(EnergyGain, IsNoneWhereEnergyIsGiven) {
     path.t.push_back(0.01 * i);
     path.pose.push_back(translation(0.5 * path.t.back() * path.t.back(), 0, 0));
   }
-  ride.model.bodies[ride.ground].motion = Prescribed{path};
+  ride.model.bodies[ride.ground].motion = PrescribedMotion{path};
   ride.state = rest_state(ride.model);
   pose(ride.state, ride.block).p.z() = kSide / 2 + 2 * kRadius;
   const EnergyGain rode =

@@ -108,7 +108,7 @@ TEST(GapHessians, LeaveOutWhatDoesNotMoveAndWhatIsNotPressed) {
   ASSERT_EQ(contacts.points.size(), 1u);
   EXPECT_EQ(gap_hessians(pair.model, pair.state, contacts, {0}, layout(pair.model), 1).nonZeros(), 0);
   const SparseMatrix both = gap_hessians(pair.model, pair.state, contacts, {1}, layout(pair.model), 1);
-  pair.model.bodies[0].motion = Fixed{};
+  pair.model.bodies[0].motion = FixedMotion{};
   const SparseMatrix one = gap_hessians(pair.model, pair.state, contacts, {1}, layout(pair.model), 1);
   ASSERT_EQ(one.rows(), 6);
   EXPECT_EQ((MatX(one) - MatX(both).bottomRightCorner<6, 6>()).norm(), 0);

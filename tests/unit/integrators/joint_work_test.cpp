@@ -224,7 +224,8 @@ TEST_P(JointWorkInEveryScheme, ForcesBelongToTheTimeThatIsTold) {
   };
   const bool first = first_order || paoli;
   for (const bool project : {true, false}) {
-    const double fine = off(5e-3, project);  // of 40 N
+    if (!project && v.name == "event_driven") continue;  // always projects
+    const double fine = off(5e-3, project);              // of 40 N
     EXPECT_LT(fine, first ? 0.6 : 8e-3) << project;
     EXPECT_GT(std::log2(off(1e-2, project) / fine), first ? 0.9 : 1.95) << project;
   }

@@ -36,9 +36,9 @@ TEST_P(LiveTarget, LedFromRowToRowMovesAsTheRecordedPath) {
   constexpr int kSteps = 60;
   Scene recorded = block_on_plate(0.5, 0, 0);
   const Trajectory path = path_of_attached_frame(swing(kSteps), pose(recorded.state, recorded.ground));
-  recorded.model.bodies[recorded.ground].motion = Prescribed{path};
+  recorded.model.bodies[recorded.ground].motion = PrescribedMotion{path};
   Scene led = recorded;
-  led.model.bodies[led.ground].motion = Driven{};
+  led.model.bodies[led.ground].motion = DrivenMotion{};
   SchemeOptions options = GetParam().options;
   options.step.h = kStep;
   const Scheme along = make_scheme(GetParam().name, recorded.model, options),

@@ -80,7 +80,7 @@ TEST(MeanJoints, LetStopsGiveNoEnergy) {
   s.model.forces.push_back(
       {.name = "noise", .add_to = [](const Model&, const State& now, double, GeneralisedForce& force) {
          Random random(std::uint64_t(std::llround(1e6 * now.t)));
-         for (BodyId b = 0; b < 2; ++b) of_body(force.f, b)[4] += random.uniform(-100, 100);
+         for (BodyId b = 0; b < 2; ++b) body_part(force.f, b)[4] += random.uniform(-100, 100);
        }});
   int made_passive = 0;
   advance(on_mean(s.model, 1e-3), s.state, 1, [&](const StepReport& report) {

@@ -120,7 +120,7 @@ TEST(Step, RefusesAModelThatHasChangedSinceTheSchemeWasMade) {
               "model: number of bodies = 3 must be 2, as when the scheme was made: make a new one")
         << name;
     EXPECT_NE(refused([](Model& m) { m.bodies.pop_back(); }).find("number of bodies = 1"), std::string::npos);
-    EXPECT_NE(refused([](Model& m) { m.bodies[1].motion = Fixed{}; }).find("motion of body 1 (ball)"),
+    EXPECT_NE(refused([](Model& m) { m.bodies[1].motion = FixedMotion{}; }).find("motion of body 1 (ball)"),
               std::string::npos);
     EXPECT_NE(refused([](Model& m) {
                 add(m, Joint{.kind = JointKind::spherical, .body_a = 0, .body_b = 1});

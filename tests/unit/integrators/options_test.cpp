@@ -128,6 +128,12 @@ TEST(SchemeOptions, AreRefusedWhereASchemeDoesNotReadThem) {
   EXPECT_EQ(refusal("event_driven", {.reduction = {.min_margin = 0.2}}),
             "reduction.min_margin = 0.2 is not read by event_driven");
   EXPECT_EQ(refusal("event_driven", {.solver = {.tolerance = 1e-6}}), "");  // comparisons set it for all
+  EXPECT_EQ(message_of([&] { EventDriven(s.model, {.solver = {.tolerance = 1e-6}}); }),
+            "solver.tolerance = 1e-06 is not read by event_driven");
+  EXPECT_EQ(refusal("moreau_jean_projected", {.correction_speed = 0.1}),
+            "correction_speed = 0.1 is not read by moreau_jean_projected");
+  EXPECT_EQ(refusal("schatzman_paoli", {.touching = 1e-7}),
+            "touching = 1e-07 is not read by schatzman_paoli");
   EXPECT_EQ(refusal("generalised_alpha", {.joints = {.stabilisation = 0.3}}),
             "joints.stabilisation = 0.3 is not read by generalised_alpha");
   const std::vector<std::string> unread = unread_by("schatzman_paoli");
@@ -146,6 +152,12 @@ TEST(SchemeOptions, AreRefusedWhereTheyContradictEachOther) {
           ReductionOptions{.reducer = Reducer::selector},
           ReductionOptions{.reducer = Reducer::hull_margin, .selector = all}})
       EXPECT_THROW(make_scheme(name, s.model, {.step = {.reduction = bad}}), std::invalid_argument) << name;
+  for (const MoreauJeanOptions& loop :
+       {MoreauJeanOptions{.newton = {.gap_hessians = true}},
+        MoreauJeanOptions{.contacts = ContactsAt::midpoint, .newton = {.gap_hessians = true}},
+        MoreauJeanOptions{.newton = {.max_iterations = 9, .gap_hessians = true}}})
+    EXPECT_NE(message_of([&] { MoreauJean(s.model, {}, loop); }).find("NewtonOptions::gap_hessians needs"),
+              std::string::npos);
   SchemeOptions pulled{.step = {.reduction = {.friction = FrictionAt::patches}}};
   pulled.step.persistence.anchors = true;
   EXPECT_NE(message_of([&] { make_scheme("moreau_jean", s.model, pulled); }).find("anchors"),

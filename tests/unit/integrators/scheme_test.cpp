@@ -38,7 +38,7 @@ TEST(Scheme, LeavesABlockAtRestOnABeltThatMoves) {
     Scene s = block_on_plate(0.5, 0, 0);
     const double speed = 0.3;
     s.model.bodies[s.ground].motion =
-        Prescribed{{.t = {0, 1}, .pose = {SE3{}, {Quat::Identity(), Vec3(speed, 0, 0)}}}};
+        PrescribedMotion{{.t = {0, 1}, .pose = {SE3{}, {Quat::Identity(), Vec3(speed, 0, 0)}}}};
     twist(s.state, s.ground)[0] = twist(s.state, s.block)[0] = speed;
     SchemeOptions options = variant.options;
     options.step.h = 2e-3;

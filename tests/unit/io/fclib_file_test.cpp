@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#ifdef __SANITIZE_ADDRESS__
-#include <sanitizer/lsan_interface.h>
-#endif
+#include "io/fclib_file.hpp"
 
 #include <cstdlib>
 #include <cstring>
@@ -9,9 +7,9 @@
 #include <set>
 
 #include "io/atomic_file.hpp"
-#include "io/fclib_file.hpp"
 #include "io/hdf5_file.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/leaks_of_hdf5.hpp"
 #include "tests/support/little_memory.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/random.hpp"
@@ -575,9 +573,7 @@ TEST(FclibFile, ComplainsAboutFilesThatAreNone) {
 // HDF5 1.10 itself loses a few hundred bytes over some damaged files and then says "infinite loop closing
 // library" as the process ends.
 TEST(FclibFile, NeverCrashesOnFlippedBits) {
-#ifdef __SANITIZE_ADDRESS__
-  const __lsan::ScopedDisabler leaks_of_hdf5;
-#endif
+  const LeaksOfHdf5 leaks_of_hdf5;
   const fs::path folder = fresh_folder();
   write_fclib(folder / "good.hdf5", small_mixed());
   const std::string good = content_of(folder / "good.hdf5");

@@ -184,7 +184,7 @@ TEST(ReadStl, ReadsTextWithSeveralSolidsInDouble) {
 TEST(Weld, MergesEqualPlacesOnly) {
   MeshFile mesh = read_text(
       "a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv -0 0 0\nv 1 1 1e-300\nf 1 2 3\nf 4 5 2\nf 1 4 2\nl 1 4\np 4\n");
-  weld(mesh);
+  weld_mesh_file(mesh);
   EXPECT_EQ(mesh.vertices.size(), 4u);
   EXPECT_EQ(mesh.triangles, (Triangles{{0, 1, 2}, {0, 3, 1}}));
   EXPECT_TRUE(mesh.wires.empty());

@@ -128,7 +128,7 @@ TEST_F(SharedMeshes, WithoutFacesAreWiresAndPoints) {
 TEST_F(SharedMeshes, ThatAreBrokenGetAReport) {
   const auto report = [&](const char* name, bool welded) {
     MeshFile mesh = read_mesh(folder_ / "broken" / name, 1);
-    if (welded) weld(mesh);
+    if (welded) weld_mesh_file(mesh);
     return report_mesh(complex_of(mesh));
   };
   const MeshReport insert = report("ariac_insert_raw.stl", false);

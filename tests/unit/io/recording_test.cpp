@@ -17,9 +17,9 @@ TEST(Recording, GoesOnWithItsTotalsAndItsTable) {
   const Scheme scheme = make_scheme("moreau_jean", s.model, {.step = {.h = 1e-3}});
   std::vector<Gauge> list =
       gauges({"step", "t", "min_gap", "displacement", "total:solver_failures", "total:max_contacts"});
-  list.push_back({"speed", "top_speed", Keep::most, [](const Frame& f) { return f.state.v.norm(); }});
-  list.push_back(
-      {"", "travel", Keep::sum, [](const Frame& f) { return (f.state.g[1].p - f.before.g[1].p).norm(); }});
+  list.push_back({"speed", "top_speed", GaugeTotal::most, [](const Frame& f) { return f.state.v.norm(); }});
+  list.push_back({"", "travel", GaugeTotal::sum,
+                  [](const Frame& f) { return (f.state.g[1].p - f.before.g[1].p).norm(); }});
   const auto run = [&](const std::string& name, int stop) {
     const RecordingOptions options{.folder = folder / name, .every = 3, .audit_samples = 1};
     std::filesystem::create_directories(options.folder);
@@ -77,9 +77,9 @@ TEST(Recording, RefusesGaugesThatDoNotFit) {
         [&] { Recording(s.model, run_header(s.model), list, {.folder = fresh_folder()}, s.state); });
   };
   const auto zero = [](const Frame&) { return 0.0; };
-  EXPECT_EQ(refused({{"a", "", Keep::nothing, {}}}), "Gauge a: value must be callable");
-  EXPECT_EQ(refused({{"a", "", Keep::sum, zero}}), "Gauge a: a total needs a name, and a name a total");
-  EXPECT_EQ(refused({{"a", "x", Keep::sum, zero}, {"b", "x", Keep::most, zero}}),
+  EXPECT_EQ(refused({{"a", "", GaugeTotal::nothing, {}}}), "Gauge a: value must be callable");
+  EXPECT_EQ(refused({{"a", "", GaugeTotal::sum, zero}}), "Gauge a: a total needs a name, and a name a total");
+  EXPECT_EQ(refused({{"a", "x", GaugeTotal::sum, zero}, {"b", "x", GaugeTotal::most, zero}}),
             "Gauge x: two have this total");
   EXPECT_EQ(message_of([] { (void)gauge("speed"); }).find("gauge = speed must be one of step, t, h, "), 0U);
 }

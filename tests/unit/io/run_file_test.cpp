@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#ifdef __SANITIZE_ADDRESS__
-#include <sanitizer/lsan_interface.h>
-#endif
-
 #include <cstdlib>
 #include <stdexcept>
 
 #include "io/atomic_file.hpp"
 #include "io/hdf5_file.hpp"
+#include "tests/support/leaks_of_hdf5.hpp"
 #include "tests/support/little_memory.hpp"
 #include "tests/unit/io/io_samples.hpp"
 
@@ -469,9 +466,7 @@ TEST(RunFile, RefusesATitleOfManyTexts) {
 // itself loses a few kilobytes over some damaged files and then says "infinite loop closing library" as the
 // process ends.
 TEST(RunFile, NeverCrashesOnADamagedFile) {
-#ifdef __SANITIZE_ADDRESS__
-  const __lsan::ScopedDisabler leaks_of_hdf5;
-#endif
+  const LeaksOfHdf5 leaks_of_hdf5;
   const auto folder = fresh_folder();
   write_run(folder / "run.h5", peg_run(20));
   const std::string whole = content_of(folder / "run.h5");

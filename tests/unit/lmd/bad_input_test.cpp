@@ -34,7 +34,8 @@ void expect_defined(const ContactSet& contacts) {
 
 // Two cubes that pass through each other, as one surface: closed, oriented, and no boundary of a solid.
 SimplicialComplex crossing_cubes() {
-  const SimplicialComplex one = make_box(1, 1, 1), other = transformed(one, translation(0.5, 0.4, 0.3));
+  const SimplicialComplex one = make_box(1, 1, 1),
+                          other = transformed_complex(one, translation(0.5, 0.4, 0.3));
   std::vector<Vec3> vertices = one.vertices;
   std::vector<std::array<int, 3>> triangles = one.triangles;
   vertices.insert(vertices.end(), other.vertices.begin(), other.vertices.end());

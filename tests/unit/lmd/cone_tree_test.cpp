@@ -187,7 +187,7 @@ TEST_P(ConeTrees, HoldEveryLeafOfRandomComplexes) {
   const double size = random.log_uniform(1e-6, 1e3);
   const SE3 g = random.pose(GetParam() % 3 == 0 ? 1000 * size : size);
   SCOPED_TRACE("seed " + std::to_string(GetParam()));
-  check_shape(prepare(dilate(transformed(random_shape(random), g, size), 0.01 * size)));
+  check_shape(prepare(dilate(transformed_complex(random_shape(random), g, size), 0.01 * size)));
 }
 
 // Points, segments and triangles with caps of any half angle, heaps of equal ones among them.
@@ -249,7 +249,7 @@ TEST(ConeTree, NodesAreFiveCacheLines) {
 
 SimplicialComplex as_in_file(const std::filesystem::path& path) {
   MeshFile mesh = read_mesh(path, 1e-3);
-  weld(mesh);
+  weld_mesh_file(mesh);
   SimplicialComplex complex = make_complex(std::move(mesh.vertices), std::move(mesh.triangles), mesh.wires);
   complex.solid = is_closed_oriented(complex) && signed_volume(complex) > 0;
   return complex;

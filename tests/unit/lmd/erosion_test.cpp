@@ -367,7 +367,7 @@ TEST(Erosion, MeasuresSeeAWrongResult) {
   const SimplicialComplex box = make_box(4, 3, 2);
   const double eps = 0.1;
   const ErosionMeasures shifted =
-      measure_erosion(box, transformed(make_box(3.8, 2.8, 1.8), translation(0.01, 0, 0)), eps, 1000);
+      measure_erosion(box, transformed_complex(make_box(3.8, 2.8, 1.8), translation(0.01, 0, 0)), eps, 1000);
   EXPECT_NEAR(shifted.shallow, 0.01, 1e-12);
   EXPECT_NEAR(shifted.face_error, 0.01, 1e-12);
   const ErosionMeasures small = measure_erosion(box, make_box(3.7, 2.8, 1.8), eps, 1000);

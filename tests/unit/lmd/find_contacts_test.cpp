@@ -366,11 +366,11 @@ TEST(Contacts, OfSmallFeaturesFarOffAreThoseOfTheExhaustiveSearch) {
     const Vec3 top = up * Vec3(0, size / 2, size / 2),
                lowest = down * (turned(-kPi / 4, Vec3::UnitX()) * Vec3(0, 0, -0.2 / std::sqrt(2)));
     const LmdShape b =
-        prepared(merged({transformed(box, {scene * up, place}, size),
-                         transformed(box, translation(-place.x(), -place.y(), -place.z()), 0.1)},
+        prepared(merged({transformed_complex(box, {scene * up, place}, size),
+                         transformed_complex(box, translation(-place.x(), -place.y(), -place.z()), 0.1)},
                         true),
                  1e-4);
-    const LmdShape a = prepared(transformed(box, {}, 0.2), 1e-4);
+    const LmdShape a = prepared(transformed_complex(box, {}, 0.2), 1e-4);
     const SE3 g{scene * down, place + scene * (top + Vec3(0, 0, away) - lowest)};
     const LmdOptions options{.threshold = 2 * away};
     const ContactSet found = find_contacts({&a, g, 0}, {&b, {}, 1}, options);

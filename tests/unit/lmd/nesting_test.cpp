@@ -125,8 +125,9 @@ TEST(Nesting, OfConvexShapesIsThatOfTheirHalfSpaces) {
   int inside = 0, outside = 0, crossing = 0;
   for (int i = 0; i < 800; ++i) {
     const double size = random.log_uniform(1e-6, 1e3);
-    const LmdShape a = shape_of(transformed(make_sphere(1, 1), {}, size), 0),
-                   b = shape_of(transformed(make_box(1, 2, 3), {}, size * random.log_uniform(0.05, 5)), 0);
+    const LmdShape a = shape_of(transformed_complex(make_sphere(1, 1), {}, size), 0),
+                   b = shape_of(
+                       transformed_complex(make_box(1, 2, 3), {}, size * random.log_uniform(0.05, 5)), 0);
     const SE3 g_a = random.pose(size), g_b = random.pose(size);
     const auto behind = [](const LmdShape& inner, const SE3& g_in, const LmdShape& outer, const SE3& g_out) {
       const SE3 g = inverse(g_out) * g_in;

@@ -288,7 +288,8 @@ TEST(Persistence, T_4_4_FindsTheSuccessorAcrossFeatures) {
 }
 // Turned by half as much again, a nearest successor may have a name of its own already, while an incident
 // contact comes up a few millimetres away in the same step and is matched with the old one: names come first,
-// then what has none (PER-4), and only then heirs (PER-6). Nothing is lost, and it is rare.
+// then what has none (PER-4), and only then heirs (PER-6). Nothing is lost, and it is rare; one in a hundred
+// is a guard.
 TEST(Persistence, T_4_4_GivesAnIncidentNewcomerWhatANearerOneWithANameMightHaveHad) {
   Successions all;
   follow(0, 10000, 0.009, all);
