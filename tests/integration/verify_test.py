@@ -26,7 +26,7 @@ class Verify(DriverTest):
     def test_rows_say_what_holds(self):
         said = self.verify("--case", "A4.unequal_balls")
         self.assertIn("A4.unequal_balls: balls of 3, 2 and 1 kg", said)
-        self.assertRegex(said, r"\n  holds +at_once +\S+ <= 1e-12 m/s +worst speed, .*\(closed form; list\)\n")
+        self.assertRegex(said, r"\n  holds +at_once +\S+ <= 1e-12 m/s +worst speed, .*\(closed form; agreed\)\n")
         self.assertIn("\nverify: 2 rows hold, 0 fail, 0 are skipped\n", said)
 
     def test_json_has_them_in_the_order_of_the_list(self):

@@ -230,6 +230,7 @@ TEST(Joints, ThatCannotHoldAreRefusedAndNotOk) {
     EXPECT_NE(later.reason.find("joints are off by 0.0005"), std::string::npos) << later.reason;
     EXPECT_TRUE(make_scheme(scheme, model, {.step = {.joints = {.tolerance = 1e-2}}}).step(s, kInf).ok())
         << scheme;
+    if (scheme == "event_driven") continue;  // always projects
     s.h = 1e-3;
     const StepReport unjudged =
         make_scheme(scheme, model, {.step = {.joints = {.project = false}}}).step(s, kInf);
