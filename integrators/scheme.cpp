@@ -222,9 +222,10 @@ std::vector<SchemeVariant> scheme_variants() {
 }
 
 std::vector<std::string> unread_by(const std::string& scheme) {
+  static const std::vector<SettingValue> all = values_of(SchemeOptions{});
   std::vector<std::string> out;
   for (const std::string& path : entry(scheme).unread()) out.push_back("step." + path);
-  for (const SettingValue& value : values_of(SchemeOptions{})) {
+  for (const SettingValue& value : all) {
     const std::string of = value.path.substr(0, value.path.find('.'));
     if (of != "step" && of != scheme) out.push_back(value.path);
   }

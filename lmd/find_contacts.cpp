@@ -31,6 +31,12 @@ std::vector<FoundMinimum> without_duplicates(const RelativePair& pair,
     double x;
     int i;
   };
+  struct Rank {
+    int minus_dims;
+    LeafId a, b;
+    int k;  // in `along`
+    auto operator<=>(const Rank&) const = default;
+  };
   std::vector<Place> along;
   along.reserve(found.size());
   const Vec3 skew(0.48, 0.6, 0.64);  // unit; along an axis many places of parts made by CAD are as far
@@ -42,33 +48,32 @@ std::vector<FoundMinimum> without_duplicates(const RelativePair& pair,
     const LocalMinimum &m = found[i].minimum, &n = found[j].minimum;
     return (m.x_a - n.x_a).norm() <= near && (m.x_b - n.x_b).norm() <= near;
   };
-  std::vector<char> company(found.size(), 0), dropped(found.size(), 0);
-  std::vector<int> shared;  // in `along`, of those that are not alone at theirs
+  enum Fate : char { alone, shares, goes };
+  std::vector<Fate> fate(found.size(), alone);
+  std::vector<Rank> shared;
+  shared.reserve(found.size());
   for (int k = 0; k < count; ++k) {
     const auto [x, i] = along[k];
     for (int l = k + 1; l < count && along[l].x - x <= near; ++l) {
       const int j = along[l].i;
-      if (!(company[i] && company[j]) && at_one_place(i, j)) company[i] = company[j] = 1;
+      if ((fate[i] == alone || fate[j] == alone) && at_one_place(i, j)) fate[i] = fate[j] = shares;
     }
-    if (company[i]) shared.push_back(k);
+    if (fate[i] == shares) shared.push_back({-(found[i].a.dim + found[i].b.dim), found[i].a, found[i].b, k});
   }
-  std::ranges::sort(shared, {}, [&](int k) {
-    const FoundMinimum& f = found[along[k].i];
-    return std::tuple(-(f.a.dim + f.b.dim), f.a, f.b);
-  });
-  for (const int k : shared) {  // what would stay instead of it, and stays itself, has dropped it already
-    const auto [x, i] = along[k];
-    if (dropped[i]) continue;
+  std::ranges::sort(shared);
+  for (const Rank& rank : shared) {
+    const auto [x, i] = along[rank.k];
+    if (fate[i] == goes) continue;  // what stays instead of it has said so
     for (const int step : {-1, 1})
-      for (int l = k + step; l >= 0 && l < count && std::abs(along[l].x - x) <= near; l += step) {
+      for (int l = rank.k + step; l >= 0 && l < count && std::abs(along[l].x - x) <= near; l += step) {
         const int j = along[l].i;
-        if (company[j] && !dropped[j]) dropped[j] = at_one_place(i, j);
+        if (fate[j] == shares && at_one_place(i, j)) fate[j] = goes;
       }
   }
   std::vector<FoundMinimum> kept;
   kept.reserve(found.size());
   for (std::size_t i = 0; i < found.size(); ++i)
-    if (!dropped[i]) kept.push_back(found[i]);
+    if (fate[i] != goes) kept.push_back(found[i]);
   return kept;
 }
 

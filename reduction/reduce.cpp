@@ -44,15 +44,15 @@ void check(const ReductionInput& input) {
   for (const auto& [field, size] : {std::pair{"kept_before", input.kept_before.size()},
                                     {"impulse", input.impulse.size()},
                                     {"mu", input.mu.size()}})
-    require(size == 0 || size == points.size(), std::string("ReductionInput::") + field + ": " +
-                                                    std::to_string(size) + " entries for " +
-                                                    std::to_string(points.size()) + " contacts");
+    if (size != 0 && size != points.size())
+      throw std::invalid_argument(std::string("ReductionInput::") + field + ": " + std::to_string(size) +
+                                  " entries for " + std::to_string(points.size()) + " contacts");
   if (input.g.empty()) return;
   for (const ContactPoint& c : points)
     for (const BodyId body : {c.a.body, c.b.body})
-      require(body && body.index() < int(input.g.size()),
-              "ReductionInput::g: " + std::to_string(input.g.size()) + " poses for a contact of body " +
-                  to_string(body));
+      if (!body || body.index() >= int(input.g.size()))
+        throw std::invalid_argument("ReductionInput::g: " + std::to_string(input.g.size()) +
+                                    " poses for a contact of body " + to_string(body));
 }
 
 std::vector<int> at(std::span<const int> members, const std::vector<int>& chosen) {

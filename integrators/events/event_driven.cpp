@@ -294,7 +294,8 @@ std::vector<std::string> EventDriven::unread() {
       "correction_speed", "touching",          "joints.stabilisation", "joints.project",
       "solver.tolerance", "advancement.min_h", "advancement.growth",   "advancement.max_attempts",
       "update",           "keep_problem"};
-  for (const SettingValue& one : values_of(StepOptions{}))  // all contacts count, and none is matched
+  static const std::vector<SettingValue> all = values_of(StepOptions{});
+  for (const SettingValue& one : all)  // all contacts count, and none is matched
     if (one.path.starts_with("reduction.") || one.path.starts_with("persistence.")) out.push_back(one.path);
   return out;
 }
