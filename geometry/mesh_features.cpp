@@ -45,7 +45,7 @@ Vec3 face_normal(const SimplicialComplex& k, int t) {
   return direction(k, a, b).cross(direction(k, a, c)).stableNormalized();
 }
 
-void weld_mesh_file(const SimplicialComplex& mesh, MeshFeatures& out) {
+void weld(const SimplicialComplex& mesh, MeshFeatures& out) {
   out.vertex_of = first_at_same_place(mesh.vertices);
   std::vector<int> place(mesh.vertices.size(), -1);
   std::vector<Vec3> vertices;
@@ -289,7 +289,7 @@ MeshFeatures find_mesh_features(const SimplicialComplex& mesh, const MeshFeature
         require_field(false, field.c_str(), x, "be finite");
       }
   MeshFeatures f;
-  weld_mesh_file(mesh, f);
+  weld(mesh, f);
   const std::size_t edges = f.complex.edges.size(), vertices = f.complex.vertices.size();
   f.edge_class.resize(edges);
   f.edge_bend.assign(edges, 0);

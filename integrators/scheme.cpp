@@ -21,7 +21,6 @@ struct Entry {
   std::vector<SchemeOptions> (*variants)() = nullptr;
 };
 
-// What a comparison sets for all schemes: event_driven has a tolerance of its own.
 template <class S>
 StepOptions step_of(StepOptions step) {
   if constexpr (std::is_same_v<S, EventDriven>) step.solver.tolerance = SolverOptions{}.tolerance;

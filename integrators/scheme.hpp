@@ -66,7 +66,8 @@ std::vector<std::string> unread_by(const std::string& scheme);
 std::vector<SchemeVariant> scheme_variants();
 
 /// All throw std::invalid_argument for an unknown name, listing the known ones; make_scheme also for bad
-/// options and models. The model must outlive the scheme.
+/// options and models. It ignores "step.solver.tolerance" for event_driven, which has one of its own: a
+/// comparison sets it for all schemes. The model must outlive the scheme.
 SchemeTraits scheme_traits(const std::string& name, const SchemeOptions& options);
 Scheme make_scheme(const std::string& name, const Model& model, const SchemeOptions& options);
 Scheme make_scheme(const std::string& name, Model&& model, const SchemeOptions& options) = delete;

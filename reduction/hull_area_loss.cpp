@@ -14,7 +14,7 @@ double triangle(const Vec2& a, const Vec2& b, const Vec2& c) {
   return cross(b - a, c - a) / 2;
 }
 
-std::vector<int> ordered_pair(std::vector<int> members) {
+std::vector<int> in_order(std::vector<int> members) {
   std::sort(members.begin(), members.end());
   return members;
 }
@@ -24,7 +24,7 @@ std::vector<int> ordered_pair(std::vector<int> members) {
 // For every diagonal the farthest corner on either side; both move on as the diagonal turns.
 std::vector<int> largest_quadrilateral(const PlanarPatch& patch) {
   const std::size_t h = patch.hull.size();
-  if (h <= 4) return ordered_pair(patch.hull);
+  if (h <= 4) return in_order(patch.hull);
   const auto at = [&](std::size_t i) -> const Vec2& { return patch.x[patch.hull[i % h]]; };
   double largest = -1;
   std::size_t best[4] = {0, 0, 0, 0};
@@ -45,7 +45,7 @@ std::vector<int> largest_quadrilateral(const PlanarPatch& patch) {
   }
   std::vector<int> out;
   for (const std::size_t i : best) out.push_back(patch.hull[i % h]);
-  return ordered_pair(out);
+  return in_order(out);
 }
 
 std::vector<int> least_area_removed(const PlanarPatch& patch, int corners) {
@@ -76,7 +76,7 @@ std::vector<int> least_area_removed(const PlanarPatch& patch, int corners) {
   std::vector<int> out;
   for (std::size_t i = 0; i < h; ++i)
     if (!removed[i]) out.push_back(patch.hull[i]);
-  return ordered_pair(out);
+  return in_order(out);
 }
 
 std::vector<int> hull_area_loss(const PlanarPatch& patch, int corners) {

@@ -36,27 +36,14 @@ ExitCode list() {
 }
 
 std::vector<Gauge> gauges_of(const Model& model) {
-  std::vector<Gauge> out = gauges({"step",
-                                   "t",
-                                   "h",
-                                   "contacts",
-                                   "min_gap",
-                                   "kinetic",
-                                   "gravity",
-                                   "laws",
-                                   "residual",
-                                   "worst_island",
-                                   "energy_residual",
-                                   "impulse_gain",
-                                   "joint_drift",
-                                   "joint_drift_angle",
-                                   "displacement",
-                                   "total:max_contacts",
-                                   "total:solver_failures",
-                                   "total:energy_residual",
-                                   "total:energy_rises",
-                                   "total:impulse_gain"});
-  std::ranges::move(model_gauges(model), std::back_inserter(out));
+  std::vector<Gauge> out = gauges({"step", "t", "h", "contacts", "min_gap", "kinetic", "gravity", "laws",
+                                   "residual", "worst_island", "energy_residual", "impulse_gain",
+                                   "joint_drift", "joint_drift_angle", "displacement"});
+  const std::vector<Gauge> totals =
+      gauges({"total:max_contacts", "total:solver_failures", "total:energy_residual", "total:energy_rises",
+              "total:impulse_gain"});
+  for (const std::vector<Gauge>& more : {totals, model_gauges(model)})
+    out.insert(out.end(), more.begin(), more.end());
   return out;
 }
 

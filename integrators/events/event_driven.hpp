@@ -61,9 +61,8 @@ class EventDriven {
   /// the report says moved(). Throws for arguments that do not fit (check_fits), not for numerical trouble.
   [[nodiscard]] StepReport step(State& state, double h_limit = kInf) const;
 
-  /// Options of a step that the scheme does not read. They are refused if they are set, all but
-  /// "solver.tolerance": a comparison sets it for all schemes, and here EventDrivenOptions::tolerance stands
-  /// for it. Drivers refuse its flag.
+  /// Options of a step that the scheme does not read; they are refused if they are set. Joints are always
+  /// projected, and EventDrivenOptions::tolerance stands for "solver.tolerance".
   static std::vector<std::string> unread();
 
  private:
