@@ -18,6 +18,9 @@ namespace aussois {
 inline void require(bool condition, const std::string& text) {
   if (!condition) throw std::invalid_argument(text);
 }
+inline void require(bool condition, const char* text) {  // costs nothing where it holds
+  if (!condition) throw std::invalid_argument(text);
+}
 
 /// Throws std::invalid_argument "field = value must ..." unless `condition` holds; `bound` names the bound.
 template <class Value>

@@ -105,7 +105,7 @@ RepairedMesh repair_mesh(const SimplicialComplex& complex, const RepairOptions& 
   SimplicialComplex mended = std::move(distinct.complex);
   for (int round = 0; round < kRounds; ++round) {
     FlippedComplex flips = flip_slivers(mended, report.tolerance);
-    Split splits = split_t_junctions(flips.complex, report.tolerance);
+    SplitComplex splits = split_t_junctions(flips.complex, report.tolerance);
     append(report.flipped_slivers, flips.flipped);
     append(report.dropped_slivers, flips.dropped);
     append(report.split_edges, splits.inserted);

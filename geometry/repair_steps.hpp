@@ -35,13 +35,13 @@ struct FlippedComplex {
 /// Flips the longest edge of every triangle no higher than `tolerance` into its neighbour (CPX-8), (CPX-9).
 FlippedComplex flip_slivers(const SimplicialComplex& complex, double tolerance);
 
-struct Split {
+struct SplitComplex {
   SimplicialComplex complex{};
   RepairStep inserted{};
 };
 /// Inserts vertices into open edges that they lie on to within `tolerance`, where this makes edges meet
 /// (CPX-10), (CPX-11).
-Split split_t_junctions(const SimplicialComplex& complex, double tolerance);
+SplitComplex split_t_junctions(const SimplicialComplex& complex, double tolerance);
 
 struct OrientedComplex {
   SimplicialComplex complex{};

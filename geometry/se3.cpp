@@ -26,10 +26,6 @@ SE3 operator*(const SE3& a, const SE3& b) {
   return {(a.R * b.R).normalized(), a * b.p};
 }
 
-Vec3 operator*(const SE3& g, const Vec3& point) {
-  return g.R * point + g.p;
-}
-
 SE3 inverse(const SE3& g) {
   const Quat R = g.R.conjugate();
   return {R, -(R * g.p)};

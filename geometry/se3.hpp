@@ -11,8 +11,10 @@ struct SE3 {
   Vec3 p = Vec3::Zero();      // [m]
 };
 
-SE3 operator*(const SE3& a, const SE3& b);        // first b, then a; the quaternion is renormalised
-Vec3 operator*(const SE3& g, const Vec3& point);  // R point + p
+SE3 operator*(const SE3& a, const SE3& b);  // first b, then a; the quaternion is renormalised
+inline Vec3 operator*(const SE3& g, const Vec3& point) {
+  return g.R * point + g.p;
+}
 SE3 inverse(const SE3& g);
 SE3 translation(double x, double y, double z);
 SE3 rotation(const Vec3& axis, double angle);  // [rad]; axis finite, not zero, need not be unit

@@ -111,7 +111,7 @@ class Choice {
   ~Choice() = default;
 };
 
-/// Is shown the options of a struct, one after the other, by the struct's describe().
+/// Visits the options of a struct, one after the other, in the struct's describe().
 class SettingVisitor {
  public:
   /// The options that follow are members of this struct.

@@ -186,8 +186,8 @@ void drop_ambiguous(const SimplicialComplex& complex, std::vector<OnEdge>& on) {
 
 }  // namespace
 
-Split split_t_junctions(const SimplicialComplex& complex, double tolerance) {
-  Split out;
+SplitComplex split_t_junctions(const SimplicialComplex& complex, double tolerance) {
+  SplitComplex out;
   const std::vector<int> open = open_edges(complex);
   std::vector<OnEdge> on = meeting(complex, open, candidates(complex, open, tolerance));
   drop_ambiguous(complex, on);

@@ -56,7 +56,7 @@ double landing_order(NormalLaw law, double theta, bool stops_first) {
   return law == NormalLaw::moreau && (theta == 1 || stops_first) ? 0.5 : 1;
 }
 
-bool speaks_of_the_mean(const MoreauJeanOptions& o) {
+bool refers_to_the_mean(const MoreauJeanOptions& o) {
   return o.theta == 0.5 && o.contacts == ContactsAt::midpoint && o.law == NormalLaw::gap_over_step &&
          o.gamma == 0.5;
 }
@@ -66,7 +66,7 @@ SchemeTraits moreau_jean_traits(const SchemeOptions& options) {
   const MoreauJeanOptions& o = options.moreau_jean;
   return {.nonsmooth = 1,
           .smooth = o.theta == 0.5 ? 2.0 : 1.0,
-          .rolling = speaks_of_the_mean(o) ? 2.0 : 1.0,
+          .rolling = refers_to_the_mean(o) ? 2.0 : 1.0,
           .landing = landing_order(o.law, o.theta, o.impact.order == ImpactOrder::sequential),
           .restitution = o.law != NormalLaw::gap_over_step || o.gamma < 1,
           .pairwise = o.impact.order == ImpactOrder::sequential};

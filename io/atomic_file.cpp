@@ -54,7 +54,7 @@ void sync_to_disk(const std::filesystem::path& path) {
   if (!synced) fail(path, "cannot be flushed to disk: " + why);
 }
 
-void publish(const std::filesystem::path& complete, const std::filesystem::path& path) {
+void publish_file(const std::filesystem::path& complete, const std::filesystem::path& path) {
   sync_to_disk(complete);
   std::error_code failed;
   std::filesystem::rename(complete, path, failed);
@@ -67,7 +67,7 @@ void write_atomically(const std::filesystem::path& path,
   const std::filesystem::path temporary = unique_name(path);
   try {
     write(temporary);
-    publish(temporary, path);
+    publish_file(temporary, path);
   } catch (...) {
     std::error_code ignored;
     std::filesystem::remove(temporary, ignored);

@@ -27,7 +27,7 @@ std::filesystem::path growing_name(const std::filesystem::path& path);
 
 /// Syncs the complete file to the disk, renames it to `path`, replacing what was there, and syncs the new
 /// name to the disk. Throws std::runtime_error naming both.
-void publish(const std::filesystem::path& complete, const std::filesystem::path& path);
+void publish_file(const std::filesystem::path& complete, const std::filesystem::path& path);
 
 /// Syncs what was written to a file to the disk. Throws std::runtime_error with path and reason.
 void sync_to_disk(const std::filesystem::path& path);

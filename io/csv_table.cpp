@@ -100,7 +100,7 @@ void CsvTable::flush() {
 void CsvTable::close() {
   if (!file_) return;
   if (std::fclose(file_.release()) != 0) throw std::runtime_error(path_.string() + ": cannot be written");
-  publish(growing_name(path_), path_);
+  publish_file(growing_name(path_), path_);
   lock_ = {};
 }
 

@@ -518,7 +518,7 @@ void RunWriter::close() {
   impl_->write_pending();
   impl_->columns.clear();  // datasets first: an open one keeps the file open
   impl_->file = Hdf5Id();
-  publish(growing_name(impl_->path), impl_->path);
+  publish_file(growing_name(impl_->path), impl_->path);
 }
 
 std::size_t RunWriter::rows() const {

@@ -96,7 +96,7 @@ struct RunStep {
   std::vector<RunJoint> joints{};
   std::vector<RunContact> contacts{};
 
-  int status = 0;  // 0 ok, 1 refused, 2 not finite
+  int status = 0;  // 0 ok, 1 refused, 2 not finite, 3 not solved
   double h = 0;    // length of the step [s]
   int attempts = 0, contacts_found = 0, contacts_kept = 0, contacts_matched = 0, certificate_rounds = 0;
   // Of the contacts found: recognised by their features, by incident features, by their place, or new.

@@ -39,7 +39,7 @@ void add(const MatchCounts& counts, MatchTotals& out) {
   out.inherited += counts.inherited;
 }
 
-void add(const StepReport& report, Uncertified& out) {
+void add(const StepReport& report, UncertifiedPairs& out) {
   out.passing_pairs = std::max(out.passing_pairs, std::int64_t(report.passing_pairs));
   if (report.driven_overlaps.empty()) return;
   if (out.driven_overlaps++ == 0) out.driven_t = report.t - report.h;

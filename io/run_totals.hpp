@@ -18,7 +18,7 @@ struct MatchTotals {
 };
 
 /// What the certificates of a run do not cover.
-struct Uncertified {
+struct UncertifiedPairs {
   std::int64_t passing_pairs = 0;    // most in one step (StepReport::passing_pairs)
   std::int64_t driven_overlaps = 0;  // number of steps with any (StepReport::driven_overlaps)
   double driven_t = kInf;            // start of the first of them [s]
@@ -28,7 +28,7 @@ struct RunTotals {
   MatchTotals matches{};
   EnergyGain gain{};
   PathAudit audit{};
-  Uncertified uncertified{};
+  UncertifiedPairs uncertified{};
 };
 
 /// The totals of a run that begins at `start`; `samples`: PathAudit::samples.

@@ -8,7 +8,7 @@
 
 namespace aussois {
 
-bool all_but_touch(const LmdShape& a, const LmdShape& b, double distance) {
+bool bases_all_but_touch(const LmdShape& a, const LmdShape& b, double distance) {
   return distance < 1e-3 * (a.radius + b.radius);
 }
 
@@ -19,12 +19,12 @@ double gap_beyond_distance(const PosedShape& a, const PosedShape& b, double dist
 }
 
 bool is_covered(const PosedShape& a, const PosedShape& b, double distance, int threads) {
-  return all_but_touch(*a.shape, *b.shape, distance) ||
+  return bases_all_but_touch(*a.shape, *b.shape, distance) ||
          std::abs(gap_beyond_distance(a, b, distance, threads)) <= coverage_tolerance(*a.shape, *b.shape);
 }
 
 bool is_covered_by(double smallest_gap, const LmdShape& a, const LmdShape& b, double distance) {
-  return all_but_touch(a, b, distance) ||
+  return bases_all_but_touch(a, b, distance) ||
          std::abs(smallest_gap - (distance - a.radius - b.radius)) <= coverage_tolerance(a, b);
 }
 

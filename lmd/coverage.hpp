@@ -13,7 +13,7 @@ namespace aussois {
 double gap_beyond_distance(const PosedShape& a, const PosedShape& b, double distance, int threads = 1);
 
 /// Bases that all but touch have no direction, hence no contact; (LMD-14) says nothing of them.
-bool all_but_touch(const LmdShape& a, const LmdShape& b, double distance);
+bool bases_all_but_touch(const LmdShape& a, const LmdShape& b, double distance);
 
 /// Whether (LMD-14) holds at one pose; also true for bases that all but touch.
 bool is_covered(const PosedShape& a, const PosedShape& b, double distance, int threads = 1);

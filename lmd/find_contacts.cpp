@@ -21,6 +21,7 @@ constexpr double kRoomOfBounds = 1.2;  // of their threshold and angles
 // candidates stay few, and boxes that slide would be searched in each step.
 constexpr std::size_t kFewLeafPairs = 1024;
 constexpr double kPartOfSize = 1.0 / 16;
+constexpr std::size_t kOftenFound = 64;  // minima, with duplicates: flush faces of two boxes
 
 // Inclusive tests can only find a minimum twice. Of those at one place the highest dimensions stay, then the
 // smallest ids: what stays is a function of the pose alone. Each that goes has one that stays at its place
@@ -54,10 +55,13 @@ std::vector<FoundMinimum> without_duplicates(const RelativePair& pair,
   shared.reserve(found.size());
   for (int k = 0; k < count; ++k) {
     const auto [x, i] = along[k];
-    for (int l = k + 1; l < count && along[l].x - x <= near; ++l) {
-      const int j = along[l].i;
-      if ((fate[i] == alone || fate[j] == alone) && at_one_place(i, j)) fate[i] = fate[j] = shares;
-    }
+    for (const int step : {1, -1})
+      for (int l = k + step; fate[i] == alone && l >= 0 && l < count && std::abs(along[l].x - x) <= near;
+           l += step)
+        if (at_one_place(i, along[l].i)) fate[i] = fate[along[l].i] = shares;
+  }
+  for (int k = 0; k < count; ++k) {
+    const int i = along[k].i;
     if (fate[i] == shares) shared.push_back({-(found[i].a.dim + found[i].b.dim), found[i].a, found[i].b, k});
   }
   std::ranges::sort(shared);
@@ -189,15 +193,31 @@ MotionWindow moved_since(const SE3& before, const SE3& now, const LmdShape& a, c
   return {displacement, rotation};
 }
 
-ContactSet contacts_among(std::span<const LeafPair> leaves, const PosedShape& a, const PosedShape& b,
+// Assembles the leaves of B once for all queries of the candidates.
+void keep_leaves_of_b(Candidates& candidates) {
+  std::vector<LeafId> ids;
+  ids.reserve(candidates.pairs.size());
+  for (const LeafPair& pair : candidates.pairs) ids.push_back(pair.second);
+  std::ranges::sort(ids);
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  candidates.leaves_b.reserve(ids.size());
+  for (const LeafId id : ids) candidates.leaves_b.push_back(leaf_of(*candidates.b, id));
+  candidates.leaf_b.reserve(candidates.pairs.size());
+  for (const LeafPair& pair : candidates.pairs)
+    candidates.leaf_b.push_back(int(std::ranges::lower_bound(ids, pair.second) - ids.begin()));
+}
+
+ContactSet contacts_among(const Candidates& among, const PosedShape& a, const PosedShape& b,
                           const LmdOptions& options) {
   const RelativePair pair = relative_pair(a, b, options);
   std::vector<FoundMinimum> found;
+  found.reserve(std::min(among.pairs.size(), kOftenFound));
   Leaf leaf_a;
-  for (std::size_t i = 0; i < leaves.size(); ++i) {
-    const auto& [id_a, id_b] = leaves[i];
-    if (i == 0 || id_a != leaves[i - 1].first) leaf_a = leaf_of(*a.shape, id_a);
-    const auto minimum = test_minimum(leaf_a, leaf_of(*b.shape, id_b), pair.R, pair.t, pair.criteria);
+  for (std::size_t i = 0; i < among.pairs.size(); ++i) {
+    const auto& [id_a, id_b] = among.pairs[i];
+    if (i == 0 || id_a != among.pairs[i - 1].first) leaf_a = leaf_of(*a.shape, id_a);
+    const Leaf& leaf_b = among.leaves_b[among.leaf_b[i]];
+    const auto minimum = test_minimum(leaf_a, leaf_b, pair.R, pair.t, pair.criteria);
     if (minimum) found.push_back({id_a, id_b, *minimum});
   }
   return to_contacts(a, b, pair, found);
@@ -273,7 +293,9 @@ Candidates find_candidates(const PosedShape& a, const PosedShape& b, const LmdOp
   SearchResult all = search_pair(pair, &window, options);
   if (statistics) *statistics = all.count;
   std::ranges::sort(all.candidates);
-  return {a.shape, b.shape, inverse(b.g_ws) * a.g_ws, window, options, std::move(all.candidates)};
+  Candidates out{a.shape, b.shape, inverse(b.g_ws) * a.g_ws, window, options, std::move(all.candidates)};
+  keep_leaves_of_b(out);
+  return out;
 }
 
 ContactSet find_contacts(const Candidates& candidates, const PosedShape& a, const PosedShape& b) {
@@ -284,7 +306,7 @@ ContactSet find_contacts(const Candidates& candidates, const PosedShape& a, cons
                 moved.rotation, "stay within the window [rad]");
   require_field(moved.displacement <= candidates.window.displacement + 1e-12 * size,
                 "displacement since the search", moved.displacement, "stay within the window [m]");
-  return contacts_among(candidates.pairs, a, b, candidates.options);
+  return contacts_among(candidates, a, b, candidates.options);
 }
 
 ContactSet find_contacts(const PosedShape& a, const PosedShape& b, const LmdOptions& options,
@@ -298,7 +320,7 @@ ContactSet find_contacts(const PosedShape& a, const PosedShape& b, const LmdOpti
   if (kept.a == a.shape && kept.b == b.shape && options.threshold <= kept.options.threshold &&
       options.alpha <= kept.options.alpha && options.alpha_ee <= kept.options.alpha_ee &&
       within(moved_since(kept.g_ba, g_ba, *a.shape, *b.shape), kept.window))
-    return contacts_among(kept.pairs, a, b, options);
+    return contacts_among(kept, a, b, options);
   const bool again = std::exchange(scratch.asked, true);
   const MotionWindow last = moved_since(std::exchange(scratch.g_ba, g_ba), g_ba, *a.shape, *b.shape);
   const MotionWindow window{kWindowOfSteps * last.displacement + options.threshold / 8,
@@ -312,7 +334,7 @@ ContactSet find_contacts(const PosedShape& a, const PosedShape& b, const LmdOpti
   more.alpha = std::min(0.5, kRoomOfBounds * options.alpha);
   more.alpha_ee = std::min(1.0, kRoomOfBounds * options.alpha_ee);
   kept = find_candidates(a, b, more, window);
-  return contacts_among(kept.pairs, a, b, options);
+  return contacts_among(kept, a, b, options);
 }
 
 ContactSet find_contacts_exhaustive(const PosedShape& a, const PosedShape& b, const LmdOptions& options) {

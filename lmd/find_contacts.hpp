@@ -19,6 +19,8 @@ struct Candidates {
   MotionWindow window{};
   LmdOptions options{};
   std::vector<LeafPair> pairs{};  // sorted
+  std::vector<Leaf> leaves_b{};   // those of B among them, each once
+  std::vector<int> leaf_b{};      // of every pair, in `leaves_b`
 };
 
 Candidates find_candidates(const PosedShape& a, const PosedShape& b, const LmdOptions& options,

@@ -12,7 +12,7 @@ namespace aussois {
 
 class SettingVisitor;
 
-/// Ranges: its table, and alpha_query is beyond alpha0.
+/// `describe` gives the ranges; alpha_query is beyond alpha0.
 struct GapFade {
   double alpha0 = 2 * kPi / 180;         // contacts inside this angle keep their gap [rad]
   double alpha_query = 2.5 * kPi / 180;  // LmdOptions::alpha of the query that found the contacts [rad]; the

@@ -67,8 +67,8 @@ std::vector<AxisImpulse> add_axis_forces(const Model& model, const State& state,
   return out;
 }
 
-std::vector<AxisImpulse> trapezoid(double h, std::vector<AxisImpulse> start,
-                                   const std::vector<AxisImpulse>& end) {
+std::vector<AxisImpulse> trapezoidal_impulses(double h, std::vector<AxisImpulse> start,
+                                              const std::vector<AxisImpulse>& end) {
   start.insert(start.end(), end.begin(), end.end());
   for (AxisImpulse& f : start) f.motor *= h / 2, f.spring *= h / 2;
   return start;

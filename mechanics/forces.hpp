@@ -28,8 +28,8 @@ std::vector<AxisImpulse> add_axis_forces(const Model& model, const State& state,
 /// Whether any joint axis of the model has a spring, a damper or an effort motor.
 bool has_axis_forces(const Model& model);
 /// Impulses over a step of length h, by the trapezoidal rule from the forces at its start and end.
-std::vector<AxisImpulse> trapezoid(double h, std::vector<AxisImpulse> start,
-                                   const std::vector<AxisImpulse>& end);
+std::vector<AxisImpulse> trapezoidal_impulses(double h, std::vector<AxisImpulse> start,
+                                              const std::vector<AxisImpulse>& end);
 
 /// The derivative of the torque omega x J omega with respect to omega, body frame.
 Mat3 gyroscopic_derivative(const Mat3& J, const Vec3& omega);

@@ -36,6 +36,10 @@ struct Layout {
   int coordinates = 0;   // first row of the coordinates
   int rows = 0;
 };
+/// The first row of a body, or -1 of the world and of one that is not dynamic.
+inline int first_row(const Layout& dofs, BodyId body) {
+  return body ? dofs.first[body] : -1;
+}
 Layout layout(const Model& model);
 /// The row of an entry of State::v, -1 if its body is not dynamic.
 int row_of(const Layout& dofs, Eigen::Index velocity);

@@ -32,7 +32,7 @@ State rest_state(const Model& model);
 /// quaternions (1e-6) and the memory is sorted by key, of bodies and features that the model has.
 void validate(const Model& model, const State& state);
 
-/// Of that, what every step checks: throws unless the model has all bodies and features of the memory.
+/// The part of it that every step checks: throws unless the model has all bodies and features of the memory.
 void validate(const Model& model, const ContactMemory& memory);
 
 SE3& pose(State& state, BodyId body);

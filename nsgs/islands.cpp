@@ -28,8 +28,8 @@ class Groups {
   int join_column(const SparseMatrix& A, Eigen::Index column) {
     int top = -1;
     for (SparseMatrix::InnerIterator it(A, column); it; ++it) {
-      if (it.value() == 0) continue;           // NaN is a coupling
       if (parent_[it.row()] == top) continue;  // as most are: columns resemble each other
+      if (it.value() == 0) continue;           // NaN is a coupling
       top = top < 0 ? root(int(it.row())) : join(top, int(it.row()));
     }
     return top;

@@ -134,6 +134,7 @@ enum class FrictionModel : std::uint8_t {
 /// De Saxce's modified velocity (LAW-4): u_N grows by mu |u_T| for every ball.
 template <int R>
 Rows<R> modified_velocity(const Law& law, Rows<R> u) {
+  if (law.kind == LawKind::unilateral) return u;
   if (R != 1 && law.kind == LawKind::coulomb) {  // the most frequent case, without a list of balls
     u[0] += law.mu * tangential_length<R>(law, u);
     return u;
@@ -143,18 +144,9 @@ Rows<R> modified_velocity(const Law& law, Rows<R> u) {
   return u;
 }
 
-/// The nearest impulse that the law allows (LAW-5).
+/// project() of the laws that are less frequent; not inlined, so that those below are.
 template <int R>
-Rows<R> project(const Law& law, Rows<R> r) {
-  if (R != 1 && law.kind == LawKind::coulomb) {
-    const double length = tangential_length<R>(law, r);
-    if (r[0] >= 0 && length <= law.mu * r[0]) return r;
-    const double normal = (r[0] + law.mu * length) / (1 + law.mu * law.mu);
-    if (normal <= 0) return Rows<R>::Zero(r.size());
-    r[0] = normal;
-    for (int i = 1; i < law.rows; ++i) r[i] *= law.mu * normal / length;
-    return r;
-  }
+[[gnu::noinline]] Rows<R> project_on_balls(const Law& law, Rows<R> r) {
   const Balls all = balls(law);
   if (!has_normal(law)) {
     for (const Ball& ball : all) {
@@ -193,6 +185,25 @@ Rows<R> project(const Law& law, Rows<R> r) {
     if (exceeded[g]) stretch_in<R>(ball, ball.mu * normal / length[g], r);
   }
   return r;
+}
+
+/// The nearest impulse that the law allows (LAW-5).
+template <int R>
+Rows<R> project(const Law& law, Rows<R> r) {
+  if (law.kind == LawKind::unilateral) {
+    r[0] = std::max(r[0], 0.0);
+    return r;
+  }
+  if (R != 1 && law.kind == LawKind::coulomb) {
+    const double length = tangential_length<R>(law, r);
+    if (r[0] >= 0 && length <= law.mu * r[0]) return r;
+    const double normal = (r[0] + law.mu * length) / (1 + law.mu * law.mu);
+    if (normal <= 0) return Rows<R>::Zero(r.size());
+    r[0] = normal;
+    for (int i = 1; i < law.rows; ++i) r[i] *= law.mu * normal / length;
+    return r;
+  }
+  return project_on_balls<R>(law, r);
 }
 
 /// (LAW-6): the normal part alone is made non-negative, then every ball is shortened to its radius. This is

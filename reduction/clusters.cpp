@@ -16,7 +16,11 @@ Clusters clusters_by_angle(const ContactSet& found, double angle) {
   const std::vector<std::span<int>> pairs = runs_of(std::span(order), of_one_pair);
   Clusters clusters;
   clusters.reserve(pairs.size());
-  for (const std::span<int> pair : pairs)
+  for (const std::span<int> pair : pairs) {
+    if (pair.size() == 1) {  // as of two balls
+      clusters.emplace_back(1, pair.front());
+      continue;
+    }
     for (auto seed = pair.begin(); seed != pair.end();) {
       const Vec3& n = normal(*seed);
       const auto rest =
@@ -24,6 +28,7 @@ Clusters clusters_by_angle(const ContactSet& found, double angle) {
       clusters.emplace_back(seed, rest);
       seed = rest;
     }
+  }
   return clusters;
 }
 

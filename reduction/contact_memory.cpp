@@ -29,9 +29,9 @@ std::vector<SE3> inverses(std::span<const SE3> g) {
 ContactMemory remember(const ContactSet& contacts, const std::vector<Vec3>& impulses,
                        const StepTrace& trace) {
   const auto check_size = [&](std::size_t size, bool may_be_empty, const char* what) {
-    require(size == contacts.points.size() || (may_be_empty && size == 0),
-            "remember: " + std::to_string(size) + " " + what + " for " +
-                std::to_string(contacts.points.size()) + " contacts");
+    if (size == contacts.points.size() || (may_be_empty && size == 0)) return;
+    require(false, "remember: " + std::to_string(size) + " " + what + " for " +
+                       std::to_string(contacts.points.size()) + " contacts");
   };
   check_size(impulses.size(), false, "impulses");
   check_size(trace.drilling.size(), true, "drilling impulses");

@@ -27,7 +27,7 @@ void validate(const LearnedSelector& selector) {
   require_field(selector.keep >= 1, "LearnedSelector::keep", selector.keep, "be at least 1");
 }
 
-bool on_a_line(const Vec3& a, const Vec3& b, const Vec3& c) {
+bool are_collinear(const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 x = b - a, y = c - a;
   const double longest = std::max({x.squaredNorm(), y.squaredNorm(), (c - b).squaredNorm()});
   return x.cross(y).norm() <= kFlat * longest;
@@ -42,7 +42,7 @@ std::vector<int> chosen_places(const VecX& probability, const std::vector<Vec3>&
   for (const int i : order) {
     if (int(chosen.size()) == keep) break;
     const auto at = [&](std::size_t k) { return places[chosen[k]]; };
-    if (chosen.size() == 2 && on_a_line(at(0), at(1), places[i])) continue;
+    if (chosen.size() == 2 && are_collinear(at(0), at(1), places[i])) continue;
     chosen.push_back(i);
   }
   return chosen;

@@ -19,7 +19,7 @@ struct LearnedSelector {
 void validate(const LearnedSelector& selector);
 
 /// True if the triangle of the three points is no higher than 1e-6 of its longest side.
-bool on_a_line(const Vec3& a, const Vec3& b, const Vec3& c);
+bool are_collinear(const Vec3& a, const Vec3& b, const Vec3& c);
 
 /// The `keep` most probable places, the most probable first, ties by index; the third is the next one that is
 /// not in line with the first two. Fewer if there are no more.

@@ -124,13 +124,10 @@ std::vector<Vec3> redistribute(const ContactSet& contacts, const Selection& sele
   std::vector<std::vector<int>> kept(selection.cluster_count), dropped = kept;
   std::vector<char> is_kept(n, 0);
   for (const int i : selection.kept) is_kept[i] = 1;
-  for (int i = 0; i < int(n); ++i) {
-    const auto cluster = std::size_t(selection.cluster[i]);
-    if (is_kept[i])
-      kept[cluster].push_back(i);
-    else if (!impulse[i].isZero(0))
-      dropped[cluster].push_back(i);
-  }
+  for (int i = 0; i < int(n); ++i)
+    if (!is_kept[i] && !impulse[i].isZero(0)) dropped[selection.cluster[i]].push_back(i);
+  for (int i = 0; i < int(n); ++i)
+    if (is_kept[i] && !dropped[selection.cluster[i]].empty()) kept[selection.cluster[i]].push_back(i);
   for (std::size_t c = 0; c < kept.size(); ++c)
     if (!dropped[c].empty() && !kept[c].empty()) share(contacts, kept[c], dropped[c], impulse, mu, start);
   return start;

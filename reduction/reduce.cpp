@@ -308,12 +308,13 @@ void validate(const ReductionOptions& options) {
   check_ranges(options);
   require_field(options.hull_margin.max_corners >= options.hull_margin.min_corners, "HullMargin::max_corners",
                 options.hull_margin.max_corners, "be at least min_corners");
-  require(!options.paper_exact || options.reducer == Reducer::extreme_points,
-          "ReductionOptions::paper_exact is a choice of reducer extreme_points, not of " +
-              std::string(to_string(options.reducer)));
-  require((options.reducer == Reducer::selector) == bool(options.selector),
-          std::string("ReductionOptions::selector must be ") + (options.selector ? "empty" : "given") +
-              " with reducer " + to_string(options.reducer));
+  if (options.paper_exact && options.reducer != Reducer::extreme_points)
+    require(false, "ReductionOptions::paper_exact is a choice of reducer extreme_points, not of " +
+                       std::string(to_string(options.reducer)));
+  if ((options.reducer == Reducer::selector) != bool(options.selector))
+    require(false, std::string("ReductionOptions::selector must be ") +
+                       (options.selector ? "empty" : "given") + " with reducer " +
+                       to_string(options.reducer));
 }
 
 Selection reduce(const ReductionInput& input, const ReductionOptions& options) {

@@ -8,6 +8,7 @@
 
 #include "examples/common/progress.hpp"
 #include "examples/common/run_watch.hpp"
+#include "geometry/check.hpp"
 #include "geometry/number_text.hpp"
 #include "io/build_info.hpp"
 #include "io/replay_html.hpp"
@@ -40,6 +41,18 @@ void check(const Cli& cli, const RunFlags& flags) {
 }
 
 namespace {
+
+// A plastic law would drop it without a word.
+void refuse_unread_restitution(const Model& model, const std::string& scheme, const SchemeOptions& options) {
+  if (scheme_traits(scheme, options).restitution) return;
+  const std::string bound = "be 0 with " + label(scheme, options) + ", which is plastic";
+  for (const ContactLaw& law : contact_laws(model))
+    require_field(law.restitution == 0, "ContactLaw::restitution", law.restitution, bound.c_str());
+  for (const Joint& joint : model.joints)
+    for (const JointAxis& axis : joint.axis)
+      require_field(axis.restitution == 0, ("joint " + joint.name + ": restitution").c_str(),
+                    axis.restitution, bound.c_str());
+}
 
 SchemeOptions options_of(const RunPlan& plan, const RunFlags& flags) {
   SchemeOptions out = plan.options ? *plan.options : scheme_options(flags.scheme);
@@ -88,6 +101,7 @@ void write_page(const Model& model, const std::filesystem::path& folder) {
 DrivenRun drive(const Model& model, const State& start, RunPlan plan, const RunFlags& flags) {
   const SchemeOptions chosen = options_of(plan, flags);
   const Scheme scheme = make_scheme(flags.scheme.scheme, model, chosen);
+  refuse_unread_restitution(model, flags.scheme.scheme, chosen);
   const std::string name = label(flags.scheme.scheme, chosen);
   const std::vector<std::string> options = settings_text(chosen);
   make_folders(flags.common);
@@ -145,7 +159,7 @@ bool print_findings(const RunTotals& totals, const Model& model) {
   if (energy_rises(gain))
     std::fprintf(stderr, "energy rose by %.3g J without a source, %.2g of the largest kinetic energy\n",
                  gain.largest, gain.largest / gain.kinetic);
-  const Uncertified& un = totals.uncertified;
+  const UncertifiedPairs& un = totals.uncertified;
   if (un.driven_overlaps > 0)
     std::fprintf(stderr, "moved and fixed bodies overlapped in %s, first in the step from t = %.6g s\n",
                  counted_noun(un.driven_overlaps, "step").c_str(), un.driven_t);

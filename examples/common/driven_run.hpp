@@ -26,7 +26,7 @@ void add_run_options(Cli& cli, RunFlags& flags);
 std::string scene_text(const Cli& cli, const std::string& content = {},
                        const std::vector<std::string>& paths = {});
 
-/// Throws what refuse_unread does, and for what belongs to no step of the chosen scheme.
+/// Throws what refuse_unread_flags does, and for what belongs to no step of the chosen scheme.
 void check(const Cli& cli, const RunFlags& flags);
 
 /// A run that is to be made.

@@ -321,8 +321,16 @@ std::vector<std::string> Cli::given(const std::string& group) const {
   return out;
 }
 
+bool Cli::is_given(const std::string& flag) const {
+  return impl_->app.count(flag) > 0;
+}
+
 const std::string& Cli::name() const {
   return impl_->name;
+}
+
+void refuse_given(const Cli& cli, const std::vector<std::string>& flags, const std::string& what) {
+  for (const std::string& flag : flags) require(!cli.is_given(flag), flag + " needs " + what);
 }
 
 int run_driver(Cli& cli, int argc, const char* const* argv, const std::function<ExitCode()>& body) {

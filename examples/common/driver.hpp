@@ -44,7 +44,7 @@ struct NumericalFailure : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Of every --threads: more is a slip of the hand.
+/// The range of every --threads: a larger number is taken for a typing error.
 inline constexpr Range kThreads{1, 256};
 
 /// The options that mean the same in every driver.
@@ -61,6 +61,15 @@ struct CommonOptions {
 
 /// --scale: the length of one unit of a mesh file [m].
 inline constexpr Range kMeshScale{1e-12, 1e12};
+
+/// The range of every --time [s].
+inline constexpr Range kTime{0, 1e5};
+
+/// The same range from 0 on: 0 stands for a value that comes from elsewhere.
+inline Range or_zero(Range range) {
+  range.lowest = 0, range.open_below = false;
+  return range;
+}
 
 /// A row of an angle in radians, as a user says it.
 inline Setting in_degrees(Setting angle) {
@@ -128,6 +137,7 @@ class Cli {
   std::string values(const std::string& group = "") const;
   /// The options under a heading that the user said, in order.
   std::vector<std::string> given(const std::string& group) const;
+  bool is_given(const std::string& flag) const;
   std::string help() const;
   const std::string& name() const;
 
@@ -135,6 +145,9 @@ class Cli {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// Throws std::invalid_argument "--flag needs `what`" for the first of these flags that the user said.
+void refuse_given(const Cli& cli, const std::vector<std::string>& flags, const std::string& what);
 
 /// Parses, watches for SIGINT and SIGTERM, runs `body` and turns what it throws into an exit code and one
 /// line on stderr: std::invalid_argument 2, NumericalFailure 4, other std::runtime_error (ours are files) 3,

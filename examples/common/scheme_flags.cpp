@@ -104,6 +104,7 @@ void add_options(Cli& cli, SchemeFlags& f) {
 }
 
 void refuse_unread_flags(const Cli& cli, const SchemeFlags& f) {
+  if (f.selector.empty()) refuse_given(cli, {"--selector-body"}, "--selector");
   SaidSettings said;
   const std::vector<SchemeFlag> all = flags_of(f.options, said);
   for (const char* group : {"scheme", "solver"})

@@ -174,7 +174,7 @@ ExitCode conclude(const Arguments& a, const Results& results, std::size_t cells)
     if (!a.all && !a.tasks.quiet)
       std::printf("%s, %s\n%s", s.case_name.c_str(), s.scheme.c_str(), to_string(s).c_str());
     pictures = write_picture(a.tasks.out, s) && pictures;
-    ++count[verdict(s)];
+    ++count[order_verdict(s)];
     add(s.audit, audit);
   }
   if (!a.tasks.json.empty())

@@ -26,7 +26,7 @@ using namespace aussois;
 namespace {
 
 struct Arguments {
-  std::filesystem::path data{}, test{}, json{};
+  std::filesystem::path data{}, test{};
   int synthetic = 0;
   std::uint64_t seed = 1;
   double noise = 5e-4;
@@ -113,8 +113,7 @@ ExitCode finish(const Arguments& a, Summary& summary, const std::vector<Toss>& t
   const std::size_t i = shown(tosses, runs, a.replay);
   write_toss_replay(a.common.out, tosses[i], world, a.command_line);
   summary.set("replay", tosses[i].name);
-  for (const std::filesystem::path& file : {a.json, a.common.summary})
-    if (!file.empty()) write_summary(file, summary);
+  if (!a.common.summary.empty()) write_summary(a.common.summary, summary);
   std::printf("%s: per-toss table, histogram and %s.html\n", a.common.out.c_str(), tosses[i].name.c_str());
   return print_findings(audit) && failures == 0 ? ExitCode::ok : ExitCode::not_accepted;
 }
@@ -184,14 +183,14 @@ ExitCode fit_and_report(const Arguments& a, const std::vector<Toss>& tosses) {
 
 ExitCode run(Arguments& a) {
   require(a.data.empty() != (a.synthetic == 0), "give either --data or --synthetic");
-  require(a.fit || (!a.swap && !a.measure_board && a.test.empty()),
-          "--swap, --measure-board and --test need --fit");
   require(a.test.empty() || !a.swap,
           "--swap and --test cannot be combined: --test fits to all tosses of --data");
   a.world.scheme = a.scheme.scheme;
   a.world.options = scheme_options(a.scheme);
+  require(
+      scheme_traits(a.world.scheme, a.world.options).restitution || (!a.fit && a.world.law.restitution == 0),
+      label(a.world.scheme, a.world.options) + " is plastic: it needs --restitution 0, without --fit");
   make_folders(a.common);
-  if (a.json.has_parent_path()) std::filesystem::create_directories(a.json.parent_path());
   std::vector<Toss> tosses = a.synthetic > 0 ? synthetic_tosses(a) : read_scaled(a.data, a.scale);
   if (a.synthetic > 0)
     for (Toss& toss : tosses) toss = scaled_toss(std::move(toss), a.scale);
@@ -255,7 +254,7 @@ int main(int argc, char** argv) {
   cli.group("stepping");
   cli.option(setting_of<TossWorld>("substeps"), a.world.substeps);
   cli.group("results");
-  cli.option("--json", a.json, "write the key numbers to this JSON file");
+  cli.option("--json", a.common.summary, "the same as --summary");
   cli.option("--replay", a.replay,
              "toss to replay in the browser, such as toss_042; empty: the one of median loss");
   add_options(cli, a.scheme);
@@ -270,13 +269,14 @@ int main(int argc, char** argv) {
   return run_driver(cli, argc, argv, [&] {
     refuse_unread_flags(cli, a.scheme);
     check(a.watch.dump, a.scheme.scheme);
-    for (const std::string& flag : cli.given("world")) {
-      require(
-          !a.fit || a.synthetic > 0 || (flag != "--mu" && flag != "--restitution"),
-          flag +
-              " is identified by --fit; set the start of its search with --from-mu and --from-restitution");
-      require(a.fit || !flag.starts_with("--from-"), flag + " needs --fit");
-    }
+    if (a.synthetic == 0) refuse_given(cli, {"--seed", "--noise"}, "--synthetic");
+    if (!a.fit)
+      refuse_given(cli, {"--from-mu", "--from-restitution", "--swap", "--measure-board", "--test"}, "--fit");
+    for (const char* flag : {"--mu", "--restitution"})
+      require(!a.fit || a.synthetic > 0 || !cli.is_given(flag),
+              flag + std::string(" is identified by --fit; set the start of its search with --from-mu and "
+                                 "--from-restitution"));
+    require(!a.measure_board || !cli.is_given("--board"), "--board is what --measure-board finds");
     return run(a);
   });
 }

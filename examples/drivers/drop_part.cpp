@@ -119,7 +119,7 @@ int main(int argc, char** argv) {
   cli.option(setting_of<ContactLaw>("restitution"), a.law.restitution);
   cli.option("--dilation", a.dilation, "dilation of part and plate", "m", {1e-9, 1});
   cli.group("stepping");
-  cli.option("--time", a.time, "time to simulate", "s", {1e-6, 1e4});
+  cli.option("--time", a.time, "time to simulate", "s", {1e-6, kTime.highest});
   cli.option("--h", a.h, "largest step", "s", setting_of<StepOptions>("h").range);
   add_run_options(cli, a.run);
   cli.example("drop_part -o out", "a steel box; open out/replay.html");

@@ -187,13 +187,15 @@ int main(int argc, char** argv) {
   cli.option(setting_of<Arch>("scatter"), a.arch.scatter);
   cli.group("stepping");
   cli.option("--h", a.h, "largest step", "s", setting_of<StepOptions>("h").range);
-  cli.option("--time", a.time, "time to simulate; 0: the whole scene", "s", {0, 1e5});
+  cli.option("--time", a.time, "time to simulate; 0: the whole scene", "s", kTime);
   a.cli = &cli;
   add_run_options(cli, a.run);
   cli.example("peer_scene --mu 0.25", "an arch that slides apart");
   cli.example("peer_scene --thickness 0.1", "an arch that is too thin and folds over four hinges");
   return run_driver(cli, argc, argv, [&] {
     check(cli, a.run);
+    if (a.scene != "arch")
+      refuse_given(cli, {"--stones", "--mu", "--thickness", "--tilt", "--scatter"}, "--scene arch");
     return run(a);
   });
 }

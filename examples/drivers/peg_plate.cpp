@@ -70,7 +70,7 @@ void generate(const Job& job, bool quiet) {
   int done = 0;
   parallel_for(cases, job.options.threads, [&](int i) {
     const std::filesystem::path file = samples_file(job.folder, i);
-    if (!interrupted() && !std::filesystem::exists(file)) write_samples(file, run_case(job.options, i));
+    if (!interrupted() && !std::filesystem::exists(file)) write_samples(file, peg_samples(job.options, i));
     const std::lock_guard lock(mutex);
     progress.at(++done);
   });

@@ -28,7 +28,7 @@ using namespace aussois;
 namespace {
 
 struct Arguments {
-  std::filesystem::path mesh{}, json{};
+  std::filesystem::path mesh{};
   std::string builtin = "box", fallback = "refuse";
   double scale = 1e-3, alpha = LmdOptions{}.alpha * 180 / kPi;
   ErosionOptions erosion{.depth = 2e-4};
@@ -208,8 +208,7 @@ ExitCode prepare_part(const Arguments& a) {
   picture.build = build_info();
   picture.facts = report.facts;
   write_part_html(a.common.out / "part.html", picture);
-  for (const auto& file : {a.json, a.common.summary})
-    if (!file.empty()) write_summary(file, report.summary);
+  if (!a.common.summary.empty()) write_summary(a.common.summary, report.summary);
 
   if (!a.common.quiet) std::fputs(to_string(part.report).c_str(), stdout);
   if (!a.common.quiet)
@@ -255,7 +254,7 @@ int main(int argc, char** argv) {
              {"refuse", "none"});
   add_flags(cli, erosion, a.said, {"--deviation", "--no-split", "--max-rounding", "--samples"});
   cli.group("output");
-  cli.option("--json", a.json, "write all numbers of the report to this JSON file");
+  cli.option("--json", a.common.summary, "the same as --summary");
   cli.common(a.common, Cli::Restart::no, Cli::Threads::no);
   cli.example("prepare_part --builtin gear --erode --dilation 2e-4", "open out/part.html; out/eroded.obj");
   cli.example("prepare_part --mesh bracket.obj --scale 1e-3 --dilation 1e-4 --erode --json part.json",

@@ -197,6 +197,8 @@ int main(int argc, char** argv) {
   a.scheme.options.step.reduction.reducer = Reducer::none;  // the pictures show what each would leave out
   std::erase(a.scheme.schemes, "event_driven");
   a.scheme.not_offered = "not event_driven, which has no reducer";
+  cli.group("stepping");
+  cli.option("--h", a.scheme.options.step.h, "largest step", "s", setting_of<StepOptions>("h").range);
   add_options(cli, a.scheme);
   add_options(cli, a.watch, "parts");
   cli.common(a.common);

@@ -240,7 +240,7 @@ std::vector<Gauge> gauges_of(const AssemblyScene& scene) {
   return out;
 }
 
-// Everything but a part that is held up, or a promise that is broken, is well.
+// True unless the part is held up or a promise is broken.
 bool tell_end(const AssemblyInput& input, const AssemblyScene& scene, const DrivenRun& run, double min_gap,
               double cpu) {
   const Recording& r = run.recording;
@@ -299,18 +299,13 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
 
 // A kinematic replay takes no steps, solves nothing and writes no checkpoint.
 void refuse_unread_by_mode(const Cli& cli, bool dynamic) {
-  if (dynamic) {
-    const std::vector<std::string> given = cli.given("stepping");
-    require(std::ranges::find(given, "--threshold") == given.end(), "--threshold needs --mode kinematic");
-    return;
-  }
-  std::vector<std::string> unread;
-  for (const char* group : {"scheme", "solver", "run", "problems"})
+  if (dynamic) return refuse_given(cli, {"--threshold"}, "--mode kinematic");
+  std::vector<std::string> unread = {
+      "--mu", "--restitution", "--density",          "--mass",   "--gravity",
+      "--h",  "--every",       "--checkpoint-every", "--resume", "--resume-anyway"};
+  for (const char* group : {"path", "scheme", "solver", "run", "problems"})
     for (const std::string& flag : cli.given(group)) unread.push_back(flag);
-  for (const std::string& flag : cli.given("output"))
-    if (flag == "--every" || flag == "--checkpoint-every" || flag.starts_with("--resume"))
-      unread.push_back(flag);
-  require(unread.empty(), unread.empty() ? "" : unread.front() + " needs --mode dynamic");
+  refuse_given(cli, unread, "--mode dynamic");
 }
 
 ExitCode replay(Arguments& a) {

@@ -116,8 +116,9 @@ int main(int argc, char** argv) {
   cli.option("--scene", a.scene, "scene to run; --list shows all");
   cli.flag("--list", a.list, "list the scenes, then exit");
   cli.group("stepping");
-  cli.option("--time", a.time, "time to simulate; 0: that of the scene", "s", {0, 1e5});
-  cli.option("--h", a.h, "largest step; 0: that of the scene", "s", {0, 1});
+  cli.option("--time", a.time, "time to simulate; 0: that of the scene", "s", kTime);
+  cli.option("--h", a.h, "largest step; 0: that of the scene", "s",
+             or_zero(setting_of<StepOptions>("h").range));
   add_run_options(cli, a.run);
   cli.example("run_scene --scene arch -o out", "25 stones stand; open out/replay.html");
   cli.example("run_scene --scene woodpecker -o out",

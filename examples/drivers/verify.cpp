@@ -16,8 +16,10 @@
 
 #include "examples/common/many_tasks.hpp"
 #include "examples/common/progress.hpp"
+#include "examples/scenes/shared_series.hpp"
 #include "examples/studies/verification/list.hpp"
 #include "geometry/check.hpp"
+#include "geometry/digest.hpp"
 #include "geometry/parallel.hpp"
 #include "io/atomic_file.hpp"
 #include "io/build_info.hpp"
@@ -56,7 +58,9 @@ List asked_for(const Arguments& a) {
 
 /// Measures what the folder does not know, slow cases first. How many it knew.
 int measure_all(List& list, const Arguments& a) {
-  const std::uint64_t program = program_digest();
+  Digest program;  // and what it reads
+  program.add(program_digest());
+  program.add(shared_series_digest());
   std::vector<std::size_t> order(list.size());
   std::iota(order.begin(), order.end(), 0U);
   std::ranges::stable_sort(
@@ -68,11 +72,11 @@ int measure_all(List& list, const Arguments& a) {
     if (interrupted()) return;
     Entry& entry = list[order[i]];
     const std::filesystem::path file = a.tasks.out / "verify" / (stem_of(*entry.asked) + ".json");
-    entry.measured = read_measured(file, *entry.asked, program);
+    entry.measured = read_measured(file, *entry.asked, program.value);
     const bool was_known = entry.measured.has_value();
     if (!was_known) {
       entry.measured = measure(*entry.asked);
-      if (entry.measured->missing.empty()) write_measured(file, *entry.asked, *entry.measured, program);
+      if (entry.measured->missing.empty()) write_measured(file, *entry.asked, *entry.measured, program.value);
     }
     const std::lock_guard lock(mutex);
     known += was_known;

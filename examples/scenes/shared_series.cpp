@@ -3,7 +3,10 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <set>
+#include <span>
 
+#include "geometry/digest.hpp"
 #include "io/text.hpp"
 
 namespace aussois {
@@ -14,12 +17,36 @@ double SeriesRow::at(const std::string& column) const {
   return found->second;
 }
 
-std::vector<SeriesRow> shared_series(const std::string& name, const std::string& first) {
+namespace {
+
+// Empty: there is none.
+std::filesystem::path series_folder() {
   const char* data = std::getenv("AUSSOIS_DATA_DIR");
-  const std::filesystem::path path = std::filesystem::path(data ? data : "") / "references" / name;
-  if (!data || !*data || !std::filesystem::exists(path))
+  if (!data || !*data) return {};
+  std::filesystem::path folder = std::filesystem::path(data) / "references";
+  return std::filesystem::is_directory(folder) ? folder : std::filesystem::path();
+}
+
+}  // namespace
+
+std::vector<SeriesRow> shared_series(const std::string& name, const std::string& first) {
+  const std::filesystem::path folder = series_folder();
+  if (folder.empty() || !std::filesystem::exists(folder / name))
     throw MissingData("AUSSOIS_DATA_DIR names no folder with references/" + name);
-  return read_series(path, first);
+  return read_series(folder / name, first);
+}
+
+std::uint64_t shared_series_digest() {
+  const std::filesystem::path folder = series_folder();
+  if (folder.empty()) return 0;
+  std::set<std::filesystem::path> files;
+  for (const std::filesystem::directory_entry& entry : std::filesystem::recursive_directory_iterator(folder))
+    if (entry.is_regular_file()) files.insert(entry.path());
+  Digest digest;
+  for (const std::filesystem::path& file : files)
+    for (const std::string& text : {file.lexically_relative(folder).string(), read_file(file)})
+      digest.add(std::as_bytes(std::span(text)));
+  return digest.value;
 }
 
 std::vector<SeriesRow> read_series(const std::filesystem::path& path, const std::string& first) {

@@ -2,6 +2,7 @@
 // Series of numbers in the shared data folder, computed by other programs (AUSSOIS_DATA_DIR/references).
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <stdexcept>
@@ -27,5 +28,7 @@ struct SeriesRow {
 std::vector<SeriesRow> read_series(const std::filesystem::path& path, const std::string& first = "");
 /// The same for references/NAME; throws MissingData if there is no such file.
 std::vector<SeriesRow> shared_series(const std::string& name, const std::string& first = "");
+/// A digest of all files of the folder; 0 without one.
+std::uint64_t shared_series_digest();
 
 }  // namespace aussois

@@ -53,7 +53,7 @@ Law law_of(const ContactLaw& law, Eigen::Index rows) {
   return rows == 1 ? unilateral() : rows == 2 ? coulomb_2d(law.mu) : coulomb(law.mu);
 }
 
-// Sets the bias of all rows of a block: the normal law, and the average that it speaks of (MJ-6), (MJ-10).
+// Sets the bias of all rows of a block: the normal law, and the average that it refers to (MJ-6), (MJ-10).
 void set_bias(ContactRow& row, const RowVector& u_before, double restitution, double h,
               const NormalRule& options) {
   const NormalBias normal = normal_bias(row.gap, u_before.x(), restitution, h, options);
@@ -86,10 +86,6 @@ struct BodyColumns {
   const RowJacobian* J = nullptr;
   int first = -1;
 };
-int first_of(const Layout& dofs, BodyId body) {
-  return body ? dofs.first[body] : -1;
-}
-
 }  // namespace
 
 bool closes(double gap, double speed, double h, NormalLaw law) {
@@ -141,13 +137,14 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
       row.J_a.row(3) = spin_columns(state, row.body_a, c.normal);
       row.J_b.row(3) = -spin_columns(state, row.body_b, c.normal);
     }
-    row.w = product(row.J_a, body_part(v_prescribed, row.body_a), row.law) +
-            product(row.J_b, body_part(v_prescribed, row.body_b), row.law);
-    const auto twist_before = [&](BodyId body) {  // of a moved body: that of its path on this step
-      return is_dynamic(model.bodies[body]) ? twist(state, body) : Vec6(body_part(v_prescribed, body));
+    const auto speed_before = [&](BodyId body, const RowJacobian& J) {
+      if (is_dynamic(model.bodies[body])) return product(J, twist(state, body), row.law);
+      const RowVector u = product(J, body_part(v_prescribed, body), row.law);  // of its path on this step
+      row.w += u;
+      return u;
     };
-    RowVector u_before = product(row.J_a, twist_before(row.body_a), row.law) +
-                         product(row.J_b, twist_before(row.body_b), row.law);
+    RowVector u_before = speed_before(row.body_a, row.J_a);
+    u_before += speed_before(row.body_b, row.J_b);
     row.gap = c.gap;
     if (reached.time > 0) row.gap -= reached.time * normal_speed(row, reached.v);
     add_carried(state, dofs, carried, v_prescribed, reached, row, u_before);
@@ -189,20 +186,20 @@ FrictionProblem contact_problem(const FreeMotion& free, const Layout& dofs,
   problem.M = free.M;
   problem.f = free.f;
   for (int i : kept) problem.laws.push_back(rows[i].law);
-  const std::vector<int> first_row = first_rows(problem.laws);
-  problem.w = VecX::Zero(first_row.back());
+  const std::vector<int> first_of_block = first_rows(problem.laws);
+  problem.w = VecX::Zero(first_of_block.back());
   Eigen::Index entries = 0;
   for (const int i : kept) entries += rows[i].law.rows * 12 + Eigen::Index(rows[i].others.size());
-  problem.H = SparseMatrix(dofs.rows, first_row.back());
+  problem.H = SparseMatrix(dofs.rows, first_of_block.back());
   problem.H.resizeNonZeros(entries);
   int at = 0, *begin = problem.H.outerIndexPtr(), *place = problem.H.innerIndexPtr();
   double* value = problem.H.valuePtr();
   std::vector<std::pair<int, double>> column;  // row, value
   for (std::size_t k = 0; k < kept.size(); ++k) {
     const ContactRow& row = rows[kept[k]];
-    problem.w.segment(first_row[k], row.law.rows) = row.w.head(row.law.rows);
-    std::array ends{BodyColumns{&row.J_a, first_of(dofs, row.body_a)},
-                    BodyColumns{&row.J_b, first_of(dofs, row.body_b)}};
+    problem.w.segment(first_of_block[k], row.law.rows) = row.w.head(row.law.rows);
+    std::array ends{BodyColumns{&row.J_a, first_row(dofs, row.body_a)},
+                    BodyColumns{&row.J_b, first_row(dofs, row.body_b)}};
     if (ends[1].first < ends[0].first) std::swap(ends[0], ends[1]);
     if (row.others.empty() && ends[0].first != ends[1].first) {
       for (int d = 0; d < row.law.rows; ++d) {
@@ -241,10 +238,19 @@ double normal_speed(const ContactRow& row, const VecX& v) {
   return out;
 }
 
+double largest_velocity(const ContactRow& row, const Layout& dofs, const VecX& v) {
+  double out = 0;
+  for (const BodyId body : {row.body_a, row.body_b})
+    if (const int first = first_row(dofs, body); first >= 0)
+      out = std::max(out, v.segment<6>(first).lpNorm<Eigen::Infinity>());
+  for (const Triplet& e : row.others) out = std::max(out, std::abs(v[e.col()]));
+  return out;
+}
+
 RowVector relative_velocity(const ContactRow& row, const Layout& dofs, const VecX& v) {
   RowVector u = row.w;
   const auto add = [&](BodyId body, const RowJacobian& J) {
-    const int first = body ? dofs.first[body] : -1;
+    const int first = first_row(dofs, body);
     if (first >= 0) u += product(J, v.segment<6>(first), row.law);
   };
   add(row.body_a, row.J_a);
@@ -262,7 +268,7 @@ VecX momentum_of(const std::vector<ContactRow>& rows, const Layout& dofs, const 
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (r[i].isZero(0)) continue;
     const auto add = [&](BodyId body, const RowJacobian& J) {
-      const int first = body ? dofs.first[body] : -1;
+      const int first = first_row(dofs, body);
       if (first >= 0) out.segment<6>(first) += J.transpose() * r[i];
     };
     add(rows[i].body_a, rows[i].J_a);

@@ -85,6 +85,8 @@ FrictionProblem contact_problem(const FreeMotion& free, const Layout& dofs,
 
 /// J v of the first row of a block, with v indexed as State::v; without coordinates and bias.
 double normal_speed(const ContactRow& row, const VecX& v);
+/// The largest component of the free velocities `v` that a row moves with: what is small beside it is noise.
+double largest_velocity(const ContactRow& row, const Layout& dofs, const VecX& v);
 
 /// u of a row, bias included, for the velocities v of the dynamic rows [m/s, rad/s].
 RowVector relative_velocity(const ContactRow& row, const Layout& dofs, const VecX& v);

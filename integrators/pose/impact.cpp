@@ -11,7 +11,7 @@ namespace aussois {
 namespace {
 
 constexpr double kTolerance = 1e-13;  // of the shocks; impacts of balls by hand hold to 1e-12
-constexpr double kStill = 1e-12;      // of the fastest velocity: no longer approaching, but rounding
+constexpr double kStill = 1e-12;      // of the velocities of both bodies: no longer approaching, but rounding
 
 SparseMatrix mass_at(const Model& model, const State& state, const Layout& dofs) {
   std::vector<Triplet> M;
@@ -182,16 +182,19 @@ Shocked simultaneous(const Setting& s, const std::vector<int>& near, const Shock
 // Always the contact that approaches fastest (IMP-5).
 Shocked sequential(const Setting& s, const std::vector<int>& near, Shocked out, double h, NormalLaw law,
                    int max_pairs) {
-  double fastest = out.v.lpNorm<Eigen::Infinity>();
+  const VecX v = out.v;
+  const auto still = [&](int i) {  // of its bodies, whatever others do
+    return kStill *
+           std::max(largest_velocity(s.rows[i], s.dofs, v), largest_velocity(s.rows[i], s.dofs, out.v));
+  };
   for (int n = 0; n < max_pairs && out.v.allFinite(); ++n) {
     int next = -1;
-    double speed = -kStill * fastest;
+    double speed = 0;
     for (const int i : near) {
       const double u = speed_of(s, i, out.v);
-      if (u < speed && closes(s.rows[i].gap, u, h, law)) next = i, speed = u;
+      if (u < speed && u < -still(i) && closes(s.rows[i].gap, u, h, law)) next = i, speed = u;
     }
     if (next < 0) break;
-    fastest = std::max(fastest, -speed);
     shock(s, {next}, out);
   }
   return out;

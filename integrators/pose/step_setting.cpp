@@ -7,6 +7,7 @@
 
 #include "geometry/check.hpp"
 #include "geometry/parallel.hpp"
+#include "geometry/settings.hpp"
 #include "integrators/pose/joint_rows.hpp"
 #include "mechanics/mechanism.hpp"
 
@@ -44,6 +45,11 @@ void refuse_deforming(const Model& model, const char* who) {
   for (const BodyId b : model.bodies.ids())
     require(!deforms(model.bodies[b]), std::string(who) + ": body " + to_string(b) + " (" +
                                            model.bodies[b].name + ") deforms; only rigid bodies may");
+}
+
+void refuse_unread_by(NormalLaw law, const StepOptions& options) {
+  refuse_unread(options, {law == NormalLaw::moreau ? "correction_speed" : "touching"},
+                std::string("normal law ") + to_string(law));
 }
 
 StepSetting step_setting(const Model& model, const StepOptions& options, NormalLaw law, double gamma) {

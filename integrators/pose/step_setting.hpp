@@ -40,6 +40,10 @@ struct StepSetting {
 StepSetting step_setting(const Model& model, const StepOptions& options, NormalLaw law = NormalLaw::combined,
                          double gamma = 1);
 
+/// Throws std::invalid_argument naming the option of a step that is not the default, and that the rows of
+/// this law do not read (MJ-6).
+void refuse_unread_by(NormalLaw law, const StepOptions& options);
+
 /// For code that follows the contacts of a rigid body: throws std::invalid_argument naming the first
 /// body that deforms.
 void refuse_deforming(const Model& model, const char* who);

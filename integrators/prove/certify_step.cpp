@@ -79,7 +79,7 @@ StepCertificate certify_pair(const StepPath& path, const StepPair& pair, double 
                              const CertificateOptions& options) {
   const double moved = path.bodies[pair.a].displacement + path.bodies[pair.b].displacement;
   // Both ways bound how far the pair comes nearer; the sum costs nothing
-  if (apart > moved || apart > bounds_of(path, pair).displacement)  // the dilated shapes cannot even touch
+  if (apart > moved || (apart > 0 && apart > bounds_of(path, pair).displacement))  // they cannot even touch
     return {.min_distance = options.wanted};
   const Certificate c = certify(moving_shape(path, pair.a), moving_shape(path, pair.b), path.h, options);
   StepCertificate out{.min_distance = c.min_distance, .rounds = c.rounds};
@@ -106,8 +106,9 @@ StepCertificate certify_pairs(const StepPath& path, std::span<const StepPair> pa
                                                   .axis = likely_axis(path, pair, contacts)});
     out.rounds += of_pair.rounds;
     out.min_distance = std::min(out.min_distance, of_pair.min_distance);
+    if (of_pair.failure.empty()) continue;
     out.failure = of_pair.failure;
-    if (!out.failure.empty()) break;
+    break;
   }
   return out;
 }

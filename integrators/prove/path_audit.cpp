@@ -124,7 +124,7 @@ bool found_the_nearest(const Audited& step, const State& start, double floor) {
     const double tolerance = coverage_tolerance(*a.shape, *b.shape),
                  cutoff = (1 + floor) * pair.dilation - tolerance,
                  distance = base_distance(still(a), still(b), cutoff, step.threads);
-    if (all_but_touch(*a.shape, *b.shape, distance)) return true;
+    if (bases_all_but_touch(*a.shape, *b.shape, distance)) return true;
     if (distance >= cutoff) continue;
     lowest = std::min(lowest, distance - pair.dilation - tolerance);
     highest = std::min(highest, distance - pair.dilation + tolerance);

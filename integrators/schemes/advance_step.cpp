@@ -136,7 +136,8 @@ StepReport advance_step(const StepSetting& setting, State& state, double h_limit
     const Judgement judgement = judge(setting, state, trial);
     const bool again = search.goes_on(judgement);
     if (again && k < o.max_attempts && search.h >= search.min_h) continue;
-    report = tell(setting, state, trial, judgement);
+    StepResult result = tell(setting, state, trial, judgement);
+    report = std::move(result.report);
     report.attempts = k;
     if (again) {
       report.t = state.t, report.h = 0;
@@ -144,7 +145,7 @@ StepReport advance_step(const StepSetting& setting, State& state, double h_limit
       return ended(StepStatus::refused);
     }
     if (may_be_taken(judgement)) {
-      state = next_state(setting, trial, judgement);
+      state = std::move(result.next);
       state.h_next = search.next();
     }
     return ended(status_of(judgement));

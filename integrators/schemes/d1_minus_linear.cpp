@@ -53,7 +53,7 @@ double normal_velocity(const ContactRow& row, const Layout& dofs, const VecX& v)
 double normal_changes(const ContactRow& row, const Layout& dofs, const VecX& dv) {
   double sum = 0;
   for (const auto& [body, J] : {std::pair(row.body_a, &row.J_a), std::pair(row.body_b, &row.J_b)})
-    if (const int first = body ? dofs.first[body] : -1; first >= 0)
+    if (const int first = first_row(dofs, body); first >= 0)
       sum += std::abs(J->row(0).dot(dv.segment<6>(first)));
   for (const Triplet& e : row.others)
     if (e.row() == 0) sum += std::abs(e.value() * dv[e.col()]);
@@ -148,7 +148,7 @@ std::vector<RowVector> correct(StagedStep& s, const State& end, const std::vecto
   s.free.gravity = s.h / 2 * (before.gravity + after.gravity);
   s.free.laws = s.h / 2 * (before.laws + after.laws);
   s.free.gyroscopic = s.h / 2 * (before.gyroscopic + after.gyroscopic);
-  s.free.axes = trapezoid(s.h, before.axes, after.axes);
+  s.free.axes = trapezoidal_impulses(s.h, before.axes, after.axes);
   s.step.rows = stage_rows(s.rows, s.lasting, 0.5);
   s.free.f = s.start.mass * s.start.v + s.free.gravity + s.free.laws + s.free.gyroscopic +
              momentum_of(s.rows, s.setting.dofs, predicted) / 2;

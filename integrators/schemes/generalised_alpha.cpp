@@ -130,7 +130,7 @@ BetweenContacts between_contacts(const StepSetting& setting, const State& state,
   free.gyroscopic_D = free.law_D = SparseMatrix(dofs.rows, dofs.rows);
   free.gravity = h / 2 * (before.gravity + smooth.forces.gravity);
   free.laws = h / 2 * (before.laws + smooth.forces.laws);
-  free.axes = trapezoid(h, before.axes, smooth.forces.axes);
+  free.axes = trapezoidal_impulses(h, before.axes, smooth.forces.axes);
   free.gyroscopic = h / 2 * (before.gyroscopic + smooth.forces.gyroscopic);
   const VecX mean = (rate_before + smooth.rate) / 2;
   free.numerical = h * (M * ((1 - w.gamma) * smooth.a_before + w.gamma * smooth.a - mean));
@@ -213,10 +213,11 @@ void choose_impacts(const StepSetting& setting, const ImpulseStep& mean, double 
                     ImpulseStep& step) {
   const std::vector<RowVector> push = row_impulses(mean);
   const VecX& v_mean = mean.solved.solution.v;
-  const double noise = kSolverNoise * setting.options.solver.tolerance * v_mean.lpNorm<Eigen::Infinity>();
   for (std::size_t i = 0; i < step.rows.size(); ++i) {
     if (!has_normal(step.rows[i].law)) continue;
     const double u = relative_velocity(mean.rows[i], setting.dofs, v_mean)[0];
+    const double noise = kSolverNoise * setting.options.solver.tolerance *
+                         largest_velocity(mean.rows[i], setting.dofs, v_mean);
     step.rows[i].active = h * u <= touching || (push[i][0] > 0 && u <= noise);
   }
 }

@@ -114,13 +114,15 @@ void describe(SettingVisitor& visit, MoreauJeanOptions& o) {
   visit.begin("MoreauJeanOptions");
   visit.number(theta_setting(), o.theta);
   visit.choice(normal_law_setting(), o.law, kNormalLaws);
-  visit.number({.name = "gamma",
-                .what = "weight of the end velocity in the contact laws; 1: end velocity alone",
-                .unit = "-",
-                .range = {0.5, 1},
-                .flag = "--gamma",
-                .label = "gamma %"},
-               o.gamma);
+  visit.number(
+      {.name = "gamma",
+       .what = "weight of the end velocity in the contact laws; 1: end velocity alone; below, impacts "
+               "bounce by at least (1 - gamma) / gamma",
+       .unit = "-",
+       .range = {0.5, 1},
+       .flag = "--gamma",
+       .label = "gamma %"},
+      o.gamma);
   visit.choice({.name = "contacts",
                 .what = "point of the step at which contacts are evaluated",
                 .flag = "--contacts",
@@ -152,6 +154,7 @@ MoreauJean::MoreauJean(const Model& model, const StepOptions& step, const Moreau
     : setting_(std::make_shared<const StepSetting>(step_setting(model, step, own.law, own.gamma))),
       own_(own) {
   validate(own);
+  refuse_unread_by(own.law, step);
   if (own.newton.gap_hessians) refuse_deforming(model, "NewtonOptions::gap_hessians");
 }
 

@@ -150,6 +150,7 @@ PassiveMidpoint::PassiveMidpoint(const Model& model, const StepOptions& step,
       own_(own) {
   validate(own);
   refuse_unread(step, unread(), "passive_midpoint");
+  refuse_unread_by(own.law, step);
   require(!own.mean_joints || step.update == GroupUpdate::cayley,
           std::string("PassiveMidpointOptions::mean_joints needs StepOptions::update = cayley, not ") +
               to_string(step.update));
@@ -171,6 +172,7 @@ struct MidpointSolve {
   ImpulseStep step = pose_step(setting, start, found, with_torque(), kMidpoint);
   std::vector<char> stated = std::vector<char>(step.rows.size(), 0);
   bool joints_stand = !mean_joints;
+  bool settled = false;
   bool landed = false;
 
   SharedMotion with_torque() const {
@@ -207,6 +209,7 @@ struct MidpointSolve {
   void settle() {
     VecX last = VecX::Constant(setting.dofs.rows, kInf);
     double change = kInf;
+    settled = false;
     for (int k = 0; k < kRounds; ++k) {
       solve_rows(setting, start, found, step);
       const VecX& v = step.solved.solution.v;
@@ -221,7 +224,8 @@ struct MidpointSolve {
                        gyroscopic_error(setting.dofs, plain.v, guess, v, found.h) > kExact;
       const bool gives =
           own.passive && make_passive(setting.dofs, setting.options.solver.tolerance, step, stated) > 0;
-      if (!off && !gives && joints_stand) break;
+      settled = !off && !gives && joints_stand;
+      if (settled) break;
       if (off) {
         guess = v;
         step.free = with_torque();
@@ -257,7 +261,7 @@ StepReport PassiveMidpoint::step(State& state, double h_limit) const {
     const bool projects = mean_joints && now.landed;
     if (projects) v_path = now.find_path_to(now.end_of(v_path));
     ImpulseStep& step = now.step;
-    if (!now.joints_stand && is_solved(step.solved.solution.report.status))
+    if (!now.settled && is_solved(step.solved.solution.report.status))
       step.solved.solution.report.status = SolveStatus::max_iterations;
     Trial trial{
         .move = {.v_path = std::move(v_path),

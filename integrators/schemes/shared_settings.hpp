@@ -18,7 +18,7 @@ inline Setting theta_setting() {
 
 inline Setting normal_law_setting() {
   return {.name = "law",
-          .what = "law of normal rows",
+          .what = "law of normal rows; gap_over_step is plastic",
           .flag = "--normal-law",
           .label = "%",
           .in_every_label = true};

@@ -2,6 +2,7 @@
 #include "integrators/tell/tell.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "integrators/tell/ledgers.hpp"
 
@@ -78,6 +79,8 @@ Impulses sorted_impulses(const Model& model, const std::vector<ContactRow>& rows
   Impulses out;
   out.of_joints = VecX::Zero(r.size());
   if (row_count(model) > 0) out.r = VecX::Zero(row_count(model));
+  out.contact.reserve(solved.kept.size());
+  out.drilling.reserve(solved.kept.size());
   for (std::size_t k = 0; k < solved.kept.size(); ++k) {
     const ContactRow& row = rows[solved.kept[k]];
     const int first = solved.first_row[k], count = row.law.rows;
@@ -149,10 +152,6 @@ void add_impact(const ImpactJump& impact, const ImpulseStep& step, std::size_t c
   for (StepGap& gap : report.gaps) gap.impulse += impact.r[contacts + gap.id.index()].head<3>();
 }
 
-Impulses impulses_of(const StepSetting& setting, const ImpulseStep& step) {
-  return sorted_impulses(setting.model, step.rows, step.solved, total_impulses(step));
-}
-
 // What was found and solved, whatever became of it.
 StepReport asked(const StepSetting& setting, const Trial& trial) {
   const FoundContacts& found = trial.found;
@@ -190,6 +189,16 @@ void tell_proof(const Judgement& judgement, StepReport& report) {
   report.seconds_certificate = judgement.seconds_certificate;
 }
 
+State next_state(const StepSetting& setting, const Trial& trial, const Judgement& judgement,
+                 const Impulses& impulses) {
+  State next = judgement.next;
+  next.memory = memory_after(setting, trial.found, trial.impulses, impulses, int(impulses.contact.size()),
+                             trial.move.v_end);
+  next.r = impulses.r;
+  next.a = trial.a;
+  return next;
+}
+
 }  // namespace
 
 bool may_be_taken(const Judgement& judgement) {
@@ -197,13 +206,13 @@ bool may_be_taken(const Judgement& judgement) {
          judgement.objection.outcome == Outcome::not_solved;
 }
 
-StepReport tell(const StepSetting& setting, const State& start, const Trial& trial,
+StepResult tell(const StepSetting& setting, const State& start, const Trial& trial,
                 const Judgement& judgement) {
   const State& state = trial.from ? *trial.from : start;
   StepReport report = asked(setting, trial);
   report.t = state.t;
   tell_proof(judgement, report);
-  if (!may_be_taken(judgement)) return report;
+  if (!may_be_taken(judgement)) return {std::move(report)};
   const Model& model = setting.model;
   const FoundContacts& found = trial.found;
   const ImpulseStep& step = trial.impulses;
@@ -238,17 +247,7 @@ StepReport tell(const StepSetting& setting, const State& start, const Trial& tri
                 .v_path = trial.move.v_path,
                 .v_end = free_velocities(setting.dofs, judgement.next.v)},
                report);  // (MJ-9), (MJ-13), (IMP-6)
-  return report;
-}
-
-State next_state(const StepSetting& setting, const Trial& trial, const Judgement& judgement) {
-  const Impulses impulses = impulses_of(setting, trial.impulses);
-  State next = judgement.next;
-  next.memory = memory_after(setting, trial.found, trial.impulses, impulses, int(impulses.contact.size()),
-                             trial.move.v_end);
-  next.r = impulses.r;
-  next.a = trial.a;
-  return next;
+  return {std::move(report), next_state(setting, trial, judgement, impulses)};
 }
 
 }  // namespace aussois

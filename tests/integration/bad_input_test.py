@@ -252,9 +252,23 @@ class BadInput(DriverTest):
 
     def test_flags_that_only_the_other_mode_reads(self):
         for flags in (["--scheme", "passive_midpoint"], ["--theta", 0.5], ["--tolerance", 1e-9], ["--reducer", "none"], ["--certify", 3],
-                      ["--stop-after", 2], ["--dump-problem", "steps"], ["--every", 2]):
+                      ["--stop-after", 2], ["--dump-problem", "steps"], ["--every", 2], ["--speed", 0.1], ["--force-limit", 5],
+                      ["--hold", 1], ["--h", 1e-3], ["--mu", 0.1], ["--mass", 1], ["--gravity", "0,0,-9.81"]):
             self.refused_replay(USAGE, [f"{flags[0]} needs --mode dynamic"], *self.with_peg("--mode", "kinematic"), *flags)
         self.refused_replay(USAGE, ["--threshold needs --mode kinematic"], *self.with_peg(), "--threshold", 1e-4)
+
+    def test_flags_that_only_another_flag_makes_read(self):
+        for flag in ("--mu", "--stones", "--thickness", "--tilt", "--scatter"):
+            self.refused(USAGE, [f"{flag} needs --scene arch"], "peer_scene", "--scene", "tower", flag, 5 if flag == "--stones" else 0.1)
+        self.refused(USAGE, ["--selector-body needs --selector"], "run_scene", "--scene", "pressed_peg", "--selector-body", 1)
+        for flag in ("--seed", "--noise"):
+            self.refused(USAGE, [f"{flag} needs --synthetic"], "cube_toss", "--data", self.folder, flag, 0)
+        for flag, value in (("--from-mu", 0.2), ("--from-restitution", 0.2), ("--test", self.folder)):
+            self.refused(USAGE, [f"{flag} needs --fit"], "cube_toss", "--synthetic", 2, flag, value)
+        self.refused(USAGE, ["--board is what --measure-board finds"], "cube_toss", "--synthetic", 2, "--fit", "--measure-board", "--board", 1e-3)
+
+    def test_a_restitution_that_the_law_does_not_read(self):
+        self.refused(USAGE, ["restitution = 0.5", "gap_over_step"], "run_scene", "--scene", "ball_e05", "--normal-law", "gap_over_step")
 
     def test_resume_where_nothing_can_be_resumed(self):
         self.refused_replay(USAGE, ["--resume needs --mode dynamic"], *self.with_peg("--mode", "kinematic"), "--resume")

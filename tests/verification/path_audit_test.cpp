@@ -152,7 +152,7 @@ TEST(PathAudit, CatchesAStepThatFoundOtherContacts) {
   }
 }
 
-// The certificate speaks of the path; a state elsewhere is not certified, on whichever side of the plate.
+// The certificate covers the path; a state elsewhere is not certified, on whichever side of the plate.
 TEST(PathAudit, CatchesAnEndThatThePathDoesNotLeadTo) {
   Scene s = thrown_block();
   const MoreauJean scheme(s.model, {.h = 5e-3}, {.theta = 1});

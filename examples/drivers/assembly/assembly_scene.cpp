@@ -5,6 +5,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "examples/common/driver.hpp"
 #include "geometry/check.hpp"
 #include "geometry/settings.hpp"
 #include "io/shape_cache.hpp"
@@ -124,7 +125,8 @@ void describe(SettingVisitor& visit, AssemblyOptions& o) {
          "--speed");
   number(o.stride, "stride", "largest motion per step, relative to the sum of the two dilations", "-",
          {1e-3, 1e4}, "--stride");
-  number(o.h, "h", "largest step; 0: from --stride and --speed", "s", {0, 1}, "--h");
+  number(o.h, "h", "largest step; 0: from --stride and --speed", "s",
+         or_zero(setting_of<StepOptions>("h").range), "--h");
   number(o.frequency, "frequency",
          "frequency of the part on its coupling; 0: 20, or more if its weight would pull it off the path",
          "Hz", {0, 1e5}, "--frequency");

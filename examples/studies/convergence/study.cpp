@@ -64,7 +64,9 @@ std::string reason(std::size_t measure, const Case& c, const SchemeTraits& trait
 
 void describe(SettingVisitor& visit, StudyOptions& o) {
   visit.begin("StudyOptions");
-  visit.number({"h", "largest step; 0: that of the case", "s", not_negative_range(), "--h0"}, o.h);
+  visit.number(
+      {"h", "largest step; 0: that of the case", "s", or_zero(setting_of<StepOptions>("h").range), "--h0"},
+      o.h);
   visit.count({"levels", "number of step sizes, each about half the one before", "", {3, 16}, "--levels"},
               o.levels);
   visit.count({"phases",
@@ -136,7 +138,7 @@ double shortened_error(const Study& s) {
   return out;
 }
 
-OrderVerdict verdict(const Study& s) {
+OrderVerdict order_verdict(const Study& s) {
   if (whole_steps(s).size() < kFewest) return OrderVerdict::not_judged;
   for (std::size_t m = 0; m < s.order.size(); ++m)
     if (!(s.order[m] >= s.expected[m] - kOrderSlack)) return OrderVerdict::missed;
@@ -146,7 +148,7 @@ OrderVerdict verdict(const Study& s) {
 }
 
 bool as_expected(const Study& s) {
-  const OrderVerdict v = verdict(s);
+  const OrderVerdict v = order_verdict(s);
   return v != OrderVerdict::missed && v != OrderVerdict::not_judged;
 }
 
@@ -243,7 +245,7 @@ std::string to_string(const Study& s) {
     for (const long cut : s.cut) out << ' ' << cut;
     out << " of " << s.steps << " in all; fitted where there are none\n";
   }
-  out << to_string(verdict(s)) << "\n";
+  out << to_string(order_verdict(s)) << "\n";
   return out.str();
 }
 

@@ -59,7 +59,7 @@ enum class OrderVerdict {
   not_judged,  // too few step sizes without a step that was shortened
 };
 const char* to_string(OrderVerdict verdict);
-OrderVerdict verdict(const Study& study);
+OrderVerdict order_verdict(const Study& study);
 /// Nothing that theory promises is missed: met or less.
 bool as_expected(const Study& study);
 

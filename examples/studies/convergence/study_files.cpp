@@ -47,7 +47,7 @@ Json key_of(const Study& s, std::uint64_t program) {
 Json fields_of(const Study& s) {
   Json out;
   out["as_expected"] = as_expected(s);
-  out["verdict"] = to_string(verdict(s));
+  out["verdict"] = to_string(order_verdict(s));
   out["order"] = json_of(s.order);
   out["expected"] = json_of(s.expected);
   for (std::size_t m = 0; m < s.why.size(); ++m) out["why"][kMeasures[m]] = s.why[m];
@@ -72,7 +72,7 @@ std::string order_text(const Study& s) {
     if (m > 0) out += ' ';
     out.append(missed ? "**" : "").append(text).append(missed ? "**" : "");
   }
-  if (verdict(s) == OrderVerdict::not_judged) out = "not judged";
+  if (order_verdict(s) == OrderVerdict::not_judged) out = "not judged";
   return std::ranges::count(s.cut, 0) < std::ptrdiff_t(s.cut.size()) ? out + " c" : out;
 }
 

@@ -211,7 +211,7 @@ void add_mean(const Peg& peg, const Vec3& a, const Vec3& alpha, const Vec3& omeg
 
 }  // namespace
 
-std::vector<PegSample> run_case(const Plant& plant, const PegCase& which, int index) {
+std::vector<PegSample> peg_samples(const Plant& plant, const PegCase& which, int index) {
   const Tool tool = make_tool();
   const Vec3 centre(0, 0, tool.centre), to_flange(0, 0, tool.peg.flange - tool.centre);
   Random random(plant.options.seed * 1000003 + std::uint64_t(index) + 1);

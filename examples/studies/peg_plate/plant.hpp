@@ -38,6 +38,6 @@ Plant make_plant(const PlantOptions& options);
 
 /// The samples in contact (more than 2 N on the plate). A pure function of plant, case and its index, which
 /// seeds orientations and noise.
-std::vector<PegSample> run_case(const Plant& plant, const PegCase& which, int index);
+std::vector<PegSample> peg_samples(const Plant& plant, const PegCase& which, int index);
 
 }  // namespace aussois

@@ -108,7 +108,7 @@ std::vector<std::vector<int>> peg_choices(PegScenario scenario) {
   for (int i = 0; i < int(place.size()); ++i)
     for (int j = i + 1; j < int(place.size()); ++j)
       for (int k = j + 1; k < int(place.size()); ++k)
-        if (!on_a_line(place[i], place[j], place[k])) out.push_back({i, j, k});
+        if (!are_collinear(place[i], place[j], place[k])) out.push_back({i, j, k});
   return out;
 }
 

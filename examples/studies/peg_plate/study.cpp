@@ -144,19 +144,19 @@ int case_count(const PegStudyOptions& options) {
   return (with_tilted(options) ? 2 : 1) * own_cases(options.plant);
 }
 
-std::vector<PegSample> run_case(const PegStudyOptions& options, int index) {
+std::vector<PegSample> peg_samples(const PegStudyOptions& options, int index) {
   const std::vector<PegCase> cases = cases_of(options.plant);
   PlantOptions plant = options.plant;
   if (index >= int(cases.size())) {
     plant.tilt = 0;
     plant.tilts = kTilts;
   }
-  return run_case(make_plant(plant), cases[std::size_t(index) % cases.size()], index);
+  return peg_samples(make_plant(plant), cases[std::size_t(index) % cases.size()], index);
 }
 
 PegData generate(const PegStudyOptions& options) {
   PegData data(case_count(options));
-  parallel_for(int(data.size()), options.threads, [&](int i) { data[i] = run_case(options, i); });
+  parallel_for(int(data.size()), options.threads, [&](int i) { data[i] = peg_samples(options, i); });
   return data;
 }
 

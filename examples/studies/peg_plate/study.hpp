@@ -34,7 +34,7 @@ const std::vector<PegSet>& peg_sets();
 
 /// Cases of a study, those on tilted plates after all others; and what one of them gives.
 int case_count(const PegStudyOptions& options);
-std::vector<PegSample> run_case(const PegStudyOptions& options, int index);
+std::vector<PegSample> peg_samples(const PegStudyOptions& options, int index);
 
 using PegData = std::vector<std::vector<PegSample>>;  // by case
 PegData generate(const PegStudyOptions& options);

@@ -12,7 +12,8 @@ namespace aussois {
 
 /// "A1.elastic_ball_at_the_midpoint", with the setting if there is one: the name of a case's file.
 std::string stem_of(const VerificationCase& c);
-/// Keeps the figures of a case as JSON that reads back as the same bits. `program` is program_digest().
+/// Keeps the figures of a case as JSON that reads back as the same bits. `program` is a digest of the program
+/// and of what it reads.
 void write_measured(const std::filesystem::path& path, const VerificationCase& c, const Measured& measured,
                     std::uint64_t program);
 /// What was written by this program for this case; nothing if there is no such file, or it is another's or

@@ -108,7 +108,7 @@ Figures with_friction_off(const Rule& rule) {
   return {{"impacts", double(impacts)}, {"time", time}, {"slider", slider}};
 }
 
-// Newton's law within the step speaks of the normal velocity in the directions of its start. In angles those
+// Newton's law within the step refers to the normal velocity in the directions of its start. In angles those
 // turn by 0.03 m/s in a step, in bodies they do not: an impact apart from the step is what angles want.
 VerificationCase with_friction(const Rule& rule) {
   const std::string text =

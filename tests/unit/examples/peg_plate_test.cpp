@@ -47,7 +47,7 @@ TEST(PegPlate, ThePlantEndsInTheBalanceOfItsSprings) {
   for (const PegScenario scenario : {PegScenario::surface, PegScenario::edge}) {
     const Plant plant = make_plant(small_plant(scenario));
     const std::vector<PegSample> samples =
-        run_case(plant, {.speed = 0.07, .lean = scenario == PegScenario::edge ? 0.5 : 0}, 0);
+        peg_samples(plant, {.speed = 0.07, .lean = scenario == PegScenario::edge ? 0.5 : 0}, 0);
     ASSERT_GT(samples.size(), 30u);
     const PegSample& end = samples.back();
     EXPECT_TRUE(end.is_static);
@@ -73,7 +73,7 @@ TEST(PegPlate, TheCentreOfPressureIsWhereTheMomentsSay) {
   EXPECT_LT((centre_of_pressure(s) - at.head<2>()).norm(), 1e-12);
   // and of a plant at rest it is on the face, away from the middle where the plate is tilted
   const Plant plant = make_plant(small_plant());
-  const PegSample end = run_case(plant, {}, 0).back();
+  const PegSample end = peg_samples(plant, {}, 0).back();
   EXPECT_LT(centre_of_pressure(end).norm(), Peg().radius);
   EXPECT_GT(centre_of_pressure(end).norm(), 4e-3);
 }
@@ -84,8 +84,8 @@ TEST(PegPlate, CasesDependOnSeedAndIndexOnly) {
     return a.force == b.force && a.g.p == b.g.p && a.plate_force == b.plate_force;
   };
   const PegCase which{.speed = 0.07};
-  EXPECT_TRUE(same(run_case(plant, which, 3).back(), run_case(plant, which, 3).back()));
-  EXPECT_FALSE(same(run_case(plant, which, 3).back(), run_case(plant, which, 4).back()));
+  EXPECT_TRUE(same(peg_samples(plant, which, 3).back(), peg_samples(plant, which, 3).back()));
+  EXPECT_FALSE(same(peg_samples(plant, which, 3).back(), peg_samples(plant, which, 4).back()));
   PegStudyOptions one{.plant = small_plant()}, two = one;
   two.threads = 3;
   const PegData a = generate(one), b = generate(two);
@@ -97,7 +97,7 @@ TEST(PegPlate, PlatesMayTiltFromCaseToCase) {
   PlantOptions options = small_plant();
   options.tilt = options.scatter = 0;
   const auto pressure = [&](int index) {
-    return centre_of_pressure(run_case(make_plant(options), {.speed = 0.07}, index).back());
+    return centre_of_pressure(peg_samples(make_plant(options), {.speed = 0.07}, index).back());
   };
   EXPECT_LT((pressure(0) - pressure(1)).norm(), 1e-3);  // noise: 1 mN m over 20 N and what the sensors share
   options.tilts = 0.5;
@@ -394,7 +394,7 @@ TEST(PegFiles, GiveBackWhatWasWritten) {
   PegStudyOptions options{.plant = small_plant()};
   claim_folder(folder, options);
   claim_folder(folder, options);  // again: it is the same study
-  const std::vector<PegSample> samples = run_case(make_plant(options.plant), {.speed = 0.07}, 1);
+  const std::vector<PegSample> samples = peg_samples(make_plant(options.plant), {.speed = 0.07}, 1);
   write_samples(samples_file(folder, 0), samples);
   const std::vector<PegSample> read = read_samples(samples_file(folder, 0));
   ASSERT_EQ(read.size(), samples.size());

@@ -138,12 +138,12 @@ TEST(Study, MissesItsOrderByMoreThanTheSlackOnly) {
 // What theory promises less of than order one is not counted as met, however it comes out.
 TEST(Study, TellsWhatIsMetFromWhatIsNotPromised) {
   Study s = made_up(1);
-  EXPECT_EQ(verdict(s), OrderVerdict::met);
+  EXPECT_EQ(order_verdict(s), OrderVerdict::met);
   s.expected[v_graph] = 0.5;
-  EXPECT_EQ(verdict(s), OrderVerdict::less);
+  EXPECT_EQ(order_verdict(s), OrderVerdict::less);
   EXPECT_TRUE(as_expected(s));
   s.order[q_max] = 0.8;
-  EXPECT_EQ(verdict(s), OrderVerdict::missed);
+  EXPECT_EQ(order_verdict(s), OrderVerdict::missed);
 }
 
 // A step that was shortened has a smaller error, never one larger than a whole step of twice its length.
@@ -151,12 +151,12 @@ TEST(Study, JudgesShortenedStepsByABoundAndNotBySlopes) {
   Study s = made_up(1);
   s.h.insert(s.h.begin(), 0.2), s.cut.insert(s.cut.begin(), 3);
   s.errors.insert(s.errors.begin(), Errors{0.1, 0.2, 0.001, 1e-13});  // flatter than order one
-  EXPECT_EQ(verdict(s), OrderVerdict::met);
+  EXPECT_EQ(order_verdict(s), OrderVerdict::met);
   s.errors[0][q_max] = 0.41;
-  EXPECT_EQ(verdict(s), OrderVerdict::missed);
+  EXPECT_EQ(order_verdict(s), OrderVerdict::missed);
   s = made_up(1);
   s.cut[1] = 1;
-  EXPECT_EQ(verdict(s), OrderVerdict::not_judged);
+  EXPECT_EQ(order_verdict(s), OrderVerdict::not_judged);
   EXPECT_FALSE(as_expected(s));
 }
 
@@ -167,7 +167,7 @@ TEST(Study, TakesSchemesAsTheyAreDelivered) {
   EXPECT_GT(s.cut[0], 0) << to_string(s);
   ASSERT_EQ(s.h.size(), 6U) << to_string(s);
   for (const std::size_t i : {3U, 4U, 5U}) EXPECT_EQ(s.cut[i], 0);
-  EXPECT_EQ(verdict(s), OrderVerdict::met) << to_string(s);
+  EXPECT_EQ(order_verdict(s), OrderVerdict::met) << to_string(s);
   EXPECT_NE(to_string(s).find("steps shortened"), std::string::npos);
 }
 

@@ -134,6 +134,12 @@ TEST(SchemeOptions, AreRefusedWhereASchemeDoesNotReadThem) {
             "correction_speed = 0.1 is not read by moreau_jean_projected");
   EXPECT_EQ(refusal("schatzman_paoli", {.touching = 1e-7}),
             "touching = 1e-07 is not read by schatzman_paoli");
+  EXPECT_EQ(refusal("moreau_jean", {.touching = 1e-7}),
+            "touching = 1e-07 is not read by normal law combined");
+  EXPECT_EQ(refusal("passive_midpoint", {.touching = 1e-7}),
+            "touching = 1e-07 is not read by normal law combined");
+  EXPECT_EQ(message_of([&] { MoreauJean(s.model, {.correction_speed = 0.1}, {.law = NormalLaw::moreau}); }),
+            "correction_speed = 0.1 is not read by normal law moreau");
   EXPECT_EQ(refusal("generalised_alpha", {.joints = {.stabilisation = 0.3}}),
             "joints.stabilisation = 0.3 is not read by generalised_alpha");
   const std::vector<std::string> unread = unread_by("schatzman_paoli");

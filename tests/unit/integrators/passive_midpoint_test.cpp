@@ -40,6 +40,25 @@ TEST(FreeTop, KeepsEnergyAndMomentumInSpaceToRounding) {
   }
 }
 
+// Steps of several radians, in which Newton's method for the torque may not settle: such a step is shortened.
+TEST(FreeTop, KeepsEnergyInStepsOfSeveralRadians) {
+  const Model model = free_body(Vec3(1, 10, 11).asDiagonal());
+  const PassiveMidpoint scheme(model, exact(1));
+  Random random(5);
+  int shortened = 0;
+  for (int k = 0; k < 1000; ++k) {
+    State state = spinning(model, random.vector_of_length(2, 5));
+    const double E = energy(model, state).kinetic;
+    const Vec3 L = momentum(model, state).angular;
+    const StepReport report = scheme.step(state);
+    shortened += report.h < 1;
+    if (!report.ok()) continue;
+    ASSERT_NEAR(energy(model, state).kinetic / E, 1, 1e-12) << k;
+    ASSERT_LT((momentum(model, state).angular - L).norm() / L.norm(), 1e-12) << k;
+  }
+  EXPECT_GT(shortened, 10);
+}
+
 // The numbers of the manual, with the torque of the start: energy exact, momentum grows, order one.
 TEST(FreeTop, GainsMomentumWithTheTorqueOfTheStart) {
   const Model model = free_body(Vec3(1, 2, 3).asDiagonal());

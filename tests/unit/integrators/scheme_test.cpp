@@ -28,6 +28,35 @@ TEST(Scheme, IsTheClassItNames) {
   }
 }
 
+// What passes far away at 100 m/s changes no bit of a block that comes to rest.
+TEST(Scheme, GivesABlockTheBitsThatItHasAloneBesideAFastBody) {
+  for (const SchemeVariant& variant : scheme_variants()) {
+    const Scene alone = block_on_plate(0.5, 0, 0.2, 1e-3);
+    Scene beside = alone;
+    const BodyId fast = add(beside.model, RigidBody{.name = "fast", .mass = 1, .inertia = Mat3::Identity()});
+    beside.state = rest_state(beside.model);
+    for (const BodyId b : alone.state.g.ids()) {
+      pose(beside.state, b) = pose(alone.state, b);
+      twist(beside.state, b) = twist(alone.state, b);
+    }
+    pose(beside.state, fast).p.y() = 1000;
+    twist(beside.state, fast)[0] = 100;
+    SchemeOptions options = variant.options;
+    options.step.h = 2e-3;
+    State state = alone.state;
+    const Scheme one = make_scheme(variant.name, alone.model, options),
+                 two = make_scheme(variant.name, beside.model, options);
+    for (int k = 0; k < 25; ++k) {
+      ASSERT_TRUE(one.step(state, kInf).ok());
+      ASSERT_TRUE(two.step(beside.state, kInf).ok());
+      const SE3 &g = pose(state, alone.block), &with = pose(beside.state, alone.block);
+      ASSERT_TRUE(g.p == with.p && g.R.coeffs() == with.R.coeffs() &&
+                  twist(state, alone.block) == twist(beside.state, alone.block))
+          << label(variant.name, options) << ", step " << k;
+    }
+  }
+}
+
 // A belt that moves on and turns: what rests on it goes with it, wherever on the step a scheme looks at
 // contacts.
 TEST(Scheme, LeavesABlockAtRestOnABeltThatMoves) {

@@ -537,7 +537,7 @@ TEST(Contacts, AreExactlyTheLocalMinimaBetweenTheStars) {
           continue;
         if (!is_minimum(near.x_a, near.x_b, near.distance)) continue;
         // A strict one: the same distance is not reached a little further along the bodies. Plateaus
-        // (parallel faces and edges) are minima too; the theorem of completeness speaks of their ends, the
+        // (parallel faces and edges) are minima too; the theorem of completeness covers their ends, the
         // set holds a pair of that distance.
         const bool held = std::ranges::any_of(found.points, [&](const ContactPoint& c) {
           return std::abs(c.gap + s.a.radius + s.b.radius - near.distance) < 1e-7;

@@ -100,7 +100,7 @@ TEST_P(AllMethods, FindThePlantedVelocitiesOfEveryLaw) {
 TEST_P(AllMethods, FindThePlantedVelocitiesOfMixedLaws) {
   for (unsigned seed = 0; seed < 8; ++seed) {
     Random random(100 + seed);
-    const Planted made = planted(random, mixed_laws(random, 7), 36, 0.05);
+    const Planted made = planted(random, random_laws(random, 7), 36, 0.05);
     const FrictionSolution s = solved(made.problem, GetParam().tolerance, "seed " + std::to_string(seed));
     EXPECT_LT((s.u - made.u).norm(), 1e-6 * (1 + made.u.norm())) << "seed " << seed;
   }
@@ -185,7 +185,7 @@ TEST_P(AllMethods, HaveTheSameBitsForAnyNumberOfThreads) {
 
 TEST_P(AllMethods, NeedNoStepWhenTheyStartAtTheSolution) {
   Random random(8);
-  const Planted made = planted(random, mixed_laws(random, 7), 36);
+  const Planted made = planted(random, random_laws(random, 7), 36);
   const FrictionSolution s = solve(made.problem, made.r, options_of(GetParam(), 1e-10));
   EXPECT_EQ(s.report.status, SolveStatus::converged);
   EXPECT_EQ(s.report.iterations, 0);
@@ -197,7 +197,7 @@ TEST_P(AllMethods, NeedNothingWithoutContacts) {
 
 TEST_P(AllMethods, GiveTheSameBitsTwice) {
   Random random(9);
-  const Planted made = planted(random, mixed_laws(random, 14), 18);
+  const Planted made = planted(random, random_laws(random, 14), 18);
   SolverOptions options = options_of(GetParam(), 1e-10);
   options.max_iterations = 30;
   EXPECT_EQ(solve(made.problem, {}, options).r, solve(made.problem, {}, options).r);
@@ -222,7 +222,7 @@ TEST(MethodFamilies, AgreeInTheVelocities) {
   int hyperstatic = 0;
   for (unsigned seed = 0; seed < 40; ++seed) {
     Random random(seed);
-    const Planted made = planted(random, mixed_laws(random, 7 + int(seed % 8)), 24);
+    const Planted made = planted(random, random_laws(random, 7 + int(seed % 8)), 24);
     hyperstatic += made.problem.w.size() > 24;
     VecX u;
     for (const Method method : {Method::automatic, Method::interior_point, Method::admm}) {

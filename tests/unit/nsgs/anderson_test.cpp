@@ -45,7 +45,7 @@ TEST(Anderson, SavesSweepsWhereTheyContractSlowly) {
   long plain_sweeps = 0, accelerated_sweeps = 0;
   for (unsigned seed = 0; seed < 30; ++seed) {
     Random random(seed);
-    const Planted made = planted(random, mixed_laws(random, 14), 15);  // hyperstatic
+    const Planted made = planted(random, random_laws(random, 14), 15);  // hyperstatic
     for (const Method method : {Method::nsgs, Method::sor_prox, Method::jor_prox}) {
       const SolverOptions plain{.method = method, .tolerance = 1e-8, .max_iterations = 3000},
           accelerated{.method = method, .tolerance = 1e-8, .max_iterations = 3000, .anderson = 5};

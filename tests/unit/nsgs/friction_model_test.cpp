@@ -89,7 +89,7 @@ TEST(ConvexCone, MethodsAgree) {
   int different = 0;  // from Coulomb's answer, or the sample would be hollow
   for (unsigned seed = 0; seed < 30; ++seed) {
     Random random(seed);
-    const Planted made = planted(random, mixed_laws(random, 7 + int(seed % 8)), 24);
+    const Planted made = planted(random, random_laws(random, 7 + int(seed % 8)), 24);
     VecX u;
     for (const Method method : kConvexMethods) {
       const FrictionSolution s = solve(made.problem, {}, with(method, FrictionModel::convex_cone));

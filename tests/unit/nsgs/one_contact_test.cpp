@@ -126,7 +126,7 @@ double distance(const Vec3& r, const std::vector<Real3>& solutions) {
   return nearest;
 }
 
-TEST(OneContact, AgreesWithTheExhaustiveSearchOnAHundredThousandBlocks) {
+TEST(OneContact, SolvesAHundredThousandBlocksAsTheExhaustiveSearchDoes) {
   Random random(20);
   int separated = 0, stuck = 0, slipped = 0, compared = 0;
   for (int i = 0; i < 100000; ++i) {

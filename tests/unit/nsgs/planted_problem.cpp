@@ -54,7 +54,7 @@ Pair planted_pair(Random& random, const Law& law) {
 
 }  // namespace
 
-std::vector<Law> mixed_laws(Random& random, int count) {
+std::vector<Law> random_laws(Random& random, int count) {
   std::vector<Law> laws;
   for (int c = 0; c < count; ++c) {
     const double mu = random.uniform(0.05, 0.4);

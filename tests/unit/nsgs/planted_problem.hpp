@@ -19,6 +19,6 @@ struct Planted {
 Planted planted(Random& random, const std::vector<Law>& laws, int velocities, double gyroscopic = 0);
 
 /// Of the kinds in turn: coulomb, rolling, contensou, unilateral, dry friction, 2D, bilateral.
-std::vector<Law> mixed_laws(Random& random, int count);
+std::vector<Law> random_laws(Random& random, int count);
 
 }  // namespace aussois

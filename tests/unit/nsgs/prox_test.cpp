@@ -49,7 +49,7 @@ TEST(NearestInBall, SlidesAlongTheSoftAxis) {
 TEST(Prox, EndsInTheSameVelocitiesWithAnyMetricAndOrder) {
   for (unsigned seed = 0; seed < 40; ++seed) {
     Random random(seed);
-    const Planted made = planted(random, mixed_laws(random, 7), 30);
+    const Planted made = planted(random, random_laws(random, 7), 30);
     for (const Method method : {Method::sor_prox, Method::jor_prox})
       for (const ProxMetric prox : {ProxMetric::blocks, ProxMetric::split, ProxMetric::spectral}) {
         const FrictionSolution s = solve(

@@ -49,7 +49,7 @@ TEST(Delassus, HasTheSameMatrixBlocksAndShiftedInverseInBothForms) {
     Random random(seed);
     const FrictionProblem problem =
         seed % 2 == 0 ? random_peg_in_hole(random, 2, 30, 0.2)
-                      : planted(random, mixed_laws(random, 21), 300, 0.1).problem;  // sparse and dense
+                      : planted(random, random_laws(random, 21), 300, 0.1).problem;  // sparse and dense
     const std::unique_ptr<Delassus> bodies = make_delassus(problem, *invert_mass(problem.M)),
                                     contacts = make_delassus(condense(problem));
     const MatX W = contacts->matrix();
@@ -69,8 +69,9 @@ TEST(Delassus, HasTheSameMatrixBlocksAndShiftedInverseInBothForms) {
 TEST(Delassus, GivesBlocksThatFeelEachOtherDifferentColours) {
   for (unsigned seed = 0; seed < 10; ++seed) {
     Random random(seed);
-    const FrictionProblem problem = seed % 2 == 0 ? bead_chains({7, 1, 30}, 0.3)
-                                                  : planted(random, mixed_laws(random, 21), 300, 0.1).problem;
+    const FrictionProblem problem = seed % 2 == 0
+                                        ? bead_chains({7, 1, 30}, 0.3)
+                                        : planted(random, random_laws(random, 21), 300, 0.1).problem;
     const std::unique_ptr<Delassus> bodies = make_delassus(problem, *invert_mass(problem.M)),
                                     contacts = make_delassus(condense(problem));
     const MatX W = contacts->matrix();
@@ -93,7 +94,7 @@ TEST(Delassus, GivesBlocksThatFeelEachOtherDifferentColours) {
 TEST(Admm, StaysNearASolutionThatItIsGiven) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     Random random(seed);
-    const Planted made = planted(random, mixed_laws(random, 7), 36);
+    const Planted made = planted(random, random_laws(random, 7), 36);
     const SolverOptions options{.method = Method::admm, .tolerance = 1e-6};
     const VecX near = made.r + 1e-6 * uniform_vector(random, int(made.r.size()), -1, 1);
     const FrictionSolution warm = solve(made.problem, near, options), cold = solve(made.problem, {}, options);
@@ -106,7 +107,7 @@ TEST(InteriorPoint, IsAReferenceToThirteenDigits) {
   int most = 0;
   for (unsigned seed = 0; seed < 100; ++seed) {
     Random random(seed);
-    const Planted made = planted(random, mixed_laws(random, 3 + int(seed % 10)), 60, 0.02);
+    const Planted made = planted(random, random_laws(random, 3 + int(seed % 10)), 60, 0.02);
     const FrictionSolution s = solve(
         made.problem, {}, {.method = Method::interior_point, .tolerance = 1e-13, .max_iterations = 100});
     ASSERT_EQ(s.report.status, SolveStatus::converged) << "seed " << seed << " at " << s.report.residual;

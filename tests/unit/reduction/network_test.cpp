@@ -87,10 +87,10 @@ TEST(ChosenPlaces, AreTheMostProbableThatAreNoLine) {
 }
 
 TEST(OnALine, IsATriangleOfNoHeight) {
-  EXPECT_TRUE(on_a_line({0, 0, 0}, {1, 2, 3}, {-2, -4, -6}));
-  EXPECT_TRUE(on_a_line({1, 1, 1}, {1, 1, 1}, {2, 0, 0}));
-  EXPECT_FALSE(on_a_line({0, 0, 0}, {1, 0, 0}, {0, 1e-3, 0}));
-  EXPECT_FALSE(on_a_line({0, 0, 0}, {1e-6, 0, 0}, {0, 1e-6, 0}));  // small is not flat
+  EXPECT_TRUE(are_collinear({0, 0, 0}, {1, 2, 3}, {-2, -4, -6}));
+  EXPECT_TRUE(are_collinear({1, 1, 1}, {1, 1, 1}, {2, 0, 0}));
+  EXPECT_FALSE(are_collinear({0, 0, 0}, {1, 0, 0}, {0, 1e-3, 0}));
+  EXPECT_FALSE(are_collinear({0, 0, 0}, {1e-6, 0, 0}, {0, 1e-6, 0}));  // small is not flat
 }
 
 TEST(ContactSelector, KeepsTheContactsNearestToThePlacesOfTheBody) {
