@@ -88,10 +88,10 @@ def halls(root):
 
 
 def short_functions(root):
-    """No function of the library or of a driver is longer than LONGEST_FUNCTION lines, its braces included."""
+    """No function of the library, a driver or a bench is longer than LONGEST_FUNCTION lines, its braces included."""
     bad = []
-    examples = files(root / "examples", ".hpp", ".cpp")
-    for path in sources(root, ".hpp", ".cpp") + examples:
+    programs = [path for room in ("examples", "bench") for path in files(root / room, ".hpp", ".cpp")]
+    for path in sources(root, ".hpp", ".cpp") + programs:
         start = None
         for number, text in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
             if re.match(r"[A-Za-z].*\(", text) and not re.match(r"(namespace|struct|class|enum|union|using|typedef)\b", text):

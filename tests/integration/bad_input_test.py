@@ -258,8 +258,8 @@ class BadInput(DriverTest):
         self.refused_replay(USAGE, ["--threshold needs --mode kinematic"], *self.with_peg(), "--threshold", 1e-4)
 
     def test_flags_that_only_another_flag_makes_read(self):
-        for flag in ("--mu", "--stones", "--thickness", "--tilt", "--scatter"):
-            self.refused(USAGE, [f"{flag} needs --scene arch"], "peer_scene", "--scene", "tower", flag, 5 if flag == "--stones" else 0.1)
+        for flag, value in (("--mu", 0.1), ("--stones", 5), ("--thickness", 0.1), ("--tilt", 1), ("--scatter", 1e-4)):
+            self.refused(USAGE, [f"{flag} needs --scene arch"], "peer_scene", "--scene", "tower", flag, value)
         self.refused(USAGE, ["--selector-body needs --selector"], "run_scene", "--scene", "pressed_peg", "--selector-body", 1)
         for flag in ("--seed", "--noise"):
             self.refused(USAGE, [f"{flag} needs --synthetic"], "cube_toss", "--data", self.folder, flag, 0)
