@@ -18,13 +18,13 @@ function(aussois_library name)
   endforeach()
   set_target_properties(aussois_${name} PROPERTIES EXPORT_NAME ${name}
     VERIFY_INTERFACE_HEADER_SETS ON INTERFACE_HEADER_SETS_TO_VERIFY without_source
-    UNITY_BUILD ${AUSSOIS_BATCHES} UNITY_BUILD_BATCH_SIZE 6
     POSITION_INDEPENDENT_CODE ON VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   target_sources(aussois_${name} PRIVATE ${arg_SOURCES}
     PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${with_source}
            FILE_SET without_source TYPE HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${without_source})
   target_link_libraries(aussois_${name} PUBLIC aussois_options Eigen3::Eigen ${arg_USES}
     PRIVATE $<BUILD_INTERFACE:aussois_warnings>)
+  aussois_batches(aussois_${name} room)
   foreach(library IN LISTS arg_HEAVY)
     string(REGEX REPLACE "::.*" "" package ${library})
     if(package IN_LIST AUSSOIS_HEADER_ONLY)

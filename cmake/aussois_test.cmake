@@ -16,7 +16,7 @@ function(aussois_test name)
   endif()
   add_executable(${name} ${arg_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
-  set_target_properties(${name} PROPERTIES UNITY_BUILD ${AUSSOIS_BATCHES} UNITY_BUILD_BATCH_SIZE 6)
+  aussois_batches(${name} test)
   target_link_libraries(${name} PRIVATE ${arg_USES} aussois_warnings GTest::gtest_main)
   gtest_discover_tests(${name} TEST_PREFIX "${arg_LABEL}." TEST_LIST ${name}_tests DISCOVERY_TIMEOUT 60
     NO_PRETTY_VALUES   # the value of a struct is its bytes: hundreds of columns, and other ones in every build

@@ -15,8 +15,10 @@
 
 namespace aussois {
 
+inline constexpr double kGravity = 9.81;  // [m/s^2]
+
 struct Model {
-  Vec3 gravity = {0, 0, -9.81};                // [m/s^2]
+  Vec3 gravity = {0, 0, -kGravity};            // [m/s^2]
   ContactLaw contact_law{};                    // of every pair that is not listed below
   std::map<BodyPair, ContactLaw> pair_laws{};  // the smaller first
   // Pairs that pass through each other, the smaller first: no contacts, no certificate

@@ -31,7 +31,7 @@ using namespace aussois;
 
 namespace {
 
-constexpr double kGravity = 9.81, kSide = 0.1, kRadius = 1e-3, kDensity = 1000;  // SI units
+constexpr double kSide = 0.1, kRadius = 1e-3, kDensity = 1000;  // SI units
 
 struct Arguments {
   double mu = 0.3, angle = 0, speed = 1, h0 = 1e-2;

@@ -9,7 +9,7 @@
 
 namespace aussois {
 
-inline constexpr double kSide = 0.1, kRadius = 1e-3, kGravity = 9.81, kDensity = 1000;
+inline constexpr double kSide = 0.1, kRadius = 1e-3, kDensity = 1000;
 
 struct Scene {
   Model model{};

@@ -9,7 +9,7 @@
 namespace aussois {
 namespace {
 
-constexpr double kGravity = 9.81, kWall = -0.2, kRestitution = 0.5;
+constexpr double kWall = -0.2, kRestitution = 0.5;
 const Vec2 kStart(0.8, 1.2);
 
 Mat2 mass(const Vec2& q) {

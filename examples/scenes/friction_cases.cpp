@@ -10,7 +10,7 @@
 namespace aussois {
 namespace {
 
-constexpr double kGravity = 9.81, kSide = 0.1, kDensity = 1000, kDilation = 1e-2;  // SI; a block of 1 kg
+constexpr double kSide = 0.1, kDensity = 1000, kPlateDilation = 1e-2;  // SI; a block of 1 kg
 constexpr double kTouching =
     1e-14;  // overlap of what touches at the start, so that rounding does not decide [m]
 
@@ -20,12 +20,12 @@ CaseScene block_on_slope(double mu, double slope, double speed) {
   s.model.gravity = kGravity * Vec3(std::sin(slope), 0, -std::cos(slope));
   s.model.contact_law = {.mu = mu, .restitution = 0};
   const SimplicialComplex box = make_box(kSide, kSide, kSide);
-  const auto plate = add(s.model, prepare(dilate(make_plate(40, 40), kDilation)));
+  const auto plate = add(s.model, prepare(dilate(make_plate(40, 40), kPlateDilation)));
   const auto cube = add(s.model, prepare(dilate(box, 0)));
   add(s.model, fixed_body("plate", plate));
   s.body = add(s.model, solid_body("block", cube, mass_properties(box, kDensity)));
   s.state = rest_state(s.model);
-  pose(s.state, s.body).p.z() = kSide / 2 + kDilation - kTouching;
+  pose(s.state, s.body).p.z() = kSide / 2 + kPlateDilation - kTouching;
   twist(s.state, s.body)[0] = speed;
   return s;
 }
@@ -152,14 +152,14 @@ ExactMotion slip_to_roll(const SlippingSphere& s) {
 CaseScene sphere_on_plate(const SlippingSphere& s) {
   CaseScene out;
   out.model.contact_law = {.mu = s.mu, .restitution = 0};
-  const auto plate = add(out.model, prepare(dilate(make_plate(20, 20), kDilation)));
+  const auto plate = add(out.model, prepare(dilate(make_plate(20, 20), kPlateDilation)));
   const auto point = add(out.model, prepare(dilate(make_point(), s.R)));
   add(out.model, fixed_body("plate", plate));
   out.body = add(
       out.model,
       RigidBody{.name = "sphere", .shape = point, .mass = 1, .inertia = 0.4 * s.R * s.R * Mat3::Identity()});
   out.state = rest_state(out.model);
-  pose(out.state, out.body).p.z() = s.R + kDilation - kTouching;
+  pose(out.state, out.body).p.z() = s.R + kPlateDilation - kTouching;
   twist(out.state, out.body) << s.v, s.omega;
   return out;
 }
@@ -239,7 +239,7 @@ CaseScene disc_scene(const SpinningDisc& disc) {
   constexpr double kFoot = 5e-3;
   CaseScene out;
   out.model.contact_law = {.mu = disc.mu, .contensou_radius = disc.R_e()};
-  const auto plate = add(out.model, prepare(dilate(make_plate(20, 20), kDilation)));
+  const auto plate = add(out.model, prepare(dilate(make_plate(20, 20), kPlateDilation)));
   const auto point = add(out.model, prepare(dilate(make_point(), kFoot)));
   add(out.model, fixed_body("plate", plate));
   const double J = disc.R * disc.R / 4;
@@ -249,7 +249,7 @@ CaseScene disc_scene(const SpinningDisc& disc) {
                                       .mass = 1,
                                       .inertia = Vec3(J, J, 2 * J).asDiagonal()});
   out.state = rest_state(out.model);
-  pose(out.state, out.body).p.z() = kDilation - kTouching;
+  pose(out.state, out.body).p.z() = kPlateDilation - kTouching;
   twist(out.state, out.body)[0] = disc.v;
   twist(out.state, out.body)[5] = disc.spin;
   return out;

@@ -9,8 +9,8 @@
 namespace aussois {
 namespace {
 
-constexpr double kGravity = 9.81, kRadius = 0.05;  // of the ball and of the plate [m]
-constexpr double kLastSpeed = 1e-12;               // a ball that leaves slower is at rest [m/s]
+constexpr double kRadius = 0.05;      // of the ball and of the plate [m]
+constexpr double kLastSpeed = 1e-12;  // a ball that leaves slower is at rest [m/s]
 
 MotionSample along_z(double z, double v) {
   return {.q = VecX::Constant(1, z), .v = VecX::Constant(1, v)};

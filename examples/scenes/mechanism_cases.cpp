@@ -8,8 +8,6 @@
 namespace aussois {
 namespace {
 
-constexpr double kGravity = 9.81;
-
 /// Centre of mass and its velocity, of the body that is looked at.
 MotionSample centre_of_mass(const CaseScene& s, const State& state) {
   return {.q = pose(state, s.body).p, .v = twist(state, s.body).head<3>()};

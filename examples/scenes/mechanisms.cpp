@@ -11,8 +11,6 @@
 namespace aussois {
 namespace {
 
-constexpr double kGravity = 9.81;
-
 /// A rod of 1 m and 1 kg along the body's x.
 RigidBody rod(double radius) {
   return {.name = "rod", .mass = 1, .inertia = Vec3(radius * radius / 2, 1.0 / 12, 1.0 / 12).asDiagonal()};

@@ -12,9 +12,8 @@
 namespace aussois {
 namespace {
 
-constexpr double kDilation = 1e-3;                              // of boxes and prisms in the kernel [m]
+constexpr double kBoxDilation = 1e-3;                           // of boxes and prisms in the kernel [m]
 constexpr double kFallen = 0.1;                                 // [m]
-constexpr double kGravity = 9.81;                               // [m/s^2]
 constexpr double kBallRadius = 0.1, kBallMass = 10, kDrop = 5;  // of bouncing and 666 [m, kg]
 
 PeerShape ball(double radius, double mass) {
@@ -72,14 +71,14 @@ DilatedShape dilated(const PeerShape& shape) {
     case PeerShapeKind::ball:
       return dilate(make_point(), shape.size.x());
     case PeerShapeKind::box: {
-      const Vec3 s = shape.size - Vec3::Constant(2 * kDilation);
-      return dilate(make_box(s.x(), s.y(), s.z()), kDilation);
+      const Vec3 s = shape.size - Vec3::Constant(2 * kBoxDilation);
+      return dilate(make_box(s.x(), s.y(), s.z()), kBoxDilation);
     }
     case PeerShapeKind::prism:
       break;
   }
-  return dilate(make_extrusion(moved_in(shape.profile, kDilation), shape.size.z() - 2 * kDilation),
-                kDilation);
+  return dilate(make_extrusion(moved_in(shape.profile, kBoxDilation), shape.size.z() - 2 * kBoxDilation),
+                kBoxDilation);
 }
 
 // Over the energy at the start, of a ball that falls by `drop` and bounces.

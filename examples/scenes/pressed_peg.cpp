@@ -8,7 +8,7 @@ namespace aussois {
 namespace {
 
 constexpr int kPeg = 0, kSides = 32;
-constexpr double kDilation = 1e-4;  // of peg and plate [m]
+constexpr double kPegDilation = 1e-4;  // of peg and plate [m]
 
 }  // namespace
 
@@ -19,9 +19,9 @@ CaseScene pressed_peg() {
   model.gravity = {0, 0, -kPegGravity};
   model.contact_law = {.mu = 0.15};
   const SimplicialComplex core =
-      make_cylinder(peg.radius - kDilation, 2 * (peg.half_length - kDilation), kSides);
-  const ShapeId shape = add(model, prepare(dilate(core, kDilation)));
-  const auto plate = add(model, prepare(dilate(make_plate(0.2, 0.2), kDilation)));
+      make_cylinder(peg.radius - kPegDilation, 2 * (peg.half_length - kPegDilation), kSides);
+  const ShapeId shape = add(model, prepare(dilate(core, kPegDilation)));
+  const auto plate = add(model, prepare(dilate(make_plate(0.2, 0.2), kPegDilation)));
   add(model, RigidBody{.name = "peg", .shape = shape, .mass = peg.mass, .inertia = peg.inertia.asDiagonal()});
   add(model, fixed_body("plate", plate));
   add(model, ForceLaw{.name = "robot", .add_to = [](const Model&, const State&, double, GeneralisedForce& f) {
@@ -30,7 +30,7 @@ CaseScene pressed_peg() {
                         angular_part(f.f, kPeg) += at.cross(force);  // the peg stays upright
                       }});
   out.state = rest_state(model);
-  pose(out.state, 1).p.z() = -kDilation;
+  pose(out.state, 1).p.z() = -kPegDilation;
   pose(out.state, kPeg).p.z() = peg.half_length;
   return out;
 }

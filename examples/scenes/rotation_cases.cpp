@@ -9,8 +9,6 @@
 namespace aussois {
 namespace {
 
-constexpr double kGravity = 9.81;
-
 /// The axes x and z of the body, and its speed of rotation in the body [rad/s].
 MotionSample attitude(const Quat& R, const Vec3& omega) {
   Vec6 axes;

@@ -11,7 +11,7 @@
 namespace aussois {
 namespace {
 
-constexpr double kGravity = 9.81, kRestitution = 0.4;
+constexpr double kRestitution = 0.4;
 constexpr double kClearance = 1e-3;                             // on either side [m]
 constexpr double kMass[] = {0.038, 0.038, 0.076};               // crank, rod, slider [kg]
 constexpr double kInertia[] = {7.4e-5, 5.9e-4, 2.7e-6};         // about their centres [kg m^2]

@@ -166,7 +166,6 @@ Vec3 to_rim(const SE3& g, double radius) {
 }  // namespace
 
 CaseScene euler_disc(const EulerDisc& disc) {
-  constexpr double kGravity = 9.81;
   CaseScene s;
   const double across = disc.mass * disc.radius * disc.radius / 4;
   s.body = add(

@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kAtOnce = 16;  // tosses of a batch
+constexpr std::size_t kBatch = 16;  // tosses of a batch
 
 void append(std::string& bytes, const double* numbers, std::size_t count) {
   bytes.append(reinterpret_cast<const char*>(numbers), count * sizeof(double));
@@ -118,10 +118,10 @@ TossRuns roll_out_all(const std::vector<Toss>& tosses, const TossWorld& world, c
                       const std::function<bool(int done)>& go_on) {
   if (!keep.folder.empty()) std::filesystem::create_directories(keep.folder);
   TossRuns out;
-  for (std::size_t first = 0; first < tosses.size(); first += kAtOnce) {
-    const std::span batch = std::span(tosses).subspan(first, std::min(kAtOnce, tosses.size() - first));
+  for (std::size_t first = 0; first < tosses.size(); first += kBatch) {
+    const std::span batch = std::span(tosses).subspan(first, std::min(kBatch, tosses.size() - first));
     const Json key = key_of(batch, world, watch.certify, keep);
-    const std::filesystem::path path = numbered(keep.folder, name, first / kAtOnce + 1);
+    const std::filesystem::path path = numbered(keep.folder, name, first / kBatch + 1);
     const bool kept = !keep.folder.empty();
     std::optional<Batch> done;
     if (kept && keep.read) done = read_batch(path, key, batch.size());

@@ -11,9 +11,7 @@
 namespace aussois {
 namespace {
 
-constexpr double kGravity = 9.81;
-
-SchemeOptions steps(double h) {
+SchemeOptions dimer_options(double h) {
   return {.step = {.h = h, .solver = {.tolerance = 1e-12}},
           .moreau_jean = {.theta = 0.5, .law = NormalLaw::moreau}};
 }
@@ -21,7 +19,7 @@ SchemeOptions steps(double h) {
 /// Largest difference of the two end points from those of a shared series, up to t_end [s].
 double off_series(const CaseScene& s, const std::string& scheme, double h, const std::string& name,
                   double t_end) {
-  const Scheme run = make_scheme(scheme, s.model, steps(h));
+  const Scheme run = make_scheme(scheme, s.model, dimer_options(h));
   const double half = Dimer{}.half;
   State state = s.state;
   Worst out;
@@ -96,7 +94,7 @@ VerificationCase touches() {
                 const double t = std::sqrt(2 * (0.02 - d.half * std::sin(0.3) - d.radius) / kGravity);
                 State state = s.state;
                 const std::vector<StepEvent> events =
-                    step(make_scheme("event_driven", s.model, steps(0.07)), state).events;
+                    step(make_scheme("event_driven", s.model, dimer_options(0.07)), state).events;
                 const auto off = [&](std::size_t k, double right) {
                   return k < events.size() ? std::abs(events[k].t - right) : kInf;
                 };
@@ -119,10 +117,10 @@ VerificationCase at_rest() {
               [] {
                 const CaseScene s = dimer_on_vibrating_plate(0.9 * kGravity, 0.61);
                 double at = 0;
-                const State end =
-                    run_to(s, "moreau_jean", steps(1e-4), 0.6, [&](const State& state, const StepReport&) {
-                      if (state.t < 0.2 + 1e-9) at = dimer_pose(s, state)[0];
-                    });
+                const State end = run_to(s, "moreau_jean", dimer_options(1e-4), 0.6,
+                                         [&](const State& state, const StepReport&) {
+                                           if (state.t < 0.2 + 1e-9) at = dimer_pose(s, state)[0];
+                                         });
                 return Figures{{"place", std::abs(at - 2.14e-4)},
                                {"drift", std::abs(dimer_pose(s, end)[0] - at) / 0.4}};
               },
@@ -201,7 +199,7 @@ VerificationCase pushed_rod(const std::string& name) {
       .measure =
           [name] {
             const CaseScene s = dimer_and_rod(0.018, 0.012, kSpeed);
-            const Scheme scheme = make_scheme(name, s.model, steps(h));
+            const Scheme scheme = make_scheme(name, s.model, dimer_options(h));
             std::vector<State> saved = {s.state};
             double ball = 0, bar = 0;
             Worst deepest;
@@ -214,7 +212,7 @@ VerificationCase pushed_rod(const std::string& name) {
             }
             int other = 0;
             for (const std::size_t from : {0U, 1U, 50U, 100U, 125U, 150U, 249U}) {
-              const Scheme fresh = make_scheme(name, s.model, steps(h));
+              const Scheme fresh = make_scheme(name, s.model, dimer_options(h));
               State state = saved[from];
               for (std::size_t k = from; k + 1 < saved.size() && k < from + 60; ++k) {
                 step(fresh, state);

@@ -11,7 +11,7 @@
 namespace aussois {
 namespace {
 
-constexpr double kGravity = 9.81, kTilt = 0.1;
+constexpr double kTilt = 0.1;
 const double kPrecession = std::sqrt(4 * kGravity / (EulerDisc{}.radius * std::sin(kTilt)));  // 102.38 rad/s
 const double kTurn = 2 * kPi / kPrecession;
 

@@ -11,8 +11,6 @@
 namespace aussois {
 namespace {
 
-constexpr double kGravity = 9.81;
-
 CaseScene block_on(double mu, double slope) {
   CaseScene s = case_named("incline_30").scene();
   s.model.gravity = kGravity * Vec3(std::sin(slope), 0, -std::cos(slope));

@@ -10,8 +10,6 @@
 namespace aussois {
 namespace {
 
-constexpr double kGravity = 9.81;
-
 // A1, e = 1. The step of an impact at the midpoint turns the velocity and leaves the height.
 VerificationCase ball_at_the_midpoint() {
   return {.name = "A1.elastic_ball_at_the_midpoint",

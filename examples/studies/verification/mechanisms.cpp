@@ -17,8 +17,6 @@
 namespace aussois {
 namespace {
 
-constexpr double kGravity = 9.81;
-
 SchemeOptions mechanism_steps(double h) {
   return exact_options(h, NormalLaw::moreau, 1e-12);
 }

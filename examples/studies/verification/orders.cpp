@@ -12,8 +12,6 @@
 namespace aussois {
 namespace {
 
-constexpr double kGravity = 9.81;
-
 /// The cases of an item of the list: what the reference does in long steps, and orders.
 struct Item {
   const char *number, *long_steps, *orders;

@@ -8,8 +8,6 @@
 namespace aussois {
 namespace {
 
-constexpr double kGravity = 9.81;
-
 // (TOY-11), (TOY-12) in the body: gamma up, omega; rho from the centre of mass to the point that touches.
 VecX rolling(const Rattleback& r, const VecX& y) {
   const Vec3 gamma = y.head<3>(), omega = y.tail<3>(), gamma_rate = gamma.cross(omega);

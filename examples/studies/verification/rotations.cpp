@@ -7,8 +7,6 @@
 namespace aussois {
 namespace {
 
-constexpr double kGravity = 9.81;
-
 /// 3e-10 from the separatrix: only a scheme that hardly changes energy and momentum flips at the right times.
 CaseScene dzhanibekov() {
   CaseScene s = case_named("dzhanibekov").scene();

@@ -12,9 +12,7 @@
 namespace aussois {
 namespace {
 
-constexpr double kGravity = 9.81;
-
-SchemeOptions steps(double h) {
+SchemeOptions crank_options(double h) {
   return exact_options(h, NormalLaw::moreau, 1e-12);
 }
 
@@ -86,7 +84,7 @@ struct Rule {
 Figures with_friction_off(const Rule& rule) {
   const CaseScene s = (rule.of_bodies ? slider_crank_of_bodies : slider_crank_of_angles)(0.01);
   const auto observe = rule.of_bodies ? slider_of_bodies : slider_of_angles;
-  SchemeOptions o = steps(1e-5);
+  SchemeOptions o = crank_options(1e-5);
   o.moreau_jean.impact.law = rule.law;
   const Scheme scheme = make_scheme("moreau_jean", s.model, o);
   const std::vector<SeriesRow> events = shared_series("slider_crank_mu001_events.csv");
@@ -162,7 +160,7 @@ VerificationCase corners_in_turn() {
           .measure = [] {
             const auto tilting = [](ImpactOrder order) {
               const CaseScene s = slider_crank_of_bodies(0);
-              SchemeOptions o = steps(1e-5);
+              SchemeOptions o = crank_options(1e-5);
               o.moreau_jean.impact.order = order;
               const Scheme scheme = make_scheme("moreau_jean", s.model, o);
               State state = s.state;

@@ -9,7 +9,7 @@
 namespace aussois {
 namespace {
 
-constexpr double kGravity = 9.81, kDegree = kPi / 180;
+constexpr double kDegree = kPi / 180;
 
 std::string text(double number) {
   std::ostringstream out;

@@ -12,8 +12,6 @@
 namespace aussois {
 namespace {
 
-constexpr double kGravity = 9.81;
-
 ExactMotion motion_of(const char* name) {
   return case_named(name).exact(case_named(name).t_end);
 }
