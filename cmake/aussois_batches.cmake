@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # aussois_batches(<target> <kind>): with AUSSOIS_BATCHES, the sources of the target are compiled six at a time, and the
-# headers of others that most of them include are parsed once for all targets of a kind (doc/decisions/0023). Kinds
-# are room, driver and test.
+# headers of other projects that most of them include are parsed once for all targets of a kind (doc/decisions/0023).
+# Kinds are room, driver and test.
 set(AUSSOIS_PARSED_ONCE <algorithm> <array> <cmath> <filesystem> <functional> <map> <memory> <numeric> <optional> <span>
   <sstream> <stdexcept> <string> <vector> <Eigen/Core> <Eigen/Geometry> <Eigen/LU> <Eigen/SparseCore>)
 
@@ -11,7 +11,7 @@ function(aussois_batches target kind)
   endif()
   set(parsed aussois_parsed_${kind})
   if(NOT TARGET ${parsed})
-    file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/${parsed}.cpp CONTENT "// what a library needs\n")
+    file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/${parsed}.cpp CONTENT "// A library has a source; this one is there for its headers.\n")
     add_library(${parsed} OBJECT EXCLUDE_FROM_ALL ${PROJECT_BINARY_DIR}/${parsed}.cpp)
     target_link_libraries(${parsed} PRIVATE aussois_options aussois_warnings Eigen3::Eigen)
     target_precompile_headers(${parsed} PRIVATE ${AUSSOIS_PARSED_ONCE})

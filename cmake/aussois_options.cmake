@@ -25,6 +25,7 @@ if(PROJECT_IS_TOP_LEVEL AND NOT DEFINED CMAKE_CXX_COMPILER_LAUNCHER)
   mark_as_advanced(AUSSOIS_CCACHE)
   if(AUSSOIS_CCACHE)
     set(CMAKE_C_COMPILER_LAUNCHER ${AUSSOIS_CCACHE})
+    # sloppiness: without it ccache keeps nothing that a precompiled header was read for
     set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${AUSSOIS_CCACHE})
   endif()
 endif()

@@ -82,7 +82,7 @@ void describe(SettingVisitor& visit, AdvancementOptions& options);
 /// `describe` gives the ranges.
 struct StepOptions {
   double h = 1e-3;                 // largest step [s]
-  double correction_speed = 0.01;  // overlaps are pushed apart no faster [m/s]; moreau does not
+  double correction_speed = 0.01;  // at most, of overlaps that are pushed apart; moreau pushes none [m/s]
   // Gaps up to this count as closed for moreau (MJ-6); in short steps the limit is smaller. The solver's
   // tolerance and rounding leave such gaps to bodies at rest [m; rad for a limit of a rotation]
   double touching = 1e-8;

@@ -15,7 +15,7 @@
 
 namespace aussois {
 
-inline constexpr double kGravity = 9.81;  // [m/s^2]
+inline constexpr double kGravity = 9.81;  // of the Earth [m/s^2]
 
 struct Model {
   Vec3 gravity = {0, 0, -kGravity};            // [m/s^2]

@@ -18,6 +18,7 @@ namespace {
 // Nothing here is the kernel's.
 namespace ring {
 
+constexpr double kGravity = 9.81;
 const Vec3 kCorner[6] = {{0, 0, 0}, {1, 0, 0}, {1, -1, 0}, {1, -1, 1}, {0, -1, 1}, {0, 0, 1}};
 const Vec3 kAxis[3] = {Vec3::UnitY(), Vec3::UnitZ(), Vec3::UnitX()};
 

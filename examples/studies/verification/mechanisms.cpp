@@ -17,10 +17,6 @@
 namespace aussois {
 namespace {
 
-SchemeOptions mechanism_steps(double h) {
-  return exact_options(h, NormalLaw::moreau, 1e-12);
-}
-
 // The impact itself, without gravity: upright, about to change the edge. Housner's ratio is exact.
 VerificationCase housner(NormalLaw law) {
   return {.name = "C1.housners_ratio",
@@ -60,7 +56,7 @@ VerificationCase flat_block(const std::string& scheme) {
             s.state = rest_state(s.model);
             pose(s.state, s.body).p.z() = kDilation + a - 1e-14;
             twist(s.state, s.body) << Vec3(0, omega, 0).cross(Vec3(-b, 0, a)), Vec3(0, omega, 0);
-            return Figures{{"twist", twist(run_to(s, scheme, mechanism_steps(1e-4), 2e-4), s.body).norm()}};
+            return Figures{{"twist", twist(run_to(s, scheme, moreau_options(1e-4), 2e-4), s.body).norm()}};
           }};
 }
 
@@ -95,7 +91,7 @@ double worst_rocking_time(double h, const std::vector<SeriesRow>& events) {
   double tilt = 0;
   Worst worst;
   std::size_t k = 0;
-  run_to(s, "moreau_jean", mechanism_steps(h), events.back().at("t_s") + 0.05,
+  run_to(s, "moreau_jean", moreau_options(h), events.back().at("t_s") + 0.05,
          [&](const State& now, const StepReport&) {
            const double next = c.observe(s, now).q[0];
            if (tilt * next < 0 && k < events.size()) worst.add(std::abs(now.t - events[k++].at("t_s")));
@@ -239,7 +235,7 @@ VerificationCase double_pendulum_in_steps(double h) {
             Worst time;
             double before = 0;
             const State end =
-                run_to(s, "moreau_jean", mechanism_steps(h), 5, [&](const State& now, const StepReport&) {
+                run_to(s, "moreau_jean", moreau_options(h), 5, [&](const State& now, const StepReport&) {
                   const double rate = std::cos(now.q[0]) * now.v[0] + std::cos(now.q[1]) * now.v[1];
                   const double gap = std::sin(now.q[0]) + std::sin(now.q[1]) + 0.2;
                   if (before < 0 && rate > 0 && gap < 0.05 && ++impacts < exact.pieces.size())
@@ -266,7 +262,7 @@ FourBarErrors four_bar_errors(int windows, const std::string& scheme, double h, 
   const CaseScene s = four_bars(windows);
   const double before = energy(s.model, s.state).total();
   FourBarErrors out;
-  run_to(s, scheme, mechanism_steps(h), t_end, [&](const State& now, const StepReport& report) {
+  run_to(s, scheme, moreau_options(h), t_end, [&](const State& now, const StepReport& report) {
     out.angle.add(std::abs(joint_coordinate(s.model, now, 0) - exact(now.t)[0]));
     out.energy.add(std::abs(energy(s.model, now).total() / before - 1));
     out.drift.add(report.joint_error.translation);
@@ -340,7 +336,7 @@ VerificationCase squeezer_at_its_start() {
       .measure = [] {
         constexpr double h = 1e-6, kPublished[7] = {14222.4439199541, -10666.8329399656};
         const CaseScene s = squeezer();
-        const State end = run_to(s, "moreau_jean", mechanism_steps(h), h);
+        const State end = run_to(s, "moreau_jean", moreau_options(h), h);
         Worst off;
         for (int i = 0; i < 7; ++i)
           off.add(std::abs(joint_speed(s.model, end, JointId::at(i)) / h - kPublished[i]));
@@ -357,8 +353,8 @@ VerificationCase squeezer_at_its_end(const std::string& scheme) {
       .rows = {{"angle", "worst angle at the end", "rad", 1e-4, "published to 14 digits; guard: order two"},
                {"order", "order of it, 20 to 10 us, off 2", "-", 0.2, "two; guard at these steps"}},
       .measure = [scheme] {
-        const double fine = off_squeezer(scheme, mechanism_steps(1e-5)),
-                     coarse = off_squeezer(scheme, mechanism_steps(2e-5));
+        const double fine = off_squeezer(scheme, moreau_options(1e-5)),
+                     coarse = off_squeezer(scheme, moreau_options(2e-5));
         return Figures{{"angle", fine}, {"order", std::abs(std::log2(coarse / fine) - 2)}};
       }};
 }
@@ -372,7 +368,7 @@ VerificationCase squeezer_by_cayley() {
                {"coarse", "worst angle at 10 us", "rad", 1e-4, "Cayley's lag doubles it", Sense::at_least}},
       .measure = [] {
         const auto off = [](double h) {
-          SchemeOptions o = mechanism_steps(h);
+          SchemeOptions o = moreau_options(h);
           o.step.update = GroupUpdate::cayley;
           return off_squeezer("passive_midpoint", o);
         };
@@ -387,7 +383,7 @@ VerificationCase squeezer_exactly() {
           .rows = {{"angle", "worst angle at the end", "rad", 1e-7,
                     "published to 14 digits; tolerances of the equation"}},
           .measure = [] {
-            return Figures{{"angle", off_squeezer("event_driven", mechanism_steps(1e-2))}};
+            return Figures{{"angle", off_squeezer("event_driven", moreau_options(1e-2))}};
           }};
 }
 
@@ -402,7 +398,7 @@ VerificationCase squeezer_energy() {
             const auto lost = [&](double h) {
               const double before = energy(s.model, s.state).total();
               Worst worst;
-              run_to(s, "moreau_jean", mechanism_steps(h), kSqueezed,
+              run_to(s, "moreau_jean", moreau_options(h), kSqueezed,
                      [&](const State& now, const StepReport&) {
                        const double given = 0.033 * joint_coordinate(s.model, now, 0);
                        worst.add(std::abs(energy(s.model, now).total() - before - given));

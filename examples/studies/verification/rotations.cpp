@@ -42,7 +42,7 @@ struct Flipping {
 };
 Flipping flips(const std::string& name, double h) {
   const CaseScene s = dzhanibekov();
-  SchemeOptions o = exact_options(h, NormalLaw::moreau, 1e-12);
+  SchemeOptions o = moreau_options(h);
   if (name == "passive_midpoint") o.step.update = GroupUpdate::cayley;
   const Scheme scheme = make_scheme(name, s.model, o);
   const double L = momentum(s.model, s.state).angular.norm();
@@ -127,7 +127,7 @@ Off top_off(const std::string& scheme, double h, bool with_force) {
   const CaseScene s = case_named("heavy_top").scene();
   const ExactMotion exact = case_named("heavy_top").exact(2.01);
   const SeriesRow last = shared_series("heavy_top.csv").back();
-  SchemeOptions o = exact_options(h, NormalLaw::moreau, 1e-12);
+  SchemeOptions o = moreau_options(h);
   o.generalised_alpha.spectral_radius = 0.8;  // without damping the force swings on
   Off out;
   const State end = run_to(s, scheme, o, 2, [&](const State&, const StepReport& r) {

@@ -73,6 +73,10 @@ inline SchemeOptions exact_options(double h, NormalLaw law = NormalLaw::combined
           .passive_midpoint = {.law = law},
           .generalised_alpha = {.spectral_radius = 1}};
 }
+/// The same with Moreau's law, which mechanisms want, to 1e-12.
+inline SchemeOptions moreau_options(double h) {
+  return exact_options(h, NormalLaw::moreau, 1e-12);
+}
 
 /// The largest of the figures that it was given, none of which is negative. A NaN stays.
 class Worst {

@@ -12,10 +12,6 @@
 namespace aussois {
 namespace {
 
-SchemeOptions crank_options(double h) {
-  return exact_options(h, NormalLaw::moreau, 1e-12);
-}
-
 /// Centre of the slider and half its length times its tilt, from a row of the shared series.
 Vec3 slider_at(const SeriesRow& row) {
   const double th1 = row.at("th1_rad"), th2 = row.at("th2_rad");
@@ -84,7 +80,7 @@ struct Rule {
 Figures with_friction_off(const Rule& rule) {
   const CaseScene s = (rule.of_bodies ? slider_crank_of_bodies : slider_crank_of_angles)(0.01);
   const auto observe = rule.of_bodies ? slider_of_bodies : slider_of_angles;
-  SchemeOptions o = crank_options(1e-5);
+  SchemeOptions o = moreau_options(1e-5);
   o.moreau_jean.impact.law = rule.law;
   const Scheme scheme = make_scheme("moreau_jean", s.model, o);
   const std::vector<SeriesRow> events = shared_series("slider_crank_mu001_events.csv");
@@ -160,7 +156,7 @@ VerificationCase corners_in_turn() {
           .measure = [] {
             const auto tilting = [](ImpactOrder order) {
               const CaseScene s = slider_crank_of_bodies(0);
-              SchemeOptions o = crank_options(1e-5);
+              SchemeOptions o = moreau_options(1e-5);
               o.moreau_jean.impact.order = order;
               const Scheme scheme = make_scheme("moreau_jean", s.model, o);
               State state = s.state;

@@ -10,11 +10,8 @@ namespace {
 
 constexpr double kOmega = 3, kTurn = 2 * kPi / kOmega;
 
-SchemeOptions chain_options(double h) {
-  return exact_options(h, NormalLaw::moreau, 1e-12);
-}
 SchemeOptions on_mean_joints(double h) {
-  SchemeOptions out = chain_options(h);
+  SchemeOptions out = moreau_options(h);
   out.step.update = GroupUpdate::cayley;
   out.passive_midpoint.mean_joints = true;
   return out;
@@ -73,7 +70,7 @@ VerificationCase slowing_down(const Ring& chain) {
             const double r = chain.radius(), kappa = r * r / (r * r + 1.0 / 12);
             Worst energy, angular, linear, force;
             for (const double h : {2e-2, 1e-2}) {
-              const Balance now = balance(chain.scene(), "moreau_jean", chain_options(h), 5);
+              const Balance now = balance(chain.scene(), "moreau_jean", moreau_options(h), 5);
               const double lost = kappa * (1 - kappa) * std::pow(kOmega * h, 4) / 16 * 5 * kTurn / h;
               energy.add(std::abs(now.energy / lost - 1));
               angular.add(std::abs(now.angular / (lost / 2) - 1));
@@ -130,7 +127,7 @@ VerificationCase ten_turns_exactly(const Ring& chain) {
       .rows = {{"energy", "energy, relative", "-", 2e-7, "conserved; tolerances of the equation"},
                {"angular", "angular momentum, relative", "-", 1e-7, "conserved; tolerances of the equation"}},
       .measure = [chain] {
-        const Balance now = balance(chain.scene(), "event_driven", chain_options(10 * kTurn), 10);
+        const Balance now = balance(chain.scene(), "event_driven", moreau_options(10 * kTurn), 10);
         return Figures{{"energy", now.energy}, {"angular", now.angular}};
       }};
 }
@@ -144,7 +141,7 @@ VerificationCase force_exactly(const Ring& chain) {
       .measure = [chain] {
         return Figures{
             {"force",
-             std::abs(balance(chain.scene(), "event_driven", chain_options(1e-3), 0.01).force - 7.79423)}};
+             std::abs(balance(chain.scene(), "event_driven", moreau_options(1e-3), 0.01).force - 7.79423)}};
       }};
 }
 
@@ -197,8 +194,8 @@ VerificationCase hung() {
               });
               return double(worst);
             };
-            const double coarse = lost("moreau_jean", chain_options(4e-3)),
-                         fine = lost("moreau_jean", chain_options(1e-3)),
+            const double coarse = lost("moreau_jean", moreau_options(4e-3)),
+                         fine = lost("moreau_jean", moreau_options(1e-3)),
                          mean = lost("passive_midpoint", on_mean_joints(1e-3));
             return Figures{{"energy", fine},
                            {"order", std::abs(std::log(coarse / fine) / std::log(4) - 2)},
