@@ -77,7 +77,7 @@ bool print_findings(const RunAudit& found) {
   if (audit.nested > 0)
     std::printf("certify: one body was inside another in %s\n", counted_noun(audit.nested, "step").c_str());
   if (audit.uncovered > 0)
-    std::printf("certify: contacts and base distances disagree at the end of %s\n",
+    std::printf("certify: contacts and base distances disagree at the start or the end of %s\n",
                 counted_noun(audit.uncovered, "step").c_str());
   const std::vector<std::string>& skipped = found.skipped;
   if (!skipped.empty())

@@ -80,7 +80,7 @@ void train(const Job& job, bool quiet) {
   claim_folder(job.folder, job.options);
   const std::filesystem::path lessons_file = job.folder / "lessons.json";
   const auto is_there = [&](LabelMode mode) { return std::filesystem::exists(job.network(mode)); };
-  if (read_lessons(lessons_file) && std::ranges::all_of(kLabelModes, is_there)) return;
+  if (read_lessons(lessons_file, job.set.scenario) && std::ranges::all_of(kLabelModes, is_there)) return;
 
   const PegData data = read_data(job.folder, case_count(job.options));
   Progress progress("train " + job.name(), 4, Progress::style_of_stderr(quiet));
@@ -113,7 +113,7 @@ std::optional<PegResult> known_result(const Job& job) {
 bool evaluate(const Job& job, bool quiet) {
   claim_folder(job.folder, job.options);
   if (known_result(job)) return true;
-  const std::optional<LessonsLearnt> learnt = read_lessons(job.folder / "lessons.json");
+  const std::optional<LessonsLearnt> learnt = read_lessons(job.folder / "lessons.json", job.set.scenario);
   if (!learnt) throw std::runtime_error(job.folder.string() + "/lessons.json is missing: train first");
   const PegData data = read_data(job.folder, case_count(job.options));
   std::vector<Network> networks;

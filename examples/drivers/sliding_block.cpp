@@ -15,12 +15,14 @@
 #include <cstdio>
 #include <optional>
 
+#include <nlohmann/json.hpp>
+
 #include "examples/common/convergence.hpp"
-#include "examples/common/kept_json.hpp"
 #include "examples/common/many_tasks.hpp"
 #include "examples/common/progress.hpp"
 #include "examples/common/run_watch.hpp"
 #include "examples/common/scheme_flags.hpp"
+#include "examples/studies/convergence/slid_level.hpp"
 #include "geometry/check.hpp"
 #include "geometry/primitives.hpp"
 #include "integrators/run.hpp"
@@ -47,12 +49,6 @@ double deceleration(const Arguments& a) {
   return kGravity * (a.mu * std::cos(slope) - std::sin(slope));
 }
 
-/// A run with steps of one length.
-struct Level {
-  double travel = 0;  // distance slid down the slope until well after the stop [m]
-  RunAudit audit{};
-};
-
 SchemeOptions options_of(const Arguments& a, double h) {
   SchemeOptions options = scheme_options(a.scheme);
   options.step.h = h;
@@ -62,7 +58,7 @@ SchemeOptions options_of(const Arguments& a, double h) {
 }
 
 /// Nothing: it was interrupted.
-std::optional<Level> simulated(const Arguments& a, double h, const std::string& name) {
+std::optional<SlidLevel> simulated(const Arguments& a, double h, const std::string& name) {
   // 1. The scene: a plate in the plane of the slope, a block on it, gravity tilted.
   const double slope = a.angle * kPi / 180;
   const double plate_side = 4 * (kSide + a.speed * a.speed / (2 * deceleration(a)));
@@ -87,7 +83,7 @@ std::optional<Level> simulated(const Arguments& a, double h, const std::string& 
                               [](const StepReport& report) { return report.ok() && !interrupted(); });
   if (!last.ok()) throw NumericalFailure("t = " + std::to_string(state.t) + " s: " + last.reason);
   if (interrupted()) return {};
-  return Level{pose(state, block).p.x(), watch.audit()};
+  return SlidLevel{pose(state, block).p.x(), watch.audit()};
 }
 
 /// Level 1 is kept in OUT/results/level_1.json, with what it depends on, and read from there.
@@ -97,25 +93,21 @@ class Levels {
     std::filesystem::create_directories(folder_);
   }
 
-  std::optional<Level> operator()(int number, double h) {
-    using Json = nlohmann::ordered_json;
+  std::optional<SlidLevel> operator()(int number, double h) {
     const std::string name = "level_" + std::to_string(number);
     const std::filesystem::path path = folder_ / (name + ".json");
-    const Json key{{"program", program_digest()},
-                   {"scene", a_.said},
-                   {"scheme", choice_text(a_.scheme, options_of(a_, h))},
-                   {"h_s", h},
-                   {"certify", a_.watch.certify}};
+    const nlohmann::ordered_json key{{"program", program_digest()},
+                                     {"scene", a_.said},
+                                     {"scheme", choice_text(a_.scheme, options_of(a_, h))},
+                                     {"h_s", h},
+                                     {"certify", a_.watch.certify}};
     if (a_.watch.dump.folder.empty())  // else files of problems are wanted
-      if (const std::optional<Level> kept = read_kept(path, key, [](const Json& json) {
-            return Level{number_in(json.at("travel_m")), audit_in(json.at("audit"))};
-          })) {
+      if (const std::optional<SlidLevel> kept = read_level(path, key)) {
         ++known_;
         return kept;
       }
-    const std::optional<Level> made = simulated(a_, h, "sliding_block_" + name);
-    if (made)
-      write_kept(path, key, {{"travel_m", number_json(made->travel)}, {"audit", json_of(made->audit)}});
+    const std::optional<SlidLevel> made = simulated(a_, h, "sliding_block_" + name);
+    if (made) write_level(path, key, *made);
     return made;
   }
 
@@ -138,7 +130,7 @@ ExitCode slide(const Arguments& a) {
   std::vector<double> errors;
   RunAudit audit;
   for (const double h : steps) {
-    const std::optional<Level> level = levels(int(errors.size()) + 1, h);
+    const std::optional<SlidLevel> level = levels(int(errors.size()) + 1, h);
     if (!level) return ExitCode::interrupted;
     errors.push_back(std::abs(level->travel - exact));
     add(level->audit, audit);

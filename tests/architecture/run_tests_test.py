@@ -2,6 +2,7 @@
 """tools/run_tests on a build of five tests: what passed is not repeated, what did not run is listed with its reason."""
 
 import os
+import shutil
 import signal
 import subprocess
 import tempfile
@@ -37,8 +38,8 @@ class RunTests(unittest.TestCase):
         (self.build / "program").write_text(f"#!/bin/sh\n{body}\n")
         (self.build / "program").chmod(0o755)
 
-    def check(self, *arguments, code):
-        run = subprocess.run([TOOL, *arguments], capture_output=True, text=True)
+    def check(self, *arguments, code, tool=TOOL):
+        run = subprocess.run([tool, *arguments], capture_output=True, text=True)
         self.assertEqual(run.returncode, code, run.stdout + run.stderr)
         return run.stdout
 
@@ -66,6 +67,16 @@ class RunTests(unittest.TestCase):
         self.program("exit 0  # another program")
         self.assertIn("Test #1: a.passes", self.check("--all", self.build, code=0))
         self.assertIn("Test #1: a.passes", self.check(self.build, code=0))  # without --all everything runs
+
+    def test_repeats_what_reads_a_page_that_changed(self):
+        source = self.build / "source"
+        (source / "tools").mkdir(parents=True)
+        tool = Path(shutil.copy(TOOL, source / "tools"))
+        (self.build / "CTestTestfile.cmake").write_text(f'add_test(reads "grep" "-q" "true" "{source}/page.md")')
+        for text, code in (("true", 0), ("false", 1), ("true", 0)):
+            (source / "page.md").write_text(text)
+            self.check("--all", self.build, code=code, tool=tool)
+        self.assertIn("1 of 1 tests passed on this very build before", self.check("--all", self.build, code=0, tool=tool))
 
     def test_keeps_what_passed_before_it_was_interrupted(self):
         (self.build / "CTestTestfile.cmake").write_text(

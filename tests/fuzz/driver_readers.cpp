@@ -6,10 +6,12 @@
 #include "examples/common/kept_json.hpp"
 #include "examples/drivers/assembly/assembly_input.hpp"
 #include "examples/scenes/shared_series.hpp"
+#include "examples/studies/convergence/slid_level.hpp"
 #include "examples/studies/convergence/study_files.hpp"
 #include "examples/studies/friction/profile_result.hpp"
 #include "examples/studies/peg_plate/study_files.hpp"
 #include "examples/studies/toss/toss_kept.hpp"
+#include "examples/studies/toss/toss_report.hpp"
 #include "examples/studies/verification/list.hpp"
 #include "tests/fuzz/readers.hpp"
 
@@ -20,8 +22,14 @@ namespace fs = std::filesystem;
 
 // As the folder of a user has it.
 void make_pairs(const fs::path& file, Bytes input) {
-  fs::create_directories(file.parent_path() / "assembly");
-  write_input(file.parent_path() / "assembly" / "pairs.csv", input);
+  const fs::path folder = file.parent_path();
+  fs::create_directories(folder / "assembly");
+  fs::create_directories(folder / "meshes");
+  for (const char* part : {"socket", "peg"})
+    std::ofstream(folder / "meshes" / (std::string(part) + ".obj"))
+        << "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+  std::ofstream(folder / "assembly" / "peg.csv") << "x,y,z,qw,qx,qy,qz\n0,0,20,1,0,0,0\n0,0,21,1,0,0,0\n";
+  write_input(folder / "assembly" / "pairs.csv", input);
 }
 
 void use_pairs(const fs::path& file) {
@@ -31,18 +39,18 @@ void use_pairs(const fs::path& file) {
   }
 }
 
-void use_study(const fs::path& file) {
-  const std::optional<Study> study =
-      read_study(file, {.case_name = "ball_e05", .scheme = "moreau_jean theta 0.5 combined"}, 1);
-  if (!study) return;
-  order_table({*study});
-  write_input(file, {});
-  if (read_study(file, *study, 1)) throw std::logic_error("an empty file is no study");
+void report_on(const std::vector<TossRun>& runs) {
+  statistics_of(runs);
+  bin_counts({runs[0].errors.position}, 1, 3);
 }
 
 void use_toss(const fs::path& file) {
-  const TossStart start = start_of(scaled_toss(read_toss(file), kTossScaleError));
-  checked_pose(start.pose, "start");
+  const Toss toss = scaled_toss(read_toss(file), kTossScaleError);
+  checked_pose(start_of(toss).pose, "start");
+  try {
+    report_on({roll_out(toss, {.substeps = 1})});
+  } catch (const std::invalid_argument&) {  // too fast, or too long a step
+  }
 }
 
 void use_samples(const fs::path& file) {
@@ -111,7 +119,12 @@ Kept kept_lessons() {
                 write_lessons(folder / "lessons.json", {});
                 return folder / "lessons.json";
               },
-          .read = [](const fs::path& folder) { return read_lessons(folder / "lessons.json").has_value(); }};
+          .read =
+              [](const fs::path& folder) {
+                const auto lessons = read_lessons(folder / "lessons.json", PegScenario::edge);
+                if (lessons) peg_choices(PegScenario::edge).at(std::size_t(lessons->best_choice));
+                return lessons.has_value();
+              }};
 }
 
 Kept kept_scores() {
@@ -122,7 +135,9 @@ Kept kept_scores() {
               },
           .read =
               [](const fs::path& folder) {
-                return read_result(folder / "result.json", "surface", 0).has_value();
+                const std::optional<PegResult> result = read_result(folder / "result.json", "surface", 0);
+                if (result) score_table({*result}), verdicts({*result}, {});
+                return result.has_value();
               }};
 }
 
@@ -134,7 +149,82 @@ Kept kept_training() {
               },
           .read =
               [](const fs::path& folder) {
-                return read_training_check(folder / "training.json", 0).has_value();
+                const std::optional<TrainingCheck> check = read_training_check(folder / "training.json", 0);
+                if (check) verdicts({}, {*check});
+                return check.has_value();
+              }};
+}
+
+Kept kept_study() {
+  static const Study asked = [] {
+    Study out{.case_name = "ball_e05", .scheme = "moreau_jean"};
+    out.options.levels = 3;
+    out.h = {0.04, 0.02, 0.01};
+    out.errors.assign(3, Errors{1, 1, 1, 1});
+    out.cut.assign(3, 0);
+    return out;
+  }();
+  return {.write =
+              [](const fs::path& folder) {
+                write_study(folder / "study.json", asked, 1);
+                return folder / "study.json";
+              },
+          .read =
+              [](const fs::path& folder) {
+                const std::optional<Study> study = read_study(folder / "study.json", asked, 1);
+                if (study) order_table({*study}), to_string(*study);
+                return study.has_value();
+              }};
+}
+
+// What is damaged is rolled out again, and written over.
+Kept kept_rollout() {
+  const auto known_in = [](const fs::path& folder) {
+    static const std::vector<Toss> tosses{{.name = "toss",
+                                           .t = {0, 0.01},
+                                           .pose = std::vector(2, translation(0, 0, 1)),
+                                           .twist = std::vector<Vec6>(2, Vec6::Zero())}};
+    const TossRuns known =
+        roll_out_all(tosses, {.substeps = 1}, {}, {.folder = folder}, "all", 1, [](int) { return true; });
+    report_on(known.runs);
+    return known.known;
+  };
+  return {.write =
+              [known_in](const fs::path& folder) {
+                known_in(folder);
+                return folder / "all_001.json";
+              },
+          .read = [known_in](const fs::path& folder) { return known_in(folder) == 1; }};
+}
+
+Kept kept_level() {
+  return {.write =
+              [](const fs::path& folder) {
+                write_level(folder / "level_1.json", {{"h_s", 1e-3}}, {.travel = 1});
+                return folder / "level_1.json";
+              },
+          .read =
+              [](const fs::path& folder) {
+                return read_level(folder / "level_1.json", {{"h_s", 1e-3}}).has_value();
+              }};
+}
+
+// Of another study: it is refused.
+Kept kept_claim() {
+  return {.write =
+              [](const fs::path& folder) {
+                fs::remove(folder / "options.json");
+                claim_folder(folder, {});
+                return folder / "options.json";
+              },
+          .read =
+              [](const fs::path& folder) {
+                try {
+                  claim_folder(folder, {});
+                } catch (const std::invalid_argument&) {
+                  return false;
+                }
+                return true;
               }};
 }
 
@@ -142,8 +232,9 @@ Kept kept_training() {
 // found are added, since an input cannot know the digest of the program. What is no JSON is the file as it
 // stands.
 void use_kept(const fs::path& file) {
-  static const std::vector<Kept> kinds{kept_measurement(), kept_profile(), kept_point(),
-                                       kept_lessons(),     kept_scores(),  kept_training()};
+  static const std::vector<Kept> kinds{kept_measurement(), kept_profile(),  kept_point(), kept_lessons(),
+                                       kept_scores(),      kept_training(), kept_study(), kept_rollout(),
+                                       kept_level(),       kept_claim()};
   const std::string input = read_file(file);
   const Kept& kind = kinds[input.empty() ? 0 : std::size_t(input[0] - '0') % kinds.size()];
   const fs::path folder = file.parent_path() / "kept", kept = kind.write(folder);
@@ -153,15 +244,17 @@ void use_kept(const fs::path& file) {
   auto fields = nlohmann::ordered_json::parse(text, nullptr, false);
   if (fields.is_object()) fields = with_key(fields, good);
   std::ofstream(kept) << (fields.is_object() ? fields.dump() : text);
-  kind.read(folder);
+  if (!kind.read(folder)) throw std::runtime_error("the work is done again");
 }
 
 }  // namespace
 
 std::vector<FuzzedReader> driver_readers() {
-  return {{"pairs", ".csv", make_pairs, use_pairs},    {"study", ".json", write_input, use_study},
-          {"toss", ".csv", write_input, use_toss},     {"samples", ".csv", write_input, use_samples},
-          {"series", ".csv", write_input, use_series}, {"kept", ".json", write_input, use_kept}};
+  return {{"pairs", ".csv", make_pairs, use_pairs},
+          {"toss", ".csv", write_input, use_toss},
+          {"samples", ".csv", write_input, use_samples},
+          {"series", ".csv", write_input, use_series},
+          {"kept", ".json", write_input, use_kept}};
 }
 
 }  // namespace aussois

@@ -43,17 +43,24 @@ FuzzedReader chosen() {
 }
 
 }  // namespace
+
+bool is_accepted(Bytes input) {
+  static const FuzzedReader reader = chosen();
+  static const Folder folder;
+  const fs::path file = folder.path / ("input" + reader.extension);
+  reader.make(file, input);
+  try {
+    reader.read(file);
+  } catch (const std::runtime_error&) {
+    return false;
+  }
+  return true;
+}
+
 }  // namespace aussois
 
 // NOLINTNEXTLINE(readability-identifier-naming): libFuzzer calls it so
 extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t size) {
-  static const aussois::FuzzedReader reader = aussois::chosen();
-  static const aussois::Folder folder;
-  const std::filesystem::path file = folder.path / ("input" + reader.extension);
-  reader.make(file, {data, size});
-  try {
-    reader.read(file);
-  } catch (const std::runtime_error&) {  // refused, as it may be
-  }
+  aussois::is_accepted({data, size});
   return 0;
 }

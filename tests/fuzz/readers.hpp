@@ -31,6 +31,9 @@ std::vector<FuzzedReader> hdf5_readers();
 /// An input is the file; for `kept` a digit that chooses the kind of result, then fields of it.
 std::vector<FuzzedReader> driver_readers();
 
+/// False: the reader that the environment variable AUSSOIS_FUZZ names refuses the input.
+bool is_accepted(Bytes input);
+
 /// The bytes as a file.
 void write_input(const std::filesystem::path& file, Bytes input);
 

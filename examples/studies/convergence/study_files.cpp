@@ -122,6 +122,8 @@ std::optional<Study> read_study(const std::filesystem::path& path, const Study& 
       out.errors.push_back(errors_in(level));
       out.cut.push_back(level.at("cut"));
     }
+    require_field(int(out.h.size()) >= wanted.options.levels, "levels_done", out.h.size(),
+                  "be no fewer than asked for");
     return out;
   });
 }

@@ -230,9 +230,12 @@ void write_lessons(const std::filesystem::path& path, const LessonsLearnt& lesso
              {{"best_choice", lessons.best_choice}, {"upright_share", number_json(lessons.upright_share)}});
 }
 
-std::optional<LessonsLearnt> read_lessons(const std::filesystem::path& path) {
-  return read_kept(path, {}, [](const Json& json) {
-    return LessonsLearnt{json.at("best_choice"), number_in(json.at("upright_share"))};
+std::optional<LessonsLearnt> read_lessons(const std::filesystem::path& path, PegScenario scenario) {
+  return read_kept(path, {}, [&](const Json& json) {
+    const LessonsLearnt out{json.at("best_choice"), number_in(json.at("upright_share"))};
+    require_field(out.best_choice >= 0 && out.best_choice < int(peg_choices(scenario).size()), "best_choice",
+                  out.best_choice, "number one of the scenario's choices");
+    return out;
   });
 }
 

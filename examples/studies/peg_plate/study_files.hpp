@@ -23,8 +23,8 @@ PegData read_data(const std::filesystem::path& folder, int cases);
 
 /// What training leaves besides its networks: lessons.json.
 void write_lessons(const std::filesystem::path& path, const LessonsLearnt& lessons);
-/// Nothing: not there, or damaged.
-std::optional<LessonsLearnt> read_lessons(const std::filesystem::path& path);
+/// Nothing: not there, or damaged, or of a choice that the scenario has not.
+std::optional<LessonsLearnt> read_lessons(const std::filesystem::path& path, PegScenario scenario);
 
 void write_result(const std::filesystem::path& path, const PegResult& result);
 /// Nothing: not there, damaged, or of another set or seed.

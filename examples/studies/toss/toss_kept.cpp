@@ -56,11 +56,18 @@ Json json_of(const TossRun& run) {
           {"audit", aussois::json_of(run.audit)}};
 }
 
+// Infinite where the cube flew off.
+double error_in(const Json& json) {
+  const double error = number_in(json);
+  if (!(error >= 0)) throw std::invalid_argument("an error below zero, or no number");
+  return error;
+}
+
 TossRun run_in(const Json& json) {
   return {.start = json.at("start"),
-          .errors = {.position = number_in(json.at("position_m")),
-                     .rotation = number_in(json.at("rotation")),
-                     .loss = number_in(json.at("loss"))},
+          .errors = {.position = error_in(json.at("position_m")),
+                     .rotation = error_in(json.at("rotation")),
+                     .loss = error_in(json.at("loss"))},
           .steps = json.at("steps"),
           .most_contacts = json.at("most_contacts"),
           .reduced_steps = json.at("reduced_steps"),
@@ -157,10 +164,10 @@ std::filesystem::path path_of(const FitPlace& place, const TossKeep& keep) {
 std::optional<FitPoint> read_point(const TossKeep& keep, const FitPlace& place) {
   if (keep.folder.empty()) return {};
   return read_kept(path_of(place, keep), key_of(place, keep), [&](const Json& json) {
-    FitPoint out{.error = number_in(json.at("error_m")),
+    FitPoint out{.error = error_in(json.at("error_m")),
                  .steps = json.at("steps"),
                  .audit = audit_in(json.at("audit"))};
-    for (const Json& error : json.at("errors_m")) out.each.push_back(number_in(error));
+    for (const Json& error : json.at("errors_m")) out.each.push_back(error_in(error));
     if (out.each.size() != place.tosses.size()) throw std::invalid_argument("another number of tosses");
     return out;
   });

@@ -32,13 +32,6 @@ std::vector<double> each(const std::vector<TossRun>& runs, double (*of)(const To
   return out;
 }
 
-// How many values lie in each bin; the last holds all that is beyond.
-std::vector<int> counts(const std::vector<double>& values, double width) {
-  std::vector<int> out(kBins, 0);
-  for (const double v : values) ++out[std::min(int(v / width), kBins - 1)];
-  return out;
-}
-
 // Where the toss goes: the whole board would reach to the horizon.
 RunMesh board_below(const Toss& toss) {
   Vec2 lo = Vec2::Constant(kInf), hi = -lo;
@@ -68,6 +61,12 @@ Spread spread_of(std::vector<double> values) {
   std::ranges::sort(values);
   const std::size_t half = values.size() / 2;
   out.median = values.size() % 2 ? values[half] : (values[half - 1] + values[half]) / 2;
+  return out;
+}
+
+std::vector<int> bin_counts(const std::vector<double>& values, double width, int bins) {
+  std::vector<int> out(std::size_t(bins), 0);
+  for (const double v : values) ++out[std::size_t(std::max(0.0, std::min(bins - 1.0, v / width)))];
   return out;
 }
 
@@ -102,8 +101,8 @@ void write_toss_table(const std::filesystem::path& folder, const std::vector<Tos
 }
 
 bool write_toss_histogram(const std::filesystem::path& folder, const std::vector<TossRun>& runs) {
-  const std::vector<int> position = counts(each(runs, percent), kPositionBin),
-                         rotation = counts(each(runs, degrees), kRotationBin);
+  const std::vector<int> position = bin_counts(each(runs, percent), kPositionBin, kBins),
+                         rotation = bin_counts(each(runs, degrees), kRotationBin, kBins);
   CsvTable csv(folder / "histogram.csv",
                {"position_percent", "tosses", "rotation_deg", "tosses_by_rotation"});
   for (int i = 0; i < kBins; ++i)

@@ -14,6 +14,9 @@ struct Spread {
 };
 Spread spread_of(std::vector<double> values);  // of one or more
 
+/// How many values lie in each bin; the last holds all that is beyond, also what is no number.
+std::vector<int> bin_counts(const std::vector<double>& values, double width, int bins);
+
 /// Over the tosses, of (TOSS-2) and (TOSS-3).
 struct TossStatistics {
   Spread position{};  // [% of the edge]

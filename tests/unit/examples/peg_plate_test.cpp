@@ -406,13 +406,16 @@ TEST(PegFiles, GiveBackWhatWasWritten) {
   }
   EXPECT_NE(message_of<std::runtime_error>([&] { read_data(folder, 2); }).find("001.csv"), std::string::npos);
 
-  EXPECT_FALSE(read_lessons(folder / "lessons.json"));
+  EXPECT_FALSE(read_lessons(folder / "lessons.json", PegScenario::edge));
   write_lessons(folder / "lessons.json", {.best_choice = 17, .upright_share = 0.25});
-  EXPECT_EQ(read_lessons(folder / "lessons.json")->best_choice, 17);
-  EXPECT_EQ(read_lessons(folder / "lessons.json")->upright_share, 0.25);
-
+  EXPECT_EQ(read_lessons(folder / "lessons.json", PegScenario::edge)->best_choice, 17);
+  EXPECT_EQ(read_lessons(folder / "lessons.json", PegScenario::edge)->upright_share, 0.25);
+  for (const int none : {-1, int(peg_choices(PegScenario::edge).size()), 100000000}) {
+    write_lessons(folder / "lessons.json", {.best_choice = none});
+    EXPECT_FALSE(read_lessons(folder / "lessons.json", PegScenario::edge)) << none;
+  }
   write_bytes(folder / "lessons.json", "{\"best_choice\": \"many\", \"upright_share\": 1}");
-  EXPECT_FALSE(read_lessons(folder / "lessons.json"));
+  EXPECT_FALSE(read_lessons(folder / "lessons.json", PegScenario::edge));
 
   EXPECT_FALSE(read_training_check(folder / "training.json", 3));
   write_training_check(folder / "training.json",

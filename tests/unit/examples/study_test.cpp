@@ -217,6 +217,9 @@ TEST(StudyFile, ReadsBackWhatItHoldsForThisProgramOnly) {
   EXPECT_FALSE(read_study(file.parent_path() / "none.json", s, 42).has_value());
   write_bytes(file, to_json(s, 42).substr(0, 100));
   EXPECT_FALSE(read_study(file, s, 42).has_value());
+  s.h.pop_back(), s.errors.pop_back(), s.cut.pop_back();
+  write_study(file, s, 42);
+  EXPECT_FALSE(read_study(file, s, 42).has_value()) << "fewer step sizes than asked for";
 }
 
 TEST(OrderTable, MarksWhatIsMissedExactShortenedLessPromisedOrNotThere) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "examples/studies/toss/toss_fit.hpp"
 #include "examples/studies/toss/toss_kept.hpp"
@@ -166,6 +167,16 @@ TEST(Toss, IsRolledOutAgainInAnotherWorld) {
     EXPECT_EQ(known_in(world), 0) << "written over";
   }
   EXPECT_EQ(known_in(world, 1), 0);
+  for (const char* damage : {"-1", "\"nan\"", "\"-inf\""}) {
+    auto json = nlohmann::ordered_json::parse(content_of(keep.folder / "all_001.json"));
+    json["runs"][0]["position_m"] = nlohmann::ordered_json::parse(damage);
+    write_bytes(keep.folder / "all_001.json", json.dump());
+    EXPECT_EQ(known_in(world, 1), 0) << damage;
+  }
+}
+
+TEST(Toss, LastBinHoldsWhatIsBeyond) {
+  EXPECT_EQ(bin_counts({0, 0.9, 1, 2, 1e12, kInf, -1, std::nan("")}, 1, 3), (std::vector{3, 1, 4}));
 }
 
 TEST(Toss, SpreadIsThatOfASample) {
