@@ -9,14 +9,10 @@
 #include "mechanics/mechanism.hpp"
 
 namespace aussois {
-namespace {
 
-// A pose after a constant twist for a time; it keeps its bits if there is none.
 SE3 retract(const SE3& g, const Vec6& twist, double time) {
   return twist.isZero(0) ? g : pose_at({.g = g, .v = twist.head<3>(), .omega = twist.tail<3>()}, time);
 }
-
-}  // namespace
 
 State retract(const Model& model, State state, const VecX& v, double time) {
   PerBody<SE3> g = state.g;

@@ -9,6 +9,8 @@
 
 namespace aussois {
 
+/// A pose after a constant twist for a time (MJ-8); it keeps its bits if there is none.
+SE3 retract(const SE3& g, const Vec6& twist, double time);
 /// The state after moving its poses, coordinates and turns at the constant velocities `v`, laid out as
 /// State::v, for a time (MJ-8). The pose of a body that does not move stays the same bit for bit. Time,
 /// velocities and memory are unchanged.

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "geometry/settings.hpp"
-#include "lmd/motion_bound.hpp"
 #include "mechanics/model.hpp"
+#include "mechanics/motion.hpp"
 #include "mechanics/state.hpp"
 
 namespace aussois {
@@ -38,7 +38,7 @@ TrajectoryPoint handle_at(const Model& model, const State& state, BodyId handle,
   if (const auto* moved = std::get_if<PrescribedMotion>(&body.motion))
     return trajectory_point(moved->path, t);
   if (!is_moved(body)) return {.pose = pose(state, handle)};
-  return {pose_at({.g = pose(state, handle), .v = v.head<3>(), .omega = v.tail<3>()}, t - state.t), v};
+  return {retract(pose(state, handle), v, t - state.t), v};
 }
 
 using Target = std::function<TrajectoryPoint(const Model&, const State&, double t)>;

@@ -37,7 +37,7 @@ std::string scene_text(const Cli& cli, const std::string& content, const std::ve
 
 void check(const Cli& cli, const RunFlags& flags) {
   refuse_unread_flags(cli, flags.scheme);
-  check(flags.dump, flags.scheme.scheme);
+  check(cli, flags.dump, flags.scheme.scheme);
 }
 
 namespace {

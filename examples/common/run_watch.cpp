@@ -45,7 +45,8 @@ void add_options(Cli& cli, WatchFlags& flags, const std::string& runs) {
   add_options(cli, flags.dump);
 }
 
-void check(const DumpOptions& dump, const std::string& scheme) {
+void check(const Cli& cli, const DumpOptions& dump, const std::string& scheme) {
+  if (dump.folder.empty()) refuse_given(cli, {"--dump-steps"}, "--dump-problem");
   step_choice(dump.steps);
   const std::vector<std::string> unread = unread_by(scheme);
   require(dump.folder.empty() || std::ranges::find(unread, "step.keep_problem") == unread.end(),

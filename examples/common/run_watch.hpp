@@ -24,8 +24,9 @@ struct WatchFlags {
 void add_certify(Cli& cli, int& samples, const std::string& runs = {});
 /// --certify, in a group "run", and the options of a dump. `runs` as one calls them: "tosses".
 void add_options(Cli& cli, WatchFlags& flags, const std::string& runs);
-/// Throws std::invalid_argument for a bad choice of steps, or if the scheme solves no one-step problem.
-void check(const DumpOptions& dump, const std::string& scheme);
+/// Throws std::invalid_argument for a bad choice of steps, for one without a folder of the dump, or if the
+/// scheme solves no one-step problem.
+void check(const Cli& cli, const DumpOptions& dump, const std::string& scheme);
 
 /// What the audits of one run or of many found.
 struct RunAudit {

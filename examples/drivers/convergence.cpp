@@ -265,7 +265,7 @@ int main(int argc, char** argv) {
         require(!a.all,
                 flag + " cannot be combined with --all, which runs every scheme with its own settings");
     refuse_unread_flags(cli, a.scheme);
-    check(a.dump, a.scheme.scheme);
+    check(cli, a.dump, a.scheme.scheme);
     take(a.said, a.study);
     if (!a.all) a.study.settings = cli.values("scheme") + cli.values("solver");
     return run(a);

@@ -260,7 +260,7 @@ int main(int argc, char** argv) {
   add_options(cli, a.scheme);
   add_options(cli, a.watch, "roll-outs");
   cli.common(a.common, Cli::Restart::by_itself);
-  cli.example("cube_toss --data cube_toss --json out/toss.json", "347 tosses in a few seconds");
+  cli.example("cube_toss --data cube_toss --json out/toss.json", "all 347 tosses");
   cli.example("cube_toss --data cube_toss --fit",
               "friction and restitution from one half, tested on the other");
   cli.example("cube_toss --data first --fit --test second", "the same with two folders");
@@ -268,7 +268,7 @@ int main(int argc, char** argv) {
               "recovers the values that its synthetic tosses were made with");
   return run_driver(cli, argc, argv, [&] {
     refuse_unread_flags(cli, a.scheme);
-    check(a.watch.dump, a.scheme.scheme);
+    check(cli, a.watch.dump, a.scheme.scheme);
     if (a.synthetic == 0) refuse_given(cli, {"--seed", "--noise"}, "--synthetic");
     if (!a.fit)
       refuse_given(cli, {"--from-mu", "--from-restitution", "--swap", "--measure-board", "--test"}, "--fit");

@@ -208,7 +208,7 @@ int main(int argc, char** argv) {
               "your own gear, with its axis along y");
   return run_driver(cli, argc, argv, [&] {
     refuse_unread_flags(cli, a.scheme);
-    check(a.watch.dump, a.scheme.scheme);
+    check(cli, a.watch.dump, a.scheme.scheme);
     return draw(a);
   });
 }

@@ -177,7 +177,7 @@ int main(int argc, char** argv) {
   cli.example("sliding_block --angle 10 --speed 0.5", "on a slope");
   return run_driver(cli, argc, argv, [&] {
     refuse_unread_flags(cli, a.scheme);
-    check(a.watch.dump, a.scheme.scheme);
+    check(cli, a.watch.dump, a.scheme.scheme);
     a.said = cli.values("scene");
     return slide(a);
   });

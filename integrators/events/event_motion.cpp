@@ -5,7 +5,7 @@
 
 #include "integrators/events/event_run.hpp"
 #include "integrators/tell/ledgers.hpp"
-#include "lmd/motion_bound.hpp"
+#include "mechanics/motion.hpp"
 
 namespace aussois {
 namespace {
@@ -112,8 +112,8 @@ State EventRun::unpacked(double t, const VecX& y) const {
       pose(out, b).p = y.segment<3>(at);
       pose(out, b).R = Quat(Eigen::Vector4d(y.segment<4>(at + 3))).normalized();
       at += 7;
-    } else if (const Vec6 v = twist(state_, b); !v.isZero(0)) {
-      pose(out, b) = pose_at({.g = pose(state_, b), .v = v.head<3>(), .omega = v.tail<3>()}, t - state_.t);
+    } else {
+      pose(out, b) = retract(pose(state_, b), twist(state_, b), t - state_.t);
     }
   }
   out.q = y.segment(layout_.q, state_.q.size());

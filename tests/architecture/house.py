@@ -184,13 +184,14 @@ def one_definition(root):
 
 
 def velocity_places(root):
-    """Where the velocities of a body stand is said in mechanics/layout.hpp: no other room behind it counts in sixes."""
+    """Where the velocities of a body stand, and where they lead, is said in mechanics: no room behind it counts in sixes or moves a pose."""
     behind = [path for path in sources(root, ".hpp", ".cpp")
               if path.relative_to(root).parts[0] in ("integrators", "io")]
     behind += [path for folder in ("examples", "bench") for path in files(root / folder, ".hpp", ".cpp")]
     sixes = lines(root, behind, r"(?:\[|\(|= |, )6 \* ?(?:Eigen::Index|\w*[bB]od\w*|b\b|i\b|k\b|k[A-Z]\w*|\w\.\w+)")
-    return [f"{place}: say first_velocity, of_body, linear_part or angular_part (mechanics/layout.hpp)"
-            for place, _ in sixes]
+    moved = lines(root, behind, r"\bpose_at\(")
+    return [f"{place}: say first_velocity, body_part, linear_part or angular_part (mechanics/layout.hpp)"
+            for place, _ in sixes] + [f"{place}: say retract (mechanics/motion.hpp)" for place, _ in moved]
 
 
 def strong_ids(root):

@@ -261,6 +261,8 @@ class BadInput(DriverTest):
         for flag, value in (("--mu", 0.1), ("--stones", 5), ("--thickness", 0.1), ("--tilt", 1), ("--scatter", 1e-4)):
             self.refused(USAGE, [f"{flag} needs --scene arch"], "peer_scene", "--scene", "tower", flag, value)
         self.refused(USAGE, ["--selector-body needs --selector"], "run_scene", "--scene", "pressed_peg", "--selector-body", 1)
+        for driver in (("run_scene", "--scene", "arch"), ("sliding_block",), ("convergence",), ("cube_toss", "--synthetic", 2)):
+            self.refused(USAGE, ["--dump-steps needs --dump-problem"], *driver, "--dump-steps", "3")
         for flag in ("--seed", "--noise"):
             self.refused(USAGE, [f"{flag} needs --synthetic"], "cube_toss", "--data", self.folder, flag, 0)
         for flag, value in (("--from-mu", 0.2), ("--from-restitution", 0.2), ("--test", self.folder)):

@@ -59,7 +59,8 @@ TEST(RunWatch, WritesProblemsUnderTheNameOfTheRun) {
   State end;
   audit_of({.dump = {.folder = folder, .steps = "25"}}, end);
   EXPECT_TRUE(std::filesystem::exists(folder / "fall_000025.hdf5"));
-  EXPECT_NE(message_of([] { check({.folder = "steps"}, "event_driven"); }).find("no one-step problem"),
+  const Cli cli("driver", "of nothing");
+  EXPECT_NE(message_of([&] { check(cli, {.folder = "steps"}, "event_driven"); }).find("no one-step problem"),
             std::string::npos);
 }
 

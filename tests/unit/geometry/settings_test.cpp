@@ -92,7 +92,7 @@ TEST(Settings, NameAMethodByWhatIsNotUsual) {
             "green walls dimmed height 3");
 }
 
-TEST(Settings, AreRefusedWhereNobodyReadsThem) {
+TEST(Settings, AreRefusedWhereNothingReadsThem) {
   const std::vector<std::string> unread{"lamp.bulbs", "height"};
   EXPECT_NO_THROW(refuse_unread(Room{.lamp = {.power = 3}}, unread, "a cave"));
   EXPECT_EQ(message_of([&] { refuse_unread(Room{.lamp = {.bulbs = 3}}, unread, "a cave"); }),

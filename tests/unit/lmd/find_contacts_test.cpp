@@ -241,6 +241,19 @@ TEST(PairScratch, IsKeptForABallHoweverItTurns) {
   }
 }
 
+// As doc/tutorials/02_two_meshes_touch.md says.
+TEST(FindContacts, OfATiltedBoxAreTheCornersOfItsLowerEdge) {
+  const LmdShape lower = prepared(make_box(0.2, 0.2, 0.1), 1e-3),
+                 upper = prepared(make_box(0.1, 0.1, 0.1), 1e-3);
+  const auto contacts = [&](double tilt) {
+    const SE3 place{exp_so3(Vec3(0, 0, 0.5)) * exp_so3(Vec3(tilt, 0, 0)), Vec3(0, 0, 0.1021)};
+    EXPECT_GT(base_distance({&upper, SE3{}, {place}}, {&lower, SE3{}, {}}, 1), 0);
+    return find_contacts({&upper, place, 1}, {&lower, SE3{}, 0}, {.threshold = 1e-3}).points.size();
+  };
+  EXPECT_EQ(contacts(0), 4U);
+  EXPECT_EQ(contacts(0.02), 2U);
+}
+
 // The threshold of a step is about as far as a box slides in it, a window is to last for eight.
 TEST(PairScratch, IsKeptForABoxThatSlides) {
   const LmdShape ground = prepared(make_box(80, 80, 1), 1e-3), box = prepared(make_box(20, 20, 1), 1e-3);
