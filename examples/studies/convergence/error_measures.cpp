@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace aussois {
 namespace {
@@ -11,6 +12,7 @@ constexpr int kSamples = 20;         // of each smooth piece of a step
 constexpr double kPrecision = 1e-3;  // of a graph distance, relative
 constexpr double kMostPoints = 1e5;  // of the exact graph
 constexpr double kRounding = 1e-15;  // distances below are none
+constexpr int kHalvings = 50;        // of a segment of a graph, at most
 
 // Integral of |v_h - v| over a step, v_h constant: midpoints, of each smooth piece of v apart (CONV-2).
 double l1_of_step(double begin, double end, const VecX& v_h, const ExactMotion& exact) {
@@ -61,21 +63,32 @@ Nearest nearest_segment(const VecX& x, const Graph& g, double enough) {
   return out;
 }
 
+struct Piece {
+  VecX a{}, b{};
+  int halvings = 0;  // left
+};
+
 // The largest distance of a point of [a, b] from the graph, if it is more than `known`: halves are looked at
 // while a bound of theirs is. Distance grows no faster than the point moves, and that from one segment is
 // convex.
-double farthest_of_segment(const VecX& a, const VecX& b, const Graph& g, double known, int depth) {
-  const VecX middle = (a + b) / 2;
-  const double half = (b - a).norm() / 2;
-  const auto bound = [&] { return known * (1 + kPrecision) + kRounding; };
-  const Nearest nearest = nearest_segment(middle, g, bound() - half);
-  if (nearest.distance + half <= bound()) return known;
-  known = std::max(known, nearest.distance);
-  const double convex =
-      std::max(distance_to_segment(a, g, nearest.segment), distance_to_segment(b, g, nearest.segment));
-  if (std::min(nearest.distance + half, convex) <= bound() || depth == 0) return known;
-  known = farthest_of_segment(a, middle, g, known, depth - 1);
-  return farthest_of_segment(middle, b, g, known, depth - 1);
+double farthest_of_segment(const VecX& a, const VecX& b, const Graph& g, double known) {
+  std::vector<Piece> left{{a, b, kHalvings}};
+  while (!left.empty()) {
+    const Piece piece = std::move(left.back());
+    left.pop_back();
+    const VecX middle = (piece.a + piece.b) / 2;
+    const double half = (piece.b - piece.a).norm() / 2;
+    const auto bound = [&] { return known * (1 + kPrecision) + kRounding; };
+    const Nearest nearest = nearest_segment(middle, g, bound() - half);
+    if (nearest.distance + half <= bound()) continue;
+    known = std::max(known, nearest.distance);
+    const double convex = std::max(distance_to_segment(piece.a, g, nearest.segment),
+                                   distance_to_segment(piece.b, g, nearest.segment));
+    if (std::min(nearest.distance + half, convex) <= bound() || piece.halvings == 0) continue;
+    left.push_back({middle, piece.b, piece.halvings - 1});
+    left.push_back({piece.a, middle, piece.halvings - 1});
+  }
+  return known;
 }
 
 // sup over a of the distance to b.
@@ -84,7 +97,7 @@ double directed_distance(const Graph& a, const Graph& b) {
   for (Eigen::Index i = 0; i < a.cols(); ++i)
     known = std::max(known, nearest_segment(a.col(i), b, known).distance);
   for (Eigen::Index i = 0; i + 1 < a.cols(); ++i)
-    known = farthest_of_segment(a.col(i), a.col(i + 1), b, known, 50);
+    known = farthest_of_segment(a.col(i), a.col(i + 1), b, known);
   return known;
 }
 

@@ -229,8 +229,7 @@ void replace(hid_t file, const std::string& name, const std::vector<T>& values) 
 
 /// What read_fclib says of the file after the change, without the path.
 std::string complaint(const FclibFile& good, const Change& change) {
-  const fs::path path = fs::path("test_output") / "FclibFile" / "changed.hdf5";
-  fs::create_directories(path.parent_path());
+  const fs::path path = fresh_folder() / "changed.hdf5";
   write_fclib(path, good);
   {
     const Hdf5Silence silence;
