@@ -234,7 +234,7 @@ std::optional<LessonsLearnt> read_lessons(const std::filesystem::path& path, Peg
   return read_kept(path, {}, [&](const Json& json) {
     const LessonsLearnt out{json.at("best_choice"), number_in(json.at("upright_share"))};
     require_field(out.best_choice >= 0 && out.best_choice < int(peg_choices(scenario).size()), "best_choice",
-                  out.best_choice, "number one of the scenario's choices");
+                  out.best_choice, "be one of the scenario's choices");
     return out;
   });
 }
