@@ -319,8 +319,8 @@ struct ColumnPlan {
 };
 
 template <class Row, class T>
-ColumnPlan plan_of(const Field<Row, T>& field) {
-  return {field.name, Hdf5Row<T>::type(), Hdf5Row<T>::shape(), kHdf5ChunkRows, field.unit};
+ColumnPlan plan_of(const Field<Row, T>& field, hsize_t chunk_rows = kHdf5ChunkRows) {
+  return {field.name, Hdf5Row<T>::type(), Hdf5Row<T>::shape(), chunk_rows, field.unit};
 }
 
 // A row holds a field of every joint.
@@ -334,9 +334,9 @@ std::vector<hsize_t> joint_shape(const Field<RunJoint, T>&, std::size_t joints) 
 std::vector<ColumnPlan> step_columns(const RunHeader& header, bool with_joint_work = true) {
   const std::size_t bodies = header.bodies.size(), joints = header.joints.size();
   const std::size_t coordinates = coordinate_count(header);
-  constexpr hsize_t kRows = RunWriter::kBlock;
+  constexpr hsize_t kRows = RunWriter::kBlock;  // written together, so that each chunk is packed once
   std::vector<ColumnPlan> plans;
-  for_each_field(kStepFields, [&](const auto& field) { plans.push_back(plan_of(field)); });
+  for_each_field(kStepFields, [&](const auto& field) { plans.push_back(plan_of(field, kRows)); });
   plans.push_back({kPose, H5T_NATIVE_DOUBLE, {bodies, 7}, kRows, "m"});
   plans.push_back({kVelocity, H5T_NATIVE_DOUBLE, {bodies, 6}, kRows, "m/s, rad/s"});
   plans.push_back({kCoordinates, H5T_NATIVE_DOUBLE, {coordinates}, kRows, ""});
@@ -351,7 +351,7 @@ std::vector<ColumnPlan> step_columns(const RunHeader& header, bool with_joint_wo
   for_each_field(kJointFields, of_joints);
   if (with_joint_work) {
     for_each_field(kJointWorkFields, of_joints);
-    plans.push_back(plan_of(kJointTime));
+    plans.push_back(plan_of(kJointTime, kRows));
   }
   return plans;
 }

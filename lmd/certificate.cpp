@@ -190,20 +190,23 @@ class PairCheck {
       part.min_distance = std::min(part.min_distance, bound);
       return;
     }
-    // Bodies that run into each other mostly end too near: then halving finds nothing but more rounds.
-    const double at_end =
-        closest_points(moving(a_, i, at_time(a_, s1), 0).points(), moving(b_, j, at_time(b_, s1), 0).points())
-            .distance;
-    if (at_end < kSurely * options_.required) {
-      part.failed = true;
-      part.min_distance = std::min(part.min_distance, at_end);
-      return;
-    }
+    if (halvings == options_.max_halvings && ends_too_near(i, j, part)) return;
     const double middle = (s0 + s1) / 2;
     check_interval(i, j, s0, middle, halvings - 1, p, q, part);
     if (!part.failed)
       check_interval(i, j, middle, s1, halvings - 1, moving(a_, i, at_time(a_, middle), s1 - middle),
                      moving(b_, j, at_time(b_, middle), s1 - middle), part);
+  }
+
+  // Bodies that run into each other mostly end the step too near: then halving finds nothing but more rounds.
+  bool ends_too_near(int i, int j, PartialCheck& part) const {
+    const double at_end = closest_points(moving(a_, i, at_time(a_, dt_), 0).points(),
+                                         moving(b_, j, at_time(b_, dt_), 0).points())
+                              .distance;
+    if (at_end >= kSurely * options_.required) return false;
+    part.failed = true;
+    part.min_distance = std::min(part.min_distance, at_end);
+    return true;
   }
 
   const MovingShape &a_, &b_;

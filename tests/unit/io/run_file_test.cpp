@@ -416,7 +416,7 @@ TEST(RunFile, AsksForNoChunkThatItsBytesDoNotFill) {
   const auto path = fresh_folder() / "run.h5";
   write_run(path, peg_run(5));
   std::string bytes = content_of(path);
-  const std::string rows_and_size("\0\4\0\0\10\0\0\0", 8);  // 1024 rows of 8 bytes
+  const std::string rows_and_size("\100\0\0\0\10\0\0\0", 8);  // 64 rows of 8 bytes
   int layouts = 0;
   for (std::size_t at = bytes.find(rows_and_size); at != std::string::npos;
        at = bytes.find(rows_and_size, at + 1))
