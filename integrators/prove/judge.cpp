@@ -3,14 +3,11 @@
 
 #include <algorithm>
 
+#include "geometry/all_finite.hpp"
 #include "integrators/prove/certify_step.hpp"
 
 namespace aussois {
 namespace {
-
-bool all_finite(const PerBody<SE3>& poses) {
-  return std::ranges::all_of(poses, [](const SE3& g) { return g.p.allFinite() && g.R.coeffs().allFinite(); });
-}
 
 // Those of `apart` whose dilated shapes are not proven to keep apart on the path (CA-16).
 std::vector<BodyPair> meeting_pairs(const StepSetting& setting, const StepPath& path,
@@ -102,7 +99,7 @@ Objection proven(const StepSetting& setting, const Trial& trial, const StepPath&
 
 Objection objection(const StepSetting& setting, const State& state, const Trial& trial, Judgement& out) {
   const SolveStatus solved = solve_report(trial.impulses).status;
-  if (solved == SolveStatus::not_finite || !trial.move.v_path.allFinite() || !trial.move.v_end.allFinite())
+  if (solved == SolveStatus::not_finite || !all_finite(trial.move.v_path) || !all_finite(trial.move.v_end))
     return {Outcome::not_finite, "a force or velocity is not finite"};
   set_path(setting, state, trial, out);
   const auto speaks = [](const Objection& o) { return o.outcome != Outcome::accepted; };
@@ -111,7 +108,8 @@ Objection objection(const StepSetting& setting, const State& state, const Trial&
   if (Objection broken = kept_bounds(setting, trial.found, path); speaks(broken)) return broken;
   if (setting.options.advancement.certify)
     if (Objection unproven = proven(setting, trial, path, out); speaks(unproven)) return unproven;
-  if (!all_finite(out.next.g)) return {Outcome::not_finite, "a pose is not finite"};
+  if (!std::ranges::all_of(out.next.g, [](const SE3& g) { return all_finite(g); }))
+    return {Outcome::not_finite, "a pose is not finite"};
   if (!setting.model.joints.empty()) out.joint_error = joint_error(setting.model, out.next);
   if (!within(out.joint_error, setting.options.joints))
     return {Outcome::not_certified, text_of(out.joint_error, setting.options.joints)};

@@ -7,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "geometry/all_finite.hpp"
 #include "geometry/named.hpp"
 #include "integrators/prove/certify_step.hpp"
 
@@ -82,9 +83,7 @@ StepStatus status_of(const Judgement& judgement) {
 // Why no step can begin here; ok: one can.
 std::pair<StepStatus, std::string> wrong_from_here(const StepSetting& setting, const State& state,
                                                    const VecX& estimate) {
-  const bool finite_poses =
-      std::ranges::all_of(state.g, [](const SE3& g) { return g.p.allFinite() && g.R.coeffs().allFinite(); });
-  if (!estimate.allFinite() || !finite_poses)
+  if (!all_finite(estimate) || !std::ranges::all_of(state.g, [](const SE3& g) { return all_finite(g); }))
     return {StepStatus::not_finite, "a force, velocity or pose is not finite"};
   if (std::string off = joint_that_is_off(setting, state); !off.empty())
     return {StepStatus::refused, std::move(off)};
