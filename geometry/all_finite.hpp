@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Asks vectors and poses for infinities and NaN, many entries at a time: Eigen's allFinite() takes them one by one.
+// Asks vectors and poses for infinities and NaN, many entries at a time: Eigen's allFinite() takes them one
+// by one.
 #pragma once
 
 #include "geometry/se3.hpp"

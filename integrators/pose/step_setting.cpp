@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <sstream>
 
 #include "geometry/check.hpp"
@@ -30,10 +31,16 @@ void check_count(Now now, Wanted wanted, const char* what, const char* why) {
     require_field(false, what, now, ("be " + std::to_string(wanted) + why).c_str());
 }
 
+template <class Values>
+bool same_bits(const Values& a, const Values& b) {
+  return std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
+}
+
 void check_shape(const Model& model, BodyId b, const BodyShape& then, const char* why) {
   const RigidBody& body = model.bodies[b];
   const bool same = body.shape == then.id && (!then.id || model.shapes[then.id] == then.shape),
-             there = body.g_bs.p == then.g_bs.p && body.g_bs.R.coeffs() == then.g_bs.R.coeffs();
+             there =
+                 same_bits(body.g_bs.p, then.g_bs.p) && same_bits(body.g_bs.R.coeffs(), then.g_bs.R.coeffs());
   if (!same || !there)
     require(false, std::string("model: ") + (same ? "g_bs" : "shape") + " of body " + to_string(b) + " (" +
                        body.name + ") must stay" + why);

@@ -132,22 +132,23 @@ StepReport advance_step(const StepSetting& setting, State& state, double h_limit
   if (begins != StepStatus::ok) return ended(begins);
   for (int k = 1;; ++k) {
     const Trial trial = method.attempt(state, search.estimate, search.h);
-    const Judgement judgement = judge(setting, state, trial);
+    Judgement judgement = judge(setting, state, trial);
     const bool again = search.goes_on(judgement);
     if (again && k < o.max_attempts && search.h >= search.min_h) continue;
-    StepResult result = tell(setting, state, trial, judgement);
+    const bool taken = !again && may_be_taken(judgement);
+    const StepStatus status = again ? StepStatus::refused : status_of(judgement);
+    StepResult result = tell(setting, state, trial, std::move(judgement));
     report = std::move(result.report);
     report.attempts = k;
     if (again) {
       report.t = state.t, report.h = 0;
       report.reason = refusal(setting, state, search.min_h, report.reason);
-      return ended(StepStatus::refused);
     }
-    if (may_be_taken(judgement)) {
+    if (taken) {
       state = std::move(result.next);
       state.h_next = search.next();
     }
-    return ended(status_of(judgement));
+    return ended(status);
   }
 }
 

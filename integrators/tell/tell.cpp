@@ -189,9 +189,7 @@ void tell_proof(const Judgement& judgement, StepReport& report) {
   report.seconds_certificate = judgement.seconds_certificate;
 }
 
-State next_state(const StepSetting& setting, const Trial& trial, const Judgement& judgement,
-                 const Impulses& impulses) {
-  State next = judgement.next;
+State next_state(const StepSetting& setting, const Trial& trial, State next, const Impulses& impulses) {
   next.memory = memory_after(setting, trial.found, trial.impulses, impulses, int(impulses.contact.size()),
                              trial.move.v_end);
   next.r = impulses.r;
@@ -206,8 +204,7 @@ bool may_be_taken(const Judgement& judgement) {
          judgement.objection.outcome == Outcome::not_solved;
 }
 
-StepResult tell(const StepSetting& setting, const State& start, const Trial& trial,
-                const Judgement& judgement) {
+StepResult tell(const StepSetting& setting, const State& start, const Trial& trial, Judgement judgement) {
   const State& state = trial.from ? *trial.from : start;
   StepReport report = asked(setting, trial);
   report.t = state.t;
@@ -225,7 +222,7 @@ StepResult tell(const StepSetting& setting, const State& start, const Trial& tri
         {found.contacts.points[step.solved.kept[k]], impulses.contact[k], impulses.drilling[k]});
   report.t = judgement.next.t;
   report.h = found.h;
-  report.v_path = judgement.v_path;
+  report.v_path = std::move(judgement.v_path);
   report.physical = physical_residual(solution.u, solution.r, step.solved.problem->laws);
   report.gaps = step_gaps(model, step, found.contacts.points.size(), impulses.r);
   if (step.impact) add_impact(*step.impact, step, found.contacts.points.size(), report);
@@ -247,7 +244,7 @@ StepResult tell(const StepSetting& setting, const State& start, const Trial& tri
                 .v_path = trial.move.v_path,
                 .v_end = free_velocities(setting.dofs, judgement.next.v)},
                report);  // (MJ-9), (MJ-13), (IMP-6)
-  return {std::move(report), next_state(setting, trial, judgement, impulses)};
+  return {std::move(report), next_state(setting, trial, std::move(judgement.next), impulses)};
 }
 
 }  // namespace aussois

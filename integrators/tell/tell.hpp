@@ -14,8 +14,7 @@ struct StepResult {
 };
 /// The result of a trial and its judgement. The report holds what was found, solved and proven; of a trial
 /// that may be taken also contacts, joints and ledgers (MJ-9), (MJ-13), (MJT-16).
-StepResult tell(const StepSetting& setting, const State& state, const Trial& trial,
-                const Judgement& judgement);
+StepResult tell(const StepSetting& setting, const State& state, const Trial& trial, Judgement judgement);
 
 /// Whether the trial may be taken: there is no objection, except perhaps that the solver did not converge.
 bool may_be_taken(const Judgement& judgement);
