@@ -242,7 +242,8 @@ StepResult tell(const StepSetting& setting, const State& start, const Trial& tri
                 .by_contacts = contact_impulse,
                 .by_joints = joint_impulse,
                 .v_path = trial.move.v_path,
-                .v_end = free_velocities(setting.dofs, judgement.next.v)},
+                .v_end = model.joints.empty() ? trial.move.v_end  // only joints are projected
+                                              : free_velocities(setting.dofs, judgement.next.v)},
                report);  // (MJ-9), (MJ-13), (IMP-6)
   return {std::move(report), next_state(setting, trial, std::move(judgement.next), impulses)};
 }
