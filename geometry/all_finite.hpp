@@ -3,6 +3,10 @@
 // by one.
 #pragma once
 
+#include <algorithm>
+#include <concepts>
+#include <ranges>
+
 #include "geometry/se3.hpp"
 #include "geometry/types.hpp"
 
@@ -15,6 +19,12 @@ bool all_finite(const Eigen::DenseBase<Derived>& x) {
 
 inline bool all_finite(const SE3& g) {
   return all_finite(g.p) && all_finite(g.R.coeffs());
+}
+
+template <std::ranges::input_range Poses>
+requires std::same_as<std::ranges::range_value_t<Poses>, SE3>
+bool all_finite(const Poses& poses) {
+  return std::ranges::all_of(poses, [](const SE3& g) { return all_finite(g); });
 }
 
 }  // namespace aussois

@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 
+#include "geometry/all_finite.hpp"
 #include "geometry/check.hpp"
 #include "geometry/parallel.hpp"
 #include "geometry/settings.hpp"
@@ -474,8 +475,7 @@ double separation_along(const MovingShape& a, const MovingShape& b, const Vec3& 
 
 // Comparisons with NaN are false, as if all were far apart: check before.
 bool is_finite(const RigidMotion& motion) {
-  return motion.g.p.allFinite() && motion.g.R.coeffs().allFinite() && motion.v.allFinite() &&
-         motion.omega.allFinite();
+  return all_finite(motion.g) && all_finite(motion.v) && all_finite(motion.omega);
 }
 
 }  // namespace

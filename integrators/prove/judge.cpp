@@ -108,8 +108,7 @@ Objection objection(const StepSetting& setting, const State& state, const Trial&
   if (Objection broken = kept_bounds(setting, trial.found, path); speaks(broken)) return broken;
   if (setting.options.advancement.certify)
     if (Objection unproven = proven(setting, trial, path, out); speaks(unproven)) return unproven;
-  if (!std::ranges::all_of(out.next.g, [](const SE3& g) { return all_finite(g); }))
-    return {Outcome::not_finite, "a pose is not finite"};
+  if (!all_finite(out.next.g)) return {Outcome::not_finite, "a pose is not finite"};
   if (!setting.model.joints.empty()) out.joint_error = joint_error(setting.model, out.next);
   if (!within(out.joint_error, setting.options.joints))
     return {Outcome::not_certified, text_of(out.joint_error, setting.options.joints)};

@@ -83,7 +83,7 @@ StepStatus status_of(const Judgement& judgement) {
 // Why no step can begin here; ok: one can.
 std::pair<StepStatus, std::string> wrong_from_here(const StepSetting& setting, const State& state,
                                                    const VecX& estimate) {
-  if (!all_finite(estimate) || !std::ranges::all_of(state.g, [](const SE3& g) { return all_finite(g); }))
+  if (!all_finite(estimate) || !all_finite(state.g))
     return {StepStatus::not_finite, "a force, velocity or pose is not finite"};
   if (std::string off = joint_that_is_off(setting, state); !off.empty())
     return {StepStatus::refused, std::move(off)};

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -17,7 +18,10 @@ TEST(AllFinite, SaysWhatEigenSaysOfEveryEntry) {
   Random random(20123);
   for (int size = 0; size < 20; ++size) {
     VecX x(size);
-    for (double& value : x) value = std::pow(10, random.uniform(-300, 308)) * random.uniform(-1, 1);
+    for (double& value : x) {
+      const double size_of_value = std::pow(10, random.uniform(-300, 308));
+      value = size_of_value * random.uniform(-1, 1);
+    }
     EXPECT_TRUE(all_finite(x)) << size;
     for (int i = 0; i < size; ++i)
       for (const double wrong : {kInf, -kInf, kNan}) {
@@ -37,7 +41,9 @@ TEST(AllFinite, LooksAtPositionAndRotationOfAPose) {
     SE3 g;
     g.p[i] = kInf;
     EXPECT_FALSE(all_finite(g));
+    EXPECT_FALSE(all_finite(std::vector<SE3>{{}, g}));
   }
+  EXPECT_TRUE(all_finite(std::vector<SE3>(2)));
   for (int i = 0; i < 4; ++i) {
     SE3 g;
     g.R.coeffs()[i] = kNan;
