@@ -20,9 +20,13 @@ bool is_covered(const PosedShape& a, const PosedShape& b, double distance, int t
 
 /// The same for the smallest gap found by a search with a threshold of at least `distance` less the
 /// dilations, plus coverage_tolerance.
-bool is_covered_by(double smallest_gap, const LmdShape& a, const LmdShape& b, double distance);
+bool is_covered_by(double smallest_gap, const PosedShape& a, const PosedShape& b, double distance);
 
-/// How far idealised planes and chains may shift the smallest gap, either way (LMD-14) [m].
-double coverage_tolerance(const LmdShape& a, const LmdShape& b);
+/// How far idealised planes and chains, and rounding, may shift the smallest gap, either way (LMD-14) [m].
+double coverage_tolerance(const PosedShape& a, const PosedShape& b);
+
+/// How far rounding may shift any distance of the two shapes: 1e-14 of where they stand and how large they
+/// are [m].
+double rounding_of_distance(const PosedShape& a, const PosedShape& b);
 
 }  // namespace aussois

@@ -42,18 +42,6 @@ void check(const Cli& cli, const RunFlags& flags) {
 
 namespace {
 
-// A plastic law would drop it without a word.
-void refuse_unread_restitution(const Model& model, const std::string& scheme, const SchemeOptions& options) {
-  if (scheme_traits(scheme, options).restitution) return;
-  const std::string bound = "be 0 with " + label(scheme, options) + ", which is plastic";
-  for (const ContactLaw& law : contact_laws(model))
-    require_field(law.restitution == 0, "ContactLaw::restitution", law.restitution, bound.c_str());
-  for (const Joint& joint : model.joints)
-    for (const JointAxis& axis : joint.axis)
-      require_field(axis.restitution == 0, ("joint " + joint.name + ": restitution").c_str(),
-                    axis.restitution, bound.c_str());
-}
-
 SchemeOptions options_of(const RunPlan& plan, const RunFlags& flags) {
   SchemeOptions out = plan.options ? *plan.options : scheme_options(flags.scheme);
   out.step.h = plan.h;
@@ -101,7 +89,6 @@ void write_page(const Model& model, const std::filesystem::path& folder) {
 DrivenRun drive(const Model& model, const State& start, RunPlan plan, const RunFlags& flags) {
   const SchemeOptions chosen = options_of(plan, flags);
   const Scheme scheme = make_scheme(flags.scheme.scheme, model, chosen);
-  refuse_unread_restitution(model, flags.scheme.scheme, chosen);
   const std::string name = label(flags.scheme.scheme, chosen);
   const std::vector<std::string> options = settings_text(chosen);
   make_folders(flags.common);

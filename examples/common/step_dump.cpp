@@ -14,10 +14,11 @@
 namespace aussois {
 namespace {
 
-std::int64_t step_number(std::string_view text, const std::string& all) {
+// At least `lowest`.
+std::int64_t step_number(std::string_view text, const std::string& all, std::int64_t lowest = 1) {
   std::int64_t number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  require(error == std::errc() && end == text.data() + text.size() && number >= 1,
+  require(error == std::errc() && end == text.data() + text.size() && number >= lowest,
           "--dump-steps '" + all +
               "' must be all, unsolved, 'every N', or a list of steps and ranges such as 3,17,40-45");
   return number;
@@ -35,7 +36,7 @@ StepChoice step_choice(const std::string& text) {
     const std::string_view word = std::string_view(text).substr(at, comma - at);
     const std::size_t dash = word.find('-');
     const std::int64_t first = step_number(word.substr(0, dash), text),
-                       last = dash == word.npos ? first : step_number(word.substr(dash + 1), text);
+                       last = dash == word.npos ? first : step_number(word.substr(dash + 1), text, first);
     choice.ranges.emplace_back(first, last);
     at = comma + 1;
   }

@@ -70,10 +70,11 @@ ContactPair read_pair(const Arguments& a) {
 ContactQuery ask(const ContactReport& report, const SE3& pose, const Pieces& pieces_a, const Pieces& pieces_b,
                  const Arguments& a) {
   ContactQuery query{.pose = pose};
+  const PosedShape posed_a{report.a, pose, 0}, posed_b{report.b, {}, 1};
   std::vector<double> ms;
   for (int i = 0; i < a.repeat; ++i) {
     const std::clock_t begin = std::clock();
-    query.contacts = find_contacts({report.a, pose, 0}, {report.b, {}, 1}, report.options, &query.count);
+    query.contacts = find_contacts(posed_a, posed_b, report.options, &query.count);
     ms.push_back(cpu_ms(begin, std::clock()));
   }
   query.ms = quantiles_of(ms).median;
@@ -82,16 +83,16 @@ ContactQuery ask(const ContactReport& report, const SE3& pose, const Pieces& pie
   if (a.unchecked) return query;
   const LmdShape &shape_a = *report.a, &shape_b = *report.b;
   const double touching = 1e-9 * shape_a.bounding_radius, dilations = shape_a.radius + shape_b.radius,
-               tolerance = coverage_tolerance(shape_a, shape_b),
+               tolerance = coverage_tolerance(posed_a, posed_b),
                asked = dilations + report.options.threshold - tolerance;
   const double enough = std::min(asked, dilations + query.min_gap + 2 * tolerance);  // to see what is wrong
   const double distance = base_distance({&shape_a, {}, {.g = pose}}, {&shape_b, {}, {}},
                                         std::max(touching, enough), report.options.threads);
   query.bases_touch = distance < touching;
   if (*query.bases_touch) return query;
-  query.nesting = find_nesting({&shape_a, pose, 0}, pieces_a, {&shape_b, {}, 1}, pieces_b);
+  query.nesting = find_nesting(posed_a, pieces_a, posed_b, pieces_b);
   if (distance < asked && !query.nesting)
-    query.covered = is_covered_by(query.min_gap, shape_a, shape_b, distance);
+    query.covered = is_covered_by(query.min_gap, posed_a, posed_b, distance);
   return query;
 }
 

@@ -142,8 +142,6 @@ double base_distance_at(const AssemblyScene& scene, const State& state, const Co
 
 ExitCode replay_kinematic(const AssemblyInput& input, const AssemblyScene& scene, const Arguments& a) {
   const double threshold = a.threshold > 0 ? a.threshold : 2 * scene.clearance;
-  const LmdShape &fixed = shape_of(scene, scene.fixed), &moving = shape_of(scene, scene.moving);
-  const double covered_below = threshold + 2 * scene.dilation - coverage_tolerance(fixed, moving);
   const MoreauJean scheme(scene.model, {.threads = a.run.common.threads}, {.theta = 1});
   RunWriter run(a.run.common.out / "run.h5", header_of(input, scene, a));
   CsvTable csv(a.run.common.out / "poses.csv", {"pose", "contacts", "min_gap", "base_distance", "ms_query"});
@@ -165,7 +163,10 @@ ExitCode replay_kinematic(const AssemblyInput& input, const AssemblyScene& scene
     row.contacts_found = int(found.points.size());
     row.min_gap = smallest_gap(found);
     row.min_base_distance = distance;
-    uncovered += distance < covered_below && !is_covered_by(row.min_gap, fixed, moving, distance);
+    const PosedShape fixed = posed_shape(scene.model, state, scene.fixed),
+                     moving = posed_shape(scene.model, state, scene.moving);
+    uncovered += distance < threshold + 2 * scene.dilation - coverage_tolerance(fixed, moving) &&
+                 !is_covered_by(row.min_gap, fixed, moving, distance);
     run.append(row);
     csv.add({double(poses), double(found.points.size()), row.min_gap, distance, ms.back()});
     min_gap = std::min(min_gap, row.min_gap);
@@ -351,6 +352,7 @@ int main(int argc, char** argv) {
              {"dynamic", "kinematic"});
   const std::vector<OfferedSetting> scene = offered(a.scene, a.said);
   add_flags(cli, scene, a.said, {"--dilation", "--mu", "--restitution", "--density", "--mass"});
+  cli.stands_for("--restitution", "ContactLaw::restitution");
   cli.option(
       "--gravity", a.gravity,
       "gravity x,y,z in the fixed part's frame, m/s^2; oblique by default, so that the part leans on it");

@@ -45,5 +45,7 @@ int main() {
   au::write_replay_html(files.folder / "replay.html", run);
   std::printf("%lld steps, largest pull %.1f N\n", static_cast<long long>(recording.steps()),
               recording.total("largest_pull"));
-  return last.ok() ? 0 : 1;
+  const bool held = recording.total("min_gap") > -1e-4;                // by the table [m]
+  const bool pulled = recording.total("largest_pull") > 2000 * 0.012;  // stiffness times the dip [N]
+  return last.ok() && held && pulled ? 0 : 1;
 }

@@ -59,6 +59,16 @@ void refuse_unread_by(NormalLaw law, const StepOptions& options) {
                 std::string("normal law ") + to_string(law));
 }
 
+void refuse_restitution(const Model& model) {
+  const char* bound = "be 0 with the normal law gap_over_step, which is plastic";
+  for (const ContactLaw& law : contact_laws(model))
+    require_field(law.restitution == 0, "ContactLaw::restitution", law.restitution, bound);
+  for (const Joint& joint : model.joints)
+    for (const JointAxis& axis : joint.axis)
+      if (axis.restitution != 0)
+        require_field(false, ("joint " + joint.name + ": restitution").c_str(), axis.restitution, bound);
+}
+
 StepSetting step_setting(const Model& model, const StepOptions& options, NormalLaw law, double gamma) {
   validate(model);
   validate(options);

@@ -44,6 +44,10 @@ StepSetting step_setting(const Model& model, const StepOptions& options, NormalL
 /// this law do not read (MJ-6).
 void refuse_unread_by(NormalLaw law, const StepOptions& options);
 
+/// For laws under which everything is plastic: throws std::invalid_argument naming the first contact law or
+/// stop of a joint that has a restitution.
+void refuse_restitution(const Model& model);
+
 /// For code that follows the contacts of a rigid body: throws std::invalid_argument naming the first
 /// body that deforms.
 void refuse_deforming(const Model& model, const char* who);

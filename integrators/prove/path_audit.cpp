@@ -12,8 +12,6 @@
 namespace aussois {
 namespace {
 
-constexpr double kRounding = 1e-14;  // of what coordinates and bodies measure
-
 // The pieces of the step's path, in whichever form its scheme reported them.
 std::vector<PathPiece> pieces_of(const State& start, const StepReport& report) {
   if (report.v_path.size() > 0) return {{.t = start.t, .h = report.h, .g = start.g, .v = report.v_path}};
@@ -43,10 +41,6 @@ double certified_distance(const Audited& step, const StepPair& pair, double max_
 // Pairs reported to overlap are not certified.
 bool is_told(const StepPair& pair, const StepReport& report) {
   return std::ranges::binary_search(report.driven_overlaps, bodies_of(pair));
-}
-
-double extent(const Audited& step, const State& there, BodyId body) {
-  return pose(there, body).p.norm() + step.bounds[body].radius;
 }
 
 // Where it is; keep the shape.
@@ -96,8 +90,7 @@ Seen look_at(const Audited& step, const State& there, PathAudit& audit) {
       audit.min_distance = std::min(audit.min_distance, distance);
       audit.min_slack = std::min(audit.min_slack, distance - certified);
     }
-    out.kept = out.kept && distance >= certified - kRounding * (extent(step, there, pair.a) +
-                                                                extent(step, there, pair.b));
+    out.kept = out.kept && distance >= certified - rounding_of_distance(a, b);
   }
   out.nested = !nested_pair(step.model, there, pairs, step.pieces).empty();
   return out;
@@ -121,8 +114,7 @@ bool found_the_nearest(const Audited& step, const State& start, double floor) {
   double lowest = kInf, highest = kInf;
   for (const StepPair& pair : pairs_within(step.model, start, step.bounds, dilations(step), step.threads)) {
     const PosedShape a = posed_shape(step.model, start, pair.a), b = posed_shape(step.model, start, pair.b);
-    const double tolerance = coverage_tolerance(*a.shape, *b.shape),
-                 cutoff = (1 + floor) * pair.dilation - tolerance,
+    const double tolerance = coverage_tolerance(a, b), cutoff = (1 + floor) * pair.dilation - tolerance,
                  distance = base_distance(still(a), still(b), cutoff, step.threads);
     if (bases_all_but_touch(*a.shape, *b.shape, distance)) return true;
     if (distance >= cutoff) continue;

@@ -146,7 +146,8 @@ StepReport advance_step(const StepSetting& setting, State& state, double h_limit
     }
     if (taken) {
       state = std::move(result.next);
-      state.h_next = search.next();
+      // Shorter steps were no easier, so the next one need not be short.
+      state.h_next = status == StepStatus::not_solved ? search.h_control : search.next();
     }
     return ended(status);
   }

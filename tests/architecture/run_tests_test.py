@@ -77,6 +77,12 @@ class RunTests(unittest.TestCase):
             (source / "page.md").write_text(text)
             self.check("--all", self.build, code=code, tool=tool)
         self.assertIn("1 of 1 tests passed on this very build before", self.check("--all", self.build, code=0, tool=tool))
+        for command in (["init", "-q"], ["add", "page.md", "tools"]):
+            subprocess.run(["git", "-C", source, *command], check=True)
+        (source / "results.csv").write_text("1")  # a driver wrote it
+        self.assertIn("1 of 1 tests passed on this very build before", self.check("--all", self.build, code=0, tool=tool))
+        (source / "page.md").write_text("true again")
+        self.assertIn("Test #1: reads", self.check("--all", self.build, code=0, tool=tool))
 
     def test_keeps_what_passed_before_it_was_interrupted(self):
         (self.build / "CTestTestfile.cmake").write_text(

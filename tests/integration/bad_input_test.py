@@ -271,6 +271,7 @@ class BadInput(DriverTest):
 
     def test_a_restitution_that_the_law_does_not_read(self):
         self.refused(USAGE, ["restitution = 0.5", "gap_over_step"], "run_scene", "--scene", "ball_e05", "--normal-law", "gap_over_step")
+        self.refused(USAGE, ["--restitution = 0.2 must be 0"], "drop_part", "--normal-law", "gap_over_step")
 
     def test_resume_where_nothing_can_be_resumed(self):
         self.refused_replay(USAGE, ["--resume needs --mode dynamic"], *self.with_peg("--mode", "kinematic"), "--resume")

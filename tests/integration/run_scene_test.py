@@ -26,10 +26,10 @@ class RunScene(DriverTest):
             self.assertIn(name, names)
         self.assertEqual(self.files(), {})
 
-    def test_every_scene_takes_its_first_steps(self):
+    def test_every_scene_takes_its_first_steps_and_no_audit_objects(self):
         for line in self.run_scene("--list").stdout.splitlines():
             name, h = line.split()[0], line.rsplit("h = ", 1)[1].split()[0]
-            run = self.drive("run_scene", "--scene", name, "--time", 2 * float(h), "--quiet", "-o", name)
+            run = self.drive("run_scene", "--scene", name, "--time", 10 * float(h), "--certify", 2, "--quiet", "-o", name)
             self.assertEqual(run.returncode, 0, f"{name}: {run.stderr}{run.stdout}")
 
     def test_every_scheme_reads_the_settings_that_are_its_own(self):

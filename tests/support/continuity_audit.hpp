@@ -196,7 +196,7 @@ class ContinuityAuditor {
 
   // (LMD-14) of a pose.
   void cover(const ContactSet& set, double d, double t, ContinuityAudit& audit) const {
-    const double gap = d - dilations_, tolerance = coverage_tolerance(pair_.a, pair_.b) + rounding_;
+    const double gap = d - dilations_, tolerance = coverage_tolerance(posed(0, t), posed(1, t));
     if (gap > options_.threshold - tolerance || std::abs(smallest_gap(set) - gap) <= tolerance) return;
     ++audit.uncovered;
     ADD_FAILURE() << "smallest gap " << smallest_gap(set) << " where that of the bases is " << gap

@@ -16,4 +16,13 @@ inline std::string test_name(const SchemeVariant& v) {
   return out;
 }
 
+/// Takes the restitution out of contacts and stops if the scheme is plastic and would refuse it.
+inline void drop_refused_restitution(Model& model, const SchemeVariant& v) {
+  if (scheme_traits(v.name, v.options).restitution) return;
+  model.contact_law.restitution = 0;
+  for (auto& [bodies, law] : model.pair_laws) law.restitution = 0;
+  for (Joint& joint : model.joints)
+    for (JointAxis& axis : joint.axis) axis.restitution = 0;
+}
+
 }  // namespace aussois

@@ -49,7 +49,7 @@ TEST_P(Completeness, SmallestDistanceOfTheContactsIsThatOfTheBaseComplexes) {
     const SE3& g = input.poses[i];
     const double distance = base_distance({&a, {}, {.g = g}}, {&b, {}, {}}, kInf);
     ASSERT_GT(distance, 2 * dilation) << "pose " << i;
-    EXPECT_NEAR(nearest(g, distance), distance, coverage_tolerance(a, b)) << "pose " << i;
+    EXPECT_NEAR(nearest(g, distance), distance, coverage_tolerance({&a, g}, {&b})) << "pose " << i;
   }
 }
 

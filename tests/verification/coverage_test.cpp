@@ -9,6 +9,7 @@
 
 #include "examples/drivers/assembly/assembly_input.hpp"
 #include "tests/support/aimed_poses.hpp"
+#include "tests/support/random.hpp"
 #include "tests/support/repaired_meshes.hpp"
 #include "tests/support/shared_meshes.hpp"
 
@@ -107,8 +108,23 @@ TEST(Coverage, StraightenedVerticesMoveByNoMoreThanTheTolerance) {
   }
 }
 
+// A point has no planes and chains: of two balls only rounding is left, wherever they are.
+TEST(Coverage, OfTwoBallsIsThatOfRounding) {
+  const LmdShape ball = prepare(dilate(make_point(), 0.05));
+  ASSERT_EQ(ball.tolerance, 0);
+  Random random(1);
+  for (const double far : {0.0, 1.0, 1000.0})
+    for (int k = 0; k < 2000; ++k) {
+      const SE3 g_a{.p = random.vector(far)}, g_b{.p = g_a.p + random.vector_of_length(0.09, 0.11)};
+      const double d = base_distance({&ball, {}, {.g = g_a}}, {&ball, {}, {.g = g_b}}, 1);
+      EXPECT_TRUE(is_covered({&ball, g_a, 0}, {&ball, g_b, 1}, d));
+      EXPECT_FALSE(is_covered({&ball, g_a, 0}, {&ball, g_b, 1}, d + 1e-13 * (1 + far)));
+    }
+}
+
 TEST(Coverage, IsAMatterOfTheSmallestGapAlone) {
-  const LmdShape a = prepare(dilate(make_box(1, 1, 1), kDilation)), b = a;
+  const LmdShape box = prepare(dilate(make_box(1, 1, 1), kDilation));
+  const PosedShape a{&box}, b{&box, {.p = {0, 0, 1.1 + 2 * kDilation}}};
   const double off = coverage_tolerance(a, b), gap = 0.1;
   const double distance = gap + 2 * kDilation;
   EXPECT_TRUE(is_covered_by(gap, a, b, distance));

@@ -140,7 +140,8 @@ struct Crossing {
   long rounds = 0;
 };
 Crossing cross(const Gun& gun, double miss, double phase) {
-  const CaseScene s = crossing_bullets(miss, 0.3 + phase * 2 * kBulletSpeed * kStep);
+  CaseScene s = crossing_bullets(miss, 0.3 + phase * 2 * kBulletSpeed * kStep);
+  if (restitutions(gun).back() == 0) s.model.contact_law.restitution = 0;
   const Scheme scheme = make_scheme(gun.scheme.name, s.model, gun.scheme.options);
   State state = s.state;
   Crossing out;

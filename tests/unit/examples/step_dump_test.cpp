@@ -43,7 +43,7 @@ TEST(StepDump, ChoosesSteps) {
 }
 
 TEST(StepDump, NamesAChoiceThatIsNone) {
-  for (const char* text : {"", "some", "every", "every 0", "3,", "0", "4-", "-4", "every 2.5", "1 2"})
+  for (const char* text : {"", "some", "every", "every 0", "3,", "0", "4-", "-4", "3-1", "every 2.5", "1 2"})
     EXPECT_EQ(message_of([&] { step_choice(text); }),
               std::string("--dump-steps '") + text +
                   "' must be all, unsolved, 'every N', or a list of steps and ranges such as 3,17,40-45");

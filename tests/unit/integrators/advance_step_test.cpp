@@ -83,6 +83,20 @@ TEST(AdvanceStep, GrowsByItsOptionAndNotLessAfterAShortRest) {
   EXPECT_EQ(s.step({.growth = 4}).h, 1e-2);
 }
 
+// Halving did not help: the next step is tried as long as this one, however many are not solved.
+TEST(AdvanceStep, ThatNobodySolvesShortensNoOther) {
+  Scripted s;
+  s.script = [](double, int) { return Outcome::not_solved; };
+  for (int k = 0; k < 5; ++k) {
+    EXPECT_EQ(s.step().status, StepStatus::not_solved);
+    EXPECT_EQ(s.h, (std::vector<double>{1e-2, 5e-3, 2.5e-3, 1.25e-3})) << "step " << k;
+    EXPECT_EQ(s.state.h_next, 1e-2);
+  }
+  s.script = [](double h, int) { return h > 3e-3 ? Outcome::not_solved : Outcome::accepted; };
+  EXPECT_TRUE(s.step().ok());
+  EXPECT_EQ(s.state.h_next, 1.5 * 2.5e-3) << "here it helped";
+}
+
 // Each broken bound makes the velocity that broke it the estimate; the fourth and eighth halve the step.
 TEST(AdvanceStep, EnlargesThreeTimesBeforeItHalves) {
   Scripted s;

@@ -43,14 +43,16 @@ TEST_P(LiveTarget, LedFromRowToRowMovesAsTheRecordedPath) {
   options.step.h = kStep;
   const Scheme along = make_scheme(GetParam().name, recorded.model, options),
                live = make_scheme(GetParam().name, led.model, options);
-  for (int k = 0; k < kSteps; ++k) {
-    lead_body(led.model, led.state, led.ground, path.pose[k + 1], kStep);
+  int compared = 0;
+  for (; compared < kSteps; ++compared) {
+    lead_body(led.model, led.state, led.ground, path.pose[compared + 1], kStep);
     const StepReport a = along.step(recorded.state, kInf), b = live.step(led.state, kInf);
     ASSERT_TRUE(a.ok() && b.ok()) << a.reason << b.reason;
-    if (a.h < kStep) return;  // rows and steps part; what came before counts
+    if (a.h < kStep) break;  // rows and steps part; what came before counts
     // Poses of a path are read, those of a body that is led add up
-    EXPECT_LT(difference(recorded.state, led.state), 1e-9) << "step " << k;
+    EXPECT_LT(difference(recorded.state, led.state), 1e-9) << "step " << compared;
   }
+  EXPECT_GE(compared, kSteps / 2);
 }
 
 INSTANTIATE_TEST_SUITE_P(Registry, LiveTarget, ::testing::ValuesIn(scheme_variants()),
