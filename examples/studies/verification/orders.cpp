@@ -218,7 +218,7 @@ VerificationCase jump() {
               CaseScene s = rod(2, speed);
               const StepReport report = step(make_scheme("event_driven", s.model, by_events(h)), s.state);
               jumps += report.events.size() == 1 && report.events[0].kind == EventKind::tangential_impact;
-              impulse.add((s.state.r - speed * Vec2(0.375, 0.625)).cwiseAbs().maxCoeff());
+              impulse.add((s.state.r.head<2>() - speed * Vec2(0.375, 0.625)).cwiseAbs().maxCoeff());
               velocity.add(
                   (s.state.v - speed * Vec3(-0.375, 0.375, 0.375 * std::sqrt(2.0))).cwiseAbs().maxCoeff());
             }
