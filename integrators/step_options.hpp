@@ -17,7 +17,7 @@ class SettingVisitor;
 /// The law of the normal rows of a step (decision record 0006).
 enum class NormalLaw {
   moreau,         // impact law u+ >= -e u-, active once the gap predicted half a step ahead closes
-  gap_over_step,  // u+ + g / h >= 0: the gap at the end of the step stays open; plastic: needs e = 0
+  gap_over_step,  // u+ + g / h >= 0: the gap at the end of the step stays open; plastic, refuses e > 0
   combined,       // impact law where a contact with e > 0 closes within the step, gap over step elsewhere
 };
 inline constexpr Named<NormalLaw> kNormalLaws[] = {{NormalLaw::moreau, "moreau"},

@@ -40,13 +40,14 @@ AssemblyPart part_of(const Arguments& a) {
   return part;
 }
 
+/// What a drop is judged by.
 struct Drop {
   double speed = 0;    // at the end [m/s]
   double rise = 0;     // of energy in a step, of that of the fall [-]
   double overlap = 0;  // of the two dilations [-]
 };
 
-// Says what is wrong.
+// Does the part rest, as the head of this file says? Prints what is wrong.
 bool is_expected(const DrivenRun& run, const Model& model, const Drop& of) {
   bool all = print_findings(run.recording.totals(), model);
   const auto expect = [&](bool met, const std::string& wrong) {

@@ -165,6 +165,27 @@ TEST(Scheme, BouncesOrRefusesTheRestitutionAsItsTraitsSay) {
   EXPECT_GT(plastic, 0);
 }
 
+// Of pairs, of stops, and by the other scheme that has the law; what gamma bounces with is its own.
+TEST(Scheme, OfAPlasticLawRefusesARestitutionWhereverItIs) {
+  const SchemeOptions plastic{.moreau_jean = {.law = NormalLaw::gap_over_step},
+                              .passive_midpoint = {.law = NormalLaw::gap_over_step}};
+  Scene pair = block_on_plate(0, 0, 0), stop = pair;
+  pair.model.pair_laws[{pair.ground, pair.block}] = {.restitution = 0.3};
+  Joint slide = joint_at(JointKind::prismatic, "slide", stop.block, stop.ground, stop.state.g, SE3{});
+  slide.axis[0] = {.lower = -1, .upper = 1, .restitution = 0.4};
+  add(stop.model, slide);
+  for (const char* name : {"moreau_jean", "passive_midpoint"}) {
+    const auto refusal = [&](const Model& model) {
+      return message_of([&] { make_scheme(name, model, plastic); });
+    };
+    EXPECT_NE(refusal(pair.model).find("ContactLaw::restitution = 0.3 must be 0"), std::string::npos);
+    EXPECT_NE(refusal(stop.model).find("joint slide: restitution = 0.4 must be 0"), std::string::npos);
+  }
+  SchemeOptions mean = plastic;
+  mean.moreau_jean.gamma = 0.5;
+  EXPECT_NO_THROW(make_scheme("moreau_jean", pair.model, mean));
+}
+
 TEST(Scheme, IsRefusedByAnUnknownNameOrABadOption) {
   const Scene s = block_on_plate(0, 0, 0);
   EXPECT_NE(message_of([&] { make_scheme("euler", s.model, {}); }).find("moreau_jean"), std::string::npos);
