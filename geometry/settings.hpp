@@ -72,9 +72,8 @@ inline std::string range_text(const Range& range) {
     return (range.open_below ? "in (" : "in [") + text(range.lowest) + ", " + text(range.highest) +
            (range.open_above ? ")" : "]");
   if (above) return (range.open_above ? "< " : "<= ") + text(range.highest);
-  const std::string finite = range.open_above ? "finite" : "";
-  if (!below) return finite;
-  return (range.open_below ? "> " : ">= ") + text(range.lowest) + (finite.empty() ? "" : " and " + finite);
+  if (!below) return range.open_above ? "finite" : "";
+  return (range.open_below ? "> " : ">= ") + text(range.lowest) + (range.open_above ? " and finite" : "");
 }
 
 /// The same as an order: "lie in [0, 1)", "be at least 1", "be finite and > 0".

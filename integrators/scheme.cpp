@@ -31,11 +31,11 @@ StepOptions step_of(StepOptions step) {
 template <class S, auto own>
 Entry entry_of(const char* name, SchemeTraits (*traits)(const SchemeOptions&),
                std::vector<SchemeOptions> (*variants)()) {
-  constexpr bool has_own = !std::is_null_pointer_v<decltype(own)>;
+  constexpr bool kHasOwn = !std::is_null_pointer_v<decltype(own)>;
   Entry out{.name = name, .unread = &S::unread, .traits = traits, .variants = variants};
   out.make = [](const Model& model, const SchemeOptions& o) -> Step {
     std::shared_ptr<const S> scheme;
-    if constexpr (has_own)
+    if constexpr (kHasOwn)
       scheme = std::make_shared<const S>(model, step_of<S>(o.step), o.*own);
     else
       scheme = std::make_shared<const S>(model, o.step);
@@ -43,7 +43,7 @@ Entry entry_of(const char* name, SchemeTraits (*traits)(const SchemeOptions&),
   };
   out.settings = [](const SchemeOptions& o) {
     std::string settings;
-    if constexpr (has_own) settings = label_of(o.*own);
+    if constexpr (kHasOwn) settings = label_of(o.*own);
     const std::string of_step = label_of(o.step);
     return settings + (settings.empty() || of_step.empty() ? "" : " ") + of_step;
   };

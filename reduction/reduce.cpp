@@ -115,7 +115,7 @@ std::size_t most_corners(const ReductionOptions& o) {
 // The corners among what was kept in the last step; a new choice among them if the solver had to add many.
 std::vector<int> old_choice(const ReductionInput& input, std::span<const int> members,
                             const PlanarPatch& patch, const ReductionOptions& o) {
-  const std::vector<int> old = hull_of(patch, marked(members, input.kept_before));
+  std::vector<int> old = hull_of(patch, marked(members, input.kept_before));
   if (old.size() <= most_corners(o) + 1) return old;  // the deepest may be one more
   std::vector<Vec2> x;
   for (const int k : old) x.push_back(patch.x[k]);

@@ -139,7 +139,7 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
     }
     const auto speed_before = [&](BodyId body, const RowJacobian& J) {
       if (is_dynamic(model.bodies[body])) return product(J, twist(state, body), row.law);
-      const RowVector u = product(J, body_part(v_prescribed, body), row.law);  // of its path on this step
+      RowVector u = product(J, body_part(v_prescribed, body), row.law);  // of its path on this step
       row.w += u;
       return u;
     };

@@ -126,19 +126,19 @@ TEST(MeshFeatures, T_1_2_OfARoomAreNone) {
 }
 
 TEST(MeshFeatures, T_1_3_OfAFlatGridAreItsBorder) {
-  constexpr int n = 7;
-  const SimplicialComplex grid = make_plate(1, 1, n, n);
+  constexpr int kCells = 7;
+  const SimplicialComplex grid = make_plate(1, 1, kCells, kCells);
   const MeshFeatures cone = features(grid), paper = features(grid, VertexRule::moravanszky_terdiman);
   for (const MeshFeatures* f : {&cone, &paper}) {
-    EXPECT_EQ(edge_bits(*f), 4 * n);
-    EXPECT_EQ(count(*f, EdgeClass::boundary), 4 * n);
+    EXPECT_EQ(edge_bits(*f), 4 * kCells);
+    EXPECT_EQ(count(*f, EdgeClass::boundary), 4 * kCells);
     expect_each_active_feature_once(*f);
   }
   EXPECT_EQ(vertex_bits(cone), 4);
-  EXPECT_EQ(vertex_bits(paper), 4 * n);
+  EXPECT_EQ(vertex_bits(paper), 4 * kCells);
   EXPECT_EQ(cone.cells.both, 4);
-  EXPECT_EQ(cone.cells.only_moravanszky_terdiman, 4 * n - 4);
-  EXPECT_EQ(cone.cells.neither, (n - 1) * (n - 1));
+  EXPECT_EQ(cone.cells.only_moravanszky_terdiman, 4 * kCells - 4);
+  EXPECT_EQ(cone.cells.neither, (kCells - 1) * (kCells - 1));
 }
 
 TEST(MeshFeatures, T_1_4_OfAStepAreNotAtTheEndsOfItsCrease) {

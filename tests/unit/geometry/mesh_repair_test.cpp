@@ -232,7 +232,7 @@ TEST(MeshRepair, ClosesTJunctionsOfAnyNumber) {
 TEST(MeshRepair, ClosesTJunctionsFromBothSides) {
   std::vector<Vec3> x = {{0, 0, 0}, {12, 0, 0}, {6, 6, 0}, {6, -6, 0}};
   Triangles triangles;
-  const auto fan = [&](int apex, std::vector<double> at, bool reversed) {
+  const auto fan = [&](int apex, const std::vector<double>& at, bool reversed) {
     int last = 0;
     for (const double s : at) {
       int next = 1;

@@ -146,7 +146,7 @@ TEST(SelfIntersections, AreNoneOnSmoothAndSharpSurfaces) {
 }
 
 TEST(SelfIntersections, OfTwoTrianglesFollowTheirPosition) {
-  const auto with = [](Vec3 a, Vec3 b, Vec3 c) {
+  const auto with = [](const Vec3& a, const Vec3& b, const Vec3& c) {
     return pairs_of({{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, a, b, c}, {{0, 1, 2}, {3, 4, 5}});
   };
   const Pairs yes = {{0, 1}}, no = {};
@@ -160,7 +160,7 @@ TEST(SelfIntersections, OfTwoTrianglesFollowTheirPosition) {
 }
 
 TEST(SelfIntersections, BeyondASharedVertexAreFound) {
-  const auto with = [](Vec3 a, Vec3 b) {
+  const auto with = [](const Vec3& a, const Vec3& b) {
     return pairs_of({{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, a, b}, {{0, 1, 2}, {0, 3, 4}});
   };
   EXPECT_TRUE(with({-1, 0, 1}, {0, -1, 1}).empty());
@@ -171,7 +171,7 @@ TEST(SelfIntersections, BeyondASharedVertexAreFound) {
 }
 
 TEST(SelfIntersections, AcrossASharedEdgeMeansFoldedFlat) {
-  const auto with = [](Vec3 d) {
+  const auto with = [](const Vec3& d) {
     return pairs_of({{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, d}, {{0, 1, 2}, {1, 0, 3}});
   };
   EXPECT_TRUE(with({0, -4, 0}).empty()) << "flat, opened";

@@ -9,7 +9,7 @@
 namespace aussois {
 namespace {
 
-constexpr double kMass = 1, kDisc = 0.1, kMu = 0.3, kR_e = 2 * kDisc / 3;  // R_e of uniform pressure
+constexpr double kMass = 1, kDisc = 0.1, kMu = 0.3, kArm = 2 * kDisc / 3;  // R_e of uniform pressure
 constexpr double kSpin = 0.5 * kMass * kDisc * kDisc;                      // moment of inertia [kg m^2]
 
 // The disc touches in one point at its centre of mass, so it cannot tip.
@@ -17,7 +17,7 @@ struct Disc {
   Model model{};
   State state{};
   explicit Disc(double v, double w) {
-    model.contact_law = {.mu = kMu, .contensou_radius = kR_e};
+    model.contact_law = {.mu = kMu, .contensou_radius = kArm};
     const auto plate = add(model, prepare(dilate(make_plate(6, 6), kRadius)));
     const auto foot = add(model, prepare(dilate(make_point(), 5e-3)));
     add(model, fixed_body("ground", plate));
@@ -38,13 +38,13 @@ struct Motion2 {
 };
 Motion2 reference(double v, double w, double t_end) {
   const auto rate = [](const Vec3& y) -> Vec3 {
-    const double s = std::hypot(y[1], kR_e * y[2]), N = kMass * kGravity;
-    return {y[1], -kMu * N / kMass * y[1] / s, -kMu * N * kR_e * kR_e / kSpin * y[2] / s};
+    const double s = std::hypot(y[1], kArm * y[2]), N = kMass * kGravity;
+    return {y[1], -kMu * N / kMass * y[1] / s, -kMu * N * kArm * kArm / kSpin * y[2] / s};
   };
   Vec3 y(0, v, w);
   double t = 0;
   const double dt = 1e-5;
-  while (t < t_end && std::hypot(y[1], kR_e * y[2]) > kMu * kGravity * 2 * dt) {
+  while (t < t_end && std::hypot(y[1], kArm * y[2]) > kMu * kGravity * 2 * dt) {
     const Vec3 a = rate(y), b = rate(y + dt / 2 * a), c = rate(y + dt / 2 * b), d = rate(y + dt * c);
     y += dt / 6 * (a + 2 * b + 2 * c + d);
     t += dt;
@@ -88,7 +88,7 @@ TEST(ContensouDisc, RemembersItsDrillingImpulse) {
   ASSERT_EQ(disc.state.memory.contacts.size(), 1U);
   EXPECT_EQ(disc.state.memory.contacts[0].drilling, first.contacts[0].drilling);
   // almost pure spin: all friction drills; it takes A, the ground, along, whose normal points down
-  const double most = kMu * kMass * kGravity * kR_e * first.h;
+  const double most = kMu * kMass * kGravity * kArm * first.h;
   EXPECT_NEAR(first.contacts[0].drilling, -most, 2e-3 * most);
   EXPECT_EQ(first.contacts[0].point.a.body, BodyId(0));
   State other = disc.state;

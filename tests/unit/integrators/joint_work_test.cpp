@@ -208,17 +208,17 @@ TEST_P(JointWorkInEveryScheme, ForcesBelongToTheTimeThatIsTold) {
     SchemeOptions o = v.options;
     o.step.h = h;
     o.step.joints.project = project;
-    constexpr double k = 1.5 * 9.81;
+    constexpr double kPull = 1.5 * 9.81;
     double t = 0, angle = 0, speed = 0, out = 0;  // down from the horizontal
     advance(make_scheme(v.name, model, o), state, 0.4, [&](const StepReport& r) {
       EXPECT_NEAR(r.t_joints, alpha ? r.t : paoli ? std::max(r.t - r.h, r.h / 4) : r.t - r.h / 2, 1e-12);
       for (const double dt = (r.t_joints - t) / 10; t < r.t_joints - dt / 2; t += dt) {
-        const double middle = speed + dt / 2 * k * std::cos(angle);
-        speed += dt * k * std::cos(angle + dt / 2 * speed), angle += dt * middle;
+        const double middle = speed + dt / 2 * kPull * std::cos(angle);
+        speed += dt * kPull * std::cos(angle + dt / 2 * speed), angle += dt * middle;
       }
       t = r.t_joints;
       const Vec3 out_of(std::cos(angle), 0, -std::sin(angle)), along(-std::sin(angle), 0, -std::cos(angle));
-      const Vec3 a = 0.5 * (k * std::cos(angle) * along - speed * speed * out_of);
+      const Vec3 a = 0.5 * (kPull * std::cos(angle) * along - speed * speed * out_of);
       if (t > 0.2) out = std::max(out, (r.joints[0].force - 2 * (a - model.gravity)).norm());
     });
     return out;

@@ -57,7 +57,7 @@ StepReport judged_step(const Model& model, const Scheme& scheme, State& state, d
                        Off& off) {
   const State start = state;
   const Judged before = judged_from_outside(model, state);
-  const StepReport report = scheme.step(state, kInf);
+  StepReport report = scheme.step(state, kInf);
   const Judged now = judged_from_outside(model, state);
   const MomentumLedger& m = report.momentum;
   const EnergyLedger& e = report.energy;

@@ -30,8 +30,8 @@ Heap heap() {
   const double pitch = kEdge + 2 * kEps + 1e-3;
   for (int i = 0; i < 75; ++i) {
     SE3& g = pose(s.state, BodyId::at(1 + i));
-    g.p = pitch * Vec3(i % 5, i / 5 % 5, i / 25) + Vec3(0, 0, kEdge / 2 + 2 * kEps + 1e-4) +
-          random.vector(5e-5);
+    const int along = i % 5, across = i / 5 % 5, above = i / 25;
+    g.p = pitch * Vec3(along, across, above) + Vec3(0, 0, kEdge / 2 + 2 * kEps + 1e-4) + random.vector(5e-5);
     g.R = exp_so3(random.vector(1e-3));
     twist(s.state, BodyId::at(1 + i))[2] = -0.2;
   }

@@ -112,7 +112,7 @@ TEST(Step, RefusesAModelThatHasChangedSinceTheSchemeWasMade) {
       const Scheme scheme = make_scheme(name, s.model, {});
       change(s.model);
       State old = s.state, fresh = rest_state(s.model);
-      const std::string message = message_of([&] { EXPECT_FALSE(scheme.step(old, 1e-3).ok()); });
+      std::string message = message_of([&] { EXPECT_FALSE(scheme.step(old, 1e-3).ok()); });
       EXPECT_EQ(message_of([&] { EXPECT_FALSE(scheme.step(fresh, 1e-3).ok()); }), message);
       return message;
     };

@@ -86,7 +86,7 @@ TEST(Start, IsRefusedWithAJointThatDoesNotHoldUntilItIsMadeConsistent) {
 }
 
 TEST(Start, IsRefusedWithMatricesOfTheWrongSizeAndSoIsEveryStep) {
-  const auto with = [](MatX mass, VecX f, MatX K, MatX J) {
+  const auto with = [](const MatX& mass, const VecX& f, const MatX& K, const MatX& J) {
     Model model;
     add(model, Coordinates{.name = "x",
                            .size = 2,
@@ -99,7 +99,7 @@ TEST(Start, IsRefusedWithMatricesOfTheWrongSizeAndSoIsEveryStep) {
                              return GapRows{.gap = 1, .J = J};
                            }});
     State state = rest_state(model);
-    const std::string message = refusal(model, state);
+    std::string message = refusal(model, state);
     State moved = state;
     for (const std::string& scheme : scheme_names()) {
       const std::string refused = message_of<std::invalid_argument>(

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The contact set is a function of the relative pose and of nothing else.
 #include <algorithm>
-#include <cstring>
+#include <bit>
+#include <cstdint>
 
 #include <gtest/gtest.h>
 
@@ -98,7 +99,7 @@ TEST_P(Objectivity, TheMirroredPairHasTheMirroredContacts) {
 }
 
 bool same_bits(double a, double b) {
-  return std::memcmp(&a, &b, sizeof a) == 0;
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
 bool same_bits(const Vec3& a, const Vec3& b) {
   return same_bits(a.x(), b.x()) && same_bits(a.y(), b.y()) && same_bits(a.z(), b.z());

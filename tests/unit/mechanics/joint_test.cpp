@@ -189,7 +189,7 @@ Model hinged() {
 }
 std::string refusal(const Joint& joint) {
   Model model = hinged();
-  const std::string message = message_of([&] { add(model, joint); });
+  std::string message = message_of([&] { add(model, joint); });
   EXPECT_EQ(model.joints.size(), message.empty() ? 1u : 0u);
   return message;
 }

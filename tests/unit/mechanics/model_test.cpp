@@ -22,7 +22,7 @@ RigidBody part() {
 std::string refusal(const RigidBody& body) {
   Model model;
   add(model, fixed_body("ground", -1));
-  const std::string message = message_of([&] { add(model, body); });
+  std::string message = message_of([&] { add(model, body); });
   EXPECT_EQ(model.bodies.size(), message.empty() ? 2u : 1u);  // a refused body is not added
   return message;
 }

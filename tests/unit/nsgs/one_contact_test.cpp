@@ -63,9 +63,9 @@ struct Oracle {
     if (q[0] >= 0) found.push_back({0, 0, 0});
     const Real3 r = stick();
     if (r[0] >= 0 && std::hypot(r[1], r[2]) <= mu * r[0]) found.push_back(r);
-    constexpr int directions = 720;
-    const Real step = 2 * std::acos(Real(-1)) / directions;
-    for (int i = 0; i < directions; ++i) {
+    constexpr int kDirections = 720;
+    const Real step = 2 * std::acos(Real(-1)) / kDirections;
+    for (int i = 0; i < kDirections; ++i) {
       Real low = i * step, high = low + step;
       const bool rising = misalignment(low) < 0;
       if (rising == (misalignment(high) < 0)) continue;

@@ -447,7 +447,7 @@ TEST(MeanContacts, KeepTheirPlaceWhenStartedWarm) {
 // By hand: two contacts of one place with other normals are one for positions and two in seven dimensions.
 TEST(MeanContacts, InSevenDimensionsTellNormalsAndFrictionApart) {
   ContactSet set = contacts_of({Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitX(), Vec3::UnitY()});
-  for (std::size_t i = 0; i < 4; ++i) set.points[i].x_a.z() = set.points[i].x_b.z() = 1e-3 * double(i / 2);
+  for (std::size_t i = 0; i < 4; ++i) set.points[i].x_a.z() = set.points[i].x_b.z() = i < 2 ? 0 : 1e-3;
   const MeanContactOptions seven{.rule = MeanRule::position_normal_friction, .k = 2};
   EXPECT_EQ(mean_contacts(set, {}, {}, {.k = 2}).label[0], mean_contacts(set, {}, {}, {.k = 2}).label[1]);
   const MeanContacts by_normal = mean_contacts(set, {}, {}, seven);

@@ -148,7 +148,7 @@ std::vector<Vec2> lloyds_means(const std::vector<Vec2>& points, int k, std::uint
   Random random(seed + 1000);
   std::vector<Vec2> centres;
   while (int(centres.size()) < k) {
-    const Vec2 next = points[std::size_t(random.uniform(0, double(points.size())))];
+    const Vec2& next = points[std::size_t(random.uniform(0, double(points.size())))];
     if (std::ranges::find(centres, next) == centres.end()) centres.push_back(next);
   }
   for (std::vector<Vec2> last; last != centres;) {
