@@ -40,7 +40,7 @@ struct MoreauJeanOptions {
   double theta = 0.5;  // of the smooth forces and of the position update [-]
   NormalLaw law = NormalLaw::combined;
   // The laws of contacts and stops apply to gamma u+ + (1 - gamma) u- [-]; this implies a
-  // restitution of (1 - gamma) / gamma (MJ-10), with gap_over_step in place of the law's
+  // restitution of (1 - gamma) / gamma (MJ-10); with gap_over_step it replaces that of the contact law
   double gamma = 1;
   ContactsAt contacts = ContactsAt::start;
   NewtonOptions newton{};

@@ -141,7 +141,7 @@ struct Crossing {
 };
 Crossing cross(const Gun& gun, double miss, double phase) {
   CaseScene s = crossing_bullets(miss, 0.3 + phase * 2 * kBulletSpeed * kStep);
-  if (restitutions(gun).back() == 0) s.model.contact_law.restitution = 0;  // a plastic gun refuses another
+  if (restitutions(gun).back() == 0) s.model.contact_law.restitution = 0;  // a plastic law refuses any other
   const Scheme scheme = make_scheme(gun.scheme.name, s.model, gun.scheme.options);
   State state = s.state;
   Crossing out;

@@ -9,7 +9,7 @@
 namespace aussois {
 namespace {
 
-constexpr double kMass = 1, kDisc = 0.1, kMu = 0.3, kArm = 2 * kDisc / 3;  // R_e of uniform pressure
+constexpr double kMass = 1, kDisc = 0.1, kMu = 0.3, kArm = 2 * kDisc / 3;  // R_e of uniform pressure [m]
 constexpr double kSpin = 0.5 * kMass * kDisc * kDisc;                      // moment of inertia [kg m^2]
 
 // The disc touches in one point at its centre of mass, so it cannot tip.

@@ -208,7 +208,7 @@ TEST_P(JointWorkInEveryScheme, ForcesBelongToTheTimeThatIsTold) {
     SchemeOptions o = v.options;
     o.step.h = h;
     o.step.joints.project = project;
-    constexpr double kPull = 1.5 * 9.81;
+    constexpr double kPull = 1.5 * 9.81;          // angular acceleration when horizontal [rad/s^2]
     double t = 0, angle = 0, speed = 0, out = 0;  // down from the horizontal
     advance(make_scheme(v.name, model, o), state, 0.4, [&](const StepReport& r) {
       EXPECT_NEAR(r.t_joints, alpha ? r.t : paoli ? std::max(r.t - r.h, r.h / 4) : r.t - r.h / 2, 1e-12);
