@@ -71,9 +71,11 @@ std::vector<Family> families() {
   std::vector<Vec2> rim, grid, l;
   for (int i = 0; i < 48; ++i)
     rim.push_back(0.05 * Vec2(std::cos(2 * kPi * i / 48), std::sin(2 * kPi * i / 48)));
-  for (int i = 0; i < 48; ++i) grid.push_back(Vec2(0.01 * (i % 8), 0.01 * (i / 8)));
-  for (int i = 0; i < 48; ++i)
-    if (i % 8 < 2 || i / 8 < 2) l.push_back(Vec2(0.01 * (i % 8), 0.01 * (i / 8)));
+  for (int row = 0; row < 6; ++row)
+    for (int column = 0; column < 8; ++column) {
+      grid.push_back(0.01 * Vec2(column, row));
+      if (column < 2 || row < 2) l.push_back(grid.back());
+    }
   return {{"rim", rim}, {"grid", grid}, {"l", l}, {"scattered", in_disc(48, 7)}};
 }
 

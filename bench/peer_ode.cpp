@@ -29,15 +29,16 @@ struct World {
     space = dHashSpaceCreate(nullptr);
     contacts = dJointGroupCreate(0);
     dWorldSetGravity(world, scene.gravity.x(), scene.gravity.y(), scene.gravity.z());
+    mu.reserve(scene.bodies.size());  // shapes point at theirs
     for (const BodyId b : scene.bodies.ids()) {
       const PeerBody& body = scene.bodies[b];
       const PeerShape& shape = scene.shapes[body.shape];
       const dGeomID geom = shape.kind == PeerShapeKind::ball
                                ? dCreateSphere(space, shape.size.x())
                                : dCreateBox(space, shape.size.x(), shape.size.y(), shape.size.z());
-      dGeomSetData(geom, reinterpret_cast<void*>(std::intptr_t(b.index())));
       bodies.push_back(body.fixed ? nullptr : dBodyCreate(world));
       mu.push_back(body.mu);
+      dGeomSetData(geom, &mu.back());
       force.push_back(body.force);
       start.push_back(body.g);
       if (body.fixed) {
@@ -68,9 +69,7 @@ struct World {
     if (!dGeomGetBody(a) && !dGeomGetBody(b)) return;
     dContact found[kContactsOfAPair];
     const int count = dCollide(a, b, kContactsOfAPair, &found[0].geom, sizeof(dContact));
-    const auto friction = [&](dGeomID geom) {
-      return mu[reinterpret_cast<std::intptr_t>(dGeomGetData(geom))];
-    };
+    const auto friction = [](dGeomID geom) { return *static_cast<const double*>(dGeomGetData(geom)); };
     for (int i = 0; i < count; ++i) {
       dSurfaceParameters& surface = found[i].surface;
       surface = {};

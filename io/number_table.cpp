@@ -41,7 +41,7 @@ std::size_t column_of(const NumberTable& table, const std::string& name, const s
 SE3 pose_in(const NumberTable& table, std::size_t row, const std::array<std::size_t, 7>& columns,
             const std::filesystem::path& path) {
   const auto value = [&](std::size_t k) { return table.rows[row][columns[k]]; };
-  const SE3 g{Quat(value(3), value(4), value(5), value(6)), Vec3(value(0), value(1), value(2))};
+  SE3 g{Quat(value(3), value(4), value(5), value(6)), Vec3(value(0), value(1), value(2))};
   try {
     checked_pose(g, "pose");
   } catch (const std::invalid_argument& refused) {

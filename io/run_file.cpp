@@ -558,7 +558,7 @@ struct RunReader::Impl {
   /// A field of every joint at every step.
   template <class T>
   void read_joints(const Field<RunJoint, T>& field) {
-    constexpr std::size_t kWidth = sizeof(T) / sizeof(double);
+    constexpr std::size_t kNumber = sizeof(double), kWidth = sizeof(T) / kNumber;
     const std::vector<double> values = read_wide(field.name, header.joints.size() * kWidth);
     const double* next = values.data();
     for (RunStep& step : block)

@@ -102,11 +102,11 @@ class Levels {
                                      {"h_s", h},
                                      {"certify", a_.watch.certify}};
     if (a_.watch.dump.folder.empty())  // else files of problems are wanted
-      if (const std::optional<SlidLevel> kept = read_level(path, key)) {
+      if (std::optional<SlidLevel> kept = read_level(path, key)) {
         ++known_;
         return kept;
       }
-    const std::optional<SlidLevel> made = simulated(a_, h, "sliding_block_" + name);
+    std::optional<SlidLevel> made = simulated(a_, h, "sliding_block_" + name);
     if (made) write_level(path, key, *made);
     return made;
   }

@@ -88,8 +88,8 @@ CaseScene woodpecker() {  // masses, inertias and lengths of sleeve M and bird S
 }
 
 CaseScene squeezer() {
-  constexpr double mass[] = {.04325, .00365, .02373, .00706, .07050, .00706, .05498};
-  constexpr double inertia[] = {2.194e-6, 4.410e-7, 5.255e-6, 5.667e-7, 1.169e-5, 5.667e-7, 1.912e-5};
+  const double mass[] = {.04325, .00365, .02373, .00706, .07050, .00706, .05498};
+  const double inertia[] = {2.194e-6, 4.410e-7, 5.255e-6, 5.667e-7, 1.169e-5, 5.667e-7, 1.912e-5};
   const Vec3 A(-0.06934, -0.00227, 0), B(-0.03635, 0.03273, 0), C(0.014, 0.072, 0);
   const auto [beta, theta, gamma, phi, delta, Omega, epsilon] = kSqueezerStart;
   // Frames at the joints that bodies 1 to 7 turn in; x along the body (1, 2, 5, 6) or minus y (3, 4, 7).

@@ -12,25 +12,26 @@ namespace aussois {
 namespace {
 
 constexpr double kRestitution = 0.4;
-constexpr double kClearance = 1e-3;                             // on either side [m]
-constexpr double kMass[] = {0.038, 0.038, 0.076};               // crank, rod, slider [kg]
-constexpr double kInertia[] = {7.4e-5, 5.9e-4, 2.7e-6};         // about their centres [kg m^2]
-constexpr double kStride = 1e-4;                                // of the integration [s]
-constexpr double kLastSpeed = 1e-6;                             // what leaves a wall slower stays [m/s]
-constexpr double kSpeed[] = {150, -75};                         // of crank and rod at the start [rad/s]
-constexpr double a = kSliderLength / 2, b = kSliderHeight / 2;  // of the slider [m]
+constexpr double kClearance = 1e-3;                          // on either side [m]
+constexpr double kLinkMass[] = {0.038, 0.038, 0.076};        // crank, rod, slider [kg]
+constexpr double kLinkInertia[] = {7.4e-5, 5.9e-4, 2.7e-6};  // about their centres [kg m^2]
+constexpr double kStride = 1e-4;                             // of the integration [s]
+constexpr double kLastSpeed = 1e-6;                          // what leaves a wall slower stays [m/s]
+constexpr double kSpeed[] = {150, -75};                      // of crank and rod at the start [rad/s]
+constexpr double kHalfLength = kSliderLength / 2, kHalfHeight = kSliderHeight / 2;  // [m]
 
 // Lagrange's equations of the two angles that move the slider's centre (MCH-1).
-constexpr double kMixed = (kMass[1] / 2 + kMass[2]) * kCrankLength * kConnectingRodLength;
+constexpr double kMixed = (kLinkMass[1] / 2 + kLinkMass[2]) * kCrankLength * kConnectingRodLength;
 Mat2 mass(const Vec2& th) {
   const double mixed = kMixed * std::cos(th[1] - th[0]);
   Mat2 M;
-  M << kInertia[0] + (kMass[0] / 4 + kMass[1] + kMass[2]) * kCrankLength * kCrankLength, mixed, mixed,
-      kInertia[1] + (kMass[1] / 4 + kMass[2]) * kConnectingRodLength * kConnectingRodLength;
+  M << kLinkInertia[0] + (kLinkMass[0] / 4 + kLinkMass[1] + kLinkMass[2]) * kCrankLength * kCrankLength,
+      mixed, mixed,
+      kLinkInertia[1] + (kLinkMass[1] / 4 + kLinkMass[2]) * kConnectingRodLength * kConnectingRodLength;
   return M;
 }
-const Vec2 kWeight = kGravity * Vec2((kMass[0] / 2 + kMass[1] + kMass[2]) * kCrankLength,
-                                     (kMass[1] / 2 + kMass[2]) * kConnectingRodLength);
+const Vec2 kWeight = kGravity * Vec2((kLinkMass[0] / 2 + kLinkMass[1] + kLinkMass[2]) * kCrankLength,
+                                     (kLinkMass[1] / 2 + kLinkMass[2]) * kConnectingRodLength);
 Vec2 force(const Vec2& th, const Vec2& w) {
   const double s = kMixed * std::sin(th[0] - th[1]);
   return {-s * w[1] * w[1] - kWeight[0] * std::cos(th[0]), s * w[0] * w[0] - kWeight[1] * std::cos(th[1])};
@@ -45,9 +46,9 @@ Vec2 gradient(const Vec2& th) {
 
 MotionSample slider(const Vec3& th, const Vec3& w) {
   const Vec2 dz = gradient(th.head<2>());
-  return {.q = Vec3(dz.sum(), height(th.head<2>()), a * th[2]),
+  return {.q = Vec3(dz.sum(), height(th.head<2>()), kHalfLength * th[2]),
           .v = Vec3(-kCrankLength * std::sin(th[0]) * w[0] - kConnectingRodLength * std::sin(th[1]) * w[1],
-                    dz.dot(w.head<2>()), a * w[2])};
+                    dz.dot(w.head<2>()), kHalfLength * w[2])};
 }
 
 // Accelerations, and the force of the wall on the slider, which keeps its height if it is `closed` (MCH-2).
@@ -104,7 +105,7 @@ Coordinates angles() {
   const auto mass_of_all = [](const VecX& q) -> MatX {
     MatX M = MatX::Zero(3, 3);
     M.topLeftCorner<2, 2>() = mass(q.head<2>());
-    M(2, 2) = kInertia[2];
+    M(2, 2) = kLinkInertia[2];
     return M;
   };
   const auto all_forces = [](double, const VecX& q, const VecX& v) {
@@ -126,7 +127,7 @@ GapFunction corner(double x, double z, double mu) {
   const auto evaluate = [x, z](const Model&, const State& state, double) {
     const Vec2 th = state.q.head<2>();
     const double s = std::sin(state.q[2]), c = std::cos(state.q[2]), side = z > 0 ? 1 : -1;
-    GapRows out{.gap = b + kClearance - side * (height(th) + s * x + c * z), .J = MatX(2, 3)};
+    GapRows out{.gap = kHalfHeight + kClearance - side * (height(th) + s * x + c * z), .J = MatX(2, 3)};
     out.J << -side * gradient(th).transpose(), -side * (c * x - s * z),  //
         -kCrankLength * std::sin(th[0]), -kConnectingRodLength * std::sin(th[1]), -s * x - c * z;
     return out;
@@ -163,8 +164,8 @@ MotionSample slider_of_bodies(const CaseScene& s, const State& state) {
   const SE3& g = pose(state, s.body);
   const Vec6 v = twist(state, s.body);
   const Vec3 along = g.R * Vec3::UnitX();
-  return {.q = Vec3(g.p.x(), g.p.z(), a * std::atan2(along.z(), along.x())),
-          .v = Vec3(v[0], v[2], -a * v[4])};
+  return {.q = Vec3(g.p.x(), g.p.z(), kHalfLength * std::atan2(along.z(), along.x())),
+          .v = Vec3(v[0], v[2], -kHalfLength * v[4])};
 }
 
 MotionSample slider_of_angles(const CaseScene&, const State& state) {
@@ -175,14 +176,14 @@ CaseScene slider_crank_of_bodies(double mu) {
   constexpr double kDilation = 1e-2, kWidth = 0.02;  // of the walls, and of the slider across the plane [m]
   CaseScene s;
   s.model.contact_law = {.mu = mu, .restitution = kRestitution};
-  const auto box = add(s.model, prepare(dilate(make_box(2 * a, kWidth, 2 * b), 0)));
+  const auto box = add(s.model, prepare(dilate(make_box(kSliderLength, kWidth, kSliderHeight), 0)));
   const auto plate = add(s.model, prepare(dilate(make_plate(2, 0.2), kDilation)));
   const char* names[] = {"crank", "rod", "slider"};
   for (int i = 0; i < 3; ++i)
     s.body = add(s.model, RigidBody{.name = names[i],
                                     .shape = i == 2 ? box : ShapeId(),
-                                    .mass = kMass[i],
-                                    .inertia = kInertia[i] * Mat3::Identity()});
+                                    .mass = kLinkMass[i],
+                                    .inertia = kLinkInertia[i] * Mat3::Identity()});
   for (const char* name : {"upper wall", "lower wall"}) add(s.model, fixed_body(name, plate));
   s.state = rest_state(s.model);
   const double x[] = {kCrankLength / 2, kCrankLength + kConnectingRodLength / 2,
@@ -191,7 +192,7 @@ CaseScene slider_crank_of_bodies(double mu) {
   for (int i = 0; i < 3; ++i) pose(s.state, BodyId::at(i)).p.x() = x[i];
   for (const int side : {1, -1})
     pose(s.state, BodyId::at(side > 0 ? 3 : 4)).p =
-        Vec3(kConnectingRodLength, 0, side * (b + kClearance + kDilation));
+        Vec3(kConnectingRodLength, 0, side * (kHalfHeight + kClearance + kDilation));
   for (int i = 0; i < 3; ++i)  // about -y: raises what points along x
     add(s.model, joint_at(JointKind::revolute, "hinge", BodyId::at(i), BodyId::at(i - 1), s.state.g,
                           translation(joint_x[i], 0, 0) * rotation(Vec3::UnitX(), kPi / 2)));
@@ -205,8 +206,8 @@ CaseScene slider_crank_of_bodies(double mu) {
 CaseScene slider_crank_of_angles(double mu) {
   CaseScene s;
   add(s.model, angles());
-  for (const double z : {b, -b})
-    for (const double x : {-a, a}) add(s.model, corner(x, z, mu));
+  for (const double z : {kHalfHeight, -kHalfHeight})
+    for (const double x : {-kHalfLength, kHalfLength}) add(s.model, corner(x, z, mu));
   s.state = rest_state(s.model);
   s.state.v << kSpeed[0], kSpeed[1], 0;
   return s;

@@ -122,7 +122,7 @@ Kept kept_lessons() {
           .read =
               [](const fs::path& folder) {
                 const auto lessons = read_lessons(folder / "lessons.json", PegScenario::edge);
-                if (lessons) peg_choices(PegScenario::edge).at(std::size_t(lessons->best_choice));
+                if (lessons) (void)peg_choices(PegScenario::edge).at(std::size_t(lessons->best_choice));
                 return lessons.has_value();
               }};
 }

@@ -244,8 +244,8 @@ inline CoverageAudit audit_coverage(const LmdShape& shape, long poses, std::uint
     R.normalize();
     const Vec3 p =
         aim.x + away * aim.u + (random.index(2) ? beside : -beside) * aim.beside - R * probes[which].place;
-    static const char* const kNames[] = {"point", "corner",           "crease",          "end of a crease",
-                                         "face",  "border of a face", "corner of a face"};
+    static constexpr const char* kNames[] = {
+        "point", "corner", "crease", "end of a crease", "face", "border of a face", "corner of a face"};
     if (i * slice.of / poses == slice.number)
       judge_coverage({&probes[which].shape, {R, p}, 0}, {&shape, {}, 1}, kNames[which], audit);
   }

@@ -16,7 +16,7 @@ namespace aussois {
 /// stays for the curious.
 inline std::filesystem::path fresh_folder() {
   const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-  const std::filesystem::path folder =
+  std::filesystem::path folder =
       std::filesystem::path("test_output") / test->test_suite_name() / test->name();
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);

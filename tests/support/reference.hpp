@@ -10,7 +10,7 @@
 #define REFERENCE(rows, name)            \
   std::vector<SeriesRow> rows;           \
   try {                                  \
-    rows = shared_series(name);          \
+    (rows) = shared_series(name);        \
   } catch (const MissingData& missing) { \
     GTEST_SKIP() << missing.what();      \
   }

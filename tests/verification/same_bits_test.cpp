@@ -110,7 +110,7 @@ class EveryScheme : public ::testing::TestWithParam<SchemeVariant> {
   }
 
   void expect_same_bits() const {
-    const Scheme one = scheme(), three = scheme(3);
+    Scheme one = scheme(), three = scheme(3);
     const std::vector<State> reference = run(scene_.state, 0, [&] { return one; });
     ASSERT_EQ(int(reference.size()), steps_);
     std::size_t touching = 0;

@@ -108,7 +108,8 @@ FrictionScene sphere_pile(int contacts, Random& random) {
   const int row = int(width / 0.029);
   for (int i = 0; i < count; ++i) {
     const double radius = random.uniform(0.006, 0.014);
-    const Vec3 cell(i % row, i / row % row, i / (row * row));
+    const int floor = i / (row * row), line = i / row % row;
+    const Vec3 cell(i % row, line, floor);
     grains.push_back(
         {.centre = 0.0145 * Vec3::Ones() + 0.029 * cell + random.vector(5e-4), .radius = radius});
   }

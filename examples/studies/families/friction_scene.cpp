@@ -78,10 +78,11 @@ double area(const PlanePolygon& polygon) {
 /// What two convex polygons share, both counter-clockwise (Sutherland and Hodgman); near points are one.
 PlanePolygon shared_polygon(PlanePolygon points, const PlanePolygon& window, double near) {
   for (std::size_t e = 0; e < window.size(); ++e) {
-    const Vec2 from = window[e], along = (window[(e + 1) % window.size()] - from).normalized();
+    const Vec2& from = window[e];
+    const Vec2 along = (window[(e + 1) % window.size()] - from).normalized();
     PlanePolygon inside;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const Vec2 p = points[i], q = points[(i + 1) % points.size()];
+      const Vec2 &p = points[i], &q = points[(i + 1) % points.size()];
       const double at_p = cross(along, p - from), at_q = cross(along, q - from);
       if (at_p >= -near) inside.push_back(p);  // edges that coincide up to rounding do not cross
       if ((at_p > near && at_q < -near) || (at_p < -near && at_q > near))

@@ -180,19 +180,28 @@ std::vector<std::filesystem::path> problem_files(const std::vector<std::filesyst
   return files;
 }
 
+namespace {
+
+// Nothing, and why in `run`, if it cannot be read.
+std::optional<FclibFile> read_problem(const std::filesystem::path& path, ProblemRun& run) {
+  try {
+    return read_fclib(path);
+  } catch (const std::exception& error) {
+    run.status = "unreadable";
+    run.reason = error.what();
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
 ProblemRun run_problem(const std::filesystem::path& path, const RunOptions& options) {
   validate(options);
   ProblemRun run{
       .problem = path.stem().string(), .solver = to_string(options.solver.method), .start = options.start};
-  FclibFile file;
-  try {
-    file = read_fclib(path);
-  } catch (const std::exception& error) {
-    run.status = "unreadable";
-    run.reason = error.what();
-    return run;
-  }
-  const VecX r0 = start_of(file, run.start);
+  std::optional<FclibFile> file = read_problem(path, run);
+  if (!file) return run;
+  const VecX r0 = start_of(*file, run.start);
   FclibValues answer;
   try {
     answer = std::visit(
@@ -200,14 +209,14 @@ ProblemRun run_problem(const std::filesystem::path& path, const RunOptions& opti
           describe(problem, run);
           return run_on(problem, r0, options, run);
         },
-        file.problem);
+        file->problem);
   } catch (const std::exception& error) {
     run.status = "failed";
     run.reason = error.what();
   }
   if (!options.save.empty() && answer.u.size() > 0) {
-    file.solution = answer;
-    write_fclib(options.save / path.filename(), file);
+    file->solution = answer;
+    write_fclib(options.save / path.filename(), *file);
   }
   return run;
 }

@@ -86,7 +86,7 @@ std::vector<NamedMethod> untrained_methods(PegScenario scenario, const SolverVie
 }
 
 NamedMethod fixed_method(const std::string& name, PegScenario scenario, std::vector<int> outputs) {
-  return {name, [=] {
+  return {name, [scenario, outputs = std::move(outputs)] {
             return [=](const PegSample& sample, bool) {
               return picked(peg_contacts(scenario, sample), outputs);
             };

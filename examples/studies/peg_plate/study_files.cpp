@@ -133,8 +133,10 @@ bool draw_normals(const std::filesystem::path& folder, const std::vector<const P
   for (const PegSample* s : still)
     for (const int i : learned_outputs(PegScenario::edge, network, *s)) ++count[i];
   CsvTable csv(folder / "choices.csv", {"about_y_deg", "about_x_deg", "share"});
-  for (std::size_t i = 0; i < count.size(); ++i)
-    csv.add({15.0 * double(i / 7) - 45, 15.0 * double(i % 7) - 45, double(count[i]) / double(still.size())});
+  for (int i = 0; i < int(count.size()); ++i) {
+    const int about_y = i / 7 - 3, about_x = i % 7 - 3;
+    csv.add({15.0 * about_y, 15.0 * about_x, double(count[i]) / double(still.size())});
+  }
   csv.close();
   std::ostringstream gp;
   gp << preamble("choices", "760,700")

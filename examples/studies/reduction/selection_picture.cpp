@@ -79,8 +79,9 @@ std::string selection_svg(const std::vector<SelectionPanel>& panels) {
         "height=\"100%%\" fill=\"white\"/>\n",
         width, height, width, height);
   View view = view_of(panels.front().all);
-  for (std::size_t i = 0; i < panels.size(); ++i) {
-    view.corner = Vec2(double(i % kColumns) * kPanel, double(i / kColumns) * (kHead + kPanel + kFoot));
+  for (int i = 0; i < int(panels.size()); ++i) {
+    const int row = i / kColumns, column = i % kColumns;
+    view.corner = Vec2(column * kPanel, row * (kHead + kPanel + kFoot));
     draw(out, view, panels[i]);
   }
   print(out,

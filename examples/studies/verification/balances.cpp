@@ -5,6 +5,7 @@
 #include <array>
 #include <deque>
 #include <memory>
+#include <utility>
 
 #include "examples/common/random.hpp"
 #include "examples/scenes/block_on_plate.hpp"
@@ -353,7 +354,7 @@ VerificationCase kanes_paradox() {
             Worst ledger;
             const auto strike = [&](ImpactLaw law) {
               State state = s.state;
-              const StepReport report =
+              StepReport report =
                   step(make_scheme(
                            "moreau_jean", s.model,
                            {.moreau_jean = {.theta = 1, .law = NormalLaw::moreau, .impact = {.law = law}}}),
@@ -417,7 +418,8 @@ VerificationCase gain_of_a_run() {
 /// A force held over the step, as a port gives it: no stiffness, no damping. A step may ask more than once.
 ForceLaw port(BodyId body, std::function<Vec6(const State&)> wrench) {
   return {.name = "port",
-          .add_to = [body, wrench](const Model&, const State& state, double, GeneralisedForce& force) {
+          .add_to = [body, wrench = std::move(wrench)](const Model&, const State& state, double,
+                                                       GeneralisedForce& force) {
             body_part(force.f, body) += wrench(state);
           }};
 }
@@ -474,7 +476,7 @@ Scene block_on_and_off() {
 }
 
 // Every step of a longer run; without (PMI-6) the same runs gain: the law at the middle is not for nothing.
-VerificationCase contacts_at_1_kHz(const std::string& setting, Scene (*scene)()) {
+VerificationCase contacts_at_a_thousand_hertz(const std::string& setting, Scene (*scene)()) {
   return {
       .name = "H3.contacts_at_1_kHz",
       .setting = setting,
@@ -617,8 +619,8 @@ std::vector<VerificationCase> balance_verification() {
   out.push_back(kanes_paradox());
   out.push_back(gain_of_a_run());
   out.push_back(the_reference_keeps());
-  out.push_back(contacts_at_1_kHz("white noise", noisy_block));
-  out.push_back(contacts_at_1_kHz("on and off", block_on_and_off));
+  out.push_back(contacts_at_a_thousand_hertz("white noise", noisy_block));
+  out.push_back(contacts_at_a_thousand_hertz("on and off", block_on_and_off));
   for (const int delay : {0, 1, 3}) out.push_back(late_wall(delay));
   for (const char* scene : {"ball_e05", "stick_slip", "heavy_top"})
     out.push_back(fresh_scheme_in_each_step(scene));

@@ -11,7 +11,7 @@ namespace {
 std::filesystem::path two_bodies_at_rest(const std::filesystem::path& folder) {
   SparseMatrix W(3, 3);
   W.setIdentity();
-  const std::filesystem::path path = folder / "rest.hdf5";
+  std::filesystem::path path = folder / "rest.hdf5";
   write_fclib(path, {.problem = LocalProblem{.W = W, .q = Vec3(-1, 0.1, 0), .laws = {coulomb(0.5)}}});
   return path;
 }

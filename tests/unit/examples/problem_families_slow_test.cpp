@@ -10,6 +10,7 @@
 
 namespace aussois {
 
+// NOLINTNEXTLINE(readability-identifier-naming): GoogleTest calls it so
 void PrintTo(const ProblemFamily& family, std::ostream* out) {
   *out << family.name;
 }

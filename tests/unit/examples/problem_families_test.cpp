@@ -45,6 +45,7 @@ TEST(ProblemFamilies, AreNamedAndRefuseOthers) {
             "contacts = 0 must lie in [1, 1000000]");
 }
 
+// NOLINTNEXTLINE(readability-identifier-naming): GoogleTest calls it so
 void PrintTo(const ProblemFamily& family, std::ostream* out) {
   *out << family.name;
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/csv_table.hpp"
 
+#include <bit>
 #include <charconv>
-#include <cstring>
 #include <limits>
 #include <random>
 #include <stdexcept>
@@ -25,14 +25,13 @@ TEST(CsvTable, IsThePlainTextOneExpects) {
 }
 
 TEST(CsvTable, ReadsBackAsTheSameBits) {
-  constexpr std::uint64_t seed = 20250101;
+  const std::uint64_t seed = 20250101;
   SCOPED_TRACE("seed " + std::to_string(seed));
   Random random(seed);
   std::vector<double> values = {-0.0, 5e-324, 1.7976931348623157e308, 0.1};
   while (values.size() < 2000) {
     const std::uint64_t bits = random.bits();
-    double value;
-    std::memcpy(&value, &bits, sizeof value);
+    const auto value = std::bit_cast<double>(bits);
     if (std::isfinite(value)) values.push_back(value);
   }
   const auto path = fresh_folder() / "table.csv";
@@ -46,7 +45,7 @@ TEST(CsvTable, ReadsBackAsTheSameBits) {
     ASSERT_TRUE(std::getline(file, line));
     double back = 0;
     std::from_chars(line.data(), line.data() + line.size(), back);
-    EXPECT_EQ(std::memcmp(&back, &value, sizeof value), 0) << line;
+    EXPECT_EQ(std::bit_cast<std::uint64_t>(back), std::bit_cast<std::uint64_t>(value)) << line;
   }
 }
 

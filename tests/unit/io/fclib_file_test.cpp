@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/fclib_file.hpp"
 
+#include <bit>
 #include <cstdlib>
 #include <cstring>
 #include <functional>
@@ -31,7 +32,9 @@ bool same_bits(SparseMatrix a, SparseMatrix b) {
   for (int j = 0; j < a.outerSize(); ++j) {
     SparseMatrix::InnerIterator x(a, j), y(b, j);
     for (; x && y; ++x, ++y)
-      if (x.row() != y.row() || std::memcmp(&x.value(), &y.value(), sizeof(double)) != 0) return false;
+      if (x.row() != y.row() ||
+          std::bit_cast<std::uint64_t>(x.value()) != std::bit_cast<std::uint64_t>(y.value()))
+        return false;
     if (x || y) return false;
   }
   return true;

@@ -53,7 +53,7 @@ std::string difference(const LmdShape& a, const LmdShape& b) {
   if (a.straightened != b.straightened || a.misfits != b.misfits) return "straightened";
   if (!same(a.complex, b.complex)) return "complex";
   if (a.radius != b.radius || a.bounding_radius != b.bounding_radius || a.tolerance != b.tolerance ||
-      std::memcmp(&a.centre, &b.centre, sizeof a.centre) != 0)
+      !same_bytes(std::vector{a.centre}, std::vector{b.centre}))
     return "lengths";
   if (!same_bytes(a.regions, b.regions)) return "regions";
   if (a.triangle_region != b.triangle_region || a.triangle_sign != b.triangle_sign) return "triangles";
