@@ -49,17 +49,23 @@ class Corners {
 std::vector<std::size_t> fewest(const Corners& corners, double margin) {
   const std::size_t h = corners.count();
   const std::vector<std::size_t> reach = corners.reach(margin);
-  std::vector<std::size_t> best;
-  for (std::size_t start = 1; start <= reach[0]; ++start) {
-    std::vector<std::size_t> tour;
+  const auto walk = [&](std::size_t start, const auto& visit) {
     std::size_t i = start;
     do {
-      tour.push_back(i % h);
+      visit(i % h);
       i += reach[i % h] - i % h;
     } while (i < start + h);
-    if (best.empty() || tour.size() < best.size()) best = std::move(tour);
+  };
+  std::size_t best = 0, least = h + 1;
+  for (std::size_t start = 1; start <= reach[0]; ++start) {
+    std::size_t count = 0;
+    walk(start, [&](std::size_t) { ++count; });
+    if (count < least) least = count, best = start;
   }
-  return best;
+  std::vector<std::size_t> tour;
+  tour.reserve(least);
+  walk(best, [&](std::size_t i) { tour.push_back(i); });
+  return tour;
 }
 
 }  // namespace

@@ -181,20 +181,20 @@ Margin margin_of(const PlanarPatch& patch, std::span<const int> part) {
   if (part.empty()) return {.value = -kInf};
   if (!(patch.extent > 0)) return {};
   const std::vector<Vec2> P = places(patch, patch.hull), S = places(patch, hull_of(patch, part));
-  std::vector<Vec2> directions;
+  std::vector<std::pair<double, Vec2>> directions;  // and their angles
+  directions.reserve(P.size() + S.size());
+  const auto add = [&](const Vec2& d) { directions.emplace_back(std::atan2(d.y(), d.x()), d); };
   if (P.size() == 2) {  // only the line's own directions matter
-    directions = {(P[0] - P[1]).stableNormalized(), (P[1] - P[0]).stableNormalized()};
+    for (const int i : {0, 1}) directions.emplace_back(0, (P[i] - P[1 - i]).stableNormalized());
   } else {
     for (const std::vector<Vec2>* hull : {&P, &S})
       for (std::size_t i = 0; hull->size() > 1 && i < hull->size(); ++i)
-        directions.push_back(outward((*hull)[(i + 1) % hull->size()] - (*hull)[i]));
-    std::sort(directions.begin(), directions.end(), [](const Vec2& a, const Vec2& b) {
-      return std::atan2(a.y(), a.x()) < std::atan2(b.y(), b.x());
-    });
+        add(outward((*hull)[(i + 1) % hull->size()] - (*hull)[i]));
+    std::ranges::sort(directions, {}, &std::pair<double, Vec2>::first);
   }
   Margin worst;
   TurningSupport h_P(P), h_S(S);
-  for (const Vec2& d : directions) {
+  for (const auto& [angle, d] : directions) {
     const double ratio = h_S(d) / h_P(d);  // P surrounds its centroid
     if (ratio < worst.value) worst = {ratio, d};
   }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 
 #include "geometry/settings.hpp"
 #include "reduction/contact_order.hpp"
@@ -155,11 +156,26 @@ std::vector<int> deepest_there(const ReductionInput& input, std::span<const int>
   return chosen;
 }
 
-// What the reducer chooses of one cluster, or of its closed layer.
+// The patches of the clusters, each made when it is first asked for.
+class Patches {
+ public:
+  Patches(const ReductionInput& input, const Clusters& clusters)
+      : input_(input), clusters_(clusters), patches_(clusters.size()) {}
+  const PlanarPatch& of(std::size_t cluster) {
+    std::optional<PlanarPatch>& patch = patches_[cluster];
+    if (!patch) patch = planar_patch(input_.contacts, clusters_[cluster], input_.g);
+    return *patch;
+  }
+
+ private:
+  const ReductionInput& input_;
+  const Clusters& clusters_;
+  std::vector<std::optional<PlanarPatch>> patches_;
+};
+
+// What the reducer chooses of more members than are kept whole: of one cluster, or of its closed layer.
 std::vector<int> chosen_of(const ReductionInput& input, std::span<const int> members,
-                           const ReductionOptions& options) {
-  if (int(members.size()) <= options.min_per_cluster) return {members.begin(), members.end()};
-  const PlanarPatch patch = planar_patch(input.contacts, members, input.g);
+                           const PlanarPatch& patch, const ReductionOptions& options) {
   const std::vector<int> fresh = fresh_choice(input, members, patch, options);
   if (options.hysteresis > 0 && most_corners(options) > 0 && !input.kept_before.empty()) {
     const std::vector<int> old = old_choice(input, members, patch, options);
@@ -169,16 +185,17 @@ std::vector<int> chosen_of(const ReductionInput& input, std::span<const int> mem
   return at(members, options.paper_exact ? fresh : deepest_there(input, members, patch, fresh, options));
 }
 
-// Of all members and of the closed layer (RED-4).
-void add_chosen(const ReductionInput& input, const std::vector<int>& cluster, const ReductionOptions& options,
-                std::vector<int>& kept) {
-  if (cluster.size() == 1) return kept.push_back(cluster.front());
-  const std::vector<int> all = chosen_of(input, cluster, options);
-  kept.insert(kept.end(), all.begin(), all.end());
+// Of all members of cluster k and of its closed layer (RED-4).
+void add_chosen(const ReductionInput& input, const Clusters& clusters, std::size_t k, Patches& patches,
+                const ReductionOptions& options, std::vector<int>& kept) {
+  const std::vector<int>& cluster = clusters[k];
+  const auto add = [&](std::span<const int> some) { kept.insert(kept.end(), some.begin(), some.end()); };
+  if (int(cluster.size()) <= options.min_per_cluster) return add(cluster);
+  add(chosen_of(input, cluster, patches.of(k), options));
   const std::span<const int> closed = closed_layer(input.contacts, cluster, options.layer);
   if (closed.size() == cluster.size()) return;
-  const std::vector<int> layer = chosen_of(input, closed, options);
-  kept.insert(kept.end(), layer.begin(), layer.end());
+  if (int(closed.size()) <= options.min_per_cluster) return add(closed);
+  add(chosen_of(input, closed, planar_patch(input.contacts, closed, input.g), options));
 }
 
 // Of all clusters of one body pair together, beginning with their extremes (RED-12).
@@ -225,12 +242,12 @@ std::vector<int> chosen_by_selector(const ReductionInput& input, const Clusters&
 }
 
 // Adds corners until the margin is met, and returns what the cluster loses then (RED-7).
-LossReport complete(const ReductionInput& input, const std::vector<int>& cluster, double min_margin,
-                    std::vector<char>& mark) {
-  const ContactSet& found = input.contacts;
+LossReport complete(const ContactSet& found, const Clusters& clusters, std::size_t k, Patches& patches,
+                    double min_margin, std::vector<char>& mark) {
+  const std::vector<int>& cluster = clusters[k];
   if (std::ranges::all_of(cluster, [&](int i) { return mark[i] != 0; })) return {};
   std::vector<int> part = marked(cluster, mark);
-  const PlanarPatch patch = planar_patch(found, cluster, input.g);
+  const PlanarPatch& patch = patches.of(k);
   for (std::size_t n = 0; min_margin > 0 && n < patch.hull.size(); ++n) {
     const Margin margin = margin_of(patch, part);
     if (margin.value >= min_margin - kSamePlace) break;
@@ -242,7 +259,7 @@ LossReport complete(const ReductionInput& input, const std::vector<int>& cluster
   }
   LossReport loss = loss_of(patch, part);
   double deepest = kInf;
-  for (const int k : part) deepest = std::min(deepest, found.points[cluster[k]].gap);
+  for (const int i : part) deepest = std::min(deepest, found.points[cluster[i]].gap);
   loss.depth = deepest - found.points[cluster.front()].gap;
   return loss;
 }
@@ -321,6 +338,7 @@ Selection reduce(const ReductionInput& input, const ReductionOptions& options) {
   validate(options);
   check(input);
   const Clusters clusters = clusters_of(input, options.clustering);
+  Patches patches(input, clusters);
   std::vector<int> kept;
   if (options.reducer == Reducer::none) {
     kept.resize(input.contacts.points.size());
@@ -330,7 +348,7 @@ Selection reduce(const ReductionInput& input, const ReductionOptions& options) {
   } else if (options.reducer == Reducer::wrench_cone) {
     kept = chosen_by_wrenches(input, clusters, options);
   } else {
-    for (const std::vector<int>& cluster : clusters) add_chosen(input, cluster, options, kept);
+    for (std::size_t k = 0; k < clusters.size(); ++k) add_chosen(input, clusters, k, patches, options, kept);
   }
 
   Selection out;
@@ -341,7 +359,7 @@ Selection reduce(const ReductionInput& input, const ReductionOptions& options) {
   for (std::size_t k = 0; k < clusters.size(); ++k) {
     for (const int i : clusters[k]) out.cluster[i] = int(k);
     mark[clusters[k].front()] = 1;  // the deepest, always
-    out.loss = worst_loss(out.loss, complete(input, clusters[k], options.min_margin, mark));
+    out.loss = worst_loss(out.loss, complete(input.contacts, clusters, k, patches, options.min_margin, mark));
   }
   for (std::size_t i = 0; i < mark.size(); ++i)
     if (mark[i]) out.kept.push_back(int(i));
@@ -359,13 +377,16 @@ LossReport measure_loss(const ContactSet& found, const Selection& selection) {
   for (std::size_t i = 0; i < found.points.size(); ++i) clusters[selection.cluster[i]].push_back(int(i));
   std::vector<char> mark(found.points.size(), 0);
   for (const int i : selection.kept) mark[i] = 1;
+  const ReductionInput input{.contacts = found};
+  Patches patches(input, clusters);
   LossReport loss;
-  for (std::vector<int>& cluster : clusters) {
+  for (std::size_t k = 0; k < clusters.size(); ++k) {
+    std::vector<int>& cluster = clusters[k];
     if (cluster.empty()) continue;
     std::swap(cluster.front(), *std::min_element(cluster.begin(), cluster.end(), [&](int i, int j) {
                 return found.points[i].gap < found.points[j].gap;
               }));
-    loss = worst_loss(loss, complete({.contacts = found}, cluster, 0, mark));
+    loss = worst_loss(loss, complete(found, clusters, k, patches, 0, mark));
   }
   return loss;
 }

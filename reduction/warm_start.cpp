@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <string>
 
@@ -121,20 +122,22 @@ class Cascade {
   }
 
   // Matches what has no key yet, by incidence (PER-4), then by place (PER-5). What is then left in the memory
-  // is inherited (PER-6). Searches a window along A's x.
+  // is inherited (PER-6). Searches a window along A's x. What is matched by key can only inherit.
   void match_places() {
-    std::vector<std::size_t> left;  // of the memory, by point_a.x
+    std::vector<std::size_t> left, heritable;  // of the memory, by point_a.x
     for (std::size_t l = 0; l < old_.size(); ++l)
       if (!taken_[l]) left.push_back(l);
     if (left.empty()) return;
     const auto x = [&](std::size_t l) { return old_[l].point_a.x(); };
     std::stable_sort(left.begin(), left.end(), [&](std::size_t a, std::size_t b) { return x(a) < x(b); });
+    std::ranges::copy_if(left, std::back_inserter(heritable), [&](std::size_t l) { return old_[l].solved; });
     std::vector<Candidate> adjacent, geometric;
     for (std::size_t k = 0; k < now_.size(); ++k) {
+      const std::vector<std::size_t>& from = match_[k] < 0 ? left : heritable;
       const double at = now_[k].point_a.x();
-      const auto first = std::lower_bound(left.begin(), left.end(), at - options_.max_reach,
+      const auto first = std::lower_bound(from.begin(), from.end(), at - options_.max_reach,
                                           [&](std::size_t l, double value) { return x(l) < value; });
-      for (auto l = first; l != left.end() && x(*l) <= at + options_.max_reach; ++l) {
+      for (auto l = first; l != from.end() && x(*l) <= at + options_.max_reach; ++l) {
         if (turned_away(k, *l)) continue;
         const double moved = farther_side(k, *l);
         if (moved > options_.max_reach) continue;
