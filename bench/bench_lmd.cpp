@@ -10,9 +10,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
-#include <fstream>
-#include <sstream>
 
+#include "bench/assembly_pairs.hpp"
 #include "bench/cost_report.hpp"
 #include "examples/common/driver.hpp"
 #include "examples/common/progress.hpp"
@@ -31,16 +30,9 @@ struct Arguments {
   CommonOptions common{};
 };
 
-std::vector<std::string> words(const std::string& list) {
-  std::vector<std::string> out;
-  std::istringstream in(list);
-  for (std::string word; std::getline(in, word, ',');) out.push_back(word);
-  return out;
-}
-
 std::vector<double> parse_thresholds(const std::string& list) {
   std::vector<double> out;
-  for (const std::string& word : words(list)) {
+  for (const std::string& word : words_of(list)) {
     double value = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     require(error == std::errc{} && end == word.data() + word.size() && value > 0 && value <= 10,
@@ -52,24 +44,10 @@ std::vector<double> parse_thresholds(const std::string& list) {
   return out;
 }
 
-std::vector<std::string> pair_names(const Arguments& a) {
-  require(a.pairs.empty() || !a.data.empty(), "--pair needs --data, the folder with meshes/ and assembly/");
-  if (a.data.empty()) return {"bolt_nut"};
-  if (!a.pairs.empty()) return words(a.pairs);
-  const std::filesystem::path table = a.data / "assembly" / "pairs.csv";
-  std::ifstream in(table);
-  std::vector<std::string> names;
-  std::string line;
-  std::getline(in, line);  // the names of the columns
-  while (std::getline(in, line)) names.push_back(line.substr(0, line.find(',')));
-  if (names.empty()) throw std::runtime_error(table.string() + ": no pairs could be read");
-  return names;
-}
-
 ExitCode bench(const Arguments& a) {
   CostOptions options{.thresholds = parse_thresholds(a.thresholds), .poses = a.poses, .repeats = a.repeats};
   require(a.common.threads == 1, "--threads must be 1: one thread is timed");
-  const std::vector<std::string> names = pair_names(a);
+  const std::vector<std::string> names = pair_names(a.data, a.pairs);
   make_folders(a.common);
   if (a.json.has_parent_path()) std::filesystem::create_directories(a.json.parent_path());
 
@@ -77,8 +55,7 @@ ExitCode bench(const Arguments& a) {
   std::vector<PairCost> pairs;
   Progress progress("bench_lmd", double(names.size()), Progress::style_of_stderr(a.common.quiet));
   for (const std::string& name : names) {
-    const AssemblyInput input =
-        a.data.empty() ? builtin_assembly(name) : read_assembly_pair(a.data, name, a.scale);
+    const AssemblyInput input = read_pair(a.data, name, a.scale);
     const auto triangles = input.fixed.complex.triangles.size() + input.moving.complex.triangles.size();
     const bool cheap = !a.pairs.empty() || a.data.empty() || triangles <= std::size_t(a.ablation_triangles);
     options.ablation = a.ablation && cheap ? kVerdictThreshold : 0;

@@ -179,11 +179,11 @@ Row measure(const Scene& scene, int n, const Arguments& a) {
   for (int i = 0; i < a.repeats; ++i) {
     State state = scene.state;
     const StepReport again = scheme.step(state);
-    if (i == 0 || again.seconds_total < report.seconds_total) report = again;
+    if (i == 0 || again.total.wall < report.total.wall) report = again;
   }
-  row.us_step = 1e6 / n * report.seconds_total;  // of the step that was accepted, its attempts included
-  row.us_solve = 1e6 / n * report.seconds_solve;
-  row.us_certificate = 1e6 / n * report.seconds_certificate;
+  row.us_step = 1e6 / n * report.total.wall;  // of the step that was accepted, its attempts included
+  row.us_solve = 1e6 / n * report.stages[Stage::solve].wall;
+  row.us_certificate = 1e6 / n * report.stages[Stage::certificate].wall;
   row.sweeps = report.solve.iterations;
   if (!report.moved()) std::fprintf(stderr, "%d bodies: %s\n", n, report.reason.c_str());
   return row;

@@ -77,6 +77,8 @@ void describe(SettingVisitor& visit, StepOptions& o) {
   visit.toggle(
       {.name = "keep_problem", .what = "keep the solved problem in the report", .changes_nothing = true},
       o.keep_problem);
+  visit.toggle({.name = "profile", .what = "take the CPU time of each stage", .changes_nothing = true},
+               o.profile);
 }
 
 void validate(const AdvancementOptions& options) {

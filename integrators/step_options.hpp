@@ -97,6 +97,7 @@ struct StepOptions {
   GroupUpdate update = GroupUpdate::exponential;
   int threads = 1;            // the result does not depend on it
   bool keep_problem = false;  // keeps the solved problem in StepReport::problem, to save and replay it
+  bool profile = false;       // takes the CPU time of each stage too (StepReport::stages)
 };
 void validate(const StepOptions& options);  // throws std::invalid_argument: field, value, bound
 void describe(SettingVisitor& visit, StepOptions& options);

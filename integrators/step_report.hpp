@@ -2,11 +2,15 @@
 // The report of a step: every scheme returns one, and only the driver prints it.
 #pragma once
 
+#include <array>
+#include <initializer_list>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "geometry/named.hpp"
 #include "lmd/contact_point.hpp"
 #include "mechanics/mechanism.hpp"
 #include "nsgs/residual.hpp"
@@ -132,6 +136,29 @@ struct MomentumLedger {
   }
 };
 
+/// The parts of a step that are timed. The rest of it is ledgers, projection of joints, copies.
+enum class Stage { broad_phase, search, reduction, kinematics, assembly, solve, certificate };
+inline constexpr Named<Stage> kStages[] = {
+    {Stage::broad_phase, "broad_phase"},  // which bodies are near
+    {Stage::search, "search"},            // where they touch
+    {Stage::reduction, "reduction"},      // which contacts were there before, and which matter
+    {Stage::kinematics, "kinematics"},    // rows of contacts, gap functions and joints
+    {Stage::assembly, "assembly"},        // masses, forces, the problem of the kept rows
+    {Stage::solve, "solve"},
+    {Stage::certificate, "certificate"}};
+
+struct StageTime {
+  double wall = 0, cpu = 0;  // [s]; CPU time of the process, 0 unless StepOptions::profile
+};
+struct StageTimes {
+  std::array<StageTime, std::size(kStages)> of{};  // by Stage
+  StageTime& operator[](Stage stage) { return of[std::size_t(stage)]; }
+  const StageTime& operator[](Stage stage) const { return of[std::size_t(stage)]; }
+};
+void add(const StageTimes& part, StageTimes& sum);
+/// Wall time of some stages [s].
+double seconds_of(const StageTimes& times, std::initializer_list<Stage> stages);
+
 struct StepReport {
   StepStatus status = StepStatus::ok;
   std::string reason{};           // why refused: the pair, its gap and the bound
@@ -175,8 +202,8 @@ struct StepReport {
   double t_joints = 0;                   // time that joint forces are means about, or belong to (MJT-17) [s]
   std::vector<StepEvent> events{};       // in order of time; only from schemes that stop at events
   std::optional<StepProblem> problem{};  // the last one solved, even in a step that failed; only if asked for
-  double seconds_contact = 0, seconds_solve = 0, seconds_certificate = 0,
-         seconds_total = 0;  // elapsed [s]
+  StageTimes stages{};                   // of all attempts; none in event_driven
+  StageTime total{};
   bool ok() const { return status == StepStatus::ok && is_solved(solve.status); }
   /// True if the state is now that at `t`; otherwise it is unchanged.
   bool moved() const { return status == StepStatus::ok || status == StepStatus::not_solved; }

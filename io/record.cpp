@@ -147,10 +147,10 @@ RunStep run_step(std::int64_t step, const Model& model, const State& state, cons
   row.numerical_work = report.energy.numerical_work;
   row.energy_residual = report.energy.residual();
   row.impulse_gain = report.impulse_gain;
-  row.seconds_contact = report.seconds_contact;
-  row.seconds_solve = report.seconds_solve;
-  row.seconds_certificate = report.seconds_certificate;
-  row.seconds_total = report.seconds_total;
+  row.seconds_contact = seconds_of(report.stages, {Stage::broad_phase, Stage::search, Stage::reduction});
+  row.seconds_solve = seconds_of(report.stages, {Stage::kinematics, Stage::assembly, Stage::solve});
+  row.seconds_certificate = seconds_of(report.stages, {Stage::certificate});
+  row.seconds_total = report.total.wall;
   return row;
 }
 

@@ -20,7 +20,7 @@ namespace aussois {
 namespace {
 
 constexpr const char* kShapeFormat = "aussois-lmd-shape";
-constexpr const char* kShapeVersion = "3";  // raise it when a table, or what prepare() puts into one, changes
+constexpr const char* kShapeVersion = "4";  // raise it when a table, or what prepare() puts into one, changes
 
 std::string hex(std::uint64_t value) {
   char text[24];
@@ -169,8 +169,8 @@ template <class Archive, class Shape>
 void visit_shape(Archive& archive, Shape& shape) {
   auto& [complex, radius, centre, bounding_radius, tolerance, straightened, regions, triangle_region,
          triangle_sign, rays, paths, vertices, edges, misfits, faces, rest, vertex_tree, wide_vertex_tree,
-         edge_tree, wide_edge_tree, face_tree, rest_tree, narrow_vertices, narrow_edges, flat_triangles] =
-      shape;
+         edge_tree, wide_edge_tree, face_tree, rest_tree, narrow_vertices, narrow_edges, flat_triangles,
+         unproven_places] = shape;
   static_cast<void>(complex);  // follows from the mesh
   archive.one("/radius", radius);
   archive.one("/centre", centre);
@@ -196,6 +196,7 @@ void visit_shape(Archive& archive, Shape& shape) {
   archive.one("/narrow_vertices", narrow_vertices);
   archive.one("/narrow_edges", narrow_edges);
   archive.one("/flat_triangles", flat_triangles);
+  archive.one("/unproven_places", unproven_places);
 }
 
 class Key {

@@ -13,208 +13,11 @@
 #include "geometry/settings.hpp"
 #include "lmd/dual_descent.hpp"
 #include "lmd/simplex_distance.hpp"
+#include "lmd/simplex_motion.hpp"
+#include "lmd/step_minima.hpp"
 
 namespace aussois {
 namespace {
-
-constexpr double kSurely = 1 - 1e-9;  // what is nearer than so much of a distance is so beyond rounding
-
-// A body at some time of the step, seen from the world: what the separation bound needs of it.
-struct Instant {
-  Mat3 R = Mat3::Identity();  // shape frame to world
-  Vec3 t = Vec3::Zero();
-  Vec3 centre = Vec3::Zero();               // reference point, world
-  Vec3 v = Vec3::Zero(), w = Vec3::Zero();  // world
-  double since = 0;                         // the start of the step [s]
-};
-
-Instant at_time(const MovingShape& m, double s) {
-  const SE3 g = pose_at(m.motion, s), g_ws = g * m.g_bs;
-  return {g_ws.R.toRotationMatrix(), g_ws.p, g.p, m.motion.v, g.R * m.motion.omega, s};
-}
-
-// Largest speed of a vertex in the frame of the shape [m/s].
-double largest_speed(const MovingShape& m) {
-  double square = 0;
-  for (const Vec3& v : m.velocity) square = std::max(square, v.squaredNorm());
-  return std::sqrt(square);
-}
-
-struct MovingSimplex {
-  Vec3 x[3], v[3];  // vertices and their velocities, world
-  int count = 0;
-  double bend = 0;                                   // bound of |d^2 x / ds^2|
-  Vec3 centre = Vec3::Zero(), drift = Vec3::Zero();  // mean of the vertices, its velocity
-  double radius = 0;                                 // of the simplex about its centre, all the time
-  std::span<const Vec3> points() const { return {x, std::size_t(count)}; }
-};
-
-MovingSimplex moving(const MovingShape& m, int item, const Instant& now, double dt) {
-  const BaseSimplex s = base_simplex(*m.shape, item);
-  MovingSimplex out;
-  out.count = s.dim + 1;
-  double reach = 0, speed = 0;
-  for (int i = 0; i <= s.dim; ++i) {
-    const auto v = std::size_t(s.vertex[i]);
-    out.x[i] = now.R * m.shape->complex.vertices[v] + now.t;
-    if (!m.velocity.empty()) out.x[i] += now.since * (now.R * m.velocity[v]);
-    const Vec3 arm = out.x[i] - now.centre;
-    out.v[i] = now.v + now.w.cross(arm);
-    if (!m.velocity.empty()) {
-      out.v[i] += now.R * m.velocity[v];
-      speed = std::max(speed, m.velocity[v].squaredNorm());
-    }
-    reach = std::max(reach, arm.squaredNorm());
-    out.centre += out.x[i] / out.count;
-    out.drift += out.v[i] / out.count;
-  }
-  for (int i = 0; i <= s.dim; ++i) out.radius = std::max(out.radius, (out.x[i] - out.centre).squaredNorm());
-  out.radius = std::sqrt(out.radius) * (1 + 1e-12);
-  out.bend = now.w.squaredNorm() * std::sqrt(reach);
-  if (speed > 0) {
-    const double u = std::sqrt(speed), spin = now.w.norm();
-    out.bend += spin * (2 + spin * dt) * u;
-    out.radius += 2 * dt * u;
-  }
-  return out;
-}
-
-// Lower bound of the separation along n (from a to b) during [0, dt]: linear in time at each vertex, so
-// concave, so smallest at an end; what the linear path misses is at most half the bends times dt^2 (CA-7).
-double separation(const MovingSimplex& a, const MovingSimplex& b, const Vec3& n, double dt) {
-  double a_now = -kInf, a_end = -kInf, b_now = kInf, b_end = kInf;
-  for (int i = 0; i < a.count; ++i) {
-    const double x = n.dot(a.x[i]);
-    a_now = std::max(a_now, x);
-    a_end = std::max(a_end, x + dt * n.dot(a.v[i]));
-  }
-  for (int i = 0; i < b.count; ++i) {
-    const double x = n.dot(b.x[i]);
-    b_now = std::min(b_now, x);
-    b_end = std::min(b_end, x + dt * n.dot(b.v[i]));
-  }
-  return std::min(b_now - a_now, b_end - a_end - (a.bend + b.bend) * dt * dt / 2);
-}
-
-// Edges that slide across each other are parted by their common perpendicular, coplanar triangles by a normal
-// of an edge in their plane. True if `try_direction` needs no better one.
-template <class TryDirection>
-bool try_edge_directions(const MovingSimplex& p, const MovingSimplex& q, const TryDirection& try_direction) {
-  const auto edge = [](const MovingSimplex& s, int i) { return Vec3(s.x[(i + 1) % s.count] - s.x[i]); };
-  const auto both_ways = [&](const Vec3& n) {
-    return n.norm() > 0 && (try_direction(n.normalized()) || try_direction(-n.normalized()));
-  };
-  for (int e = 0; e < p.count; ++e)
-    for (int f = 0; f < q.count; ++f)
-      if (both_ways(edge(p, e).cross(edge(q, f)))) return true;
-  for (const MovingSimplex* s : {&p, &q})
-    if (s->count == 3)
-      for (int e = 0; e < 3; ++e)
-        if (both_ways(edge(*s, 0).cross(edge(*s, 1)).cross(edge(*s, e)))) return true;
-  return false;
-}
-
-// What one part of the descent finds.
-struct PartialCheck {
-  bool failed = false;
-  double min_distance = kInf;
-  long simplex_pairs = 0, rounds = 0;
-};
-
-class PairCheck {
- public:
-  PairCheck(const MovingShape& a, const MovingShape& b, double dt, const CertificateOptions& options)
-      : a_(a), b_(b), dt_(dt), options_(options), a0_(at_time(a, 0)), b0_(at_time(b, 0)) {}
-
-  // Balls around body-fixed points: only their centres move (CA-8).
-  bool far(const MovingSimplex& p, const MovingSimplex& q) const {
-    const Vec3 c = q.centre - p.centre;
-    const double square = c.squaredNorm(), reach = p.radius + q.radius + options_.wanted;
-    if (square <= reach * reach) return false;
-    const double distance = std::sqrt(square);
-    const double closing = std::min(0.0, c.dot(q.drift - p.drift) / distance);
-    return distance + dt_ * closing - (p.bend + q.bend) * dt_ * dt_ / 2 > reach;
-  }
-
-  void check(int i, int j, const MovingSimplex& p, const MovingSimplex& q, PartialCheck& part) const {
-    ++part.simplex_pairs;
-    check_interval(i, j, 0, dt_, options_.max_halvings, p, q, part);
-  }
-
-  MovingSimplex start_a(int i) const { return moving(a_, i, a0_, dt_); }
-  MovingSimplex start_b(int j) const { return moving(b_, j, b0_, dt_); }
-  const Instant& now_a() const { return a0_; }
-  const Instant& now_b() const { return b0_; }
-  const LmdShape& shape_a() const { return *a_.shape; }
-  const LmdShape& shape_b() const { return *b_.shape; }
-  double dt() const { return dt_; }
-  double wanted() const { return options_.wanted; }
-  double stretch() const { return dt_ * (largest_speed(a_) + largest_speed(b_)); }
-
- private:
-  void check_interval(int i, int j, double s0, double s1, int halvings, const MovingSimplex& p,
-                      const MovingSimplex& q, PartialCheck& part) const {
-    ++part.rounds;
-    const double dt = s1 - s0;
-    double bound = -kInf;
-    const auto try_direction = [&](const Vec3& n) {
-      bound = std::max(bound, separation(p, q, n, dt));
-      return bound >= options_.wanted;
-    };
-    for (const MovingSimplex* s : {&p, &q})  // the planes of the triangles are cheap and mostly enough
-      if (s->count == 3) {
-        const Vec3 n = (s->x[1] - s->x[0]).cross(s->x[2] - s->x[0]).normalized();
-        if (try_direction(n) || try_direction(-n)) return;
-      }
-    Vec3 n =
-        q.centre - p.centre;  // then from one support point to the other, along where they are nearest so far
-    for (int k = 0; k < 4 && n.squaredNorm() > 0; ++k) {
-      n.normalize();
-      if (try_direction(n)) return;
-      n = *std::ranges::min_element(q.points(), {}, [&](const Vec3& x) { return n.dot(x); }) -
-          *std::ranges::max_element(p.points(), {}, [&](const Vec3& x) { return n.dot(x); });
-    }
-    const ClosestPoints closest = closest_points(p.points(), q.points());
-    if (closest.distance < options_.required) {
-      part.failed = true;
-      part.min_distance = std::min(part.min_distance, closest.distance);
-      return;
-    }
-    if (try_direction((closest.x_b - closest.x_a) / closest.distance)) return;
-    if (bound < options_.required && try_edge_directions(p, q, try_direction)) return;
-    if (bound >= options_.required) {
-      part.min_distance = std::min(part.min_distance, bound);
-      return;
-    }
-    if (halvings == 0) {
-      part.failed = true;
-      part.min_distance = std::min(part.min_distance, bound);
-      return;
-    }
-    if (halvings == options_.max_halvings && ends_too_near(i, j, part)) return;
-    const double middle = (s0 + s1) / 2;
-    check_interval(i, j, s0, middle, halvings - 1, p, q, part);
-    if (!part.failed)
-      check_interval(i, j, middle, s1, halvings - 1, moving(a_, i, at_time(a_, middle), s1 - middle),
-                     moving(b_, j, at_time(b_, middle), s1 - middle), part);
-  }
-
-  // Bodies that run into each other mostly end the step too near: then halving finds nothing but more rounds.
-  bool ends_too_near(int i, int j, PartialCheck& part) const {
-    const double at_end = closest_points(moving(a_, i, at_time(a_, dt_), 0).points(),
-                                         moving(b_, j, at_time(b_, dt_), 0).points())
-                              .distance;
-    if (at_end >= kSurely * options_.required) return false;
-    part.failed = true;
-    part.min_distance = std::min(part.min_distance, at_end);
-    return true;
-  }
-
-  const MovingShape &a_, &b_;
-  double dt_;
-  const CertificateOptions& options_;
-  Instant a0_, b0_;
-};
 
 // B's base frame: its shape frame moved to its centre. Everything that nodes need, in it.
 struct BaseFrames {
@@ -314,11 +117,13 @@ int parted(const SimplexLanes& p, int k, const SimplexLanes& q, float wanted) {
 // can move.
 class CertificateDescent {
  public:
-  CertificateDescent(const PairCheck& check, const BaseFrames& frames, const NodeVelocity& a,
+  CertificateDescent(const SimplexPairCheck& check, const BaseFrames& frames, const NodeVelocity& a,
                      const NodeVelocity& b, int first_a, int first_b, PartialCheck& part)
       : check_(check), frames_(frames), a_(a), b_(b), first_a_(first_a), first_b_(first_b), part_(part) {
     dt_ = float(check.dt());
-    const double stretch = check.stretch();  // what vertices travel seen from their bodies
+    const double stretch =
+        check.dt() *
+        (largest_speed(check.a()) + largest_speed(check.b()));  // what vertices travel seen from their bodies
     // fast bodies: what they travel is rounded as well
     const double travel =
         check.dt() * (double(a.v.norm()) + double(b.v.norm()) + double(a.spin + b.spin) * frames.scale);
@@ -345,28 +150,33 @@ class CertificateDescent {
   }
 
   void open(const ConeSlot& a) {
-    for (int i = 0; i < a.count(); ++i) p_[i] = check_.start_a(first_a_ + a.first() + i);
-    lanes_ = simplex_lanes(check_.shape_a(), frames_.R, frames_.t, a_, dt_, first_a_ + a.first(), a.count());
+    for (int i = 0; i < a.count(); ++i)
+      p_[i] = check_.start_a(base_simplex(shape_a(), first_a_ + a.first() + i));
+    lanes_ = simplex_lanes(shape_a(), frames_.R, frames_.t, a_, dt_, first_a_ + a.first(), a.count());
   }
 
   void buckets(const ConeSlot& a, const ConeSlot& b) {
     if (part_.failed) return;
     const int first = first_b_ + b.first();
-    const SimplexLanes lanes = simplex_lanes(check_.shape_b(), Mat3::Identity(), -check_.shape_b().centre, b_,
-                                             dt_, first, b.count());
+    const SimplexLanes lanes =
+        simplex_lanes(shape_b(), Mat3::Identity(), -shape_b().centre, b_, dt_, first, b.count());
     int left[kBucket] = {}, any = 0;
     for (int i = 0; i < a.count(); ++i) any |= left[i] = ~parted(lanes_, i, lanes, wanted_);
     for (int j = 0; j < b.count(); ++j) {
       if (!(any >> j & 1)) continue;
-      const MovingSimplex q = check_.start_b(first + j);
+      const BaseSimplex simplex = base_simplex(shape_b(), first + j);
+      const MovingSimplex q = check_.start_b(simplex);
       for (int i = 0; i < a.count() && !part_.failed; ++i)
         if (left[i] >> j & 1 && !check_.far(p_[i], q))
-          check_.check(first_a_ + a.first() + i, first + j, p_[i], q, part_);
+          check_.check(base_simplex(shape_a(), first_a_ + a.first() + i), simplex, p_[i], q, part_);
     }
   }
 
  private:
-  const PairCheck& check_;
+  const LmdShape& shape_a() const { return *check_.a().shape; }
+  const LmdShape& shape_b() const { return *check_.b().shape; }
+
+  const SimplexPairCheck& check_;
   const BaseFrames& frames_;
   const NodeVelocity &a_, &b_;
   int first_a_, first_b_;
@@ -398,11 +208,12 @@ class DistanceDescent {
     return bits(still) ? bits(boxes_near(four, one, d, limit, still)) : 0;
   }
   void open(const ConeSlot& a) {
-    for (int i = 0; i < a.count(); ++i) p_[i] = moving(a_, first_a_ + a.first() + i, now_a_, 0);
+    for (int i = 0; i < a.count(); ++i)
+      p_[i] = moving(a_, base_simplex(*a_.shape, first_a_ + a.first() + i), now_a_, 0);
   }
   void buckets(const ConeSlot& a, const ConeSlot& b) {
     for (int j = 0; j < b.count(); ++j) {
-      const MovingSimplex q = moving(b_, first_b_ + b.first() + j, now_b_, 0);
+      const MovingSimplex q = moving(b_, base_simplex(*b_.shape, first_b_ + b.first() + j), now_b_, 0);
       for (int i = 0; i < a.count(); ++i) {
         if (are_apart(p_[i].points(), q.points(), part_.distance + fine_rounding_)) continue;
         ++part_.simplex_pairs;
@@ -473,6 +284,10 @@ double separation_along(const MovingShape& a, const MovingShape& b, const Vec3& 
   return std::min(-of_b.now - of_a.now, -of_b.end - of_a.end - (of_a.bend + of_b.bend) * dt * dt / 2);
 }
 
+Certificate certificate_of(const PartialCheck& all) {
+  return {!all.failed, all.min_distance, all.simplex_pairs, all.rounds};
+}
+
 // Comparisons with NaN are false, as if all were far apart: check before.
 bool is_finite(const RigidMotion& motion) {
   return all_finite(motion.g) && all_finite(motion.v) && all_finite(motion.omega);
@@ -509,7 +324,14 @@ Certificate certify(const MovingShape& a, const MovingShape& b, double dt,
     if (apart >= options.required)
       return {.certified = true, .min_distance = std::min(apart, options.wanted), .rounds = 1};
   }
-  const PairCheck check(a, b, dt, options);
+  const DistanceGoal goal{options.required, options.wanted, options.max_halvings};
+  if (options.starts_apart && has_step_minima(a, b, dt, options.required)) {
+    PartialCheck minima = check_step_minima(a, b, dt, goal, options.threads);
+    minima.min_distance = std::min(minima.min_distance, options.wanted);
+    if (!minima.failed) return certificate_of(minima);
+    if (is_seen_nearer(minima, options.required)) return {.certified = false, .min_distance = minima.seen};
+  }
+  const SimplexPairCheck check(a, b, dt, goal);
   const BaseFrames frames = base_frames(a, b, check.now_a(), check.now_b());
   const NodeVelocity of_a(check.now_a(), check.now_b(), b.shape->centre);
   const NodeVelocity of_b(check.now_b(), check.now_b(), b.shape->centre);
@@ -518,15 +340,11 @@ Certificate certify(const MovingShape& a, const MovingShape& b, double dt,
     CertificateDescent tests(check, frames, of_a, of_b, first_a, first_b, part);
     DualDescent<CertificateDescent>(tree_a, tree_b, frames.motion, tests).run(cut);
   };
-  Certificate out{.certified = true, .min_distance = options.wanted};
+  PartialCheck all{.min_distance = options.wanted};
   for (const PartialCheck& part :
-       over_base_trees<PartialCheck>(*a.shape, *b.shape, options.threads, {}, descend)) {
-    out.certified = out.certified && !part.failed;
-    out.min_distance = std::min(out.min_distance, part.min_distance);
-    out.simplex_pairs += part.simplex_pairs;
-    out.rounds += part.rounds;
-  }
-  return out;
+       over_base_trees<PartialCheck>(*a.shape, *b.shape, options.threads, {}, descend))
+    add(part, all);
+  return certificate_of(all);
 }
 
 BaseDistance find_base_distance(const MovingShape& a, const MovingShape& b, double cutoff, int threads) {

@@ -4,22 +4,11 @@
 // no classes: all pairs count.
 #pragma once
 
-#include <span>
-
-#include "lmd/lmd_shape.hpp"
-#include "lmd/motion_bound.hpp"
+#include "lmd/moving_shape.hpp"
 
 namespace aussois {
 
 class SettingVisitor;
-
-struct MovingShape {
-  const LmdShape* shape = nullptr;  // at the start of the step
-  SE3 g_bs{};                       // shape frame in the body frame
-  RigidMotion motion{};
-  // Constant velocities of the vertices of a deforming shape, in its frame [m/s]; empty: it does not deform
-  std::span<const Vec3> velocity{};
-};
 
 /// `describe` gives the ranges.
 struct CertificateOptions {
@@ -30,8 +19,11 @@ struct CertificateOptions {
   // Direction from a to b, world, tried first, for both shapes as a whole: any direction is safe, and a
   // contact's normal settles convex shapes (CA-15). Zero: none.
   Vec3 axis = Vec3::Zero();
+  // The caller knows that the bases are apart at the start and that neither is inside the other: then only
+  // pairs that can become minima of distance are looked at, where that is enough (CA-21)
+  bool starts_apart = false;
 };
-void describe(SettingVisitor& visit, CertificateOptions& options);  // all but axis
+void describe(SettingVisitor& visit, CertificateOptions& options);  // all but the last two
 
 struct Certificate {
   bool certified = false;

@@ -219,9 +219,20 @@ class DualDescent {
   std::size_t depth_ = 0;
 };
 
-/// Mask of the children in `still` whose boxes may be within `reach` of the slot's box. Tests separating
-/// axes: the three of each box, then the nine cross products, which cost more.
-AUSSOIS_INLINE I4 boxes_near(const ConeNode& four, const ConeSlot& one, const V4& d, F4 reach, I4 still) {
+/// How far two things stay apart along an axis, on which their centres are `t` apart, and `t + s` at the end.
+template <bool kMoving>
+AUSSOIS_INLINE F4 apart4(F4 t, F4 s) {
+  if constexpr (!kMoving) return abs4(t);
+  const F4 towards = t < 0 ? -s : s;
+  return abs4(t) + (towards < 0 ? towards : splat(0));
+}
+
+/// Mask of the children in `still` whose boxes may come within `reach` of the slot's box while d, from the
+/// slot to the four, goes on to d + shift. Tests separating axes: the three of each box, then the nine cross
+/// products, which cost more.
+template <bool kMoving>
+AUSSOIS_INLINE I4 boxes_near(const ConeNode& four, const ConeSlot& one, const V4& d, const V4& shift,
+                             F4 reach, I4 still) {
   V4 u[3], w[3];
   F4 hu[3], hw[3];
   for (int k = 0; k < 2; ++k) {
@@ -237,22 +248,31 @@ AUSSOIS_INLINE I4 boxes_near(const ConeNode& four, const ConeSlot& one, const V4
   F4 R[3][3], Q[3][3];
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) R[i][j] = dot(u[i], w[j]), Q[i][j] = abs4(R[i][j]);
-  F4 t[3];
+  F4 t[3], s[3];
   for (int i = 0; i < 3; ++i) {
-    t[i] = dot(d, u[i]);
-    still &= abs4(t[i]) - hu[i] - hw[0] * Q[i][0] - hw[1] * Q[i][1] - hw[2] * Q[i][2] <= reach;
+    t[i] = dot(d, u[i]), s[i] = dot(shift, u[i]);
+    still &=
+        apart4<kMoving>(t[i], s[i]) - hu[i] - hw[0] * Q[i][0] - hw[1] * Q[i][1] - hw[2] * Q[i][2] <= reach;
   }
   for (int j = 0; j < 3; ++j)
-    still &= abs4(dot(d, w[j])) - hw[j] - hu[0] * Q[0][j] - hu[1] * Q[1][j] - hu[2] * Q[2][j] <= reach;
+    still &= apart4<kMoving>(dot(d, w[j]), dot(shift, w[j])) - hw[j] - hu[0] * Q[0][j] - hu[1] * Q[1][j] -
+                 hu[2] * Q[2][j] <=
+             reach;
   if (!bits(still)) return still;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {
       const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-      const F4 apart = abs4(t[i2] * R[i1][j] - t[i1] * R[i2][j]) - hu[i1] * Q[i2][j] - hu[i2] * Q[i1][j] -
-                       hw[j1] * Q[i][j2] - hw[j2] * Q[i][j1];
-      still &= apart <= reach;  // the axis is at most a unit vector: this errs on the safe side
+      const F4 gap =
+          apart4<kMoving>(t[i2] * R[i1][j] - t[i1] * R[i2][j], s[i2] * R[i1][j] - s[i1] * R[i2][j]) -
+          hu[i1] * Q[i2][j] - hu[i2] * Q[i1][j] - hw[j1] * Q[i][j2] - hw[j2] * Q[i][j1];
+      still &= gap <= reach;  // the axis is at most a unit vector: this errs on the safe side
     }
   return still;
+}
+
+/// The same where nothing moves.
+AUSSOIS_INLINE I4 boxes_near(const ConeNode& four, const ConeSlot& one, const V4& d, F4 reach, I4 still) {
+  return boxes_near<false>(four, one, d, V4{}, reach, still);
 }
 
 }  // namespace aussois

@@ -220,6 +220,35 @@ void add_faces(LmdShape& shape, const Idealisation& ideal, double flat) {
   shape.rest_tree = make_tree(rest_items, shape.centre, shape.rest);
 }
 
+Vec3 normal_of(const Idealisation& ideal, int triangle) {
+  return ideal.triangle_sign[triangle] * ideal.region_normal[ideal.triangle_region[triangle]];
+}
+
+double angle(const Vec3& a, const Vec3& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+int unproven_places(const LmdShape& shape, const Idealisation& ideal) {
+  constexpr double kLargestTilt = kPi / 180;  // of a face in its region
+  const SimplicialComplex& k = shape.complex;
+  const std::vector<double> misfits = misfit_at_vertices(k, ideal);
+  const auto is_blunt = [&](const Chain& chain) {
+    const auto sides = k.edge_triangles[chain.edges.front()];
+    const double misfit = std::max(misfits[chain.first], misfits[chain.last]);
+    return misfit > 0 && sides.size() == 2 &&
+           angle(normal_of(ideal, sides[0]), normal_of(ideal, sides[1])) <= misfit;
+  };
+  const auto is_tilted = [&](int t) {
+    const auto& v = k.triangles[t];
+    if (height(at(k, v[0]), at(k, v[1]), at(k, v[2])) <= shape.tolerance)
+      return false;  // its edges stand for it
+    const Vec3 n = (at(k, v[1]) - at(k, v[0])).cross(at(k, v[2]) - at(k, v[0])),
+               plane = ideal.region_normal[ideal.triangle_region[t]];
+    return std::atan2(plane.cross(n).norm(), std::abs(plane.dot(n))) > kLargestTilt;  // or folded back on it
+  };
+  return int(std::ranges::count_if(ideal.chains, is_blunt) + std::ranges::count_if(shape.faces, is_tilted));
+}
+
 template <class T>
 std::size_t bytes(const std::vector<T>& v) {
   return v.size() * sizeof(T);
@@ -261,6 +290,7 @@ LmdShape prepare(DilatedShape dilated, const LmdShapeOptions& options) {
   add_vertices(shape, ideal, cones);
   add_edges(shape, ideal, cones);
   add_faces(shape, ideal, 1e-9 * box.diagonal());
+  shape.unproven_places = unproven_places(shape, ideal);
   return shape;
 }
 

@@ -63,6 +63,14 @@ Approach approach_of(const RigidMotion& a, const RigidMotion& b, double dt) {
           .dt = dt};
 }
 
+double acceleration_bound(const Approach& m, const Vec3& centre, double radius) {
+  const double rate_a = m.w_a.norm(), rate_b = m.w_b.norm();
+  const double spin_a = m.w_a.cross(centre - m.o_a).norm() + rate_a * radius;
+  const double spin_b = m.w_b.cross(centre - m.o_b).norm() + rate_b * radius;
+  const double speed = m.v_ab.norm() + spin_a;
+  return rate_a * spin_a + rate_b * (2 * speed + spin_b + rate_b * m.dt * speed);
+}
+
 double approach_bound(const Approach& m, const Vec3& centre, double radius, const Vec3& axis,
                       double half_angle) {
   const Vec3 turn_a = m.w_a.cross(centre - m.o_a), turn_b = m.w_b.cross(centre - m.o_b);
@@ -70,11 +78,8 @@ double approach_bound(const Approach& m, const Vec3& centre, double radius, cons
   // The largest u . v of the cap: v's own direction if it lies inside, else that of the rim next to it.
   const double angle = std::atan2(axis.cross(v).norm(), axis.dot(v));
   const double along = v.norm() * std::cos(std::max(0.0, angle - half_angle));
-  const double rate_a = m.w_a.norm(), rate_b = m.w_b.norm();
-  const double spin_a = turn_a.norm() + rate_a * radius, spin_b = turn_b.norm() + rate_b * radius;
-  const double speed = m.v_ab.norm() + spin_a;
-  const double acceleration = rate_a * spin_a + rate_b * (2 * speed + spin_b + rate_b * m.dt * speed);
-  return std::max(0.0, m.dt * (along + (m.w_a - m.w_b).norm() * radius) + m.dt * m.dt / 2 * acceleration);
+  return std::max(0.0, m.dt * (along + (m.w_a - m.w_b).norm() * radius) +
+                           m.dt * m.dt / 2 * acceleration_bound(m, centre, radius));
 }
 
 }  // namespace aussois

@@ -58,6 +58,9 @@ struct Approach {
 };
 Approach approach_of(const RigidMotion& a, const RigidMotion& b, double dt);
 
+/// Bound of the acceleration, seen from B, of the points of A that start in the ball (CA-14) [m/s^2].
+double acceleration_bound(const Approach& approach, const Vec3& centre, double radius);
+
 /// Bound for the points of A that start in the ball, for all unit directions from A to B that start within
 /// `half_angle` of `axis`, and for all times of the step [m], >= 0. Simplices whose distance exceeds it by d
 /// stay farther apart than d. The bound is tightest if B, the observer, is the body that turns less.

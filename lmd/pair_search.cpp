@@ -5,37 +5,13 @@
 #include <cmath>
 
 #include "geometry/parallel.hpp"
+#include "lmd/cone_tests.hpp"
 #include "lmd/dual_descent.hpp"
 #include "lmd/leaf_filter.hpp"
+#include "lmd/leaf_trees.hpp"
 
 namespace aussois {
 namespace {
-
-// Kernels accept feet that are off by a length, nodes prune by angles: at a distance d the length is worth
-// tau / d.
-double angle_slack(const RelativePair& pair) {
-  const double dilation = pair.a->radius + pair.b->radius;
-  const double size = std::max(pair.a->bounding_radius, pair.b->bounding_radius);
-  return 1e-6 + pair.criteria.tolerance / std::max(dilation / 2, 1e-3 * size);  // 1e-6 for rounding of poses
-}
-
-// cos and sin of an angle in [0, pi].
-struct Angle {
-  float cos = 1, sin = 0;
-};
-
-Angle angle_of(double value) {
-  return {float(std::cos(std::min(value, kPi))), float(std::sin(std::min(value, kPi)))};
-}
-
-constexpr float kRounding = 2e-6F;  // of sums and products of cosines in single precision
-
-// Are the directions at most the sum of the angles apart, given the cosine between them? A sum beyond pi,
-// where its sine is negative, is always enough.
-AUSSOIS_INLINE I4 within(F4 cos_between, F4 cos_a, F4 sin_a, F4 cos_b, F4 sin_b) {
-  const F4 cos = cos_a * cos_b - sin_a * sin_b, sin = sin_a * cos_b + cos_a * sin_b;
-  return (sin <= 0) | (cos_between + kRounding >= cos);
-}
 
 struct Frames {
   NodeMotion motion;
@@ -53,18 +29,12 @@ Frames frames_of(const RelativePair& pair) {
           .rounding = float(2e-6 * size)};
 }
 
-struct TreeOfLeaves {
-  const ConeTree* tree;
-  LeafId first;
-};
-
 // Two trees to be descended: their classes decide by how much caps are enlarged (LMD-9), (LMD-12).
 struct TreePair {
   const ConeTree *a = nullptr, *b = nullptr;
   LeafId first_a{}, first_b{};  // of their leaves
   float shift = 0, reach = 0;   // of the window, of the search [m]
-  float side = 1;               // -1: just one of the two looks at the back of its faces
-  Angle opposing{}, enlarged_a{}, enlarged_b{};
+  CapLimits caps{};
   FilterLimits limits{};
 };
 
@@ -80,10 +50,11 @@ TreePair tree_pair(const RelativePair& pair, const Frames& frames, const MotionW
   TreePair out{.a = a.tree, .b = b.tree, .first_a = a.first, .first_b = b.first};
   out.shift = float(shift * (1 + 1e-6));
   out.reach = float(c.max_distance) + out.shift + frames.rounding;
-  out.side = float(a.first.side * b.first.side);
-  out.opposing = angle_of(c.alpha + slack + turn);
-  out.enlarged_a = angle_of(slack + turn + (a.first.dim == 0 ? c.alpha : more));  // B's frame stands still
-  out.enlarged_b = angle_of(slack + (b.first.dim == 0 ? c.alpha : more));
+  out.caps = {.opposing = angle_of(c.alpha + slack + turn),
+              .enlarged_a = angle_of(slack + turn + (a.first.dim == 0 ? c.alpha : more)),  // B stands still
+              .enlarged_b = angle_of(slack + (b.first.dim == 0 ? c.alpha : more)),
+              .side_a = float(a.first.side),
+              .side_b = float(b.first.side)};
   out.limits = {.reach = out.reach,
                 .foot = frames.rounding + float(c.tolerance + foot),
                 .sin_vertex = float(c.sin_alpha + slack + turn) + 1e-5F,
@@ -91,24 +62,6 @@ TreePair tree_pair(const RelativePair& pair, const Frames& frames, const MotionW
                 .moving = window != nullptr};
   return out;
 }
-
-// Lanes of the buckets of B last used: neighbouring buckets of A need the same ones.
-template <class Lanes>
-class RecentLanes {
- public:
-  template <class Load>
-  const Lanes& get(int first, const Load& load) {
-    if (lanes_.empty()) lanes_.resize(kSize), first_.resize(kSize, -1);
-    const std::size_t at = std::size_t(first / kBucket) % kSize;
-    if (first_[at] != first) first_[at] = first, lanes_[at] = load();
-    return lanes_[at];
-  }
-
- private:
-  static constexpr std::size_t kSize = 64;
-  std::vector<Lanes> lanes_{};
-  std::vector<int> first_{};
-};
 
 // The tests of (LMD-9) on nodes, then the quick rejects on buckets, then the exact ones.
 class Search {
@@ -124,16 +77,9 @@ class Search {
     const F4 square = dot(d, d), limit = both + trees_.reach;
     I4 still = square <= limit * limit;
     if (!bits(still)) return 0;
-    const V4 axis = load4(four.axis), own = spread(one.node->axis, one.lane);
-    const F4 cos = load4(four.cos), sin = load4(four.sin);
-    const float own_cos = one.node->cos[one.lane], own_sin = one.node->sin[one.lane];
-    // caps enlarged by the half angle of the slot: trees_.opposing may carry it past pi, then nothing is
-    // outside
-    const float c = own_cos * trees_.opposing.cos - own_sin * trees_.opposing.sin;
-    const float s = own_sin * trees_.opposing.cos + own_cos * trees_.opposing.sin;
-    if (s > 0 && tests_.cones) still &= within(-trees_.side * dot(axis, own), cos, sin, splat(c), splat(s));
+    if (tests_.cones) still &= caps_oppose(four, one, trees_.caps);
     if (!bits(still)) return 0;
-    if (tests_.directions) still &= directions_meet(four, one, one_is_a, d, both, square);
+    if (tests_.directions) still &= directions_meet(four, one, one_is_a, d, both, square, trees_.caps);
     if (!bits(still)) return 0;
     return tests_.boxes ? bits(boxes_near(four, one, d, splat(trees_.reach), still)) : bits(still);
   }
@@ -193,31 +139,6 @@ class Search {
     }
   }
 
-  // Of the direction from the slot to the four only a cone is known, of half angle phi, where balls do not
-  // meet.
-  AUSSOIS_INLINE I4 directions_meet(const ConeNode& four, const ConeSlot& one, bool one_is_a, const V4& d,
-                                    F4 both, F4 square) const {
-    const F4 inverse = 1.0F / sqrt4(square);
-    const F4 sin_phi = both * inverse;
-    const I4 meeting = ~(sin_phi < 0.999F);  // also where both are points at one place
-    const F4 room = 1.0F - sin_phi * sin_phi;
-    const F4 cos_phi = sqrt4(room > 0 ? room : splat(0));
-    const Angle& e_one = one_is_a ? trees_.enlarged_a : trees_.enlarged_b;
-    const Angle& e_four = one_is_a ? trees_.enlarged_b : trees_.enlarged_a;
-    const float side_one = one_is_a ? float(trees_.first_a.side) : float(trees_.first_b.side);
-    const float own_cos = one.node->cos[one.lane], own_sin = one.node->sin[one.lane];
-    const float c = own_cos * e_one.cos - own_sin * e_one.sin, s = own_sin * e_one.cos + own_cos * e_one.sin;
-    I4 meet = {-1, -1, -1, -1};
-    if (s > 0)
-      meet = within(side_one * dot(spread(one.node->axis, one.lane), d) * inverse, splat(c), splat(s),
-                    cos_phi, sin_phi);
-    const F4 cos = load4(four.cos), sin = load4(four.sin);
-    const F4 cf = cos * e_four.cos - sin * e_four.sin, sf = sin * e_four.cos + cos * e_four.sin;
-    const float side_four = trees_.side * side_one;
-    meet &= (sf <= 0) | within(-side_four * dot(load4(four.axis), d) * inverse, cf, sf, cos_phi, sin_phi);
-    return meet | meeting;
-  }
-
   AUSSOIS_INLINE void test(const ConeSlot& a, int i, const ConeSlot& b, int lanes) {
     if (!tests_.quick) lanes = 0b1111;
     if (lanes != 0) test_exactly(a, i, b, lanes);
@@ -253,17 +174,6 @@ class Search {
   RecentLanes<EdgeLanes> recent_edges_{};
   RecentLanes<FaceLanes> recent_faces_{};
 };
-
-std::vector<TreeOfLeaves> trees_of(const LmdShape& s) {
-  std::vector<TreeOfLeaves> all{{&s.vertex_tree, {0, 0, 1}},
-                                {&s.wide_vertex_tree, {s.narrow_vertices, 0, 1}},
-                                {&s.edge_tree, {0, 1, 1}},
-                                {&s.wide_edge_tree, {s.narrow_edges, 1, 1}},
-                                {&s.face_tree, {0, 2, 1}}};
-  if (!s.complex.solid) all.push_back({&s.face_tree, {0, 2, -1}});
-  std::erase_if(all, [](const TreeOfLeaves& t) { return t.tree->nodes.empty(); });
-  return all;
-}
 
 SearchResult joined(const std::vector<SearchResult>& parts) {
   SearchResult all;
@@ -310,6 +220,12 @@ RelativePair relative_pair(const PosedShape& a, const PosedShape& b, const LmdOp
            .tolerance = 2e-9 * size,  // 1e-9 of the larger box diagonal
            .sin_alpha = std::sin(options.alpha),
            .sin_alpha_ee = std::sin(options.alpha_ee)}};
+}
+
+double angle_slack(const RelativePair& pair) {
+  const double dilation = pair.a->radius + pair.b->radius;
+  const double size = std::max(pair.a->bounding_radius, pair.b->bounding_radius);
+  return 1e-6 + pair.criteria.tolerance / std::max(dilation / 2, 1e-3 * size);  // 1e-6 for rounding of poses
 }
 
 SearchResult search_exhaustively(const RelativePair& pair) {

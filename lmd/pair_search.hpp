@@ -18,6 +18,10 @@ struct RelativePair {
 };
 RelativePair relative_pair(const PosedShape& a, const PosedShape& b, const LmdOptions& options);
 
+/// Kernels accept feet that are off by a length, nodes prune by angles: at a distance d the length is worth
+/// tau / d [rad].
+double angle_slack(const RelativePair& pair);
+
 struct FoundMinimum {
   LeafId a{}, b{};
   LocalMinimum minimum{};

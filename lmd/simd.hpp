@@ -56,6 +56,14 @@ AUSSOIS_INLINE F4 abs4(F4 x) {
   return x < 0 ? -x : x;
 }
 
+AUSSOIS_INLINE F4 min4(F4 a, F4 b) {
+  return a < b ? a : b;
+}
+
+AUSSOIS_INLINE F4 max4(F4 a, F4 b) {
+  return a > b ? a : b;
+}
+
 /// Whether this machine has AVX2.
 inline bool has_avx2() {
 #if defined(__x86_64__)

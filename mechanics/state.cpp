@@ -204,6 +204,7 @@ std::uint64_t hash(const State& state) {
   digest.add(state.t);
   digest.add(state.h);
   digest.add(state.h_next);
+  digest.add(std::uint64_t(state.apart));
   digest.add(std::uint64_t(state.g.size()));
   for (const SE3& g : state.g) {
     for (const double component : g.R.coeffs()) digest.add(component);

@@ -16,15 +16,23 @@ struct State {
   double t = 0;       // [s]
   double h = 0;       // length of the last accepted step [s], 0 before the first: impulses scale with it
   double h_next = 0;  // next step that the step control would try [s]; 0: as large as the scheme allows
-  PerBody<SE3> g{};   // g_wb of every body
-  VecX q{};           // of all blocks of coordinates, in order
-  VecX v{};           // six per body: v_G in the world [m/s], omega in the body [rad/s]; then the speeds of q
+  // A certificate led here: no bases touch, and none is inside another (CA-21). A program that moves bodies
+  // by hand, or changes what may pass, takes it back or sets h = 0
+  bool apart = false;
+  PerBody<SE3> g{};  // g_wb of every body
+  VecX q{};          // of all blocks of coordinates, in order
+  VecX v{};          // six per body: v_G in the world [m/s], omega in the body [rad/s]; then the speeds of q
   std::vector<int> turns{};  // full turns of the joints' angles: three per joint, one per axis; empty: all
                              // zero (MJT-7)
   VecX r{};  // impulses of the last step on joint axes and gap functions [N s, N m s]; empty: none (MJT-12)
   VecX a{};  // accelerations that a scheme keeps from step to step, twice as many as v; empty: none
   ContactMemory memory{};
 };
+
+/// Whether a certificate may build on the one before.
+inline bool is_proven_apart(const State& state) {
+  return state.apart && state.h > 0;
+}
 
 /// Bodies at the world's origin and at rest, prescribed ones at the start of their path; q = 0.
 State rest_state(const Model& model);

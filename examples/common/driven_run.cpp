@@ -21,6 +21,8 @@ void add_run_options(Cli& cli, RunFlags& f) {
   add_certify(cli, f.certify);
   cli.option("--stop-after", f.stop_after,
              "write a checkpoint and stop after this many steps; 0: run to the end", "", {0, 1e9});
+  cli.flag("--profile", f.profile,
+           "print and record how long each stage of a step takes: median, 99th percentile, largest, mean");
   add_options(cli, f.dump);
   cli.common(f.common, Cli::Restart::yes);
 }
@@ -47,6 +49,7 @@ SchemeOptions options_of(const RunPlan& plan, const RunFlags& flags) {
   out.step.h = plan.h;
   out.step.threads = flags.common.threads;
   out.step.keep_problem = !flags.dump.folder.empty();
+  out.step.profile = flags.profile;
   return out;
 }
 
@@ -71,6 +74,14 @@ void tell_other_program(const Recording& recording, const std::filesystem::path&
   std::fprintf(
       stderr, "%s: written by %s, continued by %s: the results are bit for bit those of neither program\n",
       (folder / "checkpoint.h5").c_str(), recording.other_program().c_str(), program_version().c_str());
+}
+
+StageTime now() {
+  timespec wall{}, cpu{};
+  clock_gettime(CLOCK_MONOTONIC, &wall);
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &cpu);
+  const auto seconds = [](const timespec& t) { return double(t.tv_sec) + 1e-9 * double(t.tv_nsec); };
+  return {seconds(wall), seconds(cpu)};
 }
 
 void write_page(const Model& model, const std::filesystem::path& folder) {
@@ -104,16 +115,20 @@ DrivenRun drive(const Model& model, const State& start, RunPlan plan, const RunF
   tell_other_program(out.recording, flags.common.out);
   StepDump dump(flags.dump, plan.driver + "_" + plan.name);
   Progress progress(plan.driver, plan.t_end, Progress::style_of_stderr(flags.common.quiet));
+  StageTime end;  // of the last step
   const Scheme timed{.name = scheme.name, .step = [&](State& s, double h_limit) {
-                       const std::clock_t begin = std::clock();
+                       const StageTime begin = now();
                        StepReport report = scheme.step(s, h_limit);
-                       out.step_cpu += double(std::clock() - begin) / CLOCKS_PER_SEC;
+                       end = now();
+                       out.step_cpu += end.cpu - begin.cpu;
                        return report;
                      }};
   const auto goes_on = [&] { return !plan.go_on || plan.go_on(out.recording); };
   const double t_end = goes_on() ? plan.t_end : out.state.t;
   out.last = record_run(timed, out.state, t_end, out.recording, [&](const StepReport& report) {
     const std::int64_t steps = out.recording.steps();
+    if (const StageTime recorded = now(); flags.profile)
+      out.profile.add(report, {recorded.wall - end.wall, recorded.cpu - end.cpu});
     dump.step(steps + !report.moved(), report);
     char note[80];
     std::snprintf(note, sizeof note, "step %lld, %s", static_cast<long long>(steps),
@@ -129,12 +144,18 @@ DrivenRun drive(const Model& model, const State& start, RunPlan plan, const RunF
     return out;
   }
   out.recording.close();
+  if (flags.profile && out.profile.steps() > 0) std::printf("%s", table_of(out.profile).c_str());
   write_page(model, flags.common.out);
   if (out.last.status == StepStatus::not_finite)
     throw NumericalFailure("step " + std::to_string(out.recording.steps() + 1) + ": " + out.last.reason);
   if (out.last.status == StepStatus::refused)
     std::fprintf(stderr, "step refused at t = %.6g s: %s\n", out.state.t, out.last.reason.c_str());
   return out;
+}
+
+void set_run(const DrivenRun& run, Summary& summary) {
+  run.recording.set(summary);
+  set_profile(run.profile, summary);
 }
 
 bool print_findings(const PathAudit& audit, const Model& model) {

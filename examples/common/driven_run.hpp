@@ -6,6 +6,7 @@
 
 #include "examples/common/scheme_flags.hpp"
 #include "examples/common/step_dump.hpp"
+#include "examples/common/step_profile.hpp"
 #include "io/recording.hpp"
 
 namespace aussois {
@@ -14,6 +15,7 @@ struct RunFlags {
   SchemeFlags scheme{};
   int certify = 0;     // samples of each step
   int stop_after = 0;  // steps; 0: never
+  bool profile = false;
   DumpOptions dump{};
   CommonOptions common{};
 };
@@ -50,12 +52,16 @@ struct DrivenRun {
   StepReport last{};
   std::int64_t first = 0;    // steps of the run that this one goes on from
   double step_cpu = 0;       // of the steps since [s]
+  StepProfile profile{};     // of the steps since, with --profile
   bool interrupted = false;  // with a checkpoint; nothing is left to do
 };
 /// From `start`, or from the checkpoint in the folder of results: progress, dumps, Ctrl-C, and at the end the
 /// files and the replay page, if any body has a shape. Throws NumericalFailure where numbers are not finite;
 /// says on stderr where a step is refused.
 DrivenRun drive(const Model& model, const State& start, RunPlan plan, const RunFlags& flags);
+
+/// Sets what Recording::set does, and with --profile what set_profile does.
+void set_run(const DrivenRun& run, Summary& summary);
 
 /// Prints the energy gained, the pairs without a certificate, and the result of the audit. True: no
 /// violation.

@@ -107,7 +107,7 @@ ExitCode drop(const Arguments& a) {
   const double speed = v.head<3>().norm() + v.tail<3>().norm() * size / 2;
   if (!a.run.common.summary.empty()) {
     Summary summary;
-    r.set(summary);
+    set_run(run, summary);
     summary.set("speed_at_end", speed);
     summary.set("scheme", run.scheme);
     summary.set("options", run.options);

@@ -132,7 +132,7 @@ void write_summary(const std::filesystem::path& path, const PeerScene& scene, co
   out.set("scheme", run.scheme);
   out.set("options", run.options);
   out.set("t", run.state.t);
-  run.recording.set(out);
+  set_run(run, out);
   out.set("fall_time", totals.fall_time < kInf ? totals.fall_time : -1);
   write_summary(path, out);
 }

@@ -285,7 +285,7 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
   const double at_end = smallest_gap(looks.contacts(run.state, 2 * scene.clearance));
   const double min_gap = std::min(r.total("min_gap"), at_end), cpu = r.cpu_seconds();
   Summary summary = summary_of(input, scene, a);
-  r.set(summary);
+  set_run(run, summary);
   summary.set("min_gap", min_gap);
   summary.set("scheme", run.scheme);
   summary.set("options", run.options);

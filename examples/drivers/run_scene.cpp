@@ -100,7 +100,7 @@ ExitCode run_scene(const Arguments& a) {
     out.set("energy_at_start", energy(scene.model, scene.state).total());
     out.set("energy_at_end", energy(scene.model, run.state).total());
     out.set("cpu_s", run.recording.cpu_seconds());
-    run.recording.set(out);
+    set_run(run, out);
     write_summary(a.run.common.summary, out);
   }
   return tell_end(a, scene, run) ? ExitCode::ok : ExitCode::not_accepted;

@@ -140,7 +140,7 @@ bool EventRun::run(const State& start) {
     return false;
   }
   if (const std::string off = joint_that_is_off(setting_, state_); !off.empty()) return refused(off);
-  if (setting_.options.advancement.certify && start.h == 0) {  // (CA-19)
+  if (setting_.options.advancement.certify && !is_proven_apart(start)) {  // (CA-19)
     const std::string nested =
         nested_at(model_, state_, setting_.bounds, setting_.pieces, setting_.options.threads);
     if (!nested.empty()) return refused("start: " + nested);
@@ -187,13 +187,13 @@ void EventRun::tell_contacts(const State& start) {
 }
 
 StepReport EventRun::step(State& out) {
-  const double begin = step_clock();
+  const StageTime begin = time_now(setting_.options.profile);
   const State start = state_;
   move_prescribed();
   const Energy before = energy(model_, state_);
   const Momentum momentum_before = momentum(model_, state_);
   const bool done = run(start);
-  report_.seconds_total = step_clock() - begin;
+  report_.total = since(begin, setting_.options.profile);
   report_.t = start.t;
   if (!done) return report_;
 
@@ -201,6 +201,7 @@ StepReport EventRun::step(State& out) {
   state_.t = t_end_;
   state_.h = report_.h = t_end_ - start.t;
   state_.h_next = 0;
+  state_.apart = setting_.options.advancement.certify;
   report_.t = state_.t;
   report_.attempts = stops_;
   tell_contacts(start);

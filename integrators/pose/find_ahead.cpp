@@ -99,31 +99,34 @@ std::vector<double> contact_dilations(const std::vector<StepPair>& pairs, const 
 }
 
 FoundContacts find_ahead(const StepSetting& setting, const State& state, const Estimate& estimate, double h) {
-  const double begin = step_clock();
   const StepOptions& o = setting.options;
+  StageClock clock(Stage::broad_phase, o.profile);
   FoundContacts found{.v_estimate = estimate.v, .h = h, .scale = state.h > 0 ? h / state.h : 1};
   NearPairs near = step_pairs({setting.model, state, estimate.v, h}, setting.bounds, o.advancement, o.threads,
                               setting.scratch.get());  // (CA-4)
   found.pairs = std::move(near.pairs);
   found.reach = std::move(near.reach);
   found.passing = near.passing;
+  clock.enter(Stage::search);
   found.contacts = contacts_of(setting.model, state, found.pairs, o.lmd, *setting.scratch);  // (LMD-3)
   found.count = int(found.contacts.points.size());
   found.min_gap = smallest_gap(found.contacts);
   if (o.advancement.certify) leave_apart(state, estimate, o.advancement, found);  // (CA-16)
-  match_and_reduce(setting, state, state, found);                                 // (RED-1), (PER-2)
-  found.seconds = step_clock() - begin;
+  clock.enter(Stage::reduction);
+  match_and_reduce(setting, state, state, found);  // (RED-1), (PER-2)
+  clock.add_to(found.times);
   return found;
 }
 
 FoundContacts found_at(const StepSetting& setting, const State& state, const FoundContacts& found,
                        const State& at) {
-  const double begin = step_clock();
   const StepOptions& o = setting.options;
+  StageClock clock(Stage::search, o.profile);
   FoundContacts out = found;
   out.contacts = contacts_of(setting.model, at, found.pairs, o.lmd, *setting.scratch);
+  clock.enter(Stage::reduction);
   match_and_reduce(setting, state, at, out);
-  out.seconds += step_clock() - begin;
+  clock.add_to(out.times);
   return out;
 }
 

@@ -3,6 +3,7 @@
 // that the problem begins with.
 #pragma once
 
+#include "integrators/pose/stage_clock.hpp"
 #include "integrators/pose/step_setting.hpp"
 #include "reduction/redistribute.hpp"
 
@@ -32,7 +33,7 @@ struct FoundContacts {
   WarmStart warm{};                           // (RED-5)
   std::vector<Vec3> start{};                  // impulses that contacts start with, world [N s] (PER-7)
   double scale = 1;                           // factor for the last step's impulses: h over the last h
-  double seconds = 0;                         // time taken [s]
+  StageTimes times{};
 };
 FoundContacts find_ahead(const StepSetting& setting, const State& state, const Estimate& estimate, double h);
 

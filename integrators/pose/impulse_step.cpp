@@ -48,6 +48,7 @@ std::vector<RowVector> starting_impulses(const ImpulseStep& step, const FoundCon
 
 ContactBlocks contact_blocks(const StepSetting& setting, const State& state, const ContactSet& contacts,
                              double h, const NormalRule& normal, const ReachedPlace& reached) {
+  StageClock clock(Stage::kinematics, setting.options.profile);
   const VecX v_prescribed =  // of the step, wherever on it contacts are looked at
       reached.time > 0 ? all_velocities(setting.dofs, VecX::Zero(setting.dofs.rows), reached.v)
                        : prescribed_velocity(setting.model, state, h);
@@ -60,6 +61,7 @@ ContactBlocks contact_blocks(const StepSetting& setting, const State& state, con
       gap_rows(setting.model, state, setting.dofs, v_prescribed, h, normal, reached);  // (GEN-3)
   out.gap = std::move(gaps.gap);
   out.rows.insert(out.rows.end(), gaps.rows.begin(), gaps.rows.end());
+  clock.add_to(out.times);
   return out;
 }
 
@@ -85,6 +87,7 @@ std::optional<AfterImpact> after_impact(const StepSetting& setting, const State&
   AfterImpact out{.state = state, .blocks = {}, .impact = std::move(*met)};
   out.state.v = all_velocities(setting.dofs, out.impact.v, state.v);
   out.blocks = contact_blocks(setting, out.state, found.contacts, found.h, setting.normal);
+  out.blocks.times = {};  // more than one solve may use them
   for (std::size_t i = 0; i < out.blocks.rows.size(); ++i)
     if (!out.impact.r[i].isZero(0)) out.blocks.rows[i].active = true;
   return out;
@@ -96,6 +99,7 @@ void add_rows(const StepSetting& setting, const State& state, const FoundContact
 }
 
 void set_rows(ContactBlocks blocks, ImpulseStep& step) {
+  add(blocks.times, step.times);
   step.rows = std::move(blocks.rows);
   step.gap = std::move(blocks.gap);
   step.rows.insert(step.rows.end(), step.joints.rows.begin(), step.joints.rows.end());
@@ -109,8 +113,8 @@ ImpulseStep pose_step(const StepSetting& setting, const State& state, const Foun
 
 ImpulseStep pose_step(const StepSetting& setting, const State& state, const FoundContacts& found,
                       SharedMotion free, double theta, ContactBlocks blocks) {
-  const double begin = step_clock();
   const StepOptions& o = setting.options;
+  StageClock clock(Stage::kinematics, o.profile);
   ImpulseStep out{.free = std::move(free),
                   .v_prescribed = prescribed_velocity(setting.model, state, found.h)};
   out.joints =
@@ -118,20 +122,20 @@ ImpulseStep pose_step(const StepSetting& setting, const State& state, const Foun
                    o.joints);                                               // (MJT-10)
   if (o.persistence.anchors) pull_back(found, o.persistence, blocks.rows);  // (PER-9)
   set_rows(std::move(blocks), out);
-  out.seconds = step_clock() - begin;
+  clock.add_to(out.times);
   return out;
 }
 
 void solve_rows(const StepSetting& setting, const State& state, const FoundContacts& found,
                 ImpulseStep& step) {
-  const double begin = step_clock();
+  StageClock clock(Stage::solve, setting.options.profile);
   SolverOptions solver = setting.options.solver;
   solver.tolerance *= step.tolerance_part;
   add_counts(step.solved.solution.report, step.beside);
-  step.solved =
-      solve_reduced(*step.free, setting.dofs, step.rows, step.joints.equations, found.selection,
-                    starting_impulses(step, found, state.r), allowed_speeds(found), solver);  // (NSGS-1)
-  step.seconds += step_clock() - begin;
+  step.solved = solve_reduced(*step.free, setting.dofs, step.rows, step.joints.equations, found.selection,
+                              starting_impulses(step, found, state.r), allowed_speeds(found), solver,
+                              clock);  // (NSGS-1)
+  clock.add_to(step.times);
 }
 
 ImpulseStep solve_step(const StepSetting& setting, const State& state, const FoundContacts& found,

@@ -36,12 +36,13 @@ struct ImpulseStep {
   std::vector<RowVector> earlier{};  // impulses of the stages before, for all rows
   VecX lambda_earlier{};             // the same for the joints
   double tolerance_part = 1;         // fraction of the solver's tolerance, for a stage that another builds on
-  double seconds = 0;                // time taken [s]
+  StageTimes times{};
 };
 /// The rows of contacts and gap functions, biased for a normal law (MJ-6), in ImpulseStep's order.
 struct ContactBlocks {
   std::vector<ContactRow> rows{};
   Table<GapId, double> gap{};  // of the gap functions [m]
+  StageTimes times{};
 };
 ContactBlocks contact_blocks(const StepSetting& setting, const State& state, const ContactSet& contacts,
                              double h, const NormalRule& normal, const ReachedPlace& reached = {});

@@ -52,10 +52,10 @@ VecX landing_path(const StepSetting& setting, const State& start, const FoundCon
     keep_status(step);
     solve_rows(setting, start, found, step);
   }
-  const double begin = step_clock();
+  StageClock clock(Stage::solve, setting.options.profile);
   const auto [d, report] =
       opening_displacement(setting, step.free->mass, std::move(opening), step.joints.equations.G, found.h);
-  step.seconds += step_clock() - begin;
+  clock.add_to(step.times);
   add_part(report, step.beside);
   return v_path + d / found.h;
 }

@@ -39,7 +39,7 @@ void add_part(const SolveReport& part, SolveReport& sum) {
 ReducedSolution solve_reduced(const FreeMotion& free, const Layout& dofs, const std::vector<ContactRow>& rows,
                               const JointEquations& joints, const Selection& selection,
                               const std::vector<RowVector>& warm, const std::vector<double>& allowed_speed,
-                              const SolverOptions& options) {
+                              const SolverOptions& options, StageClock& clock) {
   ReducedSolution out;
   SolveReport rounds;
   std::vector<char> in(rows.size(), 0);
@@ -47,6 +47,7 @@ ReducedSolution solve_reduced(const FreeMotion& free, const Layout& dofs, const 
   for (std::size_t i = selection.cluster.size(); i < rows.size(); ++i) in[i] = rows[i].active;
   std::vector<RowVector> r = warm;
   for (;;) {
+    clock.enter(Stage::assembly);
     out.kept.clear();
     for (int i = 0; i < int(rows.size()); ++i)
       if (in[i]) out.kept.push_back(i);
@@ -61,6 +62,7 @@ ReducedSolution solve_reduced(const FreeMotion& free, const Layout& dofs, const 
       const int count = problem->laws[k].rows;
       out.start.segment(out.first_row[k], count) = r[out.kept[k]].head(count);
     }
+    clock.enter(Stage::solve);
     out.solution = free.inverse ? solve(*problem, {*free.inverse, free.v_free}, out.start, options)
                                 : solve(*problem, out.start, options);
     add_counts(rounds, out.solution.report);

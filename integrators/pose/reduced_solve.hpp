@@ -4,6 +4,7 @@
 #pragma once
 
 #include "integrators/pose/joint_rows.hpp"
+#include "integrators/pose/stage_clock.hpp"
 #include "nsgs/solve.hpp"
 #include "reduction/reduce.hpp"
 
@@ -29,10 +30,11 @@ void add_part(const SolveReport& part, SolveReport& sum);
 
 /// The first rows are those of `selection`'s contacts; the others are never left out. `warm[i]` are the
 /// impulses that row i starts from [N s, N m s]. A contact that was left out re-enters when it closes faster
-/// than `allowed_speed[i]` [m/s]; each round adds the worst contact of each cluster.
+/// than `allowed_speed[i]` [m/s]; each round adds the worst contact of each cluster. The clock is in the
+/// stage `solve`, and is so again afterwards.
 ReducedSolution solve_reduced(const FreeMotion& free, const Layout& dofs, const std::vector<ContactRow>& rows,
                               const JointEquations& joints, const Selection& selection,
                               const std::vector<RowVector>& warm, const std::vector<double>& allowed_speed,
-                              const SolverOptions& options);
+                              const SolverOptions& options, StageClock& clock);
 
 }  // namespace aussois

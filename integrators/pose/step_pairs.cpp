@@ -144,7 +144,7 @@ std::vector<StepPair> pairs_within(const Model& model, const State& state, const
 }
 
 StepPath step_path(const StepMotion& step, const PerBody<BodyBounds>& bounds, double enlargement) {
-  StepPath path{.model = step.model, .h = step.h};
+  StepPath path{.model = step.model, .h = step.h, .starts_apart = is_proven_apart(step.state)};
   path.bodies.reserve(bounds.size());
   for (const BodyId b : bounds.ids()) {
     const RigidMotion motion{.g = pose(step.state, b),

@@ -58,6 +58,7 @@ struct DeformingShape {
 struct StepPath {
   const Model& model;
   double h = 0;
+  bool starts_apart = false;  // CertificateOptions::starts_apart, of all pairs
   PerBody<MovingBody> bodies{};
   std::map<BodyId, DeformingShape> deforming{};  // by body
 };

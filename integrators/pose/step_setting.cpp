@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "integrators/pose/step_setting.hpp"
 
-#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <sstream>
@@ -175,10 +174,6 @@ ContactSet contacts_within(const StepSetting& setting, const State& state, doubl
       pairs_within(setting.model, state, setting.bounds, reach, setting.options.threads);
   for (StepPair& pair : pairs) pair.threshold = threshold;
   return contacts_of(setting.model, state, pairs, setting.options.lmd);
-}
-
-double step_clock() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 }  // namespace aussois

@@ -65,8 +65,4 @@ std::string joint_that_is_off(const StepSetting& setting, const State& state);
 /// Contacts of all pairs of bodies at the state with gap <= threshold [m], as a step would find them.
 ContactSet contacts_within(const StepSetting& setting, const State& state, double threshold);
 
-/// Time since some fixed moment [s], for the reports. The CPU time of the process is not used: it costs a
-/// system call of 1 us, ten times a step, and machines that limit it count it in ticks of some ms.
-double step_clock();
-
 }  // namespace aussois

@@ -103,7 +103,8 @@ StepCertificate certify_pairs(const StepPath& path, std::span<const StepPair> pa
                                                  {.required = required,
                                                   .wanted = std::max(pair.dilation, required),
                                                   .threads = threads,
-                                                  .axis = likely_axis(path, pair, contacts)});
+                                                  .axis = likely_axis(path, pair, contacts),
+                                                  .starts_apart = path.starts_apart});
     out.rounds += of_pair.rounds;
     out.min_distance = std::min(out.min_distance, of_pair.min_distance);
     if (of_pair.failure.empty()) continue;
@@ -122,7 +123,8 @@ StepCertificate certify_apart(const StepPath& path, const StepPair& pair, const 
                       {.required = pair.dilation,
                        .wanted = pair.dilation,
                        .max_halvings = kFineHalvings,
-                       .threads = threads});
+                       .threads = threads,
+                       .starts_apart = path.starts_apart});
 }
 
 StepCertificate certify_step(const StepPath& path, const std::vector<StepPair>& pairs,

@@ -77,7 +77,6 @@ Objection kept_bounds(const StepSetting& setting, const FoundContacts& found, co
 Objection proven(const StepSetting& setting, const Trial& trial, const StepPath& path, Judgement& out) {
   const StepOptions& o = setting.options;
   const FoundContacts& found = trial.found;
-  const double begin = step_clock();
   std::vector<BodyPair> meeting = meeting_pairs(setting, path, found.apart, out);  // (CA-16)
   if (!meeting.empty())
     return {Outcome::meets, "bodies meet, but the step did not search for their contacts",
@@ -86,7 +85,6 @@ Objection proven(const StepSetting& setting, const Trial& trial, const StepPath&
       certify_step(path, found.pairs, setting.bounds, found.contacts, o.advancement, o.threads);  // (CA-6)
   out.certificate_rounds += int(certificate.rounds);
   out.min_base_distance = std::min(out.min_base_distance, certificate.min_distance);
-  out.seconds_certificate = step_clock() - begin;
   if (!certificate.failure.empty()) return {Outcome::not_certified, certificate.failure};
   const std::string off_path = strayed(path, out.next);  // (DEF-2)
   if (!off_path.empty()) return {Outcome::not_certified, off_path};
@@ -106,8 +104,12 @@ Objection objection(const StepSetting& setting, const State& state, const Trial&
   if (speaks(trial.beforehand)) return trial.beforehand;
   const StepPath path = step_path({setting.model, state, out.v_path, trial.found.h}, setting.bounds);
   if (Objection broken = kept_bounds(setting, trial.found, path); speaks(broken)) return broken;
-  if (setting.options.advancement.certify)
-    if (Objection unproven = proven(setting, trial, path, out); speaks(unproven)) return unproven;
+  if (setting.options.advancement.certify) {
+    StageClock clock(Stage::certificate, setting.options.profile);
+    Objection unproven = proven(setting, trial, path, out);
+    clock.add_to(out.times);
+    if (speaks(unproven)) return unproven;
+  }
   if (!all_finite(out.next.g)) return {Outcome::not_finite, "a pose is not finite"};
   if (!setting.model.joints.empty()) out.joint_error = joint_error(setting.model, out.next);
   if (!within(out.joint_error, setting.options.joints))

@@ -16,7 +16,7 @@ struct Judgement {
   int certificate_rounds = 0;
   double min_base_distance = kInf;  // a lower bound over the step [m]
   std::vector<BodyPair> driven_overlaps{};
-  double seconds_certificate = 0;
+  StageTimes times{};
 };
 
 /// Checks the path of a trial against the bounds within which its contacts were found (CA-5), against pairs

@@ -87,7 +87,7 @@ std::pair<StepStatus, std::string> wrong_from_here(const StepSetting& setting, c
     return {StepStatus::not_finite, "a force, velocity or pose is not finite"};
   if (std::string off = joint_that_is_off(setting, state); !off.empty())
     return {StepStatus::refused, std::move(off)};
-  if (setting.options.advancement.certify && state.h == 0) {  // from here on the certificate does (CA-19)
+  if (setting.options.advancement.certify && !is_proven_apart(state)) {  // else the certificate did (CA-19)
     const std::string nested =
         nested_at(setting.model, state, setting.bounds, setting.pieces, setting.options.threads);
     if (!nested.empty()) return {StepStatus::refused, "start: " + nested};
@@ -112,19 +112,24 @@ std::string refusal(const StepSetting& setting, const State& state, double min_h
 StepReport advance_step(const StepSetting& setting, State& state, double h_limit, const StepMethod& method) {
   const AdvancementOptions& o = setting.options.advancement;
   check_fits(setting, state, h_limit);
-  const double begin = step_clock();
+  const bool cpu = setting.options.profile;
+  const StageTime begin = time_now(cpu);
   const double h_largest = setting.options.h;
   Search search{.h_limit = h_limit,
                 .h_control = state.h_next > 0 ? std::min(h_largest, state.h_next) : h_largest,
                 .growth = o.growth};
   search.h = std::min(search.h_control, h_limit);
   search.min_h = std::min(o.min_h, search.h);  // what is left of a run may be shorter than any minimum
+  StageTimes stages;
+  StageClock assembly(Stage::assembly, cpu);
   search.estimate.v = method.estimate(state, search.h);
+  assembly.add_to(stages);
 
   StepReport report{.t = state.t};
   const auto ended = [&](StepStatus status) {
     report.status = status;
-    report.seconds_total = step_clock() - begin;
+    report.stages = stages;
+    report.total = since(begin, cpu);
     return std::move(report);
   };
   StepStatus begins;
@@ -133,6 +138,8 @@ StepReport advance_step(const StepSetting& setting, State& state, double h_limit
   for (int k = 1;; ++k) {
     const Trial trial = method.attempt(state, search.estimate, search.h);
     Judgement judgement = judge(setting, state, trial);
+    for (const StageTimes& part : {trial.found.times, trial.impulses.times, judgement.times})
+      add(part, stages);
     const bool again = search.goes_on(judgement);
     if (again && k < o.max_attempts && search.h >= search.min_h) continue;
     const bool taken = !again && may_be_taken(judgement);
@@ -146,6 +153,7 @@ StepReport advance_step(const StepSetting& setting, State& state, double h_limit
     }
     if (taken) {
       state = std::move(result.next);
+      state.apart = o.certify;
       // Shorter steps were no easier, so the next one need not be short.
       state.h_next = status == StepStatus::not_solved ? search.h_control : search.next();
     }

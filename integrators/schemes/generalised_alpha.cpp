@@ -256,7 +256,7 @@ Trial attempt(const StepSetting& setting, const State& start, const Estimate& ah
   }
   add_part(mean.solved.solution.report, mean.beside);
   add_part(mean.beside, step.beside);
-  step.seconds += mean.seconds;
+  add(mean.times, step.times);
   if (!smooth.solved) step.beside.status = std::max(step.beside.status, SolveStatus::max_iterations);
   const VecX none = VecX::Zero(start.v.size());
   Trial trial{

@@ -207,10 +207,10 @@ void solve_again(const StepSetting& setting, const MoreauJeanOptions& o, const S
   }
   SolveReport beside = now.step.beside;
   add_counts(now.step.solved.solution.report, beside);
-  const double seconds = now.step.seconds;
+  const StageTimes times = now.step.times;
   now.step = solve_step(setting, start.state, there, std::move(free), theta, std::move(blocks));
   now.step.beside = beside;
-  now.step.seconds += seconds;
+  add(times, now.step.times);
   now.found = std::move(there);
   now.last = std::exchange(now.change, (now.step.solved.solution.v - v).lpNorm<Eigen::Infinity>());
   now.growths = grows(now.change, now.last, v.lpNorm<Eigen::Infinity>(), setting.options.solver.tolerance)

@@ -77,6 +77,7 @@ StepReport MoreauJeanProjected::step(State& state, double h_limit) const {
     SolveReport beside;
     for (;;) {  // each round activates at least one contact more
       ImpulseStep step = solve_step(setting, start, found, free(start, h), theta, blocks);
+      blocks.times = {};
       step.beside = beside;
       const VecX& v = step.solved.solution.v;
       Move move{.v_path = theta * v + (1 - theta) * step.free->v, .v_end = v, .end = {}};  // (MJ-7)

@@ -176,8 +176,6 @@ StepReport asked(const StepSetting& setting, const Trial& trial) {
   report.contacts_made_passive = trial.figures.contacts_made_passive;
   report.projection = trial.figures.projection;
   report.overlap_left = trial.figures.overlap_left;
-  report.seconds_contact = found.seconds;
-  report.seconds_solve = step.seconds;
   return report;
 }
 
@@ -186,7 +184,6 @@ void tell_proof(const Judgement& judgement, StepReport& report) {
   report.certificate_rounds = judgement.certificate_rounds;
   report.min_base_distance = judgement.min_base_distance;
   report.driven_overlaps = judgement.driven_overlaps;
-  report.seconds_certificate = judgement.seconds_certificate;
 }
 
 State next_state(const StepSetting& setting, const Trial& trial, State next, const Impulses& impulses) {

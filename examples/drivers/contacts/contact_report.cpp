@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "examples/common/quantile.hpp"
 #include "io/atomic_file.hpp"
 #include "io/build_info.hpp"
 #include "io/record.hpp"
@@ -144,11 +145,7 @@ Quantiles quantiles_of(std::vector<double> values) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     return {nan, nan, nan, nan};
   }
-  std::ranges::sort(values);
-  const auto rank = [&](double part) {
-    return values[std::size_t(std::ceil(part * double(values.size()))) - 1];
-  };
-  return {values.front(), rank(0.5), rank(0.95), values.back()};
+  return {std::ranges::min(values), quantile(values, 0.5), quantile(values, 0.95), std::ranges::max(values)};
 }
 
 std::string statistics_table(const ContactReport& report) {

@@ -18,12 +18,12 @@ constexpr double kGridMu = 0.0025, kGridRestitution = 0.0125;
 constexpr int kAtOnce = 32;  // tosses between two looks at their sum
 
 // A compass search: strides of the grid are halved where no neighbour is better.
-struct Stage {
+struct FitStage {
   int substeps, first_stride, last_stride;
 };
 // Of the 347 tosses, steps per row are worth: 1: 14.9 % and 16.9 degrees, 3: 13.8 and 16.2, 10: 13.7
 // and 16.2; a point costs 2.8, 5.1 and 13.9 s.
-constexpr Stage kStages[] = {{1, 8, 4}, {3, 2, 1}};
+constexpr FitStage kFitStages[] = {{1, 8, 4}, {3, 2, 1}};
 
 using Point = std::pair<int, int>;  // of the grid
 
@@ -123,7 +123,7 @@ TossFit fit(const std::vector<Toss>& tosses, const TossWorld& world, int threads
   TossFit out;
   bool go_on = true;
   FitPlace start{.tosses = tosses, .start = world, .certify = certify};
-  for (const Stage& stage : kStages) {
+  for (const FitStage& stage : kFitStages) {
     ++start.stage;
     start.start.substeps = std::min(stage.substeps, world.substeps);
     MeanError error_at(start, threads, keep);

@@ -199,9 +199,10 @@ TEST(ReducedSolve, LetsEveryContactBackInThatWouldClose) {
   const std::vector<ContactRow> rows =
       contact_rows(scene.model, scene.state, layout(scene.model), found, still, 1e-3, {});
   const Selection one{.kept = {2}, .cluster = {0, 0, 0, 0}, .cluster_count = 1};
+  StageClock clock(Stage::solve, false);
   const ReducedSolution solved =
       solve_reduced(free, dofs, rows, {}, one, std::vector<RowVector>(4, RowVector::Zero()),
-                    std::vector<double>(4, 1e-9), {.tolerance = 1e-12});
+                    std::vector<double>(4, 1e-9), {.tolerance = 1e-12}, clock);
   for (const ContactRow& row : rows) EXPECT_GT(relative_velocity(row, dofs, solved.solution.v).x(), -2e-9);
   EXPECT_GE(solved.kept.size(), 2U);  // two across a diagonal carry the block
 }

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the steps of a run spend their time: for each stage the median, the 99th percentile and the largest.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "integrators/step_report.hpp"
+#include "io/summary.hpp"
+
+namespace aussois {
+
+/// Milliseconds a step.
+struct StageFigures {
+  std::string stage{};
+  double p50 = 0, p99 = 0, most = 0, mean = 0;
+  double cpu_p50 = 0, cpu_p99 = 0, cpu_most = 0, cpu_mean = 0;
+};
+
+/// The times of all steps of a run, which were taken with StepOptions::profile.
+class StepProfile {
+ public:
+  /// `recording`: what it took to record the step, or nothing.
+  void add(const StepReport& report, const StageTime& recording = {});
+  std::size_t steps() const { return all_.size() / kColumns; }
+  /// The stages in order; then `other`, what is left of the step; `recording`; `step`, all but recording.
+  std::vector<StageFigures> figures() const;
+
+ private:
+  static constexpr std::size_t kColumns = std::size(kStages) + 3;
+  std::vector<StageTime> all_{};  // step after step [s]
+};
+
+/// A line per stage.
+std::string table_of(const StepProfile& profile);
+/// Sets profile_stages and a list each of wall and CPU times [ms], in that order; nothing without steps.
+void set_profile(const StepProfile& profile, Summary& summary);
+
+}  // namespace aussois
