@@ -121,9 +121,8 @@ class CertificateDescent {
                      const NodeVelocity& b, int first_a, int first_b, PartialCheck& part)
       : check_(check), frames_(frames), a_(a), b_(b), first_a_(first_a), first_b_(first_b), part_(part) {
     dt_ = float(check.dt());
-    const double stretch =
-        check.dt() *
-        (largest_speed(check.a()) + largest_speed(check.b()));  // what vertices travel seen from their bodies
+    // what vertices travel seen from their bodies
+    const double stretch = check.dt() * (largest_speed(check.a()) + largest_speed(check.b()));
     // fast bodies: what they travel is rounded as well
     const double travel =
         check.dt() * (double(a.v.norm()) + double(b.v.norm()) + double(a.spin + b.spin) * frames.scale);
@@ -329,7 +328,10 @@ Certificate certify(const MovingShape& a, const MovingShape& b, double dt,
     PartialCheck minima = check_step_minima(a, b, dt, goal, options.threads);
     minima.min_distance = std::min(minima.min_distance, options.wanted);
     if (!minima.failed) return certificate_of(minima);
-    if (is_seen_nearer(minima, options.required)) return {.certified = false, .min_distance = minima.seen};
+    if (is_seen_nearer(minima, options.required)) {
+      minima.min_distance = minima.seen;
+      return certificate_of(minima);
+    }
   }
   const SimplexPairCheck check(a, b, dt, goal);
   const BaseFrames frames = base_frames(a, b, check.now_a(), check.now_b());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Proves that two base complexes keep their distance along a whole step (CA-6) to (CA-8): every pair of
 // simplices that could come near is separated by a plane at all times of the step. Uses no normal cones and
-// no classes: all pairs count.
+// no classes, unless the caller knows that the bases start apart (CA-21).
 #pragma once
 
 #include "lmd/moving_shape.hpp"

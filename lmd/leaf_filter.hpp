@@ -101,12 +101,17 @@ AUSSOIS_INLINE FaceLanes face_lanes(const LeafFrame& f, int first, int count, in
   return out;
 }
 
+/// Turns directions back into the frame of the shape.
+AUSSOIS_INLINE V4 in_own_frame(const LeafFrame& frame, const V4& d) {
+  const Eigen::Matrix3f& R = frame.R;
+  return {R(0, 0) * d.x + R(1, 0) * d.y + R(2, 0) * d.z, R(0, 1) * d.x + R(1, 1) * d.y + R(2, 1) * d.z,
+          R(0, 2) * d.x + R(1, 2) * d.y + R(2, 2) * d.z};
+}
+
 /// Which of the four directions d, seen from the vertex, lie in its enlarged cone? They need not be unit;
 /// `limit` is scaled by their lengths.
 AUSSOIS_INLINE I4 in_vertex_cone(const LeafFrame& frame, const VertexLeaf& v, const V4& d, F4 limit) {
-  const Eigen::Matrix3f& R = frame.R;  // its transpose turns back into the vertex's frame
-  const V4 local{R(0, 0) * d.x + R(1, 0) * d.y + R(2, 0) * d.z, R(0, 1) * d.x + R(1, 1) * d.y + R(2, 1) * d.z,
-                 R(0, 2) * d.x + R(1, 2) * d.y + R(2, 2) * d.z};
+  const V4 local = in_own_frame(frame, d);
   I4 in = {-1, -1, -1, -1};
   const Vec3* g = frame.shape->rays.data() + v.first_ray;
   for (std::uint32_t k = 0; k < v.ray_count; ++k)
@@ -147,18 +152,34 @@ AUSSOIS_INLINE int may_touch(const LeafFrame& frame, const VertexLeaf& v, const 
   return bits(in & in_vertex_cone(frame, v, d, limits.sin_vertex * sqrt4(square) + limits.foot));
 }
 
+/// An edge in lane `k` of its bucket against four others.
+struct EdgeCrossing {
+  V4 e, w;       // the edge; from its first end to those of the four
+  V4 n;          // common perpendicular, not unit
+  F4 det, sin2;  // square of n; of the sine of the angle in between
+  F4 s, r;       // where they cross, as fractions
+};
+AUSSOIS_INLINE EdgeCrossing crossing(const EdgeLanes& a, int k, const EdgeLanes& b) {
+  EdgeCrossing out;
+  out.e = spread(a.e, k), out.w = b.p - spread(a.p, k);
+  const F4 aa = splat(a.square[k]);
+  const F4 ab = dot(out.e, b.e), aw = dot(out.e, out.w), bw = dot(b.e, out.w);
+  out.n = cross(out.e, b.e);
+  out.det = dot(out.n, out.n);
+  out.sin2 = out.det / (aa * b.square);
+  out.s = (b.square * aw - ab * bw) / out.det, out.r = (ab * aw - aa * bw) / out.det;
+  return out;
+}
+
 /// Tests the edge in lane `k` of `a`, the side that u points away from, against the four edges of `b`.
 AUSSOIS_INLINE int may_touch(const EdgeLanes& a, int k, const EdgeLanes& b, const FilterLimits& limits) {
-  const V4 e = spread(a.e, k), w = b.p - spread(a.p, k);
-  const F4 aa = splat(a.square[k]), length = splat(a.length[k]);
-  const F4 ab = dot(e, b.e), aw = dot(e, w), bw = dot(b.e, w);
-  const V4 n = cross(e, b.e);
-  const F4 det = dot(n, n), sin2 = det / (aa * b.square);
+  const EdgeCrossing c = crossing(a, k, b);
+  const V4 &e = c.e, &w = c.w, &n = c.n;
+  const F4 length = splat(a.length[k]), sin2 = c.sin2, s = c.s, r = c.r;
   // Nearly parallel: single precision cannot tell where they cross, only how far the lines are apart.
-  const V4 off = w - (bw / b.square) * b.e;
+  const V4 off = w - (dot(b.e, w) / b.square) * b.e;
   const F4 near = limits.reach + 0.01F * length;
   const I4 parallel = (sin2 < 1e-4F) & (dot(off, off) <= near * near);
-  const F4 s = (b.square * aw - ab * bw) / det, r = (ab * aw - aa * bw) / det;
   const F4 fuzz = limits.foot + 2e-6F * (sqrt4(dot(w, w)) + length + b.length) / sin2;
   const F4 slack_a = fuzz / length, slack_b = fuzz / b.length;
   const V4 d = w + r * b.e - s * e;
@@ -170,7 +191,7 @@ AUSSOIS_INLINE int may_touch(const EdgeLanes& a, int k, const EdgeLanes& b, cons
     return bits((parallel | in) & (dot(middles, middles) <= apart * apart));
   }
   in &= (s >= -slack_a) & (s <= 1.0F + slack_a) & (r >= -slack_b) & (r <= 1.0F + slack_b);
-  const F4 size = sqrt4(det), along = dot(n, w);
+  const F4 size = sqrt4(c.det), along = dot(n, w);
   const F4 limit = limits.sin_edges * size;
   I4 out = {0, 0, 0, 0};
   for (const float sign : {1.0F, -1.0F}) {  // u = n or -n; both where the lines nearly meet

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The trees over the leaves of a shape, and the lanes of their buckets that a descent used last.
+// The trees over the leaves of a shape, as a descent meets them.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
-#include "lmd/leaf.hpp"
+#include "lmd/cone_tests.hpp"
+#include "lmd/pair_search.hpp"
 
 namespace aussois {
 
@@ -25,22 +27,17 @@ inline std::vector<TreeOfLeaves> trees_of(const LmdShape& s) {
   return all;
 }
 
-/// Lanes of the buckets of B last used: neighbouring buckets of A need the same ones.
-template <class Lanes>
-class RecentLanes {
- public:
-  template <class Load>
-  const Lanes& get(int first, const Load& load) {
-    if (lanes_.empty()) lanes_.resize(kSize), first_.resize(kSize, -1);
-    const std::size_t at = std::size_t(first / kBucket) % kSize;
-    if (first_[at] != first) first_[at] = first, lanes_[at] = load();
-    return lanes_[at];
-  }
-
- private:
-  static constexpr std::size_t kSize = 64;
-  std::vector<Lanes> lanes_{};
-  std::vector<int> first_{};
-};
+/// By how much the caps of two trees are enlarged if A turns by `turn` at most and B rests (LMD-9), (LMD-12)
+/// [rad].
+inline CapLimits cap_limits(const RelativePair& pair, LeafId a, LeafId b, double turn) {
+  const MinimumCriteria& c = pair.criteria;
+  const double slack = angle_slack(pair);
+  const double edges = a.dim == 1 && b.dim == 1 ? std::max(c.alpha, c.alpha_ee) : 0;
+  return {.opposing = angle_of(c.alpha + slack + turn),
+          .enlarged_a = angle_of(slack + turn + (a.dim == 0 ? c.alpha : edges)),
+          .enlarged_b = angle_of(slack + (b.dim == 0 ? c.alpha : edges)),
+          .side_a = float(a.side),
+          .side_b = float(b.side)};
+}
 
 }  // namespace aussois

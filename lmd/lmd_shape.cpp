@@ -157,11 +157,11 @@ void add_vertices(LmdShape& shape, const Idealisation& ideal, const std::vector<
   shape.vertices.insert(shape.vertices.end(), wide.begin(), wide.end());
 }
 
-void add_edges(LmdShape& shape, const Idealisation& ideal, const std::vector<ChainCone>& cones) {
+void add_edges(LmdShape& shape, const Idealisation& ideal, const std::vector<ChainCone>& cones,
+               const std::vector<double>& misfits) {
   const SimplicialComplex& k = shape.complex;
   std::vector<EdgeLeaf> narrow, wide;
   std::vector<ConeTreeItem> narrow_items, wide_items;
-  const std::vector<double> misfits = misfit_at_vertices(k, ideal);
   const auto misfit = [&](int first, int last) { return std::max(misfits[first], misfits[last]); };
   for (std::size_t c = 0; c < ideal.chains.size(); ++c) {
     if (!cones[c].simplex_class) continue;
@@ -228,10 +228,10 @@ double angle(const Vec3& a, const Vec3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-int unproven_places(const LmdShape& shape, const Idealisation& ideal) {
+// Where the conditions of (LMD-14) on the mesh do not hold.
+int unproven_places(const LmdShape& shape, const Idealisation& ideal, const std::vector<double>& misfits) {
   constexpr double kLargestTilt = kPi / 180;  // of a face in its region
   const SimplicialComplex& k = shape.complex;
-  const std::vector<double> misfits = misfit_at_vertices(k, ideal);
   const auto is_blunt = [&](const Chain& chain) {
     const auto sides = k.edge_triangles[chain.edges.front()];
     const double misfit = std::max(misfits[chain.first], misfits[chain.last]);
@@ -288,9 +288,10 @@ LmdShape prepare(DilatedShape dilated, const LmdShapeOptions& options) {
   std::vector<ChainCone> cones;
   for (const Chain& chain : ideal.chains) cones.push_back(chain_cone(shape.complex, ideal, chain));
   add_vertices(shape, ideal, cones);
-  add_edges(shape, ideal, cones);
+  const std::vector<double> misfits = misfit_at_vertices(shape.complex, ideal);
+  add_edges(shape, ideal, cones, misfits);
   add_faces(shape, ideal, 1e-9 * box.diagonal());
-  shape.unproven_places = unproven_places(shape, ideal);
+  shape.unproven_places = unproven_places(shape, ideal, misfits);
   return shape;
 }
 

@@ -5,10 +5,10 @@
 #include <cmath>
 
 #include "geometry/parallel.hpp"
-#include "lmd/cone_tests.hpp"
 #include "lmd/dual_descent.hpp"
 #include "lmd/leaf_filter.hpp"
 #include "lmd/leaf_trees.hpp"
+#include "lmd/recent_lanes.hpp"
 
 namespace aussois {
 namespace {
@@ -43,18 +43,12 @@ TreePair tree_pair(const RelativePair& pair, const Frames& frames, const MotionW
   const MinimumCriteria& c = pair.criteria;
   const double slack = angle_slack(pair);
   const double turn = window ? window->rotation : 0, shift = window ? window->displacement : 0;
-  const bool edges = a.first.dim == 1 && b.first.dim == 1;
-  const double more = edges ? std::max(c.alpha, c.alpha_ee) : 0;
   // seen from A, points of B near A move by at most `shift` and what the rotation adds over the distance
   const double foot = 2 * (shift + turn * (c.max_distance + shift));
   TreePair out{.a = a.tree, .b = b.tree, .first_a = a.first, .first_b = b.first};
   out.shift = float(shift * (1 + 1e-6));
   out.reach = float(c.max_distance) + out.shift + frames.rounding;
-  out.caps = {.opposing = angle_of(c.alpha + slack + turn),
-              .enlarged_a = angle_of(slack + turn + (a.first.dim == 0 ? c.alpha : more)),  // B stands still
-              .enlarged_b = angle_of(slack + (b.first.dim == 0 ? c.alpha : more)),
-              .side_a = float(a.first.side),
-              .side_b = float(b.first.side)};
+  out.caps = cap_limits(pair, a.first, b.first, turn);
   out.limits = {.reach = out.reach,
                 .foot = frames.rounding + float(c.tolerance + foot),
                 .sin_vertex = float(c.sin_alpha + slack + turn) + 1e-5F,

@@ -41,12 +41,7 @@ AUSSOIS_INLINE F4 nearest_square(const V4& now, const V4& end) {
 /// the longer one.
 AUSSOIS_INLINE I4 passes_vertex_cone(const LeafFrame& frame, const VertexLeaf& v, const V4& now,
                                      const V4& end, F4 limit) {
-  const Eigen::Matrix3f& R = frame.R;
-  const auto local = [&](const V4& d) {
-    return V4{R(0, 0) * d.x + R(1, 0) * d.y + R(2, 0) * d.z, R(0, 1) * d.x + R(1, 1) * d.y + R(2, 1) * d.z,
-              R(0, 2) * d.x + R(1, 2) * d.y + R(2, 2) * d.z};
-  };
-  const V4 a = local(now), b = local(end);
+  const V4 a = in_own_frame(frame, now), b = in_own_frame(frame, end);
   I4 in = {-1, -1, -1, -1};
   const Vec3* g = frame.shape->rays.data() + v.first_ray;
   for (std::uint32_t k = 0; k < v.ray_count; ++k) {
@@ -90,25 +85,6 @@ AUSSOIS_INLINE int may_meet(const LeafFrame& frame, const VertexLeaf& v, const P
   if (!bits(in)) return 0;
   const F4 most = sqrt4(max4(dot(now, now), dot(end, end)));
   return bits(in & passes_vertex_cone(frame, v, now, end, limits.sin_vertex * most + limits.foot));
-}
-
-/// An edge in lane `k` of its bucket, at one end of the path, against four edges that rest.
-struct EdgeCrossing {
-  V4 e, w;       // the edge; from its first end to those of the four
-  V4 n;          // common perpendicular, not unit
-  F4 det, sin2;  // square of n; of the sine of the angle in between
-  F4 s, r;       // where they cross, as fractions
-};
-AUSSOIS_INLINE EdgeCrossing crossing(const EdgeLanes& a, int k, const EdgeLanes& b) {
-  EdgeCrossing out;
-  out.e = spread(a.e, k), out.w = b.p - spread(a.p, k);
-  const F4 aa = splat(a.square[k]);
-  const F4 ab = dot(out.e, b.e), aw = dot(out.e, out.w), bw = dot(b.e, out.w);
-  out.n = cross(out.e, b.e);
-  out.det = dot(out.n, out.n);
-  out.sin2 = out.det / (aa * b.square);
-  out.s = (b.square * aw - ab * bw) / out.det, out.r = (ab * aw - aa * bw) / out.det;
-  return out;
 }
 
 /// Whether a plane across m parts the edges by the reach at both ends (CA-7).

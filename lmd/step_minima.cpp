@@ -7,11 +7,11 @@
 #include <Eigen/Geometry>
 
 #include "geometry/parallel.hpp"
-#include "lmd/cone_tests.hpp"
 #include "lmd/coverage.hpp"
 #include "lmd/leaf_trees.hpp"
 #include "lmd/pair_search.hpp"
 #include "lmd/path_filter.hpp"
+#include "lmd/recent_lanes.hpp"
 
 namespace aussois {
 namespace {
@@ -80,14 +80,9 @@ struct StepTrees {
 StepTrees step_trees(const StepFrames& f, double wanted, const TreeOfLeaves& a, const TreeOfLeaves& b) {
   const MinimumCriteria& c = f.pair.criteria;
   const double slack = angle_slack(f.pair), rounding = 4e-6 * f.scale;
-  const double more = a.first.dim == 1 && b.first.dim == 1 ? std::max(c.alpha, c.alpha_ee) : 0;
   StepTrees out{.a = a, .b = b};
   out.reach = float(wanted + f.bend + rounding);
-  out.caps = {.opposing = angle_of(c.alpha + slack + f.turn),
-              .enlarged_a = angle_of(slack + f.turn + (a.first.dim == 0 ? c.alpha : more)),  // B rests
-              .enlarged_b = angle_of(slack + (b.first.dim == 0 ? c.alpha : more)),
-              .side_a = float(a.first.side),
-              .side_b = float(b.first.side)};
+  out.caps = cap_limits(f.pair, a.first, b.first, f.turn);
   out.limits = {.reach = out.reach,
                 .foot = float(c.tolerance + f.bend + rounding),
                 .sin_vertex = float(c.sin_alpha + slack + f.turn) + 1e-5F,
@@ -108,12 +103,11 @@ BaseSimplex simplex_of(const LmdShape& shape, LeafId id) {
 // Nodes by the ways of their centres, cones and boxes; then leaves; then what is left in double precision.
 class StepDescent {
  public:
-  StepDescent(const StepFrames& frames, const StepTrees& trees, const SimplexPairCheck& check, double refuted,
+  StepDescent(const StepFrames& frames, const StepTrees& trees, const SimplexPairCheck& check,
               PartialCheck& part)
-      : f_(frames), trees_(trees), check_(check), refuted_(refuted), part_(part) {}
+      : f_(frames), trees_(trees), check_(check), part_(part) {}
 
   AUSSOIS_INLINE int near(const ConeNode& four, const ConeSlot& one, bool one_is_a) {
-    if (is_seen_nearer(part_, refuted_)) return 0;
     const V4 x = load4(four.c), y = spread(one.node->c, one.lane), d = x - y;
     const V4 moved = way_of(one_is_a ? y : x);
     const V4 shift = one_is_a ? V4{-moved.x, -moved.y, -moved.z} : moved;
@@ -144,7 +138,6 @@ class StepDescent {
   }
 
   AUSSOIS_INLINE void buckets(const ConeSlot& a, const ConeSlot& b) {
-    if (is_seen_nearer(part_, refuted_)) return;
     const int first = trees_.b.first.index + b.first(), side = trees_.b.first.side;
     switch (3 * trees_.a.first.dim + trees_.b.first.dim) {
       case 0:
@@ -222,7 +215,6 @@ class StepDescent {
   const StepFrames& f_;
   const StepTrees& trees_;
   const SimplexPairCheck& check_;
-  double refuted_;  // simplices nearer than this end the search [m]
   PartialCheck& part_;
   PointPath corners_{};  // of A's open bucket
   EdgeLanes edges_{}, edges_end_{};
@@ -254,7 +246,7 @@ PartialCheck check_step_minima(const MovingShape& a, const MovingShape& b, doubl
       if (can_touch(of_a.first.dim, of_b.first.dim)) trees.push_back(step_trees(frames, wanted, of_a, of_b));
   PartialCheck all{.min_distance = wanted};
   const auto descend = [&](const StepTrees& pair, PartialCheck& part, auto run) {
-    StepDescent tests(frames, pair, check, goal.required, part);
+    StepDescent tests(frames, pair, check, part);
     DualDescent<StepDescent> descent(*pair.a.tree, *pair.b.tree, frames.motion, tests);
     run(descent);
   };

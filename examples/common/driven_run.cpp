@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <ctime>
 #include <sstream>
 
 #include "examples/common/progress.hpp"
@@ -76,14 +75,6 @@ void tell_other_program(const Recording& recording, const std::filesystem::path&
       (folder / "checkpoint.h5").c_str(), recording.other_program().c_str(), program_version().c_str());
 }
 
-StageTime now() {
-  timespec wall{}, cpu{};
-  clock_gettime(CLOCK_MONOTONIC, &wall);
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &cpu);
-  const auto seconds = [](const timespec& t) { return double(t.tv_sec) + 1e-9 * double(t.tv_nsec); };
-  return {seconds(wall), seconds(cpu)};
-}
-
 void write_page(const Model& model, const std::filesystem::path& folder) {
   const std::filesystem::path replay = folder / "replay.html";
   if (std::ranges::any_of(model.bodies, [](const RigidBody& b) { return bool(b.shape); })) {
@@ -117,9 +108,9 @@ DrivenRun drive(const Model& model, const State& start, RunPlan plan, const RunF
   Progress progress(plan.driver, plan.t_end, Progress::style_of_stderr(flags.common.quiet));
   StageTime end;  // of the last step
   const Scheme timed{.name = scheme.name, .step = [&](State& s, double h_limit) {
-                       const StageTime begin = now();
+                       const StageTime begin = time_now(true);
                        StepReport report = scheme.step(s, h_limit);
-                       end = now();
+                       end = time_now(true);
                        out.step_cpu += end.cpu - begin.cpu;
                        return report;
                      }};
@@ -127,8 +118,7 @@ DrivenRun drive(const Model& model, const State& start, RunPlan plan, const RunF
   const double t_end = goes_on() ? plan.t_end : out.state.t;
   out.last = record_run(timed, out.state, t_end, out.recording, [&](const StepReport& report) {
     const std::int64_t steps = out.recording.steps();
-    if (const StageTime recorded = now(); flags.profile)
-      out.profile.add(report, {recorded.wall - end.wall, recorded.cpu - end.cpu});
+    if (flags.profile) out.profile.add(report, since(end, true));
     dump.step(steps + !report.moved(), report);
     char note[80];
     std::snprintf(note, sizeof note, "step %lld, %s", static_cast<long long>(steps),

@@ -6,11 +6,6 @@
 
 namespace aussois {
 
-/// Time since some fixed moment. The CPU time of the process costs a system call, and machines that limit it
-/// count it in ticks of some ms: it is taken only if asked for.
-StageTime time_now(bool cpu);
-StageTime since(const StageTime& begin, bool cpu);
-
 class StageClock {
  public:
   StageClock(Stage first, bool cpu) : stage_(first), cpu_(cpu), begin_(time_now(cpu)) {}

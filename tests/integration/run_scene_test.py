@@ -176,6 +176,28 @@ class RunScene(DriverTest):
         given = sum(row[i] for row in rows[1:] for i in work)  # by the motor: bodies and spring have it
         self.assertAlmostEqual(given, stored[-1] - stored[0], delta=1e-3 * given)
 
+    def test_profile_tells_where_steps_go_and_changes_no_bit(self):
+        scene = ("--scene", "arch", "--time", "0.02", "--quiet", "--summary", "s.json")
+        plain = self.run_scene(*scene, "-o", "plain").stdout
+        self.assertNotIn("profile_stages", json.loads((self.folder / "s.json").read_text()))
+        told = self.run_scene(*scene, "-o", "told", "--profile").stdout
+        summary = json.loads((self.folder / "s.json").read_text())
+        stages = summary["profile_stages"]
+        self.assertEqual(stages[-3:], ["other", "recording", "step"])
+        for clock in ("wall", "cpu"):
+            p50, p99, most, mean = (summary[f"profile_{clock}_ms_{name}"] for name in ("p50", "p99", "max", "mean"))
+            for stage, *figures in zip(stages, p50, p99, most):
+                self.assertEqual(figures, sorted(figures), stage)
+            self.assertAlmostEqual(sum(mean[:-2]), mean[-1], 9)  # all but recording
+            self.assertGreater(mean[-1], 0)
+        for stage in stages:
+            self.assertRegex(told, rf"(?m)^{stage} +\d")
+            self.assertNotRegex(plain, rf"(?m)^{stage} +\d")
+        self.assertEqual(summary["steps"], len((self.folder / "told/steps.csv").read_text().splitlines()) - 1)
+        timeless = [[line.split(",")[:6] for line in (self.folder / name / "steps.csv").read_text().splitlines()]
+                    for name in ("plain", "told")]
+        self.assertEqual(*timeless)
+
     def test_bad_input_is_refused_without_a_trace(self):
         for words, arguments in ((["--scene", "perpetuum", "arch"], ["--scene", "perpetuum"]),
                                  (["--scene"], []),
