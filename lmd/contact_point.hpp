@@ -33,6 +33,7 @@ struct ContactKey {
 /// Half a feature word: two bits of dim, thirty of region.
 struct KeyFeature {
   int dim = 0, region = 0;
+  bool operator==(const KeyFeature&) const = default;
 };
 std::uint64_t feature_word(const KeyFeature& a, const KeyFeature& b);  // dim in [0, 3], region in [0, 2^30)
 KeyFeature feature_a(const ContactKey& key);

@@ -3,15 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <numeric>
 #include <string>
 
 #include <Eigen/Geometry>
 
 #include "geometry/settings.hpp"
-#include "lmd/feature_incidence.hpp"
 #include "reduction/contact_order.hpp"
+#include "reduction/match_candidates.hpp"
 
 namespace aussois {
 namespace {
@@ -32,14 +31,7 @@ bool pair_before(const ContactKey& a, const ContactKey& b) {
   return a.body_a != b.body_a ? a.body_a < b.body_a : a.body_b < b.body_b;
 }
 
-// A contact now, as a memory would hold it, and where it stands in the set.
-struct Seen {
-  ContactKey key{};
-  Vec3 normal = Vec3::Zero(), point_a = Vec3::Zero(), point_b = Vec3::Zero();
-  std::size_t place = 0;
-};
-
-bool before(const Seen& a, const Seen& b) {
+bool before(const PresentContact& a, const PresentContact& b) {
   if (a.key != b.key) return a.key < b.key;
   return std::lexicographical_compare(a.point_a.begin(), a.point_a.end(), b.point_a.begin(), b.point_a.end());
 }
@@ -58,19 +50,12 @@ std::vector<int> by_pair(const ContactSet& contacts) {
   return order;
 }
 
-// Two contacts of a pair that may be the same, by rank in it: nearest first (PER-2).
-struct Candidate {
-  double distance = 0;  // squared [m^2]
-  std::size_t now = 0, old = 0;
-  auto operator<=>(const Candidate&) const = default;
-};
-
 class Cascade {
  public:
   Cascade(const MatchInput& input, const PersistenceOptions& options) : input_(input), options_(options) {}
 
   // Of one pair, both sorted by key; what is kept from the last pair is its memory.
-  void run(std::span<const RememberedContact> old, std::span<const Seen> now) {
+  void run(std::span<const RememberedContact> old, std::span<const PresentContact> now) {
     old_ = old, now_ = now;
     match_.assign(now.size(), -1);
     kind_.assign(now.size(), MatchKind::none);
@@ -93,15 +78,6 @@ class Cascade {
     return at;
   }
 
-  bool turned_away(std::size_t i, std::size_t j) const { return !(now_[i].normal.dot(old_[j].normal) > 0); }
-  double squared_distance(std::size_t i, std::size_t j) const {
-    return (now_[i].point_a - old_[j].point_a).squaredNorm() +
-           (now_[i].point_b - old_[j].point_b).squaredNorm();
-  }
-  double farther_side(std::size_t i, std::size_t j) const {
-    return std::max((now_[i].point_a - old_[j].point_a).norm(), (now_[i].point_b - old_[j].point_b).norm());
-  }
-
   void match_keys() {
     std::size_t i = 0, j = 0;
     while (i < now_.size() && j < old_.size()) {
@@ -110,7 +86,8 @@ class Cascade {
         of_one_key_.clear();
         for (std::size_t k = i; k < i_next; ++k)
           for (std::size_t l = j; l < j_next; ++l)
-            if (!turned_away(k, l)) of_one_key_.push_back({squared_distance(k, l), k, l});
+            if (!has_turned_away(now_[k], old_[l]))
+              of_one_key_.push_back({squared_distance(now_[k], old_[l]), k, l});
         claim(of_one_key_, MatchKind::key);
         i = i_next, j = j_next;
       } else if (now_[i].key < old_[j].key) {
@@ -122,32 +99,21 @@ class Cascade {
   }
 
   // Matches what has no key yet, by incidence (PER-4), then by place (PER-5). What is then left in the memory
-  // is inherited (PER-6). Searches a window along A's x. What is matched by key can only inherit.
+  // is inherited (PER-6).
   void match_places() {
-    std::vector<std::size_t> left, heritable;  // of the memory, by point_a.x
+    Unmatched contacts{.now = now_, .old = old_};
     for (std::size_t l = 0; l < old_.size(); ++l)
-      if (!taken_[l]) left.push_back(l);
-    if (left.empty()) return;
-    const auto x = [&](std::size_t l) { return old_[l].point_a.x(); };
-    std::stable_sort(left.begin(), left.end(), [&](std::size_t a, std::size_t b) { return x(a) < x(b); });
-    std::ranges::copy_if(left, std::back_inserter(heritable), [&](std::size_t l) { return old_[l].solved; });
-    std::vector<Candidate> adjacent, geometric;
-    for (std::size_t k = 0; k < now_.size(); ++k) {
-      const std::vector<std::size_t>& from = match_[k] < 0 ? left : heritable;
-      const double at = now_[k].point_a.x();
-      const auto first = std::lower_bound(from.begin(), from.end(), at - options_.max_reach,
-                                          [&](std::size_t l, double value) { return x(l) < value; });
-      for (auto l = first; l != from.end() && x(*l) <= at + options_.max_reach; ++l) {
-        if (turned_away(k, *l)) continue;
-        const double moved = farther_side(k, *l);
-        if (moved > options_.max_reach) continue;
-        const Candidate candidate{squared_distance(k, *l), k, *l};
-        if (is_adjacent(k, *l)) adjacent.push_back(candidate);
-        const Vec3 &n = now_[k].normal, &n_old = old_[*l].normal;
-        if (moved <= reach(k) && std::atan2(n.cross(n_old).norm(), n.dot(n_old)) <= options_.max_turn)
-          geometric.push_back(candidate);
-      }
-    }
+      if (!taken_[l]) contacts.left.push_back(l);
+    if (contacts.left.empty()) return;
+    for (int match : match_) contacts.has_name.push_back(char(match >= 0));
+    const auto shape = [&](BodyId body) {
+      return input_.shapes.empty() ? nullptr : input_.shapes[body.index()];
+    };
+    const LmdShape *a = shape(now_[0].key.body_a), *b = shape(now_[0].key.body_b);
+    std::vector<MatchCandidate> adjacent, geometric;
+    if (a && b) adjacent = incident_candidates(contacts, *a, *b, options_.max_reach);
+    geometric = near_candidates(
+        contacts, [&](std::size_t k) { return reach(k); }, options_.max_turn);
     claim(adjacent, MatchKind::adjacent);
     claim(geometric, MatchKind::geometric);
     inherit(adjacent);
@@ -159,20 +125,10 @@ class Cascade {
     return std::min(std::max(2 * moved, options_.reach), options_.max_reach);
   }
 
-  bool is_adjacent(std::size_t i, std::size_t j) const {
-    const ContactKey &now = now_[i].key, &old = old_[j].key;
-    const auto shape = [&](BodyId body) {
-      return input_.shapes.empty() ? nullptr : input_.shapes[body.index()];
-    };
-    const LmdShape *a = shape(now.body_a), *b = shape(now.body_b);
-    return a && b && are_incident(*a, feature_a(now), feature_a(old)) &&
-           are_incident(*b, feature_b(now), feature_b(old));
-  }
-
   // Nearest first, none twice.
-  void claim(std::vector<Candidate>& candidates, MatchKind kind) {
+  void claim(std::vector<MatchCandidate>& candidates, MatchKind kind) {
     std::sort(candidates.begin(), candidates.end());
-    for (const Candidate& c : candidates) {
+    for (const MatchCandidate& c : candidates) {
       if (match_[c.now] >= 0 || taken_[c.old]) continue;
       match_[c.now] = int(c.old);
       kind_[c.now] = kind;
@@ -181,8 +137,8 @@ class Cascade {
   }
 
   // Sorted by claim().
-  void inherit(const std::vector<Candidate>& candidates) {
-    for (const Candidate& c : candidates) {
+  void inherit(const std::vector<MatchCandidate>& candidates) {
+    for (const MatchCandidate& c : candidates) {
       if (taken_[c.old] || !old_[c.old].solved) continue;
       taken_[c.old] = 1;
       legacies_.emplace_back(c.now, c.old);
@@ -192,11 +148,11 @@ class Cascade {
   const MatchInput& input_;
   const PersistenceOptions& options_;
   std::span<const RememberedContact> old_{};
-  std::span<const Seen> now_{};
+  std::span<const PresentContact> now_{};
   std::vector<int> match_{};  // by rank
   std::vector<MatchKind> kind_{};
   std::vector<char> taken_{};
-  std::vector<Candidate> of_one_key_{};
+  std::vector<MatchCandidate> of_one_key_{};
   std::vector<std::pair<std::size_t, std::size_t>> legacies_{};  // (rank now, remembered)
 };
 
@@ -244,8 +200,9 @@ void validate(const PersistenceOptions& o) {
 namespace {
 
 // What the contacts `now` of a pair take over from those remembered of it, the first of which is `begin`.
-void take_over(std::span<const RememberedContact> old, std::size_t begin, const std::vector<Seen>& now,
-               const Cascade& cascade, const ContactSet& contacts, const MatchInput& input, WarmStart& out) {
+void take_over(std::span<const RememberedContact> old, std::size_t begin,
+               const std::vector<PresentContact>& now, const Cascade& cascade, const ContactSet& contacts,
+               const MatchInput& input, WarmStart& out) {
   for (std::size_t k = 0; k < now.size(); ++k) {
     if (cascade.match(k) < 0) continue;
     const std::size_t i = now[k].place;
@@ -287,7 +244,7 @@ WarmStart warm_start(const ContactMemory& memory, const ContactSet& contacts, co
   const auto place = [&](std::size_t k) { return order.empty() ? k : std::size_t(order[k]); };
   const std::vector<SE3> to_body = inverses(input.g);
   Cascade cascade(input, options);
-  std::vector<Seen> now;  // of one pair: what is read again soon stays small
+  std::vector<PresentContact> now;  // of one pair: what is read again soon stays small
   for (std::size_t first = 0, j = 0; first < n;) {
     now.clear();
     std::size_t last = first;
@@ -296,7 +253,7 @@ WarmStart warm_start(const ContactMemory& memory, const ContactSet& contacts, co
       const ContactKey key = key_of(c);
       if (!now.empty() && !same_pair(key, now[0].key)) break;
       now.push_back({.key = key, .normal = c.normal, .place = place(last)});
-      Seen& seen = now.back();
+      PresentContact& seen = now.back();
       if (input.places.empty()) {
         seen.point_a = pose_of(to_body, c.a.body) * c.x_a;
         seen.point_b = pose_of(to_body, c.b.body) * c.x_b;
