@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "reduction/contact_order.hpp"
+#include "reduction/point_grid.hpp"
 
 namespace aussois {
 
@@ -21,12 +22,17 @@ Clusters clusters_by_angle(const ContactSet& found, double angle) {
       clusters.emplace_back(1, pair.front());
       continue;
     }
-    for (auto seed = pair.begin(); seed != pair.end();) {
-      const Vec3& n = normal(*seed);
-      const auto rest =
-          std::stable_partition(seed, pair.end(), [&](int i) { return (normal(i) - n).norm() <= chord; });
-      clusters.emplace_back(seed, rest);
-      seed = rest;
+    // Each joins the first seed within the chord, and is one if there is none. Seeds are apart: few are near.
+    const std::size_t first = clusters.size();
+    PointGrid seeds(Vec3::Constant(-1.1), Vec3::Constant(1.1), 2 * chord, pair.size());
+    for (const int i : pair) {
+      std::size_t cluster = clusters.size();
+      seeds.for_each_near(normal(i), chord, [&](std::size_t k) {
+        if ((normal(i) - normal(clusters[first + k].front())).norm() <= chord)
+          cluster = std::min(cluster, first + k);
+      });
+      if (cluster == clusters.size()) clusters.emplace_back(), seeds.add(normal(i));
+      clusters[cluster].push_back(i);
     }
   }
   return clusters;

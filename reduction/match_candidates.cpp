@@ -2,7 +2,6 @@
 #include "reduction/match_candidates.hpp"
 
 #include <algorithm>
-#include <array>
 #include <bitset>
 #include <cmath>
 #include <numeric>
@@ -10,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "lmd/feature_incidence.hpp"
+#include "reduction/point_grid.hpp"
 
 namespace aussois {
 namespace {
@@ -72,52 +72,6 @@ ByFeature by_feature(std::vector<std::size_t> ranks, Side side, auto&& key_of_ra
   return out;
 }
 
-// A grid of points, as coarse as needed for a few cells a point.
-class PointGrid {
- public:
-  PointGrid(const std::vector<Vec3>& points, double width) {
-    Vec3 high = points[0];
-    low_ = points[0];
-    for (const Vec3& x : points) low_ = low_.cwiseMin(x), high = high.cwiseMax(x);
-    const double most = std::ceil(2 * std::cbrt(double(points.size())));  // cells along an axis
-    width_ = std::max(width, (high - low_).maxCoeff() / most);
-    if (!(width_ > 0)) width_ = 1;
-    for (int i = 0; i < 3; ++i) size_[i] = 1 + int((high[i] - low_[i]) / width_);
-    first_.assign(std::size_t(size_[0]) * size_[1] * size_[2] + 1, 0);
-    std::vector<std::size_t> cell(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const Vec3 at = (points[i] - low_) / width_;
-      ++first_[(cell[i] = row(int(at.x()), int(at.y())) + int(at.z())) + 1];
-    }
-    std::partial_sum(first_.begin(), first_.end(), first_.begin());
-    std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
-    places_.resize(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i) places_[next[cell[i]]++] = i;
-  }
-
-  // Calls visit(i) for all points i with |points[i] - x| <= reach, and for some more.
-  void near(const Vec3& x, double reach, auto&& visit) const {
-    std::array<int, 3> from{}, to{};
-    for (int i = 0; i < 3; ++i) {
-      const double at = (x[i] - low_[i]) / width_, room = reach / width_ + 1e-9;  // for rounding
-      if (!(at + room >= 0 && at - room < size_[i])) return;
-      from[i] = int(std::max(at - room, 0.0)), to[i] = int(std::min(at + room, size_[i] - 1.0));
-    }
-    for (int i = from[0]; i <= to[0]; ++i)
-      for (int j = from[1]; j <= to[1]; ++j)
-        for (std::size_t k = first_[row(i, j) + from[2]]; k < first_[row(i, j) + to[2] + 1]; ++k)
-          visit(places_[k]);
-  }
-
- private:
-  std::size_t row(int i, int j) const { return (std::size_t(i) * size_[1] + j) * size_[2]; }
-
-  Vec3 low_;
-  double width_ = 0;  // of a cell [m]
-  std::array<int, 3> size_{};
-  std::vector<std::size_t> first_{}, places_{};  // places_[first_[cell]] and on are in the cell
-};
-
 }  // namespace
 
 double squared_distance(const PresentContact& now, const RememberedContact& old) {
@@ -166,15 +120,15 @@ std::vector<MatchCandidate> incident_candidates(const Unmatched& c, const LmdSha
 std::vector<MatchCandidate> near_candidates(const Unmatched& c,
                                             const std::function<double(std::size_t)>& reach,
                                             double max_turn) {
-  std::vector<Vec3> points;
-  points.reserve(c.left.size());
-  for (std::size_t l : c.left) points.push_back(c.old[l].point_a);
   double widest = 0;
   for (std::size_t k = 0; k < c.now.size(); ++k) widest = std::max(widest, reach(k));
-  const PointGrid grid(points, widest);
+  Vec3 low = Vec3::Constant(kInf), high = -low;
+  for (std::size_t l : c.left) low = low.cwiseMin(c.old[l].point_a), high = high.cwiseMax(c.old[l].point_a);
+  PointGrid grid(low, high, 2 * widest, c.left.size());
+  for (std::size_t l : c.left) grid.add(c.old[l].point_a);
   std::vector<MatchCandidate> out;
   for (std::size_t k = 0; k < c.now.size(); ++k)
-    grid.near(c.now[k].point_a, reach(k), [&](std::size_t i) {
+    grid.for_each_near(c.now[k].point_a, reach(k), [&](std::size_t i) {
       add_if_near(
           c, k, c.left[i], reach(k),
           [&](const PresentContact& p, const RememberedContact& q) {
