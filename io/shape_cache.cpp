@@ -20,7 +20,7 @@ namespace aussois {
 namespace {
 
 constexpr const char* kShapeFormat = "aussois-lmd-shape";
-constexpr const char* kShapeVersion = "4";  // raise it when a table, or what prepare() puts into one, changes
+constexpr const char* kShapeVersion = "5";  // raise it when a table, or what prepare() puts into one, changes
 
 std::string hex(std::uint64_t value) {
   char text[24];
@@ -170,7 +170,7 @@ void visit_shape(Archive& archive, Shape& shape) {
   auto& [complex, radius, centre, bounding_radius, tolerance, straightened, regions, triangle_region,
          triangle_sign, rays, paths, vertices, edges, misfits, faces, rest, vertex_tree, wide_vertex_tree,
          edge_tree, wide_edge_tree, face_tree, rest_tree, narrow_vertices, narrow_edges, flat_triangles,
-         unproven_places] = shape;
+         unproven, unproven_tree] = shape;
   static_cast<void>(complex);  // follows from the mesh
   archive.one("/radius", radius);
   archive.one("/centre", centre);
@@ -193,10 +193,11 @@ void visit_shape(Archive& archive, Shape& shape) {
   archive.table("/tree/wide_edge", wide_edge_tree.nodes);
   archive.table("/tree/face", face_tree.nodes);
   archive.table("/tree/rest", rest_tree.nodes);
+  archive.table("/tree/unproven", unproven_tree.nodes);
   archive.one("/narrow_vertices", narrow_vertices);
   archive.one("/narrow_edges", narrow_edges);
   archive.one("/flat_triangles", flat_triangles);
-  archive.one("/unproven_places", unproven_places);
+  archive.table("/unproven", unproven);
 }
 
 class Key {
@@ -274,6 +275,7 @@ class Check {
     tree("/tree/wide_edge", s_.wide_edge_tree, s_.edges.size() - narrow_e);
     tree("/tree/face", s_.face_tree, s_.faces.size());
     tree("/tree/rest", s_.rest_tree, s_.rest.size());
+    tree("/tree/unproven", s_.unproven_tree, s_.unproven.size());
   }
 
  private:
@@ -306,6 +308,8 @@ class Check {
     for (const int e : s_.paths)
       expect(within(e, s_.complex.edges.size()), "/paths", "has an index outside the edges of the mesh");
     for (const int t : s_.faces) expect(within(t, triangles), "/faces", "has an index outside the triangles");
+    for (const int i : s_.unproven)
+      expect(within(i, std::size_t(base_count(s_))), "/unproven", "has an index outside the base simplices");
   }
 
   void leaves() const {

@@ -2,8 +2,11 @@
 #include "lmd/certificate.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include <Eigen/Geometry>
 
@@ -18,6 +21,22 @@
 
 namespace aussois {
 namespace {
+
+// A tree over base simplices: all from one number on, or a list of them.
+struct BaseTree {
+  const LmdShape* shape;
+  const ConeTree* tree;
+  int first = 0;
+  const std::vector<int>* list = nullptr;
+
+  BaseSimplex simplex(int i) const { return base_simplex(*shape, list ? (*list)[i] : first + i); }
+};
+BaseTree unproven_tree(const LmdShape& s) {
+  return {&s, &s.unproven_tree, 0, &s.unproven};
+}
+std::array<BaseTree, 2> base_trees(const LmdShape& s) {
+  return {{{&s, &s.face_tree}, {&s, &s.rest_tree, int(s.faces.size())}}};
+}
 
 // B's base frame: its shape frame moved to its centre. Everything that nodes need, in it.
 struct BaseFrames {
@@ -65,13 +84,13 @@ struct SimplexLanes {
   F4 bend;  // how far straight paths may be off at the end [m]
 };
 
-SimplexLanes simplex_lanes(const LmdShape& shape, const Mat3& R, const Vec3& t, const NodeVelocity& velocity,
+SimplexLanes simplex_lanes(const BaseTree& tree, const Mat3& R, const Vec3& t, const NodeVelocity& velocity,
                            float dt, int first, int count) {
   SimplexLanes out{};
   for (int k = 0; k < 4; ++k) {  // lanes beyond repeat the last, edges and points a corner
-    const BaseSimplex s = base_simplex(shape, first + std::min(k, count - 1));
+    const BaseSimplex s = tree.simplex(first + std::min(k, count - 1));
     for (int i = 0; i < 3; ++i) {
-      const Vec3 x = R * shape.complex.vertices[s.vertex[std::min(i, s.dim)]] + t;
+      const Vec3 x = R * tree.shape->complex.vertices[s.vertex[std::min(i, s.dim)]] + t;
       out.now[i].x[k] = float(x.x()), out.now[i].y[k] = float(x.y()), out.now[i].z[k] = float(x.z());
     }
   }
@@ -118,8 +137,9 @@ int parted(const SimplexLanes& p, int k, const SimplexLanes& q, float wanted) {
 class CertificateDescent {
  public:
   CertificateDescent(const SimplexPairCheck& check, const BaseFrames& frames, const NodeVelocity& a,
-                     const NodeVelocity& b, int first_a, int first_b, PartialCheck& part)
-      : check_(check), frames_(frames), a_(a), b_(b), first_a_(first_a), first_b_(first_b), part_(part) {
+                     const NodeVelocity& b, const BaseTree& tree_a, const BaseTree& tree_b,
+                     PartialCheck& part)
+      : check_(check), frames_(frames), a_(a), b_(b), tree_a_(tree_a), tree_b_(tree_b), part_(part) {
     dt_ = float(check.dt());
     // what vertices travel seen from their bodies
     const double stretch = check.dt() * (largest_speed(check.a()) + largest_speed(check.b()));
@@ -149,36 +169,31 @@ class CertificateDescent {
   }
 
   void open(const ConeSlot& a) {
-    for (int i = 0; i < a.count(); ++i)
-      p_[i] = check_.start_a(base_simplex(shape_a(), first_a_ + a.first() + i));
-    lanes_ = simplex_lanes(shape_a(), frames_.R, frames_.t, a_, dt_, first_a_ + a.first(), a.count());
+    for (int i = 0; i < a.count(); ++i) p_[i] = check_.start_a(tree_a_.simplex(a.first() + i));
+    lanes_ = simplex_lanes(tree_a_, frames_.R, frames_.t, a_, dt_, a.first(), a.count());
   }
 
   void buckets(const ConeSlot& a, const ConeSlot& b) {
     if (part_.failed) return;
-    const int first = first_b_ + b.first();
     const SimplexLanes lanes =
-        simplex_lanes(shape_b(), Mat3::Identity(), -shape_b().centre, b_, dt_, first, b.count());
+        simplex_lanes(tree_b_, Mat3::Identity(), -tree_b_.shape->centre, b_, dt_, b.first(), b.count());
     int left[kBucket] = {}, any = 0;
     for (int i = 0; i < a.count(); ++i) any |= left[i] = ~parted(lanes_, i, lanes, wanted_);
     for (int j = 0; j < b.count(); ++j) {
       if (!(any >> j & 1)) continue;
-      const BaseSimplex simplex = base_simplex(shape_b(), first + j);
+      const BaseSimplex simplex = tree_b_.simplex(b.first() + j);
       const MovingSimplex q = check_.start_b(simplex);
       for (int i = 0; i < a.count() && !part_.failed; ++i)
         if (left[i] >> j & 1 && !check_.far(p_[i], q))
-          check_.check(base_simplex(shape_a(), first_a_ + a.first() + i), simplex, p_[i], q, part_);
+          check_.check(tree_a_.simplex(a.first() + i), simplex, p_[i], q, part_);
     }
   }
 
  private:
-  const LmdShape& shape_a() const { return *check_.a().shape; }
-  const LmdShape& shape_b() const { return *check_.b().shape; }
-
   const SimplexPairCheck& check_;
   const BaseFrames& frames_;
   const NodeVelocity &a_, &b_;
-  int first_a_, first_b_;
+  const BaseTree &tree_a_, &tree_b_;
   PartialCheck& part_;
   float dt_ = 0, wanted_ = 0;
   MovingSimplex p_[kBucket];  // of A's open bucket
@@ -189,15 +204,15 @@ class CertificateDescent {
 class DistanceDescent {
  public:
   DistanceDescent(const MovingShape& a, const MovingShape& b, const Instant& now_a, const Instant& now_b,
-                  double scale, int first_a, int first_b, BaseDistance& part)
+                  double scale, const BaseTree& tree_a, const BaseTree& tree_b, BaseDistance& part)
       : a_(a),
         b_(b),
         now_a_(now_a),
         now_b_(now_b),
         rounding_(4e-6 * scale),
         fine_rounding_(1e-14 * (scale + now_a.t.norm() + now_b.t.norm())),
-        first_a_(first_a),
-        first_b_(first_b),
+        tree_a_(tree_a),
+        tree_b_(tree_b),
         part_(part) {}
   int near(const ConeNode& four, const ConeSlot& one, bool) {
     const V4 d = load4(four.c) - spread(one.node->c, one.lane);
@@ -207,12 +222,11 @@ class DistanceDescent {
     return bits(still) ? bits(boxes_near(four, one, d, limit, still)) : 0;
   }
   void open(const ConeSlot& a) {
-    for (int i = 0; i < a.count(); ++i)
-      p_[i] = moving(a_, base_simplex(*a_.shape, first_a_ + a.first() + i), now_a_, 0);
+    for (int i = 0; i < a.count(); ++i) p_[i] = moving(a_, tree_a_.simplex(a.first() + i), now_a_, 0);
   }
   void buckets(const ConeSlot& a, const ConeSlot& b) {
     for (int j = 0; j < b.count(); ++j) {
-      const MovingSimplex q = moving(b_, base_simplex(*b_.shape, first_b_ + b.first() + j), now_b_, 0);
+      const MovingSimplex q = moving(b_, tree_b_.simplex(b.first() + j), now_b_, 0);
       for (int i = 0; i < a.count(); ++i) {
         if (are_apart(p_[i].points(), q.points(), part_.distance + fine_rounding_)) continue;
         ++part_.simplex_pairs;
@@ -226,28 +240,56 @@ class DistanceDescent {
   const MovingShape &a_, &b_;
   const Instant &now_a_, &now_b_;
   double rounding_, fine_rounding_;  // of the trees, in single precision, and of the simplices
-  int first_a_, first_b_;
+  const BaseTree &tree_a_, &tree_b_;
   BaseDistance& part_;
   MovingSimplex p_[kBucket];  // of A's open bucket
 };
 
-// Calls descend(tree_a, tree_b, first_a, first_b, part) for all pairs of base trees and parts of their
-// descent.
+using TreePairs = std::vector<std::pair<BaseTree, BaseTree>>;
+
+TreePairs all_pairs(const LmdShape& a, const LmdShape& b) {
+  TreePairs pairs;
+  for (const BaseTree& of_a : base_trees(a))
+    for (const BaseTree& of_b : base_trees(b)) pairs.emplace_back(of_a, of_b);
+  return pairs;
+}
+
+// Those with a simplex beside which coverage is not proven.
+TreePairs unproven_pairs(const LmdShape& a, const LmdShape& b) {
+  TreePairs pairs;
+  for (const BaseTree& of_b : base_trees(b)) pairs.emplace_back(unproven_tree(a), of_b);
+  for (const BaseTree& of_a : base_trees(a)) pairs.emplace_back(of_a, unproven_tree(b));
+  return pairs;
+}
+
+constexpr std::size_t kFewNodes = 64;  // a tree with fewer is not worth so many parts
+
+// Calls descend(tree_a, tree_b, run, part) for all pairs of trees and parts of their descent, each of which
+// run(descent) runs. The parts depend on the trees alone.
 template <class Result, class Descend>
-std::vector<Result> over_base_trees(const LmdShape& a, const LmdShape& b, int threads, const Result& start,
-                                    const Descend& descend) {
-  const auto trees = [](const LmdShape& s) {
-    return std::vector<std::pair<const ConeTree*, int>>{{&s.face_tree, 0},
-                                                        {&s.rest_tree, int(s.faces.size())}};
+std::vector<Result> over_trees(const TreePairs& pairs, int threads, const Result& start,
+                               const Descend& descend) {
+  struct Part {
+    std::size_t pair;
+    int cut;  // -1: all
   };
-  std::vector<Result> parts(4 * kDescentParts, start);
+  std::vector<Part> parts;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const auto& [a, b] = pairs[i];
+    const std::size_t fewer = std::min(a.tree->nodes.size(), b.tree->nodes.size());
+    if (fewer == 0) continue;
+    if (fewer < kFewNodes)
+      parts.push_back({i, -1});
+    else
+      for (int cut = 0; cut < kDescentParts; ++cut) parts.push_back({i, cut});
+  }
+  std::vector<Result> results(parts.size(), start);
   parallel_for(int(parts.size()), threads, [&](int i) {
-    const auto [tree_a, first_a] = trees(a)[i / kDescentParts / 2];
-    const auto [tree_b, first_b] = trees(b)[i / kDescentParts % 2];
-    if (tree_a->nodes.empty() || tree_b->nodes.empty()) return;
-    descend(*tree_a, *tree_b, first_a, first_b, i % kDescentParts, parts[i]);
+    const auto& [pair, cut] = parts[std::size_t(i)];
+    const auto run = [cut = cut](auto& descent) { cut < 0 ? descent.run_all() : descent.run(cut); };
+    descend(pairs[pair].first, pairs[pair].second, run, results[std::size_t(i)]);
   });
-  return parts;
+  return results;
 }
 
 constexpr std::size_t kFewVertices = 64;  // of a shape that one plane may well part from another
@@ -281,6 +323,36 @@ double separation_along(const MovingShape& a, const MovingShape& b, const Vec3& 
     return -kInf;
   const Reach of_a = reach_along(a, n, dt), of_b = reach_along(b, -n, dt);
   return std::min(-of_b.now - of_a.now, -of_b.end - of_a.end - (of_a.bend + of_b.bend) * dt * dt / 2);
+}
+
+PartialCheck check_pairs(const MovingShape& a, const MovingShape& b, double dt, const DistanceGoal& goal,
+                         int threads, const TreePairs& pairs) {
+  const SimplexPairCheck check(a, b, dt, goal);
+  const BaseFrames frames = base_frames(a, b, check.now_a(), check.now_b());
+  const NodeVelocity of_a(check.now_a(), check.now_b(), b.shape->centre);
+  const NodeVelocity of_b(check.now_b(), check.now_b(), b.shape->centre);
+  const auto descend = [&](const BaseTree& tree_a, const BaseTree& tree_b, const auto& run,
+                           PartialCheck& part) {
+    CertificateDescent tests(check, frames, of_a, of_b, tree_a, tree_b, part);
+    DualDescent<CertificateDescent> descent(*tree_a.tree, *tree_b.tree, frames.motion, tests);
+    run(descent);
+  };
+  PartialCheck all{.min_distance = goal.wanted};
+  for (const PartialCheck& part : over_trees<PartialCheck>(pairs, threads, {}, descend)) add(part, all);
+  return all;
+}
+
+// (CA-21)
+PartialCheck check_minima(const MovingShape& a, const MovingShape& b, double dt, const DistanceGoal& goal,
+                          int threads) {
+  PartialCheck all = check_step_minima(a, b, dt, goal, threads);
+  if (a.shape->unproven.empty() && b.shape->unproven.empty()) return all;
+  const double slack = minima_slack(a, b);
+  const DistanceGoal farther{goal.required + slack, goal.wanted + slack, goal.max_halvings};
+  PartialCheck beside = check_pairs(a, b, dt, farther, threads, unproven_pairs(*a.shape, *b.shape));
+  beside.min_distance -= slack;
+  add(beside, all);
+  return all;
 }
 
 Certificate certificate_of(const PartialCheck& all) {
@@ -325,7 +397,7 @@ Certificate certify(const MovingShape& a, const MovingShape& b, double dt,
   }
   const DistanceGoal goal{options.required, options.wanted, options.max_halvings};
   if (options.starts_apart && has_step_minima(a, b, dt, options.required)) {
-    PartialCheck minima = check_step_minima(a, b, dt, goal, options.threads);
+    PartialCheck minima = check_minima(a, b, dt, goal, options.threads);
     minima.min_distance = std::min(minima.min_distance, options.wanted);
     if (!minima.failed) return certificate_of(minima);
     if (is_seen_nearer(minima, options.required)) {
@@ -333,34 +405,22 @@ Certificate certify(const MovingShape& a, const MovingShape& b, double dt,
       return certificate_of(minima);
     }
   }
-  const SimplexPairCheck check(a, b, dt, goal);
-  const BaseFrames frames = base_frames(a, b, check.now_a(), check.now_b());
-  const NodeVelocity of_a(check.now_a(), check.now_b(), b.shape->centre);
-  const NodeVelocity of_b(check.now_b(), check.now_b(), b.shape->centre);
-  const auto descend = [&](const ConeTree& tree_a, const ConeTree& tree_b, int first_a, int first_b, int cut,
-                           PartialCheck& part) {
-    CertificateDescent tests(check, frames, of_a, of_b, first_a, first_b, part);
-    DualDescent<CertificateDescent>(tree_a, tree_b, frames.motion, tests).run(cut);
-  };
-  PartialCheck all{.min_distance = options.wanted};
-  for (const PartialCheck& part :
-       over_base_trees<PartialCheck>(*a.shape, *b.shape, options.threads, {}, descend))
-    add(part, all);
-  return certificate_of(all);
+  return certificate_of(check_pairs(a, b, dt, goal, options.threads, all_pairs(*a.shape, *b.shape)));
 }
 
 BaseDistance find_base_distance(const MovingShape& a, const MovingShape& b, double cutoff, int threads) {
   if (!is_finite(a.motion) || !is_finite(b.motion)) return {std::numeric_limits<double>::quiet_NaN()};
   const Instant now_a = at_time(a, 0), now_b = at_time(b, 0);
   const BaseFrames frames = base_frames(a, b, now_a, now_b);
-  const auto descend = [&](const ConeTree& tree_a, const ConeTree& tree_b, int first_a, int first_b, int cut,
+  const auto descend = [&](const BaseTree& tree_a, const BaseTree& tree_b, const auto& run,
                            BaseDistance& part) {
-    DistanceDescent tests(a, b, now_a, now_b, frames.scale, first_a, first_b, part);
-    DualDescent<DistanceDescent>(tree_a, tree_b, frames.motion, tests).run(cut);
+    DistanceDescent tests(a, b, now_a, now_b, frames.scale, tree_a, tree_b, part);
+    DualDescent<DistanceDescent> descent(*tree_a.tree, *tree_b.tree, frames.motion, tests);
+    run(descent);
   };
   BaseDistance out{cutoff};
   for (const BaseDistance& part :
-       over_base_trees<BaseDistance>(*a.shape, *b.shape, threads, {cutoff}, descend)) {
+       over_trees<BaseDistance>(all_pairs(*a.shape, *b.shape), threads, {cutoff}, descend)) {
     if (part.distance < out.distance) out.distance = part.distance, out.place = part.place;
     out.simplex_pairs += part.simplex_pairs;
   }

@@ -228,8 +228,9 @@ double angle(const Vec3& a, const Vec3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-// Where the conditions of (LMD-14) on the mesh do not hold.
-int unproven_places(const LmdShape& shape, const Idealisation& ideal, const std::vector<double>& misfits) {
+// The vertices of chains and faces that miss the conditions of (LMD-14) on the mesh.
+std::vector<char> unproven_vertices(const LmdShape& shape, const Idealisation& ideal,
+                                    const std::vector<double>& misfits) {
   constexpr double kLargestTilt = kPi / 180;  // of a face in its region
   const SimplicialComplex& k = shape.complex;
   const auto is_blunt = [&](const Chain& chain) {
@@ -246,7 +247,29 @@ int unproven_places(const LmdShape& shape, const Idealisation& ideal, const std:
                plane = ideal.region_normal[ideal.triangle_region[t]];
     return std::atan2(plane.cross(n).norm(), std::abs(plane.dot(n))) > kLargestTilt;  // or folded back on it
   };
-  return int(std::ranges::count_if(ideal.chains, is_blunt) + std::ranges::count_if(shape.faces, is_tilted));
+  std::vector<char> mark(k.vertices.size(), 0);
+  for (const Chain& chain : ideal.chains)
+    if (is_blunt(chain))
+      for (int e : chain.edges)
+        for (int v : k.edges[e]) mark[v] = 1;
+  for (int t : shape.faces)
+    if (is_tilted(t))
+      for (int v : k.triangles[t]) mark[v] = 1;
+  return mark;
+}
+
+void add_unproven(LmdShape& shape, const Idealisation& ideal, const std::vector<double>& misfits) {
+  const std::vector<char> mark = unproven_vertices(shape, ideal, misfits);
+  std::vector<ConeTreeItem> items;
+  for (int i = 0; i < base_count(shape); ++i) {
+    const BaseSimplex s = base_simplex(shape, i);
+    const std::span<const int> corners = std::span(s.vertex).first(std::size_t(s.dim) + 1);
+    if (std::ranges::none_of(corners, [&](int v) { return mark[v] != 0; })) continue;
+    shape.unproven.push_back(i);
+    items.push_back(tree_item({}));
+    for (int v : corners) items.back().points[items.back().point_count++] = at(shape.complex, v);
+  }
+  shape.unproven_tree = make_tree(items, shape.centre, shape.unproven);
 }
 
 template <class T>
@@ -291,7 +314,7 @@ LmdShape prepare(DilatedShape dilated, const LmdShapeOptions& options) {
   const std::vector<double> misfits = misfit_at_vertices(shape.complex, ideal);
   add_edges(shape, ideal, cones, misfits);
   add_faces(shape, ideal, 1e-9 * box.diagonal());
-  shape.unproven_places = unproven_places(shape, ideal, misfits);
+  add_unproven(shape, ideal, misfits);
   return shape;
 }
 
@@ -319,9 +342,10 @@ SimplexClass class_of(const EdgeLeaf& leaf) {
 std::size_t search_bytes(const LmdShape& s) {
   std::size_t total = bytes(s.complex.vertices) + bytes(s.complex.triangles) + bytes(s.regions) +
                       bytes(s.triangle_region) + bytes(s.triangle_sign) + bytes(s.rays) + bytes(s.paths) +
-                      bytes(s.vertices) + bytes(s.edges) + bytes(s.misfits) + bytes(s.faces) + bytes(s.rest);
-  for (const ConeTree* tree :
-       {&s.vertex_tree, &s.wide_vertex_tree, &s.edge_tree, &s.wide_edge_tree, &s.face_tree, &s.rest_tree})
+                      bytes(s.vertices) + bytes(s.edges) + bytes(s.misfits) + bytes(s.faces) + bytes(s.rest) +
+                      bytes(s.unproven);
+  for (const ConeTree* tree : {&s.vertex_tree, &s.wide_vertex_tree, &s.edge_tree, &s.wide_edge_tree,
+                               &s.face_tree, &s.rest_tree, &s.unproven_tree})
     total += bytes(tree->nodes);
   return total;
 }

@@ -91,9 +91,10 @@ struct LmdShape {
   ConeTree vertex_tree{}, wide_vertex_tree{}, edge_tree{}, wide_edge_tree{}, face_tree{}, rest_tree{};
   int narrow_vertices = 0, narrow_edges = 0;  // the wide ones follow
   int flat_triangles = 0;  // triangles too flat to be faces of their own; their edges still count
-  // Creases no sharper than the misfit of their corners, and faces higher than the tolerance that are more
-  // than 1 degree off their regions: where there is none, (LMD-14) is proven
-  int unproven_places = 0;
+  // Base simplices at creases no sharper than the misfit of their corners, and at faces higher than the
+  // tolerance that are more than 1 degree off their regions: elsewhere (LMD-14) is proven
+  std::vector<int> unproven{};
+  ConeTree unproven_tree{};
 };
 
 /// How far a foot may lie beyond the ends of LmdShape::edges[edge], per distance from the foot [-] (LMD-15).

@@ -227,18 +227,23 @@ class StepDescent {
 }  // namespace
 
 bool has_step_minima(const MovingShape& a, const MovingShape& b, double dt, double required) {
-  return a.shape->unproven_places == 0 && b.shape->unproven_places == 0 && a.velocity.empty() &&
+  const auto is_mostly_proven = [](const LmdShape& s) {
+    return 4 * s.unproven.size() <= std::size_t(base_count(s));
+  };
+  return is_mostly_proven(*a.shape) && is_mostly_proven(*b.shape) && a.velocity.empty() &&
          b.velocity.empty() && relative_rotation_bound(a.motion, b.motion, dt) <= kLargestTurn &&
          required >= (a.shape->radius + b.shape->radius) / 2;
 }
 
+double minima_slack(const MovingShape& a, const MovingShape& b) {
+  const PosedShape at_a{a.shape, placed(a, 0), {}}, at_b{b.shape, placed(b, 0), {}};
+  return 1.5 * coverage_tolerance(at_a, at_b) + 2 * relative_pair(at_a, at_b, {}).criteria.tolerance;
+}
+
 PartialCheck check_step_minima(const MovingShape& a, const MovingShape& b, double dt,
                                const DistanceGoal& goal, int threads) {
-  const PosedShape at_a{a.shape, placed(a, 0), {}}, at_b{b.shape, placed(b, 0), {}};
-  const double feet = relative_pair(at_a, at_b, {}).criteria.tolerance;
-  const double off = 1.5 * coverage_tolerance(at_a, at_b) + 2 * feet;  // of distances of leaves (CA-21)
-  const double wanted = goal.wanted + off;
-  const SimplexPairCheck check(a, b, dt, {goal.required + off, wanted, goal.max_halvings});
+  const double slack = minima_slack(a, b), wanted = goal.wanted + slack;
+  const SimplexPairCheck check(a, b, dt, {goal.required + slack, wanted, goal.max_halvings});
   const StepFrames frames = step_frames(a, b, dt, wanted);
   std::vector<StepTrees> trees;
   for (const TreeOfLeaves& of_a : trees_of(*a.shape))
@@ -260,7 +265,7 @@ PartialCheck check_step_minima(const MovingShape& a, const MovingShape& b, doubl
     });
     for (const PartialCheck& part : parts) add(part, all);
   }
-  all.min_distance -= off;
+  all.min_distance -= slack;
   return all;
 }
 

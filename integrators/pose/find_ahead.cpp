@@ -11,6 +11,16 @@ namespace {
 
 constexpr double kClosed = 1e-5;  // of the dilations: pairs that near touch already
 
+// Both are sorted by bodies.
+void mark_pairs(std::vector<StepPair>& pairs, const ContactSet& contacts) {
+  for (StepPair& pair : pairs) pair.has_contacts = false;
+  auto pair = pairs.begin();
+  for (const ContactPoint& c : contacts.points) {
+    while (pair->a != c.a.body || pair->b != c.b.body) ++pair;
+    pair->has_contacts = true;
+  }
+}
+
 // Pairs that are fast, neither pushed in the last step nor touch already, and are not known to meet are left
 // out (CA-16).
 void leave_apart(const State& state, const Estimate& estimate, const AdvancementOptions& o,
@@ -109,6 +119,7 @@ FoundContacts find_ahead(const StepSetting& setting, const State& state, const E
   found.passing = near.passing;
   clock.enter(Stage::search);
   found.contacts = contacts_of(setting.model, state, found.pairs, o.lmd, *setting.scratch);  // (LMD-3)
+  mark_pairs(found.pairs, found.contacts);
   found.count = int(found.contacts.points.size());
   found.min_gap = smallest_gap(found.contacts);
   if (o.advancement.certify) leave_apart(state, estimate, o.advancement, found);  // (CA-16)

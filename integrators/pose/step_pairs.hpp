@@ -21,9 +21,10 @@ namespace aussois {
 /// Two bodies with shapes, at least one of them dynamic, that can touch in a step.
 struct StepPair {
   BodyId a{}, b{};
-  double dilation = 0;   // sum of both dilations [m]
-  double threshold = 0;  // contacts are searched for up to this gap [m]
-  double rotation = 0;   // bound on the relative rotation [rad]
+  double dilation = 0;       // sum of both dilations [m]
+  double threshold = 0;      // contacts are searched for up to this gap [m]
+  double rotation = 0;       // bound on the relative rotation [rad]
+  bool has_contacts = true;  // false: the search found none
 };
 inline BodyPair bodies_of(const StepPair& pair) {
   return {pair.a, pair.b};

@@ -69,6 +69,11 @@ Vec3 likely_axis(const StepPath& path, const StepPair& pair, const ContactSet& c
   return deepest ? Vec3(-deepest->normal) : Vec3(pose_of(path, pair.b).p - pose_of(path, pair.a).p);
 }
 
+// Without a contact nothing is near, and all pairs cost less than minima.
+bool asks_minima(const StepPath& path, const StepPair& pair) {
+  return path.starts_apart && pair.has_contacts;
+}
+
 DilatedBox posed_box(const StepPath& path, const PerBody<BodyBounds>& bounds, BodyId body) {
   const auto shape = path.deforming.find(body);
   return pose_of(path, body) * (shape == path.deforming.end() ? bounds[body] : shape->second.bounds).box;
@@ -104,7 +109,7 @@ StepCertificate certify_pairs(const StepPath& path, std::span<const StepPair> pa
                                                   .wanted = std::max(pair.dilation, required),
                                                   .threads = threads,
                                                   .axis = likely_axis(path, pair, contacts),
-                                                  .starts_apart = path.starts_apart});
+                                                  .starts_apart = asks_minima(path, pair)});
     out.rounds += of_pair.rounds;
     out.min_distance = std::min(out.min_distance, of_pair.min_distance);
     if (of_pair.failure.empty()) continue;
@@ -124,7 +129,7 @@ StepCertificate certify_apart(const StepPath& path, const StepPair& pair, const 
                        .wanted = pair.dilation,
                        .max_halvings = kFineHalvings,
                        .threads = threads,
-                       .starts_apart = path.starts_apart});
+                       .starts_apart = asks_minima(path, pair)});
 }
 
 StepCertificate certify_step(const StepPath& path, const std::vector<StepPair>& pairs,

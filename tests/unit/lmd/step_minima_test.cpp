@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "geometry/fastener.hpp"
+#include "geometry/primitives.hpp"
 #include "lmd/nesting.hpp"
 #include "tests/support/random_pair.hpp"
 
@@ -29,12 +30,12 @@ Step random_step(std::uint64_t seed) {
   return out;
 }
 
-double sampled_distance(const Step& step, int samples) {
+double sampled_distance(const MovingShape& a, const MovingShape& b, double dt, int samples) {
   double least = kInf;
   for (int i = 0; i <= samples; ++i) {
-    const double s = step.dt * i / samples;
-    least = std::min(least, base_distance({&step.pair.a, {}, {.g = pose_at(step.of_a, s)}},
-                                          {&step.pair.b, {}, {.g = pose_at(step.of_b, s)}}, 0.2));
+    const double s = dt * i / samples;
+    least = std::min(least, base_distance({a.shape, {}, {.g = pose_at(a.motion, s)}},
+                                          {b.shape, {}, {.g = pose_at(b.motion, s)}}, 0.2));
   }
   return least;
 }
@@ -54,7 +55,7 @@ TEST(StepMinima, AreNeverFartherApartThanTheBasesComeOnThePath) {
     if (!starts_apart(step) || !has_step_minima(step.a(), step.b(), step.dt, kGoal.required)) continue;
     ++looked;
     const PartialCheck found = check_step_minima(step.a(), step.b(), step.dt, kGoal, 1);
-    const double truth = sampled_distance(step, 100);
+    const double truth = sampled_distance(step.a(), step.b(), step.dt, 100);
     if (!found.failed) {
       EXPECT_LE(found.min_distance, truth + 1e-12) << seed;
       EXPECT_GE(found.min_distance, kGoal.required) << seed;
@@ -128,6 +129,90 @@ TEST(StepMinima, LeaveWhatTheyCannotTellToTheDescent) {
       EXPECT_NEAR(quick.min_distance, required + above, 2e-5);
     }
   }
+}
+
+// A box near a plate, with a ball far off: without a leaf anywhere, the simplices of the box are the proof.
+TEST(StepMinima, AreAskedBesideAllPairsOfSimplicesThatAreNotProven) {
+  const SimplicialComplex box = make_box(1, 1, 1), ball = make_sphere(1, 2);
+  std::vector<Vec3> vertices = box.vertices;
+  std::vector<std::array<int, 3>> triangles = box.triangles;
+  for (const Vec3& x : ball.vertices) vertices.push_back(x + Vec3(0, 0, 4));
+  for (const auto& t : ball.triangles) triangles.push_back({t[0] + 8, t[1] + 8, t[2] + 8});
+  LmdShape part = prepare(dilate(make_complex(vertices, triangles, {}), 1e-2));
+  const LmdShape plate = prepare(dilate(make_plate(4, 4), 1e-2));
+  ASSERT_TRUE(part.unproven.empty());
+  part.vertex_tree = part.wide_vertex_tree = part.edge_tree = part.wide_edge_tree = {};
+  std::vector<ConeTreeItem> items;
+  for (int i = 0; i < base_count(part); ++i) {
+    const BaseSimplex s = base_simplex(part, i);
+    if (s.vertex[0] >= 8) continue;
+    part.unproven.push_back(i);
+    items.push_back(
+        {.points = {vertices[s.vertex[0]], vertices[s.vertex[1]], vertices[s.vertex[2]]}, .point_count = 3});
+  }
+  std::vector<int> order;
+  part.unproven_tree = build_cone_tree(items, part.centre, order);
+  const std::vector<int> listed = part.unproven;
+  for (std::size_t i = 0; i < order.size(); ++i) part.unproven[i] = listed[order[i]];
+
+  Random random(3);
+  int certified = 0;
+  for (int sample = 0; sample < 200; ++sample) {
+    const double above = random.uniform(0.019, 0.03);
+    const SE3 g{exp_so3(random.vector(0.01)), Vec3(0, 0, 0.5 + above + 0.01)};
+    const Vec3 v = random.vector(1), omega = random.vector(1);
+    const double required = 0.0192;
+    MovingShape moving{&part, {}, {.g = g, .v = v, .omega = omega}}, still{&plate, {}, {}};
+    if (sample % 2 == 1) std::swap(moving, still);
+    if (base_distance(moving, still, 1) < required) continue;
+    ASSERT_TRUE(has_step_minima(moving, still, 0.01, required));
+    ASSERT_EQ(check_step_minima(moving, still, 0.01, {required, 0.05}, 1).simplex_pairs, 0);
+    CertificateOptions options{.required = required, .wanted = 0.05};
+    const Certificate judge = certify(moving, still, 0.01, options);
+    options.starts_apart = true;
+    const Certificate quick = certify(moving, still, 0.01, options);
+    EXPECT_EQ(quick.certified, judge.certified) << sample;
+    if (judge.certified) {
+      EXPECT_NEAR(quick.min_distance, judge.min_distance, 1e-4) << sample;
+    }
+    options.threads = 2;
+    EXPECT_EQ(certify(moving, still, 0.01, options).min_distance, quick.min_distance) << sample;
+    certified += judge.certified;
+  }
+  EXPECT_GT(certified, 50);
+  EXPECT_LT(certified, 190);
+}
+
+// One face of a box bends by a little more than its plane tolerates, in a corner of it.
+TEST(StepMinima, OfAMeshThatMissesConditionsProveWhatTheDescentProves) {
+  Random random(5);
+  SimplicialComplex box = make_box(1, 1, 1, 12);
+  const double tolerance = 1e-6 * std::sqrt(3.0);
+  for (Vec3& x : box.vertices)
+    if (x.z() > 0.49 && x.x() > 0.1 && x.y() > 0.1) x.z() += random.uniform(-3, 3) * tolerance;
+  const LmdShape bent = prepare(dilate(std::move(box), 0.02)),
+                 probe = prepare(dilate(make_box(0.3, 0.3, 0.3), 0.02));
+  ASSERT_GT(bent.unproven.size(), 5U);
+  ASSERT_LT(4 * bent.unproven.size(), std::size_t(base_count(bent)));
+  int certified = 0, near = 0;
+  for (int sample = 0; sample < 300; ++sample) {
+    const Quat lean = exp_so3(random.vector(1e-3));
+    const Vec3 place(random.uniform(-0.3, 0.6), random.uniform(-0.3, 0.6),
+                     0.65 + random.uniform(0.0385, 0.045));
+    const MovingShape a{&probe, {}, {.g = {lean, place}, .v = random.vector(0.2), .omega = random.vector(1)}},
+        b{&bent, {}, {}};
+    CertificateOptions options{.required = 0.0384, .wanted = 0.04};
+    if (base_distance(a, b, 1) < options.required) continue;
+    const Certificate judge = certify(a, b, 0.01, options);
+    options.starts_apart = true;
+    const Certificate quick = certify(a, b, 0.01, options);
+    EXPECT_EQ(quick.certified, judge.certified) << sample;
+    if (!judge.certified) continue;
+    EXPECT_LE(quick.min_distance, sampled_distance(a, b, 0.01, 30) + 1e-12) << sample;
+    ++certified, near += judge.min_distance < options.wanted;
+  }
+  EXPECT_GT(certified, 50);
+  EXPECT_GT(near, 50);
 }
 
 // Threads that fit with play: surfaces conform, so that boxes and balls tell little.
