@@ -16,6 +16,7 @@ namespace aussois {
 namespace {
 
 constexpr double kWindowOfSteps = 8;   // candidates are to last so long, by the motion since the last query
+constexpr double kFewestSteps = 3;     // they are not worth keeping for fewer
 constexpr double kRoomOfBounds = 1.2;  // of their threshold and angles
 // A window of shapes so small may be wider than the threshold, up to this part of the smaller one: their
 // candidates stay few, and boxes that slide would be searched in each step.
@@ -323,9 +324,11 @@ ContactSet find_contacts(const PosedShape& a, const PosedShape& b, const LmdOpti
     return contacts_among(kept, a, b, options);
   const bool again = std::exchange(scratch.asked, true);
   const MotionWindow last = moved_since(std::exchange(scratch.g_ba, g_ba), g_ba, *a.shape, *b.shape);
-  const MotionWindow window{kWindowOfSteps * last.displacement + options.threshold / 8,
-                            kWindowOfSteps * last.rotation + options.alpha / 64};
-  if (!again || !within(window, widest_window(*a.shape, *b.shape, options))) {
+  const MotionWindow widest = widest_window(*a.shape, *b.shape, options);
+  const MotionWindow window{
+      std::min(kWindowOfSteps * last.displacement + options.threshold / 8, widest.displacement),
+      std::min(kWindowOfSteps * last.rotation + options.alpha / 64, widest.rotation)};
+  if (!again || !within({kFewestSteps * last.displacement, kFewestSteps * last.rotation}, window)) {
     kept = {};
     return find_contacts(a, b, options);
   }
