@@ -314,6 +314,8 @@ ContactSet find_contacts(const PosedShape& a, const PosedShape& b, const LmdOpti
                          PairScratch& scratch) {
   if (is_ball(*a.shape) && is_ball(*b.shape)) return contacts_of_balls(a, b, options);
   const SE3 g_ba = inverse(b.g_ws) * a.g_ws;
+  const bool again = std::exchange(scratch.asked, true);
+  const SE3 before = std::exchange(scratch.g_ba, g_ba);
   Candidates& kept = scratch.candidates;
   const auto within = [](const MotionWindow& motion, const MotionWindow& window) {
     return motion.displacement <= window.displacement && motion.rotation <= window.rotation;
@@ -322,8 +324,7 @@ ContactSet find_contacts(const PosedShape& a, const PosedShape& b, const LmdOpti
       options.alpha <= kept.options.alpha && options.alpha_ee <= kept.options.alpha_ee &&
       within(moved_since(kept.g_ba, g_ba, *a.shape, *b.shape), kept.window))
     return contacts_among(kept, a, b, options);
-  const bool again = std::exchange(scratch.asked, true);
-  const MotionWindow last = moved_since(std::exchange(scratch.g_ba, g_ba), g_ba, *a.shape, *b.shape);
+  const MotionWindow last = moved_since(before, g_ba, *a.shape, *b.shape);
   const MotionWindow widest = widest_window(*a.shape, *b.shape, options);
   const MotionWindow window{
       std::min(kWindowOfSteps * last.displacement + options.threshold / 8, widest.displacement),

@@ -277,6 +277,27 @@ TEST(PairScratch, IsKeptForABoxThatSlides) {
   EXPECT_GT(searches, 2);
 }
 
+// A small ball that falls past a box at a quarter of the threshold a step: a window no wider than the
+// threshold lasts for four of them.
+TEST(PairScratch, IsKeptForAsFewStepsAsAWindowLasts) {
+  const LmdShape box = prepared(make_box(20, 20, 1), 0.01), ball = prepared(make_point(), 0.1);
+  PairScratch scratch;
+  int searches = 0;
+  for (int i = 0; i < 100; ++i) {
+    const PosedShape a{&box, SE3{}, 0}, b{&ball, translation(1, 1, 0.86 - 2.5e-3 * i), 1};
+    const Vec3 searched = scratch.candidates.g_ba.p;
+    const LmdOptions options{.threshold = 0.01};
+    const ContactSet fresh = find_contacts(a, b, options), walked = find_contacts(a, b, options, scratch);
+    searches += scratch.candidates.a == nullptr || scratch.candidates.g_ba.p != searched;
+    ASSERT_EQ(fresh.points.size(), walked.points.size()) << i;
+    if (!fresh.points.empty()) {
+      EXPECT_EQ(fresh.points[0].gap, walked.points[0].gap) << i;
+    }
+  }
+  EXPECT_LE(searches, 100 / 3 + 2);
+  EXPECT_GE(searches, 100 / 5);
+}
+
 // Question 9 of doc/theory/lmd.md: one search serves every pose within its window.
 TEST_P(LocalMinima, OfAllPosesInAWindowAreAmongTheCandidates) {
   const Scene s = random_scene(GetParam(), 0.05);
