@@ -474,7 +474,8 @@ LmdShape read_hdf5(const std::filesystem::path& path, std::uint64_t key, const S
 }  // namespace
 
 std::uint64_t shape_key(const DilatedShape& shape, const LmdShapeOptions& options) {
-  const auto& [planarity, deforming] = options;
+  const auto& [planarity, deforming, threads] = options;
+  static_cast<void>(threads);  // changes nothing
   const Mesh mesh = mesh_of(shape.complex);
   Key key;
   visit_mesh(key, mesh);

@@ -2,16 +2,21 @@
 #include "lmd/cone_tree.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
+#include <span>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
+#include "geometry/parallel.hpp"
+
 namespace aussois {
 namespace {
 
-constexpr double kConeWeight = 0.1;  // lambda (LMD-13)
+constexpr double kConeWeight = 0.1;       // lambda (LMD-13)
+constexpr std::size_t kManyRanges = 256;  // parts of the tree that one thread each builds to the end
 
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Mat6 = Eigen::Matrix<double, 6, 6>;
@@ -26,9 +31,37 @@ struct Bounds {
   float r, cos, sin;
 };
 
+// A node, and the simplices below it by their places in the order.
+struct Range {
+  std::size_t node = 0;
+  int begin = 0, end = 0;
+};
+struct Ranges {
+  std::array<Range, 4> of{};
+  int count = 0;
+  std::span<const Range> span() const { return std::span(of).first(std::size_t(count)); }
+};
+
+// How many simplices a child of a node over so many has: all but the last are full, so no space is lost.
+int full_child(int count) {
+  int full = kBucket;
+  while (4 * full < count) full *= 4;
+  return full;
+}
+
+// Nodes of the tree over so many simplices; a bucket is none.
+std::size_t node_count(int count) {
+  if (count <= kBucket) return 0;
+  const int full = full_child(count), last = (count - 1) % full + 1;
+  std::size_t of_full = 0;
+  for (int size = kBucket; size < full; size *= 4) of_full = 1 + 4 * of_full;
+  return 1 + std::size_t((count - 1) / full) * of_full + node_count(last);
+}
+
 class ConeTreeBuilder {
  public:
-  ConeTreeBuilder(const std::vector<ConeTreeItem>& items, const Vec3& centre, std::vector<int>& order)
+  ConeTreeBuilder(const std::vector<ConeTreeItem>& items, const Vec3& centre, std::vector<int>& order,
+                  int threads)
       : items_(items), centre_(centre), order_(order) {
     order_.resize(items.size());
     std::iota(order_.begin(), order_.end(), 0);
@@ -46,9 +79,8 @@ class ConeTreeBuilder {
     }
     size_ = (hi - lo).norm();
     key_.resize(items.size());
-    tree_.nodes.reserve(items.size() / 2 + 1);
-    tree_.nodes.emplace_back();
-    fill(0, 0, int(items.size()));
+    tree_.nodes.resize(std::max(node_count(int(items.size())), std::size_t(1)));  // a lone bucket has a root
+    build({0, 0, int(items.size())}, threads);
   }
   ConeTree take() { return std::move(tree_); }
 
@@ -178,9 +210,28 @@ class ConeTreeBuilder {
                      });
   }
 
-  void fill(std::size_t node, int begin, int end) {
-    int full = kBucket;  // simplices of a child: all but the last are full, so no space is lost
-    while (4 * full < end - begin) full *= 4;
+  // Level by level while there are few nodes, then each of the many to its end.
+  void build(const Range& all, int threads) {
+    std::vector<Range> level{all};
+    while (!level.empty() && level.size() < kManyRanges) {
+      std::vector<Ranges> below(level.size());
+      parallel_for(int(level.size()), threads, [&](int i) { below[i] = open(level[i]); });
+      level.clear();
+      for (const Ranges& ranges : below)
+        level.insert(level.end(), ranges.span().begin(), ranges.span().end());
+    }
+    parallel_for(int(level.size()), threads, [&](int i) { fill(level[i]); });
+  }
+
+  void fill(const Range& range) {
+    const Ranges below = open(range);
+    for (const Range& child : below.span()) fill(child);
+  }
+
+  // Sets the node and returns those below it.
+  Ranges open(const Range& range) {
+    const auto [node, begin, end] = range;
+    const int full = full_child(end - begin);
     const int count = (end - begin + full - 1) / full;
     int bounds[5];
     for (int k = 0; k <= count; ++k) bounds[k] = std::min(begin + k * full, end);
@@ -204,14 +255,17 @@ class ConeTreeBuilder {
         n.child[lane] = n.count[lane] = 0;
       }
     }
+    Ranges below;
+    std::size_t next = node + 1;
     for (int lane = 0; lane < count; ++lane) {
-      if (bounds[lane + 1] - bounds[lane] <= kBucket) continue;
-      const std::size_t child = tree_.nodes.size();
-      tree_.nodes.emplace_back();
-      tree_.nodes[node].child[lane] = std::uint32_t(child);
+      const int size = bounds[lane + 1] - bounds[lane];
+      if (size <= kBucket) continue;
+      tree_.nodes[node].child[lane] = std::uint32_t(next);
       tree_.nodes[node].count[lane] = 0;
-      fill(child, bounds[lane], bounds[lane + 1]);
+      below.of[below.count++] = {next, bounds[lane], bounds[lane + 1]};
+      next += node_count(size);
     }
+    return below;
   }
 
   const std::vector<ConeTreeItem>& items_;
@@ -226,9 +280,9 @@ class ConeTreeBuilder {
 
 }  // namespace
 
-ConeTree build_cone_tree(const std::vector<ConeTreeItem>& items, const Vec3& centre,
-                         std::vector<int>& order) {
-  return ConeTreeBuilder(items, centre, order).take();
+ConeTree build_cone_tree(const std::vector<ConeTreeItem>& items, const Vec3& centre, std::vector<int>& order,
+                         int threads) {
+  return ConeTreeBuilder(items, centre, order, threads).take();
 }
 
 }  // namespace aussois

@@ -42,7 +42,8 @@ struct ConeTree {
 };
 
 /// Median splits by position and axis of the cone (LMD-13). `order` receives the items in the order of the
-/// buckets.
-ConeTree build_cone_tree(const std::vector<ConeTreeItem>& items, const Vec3& centre, std::vector<int>& order);
+/// buckets. The tree is the same for any number of threads.
+ConeTree build_cone_tree(const std::vector<ConeTreeItem>& items, const Vec3& centre, std::vector<int>& order,
+                         int threads = 1);
 
 }  // namespace aussois

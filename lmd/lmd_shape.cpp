@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "geometry/parallel.hpp"
 #include "lmd/normal_cone.hpp"
 #include "lmd/shared_settings.hpp"
 
@@ -119,11 +120,20 @@ ConeTreeItem tree_item(std::initializer_list<Vec3> points, const Vec3& axis = Ve
   return item;
 }
 
+// Calls f(i) for i in [0, n).
+void in_chunks(int n, int threads, const auto& f) {
+  constexpr int kChunk = 4096;
+  parallel_for((n + kChunk - 1) / kChunk, threads, [&](int chunk) {
+    for (int i = chunk * kChunk; i < std::min(n, (chunk + 1) * kChunk); ++i) f(i);
+  });
+}
+
 // Puts `leaves` in the order of a tree over `items`.
 template <class Leaf>
-ConeTree make_tree(const std::vector<ConeTreeItem>& items, const Vec3& centre, std::vector<Leaf>& leaves) {
+ConeTree make_tree(const std::vector<ConeTreeItem>& items, const Vec3& centre, std::vector<Leaf>& leaves,
+                   int threads) {
   std::vector<int> order;
-  ConeTree tree = build_cone_tree(items, centre, order);
+  ConeTree tree = build_cone_tree(items, centre, order, threads);
   std::vector<Leaf> sorted;
   sorted.reserve(leaves.size());
   for (int i : order) sorted.push_back(leaves[i]);
@@ -131,14 +141,21 @@ ConeTree make_tree(const std::vector<ConeTreeItem>& items, const Vec3& centre, s
   return tree;
 }
 
-void add_vertices(LmdShape& shape, const Idealisation& ideal, const std::vector<ChainCone>& cones) {
+void add_vertices(LmdShape& shape, const Idealisation& ideal, const std::vector<ChainCone>& cones,
+                  int threads) {
   const SimplicialComplex& k = shape.complex;
   std::vector<VertexLeaf> narrow, wide;
   std::vector<ConeTreeItem> narrow_items, wide_items;
+  std::vector<std::optional<NormalCone>> of_vertex(k.vertices.size());  // of those that are leaves
+  in_chunks(int(k.vertices.size()), threads, [&](int v) {
+    if (ideal.vertex_chains[v].empty() && !k.vertex_edges[v].empty()) return;  // inside a region or a chain
+    NormalCone cone = make_normal_cone(vertex_directions(k, ideal, v));
+    if (cone.lineality != 0 || (k.solid && is_pit(ideal, cones, cone, v))) return;
+    of_vertex[v] = std::move(cone);
+  });
   for (int v = 0; v < int(k.vertices.size()); ++v) {
-    if (ideal.vertex_chains[v].empty() && !k.vertex_edges[v].empty()) continue;  // inside a region or a chain
-    const NormalCone cone = make_normal_cone(vertex_directions(k, ideal, v));
-    if (cone.lineality != 0 || (k.solid && is_pit(ideal, cones, cone, v))) continue;
+    if (!of_vertex[v]) continue;
+    const NormalCone& cone = *of_vertex[v];
     const bool is_wide = cone.rays.size() < 3;
     const VertexLeaf leaf{.vertex = v,
                           .first_ray = int(shape.rays.size()),
@@ -150,15 +167,15 @@ void add_vertices(LmdShape& shape, const Idealisation& ideal, const std::vector<
     (is_wide ? wide : narrow).push_back(leaf);
     (is_wide ? wide_items : narrow_items).push_back(item);
   }
-  shape.vertex_tree = make_tree(narrow_items, shape.centre, narrow);
-  shape.wide_vertex_tree = make_tree(wide_items, shape.centre, wide);
+  shape.vertex_tree = make_tree(narrow_items, shape.centre, narrow, threads);
+  shape.wide_vertex_tree = make_tree(wide_items, shape.centre, wide, threads);
   shape.narrow_vertices = int(narrow.size());
   shape.vertices = std::move(narrow);
   shape.vertices.insert(shape.vertices.end(), wide.begin(), wide.end());
 }
 
 void add_edges(LmdShape& shape, const Idealisation& ideal, const std::vector<ChainCone>& cones,
-               const std::vector<double>& misfits) {
+               const std::vector<double>& misfits, int threads) {
   const SimplicialComplex& k = shape.complex;
   std::vector<EdgeLeaf> narrow, wide;
   std::vector<ConeTreeItem> narrow_items, wide_items;
@@ -178,8 +195,8 @@ void add_edges(LmdShape& shape, const Idealisation& ideal, const std::vector<Cha
     (leaf.is_wide ? wide : narrow).push_back(leaf);
     (leaf.is_wide ? wide_items : narrow_items).push_back(item);
   }
-  shape.edge_tree = make_tree(narrow_items, shape.centre, narrow);
-  shape.wide_edge_tree = make_tree(wide_items, shape.centre, wide);
+  shape.edge_tree = make_tree(narrow_items, shape.centre, narrow, threads);
+  shape.wide_edge_tree = make_tree(wide_items, shape.centre, wide, threads);
   shape.narrow_edges = int(narrow.size());
   shape.edges = std::move(narrow);
   shape.edges.insert(shape.edges.end(), wide.begin(), wide.end());
@@ -188,7 +205,7 @@ void add_edges(LmdShape& shape, const Idealisation& ideal, const std::vector<Cha
 }
 
 // Triangles are faces of contacts and simplices of the base complex; the latter has wires and points as well.
-void add_faces(LmdShape& shape, const Idealisation& ideal, double flat) {
+void add_faces(LmdShape& shape, const Idealisation& ideal, double flat, int threads) {
   const SimplicialComplex& k = shape.complex;
   std::vector<ConeTreeItem> items, rest_items;
   for (int t = 0; t < int(k.triangles.size()); ++t) {
@@ -216,8 +233,8 @@ void add_faces(LmdShape& shape, const Idealisation& ideal, double flat) {
       shape.rest.push_back({0, {v, -1, -1}});
       rest_items.push_back(tree_item({at(k, v)}));
     }
-  shape.face_tree = make_tree(items, shape.centre, shape.faces);
-  shape.rest_tree = make_tree(rest_items, shape.centre, shape.rest);
+  shape.face_tree = make_tree(items, shape.centre, shape.faces, threads);
+  shape.rest_tree = make_tree(rest_items, shape.centre, shape.rest, threads);
 }
 
 Vec3 normal_of(const Idealisation& ideal, int triangle) {
@@ -258,7 +275,8 @@ std::vector<char> unproven_vertices(const LmdShape& shape, const Idealisation& i
   return mark;
 }
 
-void add_unproven(LmdShape& shape, const Idealisation& ideal, const std::vector<double>& misfits) {
+void add_unproven(LmdShape& shape, const Idealisation& ideal, const std::vector<double>& misfits,
+                  int threads) {
   const std::vector<char> mark = unproven_vertices(shape, ideal, misfits);
   std::vector<ConeTreeItem> items;
   for (int i = 0; i < base_count(shape); ++i) {
@@ -269,7 +287,7 @@ void add_unproven(LmdShape& shape, const Idealisation& ideal, const std::vector<
     items.push_back(tree_item({}));
     for (int v : corners) items.back().points[items.back().point_count++] = at(shape.complex, v);
   }
-  shape.unproven_tree = make_tree(items, shape.centre, shape.unproven);
+  shape.unproven_tree = make_tree(items, shape.centre, shape.unproven, threads);
 }
 
 template <class T>
@@ -283,6 +301,12 @@ void describe(SettingVisitor& visit, LmdShapeOptions& o) {
   visit.begin("LmdShapeOptions");
   visit.number(planarity_setting(), o.planarity);
   visit.toggle({"deforming", "keep every triangle and edge for a shape that deforms"}, o.deforming);
+  visit.count({.name = "threads",
+               .what = "number of threads",
+               .unit = "",
+               .range = range_from(1),
+               .changes_nothing = true},
+              o.threads);
 }
 
 LmdShape prepare(DilatedShape dilated, const LmdShapeOptions& options) {
@@ -308,13 +332,14 @@ LmdShape prepare(DilatedShape dilated, const LmdShapeOptions& options) {
     shape.regions.push_back({ideal.region_normal[r], ideal.region_offset[r]});
   shape.triangle_region = ideal.triangle_region;
   for (double sign : ideal.triangle_sign) shape.triangle_sign.push_back(std::int8_t(sign));
-  std::vector<ChainCone> cones;
-  for (const Chain& chain : ideal.chains) cones.push_back(chain_cone(shape.complex, ideal, chain));
-  add_vertices(shape, ideal, cones);
+  std::vector<ChainCone> cones(ideal.chains.size());
+  in_chunks(int(cones.size()), options.threads,
+            [&](int c) { cones[c] = chain_cone(shape.complex, ideal, ideal.chains[c]); });
+  add_vertices(shape, ideal, cones, options.threads);
   const std::vector<double> misfits = misfit_at_vertices(shape.complex, ideal);
-  add_edges(shape, ideal, cones, misfits);
-  add_faces(shape, ideal, 1e-9 * box.diagonal());
-  add_unproven(shape, ideal, misfits);
+  add_edges(shape, ideal, cones, misfits, options.threads);
+  add_faces(shape, ideal, 1e-9 * box.diagonal(), options.threads);
+  add_unproven(shape, ideal, misfits, options.threads);
   return shape;
 }
 

@@ -21,6 +21,7 @@ struct LmdShapeOptions {
                             // [-]
   bool deforming = false;   // each triangle is a region and each edge a chain, with the same index, which
                             // `refit` keeps; `planarity` is then ignored
+  int threads = 1;
 };
 void describe(SettingVisitor& visit, LmdShapeOptions& options);
 

@@ -184,8 +184,9 @@ bool print_findings(const ContactReport& report, const ContactPair& pair) {
 
 ExitCode query(const Arguments& a) {
   ContactPair pair = read_pair(a);
-  const CachedShape cached_a = prepare_cached(dilate(pair.a.complex, pair.dilation_a), {}, a.cache),
-                    cached_b = prepare_cached(dilate(pair.b.complex, pair.dilation_b), {}, a.cache);
+  const LmdShapeOptions options{.threads = a.threads};
+  const CachedShape cached_a = prepare_cached(dilate(pair.a.complex, pair.dilation_a), options, a.cache),
+                    cached_b = prepare_cached(dilate(pair.b.complex, pair.dilation_b), options, a.cache);
   const LmdShape &shape_a = *cached_a.shape, &shape_b = *cached_b.shape;
   note_straightened(pair.a, shape_a);
   note_straightened(pair.b, shape_b);

@@ -16,8 +16,9 @@ namespace aussois {
 namespace {
 
 std::shared_ptr<const LmdShape> prepared(AssemblyScene& scene, const AssemblyPart& part, double dilation,
-                                         const std::filesystem::path& cache) {
-  const CachedShape cached = prepare_cached({.complex = part.complex, .radius = dilation}, {}, cache);
+                                         const std::filesystem::path& cache, int threads) {
+  const CachedShape cached =
+      prepare_cached({.complex = part.complex, .radius = dilation}, {.threads = threads}, cache);
   if (!cached.warning.empty()) scene.cache_warnings.push_back(cached.warning);
   if (!cache.empty())
     scene.cache.push_back(part.name + (dilation > 0 ? ", dilated: " : ": ") + to_string(cached));
@@ -144,7 +145,7 @@ AssemblyScene make_assembly_scene(const AssemblyInput& input, const AssemblyOpti
   require(options.gravity.allFinite(), "AssemblyOptions::gravity must be finite [m/s^2]");
   AssemblyScene scene;
   const auto shape = [&](const AssemblyPart& part, double dilation) {
-    return prepared(scene, part, dilation, options.cache);
+    return prepared(scene, part, dilation, options.cache, threads);
   };
   {
     const auto fixed = shape(input.fixed, 0), moving = shape(input.moving, 0);

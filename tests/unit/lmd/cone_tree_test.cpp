@@ -3,6 +3,7 @@
 #include "lmd/cone_tree.hpp"
 
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <functional>
 
@@ -337,6 +338,32 @@ TEST(LmdShape, OfATriangleWithoutAreaKeepsItsEdges) {
   EXPECT_TRUE(shape.faces.empty());
   ASSERT_EQ(shape.rest.size(), 1U);
   EXPECT_EQ(shape.rest[0].dim, 2);
+}
+
+template <class T>
+bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
+}
+
+TEST(LmdShape, IsTheSameForAnyNumberOfThreads) {
+  for (const SimplicialComplex& complex :
+       {make_bolt({}), make_sphere(1, 5), make_plate(1, 1), make_point()}) {
+    const LmdShape one = prepare(dilate(complex, 1e-5)),
+                   four = prepare(dilate(complex, 1e-5), {.threads = 4});
+    for (ConeTree LmdShape::*tree :
+         {&LmdShape::vertex_tree, &LmdShape::wide_vertex_tree, &LmdShape::edge_tree,
+          &LmdShape::wide_edge_tree, &LmdShape::face_tree, &LmdShape::rest_tree, &LmdShape::unproven_tree})
+      EXPECT_TRUE(same_bytes((one.*tree).nodes, (four.*tree).nodes));
+    EXPECT_EQ(one.rays, four.rays);
+    EXPECT_EQ(one.paths, four.paths);
+    EXPECT_EQ(one.faces, four.faces);
+    EXPECT_EQ(one.unproven, four.unproven);
+    EXPECT_EQ(one.misfits, four.misfits);
+    EXPECT_TRUE(
+        std::ranges::equal(one.vertices, four.vertices, {}, &VertexLeaf::vertex, &VertexLeaf::vertex));
+    EXPECT_TRUE(std::ranges::equal(one.edges, four.edges, {}, &EdgeLeaf::first, &EdgeLeaf::first));
+    EXPECT_TRUE(std::ranges::equal(one.edges, four.edges, {}, &EdgeLeaf::last, &EdgeLeaf::last));
+  }
 }
 
 TEST(LmdShape, OfABoxIsReadInSoManyBytes) {
