@@ -15,6 +15,7 @@
 #include "geometry/parallel.hpp"
 #include "geometry/settings.hpp"
 #include "lmd/dual_descent.hpp"
+#include "lmd/shared_settings.hpp"
 #include "lmd/simplex_distance.hpp"
 #include "lmd/simplex_motion.hpp"
 #include "lmd/step_minima.hpp"
@@ -374,12 +375,7 @@ void describe(SettingVisitor& visit, CertificateOptions& o) {
   visit.count(
       {"max_halvings", "maximum number of halvings of the time interval of two simplices", "", range_from(0)},
       o.max_halvings);
-  visit.count({.name = "threads",
-               .what = "number of threads",
-               .unit = "",
-               .range = range_from(1),
-               .changes_nothing = true},
-              o.threads);
+  visit.count(threads_setting(), o.threads);
 }
 
 Certificate certify(const MovingShape& a, const MovingShape& b, double dt,

@@ -20,7 +20,8 @@ struct CertificateOptions {
   // contact's normal settles convex shapes (CA-15). Zero: none.
   Vec3 axis = Vec3::Zero();
   // The caller knows that the bases are apart at the start and that neither is inside the other: then only
-  // pairs that can become minima of distance are looked at, where that is enough (CA-21)
+  // pairs that can become minima of distance and those with LmdShape::unproven are looked at, where that is
+  // enough (CA-21)
   bool starts_apart = false;
 };
 void describe(SettingVisitor& visit, CertificateOptions& options);  // all but the last two

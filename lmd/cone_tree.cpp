@@ -15,8 +15,9 @@
 namespace aussois {
 namespace {
 
-constexpr double kConeWeight = 0.1;       // lambda (LMD-13)
-constexpr std::size_t kManyRanges = 256;  // parts of the tree that one thread each builds to the end
+constexpr double kConeWeight = 0.1;  // lambda (LMD-13)
+constexpr std::size_t kManyRanges =
+    256;  // enough for all threads: each builds one after the other to its end
 
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Mat6 = Eigen::Matrix<double, 6, 6>;

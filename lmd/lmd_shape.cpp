@@ -301,12 +301,7 @@ void describe(SettingVisitor& visit, LmdShapeOptions& o) {
   visit.begin("LmdShapeOptions");
   visit.number(planarity_setting(), o.planarity);
   visit.toggle({"deforming", "keep every triangle and edge for a shape that deforms"}, o.deforming);
-  visit.count({.name = "threads",
-               .what = "number of threads",
-               .unit = "",
-               .range = range_from(1),
-               .changes_nothing = true},
-              o.threads);
+  visit.count(threads_setting(), o.threads);
 }
 
 LmdShape prepare(DilatedShape dilated, const LmdShapeOptions& options) {

@@ -21,7 +21,7 @@ struct LmdShapeOptions {
                             // [-]
   bool deforming = false;   // each triangle is a region and each edge a chain, with the same index, which
                             // `refit` keeps; `planarity` is then ignored
-  int threads = 1;
+  int threads = 1;          // the shape is the same for any number
 };
 void describe(SettingVisitor& visit, LmdShapeOptions& options);
 
@@ -92,8 +92,9 @@ struct LmdShape {
   ConeTree vertex_tree{}, wide_vertex_tree{}, edge_tree{}, wide_edge_tree{}, face_tree{}, rest_tree{};
   int narrow_vertices = 0, narrow_edges = 0;  // the wide ones follow
   int flat_triangles = 0;  // triangles too flat to be faces of their own; their edges still count
-  // Base simplices at creases no sharper than the misfit of their corners, and at faces higher than the
-  // tolerance that are more than 1 degree off their regions: elsewhere (LMD-14) is proven
+  // Numbers of base simplices at creases no sharper than the misfit of their corners, and at faces higher
+  // than the tolerance that are more than 1 degree off their regions, in the order of their tree: elsewhere
+  // (LMD-14) is proven
   std::vector<int> unproven{};
   ConeTree unproven_tree{};
 };

@@ -14,4 +14,12 @@ inline Setting planarity_setting() {
           .flag = "--planarity"};
 }
 
+inline Setting threads_setting() {
+  return {.name = "threads",
+          .what = "number of threads",
+          .unit = "",
+          .range = range_from(1),
+          .changes_nothing = true};
+}
+
 }  // namespace aussois
