@@ -94,17 +94,18 @@ TEST(MatchCandidates, AreThoseOfTheDefinition) {
   const LmdShape box = shape_of(make_box(1, 2, 3)), ball = shape_of(make_sphere(1, 2));
   Random random(1);
   std::size_t incident = 0, near = 0;
-  for (const auto& [a, b] : {std::pair{&box, &ball}, {&ball, &box}, {&box, &box}, {&ball, &ball}})
+  for (const auto& pair : {std::pair{&box, &ball}, {&ball, &box}, {&box, &box}, {&ball, &ball}})
     for (const int count : {1, 10, 1000}) {
-      const Contacts contacts(*a, *b, count, random);
+      const LmdShape &a = *pair.first, &b = *pair.second;
+      const Contacts contacts(a, b, count, random);
       const Unmatched& c = contacts.unmatched;
       if (c.left.empty()) continue;
       const auto incident_there = one_by_one(c, [&](std::size_t k, std::size_t l, double apart) {
         const ContactKey &p = c.now[k].key, &q = c.old[l].key;
-        return apart <= 0.01 && are_incident(*a, feature_a(p), feature_a(q)) &&
-               are_incident(*b, feature_b(p), feature_b(q));
+        return apart <= 0.01 && are_incident(a, feature_a(p), feature_a(q)) &&
+               are_incident(b, feature_b(p), feature_b(q));
       });
-      EXPECT_EQ(sorted(incident_candidates(c, *a, *b, 0.01)), incident_there);
+      EXPECT_EQ(sorted(incident_candidates(c, a, b, 0.01)), incident_there);
       const auto reach = [](std::size_t k) { return 1e-3 * double(k % 10); };
       const auto near_there = one_by_one(c, [&](std::size_t k, std::size_t l, double apart) {
         const double turn = std::acos(c.now[k].normal.dot(c.old[l].normal));
