@@ -23,11 +23,11 @@ SimplicialComplex as_in_file(const std::filesystem::path& path) {
 class RepairedMeshes : public ::testing::Test {
  protected:
   void SetUp() override {
-    const char* data = std::getenv("AUSSOIS_DATA_DIR");
-    if (!data || !*data) GTEST_SKIP() << "AUSSOIS_DATA_DIR names no folder";
-    data_ = data;
+    const char* folder = std::getenv("AUSSOIS_DATA_DIR");
+    if (!folder || !*folder) GTEST_SKIP() << "AUSSOIS_DATA_DIR names no folder";
+    data = folder;
   }
-  std::filesystem::path data_{};
+  std::filesystem::path data{};
 };
 
 struct Expected {
@@ -60,7 +60,7 @@ const std::map<std::string, Expected> kRepaired = {
 
 TEST_F(RepairedMeshes, AreSolidsUnlessTheyPassThroughThemselves) {
   int files = 0, solids = 0;
-  for (const std::filesystem::path& path : shared_meshes(data_)) {
+  for (const std::filesystem::path& path : shared_meshes(data)) {
     SCOPED_TRACE(path.filename().string());
     const SimplicialComplex mesh = as_in_file(path);
     const RepairedMesh repaired = repair_mesh(mesh);
@@ -89,7 +89,7 @@ TEST_F(RepairedMeshes, AreSolidsUnlessTheyPassThroughThemselves) {
 // Its coordinates carry three decimals of a millimetre; its triangles without area are up to 0.83 um high.
 TEST_F(RepairedMeshes, MayNeedAToleranceAsCoarseAsTheirCoordinates) {
   const AssemblyPart hole =
-      read_part(data_ / "meshes" / "factory_hole_round_8mm.obj", 1e-3, {.relative_tolerance = 3e-5});
+      read_part(data / "meshes" / "factory_hole_round_8mm.obj", 1e-3, {.relative_tolerance = 3e-5});
   EXPECT_TRUE(hole.complex.solid) << hole.repair.reason;
   EXPECT_EQ(hole.repair.after.self_intersections, 0);
   EXPECT_LT(hole.repair.flipped_slivers.distance, 1e-6);
@@ -105,9 +105,9 @@ struct Fit {
 TEST_F(RepairedMeshes, KeepTheSmallestGapOfAFit) {
   for (const Fit& fit : {Fit{"factory_m16_loose", 20, 9.7e-5}, Fit{"factory_gear_medium", 20, 1.3e-5}}) {
     SCOPED_TRACE(fit.pair);
-    const AssemblyInput input = read_assembly_pair(data_, fit.pair, 1e-3);
+    const AssemblyInput input = read_assembly_pair(data, fit.pair, 1e-3);
     EXPECT_TRUE(input.moving.complex.solid);
-    SimplicialComplex sheets = as_in_file(data_ / "meshes" / (input.moving.name + ".obj"));
+    SimplicialComplex sheets = as_in_file(data / "meshes" / (input.moving.name + ".obj"));
     ASSERT_GT(report_mesh(sheets).self_intersections, 0);
     const LmdShape fixed = prepare(dilate(input.fixed.complex, 0));
     const LmdShape repaired = prepare(dilate(input.moving.complex, 0));

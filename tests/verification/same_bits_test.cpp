@@ -79,25 +79,23 @@ class EveryScheme : public ::testing::TestWithParam<SchemeVariant> {
     return out;
   }
 
-  Scene scene_ = tumbling(0.4, 0.01);
-  const bool reference_ = GetParam().name == "event_driven";
-  const int steps_ = reference_ ? 6 : 80;
+  Scene scene = tumbling(0.4, 0.01);
+  const bool event_driven = GetParam().name == "event_driven";
+  const int steps = event_driven ? 6 : 80;
 
   SchemeOptions options(int threads = 1) const {
     SchemeOptions out = GetParam().options;
-    out.step.h = reference_ ? 8e-3 : 2e-3, out.step.threads = threads;
+    out.step.h = event_driven ? 8e-3 : 2e-3, out.step.threads = threads;
     out.step.lmd.threads = threads;
     return out;
   }
-  Scheme scheme(int threads = 1) const {
-    return make_scheme(GetParam().name, scene_.model, options(threads));
-  }
+  Scheme scheme(int threads = 1) const { return make_scheme(GetParam().name, scene.model, options(threads)); }
 
   /// States after each step; the scheme is asked for anew in each.
   std::vector<State> run(State state, int first, const std::function<Scheme()>& scheme) const {
     std::vector<State> out;
     int open = 0;
-    for (int k = first; k < steps_; ++k) {
+    for (int k = first; k < steps; ++k) {
       const StepReport report = scheme().step(state, kInf);
       open += is_loop_left_open(report);
       const bool taken = report.ok() || is_loop_left_open(report);
@@ -105,19 +103,19 @@ class EveryScheme : public ::testing::TestWithParam<SchemeVariant> {
       if (!taken) break;
       out.push_back(state);
     }
-    EXPECT_LE(4 * open, steps_) << "most steps have to be solved";
+    EXPECT_LE(4 * open, steps) << "most steps have to be solved";
     return out;
   }
 
   void expect_same_bits() const {
     Scheme one = scheme(), three = scheme(3);
-    const std::vector<State> reference = run(scene_.state, 0, [&] { return one; });
-    ASSERT_EQ(int(reference.size()), steps_);
+    const std::vector<State> reference = run(scene.state, 0, [&] { return one; });
+    ASSERT_EQ(int(reference.size()), steps);
     std::size_t touching = 0;
     for (const State& state : reference) touching += state.memory.contacts.size();
-    EXPECT_GT(touching, reference_ ? 5u : 20u) << "nothing touches: the test says nothing";
-    const std::vector<State> threaded = run(scene_.state, 0, [&] { return three; });
-    const std::vector<State> fresh = run(scene_.state, 0, [&] { return scheme(); });
+    EXPECT_GT(touching, event_driven ? 5u : 20u) << "nothing touches: the test says nothing";
+    const std::vector<State> threaded = run(scene.state, 0, [&] { return three; });
+    const std::vector<State> fresh = run(scene.state, 0, [&] { return scheme(); });
     ASSERT_EQ(threaded.size(), reference.size());
     ASSERT_EQ(fresh.size(), reference.size());
     for (std::size_t k = 0; k < reference.size(); ++k) {
@@ -125,7 +123,7 @@ class EveryScheme : public ::testing::TestWithParam<SchemeVariant> {
       ASSERT_EQ(hash(fresh[k]), hash(reference[k])) << "a fresh scheme, step " << k;
     }
     const std::filesystem::path file = fresh_folder() / "state.h5";
-    for (int k = 4; k + 1 < steps_; k += 11) {
+    for (int k = 4; k + 1 < steps; k += 11) {
       write_checkpoint(file, {.fingerprint = 1, .step = k, .state = reference[k]});
       const std::vector<State> rest = run(read_checkpoint(file, 1).state, k + 1, [&] { return scheme(); });
       ASSERT_FALSE(rest.empty());
@@ -139,7 +137,7 @@ TEST_P(EveryScheme, HasTheSameBitsForAnyThreadsAndAfterAnyRestart) {
 }
 // Only then may the solver leave gaps out that open (ISL-2).
 TEST_P(EveryScheme, HasTheSameBitsWithoutJointsToo) {
-  scene_ = tumbling(0.4, std::nullopt);
+  scene = tumbling(0.4, std::nullopt);
   expect_same_bits();
 }
 
@@ -190,9 +188,9 @@ Compared compared(const Scene& s, const std::string& name, const SchemeOptions& 
 TEST_P(EveryScheme, MovesBodiesThatAreNumberedOtherwiseTheSameWay) {
   SchemeOptions o = options();
   o.step.solver.tolerance = 1e-12;
-  const Compared runs = compared(scene_, GetParam().name, o, reference_ ? steps_ : 30);
+  const Compared runs = compared(scene, GetParam().name, o, event_driven ? steps : 30);
   EXPECT_GT(runs.touching, 2u);
-  EXPECT_LT(runs.off, reference_ ? 1e-9 : 1e-11);
+  EXPECT_LT(runs.off, event_driven ? 1e-9 : 1e-11);
 }
 
 // Without Coulomb's friction the velocities are unique, and nothing in between decides by rounding. A Newton
@@ -202,10 +200,10 @@ TEST_P(EveryScheme, MovesThemTheSameWayForLongWithoutFriction) {
   SchemeOptions o = options();
   o.step.solver.tolerance = 1e-12;
   const bool newton = GetParam().name == "moreau_jean" && o.moreau_jean.newton.max_iterations > 1;
-  const double bound = newton ? 1e-8 : reference_ ? 1e-9 : 1e-10;
+  const double bound = newton ? 1e-8 : event_driven ? 1e-9 : 1e-10;
   for (const double hinge_friction : {0.01, 0.0}) {
-    const Compared runs = compared(tumbling(0, hinge_friction), GetParam().name, o, steps_);
-    EXPECT_GT(runs.touching, reference_ ? 2u : 10u);
+    const Compared runs = compared(tumbling(0, hinge_friction), GetParam().name, o, steps);
+    EXPECT_GT(runs.touching, event_driven ? 2u : 10u);
     EXPECT_LT(runs.off, bound) << "hinge friction " << hinge_friction;
   }
 }

@@ -22,9 +22,9 @@ class SharedMeshes : public ::testing::Test {
   void SetUp() override {
     const char* data = std::getenv("AUSSOIS_DATA_DIR");
     if (!data || !*data) GTEST_SKIP() << "set AUSSOIS_DATA_DIR to the folder with the shared data";
-    folder_ = std::filesystem::path(data) / "meshes";
+    folder = std::filesystem::path(data) / "meshes";
   }
-  std::filesystem::path folder_{};
+  std::filesystem::path folder{};
 };
 
 SimplicialComplex complex_of(const MeshFile& mesh) {
@@ -51,11 +51,11 @@ std::map<std::string, std::map<std::string, double>> read_table(const std::files
 
 TEST_F(SharedMeshes, ReadAsCgalReadsThem) {
   int files = 0;
-  for (const auto& [name, row] : read_table(folder_ / "quality.csv")) {
-    const MeshFile mesh = read_mesh(folder_ / name, 1);
+  for (const auto& [name, row] : read_table(folder / "quality.csv")) {
+    const MeshFile mesh = read_mesh(folder / name, 1);
     std::vector<Kernel::Point_3> points;
     std::vector<std::vector<std::size_t>> polygons;
-    ASSERT_TRUE(CGAL::IO::read_polygon_soup((folder_ / name).string(), points, polygons)) << name;
+    ASSERT_TRUE(CGAL::IO::read_polygon_soup((folder / name).string(), points, polygons)) << name;
     ASSERT_EQ(mesh.vertices.size(), points.size()) << name;
     ASSERT_EQ(mesh.triangles.size(), polygons.size()) << name;
     for (std::size_t i = 0; i < points.size(); ++i)
@@ -92,9 +92,9 @@ TEST_F(SharedMeshes, HaveTheDefectsOfTheQualityTable) {
       {"factory_hole_round_8mm.obj", {-1, 568, false}},
       {"factory_nut_m16_loose.obj", {-1, 140, false}},
       {"factory_gear_base_loose.obj", {-1, 3745, false}}};
-  for (const auto& [name, row] : read_table(folder_ / "quality.csv")) {
+  for (const auto& [name, row] : read_table(folder / "quality.csv")) {
     SCOPED_TRACE(name);
-    const MeshReport report = report_mesh(complex_of(read_mesh(folder_ / name, 1)));
+    const MeshReport report = report_mesh(complex_of(read_mesh(folder / name, 1)));
     const auto known = differences.find(name);
     const Difference ours = known == differences.end() ? Difference{} : known->second;
     EXPECT_EQ(report.vertices, row.at("vertices"));
@@ -117,17 +117,17 @@ TEST_F(SharedMeshes, HaveTheDefectsOfTheQualityTable) {
 }
 
 TEST_F(SharedMeshes, WithoutFacesAreWiresAndPoints) {
-  EXPECT_EQ(read_mesh(folder_ / "codim_heightfield_points.obj", 1).points.size(), 10000u);
-  EXPECT_EQ(read_mesh(folder_ / "codim_link_edges.obj", 1).wires.size(), 34u);
-  EXPECT_EQ(read_mesh(folder_ / "codim_mat_edges.obj", 1).wires.size(), 544u);
-  EXPECT_EQ(read_mesh(folder_ / "spring_wire.obj", 1).wires.size(), 239u);
-  EXPECT_EQ(report_mesh(complex_of(read_mesh(folder_ / "spring_wire.obj", 1))).wire_edges, 239);
+  EXPECT_EQ(read_mesh(folder / "codim_heightfield_points.obj", 1).points.size(), 10000u);
+  EXPECT_EQ(read_mesh(folder / "codim_link_edges.obj", 1).wires.size(), 34u);
+  EXPECT_EQ(read_mesh(folder / "codim_mat_edges.obj", 1).wires.size(), 544u);
+  EXPECT_EQ(read_mesh(folder / "spring_wire.obj", 1).wires.size(), 239u);
+  EXPECT_EQ(report_mesh(complex_of(read_mesh(folder / "spring_wire.obj", 1))).wire_edges, 239);
 }
 
 // The counts are those of the README beside the files; where it counted after welding, so do we.
 TEST_F(SharedMeshes, ThatAreBrokenGetAReport) {
   const auto report = [&](const char* name, bool welded) {
-    MeshFile mesh = read_mesh(folder_ / "broken" / name, 1);
+    MeshFile mesh = read_mesh(folder / "broken" / name, 1);
     if (welded) weld_mesh_file(mesh);
     return report_mesh(complex_of(mesh));
   };
