@@ -24,7 +24,7 @@ struct Facet {
 // border (the horizon) is one cycle and no new facet is degenerate: no case needs a tolerance.
 class Quickhull {
  public:
-  explicit Quickhull(const std::vector<Vec3>& points) : points_(points), facet_from_(points.size(), -1) {}
+  explicit Quickhull(std::span<const Vec3> points) : points_(points), facet_from_(points.size(), -1) {}
 
   std::vector<std::array<int, 3>> hull() {
     start_with_tetrahedron();
@@ -147,14 +147,14 @@ class Quickhull {
     facets_.push_back({{from, to, point}, {beyond, -1, -1}, {}});
   }
 
-  const std::vector<Vec3>& points_;
+  std::span<const Vec3> points_;
   std::vector<int> facet_from_;  // facet of the last horizon whose side starts at this point
   std::vector<Facet> facets_{};
 };
 
 }  // namespace
 
-std::vector<std::array<int, 3>> convex_hull(const std::vector<Vec3>& points) {
+std::vector<std::array<int, 3>> convex_hull(std::span<const Vec3> points) {
   require_field(points.size() >= 4, "number of points", points.size(), "be at least 4 for a convex hull");
   for (std::size_t i = 0; i < points.size(); ++i)
     require(points[i].allFinite(), "convex hull: point " + std::to_string(i) + " must be finite");

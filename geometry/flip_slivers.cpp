@@ -27,7 +27,7 @@ class SliverFlips {
   SliverFlips(const SimplicialComplex& complex, double tolerance)
       : vertices_(complex.vertices),
         tolerance_(tolerance),
-        triangles_(complex.triangles),
+        triangles_(complex.triangles.to_vector()),
         dropped_(complex.triangles.size()),
         proper_(complex.vertices.size()) {
     for (std::size_t t = 0; t < triangles_.size(); ++t)
@@ -151,7 +151,7 @@ class SliverFlips {
       if (is_sliver(triangle(t))) waiting_.insert(t);
   }
 
-  const std::vector<Vec3>& vertices_;
+  SharedArray<Vec3> vertices_;
   double tolerance_ = 0;
   std::vector<Triangle> triangles_;
   std::vector<bool> dropped_;

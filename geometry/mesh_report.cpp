@@ -74,7 +74,7 @@ int count_duplicate_vertices(const SimplicialComplex& complex) {
 }
 
 int count_duplicate_triangles(const SimplicialComplex& complex) {
-  std::vector<std::array<int, 3>> sorted = complex.triangles;
+  std::vector<std::array<int, 3>> sorted = complex.triangles.to_vector();
   for (auto& triangle : sorted) std::sort(triangle.begin(), triangle.end());
   std::sort(sorted.begin(), sorted.end());
   return int(sorted.end() - std::unique(sorted.begin(), sorted.end()));
@@ -89,7 +89,7 @@ double triangle_height(const Vec3& a, const Vec3& b, const Vec3& c) {
   return longest > 0 ? longest * (u / longest).cross(v / longest).norm() : 0;
 }
 
-std::vector<int> first_at_same_place(const std::vector<Vec3>& vertices) {
+std::vector<int> first_at_same_place(std::span<const Vec3> vertices) {
   const auto at = [&](int i) -> const Vec3& { return vertices[i]; };
   std::vector<int> order(vertices.size());  // equal places side by side, the earliest vertex first
   std::iota(order.begin(), order.end(), 0);

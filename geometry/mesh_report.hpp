@@ -38,6 +38,6 @@ std::string to_string(const MeshReport& report);
 double triangle_height(const Vec3& a, const Vec3& b, const Vec3& c);
 
 /// For each vertex, the index of the first one with equal coordinates (its own if there is no earlier one).
-std::vector<int> first_at_same_place(const std::vector<Vec3>& vertices);
+std::vector<int> first_at_same_place(std::span<const Vec3> vertices);
 
 }  // namespace aussois

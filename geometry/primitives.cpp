@@ -24,7 +24,7 @@ void add_quad(Triangles& triangles, int a, int b, int c, int d) {
 
 // One triangle into four; the vertex halfway along edge e gets the index vertex count + e.
 SimplicialComplex subdivided(const SimplicialComplex& complex) {
-  std::vector<Vec3> vertices = complex.vertices;
+  std::vector<Vec3> vertices = complex.vertices.to_vector();
   for (const auto& [a, b] : complex.edges) {
     vertices.push_back((complex.vertices[a] + complex.vertices[b]) / 2);
   }
@@ -168,10 +168,13 @@ SimplicialComplex make_sphere(double radius, int subdivisions) {
                     {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}});
   for (int level = 0; level < subdivisions; ++level) {
     sphere = subdivided(sphere);
-    for (Vec3& vertex : sphere.vertices) vertex.normalize();  // at every level, for even triangles
+    std::vector<Vec3> vertices = sphere.vertices.to_vector();
+    for (Vec3& vertex : vertices) vertex.normalize();  // at every level, for even triangles
+    sphere.vertices = std::move(vertices);
   }
-  for (Vec3& vertex : sphere.vertices) vertex *= radius / vertex.norm();
-  return make_complex(std::move(sphere.vertices), std::move(sphere.triangles), {}, true);
+  std::vector<Vec3> vertices = sphere.vertices.to_vector();
+  for (Vec3& vertex : vertices) vertex *= radius / vertex.norm();
+  return make_complex(std::move(vertices), sphere.triangles, {}, true);
 }
 
 SimplicialComplex make_extrusion(const std::vector<Vec2>& profile, double height) {

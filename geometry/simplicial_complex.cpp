@@ -14,7 +14,7 @@ namespace {
 
 // Throws unless each of the `simplices` has distinct vertices that exist.
 template <std::size_t N>
-void check_simplices(const char* kind, const std::vector<std::array<int, N>>& simplices,
+void check_simplices(const char* kind, std::span<const std::array<int, N>> simplices,
                      std::size_t vertex_count) {
   for (std::size_t i = 0; i < simplices.size(); ++i) {
     for (std::size_t k = 0; k < N; ++k) {
@@ -32,7 +32,7 @@ void check_simplices(const char* kind, const std::vector<std::array<int, N>>& si
   }
 }
 
-void check_vertices(const std::vector<Vec3>& vertices) {
+void check_vertices(std::span<const Vec3> vertices) {
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     if (vertices[i].allFinite()) continue;
     std::ostringstream text;
@@ -45,17 +45,15 @@ void check_vertices(const std::vector<Vec3>& vertices) {
 
 // Row r of the result lists, in ascending order, the items whose corners contain r.
 template <std::size_t N>
-Incidence incidence(std::size_t row_count, const std::vector<std::array<int, N>>& corners) {
-  Incidence result;
-  result.begin.assign(row_count + 1, 0);
+Incidence incidence(std::size_t row_count, std::span<const std::array<int, N>> corners) {
+  std::vector<int> begin(row_count + 1, 0);
   for (const auto& item : corners)
-    for (const int row : item) ++result.begin[std::size_t(row) + 1];
-  for (std::size_t r = 0; r < row_count; ++r) result.begin[r + 1] += result.begin[r];
-  result.items.resize(corners.size() * N);
-  std::vector<int> next = result.begin;
+    for (const int row : item) ++begin[std::size_t(row) + 1];
+  for (std::size_t r = 0; r < row_count; ++r) begin[r + 1] += begin[r];
+  std::vector<int> items(corners.size() * N), next = begin;
   for (std::size_t i = 0; i < corners.size(); ++i)
-    for (const int row : corners[i]) result.items[next[row]++] = int(i);
-  return result;
+    for (const int row : corners[i]) items[next[row]++] = int(i);
+  return {std::move(begin), std::move(items)};
 }
 
 struct HalfEdge {
@@ -65,8 +63,8 @@ struct HalfEdge {
   auto operator<=>(const HalfEdge&) const = default;  // NOLINT(modernize-use-nullptr): false alarm
 };
 
-std::vector<HalfEdge> sorted_half_edges(const std::vector<std::array<int, 3>>& triangles,
-                                        const std::vector<std::array<int, 2>>& wires) {
+std::vector<HalfEdge> sorted_half_edges(std::span<const std::array<int, 3>> triangles,
+                                        std::span<const std::array<int, 2>> wires) {
   std::vector<HalfEdge> half_edges;
   half_edges.reserve(3 * triangles.size() + wires.size());
   const auto add = [&](int a, int b, int triangle, int side) {
@@ -101,29 +99,33 @@ void check_solid(const SimplicialComplex& complex) {
 
 }  // namespace
 
-SimplicialComplex make_complex(std::vector<Vec3> vertices, std::vector<std::array<int, 3>> triangles,
-                               const std::vector<std::array<int, 2>>& wires, bool solid) {
+SimplicialComplex make_complex(SharedArray<Vec3> vertices, SharedArray<std::array<int, 3>> triangles,
+                               const SharedArray<std::array<int, 2>>& wires, bool solid) {
   check_vertices(vertices);
-  check_simplices("triangle", triangles, vertices.size());
-  check_simplices("wire", wires, vertices.size());
+  check_simplices<3>("triangle", triangles, vertices.size());
+  check_simplices<2>("wire", wires, vertices.size());
 
   SimplicialComplex complex;
   complex.vertices = std::move(vertices);
   complex.triangles = std::move(triangles);
-  complex.triangle_edges.resize(complex.triangles.size());
-  complex.edge_triangles.begin.push_back(0);
+  std::vector<std::array<int, 2>> edges;
+  std::vector<std::array<int, 3>> triangle_edges(complex.triangles.size());
+  std::vector<int> begin = {0}, around;  // triangles around edges
   for (const HalfEdge& half : sorted_half_edges(complex.triangles, wires)) {
-    if (complex.edges.empty() || complex.edges.back() != half.ends) {
-      complex.edges.push_back(half.ends);
-      complex.edge_triangles.begin.push_back(complex.edge_triangles.begin.back());
+    if (edges.empty() || edges.back() != half.ends) {
+      edges.push_back(half.ends);
+      begin.push_back(begin.back());
     }
     if (half.triangle < 0) continue;
-    complex.triangle_edges[half.triangle][half.side] = int(complex.edges.size()) - 1;
-    complex.edge_triangles.items.push_back(half.triangle);
-    ++complex.edge_triangles.begin.back();
+    triangle_edges[half.triangle][half.side] = int(edges.size()) - 1;
+    around.push_back(half.triangle);
+    ++begin.back();
   }
-  complex.vertex_edges = incidence(complex.vertices.size(), complex.edges);
-  complex.vertex_triangles = incidence(complex.vertices.size(), complex.triangles);
+  complex.edges = std::move(edges);
+  complex.triangle_edges = std::move(triangle_edges);
+  complex.edge_triangles = {std::move(begin), std::move(around)};
+  complex.vertex_edges = incidence<2>(complex.vertices.size(), complex.edges);
+  complex.vertex_triangles = incidence<3>(complex.vertices.size(), complex.triangles);
   if (solid) check_solid(complex);
   complex.solid = solid;
   return complex;
@@ -168,8 +170,10 @@ Box bounding_box(const SimplicialComplex& complex) {
 
 SimplicialComplex transformed_complex(const SimplicialComplex& complex, const SE3& g, double scale) {
   require_field(scale > 0 && std::isfinite(scale), "scale", scale, "be finite and > 0");
+  std::vector<Vec3> vertices = complex.vertices.to_vector();
+  for (Vec3& x : vertices) x = g * Vec3(scale * x);
   SimplicialComplex result = complex;
-  for (Vec3& x : result.vertices) x = g * Vec3(scale * x);
+  result.vertices = std::move(vertices);
   return result;
 }
 

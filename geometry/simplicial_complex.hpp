@@ -8,24 +8,25 @@
 #include <vector>
 
 #include "geometry/se3.hpp"
+#include "geometry/shared_array.hpp"
 
 namespace aussois {
 
 /// Compressed rows: the items of row i are items[begin[i]] ... items[begin[i + 1] - 1], ascending.
 struct Incidence {
-  std::vector<int> begin{};
-  std::vector<int> items{};
+  SharedArray<int> begin{};
+  SharedArray<int> items{};
   std::span<const int> operator[](int row) const {
     return {items.data() + begin[row], items.data() + begin[std::size_t(row) + 1]};
   }
 };
 
 struct SimplicialComplex {
-  std::vector<Vec3> vertices{};  // [m], in the frame of the mesh
-  std::vector<std::array<int, 2>>
+  SharedArray<Vec3> vertices{};  // [m], in the frame of the mesh
+  SharedArray<std::array<int, 2>>
       edges{};  // all edges, those of triangles included; ascending indices, sorted
-  std::vector<std::array<int, 3>> triangles{};  // counter-clockwise seen from outside, in the order given
-  std::vector<std::array<int, 3>> triangle_edges{};  // edge k of a triangle joins its corners k and k + 1
+  SharedArray<std::array<int, 3>> triangles{};  // counter-clockwise seen from outside, in the order given
+  SharedArray<std::array<int, 3>> triangle_edges{};  // edge k of a triangle joins its corners k and k + 1
   Incidence edge_triangles{};                        // 0, 1, 2 or more triangles on an edge
   Incidence vertex_edges{};
   Incidence vertex_triangles{};
@@ -38,8 +39,8 @@ struct SimplicialComplex {
 /// triangles with opposite orientation (the message counts the offending edges), and the enclosed volume must
 /// be positive; otherwise throws std::invalid_argument. A wire given twice, or along a triangle, is one edge;
 /// triangles and vertices are kept as given, in order. O(n log n).
-SimplicialComplex make_complex(std::vector<Vec3> vertices, std::vector<std::array<int, 3>> triangles,
-                               const std::vector<std::array<int, 2>>& wires = {}, bool solid = false);
+SimplicialComplex make_complex(SharedArray<Vec3> vertices, SharedArray<std::array<int, 3>> triangles,
+                               const SharedArray<std::array<int, 2>>& wires = {}, bool solid = false);
 
 /// True if triangle t traverses its edge e from the lower to the higher vertex.
 bool runs_upwards(const SimplicialComplex& complex, int t, int e);

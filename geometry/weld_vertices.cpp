@@ -14,7 +14,7 @@ bool comes_before(const Vec3& x, const Vec3& y) {
 
 // For each vertex the one that stands for it (CPX-7). In the order of the coordinates, so that the numbering
 // of the vertices has no influence, each free vertex takes the free ones around it.
-std::vector<int> leaders(const std::vector<Vec3>& vertices, double tolerance) {
+std::vector<int> leaders(std::span<const Vec3> vertices, double tolerance) {
   const auto at = [&](int i) -> const Vec3& { return vertices[i]; };
   std::vector<int> leader = first_at_same_place(vertices);
   if (tolerance <= 0) return leader;
@@ -41,7 +41,7 @@ std::vector<int> leaders(const std::vector<Vec3>& vertices, double tolerance) {
 }
 
 template <std::size_t N>
-Vec3 centre(const std::vector<Vec3>& vertices, const std::array<int, N>& corners) {
+Vec3 centre(std::span<const Vec3> vertices, const std::array<int, N>& corners) {
   Vec3 sum = Vec3::Zero();
   for (const int corner : corners) sum += vertices[corner];
   return sum / double(N);
@@ -49,7 +49,7 @@ Vec3 centre(const std::vector<Vec3>& vertices, const std::array<int, N>& corners
 
 // The simplices in new numbers, without those that name a vertex twice.
 template <std::size_t N>
-std::vector<std::array<int, N>> renumbered(const std::vector<std::array<int, N>>& simplices,
+std::vector<std::array<int, N>> renumbered(std::span<const std::array<int, N>> simplices,
                                            const std::vector<int>& vertex, const std::vector<Vec3>& place,
                                            RepairStep& collapsed) {
   std::vector<std::array<int, N>> kept;
@@ -96,8 +96,8 @@ WeldedComplex weld_vertices(const SimplicialComplex& complex, double tolerance) 
     out.complex = complex;
     return out;
   }
-  auto triangles = renumbered(complex.triangles, out.vertex, kept, out.collapsed_triangles);
-  const auto wires = renumbered(wires_of(complex), out.vertex, kept, out.collapsed_wires);
+  auto triangles = renumbered<3>(complex.triangles, out.vertex, kept, out.collapsed_triangles);
+  const auto wires = renumbered<2>(wires_of(complex), out.vertex, kept, out.collapsed_wires);
   out.complex = make_complex(std::move(kept), std::move(triangles), wires);
   return out;
 }

@@ -106,8 +106,13 @@ void fail_hdf5(hid_t file, const std::string& name, const std::string& what) {
   throw std::runtime_error(file_name(file) + ": " + name + ": " + what);
 }
 
-Hdf5Id create_hdf5(const std::filesystem::path& path) {
-  Hdf5Id file(H5Fcreate(path.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
+Hdf5Id create_hdf5(const std::filesystem::path& path, hsize_t alignment) {
+  const Hdf5Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  if (alignment > 1) {
+    H5Pset_alignment(access, 1, alignment);
+    H5Pset_small_data_block_size(access, 0);  // where small ones would lie side by side
+  }
+  Hdf5Id file(H5Fcreate(path.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, access), H5Fclose);
   if (file < 0) throw std::runtime_error(path.string() + ": cannot be created");
   return file;
 }
@@ -284,6 +289,46 @@ void write_fixed(hid_t file, const std::string& name, hid_t type, const void* da
   const Hdf5Id id(H5Dcreate2(file, name.c_str(), type, space, links, layout, H5P_DEFAULT), H5Dclose);
   if (id < 0 || (count > 0 && H5Dwrite(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0))
     fail_hdf5(file, name, "cannot be written (is the disk full?)");
+}
+
+void write_piece(hid_t file, const std::string& name, hid_t type, const std::vector<hsize_t>& row_shape,
+                 const void* data, hsize_t rows) {
+  std::vector<hsize_t> extent = row_shape;
+  extent.insert(extent.begin(), rows);
+  const Hdf5Id space(H5Screate_simple(int(extent.size()), extent.data(), nullptr), H5Sclose),
+      layout = without_times(), links = parent_groups_on_demand();
+  const Hdf5Id id(H5Dcreate2(file, name.c_str(), type, space, links, layout, H5P_DEFAULT), H5Dclose);
+  if (id < 0 || (rows > 0 && H5Dwrite(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0))
+    fail_hdf5(file, name, "cannot be written (is the disk full?)");
+}
+
+Hdf5Piece piece_of(hid_t file, const std::string& name, hid_t type, const std::vector<hsize_t>& row_shape) {
+  const Hdf5Id id(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
+  if (id < 0) fail_hdf5(file, name, "is missing");
+  const Hdf5Id space(H5Dget_space(id), H5Sclose), found(H5Dget_type(id), H5Tclose),
+      list(H5Dget_create_plist(id), H5Pclose);
+  std::vector<hsize_t> extent(std::size_t(std::max(H5Sget_simple_extent_ndims(space), 0)));
+  H5Sget_simple_extent_dims(space, extent.data(), nullptr);
+  if (extent.size() != row_shape.size() + 1 ||
+      !std::equal(row_shape.begin(), row_shape.end(), extent.begin() + 1))
+    fail_hdf5(file, name, "does not have the shape [rows, ...] of the format");
+  if (H5Tequal(found, type) <= 0) fail_hdf5(file, name, "does not have the type of the format");
+  if (H5Pget_layout(list) != H5D_CONTIGUOUS || H5Pget_external_count(list) != 0)
+    fail_hdf5(file, name, "does not lie in one piece");
+  const hsize_t values = value_count(space), size = H5Tget_size(type);
+  if (values == 0) return {};
+  hsize_t file_size = 0;
+  H5Fget_filesize(file, &file_size);
+  const haddr_t offset = H5Dget_offset(id);
+  if (offset == HADDR_UNDEF || offset > file_size || values > (file_size - offset) / size)
+    fail_hdf5(file, name, "claims " + std::to_string(values) + " values, more than the file holds");
+  return {offset, extent[0]};
+}
+
+int descriptor_of(hid_t file) {
+  void* handle = nullptr;
+  if (H5Fget_vfd_handle(file, H5P_DEFAULT, &handle) < 0) fail_hdf5(file, "/", "has no file descriptor");
+  return *static_cast<int*>(handle);
 }
 
 Hdf5Column Hdf5Column::open(hid_t file, std::string name, hid_t type, std::vector<hsize_t> row_shape) {

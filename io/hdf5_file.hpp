@@ -59,6 +59,11 @@ struct Hdf5Row<double> {
   static std::vector<hsize_t> shape() { return {}; }
 };
 template <>
+struct Hdf5Row<float> {
+  static hid_t type() { return H5T_NATIVE_FLOAT; }
+  static std::vector<hsize_t> shape() { return {}; }
+};
+template <>
 struct Hdf5Row<std::int8_t> {
   static hid_t type() { return H5T_NATIVE_INT8; }
   static std::vector<hsize_t> shape() { return {}; }
@@ -100,7 +105,8 @@ struct Hdf5Row<std::array<T, n>> : Hdf5Row<T> {
   }
 };
 
-Hdf5Id create_hdf5(const std::filesystem::path& path);  // fails if the file exists
+/// Fails if the file exists. Every dataset begins at a multiple of `alignment` bytes.
+Hdf5Id create_hdf5(const std::filesystem::path& path, hsize_t alignment = 1);
 enum class Hdf5Access { read, write };
 Hdf5Id open_hdf5(const std::filesystem::path& path, Hdf5Access access);
 void flush_hdf5(hid_t file);
@@ -173,6 +179,20 @@ template <class T>
 void write_fixed(hid_t file, const std::string& name, const std::vector<T>& values) {
   write_fixed(file, name, Hdf5Row<T>::type(), values.data(), values.size());
 }
+
+/// Writes a dataset as it lies in memory, in one piece.
+void write_piece(hid_t file, const std::string& name, hid_t type, const std::vector<hsize_t>& row_shape,
+                 const void* data, hsize_t rows);
+
+/// Where in the file such a dataset lies.
+struct Hdf5Piece {
+  hsize_t offset = 0, rows = 0;
+};
+/// Fails unless the dataset lies in one piece inside the file, and has exactly this type and shape of rows.
+Hdf5Piece piece_of(hid_t file, const std::string& name, hid_t type, const std::vector<hsize_t>& row_shape);
+
+/// The file descriptor of a file that is open.
+int descriptor_of(hid_t file);
 
 template <class T>
 std::vector<T> read_rows(hid_t file, const std::string& name) {

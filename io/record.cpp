@@ -12,7 +12,7 @@ namespace aussois {
 namespace {
 
 RunMesh run_mesh(const SimplicialComplex& complex) {
-  RunMesh mesh{complex.vertices, complex.triangles, {}};
+  RunMesh mesh{complex.vertices.to_vector(), complex.triangles.to_vector(), {}};
   for (std::size_t i = 0; i < complex.edges.size(); ++i)
     if (complex.edge_triangles[int(i)].empty()) mesh.wires.push_back(complex.edges[i]);
   return mesh;

@@ -222,7 +222,7 @@ void make_rooms(const std::vector<DilatedBox>& boxes, const std::vector<Straight
   scratch.neighbours = pairs_in_tree(boxes, scratch.room, any, threads, nullptr);
 }
 
-DilatedBox box_along(const Mat3& axes, const std::vector<Vec3>& points) {
+DilatedBox box_along(const Mat3& axes, std::span<const Vec3> points) {
   StraightBox b;
   for (const Vec3& x : points) b.add(axes.transpose() * x, axes.transpose() * x);
   return {.centre = axes * (b.lo + b.hi) / 2, .axes = axes, .half = (b.hi - b.lo) / 2};
@@ -237,7 +237,7 @@ double distance_of(const Vec3& centre, const DilatedBox& box) {
 
 }  // namespace
 
-DilatedBox box_around(const std::vector<Vec3>& points) {
+DilatedBox box_around(std::span<const Vec3> points) {
   require(!points.empty(), "box_around: there must be a point");
   Vec3 mean = Vec3::Zero();
   for (const Vec3& x : points) mean += x / double(points.size());

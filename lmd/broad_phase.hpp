@@ -5,6 +5,7 @@
 #pragma once
 
 #include <algorithm>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -41,7 +42,7 @@ struct StraightBox {
 
 /// A small box around the points, along the coordinate axes or the principal axes, whichever gives the
 /// smaller surface.
-DilatedBox box_around(const std::vector<Vec3>& points);
+DilatedBox box_around(std::span<const Vec3> points);
 DilatedBox operator*(const SE3& g, const DilatedBox& box);
 
 /// Lower bound of the distance (CA-11) [m], exact for balls; negative where the bound says nothing.

@@ -28,7 +28,7 @@ struct BaseTree {
   const LmdShape* shape;
   const ConeTree* tree;
   int first = 0;
-  const std::vector<int>* list = nullptr;
+  const SharedArray<int>* list = nullptr;
 
   BaseSimplex simplex(int i) const { return base_simplex(*shape, list ? (*list)[i] : first + i); }
 };

@@ -61,9 +61,9 @@ std::size_t node_count(int count) {
 
 class ConeTreeBuilder {
  public:
-  ConeTreeBuilder(const std::vector<ConeTreeItem>& items, const Vec3& centre, std::vector<int>& order,
-                  int threads)
-      : items_(items), centre_(centre), order_(order) {
+  ConeTreeBuilder(const std::vector<ConeTreeItem>& items, std::span<const Vec3> vertices, const Vec3& centre,
+                  std::vector<int>& order, int threads)
+      : items_(items), vertices_(vertices), centre_(centre), order_(order) {
     order_.resize(items.size());
     std::iota(order_.begin(), order_.end(), 0);
     if (items.empty()) return;
@@ -72,7 +72,7 @@ class ConeTreeBuilder {
     Vec3 lo = Vec3::Constant(kInf), hi = -lo;
     for (const ConeTreeItem& item : items) {
       Vec3 c = Vec3::Zero();
-      for (int i = 0; i < item.point_count; ++i) c += item.points[i] / item.point_count;
+      for (int v : corners(item)) c += vertices_[v] / item.vertex_count;
       lo = lo.cwiseMin(c);
       hi = hi.cwiseMax(c);
       place_.emplace_back() << c, item.axis;
@@ -80,23 +80,26 @@ class ConeTreeBuilder {
     }
     size_ = (hi - lo).norm();
     key_.resize(items.size());
-    tree_.nodes.resize(std::max(node_count(int(items.size())), std::size_t(1)));  // a lone bucket has a root
+    nodes_.resize(std::max(node_count(int(items.size())), std::size_t(1)));  // a lone bucket has a root
     build({0, 0, int(items.size())}, threads);
   }
-  ConeTree take() { return std::move(tree_); }
+  ConeTree take() { return {std::move(nodes_)}; }
 
  private:
   const ConeTreeItem& item(int i) const { return items_[order_[i]]; }
+  static std::span<const int> corners(const ConeTreeItem& item) {
+    return std::span(item.vertex).first(std::size_t(item.vertex_count));
+  }
 
   // Principal axes of the corners, or those of the frame where they give the smaller box.
   void box(Bounds& out, int begin, int end) const {
-    const Vec3 first = item(begin).points[0];
+    const Vec3 first = vertices_[item(begin).vertex[0]];
     Vec3 sum = Vec3::Zero();
     Mat3 S = Mat3::Zero();
     int n = 0;
     for (int i = begin; i < end; ++i)
-      for (int k = 0; k < item(i).point_count; ++k) {
-        const Vec3 d = item(i).points[k] - first;
+      for (int v : corners(item(i))) {
+        const Vec3 d = vertices_[v] - first;
         sum += d;
         S += d * d.transpose();
         ++n;
@@ -113,8 +116,8 @@ class ConeTreeBuilder {
       const Mat3 u = rounded.cast<double>();
       Vec3 lo = Vec3::Constant(kInf), hi = Vec3::Constant(-kInf);
       for (int i = begin; i < end; ++i)
-        for (int k = 0; k < item(i).point_count; ++k) {
-          const Vec3 x = u.transpose() * (item(i).points[k] - mean);
+        for (int v : corners(item(i))) {
+          const Vec3 x = u.transpose() * (vertices_[v] - mean);
           lo = lo.cwiseMin(x);
           hi = hi.cwiseMax(x);
         }
@@ -132,8 +135,8 @@ class ConeTreeBuilder {
     Vec3 h = Vec3::Zero();
     double r = 0;
     for (int i = begin; i < end; ++i)
-      for (int k = 0; k < item(i).point_count; ++k) {
-        const Vec3 d = item(i).points[k] - c;
+      for (int v : corners(item(i))) {
+        const Vec3 d = vertices_[v] - c;
         h = h.cwiseMax((u.transpose() * d).cwiseAbs());
         r = std::max(r, d.squaredNorm());
       }
@@ -166,7 +169,7 @@ class ConeTreeBuilder {
     Bounds b;
     box(b, begin, end);
     cap(b, begin, end);
-    ConeNode& n = tree_.nodes[node];
+    ConeNode& n = nodes_[node];
     for (int i = 0; i < 3; ++i) {
       n.c[i][lane] = b.c[i];
       n.axis[i][lane] = b.axis[i];
@@ -244,7 +247,7 @@ class ConeTreeBuilder {
       if (lane < count) {
         set_child(node, lane, bounds[lane], bounds[lane + 1]);
       } else {
-        ConeNode& n = tree_.nodes[node];
+        ConeNode& n = nodes_[node];
         for (auto& x : n.c) x[lane] = 0;
         n.r[lane] = -1;
         n.cos[lane] = -1;
@@ -261,8 +264,8 @@ class ConeTreeBuilder {
     for (int lane = 0; lane < count; ++lane) {
       const int size = bounds[lane + 1] - bounds[lane];
       if (size <= kBucket) continue;
-      tree_.nodes[node].child[lane] = std::uint32_t(next);
-      tree_.nodes[node].count[lane] = 0;
+      nodes_[node].child[lane] = std::uint32_t(next);
+      nodes_[node].count[lane] = 0;
       below.of[below.count++] = {next, bounds[lane], bounds[lane + 1]};
       next += node_count(size);
     }
@@ -270,20 +273,21 @@ class ConeTreeBuilder {
   }
 
   const std::vector<ConeTreeItem>& items_;
+  std::span<const Vec3> vertices_;
   Vec3 centre_;
   std::vector<int>& order_;
   std::vector<Vec6> place_;                            // centroid and axis of the cone
   std::vector<std::pair<double, double>> half_angle_;  // cos and sin
   std::vector<double> key_;
   double size_ = 0;  // of all
-  ConeTree tree_;
+  std::vector<ConeNode> nodes_{};
 };
 
 }  // namespace
 
-ConeTree build_cone_tree(const std::vector<ConeTreeItem>& items, const Vec3& centre, std::vector<int>& order,
-                         int threads) {
-  return ConeTreeBuilder(items, centre, order, threads).take();
+ConeTree build_cone_tree(const std::vector<ConeTreeItem>& items, std::span<const Vec3> vertices,
+                         const Vec3& centre, std::vector<int>& order, int threads) {
+  return ConeTreeBuilder(items, vertices, centre, order, threads).take();
 }
 
 }  // namespace aussois

@@ -4,9 +4,12 @@
 // that one instruction tests four.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "geometry/shared_array.hpp"
 #include "geometry/types.hpp"
 
 namespace aussois {
@@ -25,10 +28,10 @@ struct alignas(64) ConeNode {
   float h[3][4];     // their half sides
 };
 
-/// What the builder needs of a simplex: up to three points and the cap around its normal cone.
+/// What the builder needs of a simplex: its vertices and the cap around its normal cone.
 struct ConeTreeItem {
-  Vec3 points[3] = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
-  int point_count = 1;
+  std::array<int, 3> vertex{};
+  int vertex_count = 1;
   Vec3 axis = Vec3::UnitZ();
   double half_angle = kPi;
 };
@@ -38,12 +41,12 @@ inline constexpr int kBucket = 4;
 
 /// A tree over simplices of one class; it determines their order.
 struct ConeTree {
-  std::vector<ConeNode> nodes{};  // the root first; empty without simplices
+  SharedArray<ConeNode> nodes{};  // the root first; empty without simplices
 };
 
 /// Median splits by position and axis of the cone (LMD-13). `order` receives the items in the order of the
 /// buckets. The tree is the same for any number of threads.
-ConeTree build_cone_tree(const std::vector<ConeTreeItem>& items, const Vec3& centre, std::vector<int>& order,
-                         int threads = 1);
+ConeTree build_cone_tree(const std::vector<ConeTreeItem>& items, std::span<const Vec3> vertices,
+                         const Vec3& centre, std::vector<int>& order, int threads = 1);
 
 }  // namespace aussois

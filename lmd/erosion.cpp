@@ -44,7 +44,7 @@ std::vector<std::vector<Rounded>> rounded_parts(const SimplicialComplex& solid, 
     const double psi = interior_angle(solid, ideal, chain);
     if (!(psi < kPi)) continue;
     const Vec3 &a = solid.vertices[chain.first], &b = solid.vertices[chain.last];
-    for (int t : solid.edge_triangles[chain.edges.front()]) {
+    for (int t : solid.edge_triangles[edges_of(ideal, chain).front()]) {
       auto& list = parts[ideal.triangle_region[t]];
       list.push_back({a, b, depth / std::tan(psi / 2)});
       list.push_back({a, a, way[chain.first]});
@@ -104,7 +104,7 @@ void predict(const SimplicialComplex& solid, const Idealisation& ideal, const st
     if (!edge.alive || edge.chain < 0) continue;
     const std::array<Vec3, 2> ends = {wave.vertices[edge.ends[0]].to, wave.vertices[edge.ends[1]].to};
     const auto is_own = [&](int triangle) {
-      return std::ranges::any_of(solid.edge_triangles[chain.edges.front()], [&](int t) {
+      return std::ranges::any_of(solid.edge_triangles[edges_of(ideal, chain).front()], [&](int t) {
         return ideal.triangle_region[t] == triangle_region[triangle];
       });
     };
@@ -199,11 +199,11 @@ const char* to_string(ErosionStatus status) {
 }
 
 double interior_angle(const SimplicialComplex& k, const Idealisation& ideal, const Chain& chain) {
-  const int edge = chain.edges.front();
+  const int edge = edges_of(ideal, chain).front();
   const auto both = k.edge_triangles[edge];
   const Vec3 &n = ideal.region_normal[ideal.triangle_region[both[0]]],
              &m = ideal.region_normal[ideal.triangle_region[both[1]]];
-  const auto corner = corner_at(k, both[0], chain.vertices[0]);
+  const auto corner = corner_at(k, both[0], chain.first);
   const bool along = k.triangle_edges[both[0]][corner] == edge;
   return kPi - std::atan2(n.cross(m).dot(chain.direction) * (along ? 1 : -1), n.dot(m));
 }

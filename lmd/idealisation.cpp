@@ -86,42 +86,47 @@ void grow_regions(const SimplicialComplex& k, Idealisation& out) {
   }
 }
 
-// The regions on an edge, sorted; two edges with the same list may belong to one chain.
-std::vector<int> regions_of(const SimplicialComplex& k, const Idealisation& ideal, int edge) {
-  std::vector<int> regions;
-  for (int t : k.edge_triangles[edge]) regions.push_back(ideal.triangle_region[t]);
-  std::ranges::sort(regions);
-  return regions;
+// Whether the same regions meet at two edges, which may then belong to one chain.
+bool have_same_regions(const SimplicialComplex& k, const Idealisation& ideal, int edge, int other) {
+  const auto region = [&](int t) { return ideal.triangle_region[t]; };
+  return std::ranges::is_permutation(k.edge_triangles[edge], k.edge_triangles[other], {}, region, region);
+}
+
+void add_chain(std::span<const int> vertices, std::span<const int> edges, const Vec3& direction,
+               Idealisation& out) {
+  out.chains.push_back({.first = vertices.front(),
+                        .last = vertices.back(),
+                        .begin = int(out.path_edges.size()),
+                        .edge_count = int(edges.size()),
+                        .direction = direction});
+  out.path_vertices.insert(out.path_vertices.end(), vertices.begin(), vertices.end());
+  out.path_edges.insert(out.path_edges.end(), edges.begin(), edges.end());
 }
 
 // Cuts a polyline where it leaves the chord by more than the tolerance (Douglas and Peucker).
-void split_straight(const SimplicialComplex& k, const std::vector<int>& vertices,
-                    const std::vector<int>& edges, std::size_t first, std::size_t last, double tolerance,
-                    std::vector<Chain>& out) {
-  const Vec3& a = k.vertices[vertices[first]];
-  const Vec3 chord = k.vertices[vertices[last]] - a;
-  const double length = chord.norm();
-  std::size_t worst = first;
-  double distance = tolerance;
-  for (std::size_t i = first + 1; i < last; ++i) {
-    const Vec3 d = k.vertices[vertices[i]] - a;
-    const double along = length > 0 ? std::clamp(d.dot(chord) / (length * length), 0.0, 1.0) : 0;
-    const double off = (d - along * chord).norm();
-    if (off > distance) distance = off, worst = i;
+void split_straight(const SimplicialComplex& k, std::span<const int> vertices, std::span<const int> edges,
+                    Idealisation& out) {
+  std::vector<std::pair<std::size_t, std::size_t>> pieces = {{0, edges.size()}};  // the next one at the end
+  while (!pieces.empty()) {
+    const auto [first, last] = pieces.back();
+    pieces.pop_back();
+    const Vec3& a = k.vertices[vertices[first]];
+    const Vec3 chord = k.vertices[vertices[last]] - a;
+    const double length = chord.norm();
+    std::size_t worst = first;
+    double distance = out.tolerance;
+    for (std::size_t i = first + 1; i < last; ++i) {
+      const Vec3 d = k.vertices[vertices[i]] - a;
+      const double along = length > 0 ? std::clamp(d.dot(chord) / (length * length), 0.0, 1.0) : 0;
+      const double off = (d - along * chord).norm();
+      if (off > distance) distance = off, worst = i;
+    }
+    if (worst != first)
+      pieces.insert(pieces.end(), {{worst, last}, {first, worst}});
+    else if (length > 0)
+      add_chain(vertices.subspan(first, last - first + 1), edges.subspan(first, last - first), chord / length,
+                out);
   }
-  if (worst != first) {
-    split_straight(k, vertices, edges, first, worst, tolerance, out);
-    split_straight(k, vertices, edges, worst, last, tolerance, out);
-    return;
-  }
-  if (length == 0) return;
-  Chain chain;
-  chain.first = vertices[first];
-  chain.last = vertices[last];
-  chain.vertices.assign(vertices.begin() + long(first), vertices.begin() + long(last) + 1);
-  chain.edges.assign(edges.begin() + long(first), edges.begin() + long(last));
-  chain.direction = chord / length;
-  out.push_back(std::move(chain));
 }
 
 // The chain of each edge, and those that end at each vertex.
@@ -129,31 +134,36 @@ void list_chains(const SimplicialComplex& k, Idealisation& out) {
   out.edge_chain.assign(k.edges.size(), -1);
   std::vector<std::vector<int>> ends(k.vertices.size());
   for (std::size_t c = 0; c < out.chains.size(); ++c) {
-    for (int e : out.chains[c].edges) out.edge_chain[e] = int(c);
+    for (int e : edges_of(out, out.chains[c])) out.edge_chain[e] = int(c);
     ends[out.chains[c].first].push_back(int(c));
     if (out.chains[c].last != out.chains[c].first) ends[out.chains[c].last].push_back(int(c));
   }
-  out.vertex_chains.begin.assign(1, 0);
+  std::vector<int> begin = {0}, items;
   for (const auto& list : ends) {
-    out.vertex_chains.items.insert(out.vertex_chains.items.end(), list.begin(), list.end());
-    out.vertex_chains.begin.push_back(int(out.vertex_chains.items.size()));
+    items.insert(items.end(), list.begin(), list.end());
+    begin.push_back(int(items.size()));
   }
+  out.vertex_chains = {std::move(begin), std::move(items)};
 }
 
 void trace_chains(const SimplicialComplex& k, Idealisation& out) {
   const auto edge_count = k.edges.size();
-  std::vector<std::vector<int>> regions(edge_count);
-  std::vector<char> border(edge_count, 0);
-  std::vector<std::vector<int>> at(k.vertices.size());  // border edges at a vertex
+  struct Ends {  // of border edges at a vertex
+    int count = 0;
+    std::array<int, 2> first{};
+  };
+  std::vector<Ends> at(k.vertices.size());
+  std::vector<char> border(edge_count);
   for (std::size_t e = 0; e < edge_count; ++e) {
-    regions[e] = regions_of(k, out, int(e));
-    border[e] = !(regions[e].size() == 2 && regions[e][0] == regions[e][1]);
+    const auto around = k.edge_triangles[int(e)];
+    border[e] = !(around.size() == 2 && out.triangle_region[around[0]] == out.triangle_region[around[1]]);
     if (border[e])
-      for (int v : k.edges[e]) at[v].push_back(int(e));
+      for (int v : k.edges[e])
+        if (Ends& ends = at[v]; ends.count++ < 2) ends.first[std::size_t(ends.count) - 1] = int(e);
   }
   const auto passes = [&](int v) {
-    const auto& e = at[v];
-    return e.size() == 2 && regions[e[0]] == regions[e[1]];
+    const auto& [count, e] = at[v];
+    return count == 2 && have_same_regions(k, out, e[0], e[1]);
   };
   std::vector<char> done(edge_count, 0);
   const auto trace = [&](int edge, int from) {
@@ -165,11 +175,11 @@ void trace_chains(const SimplicialComplex& k, Idealisation& out) {
       v = ends[0] == v ? ends[1] : ends[0];
       vertices.push_back(v);
       if (!passes(v)) break;
-      const auto& two = at[v];
+      const auto& two = at[v].first;
       e = two[0] == e ? two[1] : two[0];
       if (done[e]) break;
     }
-    split_straight(k, vertices, edges, 0, vertices.size() - 1, out.tolerance, out.chains);
+    split_straight(k, vertices, edges, out);
   };
   for (std::size_t e = 0; e < edge_count; ++e)  // first the open ones, from their ends
     if (border[e] && !done[e])
@@ -186,17 +196,21 @@ void trace_chains(const SimplicialComplex& k, Idealisation& out) {
 std::vector<MovedVertex> straighten_chains(SimplicialComplex& complex, const Idealisation& ideal,
                                            double foot) {
   std::vector<MovedVertex> moved;
-  for (const Chain& chain : ideal.chains) {
-    const Vec3 a = complex.vertices[chain.first];
-    const double length = (complex.vertices[chain.last] - a).norm();
-    for (std::size_t i = 1; i + 1 < chain.vertices.size(); ++i) {
-      Vec3& x = complex.vertices[chain.vertices[i]];
+  std::vector<Vec3> vertices = complex.vertices.to_vector();
+  for (std::size_t c = 0; c < ideal.chains.size(); ++c) {
+    const Chain& chain = ideal.chains[c];
+    const Vec3 a = vertices[chain.first];
+    const double length = (vertices[chain.last] - a).norm();
+    const std::span<const int> path = vertices_of(ideal, int(c));
+    for (const int v : path.subspan(1, path.size() - 2)) {
+      Vec3& x = vertices[v];
       const Vec3 on_chord = a + std::clamp(chain.direction.dot(x - a), 0.0, length) * chain.direction;
       if ((x - on_chord).norm() <= foot) continue;
-      moved.push_back({chain.vertices[i], x});
+      moved.push_back({v, x});
       x = on_chord;
     }
   }
+  if (!moved.empty()) complex.vertices = std::move(vertices);
   std::ranges::sort(moved, {}, &MovedVertex::vertex);
   return moved;
 }
@@ -210,7 +224,7 @@ std::vector<double> misfit_at_vertices(const SimplicialComplex& complex, const I
     first = std::max(first, sine);
   };
   for (const Chain& chain : ideal.chains)
-    for (const int t : complex.edge_triangles[chain.edges.front()]) {
+    for (const int t : complex.edge_triangles[edges_of(ideal, chain).front()]) {
       const auto region = std::size_t(ideal.triangle_region[t]);
       const double sine = std::abs(ideal.region_normal[region].dot(chain.direction));
       add(chain.first, sine);
@@ -245,11 +259,7 @@ Idealisation idealise_each(const SimplicialComplex& complex, double tolerance) {
   for (int e = 0; e < int(complex.edges.size()); ++e) {
     const auto& [a, b] = complex.edges[e];
     const Vec3 d = complex.vertices[b] - complex.vertices[a];
-    out.chains.push_back({.first = a,
-                          .last = b,
-                          .vertices = {a, b},
-                          .edges = {e},
-                          .direction = d.isZero(0) ? Vec3(Vec3::UnitX()) : Vec3(d.normalized())});
+    add_chain(std::array{a, b}, std::array{e}, d.isZero(0) ? Vec3(Vec3::UnitX()) : Vec3(d.normalized()), out);
   }
   list_chains(complex, out);
   return out;

@@ -4,6 +4,7 @@
 // on the triangulation.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "geometry/simplicial_complex.hpp"
@@ -13,8 +14,7 @@ namespace aussois {
 /// A straight piece of the border between regions, a border of a sheet, or a straight piece of wire.
 struct Chain {
   int first = 0, last = 0;         // its end vertices
-  std::vector<int> vertices{};     // from first to last
-  std::vector<int> edges{};        // edge k joins vertices k and k + 1
+  int begin = 0, edge_count = 1;   // of its path, see edges_of and vertices_of
   Vec3 direction = Vec3::UnitX();  // unit, from first to last
 };
 
@@ -33,9 +33,19 @@ struct Idealisation {
   std::vector<Vec3> region_normal{};    // unit
   std::vector<double> region_offset{};  // the region's plane is { x : normal . x = offset } [m]
   std::vector<Chain> chains{};
-  std::vector<int> edge_chain{};  // -1: inside a region, silent
-  Incidence vertex_chains{};      // chains that end at a vertex
+  std::vector<int> path_edges{}, path_vertices{};  // of all chains, one after the other
+  std::vector<int> edge_chain{};                   // -1: inside a region, silent
+  Incidence vertex_chains{};                       // chains that end at a vertex
 };
+
+/// The edges of a chain, and the vertices from first to last: edge k joins vertices k and k + 1.
+inline std::span<const int> edges_of(const Idealisation& ideal, const Chain& chain) {
+  return std::span(ideal.path_edges).subspan(std::size_t(chain.begin), std::size_t(chain.edge_count));
+}
+inline std::span<const int> vertices_of(const Idealisation& ideal, int chain) {
+  const Chain& c = ideal.chains[chain];  // each chain before it has one vertex more than edges
+  return std::span(ideal.path_vertices).subspan(std::size_t(c.begin + chain), std::size_t(c.edge_count) + 1);
+}
 
 /// Regions grow from the largest triangle over manifold edges while all vertices stay within `tolerance` of
 /// the seed's plane and the normal within 1 degree (slivers excepted). Chains are split where they leave a

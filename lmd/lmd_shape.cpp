@@ -34,8 +34,9 @@ struct ChainCone {
 // Signed regions of the triangles on the first edge of a chain, and their conormals.
 void conormals_of(const SimplicialComplex& k, const Idealisation& ideal, const Chain& chain,
                   std::vector<int>& signed_regions, std::vector<Vec3>& conormals) {
-  const int a = chain.vertices[0], b = chain.vertices[1];
-  for (int t : k.edge_triangles[chain.edges.front()]) {
+  const std::array<int, 2> ends = k.edges[edges_of(ideal, chain).front()];
+  const int a = chain.first, b = ends[0] == a ? ends[1] : ends[0];
+  for (int t : k.edge_triangles[edges_of(ideal, chain).front()]) {
     const auto& v = k.triangles[t];
     double sense = -ideal.triangle_sign[t];
     for (std::size_t i = 0; i < 3; ++i)
@@ -52,7 +53,7 @@ ChainCone chain_cone(const SimplicialComplex& k, const Idealisation& ideal, cons
   conormals_of(k, ideal, chain, sides, conormals);
   ChainCone out;
   if (k.solid) {  // interior side: a concave crease has the whole space as tangent cone's hull
-    const int t = k.edge_triangles[chain.edges.front()][0];
+    const int t = k.edge_triangles[edges_of(ideal, chain).front()][0];
     const Vec3 n = ideal.triangle_sign[t] * ideal.region_normal[ideal.triangle_region[t]];
     out.rise = n.dot(conormals[1]);
     if (out.rise >= -1e-12) return out;  // concave or flat: N = {0}
@@ -110,13 +111,10 @@ double height(const Vec3& a, const Vec3& b, const Vec3& c) {
   return longest > 0 ? (b - a).cross(c - a).norm() / longest : 0;
 }
 
-ConeTreeItem tree_item(std::initializer_list<Vec3> points, const Vec3& axis = Vec3::UnitZ(),
+ConeTreeItem tree_item(std::span<const int> vertices, const Vec3& axis = Vec3::UnitZ(),
                        double half_angle = kPi) {
-  ConeTreeItem item;
-  item.point_count = 0;
-  for (const Vec3& x : points) item.points[item.point_count++] = x;
-  item.axis = axis;
-  item.half_angle = half_angle;
+  ConeTreeItem item{.vertex_count = int(vertices.size()), .axis = axis, .half_angle = half_angle};
+  std::ranges::copy(vertices, item.vertex.begin());
   return item;
 }
 
@@ -130,10 +128,10 @@ void in_chunks(int n, int threads, const auto& f) {
 
 // Puts `leaves` in the order of a tree over `items`.
 template <class Leaf>
-ConeTree make_tree(const std::vector<ConeTreeItem>& items, const Vec3& centre, std::vector<Leaf>& leaves,
+ConeTree make_tree(const std::vector<ConeTreeItem>& items, const LmdShape& shape, std::vector<Leaf>& leaves,
                    int threads) {
   std::vector<int> order;
-  ConeTree tree = build_cone_tree(items, centre, order, threads);
+  ConeTree tree = build_cone_tree(items, shape.complex.vertices, shape.centre, order, threads);
   std::vector<Leaf> sorted;
   sorted.reserve(leaves.size());
   for (int i : order) sorted.push_back(leaves[i]);
@@ -146,6 +144,7 @@ void add_vertices(LmdShape& shape, const Idealisation& ideal, const std::vector<
   const SimplicialComplex& k = shape.complex;
   std::vector<VertexLeaf> narrow, wide;
   std::vector<ConeTreeItem> narrow_items, wide_items;
+  std::vector<Vec3> rays;
   std::vector<std::optional<NormalCone>> of_vertex(k.vertices.size());  // of those that are leaves
   in_chunks(int(k.vertices.size()), threads, [&](int v) {
     if (ideal.vertex_chains[v].empty() && !k.vertex_edges[v].empty()) return;  // inside a region or a chain
@@ -158,83 +157,91 @@ void add_vertices(LmdShape& shape, const Idealisation& ideal, const std::vector<
     const NormalCone& cone = *of_vertex[v];
     const bool is_wide = cone.rays.size() < 3;
     const VertexLeaf leaf{.vertex = v,
-                          .first_ray = int(shape.rays.size()),
-                          .ray_count = std::uint32_t(cone.rays.size()) & 0x7ffffffU,
+                          .first_ray = int(rays.size()),
+                          .ray_count = std::uint32_t(cone.rays.size()) & 0x3fffffffU,
                           .cyclic = cone.cyclic,
                           .is_wide = is_wide};
-    shape.rays.insert(shape.rays.end(), cone.rays.begin(), cone.rays.end());
-    const ConeTreeItem item = tree_item({at(k, v)}, cone.axis, cone.half_angle);
+    rays.insert(rays.end(), cone.rays.begin(), cone.rays.end());
+    const ConeTreeItem item = tree_item(std::array{v}, cone.axis, cone.half_angle);
     (is_wide ? wide : narrow).push_back(leaf);
     (is_wide ? wide_items : narrow_items).push_back(item);
   }
-  shape.vertex_tree = make_tree(narrow_items, shape.centre, narrow, threads);
-  shape.wide_vertex_tree = make_tree(wide_items, shape.centre, wide, threads);
+  shape.vertex_tree = make_tree(narrow_items, shape, narrow, threads);
+  shape.wide_vertex_tree = make_tree(wide_items, shape, wide, threads);
   shape.narrow_vertices = int(narrow.size());
+  narrow.insert(narrow.end(), wide.begin(), wide.end());
   shape.vertices = std::move(narrow);
-  shape.vertices.insert(shape.vertices.end(), wide.begin(), wide.end());
+  shape.rays = std::move(rays);
 }
 
 void add_edges(LmdShape& shape, const Idealisation& ideal, const std::vector<ChainCone>& cones,
                const std::vector<double>& misfits, int threads) {
-  const SimplicialComplex& k = shape.complex;
   std::vector<EdgeLeaf> narrow, wide;
   std::vector<ConeTreeItem> narrow_items, wide_items;
+  std::vector<int> paths;
   const auto misfit = [&](int first, int last) { return std::max(misfits[first], misfits[last]); };
   for (std::size_t c = 0; c < ideal.chains.size(); ++c) {
     if (!cones[c].simplex_class) continue;
     const Chain& chain = ideal.chains[c];
+    const std::span<const int> path = edges_of(ideal, chain);
     const EdgeLeaf leaf{.first = chain.first,
                         .last = chain.last,
                         .conormals = cones[c].conormals,
-                        .path = chain.edges.size() == 1 ? chain.edges[0] : int(shape.paths.size()),
-                        .path_length = std::uint32_t(chain.edges.size()) & 0x7fffffffU,
+                        .path = path.size() == 1 ? path[0] : int(paths.size()),
+                        .path_length = std::uint32_t(path.size()) & 0x7fffffffU,
                         .is_wide = *cones[c].simplex_class == SimplexClass::e_wide};
-    if (chain.edges.size() > 1) shape.paths.insert(shape.paths.end(), chain.edges.begin(), chain.edges.end());
-    const ConeTreeItem item = tree_item({at(k, chain.first), at(k, chain.last)}, cones[c].axis,
+    if (path.size() > 1) paths.insert(paths.end(), path.begin(), path.end());
+    const ConeTreeItem item = tree_item(std::array{chain.first, chain.last}, cones[c].axis,
                                         cones[c].half_angle + 1.01 * misfit(chain.first, chain.last));
     (leaf.is_wide ? wide : narrow).push_back(leaf);
     (leaf.is_wide ? wide_items : narrow_items).push_back(item);
   }
-  shape.edge_tree = make_tree(narrow_items, shape.centre, narrow, threads);
-  shape.wide_edge_tree = make_tree(wide_items, shape.centre, wide, threads);
+  shape.edge_tree = make_tree(narrow_items, shape, narrow, threads);
+  shape.wide_edge_tree = make_tree(wide_items, shape, wide, threads);
   shape.narrow_edges = int(narrow.size());
+  narrow.insert(narrow.end(), wide.begin(), wide.end());
+  std::vector<float> of_edge;
+  for (const EdgeLeaf& leaf : narrow) of_edge.push_back(float(misfit(leaf.first, leaf.last)));
+  if (std::ranges::any_of(of_edge, [](float m) { return m != 0; })) shape.misfits = std::move(of_edge);
   shape.edges = std::move(narrow);
-  shape.edges.insert(shape.edges.end(), wide.begin(), wide.end());
-  for (const EdgeLeaf& leaf : shape.edges) shape.misfits.push_back(float(misfit(leaf.first, leaf.last)));
-  if (std::ranges::all_of(shape.misfits, [](float m) { return m == 0; })) shape.misfits = {};
+  shape.paths = std::move(paths);
 }
 
 // Triangles are faces of contacts and simplices of the base complex; the latter has wires and points as well.
 void add_faces(LmdShape& shape, const Idealisation& ideal, double flat, int threads) {
   const SimplicialComplex& k = shape.complex;
   std::vector<ConeTreeItem> items, rest_items;
+  std::vector<int> faces;
+  std::vector<BaseSimplex> rest;
   for (int t = 0; t < int(k.triangles.size()); ++t) {
     const auto& v = k.triangles[t];
-    ConeTreeItem item = tree_item({at(k, v[0]), at(k, v[1]), at(k, v[2])});
-    if (height(item.points[0], item.points[1], item.points[2]) <= flat) {
+    ConeTreeItem item = tree_item(v);
+    if (height(at(k, v[0]), at(k, v[1]), at(k, v[2])) <= flat) {
       ++shape.flat_triangles;
-      shape.rest.push_back({2, v});
+      rest.push_back({2, v});
       rest_items.push_back(item);
       continue;
     }
     item.axis = ideal.triangle_sign[t] * ideal.region_normal[ideal.triangle_region[t]];
     item.half_angle = 0;
-    shape.faces.push_back(t);
+    faces.push_back(t);
     items.push_back(item);
   }
   for (int e = 0; e < int(k.edges.size()); ++e)
     if (k.edge_triangles[e].empty()) {
       const auto& [a, b] = k.edges[e];
-      shape.rest.push_back({1, {a, b, -1}});
-      rest_items.push_back(tree_item({at(k, a), at(k, b)}));
+      rest.push_back({1, {a, b, -1}});
+      rest_items.push_back(tree_item(k.edges[e]));
     }
   for (int v = 0; v < int(k.vertices.size()); ++v)
     if (k.vertex_edges[v].empty()) {
-      shape.rest.push_back({0, {v, -1, -1}});
-      rest_items.push_back(tree_item({at(k, v)}));
+      rest.push_back({0, {v, -1, -1}});
+      rest_items.push_back(tree_item(std::array{v}));
     }
-  shape.face_tree = make_tree(items, shape.centre, shape.faces, threads);
-  shape.rest_tree = make_tree(rest_items, shape.centre, shape.rest, threads);
+  shape.face_tree = make_tree(items, shape, faces, threads);
+  shape.rest_tree = make_tree(rest_items, shape, rest, threads);
+  shape.faces = std::move(faces);
+  shape.rest = std::move(rest);
 }
 
 Vec3 normal_of(const Idealisation& ideal, int triangle) {
@@ -251,7 +258,7 @@ std::vector<char> unproven_vertices(const LmdShape& shape, const Idealisation& i
   constexpr double kLargestTilt = kPi / 180;  // of a face in its region
   const SimplicialComplex& k = shape.complex;
   const auto is_blunt = [&](const Chain& chain) {
-    const auto sides = k.edge_triangles[chain.edges.front()];
+    const auto sides = k.edge_triangles[edges_of(ideal, chain).front()];
     const double misfit = std::max(misfits[chain.first], misfits[chain.last]);
     return misfit > 0 && sides.size() == 2 &&
            angle(normal_of(ideal, sides[0]), normal_of(ideal, sides[1])) <= misfit;
@@ -267,7 +274,7 @@ std::vector<char> unproven_vertices(const LmdShape& shape, const Idealisation& i
   std::vector<char> mark(k.vertices.size(), 0);
   for (const Chain& chain : ideal.chains)
     if (is_blunt(chain))
-      for (int e : chain.edges)
+      for (int e : edges_of(ideal, chain))
         for (int v : k.edges[e]) mark[v] = 1;
   for (int t : shape.faces)
     if (is_tilted(t))
@@ -279,19 +286,20 @@ void add_unproven(LmdShape& shape, const Idealisation& ideal, const std::vector<
                   int threads) {
   const std::vector<char> mark = unproven_vertices(shape, ideal, misfits);
   std::vector<ConeTreeItem> items;
+  std::vector<int> unproven;
   for (int i = 0; i < base_count(shape); ++i) {
     const BaseSimplex s = base_simplex(shape, i);
     const std::span<const int> corners = std::span(s.vertex).first(std::size_t(s.dim) + 1);
     if (std::ranges::none_of(corners, [&](int v) { return mark[v] != 0; })) continue;
-    shape.unproven.push_back(i);
-    items.push_back(tree_item({}));
-    for (int v : corners) items.back().points[items.back().point_count++] = at(shape.complex, v);
+    unproven.push_back(i);
+    items.push_back(tree_item(corners));
   }
-  shape.unproven_tree = make_tree(items, shape.centre, shape.unproven, threads);
+  shape.unproven_tree = make_tree(items, shape, unproven, threads);
+  shape.unproven = std::move(unproven);
 }
 
 template <class T>
-std::size_t bytes(const std::vector<T>& v) {
+std::size_t bytes(const SharedArray<T>& v) {
   return v.size() * sizeof(T);
 }
 
@@ -323,10 +331,14 @@ LmdShape prepare(DilatedShape dilated, const LmdShapeOptions& options) {
   const Idealisation ideal = (options.deforming ? idealise_each : idealise)(shape.complex, shape.tolerance);
   shape.straightened =
       straighten_chains(shape.complex, ideal, 1e-10 * box.diagonal());  // a tenth of what feet forgive
+  std::vector<RegionPlane> regions;
   for (std::size_t r = 0; r < ideal.region_normal.size(); ++r)
-    shape.regions.push_back({ideal.region_normal[r], ideal.region_offset[r]});
+    regions.push_back({ideal.region_normal[r], ideal.region_offset[r]});
+  std::vector<std::int8_t> signs;
+  for (double sign : ideal.triangle_sign) signs.push_back(std::int8_t(sign));
+  shape.regions = std::move(regions);
   shape.triangle_region = ideal.triangle_region;
-  for (double sign : ideal.triangle_sign) shape.triangle_sign.push_back(std::int8_t(sign));
+  shape.triangle_sign = std::move(signs);
   std::vector<ChainCone> cones(ideal.chains.size());
   in_chunks(int(cones.size()), options.threads,
             [&](int c) { cones[c] = chain_cone(shape.complex, ideal, ideal.chains[c]); });

@@ -38,7 +38,7 @@ enum class SimplexClass : std::uint8_t {
 struct VertexLeaf {
   int vertex = 0;
   int first_ray = 0;                 // in LmdShape::rays
-  std::uint32_t ray_count : 27 = 0;  // extreme rays of its tangent cone, which has no lineality
+  std::uint32_t ray_count : 30 = 0;  // extreme rays of its tangent cone, which has no lineality
   std::uint32_t cyclic : 1 = 1;      // see ConeView
   std::uint32_t is_wide : 1 = 0;     // the normal cone contains a line or more
 };
@@ -75,19 +75,19 @@ struct LmdShape {
   Vec3 centre = Vec3::Zero();               // of a small ball around the vertices, frame of the shape [m]
   double bounding_radius = 0;               // of that ball, without dilation [m]
   double tolerance = 0;                     // of regions and chains, tau_f [m]
-  std::vector<MovedVertex> straightened{};  // vertices of the complex that were moved onto chords of chains
+  SharedArray<MovedVertex> straightened{};  // vertices of the complex that were moved onto chords of chains
 
-  std::vector<RegionPlane> regions{};
-  std::vector<int> triangle_region{};        // of each triangle
-  std::vector<std::int8_t> triangle_sign{};  // +1 if the triangle faces as its region does, otherwise -1
-  std::vector<Vec3> rays{};
-  std::vector<int> paths{};
-  std::vector<VertexLeaf> vertices{};
-  std::vector<EdgeLeaf> edges{};
-  std::vector<float> misfits{};  // of the edges: how far feet may lie beyond the ends, per distance (LMD-15);
+  SharedArray<RegionPlane> regions{};
+  SharedArray<int> triangle_region{};        // of each triangle
+  SharedArray<std::int8_t> triangle_sign{};  // +1 if the triangle faces as its region does, otherwise -1
+  SharedArray<Vec3> rays{};
+  SharedArray<int> paths{};
+  SharedArray<VertexLeaf> vertices{};
+  SharedArray<EdgeLeaf> edges{};
+  SharedArray<float> misfits{};  // of the edges: how far feet may lie beyond the ends, per distance (LMD-15);
                                  // empty if it is 0 for all
-  std::vector<int> faces{};      // triangles; those of sheets have two sides
-  std::vector<BaseSimplex> rest{};  // base simplices that are not faces: too flat for a normal, wires, points
+  SharedArray<int> faces{};      // triangles; those of sheets have two sides
+  SharedArray<BaseSimplex> rest{};  // base simplices that are not faces: too flat for a normal, wires, points
   // The hierarchies (LMD-9). The class set of a node is that of its tree.
   ConeTree vertex_tree{}, wide_vertex_tree{}, edge_tree{}, wide_edge_tree{}, face_tree{}, rest_tree{};
   int narrow_vertices = 0, narrow_edges = 0;  // the wide ones follow
@@ -95,7 +95,7 @@ struct LmdShape {
   // Numbers of base simplices at creases no sharper than the misfit of their corners, and at faces higher
   // than the tolerance that are more than 1 degree off their regions, in the order of their tree: elsewhere
   // (LMD-14) is proven
-  std::vector<int> unproven{};
+  SharedArray<int> unproven{};
   ConeTree unproven_tree{};
 };
 

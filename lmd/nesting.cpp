@@ -17,7 +17,7 @@ Nesting pieces_within(const PosedShape& inner, const Pieces& pieces, const Posed
   Nesting out{.of = int(pieces.vertex.size())};
   if (!outer.shape->complex.solid) return out;
   const SE3 g = inverse(outer.g_ws) * inner.g_ws;
-  const std::vector<Vec3>& vertices = inner.shape->complex.vertices;
+  const std::span<const Vec3> vertices = inner.shape->complex.vertices;
   std::vector<Box> boxes(pieces.vertex.size());
   for (std::size_t v = 0; v < vertices.size(); ++v) {
     const Vec3 x = g * vertices[v];

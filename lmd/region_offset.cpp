@@ -116,7 +116,7 @@ Places find_places(const SimplicialComplex& solid, const Idealisation& ideal, co
     }
   }
   for (std::size_t c = 0; c < ideal.chains.size(); ++c)
-    for (int v : ideal.chains[c].vertices)
+    for (int v : vertices_of(ideal, int(c)))
       if (const auto at = in_chain.find({int(c), v}); at != in_chain.end())
         out.inside[c].push_back(at->second);
   return out;
@@ -239,7 +239,8 @@ Failure lost_edge(const SimplicialComplex& k, const Idealisation& ideal, const C
   const Vec3 &a = k.vertices[chain.first], &b = k.vertices[chain.last];
   text << "the edge of length " << (b - a).norm() << " m at vertex " << chain.first << " would vanish";
   Failure failure{ErosionStatus::lost_edge, 0.5 * (a + b), text.str(), {}};
-  for (int t : k.edge_triangles[chain.edges.front()]) failure.regions.push_back(ideal.triangle_region[t]);
+  for (int t : k.edge_triangles[edges_of(ideal, chain).front()])
+    failure.regions.push_back(ideal.triangle_region[t]);
   return failure;
 }
 

@@ -196,7 +196,9 @@ ExitCode prepare_part(const Arguments& a) {
     report_erosion(report, eroded);
     if (eroded.ok())
       write_obj(a.common.out / "eroded.obj",
-                {.vertices = eroded.complex.vertices, .triangles = eroded.complex.triangles}, a.scale);
+                {.vertices = eroded.complex.vertices.to_vector(),
+                 .triangles = eroded.complex.triangles.to_vector()},
+                a.scale);
     else
       report_refusal(report, part.complex, eroded, a.erosion, a.fallback == "none");
   }

@@ -2,6 +2,7 @@
 #include "integrators/pose/step_pairs.hpp"
 
 #include <algorithm>
+#include <span>
 
 #include "geometry/number_text.hpp"
 #include "geometry/parallel.hpp"
@@ -41,14 +42,14 @@ void for_each_part(const std::vector<StepPair>& pairs, int threads,
 
 namespace {
 
-BodyBounds bounds_of_body(const RigidBody& body, const std::vector<Vec3>& vertices, const DilatedBox& box) {
+BodyBounds bounds_of_body(const RigidBody& body, std::span<const Vec3> vertices, const DilatedBox& box) {
   BodyBounds out{.box = body.g_bs * box};
   out.box.fixed = !yields(body);
   for (const Vec3& x : vertices) out.radius = std::max(out.radius, (body.g_bs * x).norm());
   return out;
 }
 
-DilatedBox dilated_box(const std::vector<Vec3>& vertices, double radius) {
+DilatedBox dilated_box(std::span<const Vec3> vertices, double radius) {
   DilatedBox box = box_around(vertices);
   box.radius = radius;
   return box;
@@ -69,7 +70,7 @@ double bend_of(const LmdShape& shape, const std::vector<Vec3>& velocity, double 
   return std::acos(std::clamp(least, -1.0, 1.0));
 }
 
-BodyBounds bounds_of_deformed(const Model& model, BodyId body, const std::vector<Vec3>& vertices) {
+BodyBounds bounds_of_deformed(const Model& model, BodyId body, std::span<const Vec3> vertices) {
   return bounds_of_body(model.bodies[body], vertices, dilated_box(vertices, shape_of(model, body)->radius));
 }
 

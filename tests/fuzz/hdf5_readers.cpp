@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <unistd.h>
 
-#include "geometry/digest.hpp"
 #include "geometry/primitives.hpp"
 #include "io/atomic_file.hpp"
 #include "io/checkpoint.hpp"
 #include "io/fclib_file.hpp"
+#include "io/sealed_file.hpp"
 #include "io/shape_cache.hpp"
 #include "lmd/find_contacts.hpp"
 #include "tests/fuzz/hdf5_edits.hpp"
@@ -119,13 +119,6 @@ std::vector<LmdShape> shapes() {
           prepare(dilate(make_point(), 0.1))};
 }
 
-void seal(const fs::path& file) {
-  std::string bytes = content_of(file);
-  Digest digest;
-  digest.add(std::as_bytes(std::span(bytes)));
-  write_bytes(file, bytes.append(reinterpret_cast<const char*>(&digest.value), sizeof digest.value));
-}
-
 /// A shape that passed all checks is one that searches walk through, whatever they find.
 void use_shape(const fs::path& file) {
   const LmdShape shape = read_lmd_shape(file, kKey);
@@ -139,6 +132,7 @@ void use_shape(const fs::path& file) {
 std::vector<FuzzedReader> hdf5_readers() {
   const auto write_shape = [](const fs::path& file, const LmdShape& shape) {
     write_lmd_shape(file, shape, kKey);
+    fs::permissions(file, fs::perms::owner_write, fs::perm_options::add);
     fs::resize_file(file, fs::file_size(file) - sizeof(std::uint64_t));  // `seal` follows the changes
   };
   return {{"fclib", ".hdf5", edited(originals(problems(), write_fclib)), use_problem},

@@ -19,7 +19,7 @@ inline SimplicialComplex merged(const std::vector<SimplicialComplex>& parts, boo
 }
 
 inline SimplicialComplex inside_out(const SimplicialComplex& complex) {
-  std::vector<std::array<int, 3>> triangles = complex.triangles;
+  std::vector<std::array<int, 3>> triangles = complex.triangles.to_vector();
   for (auto& t : triangles) std::swap(t[1], t[2]);
   return make_complex(complex.vertices, std::move(triangles));
 }

@@ -40,7 +40,7 @@ inline BodyId add_pulsating_ball(Model& model, const PulsatingBall& ball, const 
                  .mass = ball.mass,
                  .inertia = Mat3(0.4 * ball.mass * ball.radius * ball.radius * Mat3::Identity())};
   body.deformation.vertices = [block, rest = sphere.vertices](const Model& m, const State& state) {
-    std::vector<Vec3> out = rest;
+    std::vector<Vec3> out = rest.to_vector();
     for (Vec3& x : out) x *= 1 + coordinates(m, state, block)[0];
     return out;
   };

@@ -18,7 +18,7 @@ struct LooseMesh {
 };
 
 inline LooseMesh loose(const SimplicialComplex& complex) {
-  return {complex.vertices, complex.triangles};
+  return {complex.vertices.to_vector(), complex.triangles.to_vector()};
 }
 
 inline SimplicialComplex complex_of(const LooseMesh& mesh) {

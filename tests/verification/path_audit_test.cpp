@@ -7,6 +7,7 @@
 #include "integrators/prove/certify_step.hpp"
 #include "lmd/coverage.hpp"
 #include "tests/support/block_scene.hpp"
+#include "tests/support/change.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/scheme_variants.hpp"
 
@@ -130,7 +131,7 @@ TEST(PathAudit, CatchesAContactThatIsMissing) {
   const auto [start, report] = landing_step(scheme, s);
   auto& plate = s.model.shapes[s.model.bodies[s.ground].shape];
   LmdShape turned = *plate;
-  for (RegionPlane& region : turned.regions) region = {-region.normal, -region.offset};
+  change_each(turned.regions, [](RegionPlane& region) { region = {-region.normal, -region.offset}; });
   plate = std::make_shared<const LmdShape>(std::move(turned));
   PathAudit audit{.samples = 3};
   audit_path(s.model, start, s.state, report, 1, audit);

@@ -46,7 +46,7 @@ Colour region_colour(int region) {
 }
 
 SurfaceLayer coloured(const std::string& name, const SimplicialComplex& k, const std::vector<int>& region) {
-  SurfaceLayer layer{.name = name, .vertices = k.vertices, .triangles = k.triangles};
+  SurfaceLayer layer{.name = name, .vertices = k.vertices.to_vector(), .triangles = k.triangles.to_vector()};
   for (int r : region) layer.colour.push_back(region_colour(r));
   return layer;
 }
@@ -175,7 +175,7 @@ ClassCounts count_classes(const LmdShape& shape, const Idealisation& ideal) {
 double median_bend(const SimplicialComplex& complex, const Idealisation& ideal) {
   std::vector<double> bends;
   for (const Chain& chain : ideal.chains)
-    if (complex.edge_triangles[chain.edges.front()].size() == 2)
+    if (complex.edge_triangles[edges_of(ideal, chain).front()].size() == 2)
       bends.push_back(std::abs(kPi - interior_angle(complex, ideal, chain)));
   if (bends.empty()) return 0;
   std::ranges::nth_element(bends, bends.begin() + long(bends.size() / 2));

@@ -14,14 +14,14 @@ namespace {
 constexpr double kRounding = 100 * std::numeric_limits<double>::epsilon();
 
 SimplicialComplex flipped(const SimplicialComplex& complex) {
-  auto triangles = complex.triangles;
+  auto triangles = complex.triangles.to_vector();
   for (auto& triangle : triangles) std::swap(triangle[1], triangle[2]);
   return make_complex(complex.vertices, triangles);
 }
 
 SimplicialComplex union_of(const SimplicialComplex& a, const SimplicialComplex& b) {
-  auto vertices = a.vertices;
-  auto triangles = a.triangles;
+  auto vertices = a.vertices.to_vector();
+  auto triangles = a.triangles.to_vector();
   vertices.insert(vertices.end(), b.vertices.begin(), b.vertices.end());
   const int shift = int(a.vertices.size());
   for (const auto& [i, j, k] : b.triangles) triangles.push_back({i + shift, j + shift, k + shift});
@@ -176,8 +176,10 @@ INSTANTIATE_TEST_SUITE_P(Seeds, ConvexHull, ::testing::Range(1u, 101u));
 TEST(ConvexHullOfPoints, RefusesWhatHasNoVolume) {
   EXPECT_THROW(convex_hull({}), std::invalid_argument);
   EXPECT_THROW(convex_hull(std::vector<Vec3>(9, Vec3::Ones())), std::invalid_argument);
-  EXPECT_THROW(convex_hull({{0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {3, 3, 3}}), std::invalid_argument);
-  EXPECT_THROW(convex_hull({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, kInf}}), std::invalid_argument);
+  EXPECT_THROW(convex_hull(std::vector<Vec3>{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {3, 3, 3}}),
+               std::invalid_argument);
+  EXPECT_THROW(convex_hull(std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, kInf}}),
+               std::invalid_argument);
 }
 
 // Midpoints of a grid of cells, 60 along a radius: of order two in 1 / 60, so some 1e-3 off.

@@ -13,6 +13,7 @@
 
 #include "geometry/primitives.hpp"
 #include "lmd/lmd_shape.hpp"
+#include "tests/support/change.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/random.hpp"
 
@@ -65,7 +66,7 @@ int vertex_at(const MeshFeatures& f, const Vec3& x) {
 }
 
 SimplicialComplex turned_inside_out(const SimplicialComplex& mesh) {
-  Triangles triangles = mesh.triangles;
+  Triangles triangles = mesh.triangles.to_vector();
   for (auto& t : triangles) std::swap(t[0], t[1]);
   return make_complex(mesh.vertices, triangles);
 }
@@ -91,7 +92,7 @@ SimplicialComplex grooved_pyramid() {
 // A sphere whose vertices move along their rays by up to `bumps` of the radius: pits, saddles and tips.
 SimplicialComplex bumpy_sphere(Random& random, int subdivisions, double bumps) {
   const SimplicialComplex sphere = make_sphere(1, subdivisions);
-  std::vector<Vec3> vertices = sphere.vertices;
+  std::vector<Vec3> vertices = sphere.vertices.to_vector();
   for (Vec3& x : vertices) x *= 1 + random.uniform(-bumps, bumps);
   return make_complex(vertices, sphere.triangles, {}, true);
 }
@@ -233,7 +234,7 @@ TEST(MeshFeatures, T_1_10_DoNotDependOnOrderPoseOrScale) {
     const double scale = random.log_uniform(1e-3, 1e3);
     std::vector<Vec3> vertices(mesh.vertices.size());
     for (std::size_t i = 0; i < vertices.size(); ++i) vertices[place[i]] = scale * (g * mesh.vertices[i]);
-    Triangles triangles = mesh.triangles;
+    Triangles triangles = mesh.triangles.to_vector();
     for (auto& t : triangles) {
       for (int& v : t) v = place[v];
       std::rotate(t.begin(), t.begin() + random.index(3), t.end());
@@ -368,7 +369,7 @@ TEST(MeshFeatures, T_1_12_AreEnoughForEveryDistance) {
 TEST(MeshFeatures, T_1_13_OfATerrainSaveThreeQuartersOfTheEdgeTests) {
   SimplicialComplex plate = make_plate(1, 1, 224, 224);
   Random random(13);
-  for (Vec3& x : plate.vertices) x.z() = random.uniform(0, 2e-3);
+  change_each(plate.vertices, [&](Vec3& x) { x.z() = random.uniform(0, 2e-3); });
   const MeshFeatures f = features(plate);
   const double all = 3.0 * double(f.complex.triangles.size());
   EXPECT_GT(f.complex.triangles.size(), 100000u);
@@ -425,7 +426,7 @@ TEST(MeshFeatures, OfADamagedCubeAreThoseOfTheCube) {
     EXPECT_EQ(vertex_bits(f), 8);
     expect_each_active_feature_once(f);
   };
-  std::vector<Vec3> v = cube.vertices;
+  std::vector<Vec3> v = cube.vertices.to_vector();
   const int n = int(v.size());
   {  // a soup: every triangle has corners of its own
     std::vector<Vec3> corners;
@@ -443,7 +444,7 @@ TEST(MeshFeatures, OfADamagedCubeAreThoseOfTheCube) {
     const auto& e = cube.triangles[0];
     more.push_back((v[e[0]] + v[e[1]]) / 2);
     more.push_back(v[e[0]]);
-    Triangles triangles = cube.triangles;
+    Triangles triangles = cube.triangles.to_vector();
     triangles.push_back({e[0], n, e[1]});
     triangles.push_back({e[0], n + 1, e[1]});
     const MeshFeatures f = features(make_complex(more, triangles));
@@ -464,13 +465,13 @@ TEST(MeshFeatures, OfADamagedCubeAreThoseOfTheCube) {
 // A fin on one edge of the cube: that edge is nonmanifold, its own two are boundaries, all are active once.
 TEST(MeshFeatures, OfAFinnedCubeHaveOneNonManifoldEdge) {
   const SimplicialComplex cube = make_box(1, 1, 1);
-  std::vector<Vec3> v = cube.vertices;
+  std::vector<Vec3> v = cube.vertices.to_vector();
   v.push_back({2, 2, 2});
   int corner = 0;  // (1, 1, 1) / 2 and the one below
   while ((v[corner] - Vec3(0.5, 0.5, 0.5)).norm() > 1e-12) ++corner;
   int below = 0;
   while ((v[below] - Vec3(0.5, 0.5, -0.5)).norm() > 1e-12) ++below;
-  Triangles triangles = cube.triangles;
+  Triangles triangles = cube.triangles.to_vector();
   triangles.push_back({corner, below, int(v.size()) - 1});
   const MeshFeatures f = features(make_complex(v, triangles));
   EXPECT_EQ(count(f, EdgeClass::nonmanifold), 1);
@@ -484,7 +485,7 @@ TEST(MeshFeatures, RefuseWhatIsNoNumber) {
   for (const double bad :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     SimplicialComplex mesh = make_box(1, 1, 1);
-    mesh.vertices[5].y() = bad;
+    change(mesh.vertices, [&](auto& all) { all[5].y() = bad; });
     const std::string message = message_of([&] { features(mesh); });
     EXPECT_NE(message.find("SimplicialComplex::vertices[5] = "), std::string::npos) << message;
     EXPECT_NE(message.find("must be finite"), std::string::npos) << message;

@@ -50,7 +50,7 @@ SimplicialComplex soup_of(const SimplicialComplex& complex, double jiggle, Rando
 // open by T-junctions only.
 SimplicialComplex box_with_t_junctions(int pieces) {
   SimplicialComplex box = make_box(2, 2, 2);
-  std::vector<Vec3> vertices = box.vertices;
+  std::vector<Vec3> vertices = box.vertices.to_vector();
   const auto find = [&](double x, double y, double z) {
     return int(std::ranges::find(vertices, Vec3(x, y, z)) - vertices.begin());
   };
@@ -158,7 +158,7 @@ TEST(MeshRepair, KeepsApartWhatTheCallerBoundsTheToleranceBelow) {
 
 TEST(MeshRepair, DropsDuplicatesOfEitherWinding) {
   SimplicialComplex box = make_box(1, 1, 1);
-  Triangles triangles = box.triangles;
+  Triangles triangles = box.triangles.to_vector();
   const Triangle t = triangles[3], u = triangles[7];
   triangles.push_back({t[1], t[2], t[0]});
   triangles.push_back({u[0], u[2], u[1]});
@@ -174,7 +174,7 @@ TEST(MeshRepair, FlipsTheTrianglesThatPlugTJunctions) {
   // Closed by a chain of `pieces` triangles of no area, as CAD kernels write them.
   for (const int pieces : {2, 3, 7}) {
     const SimplicialComplex open = box_with_t_junctions(pieces);
-    Triangles triangles = open.triangles;
+    Triangles triangles = open.triangles.to_vector();
     const auto at = [&](double z) {
       return int(std::ranges::find_if(
                      open.vertices,
@@ -287,7 +287,7 @@ TEST(MeshRepair, LeavesAVertexThatOnlyTouchesAnEdge) {
 
 TEST(MeshRepair, TurnsTheFewestTrianglesToAgree) {
   SimplicialComplex bolt = make_bolt();
-  Triangles triangles = bolt.triangles;
+  Triangles triangles = bolt.triangles.to_vector();
   Random random(5);
   int wrong = 0;
   for (Triangle& t : triangles)
@@ -337,10 +337,10 @@ TEST(MeshRepair, NeverCallsASolidWhatIsNone) {
     std::string reason{};
   };
   SimplicialComplex box = make_box(1, 1, 1);
-  Triangles hole = box.triangles;
+  Triangles hole = box.triangles.to_vector();
   hole.pop_back();
-  Triangles fin = box.triangles;
-  std::vector<Vec3> fin_vertices = box.vertices;
+  Triangles fin = box.triangles.to_vector();
+  std::vector<Vec3> fin_vertices = box.vertices.to_vector();
   fin_vertices.push_back({3, 3, 3});
   fin.push_back({box.triangles[0][0], box.triangles[0][1], 8});
   const Triangles moebius = {{0, 1, 2}, {1, 3, 2}, {2, 3, 4}, {3, 5, 4}, {4, 5, 1}, {5, 0, 1}};
@@ -384,7 +384,7 @@ TEST(MeshRepair, KeepsWiresAndPoints) {
   SimplicialComplex box = make_box(1, 1, 1);
   Random random(6);
   SimplicialComplex soup = soup_of(box, 1e-7, random);
-  std::vector<Vec3> x = soup.vertices;
+  std::vector<Vec3> x = soup.vertices.to_vector();
   const int n = int(x.size());
   x.insert(x.end(), {{2, 0, 0}, {3, 0, 0}, {3, 1e-8, 0}, {5, 5, 5}, {5, 5, 5}});
   const RepairedMesh repaired =
@@ -409,7 +409,7 @@ TEST(MeshRepair, DoesNotDependOnTheOrderOfTheFile) {
       for (std::size_t i = order.size(); i-- > 1;) std::swap(order[i], order[random.index(int(i) + 1)]);
       std::vector<Vec3> x(order.size());
       for (std::size_t i = 0; i < order.size(); ++i) x[order[i]] = mesh.vertices[i];
-      Triangles triangles = mesh.triangles;
+      Triangles triangles = mesh.triangles.to_vector();
       for (Triangle& t : triangles)
         for (int& v : t) v = order[v];
       for (std::size_t i = triangles.size(); i-- > 1;)

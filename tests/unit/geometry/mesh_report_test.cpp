@@ -5,6 +5,7 @@
 
 #include "geometry/primitives.hpp"
 #include "geometry/self_intersections.hpp"
+#include "tests/support/change.hpp"
 
 namespace aussois {
 namespace {
@@ -37,7 +38,7 @@ TEST(MeshReport, OfAPlateCountsItsBorder) {
 
 TEST(MeshReport, OfAnInvertedBoxIsClosedAndNoSolid) {
   SimplicialComplex box = make_box(1, 1, 1);
-  for (auto& triangle : box.triangles) std::swap(triangle[0], triangle[1]);
+  change_each(box.triangles, [](auto& triangle) { std::swap(triangle[0], triangle[1]); });
   const MeshReport report = report_mesh(make_complex(box.vertices, box.triangles));
   EXPECT_TRUE(report.closed && report.oriented);
   EXPECT_NEAR(report.volume, -1, 1e-15);
@@ -46,7 +47,7 @@ TEST(MeshReport, OfAnInvertedBoxIsClosedAndNoSolid) {
 
 TEST(MeshReport, CountsTheThreeEdgesOfOneFlippedTriangle) {
   SimplicialComplex box = make_box(1, 1, 1);
-  std::swap(box.triangles[5][0], box.triangles[5][1]);
+  change(box.triangles, [](auto& all) { std::swap(all[5][0], all[5][1]); });
   const MeshReport report = report_mesh(make_complex(box.vertices, box.triangles));
   EXPECT_EQ(report.misoriented_edges, 3);
   EXPECT_TRUE(report.closed && report.manifold);
@@ -221,8 +222,11 @@ TEST(SelfIntersections, OfTheTreeAreThoseOfAllPairs) {
     const SimplicialComplex box =
         transformed_complex(make_box(1, 1.1, 1.3, n), translation(0.6, 0.3, 0.2) * rotation({1, 2, 3}, 0.7));
     const int shift = int(both.vertices.size()), cut = int(both.triangles.size());
-    both.vertices.insert(both.vertices.end(), box.vertices.begin(), box.vertices.end());
-    for (const auto& [i, j, k] : box.triangles) both.triangles.push_back({i + shift, j + shift, k + shift});
+    change(both.vertices,
+           [&](auto& all) { all.insert(all.end(), box.vertices.begin(), box.vertices.end()); });
+    change(both.triangles, [&](auto& all) {
+      for (const auto& [i, j, k] : box.triangles) all.push_back({i + shift, j + shift, k + shift});
+    });
     const auto corner = [&](int t, std::size_t k) { return both.vertices[both.triangles[t][k]]; };
     Pairs expected;
     for (int i = 0; i < cut; ++i)
@@ -237,7 +241,7 @@ TEST(SelfIntersections, OfTheTreeAreThoseOfAllPairs) {
 }
 
 TEST(FirstAtSamePlace, NamesTheEarliestVertex) {
-  EXPECT_EQ(first_at_same_place({{1, 0, 0}, {0, 0, 0}, {1, 0, 0}, {-0.0, 0, 0}, {1, 0, 0}}),
+  EXPECT_EQ(first_at_same_place(std::vector<Vec3>{{1, 0, 0}, {0, 0, 0}, {1, 0, 0}, {-0.0, 0, 0}, {1, 0, 0}}),
             (std::vector{0, 1, 0, 1, 0}));
   EXPECT_TRUE(first_at_same_place({}).empty());
 }

@@ -68,17 +68,18 @@ TEST(PointInSolid, KnowsTheSideOfPointsNextToTheSurface) {
 
 // A corner of a face is split off by a triangle of height 1e-13: its neighbours' planes say little there.
 TEST(PointInSolid, KnowsTheSideOfPointsAboveSlivers) {
-  SimplicialComplex box = make_box(2, 2, 2);
+  const SimplicialComplex box = make_box(2, 2, 2);
+  std::vector<Vec3> vertices = box.vertices.to_vector();
   std::vector<std::array<int, 3>> triangles;
   for (const auto& [a, b, c] : box.triangles) {  // each gets a vertex next to the middle of an edge
     const Vec3 &u = box.vertices[a], &v = box.vertices[b], &w = box.vertices[c];
-    const int middle = int(box.vertices.size());
+    const int middle = int(vertices.size());
     const Vec3 x = 0.5 * (u + v) + 1e-13 * (w - 0.5 * (u + v));
     for (const auto& t : {std::array{a, b, middle}, std::array{b, c, middle}, std::array{c, a, middle}})
       triangles.push_back(t);
-    box.vertices.push_back(x);
+    vertices.push_back(x);
   }
-  const SimplicialComplex cut = make_complex(box.vertices, triangles, {}, true);
+  const SimplicialComplex cut = make_complex(vertices, triangles, {}, true);
   Random random(5);
   for (int i = 0; i < 2000; ++i) {
     const auto& t = cut.triangles[std::size_t(i) % cut.triangles.size()];

@@ -116,7 +116,7 @@ TEST(SimplicialComplex, IncidencesAreThoseOfTheDefinition) {
 
 TEST(SimplicialComplex, EdgesDoNotDependOnTheOrderOfTheTriangles) {
   const SimplicialComplex torus = make_torus(1, 0.3, 12, 9);
-  std::vector<Triangle> shuffled = torus.triangles;
+  std::vector<Triangle> shuffled = torus.triangles.to_vector();
   Random random(5);
   for (std::size_t i = shuffled.size() - 1; i > 0; --i)
     std::swap(shuffled[i], shuffled[random.bits() % (i + 1)]);

@@ -379,8 +379,8 @@ TEST(ReadMesh, SurvivesFilesCutAnywhereAndChangedAnywhere) {
   const auto folder = fresh_folder();
   const SimplicialComplex box = make_box(1, 2, 3);
   MeshFile mesh;
-  mesh.vertices = box.vertices;
-  mesh.triangles = box.triangles;
+  mesh.vertices = box.vertices.to_vector();
+  mesh.triangles = box.triangles.to_vector();
   write_obj(folder / "whole.obj", mesh, 1);
   const std::string off = "OFF\n4 2 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 2\n3 0 1 3\n";
   const std::pair<std::string, std::string> wholes[] = {{"a.obj", content_of(folder / "whole.obj")},

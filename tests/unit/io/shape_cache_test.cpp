@@ -8,9 +8,12 @@
 
 #include <sys/wait.h>
 
-#include "geometry/digest.hpp"
 #include "geometry/fastener.hpp"
 #include "io/hdf5_file.hpp"
+#include "io/mapped_file.hpp"
+#include "io/sealed_file.hpp"
+#include "tests/support/change.hpp"
+#include "tests/support/compound.hpp"
 #include "tests/support/files.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/random_pair.hpp"
@@ -19,7 +22,7 @@ namespace aussois {
 namespace {
 
 template <class T>
-bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {  // of types without gaps
+bool same_bytes(std::span<const T> a, std::span<const T> b) {  // of types without gaps
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
@@ -28,7 +31,7 @@ bool same(const Incidence& a, const Incidence& b) {
 }
 
 bool same(const SimplicialComplex& a, const SimplicialComplex& b) {
-  return same_bytes(a.vertices, b.vertices) && a.edges == b.edges && a.triangles == b.triangles &&
+  return same_bytes<Vec3>(a.vertices, b.vertices) && a.edges == b.edges && a.triangles == b.triangles &&
          a.triangle_edges == b.triangle_edges && same(a.edge_triangles, b.edge_triangles) &&
          same(a.vertex_edges, b.vertex_edges) && same(a.vertex_triangles, b.vertex_triangles) &&
          a.solid == b.solid;
@@ -50,17 +53,17 @@ std::string difference(const LmdShape& a, const LmdShape& b) {
     return x.first == y.first && x.last == y.last && x.conormals == y.conormals && x.path == y.path &&
            x.path_length == y.path_length && x.is_wide == y.is_wide;
   };
-  if (a.straightened != b.straightened || a.misfits != b.misfits) return "straightened";
+  if (!(a.straightened == b.straightened && a.misfits == b.misfits)) return "straightened";
   if (!same(a.complex, b.complex)) return "complex";
   if (a.radius != b.radius || a.bounding_radius != b.bounding_radius || a.tolerance != b.tolerance ||
-      !same_bytes(std::vector{a.centre}, std::vector{b.centre}))
+      !same_bytes<Vec3>({&a.centre, 1}, {&b.centre, 1}))
     return "lengths";
-  if (!same_bytes(a.regions, b.regions)) return "regions";
+  if (!same_bytes<RegionPlane>(a.regions, b.regions)) return "regions";
   if (a.triangle_region != b.triangle_region || a.triangle_sign != b.triangle_sign) return "triangles";
-  if (!same_bytes(a.rays, b.rays) || a.paths != b.paths) return "rays or paths";
+  if (!same_bytes<Vec3>(a.rays, b.rays) || a.paths != b.paths) return "rays or paths";
   if (!std::ranges::equal(a.vertices, b.vertices, vertex)) return "vertices";
   if (!std::ranges::equal(a.edges, b.edges, edge)) return "edges";
-  if (a.faces != b.faces || !same_bytes(a.rest, b.rest)) return "faces or rest";
+  if (a.faces != b.faces || !same_bytes<BaseSimplex>(a.rest, b.rest)) return "faces or rest";
   if (!same(a.vertex_tree, b.vertex_tree) || !same(a.wide_vertex_tree, b.wide_vertex_tree) ||
       !same(a.edge_tree, b.edge_tree) || !same(a.wide_edge_tree, b.wide_edge_tree) ||
       !same(a.face_tree, b.face_tree) || !same(a.rest_tree, b.rest_tree))
@@ -69,6 +72,12 @@ std::string difference(const LmdShape& a, const LmdShape& b) {
       a.flat_triangles != b.flat_triangles)
     return "counts";
   return "";
+}
+
+/// Of files without permission to write.
+void replace(const std::filesystem::path& path, const std::string& bytes) {
+  std::filesystem::remove(path);
+  write_bytes(path, bytes);
 }
 
 /// A square, a wire that hangs on it, a wire alone, a point, and a triangle without area.
@@ -159,22 +168,42 @@ TEST(ShapeCache, KeysTellApartWhatAShapeFollowsFrom) {
     change(changed.complex);
     keys.push_back(shape_key(changed));
   };
-  with([](SimplicialComplex& k) { k.vertices[7].z() = std::nextafter(1.5, 2); });
-  with([](SimplicialComplex& k) { k.vertices[3].z() = 0.0; });  // was -0.0
-  with([](SimplicialComplex& k) { std::swap(k.vertices[4], k.vertices[8]); });
-  with([](SimplicialComplex& k) {  // half a turn about z: sign bits alone
-    for (Vec3& x : k.vertices) x.head<2>() *= -1;
+  const auto with_vertices = [&](const std::function<void(std::vector<Vec3>&)>& f) {
+    with([&](SimplicialComplex& k) { change(k.vertices, f); });
+  };
+  const auto with_triangles = [&](const std::function<void(std::vector<std::array<int, 3>>&)>& f) {
+    with([&](SimplicialComplex& k) { change(k.triangles, f); });
+  };
+  with_vertices([](auto& v) { v[7].z() = std::nextafter(1.5, 2); });
+  with_vertices([](auto& v) { v[3].z() = 0.0; });  // was -0.0
+  with_vertices([](auto& v) { std::swap(v[4], v[8]); });
+  with_vertices([](auto& v) {  // half a turn about z: sign bits alone
+    for (Vec3& x : v) x.head<2>() *= -1;
   });
-  with([](SimplicialComplex& k) { std::swap(k.triangles[0], k.triangles[1]); });
-  with([](SimplicialComplex& k) { std::swap(k.triangles[0][1], k.triangles[0][2]); });
+  with_triangles([](auto& t) { std::swap(t[0], t[1]); });
+  with_triangles([](auto& t) { std::swap(t[0][1], t[0][2]); });
   with([](SimplicialComplex& k) { k = make_complex(k.vertices, k.triangles, {{0, 4}, {5, 6}}); });
   with([](SimplicialComplex& k) { k.solid = true; });
   with([](SimplicialComplex& k) {
-    k.vertices.push_back({0, 0, 9}), k = make_complex(k.vertices, k.triangles);
+    change(k.vertices, [](auto& v) { v.push_back({0, 0, 9}); });
+    k = make_complex(k.vertices, k.triangles);
   });
   EXPECT_EQ(shape_key(dilate(mixed_complex(), 0.01)), keys[0]);
   std::ranges::sort(keys);
   EXPECT_EQ(std::ranges::adjacent_find(keys), keys.end());
+}
+
+TEST(ShapeCache, AFileIsMappedUnlessItMayBeWrittenTo) {
+  const auto path = fresh_folder() / "shape.h5";
+  const LmdShape shape = small_shape();
+  write_lmd_shape(path, shape, 1);
+  EXPECT_TRUE(bytes_of_file(path).mapped);
+  std::filesystem::permissions(path, std::filesystem::perms::owner_write, std::filesystem::perm_options::add);
+  const LmdShape copied = read_lmd_shape(path, 1);
+  std::filesystem::resize_file(path, 0);
+  EXPECT_EQ(difference(copied, shape), "");
+  write_lmd_shape(path, shape, 1);  // another file of that name
+  EXPECT_TRUE(bytes_of_file(path).mapped);
 }
 
 TEST(ShapeCache, AnotherKeyIsRefusedNamingBoth) {
@@ -194,10 +223,7 @@ TEST(ShapeCache, AnotherFormatOrVersionIsRefused) {
       write_text(file, "/", "format", format);
       write_text(file, "/", "version", version);
     }
-    const std::string bytes = content_of(path);
-    Digest digest;
-    digest.add(std::as_bytes(std::span(bytes)));
-    std::ofstream(path, std::ios::binary | std::ios::app).write(reinterpret_cast<char*>(&digest.value), 8);
+    seal(path);
     return message_of<std::runtime_error>([&] { read_lmd_shape(path, 1); });
   };
   EXPECT_NE(refusal("aussois-checkpoint", "1").find("is not 'aussois-lmd-shape'"), std::string::npos);
@@ -237,38 +263,69 @@ TEST(ShapeCache, TablesThatNoSearchCouldWalkAreRefusedByName) {
     EXPECT_NE(message.find(std::string("shape.h5: ") + table + ": "), std::string::npos)
         << table << " / " << message;
   };
-  refused("/mesh", [&](LmdShape& s) { s.complex.triangles[3][1] = 1 << 30; });
-  refused("/mesh", [&](LmdShape& s) { s.complex.vertices[3].x() = nan; });
+  const auto bad = [&](const char* table, auto LmdShape::*array, const auto& damage) {
+    refused(table, [&](LmdShape& s) { change(s.*array, damage); });
+  };
+  const auto tree = [&](const char* table, ConeTree LmdShape::*which, const auto& damage) {
+    refused(table, [&](LmdShape& s) { change((s.*which).nodes, damage); });
+  };
+  const auto mesh = [&](const char* table, auto SimplicialComplex::*array, const auto& damage) {
+    refused(table, [&](LmdShape& s) { change(s.complex.*array, damage); });
+  };
+  const auto incidence = [&](const char* table, Incidence SimplicialComplex::*rows,
+                             SharedArray<int> Incidence::*array, const auto& damage) {
+    refused(table, [&](LmdShape& s) { change(s.complex.*rows.*array, damage); });
+  };
+  mesh("/mesh/triangles", &SimplicialComplex::triangles, [&](auto& v) { v[3][1] = 1 << 30; });
+  mesh("/mesh/vertices", &SimplicialComplex::vertices, [&](auto& v) { v[3].x() = nan; });
+  mesh("/mesh/vertices", &SimplicialComplex::vertices, [&](auto& v) { v.clear(); });
+  mesh("/mesh/triangles", &SimplicialComplex::triangles, [&](auto& v) { v[3][1] = v[3][0]; });
+  mesh("/mesh/edges", &SimplicialComplex::edges, [&](auto& v) { std::swap(v[2], v[3]); });
+  mesh("/mesh/edges", &SimplicialComplex::edges, [&](auto& v) { std::swap(v[2][0], v[2][1]); });
+  mesh("/mesh/triangle_edges", &SimplicialComplex::triangle_edges, [&](auto& v) { v.pop_back(); });
+  mesh("/mesh/triangle_edges", &SimplicialComplex::triangle_edges, [&](auto& v) { std::swap(v[2], v[90]); });
+  incidence("/mesh/edge_triangles", &SimplicialComplex::edge_triangles, &Incidence::begin,
+            [&](auto& v) { v.back() -= 1; });
+  incidence("/mesh/edge_triangles", &SimplicialComplex::edge_triangles, &Incidence::items,
+            [&](auto& v) { v[0] = -1; });
+  incidence("/mesh/vertex_edges", &SimplicialComplex::vertex_edges, &Incidence::begin,
+            [&](auto& v) { std::swap(v[1], v[2]); });
+  incidence("/mesh/vertex_triangles", &SimplicialComplex::vertex_triangles, &Incidence::items,
+            [&](auto& v) { std::swap(v[0], v[1]); });
+  refused("/mesh/solid", [&](LmdShape& s) {
+    s.complex = inside_out(s.complex);
+    s.complex.solid = true;
+  });
   refused("/radius", [&](LmdShape& s) { s.radius = -1; });
   refused("/bounding_radius", [&](LmdShape& s) { s.centre.y() = nan; });
   refused("/bounding_radius", [&](LmdShape& s) { s.bounding_radius = kInf; });
   refused("/tolerance", [&](LmdShape& s) { s.tolerance = nan; });
-  refused("/regions", [&](LmdShape& s) { s.regions.back().normal.z() = nan; });
-  refused("/regions", [&](LmdShape& s) { s.regions.back().offset = kInf; });
-  refused("/triangle_region", [&](LmdShape& s) { s.triangle_region[5] = int(s.regions.size()); });
-  refused("/triangle_region", [&](LmdShape& s) { s.triangle_region.pop_back(); });
-  refused("/triangle_sign", [&](LmdShape& s) { s.triangle_sign[5] = 0; });
-  refused("/rays", [&](LmdShape& s) { s.rays[2].x() = nan; });
-  refused("/paths", [&](LmdShape& s) { s.paths[0] = -1; });
-  refused("/vertices", [&](LmdShape& s) { s.vertices[0].vertex = -1; });
-  refused("/vertices", [&](LmdShape& s) { s.vertices[0].first_ray = int(s.rays.size()) - 1; });
-  refused("/edges", [&](LmdShape& s) { s.edges[0].last = int(s.complex.vertices.size()); });
-  refused("/edges", [&](LmdShape& s) { s.edges[0].conormals[1] = std::numeric_limits<int>::min(); });
-  refused("/edges", [&](LmdShape& s) { s.edges[0].path_length = 0; });
-  refused("/edges", [&](LmdShape& s) { s.edges[0].path_length = 0x7fffffffU; });
-  refused("/faces", [&](LmdShape& s) { s.faces[0] = int(s.complex.triangles.size()); });
-  refused("/flat_triangles", [&](LmdShape& s) { s.faces.pop_back(); });
-  refused("/rest", [&](LmdShape& s) { s.rest[0].dim = 3; });
-  refused("/rest", [&](LmdShape& s) { s.rest[0].vertex[0] = -1; });
+  bad("/regions", &LmdShape::regions, [&](auto& v) { v.back().normal.z() = nan; });
+  bad("/regions", &LmdShape::regions, [&](auto& v) { v.back().offset = kInf; });
+  bad("/triangle_region", &LmdShape::triangle_region, [&](auto& v) { v[5] = int(good.regions.size()); });
+  bad("/triangle_region", &LmdShape::triangle_region, [&](auto& v) { v.pop_back(); });
+  bad("/triangle_sign", &LmdShape::triangle_sign, [&](auto& v) { v = std::vector<std::int8_t>(v.size()); });
+  bad("/rays", &LmdShape::rays, [&](auto& v) { v[2].x() = nan; });
+  bad("/paths", &LmdShape::paths, [&](auto& v) { v[0] = -1; });
+  bad("/vertices", &LmdShape::vertices, [&](auto& v) { v[0].vertex = -1; });
+  bad("/vertices", &LmdShape::vertices, [&](auto& v) { v[0].first_ray = int(good.rays.size()) - 1; });
+  bad("/edges", &LmdShape::edges, [&](auto& v) { v[0].last = int(good.complex.vertices.size()); });
+  bad("/edges", &LmdShape::edges, [&](auto& v) { v[0].conormals[1] = std::numeric_limits<int>::min(); });
+  bad("/edges", &LmdShape::edges, [&](auto& v) { v[0].path_length = 0; });
+  bad("/edges", &LmdShape::edges, [&](auto& v) { v[0].path_length = 0x7fffffffU; });
+  bad("/faces", &LmdShape::faces, [&](auto& v) { v[0] = int(good.complex.triangles.size()); });
+  bad("/flat_triangles", &LmdShape::faces, [&](auto& v) { v.pop_back(); });
+  bad("/rest", &LmdShape::rest, [&](auto& v) { v[0].dim = 3; });
+  bad("/rest", &LmdShape::rest, [&](auto& v) { v[0].vertex[0] = -1; });
   refused("/narrow_vertices", [&](LmdShape& s) { s.narrow_vertices = int(s.vertices.size()) + 1; });
   refused("/narrow_edges", [&](LmdShape& s) { s.narrow_edges = -1; });
-  refused("/tree/vertex", [&](LmdShape& s) { s.vertex_tree.nodes[0].child[0] = 0; });  // its own child
-  refused("/tree/vertex", [&](LmdShape& s) { s.vertex_tree.nodes.clear(); });
-  refused("/tree/edge", [&](LmdShape& s) { s.edge_tree.nodes.back().count[0] = kBucket + 1; });
-  refused("/tree/edge", [&](LmdShape& s) { s.edge_tree.nodes.back().child[0] = 0xffffffffU; });
-  refused("/tree/face", [&](LmdShape& s) { s.face_tree.nodes.back().child[0] = 0; });  // twice
-  refused("/tree/face", [&](LmdShape& s) { s.face_tree.nodes[0].r[1] = -1; });         // a branch is lost
-  refused("/tree/rest", [&](LmdShape& s) { s.rest_tree.nodes[0].u[1][2][3] = float(nan); });
+  tree("/tree/vertex", &LmdShape::vertex_tree, [&](auto& v) { v[0].child[0] = 0; });  // its own child
+  tree("/tree/vertex", &LmdShape::vertex_tree, [&](auto& v) { v.clear(); });
+  tree("/tree/edge", &LmdShape::edge_tree, [&](auto& v) { v.back().count[0] = kBucket + 1; });
+  tree("/tree/edge", &LmdShape::edge_tree, [&](auto& v) { v.back().child[0] = 0xffffffffU; });
+  tree("/tree/face", &LmdShape::face_tree, [&](auto& v) { v.back().child[0] = 0; });  // twice
+  tree("/tree/face", &LmdShape::face_tree, [&](auto& v) { v[0].r[1] = -1; });         // a branch is lost
+  tree("/tree/rest", &LmdShape::rest_tree, [&](auto& v) { v[0].u[1][2][3] = float(nan); });
 }
 
 TEST(ShapeCache, RefusesAFileWithAnyBitChanged) {
@@ -310,8 +367,8 @@ TEST(PrepareCached, ReplacesAFileThatCannotBeUsedAndSaysSo) {
   const std::string whole = content_of(first.file);
   const LmdShape other = prepare(dilate(make_box(1, 1, 1), 0.01));
   const std::vector<std::pair<std::string, std::function<void()>>> damages = {
-      {"truncated or damaged", [&] { write_bytes(first.file, whole.substr(0, 1000)); }},
-      {"truncated or damaged", [&] { write_bytes(first.file, "none"); }},
+      {"truncated or damaged", [&] { replace(first.file, whole.substr(0, 1000)); }},
+      {"truncated or damaged", [&] { replace(first.file, "none"); }},
       {"/@key", [&] { write_lmd_shape(first.file, other, 1); }},
       {"another one with the same key", [&] { write_lmd_shape(first.file, other, shape_key(shape)); }}};
   for (const auto& [reason, damage] : damages) {

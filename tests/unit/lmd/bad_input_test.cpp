@@ -36,8 +36,8 @@ void expect_defined(const ContactSet& contacts) {
 SimplicialComplex crossing_cubes() {
   const SimplicialComplex one = make_box(1, 1, 1),
                           other = transformed_complex(one, translation(0.5, 0.4, 0.3));
-  std::vector<Vec3> vertices = one.vertices;
-  std::vector<std::array<int, 3>> triangles = one.triangles;
+  std::vector<Vec3> vertices = one.vertices.to_vector();
+  std::vector<std::array<int, 3>> triangles = one.triangles.to_vector();
   vertices.insert(vertices.end(), other.vertices.begin(), other.vertices.end());
   for (const auto& [a, b, c] : other.triangles) triangles.push_back({a + 8, b + 8, c + 8});
   return make_complex(std::move(vertices), std::move(triangles), {}, true);
@@ -110,7 +110,7 @@ TEST(BadInput, CrossingBasesAreForTheCertificate) {
 
 TEST(BadInput, AnOpenSolidIsRefusedWithItsEdges) {
   const SimplicialComplex box = make_box(1, 1, 1);
-  std::vector<std::array<int, 3>> open = box.triangles;
+  std::vector<std::array<int, 3>> open = box.triangles.to_vector();
   open.pop_back();
   EXPECT_NE(message_of([&] { make_complex(box.vertices, open, {}, true); }).find("3 of 18 edges"),
             std::string::npos);

@@ -75,7 +75,7 @@ TEST(BoxAround, HoldsItsPointsAndFollowsASlantedRod) {
     EXPECT_LT(box.half.minCoeff(), 0.1) << sample;
     EXPECT_LT((box.axes.transpose() * box.axes - Mat3::Identity()).norm(), 1e-12);
   }
-  EXPECT_EQ(box_around({Vec3(1, 2, 3)}).half, Vec3::Zero());
+  EXPECT_EQ(box_around(std::array{Vec3(1, 2, 3)}).half, Vec3::Zero());
 }
 
 IndexPairs all_pairs(const Boxes& boxes) {

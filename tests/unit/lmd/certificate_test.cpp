@@ -6,6 +6,7 @@
 
 #include "geometry/primitives.hpp"
 #include "lmd/simplex_distance.hpp"
+#include "tests/support/change.hpp"
 #include "tests/support/random.hpp"
 
 namespace aussois {
@@ -121,7 +122,7 @@ TEST(AreApart, IsNeverSaidOfWhatIsNear) {
 // A ball in a hollow ball, turned a little: all of their triangles are nearly as far apart.
 TEST(BaseDistance, OfConformingSurfacesLooksAtFewPairsAndIsThatOfAllPairs) {
   SimplicialComplex hollow = make_sphere(0.0102, 3);
-  for (auto& triangle : hollow.triangles) std::swap(triangle[1], triangle[2]);
+  change_each(hollow.triangles, [](auto& triangle) { std::swap(triangle[1], triangle[2]); });
   const LmdShape ball = prepare({.complex = make_sphere(0.01, 3)}),
                  shell = prepare({.complex = make_complex(hollow.vertices, hollow.triangles)});
   Random random(22);

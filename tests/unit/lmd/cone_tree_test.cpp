@@ -44,7 +44,7 @@ class TreeCheck {
   std::size_t check_node(std::size_t i, int depth) {
     ++nodes_;
     EXPECT_LT(depth, 32);
-    const ConeNode& node = tree_.nodes.at(i);
+    const ConeNode& node = tree_.nodes[i];
     std::vector<std::size_t> size;
     std::size_t below = 0;
     for (int lane = 0; lane < 4; ++lane) {
@@ -196,25 +196,29 @@ TEST_P(ConeTrees, HoldRandomItemsInTheirOrder) {
   Random random(GetParam());
   std::vector<ConeTreeItem> items(std::size_t(random.index(GetParam() % 2 == 0 ? 20 : 700)));
   const Vec3 middle = random.vector(100);
+  std::vector<Vec3> vertices = {Vec3::Zero()};
   for (ConeTreeItem& item : items) {
     if (random.index(10) == 0) {
       item = items[0];
       continue;
     }
-    item.point_count = 1 + random.index(3);
+    item.vertex_count = 1 + random.index(3);
     const Vec3 x = middle + random.vector();
-    for (int k = 0; k < item.point_count; ++k) item.points[k] = x + random.vector(0.05);
+    for (std::size_t k = 0; k < std::size_t(item.vertex_count); ++k) {
+      item.vertex[k] = int(vertices.size());
+      vertices.push_back(x + random.vector(0.05));
+    }
     item.axis = random.index(2) == 0 ? random.direction()
                                      : Vec3(0.1 * random.direction() + Vec3::UnitX()).normalized();
     item.half_angle = random.index(5) == 0 ? kPi : random.uniform(0, random.index(2) == 0 ? 0.3 : 1.5);
   }
-  if (!items.empty() && items[0].point_count == 0) items[0].point_count = 1;
   std::vector<int> order;
-  const ConeTree tree = build_cone_tree(items, middle, order);
+  const ConeTree tree = build_cone_tree(items, vertices, middle, order);
   const ContentOf content_of_item = [&](std::size_t i) {
     const ConeTreeItem& item = items.at(order.at(i));
     Content content;
-    for (int k = 0; k < item.point_count; ++k) content.points.push_back(item.points[k]);
+    for (std::size_t k = 0; k < std::size_t(item.vertex_count); ++k)
+      content.points.push_back(vertices[item.vertex[k]]);
     for (int k = 0; k < 8; ++k)  // on the rim of the cap
       content.directions.push_back(
           Eigen::AngleAxisd(item.half_angle, item.axis.cross(random.direction()).normalized()) * item.axis);
@@ -240,12 +244,16 @@ TEST(ConeTree, NodesAreFiveCacheLines) {
   EXPECT_EQ(sizeof(ConeNode), 5U * 64);
   EXPECT_EQ(alignof(ConeNode), 64U);
   std::vector<int> order;
-  EXPECT_TRUE(build_cone_tree({}, Vec3::Zero(), order).nodes.empty());
+  EXPECT_TRUE(build_cone_tree({}, {}, Vec3::Zero(), order).nodes.empty());
   std::vector<ConeTreeItem> items(16 *
                                   64);  // full lanes at every level: a node per 16, 64, 256 and 1024 items
   Random random(1);
-  for (ConeTreeItem& item : items) item.points[0] = random.vector();
-  EXPECT_EQ(build_cone_tree(items, Vec3::Zero(), order).nodes.size(), 64U + 16 + 4 + 1);
+  std::vector<Vec3> vertices;
+  for (ConeTreeItem& item : items) {
+    item.vertex[0] = int(vertices.size());
+    vertices.push_back(random.vector());
+  }
+  EXPECT_EQ(build_cone_tree(items, vertices, Vec3::Zero(), order).nodes.size(), 64U + 16 + 4 + 1);
 }
 
 SimplicialComplex as_in_file(const std::filesystem::path& path) {
@@ -341,7 +349,7 @@ TEST(LmdShape, OfATriangleWithoutAreaKeepsItsEdges) {
 }
 
 template <class T>
-bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
+bool same_bytes(const SharedArray<T>& a, const SharedArray<T>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
 }
 

@@ -69,9 +69,9 @@ TEST_P(Objectivity, SwappingTheBodiesSwapsTheSides) {
 
 // Seen in the mirror x -> -x: vertices reflected, triangles turned round, poses conjugated.
 SimplicialComplex mirrored(const SimplicialComplex& k) {
-  std::vector<Vec3> vertices = k.vertices;
+  std::vector<Vec3> vertices = k.vertices.to_vector();
   for (Vec3& x : vertices) x.x() = -x.x();
-  std::vector<std::array<int, 3>> triangles = k.triangles;
+  std::vector<std::array<int, 3>> triangles = k.triangles.to_vector();
   for (auto& t : triangles) std::swap(t[1], t[2]);
   std::vector<std::array<int, 2>> wires;
   for (std::size_t i = 0; i < k.edges.size(); ++i)

@@ -25,7 +25,7 @@ std::vector<Vec3> random_field(const LmdShape& shape, Random& random, double siz
 }
 
 std::vector<Vec3> moved(const LmdShape& shape, const std::vector<Vec3>& field, double time) {
-  std::vector<Vec3> out = shape.complex.vertices;
+  std::vector<Vec3> out = shape.complex.vertices.to_vector();
   for (std::size_t i = 0; i < out.size(); ++i) out[i] += time * field[i];
   return out;
 }

@@ -9,6 +9,8 @@
 
 #include "geometry/fastener.hpp"
 #include "geometry/primitives.hpp"
+#include "tests/support/change.hpp"
+#include "tests/support/compound.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/random.hpp"
 
@@ -321,15 +323,11 @@ TEST(Erosion, RefusesWhatIsLessThanTheBall) {
 TEST(Erosion, RefusesWhatIsNoSolid) {
   EXPECT_EQ(erode(make_plate(1, 1), {.depth = 0.1}).status, ErosionStatus::not_solid);
   SimplicialComplex inside_out = make_box(1, 1, 1);
-  for (auto& t : inside_out.triangles) std::swap(t[0], t[1]);
+  change_each(inside_out.triangles, [](auto& t) { std::swap(t[0], t[1]); });
   inside_out = make_complex(inside_out.vertices, inside_out.triangles);
   EXPECT_EQ(erode(inside_out, {.depth = 0.1}).status, ErosionStatus::not_solid);
-  SimplicialComplex two = make_box(1, 1, 1);  // two boxes through each other
-  const int n = int(two.vertices.size());
-  for (int i = 0; i < n; ++i) two.vertices.push_back(two.vertices[i] + Vec3(0.5, 0.3, 0.2));
-  const auto triangles = two.triangles;
-  for (const auto& [a, b, c] : triangles) two.triangles.push_back({a + n, b + n, c + n});
-  const ErosionResult r = erode(make_complex(two.vertices, two.triangles, {}, true), {.depth = 0.1});
+  const SimplicialComplex one = make_box(1, 1, 1);  // two boxes through each other
+  const ErosionResult r = erode(merged({one, moved(one, 0.5, 0.3, 0.2)}, true), {.depth = 0.1});
   EXPECT_EQ(r.status, ErosionStatus::not_solid);
   EXPECT_NE(r.reason.find("pass through"), std::string::npos);
 }

@@ -7,6 +7,7 @@
 #include "geometry/fastener.hpp"
 #include "geometry/primitives.hpp"
 #include "lmd/nesting.hpp"
+#include "tests/support/change.hpp"
 #include "tests/support/random_pair.hpp"
 
 namespace aussois {
@@ -134,8 +135,8 @@ TEST(StepMinima, LeaveWhatTheyCannotTellToTheDescent) {
 // A box near a plate, with a ball far off: without a leaf anywhere, the simplices of the box are the proof.
 TEST(StepMinima, AreAskedBesideAllPairsOfSimplicesThatAreNotProven) {
   const SimplicialComplex box = make_box(1, 1, 1), ball = make_sphere(1, 2);
-  std::vector<Vec3> vertices = box.vertices;
-  std::vector<std::array<int, 3>> triangles = box.triangles;
+  std::vector<Vec3> vertices = box.vertices.to_vector();
+  std::vector<std::array<int, 3>> triangles = box.triangles.to_vector();
   for (const Vec3& x : ball.vertices) vertices.push_back(x + Vec3(0, 0, 4));
   for (const auto& t : ball.triangles) triangles.push_back({t[0] + 8, t[1] + 8, t[2] + 8});
   LmdShape part = prepare(dilate(make_complex(vertices, triangles, {}), 1e-2));
@@ -143,17 +144,17 @@ TEST(StepMinima, AreAskedBesideAllPairsOfSimplicesThatAreNotProven) {
   ASSERT_TRUE(part.unproven.empty());
   part.vertex_tree = part.wide_vertex_tree = part.edge_tree = part.wide_edge_tree = {};
   std::vector<ConeTreeItem> items;
+  std::vector<int> listed, ordered;
   for (int i = 0; i < base_count(part); ++i) {
     const BaseSimplex s = base_simplex(part, i);
     if (s.vertex[0] >= 8) continue;
-    part.unproven.push_back(i);
-    items.push_back(
-        {.points = {vertices[s.vertex[0]], vertices[s.vertex[1]], vertices[s.vertex[2]]}, .point_count = 3});
+    listed.push_back(i);
+    items.push_back({.vertex = s.vertex, .vertex_count = 3});
   }
   std::vector<int> order;
-  part.unproven_tree = build_cone_tree(items, part.centre, order);
-  const std::vector<int> listed = part.unproven;
-  for (std::size_t i = 0; i < order.size(); ++i) part.unproven[i] = listed[order[i]];
+  part.unproven_tree = build_cone_tree(items, vertices, part.centre, order);
+  for (int i : order) ordered.push_back(listed[i]);
+  part.unproven = std::move(ordered);
 
   Random random(3);
   int certified = 0;
@@ -188,8 +189,9 @@ TEST(StepMinima, OfAMeshThatMissesConditionsProveWhatTheDescentProves) {
   Random random(5);
   SimplicialComplex box = make_box(1, 1, 1, 12);
   const double tolerance = 1e-6 * std::sqrt(3.0);
-  for (Vec3& x : box.vertices)
+  change_each(box.vertices, [&](Vec3& x) {
     if (x.z() > 0.49 && x.x() > 0.1 && x.y() > 0.1) x.z() += random.uniform(-3, 3) * tolerance;
+  });
   const LmdShape bent = prepare(dilate(std::move(box), 0.02)),
                  probe = prepare(dilate(make_box(0.3, 0.3, 0.3), 0.02));
   ASSERT_GT(bent.unproven.size(), 5U);

@@ -15,6 +15,7 @@
 #include "lmd/find_contacts.hpp"
 #include "reduction/redistribute.hpp"
 #include "reduction/warm_start.hpp"
+#include "tests/support/change.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/random.hpp"
 
@@ -154,7 +155,7 @@ TEST(Persistence, T_4_3_CarriesImpulsesWhileABoxTips) {
 TEST(Persistence, T_4_3_CarriesImpulsesWhileABoxSlides) {
   SimplicialComplex floor = make_plate(0.6, 0.4, 30, 20);  // cells of 2 cm, uneven by half a millimetre
   Random random(3);
-  for (Vec3& x : floor.vertices) x.z() = random.uniform(-5e-4, 5e-4);
+  change_each(floor.vertices, [&](Vec3& x) { x.z() = random.uniform(-5e-4, 5e-4); });
   const Motion m{.a = shape_of(make_box(0.1, 0.1, 0.1), 1e-3),
                  .b = shape_of(make_complex(floor.vertices, floor.triangles), 1e-3),
                  .pose =

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lists the tables of a prepared shape by name, for all who write, read or compare them, and says how an
+// element lies in a file: as in memory.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "lmd/lmd_shape.hpp"
+
+namespace aussois {
+
+/// The plain numbers of an element, without gaps.
+template <class T>
+struct Plain {
+  using type = T;
+};
+template <>
+struct Plain<VertexLeaf> {
+  using type = std::array<std::uint32_t, 3>;
+};
+template <>
+struct Plain<EdgeLeaf> {
+  using type = std::array<std::uint32_t, 6>;
+};
+template <>
+struct Plain<RegionPlane> {
+  using type = std::array<double, 4>;
+};
+template <>
+struct Plain<BaseSimplex> {
+  using type = std::array<int, 4>;
+};
+template <>
+struct Plain<ConeNode> {
+  using type = std::array<std::uint32_t, 80>;
+};
+
+template <class Archive, class Complex>
+void visit_complex(Archive& archive, Complex& complex) {
+  auto& [vertices, edges, triangles, triangle_edges, edge_triangles, vertex_edges, vertex_triangles, solid] =
+      complex;
+  archive.table("/mesh/vertices", vertices);
+  archive.table("/mesh/edges", edges);
+  archive.table("/mesh/triangles", triangles);
+  archive.table("/mesh/triangle_edges", triangle_edges);
+  archive.table("/mesh/edge_triangles/begin", edge_triangles.begin);
+  archive.table("/mesh/edge_triangles/items", edge_triangles.items);
+  archive.table("/mesh/vertex_edges/begin", vertex_edges.begin);
+  archive.table("/mesh/vertex_edges/items", vertex_edges.items);
+  archive.table("/mesh/vertex_triangles/begin", vertex_triangles.begin);
+  archive.table("/mesh/vertex_triangles/items", vertex_triangles.items);
+  archive.one("/mesh/solid", solid);
+}
+
+/// Every field by name: one that is added to LmdShape does not compile until it stands here (raise
+/// kShapeVersion then).
+template <class Archive, class Shape>
+void visit_shape(Archive& archive, Shape& shape) {
+  auto& [complex, radius, centre, bounding_radius, tolerance, straightened, regions, triangle_region,
+         triangle_sign, rays, paths, vertices, edges, misfits, faces, rest, vertex_tree, wide_vertex_tree,
+         edge_tree, wide_edge_tree, face_tree, rest_tree, narrow_vertices, narrow_edges, flat_triangles,
+         unproven, unproven_tree] = shape;
+  visit_complex(archive, complex);
+  archive.one("/radius", radius);
+  archive.one("/centre", centre);
+  archive.one("/bounding_radius", bounding_radius);
+  archive.one("/tolerance", tolerance);
+  archive.table("/straightened", straightened);
+  archive.table("/regions", regions);
+  archive.table("/triangle_region", triangle_region);
+  archive.table("/triangle_sign", triangle_sign);
+  archive.table("/rays", rays);
+  archive.table("/paths", paths);
+  archive.table("/vertices", vertices);
+  archive.table("/edges", edges);
+  archive.table("/misfits", misfits);
+  archive.table("/faces", faces);
+  archive.table("/rest", rest);
+  archive.table("/tree/vertex", vertex_tree.nodes);
+  archive.table("/tree/wide_vertex", wide_vertex_tree.nodes);
+  archive.table("/tree/edge", edge_tree.nodes);
+  archive.table("/tree/wide_edge", wide_edge_tree.nodes);
+  archive.table("/tree/face", face_tree.nodes);
+  archive.table("/tree/rest", rest_tree.nodes);
+  archive.table("/tree/unproven", unproven_tree.nodes);
+  archive.one("/narrow_vertices", narrow_vertices);
+  archive.one("/narrow_edges", narrow_edges);
+  archive.one("/flat_triangles", flat_triangles);
+  archive.table("/unproven", unproven);
+}
+
+}  // namespace aussois
