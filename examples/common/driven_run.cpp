@@ -127,6 +127,7 @@ DrivenRun drive(const Model& model, const State& start, RunPlan plan, const RunF
     out.interrupted = interrupted() || (flags.stop_after > 0 && steps >= flags.stop_after);
     return !out.interrupted && goes_on();
   });
+  if (flags.profile && out.profile.steps() > 0) std::printf("%s", table_of(out.profile).c_str());
   if (out.interrupted) {
     out.recording.checkpoint();
     std::fprintf(stderr, "stopped after step %lld; continue with --resume\n",
@@ -134,7 +135,6 @@ DrivenRun drive(const Model& model, const State& start, RunPlan plan, const RunF
     return out;
   }
   out.recording.close();
-  if (flags.profile && out.profile.steps() > 0) std::printf("%s", table_of(out.profile).c_str());
   write_page(model, flags.common.out);
   if (out.last.status == StepStatus::not_finite)
     throw NumericalFailure("step " + std::to_string(out.recording.steps() + 1) + ": " + out.last.reason);

@@ -182,6 +182,7 @@ class RunScene(DriverTest):
         self.assertNotIn("profile_stages", json.loads((self.folder / "s.json").read_text()))
         told = self.run_scene(*scene, "-o", "told", "--profile").stdout
         summary = json.loads((self.folder / "s.json").read_text())
+        stopped = self.run_scene(*scene, "-o", "stopped", "--profile", "--stop-after", 2, code=INTERRUPTED).stdout
         stages = summary["profile_stages"]
         self.assertEqual(stages[-3:], ["other", "recording", "step"])
         for clock in ("wall", "cpu"):
@@ -191,7 +192,8 @@ class RunScene(DriverTest):
             self.assertAlmostEqual(sum(mean[:-2]), mean[-1], 9)  # all but recording
             self.assertGreater(mean[-1], 0)
         for stage in stages:
-            self.assertRegex(told, rf"(?m)^{stage} +\d")
+            for table in (told, stopped):
+                self.assertRegex(table, rf"(?m)^{stage} +\d")
             self.assertNotRegex(plain, rf"(?m)^{stage} +\d")
         self.assertEqual(summary["steps"], len((self.folder / "told/steps.csv").read_text().splitlines()) - 1)
         timeless = [[line.split(",")[:6] for line in (self.folder / name / "steps.csv").read_text().splitlines()]
