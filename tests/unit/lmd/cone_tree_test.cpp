@@ -350,7 +350,7 @@ TEST(LmdShape, OfATriangleWithoutAreaKeepsItsEdges) {
 
 template <class T>
 bool same_bytes(const SharedArray<T>& a, const SharedArray<T>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
 TEST(LmdShape, IsTheSameForAnyNumberOfThreads) {
