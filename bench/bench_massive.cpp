@@ -8,7 +8,6 @@
 // Expect   less than 1000 bytes per triangle while a part is prepared; two parts of 1e6 triangles loaded
 //          within a second; a step of two such parts within 1.5 of one of 1e5
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -16,6 +15,7 @@
 
 #include "bench/verdict.hpp"
 #include "examples/common/driver.hpp"
+#include "examples/common/quantile.hpp"
 #include "geometry/mass_properties.hpp"
 #include "geometry/mesh_repair.hpp"
 #include "geometry/primitives.hpp"
@@ -42,15 +42,11 @@ struct Arguments {
   CommonOptions common{};
 };
 
-double seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 template <class F>
-double timed(F&& f) {
-  const double begin = seconds();
+double timed(F&& f) {  // wall time [s]
+  const StageTime begin = time_now(false);
   f();
-  return seconds() - begin;
+  return since(begin, false).wall;
 }
 
 // "VmHWM" and "VmRSS" [bytes]; 0 where the system does not tell.
@@ -101,8 +97,7 @@ void step(const LmdShape& shape, const Arguments& a, Row& row) {
     wall.push_back(report.total.wall);
     row.contacts = std::max(row.contacts, double(report.contacts.size()));
   }
-  std::ranges::nth_element(wall, wall.begin() + long(wall.size() / 2));
-  row.ms_step = 1e3 * wall[wall.size() / 2];
+  row.ms_step = 1e3 * quantile(wall, 0.5);
 }
 
 Row measure(double wanted, const Arguments& a) {
@@ -164,9 +159,9 @@ ExitCode bench(const Arguments& a) {
     bars.push_back(
         {"loaded_bytes", "bytes per triangle after a load and steps", where, row.loaded_bytes, 200});
     if (&row == &rows.front()) continue;
-    const double decades = std::log(row.triangles / rows.front().triangles);
+    const double growth = std::log(row.triangles / rows.front().triangles);
     bars.push_back({"exponent", "exponent of the time to prepare", where,
-                    1 + std::log(row.us_prepare / rows.front().us_prepare) / decades, 1.1});
+                    1 + std::log(row.us_prepare / rows.front().us_prepare) / growth, 1.1});
     bars.push_back({"step_ratio", "time of a step over that of the smallest", where,
                     row.ms_step / rows.front().ms_step, 1.5});
     if (row.triangles < 2e6)

@@ -150,15 +150,11 @@ bool same_mesh(const SimplicialComplex& a, const SimplicialComplex& b) {
          std::memcmp(a.vertices.data(), b.vertices.data(), a.vertices.size() * sizeof(Vec3)) == 0;
 }
 
-SimplicialComplex before_straightening(hid_t file, const LmdShape& shape) {
+SimplicialComplex before_straightening(const LmdShape& shape) {
   SimplicialComplex complex = shape.complex;
   if (shape.straightened.empty()) return complex;
   std::vector<Vec3> vertices = complex.vertices.to_vector();
-  for (const MovedVertex& moved : shape.straightened) {
-    if (moved.vertex < 0 || std::size_t(moved.vertex) >= vertices.size())
-      fail_hdf5(file, "/straightened", "has an index outside the vertices of the mesh");
-    vertices[moved.vertex] = moved.from;
-  }
+  for (const MovedVertex& moved : shape.straightened) vertices[moved.vertex] = moved.from;
   complex.vertices = std::move(vertices);
   return complex;
 }
@@ -173,9 +169,9 @@ LmdShape read_hdf5(const std::filesystem::path& path, std::uint64_t key, const S
   LmdShape shape;
   Reader reader(file, bytes);
   visit_shape(reader, shape);
-  if (complex && !same_mesh(before_straightening(file, shape), *complex))
-    fail_hdf5(file, "/mesh", "is another one with the same key");
   check_shape(file, shape);
+  if (complex && !same_mesh(before_straightening(shape), *complex))
+    fail_hdf5(file, "/mesh", "is another one with the same key");
   drop_pages(bytes);
   return shape;
 }

@@ -106,6 +106,9 @@ class Check {
            "/flat_triangles", "and the faces do not add up to all triangles");
     expect(s_.triangle_region.size() == triangles && s_.triangle_sign.size() == triangles, "/triangle_region",
            "does not have one row per triangle");
+    for (const MovedVertex& moved : s_.straightened)
+      expect(within(moved.vertex, s_.complex.vertices.size()) && moved.from.allFinite(), "/straightened",
+             "has an index outside the vertices of the mesh, or a place that is not finite");
     for (const RegionPlane& p : s_.regions)
       expect(p.normal.allFinite() && std::isfinite(p.offset), "/regions", "has a plane that is not finite");
     for (const int r : s_.triangle_region)

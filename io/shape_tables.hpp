@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lists the tables of a prepared shape by name, for all who write, read or compare them, and says how an
-// element lies in a file: as in memory.
+// Lists the tables of a prepared shape by name, to write and to read them, and says how an element lies in a
+// file: as in memory.
 #pragma once
 
 #include <array>
@@ -54,7 +54,7 @@ void visit_complex(Archive& archive, Complex& complex) {
 }
 
 /// Every field by name: one that is added to LmdShape does not compile until it stands here (raise
-/// kShapeVersion then).
+/// kShapeVersion of io/shape_cache.cpp then).
 template <class Archive, class Shape>
 void visit_shape(Archive& archive, Shape& shape) {
   auto& [complex, radius, centre, bounding_radius, tolerance, straightened, regions, triangle_region,

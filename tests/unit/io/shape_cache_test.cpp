@@ -300,6 +300,7 @@ TEST(ShapeCache, TablesThatNoSearchCouldWalkAreRefusedByName) {
   refused("/bounding_radius", [&](LmdShape& s) { s.centre.y() = nan; });
   refused("/bounding_radius", [&](LmdShape& s) { s.bounding_radius = kInf; });
   refused("/tolerance", [&](LmdShape& s) { s.tolerance = nan; });
+  bad("/straightened", &LmdShape::straightened, [&](auto& v) { v.push_back({-1, Vec3::Zero()}); });
   bad("/regions", &LmdShape::regions, [&](auto& v) { v.back().normal.z() = nan; });
   bad("/regions", &LmdShape::regions, [&](auto& v) { v.back().offset = kInf; });
   bad("/triangle_region", &LmdShape::triangle_region, [&](auto& v) { v[5] = int(good.regions.size()); });
