@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/mapped_file.hpp"
 
+#include <atomic>
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
 #include <fcntl.h>
+#include <functional>
+#include <mutex>
 #include <stdexcept>
 #include <unistd.h>
+#include <utility>
 #include <vector>
 
 #include <sys/mman.h>
@@ -35,12 +39,60 @@ class Descriptor {
   int descriptor_;
 };
 
-void map(const Descriptor& file, std::size_t size, FileBytes& out) {
+// All mappings of this process. Entries are never deleted, so that a signal handler may walk them, but used
+// again.
+struct Mapping {
+  std::atomic<const std::byte*> first = nullptr;  // null: of no file now
+  std::size_t size = 0;
+  std::string path{};
+  struct stat status = {};
+  Mapping* next = nullptr;
+};
+std::atomic<Mapping*> mappings = nullptr;
+std::mutex changing;               // the list, but for its readers
+std::vector<std::string> changed;  // while they were mapped, not yet taken
+
+// A file that was replaced is another one: what is mapped did not change.
+void tell_if_written(Mapping& mapping) {
+  const struct stat then = mapping.status;
+  struct stat now = {};
+  if (stat(mapping.path.c_str(), &now) != 0 || now.st_dev != then.st_dev || now.st_ino != then.st_ino) return;
+  mapping.status = now;
+  if (now.st_size != then.st_size || now.st_mtim.tv_sec != then.st_mtim.tv_sec ||
+      now.st_mtim.tv_nsec != then.st_mtim.tv_nsec)
+    changed.push_back(mapping.path);
+}
+
+Mapping& mapping_for(const std::byte* first, const std::filesystem::path& path, const struct stat& status) {
+  const std::scoped_lock lock(changing);
+  Mapping* found = mappings;
+  while (found && found->first) found = found->next;
+  if (!found) {
+    found = new Mapping{.next = mappings};
+    mappings = found;
+  }
+  found->size = std::size_t(status.st_size);
+  found->path = path.string();
+  found->status = status;
+  found->first = first;
+  return *found;
+}
+
+void unmap(Mapping& mapping) {
+  const std::scoped_lock lock(changing);
+  tell_if_written(mapping);
+  munmap(const_cast<std::byte*>(mapping.first.exchange(nullptr)), mapping.size);
+}
+
+void map(const Descriptor& file, const std::filesystem::path& path, const struct stat& status,
+         FileBytes& out) {
+  const auto size = std::size_t(status.st_size);
   void* const place = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file, 0);
   if (place == MAP_FAILED) file.fail(std::strerror(errno));
-  out.owner =
-      std::shared_ptr<const void>(place, [size](const void* p) { munmap(const_cast<void*>(p), size); });
-  out.bytes = {static_cast<const std::byte*>(place), size};
+  const auto* const first = static_cast<const std::byte*>(place);
+  Mapping& mapping = mapping_for(first, path, status);
+  out.owner = std::shared_ptr<const void>(place, [&mapping](const void*) { unmap(mapping); });
+  out.bytes = {first, size};
   out.mapped = true;
 }
 
@@ -72,7 +124,10 @@ FileBytes bytes_of_file(const std::filesystem::path& path) {
   FileBytes out{.device = status.st_dev, .inode = status.st_ino};
   if (status.st_size == 0) return out;
   const bool fixed = (status.st_mode & (S_IWUSR | S_IWGRP | S_IWOTH)) == 0;
-  (fixed ? map : copy)(file, std::size_t(status.st_size), out);
+  if (fixed)
+    map(file, path, status, out);
+  else
+    copy(file, std::size_t(status.st_size), out);
   return out;
 }
 
@@ -83,6 +138,22 @@ void drop_pages(const FileBytes& bytes) {
 bool is_file(int descriptor, const FileBytes& bytes) {
   struct stat status = {};
   return fstat(descriptor, &status) == 0 && status.st_dev == bytes.device && status.st_ino == bytes.inode;
+}
+
+const char* mapped_path_at(const void* address) {
+  const auto* const byte = static_cast<const std::byte*>(address);
+  for (const Mapping* mapping = mappings; mapping; mapping = mapping->next)
+    if (const std::byte* const first = mapping->first;
+        first && std::less_equal()(first, byte) && std::less()(byte, first + mapping->size))
+      return mapping->path.c_str();
+  return nullptr;
+}
+
+std::vector<std::string> take_files_changed_while_mapped() {
+  const std::scoped_lock lock(changing);
+  for (Mapping* mapping = mappings; mapping; mapping = mapping->next)
+    if (mapping->first) tell_if_written(*mapping);
+  return std::exchange(changed, {});
 }
 
 void forbid_writing(const std::filesystem::path& path) {

@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <string>
+#include <vector>
 
 namespace aussois {
 
@@ -26,6 +28,15 @@ void drop_pages(const FileBytes& bytes);
 
 /// Whether the descriptor is one of the file that the bytes are from.
 bool is_file(int descriptor, const FileBytes& bytes);
+
+/// The path of the file that is mapped at this address, null if none is. May be called in a signal handler:
+/// if a file was cut off while it was mapped, which takes its owner's permission anew, looking at what is
+/// gone raises SIGBUS there.
+const char* mapped_path_at(const void* address);
+
+/// The files that were written while they were mapped, whether they still are or not; each once. What was
+/// computed with them may be wrong.
+std::vector<std::string> take_files_changed_while_mapped();
 
 /// Takes the right to write from everyone, so that bytes_of_file maps the file. Files of this kind are
 /// replaced by renaming another one, never written again.

@@ -7,12 +7,15 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <map>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 
 #include "geometry/number_text.hpp"
 #include "io/build_info.hpp"
+#include "io/mapped_file.hpp"
 #include "io/recording.hpp"
 
 namespace aussois {
@@ -23,12 +26,29 @@ extern "C" void request_stop(int) {
   stop_requested = 1;
 }
 
-void watch_signals() {
+// Of a mapped file whose end is gone: named, where it would be a crash.
+const char* driver_name = "";
+void say(const char* text) {
+  static_cast<void>(!write(STDERR_FILENO, text, std::strlen(text)));
+}
+extern "C" void stop_at_missing_page(int signal, siginfo_t* info, void*) {
+  if (const char* const path = mapped_path_at(info->si_addr)) {
+    for (const char* const text : {driver_name, ": ", path, ": was cut off while it was in use\n"}) say(text);
+    _exit(static_cast<int>(ExitCode::missing));
+  }
+  std::signal(signal, SIG_DFL);  // of something else: it comes again, and kills
+}
+
+void watch_signals(const std::string& name) {
+  driver_name = name.c_str();
   struct sigaction action {};
   action.sa_handler = request_stop;
   action.sa_flags = static_cast<int>(SA_RESETHAND);  // the second signal kills
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  action.sa_sigaction = stop_at_missing_page;
+  action.sa_flags = SA_SIGINFO;
+  sigaction(SIGBUS, &action, nullptr);
 }
 
 std::string text_of(double value) {
@@ -333,11 +353,8 @@ void refuse_given(const Cli& cli, const std::vector<std::string>& flags, const s
   for (const std::string& flag : flags) require(!cli.is_given(flag), flag + " needs " + what);
 }
 
-int run_driver(Cli& cli, int argc, const char* const* argv, const std::function<ExitCode()>& body) {
-  ExitCode code = ExitCode::ok;
-  if (!cli.parse(argc, argv, code)) return static_cast<int>(code);
-  stop_requested = 0;
-  watch_signals();
+namespace {
+int exit_code_of(const Cli& cli, const std::function<ExitCode()>& body) {
   try {
     return static_cast<int>(body());
   } catch (const std::invalid_argument& wrong) {
@@ -349,6 +366,19 @@ int run_driver(Cli& cli, int argc, const char* const* argv, const std::function<
   } catch (const std::exception& wrong) {
     return fail(cli.name(), wrong.what(), ExitCode::numerical);
   }
+}
+}  // namespace
+
+int run_driver(Cli& cli, int argc, const char* const* argv, const std::function<ExitCode()>& body) {
+  ExitCode code = ExitCode::ok;
+  if (!cli.parse(argc, argv, code)) return static_cast<int>(code);
+  stop_requested = 0;
+  watch_signals(cli.name());
+  int result = exit_code_of(cli, body);
+  for (const std::string& file : take_files_changed_while_mapped())
+    result =
+        fail(cli.name(), file + ": was written while it was in use; results may be wrong", ExitCode::missing);
+  return result;
 }
 
 void make_folders(const CommonOptions& options) {

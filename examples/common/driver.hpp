@@ -151,7 +151,7 @@ void refuse_given(const Cli& cli, const std::vector<std::string>& flags, const s
 
 /// Parses, watches for SIGINT and SIGTERM, runs `body` and turns what it throws into an exit code and one
 /// line on stderr: std::invalid_argument 2, NumericalFailure 4, other std::runtime_error (ours are files) 3,
-/// anything else 4.
+/// anything else 4. A mapped file that is cut off or written while `body` runs is named too: 3.
 int run_driver(Cli& cli, int argc, const char* const* argv, const std::function<ExitCode()>& body);
 
 /// Makes the folder of the results and that of the summary, before anything is computed for them. Throws

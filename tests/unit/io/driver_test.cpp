@@ -8,6 +8,7 @@
 #include "examples/common/progress.hpp"
 #include "examples/common/scheme_flags.hpp"
 #include "io/build_info.hpp"
+#include "io/mapped_file.hpp"
 #include "tests/unit/io/io_samples.hpp"
 
 namespace aussois {
@@ -54,6 +55,19 @@ struct SampleDriver {
   int run_throwing(const Error& error) {
     body = [&error]() -> ExitCode { throw error; };
     return run({});
+  }
+};
+
+// A file of two pages that permits no writing, mapped, and what happens to it while a driver runs.
+struct MappedInput {
+  std::filesystem::path path = fresh_folder() / "input";
+  FileBytes bytes{};
+  MappedInput() {
+    write_bytes(path, std::string(8192, 'x'));
+    forbid_writing(path);
+    bytes = bytes_of_file(path);
+    std::filesystem::permissions(path, std::filesystem::perms::owner_write,
+                                 std::filesystem::perm_options::add);
   }
 };
 
@@ -199,6 +213,41 @@ TEST(Driver, SeesTheFirstSignal) {
   }
   std::signal(SIGINT, SIG_DFL);
   std::signal(SIGTERM, SIG_DFL);
+}
+
+TEST(DriverDeathTest, NamesAMappedFileThatIsCutOff) {
+  SampleDriver driver;
+  driver.body = [] {
+    const MappedInput input;
+    std::filesystem::resize_file(input.path, 1);
+    return input.bytes.bytes.back() == std::byte('x') ? ExitCode::ok : ExitCode::not_accepted;
+  };
+  const char* const arguments[] = {"sample"};
+  EXPECT_EXIT(std::exit(run_driver(driver.cli, 1, arguments, driver.body)), ::testing::ExitedWithCode(3),
+              "^sample: .*input: was cut off while it was in use\n$");
+}
+
+TEST(DriverDeathTest, IsKilledByABusErrorOfAnotherKind) {
+  SampleDriver driver;
+  driver.body = []() -> ExitCode {
+    std::raise(SIGBUS);
+    return std::raise(SIGBUS), ExitCode::ok;
+  };
+  const char* const arguments[] = {"sample"};
+  EXPECT_EXIT(run_driver(driver.cli, 1, arguments, driver.body), ::testing::KilledBySignal(SIGBUS), "");
+}
+
+TEST(Driver, NamesAMappedFileThatIsWritten) {
+  SampleDriver driver;
+  driver.body = [] {
+    const MappedInput input;
+    write_bytes(input.path, "short");
+    return ExitCode::ok;
+  };
+  EXPECT_EQ(driver.run({}), 3);
+  EXPECT_NE(driver.err.find("input: was written while it was in use; results may be wrong\n"),
+            std::string::npos)
+      << driver.err;
 }
 
 TEST(Driver, ValuesTellRunsApart) {

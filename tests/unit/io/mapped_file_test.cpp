@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/mapped_file.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <fcntl.h>
 #include <unistd.h>
@@ -73,6 +74,38 @@ TEST(BytesOfFile, KnowTheirFile) {
   };
   EXPECT_TRUE(is_that_of(path));
   EXPECT_FALSE(is_that_of(other));
+}
+
+TEST(BytesOfFile, TellWhichFileIsMappedWhere) {
+  const auto folder = fresh_folder();
+  const std::string text(5000, 'x');
+  FileBytes one = bytes_of_file(read_only(folder / "one", text)),
+            two = bytes_of_file(read_only(folder / "two", text));
+  const std::byte* const place = one.bytes.data();
+  EXPECT_EQ(mapped_path_at(place), folder / "one");
+  EXPECT_EQ(mapped_path_at(&two.bytes.back()), folder / "two");
+  EXPECT_EQ(mapped_path_at(&one), nullptr);
+  one = {};
+  EXPECT_EQ(mapped_path_at(place), nullptr);
+}
+
+TEST(BytesOfFile, TellThatTheirFileWasWritten) {
+  using Names = std::vector<std::string>;
+  const auto folder = fresh_folder();
+  const auto written = read_only(folder / "written", "before"),
+             replaced = read_only(folder / "replaced", "before");
+  FileBytes first = bytes_of_file(written);
+  const FileBytes second = bytes_of_file(replaced);
+  write_whole_file(replaced, "after");
+  EXPECT_EQ(take_files_changed_while_mapped(), Names());
+  using std::filesystem::perms;
+  std::filesystem::permissions(written, perms::owner_write, std::filesystem::perm_options::add);
+  write_bytes(written, "after, longer");
+  EXPECT_EQ(take_files_changed_while_mapped(), Names{written.string()});
+  EXPECT_EQ(take_files_changed_while_mapped(), Names());
+  write_bytes(written, "again");
+  first = {};  // also when it is mapped no more
+  EXPECT_EQ(take_files_changed_while_mapped(), Names{written.string()});
 }
 
 TEST(BytesOfFile, RefusesWhatIsNoFileByName) {
