@@ -25,10 +25,8 @@ struct NodeMotion {
   AUSSOIS_INLINE void move(const ConeNode& node, ConeNode& out) const {
     const auto turn = [&](const float(&v)[3][4], float(&w)[3][4], bool shift) {
       const V4 x = load4(v);
-      for (int i = 0; i < 3; ++i) {
-        const F4 y = R[3 * i] * x.x + R[3 * i + 1] * x.y + R[3 * i + 2] * x.z + (shift ? t[i] : 0.0F);
-        for (int k = 0; k < 4; ++k) w[i][k] = y[k];
-      }
+      for (int i = 0; i < 3; ++i)
+        store4(R[3 * i] * x.x + R[3 * i + 1] * x.y + R[3 * i + 2] * x.z + (shift ? t[i] : 0.0F), w[i]);
     };
     turn(node.c, out.c, true);
     turn(node.axis, out.axis, false);
@@ -140,16 +138,24 @@ class DualDescent {
   AUSSOIS_INLINE void push(std::uint32_t node, const ConeSlot& a) {
     const ConeNode& four = b_.nodes[node];
     const int lanes = children_of(four) & test_.near(four, a, true);
-    for (std::uint32_t k = 0; k < 4; ++k)
-      if (lanes >> k & 1) {
-        list_.push_back(4 * node + k);
-        prefetch(b_, four, int(k));
-      }
+    make_room(4);
+    for (std::uint32_t k = 0; k < 4; ++k) {
+      append(4 * node + k, lanes >> k & 1);
+      if (lanes >> k & 1) prefetch(b_, four, int(k));
+    }
+  }
+
+  // The list is written without a branch: which entry matters is hard to predict.
+  AUSSOIS_INLINE void make_room(std::size_t entries) {
+    if (list_.size() < size_ + entries) list_.resize(2 * (size_ + entries));
+  }
+  AUSSOIS_INLINE void append(Entry entry, int matters) {
+    list_[size_] = entry;
+    size_ += std::size_t(matters);
   }
 
   AUSSOIS_INLINE void descend(const ConeSlot& top) {
-    list_.clear();
-    masks_.clear();
+    size_ = 0;
     depth_ = 0;
     push(0, top);
     ConeSlot a = top;
@@ -159,17 +165,18 @@ class DualDescent {
       for (;;) {  // on to the next child with a list that is not empty
         if (depth_ == 0) return;
         Level& level = levels_[depth_ - 1];
-        list_.resize(level.end);
         if (level.next == 4) {
-          list_.resize(level.begin);
-          masks_.resize(level.masks);
+          size_ = level.begin;
           --depth_;
           continue;
         }
         const int lane = level.next++;
+        size_ = level.end;
+        make_room(level.end - level.begin);
+        const char* const mask = masks_.data() + level.masks;
         for (std::size_t i = level.begin; i < level.end; ++i)
-          if (masks_[level.masks + i - level.begin] >> lane & 1) list_.push_back(list_[i]);
-        if (list_.size() == level.end) continue;
+          append(list_[i], mask[i - level.begin] >> lane & 1);
+        if (size_ == level.end) continue;
         a = {&level.node, lane};
         begin = level.end;
         break;
@@ -180,39 +187,43 @@ class DualDescent {
   // Opens the nodes of B that are larger than A's slot; then looks at the buckets, or opens the slot.
   AUSSOIS_INLINE void enter(const ConeSlot& a, std::size_t begin) {
     const bool at_bucket = a.count() > 0;
-    for (std::size_t i = begin; i < list_.size();) {
+    for (std::size_t i = begin; i < size_;) {
       const ConeSlot b = slot(list_[i]);
       if (b.count() > 0 || (!at_bucket && b.node->r[b.lane] < a.node->r[a.lane])) {
         ++i;
         continue;
       }
       const std::uint32_t node = b.node->child[b.lane];
-      list_[i] = list_.back();
-      list_.pop_back();
+      list_[i] = list_[--size_];
       push(node, a);
     }
-    if (list_.size() == begin) return;
+    if (size_ == begin) return;
     if (at_bucket) {
       test_.open(a);
-      for (std::size_t i = begin; i < list_.size(); ++i) test_.buckets(a, slot(list_[i]));
+      for (std::size_t i = begin; i < size_; ++i) test_.buckets(a, slot(list_[i]));
       return;
     }
     const ConeNode& below = a_.nodes[a.first()];
     Level& level = levels_[depth_++];
-    level.begin = begin, level.end = list_.size(), level.masks = masks_.size(), level.next = 0;
+    level.begin = begin, level.end = size_, level.next = 0;
+    level.masks =
+        depth_ > 1 ? levels_[depth_ - 2].masks + levels_[depth_ - 2].end - levels_[depth_ - 2].begin : 0;
     motion_.move(below, level.node);
     const ConeNode& node = level.node;
     const int there = children_of(node);
     for (int lane = 0; lane < 4; ++lane)
       if (there >> lane & 1) prefetch(a_, node, lane);
-    for (std::size_t i = begin; i < list_.size(); ++i)
-      masks_.push_back(char(there & test_.near(node, slot(list_[i]), false)));
+    if (masks_.size() < level.masks + size_ - begin) masks_.resize(2 * (level.masks + size_ - begin));
+    char* const mask = masks_.data() + level.masks;
+    for (std::size_t i = begin; i < size_; ++i)
+      mask[i - begin] = char(there & test_.near(node, slot(list_[i]), false));
   }
 
   const ConeTree &a_, &b_;
   const NodeMotion& motion_;
   Test& test_;
-  std::vector<Entry> list_{};
+  std::vector<Entry> list_{};  // in use: the first size_
+  std::size_t size_ = 0;
   std::vector<char> masks_{};
   std::array<Level, 17>
       levels_;  // all children but the last are full, and 4^16 buckets are more than an int counts

@@ -153,20 +153,27 @@ ContactSet to_contacts(const PosedShape& a, const PosedShape& b, const RelativeP
   if (found.size() == 1) set.points.push_back(contact_of(a, b, pair, found.front()));
   if (found.size() <= 1) return set;
   const std::vector<FoundMinimum> minima = without_duplicates(pair, found);
+  // First by dimension and simplex of A, then of B; packed, since most contacts are told apart by them.
+  struct Place {
+    std::uint64_t a, b;
+    std::size_t i;
+  };
+  const auto packed = [](const Feature& f) { return std::uint64_t(f.dim) << 32 | std::uint32_t(f.simplex); };
   std::vector<ContactPoint> points;
-  std::vector<int> order;
+  std::vector<Place> order;
   points.reserve(minima.size());
   order.reserve(minima.size());
   for (const FoundMinimum& f : minima) {
-    order.push_back(int(points.size()));
-    points.push_back(contact_of(a, b, pair, f));
+    const ContactPoint& c = points.emplace_back(contact_of(a, b, pair, f));
+    order.push_back({packed(c.a), packed(c.b), order.size()});
   }
-  std::ranges::sort(order, {}, [&](int i) {
-    const FoundMinimum& f = minima[i];
-    const ContactPoint& c = points[i];
-    return std::tuple(c.a.dim, c.a.simplex, c.b.dim, c.b.simplex, f.minimum.distance, f.a, f.b);
+  std::ranges::sort(order, [&](const Place& p, const Place& q) {
+    if (p.a != q.a) return p.a < q.a;
+    if (p.b != q.b) return p.b < q.b;
+    const FoundMinimum &f = minima[p.i], &g = minima[q.i];
+    return std::tie(f.minimum.distance, f.a, f.b) < std::tie(g.minimum.distance, g.a, g.b);
   });
-  for (const int i : order) set.points.push_back(points[i]);
+  for (const Place& place : order) set.points.push_back(points[place.i]);
   return set;
 }
 

@@ -17,8 +17,13 @@ struct LeafFrame {
   Eigen::Matrix3f R = Eigen::Matrix3f::Identity();
   Vec3 centre = Vec3::Zero();  // subtracted first [m]
   Eigen::Vector3f t = Eigen::Vector3f::Zero();
-  Eigen::Vector3f point(const Vec3& x) const { return R * (x - centre).cast<float>() + t; }
-  Eigen::Vector3f direction(const Vec3& d) const { return R * d.cast<float>(); }
+  AUSSOIS_INLINE V4 directions(const V4& d) const {
+    return {R(0, 0) * d.x + R(0, 1) * d.y + R(0, 2) * d.z, R(1, 0) * d.x + R(1, 1) * d.y + R(1, 2) * d.z,
+            R(2, 0) * d.x + R(2, 1) * d.y + R(2, 2) * d.z};
+  }
+  AUSSOIS_INLINE V4 points(const V4& from_centre) const {
+    return directions(from_centre) + V4{splat(t[0]), splat(t[1]), splat(t[2])};
+  }
 };
 
 struct FilterLimits {
@@ -44,8 +49,8 @@ struct FaceLanes {
   F4 side[3];    // lengths of the sides
 };
 
-AUSSOIS_INLINE void set(V4& v, int lane, const Eigen::Vector3f& x) {
-  v.x[lane] = x[0], v.y[lane] = x[1], v.z[lane] = x[2];
+AUSSOIS_INLINE void set(V4& v, int lane, const Vec3& x) {
+  v.x[lane] = float(x[0]), v.y[lane] = float(x[1]), v.z[lane] = float(x[2]);
 }
 
 /// The `count` leaves from `first` on; surplus lanes repeat the last.
@@ -53,49 +58,52 @@ AUSSOIS_INLINE VertexLanes vertex_lanes(const LeafFrame& f, int first, int count
   VertexLanes out{};
   for (int k = 0; k < 4; ++k) {
     const VertexLeaf& v = f.shape->vertices[first + std::min(k, count - 1)];
-    set(out.p, k, f.point(f.shape->complex.vertices[v.vertex]));
+    set(out.p, k, f.shape->complex.vertices[v.vertex] - f.centre);
   }
+  out.p = f.points(out.p);
   return out;
 }
 
 AUSSOIS_INLINE EdgeLanes edge_lanes(const LeafFrame& f, int first, int count) {
   EdgeLanes out{};
-  V4 n[2];
+  V4 n[2]{};
+  F4 sign[2]{};
   for (int k = 0; k < 4; ++k) {
     const int i = first + std::min(k, count - 1);
     const EdgeLeaf& e = f.shape->edges[i];
     const Vec3 &p = f.shape->complex.vertices[e.first], &q = f.shape->complex.vertices[e.last];
-    set(out.p, k, f.point(p));
-    set(out.e, k, f.direction(q - p));  // from rounded points, short edges could get any direction
+    set(out.p, k, p - f.centre);
+    set(out.e, k, q - p);  // from rounded points, short edges could get any direction
     out.misfit[k] = misfit_of(*f.shape, i);
     for (int c = 0; c < 2; ++c) {
       const int region = e.conormals[c];
-      const Eigen::Vector3f normal =
-          region == 0 ? Eigen::Vector3f::Zero() : f.direction(f.shape->regions[std::abs(region) - 1].normal);
-      set(n[c], k, region > 0 ? normal : Eigen::Vector3f(-normal));
+      set(n[c], k, region == 0 ? Vec3::Zero() : f.shape->regions[std::abs(region) - 1].normal);
+      sign[c][k] = region > 0 ? 1.0F : -1.0F;
     }
   }
+  out.p = f.points(out.p);
+  out.e = f.directions(out.e);
   out.square = dot(out.e, out.e);
   out.length = sqrt4(out.square);
-  for (int c = 0; c < 2; ++c) out.g[c] = (1.0F / out.length) * cross(n[c], out.e);
+  for (int c = 0; c < 2; ++c) out.g[c] = (sign[c] / out.length) * cross(f.directions(n[c]), out.e);
   return out;
 }
 
 AUSSOIS_INLINE FaceLanes face_lanes(const LeafFrame& f, int first, int count, int side) {
   FaceLanes out{};
-  F4 turn{};
+  F4 sign{};
   for (int k = 0; k < 4; ++k) {
     const auto t = std::size_t(f.shape->faces[first + std::min(k, count - 1)]);
-    const float sign = float(side * f.shape->triangle_sign[t]);
-    const RegionPlane& plane = f.shape->regions[f.shape->triangle_region[t]];
-    set(out.n, k, sign * f.direction(plane.normal));
+    set(out.n, k, f.shape->regions[f.shape->triangle_region[t]].normal);
+    sign[k] = float(side * f.shape->triangle_sign[t]);
     for (std::size_t c = 0; c < 3; ++c)
-      set(out.x[c], k, f.point(f.shape->complex.vertices[f.shape->complex.triangles[t][c]]));
-    turn[k] = float(side);
+      set(out.x[c], k, f.shape->complex.vertices[f.shape->complex.triangles[t][c]] - f.centre);
   }
+  out.n = sign * f.directions(out.n);
+  for (V4& x : out.x) x = f.points(x);
   for (int c = 0; c < 3; ++c) {
     const V4 e = out.x[(c + 1) % 3] - out.x[c];
-    out.inward[c] = turn * cross(out.n, e);
+    out.inward[c] = splat(float(side)) * cross(out.n, e);
     out.side[c] = sqrt4(dot(e, e));
   }
   return out;
@@ -191,6 +199,7 @@ AUSSOIS_INLINE int may_touch(const EdgeLanes& a, int k, const EdgeLanes& b, cons
     return bits((parallel | in) & (dot(middles, middles) <= apart * apart));
   }
   in &= (s >= -slack_a) & (s <= 1.0F + slack_a) & (r >= -slack_b) & (r <= 1.0F + slack_b);
+  if (!bits(parallel | in)) return 0;
   const F4 size = sqrt4(c.det), along = dot(n, w);
   const F4 limit = limits.sin_edges * size;
   I4 out = {0, 0, 0, 0};

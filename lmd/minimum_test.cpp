@@ -14,10 +14,11 @@ namespace {
 // Chains that bend by no more go through a vertex that has no cone of its own (normal_cone.cpp) [rad].
 constexpr double kStraight = 2 * kHullContainsOrigin;
 
-// Angle margin of u in the cone enlarged by alpha; negative: outside.
-double margin(const ConeView& cone, const Vec3& u, double alpha, double sin_alpha) {
-  if (!may_contain(cone, u, sin_alpha + 1e-12)) return -1;
-  return alpha - angle_to(cone, u);
+// Angle between u and the cone; nothing if it is larger than alpha.
+std::optional<double> angle_within(const ConeView& cone, const Vec3& u, double alpha, double sin_alpha) {
+  if (!may_contain(cone, u, sin_alpha + 1e-12)) return std::nullopt;
+  const double angle = angle_to(cone, u);
+  return angle <= alpha ? std::optional(angle) : std::nullopt;
 }
 
 // Is a displacement d of length `distance` in N? The test g . d <= tolerance is the foot test of the
@@ -70,17 +71,15 @@ std::optional<LocalMinimum> vertex_against(const Leaf& vertex, const Vec3& p, co
   const double distance = d.norm();
   if (distance > c.max_distance || distance <= 0) return std::nullopt;
   const Vec3 u = on.dim == 2 ? Vec3(-on.direction) : Vec3(d / distance);
-  const double slack = margin(cone_of(vertex), to_v * u, c.alpha, c.sin_alpha);
-  if (slack < 0) return std::nullopt;
-  return LocalMinimum{.x_a = p, .x_b = *foot, .direction = u, .distance = distance, .angle_margin = slack};
+  const std::optional<double> off = angle_within(cone_of(vertex), to_v * u, c.alpha, c.sin_alpha);
+  if (!off) return std::nullopt;
+  return LocalMinimum{
+      .x_a = p, .x_b = *foot, .direction = u, .distance = distance, .angle_margin = c.alpha - *off};
 }
 
-// Angle between the arcs N_E and -N_E' (smallest relative rotation that makes a common normal); all in one
-// frame.
-double arc_distance(const ConeView& e, const ConeView& f, const Mat3& R, const Vec3& u) {
-  const Vec3 u_e = R.transpose() * u;  // `e` is given in another frame
-  const double off_e = angle_to(e, u_e), off_f = angle_to(f, -u);
-  if (off_e <= 0 && off_f <= 0) return 0;
+// Angle between the arcs N_E and -N_E' where u, which is u_e in the frame of e, does not lie in both
+// (smallest relative rotation that makes a common normal); R turns from that frame to the other.
+double arc_distance(const ConeView& e, const ConeView& f, const Mat3& R, const Vec3& u, const Vec3& u_e) {
   if (angle_to(e, -u_e) <= 0 && angle_to(f, u) <= 0) return 0;  // the great circles meet at both +-u
   double rho = kInf;
   const ArcEnds ends_e = arc_ends(e), ends_f = arc_ends(f);
@@ -119,17 +118,20 @@ std::optional<LocalMinimum> edge_against_edge(const Leaf& a, const Leaf& b, cons
   if (distance > most || distance <= 0) return std::nullopt;
   Vec3 u = across.normalized();  // the common perpendicular, better conditioned than x_b - x_a
   if (u.dot(x_b - x_a) < 0) u = -u;
-  const double slack_a = margin(cone_of(a), R.transpose() * u, c.alpha_ee, c.sin_alpha_ee);
-  if (slack_a < 0) return std::nullopt;
-  const double slack_b = margin(cone_of(b), -u, c.alpha_ee, c.sin_alpha_ee);
-  if (slack_b < 0) return std::nullopt;
-  const double slack_rho = c.alpha - arc_distance(cone_of(a), cone_of(b), R, u);
-  if (slack_rho < 0) return std::nullopt;
+  const ConeView cone_a = cone_of(a), cone_b = cone_of(b);
+  const Vec3 u_a = R.transpose() * u;
+  const std::optional<double> off_a = angle_within(cone_a, u_a, c.alpha_ee, c.sin_alpha_ee);
+  if (!off_a) return std::nullopt;
+  const std::optional<double> off_b = angle_within(cone_b, -u, c.alpha_ee, c.sin_alpha_ee);
+  if (!off_b) return std::nullopt;
+  const bool inside = *off_a <= 0 && *off_b <= 0;
+  const double rho = inside ? 0 : arc_distance(cone_a, cone_b, R, u, u_a);
+  if (rho > c.alpha) return std::nullopt;
   return LocalMinimum{.x_a = x_a,
                       .x_b = x_b,
                       .direction = u,
                       .distance = distance,
-                      .angle_margin = std::min({slack_a, slack_b, slack_rho})};
+                      .angle_margin = std::min({c.alpha_ee - *off_a, c.alpha_ee - *off_b, c.alpha - rho})};
 }
 
 LocalMinimum swapped(const LocalMinimum& m, const Mat3& R,

@@ -73,9 +73,10 @@ class Search {
     if (!bits(still)) return 0;
     if (tests_.cones) still &= caps_oppose(four, one, trees_.caps);
     if (!bits(still)) return 0;
-    if (tests_.directions) still &= directions_meet(four, one, one_is_a, d, both, square, trees_.caps);
+    if (tests_.boxes) still = boxes_near(four, one, d, splat(trees_.reach), still);
     if (!bits(still)) return 0;
-    return tests_.boxes ? bits(boxes_near(four, one, d, splat(trees_.reach), still)) : bits(still);
+    if (tests_.directions) still &= directions_meet(four, one, one_is_a, d, both, square, trees_.caps);
+    return bits(still);
   }
 
   AUSSOIS_INLINE void open(const ConeSlot& a) {
@@ -96,7 +97,7 @@ class Search {
     part_.count.leaf_pairs += a.count() * b.count();
     switch (3 * trees_.first_a.dim + trees_.first_b.dim) {
       case 0:
-        return vertices_of_a(a, b, vertex_lanes(frames_.b, first_b, b.count()));
+        return vertices_of_a(a, b, vertices_of(b));
       case 1:
         return vertices_of_a(a, b, edges_of_b());
       case 2:
@@ -114,6 +115,11 @@ class Search {
   }
 
  private:
+  AUSSOIS_INLINE const VertexLanes& vertices_of(const ConeSlot& b) {
+    const int first = trees_.first_b.index + b.first();
+    return recent_vertices_.get(first, [&] { return vertex_lanes(frames_.b, first, b.count()); });
+  }
+
   template <class Lanes>
   AUSSOIS_INLINE void vertices_of_a(const ConeSlot& a, const ConeSlot& b, const Lanes& lanes) {
     for (int i = 0; i < a.count(); ++i) {
@@ -124,7 +130,7 @@ class Search {
 
   template <class Lanes>
   AUSSOIS_INLINE void vertices_of_b(const ConeSlot& a, const ConeSlot& b, const Lanes& lanes) {
-    const VertexLanes corners = vertex_lanes(frames_.b, trees_.first_b.index + b.first(), b.count());
+    const VertexLanes& corners = vertices_of(b);
     for (int j = 0; j < b.count(); ++j) {
       const VertexLeaf& v = pair_.b->vertices[trees_.first_b.index + b.first() + j];
       const int left = may_touch(frames_.b, v, spread(corners.p, j), lanes, trees_.limits);
@@ -165,6 +171,7 @@ class Search {
   VertexLanes vertices_{};  // of A's open bucket
   EdgeLanes edges_{};
   FaceLanes faces_{};
+  RecentLanes<VertexLanes> recent_vertices_{};
   RecentLanes<EdgeLanes> recent_edges_{};
   RecentLanes<FaceLanes> recent_faces_{};
 };

@@ -35,6 +35,10 @@ AUSSOIS_INLINE F4 load4(const float* x) {
 #endif
 }
 
+AUSSOIS_INLINE void store4(F4 x, float (&to)[4]) {
+  __builtin_memcpy(to, &x, sizeof x);
+}
+
 AUSSOIS_INLINE F4 sqrt4(F4 x) {
 #ifdef __SSE2__
   return _mm_sqrt_ps(x);
@@ -53,7 +57,7 @@ AUSSOIS_INLINE int bits(I4 m) {
 }
 
 AUSSOIS_INLINE F4 abs4(F4 x) {
-  return x < 0 ? -x : x;
+  return F4(I4(x) & 0x7fffffff);  // all but the sign
 }
 
 AUSSOIS_INLINE F4 min4(F4 a, F4 b) {

@@ -117,12 +117,13 @@ class StepDescent {
     if (!bits(still)) return 0;
     still &= caps_oppose(four, one, trees_.caps);
     if (!bits(still)) return 0;
+    const F4 turned = trees_.limits.turn * (one_is_a ? r_one : r_four);
+    still = boxes_near<true>(four, one, d, shift, trees_.reach + turned, still);
+    if (!bits(still)) return 0;
     const V4 middle = d + splat(0.5F) * shift;
     const F4 around = both + 0.5F * sqrt4(dot(shift, shift)) + float(f_.bend);
-    still &= directions_meet(four, one, one_is_a, middle, around, dot(middle, middle), trees_.caps);
-    if (!bits(still)) return 0;
-    const F4 turned = trees_.limits.turn * (one_is_a ? r_one : r_four);
-    return bits(boxes_near<true>(four, one, d, shift, trees_.reach + turned, still));
+    return bits(still &
+                directions_meet(four, one, one_is_a, middle, around, dot(middle, middle), trees_.caps));
   }
 
   AUSSOIS_INLINE void open(const ConeSlot& a) {
