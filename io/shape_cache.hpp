@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <string>
 
+#include "io/cache_use.hpp"
 #include "lmd/lmd_shape.hpp"
 
 namespace aussois {
@@ -28,12 +28,8 @@ void write_lmd_shape(const std::filesystem::path& path, const LmdShape& shape, s
 /// of the tables, every index and every number are checked.
 LmdShape read_lmd_shape(const std::filesystem::path& path, std::uint64_t key);
 
-struct CachedShape {
+struct CachedShape : CacheUse {
   std::shared_ptr<const LmdShape> shape{};
-  bool loaded = false;           // from `file`; otherwise prepared
-  std::filesystem::path file{};  // where the shape is kept; empty without a cache
-  bool kept = false;             // `file` holds the shape now
-  std::string warning{};         // why a file could not be used or written; the shape is good
 };
 
 /// prepare(shape, options), or the same bits from FOLDER/KEY.h5, which is written if it is missing or
@@ -42,8 +38,5 @@ struct CachedShape {
 /// io.
 CachedShape prepare_cached(DilatedShape shape, const LmdShapeOptions& options,
                            const std::filesystem::path& folder);
-
-/// "loaded from FILE", or "prepared, kept in FILE", or "prepared" if it is not kept (the warning says why).
-std::string to_string(const CachedShape& shape);
 
 }  // namespace aussois

@@ -15,34 +15,13 @@
 namespace aussois {
 namespace {
 
-class Check {
+class MeshCheck {
  public:
-  Check(hid_t file, const LmdShape& shape) : file_(file), s_(shape) {}
-
-  void all() const {
-    mesh();
-    tables();
-    leaves();
-    const std::size_t narrow_v = std::size_t(s_.narrow_vertices), narrow_e = std::size_t(s_.narrow_edges);
-    tree("/tree/vertex", s_.vertex_tree, narrow_v);
-    tree("/tree/wide_vertex", s_.wide_vertex_tree, s_.vertices.size() - narrow_v);
-    tree("/tree/edge", s_.edge_tree, narrow_e);
-    tree("/tree/wide_edge", s_.wide_edge_tree, s_.edges.size() - narrow_e);
-    tree("/tree/face", s_.face_tree, s_.faces.size());
-    tree("/tree/rest", s_.rest_tree, s_.rest.size());
-    tree("/tree/unproven", s_.unproven_tree, s_.unproven.size());
-  }
-
- private:
-  void expect(bool holds, const char* name, const char* what) const {
-    if (!holds) fail_hdf5(file_, name, what);
-  }
-  static bool within(int i, std::size_t count) { return i >= 0 && std::size_t(i) < count; }
-  static bool length(double x) { return std::isfinite(x) && x >= 0; }
+  MeshCheck(hid_t file, const SimplicialComplex& mesh) : file_(file), mesh_(mesh) {}
 
   // What make_complex promises, but for sums that only rounding could change.
-  void mesh() const {
-    const SimplicialComplex& k = s_.complex;
+  void all() const {
+    const SimplicialComplex& k = mesh_;
     expect(!k.vertices.empty(), "/mesh/vertices", "is empty");
     for (const Vec3& x : k.vertices)
       expect(x.allFinite(), "/mesh/vertices", "has a place that is not finite");
@@ -67,11 +46,20 @@ class Check {
     expect(!k.solid || (is_closed_oriented(k) && signed_volume(k) > 0), "/mesh/solid",
            "calls a solid what encloses nothing");
   }
+
+ protected:
+  void expect(bool holds, const char* name, const char* what) const {
+    if (!holds) fail_hdf5(file_, name, what);
+  }
+  static bool within(int i, std::size_t count) { return i >= 0 && std::size_t(i) < count; }
+  static bool length(double x) { return std::isfinite(x) && x >= 0; }
+
+ private:
   template <std::size_t N>
   void simplices(const char* name, std::span<const std::array<int, N>> all) const {
     for (const std::array<int, N>& simplex : all)
       for (std::size_t i = 0; i < N; ++i)
-        expect(within(simplex[i], s_.complex.vertices.size()) && simplex[i] != simplex[(i + 1) % N], name,
+        expect(within(simplex[i], mesh_.vertices.size()) && simplex[i] != simplex[(i + 1) % N], name,
                "has an index outside the vertices of the mesh, or one twice");
   }
   // As many items as there are corners, ascending in each row, each with the row among its corners: all.
@@ -92,6 +80,29 @@ class Check {
       }
   }
 
+  hid_t file_;
+  const SimplicialComplex& mesh_;
+};
+
+class ShapeCheck : MeshCheck {
+ public:
+  ShapeCheck(hid_t file, const LmdShape& shape) : MeshCheck(file, shape.complex), s_(shape) {}
+
+  void all() const {
+    MeshCheck::all();
+    tables();
+    leaves();
+    const std::size_t narrow_v = std::size_t(s_.narrow_vertices), narrow_e = std::size_t(s_.narrow_edges);
+    tree("/tree/vertex", s_.vertex_tree, narrow_v);
+    tree("/tree/wide_vertex", s_.wide_vertex_tree, s_.vertices.size() - narrow_v);
+    tree("/tree/edge", s_.edge_tree, narrow_e);
+    tree("/tree/wide_edge", s_.wide_edge_tree, s_.edges.size() - narrow_e);
+    tree("/tree/face", s_.face_tree, s_.faces.size());
+    tree("/tree/rest", s_.rest_tree, s_.rest.size());
+    tree("/tree/unproven", s_.unproven_tree, s_.unproven.size());
+  }
+
+ private:
   void tables() const {
     const std::size_t triangles = s_.complex.triangles.size();
     expect(length(s_.radius), "/radius", "is not a length");
@@ -186,14 +197,17 @@ class Check {
     return true;
   }
 
-  hid_t file_;
   const LmdShape& s_;
 };
 
 }  // namespace
 
 void check_shape(hid_t file, const LmdShape& shape) {
-  Check(file, shape).all();
+  ShapeCheck(file, shape).all();
+}
+
+void check_complex(hid_t file, const SimplicialComplex& complex) {
+  MeshCheck(file, complex).all();
 }
 
 }  // namespace aussois

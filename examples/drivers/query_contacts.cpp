@@ -46,13 +46,13 @@ ContactPair read_parts(const Arguments& a) {
   if (!a.builtin.empty()) return builtin_pair(a.builtin);
   if (files) {
     require(!a.a.empty() && !a.b.empty(), "--a and --b must be given together");
-    ContactPair pair{.a = read_part(a.a, a.scale), .b = read_part(a.b, a.scale)};
+    ContactPair pair{.a = read_part(a.a, a.scale, {}, a.cache), .b = read_part(a.b, a.scale, {}, a.cache)};
     if (pair.a.name == pair.b.name) pair.a.name += "_a";
     pair.name = pair.a.name + "_on_" + pair.b.name;
     return pair;
   }
   require(!a.data.empty(), "--pair needs --data, the folder with meshes/ and assembly/");
-  return contact_pair(read_assembly_pair(a.data, a.pair, a.scale));
+  return contact_pair(read_assembly_pair(a.data, a.pair, a.scale, a.cache));
 }
 
 ContactPair read_pair(const Arguments& a) {
@@ -110,7 +110,7 @@ void print_parts(const ContactReport& report, bool quiet) {
                 1e3 * (part->report.box.hi - part->report.box.lo).z(), 1e6 * shape->radius);
 }
 
-void print_cache(const std::string& name, const CachedShape& cached, bool quiet) {
+void print_cache(const std::string& name, const CacheUse& cached, bool quiet) {
   if (!cached.warning.empty()) std::fprintf(stderr, "warning: %s\n", cached.warning.c_str());
   if (!quiet) std::printf("cache: %s: %s\n", name.c_str(), to_string(cached).c_str());
 }
@@ -200,6 +200,8 @@ ExitCode query(const Arguments& a) {
     if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path());
   print_parts(report, a.quiet);
   if (!a.cache.empty()) {
+    for (const AssemblyPart* part : {&pair.a, &pair.b})
+      if (!part->cache.file.empty()) print_cache(part->name + ", mesh", part->cache, a.quiet);
     print_cache(pair.a.name, cached_a, a.quiet);
     print_cache(pair.b.name, cached_b, a.quiet);
   }

@@ -63,10 +63,10 @@ AssemblyInput read_input(const Arguments& a) {
   if (files) {
     require(!a.fixed.empty() && !a.moving.empty() && !a.path.empty(),
             "--fixed, --moving and --path must be given together");
-    return read_assembly_files(a.fixed, a.moving, a.path, a.scale);
+    return read_assembly_files(a.fixed, a.moving, a.path, a.scale, a.scene.cache);
   }
   require(!a.data.empty(), "--pair needs --data, the folder with meshes/ and assembly/");
-  return read_assembly_pair(a.data, a.pair, a.scale);
+  return read_assembly_pair(a.data, a.pair, a.scale, a.scene.cache);
 }
 
 void print_parts(const AssemblyInput& input, const AssemblyScene& scene, const Arguments& a) {

@@ -155,8 +155,10 @@ class QueryContacts(DriverTest):
         cache = ("--cache", "shapes")
         _, bare = self.ask(*pose)
         first, prepared = self.ask(*pose, *cache)
+        self.assertRegex(first, r"cache: peg, mesh: prepared, kept in shapes/[0-9a-f]{16}\.h5\n")
         self.assertRegex(first, r"cache: peg: prepared, kept in shapes/[0-9a-f]{16}\.h5\n")
         second, loaded = self.ask(*pose, *cache)
+        self.assertRegex(second, r"cache: peg, mesh: loaded from .*\ncache: socket, mesh: loaded from ")
         self.assertRegex(second, r"cache: peg: loaded from .*\ncache: socket: loaded from ")
         self.assertEqual(bare["contacts"], prepared["contacts"])
         self.assertEqual(bare["contacts"], loaded["contacts"])
@@ -164,7 +166,7 @@ class QueryContacts(DriverTest):
             file.write_bytes(file.read_bytes()[:-1])
         run = self.drive("query_contacts", *pose, *cache, "--quiet")
         self.assertEqual(run.returncode, 0, run.stderr)
-        self.assertEqual(run.stderr.count("damaged: its checksum does not fit; prepared again"), 2, run.stderr)
+        self.assertEqual(run.stderr.count("damaged: its checksum does not fit; prepared again"), 4, run.stderr)
         self.assertIn("loaded from", self.ask(*pose, *cache)[0])
 
     def test_a_cache_that_cannot_be_is_a_warning(self):

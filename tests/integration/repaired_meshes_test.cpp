@@ -88,11 +88,11 @@ TEST_F(RepairedMeshes, AreSolidsUnlessTheyPassThroughThemselves) {
 
 // Its coordinates carry three decimals of a millimetre; its triangles without area are up to 0.83 um high.
 TEST_F(RepairedMeshes, MayNeedAToleranceAsCoarseAsTheirCoordinates) {
-  const AssemblyPart hole =
-      read_part(data / "meshes" / "factory_hole_round_8mm.obj", 1e-3, {.relative_tolerance = 3e-5});
-  EXPECT_TRUE(hole.complex.solid) << hole.repair.reason;
-  EXPECT_EQ(hole.repair.after.self_intersections, 0);
-  EXPECT_LT(hole.repair.flipped_slivers.distance, 1e-6);
+  const RepairedMesh hole =
+      repair_mesh(as_in_file(data / "meshes" / "factory_hole_round_8mm.obj"), {.relative_tolerance = 3e-5});
+  EXPECT_TRUE(hole.complex.solid) << hole.report.reason;
+  EXPECT_EQ(hole.report.after.self_intersections, 0);
+  EXPECT_LT(hole.report.flipped_slivers.distance, 1e-6);
 }
 
 struct Fit {
@@ -107,13 +107,13 @@ TEST_F(RepairedMeshes, KeepTheSmallestGapOfAFit) {
     SCOPED_TRACE(fit.pair);
     const AssemblyInput input = read_assembly_pair(data, fit.pair, 1e-3);
     EXPECT_TRUE(input.moving.complex.solid);
-    SimplicialComplex sheets = as_in_file(data / "meshes" / (input.moving.name + ".obj"));
+    const SimplicialComplex sheets = as_in_file(data / "meshes" / (input.moving.name + ".obj"));
     ASSERT_GT(report_mesh(sheets).self_intersections, 0);
     const LmdShape fixed = prepare(dilate(input.fixed.complex, 0));
     const LmdShape repaired = prepare(dilate(input.moving.complex, 0));
-    const LmdShape raw = prepare(dilate(std::move(sheets), 0));
+    const LmdShape raw = prepare(dilate(sheets, 0));
     const SE3& g = input.poses[fit.pose];
-    const double tolerance = input.moving.repair.tolerance;
+    const double tolerance = repair_mesh(sheets).report.tolerance;
     const LmdOptions options{.threshold = 1.5 * fit.clearance, .threads = 2};
     const double gap = smallest_gap(find_contacts({&repaired, g, 1}, {&fixed, {}, 0}, options));
     EXPECT_NEAR(gap, smallest_gap(find_contacts({&raw, g, 1}, {&fixed, {}, 0}, options)), tolerance);

@@ -174,7 +174,7 @@ class Replay(DriverTest):
         self.assertEqual(*runs)
         for word, out in (("prepared, kept in shapes/", "first"), ("loaded from shapes/", "second")):
             lines = self.summary(out)["cache"]
-            self.assertEqual(len(lines), 4)  # both parts, as they are for the clearance and dilated
+            self.assertEqual(len(lines), 6)  # of both parts the mesh, the shape for the clearance, and the dilated one
             for line in lines:
                 self.assertIn(word, line)
 

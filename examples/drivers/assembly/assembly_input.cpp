@@ -10,7 +10,6 @@
 #include "geometry/fastener.hpp"
 #include "geometry/number_text.hpp"
 #include "io/checkpoint.hpp"
-#include "io/mesh_file.hpp"
 #include "io/pose_file.hpp"
 
 namespace aussois {
@@ -24,17 +23,10 @@ std::string content_of(const std::filesystem::path& path) {
   return text.str();
 }
 
-// Takes the repaired mesh as the part's complex; every repair becomes a note.
-void settle(AssemblyPart& part, const SimplicialComplex& complex, const RepairOptions& options) {
-  RepairedMesh repaired = repair_mesh(complex, options);
-  part.complex = std::move(repaired.complex);
-  part.repair = std::move(repaired.report);
-  part.report = part.repair.after;
-  std::istringstream lines(to_string(part.repair));
-  for (std::string line; std::getline(lines, line);) part.notes.push_back(part.name + ": " + line);
-  if (!part.complex.solid && !part.complex.triangles.empty())
-    part.notes.push_back(part.name +
-                         ": used as two-sided sheets, because it is not a solid: " + part.repair.reason);
+AssemblyPart named_part(std::string name, PartMesh mesh) {
+  AssemblyPart out{.name = std::move(name), .complex = std::move(mesh.complex), .report = mesh.report};
+  for (const std::string& note : mesh.notes) out.notes.push_back(out.name + ": " + note);
+  return out;
 }
 
 struct PairFiles {
@@ -66,19 +58,11 @@ PairFiles find_pair(const std::filesystem::path& table, const std::string& pair)
 
 }  // namespace
 
-AssemblyPart read_part(const std::filesystem::path& path, double scale, const RepairOptions& options) {
-  MeshFile mesh = read_mesh(path, scale);
-  weld_mesh_file(mesh);
-  AssemblyPart part{.name = path.stem().string()};
-  if (const std::string notes = to_string(mesh.notes); !notes.empty())
-    part.notes.push_back(part.name + ": " + notes);
-  SimplicialComplex complex;
-  try {
-    complex = make_complex(std::move(mesh.vertices), std::move(mesh.triangles), mesh.wires);
-  } catch (const std::invalid_argument& e) {
-    throw std::runtime_error(path.string() + ": " + e.what());
-  }
-  settle(part, complex, options);
+AssemblyPart read_part(const std::filesystem::path& path, double scale, const RepairOptions& options,
+                       const std::filesystem::path& cache) {
+  CachedPartMesh cached = read_part_mesh_cached(path, scale, options, cache);
+  AssemblyPart part = named_part(path.stem().string(), std::move(cached.mesh));
+  part.cache = std::move(cached);
   return part;
 }
 
@@ -99,13 +83,14 @@ void note_straightened(AssemblyPart& part, const LmdShape& shape) {
 }
 
 AssemblyInput read_assembly_files(const std::filesystem::path& fixed, const std::filesystem::path& moving,
-                                  const std::filesystem::path& path, double scale) {
+                                  const std::filesystem::path& path, double scale,
+                                  const std::filesystem::path& cache) {
   AssemblyInput input{.name = moving.stem().string() + "_in_" + fixed.stem().string()};
   const PoseFile poses = read_poses(path, scale);
   input.poses = poses.pose;
   for (const int line : poses.line) input.place_of_pose.push_back(path.string() + ":" + std::to_string(line));
-  input.fixed = read_part(fixed, scale);
-  input.moving = read_part(moving, scale);
+  input.fixed = read_part(fixed, scale, {}, cache);
+  input.moving = read_part(moving, scale, {}, cache);
   if (input.moving.name == input.fixed.name) input.moving.name += "_moving";
   std::ostringstream text;
   for (const auto& file : {fixed, moving, path}) text << fingerprint_of(content_of(file)) << ' ';
@@ -114,11 +99,12 @@ AssemblyInput read_assembly_files(const std::filesystem::path& fixed, const std:
   return input;
 }
 
-AssemblyInput read_assembly_pair(const std::filesystem::path& data, const std::string& pair, double scale) {
+AssemblyInput read_assembly_pair(const std::filesystem::path& data, const std::string& pair, double scale,
+                                 const std::filesystem::path& cache) {
   const PairFiles files = find_pair(data / "assembly" / "pairs.csv", pair);
   const auto mesh = [&](const std::string& name) { return data / "meshes" / (name + ".obj"); };
-  AssemblyInput input =
-      read_assembly_files(mesh(files.fixed), mesh(files.moving), data / "assembly" / files.trajectory, scale);
+  AssemblyInput input = read_assembly_files(mesh(files.fixed), mesh(files.moving),
+                                            data / "assembly" / files.trajectory, scale, cache);
   input.name = pair;
   return input;
 }
@@ -126,9 +112,9 @@ AssemblyInput read_assembly_pair(const std::filesystem::path& data, const std::s
 AssemblyInput builtin_assembly(const std::string& name) {
   require(name == "bolt_nut", "--builtin = " + name + " must be bolt_nut");
   const FastenerOptions options;
-  AssemblyInput input{.name = name, .fixed = {.name = "bolt"}, .moving = {.name = "nut"}};
-  settle(input.fixed, make_bolt(options), {});
-  settle(input.moving, make_nut(options), {});
+  AssemblyInput input{.name = name,
+                      .fixed = named_part("bolt", repaired_part(make_bolt(options))),
+                      .moving = named_part("nut", repaired_part(make_nut(options)))};
   for (int i = 0; i <= 108; ++i) {  // every five degrees, from a twelfth of a turn above the head
     const double angle = kPi / 6 + i * kPi / 36;
     input.poses.push_back(rotation(Vec3::UnitZ(), angle) *

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "geometry/mass_properties.hpp"
-#include "geometry/mesh_repair.hpp"
 #include "geometry/settings.hpp"
+#include "io/part_mesh.hpp"
 #include "lmd/lmd_shape.hpp"
 
 namespace aussois {
@@ -18,8 +18,8 @@ struct AssemblyPart {
   std::string name{};
   SimplicialComplex complex{};       // [m]
   MeshReport report{};               // of the complex as it is used
-  RepairReport repair{};             // what was done to the mesh of the file
-  std::vector<std::string> notes{};  // what a user must know: each repair, open surface, ...
+  std::vector<std::string> notes{};  // what a user must know, each with the name of the part
+  CacheUse cache{};                  // of the mesh
 };
 
 struct AssemblyInput {
@@ -30,10 +30,9 @@ struct AssemblyInput {
   std::string fingerprint{};                 // of the content of all files, as text
 };
 
-/// Reads a mesh and repairs it (repair_mesh), with a note for each kind of repair. What is no solid then is
-/// used as two-sided sheets, with a note that says why; wires and points are what they are. Errors as of
-/// read_mesh.
-AssemblyPart read_part(const std::filesystem::path& path, double scale, const RepairOptions& options = {});
+/// The part named after its mesh file (read_part_mesh_cached).
+AssemblyPart read_part(const std::filesystem::path& path, double scale, const RepairOptions& options = {},
+                       const std::filesystem::path& cache = {});
 
 /// The largest way from a vertex of the mesh to where the shape has it, on the chord of its chain (LMD-5)
 /// [m].
@@ -45,10 +44,12 @@ void note_straightened(AssemblyPart& part, const LmdShape& shape);
 
 /// DIR/assembly/pairs.csv names the meshes (DIR/meshes/NAME.obj) and the path (DIR/assembly/FILE). Throws
 /// std::invalid_argument with the known names if `pair` is none of them.
-AssemblyInput read_assembly_pair(const std::filesystem::path& data, const std::string& pair, double scale);
+AssemblyInput read_assembly_pair(const std::filesystem::path& data, const std::string& pair, double scale,
+                                 const std::filesystem::path& cache = {});
 
 AssemblyInput read_assembly_files(const std::filesystem::path& fixed, const std::filesystem::path& moving,
-                                  const std::filesystem::path& path, double scale);
+                                  const std::filesystem::path& path, double scale,
+                                  const std::filesystem::path& cache = {});
 
 /// Shapes of our own: "bolt_nut", a nut unscrewed from its bolt by a turn and a half.
 AssemblyInput builtin_assembly(const std::string& name);

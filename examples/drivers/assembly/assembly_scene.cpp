@@ -15,13 +15,16 @@
 namespace aussois {
 namespace {
 
+void note_cache(AssemblyScene& scene, const std::string& what, const CacheUse& use) {
+  if (!use.warning.empty()) scene.cache_warnings.push_back(use.warning);
+  if (!use.file.empty()) scene.cache.push_back(what + ": " + to_string(use));
+}
+
 std::shared_ptr<const LmdShape> prepared(AssemblyScene& scene, const AssemblyPart& part, double dilation,
                                          const std::filesystem::path& cache, int threads) {
   const CachedShape cached =
       prepare_cached({.complex = part.complex, .radius = dilation}, {.threads = threads}, cache);
-  if (!cached.warning.empty()) scene.cache_warnings.push_back(cached.warning);
-  if (!cache.empty())
-    scene.cache.push_back(part.name + (dilation > 0 ? ", dilated: " : ": ") + to_string(cached));
+  note_cache(scene, part.name + (dilation > 0 ? ", dilated" : ""), cached);
   return cached.shape;
 }
 
@@ -144,6 +147,8 @@ AssemblyScene make_assembly_scene(const AssemblyInput& input, const AssemblyOpti
   check_ranges(options);
   require(options.gravity.allFinite(), "AssemblyOptions::gravity must be finite [m/s^2]");
   AssemblyScene scene;
+  for (const AssemblyPart* part : {&input.fixed, &input.moving})
+    note_cache(scene, part->name + ", mesh", part->cache);
   const auto shape = [&](const AssemblyPart& part, double dilation) {
     return prepared(scene, part, dilation, options.cache, threads);
   };
