@@ -51,6 +51,7 @@ nlohmann::ordered_json json_of(const StepCost& cost) {
   out.update(json_of(figures_of(cost, "step")));
   out["ms_fcl"] = cost.ms_fcl;
   out["ratio_to_fcl"] = ratio_to_fcl(cost);
+  out["kept_bytes"] = cost.profile.kept_bytes();
   for (const StageFigures& f : cost.profile.figures()) out["stages"][f.stage] = json_of(f);
   return out;
 }

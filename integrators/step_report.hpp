@@ -208,6 +208,7 @@ struct StepReport {
   std::optional<StepProblem> problem{};  // the last one solved, even in a step that failed; only if asked for
   StageTimes stages{};                   // of all attempts; none in event_driven
   StageTime total{};
+  std::size_t kept_bytes = 0;  // that the scheme keeps of its pairs to be faster; none in event_driven
   bool ok() const { return status == StepStatus::ok && is_solved(solve.status); }
   /// True if the state is now that at `t`; otherwise it is unchanged.
   bool moved() const { return status == StepStatus::ok || status == StepStatus::not_solved; }

@@ -312,4 +312,9 @@ std::vector<std::pair<int, int>> broad_phase(const std::vector<DilatedBox>& boxe
   return pairs;
 }
 
+std::size_t bytes_of(const BroadPhaseScratch& scratch) {
+  return (scratch.last.capacity() + scratch.room.capacity()) * sizeof(StraightBox) +
+         scratch.fixed.capacity() + scratch.neighbours.capacity() * sizeof(std::pair<int, int>);
+}
+
 }  // namespace aussois

@@ -68,5 +68,7 @@ struct BroadPhaseScratch {
 };
 std::vector<std::pair<int, int>> broad_phase(const std::vector<DilatedBox>& boxes, int threads,
                                              BroadPhaseScratch& scratch);
+/// The memory of its lists [bytes].
+std::size_t bytes_of(const BroadPhaseScratch& scratch);
 
 }  // namespace aussois

@@ -177,14 +177,17 @@ ContactSet to_contacts(const PosedShape& a, const PosedShape& b, const RelativeP
   return set;
 }
 
+std::size_t leaf_count(const LmdShape& s) {
+  return s.vertices.size() + s.edges.size() + s.faces.size();
+}
+
 bool is_ball(const LmdShape& shape) {
   return shape.complex.vertices.size() == 1;
 }
 
 // How far a window may reach for candidates to be worth keeping.
 MotionWindow widest_window(const LmdShape& a, const LmdShape& b, const LmdOptions& options) {
-  const auto leaves = [](const LmdShape& s) { return s.vertices.size() + s.edges.size() + s.faces.size(); };
-  const bool few = leaves(a) * leaves(b) <= kFewLeafPairs;
+  const bool few = leaf_count(a) * leaf_count(b) <= kFewLeafPairs;
   const double size = std::min(a.bounding_radius, b.bounding_radius);
   return {few ? std::max(options.threshold, kPartOfSize * size) : options.threshold, options.alpha};
 }
@@ -345,7 +348,16 @@ ContactSet find_contacts(const PosedShape& a, const PosedShape& b, const LmdOpti
   more.alpha = std::min(0.5, kRoomOfBounds * options.alpha);
   more.alpha_ee = std::min(1.0, kRoomOfBounds * options.alpha_ee);
   kept = find_candidates(a, b, more, window);
-  return contacts_among(kept, a, b, options);
+  ContactSet found = contacts_among(kept, a, b, options);
+  const std::size_t most = kMostCandidates * (leaf_count(*a.shape) + leaf_count(*b.shape));
+  if (kept.pairs.size() > std::max(most, kFewLeafPairs)) kept = {};
+  return found;
+}
+
+std::size_t bytes_of(const PairScratch& scratch) {
+  const Candidates& c = scratch.candidates;
+  return c.pairs.capacity() * sizeof(LeafPair) + c.leaves_b.capacity() * sizeof(Leaf) +
+         c.leaf_b.capacity() * sizeof(int);
 }
 
 ContactSet find_contacts_exhaustive(const PosedShape& a, const PosedShape& b, const LmdOptions& options) {

@@ -36,12 +36,16 @@ ContactSet find_contacts(const PosedShape& a, const PosedShape& b, const LmdOpti
                          LmdStatistics* statistics = nullptr);
 
 /// What a caller may keep of a pair from query to query; nothing for two balls, whose only pair of leaves is
-/// known. It speeds up queries of slow motions and never changes what they find (LMD-12).
+/// known. It speeds up queries of slow motions and never changes what they find (LMD-12). Candidates are kept
+/// if they are at most kMostCandidates for each leaf of both shapes, or few anyway.
 struct PairScratch {
   bool asked = false;
   SE3 g_ba{};  // at the last query
   Candidates candidates{};
 };
+inline constexpr std::size_t kMostCandidates = 8;
+/// The memory of its lists [bytes].
+std::size_t bytes_of(const PairScratch& scratch);
 ContactSet find_contacts(const PosedShape& a, const PosedShape& b, const LmdOptions& options,
                          PairScratch& scratch);
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "examples/common/step_profile.hpp"
 
+#include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <numeric>
 
@@ -32,6 +34,7 @@ void StepProfile::add(const StepReport& report, const StageTime& recording) {
     other.wall -= stage.wall, other.cpu -= stage.cpu;
   }
   all_.insert(all_.end(), {other, recording, report.total});
+  kept_bytes_ = std::max(kept_bytes_, report.kept_bytes);
 }
 
 std::vector<StageFigures> StepProfile::figures() const {
@@ -68,7 +71,9 @@ std::string table_of(const StepProfile& profile) {
                   f.cpu_mean);
     out += line;
   }
-  return out;
+  std::snprintf(line, sizeof line, "kept from step to step: up to %.3g MB\n",
+                1e-6 * double(profile.kept_bytes()));
+  return out + line;
 }
 
 void set_profile(const StepProfile& profile, Summary& summary) {
@@ -82,6 +87,7 @@ void set_profile(const StepProfile& profile, Summary& summary) {
     for (const StageFigures& f : figures) column.push_back(f.*value);
     summary.set(std::string("profile_") + name, column);
   }
+  summary.set("profile_kept_bytes", std::int64_t(profile.kept_bytes()));
 }
 
 }  // namespace aussois

@@ -25,15 +25,19 @@ class StepProfile {
   std::size_t steps() const { return all_.size() / kColumns; }
   /// The stages in order; then `other`, what is left of the step; `recording`; `step`, all but recording.
   std::vector<StageFigures> figures() const;
+  /// The most that the scheme kept from one step to the next [bytes].
+  std::size_t kept_bytes() const { return kept_bytes_; }
 
  private:
   static constexpr std::size_t kColumns = std::size(kStages) + 3;
   std::vector<StageTime> all_{};  // step after step [s]
+  std::size_t kept_bytes_ = 0;
 };
 
-/// A line per stage.
+/// A line per stage, and one for what is kept from step to step.
 std::string table_of(const StepProfile& profile);
-/// Sets profile_stages and a list each of wall and CPU times [ms], in that order; nothing without steps.
+/// Sets profile_stages, a list each of wall and CPU times [ms] in that order, and profile_kept_bytes; nothing
+/// without steps.
 void set_profile(const StepProfile& profile, Summary& summary);
 
 }  // namespace aussois

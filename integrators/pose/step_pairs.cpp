@@ -267,4 +267,13 @@ ContactSet contacts_of(const Model& model, const State& state, const std::vector
   return contacts_of(model, state, pairs, options, std::span(scratch.pairs));
 }
 
+std::size_t bytes_of(ContactScratch& scratch) {
+  const std::unique_lock lock(scratch.in_use, std::try_to_lock);
+  if (!lock) return 0;
+  std::size_t out = bytes_of(scratch.near) + scratch.bodies.capacity() * sizeof(BodyPair) +
+                    scratch.pairs.capacity() * sizeof(PairScratch);
+  for (const PairScratch& pair : scratch.pairs) out += bytes_of(pair);
+  return out;
+}
+
 }  // namespace aussois

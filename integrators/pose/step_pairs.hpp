@@ -77,6 +77,9 @@ struct ContactScratch {
   BroadPhaseScratch near{};
 };
 
+/// The memory of its lists [bytes]; 0 while another thread uses it.
+std::size_t bytes_of(ContactScratch& scratch);
+
 /// The pairs of bodies that are near each other.
 struct NearPairs {
   std::vector<StepPair> pairs{};  // sorted by (a, b)

@@ -130,6 +130,7 @@ StepReport advance_step(const StepSetting& setting, State& state, double h_limit
     report.status = status;
     report.stages = stages;
     report.total = since(begin, cpu);
+    report.kept_bytes = bytes_of(*setting.scratch);
     return std::move(report);
   };
   StepStatus begins;

@@ -38,9 +38,12 @@ TEST(StepProfile, SetsAListPerFigureAndNothingWithoutSteps) {
   set_profile({}, summary);
   EXPECT_TRUE(summary.entries.empty());
   StepProfile profile;
+  profile.add({.kept_bytes = 700});
   profile.add({});
   set_profile(profile, summary);
-  ASSERT_EQ(summary.entries.size(), 9U);
+  ASSERT_EQ(summary.entries.size(), 10U);
+  EXPECT_EQ(summary.entries[9].first, "profile_kept_bytes");
+  EXPECT_EQ(std::get<std::int64_t>(summary.entries[9].second), 700);
   EXPECT_EQ(summary.entries[0].first, "profile_stages");
   EXPECT_EQ(std::get<std::vector<std::string>>(summary.entries[0].second).back(), "step");
   EXPECT_EQ(summary.entries[2].first, "profile_wall_ms_p99");
