@@ -20,8 +20,7 @@ void add_run_options(Cli& cli, RunFlags& f) {
   add_certify(cli, f.certify);
   cli.option("--stop-after", f.stop_after,
              "write a checkpoint and stop after this many steps; 0: run to the end", "", {0, 1e9});
-  cli.flag("--profile", f.profile,
-           "print and record how long each stage of a step takes: median, 99th percentile, largest, mean");
+  add_profile(cli, f.profile);
   add_options(cli, f.dump);
   cli.common(f.common, Cli::Restart::yes);
 }

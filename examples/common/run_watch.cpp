@@ -39,9 +39,17 @@ void add_certify(Cli& cli, int& samples, const std::string& runs) {
              "", setting_of<RecordingOptions>("audit_samples").range);
 }
 
+void add_profile(Cli& cli, bool& profile, const std::string& runs) {
+  cli.flag("--profile", profile,
+           "print and record how long each stage of a step" + (runs.empty() ? "" : " of all " + runs) +
+               " takes: median, 99th percentile, largest, mean" +
+               (runs.empty() ? "" : "; CPU times are those of the process, so use --threads 1"));
+}
+
 void add_options(Cli& cli, WatchFlags& flags, const std::string& runs) {
   cli.group("run");
   add_certify(cli, flags.certify, runs);
+  add_profile(cli, flags.profile, runs);
   add_options(cli, flags.dump);
 }
 
@@ -115,16 +123,35 @@ RunAudit audit_in(const Json& json) {
           .skipped = json.at("skipped")};
 }
 
+void print_profile(const WatchFlags& flags) {
+  const StepProfile all = flags.times->all();
+  if (all.steps() > 0)
+    std::printf("%s taken\n%s", counted_noun(std::int64_t(all.steps()), "step").c_str(),
+                table_of(all).c_str());
+}
+
+void set_profile(const WatchFlags& flags, Summary& summary) {
+  set_profile(flags.times->all(), summary);
+}
+
 RunWatch::RunWatch(const WatchFlags& flags, const std::string& name, int threads)
-    : dump_(flags.dump, name), threads_(threads), audit_{.path = {.samples = flags.certify}} {}
+    : dump_(flags.dump, name), threads_(threads), audit_{.path = {.samples = flags.certify}} {
+  if (flags.profile) times_ = flags.times;
+}
+
+void RunWatch::set_options(StepOptions& options) const {
+  options.keep_problem = dump_.wants_problems();
+  options.profile = times_ != nullptr;
+}
 
 Scheme RunWatch::watched(const Model& model, Scheme scheme) {
-  if (audit_.path.samples == 0 && !wants_problems()) return scheme;
+  if (audit_.path.samples == 0 && !dump_.wants_problems() && !times_) return scheme;
   if (audit_.path.samples > 0) add(names_of_skipped(model), audit_.skipped);
   const std::string name = scheme.name;
   return {.name = name, .step = [this, &model, inner = std::move(scheme)](State& state, double h_limit) {
             const State before = state;
             StepReport report = inner.step(state, h_limit);
+            if (times_) times_->add(report);
             steps_ += report.moved();
             if (report.moved()) audit_path(model, before, state, report, threads_, audit_.path);
             dump_.step(steps_ + !report.moved(), report);

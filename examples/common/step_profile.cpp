@@ -4,16 +4,11 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
-#include <numeric>
 
 #include "examples/common/quantile.hpp"
 
 namespace aussois {
 namespace {
-
-double mean(const std::vector<double>& values) {
-  return std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
-}
 
 struct NamedFigure {
   const char* name;
@@ -28,36 +23,60 @@ constexpr NamedFigure kFigures[] = {
 }  // namespace
 
 void StepProfile::add(const StepReport& report, const StageTime& recording) {
+  Row row{};
   StageTime other = report.total;
-  for (const StageTime& stage : report.stages.of) {
-    all_.push_back(stage);
-    other.wall -= stage.wall, other.cpu -= stage.cpu;
+  for (std::size_t i = 0; i < std::size(kStages); ++i) {
+    row[i] = report.stages.of[i];
+    other.wall -= row[i].wall, other.cpu -= row[i].cpu;
   }
-  all_.insert(all_.end(), {other, recording, report.total});
+  row[kColumns - 3] = other, row[kColumns - 2] = recording, row[kColumns - 1] = report.total;
+  for (std::size_t i = 0; i < kColumns; ++i) {
+    sum_[i].wall += row[i].wall, sum_[i].cpu += row[i].cpu;
+    most_[i] = {std::max(most_[i].wall, row[i].wall), std::max(most_[i].cpu, row[i].cpu)};
+  }
+  if (steps_++ % stride_ == 0) rows_.push_back(row);
+  if (rows_.size() > kMostSteps) thin_out();
   kept_bytes_ = std::max(kept_bytes_, report.kept_bytes);
+}
+
+void StepProfile::thin_out() {  // every second one stays
+  for (std::size_t i = 0; 2 * i < rows_.size(); ++i) rows_[i] = rows_[2 * i];
+  rows_.resize((rows_.size() + 1) / 2);
+  stride_ *= 2;
 }
 
 std::vector<StageFigures> StepProfile::figures() const {
   std::vector<StageFigures> out;
+  const double per_step = 1e3 / double(steps_);
   for (std::size_t column = 0; column < kColumns; ++column) {
     std::vector<double> wall, cpu;
-    for (std::size_t i = column; i < all_.size(); i += kColumns) {
-      wall.push_back(1e3 * all_[i].wall);
-      cpu.push_back(1e3 * all_[i].cpu);
+    for (const Row& row : rows_) {
+      wall.push_back(1e3 * row[column].wall);
+      cpu.push_back(1e3 * row[column].cpu);
     }
     constexpr const char* kLast[] = {"other", "recording", "step"};
     const bool is_stage = column < std::size(kStages);
     out.push_back({.stage = is_stage ? kStages[column].second : kLast[column - std::size(kStages)],
                    .p50 = quantile(wall, 0.5),
                    .p99 = quantile(wall, 0.99),
-                   .most = quantile(wall, 1),
-                   .mean = mean(wall),
+                   .most = 1e3 * most_[column].wall,
+                   .mean = per_step * sum_[column].wall,
                    .cpu_p50 = quantile(cpu, 0.5),
                    .cpu_p99 = quantile(cpu, 0.99),
-                   .cpu_most = quantile(cpu, 1),
-                   .cpu_mean = mean(cpu)});
+                   .cpu_most = 1e3 * most_[column].cpu,
+                   .cpu_mean = per_step * sum_[column].cpu});
   }
   return out;
+}
+
+void SharedProfile::add(const StepReport& report) {
+  const std::scoped_lock lock(mutex_);
+  profile_.add(report);
+}
+
+StepProfile SharedProfile::all() const {
+  const std::scoped_lock lock(mutex_);
+  return profile_;
 }
 
 std::string table_of(const StepProfile& profile) {

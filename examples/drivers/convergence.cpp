@@ -39,7 +39,7 @@ struct Arguments {
   SchemeFlags scheme{};
   SaidSettings said{};  // of the study
   StudyOptions study{};
-  DumpOptions dump{};
+  WatchFlags watch{};  // but for the places of a study's certificates
   bool all = false, list = false, farm = false;
   ManyTasks tasks{};
 };
@@ -135,7 +135,7 @@ Results run_cells(const Arguments& a, const std::vector<Cell>& cells, const ForA
     };
     if (interrupted()) return;
     std::optional<Study> known;
-    if (a.dump.folder.empty()) known = read_study(file, wanted, program);  // else files are wanted
+    if (a.watch.dump.folder.empty()) known = read_study(file, wanted, program);  // else files are wanted
     if (known) {
       studies[i] = *known;
       say(a.study.levels);
@@ -149,7 +149,7 @@ Results run_cells(const Arguments& a, const std::vector<Cell>& cells, const ForA
                            say(level <= a.study.levels);
                            return !interrupted();
                          },
-                         {.options = a.dump, .name = "convergence_" + stem_of(wanted)});
+                         {.flags = a.watch, .name = "convergence_" + stem_of(wanted)});
       if (int(made.h.size()) < a.study.levels || interrupted()) return;
       made.scheme = wanted.scheme;
       write_study(file, made, program);
@@ -194,6 +194,10 @@ ExitCode conclude(const Arguments& a, const Results& results, std::size_t cells)
       "predicts; %d not judged; %d missed\n",
       count[OrderVerdict::met], cells, count[OrderVerdict::less], count[OrderVerdict::not_judged],
       count[OrderVerdict::missed]);
+  print_profile(a.watch);
+  Summary profile;
+  set_profile(a.watch, profile);
+  if (!profile.entries.empty()) write_summary(a.tasks.out / "profile.json", profile);
   const bool certified = print_findings(audit);
   if (!results.failures.empty()) return ExitCode::numerical;
   return certified && count[OrderVerdict::missed] + count[OrderVerdict::not_judged] == 0
@@ -254,7 +258,8 @@ int main(int argc, char** argv) {
   a.scheme.left_out = {"--tolerance"};
   add_options(cli, a.scheme);
   add_certify(cli, a.study.certify, "studies");
-  add_options(cli, a.dump);
+  add_profile(cli, a.watch.profile, "studies");
+  add_options(cli, a.watch.dump);
   add_options(cli, a.tasks, "studies", "all numbers");
   cli.example("convergence --case ball_e05 --theta 1 --normal-law combined",
               "open out/ball_e05_moreau_jean_theta_1_combined.png");
@@ -265,7 +270,7 @@ int main(int argc, char** argv) {
         require(!a.all,
                 flag + " cannot be combined with --all, which runs every scheme with its own settings");
     refuse_unread_flags(cli, a.scheme);
-    check(cli, a.dump, a.scheme.scheme);
+    check(cli, a.watch.dump, a.scheme.scheme);
     take(a.said, a.study);
     if (!a.all) a.study.settings = cli.values("scheme") + cli.values("solver");
     return run(a);

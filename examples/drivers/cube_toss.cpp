@@ -107,6 +107,8 @@ ExitCode finish(const Arguments& a, Summary& summary, const std::vector<Toss>& t
   summary.set("failures", failures);
   for (const TossRun& run : runs) add(run.audit, audit);
   set_audit(audit, summary);
+  set_profile(a.watch, summary);
+  print_profile(a.watch);
   write_toss_table(a.common.out, tosses, runs);
   if (!write_toss_histogram(a.common.out, runs))
     std::fprintf(stderr, "no histogram.png: gnuplot is missing or failed\n");
@@ -145,7 +147,7 @@ ExitCode fit_and_report(const Arguments& a, const std::vector<Toss>& tosses) {
           progress.at(std::min(double(at.points), kAbout), note);
           return !interrupted();
         },
-        keep_of(a), a.watch.certify);
+        keep_of(a), a.watch);
   }
   if (interrupted()) return ExitCode::interrupted;
   world.law.mu = found.mu;

@@ -80,8 +80,8 @@ Resting resting(const Part& part, const Arguments& a) {
   pose(state, body).p.z() = 2 * kDilation - lowest - model.bodies[body].g_bs.p.z();
   SchemeOptions options = scheme_options(a.scheme);
   options.step.threads = a.common.threads;
-  options.step.keep_problem = !a.watch.dump.folder.empty();
   RunWatch watch(a.watch, "reduction_" + part.name, a.common.threads);
+  watch.set_options(options.step);
   const Scheme scheme = watch.watched(model, make_scheme(a.scheme.scheme, model, options));
   const StepReport last = run_until(scheme, state, 10 * options.step.h);
   if (!last.ok()) throw NumericalFailure(part.name + ": " + last.reason);
@@ -176,6 +176,8 @@ ExitCode draw(const Arguments& a) {
   }
   summary.set("promised", promised);
   set_audit(audit, summary);
+  set_profile(a.watch, summary);
+  print_profile(a.watch);
   if (!a.common.summary.empty()) write_summary(a.common.summary, summary);
   return print_findings(audit) && promised ? ExitCode::ok : ExitCode::not_accepted;
 }

@@ -53,7 +53,6 @@ SchemeOptions options_of(const Arguments& a, double h) {
   SchemeOptions options = scheme_options(a.scheme);
   options.step.h = h;
   options.step.threads = a.common.threads;
-  options.step.keep_problem = !a.watch.dump.folder.empty();
   return options;
 }
 
@@ -78,7 +77,9 @@ std::optional<SlidLevel> simulated(const Arguments& a, double h, const std::stri
 
   // 3. Until it has rested for a while.
   RunWatch watch(a.watch, name, a.common.threads);
-  const Scheme scheme = watch.watched(model, make_scheme(a.scheme.scheme, model, options_of(a, h)));
+  SchemeOptions options = options_of(a, h);
+  watch.set_options(options.step);
+  const Scheme scheme = watch.watched(model, make_scheme(a.scheme.scheme, model, options));
   const StepReport last = run(scheme, state, 1.5 * a.speed / deceleration(a),
                               [](const StepReport& report) { return report.ok() && !interrupted(); });
   if (!last.ok()) throw NumericalFailure("t = " + std::to_string(state.t) + " s: " + last.reason);
@@ -146,8 +147,10 @@ ExitCode slide(const Arguments& a) {
     summary.set("exact_travel", exact);
     summary.set("smallest_error", study.error.back());
     set_audit(audit, summary);
+    set_profile(a.watch, summary);
     write_summary(a.common.summary, summary);
   }
+  print_profile(a.watch);
   const SchemeOptions chosen = scheme_options(a.scheme);
   std::printf("sliding_block: exact travel %.6g m, observed order %.4f by %s\n", exact, study.order,
               label(a.scheme.scheme, chosen).c_str());

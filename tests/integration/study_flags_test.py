@@ -191,6 +191,33 @@ class CubeTossFlags(StudyFlags):
         self.assertIn("event_driven solves no one-step problem", run.stderr)
 
 
+class ProfileFlags(StudyFlags):
+    """--profile tells of the steps of all runs, and changes none."""
+
+    def test_of_studies_tells_where_all_steps_go_and_changes_nothing(self):
+        told = {}
+        for name, study in (("sliding_block", ("--levels", 3)), ("cube_toss", ("--synthetic", 2, "--substeps", 1)),
+                            ("reduction_gallery", ())):
+            plain = self.run_driver(name, *study, "-o", f"{name}_plain", "--summary", "plain.json").stdout
+            self.assertNotRegex(plain, r"(?m)^solve +\d")
+            run = self.run_driver(name, *study, "-o", f"{name}_told", "--profile", "--summary", "told.json")
+            self.assertRegex(run.stdout, r"(?m)^\d+ steps taken\nms a step ")
+            self.assertRegex(run.stdout, r"(?m)^solve +\d")
+            plain, told = self.json("plain.json"), self.json("told.json")
+            self.assertEqual(told["profile_stages"][-1], "step", name)
+            self.assertGreater(told["profile_wall_ms_mean"][-1], 0, name)
+            results = {key: value for key, value in told.items() if not key.startswith("profile_") and key != "cpu_s"}
+            self.assertEqual(results, {key: value for key, value in plain.items() if key != "cpu_s"}, name)
+
+    def test_of_a_study_of_convergence_is_a_file(self):
+        study = ("--case", "incline_20_up", "--levels", 3, "--phases", 1, "--profile", "-o", "out")
+        self.assertRegex(self.run_driver("convergence", *study).stdout, r"(?m)^solve +\d")
+        profile = self.json("out/profile.json")
+        self.assertEqual(len(profile["profile_cpu_ms_p99"]), len(profile["profile_stages"]))
+        again = self.run_driver("convergence", *study).stdout  # nothing is done again
+        self.assertNotIn("steps taken", again)
+
+
 class ConvergenceFlags(StudyFlags):
     SMALL = ("--case", "incline_20_up", "--levels", 3, "--phases", 1)
 

@@ -179,25 +179,26 @@ ComputedMotion run_case(const Case& c, const std::string& scheme_name, const Sch
 }
 
 Study study(const Case& c, const std::string& scheme, SchemeOptions scheme_options, const StudyOptions& o,
-            const std::function<bool(int level)>& level_done, const StudyDump& dump) {
+            const std::function<bool(int level)>& level_done, const StudyWatch& watches) {
   validate(o);
   refuse_unread(scheme_options, {"step.h", "step.solver.tolerance"}, "a study");
   const SchemeTraits traits = scheme_traits(scheme, scheme_options);
   require_applies(c, scheme, scheme_options);
   const std::vector<double> sizes = step_sizes(o.h > 0 ? o.h : c.h, o.levels + kMoreLevels);
   Study out{.case_name = c.name, .scheme = label(scheme, scheme_options), .options = o};
-  scheme_options.step.keep_problem = !dump.options.folder.empty();
   scheme_options.step.solver.tolerance = o.tolerance > 0 ? o.tolerance : c.tolerance;
   const ExactMotion exact = c.exact(c.t_end);
+  WatchFlags flags = watches.flags;
+  flags.certify = o.certify;
   for (const double h : sizes) {
     if (int(whole_steps(out).size()) == o.levels) break;
     scheme_options.step.h = h;
     Errors mean{};
     long cut = 0;
     for (int k = 0; k < o.phases; ++k) {
-      RunWatch watch(
-          {.certify = o.certify, .dump = dump.options},
-          dump.name + "_level_" + std::to_string(out.h.size() + 1) + "_phase_" + std::to_string(k + 1));
+      RunWatch watch(flags, watches.name + "_level_" + std::to_string(out.h.size() + 1) + "_phase_" +
+                                std::to_string(k + 1));
+      watch.set_options(scheme_options.step);
       const ComputedMotion computed = run_case(c, scheme, scheme_options, (k + 0.5) / o.phases, watch);
       add(watch.audit(), out.audit);
       const Errors errors = errors_of(computed, exact);

@@ -78,9 +78,10 @@ ComputedMotion run_case(const Case& c, const std::string& scheme, const SchemeOp
 ComputedMotion run_case(const Case& c, const std::string& scheme, const SchemeOptions& options, double phase,
                         RunWatch& watch);
 
-/// Files of problems: their names begin with "NAME_level_1_phase_1".
-struct StudyDump {
-  DumpOptions options{};
+/// How the runs of a study are watched, but for the places of StudyOptions::certify. Names of files of
+/// problems begin with "NAME_level_1_phase_1".
+struct StudyWatch {
+  WatchFlags flags{};
   std::string name{};
 };
 
@@ -92,7 +93,7 @@ inline constexpr int kMoreLevels = 4;
 /// study early if it returns false.
 Study study(const Case& c, const std::string& scheme, SchemeOptions scheme_options,
             const StudyOptions& options, const std::function<bool(int level)>& level_done = {},
-            const StudyDump& dump = {});
+            const StudyWatch& watches = {});
 
 /// Errors and pairwise orders as a table, fitted and expected orders below, the reasons of the latter, and
 /// the verdict.

@@ -75,7 +75,6 @@ class MeanError {
 
  private:
   FitPoint roll_out_at(const TossWorld& world, double bound) const {
-    const WatchFlags watch{.certify = place_.certify};
     const double most = bound * double(order_.size());
     FitPoint out{.each = std::vector<double>(order_.size(), 0.0)};
     double sum = 0;
@@ -84,7 +83,7 @@ class MeanError {
           std::span(order_).subspan(first, std::min(std::size_t(kAtOnce), order_.size() - first));
       std::vector<TossRun> runs(batch.size());
       parallel_for(int(batch.size()), threads_,
-                   [&](int i) { runs[i] = roll_out(place_.tosses[batch[i]], world, watch, {}); });
+                   [&](int i) { runs[i] = roll_out(place_.tosses[batch[i]], world, place_.watch, {}); });
       for (std::size_t i = 0; i < batch.size(); ++i) {
         out.each[batch[i]] = way_off(runs[i]);
         sum += out.each[batch[i]];
@@ -117,12 +116,13 @@ double board_of(const std::vector<Toss>& tosses) {
 }
 
 TossFit fit(const std::vector<Toss>& tosses, const TossWorld& world, int threads,
-            const std::function<bool(const TossFit&)>& seen, const TossKeep& keep, int certify) {
+            const std::function<bool(const TossFit&)>& seen, const TossKeep& keep, const WatchFlags& watch) {
   Point best{int(std::lround(world.law.mu / kGridMu)),
              int(std::lround(world.law.restitution / kGridRestitution))};
   TossFit out;
   bool go_on = true;
-  FitPlace start{.tosses = tosses, .start = world, .certify = certify};
+  FitPlace start{.tosses = tosses, .start = world, .watch = watch};
+  start.watch.dump = {};
   for (const FitStage& stage : kFitStages) {
     ++start.stage;
     start.start.substeps = std::min(stage.substeps, world.substeps);

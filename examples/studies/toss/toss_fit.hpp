@@ -28,8 +28,10 @@ struct TossFit {
 /// one step per row, then goes on from there with three, or those of `world` if they are fewer; a point is
 /// given up as soon as its sum over the tosses, the worst ones first, exceeds that of the best. The same bits
 /// for any number of threads. `seen` hears of every point and stops the search by returning false. Every step
-/// is audited at `certify` places. Each point is kept when it is complete, in fit_STAGE_NUMBER.json.
+/// is watched as `watch` says, but for files of problems. Each point is kept when it is complete, in
+/// fit_STAGE_NUMBER.json.
 TossFit fit(const std::vector<Toss>& tosses, const TossWorld& world, int threads,
-            const std::function<bool(const TossFit&)>& seen, const TossKeep& keep = {}, int certify = 0);
+            const std::function<bool(const TossFit&)>& seen, const TossKeep& keep = {},
+            const WatchFlags& watch = {});
 
 }  // namespace aussois

@@ -147,7 +147,7 @@ TossRuns roll_out_all(const std::vector<Toss>& tosses, const TossWorld& world, c
 namespace {
 
 Json key_of(const FitPlace& place, const TossKeep& keep) {
-  Json key = key_of(place.tosses, place.start, place.certify, keep);
+  Json key = key_of(place.tosses, place.start, place.watch.certify, keep);
   key["stage"] = place.stage;
   key["number"] = place.number;
   key["point"] = {place.mu, place.restitution};

@@ -43,7 +43,7 @@ struct FitPoint {
 struct FitPlace {
   std::span<const Toss> tosses{};
   TossWorld start{};            // of the search, with the steps per row of this stage
-  int certify = 0;              // samples of each step
+  WatchFlags watch{};           // of its roll-outs, without files of problems
   int stage = 0;                // of the search, from 1
   int number = 0;               // in this stage, from 1
   int mu = 0, restitution = 0;  // on the grid

@@ -81,7 +81,7 @@ TossRun roll_out(const Toss& toss, const TossStart& start, const TossWorld& worl
   const Model model = toss_model(world);
   RunWatch watch(flags, name);
   SchemeOptions options = world.options;
-  options.step.keep_problem = watch.wants_problems();
+  watch.set_options(options.step);
   options.step.h = (toss.t.back() - toss.t.front()) / double(toss.t.size() - 1) / world.substeps;
   const Scheme scheme = watch.watched(model, make_scheme(world.scheme, model, options));
   State state = rest_state(model);

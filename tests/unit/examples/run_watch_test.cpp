@@ -32,9 +32,9 @@ Fall falling_box() {
 RunAudit audit_of(const WatchFlags& flags, State& end) {
   Fall fall = falling_box();
   RunWatch watch(flags, "fall");
-  const Scheme scheme = watch.watched(
-      fall.model,
-      make_scheme("moreau_jean", fall.model, {.step = {.h = 1e-3, .keep_problem = watch.wants_problems()}}));
+  SchemeOptions options{.step = {.h = 1e-3}};
+  watch.set_options(options.step);
+  const Scheme scheme = watch.watched(fall.model, make_scheme("moreau_jean", fall.model, options));
   EXPECT_TRUE(run_until(scheme, fall.state, 0.03).ok());
   end = fall.state;
   return watch.audit();

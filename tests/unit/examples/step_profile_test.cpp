@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "geometry/parallel.hpp"
 #include "integrators/schemes/moreau_jean.hpp"
 #include "tests/support/block_scene.hpp"
 
@@ -33,9 +34,35 @@ TEST(StepProfile, GivesQuantilesByNearestRank) {
   EXPECT_NEAR(figures[std::size(kStages) + 2].p50, 300, 1e-9);
 }
 
+TEST(StepProfile, OfMoreStepsThanItKeepsHasTheMeanAndTheLargestOfAll) {
+  StepProfile profile;
+  const int steps = 3 * int(StepProfile::kMostSteps);
+  for (int k = 1; k <= steps; ++k) {
+    StepReport report;
+    report.stages[Stage::solve] = {1e-3 * (k == 4 ? 2 * steps : k), 0};  // the fourth is among those left out
+    profile.add(report);
+  }
+  EXPECT_EQ(profile.steps(), std::size_t(steps));
+  const StageFigures solve = profile.figures()[std::size_t(Stage::solve)];
+  EXPECT_NEAR(solve.most, 2.0 * steps, 1e-6);
+  EXPECT_NEAR(solve.mean, (steps + 1) / 2.0 + (2.0 * steps - 4) / steps, 1e-6 * steps);
+  EXPECT_NEAR(solve.p50, steps / 2.0, 4);  // of every fourth
+}
+
+TEST(SharedProfile, AddsUpStepsOfSeveralThreads) {
+  SharedProfile shared;
+  parallel_for(40, 4, [&](int i) {
+    StepReport report;
+    report.total.wall = 1e-3 * (i + 1);
+    shared.add(report);
+  });
+  EXPECT_EQ(shared.all().steps(), 40U);
+  EXPECT_NEAR(shared.all().figures().back().most, 40, 1e-9);
+}
+
 TEST(StepProfile, SetsAListPerFigureAndNothingWithoutSteps) {
   Summary summary;
-  set_profile({}, summary);
+  set_profile(StepProfile(), summary);
   EXPECT_TRUE(summary.entries.empty());
   StepProfile profile;
   profile.add({.kept_bytes = 700});
