@@ -2,6 +2,7 @@
 #include "reduction/contact_order.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <tuple>
 
 namespace aussois {
@@ -9,15 +10,20 @@ namespace {
 
 /// What mostly decides, side by side in memory: a set of a million contacts does not fit into a cache.
 struct Rank {
-  BodyId body_a{}, body_b{};
+  std::uint64_t bodies = 0;  // a, then b
   double gap = 0;
-  int dim_a = 0, simplex_a = 0;
+  std::uint64_t simplex_a = 0;  // dimension, then index
   int index = -1;
 };
 
+std::uint64_t packed(int first, int second) {  // -1: none
+  return std::uint64_t(first + 1) << 32 | std::uint32_t(second + 1);
+}
+
 bool before(const ContactSet& found, const Rank& i, const Rank& j) {
-  const auto key = [](const Rank& r) { return std::tie(r.body_a, r.body_b, r.gap, r.dim_a, r.simplex_a); };
-  if (key(i) != key(j)) return key(i) < key(j);
+  if (i.bodies != j.bodies) return i.bodies < j.bodies;
+  if (i.gap != j.gap) return i.gap < j.gap;
+  if (i.simplex_a != j.simplex_a) return i.simplex_a < j.simplex_a;
   const auto rest = [&](const Rank& rank) {
     const ContactPoint& c = found.points[rank.index];
     const Vec3 at = mid_point(c);
@@ -32,7 +38,8 @@ std::vector<int> canonical_order(const ContactSet& found) {
   std::vector<Rank> ranks;
   ranks.reserve(found.points.size());
   for (const ContactPoint& c : found.points)
-    ranks.push_back({c.a.body, c.b.body, c.gap, c.a.dim, c.a.simplex, int(ranks.size())});
+    ranks.push_back(
+        {packed(c.a.body.index(), c.b.body.index()), c.gap, packed(c.a.dim, c.a.simplex), int(ranks.size())});
   const auto in_order = [&](const Rank& i, const Rank& j) { return before(found, i, j); };
   if (!std::is_sorted(ranks.begin(), ranks.end(), in_order))  // of balls and corners alone it mostly is
     std::sort(ranks.begin(), ranks.end(), in_order);

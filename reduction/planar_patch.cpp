@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <tuple>
 
 #include <Eigen/Geometry>
 
@@ -138,13 +137,20 @@ PlanarPatch planar_patch(std::vector<Vec2> x) {
 // from a corner that surely does.
 std::vector<int> hull_of(const PlanarPatch& patch, std::span<const int> members) {
   const auto at = [&](int i) -> const Vec2& { return patch.x[i]; };
-  const auto from_left = [&](int i, int j) {
-    return std::make_tuple(at(i).x(), at(i).y(), i) < std::make_tuple(at(j).x(), at(j).y(), j);
+  struct Place {
+    double x, y;
+    int i;
+    auto operator<=>(const Place&) const = default;
   };
-  std::vector<int> order(members.begin(), members.end());
-  std::sort(order.begin(), order.end(), from_left);
-  order.erase(std::unique(order.begin(), order.end(), [&](int i, int j) { return at(i) == at(j); }),
-              order.end());
+  const auto place_of = [&](int i) { return Place{at(i).x(), at(i).y(), i}; };
+  std::vector<Place> from_left;
+  from_left.reserve(members.size());
+  for (const int i : members) from_left.push_back(place_of(i));
+  std::sort(from_left.begin(), from_left.end());
+  std::vector<int> order;
+  order.reserve(members.size());
+  for (const Place& place : from_left)
+    if (order.empty() || at(order.back()) != at(place.i)) order.push_back(place.i);
   if (order.size() < 3) return order;
   const auto append = [&](std::vector<int>& chain, std::size_t first, int i, const auto& stands_out) {
     while (chain.size() >= first + 2 && !stands_out(at(chain[chain.size() - 2]), at(chain.back()), at(i)))
@@ -173,7 +179,7 @@ std::vector<int> hull_of(const PlanarPatch& patch, std::span<const int> members)
       return (b - nearest_on_segment(a, c, b)).norm() > same;
     });
   hull.pop_back();
-  std::rotate(hull.begin(), std::min_element(hull.begin(), hull.end(), from_left), hull.end());
+  std::rotate(hull.begin(), std::ranges::min_element(hull, {}, place_of), hull.end());
   return hull;
 }
 
