@@ -243,7 +243,8 @@ int main(int argc, char** argv) {
   cli.option("--dilation-b", a.dilation_b, "dilation of B; negative: that of --builtin, otherwise none", "m",
              {-1, 1});
   cli.option("--cache", a.cache,
-             "folder that keeps prepared shapes for later runs, created if missing; empty: none");
+             "folder that keeps repaired meshes and prepared shapes for later runs, created if missing; "
+             "empty: none");
   cli.group("search");
   cli.option("--threshold", a.threshold,
              "largest gap of a contact; 0: that of --builtin, otherwise 0.01 of A's bounding radius", "m",

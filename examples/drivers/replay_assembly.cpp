@@ -346,7 +346,8 @@ int main(int argc, char** argv) {
   cli.option("--builtin", a.builtin, "built-in pair: bolt_nut");
   cli.option("--scale", a.scale, "length of one unit of the files", "m", kMeshScale);
   cli.option("--cache", a.scene.cache,
-             "folder that keeps prepared shapes for later runs, created if missing; empty: none");
+             "folder that keeps repaired meshes and prepared shapes for later runs, created if missing; "
+             "empty: none");
   cli.choice("--mode", a.mode,
              "dynamic: pull the part along by a spring; kinematic: find contacts at the recorded poses",
              {"dynamic", "kinematic"});
