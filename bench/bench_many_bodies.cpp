@@ -34,7 +34,6 @@ constexpr double kSpeed = 0.3;     // all fall, the lowest layer hits the ground
 struct Arguments {
   std::string scene = "both";
   int largest = 100000, largest_step = 10000, repeats = 3, max_sweeps = 200;
-  std::filesystem::path json{};
   CommonOptions common{};
 };
 
@@ -218,7 +217,6 @@ ExitCode bench(const Arguments& a) {
     for (std::size_t i = 0; i < columns.size(); ++i) summary.set(name + "_" + kColumns[i], columns[i]);
   }
   summary.set("linear", linear);
-  if (!a.json.empty()) write_summary(a.json, summary);
   if (!a.common.summary.empty()) write_summary(a.common.summary, summary);
   return linear ? ExitCode::ok : ExitCode::not_accepted;
 }
@@ -236,7 +234,7 @@ int main(int argc, char** argv) {
              {1, 1e6});
   cli.option("--repeats", a.repeats, "number of runs of each query; the fastest counts", "", {1, 1000});
   cli.group("output");
-  cli.option("--json", a.json, "write all columns to this JSON file");
+  cli.option("--json", a.common.summary, "the same as --summary");
   cli.common(a.common);
   cli.example("bench_many_bodies --largest 10000", "both scenes");
   cli.example("bench_many_bodies --scene spheres --largest-step 0 --json many.json", "queries alone");

@@ -38,7 +38,6 @@ struct Arguments {
   double largest = 1e6;
   int steps = 50;
   bool no_repair = false;
-  std::filesystem::path json{};
   CommonOptions common{};
 };
 
@@ -175,7 +174,6 @@ ExitCode bench(const Arguments& a) {
   }
   const bool pass = print_verdicts(bars);
   summary.set("pass", pass);
-  if (!a.json.empty()) write_summary(a.json, summary);
   if (!a.common.summary.empty()) write_summary(a.common.summary, summary);
   return pass ? ExitCode::ok : ExitCode::not_accepted;
 }
@@ -190,7 +188,7 @@ int main(int argc, char** argv) {
   cli.option("--steps", a.steps, "steps of two wheels; the median counts", "", {1, 1e5});
   cli.flag("--no-repair", a.no_repair, "leave the repair out");
   cli.group("output");
-  cli.option("--json", a.json, "write all columns to this JSON file");
+  cli.option("--json", a.common.summary, "the same as --summary");
   cli.common(a.common);
   cli.example("bench_massive --largest 10000000 --threads 2", "up to ten million triangles");
   return run_driver(cli, argc, argv, [&] { return bench(a); });

@@ -27,7 +27,6 @@ namespace {
 
 struct Arguments {
   int largest = 1000000, pairs = 15;
-  std::filesystem::path json{};
   CommonOptions common{};
 };
 
@@ -211,7 +210,6 @@ ExitCode bench(const Arguments& a) {
   const bool pass = print_verdicts(verdicts);
   for (const Bar& v : verdicts) summary.set(v.key, v.value);
   summary.set("pass", pass);
-  if (!a.json.empty()) write_summary(a.json, summary);
   if (!a.common.summary.empty()) write_summary(a.common.summary, summary);
   return pass ? ExitCode::ok : ExitCode::not_accepted;
 }
@@ -225,7 +223,7 @@ int main(int argc, char** argv) {
   cli.option("--largest", a.largest, "number of contacts of one patch", "", {10, 1e7});
   cli.option("--pairs", a.pairs, "of measurements, taken in turn; the median ratio counts", "", {1, 1000});
   cli.group("output");
-  cli.option("--json", a.json, "file for all columns");
+  cli.option("--json", a.common.summary, "the same as --summary");
   cli.common(a.common);
   cli.example("bench_reduction", "all families, up to a million contacts");
   cli.example("bench_reduction --largest 10000 --json reduction.json", "a short run");

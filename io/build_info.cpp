@@ -3,7 +3,6 @@
 
 #include <H5public.h>
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -16,6 +15,7 @@
 #include <Eigen/Core>
 
 #include "geometry/digest.hpp"
+#include "io/text.hpp"
 
 namespace aussois {
 namespace {
@@ -75,9 +75,7 @@ std::uint64_t program_digest() {
 }
 
 std::string program_version() {
-  char digest[24];
-  std::snprintf(digest, sizeof digest, "%016llx", static_cast<unsigned long long>(program_digest()));
-  return std::string("aussois " AUSSOIS_VERSION ", program ") + digest;
+  return "aussois " AUSSOIS_VERSION ", program " + hex_text(program_digest());
 }
 
 }  // namespace aussois

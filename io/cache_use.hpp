@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Says what a folder of kept files did for one thing that was needed.
+// Keeps a thing that takes long to make in a folder, under a key made of what it follows from.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 
 namespace aussois {
 
+/// What the folder did.
 struct CacheUse {
   bool loaded = false;           // from `file`; otherwise made
   std::filesystem::path file{};  // where the thing is kept; empty without a cache
@@ -16,5 +19,12 @@ struct CacheUse {
 
 /// "loaded from FILE", or "prepared, kept in FILE", or "prepared" if it is not kept (the warning says why).
 std::string to_string(const CacheUse& use);
+
+/// Reads FOLDER/KEY.h5 if it is there. Otherwise, or if reading throws a std::runtime_error, makes the thing
+/// and writes it. A folder that does not work is a warning. An empty path: only makes.
+CacheUse use_folder(const std::filesystem::path& folder, std::uint64_t key,
+                    const std::function<void(const std::filesystem::path&)>& read,
+                    const std::function<void()>& make,
+                    const std::function<void(const std::filesystem::path&)>& write);
 
 }  // namespace aussois

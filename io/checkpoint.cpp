@@ -1,24 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/checkpoint.hpp"
 
-#include <cstdio>
 #include <stdexcept>
 
 #include "io/atomic_file.hpp"
 #include "io/build_info.hpp"
 #include "io/hdf5_file.hpp"
+#include "io/text.hpp"
 
 namespace aussois {
 namespace {
 
 constexpr const char* kCheckpointFormat = "aussois-checkpoint";
 constexpr const char* kCheckpointVersion = "7";
-
-std::string hex(std::uint64_t value) {
-  char text[24];
-  std::snprintf(text, sizeof text, "0x%016llx", static_cast<unsigned long long>(value));
-  return text;
-}
 
 /// Rows of a column of the contact memory.
 template <class T, class Get>
@@ -181,8 +175,8 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, std::uint64_t fing
   checkpoint.fingerprint = read_one<std::uint64_t>(file, "/fingerprint");
   if (checkpoint.fingerprint != fingerprint)
     fail_hdf5(file, "/fingerprint",
-              "the checkpoint was written with model and options " + hex(checkpoint.fingerprint) +
-                  ", this run has " + hex(fingerprint));
+              "the checkpoint was written with model and options 0x" + hex_text(checkpoint.fingerprint) +
+                  ", this run has 0x" + hex_text(fingerprint));
   checkpoint.step = read_one<std::int64_t>(file, "/step");
   checkpoint.state = read_state(file);
   checkpoint.numbers = read_named<double>(file, "/numbers");

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/kept_tables.hpp"
 
-#include <cstdio>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -9,15 +8,10 @@
 #include "io/atomic_file.hpp"
 #include "io/build_info.hpp"
 #include "io/sealed_file.hpp"
+#include "io/text.hpp"
 
 namespace aussois {
 namespace {
-
-std::string hex(std::uint64_t value) {
-  char text[24];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
-  return text;
-}
 
 // The file and its bytes, opened one after the other: it may be replaced in between, but not for ever.
 KeptFile open_sealed(const std::filesystem::path& path) {
@@ -72,7 +66,7 @@ void write_kept(const std::filesystem::path& path, const KeptKind& kind, std::ui
       const Hdf5Id file = create_hdf5(temporary, alignof(ConeNode));
       write_text(file, "/", "format", kind.format);
       write_text(file, "/", "version", kind.version);
-      write_text(file, "/", "key", hex(key));
+      write_text(file, "/", "key", hex_text(key));
       write_text(file, "/", "build", build_info());
       write(file);
       flush_hdf5(file);
@@ -86,46 +80,9 @@ KeptFile open_kept(const std::filesystem::path& path, const KeptKind& kind, std:
   const Hdf5Silence silence;
   KeptFile kept = open_sealed(path);
   check_format(kept.file, kind.format, kind.version);
-  if (const std::string found = read_text(kept.file, "/", "key"); found != hex(key))
-    fail_hdf5(kept.file, "/@key", "is " + found + ", not " + hex(key));
+  if (const std::string found = read_text(kept.file, "/", "key"); found != hex_text(key))
+    fail_hdf5(kept.file, "/@key", "is " + found + ", not " + hex_text(key));
   return kept;
-}
-
-CacheUse use_folder(const std::filesystem::path& folder, std::uint64_t key,
-                    const std::function<void(const std::filesystem::path&)>& read,
-                    const std::function<void()>& make,
-                    const std::function<void(const std::filesystem::path&)>& write) {
-  CacheUse out;
-  if (folder.empty()) {
-    make();
-    return out;
-  }
-  out.file = folder / (hex(key) + ".h5");
-  std::error_code ignored;
-  if (std::filesystem::exists(out.file, ignored)) {
-    try {
-      read(out.file);
-      out.loaded = out.kept = true;
-      return out;
-    } catch (const std::runtime_error& e) {
-      out.warning = std::string(e.what()) + "; prepared again";
-    }
-  }
-  make();
-  try {
-    std::filesystem::create_directories(folder);
-    write(out.file);
-    out.kept = true;
-  } catch (const std::runtime_error& e) {
-    if (!out.warning.empty()) out.warning += "; ";
-    out.warning += std::string(e.what()) + "; not kept";
-  }
-  return out;
-}
-
-std::string to_string(const CacheUse& use) {
-  if (use.loaded) return "loaded from " + use.file.string();
-  return use.kept ? "prepared, kept in " + use.file.string() : "prepared";
 }
 
 }  // namespace aussois

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files of tables that are written once, under a key made of what they follow from, then sealed and mapped:
-// shapes and meshes in a folder that spares the next run their making.
+// Writes tables to a file once, under a key made of what they follow from; the file is sealed and mapped.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +8,6 @@
 #include <span>
 #include <string>
 
-#include "io/cache_use.hpp"
 #include "io/hdf5_file.hpp"
 #include "io/mapped_file.hpp"
 #include "io/shape_tables.hpp"
@@ -87,12 +85,5 @@ void write_kept(const std::filesystem::path& path, const KeptKind& kind, std::ui
                 const std::function<void(hid_t)>& write);
 /// Throws std::runtime_error, with file and reason, unless the file is whole and of this kind and key.
 KeptFile open_kept(const std::filesystem::path& path, const KeptKind& kind, std::uint64_t key);
-
-/// Reads FOLDER/KEY.h5 if it is there. Otherwise, or if reading throws a std::runtime_error, makes the thing
-/// and writes it. A folder that does not work is a warning. An empty path: only makes.
-CacheUse use_folder(const std::filesystem::path& folder, std::uint64_t key,
-                    const std::function<void(const std::filesystem::path&)>& read,
-                    const std::function<void()>& make,
-                    const std::function<void(const std::filesystem::path&)>& write);
 
 }  // namespace aussois

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the mesh of a part as contacts want it: welded, repaired, told. A folder may keep it, so that the
-// next run need neither read nor repair the file. See doc/howto/keep_prepared_shapes.md.
+// Reads the mesh of a part as contacts want it: welded and repaired, with notes of what was done. A folder
+// may keep it, so that the next run need neither read nor repair the file. See
+// doc/howto/keep_prepared_shapes.md.
 #pragma once
 
 #include <filesystem>

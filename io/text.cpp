@@ -5,6 +5,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <stdexcept>
 #include <system_error>
@@ -48,6 +49,12 @@ std::string read_file(const std::filesystem::path& path) {
   if (file.bad()) throw std::runtime_error(path.string() + ": cannot be read");
   if (content.empty()) throw std::runtime_error(path.string() + ": is empty");
   return content;
+}
+
+std::string hex_text(std::uint64_t value) {
+  char text[24];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
+  return text;
 }
 
 void append_number(std::string& text, double value) {

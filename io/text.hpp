@@ -17,6 +17,9 @@ std::string read_file(const std::filesystem::path& path);
 /// Appends number_text(value).
 void append_number(std::string& text, double value);
 
+/// Sixteen digits.
+std::string hex_text(std::uint64_t value);
+
 /// The printable start of a token, in quotes, for messages: broken files may have anything in a token.
 std::string quoted(std::string_view token);
 

@@ -177,7 +177,8 @@ ContactSet to_contacts(const PosedShape& a, const PosedShape& b, const RelativeP
   return set;
 }
 
-std::size_t leaf_count(const LmdShape& s) {
+// Its leaves, but for the second sides of sheets.
+std::size_t simplex_count(const LmdShape& s) {
   return s.vertices.size() + s.edges.size() + s.faces.size();
 }
 
@@ -187,7 +188,7 @@ bool is_ball(const LmdShape& shape) {
 
 // How far a window may reach for candidates to be worth keeping.
 MotionWindow widest_window(const LmdShape& a, const LmdShape& b, const LmdOptions& options) {
-  const bool few = leaf_count(a) * leaf_count(b) <= kFewLeafPairs;
+  const bool few = simplex_count(a) * simplex_count(b) <= kFewLeafPairs;
   const double size = std::min(a.bounding_radius, b.bounding_radius);
   return {few ? std::max(options.threshold, kPartOfSize * size) : options.threshold, options.alpha};
 }
@@ -349,7 +350,7 @@ ContactSet find_contacts(const PosedShape& a, const PosedShape& b, const LmdOpti
   more.alpha_ee = std::min(1.0, kRoomOfBounds * options.alpha_ee);
   kept = find_candidates(a, b, more, window);
   ContactSet found = contacts_among(kept, a, b, options);
-  const std::size_t most = kMostCandidates * (leaf_count(*a.shape) + leaf_count(*b.shape));
+  const std::size_t most = kMostCandidates * (simplex_count(*a.shape) + simplex_count(*b.shape));
   if (kept.pairs.size() > std::max(most, kFewLeafPairs)) kept = {};
   return found;
 }

@@ -11,19 +11,22 @@ namespace aussois {
 
 static_assert(kBucket == 4, "a bucket is one vector");
 
+AUSSOIS_INLINE V4 times(const Eigen::Matrix3f& A, const V4& x) {
+  return {A(0, 0) * x.x + A(0, 1) * x.y + A(0, 2) * x.z, A(1, 0) * x.x + A(1, 1) * x.y + A(1, 2) * x.z,
+          A(2, 0) * x.x + A(2, 1) * x.y + A(2, 2) * x.z};
+}
+AUSSOIS_INLINE V4 spread(const Eigen::Vector3f& x) {
+  return {splat(x[0]), splat(x[1]), splat(x[2])};
+}
+
 /// Maps from the frame of a shape to the frame in which the pair is tested.
 struct LeafFrame {
   const LmdShape* shape = nullptr;
   Eigen::Matrix3f R = Eigen::Matrix3f::Identity();
   Vec3 centre = Vec3::Zero();  // subtracted first [m]
   Eigen::Vector3f t = Eigen::Vector3f::Zero();
-  AUSSOIS_INLINE V4 directions(const V4& d) const {
-    return {R(0, 0) * d.x + R(0, 1) * d.y + R(0, 2) * d.z, R(1, 0) * d.x + R(1, 1) * d.y + R(1, 2) * d.z,
-            R(2, 0) * d.x + R(2, 1) * d.y + R(2, 2) * d.z};
-  }
-  AUSSOIS_INLINE V4 points(const V4& from_centre) const {
-    return directions(from_centre) + V4{splat(t[0]), splat(t[1]), splat(t[2])};
-  }
+  AUSSOIS_INLINE V4 directions(const V4& d) const { return times(R, d); }
+  AUSSOIS_INLINE V4 points(const V4& from_centre) const { return times(R, from_centre) + spread(t); }
 };
 
 struct FilterLimits {
@@ -111,9 +114,7 @@ AUSSOIS_INLINE FaceLanes face_lanes(const LeafFrame& f, int first, int count, in
 
 /// Turns directions back into the frame of the shape.
 AUSSOIS_INLINE V4 in_own_frame(const LeafFrame& frame, const V4& d) {
-  const Eigen::Matrix3f& R = frame.R;
-  return {R(0, 0) * d.x + R(1, 0) * d.y + R(2, 0) * d.z, R(0, 1) * d.x + R(1, 1) * d.y + R(2, 1) * d.z,
-          R(0, 2) * d.x + R(1, 2) * d.y + R(2, 2) * d.z};
+  return times(frame.R.transpose(), d);
 }
 
 /// Which of the four directions d, seen from the vertex, lie in its enlarged cone? They need not be unit;

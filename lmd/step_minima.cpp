@@ -162,13 +162,7 @@ class StepDescent {
   }
 
  private:
-  AUSSOIS_INLINE V4 way_of(const V4& x) const {
-    const Eigen::Matrix3f& D = f_.D;
-    const Eigen::Vector3f& t = f_.tau;
-    return {D(0, 0) * x.x + D(0, 1) * x.y + D(0, 2) * x.z + t[0],
-            D(1, 0) * x.x + D(1, 1) * x.y + D(1, 2) * x.z + t[1],
-            D(2, 0) * x.x + D(2, 1) * x.y + D(2, 2) * x.z + t[2]};
-  }
+  AUSSOIS_INLINE V4 way_of(const V4& x) const { return times(f_.D, x) + spread(f_.tau); }
 
   template <class Lanes>
   AUSSOIS_INLINE void corners_of_a(const ConeSlot& a, const ConeSlot& b, const Lanes& lanes) {

@@ -101,6 +101,20 @@ int fail(const std::string& name, const std::string& what, ExitCode code) {
   return static_cast<int>(code);
 }
 
+int exit_code_of(const Cli& cli, const std::function<ExitCode()>& body) {
+  try {
+    return static_cast<int>(body());
+  } catch (const std::invalid_argument& wrong) {
+    return fail(cli.name(), cli.said_with_flags(wrong.what()), ExitCode::usage);
+  } catch (const NumericalFailure& wrong) {
+    return fail(cli.name(), wrong.what(), ExitCode::numerical);
+  } catch (const std::runtime_error& wrong) {
+    return fail(cli.name(), wrong.what(), ExitCode::missing);
+  } catch (const std::exception& wrong) {
+    return fail(cli.name(), wrong.what(), ExitCode::numerical);
+  }
+}
+
 }  // namespace
 
 struct Cli::Impl {
@@ -352,22 +366,6 @@ const std::string& Cli::name() const {
 void refuse_given(const Cli& cli, const std::vector<std::string>& flags, const std::string& what) {
   for (const std::string& flag : flags) require(!cli.is_given(flag), flag + " needs " + what);
 }
-
-namespace {
-int exit_code_of(const Cli& cli, const std::function<ExitCode()>& body) {
-  try {
-    return static_cast<int>(body());
-  } catch (const std::invalid_argument& wrong) {
-    return fail(cli.name(), cli.said_with_flags(wrong.what()), ExitCode::usage);
-  } catch (const NumericalFailure& wrong) {
-    return fail(cli.name(), wrong.what(), ExitCode::numerical);
-  } catch (const std::runtime_error& wrong) {
-    return fail(cli.name(), wrong.what(), ExitCode::missing);
-  } catch (const std::exception& wrong) {
-    return fail(cli.name(), wrong.what(), ExitCode::numerical);
-  }
-}
-}  // namespace
 
 int run_driver(Cli& cli, int argc, const char* const* argv, const std::function<ExitCode()>& body) {
   ExitCode code = ExitCode::ok;

@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a step remembers of the one before makes it faster and changes no bit: along assembly paths, a scheme
 // that is made anew for every step moves the part alike.
-#include <cstdlib>
-
 #include <gtest/gtest.h>
 
 #include "examples/drivers/assembly/assembly_scene.hpp"
+#include "tests/integration/recorded_pair.hpp"
 
 namespace aussois {
 namespace {
-
-const std::filesystem::path kOwn = std::filesystem::path(AUSSOIS_SOURCE_DIR) / "examples/data";
 
 struct Stretch {
   const char* pair;
@@ -22,13 +19,9 @@ class Coherence : public ::testing::TestWithParam<Stretch> {};
 
 TEST_P(Coherence, OfStepsChangesNoBit) {
   const std::string pair = GetParam().pair;
-  const char* data = std::getenv("AUSSOIS_DATA_DIR");
-  if (pair != "peg_in_socket" && (!data || !*data)) GTEST_SKIP() << "AUSSOIS_DATA_DIR names no folder";
-  const AssemblyInput input =
-      pair == "peg_in_socket"
-          ? read_assembly_files(kOwn / "socket.obj", kOwn / "peg.obj", kOwn / "peg_out.csv", 1e-3)
-          : read_assembly_pair(data, pair, 1e-3);
-  const AssemblyScene scene = make_assembly_scene(input, {.stride = GetParam().stride}, 1);
+  const std::optional<AssemblyInput> input = recorded_pair(pair);
+  if (!input) GTEST_SKIP() << "AUSSOIS_DATA_DIR names no folder";
+  const AssemblyScene scene = make_assembly_scene(*input, {.stride = GetParam().stride}, 1);
   const StepOptions options{.h = scene.h};
   const MoreauJean scheme(scene.model, options, {.theta = 1});
   State with = start_of(scene), without = with;

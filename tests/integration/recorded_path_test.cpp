@@ -1,29 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // Along recorded assembly paths the hierarchical search finds what looking at every pair of leaves finds: the
 // same features, the same bits.
-#include <cstdlib>
-
 #include <gtest/gtest.h>
 
 #include "examples/drivers/assembly/assembly_scene.hpp"
 #include "lmd/find_contacts.hpp"
+#include "tests/integration/recorded_pair.hpp"
 
 namespace aussois {
 namespace {
-
-const std::filesystem::path kOwn = std::filesystem::path(AUSSOIS_SOURCE_DIR) / "examples/data";
 
 class RecordedPath : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(RecordedPath, HasTheContactsOfTheExhaustiveSearch) {
   const std::string pair = GetParam();
-  const char* data = std::getenv("AUSSOIS_DATA_DIR");
-  if (pair != "peg_in_socket" && (!data || !*data)) GTEST_SKIP() << "AUSSOIS_DATA_DIR names no folder";
-  const AssemblyInput input =
-      pair == "peg_in_socket"
-          ? read_assembly_files(kOwn / "socket.obj", kOwn / "peg.obj", kOwn / "peg_out.csv", 1e-3)
-          : read_assembly_pair(data, pair, 1e-3);
-  const AssemblyScene scene = make_assembly_scene(input, {}, 2);
+  const std::optional<AssemblyInput> input = recorded_pair(pair);
+  if (!input) GTEST_SKIP() << "AUSSOIS_DATA_DIR names no folder";
+  const AssemblyScene scene = make_assembly_scene(*input, {}, 2);
   const auto posed = [&](BodyId body, const SE3& g_wb) {
     const RigidBody& b = scene.model.bodies[body];
     return PosedShape{scene.model.shapes[b.shape].get(), g_wb * b.g_bs, body};

@@ -195,7 +195,6 @@ class ProfileFlags(StudyFlags):
     """--profile tells of the steps of all runs, and changes none."""
 
     def test_of_studies_tells_where_all_steps_go_and_changes_nothing(self):
-        told = {}
         for name, study in (("sliding_block", ("--levels", 3)), ("cube_toss", ("--synthetic", 2, "--substeps", 1)),
                             ("reduction_gallery", ())):
             plain = self.run_driver(name, *study, "-o", f"{name}_plain", "--summary", "plain.json").stdout

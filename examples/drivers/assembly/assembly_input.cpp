@@ -11,17 +11,10 @@
 #include "geometry/number_text.hpp"
 #include "io/checkpoint.hpp"
 #include "io/pose_file.hpp"
+#include "io/text.hpp"
 
 namespace aussois {
 namespace {
-
-std::string content_of(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (!in) throw std::runtime_error(path.string() + ": cannot be read");
-  return text.str();
-}
 
 AssemblyPart named_part(std::string name, PartMesh mesh) {
   AssemblyPart out{.name = std::move(name), .complex = std::move(mesh.complex), .report = mesh.report};
@@ -93,7 +86,7 @@ AssemblyInput read_assembly_files(const std::filesystem::path& fixed, const std:
   input.moving = read_part(moving, scale, {}, cache);
   if (input.moving.name == input.fixed.name) input.moving.name += "_moving";
   std::ostringstream text;
-  for (const auto& file : {fixed, moving, path}) text << fingerprint_of(content_of(file)) << ' ';
+  for (const auto& file : {fixed, moving, path}) text << fingerprint_of(read_file(file)) << ' ';
   text << std::hexfloat << scale;
   input.fingerprint = text.str();
   return input;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "examples/studies/friction/profile_result.hpp"
 
-#include <cstdio>
-
 #include <nlohmann/json.hpp>
 
 #include "examples/common/kept_json.hpp"
@@ -17,14 +15,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string hex(std::uint64_t value) {
-  char text[20];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
-  return text;
-}
-
 Json json_of(const ProfileKey& key) {
-  return {{"digest", hex(key.digest)}, {"options", settings_json(key.options)}, {"program", key.program}};
+  return {
+      {"digest", hex_text(key.digest)}, {"options", settings_json(key.options)}, {"program", key.program}};
 }
 
 Json json_of(const ProfileResult& result) {
@@ -82,10 +75,10 @@ ProfileResult profile_result_in(const std::string& json) {
 
 std::filesystem::path profile_result_file(const std::filesystem::path& folder, const ProfileKey& key) {
   const SolverOptions& solver = key.options.solver;
-  return folder /
-         (file_stem(hex(key.digest) + "_" + to_string(solver.method) + "_" + number_text(solver.tolerance) +
-                    "_" + hex(fingerprint_of(settings_json(key.options).dump()))) +
-          ".json");
+  return folder / (file_stem(hex_text(key.digest) + "_" + to_string(solver.method) + "_" +
+                             number_text(solver.tolerance) + "_" +
+                             hex_text(fingerprint_of(settings_json(key.options).dump()))) +
+                   ".json");
 }
 
 void write_profile_result(const std::filesystem::path& folder, const ProfileKey& key,
