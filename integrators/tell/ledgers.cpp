@@ -128,7 +128,7 @@ void tell_work(const StepSetting& setting, const ImpulseStep& step, const VecX& 
 
 Momentum momentum_given(const StepSetting& setting, const State& state, const VecX& impulse) {
   Momentum out;
-  if (impulse.size() == 0) return out;
+  if (impulse.isZero(0)) return out;  // none at all, or of bodies that do not spin
   for (const BodyId b : state.g.ids()) {
     const int at = setting.dofs.first[b];
     if (at < 0) continue;
