@@ -32,6 +32,10 @@ foreach(library IN LISTS libraries)
       string(APPEND ${unit}_libs " -lklu")
       list(APPEND AUSSOIS_FIND KLU)
       list(APPEND AUSSOIS_DEBS libsuitesparse-dev)
+    elseif(package STREQUAL "meshoptimizer")   # nor has this one
+      string(APPEND ${unit}_libs " -lmeshoptimizer")
+      list(APPEND AUSSOIS_FIND meshoptimizer)
+      list(APPEND AUSSOIS_DEBS libmeshoptimizer-dev)
     elseif(package STREQUAL "CVODE")   # nor has this one
       string(APPEND ${unit}_libs " -lsundials_cvode -lsundials_nvecserial")
       list(APPEND AUSSOIS_FIND CVODE)

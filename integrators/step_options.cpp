@@ -2,6 +2,7 @@
 #include "integrators/step_options.hpp"
 
 #include "geometry/settings.hpp"
+#include "lmd/shape_levels.hpp"
 
 namespace aussois {
 
@@ -68,6 +69,14 @@ void describe(SettingVisitor& visit, StepOptions& o) {
   visit.group("advancement", o.advancement);
   visit.choice({.name = "update", .what = "update of rotations", .flag = "--update", .label = "%"}, o.update,
                kGroupUpdates);
+  visit.count(
+      {.name = "levels",
+       .what = "coarser surfaces that stand for a part where gaps are large against what they are off",
+       .unit = "",
+       .range = {0, kMostLevels},
+       .flag = "--levels",
+       .label = "levels %"},
+      o.levels);
   visit.count({.name = "threads",
                .what = "number of threads of all parts of a step",
                .unit = "",

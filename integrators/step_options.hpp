@@ -95,6 +95,9 @@ struct StepOptions {
   SolverOptions solver{};
   AdvancementOptions advancement{};
   GroupUpdate update = GroupUpdate::exponential;
+  // Coarser levels of shapes that may stand for them where gaps are large (LOD-4); 0: the shapes themselves
+  // alone. The levels are those of LmdShape::levels
+  int levels = 0;
   int threads = 1;            // the result does not depend on it
   bool keep_problem = false;  // keeps the solved problem in StepReport::problem, to save and replay it
   bool profile = false;       // takes the CPU time of each stage too (StepReport::stages)

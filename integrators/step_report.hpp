@@ -168,13 +168,16 @@ struct StepReport {
   std::string reason{};           // why refused: the pair, its gap and the bound
   double t = 0, h = 0;            // time reached and step taken [s]
   int contacts_found = 0;         // local minima within the threshold
+  int contacts_coarse = 0;        // those of them that are of coarser levels (LOD-6)
   int contacts_kept = 0;          // those of them in the problem that was solved
   LossReport loss{};              // worst loss of the first selection (RED-7)
   MatchCounts matches{};          // of the contacts found with those of the last step (PER-3) to (PER-5)
   int contacts_made_passive = 0;  // law stated at the midpoint, since they would have given energy (PMI-6)
   int attempts = 1;               // times the step was tried (threshold enlarged or step halved)
   double threshold = 0;           // largest search distance for contacts, beyond the dilations [m]
-  double min_gap = kInf;  // smallest gap of contacts found and gap functions, at the start of the step [m]
+  // Smallest gap of contacts found and gap functions, at the start of the step [m]; where levels answer it
+  // may be a third too small (LOD-5)
+  double min_gap = kInf;
   double min_base_distance = kInf;  // lower bound on the distance of the base complexes over the step [m]
   int certificate_rounds = 0;
   int passing_pairs = 0;  // near pairs that were skipped, since the model lets them pass (Model::passing)

@@ -63,6 +63,7 @@ class TableReader {
     value = values[0];
   }
   void one(const std::string& name, bool& value);
+  [[noreturn]] void fail(const std::string& name, const std::string& what) { fail_hdf5(file_, name, what); }
 
  private:
   hid_t file_;

@@ -15,7 +15,7 @@
 namespace aussois {
 namespace {
 
-constexpr KeptKind kShape{.format = "aussois-lmd-shape", .version = "6"};
+constexpr KeptKind kShape{.format = "aussois-lmd-shape", .version = "7"};
 
 bool same_mesh(const SimplicialComplex& a, const SimplicialComplex& b) {
   return a.solid == b.solid && a.triangles == b.triangles && a.edges == b.edges &&
@@ -49,14 +49,15 @@ LmdShape read_shape(const std::filesystem::path& path, std::uint64_t key, const 
 }  // namespace
 
 std::uint64_t shape_key(const DilatedShape& shape, const LmdShapeOptions& options) {
-  const auto& [planarity, deforming, threads] = options;
+  const auto& [planarity, deforming, levels, threads] = options;
   static_cast<void>(threads);  // changes nothing
   const SimplicialComplex& k = shape.complex;
   Digest key;
   key.add(std::as_bytes(std::span<const Vec3>(k.vertices)));
   key.add(std::as_bytes(std::span<const std::array<int, 3>>(k.triangles)));
   key.add(std::as_bytes(std::span<const std::array<int, 2>>(k.edges)));
-  for (const double x : {double(k.solid), shape.radius, planarity, double(deforming)}) key.add(x);
+  for (const double x : {double(k.solid), shape.radius, planarity, double(deforming), double(levels)})
+    key.add(x);
   key.add(fingerprint_of(build_info() + kShape.version));
   return key.value;
 }

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstring>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "io/hdf5_file.hpp"
@@ -17,7 +19,8 @@ namespace {
 
 class MeshCheck {
  public:
-  MeshCheck(hid_t file, const SimplicialComplex& mesh) : file_(file), mesh_(mesh) {}
+  MeshCheck(hid_t file, const SimplicialComplex& mesh, std::string group = {})
+      : file_(file), mesh_(mesh), group_(std::move(group)) {}
 
   // What make_complex promises, but for sums that only rounding could change.
   void all() const {
@@ -49,7 +52,7 @@ class MeshCheck {
 
  protected:
   void expect(bool holds, const char* name, const char* what) const {
-    if (!holds) fail_hdf5(file_, name, what);
+    if (!holds) fail_hdf5(file_, group_ + name, what);
   }
   static bool within(int i, std::size_t count) { return i >= 0 && std::size_t(i) < count; }
   static bool length(double x) { return std::isfinite(x) && x >= 0; }
@@ -82,11 +85,13 @@ class MeshCheck {
 
   hid_t file_;
   const SimplicialComplex& mesh_;
+  std::string group_;
 };
 
 class ShapeCheck : MeshCheck {
  public:
-  ShapeCheck(hid_t file, const LmdShape& shape) : MeshCheck(file, shape.complex), s_(shape) {}
+  ShapeCheck(hid_t file, const LmdShape& shape, std::string group = {})
+      : MeshCheck(file, shape.complex, std::move(group)), s_(shape) {}
 
   void all() const {
     MeshCheck::all();
@@ -204,6 +209,14 @@ class ShapeCheck : MeshCheck {
 
 void check_shape(hid_t file, const LmdShape& shape) {
   ShapeCheck(file, shape).all();
+  if (!shape.levels) return;
+  for (std::size_t k = 0; k < shape.levels->coarse.size(); ++k) {
+    const auto& [level, off] = shape.levels->coarse[k];
+    const std::string group = level_group(k + 1);
+    if (!(std::isfinite(off) && off >= 0 && level.radius >= shape.radius + off))
+      fail_hdf5(file, group + "/off", "is not a length by which the level is dilated more");
+    ShapeCheck(file, level, group).all();
+  }
 }
 
 void check_complex(hid_t file, const SimplicialComplex& complex) {

@@ -5,8 +5,12 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
-#include "lmd/lmd_shape.hpp"
+#include "lmd/shape_levels.hpp"
 
 namespace aussois {
 
@@ -53,14 +57,33 @@ void visit_complex(Archive& archive, Complex& complex) {
   archive.one("/mesh/solid", solid);
 }
 
-/// Every field by name: one that is added to LmdShape does not compile until it stands here (raise
-/// kShapeVersion of io/shape_cache.cpp then).
+/// The tables of one shape in a group of those of another.
+template <class Archive>
+class InGroup {
+ public:
+  InGroup(Archive& archive, std::string group) : archive_(archive), group_(std::move(group)) {}
+  template <class T>
+  void table(const std::string& name, T& values) {
+    archive_.table(group_ + name, values);
+  }
+  template <class T>
+  void one(const std::string& name, T& value) {
+    archive_.one(group_ + name, value);
+  }
+
+ private:
+  Archive& archive_;
+  std::string group_;
+};
+
+/// Every field but the levels by name: one that is added to LmdShape does not compile until it stands here
+/// (raise kShapeVersion of io/shape_cache.cpp then).
 template <class Archive, class Shape>
-void visit_shape(Archive& archive, Shape& shape) {
+void visit_own_tables(Archive& archive, Shape& shape) {
   auto& [complex, radius, centre, bounding_radius, tolerance, straightened, regions, triangle_region,
          triangle_sign, rays, paths, vertices, edges, misfits, faces, rest, vertex_tree, wide_vertex_tree,
          edge_tree, wide_edge_tree, face_tree, rest_tree, narrow_vertices, narrow_edges, flat_triangles,
-         unproven, unproven_tree] = shape;
+         unproven, unproven_tree, levels] = shape;
   visit_complex(archive, complex);
   archive.one("/radius", radius);
   archive.one("/centre", centre);
@@ -88,6 +111,41 @@ void visit_shape(Archive& archive, Shape& shape) {
   archive.one("/narrow_edges", narrow_edges);
   archive.one("/flat_triangles", flat_triangles);
   archive.table("/unproven", unproven);
+  static_cast<void>(levels);
+}
+
+inline std::string level_group(std::size_t level) {
+  return "/level/" + std::to_string(level);
+}
+template <class Archive, class Level>
+void visit_level(Archive& archive, std::size_t number, Level& level) {
+  InGroup<Archive> group(archive, level_group(number));
+  group.one("/off", level.off);
+  visit_own_tables(group, level.shape);
+}
+template <class Archive>  // writes
+void visit_levels(Archive& archive, const std::shared_ptr<const ShapeLevels>& levels) {
+  const std::vector<ShapeLevel> none, &all = levels ? levels->coarse : none;
+  const int count = levels ? int(all.size()) : -1;
+  archive.one("/levels", count);
+  for (std::size_t k = 0; k < all.size(); ++k) visit_level(archive, k + 1, all[k]);
+}
+template <class Archive>  // reads
+void visit_levels(Archive& archive, std::shared_ptr<const ShapeLevels>& levels) {
+  int count = -1;
+  archive.one("/levels", count);
+  if (count < -1 || count > kMostLevels) archive.fail("/levels", "is not a number of levels, or -1");
+  if (count < 0) return;
+  ShapeLevels all;
+  all.coarse.resize(std::size_t(count));
+  for (std::size_t k = 0; k < all.coarse.size(); ++k) visit_level(archive, k + 1, all.coarse[k]);
+  levels = std::make_shared<const ShapeLevels>(std::move(all));
+}
+
+template <class Archive, class Shape>
+void visit_shape(Archive& archive, Shape& shape) {
+  visit_own_tables(archive, shape);
+  visit_levels(archive, shape.levels);
 }
 
 }  // namespace aussois

@@ -33,7 +33,7 @@ std::vector<FadedGap> faded_gaps(const ContactSet& contacts, const GapFade& fade
   out.reserve(contacts.points.size());
   for (const ContactPoint& c : contacts.points) {
     const double x = std::clamp(1 - c.angle_margin / band, 0.0, 1.0);  // 0 inside alpha0, 1 at alpha_query
-    out.push_back({c.gap + fade.delta * x * x * (3 - 2 * x), -fade.delta * 6 * x * (1 - x) / band});
+    out.push_back({c.gap + fade.delta * smooth_step(x), -fade.delta * 6 * x * (1 - x) / band});
   }
   return out;
 }

@@ -4,6 +4,7 @@
 // constraints stay hard.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "lmd/contact_point.hpp"
@@ -22,6 +23,12 @@ struct GapFade {
 };
 void validate(const GapFade& fade);  // throws std::invalid_argument: field, value, bound
 void describe(SettingVisitor& visit, GapFade& fade);
+
+/// 0 up to 0, 1 from 1 on, 3 x^2 - 2 x^3 between: C1.
+inline double smooth_step(double x) {
+  const double y = std::clamp(x, 0.0, 1.0);
+  return y * y * (3 - 2 * y);
+}
 
 struct FadedGap {
   double gap = 0;           // [m]

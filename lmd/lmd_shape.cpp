@@ -7,6 +7,7 @@
 
 #include "geometry/parallel.hpp"
 #include "lmd/normal_cone.hpp"
+#include "lmd/shape_levels.hpp"
 #include "lmd/shared_settings.hpp"
 
 namespace aussois {
@@ -309,6 +310,11 @@ void describe(SettingVisitor& visit, LmdShapeOptions& o) {
   visit.begin("LmdShapeOptions");
   visit.number(planarity_setting(), o.planarity);
   visit.toggle({"deforming", "keep every triangle and edge for a shape that deforms"}, o.deforming);
+  visit.count({"levels",
+               "maximum number of coarser surfaces that stand for the part where gaps are large",
+               "",
+               {0, kMostLevels}},
+              o.levels);
   visit.count(threads_setting(), o.threads);
 }
 
@@ -317,6 +323,8 @@ LmdShape prepare(DilatedShape dilated, const LmdShapeOptions& options) {
   require_field(std::isfinite(dilated.radius) && dilated.radius >= 0, "DilatedShape::radius", dilated.radius,
                 "be finite and not negative [m]");
   require(!dilated.complex.vertices.empty(), "DilatedShape::complex has no vertex");
+  require_field(!options.deforming || options.levels == 0, "LmdShapeOptions::levels", options.levels,
+                "be 0 for a shape that deforms");
 
   LmdShape shape;
   shape.complex = std::move(dilated.complex);
@@ -347,6 +355,8 @@ LmdShape prepare(DilatedShape dilated, const LmdShapeOptions& options) {
   add_edges(shape, ideal, cones, misfits, options.threads);
   add_faces(shape, ideal, 1e-9 * box.diagonal(), options.threads);
   add_unproven(shape, ideal, misfits, options.threads);
+  if (options.levels > 0)
+    shape.levels = std::make_shared<const ShapeLevels>(make_levels(shape, options.levels, options.threads));
   return shape;
 }
 

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "geometry/dilated_shape.hpp"
@@ -14,6 +15,7 @@
 namespace aussois {
 
 class SettingVisitor;
+struct ShapeLevels;
 
 /// `describe` gives the ranges.
 struct LmdShapeOptions {
@@ -21,6 +23,7 @@ struct LmdShapeOptions {
                             // [-]
   bool deforming = false;   // each triangle is a region and each edge a chain, with the same index, which
                             // `refit` keeps; `planarity` is then ignored
+  int levels = 0;           // most coarser surfaces to make (LOD-1); 0 for a shape that deforms
   int threads = 1;          // the shape is the same for any number
 };
 void describe(SettingVisitor& visit, LmdShapeOptions& options);
@@ -97,6 +100,7 @@ struct LmdShape {
   // (LMD-14) is proven
   SharedArray<int> unproven{};
   ConeTree unproven_tree{};
+  std::shared_ptr<const ShapeLevels> levels{};  // that may stand for it where gaps are large; null: none
 };
 
 /// How far a foot may lie beyond the ends of LmdShape::edges[edge], per distance from the foot [-] (LMD-15).

@@ -22,6 +22,10 @@ SE3 pose_at(const RigidMotion& motion, double s) {
   return {(motion.g.R * exp_so3(s * motion.omega)).normalized(), motion.g.p + s * motion.v};
 }
 
+RigidMotion after(const RigidMotion& motion, double s) {
+  return {.g = pose_at(motion, s), .v = motion.v, .omega = motion.omega};
+}
+
 double displacement_bound(const RigidMotion& motion, double radius, double dt) {
   return motion.v.norm() * dt + 2 * radius * std::sin(std::min(motion.omega.norm() * dt, kPi) / 2);
 }

@@ -315,6 +315,7 @@ ExitCode replay(Arguments& a) {
   check(*a.cli, a.run);
   take(a.said, a.scene);
   a.scene.gravity = parse_vector(a.gravity, "--gravity");
+  a.scene.levels = scheme_options(a.run.scheme).step.levels;
   AssemblyInput input = read_input(a);
   AssemblyScene scene;
   {
@@ -335,6 +336,7 @@ int main(int argc, char** argv) {
   a.command_line = command_line(argc, argv);
   // Below theta = 1 a coupling that is stiff for the step gives energy through contacts that open (LED-5).
   start_from_theta(a.run.scheme.options, 1);
+  a.run.scheme.left_out.clear();
   Cli cli("replay_assembly", "Replays a recorded assembly path of two parts, with all their contacts.");
   cli.group("scene");
   cli.input("--data", a.data, "folder with meshes/ and assembly/");

@@ -291,10 +291,17 @@ StepSetting setting_of(const Model& model, StepOptions step, const EventDrivenOp
 }  // namespace
 
 std::vector<std::string> EventDriven::unread() {
-  std::vector<std::string> out{
-      "correction_speed", "touching",          "joints.stabilisation", "joints.project",
-      "solver.tolerance", "advancement.min_h", "advancement.growth",   "advancement.max_attempts",
-      "update",           "keep_problem"};
+  std::vector<std::string> out{"correction_speed",
+                               "touching",
+                               "joints.stabilisation",
+                               "joints.project",
+                               "solver.tolerance",
+                               "advancement.min_h",
+                               "advancement.growth",
+                               "advancement.max_attempts",
+                               "update",
+                               "keep_problem",
+                               "levels"};
   static const std::vector<SettingValue> all = values_of(StepOptions{});
   for (const SettingValue& one : all)  // all contacts count, and none is matched
     if (one.path.starts_with("reduction.") || one.path.starts_with("persistence.")) out.push_back(one.path);

@@ -13,7 +13,6 @@ constexpr double kClosed = 1e-5;  // of the dilations: pairs that near touch alr
 
 // Both are sorted by bodies.
 void mark_pairs(std::vector<StepPair>& pairs, const ContactSet& contacts) {
-  for (StepPair& pair : pairs) pair.has_contacts = false;
   auto pair = pairs.begin();
   for (const ContactPoint& c : contacts.points) {
     while (pair->a != c.a.body || pair->b != c.b.body) ++pair;
@@ -21,10 +20,16 @@ void mark_pairs(std::vector<StepPair>& pairs, const ContactSet& contacts) {
   }
 }
 
+// Velocity of the bodies against each other at a contact, for velocities of all bodies.
+Vec3 relative_velocity_at(const Model& model, const State& at, const ContactPoint& c, const VecX& v) {
+  return point_velocity(model, at, c.a, c.x_a, v) - point_velocity(model, at, c.b, c.x_b, v);
+}
+
 // Pairs that are fast, neither pushed in the last step nor touch already, and are not known to meet are left
 // out (CA-16).
-void leave_apart(const State& state, const Estimate& estimate, const AdvancementOptions& o,
+void leave_apart(const StepSetting& setting, const State& state, const Estimate& estimate,
                  FoundContacts& found) {
+  const AdvancementOptions& o = setting.options.advancement;
   std::vector<BodyPair> asked = estimate.meeting;
   for (const RememberedContact& c : state.memory.contacts)
     if (!c.impulse.isZero(0)) asked.push_back({c.key.body_a, c.key.body_b});
@@ -32,6 +37,8 @@ void leave_apart(const State& state, const Estimate& estimate, const Advancement
   for (std::size_t i = 0; i < dilation.size(); ++i)
     if (const ContactPoint& c = found.contacts.points[i]; c.gap <= kClosed * dilation[i])
       asked.push_back({c.a.body, c.b.body});
+  for (const ContactPoint& c : found.guards.points)  // cheaper than a proof that must fail
+    if (gap_ahead(setting.model, state, c, estimate.v, found.h) < 0) asked.push_back({c.a.body, c.b.body});
   std::ranges::sort(asked);
   const auto is_apart = [&](const StepPair& pair) {
     const double linear = 2 * o.max_overlap * pair.dilation * pair.dilation;
@@ -40,9 +47,10 @@ void leave_apart(const State& state, const Estimate& estimate, const Advancement
   std::ranges::copy_if(found.pairs, std::back_inserter(found.apart), is_apart);
   if (found.apart.empty()) return;
   std::erase_if(found.pairs, is_apart);
-  std::erase_if(found.contacts.points, [&](const ContactPoint& c) {
-    return std::ranges::binary_search(found.apart, BodyPair{c.a.body, c.b.body}, {}, bodies_of);
-  });
+  for (ContactSet* contacts : {&found.contacts, &found.guards})
+    std::erase_if(contacts->points, [&](const ContactPoint& c) {
+      return std::ranges::binary_search(found.apart, BodyPair{c.a.body, c.b.body}, {}, bodies_of);
+    });
 }
 
 // What a reducer may look at. Only a selector needs the bodies, whose forces cost as much as a free motion.
@@ -61,11 +69,6 @@ ReductionInput reduction_input(const StepSetting& setting, const State& state, c
   for (const BodyId b : state.g.ids())
     input.bodies.push_back({pose(state, b), twist(state, b), body_part(wrench, b)});
   return input;
-}
-
-// Velocity of the bodies against each other at a contact, for velocities of all bodies.
-Vec3 relative_velocity_at(const Model& model, const State& at, const ContactPoint& c, const VecX& v) {
-  return point_velocity(model, at, c.a, c.x_a, v) - point_velocity(model, at, c.b, c.x_b, v);
 }
 
 std::vector<std::array<Vec3, 2>> material_places(const Model& model, const State& at,
@@ -97,6 +100,10 @@ void match_and_reduce(const StepSetting& setting, const State& state, const Stat
 
 }  // namespace
 
+double gap_ahead(const Model& model, const State& at, const ContactPoint& c, const VecX& v, double h) {
+  return c.gap + h * c.normal.dot(relative_velocity_at(model, at, c, v));
+}
+
 std::vector<double> contact_dilations(const std::vector<StepPair>& pairs, const ContactSet& contacts) {
   std::vector<double> out;
   out.reserve(contacts.points.size());
@@ -117,12 +124,22 @@ FoundContacts find_ahead(const StepSetting& setting, const State& state, const E
   found.pairs = std::move(near.pairs);
   found.reach = std::move(near.reach);
   found.passing = near.passing;
+  if (!estimate.fine_to.empty())
+    for (StepPair& pair : found.pairs)
+      if (const auto gap = estimate.fine_to.find(bodies_of(pair)); gap != estimate.fine_to.end())
+        pair.fine_to = gap->second;
   clock.enter(Stage::search);
-  found.contacts = contacts_of(setting.model, state, found.pairs, o.lmd, *setting.scratch);  // (LMD-3)
+  LevelContacts all = contacts_of(setting.model, state, found.pairs, o.lmd, {.levels = o.levels},
+                                  *setting.scratch);  // (LMD-3)
+  found.contacts = std::move(all.fine);
+  found.guards = std::move(all.coarse);
+  for (StepPair& pair : found.pairs) pair.has_contacts = false;
   mark_pairs(found.pairs, found.contacts);
-  found.count = int(found.contacts.points.size());
-  found.min_gap = smallest_gap(found.contacts);
-  if (o.advancement.certify) leave_apart(state, estimate, o.advancement, found);  // (CA-16)
+  mark_pairs(found.pairs, found.guards);
+  found.coarse_count = int(found.guards.points.size());
+  found.count = int(found.contacts.points.size()) + found.coarse_count;
+  found.min_gap = std::min(smallest_gap(found.contacts), smallest_gap(found.guards));
+  if (o.advancement.certify) leave_apart(setting, state, estimate, found);  // (CA-16)
   clock.enter(Stage::reduction);
   match_and_reduce(setting, state, state, found);  // (RED-1), (PER-2)
   clock.add_to(found.times);
@@ -134,7 +151,8 @@ FoundContacts found_at(const StepSetting& setting, const State& state, const Fou
   const StepOptions& o = setting.options;
   StageClock clock(Stage::search, o.profile);
   FoundContacts out = found;
-  out.contacts = contacts_of(setting.model, at, found.pairs, o.lmd, *setting.scratch);
+  const LevelUse use{.levels = o.levels, .fine_alone = true};
+  out.contacts = contacts_of(setting.model, at, found.pairs, o.lmd, use, *setting.scratch).fine;
   clock.enter(Stage::reduction);
   match_and_reduce(setting, state, at, out);
   clock.add_to(out.times);

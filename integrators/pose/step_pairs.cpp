@@ -203,12 +203,22 @@ NearPairs step_pairs(const StepMotion& estimate, const PerBody<BodyBounds>& boun
 
 namespace {
 
+ContactSet joined(const std::vector<LevelContacts>& parts, ContactSet LevelContacts::*of) {
+  std::size_t count = 0;
+  for (const LevelContacts& part : parts) count += (part.*of).points.size();
+  ContactSet all;
+  all.points.reserve(count);
+  for (const LevelContacts& part : parts)
+    all.points.insert(all.points.end(), (part.*of).points.begin(), (part.*of).points.end());
+  return all;  // pairs are sorted, so the whole set is
+}
+
 // `scratch` is of every pair, or empty.
-ContactSet contacts_of(const Model& model, const State& state, const std::vector<StepPair>& pairs,
-                       const LmdOptions& options, std::span<PairScratch> scratch) {
+LevelContacts contacts_of(const Model& model, const State& state, const std::vector<StepPair>& pairs,
+                          const LmdOptions& options, const LevelUse& use, std::span<PairScratch> scratch) {
   const PerBody<PosedShape> posed = posed_once<PosedShape>(
       model.bodies.size(), pairs, [&](BodyId body) { return posed_shape(model, state, body); });
-  std::vector<ContactSet> found(count_of_parts(pairs));
+  std::vector<LevelContacts> found(count_of_parts(pairs));
   for_each_part(pairs, options.threads, [&](int part, std::span<const StepPair> some, int threads) {
     for (const StepPair& pair : some) {
       LmdOptions lmd = options;
@@ -218,20 +228,17 @@ ContactSet contacts_of(const Model& model, const State& state, const std::vector
           std::min(0.5, lmd.alpha + pair.rotation);  // contacts that the step's rotation can bring about
       lmd.alpha_ee = std::max(lmd.alpha_ee, lmd.alpha);
       const PosedShape &a = posed[pair.a], &b = posed[pair.b];
-      const ContactSet of_pair = scratch.empty() || a.own || b.own
-                                     ? find_contacts(a, b, lmd)
-                                     : find_contacts(a, b, lmd, scratch[&pair - pairs.data()]);
-      std::vector<ContactPoint>& points = found[part].points;
-      points.insert(points.end(), of_pair.points.begin(), of_pair.points.end());
+      PairScratch* of_pair = scratch.empty() || a.own || b.own ? nullptr : &scratch[&pair - pairs.data()];
+      LevelUse of_levels = use;
+      of_levels.fine_to = pair.fine_to;
+      const LevelContacts now = find_contacts_by_level(a, b, lmd, of_levels, of_pair);
+      for (const auto set : {&LevelContacts::fine, &LevelContacts::coarse}) {
+        std::vector<ContactPoint>& points = (found[part].*set).points;
+        points.insert(points.end(), (now.*set).points.begin(), (now.*set).points.end());
+      }
     }
   });
-  std::size_t count = 0;
-  for (const ContactSet& some : found) count += some.points.size();
-  ContactSet all;
-  all.points.reserve(count);
-  for (const ContactSet& some : found)
-    all.points.insert(all.points.end(), some.points.begin(), some.points.end());
-  return all;  // pairs are sorted, so the whole set is
+  return {joined(found, &LevelContacts::fine), joined(found, &LevelContacts::coarse)};
 }
 
 // Keeps the scratch of these pairs, in their order.
@@ -255,16 +262,16 @@ void keep_those_of(const std::vector<StepPair>& pairs, ContactScratch& scratch) 
 
 ContactSet contacts_of(const Model& model, const State& state, const std::vector<StepPair>& pairs,
                        const LmdOptions& options) {
-  return contacts_of(model, state, pairs, options, std::span<PairScratch>());
+  return contacts_of(model, state, pairs, options, {}, std::span<PairScratch>()).fine;
 }
 
-ContactSet contacts_of(const Model& model, const State& state, const std::vector<StepPair>& pairs,
-                       const LmdOptions& options, ContactScratch& scratch) {
+LevelContacts contacts_of(const Model& model, const State& state, const std::vector<StepPair>& pairs,
+                          const LmdOptions& options, const LevelUse& use, ContactScratch& scratch) {
   const std::unique_lock lock(scratch.in_use, std::try_to_lock);
-  if (!lock) return contacts_of(model, state, pairs, options);
+  if (!lock) return contacts_of(model, state, pairs, options, use, std::span<PairScratch>());
   const auto is_of = [](const StepPair& pair, const BodyPair& bodies) { return bodies_of(pair) == bodies; };
   if (!std::ranges::equal(pairs, scratch.bodies, is_of)) keep_those_of(pairs, scratch);
-  return contacts_of(model, state, pairs, options, std::span(scratch.pairs));
+  return contacts_of(model, state, pairs, options, use, std::span(scratch.pairs));
 }
 
 std::size_t bytes_of(ContactScratch& scratch) {

@@ -11,7 +11,7 @@
 
 #include "integrators/step_options.hpp"
 #include "lmd/broad_phase.hpp"
-#include "lmd/find_contacts.hpp"
+#include "lmd/level_contacts.hpp"
 #include "lmd/motion_bound.hpp"
 #include "lmd/nesting.hpp"
 #include "mechanics/surface.hpp"
@@ -24,6 +24,7 @@ struct StepPair {
   double dilation = 0;       // sum of both dilations [m]
   double threshold = 0;      // contacts are searched for up to this gap [m]
   double rotation = 0;       // bound on the relative rotation [rad]
+  double fine_to = 0;        // up to this gap the shapes themselves answer, whatever their levels [m]
   bool has_contacts = true;  // false: the search found none
 };
 inline BodyPair bodies_of(const StepPair& pair) {
@@ -60,6 +61,7 @@ struct StepPath {
   const Model& model;
   double h = 0;
   bool starts_apart = false;  // CertificateOptions::starts_apart, of all pairs
+  int levels = 0;             // StepOptions::levels
   PerBody<MovingBody> bodies{};
   std::map<BodyId, DeformingShape> deforming{};  // by body
 };
@@ -103,9 +105,10 @@ NearPairs step_pairs(const StepMotion& estimate, const PerBody<BodyBounds>& boun
 /// pairs share the threads; if there are few, each pair gets them all.
 ContactSet contacts_of(const Model& model, const State& state, const std::vector<StepPair>& pairs,
                        const LmdOptions& options);
-
-ContactSet contacts_of(const Model& model, const State& state, const std::vector<StepPair>& pairs,
-                       const LmdOptions& options, ContactScratch& scratch);
+/// The same, where coarser levels stand for parts that are far (LOD-4); StepPair::fine_to is read, not that
+/// of `use`.
+LevelContacts contacts_of(const Model& model, const State& state, const std::vector<StepPair>& pairs,
+                          const LmdOptions& options, const LevelUse& use, ContactScratch& scratch);
 
 /// The pieces of the complex of every shape of a model.
 Table<ShapeId, Pieces> pieces_of_shapes(const Model& model);

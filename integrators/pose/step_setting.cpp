@@ -71,6 +71,12 @@ void refuse_restitution(const Model& model) {
 StepSetting step_setting(const Model& model, const StepOptions& options, NormalLaw law, double gamma) {
   validate(model);
   validate(options);
+  require_field(options.levels == 0 ||
+                    std::ranges::any_of(model.shapes, [](const auto& shape) { return bool(shape->levels); }),
+                "StepOptions::levels", options.levels,
+                "be 0: no shape was prepared with LmdShapeOptions::levels");
+  require(options.levels == 0 || options.advancement.certify,
+          "StepOptions::levels needs AdvancementOptions::certify: contacts of levels alone prove nothing");
   int undilated = 0;
   bool dynamic_undilated = false;
   for (const RigidBody& body : model.bodies) {

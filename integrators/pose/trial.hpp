@@ -7,7 +7,16 @@
 
 namespace aussois {
 
-enum class Outcome { accepted, bound_exceeded, meets, not_certified, not_solved, not_finite };
+enum class Outcome {
+  accepted,
+  bound_exceeded,
+  meets,
+  levels_meet,
+  levels_meet_far,
+  not_certified,
+  not_solved,
+  not_finite
+};
 
 /// The motion that a scheme proposes: velocities constant on the path, and those at its end; rows of the
 /// problem.
@@ -26,7 +35,8 @@ struct Move {
 struct Objection {
   Outcome outcome = Outcome::accepted;
   std::string reason{};
-  std::vector<BodyPair> meeting{};  // pairs of FoundContacts::apart that meet, sorted
+  std::vector<BodyPair> meeting{};       // pairs of FoundContacts::apart that meet, sorted
+  std::map<BodyPair, double> fine_to{};  // for pairs whose levels meet, Estimate::fine_to
 };
 
 /// Figures that only some schemes have; reported as they are (StepReport).

@@ -6,11 +6,15 @@
 
 #include "geometry/number_text.hpp"
 #include "lmd/certificate.hpp"
+#include "lmd/shape_levels.hpp"
 
 namespace aussois {
 namespace {
 
-constexpr int kFineHalvings = 16;  // a near miss by 1 um at 1600 m/s and 1 ms needs 14
+constexpr int kCoarseHalvings = 6;     // what a level does not prove soon is left to the next finer one
+constexpr double kTurnOfAPiece = 0.1;  // [rad]; bounds of paths that turn by more say little
+constexpr double kMostPieces = 100;    // a path that turns by more is proven in one
+constexpr int kFineHalvings = 16;      // a near miss by 1 um at 1600 m/s and 1 ms needs 14
 
 MovingShape moving_shape(const StepPath& path, BodyId body) {
   MovingShape out{.shape = shape_of(path.model, body),
@@ -58,15 +62,68 @@ std::string broken_reach(const StepPath& path, const PerBody<double>& reach) {
 
 namespace {
 
-// Where a plane may part the pair, from A to B: across its deepest contact, or from centre to centre.
-Vec3 likely_axis(const StepPath& path, const StepPair& pair, const ContactSet& contacts) {
+// The deepest contact of a pair; null: it has none.
+const ContactPoint* deepest_contact(const StepPair& pair, const ContactSet& contacts) {
   const auto bodies = [](const ContactPoint& c) { return BodyPair{c.a.body, c.b.body}; };
   const BodyPair ours = bodies_of(pair);
   const ContactPoint* deepest = nullptr;
   for (auto c = std::ranges::lower_bound(contacts.points, ours, {}, bodies);
        c != contacts.points.end() && bodies(*c) == ours; ++c)
     if (!deepest || c->gap < deepest->gap) deepest = &*c;
+  return deepest;
+}
+
+// Where a plane may part the pair, from A to B: across its deepest contact, or from centre to centre.
+Vec3 likely_axis(const StepPath& path, const StepPair& pair, const ContactPoint* deepest) {
   return deepest ? Vec3(-deepest->normal) : Vec3(pose_of(path, pair.b).p - pose_of(path, pair.a).p);
+}
+
+// A path that turns far, piece by piece (CA-23). `then_apart`: later pieces may assume that the bases start
+// apart and not inside each other.
+Certificate certify_in_pieces(MovingShape a, MovingShape b, double h, CertificateOptions options,
+                              bool then_apart) {
+  const double turn = relative_rotation_bound(a.motion, b.motion, h) / kTurnOfAPiece;
+  const bool cut = a.velocity.empty() && b.velocity.empty() && turn > 1 && turn < kMostPieces;
+  const int pieces = cut ? int(std::ceil(turn)) : 1;
+  const RigidMotion of_a = a.motion, of_b = b.motion;
+  Certificate out = certify(a, b, h / pieces, options);
+  options.starts_apart = then_apart;
+  for (int k = 1; k < pieces && out.certified; ++k) {
+    a.motion = after(of_a, h * k / pieces);
+    b.motion = after(of_b, h * k / pieces);
+    const Certificate piece = certify(a, b, h / pieces, options);
+    out.certified = piece.certified;
+    out.min_distance = std::min(out.min_distance, piece.min_distance);
+    out.simplex_pairs += piece.simplex_pairs;
+    out.rounds += piece.rounds;
+  }
+  return out;
+}
+
+// By levels that may prove it because they are off by less than `gap`, the coarsest first (LOD-7); `rounds`
+// grows by those of the levels that do not.
+std::optional<Certificate> certify_by_levels(const StepPath& path, const StepPair& pair, double gap,
+                                             const CertificateOptions& options, long& rounds) {
+  MovingShape a = moving_shape(path, pair.a), b = moving_shape(path, pair.b);
+  const LmdShape &fine_a = *a.shape, &fine_b = *b.shape;
+  for (int level = std::min(path.levels, std::max(level_count(fine_a), level_count(fine_b))); level > 0;
+       --level) {
+    const double off = level_off(fine_a, level) + level_off(fine_b, level);
+    if (off >= gap) continue;
+    a.shape = &level_shape(fine_a, level);
+    b.shape = &level_shape(fine_b, level);
+    CertificateOptions of_level = options;
+    of_level.required += off;
+    of_level.wanted += off;
+    of_level.max_halvings = std::min(options.max_halvings, kCoarseHalvings);
+    of_level.starts_apart = false;  // the levels may not be
+    Certificate proof = certify_in_pieces(a, b, path.h, of_level, false);
+    rounds += proof.rounds;
+    if (!proof.certified) continue;
+    proof.min_distance = std::min(proof.min_distance - off, options.wanted);
+    return proof;
+  }
+  return std::nullopt;
 }
 
 // Without a contact nothing is near, and all pairs cost less than minima.
@@ -79,15 +136,22 @@ DilatedBox posed_box(const StepPath& path, const PerBody<BodyBounds>& bounds, Bo
   return pose_of(path, body) * (shape == path.deforming.end() ? bounds[body] : shape->second.bounds).box;
 }
 
-// `apart`: by how much their boxes are.
-StepCertificate certify_pair(const StepPath& path, const StepPair& pair, double apart,
-                             const CertificateOptions& options) {
+// `apart`: by how much their boxes are; `gap`: of their deepest contact; `then_apart`: see certify_in_pieces.
+StepCertificate certify_pair(const StepPath& path, const StepPair& pair, double apart, double gap,
+                             const CertificateOptions& options, bool then_apart) {
   const double moved = path.bodies[pair.a].displacement + path.bodies[pair.b].displacement;
   // Both ways bound how far the pair comes nearer; the sum costs nothing
   if (apart > moved || (apart > 0 && apart > bounds_of(path, pair).displacement))  // they cannot even touch
     return {.min_distance = options.wanted};
-  const Certificate c = certify(moving_shape(path, pair.a), moving_shape(path, pair.b), path.h, options);
-  StepCertificate out{.min_distance = c.min_distance, .rounds = c.rounds};
+  StepCertificate out;
+  if (const auto proof = certify_by_levels(path, pair, gap, options, out.rounds)) {
+    out.min_distance = proof->min_distance;
+    return out;
+  }
+  const Certificate c =
+      certify_in_pieces(moving_shape(path, pair.a), moving_shape(path, pair.b), path.h, options, then_apart);
+  out.min_distance = c.min_distance;
+  out.rounds += c.rounds;
   if (c.certified) return out;
   std::ostringstream text;
   text << "bodies " << pair.a << " and " << pair.b << ": base distance " << c.min_distance
@@ -104,12 +168,14 @@ StepCertificate certify_pairs(const StepPath& path, std::span<const StepPair> pa
   for (const StepPair& pair : pairs) {
     const double required = required_distance(pair, o);
     const double apart = separation(boxes[pair.a], boxes[pair.b]);
-    const StepCertificate of_pair = certify_pair(path, pair, apart,
+    const ContactPoint* deepest = deepest_contact(pair, contacts);
+    const StepCertificate of_pair = certify_pair(path, pair, apart, deepest ? deepest->gap : kInf,
                                                  {.required = required,
                                                   .wanted = std::max(pair.dilation, required),
                                                   .threads = threads,
-                                                  .axis = likely_axis(path, pair, contacts),
-                                                  .starts_apart = asks_minima(path, pair)});
+                                                  .axis = likely_axis(path, pair, deepest),
+                                                  .starts_apart = asks_minima(path, pair)},
+                                                 path.starts_apart);
     out.rounds += of_pair.rounds;
     out.min_distance = std::min(out.min_distance, of_pair.min_distance);
     if (of_pair.failure.empty()) continue;
@@ -124,12 +190,13 @@ StepCertificate certify_pairs(const StepPath& path, std::span<const StepPair> pa
 StepCertificate certify_apart(const StepPath& path, const StepPair& pair, const PerBody<BodyBounds>& bounds,
                               int threads) {
   const double apart = separation(posed_box(path, bounds, pair.a), posed_box(path, bounds, pair.b));
-  return certify_pair(path, pair, apart,
+  return certify_pair(path, pair, apart, kInf,
                       {.required = pair.dilation,
                        .wanted = pair.dilation,
                        .max_halvings = kFineHalvings,
                        .threads = threads,
-                       .starts_apart = asks_minima(path, pair)});
+                       .starts_apart = asks_minima(path, pair)},
+                      path.starts_apart);
 }
 
 StepCertificate certify_step(const StepPath& path, const std::vector<StepPair>& pairs,
@@ -193,8 +260,8 @@ std::vector<BodyPair> driven_overlaps(const StepPath& path, const PerBody<BodyBo
   for (const StepPair& pair : driven_pairs(path, bounds, threads)) {
     const double required = required_distance(pair, o);
     const double apart = separation(posed_box(path, bounds, pair.a), posed_box(path, bounds, pair.b));
-    const StepCertificate proof =
-        certify_pair(path, pair, apart, {.required = required, .wanted = required, .threads = threads});
+    const StepCertificate proof = certify_pair(
+        path, pair, apart, kInf, {.required = required, .wanted = required, .threads = threads}, false);
     if (!proof.failure.empty() || find_nesting(posed(pair.a), pieces_of(path.model, pieces, pair.a),
                                                posed(pair.b), pieces_of(path.model, pieces, pair.b)))
       out.push_back(bodies_of(pair));

@@ -9,6 +9,8 @@
 namespace aussois {
 namespace {
 
+constexpr double kFineAtMost = 2;  // of the gap where levels begin: farther off the shapes are not asked
+
 // Those of `apart` whose dilated shapes are not proven to keep apart on the path (CA-16).
 std::vector<BodyPair> meeting_pairs(const StepSetting& setting, const StepPath& path,
                                     const std::vector<StepPair>& apart, Judgement& judgement) {
@@ -74,6 +76,26 @@ Objection kept_bounds(const StepSetting& setting, const FoundContacts& found, co
   return {};
 }
 
+// Contacts of levels that close on the path: there the shapes themselves must be asked, and where that is
+// far the step is too long.
+Objection open_guards(const StepSetting& setting, const State& state, const FoundContacts& found,
+                      const VecX& v_path) {
+  Objection out;
+  bool is_far = false;
+  for (const ContactPoint& c : found.guards.points) {
+    if (!(gap_ahead(setting.model, state, c, v_path, found.h) < 0)) continue;
+    const double near =
+        kFineAtMost * answers_from(*shape_of(setting.model, c.a.body), *shape_of(setting.model, c.b.body), 1);
+    is_far = is_far || c.gap > near;
+    double& fine_to = out.fine_to[{c.a.body, c.b.body}];
+    fine_to = std::max(fine_to, 2 * c.gap);
+  }
+  if (out.fine_to.empty()) return out;
+  out.outcome = is_far ? Outcome::levels_meet_far : Outcome::levels_meet;
+  out.reason = is_far ? "coarser levels of bodies meet far ahead" : "coarser levels of bodies meet";
+  return out;
+}
+
 Objection proven(const StepSetting& setting, const Trial& trial, const StepPath& path, Judgement& out) {
   const StepOptions& o = setting.options;
   const FoundContacts& found = trial.found;
@@ -102,8 +124,10 @@ Objection objection(const StepSetting& setting, const State& state, const Trial&
   set_path(setting, state, trial, out);
   const auto speaks = [](const Objection& o) { return o.outcome != Outcome::accepted; };
   if (speaks(trial.beforehand)) return trial.beforehand;
-  const StepPath path = step_path({setting.model, state, out.v_path, trial.found.h}, setting.bounds);
+  StepPath path = step_path({setting.model, state, out.v_path, trial.found.h}, setting.bounds);
+  path.levels = setting.options.levels;
   if (Objection broken = kept_bounds(setting, trial.found, path); speaks(broken)) return broken;
+  if (Objection meet = open_guards(setting, state, trial.found, out.v_path); speaks(meet)) return meet;
   if (setting.options.advancement.certify) {
     StageClock clock(Stage::certificate, setting.options.profile);
     Objection unproven = proven(setting, trial, path, out);

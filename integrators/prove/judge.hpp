@@ -20,8 +20,8 @@ struct Judgement {
 };
 
 /// Checks the path of a trial against the bounds within which its contacts were found (CA-5), against pairs
-/// whose contacts were left out (CA-16), the certificate (CA-6), the room that overlaps need (CA-17), and the
-/// tolerance of the joints, which it projects at the end of the path.
+/// whose contacts were left out (CA-16), contacts of coarser levels (LOD-6), the certificate (CA-6), the room
+/// that overlaps need (CA-17), and the tolerance of the joints, which it projects at the end of the path.
 Judgement judge(const StepSetting& setting, const State& state, const Trial& trial);
 
 }  // namespace aussois

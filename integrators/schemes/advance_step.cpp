@@ -66,6 +66,15 @@ bool Search::goes_on(const Judgement& judgement) {
       estimate.meeting = std::move(all);
       return true;
     }
+    case Outcome::levels_meet_far:
+      if (may_halve()) {
+        halve();
+        return true;
+      }
+      [[fallthrough]];
+    case Outcome::levels_meet:  // each time farther: guards are beyond half of what the shapes answered to
+      for (const auto& [bodies, gap] : judgement.objection.fine_to) estimate.fine_to[bodies] = gap;
+      return true;
     case Outcome::not_certified:
       halve();
       return true;

@@ -160,6 +160,7 @@ StepReport asked(const StepSetting& setting, const Trial& trial) {
   for (const std::vector<StepPair>* pairs : {&found.pairs, &found.apart})
     for (const StepPair& pair : *pairs) report.threshold = std::max(report.threshold, pair.threshold);
   report.contacts_found = found.count;
+  report.contacts_coarse = found.coarse_count;
   report.contacts_kept =
       int(std::ranges::count_if(step.solved.kept, [&](int row) { return step.rows[row].slot < 0; }));
   report.loss = found.selection.loss;

@@ -51,7 +51,7 @@ TEST(DimerC5, ContactSetIsAFunctionOfThePose) {
     expect_same(there.contacts, alone.contacts);
     std::vector<StepPair> pairs = there.pairs;
     for (StepPair& pair : pairs) pair.threshold = 0.05, pair.rotation = 0;
-    expect_same(contacts_of(s.model, state, pairs, keeps.options.lmd, *keeps.scratch), fresh);
+    expect_same(contacts_of(s.model, state, pairs, keeps.options.lmd, {}, *keeps.scratch).fine, fresh);
     memory = remember(there.contacts, std::vector<Vec3>(there.contacts.points.size(), Vec3(0, 0.1, 1)),
                       {.g = there.g});
     found += there.contacts.points.size();

@@ -21,9 +21,8 @@ void note_cache(AssemblyScene& scene, const std::string& what, const CacheUse& u
 }
 
 std::shared_ptr<const LmdShape> prepared(AssemblyScene& scene, const AssemblyPart& part, double dilation,
-                                         const std::filesystem::path& cache, int threads) {
-  const CachedShape cached =
-      prepare_cached({.complex = part.complex, .radius = dilation}, {.threads = threads}, cache);
+                                         const LmdShapeOptions& options, const std::filesystem::path& cache) {
+  const CachedShape cached = prepare_cached({.complex = part.complex, .radius = dilation}, options, cache);
   note_cache(scene, part.name + (dilation > 0 ? ", dilated" : ""), cached);
   return cached.shape;
 }
@@ -149,11 +148,11 @@ AssemblyScene make_assembly_scene(const AssemblyInput& input, const AssemblyOpti
   AssemblyScene scene;
   for (const AssemblyPart* part : {&input.fixed, &input.moving})
     note_cache(scene, part->name + ", mesh", part->cache);
-  const auto shape = [&](const AssemblyPart& part, double dilation) {
-    return prepared(scene, part, dilation, options.cache, threads);
+  const auto shape = [&](const AssemblyPart& part, double dilation, int levels) {
+    return prepared(scene, part, dilation, {.levels = levels, .threads = threads}, options.cache);
   };
   {
-    const auto fixed = shape(input.fixed, 0), moving = shape(input.moving, 0);
+    const auto fixed = shape(input.fixed, 0, 0), moving = shape(input.moving, 0, 0);
     scene.clearance = smallest_clearance(input, *fixed, *moving, threads, progress);
   }
   scene.dilation = options.dilation > 0 ? options.dilation : 0.3 * scene.clearance;
@@ -165,8 +164,8 @@ AssemblyScene make_assembly_scene(const AssemblyInput& input, const AssemblyOpti
   Model& model = scene.model;
   model.gravity = options.gravity;
   model.contact_law = {.mu = options.mu, .restitution = options.restitution};
-  model.shapes.push_back(shape(input.fixed, scene.dilation));
-  model.shapes.push_back(shape(input.moving, scene.dilation));
+  model.shapes.push_back(shape(input.fixed, scene.dilation, options.levels));
+  model.shapes.push_back(shape(input.moving, scene.dilation, options.levels));
   const PartMass mass = part_mass(input.moving, scene.dilation, options.density, options.mass);
   scene.mass_source = mass.source;
   scene.fixed = add(model, fixed_body(input.fixed.name, 0));

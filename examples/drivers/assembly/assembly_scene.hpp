@@ -36,6 +36,7 @@ struct AssemblyOptions {
   Vec3 gravity = {-5.66, -5.66, -5.66};
   // The coupling pulls towards the path displaced along (1, 1, 1), in clearances [-]
   double misalignment = 1;
+  int levels = 0;                 // of the shapes, LmdShapeOptions::levels
   std::filesystem::path cache{};  // folder of prepared shapes, see prepare_cached; empty: none
 };
 void describe(SettingVisitor& visit, AssemblyOptions& options);  // its numbers

@@ -12,6 +12,7 @@
 #include "io/hdf5_file.hpp"
 #include "io/mapped_file.hpp"
 #include "io/sealed_file.hpp"
+#include "lmd/shape_levels.hpp"
 #include "tests/support/change.hpp"
 #include "tests/support/compound.hpp"
 #include "tests/support/files.hpp"
@@ -71,6 +72,12 @@ std::string difference(const LmdShape& a, const LmdShape& b) {
   if (a.narrow_vertices != b.narrow_vertices || a.narrow_edges != b.narrow_edges ||
       a.flat_triangles != b.flat_triangles)
     return "counts";
+  if (bool(a.levels) != bool(b.levels) || level_count(a) != level_count(b)) return "number of levels";
+  for (int k = 1; k <= level_count(a); ++k) {
+    if (level_off(a, k) != level_off(b, k)) return "off";
+    const std::string of_level = difference(level_shape(a, k), level_shape(b, k));
+    if (!of_level.empty()) return "level: " + of_level;
+  }
   return "";
 }
 
@@ -101,6 +108,10 @@ SimplicialComplex bent_square() {
                       {{0, 4, 3}, {4, 2, 3}, {4, 1, 2}});
 }
 
+LmdShape levelled_shape() {
+  return prepare(dilate(make_torus(0.3, 0.05, 80, 20), 1e-3), {.levels = 2});
+}
+
 LmdShape small_shape() {
   return prepare(dilate(mixed_complex(), 0.01));
 }
@@ -118,9 +129,13 @@ TEST(ShapeCache, IsFoundByTheMeshAsItWasBeforeItsChainsWereStraightened) {
 
 TEST(ShapeCache, GivesEveryTableBackBitForBit) {
   const auto path = fresh_folder() / "shape.h5";
-  std::vector<LmdShape> shapes = {small_shape(), prepare(dilate(make_bolt(), 1e-5)),
-                                  prepare(dilate(make_point(), 0)), prepare(dilate(make_l_shape(1), 0.1)),
-                                  prepare(dilate(bent_square(), 0.01))};
+  std::vector<LmdShape> shapes = {small_shape(),
+                                  prepare(dilate(make_bolt(), 1e-5)),
+                                  prepare(dilate(make_point(), 0)),
+                                  prepare(dilate(make_l_shape(1), 0.1)),
+                                  prepare(dilate(bent_square(), 0.01)),
+                                  levelled_shape(),
+                                  prepare(dilate(make_point(), 0.1), {.levels = 2})};
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     Random random(seed);
     const SimplicialComplex complex = random_shape(random);
@@ -131,6 +146,7 @@ TEST(ShapeCache, GivesEveryTableBackBitForBit) {
     EXPECT_EQ(difference(read_lmd_shape(path, i), shapes[i]), "") << "shape " << i;
   }
   EXPECT_EQ(shapes[4].straightened.size(), 1U);
+  EXPECT_EQ(level_count(shapes[5]), 2);
   const LmdShape& small = shapes[0];  // the sample has every kind of table
   EXPECT_TRUE(!small.rays.empty() && !small.rest.empty() && small.flat_triangles == 1 &&
               !small.wide_edge_tree.nodes.empty() && !shapes[1].paths.empty() &&
@@ -162,6 +178,7 @@ TEST(ShapeCache, ContactsOfLoadedShapesAreTheSameBits) {
 TEST(ShapeCache, KeysTellApartWhatAShapeFollowsFrom) {
   const DilatedShape shape = dilate(mixed_complex(), 0.01);
   std::vector<std::uint64_t> keys = {shape_key(shape), shape_key(shape, {.planarity = 2e-6}),
+                                     shape_key(shape, {.levels = 1}),
                                      shape_key(dilate(shape.complex, std::nextafter(0.01, 1)))};
   const auto with = [&](const std::function<void(SimplicialComplex&)>& change) {
     DilatedShape changed = shape;
@@ -327,6 +344,25 @@ TEST(ShapeCache, TablesThatNoSearchCouldWalkAreRefusedByName) {
   tree("/tree/face", &LmdShape::face_tree, [&](auto& v) { v.back().child[0] = 0; });  // twice
   tree("/tree/face", &LmdShape::face_tree, [&](auto& v) { v[0].r[1] = -1; });         // a branch is lost
   tree("/tree/rest", &LmdShape::rest_tree, [&](auto& v) { v[0].u[1][2][3] = float(nan); });
+}
+
+TEST(ShapeCache, LevelsAreCheckedAsShapesAre) {
+  const auto path = fresh_folder() / "shape.h5";
+  const LmdShape good = levelled_shape();
+  const auto refused = [&](const char* table, const std::function<void(ShapeLevel&)>& damage) {
+    LmdShape shape = good;
+    ShapeLevels levels = *good.levels;
+    damage(levels.coarse[1]);
+    shape.levels = std::make_shared<const ShapeLevels>(std::move(levels));
+    write_lmd_shape(path, shape, 1);
+    const std::string message = message_of<std::runtime_error>([&] { read_lmd_shape(path, 1); });
+    EXPECT_NE(message.find(std::string("shape.h5: ") + table + ": "), std::string::npos) << message;
+  };
+  refused("/level/2/off", [](ShapeLevel& level) { level.off = -1; });
+  refused("/level/2/off", [](ShapeLevel& level) { level.off = kInf; });
+  refused("/level/2/off", [](ShapeLevel& level) { level.shape.radius -= level.off; });
+  refused("/level/2/faces",
+          [](ShapeLevel& level) { change(level.shape.faces, [](auto& v) { v[0] = 1 << 30; }); });
 }
 
 TEST(ShapeCache, RefusesAFileWithAnyBitChanged) {
