@@ -8,7 +8,7 @@ namespace aussois {
 
 /// No point of the triangles of `from` is farther from those of `to` than this [m]: an upper bound, found by
 /// splitting triangles until it is within a quarter of the largest distance seen, or pieces are small against
-/// the triangles of `to`. The same for any number of threads. Throws std::invalid_argument unless both have
+/// the triangles of both. The same for any number of threads. Throws std::invalid_argument unless both have
 /// triangles.
 double covering_distance(const SimplicialComplex& from, const SimplicialComplex& to, int threads = 1);
 
