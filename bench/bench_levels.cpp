@@ -190,10 +190,7 @@ ExitCode bench(const Arguments& a) {
   }
   csv.close();
   std::printf("\n");
-  const bool pass = print_verdicts(bars);
-  summary.set("pass", pass);
-  if (!a.common.summary.empty()) write_summary(a.common.summary, summary);
-  return pass ? ExitCode::ok : ExitCode::not_accepted;
+  return conclude(bars, std::move(summary), a.common);
 }
 
 }  // namespace
@@ -204,7 +201,7 @@ int main(int argc, char** argv) {
   cli.group("scene");
   cli.option("--triangles", a.triangles, "triangles of the larger part of each scene, roughly", "",
              {1e3, 1e7});
-  cli.option("--levels", a.levels, "coarser surfaces of each part", "", {1, kMostLevels});
+  cli.option("--detail-levels", a.levels, "coarser surfaces of each part", "", {1, kMostLevels});
   cli.flag("--levels-alone", a.levels_alone, "leave out the runs without levels");
   cli.group("output");
   cli.option("--json", a.common.summary, "the same as --summary");

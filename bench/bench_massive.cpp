@@ -172,10 +172,7 @@ ExitCode bench(const Arguments& a) {
     for (const Row& row : rows) column.push_back(values(row)[c]);
     summary.set(kColumns[c], column);
   }
-  const bool pass = print_verdicts(bars);
-  summary.set("pass", pass);
-  if (!a.common.summary.empty()) write_summary(a.common.summary, summary);
-  return pass ? ExitCode::ok : ExitCode::not_accepted;
+  return conclude(bars, std::move(summary), a.common);
 }
 
 }  // namespace

@@ -207,11 +207,8 @@ ExitCode bench(const Arguments& a) {
   if (a.largest >= 10000)
     verdicts.push_back(
         {"growth", "cost per contact of the largest patch over that of ten thousand", "", growth, 3});
-  const bool pass = print_verdicts(verdicts);
   for (const Bar& v : verdicts) summary.set(v.key, v.value);
-  summary.set("pass", pass);
-  if (!a.common.summary.empty()) write_summary(a.common.summary, summary);
-  return pass ? ExitCode::ok : ExitCode::not_accepted;
+  return conclude(verdicts, std::move(summary), a.common);
 }
 
 }  // namespace

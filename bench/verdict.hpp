@@ -6,6 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "examples/common/driver.hpp"
+#include "io/summary.hpp"
+
 namespace aussois {
 
 template <class... Values>
@@ -37,6 +40,14 @@ inline bool print_verdicts(const std::vector<Bar>& verdicts) {
     pass = pass && v.pass();
   }
   return pass;
+}
+
+/// Prints them and writes the summary, with "pass", where the user wants it.
+inline ExitCode conclude(const std::vector<Bar>& verdicts, Summary summary, const CommonOptions& common) {
+  const bool pass = print_verdicts(verdicts);
+  summary.set("pass", pass);
+  if (!common.summary.empty()) write_summary(common.summary, summary);
+  return pass ? ExitCode::ok : ExitCode::not_accepted;
 }
 
 }  // namespace aussois

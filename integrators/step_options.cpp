@@ -74,7 +74,7 @@ void describe(SettingVisitor& visit, StepOptions& o) {
        .what = "coarser surfaces that stand for a part where gaps are large against what they are off",
        .unit = "",
        .range = {0, kMostLevels},
-       .flag = "--levels",
+       .flag = "--detail-levels",
        .label = "levels %"},
       o.levels);
   visit.count({.name = "threads",

@@ -13,7 +13,7 @@ struct SchemeFlags {
   std::vector<std::string> schemes = scheme_names();  // offered
   std::string not_offered{};                          // which are not, and why
   // Flags that the driver has itself, or that its models cannot use: most have shapes without levels
-  std::vector<std::string> left_out{"--levels"};
+  std::vector<std::string> left_out{"--detail-levels"};
   std::filesystem::path selector{};  // instead of a reducer; empty: none
   int selector_body = 0;
   SchemeOptions options{};  // the defaults of the flags, and what has none

@@ -255,7 +255,7 @@ int main(int argc, char** argv) {
   std::erase(a.scheme.schemes, "event_driven");
   a.scheme.not_offered =
       "not event_driven: its errors depend on its tolerances, not on h, see doc/theory/event_driven.md";
-  a.scheme.left_out = {"--tolerance", "--levels"};
+  a.scheme.left_out.emplace_back("--tolerance");
   add_options(cli, a.scheme);
   add_certify(cli, a.study.certify, "studies");
   add_profile(cli, a.watch.profile, "studies");
