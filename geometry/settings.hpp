@@ -15,6 +15,8 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -96,25 +98,36 @@ struct Setting {
                                 // a choice to that value and takes none
   const char* label = nullptr;  // in a label; % stands for the value; null: it makes no other method
   bool in_every_label = false;  // false: only where it is not the default
-  bool changes_nothing = false;  // no result depends on it
+  bool changes_nothing = false;    // no result depends on it
+  const char* only_for = nullptr;  // values of the choice that leads its struct, "nsgs, sor_prox": with
+                                   // another nothing reads it; null: all read it
 };
 
 /// An option with one value of a list, as a visitor sees it.
 class Choice {
  public:
   virtual std::vector<std::string> names() const = 0;
-  virtual std::string name() const = 0;
+  virtual const char* name() const = 0;
   virtual void set(const std::string& name) = 0;  // throws std::invalid_argument listing all names
 
  protected:
   ~Choice() = default;
 };
 
+/// Whether `name` is one of "nsgs, sor_prox".
+inline bool is_listed(std::string_view name, std::string_view list) {
+  for (std::size_t at = list.find(name); at != list.npos; at = list.find(name, at + 1)) {
+    const std::size_t end = at + name.size();
+    if ((at == 0 || list[at - 1] == ' ') && (end == list.size() || list[end] == ',')) return true;
+  }
+  return false;
+}
+
 /// Visits the options of a struct, one after the other, in the struct's describe().
 class SettingVisitor {
  public:
   /// The options that follow are members of this struct.
-  void begin(const char* owner) { owner_ = owner; }
+  void begin(const char* owner) { owner_ = owner, leads_ = false; }
 
   virtual void number(const Setting& setting, double& value) = 0;
   virtual void count(const Setting& setting, int& value) = 0;
@@ -127,7 +140,7 @@ class SettingVisitor {
       OfTable(Enum& value, const char* what, const Named<Enum> (&table)[n])
           : value_(value), what_(what), table_(table) {}
       std::vector<std::string> names() const override { return names_of(table_); }
-      std::string name() const override { return name_of(value_, table_); }
+      const char* name() const override { return name_of(value_, table_); }
       void set(const std::string& name) override { value_ = value_named(name, what_, table_); }
 
      private:
@@ -137,16 +150,17 @@ class SettingVisitor {
     };
     OfTable one(value, setting.name, table);
     choose(setting, one);
+    if (!std::exchange(leads_, true)) leader_ = {setting.flag, one.name()};
   }
-  /// A struct in the struct.
+  /// A struct in the struct. If it has no choice of its own, that of the struct leads it too.
   template <class Options>
   void group(const char* name, Options& options) {
     const std::string path = path_;
-    const char* const owner = owner_;
+    const auto outside = std::tuple(owner_, leader_, leads_);
     path_ += std::string(name) + ".";
     describe(*this, options);
     path_ = path;
-    owner_ = owner;
+    std::tie(owner_, leader_, leads_) = outside;
   }
 
  protected:
@@ -156,9 +170,21 @@ class SettingVisitor {
   std::string field(const Setting& setting) const { return std::string(owner_) + "::" + setting.name; }
   std::string path(const Setting& setting) const { return path_ + setting.name; }
 
+  /// The first choice of a struct.
+  struct Leader {
+    const char* flag = nullptr;
+    const char* value = nullptr;
+  };
+  const Leader& leader() const { return leader_; }
+  bool is_read(const Setting& setting) const {
+    return !setting.only_for || !leader_.value || is_listed(leader_.value, setting.only_for);
+  }
+
  private:
   const char* owner_ = "";
   std::string path_{};
+  Leader leader_{};
+  bool leads_ = false;  // leader_ is a choice of the struct itself
 };
 
 namespace detail {
@@ -261,6 +287,61 @@ std::string label_of(const Options& options) {
     out += (out.empty() ? "" : " ") + text;
   }
   return out;
+}
+
+namespace detail {
+
+/// The values of a struct in a form that is compared without text.
+class PlainValues : public SettingVisitor {
+ public:
+  struct Value {
+    double number = 0;
+    std::uint64_t seed = 0;
+    std::string_view name{};
+    bool operator==(const Value&) const = default;
+  };
+  void number(const Setting& setting, double& value) final { see(setting, {.number = value}); }
+  void count(const Setting& setting, int& value) final { see(setting, {.number = double(value)}); }
+  void toggle(const Setting& setting, bool& value) final { see(setting, {.name = value ? "true" : "false"}); }
+  void seed(const Setting& setting, std::uint64_t& value) final { see(setting, {.seed = value}); }
+  std::vector<Value> all{};
+
+ private:
+  void choose(const Setting& setting, Choice& value) final { see(setting, {.name = value.name()}); }
+  virtual void see(const Setting&, const Value& value) { all.push_back(value); }
+};
+
+class UnreadCheck final : public PlainValues {
+ public:
+  explicit UnreadCheck(const std::vector<Value>& usual) : usual_(usual) {}
+
+ private:
+  void see(const Setting& setting, const Value& value) override {
+    if (value == usual_[next_++] || is_read(setting)) return;
+    const std::string text = !value.name.empty() ? std::string(value.name)
+                             : value.seed        ? std::to_string(value.seed)
+                                                 : number_text(value.number);
+    throw std::invalid_argument(field(setting) + " = " + text + " is not read by " + leader().value +
+                                ", only by " + setting.only_for);
+  }
+  const std::vector<Value>& usual_;
+  std::size_t next_ = 0;
+};
+
+}  // namespace detail
+
+/// Throws std::invalid_argument "SolverOptions::prox = split is not read by admm, only by sor_prox, jor_prox"
+/// for the first option that is not the default and that nothing reads (Setting::only_for).
+template <class Options>
+void refuse_unread(const Options& options) {
+  static const std::vector<detail::PlainValues::Value> usual = [] {
+    detail::PlainValues values;
+    Options defaults;
+    describe(values, defaults);
+    return std::move(values.all);
+  }();
+  detail::UnreadCheck check(usual);
+  describe(check, const_cast<Options&>(options));  // it only looks
 }
 
 /// Throws std::invalid_argument "solver.tolerance = 1 is not read by `who`" for the first of the options at

@@ -2,33 +2,37 @@
 #include "io/run_totals.hpp"
 
 #include <algorithm>
-#include <functional>
-#include <utility>
 
 namespace aussois {
 namespace {
 
-// The members and their names in a checkpoint, listed once for writing and for reading.
-template <class Totals, class Numbers, class Counts>
-void for_each_field(Totals& t, const Numbers& number, const Counts& count) {
-  count("matched_by_key", t.matches.by_key);
-  count("matched_by_adjacency", t.matches.by_adjacency);
-  count("matched_by_geometry", t.matches.by_geometry);
-  count("unmatched", t.matches.unmatched);
-  count("inherited", t.matches.inherited);
-  number("gain_stored", t.gain.stored);
-  number("gain_above", t.gain.above);
-  number("gain_largest", t.gain.largest);
-  number("gain_kinetic", t.gain.kinetic);
-  number("certify_distance", t.audit.min_distance);
-  number("certify_slack", t.audit.min_slack);
-  count("certify_steps", t.audit.steps);
-  count("certify_violations", t.audit.violations);
-  count("certify_nested", t.audit.nested);
-  count("certify_uncovered", t.audit.uncovered);
-  count("passing_pairs", t.uncertified.passing_pairs);
-  count("driven_overlaps", t.uncertified.driven_overlaps);
-  number("driven_overlap_t", t.uncertified.driven_t);
+// The totals by name, listed once: visit(name, value, where). A summary tells some, a checkpoint keeps all.
+enum class In { both, checkpoint };
+
+template <class Audit, class Visit>
+void for_each_of_audit(Audit& a, const Visit& visit) {
+  visit("certify_steps", a.steps, In::both);
+  visit("certify_violations", a.violations, In::both);
+  visit("certify_nested", a.nested, In::both);
+  visit("certify_uncovered", a.uncovered, In::both);
+  visit("certify_min_distance", a.min_distance, In::both);
+  visit("certify_min_slack", a.min_slack, In::checkpoint);
+}
+
+template <class Totals, class Visit>
+void for_each_but_audit(Totals& t, const Visit& visit) {
+  visit("matched_by_key", t.matches.by_key, In::both);
+  visit("matched_by_adjacency", t.matches.by_adjacency, In::both);
+  visit("matched_by_geometry", t.matches.by_geometry, In::both);
+  visit("unmatched", t.matches.unmatched, In::both);
+  visit("inherited", t.matches.inherited, In::both);
+  visit("energy_gain", t.gain.largest, In::both);
+  visit("energy_gain_stored", t.gain.stored, In::checkpoint);
+  visit("energy_gain_above", t.gain.above, In::checkpoint);
+  visit("energy_gain_kinetic", t.gain.kinetic, In::checkpoint);
+  visit("passing_pairs", t.uncertified.passing_pairs, In::both);
+  visit("driven_overlaps", t.uncertified.driven_overlaps, In::both);
+  visit("driven_overlap_t", t.uncertified.driven_t, In::both);
 }
 
 void add(const MatchCounts& counts, MatchTotals& out) {
@@ -45,14 +49,11 @@ void add(const StepReport& report, UncertifiedPairs& out) {
   if (out.driven_overlaps++ == 0) out.driven_t = report.t - report.h;
 }
 
-void set_matches(const MatchTotals& m, Summary& summary) {
-  summary.set("matched_by_key", m.by_key);
-  summary.set("matched_by_adjacency", m.by_adjacency);
-  summary.set("matched_by_geometry", m.by_geometry);
-  summary.set("unmatched", m.unmatched);
-  summary.set("inherited", m.inherited);
-  const std::int64_t matched = m.by_key + m.by_adjacency + m.by_geometry, all = matched + m.unmatched;
-  summary.set("match_share", all > 0 ? double(matched) / double(all) : 0.0);
+// A visitor that sets what a summary tells.
+auto into(Summary& summary) {
+  return [&summary](const char* name, auto value, In where) {
+    if (where != In::checkpoint) summary.set(name, value);
+  };
 }
 
 }  // namespace
@@ -76,36 +77,39 @@ std::vector<std::string> names_of_skipped(const Model& model) {
 }
 
 void set_totals(const RunTotals& totals, const Model& model, Summary& summary) {
-  set_matches(totals.matches, summary);
-  summary.set("energy_gain", totals.gain.largest);
-  summary.set("passing_pairs", totals.uncertified.passing_pairs);
-  summary.set("driven_overlaps", totals.uncertified.driven_overlaps);
-  summary.set("driven_overlap_t", totals.uncertified.driven_t);
+  for_each_but_audit(totals, into(summary));
+  const MatchTotals& m = totals.matches;
+  const std::int64_t matched = m.by_key + m.by_adjacency + m.by_geometry, all = matched + m.unmatched;
+  summary.set("match_share", all > 0 ? double(matched) / double(all) : 0.0);
   if (totals.audit.samples > 0) set_audit(totals.audit, names_of_skipped(model), summary);
 }
 
 void set_audit(const PathAudit& audit, const std::vector<std::string>& skipped, Summary& summary) {
   if (audit.samples == 0) return;
   summary.set("certify_samples", std::int64_t(audit.samples));
-  summary.set("certify_steps", audit.steps);
-  summary.set("certify_violations", audit.violations);
-  summary.set("certify_nested", audit.nested);
-  summary.set("certify_uncovered", audit.uncovered);
-  summary.set("certify_min_distance", audit.min_distance);
+  for_each_of_audit(audit, into(summary));
   summary.set("certify_skipped", skipped);
 }
 
 void keep_totals(const RunTotals& totals, Checkpoint& out) {
-  for_each_field(
-      totals, [&](const char* name, double value) { out.numbers[name] = value; },
-      [&](const char* name, std::int64_t value) { out.counts[name] = value; });
+  struct Keep {
+    void operator()(const char* name, double value, In) const { out.numbers[name] = value; }
+    void operator()(const char* name, std::int64_t value, In) const { out.counts[name] = value; }
+    Checkpoint& out;
+  };
+  for_each_but_audit(totals, Keep{out});
+  for_each_of_audit(totals.audit, Keep{out});
 }
 
 RunTotals run_totals_of(const Checkpoint& checkpoint, int samples) {
+  struct Take {
+    void operator()(const char* name, double& value, In) const { value = checkpoint_number(from, name); }
+    void operator()(const char* name, std::int64_t& value, In) const { value = checkpoint_count(from, name); }
+    const Checkpoint& from;
+  };
   RunTotals out{.audit = {.samples = samples}};
-  for_each_field(
-      out, [&](const char* name, double& value) { value = checkpoint_number(checkpoint, name); },
-      [&](const char* name, std::int64_t& value) { value = checkpoint_count(checkpoint, name); });
+  for_each_but_audit(out, Take{checkpoint});
+  for_each_of_audit(out.audit, Take{checkpoint});
   return out;
 }
 

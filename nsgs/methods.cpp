@@ -138,20 +138,26 @@ void describe(SettingVisitor& visit, SolverOptions& o) {
                .flag = "--max-iterations"},
               o.max_iterations);
   visit.number({.name = "relaxation",
-                .what = "relaxation factor of nsgs, sor_prox, jor_prox and admm",
+                .what = "relaxation factor",
                 .unit = "-",
                 .range = open_range(0, 2),
-                .flag = "--relaxation"},
+                .flag = "--relaxation",
+                .only_for = "auto, nsgs, coloured_nsgs, sor_prox, jor_prox, admm"},
                o.relaxation);
-  visit.choice({.name = "local", .what = "method by which nsgs solves a single contact", .flag = "--local"},
+  visit.choice({.name = "local",
+                .what = "method that solves a single contact",
+                .flag = "--local",
+                .only_for = "auto, nsgs, coloured_nsgs"},
                o.local, kLocalSolvers);
-  visit.choice({.name = "prox", .what = "step-size matrix R of sor_prox and jor_prox", .flag = "--prox"},
-               o.prox, kMetrics);
+  visit.choice(
+      {.name = "prox", .what = "step-size matrix R", .flag = "--prox", .only_for = "sor_prox, jor_prox"},
+      o.prox, kMetrics);
   visit.count({.name = "anderson",
                .what = "number of iterates that Anderson acceleration combines; 0: no acceleration",
                .unit = "",
                .range = {0, 20},
-               .flag = "--anderson"},
+               .flag = "--anderson",
+               .only_for = "nsgs, coloured_nsgs, sor_prox, jor_prox, coulomb_pgs, admm"},
               o.anderson);
   visit.toggle({.name = "estimate_error",
                 .what = "estimate the error of the velocities relative to |q| by solving further "
@@ -163,6 +169,7 @@ void describe(SettingVisitor& visit, SolverOptions& o) {
 
 void validate(const SolverOptions& options) {
   check_ranges(options);
+  refuse_unread(options);
   require_field(options.model == FrictionModel::coulomb || entry(options.method).convex_cone,
                 "SolverOptions::model", "convex_cone",
                 "be coulomb, or the method admm, projected_gradient or interior_point");

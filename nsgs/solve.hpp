@@ -50,16 +50,16 @@ inline bool is_solved(SolveStatus status) {
   return status <= SolveStatus::at_rounding;
 }
 
-/// `describe` gives the ranges.
+/// `describe` gives the ranges, and the methods that read an option: with others only its default is taken.
 struct SolverOptions {
   Method method = Method::automatic;
   FrictionModel model = FrictionModel::coulomb;  // convex_cone: admm, projected_gradient, interior_point
   double tolerance = 1e-8;     // on the scaled residual of each island [-]; what it is worth: SOL-4
   int max_iterations = 10000;  // sweeps or steps of the method
-  double relaxation = 1.0;     // of nsgs, sor_prox, jor_prox, admm
-  LocalSolver local = LocalSolver::hybrid;  // of nsgs
-  ProxMetric prox = ProxMetric::blocks;     // of sor_prox, jor_prox
-  int anderson = 0;                         // iterates combined by Anderson acceleration of sweeps and admm
+  double relaxation = 1.0;     // of sweeps, prox steps and admm
+  LocalSolver local = LocalSolver::hybrid;
+  ProxMetric prox = ProxMetric::blocks;
+  int anderson = 0;             // iterates combined by Anderson acceleration
   bool estimate_error = false;  // continue from the answer, which stays the same, to find SolveReport::error
   /// Calls f(i) for all i in [0, n) in any order, on as many threads as it has, and returns when all are
   /// done. Used for islands and for the blocks of a colour. Empty: one after the other. No result depends on

@@ -82,16 +82,18 @@ void describe(SettingVisitor& visit, ClusteringOptions& o) {
       o.angle);
   visit.group("cube", o.cube);
   visit.count({.name = "k",
-               .what = "number of groups per body pair for clusterings by k-means",
+               .what = "number of groups per body pair",
                .unit = "",
                .range = range_from(1),
-               .flag = "--clusters"},
+               .flag = "--clusters",
+               .only_for = "normals, position_normal_friction, position_depth, kmc, kmcw"},
               o.k);
-  visit.seed({"random_seed", "seed of kmc"}, o.random_seed);
+  visit.seed({.name = "random_seed", .what = "seed of the first means", .only_for = "kmc"}, o.random_seed);
 }
 
 void validate(const ClusteringOptions& options) {
   check_ranges(options);
+  refuse_unread(options);
 }
 
 Clusters clusters_of(const ReductionInput& input, const ClusteringOptions& o) {

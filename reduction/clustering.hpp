@@ -30,13 +30,13 @@ const char* to_string(Clustering rule);
 Clustering clustering(const std::string& name);
 std::vector<std::string> clustering_names();
 
-/// `describe` gives the ranges.
+/// `describe` gives the ranges, and the rules that read an option: with others only its default is taken.
 struct ClusteringOptions {
   Clustering rule = Clustering::angle;
-  double angle = 0.1;             // largest angle to the seed's normal [rad]; a matter of taste
-  CubeMapOptions cube{};          // for cube_map
-  int k = 3;                      // for k-means: groups per body pair before they are split by normals
-  std::uint64_t random_seed = 0;  // for kmc
+  double angle = 0.1;  // largest angle to the seed's normal [rad]; a matter of taste
+  CubeMapOptions cube{};
+  int k = 3;  // of k-means: groups per body pair before they are split by normals
+  std::uint64_t random_seed = 0;
 };
 void validate(const ClusteringOptions& options);  // throws std::invalid_argument: field, value, bound
 void describe(SettingVisitor& visit, ClusteringOptions& options);

@@ -87,17 +87,30 @@ void describe(SettingVisitor& visit, MeanContactOptions& o) {
   visit.begin("MeanContactOptions");
   visit.choice({"rule", "space in which contacts are near"}, o.rule, kRules);
   visit.count({"k", "number of means", "", range_from(1)}, o.k);
-  visit.number({"normal_length", "length that a unit change of the normal counts as", "m", range_from(0)},
+  visit.number({.name = "normal_length",
+                .what = "length that a unit change of the normal counts as",
+                .unit = "m",
+                .range = range_from(0),
+                .only_for = "position_normal_friction"},
                o.normal_length);
-  visit.number({"friction_length", "length that a unit change of friction counts as", "m", range_from(0)},
+  visit.number({.name = "friction_length",
+                .what = "length that a unit change of friction counts as",
+                .unit = "m",
+                .range = range_from(0),
+                .only_for = "position_normal_friction"},
                o.friction_length);
-  visit.number({"depth_floor", "added to the depth to give the weight of a contact", "m", range_above(0)},
+  visit.number({.name = "depth_floor",
+                .what = "added to the depth to give the weight of a contact",
+                .unit = "m",
+                .range = range_above(0),
+                .only_for = "position_depth"},
                o.depth_floor);
   visit.count({"max_iterations", "iterations of k-means", "", range_from(0)}, o.max_iterations);
 }
 
 void validate(const MeanContactOptions& options) {
   check_ranges(options);
+  refuse_unread(options);
 }
 
 MeanContacts mean_contacts(const ContactSet& found, const std::vector<double>& mu,

@@ -100,9 +100,15 @@ void describe(SettingVisitor& visit, NormalClusterOptions& o) {
   visit.begin("NormalClusterOptions");
   visit.choice({"method", "k-means or the cells of a cube"}, o.method, kMethods);
   visit.group("cube", o.cube);
-  visit.count({"k", "groups of k-means", "", range_from(1)}, o.k);
+  visit.count(
+      {.name = "k", .what = "number of groups", .unit = "", .range = range_from(1), .only_for = "kmeans"},
+      o.k);
   visit.count({"max_iterations", "iterations of k-means", "", range_from(1)}, o.max_iterations);
-  visit.number({"merge", "centres of k-means this close are merged", "rad", range_open_above(0, kPi / 2)},
+  visit.number({.name = "merge",
+                .what = "angle between centres up to which groups are merged",
+                .unit = "rad",
+                .range = range_open_above(0, kPi / 2),
+                .only_for = "kmeans"},
                o.merge);
   visit.number({"least_resultant", "mean length below which a group is split", "-", {0, 1}},
                o.least_resultant);
@@ -113,6 +119,7 @@ void describe(SettingVisitor& visit, NormalClusterOptions& o) {
 
 void validate(const NormalClusterOptions& options) {
   check_ranges(options);
+  refuse_unread(options);
 }
 
 NormalClusters cluster_normals(const ContactSet& contacts, const NormalClusterOptions& options,

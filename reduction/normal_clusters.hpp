@@ -15,12 +15,13 @@ class SettingVisitor;
 
 enum class NormalClustering { kmeans, cube_map };
 
-/// `describe` gives the ranges.
+/// `describe` gives the ranges, and the method that reads an option: with the other only its default is
+/// taken.
 struct NormalClusterOptions {
   NormalClustering method = NormalClustering::kmeans;
   CubeMapOptions cube{};
-  int k = 3;                       // for k-means
-  int max_iterations = 3;          // for k-means
+  int k = 3;
+  int max_iterations = 3;          // of k-means, also where a group is split
   double merge = 5 * kPi / 180;    // centres of k-means this close are merged [rad]
   double least_resultant = 0.5;    // |sum of normals| / count below which a group is split
   double widest = 60 * kPi / 180;  // largest normal-to-centre angle without a split [rad]

@@ -27,6 +27,12 @@ constexpr Named<Reducer> kNames[] = {{Reducer::none, "none"},
                                      {Reducer::load_carrier, "load_carrier"},
                                      {Reducer::selector, "selector"}};
 
+// Of them, those that choose contacts by a rule, and those that do so plane by plane.
+constexpr const char* kOfPlanes =
+    "extreme_points, hull_exact, hull_area_loss, hull_margin, direction_set, load_carrier";
+constexpr const char* kChoosing =
+    "extreme_points, hull_exact, hull_area_loss, hull_margin, direction_set, load_carrier, wrench_cone";
+
 constexpr Named<FrictionAt> kPlaces[] = {{FrictionAt::contacts, "contacts"},
                                          {FrictionAt::patches, "patches"}};
 
@@ -278,10 +284,22 @@ std::vector<std::string> reducer_names() {
 
 void describe(SettingVisitor& visit, HullMargin& o) {
   visit.begin("HullMargin");
-  visit.number({"margin", "margin to keep", "-", range_open_below(0, 1)}, o.margin);
-  visit.count({"min_corners", "minimum number of corners to keep, if there are that many", "", range_from(3)},
+  const char* const reducer = "hull_margin";
+  visit.number(
+      {.name = "margin", .what = "margin to keep", .range = range_open_below(0, 1), .only_for = reducer},
+      o.margin);
+  visit.count({.name = "min_corners",
+               .what = "minimum number of corners to keep, if there are that many",
+               .unit = "",
+               .range = range_from(3),
+               .only_for = reducer},
               o.min_corners);
-  visit.count({"max_corners", "maximum number of corners to keep", "", range_from(4)}, o.max_corners);
+  visit.count({.name = "max_corners",
+               .what = "maximum number of corners to keep",
+               .unit = "",
+               .range = range_from(4),
+               .only_for = reducer},
+              o.max_corners);
 }
 
 void describe(SettingVisitor& visit, ReductionOptions& o) {
@@ -291,7 +309,11 @@ void describe(SettingVisitor& visit, ReductionOptions& o) {
                 .flag = "--reducer"},
                o.reducer, kNames);
   visit.group("clustering", o.clustering);
-  visit.count({"min_per_cluster", "size up to which sets of contacts are kept whole", "", range_from(1)},
+  visit.count({.name = "min_per_cluster",
+               .what = "size up to which sets of contacts are kept whole",
+               .unit = "",
+               .range = range_from(1),
+               .only_for = kChoosing},
               o.min_per_cluster);
   visit.number(
       {"layer", "distance from the deepest contact within which contacts are also reduced on their own", "m",
@@ -303,18 +325,36 @@ void describe(SettingVisitor& visit, ReductionOptions& o) {
                 .range = {0, 1},
                 .flag = "--min-margin"},
                o.min_margin);
-  visit.number(
-      {"hysteresis", "fraction by which other corners must be better to replace those of the last step", "-",
-       range_open_above(0, 1)},
-      o.hysteresis);
-  visit.number({"tie", "fraction of the extent within which extremes are tied", "-", {0, 0.1}}, o.tie);
-  visit.toggle({"paper_exact", "use extreme_points as published"}, o.paper_exact);
+  visit.number({.name = "hysteresis",
+                .what = "fraction by which other corners must be better to replace those of the last step",
+                .range = range_open_above(0, 1),
+                .only_for = kOfPlanes},
+               o.hysteresis);
+  visit.number({.name = "tie",
+                .what = "fraction of the extent within which extremes are tied",
+                .range = {0, 0.1},
+                .only_for = kChoosing},
+               o.tie);
+  visit.toggle({.name = "paper_exact", .what = "choose points as published", .only_for = "extreme_points"},
+               o.paper_exact);
   visit.group("hull_margin", o.hull_margin);
-  visit.count({"corners", "number of corners that hull_area_loss keeps", "", range_from(3)}, o.corners);
-  visit.count({"directions", "number of directions of direction_set", "", range_from(3)}, o.directions);
-  visit.number(
-      {"wrench_loss", "largest fraction of a wrench that wrench_cone may lose", "-", range_open_above(0, 1)},
-      o.wrench_loss);
+  visit.count({.name = "corners",
+               .what = "number of corners to keep",
+               .unit = "",
+               .range = range_from(3),
+               .only_for = "hull_area_loss"},
+              o.corners);
+  visit.count({.name = "directions",
+               .what = "number of directions",
+               .unit = "",
+               .range = range_from(3),
+               .only_for = "direction_set"},
+              o.directions);
+  visit.number({.name = "wrench_loss",
+                .what = "largest fraction of a wrench that may be lost",
+                .range = range_open_above(0, 1),
+                .only_for = "wrench_cone"},
+               o.wrench_loss);
   visit.choice({.name = "friction",
                 .what = "apply friction at the centre of each patch, with its drilling torque",
                 .flag = "--patch-friction=patches"},
@@ -323,11 +363,9 @@ void describe(SettingVisitor& visit, ReductionOptions& o) {
 
 void validate(const ReductionOptions& options) {
   check_ranges(options);
+  refuse_unread(options);
   require_field(options.hull_margin.max_corners >= options.hull_margin.min_corners, "HullMargin::max_corners",
                 options.hull_margin.max_corners, "be at least min_corners");
-  if (options.paper_exact && options.reducer != Reducer::extreme_points)
-    require(false, "ReductionOptions::paper_exact is a choice of reducer extreme_points, not of " +
-                       std::string(to_string(options.reducer)));
   if ((options.reducer == Reducer::selector) != bool(options.selector))
     require(false, std::string("ReductionOptions::selector must be ") +
                        (options.selector ? "empty" : "given") + " with reducer " +

@@ -38,7 +38,7 @@ enum class FrictionAt {
   patches,   // at the centre of the contact's patch, with the drilling torque of even pressure on it (RED-15)
 };
 
-/// `describe` gives the ranges.
+/// `describe` gives the ranges, and the reducers that read an option: with others only its default is taken.
 struct ReductionOptions {
   Reducer reducer = Reducer::hull_margin;
   ClusteringOptions clustering{};  // which contacts of a pair are reduced together
@@ -52,11 +52,11 @@ struct ReductionOptions {
   double tie = 1e-3;  // extremes within this fraction of the cluster's extent are tied, and of contacts that
                       // close to each other the deepest is kept; must exceed the flatness of
                       // real meshes, or noise chooses the corners
-  bool paper_exact = false;  // for extreme_points: as published, without tie rule or hysteresis
+  bool paper_exact = false;  // as published, without tie rule or hysteresis
   HullMargin hull_margin{};
-  int corners = 4;           // for hull_area_loss
-  int directions = 4;        // for direction_set
-  double wrench_loss = 0.1;  // for wrench_cone: at least 1 - this of every wrench is kept
+  int corners = 4;
+  int directions = 4;
+  double wrench_loss = 0.1;  // at least 1 - this of every wrench is kept
   FrictionAt friction = FrictionAt::contacts;
   ContactSelector selector{};  // for Reducer::selector, which needs one; no other reducer takes one
 };

@@ -172,11 +172,23 @@ void describe(SettingVisitor& visit, PersistenceOptions& o) {
        .what = "matching of contacts with those of the last step; none: every solve starts from zero",
        .flag = "--matching"},
       o.matching, kMatchings);
-  visit.number({"reach", "largest motion of a contact matched by place", "m", not_negative_range()}, o.reach);
-  visit.number({"max_reach", "upper bound of that distance for moving bodies", "m", not_negative_range()},
+  visit.number({.name = "reach",
+                .what = "largest motion of a contact matched by place",
+                .unit = "m",
+                .range = not_negative_range(),
+                .only_for = "cascade"},
+               o.reach);
+  visit.number({.name = "max_reach",
+                .what = "upper bound of that distance for moving bodies",
+                .unit = "m",
+                .range = not_negative_range(),
+                .only_for = "cascade"},
                o.max_reach);
-  visit.number({"max_turn", "largest turn of the normal of a contact matched by place", "rad",
-                range_open_above(0, kPi / 2)},
+  visit.number({.name = "max_turn",
+                .what = "largest turn of the normal of a contact matched by place",
+                .unit = "rad",
+                .range = range_open_above(0, kPi / 2),
+                .only_for = "cascade"},
                o.max_turn);
   visit.toggle({"redistribute", "pass the impulses of dropped contacts on to kept ones"}, o.redistribute);
   visit.toggle({.name = "anchors", .what = "let static friction undo its drift", .flag = "--anchors"},
@@ -191,6 +203,7 @@ void describe(SettingVisitor& visit, PersistenceOptions& o) {
 
 void validate(const PersistenceOptions& o) {
   check_ranges(o);
+  refuse_unread(o);
   require_field(o.max_reach >= o.reach, "PersistenceOptions::max_reach", o.max_reach,
                 "be at least reach [m]");
   require(!o.anchors || o.matching != Matching::none,

@@ -356,7 +356,8 @@ std::vector<std::string> Cli::given(const std::string& group) const {
 }
 
 bool Cli::is_given(const std::string& flag) const {
-  return impl_->app.count(flag) > 0;
+  const CLI::Option* const option = impl_->app.get_option_no_throw(flag);
+  return option && option->count() > 0;
 }
 
 const std::string& Cli::name() const {

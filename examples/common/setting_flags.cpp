@@ -23,6 +23,9 @@ SaidSetting* Offer::add(const Setting& setting, OfferedSetting::Kind kind, const
   if (!setting.flag) return nullptr;
   const auto [flag, fixed] = split(setting.flag);
   all.push_back({path(setting), field(setting), setting, flag, fixed, std::move(names), kind, usual});
+  if (!is_read(setting))
+    all.back().unread_with =
+        (leader().flag ? leader().flag + std::string(" ") : std::string()) + leader().value;
   return &said_[flag];
 }
 void Offer::number(const Setting& setting, double& value) {
@@ -78,8 +81,8 @@ void Take::choose(const Setting& setting, Choice& value) {
 void add_flag(Cli& cli, const OfferedSetting& offered, SaidSettings& said, const std::string& note) {
   SaidSetting& to = said[offered.flag];
   cli.stands_for(offered.flag, offered.member);
-  const std::string what = offered.setting.what + note;
   const Setting& s = offered.setting;
+  const std::string what = s.what + (s.only_for ? std::string("; only for ") + s.only_for : "") + note;
   using Kind = OfferedSetting::Kind;
   if (offered.kind == Kind::number)
     cli.option(offered.flag, to.number, what, s.unit, s.range);
@@ -91,6 +94,17 @@ void add_flag(Cli& cli, const OfferedSetting& offered, SaidSettings& said, const
     cli.choice(offered.flag, to.choice, what, offered.names);
   else
     cli.flag(offered.flag, to.toggle, what);
+}
+
+void refuse_unread_flags(const Cli& cli, const std::vector<OfferedSetting>& offered) {
+  for (const OfferedSetting& one : offered) {
+    const auto is_read = [&](const OfferedSetting& other) {
+      return other.flag == one.flag && other.unread_with.empty();
+    };
+    if (one.unread_with.empty() || !cli.is_given(one.flag) || std::ranges::any_of(offered, is_read)) continue;
+    throw std::invalid_argument(one.flag + " is not read by " + one.unread_with + ", only by " +
+                                one.setting.only_for);
+  }
 }
 
 void add_flags(Cli& cli, const std::vector<OfferedSetting>& offered, SaidSettings& said,

@@ -18,7 +18,8 @@ struct OfferedSetting {
   std::string fixed{};               // the value that the flag sets and the user does not say; empty: none
   std::vector<std::string> names{};  // of a choice
   enum class Kind { number, count, toggle, choice, seed } kind = Kind::number;
-  std::string usual{};  // its value when it was offered
+  std::string usual{};        // its value when it was offered
+  std::string unread_with{};  // "--solver admm" if nothing reads it then; empty: it is read
 };
 
 /// What the user said of an option, as Cli keeps it.
@@ -89,6 +90,15 @@ void add_flags(Cli& cli, const std::vector<OfferedSetting>& offered, SaidSetting
 template <class Options>
 void add_flags(Cli& cli, Options& options, SaidSettings& said, const std::vector<std::string>& flags) {
   add_flags(cli, offered(options, said), said, flags);
+}
+
+/// Throws std::invalid_argument "--prox is not read by --solver admm, only by sor_prox, jor_prox" for the
+/// first flag that the user said although none of its options is read (Setting::only_for).
+void refuse_unread_flags(const Cli& cli, const std::vector<OfferedSetting>& offered);
+template <class Options>
+void refuse_unread_flags(const Cli& cli, Options options) {
+  SaidSettings said;
+  refuse_unread_flags(cli, offered(options, said));
 }
 
 /// Gives the options what the user said.

@@ -36,8 +36,7 @@ RunOptions run_of(const Arguments& a) {
   return out;
 }
 
-ExitCode solve_all(const Arguments& a) {
-  const RunOptions options = run_of(a);
+ExitCode solve_all(const Arguments& a, const RunOptions& options) {
   validate(options);
   const std::vector<std::filesystem::path> files = problem_files(a.files);
   if (a.json.has_parent_path()) std::filesystem::create_directories(a.json.parent_path());
@@ -96,5 +95,9 @@ int main(int argc, char** argv) {
   cli.example("solve_friction_problem box.hdf5", "one problem, its residuals and physical errors");
   cli.example("solve_friction_problem fclib/ --solver nsgs --tolerance 1e-4 --json nsgs.json",
               "all problems of a folder");
-  return run_driver(cli, argc, argv, [&] { return solve_all(a); });
+  return run_driver(cli, argc, argv, [&] {
+    const RunOptions options = run_of(a);
+    refuse_unread_flags(cli, options.solver);
+    return solve_all(a, options);
+  });
 }

@@ -99,5 +99,67 @@ TEST(Settings, AreRefusedWhereNothingReadsThem) {
             "lamp.bulbs = 3 is not read by a cave");
 }
 
+// A house of stone has a cellar, and a rope only where it has steps; a choice of the cellar's own leads it.
+enum class Stuff { stone, wood };
+constexpr Named<Stuff> kStuffs[] = {{Stuff::stone, "stone"}, {Stuff::wood, "wood"}};
+
+struct Steps {
+  int count = 9;
+};
+void describe(SettingVisitor& visit, Steps& o) {
+  visit.begin("Steps");
+  visit.count({.name = "count", .only_for = "stone, brick"}, o.count);
+}
+struct Cellar {
+  Colour colour = Colour::red;
+  bool damp = false;
+};
+void describe(SettingVisitor& visit, Cellar& o) {
+  visit.begin("Cellar");
+  visit.choice({.name = "colour"}, o.colour, kColours);
+  visit.toggle({.name = "damp", .only_for = "green"}, o.damp);
+}
+struct House {
+  Stuff stuff = Stuff::stone;
+  Steps steps{};
+  Cellar cellar{};
+  double depth = 2;
+  std::uint64_t woodworm = 1;
+};
+void describe(SettingVisitor& visit, House& o) {
+  visit.begin("House");
+  visit.choice({.name = "stuff"}, o.stuff, kStuffs);
+  visit.group("steps", o.steps);
+  visit.group("cellar", o.cellar);
+  visit.number({.name = "depth", .only_for = "limestone, stone"}, o.depth);
+  visit.seed({.name = "woodworm", .only_for = "wood"}, o.woodworm);
+}
+std::string unread_of(const House& house) {
+  return message_of([&] { refuse_unread(house); });
+}
+
+TEST(Settings, AreRefusedWhereTheLeadingChoiceIsAnother) {
+  EXPECT_EQ(unread_of({}), "");
+  EXPECT_EQ(unread_of({.stuff = Stuff::wood}), "") << "the defaults stand";
+  EXPECT_EQ(unread_of({.steps = {3}, .depth = 3}), "");
+  EXPECT_EQ(unread_of({.stuff = Stuff::wood, .depth = 3}),
+            "House::depth = 3 is not read by wood, only by limestone, stone")
+      << "the house leads again after the cellar";
+  EXPECT_EQ(unread_of({.stuff = Stuff::wood, .steps = {3}}),
+            "Steps::count = 3 is not read by wood, only by stone, brick")
+      << "steps have no choice of their own";
+  EXPECT_EQ(unread_of({.cellar = {.damp = true}}), "Cellar::damp = true is not read by red, only by green");
+  EXPECT_EQ(unread_of({.cellar = {.colour = Colour::green, .damp = true}}), "");
+  EXPECT_EQ(unread_of({.woodworm = 0}), "House::woodworm = 0 is not read by stone, only by wood");
+  EXPECT_EQ(unread_of({.woodworm = 7}), "House::woodworm = 7 is not read by stone, only by wood");
+  EXPECT_EQ(message_of([] { refuse_unread(Steps{3}); }), "") << "by itself nothing leads it";
+}
+
+TEST(Settings, AreListedByWholeNames) {
+  EXPECT_TRUE(is_listed("nsgs", "coloured_nsgs, nsgs") && is_listed("nsgs", "nsgs, admm"));
+  EXPECT_FALSE(is_listed("nsgs", "coloured_nsgs") || is_listed("prox", "prox_2, sor_prox") ||
+               is_listed("nsgs", ""));
+}
+
 }  // namespace
 }  // namespace aussois

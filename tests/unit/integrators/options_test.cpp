@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <sstream>
 
 #include <gtest/gtest.h>
 
 #include "geometry/settings.hpp"
 #include "integrators/run.hpp"
 #include "integrators/scheme.hpp"
+#include "reduction/mean_contacts.hpp"
+#include "reduction/normal_clusters.hpp"
 #include "tests/support/block_scene.hpp"
 #include "tests/support/message_of.hpp"
 
@@ -146,6 +149,57 @@ TEST(SchemeOptions, AreRefusedWhereASchemeDoesNotReadThem) {
   const auto has = [&](const char* path) { return std::ranges::find(unread, path) != unread.end(); };
   EXPECT_TRUE(has("step.update") && has("moreau_jean.theta"));
   EXPECT_FALSE(has("step.h") || has("schatzman_paoli.force_theta"));
+}
+
+// What the tables say of readers: each is a value of a choice in the same table.
+class Readers final : public SettingVisitor {
+ public:
+  void number(const Setting& setting, double&) override { see(setting); }
+  void count(const Setting& setting, int&) override { see(setting); }
+  void toggle(const Setting& setting, bool&) override { see(setting); }
+  void seed(const Setting& setting, std::uint64_t&) override { see(setting); }
+  std::vector<std::string> readers{}, choices{};
+
+ private:
+  void choose(const Setting& setting, Choice& value) override {
+    see(setting);
+    for (std::string& name : value.names()) choices.push_back(std::move(name));
+  }
+  void see(const Setting& setting) {
+    std::stringstream list(setting.only_for ? setting.only_for : "");
+    for (std::string name; std::getline(list >> std::ws, name, ',');) readers.push_back(name);
+  }
+};
+template <class Options>
+void expect_readers_that_exist(Options options, std::size_t least) {
+  Readers seen;
+  describe(seen, options);
+  EXPECT_GE(seen.readers.size(), least);
+  for (const std::string& name : seen.readers)
+    EXPECT_TRUE(std::ranges::find(seen.choices, name) != seen.choices.end()) << name;
+}
+TEST(SchemeOptions, NameReadersThatExist) {
+  expect_readers_that_exist(SchemeOptions{}, 20);
+  expect_readers_that_exist(NormalClusterOptions{}, 5);
+  expect_readers_that_exist(MeanContactOptions{}, 3);
+}
+
+TEST(SchemeOptions, AreRefusedWhereSolverReducerOrMatchingDoNotReadThem) {
+  const Scene s = block_on_plate(0.3, 0, 0);
+  const auto refusal = [&](const StepOptions& step) {
+    return message_of([&] { make_scheme("moreau_jean", s.model, {.step = step}); });
+  };
+  EXPECT_EQ(refusal({.solver = {.method = Method::sor_prox, .prox = ProxMetric::split}}), "");
+  EXPECT_EQ(refusal({.solver = {.prox = ProxMetric::split}}),
+            "SolverOptions::prox = split is not read by auto, only by sor_prox, jor_prox");
+  EXPECT_EQ(refusal({.reduction = {.corners = 5}}),
+            "ReductionOptions::corners = 5 is not read by hull_margin, only by hull_area_loss");
+  EXPECT_EQ(refusal({.reduction = {.reducer = Reducer::direction_set, .hull_margin = {.margin = 0.5}}}),
+            "HullMargin::margin = 0.5 is not read by direction_set, only by hull_margin");
+  EXPECT_EQ(refusal({.reduction = {.clustering = {.cube = {.cells = 2}}}}),
+            "CubeMapOptions::cells = 2 is not read by angle, only by cube_map");
+  EXPECT_EQ(refusal({.persistence = {.matching = Matching::key, .max_turn = 0.2}}),
+            "PersistenceOptions::max_turn = 0.2 is not read by key, only by cascade");
 }
 
 // Choices that do not go together.

@@ -97,6 +97,26 @@ TEST(Driver, NamesTheFlagsOfTheMembersThatDoNotGoTogether) {
     EXPECT_EQ(driver.cli.said_with_flags(other), other);
 }
 
+TEST(Driver, RefusesFlagsThatSolverAndReducerDoNotRead) {
+  const auto refusal = [](std::vector<const char*> said) {
+    SampleDriver driver;
+    SchemeFlags flags;
+    flags.left_out.push_back("--clusters");
+    add_options(driver.cli, flags);
+    driver.body = [&] { return refuse_unread_flags(driver.cli, flags), ExitCode::ok; };
+    return driver.run(std::move(said)) == 0 ? "" : driver.err;
+  };
+  EXPECT_EQ(refusal({"--solver", "admm", "--relaxation", "1.5", "--anderson", "3"}), "");
+  EXPECT_EQ(refusal({"--prox", "blocks"}),  // the default, and yet it was said
+            "sample: --prox is not read by --solver auto, only by sor_prox, jor_prox\n");
+  EXPECT_EQ(refusal({"--solver", "coulomb_pgs", "--relaxation", "1.5"}),
+            "sample: --relaxation is not read by --solver coulomb_pgs, only by auto, nsgs, coloured_nsgs, "
+            "sor_prox, jor_prox, admm\n");
+  EXPECT_EQ(refusal({"--solver", "interior_point", "--local", "projection"}),
+            "sample: --local is not read by --solver interior_point, only by auto, nsgs, coloured_nsgs\n");
+  EXPECT_EQ(refusal({"--clustering", "angle"}), "") << "a flag that is not offered is not asked for";
+}
+
 TEST(Driver, FillsTheValuesAndRunsTheBody) {
   SampleDriver driver;
   EXPECT_EQ(driver.run({"--mu", "0.25", "--steps=3", "--mode", "kinematic", "-o", "there", "--quiet",

@@ -42,8 +42,15 @@ double carried(const VecX& r) {
   return sum;
 }
 
+bool combines(Method method) {
+  return method == Method::nsgs || method == Method::coulomb_pgs || method == Method::admm;
+}
 SolverOptions with(Method method, FrictionModel model = FrictionModel::coulomb) {
-  return {.method = method, .model = model, .tolerance = 1e-9, .max_iterations = 100000, .anderson = 10};
+  return {.method = method,
+          .model = model,
+          .tolerance = 1e-9,
+          .max_iterations = 100000,
+          .anderson = combines(method) ? 10 : 0};
 }
 
 TEST(ConvexCone, IsRefusedByMethodsOfCoulombsLaw) {
