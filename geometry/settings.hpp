@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -98,9 +99,10 @@ struct Setting {
                                 // a choice to that value and takes none
   const char* label = nullptr;  // in a label; % stands for the value; null: it makes no other method
   bool in_every_label = false;  // false: only where it is not the default
-  bool changes_nothing = false;    // no result depends on it
-  const char* only_for = nullptr;  // values of the choice that leads its struct, "nsgs, sor_prox": with
-                                   // another nothing reads it; null: all read it
+  bool changes_nothing = false;  // no result depends on it
+  // With which values of the first choice of its struct something reads it: "nsgs, sor_prox", "not none". Of
+  // another choice before it: "order: sequential". Null: it is always read
+  const char* only_for = nullptr;
 };
 
 /// An option with one value of a list, as a visitor sees it.
@@ -127,7 +129,7 @@ inline bool is_listed(std::string_view name, std::string_view list) {
 class SettingVisitor {
  public:
   /// The options that follow are members of this struct.
-  void begin(const char* owner) { owner_ = owner, leads_ = false; }
+  void begin(const char* owner) { owner_ = owner, chosen_.resize(first_); }
 
   virtual void number(const Setting& setting, double& value) = 0;
   virtual void count(const Setting& setting, int& value) = 0;
@@ -150,17 +152,21 @@ class SettingVisitor {
     };
     OfTable one(value, setting.name, table);
     choose(setting, one);
-    if (!std::exchange(leads_, true)) leader_ = {setting.flag, one.name()};
+    chosen_.push_back({setting.name, setting.flag, one.name()});
   }
-  /// A struct in the struct. If it has no choice of its own, that of the struct leads it too.
+  /// A struct in the struct; `only_for` as in Setting.
   template <class Options>
-  void group(const char* name, Options& options) {
+  void group(const char* name, Options& options, const char* only_for = nullptr) {
     const std::string path = path_;
-    const auto outside = std::tuple(owner_, leader_, leads_);
+    const auto outside = std::tuple(owner_, first_, group_);
+    const std::size_t chosen = chosen_.size();
+    if (!group_ || group_->has()) group_ = readers_of(only_for);
     path_ += std::string(name) + ".";
+    first_ = chosen;
     describe(*this, options);
     path_ = path;
-    std::tie(owner_, leader_, leads_) = outside;
+    std::tie(owner_, first_, group_) = outside;
+    chosen_.resize(chosen);
   }
 
  protected:
@@ -170,21 +176,45 @@ class SettingVisitor {
   std::string field(const Setting& setting) const { return std::string(owner_) + "::" + setting.name; }
   std::string path(const Setting& setting) const { return path_ + setting.name; }
 
-  /// The first choice of a struct.
-  struct Leader {
+  struct Chosen {
+    const char* name = "";
     const char* flag = nullptr;
-    const char* value = nullptr;
+    const char* value = "";
   };
-  const Leader& leader() const { return leader_; }
+  /// The choice that decides whether an option is read, and the values with which it is, or is not.
+  struct Readers {
+    Chosen choice{};
+    std::string_view values{};
+    bool but_these = false;
+    bool has() const { return is_listed(choice.value, values) != but_these; }
+  };
+  /// Nothing: it is always read.
+  std::optional<Readers> readers_of(const Setting& setting) const {
+    return group_ && !group_->has() ? group_ : readers_of(setting.only_for);
+  }
   bool is_read(const Setting& setting) const {
-    return !setting.only_for || !leader_.value || is_listed(leader_.value, setting.only_for);
+    const std::optional<Readers> readers = readers_of(setting);
+    return !readers || readers->has();
   }
 
  private:
+  std::optional<Readers> readers_of(const char* only_for) const {
+    if (!only_for) return {};
+    std::string_view values = only_for, choice;
+    if (const std::size_t colon = values.find(": "); colon != values.npos)
+      choice = values.substr(0, colon), values.remove_prefix(colon + 2);
+    const bool but_these = values.starts_with("not ");
+    if (but_these) values.remove_prefix(4);
+    for (std::size_t i = first_; i < chosen_.size(); ++i)
+      if (choice.empty() || choice == chosen_[i].name) return Readers{chosen_[i], values, but_these};
+    throw std::logic_error(std::string(owner_) + " has no choice before what is only for " + only_for);
+  }
+
   const char* owner_ = "";
   std::string path_{};
-  Leader leader_{};
-  bool leads_ = false;  // leader_ is a choice of the struct itself
+  std::vector<Chosen> chosen_{};    // of the struct and those around it
+  std::size_t first_ = 0;           // of the struct itself
+  std::optional<Readers> group_{};  // of the struct as a whole
 };
 
 namespace detail {
@@ -321,8 +351,9 @@ class UnreadCheck final : public PlainValues {
     const std::string text = !value.name.empty() ? std::string(value.name)
                              : value.seed        ? std::to_string(value.seed)
                                                  : number_text(value.number);
-    throw std::invalid_argument(field(setting) + " = " + text + " is not read by " + leader().value +
-                                ", only by " + setting.only_for);
+    const Readers readers = *readers_of(setting);
+    throw std::invalid_argument(field(setting) + " = " + text + " is not read by " + readers.choice.value +
+                                (readers.but_these ? "" : ", only by " + std::string(readers.values)));
   }
   const std::vector<Value>& usual_;
   std::size_t next_ = 0;

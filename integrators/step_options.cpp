@@ -19,7 +19,11 @@ void describe(SettingVisitor& visit, ImpactOptions& o) {
                 .flag = "--impact-order",
                 .label = "%"},
                o.order, kImpactOrders);
-  visit.count({"max_pairs", "maximum number of one-contact impacts in a step", "", range_from(1)},
+  visit.count({.name = "max_pairs",
+               .what = "maximum number of one-contact impacts in a step",
+               .unit = "",
+               .range = range_from(1),
+               .only_for = "order: sequential"},
               o.max_pairs);
 }
 

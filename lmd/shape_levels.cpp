@@ -12,7 +12,10 @@ namespace {
 constexpr std::size_t kFewTriangles = 256;  // what is cheap anyway has no levels
 constexpr double kFirst = 1.0 / 4;          // of the dilation: what the first level aims at
 constexpr double kGrowth = 4;               // from level to level, as triangles over curved surfaces shrink
-constexpr double kLargest = 1.0 / 8;        // of the bounding radius: coarser than that is of no use
+constexpr std::size_t kFewer =
+    4;                          // times at least: all levels together have less than a third of the triangles
+constexpr double kAgain = 1.5;  // where too many triangles are left
+constexpr double kLargest = 1.0 / 8;  // of the bounding radius: coarser than that is of no use
 
 ShapeLevel level_of(const LmdShape& shape, const SimplicialComplex& coarse, int threads) {
   ShapeLevel level{.shape = prepare({.complex = coarse, .radius = shape.radius}, {.threads = threads})};
@@ -52,15 +55,19 @@ ShapeLevels make_levels(const LmdShape& shape, int count, int threads) {
   std::size_t triangles = shape.complex.triangles.size();
   const double largest = kLargest * shape.bounding_radius;
   double aim = std::max(kFirst * shape.radius, 1e-5 * shape.bounding_radius);
-  for (; int(out.coarse.size()) < count && triangles > kFewTriangles && aim < largest; aim *= kGrowth) {
+  while (int(out.coarse.size()) < count && triangles > kFewTriangles && aim < largest) {
     const SimplicialComplex coarse = coarse_surface(shape.complex, aim);
     const std::size_t left = coarse.triangles.size();
     if (left == 0) break;
-    if (left > triangles / 2) continue;
+    if (left > triangles / kFewer) {
+      aim *= kAgain;
+      continue;
+    }
     ShapeLevel level = level_of(shape, coarse, threads);
     if (level.off > largest) break;
     triangles = left;
     out.coarse.push_back(std::move(level));
+    aim *= kGrowth;
   }
   return out;
 }

@@ -31,8 +31,8 @@ const LmdShape& level_shape(const LmdShape& shape, int level);
 /// How far that is off: ShapeLevel::off, 0 for the shape itself [m].
 double level_off(const LmdShape& shape, int level);
 
-/// At most `count` levels, each with at most half the triangles of the one before. None for a complex with
-/// wires or points, and where there are few triangles already. The same for any number of threads.
+/// At most `count` levels, each with at most a quarter of the triangles of the one before. None for a complex
+/// with wires or points, and where there are few triangles already. The same for any number of threads.
 ShapeLevels make_levels(const LmdShape& shape, int count, int threads = 1);
 
 }  // namespace aussois

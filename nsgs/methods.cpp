@@ -163,7 +163,8 @@ void describe(SettingVisitor& visit, SolverOptions& o) {
                 .what = "estimate the error of the velocities relative to |q| by solving further "
                         "(doc/theory/automatic.md)",
                 .flag = "--estimate-error",
-                .changes_nothing = true},
+                .changes_nothing = true,
+                .only_for = "model: coulomb"},
                o.estimate_error);
 }
 

@@ -56,7 +56,7 @@ struct SolverOptions {
   FrictionModel model = FrictionModel::coulomb;  // convex_cone: admm, projected_gradient, interior_point
   double tolerance = 1e-8;     // on the scaled residual of each island [-]; what it is worth: SOL-4
   int max_iterations = 10000;  // sweeps or steps of the method
-  double relaxation = 1.0;     // of sweeps, prox steps and admm
+  double relaxation = 1.0;
   LocalSolver local = LocalSolver::hybrid;
   ProxMetric prox = ProxMetric::blocks;
   int anderson = 0;             // iterates combined by Anderson acceleration

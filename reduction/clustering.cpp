@@ -80,13 +80,13 @@ void describe(SettingVisitor& visit, ClusteringOptions& o) {
   visit.number(
       {"angle", "largest angle to the normal of the deepest contact", "rad", range_open_below(0, kPi / 2)},
       o.angle);
-  visit.group("cube", o.cube);
+  visit.group("cube", o.cube, "cube_map");
   visit.count({.name = "k",
                .what = "number of groups per body pair",
                .unit = "",
                .range = range_from(1),
                .flag = "--clusters",
-               .only_for = "normals, position_normal_friction, position_depth, kmc, kmcw"},
+               .only_for = "not angle, cube_map"},
               o.k);
   visit.seed({.name = "random_seed", .what = "seed of the first means", .only_for = "kmc"}, o.random_seed);
 }
@@ -97,6 +97,7 @@ void validate(const ClusteringOptions& options) {
 }
 
 Clusters clusters_of(const ReductionInput& input, const ClusteringOptions& o) {
+  validate(o);
   switch (o.rule) {
     case Clustering::angle:
       return clusters_by_angle(input.contacts, o.angle);

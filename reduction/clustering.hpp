@@ -33,7 +33,8 @@ std::vector<std::string> clustering_names();
 /// `describe` gives the ranges, and the rules that read an option: with others only its default is taken.
 struct ClusteringOptions {
   Clustering rule = Clustering::angle;
-  double angle = 0.1;  // largest angle to the seed's normal [rad]; a matter of taste
+  double angle =
+      0.1;  // largest angle to the seed's normal, also in a patch of friction [rad]; a matter of taste
   CubeMapOptions cube{};
   int k = 3;  // of k-means: groups per body pair before they are split by normals
   std::uint64_t random_seed = 0;

@@ -59,20 +59,12 @@ std::array<int, 8> neighbours(int cell, const CubeMapOptions& o) {
 
 void describe(SettingVisitor& visit, CubeMapOptions& o) {
   visit.begin("CubeMapOptions");
-  const char* const rule = "cube_map";  // of the clustering that has these options
-  visit.count({.name = "cells",
-               .what = "number of cells per edge of the cube",
-               .unit = "",
-               .range = {1, 1024},
-               .only_for = rule},
-              o.cells);
-  visit.toggle({.name = "equi_angular", .what = "use cells of about the same solid angle", .only_for = rule},
-               o.equi_angular);
-  visit.number({.name = "merge",
-                .what = "largest angle between directions of neighbouring cells to merge; 0: never merge",
-                .unit = "rad",
-                .range = {0, kPi / 2},
-                .only_for = rule},
+  visit.count({"cells", "number of cells per edge of the cube", "", {1, 1024}}, o.cells);
+  visit.toggle({"equi_angular", "use cells of about the same solid angle"}, o.equi_angular);
+  visit.number({"merge",
+                "largest angle between directions of neighbouring cells to merge; 0: never merge",
+                "rad",
+                {0, kPi / 2}},
                o.merge);
 }
 

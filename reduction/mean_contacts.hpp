@@ -17,7 +17,8 @@ enum class MeanRule {
   position,                  // KMC, and KMCW with previous centres [Kim2019]
 };
 
-/// `describe` gives the ranges.
+/// `describe` gives the ranges, and with which choice an option is read: with others only its default is
+/// taken.
 struct MeanContactOptions {
   MeanRule rule = MeanRule::position;
   int k = 3;

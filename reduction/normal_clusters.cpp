@@ -99,7 +99,7 @@ int split_torn(std::vector<Group>& groups, const std::vector<Vec3>& normals, con
 void describe(SettingVisitor& visit, NormalClusterOptions& o) {
   visit.begin("NormalClusterOptions");
   visit.choice({"method", "k-means or the cells of a cube"}, o.method, kMethods);
-  visit.group("cube", o.cube);
+  visit.group("cube", o.cube, "cube_map");
   visit.count(
       {.name = "k", .what = "number of groups", .unit = "", .range = range_from(1), .only_for = "kmeans"},
       o.k);

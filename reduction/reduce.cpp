@@ -27,12 +27,6 @@ constexpr Named<Reducer> kNames[] = {{Reducer::none, "none"},
                                      {Reducer::load_carrier, "load_carrier"},
                                      {Reducer::selector, "selector"}};
 
-// Of them, those that choose contacts by a rule, and those that do so plane by plane.
-constexpr const char* kOfPlanes =
-    "extreme_points, hull_exact, hull_area_loss, hull_margin, direction_set, load_carrier";
-constexpr const char* kChoosing =
-    "extreme_points, hull_exact, hull_area_loss, hull_margin, direction_set, load_carrier, wrench_cone";
-
 constexpr Named<FrictionAt> kPlaces[] = {{FrictionAt::contacts, "contacts"},
                                          {FrictionAt::patches, "patches"}};
 
@@ -284,22 +278,10 @@ std::vector<std::string> reducer_names() {
 
 void describe(SettingVisitor& visit, HullMargin& o) {
   visit.begin("HullMargin");
-  const char* const reducer = "hull_margin";
-  visit.number(
-      {.name = "margin", .what = "margin to keep", .range = range_open_below(0, 1), .only_for = reducer},
-      o.margin);
-  visit.count({.name = "min_corners",
-               .what = "minimum number of corners to keep, if there are that many",
-               .unit = "",
-               .range = range_from(3),
-               .only_for = reducer},
+  visit.number({"margin", "margin to keep", "-", range_open_below(0, 1)}, o.margin);
+  visit.count({"min_corners", "minimum number of corners to keep, if there are that many", "", range_from(3)},
               o.min_corners);
-  visit.count({.name = "max_corners",
-               .what = "maximum number of corners to keep",
-               .unit = "",
-               .range = range_from(4),
-               .only_for = reducer},
-              o.max_corners);
+  visit.count({"max_corners", "maximum number of corners to keep", "", range_from(4)}, o.max_corners);
 }
 
 void describe(SettingVisitor& visit, ReductionOptions& o) {
@@ -313,7 +295,7 @@ void describe(SettingVisitor& visit, ReductionOptions& o) {
                .what = "size up to which sets of contacts are kept whole",
                .unit = "",
                .range = range_from(1),
-               .only_for = kChoosing},
+               .only_for = "not none, selector"},
               o.min_per_cluster);
   visit.number(
       {"layer", "distance from the deepest contact within which contacts are also reduced on their own", "m",
@@ -323,21 +305,22 @@ void describe(SettingVisitor& visit, ReductionOptions& o) {
                 .what = "add contacts until every patch keeps this margin of its support; 0: add none",
                 .unit = "-",
                 .range = {0, 1},
-                .flag = "--min-margin"},
+                .flag = "--min-margin",
+                .only_for = "not none"},
                o.min_margin);
   visit.number({.name = "hysteresis",
                 .what = "fraction by which other corners must be better to replace those of the last step",
                 .range = range_open_above(0, 1),
-                .only_for = kOfPlanes},
+                .only_for = "not none, selector, wrench_cone"},
                o.hysteresis);
   visit.number({.name = "tie",
                 .what = "fraction of the extent within which extremes are tied",
                 .range = {0, 0.1},
-                .only_for = kChoosing},
+                .only_for = "not none, selector"},
                o.tie);
   visit.toggle({.name = "paper_exact", .what = "choose points as published", .only_for = "extreme_points"},
                o.paper_exact);
-  visit.group("hull_margin", o.hull_margin);
+  visit.group("hull_margin", o.hull_margin, "hull_margin");
   visit.count({.name = "corners",
                .what = "number of corners to keep",
                .unit = "",
@@ -364,6 +347,13 @@ void describe(SettingVisitor& visit, ReductionOptions& o) {
 void validate(const ReductionOptions& options) {
   check_ranges(options);
   refuse_unread(options);
+  const ReductionOptions usual;
+  require(options.clustering.rule == Clustering::angle || options.friction == FrictionAt::patches ||
+              options.clustering.angle == usual.clustering.angle,
+          "ClusteringOptions::angle = " + number_text(options.clustering.angle) + " is not read by " +
+              to_string(options.clustering.rule) + ", only by angle and by friction at patches");
+  require(!options.paper_exact || (options.tie == usual.tie && options.hysteresis == usual.hysteresis),
+          "ReductionOptions::tie and hysteresis are not read with paper_exact");
   require_field(options.hull_margin.max_corners >= options.hull_margin.min_corners, "HullMargin::max_corners",
                 options.hull_margin.max_corners, "be at least min_corners");
   if ((options.reducer == Reducer::selector) != bool(options.selector))

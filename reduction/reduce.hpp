@@ -48,7 +48,8 @@ struct ReductionOptions {
   double min_margin = 0;     // contacts are added to every cluster until its margin is at least this;
                              // 0: whatever the reducer leaves
   double hysteresis = 0.02;  // where a reducer has a choice, it stays with the corners of the last step
-                             // unless others are better by more than this fraction; 0: no memory
+                             // unless others are better by more than this fraction; 0: no memory. hull_exact
+                             // and load_carrier, which have no choice, only ask whether it is 0
   double tie = 1e-3;  // extremes within this fraction of the cluster's extent are tied, and of contacts that
                       // close to each other the deepest is kept; must exceed the flatness of
                       // real meshes, or noise chooses the corners

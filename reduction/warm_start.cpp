@@ -190,7 +190,10 @@ void describe(SettingVisitor& visit, PersistenceOptions& o) {
                 .range = range_open_above(0, kPi / 2),
                 .only_for = "cascade"},
                o.max_turn);
-  visit.toggle({"redistribute", "pass the impulses of dropped contacts on to kept ones"}, o.redistribute);
+  visit.toggle({.name = "redistribute",
+                .what = "pass the impulses of dropped contacts on to kept ones",
+                .only_for = "not none"},
+               o.redistribute);
   visit.toggle({.name = "anchors", .what = "let static friction undo its drift", .flag = "--anchors"},
                o.anchors);
   visit.number({"anchor_rate", "fraction of the drift undone per step", "-", range_open_below(0, 1)},
@@ -206,6 +209,10 @@ void validate(const PersistenceOptions& o) {
   refuse_unread(o);
   require_field(o.max_reach >= o.reach, "PersistenceOptions::max_reach", o.max_reach,
                 "be at least reach [m]");
+  const PersistenceOptions usual;
+  require(o.anchors || (o.anchor_rate == usual.anchor_rate && o.anchor_speed == usual.anchor_speed &&
+                        o.slip_speed == usual.slip_speed),
+          "PersistenceOptions::anchor_rate, anchor_speed and slip_speed need anchors");
   require(!o.anchors || o.matching != Matching::none,
           "PersistenceOptions::anchors need contacts that are matched");
 }

@@ -19,7 +19,8 @@ enum class Matching {
   cascade,  // the same, then those of incident features, then those at the same place
 };
 
-/// `describe` gives the ranges.
+/// `describe` gives the ranges, and with which choice an option is read: with others only its default is
+/// taken.
 struct PersistenceOptions {
   Matching matching = Matching::cascade;
   double reach = 1e-3;      // a contact not matched by key is the same if it moved by at most this on either

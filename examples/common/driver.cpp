@@ -355,9 +355,12 @@ std::vector<std::string> Cli::given(const std::string& group) const {
   return out;
 }
 
+bool Cli::offers(const std::string& flag) const {
+  return impl_->app.get_option_no_throw(flag) != nullptr;
+}
+
 bool Cli::is_given(const std::string& flag) const {
-  const CLI::Option* const option = impl_->app.get_option_no_throw(flag);
-  return option && option->count() > 0;
+  return impl_->app.count(flag) > 0;
 }
 
 const std::string& Cli::name() const {

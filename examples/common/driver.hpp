@@ -137,7 +137,8 @@ class Cli {
   std::string values(const std::string& group = "") const;
   /// The options under a heading that the user said, in order.
   std::vector<std::string> given(const std::string& group) const;
-  bool is_given(const std::string& flag) const;
+  bool offers(const std::string& flag) const;
+  bool is_given(const std::string& flag) const;  // of a flag that it offers
   std::string help() const;
   const std::string& name() const;
 

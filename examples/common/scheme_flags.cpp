@@ -114,7 +114,9 @@ void refuse_unread_flags(const Cli& cli, const SchemeFlags& f) {
       throw std::invalid_argument(flag + " is not read by " + f.scheme + ", only by " +
                                   listed(readers_of(known->paths, f.schemes)));
     }
-  refuse_unread_flags(cli, scheme_options(f));
+  SchemeOptions chosen = f.options;
+  take(f.said, chosen);
+  refuse_unread_flags(cli, chosen);
 }
 
 SchemeOptions scheme_options(const SchemeFlags& f) {

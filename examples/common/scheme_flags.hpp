@@ -27,8 +27,8 @@ void start_from_theta(SchemeOptions& options, double theta);
 /// Throws std::logic_error if options that share a flag differ: its default would be that of one of them.
 void add_options(Cli& cli, SchemeFlags& flags);
 
-/// Throws std::invalid_argument naming flag, scheme and which schemes read the flag, if the user set what
-/// the chosen scheme does not read.
+/// Throws std::invalid_argument naming flag and readers, if the user set what the chosen scheme, or its
+/// solver, clustering or matching, does not read.
 void refuse_unread_flags(const Cli& cli, const SchemeFlags& flags);
 
 /// What the user said. Throws std::runtime_error "path:line: ..." for a file of --selector that cannot be

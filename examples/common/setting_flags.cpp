@@ -23,9 +23,11 @@ SaidSetting* Offer::add(const Setting& setting, OfferedSetting::Kind kind, const
   if (!setting.flag) return nullptr;
   const auto [flag, fixed] = split(setting.flag);
   all.push_back({path(setting), field(setting), setting, flag, fixed, std::move(names), kind, usual});
-  if (!is_read(setting))
-    all.back().unread_with =
-        (leader().flag ? leader().flag + std::string(" ") : std::string()) + leader().value;
+  if (const std::optional<Readers> readers = readers_of(setting)) {
+    const std::string of = readers->choice.flag ? readers->choice.flag + std::string(" ") : "";
+    all.back().readers = (readers->but_these ? "not for " : "only for ") + of + std::string(readers->values);
+    if (!readers->has()) all.back().unread_with = of + readers->choice.value;
+  }
   return &said_[flag];
 }
 void Offer::number(const Setting& setting, double& value) {
@@ -82,7 +84,7 @@ void add_flag(Cli& cli, const OfferedSetting& offered, SaidSettings& said, const
   SaidSetting& to = said[offered.flag];
   cli.stands_for(offered.flag, offered.member);
   const Setting& s = offered.setting;
-  const std::string what = s.what + (s.only_for ? std::string("; only for ") + s.only_for : "") + note;
+  const std::string what = s.what + (offered.readers.empty() ? "" : "; " + offered.readers) + note;
   using Kind = OfferedSetting::Kind;
   if (offered.kind == Kind::number)
     cli.option(offered.flag, to.number, what, s.unit, s.range);
@@ -101,9 +103,10 @@ void refuse_unread_flags(const Cli& cli, const std::vector<OfferedSetting>& offe
     const auto is_read = [&](const OfferedSetting& other) {
       return other.flag == one.flag && other.unread_with.empty();
     };
-    if (one.unread_with.empty() || !cli.is_given(one.flag) || std::ranges::any_of(offered, is_read)) continue;
-    throw std::invalid_argument(one.flag + " is not read by " + one.unread_with + ", only by " +
-                                one.setting.only_for);
+    if (one.unread_with.empty() || !cli.offers(one.flag) || !cli.is_given(one.flag) ||
+        std::ranges::any_of(offered, is_read))
+      continue;
+    throw std::invalid_argument(one.flag + " is not read by " + one.unread_with + "; " + one.readers);
   }
 }
 

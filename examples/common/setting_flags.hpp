@@ -19,7 +19,8 @@ struct OfferedSetting {
   std::vector<std::string> names{};  // of a choice
   enum class Kind { number, count, toggle, choice, seed } kind = Kind::number;
   std::string usual{};        // its value when it was offered
-  std::string unread_with{};  // "--solver admm" if nothing reads it then; empty: it is read
+  std::string readers{};      // "only for --solver sor_prox, jor_prox"; empty: it is always read
+  std::string unread_with{};  // "--solver admm" if nothing reads it as the options are; empty: it is read
 };
 
 /// What the user said of an option, as Cli keeps it.
@@ -92,8 +93,8 @@ void add_flags(Cli& cli, Options& options, SaidSettings& said, const std::vector
   add_flags(cli, offered(options, said), said, flags);
 }
 
-/// Throws std::invalid_argument "--prox is not read by --solver admm, only by sor_prox, jor_prox" for the
-/// first flag that the user said although none of its options is read (Setting::only_for).
+/// Throws std::invalid_argument "--prox is not read by --solver admm; only for --solver sor_prox, jor_prox"
+/// for the first flag that the user said although none of its options is read (Setting::only_for).
 void refuse_unread_flags(const Cli& cli, const std::vector<OfferedSetting>& offered);
 template <class Options>
 void refuse_unread_flags(const Cli& cli, Options options) {

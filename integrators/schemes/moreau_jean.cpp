@@ -134,6 +134,7 @@ void describe(SettingVisitor& visit, MoreauJeanOptions& o) {
 
 void validate(const MoreauJeanOptions& o) {
   check_ranges(o);
+  refuse_unread(o);
   require(in_the_step(o.impact) || o.law != NormalLaw::gap_over_step,
           (o.impact.law != ImpactOptions{}.law
                ? std::string("ImpactOptions::law = ") + name_of(o.impact.law, kImpactLaws)

@@ -50,7 +50,7 @@ Sweeps sweeps(bool switching, bool redistribute = true) {
     const StepReport warm = MoreauJean(s.model, options, {.theta = 1}).step(s.state);
     EXPECT_TRUE(warm.ok()) << step << ": " << warm.reason;
     if (step < kSettled) continue;
-    options.persistence.matching = Matching::none;
+    options.persistence = {.matching = Matching::none};
     const StepReport cold = MoreauJean(s.model, options, {.theta = 1}).step(beside);
     EXPECT_TRUE(cold.ok()) << step << ": " << cold.reason;
     total.warm += warm.solve.iterations;

@@ -97,24 +97,24 @@ TEST(Driver, NamesTheFlagsOfTheMembersThatDoNotGoTogether) {
     EXPECT_EQ(driver.cli.said_with_flags(other), other);
 }
 
-TEST(Driver, RefusesFlagsThatSolverAndReducerDoNotRead) {
+TEST(Driver, RefusesFlagsThatSolverReducerAndClusteringDoNotRead) {
   const auto refusal = [](std::vector<const char*> said) {
     SampleDriver driver;
     SchemeFlags flags;
-    flags.left_out.push_back("--clusters");
+    flags.left_out.push_back("--relaxation");
     add_options(driver.cli, flags);
     driver.body = [&] { return refuse_unread_flags(driver.cli, flags), ExitCode::ok; };
     return driver.run(std::move(said)) == 0 ? "" : driver.err;
   };
-  EXPECT_EQ(refusal({"--solver", "admm", "--relaxation", "1.5", "--anderson", "3"}), "");
+  EXPECT_EQ(refusal({"--solver", "admm", "--anderson", "3"}), "");
   EXPECT_EQ(refusal({"--prox", "blocks"}),  // the default, and yet it was said
-            "sample: --prox is not read by --solver auto, only by sor_prox, jor_prox\n");
-  EXPECT_EQ(refusal({"--solver", "coulomb_pgs", "--relaxation", "1.5"}),
-            "sample: --relaxation is not read by --solver coulomb_pgs, only by auto, nsgs, coloured_nsgs, "
-            "sor_prox, jor_prox, admm\n");
-  EXPECT_EQ(refusal({"--solver", "interior_point", "--local", "projection"}),
-            "sample: --local is not read by --solver interior_point, only by auto, nsgs, coloured_nsgs\n");
-  EXPECT_EQ(refusal({"--clustering", "angle"}), "") << "a flag that is not offered is not asked for";
+            "sample: --prox is not read by --solver auto; only for --solver sor_prox, jor_prox\n");
+  EXPECT_EQ(refusal({"--reducer", "none", "--min-margin", "0.5"}),
+            "sample: --min-margin is not read by --reducer none; not for --reducer none\n");
+  EXPECT_EQ(refusal({"--clusters", "2"}),
+            "sample: --clusters is not read by --clustering angle; not for --clustering angle, cube_map\n");
+  EXPECT_EQ(refusal({"--clusters", "2", "--clustering", "kmc"}), "");
+  EXPECT_EQ(refusal({"--solver", "interior_point"}), "") << "nor is a flag that is not offered asked for";
 }
 
 TEST(Driver, FillsTheValuesAndRunsTheBody) {

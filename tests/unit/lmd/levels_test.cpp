@@ -6,7 +6,6 @@
 #include "geometry/coarse_surface.hpp"
 #include "geometry/fastener.hpp"
 #include "geometry/primitives.hpp"
-#include "geometry/surface_tree.hpp"
 #include "lmd/certificate.hpp"
 #include "lmd/covering_distance.hpp"
 #include "lmd/level_contacts.hpp"
@@ -14,6 +13,7 @@
 #include "lmd/shape_levels.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/sampled_distance.hpp"
 
 namespace aussois {
 namespace {
@@ -30,21 +30,6 @@ const LmdShape& ring() {
 const LmdShape& bolt() {
   static const LmdShape shape = levelled(make_bolt());
   return shape;
-}
-
-// How far points of one surface are from another, from below.
-double sampled(const SimplicialComplex& from, const SimplicialComplex& to, int points = 20000) {
-  const SurfaceTree tree(to);
-  Random random(3);
-  double out = 0;
-  for (int i = 0; i < points; ++i) {
-    const auto& [a, b, c] = from.triangles[std::size_t(i) % from.triangles.size()];
-    double s = random.uniform(0, 1), t = random.uniform(0, 1);
-    if (s + t > 1) s = 1 - s, t = 1 - t;
-    const Vec3 &x = from.vertices[a], &y = from.vertices[b], &z = from.vertices[c];
-    out = std::max(out, tree.nearest(x + s * (y - x) + t * (z - x)).distance);
-  }
-  return out;
 }
 
 SimplicialComplex raised(const SimplicialComplex& plate, const std::function<double(const Vec3&)>& height) {
@@ -89,7 +74,7 @@ TEST(CoveringDistance, SeesABumpBesideWhatItSamples) {
                             return r < 1 ? 3e-3 * std::pow(1 - r * r, 2) : 0.0;
                           });
   for (const auto& [a, b] : {std::pair(&plate, &bumpy), std::pair(&bumpy, &plate)}) {
-    const double below = sampled(*a, *b, 200000);
+    const double below = sampled_distance(*a, *b, 200000);
     EXPECT_GT(below, 2.9e-3);
     EXPECT_GE(covering_distance(*a, *b), below);
   }
@@ -118,7 +103,7 @@ TEST(CoveringDistance, IsAboveEverySampleOfRandomSurfaces) {
     const SimplicialComplex coarse = coarse_surface(bumpy, rough);
     ASSERT_FALSE(coarse.triangles.empty());
     for (const auto& [a, b] : {std::pair(&bumpy, &coarse), std::pair(&coarse, &bumpy)}) {
-      const double below = sampled(*a, *b), bound = covering_distance(*a, *b);
+      const double below = sampled_distance(*a, *b), bound = covering_distance(*a, *b);
       EXPECT_GE(bound, below) << seed;
       EXPECT_LE(bound, 1.25 * below + 0.5 * rough + 1.0 / 20 / 32) << seed;
       EXPECT_EQ(bound, covering_distance(*a, *b, 3)) << seed;
@@ -132,11 +117,11 @@ TEST(Levels, AreSmallerAndContainThePart) {
     ASSERT_GE(level_count(*shape), 2);
     std::size_t triangles = shape->complex.triangles.size();
     for (const ShapeLevel& level : shape->levels->coarse) {
-      EXPECT_LE(level.shape.complex.triangles.size(), triangles / 2);
+      EXPECT_LE(level.shape.complex.triangles.size(), triangles / 4);
       triangles = level.shape.complex.triangles.size();
       EXPECT_EQ(level.shape.radius, shape->radius + level.off);
-      const double off = std::max(sampled(shape->complex, level.shape.complex),
-                                  sampled(level.shape.complex, shape->complex));
+      const double off = std::max(sampled_distance(shape->complex, level.shape.complex),
+                                  sampled_distance(level.shape.complex, shape->complex));
       EXPECT_GE(level.off, off);
       EXPECT_LE(level.off, 2 * off);  // or gaps at which it answers would be needlessly large
     }
@@ -238,6 +223,42 @@ TEST(LevelContacts, AreThoseOfTheShapesWhereTheSearchEndsBeforeLevelsBegin) {
     for (std::size_t k = 0; k < all.points.size(); ++k)
       EXPECT_EQ(found.fine.points[k].gap, all.points[k].gap);
   }
+}
+
+// Against the exhaustive search on each level, out to where nothing is cut off, and the formula of (LOD-5).
+TEST(LevelContacts, AreThoseOfEachLevelFadedByTheirOwnGaps) {
+  const int all = std::max(level_count(bolt()), level_count(ring()));
+  const auto ramp = [](double x) { return x <= 0 ? 0 : x >= 1 ? 1 : x * x * (3 - 2 * x); };
+  Random random(13);
+  int faded = 0;
+  for (int i = 0; i < 60; ++i) {
+    SE3 g;
+    const double threshold = (random_apart(random, g) - 2 * kDilation) * random.uniform(1, 2);
+    std::vector<double> expected, gaps;
+    for (int k = 1; k <= all; ++k) {
+      const double from = answers_from(bolt(), ring(), k),
+                   to = k < all ? answers_from(bolt(), ring(), k + 1) : kInf;
+      if (from == to) continue;  // the finer one answers here too
+      for (const ContactPoint& c :
+           find_contacts_exhaustive({&level_shape(bolt(), k), g, 0}, {&level_shape(ring(), k), {}, 1},
+                                    {.threshold = threshold})
+               .points) {
+        const double rise =
+            ramp((0.75 * from - c.gap) / (0.25 * from)) + (k < all ? ramp((c.gap - to) / (0.25 * to)) : 0.0);
+        if (c.gap > from / 2 && c.gap + threshold * rise <= threshold)
+          expected.push_back(c.gap + threshold * rise), faded += rise > 0;
+      }
+    }
+    for (const ContactPoint& c :
+         find_contacts_by_level({&bolt(), g, 0}, {&ring(), {}, 1}, {.threshold = threshold}, {.levels = all})
+             .coarse.points)
+      gaps.push_back(c.gap);
+    std::ranges::sort(expected);
+    std::ranges::sort(gaps);
+    ASSERT_EQ(gaps.size(), expected.size()) << i;
+    for (std::size_t k = 0; k < gaps.size(); ++k) EXPECT_NEAR(gaps[k], expected[k], 1e-12) << i;
+  }
+  EXPECT_GT(faded, 20);
 }
 
 // A ball that falls along a line through all levels. Gaps of levels come and go at the search distance, and
