@@ -78,6 +78,28 @@ class Repeat(DriverTest):
     def test_factory_m16_loose(self):
         self.repeats("--data", self.data(), "--pair", "factory_m16_loose")
 
+    def moves_alike_with_levels(self, pair):
+        """Their contacts only watch (LOD-6), so all bits are the same but those of the certificate and of the options."""
+        certificate = {"step/min_base_distance", "step/certificate_rounds", "gauge/value", "steps.csv min_base_distance"}
+        runs = []
+        for levels in (0, 4):
+            self.replay(pair, "--data", self.data(), "--pair", pair, "--detail-levels", levels)
+            run = {name: bits for name, bits in self.content(pair).items() if name not in certificate and "@" not in name}
+            run["summary.json"] = {key: value for key, value in run["summary.json"].items() if key not in ("scheme", "options")}
+            runs.append(run)
+        self.assertEqual([], [name for name in runs[0].keys() | runs[1].keys() if runs[0].get(name) != runs[1].get(name)], pair)
+        self.assertGreater(len(runs[0]["steps.csv t"]), 50)
+
+    def test_levels_change_no_motion(self):
+        for pair in ("alpha20", "spot_link_dock"):
+            self.moves_alike_with_levels(pair)
+
+    def test_levels_change_no_motion_of_any_pair_without_a_thread(self):
+        for pair in ("own_tslot", "press_p1p2", "factory_peg_round_loose", "piston_head", "piston_crank", "press_p3p4", "box_finger",
+                     "gear_mesh", "alpha15", "screw_387266", "own_bearing", "factory_gear_medium", "featuretype_dock"):
+            with self.subTest(pair=pair):
+                self.moves_alike_with_levels(pair)
+
     def test_other_options_give_other_bits(self):
         """The comparison is able to fail."""
         self.replay("once", *PEG)
