@@ -164,7 +164,8 @@ ExitCode bench(const Arguments& a) {
     const LmdShape target = prepare(dilate(scene.target, kDilation), prepared),
                    part = prepare(dilate(scene.part, kDilation), prepared);
     std::printf("\n%s: %zu and %zu triangles, prepared in %.1f s; levels of", scene.name,
-                target.complex.triangles.size(), part.complex.triangles.size(), since(begin, false).wall);
+                target.complex.triangles.size(), part.complex.triangles.size(),
+                time_since(begin, false).wall);
     for (int k = 1; k <= level_count(target); ++k)
       std::printf(" %zu (%.3g mm off)", level_shape(target, k).complex.triangles.size(),
                   1e3 * level_off(target, k));

@@ -45,7 +45,7 @@ template <class F>
 double timed(F&& f) {  // wall time [s]
   const StageTime begin = time_now(false);
   f();
-  return since(begin, false).wall;
+  return time_since(begin, false).wall;
 }
 
 // "VmHWM" and "VmRSS" [bytes]; 0 where the system does not tell.

@@ -10,6 +10,7 @@
 //   }
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <cstdio>
 #include <limits>
@@ -100,8 +101,8 @@ struct Setting {
   const char* label = nullptr;  // in a label; % stands for the value; null: it makes no other method
   bool in_every_label = false;  // false: only where it is not the default
   bool changes_nothing = false;  // no result depends on it
-  // With which values of the first choice of its struct something reads it: "nsgs, sor_prox", "not none". Of
-  // another choice before it: "order: sequential". Null: it is always read
+  // The values of the struct's first choice with which this option has an effect: "nsgs, sor_prox", "not
+  // none". Those of another choice before it: "order: sequential". Null: it always has
   const char* only_for = nullptr;
 };
 
@@ -129,7 +130,7 @@ inline bool is_listed(std::string_view name, std::string_view list) {
 class SettingVisitor {
  public:
   /// The options that follow are members of this struct.
-  void begin(const char* owner) { owner_ = owner, chosen_.resize(first_); }
+  void begin(const char* owner) { owner_ = owner, chosen_count_ = first_; }
 
   virtual void number(const Setting& setting, double& value) = 0;
   virtual void count(const Setting& setting, int& value) = 0;
@@ -152,21 +153,18 @@ class SettingVisitor {
     };
     OfTable one(value, setting.name, table);
     choose(setting, one);
-    chosen_.push_back({setting.name, setting.flag, one.name()});
+    chosen_.at(chosen_count_++) = {setting.name, setting.flag, one.name()};
   }
   /// A struct in the struct; `only_for` as in Setting.
   template <class Options>
   void group(const char* name, Options& options, const char* only_for = nullptr) {
-    const std::string path = path_;
-    const auto outside = std::tuple(owner_, first_, group_);
-    const std::size_t chosen = chosen_.size();
+    const auto outside = std::tuple(owner_, first_, chosen_count_, group_);
     if (!group_ || group_->has()) group_ = readers_of(only_for);
-    path_ += std::string(name) + ".";
-    first_ = chosen;
+    groups_.at(depth_++) = name;
+    first_ = chosen_count_;
     describe(*this, options);
-    path_ = path;
-    std::tie(owner_, first_, group_) = outside;
-    chosen_.resize(chosen);
+    --depth_;
+    std::tie(owner_, first_, chosen_count_, group_) = outside;
   }
 
  protected:
@@ -174,7 +172,11 @@ class SettingVisitor {
   virtual void choose(const Setting& setting, Choice& value) = 0;
 
   std::string field(const Setting& setting) const { return std::string(owner_) + "::" + setting.name; }
-  std::string path(const Setting& setting) const { return path_ + setting.name; }
+  std::string path(const Setting& setting) const {
+    std::string out;
+    for (std::size_t k = 0; k < depth_; ++k) (out += groups_[k]) += '.';
+    return out + setting.name;
+  }
 
   struct Chosen {
     const char* name = "";
@@ -193,6 +195,7 @@ class SettingVisitor {
     return group_ && !group_->has() ? group_ : readers_of(setting.only_for);
   }
   bool is_read(const Setting& setting) const {
+    if (!setting.only_for && !group_) return true;
     const std::optional<Readers> readers = readers_of(setting);
     return !readers || readers->has();
   }
@@ -205,21 +208,22 @@ class SettingVisitor {
       choice = values.substr(0, colon), values.remove_prefix(colon + 2);
     const bool but_these = values.starts_with("not ");
     if (but_these) values.remove_prefix(4);
-    for (std::size_t i = first_; i < chosen_.size(); ++i)
+    for (std::size_t i = first_; i < chosen_count_; ++i)
       if (choice.empty() || choice == chosen_[i].name) return Readers{chosen_[i], values, but_these};
     throw std::logic_error(std::string(owner_) + " has no choice before what is only for " + only_for);
   }
 
+  // Nothing here allocates: options are checked in every step.
   const char* owner_ = "";
-  std::string path_{};
-  std::vector<Chosen> chosen_{};    // of the struct and those around it
-  std::size_t first_ = 0;           // of the struct itself
-  std::optional<Readers> group_{};  // of the struct as a whole
+  std::array<const char*, 8> groups_{};                   // the members that lead to the struct
+  std::array<Chosen, 32> chosen_{};                       // in the struct and those around it
+  std::size_t depth_ = 0, chosen_count_ = 0, first_ = 0;  // first_: of the struct itself
+  std::optional<Readers> group_{};                        // of the struct as a whole
 };
 
 namespace detail {
 
-class RangeCheck final : public SettingVisitor {
+class RangeCheck : public SettingVisitor {
  public:
   explicit RangeCheck(const std::string& where) : where_(where) {}
   void number(const Setting& setting, double& value) override { check(setting, value); }
@@ -227,7 +231,7 @@ class RangeCheck final : public SettingVisitor {
   void toggle(const Setting&, bool&) override {}
   void seed(const Setting&, std::uint64_t&) override {}
 
- private:
+ protected:
   void choose(const Setting&, Choice&) override {}
   template <class Value>
   void check(const Setting& setting, Value value) const {
@@ -240,6 +244,8 @@ class RangeCheck final : public SettingVisitor {
                                    : " [" + unit + "]"))
                       .c_str());
   }
+
+ private:
   const std::string& where_;
 };
 
@@ -321,33 +327,53 @@ std::string label_of(const Options& options) {
 
 namespace detail {
 
-/// The values of a struct in a form that is compared without text.
-class PlainValues : public SettingVisitor {
- public:
-  struct Value {
-    double number = 0;
-    std::uint64_t seed = 0;
-    std::string_view name{};
-    bool operator==(const Value&) const = default;
-  };
-  void number(const Setting& setting, double& value) final { see(setting, {.number = value}); }
-  void count(const Setting& setting, int& value) final { see(setting, {.number = double(value)}); }
-  void toggle(const Setting& setting, bool& value) final { see(setting, {.name = value ? "true" : "false"}); }
-  void seed(const Setting& setting, std::uint64_t& value) final { see(setting, {.seed = value}); }
-  std::vector<Value> all{};
-
- private:
-  void choose(const Setting& setting, Choice& value) final { see(setting, {.name = value.name()}); }
-  virtual void see(const Setting&, const Value& value) { all.push_back(value); }
+/// A value in a form that is compared without text; toggles are numbers too.
+struct PlainValue {
+  double number = 0;
+  std::uint64_t seed = 0;
+  std::string_view name{};
 };
 
-class UnreadCheck final : public PlainValues {
+class PlainValues final : public SettingVisitor {
  public:
-  explicit UnreadCheck(const std::vector<Value>& usual) : usual_(usual) {}
+  void number(const Setting&, double& value) override { all.push_back({.number = value}); }
+  void count(const Setting&, int& value) override { all.push_back({.number = double(value)}); }
+  void toggle(const Setting&, bool& value) override { all.push_back({.number = double(value)}); }
+  void seed(const Setting&, std::uint64_t& value) override { all.push_back({.seed = value}); }
+  std::vector<PlainValue> all{};
 
  private:
-  void see(const Setting& setting, const Value& value) override {
-    if (value == usual_[next_++] || is_read(setting)) return;
+  void choose(const Setting&, Choice& value) override { all.push_back({.name = value.name()}); }
+};
+
+class OptionCheck final : public RangeCheck {
+ public:
+  explicit OptionCheck(const std::vector<PlainValue>& usual) : RangeCheck(where_none()), usual_(usual) {}
+  void number(const Setting& setting, double& value) override {
+    check(setting, value);
+    if (value != usual_[next_++].number) refuse_unread(setting, {.number = value});
+  }
+  void count(const Setting& setting, int& value) override {
+    check(setting, value);
+    if (value != usual_[next_++].number) refuse_unread(setting, {.number = double(value)});
+  }
+  void toggle(const Setting& setting, bool& value) override {
+    if (value != (usual_[next_++].number != 0)) refuse_unread(setting, {.name = value ? "true" : "false"});
+  }
+  void seed(const Setting& setting, std::uint64_t& value) override {
+    if (value != usual_[next_++].seed) refuse_unread(setting, {.seed = value});
+  }
+
+ private:
+  static const std::string& where_none() {
+    static const std::string none;
+    return none;
+  }
+  void choose(const Setting& setting, Choice& value) override {
+    if (value.name() != usual_[next_++].name) refuse_unread(setting, {.name = value.name()});
+  }
+  void refuse_unread(const Setting& setting, const PlainValue& value) const {
+    if (is_read(setting)) return;
     const std::string text = !value.name.empty() ? std::string(value.name)
                              : value.seed        ? std::to_string(value.seed)
                                                  : number_text(value.number);
@@ -355,23 +381,24 @@ class UnreadCheck final : public PlainValues {
     throw std::invalid_argument(field(setting) + " = " + text + " is not read by " + readers.choice.value +
                                 (readers.but_these ? "" : ", only by " + std::string(readers.values)));
   }
-  const std::vector<Value>& usual_;
+  const std::vector<PlainValue>& usual_;
   std::size_t next_ = 0;
 };
 
 }  // namespace detail
 
-/// Throws std::invalid_argument "SolverOptions::prox = split is not read by admm, only by sor_prox, jor_prox"
-/// for the first option that is not the default and that nothing reads (Setting::only_for).
+/// What check_ranges throws, and std::invalid_argument "SolverOptions::prox = split is not read by admm, only
+/// by sor_prox, jor_prox" for the first option that is not the default and that nothing reads
+/// (Setting::only_for).
 template <class Options>
-void refuse_unread(const Options& options) {
-  static const std::vector<detail::PlainValues::Value> usual = [] {
+void check_options(const Options& options) {
+  static const std::vector<detail::PlainValue> usual = [] {
     detail::PlainValues values;
     Options defaults;
     describe(values, defaults);
     return std::move(values.all);
   }();
-  detail::UnreadCheck check(usual);
+  detail::OptionCheck check(usual);
   describe(check, const_cast<Options&>(options));  // it only looks
 }
 

@@ -73,14 +73,14 @@ void describe(SettingVisitor& visit, StepOptions& o) {
   visit.group("advancement", o.advancement);
   visit.choice({.name = "update", .what = "update of rotations", .flag = "--update", .label = "%"}, o.update,
                kGroupUpdates);
-  visit.count(
-      {.name = "levels",
-       .what = "coarser surfaces that stand for a part where gaps are large against what they are off",
-       .unit = "",
-       .range = {0, kMostLevels},
-       .flag = "--detail-levels",
-       .label = "levels %"},
-      o.levels);
+  visit.count({.name = "levels",
+               .what = "number of coarser surfaces that may replace a part where gaps are large compared "
+                       "with their error",
+               .unit = "",
+               .range = {0, kMostLevels},
+               .flag = "--detail-levels",
+               .label = "levels %"},
+              o.levels);
   visit.count({.name = "threads",
                .what = "number of threads of all parts of a step",
                .unit = "",
@@ -114,8 +114,9 @@ void validate(const StepOptions& o) {
   require_field(o.lmd.threshold == usual.threshold, "StepOptions::lmd.threshold", o.lmd.threshold,
                 "not be set: each step searches as far as its bodies may move [m]");
   require_field(o.lmd.threads == usual.threads || o.lmd.threads == o.threads, "StepOptions::lmd.threads",
-                o.lmd.threads, "not be set: StepOptions::threads is for all");
-  require(!o.solver.for_all, "StepOptions::solver.for_all must be empty: StepOptions::threads is for all");
+                o.lmd.threads, "not be set: StepOptions::threads is that of every stage");
+  require(!o.solver.for_all,
+          "StepOptions::solver.for_all must be empty: StepOptions::threads is that of every stage");
 }
 
 }  // namespace aussois

@@ -159,7 +159,7 @@ void add(const StageTimes& part, StageTimes& sum);
 /// Time since some fixed moment. The CPU time of the process costs a system call, and machines that limit it
 /// count it in ticks of some ms: it is taken only if asked for.
 StageTime time_now(bool cpu);
-StageTime since(const StageTime& begin, bool cpu);
+StageTime time_since(const StageTime& begin, bool cpu);
 /// Wall time of some stages [s].
 double seconds_of(const StageTimes& times, std::initializer_list<Stage> stages);
 

@@ -68,7 +68,7 @@ void write_state(hid_t file, const State& state) {
   write_rows(file, "/state/t", std::vector<double>{state.t});
   write_rows(file, "/state/h", std::vector<double>{state.h});
   write_rows(file, "/state/h_next", std::vector<double>{state.h_next});
-  write_rows(file, "/state/apart", std::vector<int>{int(state.apart)});
+  write_rows(file, "/state/apart", std::vector<std::uint64_t>{state.apart});
   std::vector<PoseRow> pose;
   for (const SE3& g : state.g)
     pose.push_back({g.p.x(), g.p.y(), g.p.z(), g.R.x(), g.R.y(), g.R.z(), g.R.w()});
@@ -105,7 +105,7 @@ State read_state(hid_t file) {
   state.t = read_one<double>(file, "/state/t");
   state.h = read_one<double>(file, "/state/h");
   state.h_next = read_one<double>(file, "/state/h_next");
-  state.apart = read_one<int>(file, "/state/apart") != 0;
+  state.apart = read_one<std::uint64_t>(file, "/state/apart");
   for (const PoseRow& row : read_rows<PoseRow>(file, "/state/pose"))
     state.g.push_back({Quat(row[6], row[3], row[4], row[5]), Vec3(row[0], row[1], row[2])});
   state.v = read_vector(file, "/state/velocity");

@@ -30,8 +30,8 @@ void drop_pages(const FileBytes& bytes);
 bool is_file(int descriptor, const FileBytes& bytes);
 
 /// The path of the file that is mapped at this address, null if none is. May be called in a signal handler:
-/// if a file was cut off while it was mapped, which takes its owner's permission anew, looking at what is
-/// gone raises SIGBUS there.
+/// if a mapped file is cut off (its owner must permit writing again first), reading the missing part raises
+/// SIGBUS there.
 const char* mapped_path_at(const void* address);
 
 /// The files that were written while they were mapped, whether they still are or not; each once. What was

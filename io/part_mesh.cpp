@@ -56,6 +56,8 @@ void visit_report(Archive& archive, Report& report) {
   archive.one("/report/manifold", manifold);
 }
 
+}  // namespace
+
 PartMesh read_kept_mesh(const std::filesystem::path& path, std::uint64_t key) {
   const Hdf5Silence silence;
   const auto [bytes, file] = open_kept(path, kMesh, key);
@@ -77,8 +79,6 @@ void write_kept_mesh(const std::filesystem::path& path, const PartMesh& mesh, st
     write_texts(file, "/notes", mesh.notes);
   });
 }
-
-}  // namespace
 
 PartMesh repaired_part(const SimplicialComplex& complex, const RepairOptions& options) {
   RepairedMesh repaired = repair_mesh(complex, options);

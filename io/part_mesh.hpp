@@ -26,6 +26,11 @@ PartMesh repaired_part(const SimplicialComplex& complex, const RepairOptions& op
 /// The same of a mesh file, `scale` in metres per unit of the file. Errors as of read_mesh.
 PartMesh read_part_mesh(const std::filesystem::path& path, double scale, const RepairOptions& options = {});
 
+/// What a cache does: writes a mesh and reads the same bits under the same key. Throw as write_lmd_shape and
+/// read_lmd_shape do.
+void write_kept_mesh(const std::filesystem::path& path, const PartMesh& mesh, std::uint64_t key);
+PartMesh read_kept_mesh(const std::filesystem::path& path, std::uint64_t key);
+
 struct CachedPartMesh : CacheUse {
   PartMesh mesh{};
 };

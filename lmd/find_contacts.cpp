@@ -281,7 +281,7 @@ void describe(SettingVisitor& visit, LmdOptions& o) {
 void validate(const LmdOptions& options) {
   check_ranges(options);
   require_field(options.alpha_ee >= options.alpha, "LmdOptions::alpha_ee", options.alpha_ee,
-                "lie in [alpha, 1] rad");
+                ("be at least LmdOptions::alpha = " + number_text(options.alpha) + " [rad]").c_str());
 }
 
 void validate(const MotionWindow& window) {

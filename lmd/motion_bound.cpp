@@ -22,7 +22,7 @@ SE3 pose_at(const RigidMotion& motion, double s) {
   return {(motion.g.R * exp_so3(s * motion.omega)).normalized(), motion.g.p + s * motion.v};
 }
 
-RigidMotion after(const RigidMotion& motion, double s) {
+RigidMotion motion_after(const RigidMotion& motion, double s) {
   return {.g = pose_at(motion, s), .v = motion.v, .omega = motion.omega};
 }
 

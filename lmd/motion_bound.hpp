@@ -16,7 +16,7 @@ struct RigidMotion {
 
 SE3 pose_at(const RigidMotion& motion, double s);
 /// What is left of the path after the time s: the same velocities, from the pose there.
-RigidMotion after(const RigidMotion& motion, double s);
+RigidMotion motion_after(const RigidMotion& motion, double s);
 
 /// Largest displacement of any point within `radius` of the reference point during dt, for all intermediate
 /// times (CA-1) [m].

@@ -49,8 +49,8 @@ inline constexpr Named<GroupUpdate> kGroupUpdates[] = {{GroupUpdate::exponential
                                                        {GroupUpdate::cayley, "cayley"},
                                                        {GroupUpdate::screw, "screw"}};
 const char* to_string(GroupUpdate update);
-/// The constant velocities (MJ-8) that lead where the update leads with the mean velocities `v`. Both are
-/// laid out as State::v.
+/// The constant velocities (MJ-8) that reach the same poses as the update does with the mean velocities `v`.
+/// Both are laid out as State::v.
 VecX path_velocity(GroupUpdate update, const Model& model, const State& state, const VecX& v, double h);
 
 }  // namespace aussois

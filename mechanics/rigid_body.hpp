@@ -47,7 +47,7 @@ inline bool deforms(const RigidBody& body) {
   return bool(body.deformation.vertices);
 }
 /// Whether contacts can move the body's surface.
-inline bool yields(const RigidBody& body) {
+inline bool contacts_can_move(const RigidBody& body) {
   return is_dynamic(body) || deforms(body);
 }
 

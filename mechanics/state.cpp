@@ -2,6 +2,7 @@
 #include "mechanics/state.hpp"
 
 #include <algorithm>
+#include <bit>
 
 #include "geometry/check.hpp"
 #include "geometry/digest.hpp"
@@ -199,12 +200,31 @@ GapId gap_of(const Model& model, int slot) {
   return row < 0 ? GapId() : GapId::at(row / kRowsOfAGap);
 }
 
+std::uint64_t placement(const Model& model, const State& state) {
+  std::uint64_t digest = 1;
+  const auto add = [&](std::uint64_t word) {  // few instructions: every step does it for all bodies
+    digest = std::rotl(digest ^ word, 25) * 0x9e3779b97f4a7c15u;
+  };
+  const auto add_number = [&](double x) { add(std::bit_cast<std::uint64_t>(x)); };
+  for (const SE3& g : state.g) {
+    for (const double component : g.R.coeffs()) add_number(component);
+    for (const double component : g.p) add_number(component);
+  }
+  for (const double component : state.q) add_number(component);
+  for (const auto& [a, b] : model.passing)
+    add(std::uint64_t(std::uint32_t(a.index())) << 32 | std::uint32_t(b.index()));
+  return digest == 0 ? 1 : digest;
+}
+bool is_proven_apart(const Model& model, const State& state) {
+  return state.h > 0 && state.apart != 0 && state.apart == placement(model, state);
+}
+
 std::uint64_t hash(const State& state) {
   Digest digest;
   digest.add(state.t);
   digest.add(state.h);
   digest.add(state.h_next);
-  digest.add(std::uint64_t(state.apart));
+  digest.add(state.apart);
   digest.add(std::uint64_t(state.g.size()));
   for (const SE3& g : state.g) {
     for (const double component : g.R.coeffs()) digest.add(component);

@@ -16,9 +16,9 @@ struct State {
   double t = 0;       // [s]
   double h = 0;       // length of the last accepted step [s], 0 before the first: impulses scale with it
   double h_next = 0;  // next step that the step control would try [s]; 0: as large as the scheme allows
-  // A certificate led here: no bases touch, and none is inside another (CA-21). A program that moves bodies
-  // by hand, or changes what may pass, takes it back or sets h = 0
-  bool apart = false;
+  // The placement() to which a certificate led: no bases touch there, and none is inside another (CA-21).
+  // 0: none
+  std::uint64_t apart = 0;
   PerBody<SE3> g{};  // g_wb of every body
   VecX q{};          // of all blocks of coordinates, in order
   VecX v{};          // six per body: v_G in the world [m/s], omega in the body [rad/s]; then the speeds of q
@@ -29,10 +29,11 @@ struct State {
   ContactMemory memory{};
 };
 
-/// Whether a certificate may build on the one before.
-inline bool is_proven_apart(const State& state) {
-  return state.apart && state.h > 0;
-}
+/// Digest of the poses and coordinates, and of the pairs that may pass; never 0.
+std::uint64_t placement(const Model& model, const State& state);
+/// Whether a certificate may build on the one before: nothing was moved since, and no pair lost its
+/// exemption.
+bool is_proven_apart(const Model& model, const State& state);
 
 /// Bodies at the world's origin and at rest, prescribed ones at the start of their path; q = 0.
 State rest_state(const Model& model);

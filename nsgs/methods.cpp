@@ -169,8 +169,7 @@ void describe(SettingVisitor& visit, SolverOptions& o) {
 }
 
 void validate(const SolverOptions& options) {
-  check_ranges(options);
-  refuse_unread(options);
+  check_options(options);
   require_field(options.model == FrictionModel::coulomb || entry(options.method).convex_cone,
                 "SolverOptions::model", "convex_cone",
                 "be coulomb, or the method admm, projected_gradient or interior_point");

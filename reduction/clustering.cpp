@@ -92,12 +92,15 @@ void describe(SettingVisitor& visit, ClusteringOptions& o) {
 }
 
 void validate(const ClusteringOptions& options) {
-  check_ranges(options);
-  refuse_unread(options);
+  check_options(options);
 }
 
-Clusters clusters_of(const ReductionInput& input, const ClusteringOptions& o) {
-  validate(o);
+Clusters clusters_of(const ReductionInput& input, const ClusteringOptions& options) {
+  validate(options);
+  return clusters_of_checked(input, options);
+}
+
+Clusters clusters_of_checked(const ReductionInput& input, const ClusteringOptions& o) {
   switch (o.rule) {
     case Clustering::angle:
       return clusters_by_angle(input.contacts, o.angle);

@@ -44,5 +44,7 @@ void describe(SettingVisitor& visit, ClusteringOptions& options);
 
 /// Depends on the input only, not on the order of its contacts. Bodies, impulses and h are ignored.
 Clusters clusters_of(const ReductionInput& input, const ClusteringOptions& options);
+/// The same for options that have been validated.
+Clusters clusters_of_checked(const ReductionInput& input, const ClusteringOptions& options);
 
 }  // namespace aussois

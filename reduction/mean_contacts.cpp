@@ -109,8 +109,7 @@ void describe(SettingVisitor& visit, MeanContactOptions& o) {
 }
 
 void validate(const MeanContactOptions& options) {
-  check_ranges(options);
-  refuse_unread(options);
+  check_options(options);
 }
 
 MeanContacts mean_contacts(const ContactSet& found, const std::vector<double>& mu,

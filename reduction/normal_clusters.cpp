@@ -118,8 +118,7 @@ void describe(SettingVisitor& visit, NormalClusterOptions& o) {
 }
 
 void validate(const NormalClusterOptions& options) {
-  check_ranges(options);
-  refuse_unread(options);
+  check_options(options);
 }
 
 NormalClusters cluster_normals(const ContactSet& contacts, const NormalClusterOptions& options,

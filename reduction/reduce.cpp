@@ -345,8 +345,7 @@ void describe(SettingVisitor& visit, ReductionOptions& o) {
 }
 
 void validate(const ReductionOptions& options) {
-  check_ranges(options);
-  refuse_unread(options);
+  check_options(options);
   const ReductionOptions usual;
   require(options.clustering.rule == Clustering::angle || options.friction == FrictionAt::patches ||
               options.clustering.angle == usual.clustering.angle,
@@ -365,7 +364,7 @@ void validate(const ReductionOptions& options) {
 Selection reduce(const ReductionInput& input, const ReductionOptions& options) {
   validate(options);
   check(input);
-  const Clusters clusters = clusters_of(input, options.clustering);
+  const Clusters clusters = clusters_of_checked(input, options.clustering);
   Patches patches(input, clusters);
   std::vector<int> kept;
   if (options.reducer == Reducer::none) {

@@ -194,7 +194,9 @@ void describe(SettingVisitor& visit, PersistenceOptions& o) {
                 .what = "pass the impulses of dropped contacts on to kept ones",
                 .only_for = "not none"},
                o.redistribute);
-  visit.toggle({.name = "anchors", .what = "let static friction undo its drift", .flag = "--anchors"},
+  visit.toggle({.name = "anchors",
+                .what = "pull sticking contacts back to where they began to stick",
+                .flag = "--anchors"},
                o.anchors);
   visit.number({"anchor_rate", "fraction of the drift undone per step", "-", range_open_below(0, 1)},
                o.anchor_rate);
@@ -205,8 +207,7 @@ void describe(SettingVisitor& visit, PersistenceOptions& o) {
 }
 
 void validate(const PersistenceOptions& o) {
-  check_ranges(o);
-  refuse_unread(o);
+  check_options(o);
   require_field(o.max_reach >= o.reach, "PersistenceOptions::max_reach", o.max_reach,
                 "be at least reach [m]");
   const PersistenceOptions usual;

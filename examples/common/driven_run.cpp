@@ -117,7 +117,7 @@ DrivenRun drive(const Model& model, const State& start, RunPlan plan, const RunF
   const double t_end = goes_on() ? plan.t_end : out.state.t;
   out.last = record_run(timed, out.state, t_end, out.recording, [&](const StepReport& report) {
     const std::int64_t steps = out.recording.steps();
-    if (flags.profile) out.profile.add(report, since(end, true));
+    if (flags.profile) out.profile.add(report, time_since(end, true));
     dump.step(steps + !report.moved(), report);
     char note[80];
     std::snprintf(note, sizeof note, "step %lld, %s", static_cast<long long>(steps),

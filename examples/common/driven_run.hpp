@@ -31,6 +31,10 @@ std::string scene_text(const Cli& cli, const std::string& content = {},
 /// Throws what refuse_unread_flags does, and for what belongs to no step of the chosen scheme.
 void check(const Cli& cli, const RunFlags& flags);
 
+/// Fraction of the dilations by which an accepted step may overlap (CA-6), and what planes are off by
+/// (LMD-14).
+inline const double kLargestOverlap = AdvancementOptions{}.max_overlap + 2e-3;
+
 /// A run that is to be made.
 struct RunPlan {
   std::string driver{}, name{};  // its name; of the case, in the names of dumped problems

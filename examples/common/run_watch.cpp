@@ -34,8 +34,8 @@ void add(const std::vector<std::string>& names, std::vector<std::string>& all) {
 
 void add_certify(Cli& cli, int& samples, const std::string& runs) {
   cli.option("--certify", samples,
-             "check the certificate of every step" + (runs.empty() ? "" : " of all " + runs) +
-                 " at this many places of its path; 0: no check",
+             "audit every step" + (runs.empty() ? "" : " of all " + runs) +
+                 " at this many places along its path; 0: no audit",
              "", setting_of<RecordingOptions>("audit_samples").range);
 }
 

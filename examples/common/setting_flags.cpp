@@ -106,7 +106,8 @@ void refuse_unread_flags(const Cli& cli, const std::vector<OfferedSetting>& offe
     if (one.unread_with.empty() || !cli.offers(one.flag) || !cli.is_given(one.flag) ||
         std::ranges::any_of(offered, is_read))
       continue;
-    throw std::invalid_argument(one.flag + " is not read by " + one.unread_with + "; " + one.readers);
+    throw std::invalid_argument(one.flag + " has no effect with " + one.unread_with +
+                                (one.readers.starts_with("only") ? ", " + one.readers : ""));
   }
 }
 

@@ -93,8 +93,8 @@ void add_flags(Cli& cli, Options& options, SaidSettings& said, const std::vector
   add_flags(cli, offered(options, said), said, flags);
 }
 
-/// Throws std::invalid_argument "--prox is not read by --solver admm; only for --solver sor_prox, jor_prox"
-/// for the first flag that the user said although none of its options is read (Setting::only_for).
+/// Throws std::invalid_argument "--prox has no effect with --solver admm, only for --solver sor_prox,
+/// jor_prox" for the first flag that the user said although none of its options is read (Setting::only_for).
 void refuse_unread_flags(const Cli& cli, const std::vector<OfferedSetting>& offered);
 template <class Options>
 void refuse_unread_flags(const Cli& cli, Options options) {

@@ -249,7 +249,7 @@ int main(int argc, char** argv) {
              "with --fit: restitution coefficient from which the search starts", "-",
              setting_of<ContactLaw>("restitution").range);
   cli.flag("--measure-board", a.measure_board,
-           "with --fit: take --board from the rest heights of the tosses to identify from");
+           "with --fit: estimate --board from the rest heights of the tosses it fits");
   cli.flag("--swap", a.swap, "with --fit: exchange the tosses to identify from and those to report");
   cli.input("--test", a.test, "with --fit: identify from all tosses of --data, report those of this folder");
   cli.option(setting_of<TossWorld>("cut"), a.world.cut);

@@ -5,7 +5,7 @@
 // Run      drop_part
 //          drop_part --builtin bolt --height 0.03 --mu 0.6
 //          drop_part --time 0.3 --certify 100
-// Expect   the part rests at the end, overlaps less than 5 % of the two dilations, and never gains energy
+// Expect   the part rests at the end, overlaps at most by what a step may, and never gains energy
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -57,7 +57,7 @@ bool is_expected(const DrivenRun& run, const Model& model, const Drop& of) {
   expect(run.last.moved(), "the last step was not taken: " + run.last.reason);
   expect(run.recording.total("solver_failures") == 0, "not every step was solved");
   expect(of.speed < 1e-3, "the part does not rest: at the end, 1 mm/s is the most");
-  expect(of.overlap < 0.05, "the part overlaps by more than 5 % of the two dilations");
+  expect(of.overlap <= kLargestOverlap, "the part overlaps by more than 4.2 % of the two dilations");
   expect(of.rise < 1e-4, "a step gained more than 1e-4 of the energy of the fall");
   return all;
 }

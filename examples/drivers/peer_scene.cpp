@@ -178,7 +178,8 @@ int main(int argc, char** argv) {
   Cli cli("peer_scene",
           "Runs a scene used to compare rigid-body engines, records it, reports its error and draws it.");
   cli.group("scene");
-  cli.choice("--scene", a.scene, "scene to run; those that bounce start from theta 0.5 and the law moreau",
+  cli.choice("--scene", a.scene,
+             "scene to run; bouncing scenes default to theta 0.5 and the normal law moreau",
              peer_scene_names());
   cli.option(setting_of<Arch>("stones"), a.arch.stones);
   cli.option(setting_of<Arch>("mu"), a.arch.mu);

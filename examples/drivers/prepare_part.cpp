@@ -236,8 +236,10 @@ ExitCode prepare_part(const Arguments& a) {
 int main(int argc, char** argv) {
   Arguments a;
   a.command_line = command_line(argc, argv);
-  Cli cli("prepare_part",
-          "Shows how contact determination sees a part; with --erode, erodes the part by its dilation.");
+  Cli cli(
+      "prepare_part",
+      "Prepares a part for the search for contacts and shows its regions, chains and classes; with --erode, "
+      "shrinks it by its dilation first.");
   cli.group("part");
   cli.input("--mesh", a.mesh, "mesh of the part (OBJ, STL, PLY or OFF); empty: --builtin");
   cli.choice("--builtin", a.builtin, "built-in part, used if no --mesh is given",

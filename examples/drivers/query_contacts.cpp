@@ -183,6 +183,8 @@ bool print_findings(const ContactReport& report, const ContactPair& pair) {
 }
 
 ExitCode query(const Arguments& a) {
+  require_field(a.alpha_ee >= a.alpha, "--alpha-ee", a.alpha_ee,
+                ("be at least --alpha = " + number_text(a.alpha) + " [deg]").c_str());
   ContactPair pair = read_pair(a);
   const LmdShapeOptions options{.threads = a.threads};
   const CachedShape cached_a = prepare_cached(dilate(pair.a.complex, pair.dilation_a), options, a.cache),
@@ -253,7 +255,6 @@ int main(int argc, char** argv) {
              in_degrees(setting_of<LmdOptions>("alpha")).range);
   cli.option("--alpha-ee", a.alpha_ee, "the same for edge against edge; must be at least --alpha", "deg",
              in_degrees(setting_of<LmdOptions>("alpha_ee")).range);
-  cli.stands_for("--alpha-ee", "LmdOptions::alpha_ee");
   cli.option("--threads", a.threads, "number of threads; does not affect the contacts", "", kThreads);
   cli.option("--repeat", a.repeat, "number of times to query each pose; the median time is reported", "",
              {1, 1e6});

@@ -7,8 +7,8 @@
 //          doc/theory/virtual_coupling.md (VC-1) to (VC-5)
 // Run      replay_assembly --builtin bolt_nut
 //          replay_assembly --builtin bolt_nut --mode kinematic
-// Expect   refused_steps = 0, solver_failures = 0, min_base_distance > 0, min_gap above -4 % of the two
-//          dilations (AdvancementOptions::max_overlap, see (CA-6))
+// Expect   refused_steps = 0, solver_failures = 0, min_base_distance > 0, min_gap above -4.2 % of the two
+//          dilations (kLargestOverlap)
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -260,7 +260,7 @@ bool tell_end(const AssemblyInput& input, const AssemblyScene& scene, const Driv
                  1e3 * scene.sag, scene.frequency);
   return print_findings(r.totals(), scene.model) && lag <= arrival && run.last.moved() &&
          r.total("solver_failures") == 0 && r.total("min_base_distance") > 0 &&
-         min_gap >= -0.05 * 2 * scene.dilation;
+         min_gap >= -kLargestOverlap * 2 * scene.dilation;
 }
 
 ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, const Arguments& a) {

@@ -140,7 +140,8 @@ bool EventRun::run(const State& start) {
     return false;
   }
   if (const std::string off = joint_that_is_off(setting_, state_); !off.empty()) return refused(off);
-  if (setting_.options.advancement.certify && !is_proven_apart(start)) {  // (CA-19)
+  proven_apart_ = is_proven_apart(model_, start);
+  if (setting_.options.advancement.certify && !proven_apart_) {  // (CA-19)
     const std::string nested =
         nested_at(model_, state_, setting_.bounds, setting_.pieces, setting_.options.threads);
     if (!nested.empty()) return refused("start: " + nested);
@@ -193,7 +194,7 @@ StepReport EventRun::step(State& out) {
   const Energy before = energy(model_, state_);
   const Momentum momentum_before = momentum(model_, state_);
   const bool done = run(start);
-  report_.total = since(begin, setting_.options.profile);
+  report_.total = time_since(begin, setting_.options.profile);
   report_.t = start.t;
   if (!done) return report_;
 
@@ -201,7 +202,7 @@ StepReport EventRun::step(State& out) {
   state_.t = t_end_;
   state_.h = report_.h = t_end_ - start.t;
   state_.h_next = 0;
-  state_.apart = setting_.options.advancement.certify;
+  state_.apart = setting_.options.advancement.certify ? placement(model_, state_) : 0;
   report_.t = state_.t;
   report_.attempts = stops_;
   tell_contacts(start);

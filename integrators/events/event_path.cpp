@@ -42,7 +42,8 @@ bool EventRun::certified(const State& from, const State& to, const std::function
     const VecX v = path(a, b);
     const StepMotion motion{model_, a, v, b.t - a.t};
     const AdvancementOptions& o = setting_.options.advancement;
-    const StepPath gone = step_path(motion, setting_.bounds);
+    StepPath gone = step_path(motion, setting_.bounds);
+    gone.starts_apart = proven_apart_;
     const StepCertificate proof =
         certify_step(gone, step_pairs(motion, setting_.bounds, o, setting_.options.threads).pairs,
                      setting_.bounds, {}, o, setting_.options.threads);

@@ -112,6 +112,7 @@ class EventRun {
   Table<JointId, StepJoint> joints_{};  // their impulses and work so far
   double work_[kWorks] = {};
   MomentumLedger momentum_{};  // its parts so far
+  bool proven_apart_ = false;  // at the start (CA-21)
   int stops_ = 0;
   long ode_steps_ = 0;
 

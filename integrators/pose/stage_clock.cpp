@@ -29,7 +29,7 @@ StageTime time_now(bool cpu) {
   return out;
 }
 
-StageTime since(const StageTime& begin, bool cpu) {
+StageTime time_since(const StageTime& begin, bool cpu) {
   const StageTime now = time_now(cpu);
   return {now.wall - begin.wall, now.cpu - begin.cpu};
 }

@@ -44,7 +44,7 @@ namespace {
 
 BodyBounds bounds_of_body(const RigidBody& body, std::span<const Vec3> vertices, const DilatedBox& box) {
   BodyBounds out{.box = body.g_bs * box};
-  out.box.fixed = !yields(body);
+  out.box.fixed = !contacts_can_move(body);
   for (const Vec3& x : vertices) out.radius = std::max(out.radius, (body.g_bs * x).norm());
   return out;
 }
@@ -145,7 +145,7 @@ std::vector<StepPair> pairs_within(const Model& model, const State& state, const
 }
 
 StepPath step_path(const StepMotion& step, const PerBody<BodyBounds>& bounds, double enlargement) {
-  StepPath path{.model = step.model, .h = step.h, .starts_apart = is_proven_apart(step.state)};
+  StepPath path{.model = step.model, .h = step.h};
   path.bodies.reserve(bounds.size());
   for (const BodyId b : bounds.ids()) {
     const RigidMotion motion{.g = pose(step.state, b),
@@ -178,7 +178,7 @@ std::string strayed(const StepPath& path, const State& end) {
     }
     if (off > kRounding * (shape.bounds.radius + path.bodies[body].stretch))
       return "body " + to_string(body) + ": a vertex is " + number_text(off) +
-             " m off where the columns of its deformation led it";
+             " m away from where the columns of its deformation led";
   }
   return {};
 }

@@ -89,8 +89,8 @@ Certificate certify_in_pieces(MovingShape a, MovingShape b, double h, Certificat
   Certificate out = certify(a, b, h / pieces, options);
   options.starts_apart = then_apart;
   for (int k = 1; k < pieces && out.certified; ++k) {
-    a.motion = after(of_a, h * k / pieces);
-    b.motion = after(of_b, h * k / pieces);
+    a.motion = motion_after(of_a, h * k / pieces);
+    b.motion = motion_after(of_b, h * k / pieces);
     const Certificate piece = certify(a, b, h / pieces, options);
     out.certified = piece.certified;
     out.min_distance = std::min(out.min_distance, piece.min_distance);
@@ -225,7 +225,7 @@ std::vector<StepPair> driven_pairs(const StepPath& path, const PerBody<BodyBound
   std::vector<DilatedBox> boxes;
   for (const BodyId b : bodies.ids()) {
     const RigidBody& body = bodies[b];
-    if (!body.shape || yields(body)) continue;
+    if (!body.shape || contacts_can_move(body)) continue;
     boxes.push_back(posed_box(path, bounds, b));
     boxes.back().radius += path.bodies[b].displacement;
     boxes.back().fixed = !is_moved(body);

@@ -41,7 +41,7 @@ std::string without_room(const StepSetting& setting, const FoundContacts& found,
     const double speed = slip_velocity(row, setting.dofs, move.v_end).x();
     if (speed < 0 && gap + move.goes_on * speed < -o.max_overlap * dilation[i])
       return "bodies " + to_string(c.a.body) + " and " + to_string(c.b.body) +
-             ": the overlap that is allowed leaves no room to stop them";
+             ": they cannot be stopped within the allowed overlap";
   }
   return "";
 }
@@ -117,7 +117,8 @@ Objection proven(const StepSetting& setting, const Trial& trial, const StepPath&
   return {};
 }
 
-Objection objection(const StepSetting& setting, const State& state, const Trial& trial, Judgement& out) {
+Objection objection(const StepSetting& setting, const State& state, const Trial& trial, bool starts_apart,
+                    Judgement& out) {
   const SolveStatus solved = solve_report(trial.impulses).status;
   if (solved == SolveStatus::not_finite || !all_finite(trial.move.v_path) || !all_finite(trial.move.v_end))
     return {Outcome::not_finite, "a force or velocity is not finite"};
@@ -126,6 +127,7 @@ Objection objection(const StepSetting& setting, const State& state, const Trial&
   if (speaks(trial.beforehand)) return trial.beforehand;
   StepPath path = step_path({setting.model, state, out.v_path, trial.found.h}, setting.bounds);
   path.levels = setting.options.levels;
+  path.starts_apart = starts_apart;
   if (Objection broken = kept_bounds(setting, trial.found, path); speaks(broken)) return broken;
   if (Objection meet = open_guards(setting, state, trial.found, out.v_path); speaks(meet)) return meet;
   if (setting.options.advancement.certify) {
@@ -145,9 +147,9 @@ Objection objection(const StepSetting& setting, const State& state, const Trial&
 
 }  // namespace
 
-Judgement judge(const StepSetting& setting, const State& state, const Trial& trial) {
+Judgement judge(const StepSetting& setting, const State& state, const Trial& trial, bool starts_apart) {
   Judgement out;
-  out.objection = objection(setting, trial.from ? *trial.from : state, trial, out);
+  out.objection = objection(setting, trial.from ? *trial.from : state, trial, starts_apart, out);
   return out;
 }
 

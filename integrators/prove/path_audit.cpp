@@ -32,7 +32,7 @@ struct Audited {
 // The distance certified for a pair: by (CA-6), and by the bound of the report. That bound covers the pairs
 // that came near and can be stopped; their other pairs are proven to be farther apart than their dilations.
 double certified_distance(const Audited& step, const StepPair& pair, double max_overlap) {
-  const auto moves = [&](BodyId body) { return yields(step.model.bodies[body]); };
+  const auto moves = [&](BodyId body) { return contacts_can_move(step.model.bodies[body]); };
   const double required = required_distance(pair, {.max_overlap = max_overlap});
   if (!moves(pair.a) && !moves(pair.b)) return required;
   return std::max(required, std::min(step.report.min_base_distance, pair.dilation));

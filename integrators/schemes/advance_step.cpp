@@ -91,12 +91,12 @@ StepStatus status_of(const Judgement& judgement) {
 
 // Why no step can begin here; ok: one can.
 std::pair<StepStatus, std::string> wrong_from_here(const StepSetting& setting, const State& state,
-                                                   const VecX& estimate) {
+                                                   const VecX& estimate, bool proven_apart) {
   if (!all_finite(estimate) || !all_finite(state.g))
     return {StepStatus::not_finite, "a force, velocity or pose is not finite"};
   if (std::string off = joint_that_is_off(setting, state); !off.empty())
     return {StepStatus::refused, std::move(off)};
-  if (setting.options.advancement.certify && !is_proven_apart(state)) {  // else the certificate did (CA-19)
+  if (setting.options.advancement.certify && !proven_apart) {  // else the certificate did (CA-19)
     const std::string nested =
         nested_at(setting.model, state, setting.bounds, setting.pieces, setting.options.threads);
     if (!nested.empty()) return {StepStatus::refused, "start: " + nested};
@@ -138,16 +138,17 @@ StepReport advance_step(const StepSetting& setting, State& state, double h_limit
   const auto ended = [&](StepStatus status) {
     report.status = status;
     report.stages = stages;
-    report.total = since(begin, cpu);
+    report.total = time_since(begin, cpu);
     report.kept_bytes = bytes_of(*setting.scratch);
     return std::move(report);
   };
+  const bool proven_apart = is_proven_apart(setting.model, state);
   StepStatus begins;
-  std::tie(begins, report.reason) = wrong_from_here(setting, state, search.estimate.v);
+  std::tie(begins, report.reason) = wrong_from_here(setting, state, search.estimate.v, proven_apart);
   if (begins != StepStatus::ok) return ended(begins);
   for (int k = 1;; ++k) {
     const Trial trial = method.attempt(state, search.estimate, search.h);
-    Judgement judgement = judge(setting, state, trial);
+    Judgement judgement = judge(setting, state, trial, proven_apart);
     for (const StageTimes& part : {trial.found.times, trial.impulses.times, judgement.times})
       add(part, stages);
     const bool again = search.goes_on(judgement);
@@ -163,7 +164,7 @@ StepReport advance_step(const StepSetting& setting, State& state, double h_limit
     }
     if (taken) {
       state = std::move(result.next);
-      state.apart = o.certify;
+      state.apart = o.certify ? placement(setting.model, state) : 0;
       // Shorter steps were no easier, so the next one need not be short.
       state.h_next = status == StepStatus::not_solved ? search.h_control : search.next();
     }

@@ -133,16 +133,15 @@ void describe(SettingVisitor& visit, MoreauJeanOptions& o) {
 }
 
 void validate(const MoreauJeanOptions& o) {
-  check_ranges(o);
-  refuse_unread(o);
+  check_options(o);
   require(in_the_step(o.impact) || o.law != NormalLaw::gap_over_step,
           (o.impact.law != ImpactOptions{}.law
                ? std::string("ImpactOptions::law = ") + name_of(o.impact.law, kImpactLaws)
                : std::string("ImpactOptions::order = ") + name_of(o.impact.order, kImpactOrders)) +
               " needs MoreauJeanOptions::law = moreau or combined");
-  require(
-      in_the_step(o.impact) || o.contacts == ContactsAt::start,
-      "MoreauJeanOptions::contacts must be start with Poisson's or sequential impacts, which happen there");
+  require(in_the_step(o.impact) || o.contacts == ContactsAt::start,
+          "MoreauJeanOptions::contacts must be start with Poisson's or sequential impacts, because these act "
+          "at the start of a step");
   require(!o.newton.gap_hessians || (o.newton.max_iterations > 1 && o.contacts != ContactsAt::start),
           "NewtonOptions::gap_hessians needs NewtonOptions::max_iterations > 1 and "
           "MoreauJeanOptions::contacts = midpoint or end");

@@ -98,8 +98,9 @@ StepReport MoreauJeanProjected::step(State& state, double h_limit) const {
       Trial trial{.move = std::move(move),
                   .figures = {.projection = projection.moved, .overlap_left = projection.overlap}};
       if (too_far(projection, found, setting.options.advancement))
-        trial.afterwards = {Outcome::not_certified,
-                            "projection would move bodies farther than their contacts were looked for"};
+        trial.afterwards = {
+            Outcome::not_certified,
+            "projection would move bodies beyond the distance within which contacts were searched"};
       trial.found = std::move(found);
       trial.impulses = std::move(step);
       return trial;

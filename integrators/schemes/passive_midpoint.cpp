@@ -128,15 +128,16 @@ void describe(SettingVisitor& visit, PassiveMidpointOptions& o) {
                o.gyroscopic, kGyroscopicTerms);
   visit.choice(normal_law_setting(), o.law, kNormalLaws);
   visit.toggle({.name = "passive",
-                .what = "lift the rule that contacts add no energy",
+                .what = "allow contacts to add energy",
                 .flag = "--not-passive=false",
                 .label = "not passive"},
                o.passive);
-  visit.toggle({.name = "mean_joints",
-                .what = "state joints on the mean of both ends of the step; needs --update cayley",
-                .flag = "--mean-joints",
-                .label = "mean joints"},
-               o.mean_joints);
+  visit.toggle(
+      {.name = "mean_joints",
+       .what = "enforce joints at the mean of the poses at start and end of the step; needs --update cayley",
+       .flag = "--mean-joints",
+       .label = "mean joints"},
+      o.mean_joints);
 }
 
 void validate(const PassiveMidpointOptions& options) {

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <unistd.h>
 
+#include "geometry/mesh_report.hpp"
 #include "geometry/primitives.hpp"
 #include "io/atomic_file.hpp"
 #include "io/checkpoint.hpp"
 #include "io/fclib_file.hpp"
+#include "io/part_mesh.hpp"
 #include "io/sealed_file.hpp"
 #include "io/shape_cache.hpp"
 #include "lmd/find_contacts.hpp"
@@ -116,7 +118,15 @@ std::vector<LmdShape> shapes() {
       {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {3, 0, 0}, {3, 0.1, 0.5}, {-2, 0, 0}},
       {{0, 1, 2}, {0, 2, 3}}, {{0, 4}, {5, 6}});
   return {prepare(dilate(mixed, 0.01)), prepare(dilate(make_box(1, 1, 1, 2), 0.01)),
-          prepare(dilate(make_point(), 0.1))};
+          prepare(dilate(make_point(), 0.1)),
+          prepare(dilate(make_sphere(1, 2), 0.01), {.levels = 1})};  // 320 triangles: the fewest with a level
+}
+
+std::vector<PartMesh> kept_meshes() {
+  PartMesh mesh{.complex = make_box(1, 1, 1), .notes = {"mended", "twice"}};
+  mesh.report = report_mesh(mesh.complex);
+  const SimplicialComplex plate = make_plate(1, 1);
+  return {mesh, {.complex = plate, .report = report_mesh(plate)}};
 }
 
 /// A shape that passed all checks is one that searches walk through, whatever they find.
@@ -130,17 +140,26 @@ void use_shape(const fs::path& file) {
 }  // namespace
 
 std::vector<FuzzedReader> hdf5_readers() {
-  const auto write_shape = [](const fs::path& file, const LmdShape& shape) {
-    write_lmd_shape(file, shape, kKey);
+  const auto unseal = [](const fs::path& file) {
     fs::permissions(file, fs::perms::owner_write, fs::perm_options::add);
     fs::resize_file(file, fs::file_size(file) - sizeof(std::uint64_t));  // `seal` follows the changes
+  };
+  const auto write_shape = [unseal](const fs::path& file, const LmdShape& shape) {
+    write_lmd_shape(file, shape, kKey);
+    unseal(file);
+  };
+  const auto write_mesh = [unseal](const fs::path& file, const PartMesh& mesh) {
+    write_kept_mesh(file, mesh, kKey);
+    unseal(file);
   };
   return {{"fclib", ".hdf5", edited(originals(problems(), write_fclib)), use_problem},
           {"run", ".h5", edited(originals(runs(), write_run)), read_run},
           {"resume", ".h5", edited(originals(runs(), write_run)), resume_run},
           {"checkpoint", ".h5", edited(originals(checkpoints(), write_checkpoint)),
            [](const fs::path& file) { read_checkpoint(file, kKey, OtherProgram::accept); }},
-          {"shape", ".h5", edited(originals(shapes(), write_shape), seal), use_shape}};
+          {"shape", ".h5", edited(originals(shapes(), write_shape), seal), use_shape},
+          {"mesh", ".h5", edited(originals(kept_meshes(), write_mesh), seal),
+           [](const fs::path& file) { read_kept_mesh(file, kKey); }}};
 }
 
 }  // namespace aussois

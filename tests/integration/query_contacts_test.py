@@ -145,7 +145,7 @@ class QueryContacts(DriverTest):
         self.refused(USAGE, ["--a with --b", "--builtin"])
         self.refused(USAGE, ["--a and --b"], "--a", PARTS / "peg.obj")
         self.refused(USAGE, ["--builtin = cube", "box_on_plate"], "--builtin", "cube")
-        self.refused(USAGE, ["--alpha-ee = ", "[alpha, 1]"], "--builtin", "peg", "--alpha-ee", 1)
+        self.refused(USAGE, ["--alpha-ee = 1 must be at least --alpha = ", "[deg]"], "--builtin", "peg", "--alpha-ee", 1)
         self.refused(USAGE, ["--threshold", "-1"], "--builtin", "peg", "--threshold", -1)
         self.refused(FILES, ["--a nowhere.obj: no such file"], "--a", "nowhere.obj", "--b", PARTS / "socket.obj")
         self.refused(FILES, ["--path nowhere.csv"], *PARTS_OF_PEG, "--path", "nowhere.csv")

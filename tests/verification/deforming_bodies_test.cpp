@@ -252,7 +252,7 @@ TEST(Deforming, IsRefusedWhereItIsNotUnderstood) {
   f.state.v.tail(1)[0] = 1;
   const StepReport report = MoreauJean(f.model, {.h = 1e-4}, {.theta = 1}).step(f.state);
   EXPECT_EQ(report.status, StepStatus::refused);
-  EXPECT_NE(report.reason.find("off where the columns of its deformation led it"), std::string::npos)
+  EXPECT_NE(report.reason.find("away from where the columns of its deformation led"), std::string::npos)
       << report.reason;
 }
 

@@ -70,10 +70,33 @@ TEST_P(Certified, StartsInACavity) {
   EXPECT_EQ(audit.violations, 0);
 }
 
+// Where a program moves a body by hand, or takes an exemption back, nothing is proven any more.
+TEST_P(Certified, LooksAgainWhereAProgramIntervenes) {
+  Scene s = cube_within(make_box(1, 1, 1));
+  s.model.gravity = Vec3::Zero();
+  const SE3 inside = pose(s.state, s.block);
+  pose(s.state, s.block).p.z() += 3;
+  const Scheme scheme = scheme_of(s.model);
+  ASSERT_TRUE(scheme.step(s.state, 1e-3).ok());
+  ASSERT_TRUE(is_proven_apart(s.model, s.state));
+  pose(s.state, s.block) = inside;
+  EXPECT_FALSE(is_proven_apart(s.model, s.state));
+  const StepReport moved = scheme.step(s.state, 1e-3);
+  EXPECT_EQ(moved.status, StepStatus::refused);
+  EXPECT_NE(moved.reason.find("inside the solid"), std::string::npos) << moved.reason;
+
+  s.model.passing.insert({0, s.block});
+  ASSERT_TRUE(scheme.step(s.state, 1e-3).ok());
+  s.model.passing.clear();
+  const StepReport exempt_no_more = scheme.step(s.state, 1e-3);
+  EXPECT_EQ(exempt_no_more.status, StepStatus::refused);
+  EXPECT_NE(exempt_no_more.reason.find("inside the solid"), std::string::npos) << exempt_no_more.reason;
+}
+
 // A state that claims to be proven is not looked at by the steps that follow, but by the audit.
 TEST_P(Certified, IsAuditedInsideASolid) {
   Scene s = cube_within(make_box(1, 1, 1));
-  s.state.h = 1e-3, s.state.apart = true;
+  s.state.h = 1e-3, s.state.apart = placement(s.model, s.state);
   const State start = s.state;
   const StepReport report = scheme_of(s.model).step(s.state, kInf);
   ASSERT_TRUE(report.ok()) << report.reason;

@@ -574,7 +574,7 @@ VerificationCase certificate_of_the_reference(const std::string& scene) {
               SchemeOptions o = exact_options(c.t_end / 7.3);
               o.step.advancement.certify = certify;
               State last = run_to(c.scene(), "event_driven", o, c.t_end);
-              last.apart = false;  // all that it says
+              last.apart = 0;  // all that it says
               return hash(last);
             };
             return Figures{{"other_bits", double(end(true) != end(false))}};

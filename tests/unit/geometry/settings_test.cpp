@@ -136,7 +136,7 @@ void describe(SettingVisitor& visit, House& o) {
   visit.seed({.name = "woodworm", .only_for = "not limestone, stone"}, o.woodworm);
 }
 std::string unread_of(const House& house) {
-  return message_of([&] { refuse_unread(house); });
+  return message_of([&] { check_options(house); });
 }
 
 TEST(Settings, AreRefusedWhereAChoiceIsAnother) {
@@ -149,7 +149,7 @@ TEST(Settings, AreRefusedWhereAChoiceIsAnother) {
   EXPECT_EQ(unread_of({.stuff = Stuff::wood, .steps = {3}}),
             "Steps::count = 3 is not read by wood, only by stone, brick")
       << "a struct as a whole";
-  EXPECT_EQ(message_of([] { refuse_unread(Steps{3}); }), "") << "by itself nothing decides";
+  EXPECT_EQ(message_of([] { check_options(Steps{3}); }), "") << "by itself nothing decides";
   EXPECT_EQ(unread_of({.cellar = {.walls = Colour::green, .damp = true}}),
             "Cellar::damp = true is not read by red, only by green");
   EXPECT_EQ(unread_of({.cellar = {.floor = Colour::green, .damp = true}}), "");
@@ -165,7 +165,7 @@ void describe(SettingVisitor& visit, Riddle& o) {
   visit.number({.name = "answer", .only_for = "sphinx"}, o.answer);
 }
 TEST(Settings, NeedAChoiceThatDecides) {
-  EXPECT_THROW(refuse_unread(Riddle{7}), std::logic_error);
+  EXPECT_THROW(check_options(Riddle{7}), std::logic_error);
 }
 
 TEST(Settings, AreListedByWholeNames) {

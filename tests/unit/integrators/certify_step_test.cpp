@@ -20,13 +20,13 @@ TEST(CertifyStep, ProvesAPathThatTurnsFarPieceByPiece) {
   State state = rest_state(model);
   pose(state, turning).p = Vec3(0, 0, thread.pitch) - model.bodies[turning].g_bs.p;
   state.h = 1e-3;
-  state.apart = true;
   const double angle = 0.6;  // [rad] in the step
   const auto certified = [&](double rise) {
     VecX v = VecX::Zero(state.v.size());
     v[first_velocity(turning) + 2] = rise / state.h;
     v[first_velocity(turning) + 5] = angle / state.h;
-    const StepPath path = step_path({model, state, v, state.h}, body_bounds(model));
+    StepPath path = step_path({model, state, v, state.h}, body_bounds(model));
+    path.starts_apart = true;
     return certify_step(path, {{.a = BodyId(0), .b = turning, .dilation = 2e-4, .threshold = 1}},
                         body_bounds(model), {}, {}, 1);
   };

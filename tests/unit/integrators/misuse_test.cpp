@@ -225,7 +225,7 @@ TEST(Joint, RefusesWhatActsAlongAnAxisThatItHasNot) {
 TEST(StepOptions, RefuseThreadsThatAStepWouldOverrule) {
   const TwoBalls s;
   EXPECT_EQ(message_of([&] { make_scheme("moreau_jean", s.model, {.step = {.lmd = {.threads = 4}}}); }),
-            "StepOptions::lmd.threads = 4 must not be set: StepOptions::threads is for all");
+            "StepOptions::lmd.threads = 4 must not be set: StepOptions::threads is that of every stage");
   EXPECT_NE(message_of([&] {
               make_scheme("moreau_jean", s.model,
                           {.step = {.solver = {.for_all = [](int, const std::function<void(int)>&) {}}}});
