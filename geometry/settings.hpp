@@ -225,7 +225,7 @@ namespace detail {
 
 class RangeCheck : public SettingVisitor {
  public:
-  explicit RangeCheck(const std::string& where) : where_(where) {}
+  explicit RangeCheck(std::string_view where = {}) : where_(where) {}
   void number(const Setting& setting, double& value) override { check(setting, value); }
   void count(const Setting& setting, int& value) override { check(setting, value); }
   void toggle(const Setting&, bool&) override {}
@@ -238,7 +238,8 @@ class RangeCheck : public SettingVisitor {
     if (contains(setting.range, value)) return;
     const std::string order = range_order(setting.range), unit = setting.unit;
     const bool bare = unit.empty() || unit == "-", both = order.starts_with("lie");
-    require_field(false, (where_.empty() ? field(setting) : where_ + path(setting)).c_str(), value,
+    require_field(false, (where_.empty() ? field(setting) : std::string(where_) + path(setting)).c_str(),
+                  value,
                   (order + (bare   ? ""
                             : both ? " " + unit
                                    : " [" + unit + "]"))
@@ -246,7 +247,7 @@ class RangeCheck : public SettingVisitor {
   }
 
  private:
-  const std::string& where_;
+  std::string_view where_;
 };
 
 }  // namespace detail
@@ -348,7 +349,7 @@ class PlainValues final : public SettingVisitor {
 
 class OptionCheck final : public RangeCheck {
  public:
-  explicit OptionCheck(const std::vector<PlainValue>& usual) : RangeCheck(where_none()), usual_(usual) {}
+  explicit OptionCheck(const std::vector<PlainValue>& usual) : usual_(usual) {}
   void number(const Setting& setting, double& value) override {
     check(setting, value);
     if (value != usual_[next_++].number) refuse_unread(setting, {.number = value});
@@ -365,10 +366,6 @@ class OptionCheck final : public RangeCheck {
   }
 
  private:
-  static const std::string& where_none() {
-    static const std::string none;
-    return none;
-  }
   void choose(const Setting& setting, Choice& value) override {
     if (value.name() != usual_[next_++].name) refuse_unread(setting, {.name = value.name()});
   }

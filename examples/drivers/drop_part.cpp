@@ -57,7 +57,8 @@ bool is_expected(const DrivenRun& run, const Model& model, const Drop& of) {
   expect(run.last.moved(), "the last step was not taken: " + run.last.reason);
   expect(run.recording.total("solver_failures") == 0, "not every step was solved");
   expect(of.speed < 1e-3, "the part does not rest: at the end, 1 mm/s is the most");
-  expect(of.overlap <= kLargestOverlap, "the part overlaps by more than 4.2 % of the two dilations");
+  expect(of.overlap <= kLargestOverlap,
+         "the part overlaps by more than " + number_text(100 * kLargestOverlap) + " % of the two dilations");
   expect(of.rise < 1e-4, "a step gained more than 1e-4 of the energy of the fall");
   return all;
 }

@@ -2,12 +2,11 @@
 // The recorded assemblies that tests replay: "peg_in_socket", our own, and the shared ones.
 #pragma once
 
-#include <cstdlib>
 #include <filesystem>
 #include <optional>
 #include <string>
 
-#include "examples/drivers/assembly/assembly_input.hpp"
+#include "tests/support/shared_pair.hpp"
 
 namespace aussois {
 
@@ -17,9 +16,7 @@ inline std::optional<AssemblyInput> recorded_pair(const std::string& name) {
     const std::filesystem::path own = std::filesystem::path(AUSSOIS_SOURCE_DIR) / "examples/data";
     return read_assembly_files(own / "socket.obj", own / "peg.obj", own / "peg_out.csv", 1e-3);
   }
-  const char* data = std::getenv("AUSSOIS_DATA_DIR");
-  if (!data || !*data) return std::nullopt;
-  return read_assembly_pair(data, name, 1e-3);
+  return shared_pair(name);
 }
 
 }  // namespace aussois

@@ -2,17 +2,15 @@
 // Is a contact missing? On every pair and pose of the shared assemblies the smallest distance of the contacts
 // must be that of the meshes: as the certificate finds it, and as FCL does, which knows nothing of cones,
 // regions or classes.
-#include <cstdlib>
-
 #include <gtest/gtest.h>
 
 #ifdef AUSSOIS_TEST_FCL
 #include "bench/peer_fcl.hpp"
 #endif
-#include "examples/drivers/assembly/assembly_input.hpp"
 #include "lmd/certificate.hpp"
 #include "lmd/coverage.hpp"
 #include "lmd/find_contacts.hpp"
+#include "tests/support/shared_pair.hpp"
 
 namespace aussois {
 namespace {
@@ -20,9 +18,9 @@ namespace {
 class Completeness : public ::testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
-    const char* data = std::getenv("AUSSOIS_DATA_DIR");
-    if (!data || !*data) GTEST_SKIP() << "AUSSOIS_DATA_DIR names no folder";
-    input = read_assembly_pair(data, GetParam(), 1e-3);
+    std::optional<AssemblyInput> pair = shared_pair(GetParam());
+    if (!pair) GTEST_SKIP() << "AUSSOIS_DATA_DIR names no folder";
+    input = std::move(*pair);
     const Box& box = input.moving.report.box;
     part = box.diagonal();
     // Two dilations fit the tightest of the paths (4.2e-4 of this radius).

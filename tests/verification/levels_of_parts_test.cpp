@@ -1,20 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // Levels of recorded parts at random poses around their paths: what they are off, their distances (LOD-3) and
 // smallest gaps (LOD-5), against the certificate's descent and against FCL, which knows nothing of either.
-#include <cstdlib>
-
 #include <gtest/gtest.h>
 
 #ifdef AUSSOIS_TEST_FCL
 #include "bench/peer_fcl.hpp"
 #endif
-#include "examples/drivers/assembly/assembly_input.hpp"
 #include "lmd/certificate.hpp"
 #include "lmd/coverage.hpp"
 #include "lmd/level_contacts.hpp"
 #include "lmd/nesting.hpp"
 #include "lmd/shape_levels.hpp"
 #include "tests/support/sampled_distance.hpp"
+#include "tests/support/shared_pair.hpp"
 
 namespace aussois {
 namespace {
@@ -24,9 +22,9 @@ constexpr int kLevels = 5;
 class LevelsOfParts : public ::testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
-    const char* data = std::getenv("AUSSOIS_DATA_DIR");
-    if (!data || !*data) GTEST_SKIP() << "AUSSOIS_DATA_DIR names no folder";
-    input = read_assembly_pair(data, GetParam(), 1e-3);
+    std::optional<AssemblyInput> pair = shared_pair(GetParam());
+    if (!pair) GTEST_SKIP() << "AUSSOIS_DATA_DIR names no folder";
+    input = std::move(*pair);
     const Box& box = input.moving.report.box;
     radius = radius_about(input.moving.complex, (box.lo + box.hi) / 2);
     const auto shape = [&](const SimplicialComplex& complex) {
