@@ -17,6 +17,7 @@
 #include "geometry/fastener.hpp"
 #include "geometry/mass_properties.hpp"
 #include "geometry/primitives.hpp"
+#include "integrators/run.hpp"
 #include "integrators/schemes/moreau_jean.hpp"
 #include "io/csv_table.hpp"
 #include "io/summary.hpp"
@@ -122,16 +123,17 @@ Row run_scene(const Scene& scene, const LmdShape& target, const LmdShape& part, 
   const MoreauJean scheme(model, options, {.theta = 1});
   Row row{.scene = scene.name, .speed = speed, .levels = levels};
   double sum = 0;
-  while (state.t < kSteps * kStep * (1 - 1e-9) && !interrupted()) {
-    const StepReport report = scheme.step(state, kSteps * kStep - state.t);
-    if (!report.moved()) throw std::runtime_error(std::string(scene.name) + ": " + report.reason);
+  const StepReport last = run(scheme, state, kSteps * kStep, [&](const StepReport& report) {
+    if (!report.moved()) return false;
     ++row.steps;
     row.attempts += report.attempts;
     row.contacts = std::max(row.contacts, report.contacts_found);
     row.kept = std::max(row.kept, report.contacts_kept);
     row.ms_max = std::max(row.ms_max, 1e3 * report.total.cpu);
     sum += 1e3 * report.total.cpu;
-  }
+    return !interrupted();
+  });
+  if (!last.moved()) throw std::runtime_error(std::string(scene.name) + ": " + last.reason);
   row.ms_mean = sum / std::max(1, row.steps);
   return row;
 }

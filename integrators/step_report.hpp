@@ -92,7 +92,7 @@ struct StepEvent {
   EventKind kind = EventKind::impact;
   double t = 0;               // [s]
   BodyId body_a{}, body_b{};  // of a contact
-  int slot = -1;              // of an axis or gap function, see axis_slot and gap_of; -1: a contact
+  std::optional<int> slot{};  // of an axis or gap function, see axis_slot and gap_of; a contact has none
   double speed = 0;           // impacts: normal closing speed [m/s, rad/s], >= 0
 };
 

@@ -47,6 +47,9 @@ struct Motor {
   std::function<double(double t)> target{};  // [N, N m], [m/s, rad/s] or [m, rad]
   double limit = kInf;                       // of a speed or position motor [N, N m]
 };
+inline bool prescribes_motion(const Motor& motor) {
+  return motor.kind == MotorKind::speed || motor.kind == MotorKind::position;
+}
 
 /// What acts along a free axis with coordinate q [m or rad]. `describe` gives the ranges.
 struct JointAxis {
@@ -67,8 +70,8 @@ struct Joint {
   // through each other, without contacts or certificate (Model::passing)
   bool collide = false;
   SE3 frame_a{}, frame_b{};         // seen from the frames of the bodies
-  double pitch = 0;                 // of a screw, with its sign [m/turn], not 0
-  double length = 0;                // of a distance [m], > 0
+  double pitch = 0;                 // of a screw, with its sign, not 0; of others 0 [m/turn]
+  double length = 0;                // of a distance, > 0; of others 0 [m]
   std::array<JointAxis, 3> axis{};  // only the first axis_count(kind) are used
 };
 

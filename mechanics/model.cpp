@@ -67,6 +67,10 @@ void check_axis(const JointAxis& axis, const std::string& who) {
                 ("be below upper = " + number_text(axis.upper)).c_str());
   require(axis.motor.kind == MotorKind::none || bool(axis.motor.target),
           who + "motor.target must be callable");
+  require_field(prescribes_motion(axis.motor) || axis.motor.limit == kInf, (who + "motor.limit").c_str(),
+                axis.motor.limit, "be infinite: only a motor of speed or position reads it");
+  require(axis.motor.kind != MotorKind::none || !axis.motor.target,
+          who + "motor.target is set, but the kind of the motor is none");
 }
 
 // For axes that the joint lacks: nothing acts along them.
@@ -90,9 +94,14 @@ void check_joint(const Joint& joint, JointId index, const Table<BodyId, RigidBod
   if (joint.kind == JointKind::screw)
     require_field(joint.pitch != 0 && std::isfinite(joint.pitch), (who + "pitch").c_str(), joint.pitch,
                   "be finite and not 0 [m/turn]");
+  else
+    require_field(joint.pitch == 0, (who + "pitch").c_str(), joint.pitch, "be 0: only a screw reads it");
   if (joint.kind == JointKind::distance)
     require_field(joint.length > 0 && std::isfinite(joint.length), (who + "length").c_str(), joint.length,
                   "be positive and finite [m]");
+  else
+    require_field(joint.length == 0, (who + "length").c_str(), joint.length,
+                  "be 0: only a distance reads it");
   for (int i = 0; i < axis_count(joint.kind); ++i)
     check_axis(joint.axis[i], who + "axis[" + std::to_string(i) + "].");
   for (std::size_t i = std::size_t(axis_count(joint.kind)); i < joint.axis.size(); ++i)

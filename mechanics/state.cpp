@@ -187,16 +187,16 @@ int slot_of(const Model& model, GapId gap) {
 int row_count(const Model& model) {
   return first_gap_row(model) + kRowsOfAGap * int(model.gaps.size());
 }
-bool is_of_axis(const Model& model, int slot) {
-  return slot >= 0 && slot < first_gap_row(model);
+bool is_of_axis(const Model& model, std::optional<int> slot) {
+  return slot && *slot < first_gap_row(model);
 }
 AxisSlot axis_slot(int slot) {
   return {.joint = JointId::at(slot / kRowsOfAJoint),
           .axis = slot % kRowsOfAJoint / kRowsOfAnAxis,
           .row = AxisRow(slot % kRowsOfAnAxis)};
 }
-GapId gap_of(const Model& model, int slot) {
-  const int row = slot - first_gap_row(model);
+GapId gap_of(const Model& model, std::optional<int> slot) {
+  const int row = slot.value_or(-1) - first_gap_row(model);
   return row < 0 ? GapId() : GapId::at(row / kRowsOfAGap);
 }
 

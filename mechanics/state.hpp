@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "geometry/se3.hpp"
@@ -73,12 +74,12 @@ int slot_of(const AxisSlot& of);
 /// The first of three.
 int slot_of(const Model& model, GapId gap);
 int row_count(const Model& model);
-/// False for a gap function, and for -1, a contact.
-bool is_of_axis(const Model& model, int slot);
+/// False for a gap function, and for none, a contact.
+bool is_of_axis(const Model& model, std::optional<int> slot);
 /// Inverts slot_of.
 AxisSlot axis_slot(int slot);
-/// None for an axis, and for -1, a contact.
-GapId gap_of(const Model& model, int slot);
+/// None for an axis, and for none, a contact.
+GapId gap_of(const Model& model, std::optional<int> slot);
 
 /// Energy of the dynamic bodies and the coordinates; `laws` is the sum of the potentials of force laws, joint
 /// springs and coordinates at the state's own time (MEC-4).

@@ -130,6 +130,7 @@ struct Cli::Impl {
   const std::vector<std::filesystem::path>* files = nullptr;
   CommonOptions* restarts = nullptr;
   std::map<std::string, std::string> flag_of{};  // by "Struct::member"
+  std::map<const void*, CLI::Option*> set_by{};  // by the variable
   CLI::App app{};
   bool show_help = false, show_version = false;
 
@@ -156,7 +157,10 @@ struct Cli::Impl {
                    const std::string& unit, const std::string& bound) {
     entries.push_back(
         {group, flag, placeholder, text, unit, bound, text_of(value), [&value] { return text_of(value); }});
-    return app.add_option(flag, value);
+    CLI::Option* option = app.add_option(flag, value);
+    const auto [other, alone] = set_by.emplace(&value, option);
+    if (!alone) option->excludes(other->second);  // two names of one thing: the second would win in silence
+    return option;
   }
   template <class Number>
   void add_number(const std::string& flag, Number& value, const std::string& text, const std::string& unit,

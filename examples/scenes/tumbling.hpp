@@ -20,8 +20,9 @@ struct Tumbling {
     state = rest_state(model);
     for (SE3& g : state.g) g = random.pose(1);
     Joint joint = joint_at(kind, "joint", 1, 0, state.g, random.pose(0.5));
-    joint.pitch = 0.5, joint.length = 0.3;
-    if (kind == JointKind::distance) joint.frame_b = joint.frame_b * translation(0.1, 0.2, 0.2);
+    if (kind == JointKind::screw) joint.pitch = 0.5;
+    if (kind == JointKind::distance)
+      joint.length = 0.3, joint.frame_b = joint.frame_b * translation(0.1, 0.2, 0.2);
     add(model, joint);
     for (const BodyId i : state.g.ids()) twist(state, i) << random.vector(1), random.vector(3);
     state = consistent_state(model, state);

@@ -278,6 +278,9 @@ void validate(const EventDrivenOptions& o) {
   check_ranges(o);
   require_field(o.gap_tolerance < o.horizon, "EventDrivenOptions::gap_tolerance", o.gap_tolerance,
                 "be below the horizon [m]");
+  require(o.ode.method == OdeMethod::adams || o.stiff_slip == EventDrivenOptions{}.stiff_slip,
+          "EventDrivenOptions::stiff_slip = " + number_text(o.stiff_slip) +
+              " is read by OdeOptions::method = adams only: bdf integrates every piece already");
 }
 
 namespace {

@@ -31,7 +31,7 @@ void add_sums(const JointSums& sums, StepJoint& joint) {
 }
 
 bool same(const Touch& a, const Touch& b) {
-  return a.slot == b.slot && (a.slot >= 0 || key_of(a.point) == key_of(b.point));
+  return a.slot == b.slot && (a.slot || key_of(a.point) == key_of(b.point));
 }
 
 }  // namespace
@@ -44,12 +44,12 @@ std::vector<int> matched(const std::vector<Touch>& old, const std::vector<Touch>
     for (std::size_t j = 0; j < now.size() && out[i] < 0; ++j)
       if (!taken[j] && same(old[i], now[j])) take(i, j);
   for (std::size_t i = 0; i < old.size(); ++i) {
-    if (out[i] >= 0 || old[i].slot >= 0) continue;
+    if (out[i] >= 0 || old[i].slot) continue;
     double least = kInf;
     std::size_t best = 0;
     for (std::size_t j = 0; j < now.size(); ++j) {
       const ContactPoint &a = old[i].point, &b = now[j].point;
-      if (taken[j] || now[j].slot >= 0 || a.a.body != b.a.body || a.b.body != b.b.body) continue;
+      if (taken[j] || now[j].slot || a.a.body != b.a.body || a.b.body != b.b.body) continue;
       const double distance = (a.x_a - b.x_a).norm();
       if (distance < least) least = distance, best = j;
     }
@@ -85,8 +85,8 @@ EventLayout layout_of(const StepSetting& setting, const std::vector<ClosedTouch>
 void add_touch(const Touch& touch, double p, const VecX& v, const VecX& on,
                Table<JointId, StepJoint>& joints) {
   const double moved = touch.u[0] - touch.N.col(0).dot(v);
-  add_effort(axis_slot(touch.slot), p, 1, joints);
-  add_axis_work(axis_slot(touch.slot), p, moved + touch.N.col(0).dot(on), moved, joints);
+  add_effort(axis_slot(*touch.slot), p, 1, joints);
+  add_axis_work(axis_slot(*touch.slot), p, moved + touch.N.col(0).dot(on), moved, joints);
 }
 
 VecX EventRun::packed() const {

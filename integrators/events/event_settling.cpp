@@ -30,7 +30,7 @@ double overlap_of(const Touch& touch) {
 }  // namespace
 
 void EventRun::add_event(EventKind kind, const Touch& touch, double t, double speed) {
-  const bool contact = touch.slot < 0;
+  const bool contact = !touch.slot;
   report_.events.push_back({.kind = kind,
                             .t = t,
                             .body_a = contact ? touch.point.a.body : BodyId(),
@@ -40,8 +40,8 @@ void EventRun::add_event(EventKind kind, const Touch& touch, double t, double sp
 }
 
 void EventRun::add_impulse(const Touch& touch, const VecX& r, double work) {
-  if (touch.slot >= 0) {
-    state_.r.segment(touch.slot, r.size()) += r;
+  if (touch.slot) {
+    state_.r.segment(*touch.slot, r.size()) += r;
     if (of_a_joint(touch)) return;
     const auto id = gap_of(model_, touch.slot);
     const auto known = std::ranges::find(report_.gaps, id, &StepGap::id);
@@ -157,9 +157,9 @@ void EventRun::foretell_rest(const Accelerations& now) {
     if (event.kind != EventKind::rest || event.t != state_.t) continue;
     for (std::size_t i = 0; i < closed_.size(); ++i) {
       const Touch& touch = closed_[i].touch;
-      const bool meant = event.slot >= 0 ? touch.slot == event.slot
-                                         : touch.slot < 0 && touch.point.a.body == event.body_a &&
-                                               touch.point.b.body == event.body_b;
+      const bool meant = event.slot ? touch.slot == event.slot
+                                    : !touch.slot && touch.point.a.body == event.body_a &&
+                                          touch.point.b.body == event.body_b;
       const double pressed = now.weight[i][0] * now.force[i][0];  // the acceleration that closes it
       if (!meant || !(pressed > tolerance_) || touch.restitution == 1) continue;
       event.t += 2 * touch.restitution * event.speed / (pressed * (1 - touch.restitution));

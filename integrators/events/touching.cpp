@@ -23,7 +23,7 @@ constexpr double kLargestGlide = 1e-3;  // [s]
 
 // Velocities of rows given in the places of State::v, split into what is free and what moves by itself.
 Touch touch_of(const StepSetting& setting, const State& state, const MatX& J, const VecX& rate, Law law,
-               double gap, double restitution, int slot) {
+               double gap, double restitution, std::optional<int> slot) {
   const Layout& dofs = setting.dofs;
   Touch out{.slot = slot, .law = law, .restitution = restitution, .gap = gap};
   out.N = MatX::Zero(dofs.rows, J.rows());
@@ -130,7 +130,7 @@ void add_contacts(const StepSetting& setting, const State& state, double thresho
       put(J, d, row.body_b, row.J_b.row(d));
     }
     Touch touch = touch_of(setting, state, J, VecX::Zero(row.law.rows), row.law, contacts.points[i].gap,
-                           contact_law(setting.model, row.body_a, row.body_b).restitution, -1);
+                           contact_law(setting.model, row.body_a, row.body_b).restitution, {});
     touch.point = contacts.points[i];
     touch.frame = row.frame;
     touch.bias = contact_bias(setting, state, touch.point, row.frame, row.law.rows, touch.kinematics_defined);

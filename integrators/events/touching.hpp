@@ -13,7 +13,7 @@ inline constexpr double kAcceptedResidual = 1e-9;
 
 /// One block of rows at a state: a contact, a gap function, or the stop or dry friction of a joint's axis.
 struct Touch {
-  int slot = -1;                   // first entry in State::r; -1: a contact
+  std::optional<int> slot{};       // first entry in State::r; a contact has none
   ContactPoint point{};            // of a contact
   Mat3 frame = Mat3::Identity();   // of a contact: columns n, t1, t2, world
   Law law{};                       // limits of dry friction in N, N m

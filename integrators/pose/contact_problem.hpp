@@ -2,6 +2,7 @@
 // Poses the one-step problem of contacts and gap functions: directions, bias, laws (MJ-3), (MJ-6), (GEN-3).
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "integrators/pose/free_motion.hpp"
@@ -28,8 +29,8 @@ struct ContactRow {
   double gap = 0;                       // [m, rad]; for a row with a normal
   double restitution = 0;               // for a row with a normal [-]
   Law law{};
-  bool active = true;  // false: the normal law leaves the block out of this step
-  int slot = -1;       // first entry in State::r; -1: a contact, which the contact memory keeps
+  bool active = true;         // false: the normal law leaves the block out of this step
+  std::optional<int> slot{};  // first entry in State::r; of a contact, which the contact memory keeps, none
 };
 
 /// The rule of the normal rows of a step: its law, and what StepOptions says of gaps and overlaps.

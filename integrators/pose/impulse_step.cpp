@@ -34,11 +34,11 @@ std::vector<RowVector> starting_impulses(const ImpulseStep& step, const FoundCon
   if (!step.solved.first_row.empty()) return row_impulses(step);
   std::vector<RowVector> out(rows.size(), RowVector::Zero());
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (rows[i].slot < 0) {
+    if (!rows[i].slot) {
       out[i].head<3>() = rows[i].frame.transpose() * found.start[i];
       out[i][3] = found.warm.drilling[i];
     } else if (r.size() > 0) {
-      out[i].head(rows[i].law.rows) = found.scale * r.segment(rows[i].slot, rows[i].law.rows);
+      out[i].head(rows[i].law.rows) = found.scale * r.segment(*rows[i].slot, rows[i].law.rows);
     }
   }
   return out;

@@ -17,14 +17,11 @@ constexpr double kQuick = 1e-3;       // of the error before; what leaves more t
 constexpr double kProjected = 1e-13;  // [m, rad]; rounding of coordinates of some metres
 constexpr double kClosed = 1e-10;     // [m, rad]; its square is nothing beside the compliance of (JNT-3)
 
-bool prescribes_motion(const Motor& motor) {
-  return motor.kind == MotorKind::speed || motor.kind == MotorKind::position;
-}
 bool is_bilateral(const Motor& motor) {
   return prescribes_motion(motor) && motor.limit == kInf;
 }
 bool is_limited(const Motor& motor) {
-  return prescribes_motion(motor) && motor.limit < kInf;
+  return motor.limit < kInf;
 }
 
 // Of the target of a position motor [m/s, rad/s]; targets are smooth over 10 us.

@@ -33,12 +33,12 @@ VecX landing_path(const StepSetting& setting, const State& start, const FoundCon
     if (row.law.kind == LawKind::dry_friction) continue;
     const double ahead = row.gap + found.h * slip_velocity(row, setting.dofs, v_path).x();
     bool landing = ahead < -kOverlapRounding;
-    if (landing && row.slot < 0) {
+    if (landing && !row.slot) {
       const RowVector before = slip_velocity(row, setting.dofs, step.free->v);
       landing = -before.x() >
                 closing_by_turning(setting, start, step.v_prescribed, row, before.head<3>().norm(), found.h);
     } else if (landing) {  // of gap functions and stops: none that bore a load
-      landing = start.r.size() == 0 || !(start.r[row.slot] > 0);
+      landing = start.r.size() == 0 || !(start.r[*row.slot] > 0);
     }
     opening.push_back(row);
     opening.back().w.x() = landing ? ahead : std::max(0.0, ahead);

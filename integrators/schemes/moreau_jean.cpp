@@ -145,6 +145,9 @@ void validate(const MoreauJeanOptions& o) {
   require(!o.newton.gap_hessians || (o.newton.max_iterations > 1 && o.contacts != ContactsAt::start),
           "NewtonOptions::gap_hessians needs NewtonOptions::max_iterations > 1 and "
           "MoreauJeanOptions::contacts = midpoint or end");
+  require(o.newton.tolerance == NewtonOptions{}.tolerance || o.newton.max_iterations > 1,
+          "NewtonOptions::tolerance = " + number_text(o.newton.tolerance) +
+              " needs NewtonOptions::max_iterations > 1: one iteration has no loop that it could end");
   require(in_the_step(o.impact) || o.gamma == 1,
           "MoreauJeanOptions::gamma must be 1 with Poisson's or sequential impacts, which have their own "
           "average");

@@ -38,8 +38,8 @@ void set_position_laws(const StepSetting& setting, const State& state, const Fou
       row.law.limit *= (1 + state.h / found.h) / 2;  // (SP-2)
       continue;
     }
-    const bool acted = row.slot < 0 ? found.warm.impulse[i].dot(row.frame.col(0)) > 0
-                                    : state.r.size() > 0 && state.r[row.slot] > 0;
+    const bool acted = row.slot ? state.r.size() > 0 && state.r[*row.slot] > 0
+                                : found.warm.impulse[i].dot(row.frame.col(0)) > 0;
     row.w.x() = row.moved.x() + position_bias(row, slip_velocity(row, setting.dofs, v).x(), acted, found.h,
                                               state.h, setting.normal.correction_speed);
   }

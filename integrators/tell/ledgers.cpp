@@ -107,7 +107,7 @@ void tell_work(const StepSetting& setting, const ImpulseStep& step, const VecX& 
       const RowVector u = slip_velocity(row, dofs, step.free->v) + slip_velocity(row, dofs, v_end);
       for (int d = 0; d < row.law.rows; ++d) work += u[d] / 2 * r_k[d];
     }
-    if (row.slot < 0) {
+    if (!row.slot) {
       report.contacts[k].work = work;
       add_law_work(setting, contact_law(setting.model, row.body_a, row.body_b), work, report);
     }
@@ -196,8 +196,8 @@ Table<JointId, StepJoint> step_joints(const StepSetting& setting, const ImpulseS
     const ContactRow& row = step.rows[step.solved.kept[k]];
     if (!is_of_axis(model, row.slot)) continue;
     const double p = r[step.solved.first_row[k]];
-    add_effort(axis_slot(row.slot), p, time, out);
-    add_axis_work(axis_slot(row.slot), p, normal_speed(row, mean.v), normal_speed(row, moved), out);
+    add_effort(axis_slot(*row.slot), p, time, out);
+    add_axis_work(axis_slot(*row.slot), p, normal_speed(row, mean.v), normal_speed(row, moved), out);
   }
   const VecX path = all_velocities(dofs, move.v_path, moved);
   add_spring_and_motor_work(model, step.free->axes, all_velocities(dofs, v_solved - v, 0 * moved),

@@ -84,13 +84,13 @@ Impulses sorted_impulses(const Model& model, const std::vector<ContactRow>& rows
   for (std::size_t k = 0; k < solved.kept.size(); ++k) {
     const ContactRow& row = rows[solved.kept[k]];
     const int first = solved.first_row[k], count = row.law.rows;
-    if (row.slot < 0) {
+    if (!row.slot) {
       const int of_frame = std::min(count, 3);
       out.contact.push_back(row.frame.leftCols(of_frame) * r.segment(first, of_frame));
       out.drilling.push_back(count > 3 ? r[first + 3] : 0);
       continue;
     }
-    out.r.segment(row.slot, count) = r.segment(first, count);
+    out.r.segment(*row.slot, count) = r.segment(first, count);
     if (is_of_axis(model, row.slot)) out.of_joints.segment(first, count) = r.segment(first, count);
   }
   return out;
@@ -162,7 +162,7 @@ StepReport asked(const StepSetting& setting, const Trial& trial) {
   report.contacts_found = found.count;
   report.contacts_coarse = found.coarse_count;
   report.contacts_kept =
-      int(std::ranges::count_if(step.solved.kept, [&](int row) { return step.rows[row].slot < 0; }));
+      int(std::ranges::count_if(step.solved.kept, [&](int row) { return !step.rows[row].slot; }));
   report.loss = found.selection.loss;
   report.matches = found.warm.counts;
   report.passing_pairs = found.passing;

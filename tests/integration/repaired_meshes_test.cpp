@@ -7,9 +7,13 @@
 #include <gtest/gtest.h>
 
 #include "examples/drivers/assembly/assembly_input.hpp"
+#include "geometry/primitives.hpp"
+#include "integrators/run.hpp"
 #include "io/mesh_file.hpp"
 #include "lmd/certificate.hpp"
 #include "lmd/find_contacts.hpp"
+#include "tests/support/message_of.hpp"
+#include "tests/support/random.hpp"
 #include "tests/support/shared_meshes.hpp"
 
 namespace aussois {
@@ -119,6 +123,64 @@ TEST_F(RepairedMeshes, KeepTheSmallestGapOfAFit) {
     EXPECT_NEAR(gap, smallest_gap(find_contacts({&raw, g, 1}, {&fixed, {}, 0}, options)), tolerance);
     EXPECT_NEAR(gap, fit.clearance, 0.05 * fit.clearance) << "the recorded clearance";
   }
+}
+
+// How often the surface goes round a point: the sum of the solid angles of its triangles (van Oosterom and
+// Strackee 1983) over 4 pi, which knows no rays.
+double turns_around(const SimplicialComplex& surface, const Vec3& p) {
+  double sum = 0;
+  for (const auto& [i, j, k] : surface.triangles) {
+    const Vec3 a = surface.vertices[i] - p, b = surface.vertices[j] - p, c = surface.vertices[k] - p;
+    const double u = a.norm(), v = b.norm(), w = c.norm();
+    sum += std::atan2(a.dot(b.cross(c)), u * v * w + a.dot(b) * w + b.dot(c) * u + c.dot(a) * v);
+  }
+  return sum / (2 * kPi);
+}
+
+// Anywhere in the box of a part, and right before and behind its faces: bores, slots and threads have steel
+// on one side and nothing on the other.
+TEST_F(RepairedMeshes, RefuseAPointInTheirSteelAndTakeOneInTheirBores) {
+  int solids = 0, inside = 0, outside = 0;
+  for (const std::filesystem::path& path : shared_meshes(data)) {
+    SCOPED_TRACE(path.filename().string());
+    const AssemblyPart part = read_part(path, 1e-3);
+    if (!part.complex.solid) continue;
+    ++solids;
+    const double size = part.report.box.diagonal(), near = 1e-4 * size;
+    Model model;
+    const BodyId steel =
+        add(model, fixed_body("steel", add(model, prepare(dilate(part.complex, 1e-7 * size)))));
+    const BodyId grain = add(model, RigidBody{.name = "grain",
+                                              .shape = add(model, prepare(dilate(make_point(), 1e-7 * size))),
+                                              .mass = 1,
+                                              .inertia = Mat3::Identity()});
+    const SimplicialComplex& surface = model.shapes[model.bodies[steel].shape]->complex;
+    State state = rest_state(model);
+    Random random(7);
+    for (int k = 0; k < 60; ++k) {
+      const auto& [a, b, c] = surface.triangles[std::size_t(random.index(int(surface.triangles.size())))];
+      const Vec3 &x = surface.vertices[a], &y = surface.vertices[b], &z = surface.vertices[c];
+      const Vec3 off = (k % 3 == 1 ? near : -near) * (y - x).cross(z - x).stableNormalized();
+      const Vec3 share(random.uniform(), random.uniform(), random.uniform());
+      const Vec3 p =
+          k % 3 ? Vec3((x + y + z) / 3 + off)
+                : Vec3(part.report.box.lo + share.cwiseProduct(part.report.box.hi - part.report.box.lo));
+      const double turns = turns_around(surface, p);
+      ASSERT_NEAR(turns, std::round(turns), 1e-6);
+      pose(state, grain).p = p;
+      const std::string said = message_of([&] { validate_start(model, state); });
+      if (said.find("nearer") != std::string::npos) continue;
+      if (turns > 0.5) {
+        EXPECT_EQ(said, "start: body 1 (grain) lies inside the solid of body 0 (steel)") << p.transpose();
+        ++inside;
+      } else {
+        EXPECT_EQ(said, "") << p.transpose();
+        ++outside;
+      }
+    }
+  }
+  EXPECT_GE(solids, 30);
+  EXPECT_GE(std::min(inside, outside), 15 * solids) << inside << " and " << outside << " starts";
 }
 
 }  // namespace

@@ -29,6 +29,7 @@ namespace aussois {
 struct CoverageAudit {
   long poses = 0;            // judged; bases that touch have no contacts
   long missed = 0;           // that were due, for want of poses
+  long hidden = 0;           // where every probe touches the shape, or is inside
   long holes = 0;            // no contact as near as the bases, or no contact at all
   long early = 0;            // a contact nearer than the bases
   double worst = 0;          // difference over the tolerances of both shapes [-]
@@ -216,40 +217,52 @@ struct PoseSlice {
   int number = 0, of = 1;
 };
 
+/// Where a probe stands beside an aim, at a random height above it and turned at random.
+inline SE3 put_on(const Aim& aim, const Probe& probe, double size, double dilation, Random& random) {
+  const double away = dilation * random.log_uniform(0.1, 20);
+  const double turn = random.index(3) ? random.uniform(0, 2 * kPi) : 0;
+  const Vec3 y = aim.u.cross(aim.beside);
+  Mat3 axes;
+  axes << std::cos(turn) * aim.beside + std::sin(turn) * y, std::cos(turn) * y - std::sin(turn) * aim.beside,
+      aim.u;
+  Quat R(axes);
+  if (random.index(3) == 0) R = R * exp_so3(random.vector_of_log_length(1e-10, 0.5));
+  R.normalize();
+  const double beside = (random.index(2) ? size : -size) * aim.off;
+  return {R, aim.x + away * aim.u + beside * aim.beside - R * probe.place};
+}
+
 /// `poses` poses of the probes aimed at the borders and wires of `shape`, from the seed: three of four go
-/// where one is due, until none is. Those of the slice are judged.
+/// where one is due, until none is. Where a probe touches the shape the next takes its place: any seven, then
+/// points, which reach into concave edges. Where all touch the place is hidden. Those of the slice are
+/// judged; each pose has random numbers of its own.
 inline CoverageAudit audit_coverage(const LmdShape& shape, long poses, std::uint64_t seed,
                                     PoseSlice slice = {}) {
+  constexpr int kTries = 40, kAny = 7;
+  static constexpr const char* kNames[] = {"point", "corner",           "crease",          "end of a crease",
+                                           "face",  "border of a face", "corner of a face"};
   CoverageAudit audit;
   const AimedPoses aimed(shape);
   if (aimed.empty()) return audit;
-  Random random(seed);
-  std::vector<long> due = shuffled(aimed.due_count(), random);
+  Random shuffle(seed);
+  const std::vector<long> due = shuffled(aimed.due_count(), shuffle);
   const double size = 2 * shape.bounding_radius;
   const std::vector<Probe> probes = make_probes(std::max(0.02 * size, 10 * shape.radius), shape.radius);
   for (long i = 0; i < poses; ++i) {
-    const std::size_t which = std::size_t(random.index(int(probes.size())));
-    const bool any = i % 4 == 3 || due.empty();
-    const Aim aim = any ? aimed.any(random) : aimed.due(due.back(), random);
-    if (!any) due.pop_back();
-    const double beside = size * aim.off;
-    const double away = shape.radius * random.log_uniform(0.1, 20);
-    Mat3 axes;
-    const double turn = random.index(3) ? random.uniform(0, 2 * kPi) : 0;
-    const Vec3 y = aim.u.cross(aim.beside);
-    axes << std::cos(turn) * aim.beside + std::sin(turn) * y,
-        std::cos(turn) * y - std::sin(turn) * aim.beside, aim.u;
-    Quat R(axes);
-    if (random.index(3) == 0) R = R * exp_so3(random.vector_of_log_length(1e-10, 0.5));
-    R.normalize();
-    const Vec3 p =
-        aim.x + away * aim.u + (random.index(2) ? beside : -beside) * aim.beside - R * probes[which].place;
-    static constexpr const char* kNames[] = {
-        "point", "corner", "crease", "end of a crease", "face", "border of a face", "corner of a face"};
-    if (i * slice.of / poses == slice.number)
-      judge_coverage({&probes[which].shape, {R, p}, 0}, {&shape, {}, 1}, kNames[which], audit);
+    const long next = i - (i + 1) / 4;  // of those due: every fourth pose is any
+    const bool any = i % 4 == 3 || next >= std::ssize(due);
+    if (i * slice.of / poses != slice.number) continue;
+    Random random(seed + 0x9E3779B97F4A7C15U * std::uint64_t(i + 1));
+    const long before = audit.poses;
+    for (int k = 0; k < kTries && audit.poses == before; ++k) {
+      const Aim aim = any ? aimed.any(random) : aimed.due(due[std::size_t(next)], random);
+      const std::size_t which = k < kAny ? std::size_t(random.index(int(probes.size()))) : 0;
+      const SE3 g = put_on(aim, probes[which], size, shape.radius, random);
+      judge_coverage({&probes[which].shape, g, 0}, {&shape, {}, 1}, kNames[which], audit);
+    }
+    audit.hidden += audit.poses == before;
   }
-  audit.missed = std::ssize(due);
+  audit.missed = std::max(0L, std::ssize(due) - (poses - poses / 4));
   return audit;
 }
 

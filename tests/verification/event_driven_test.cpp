@@ -99,6 +99,10 @@ TEST(EventDriven, RefusesBadOptionsAtTheDoor) {
       const std::string message = message_of([&] { EventDriven(s.model, {}, own); });
       EXPECT_EQ(message.find(begin.str()), 0U) << begin.str() << '\n' << message;
     }
+  EXPECT_NE(message_of([&] {
+              EventDriven(s.model, {}, {.ode = {.method = OdeMethod::bdf}, .stiff_slip = 0.2});
+            }).find("EventDrivenOptions::stiff_slip = 0.2 is read by OdeOptions::method = adams only"),
+            std::string::npos);
   Model model = s.model;
   model.joints[0] = Joint{.name = "motor", .kind = JointKind::revolute, .body_a = 0};
   model.joints[0].axis[0].motor = {

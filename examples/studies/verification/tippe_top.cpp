@@ -41,7 +41,7 @@ double touch_time(const CaseScene& s, const std::string& name, const SchemeOptio
   spin(s, name, o, 2, [&](const State& state, const StepReport& report) {
     const double now = stem_gap(s, state);
     for (const StepEvent& event : report.events)
-      if (event.slot >= 0 && event.kind == EventKind::impact) touch = std::min(touch, event.t);
+      if (event.slot && event.kind == EventKind::impact) touch = std::min(touch, event.t);
     if (now <= 1e-6 && touch == kInf) touch = before + (state.t - before) * gap / (gap - now);
     gap = now, before = state.t;
   });

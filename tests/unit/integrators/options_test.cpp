@@ -234,6 +234,10 @@ TEST(SchemeOptions, AreRefusedWhereTheyContradictEachOther) {
         MoreauJeanOptions{.newton = {.max_iterations = 9, .gap_hessians = true}}})
     EXPECT_NE(message_of([&] { MoreauJean(s.model, {}, loop); }).find("NewtonOptions::gap_hessians needs"),
               std::string::npos);
+  EXPECT_NE(message_of([&] {
+              MoreauJean(s.model, {}, {.newton = {.tolerance = 1e-8}});
+            }).find("NewtonOptions::tolerance = 1e-08 needs"),
+            std::string::npos);
   SchemeOptions pulled{.step = {.reduction = {.friction = FrictionAt::patches}}};
   pulled.step.persistence.anchors = true;
   EXPECT_NE(message_of([&] { make_scheme("moreau_jean", s.model, pulled); }).find("anchors"),

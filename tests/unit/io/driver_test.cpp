@@ -35,6 +35,7 @@ struct SampleDriver {
     cli.group("stepping");
     cli.option("--steps", steps, "steps", "", {1, 1e6});
     cli.option("--seed", seed, "of the random numbers");
+    cli.option("--json", common.summary, "the same as --summary");
     cli.common(common);
     cli.example("sample --mu 0.2", "little friction");
     cli.example("sample --steps 3 --quiet", "a short run");
@@ -150,6 +151,19 @@ TEST(Driver, TakesWordsBetweenBlanksOrCommasOrOneByOne) {
 TEST(ManyTasks, FilesAreNamedByLettersThatAnyFolderTakes) {
   EXPECT_EQ(file_stem("A5.paper_6 rods, spherical"), "A5.paper_6_rods__spherical");
   EXPECT_EQ(file_stem("ball_e05_moreau_jean theta 0.5"), "ball_e05_moreau_jean_theta_0.5");
+}
+
+TEST(Driver, TwoNamesOfOneThingAreNotGivenTogether) {
+  for (const char* name : {"--json", "--summary"}) {
+    SampleDriver driver;
+    EXPECT_EQ(driver.run({name, "a.json"}), 0);
+    EXPECT_EQ(driver.common.summary, "a.json");
+  }
+  SampleDriver driver;
+  EXPECT_EQ(driver.run({"--json", "a.json", "--summary", "b.json"}), 2);
+  EXPECT_NE(driver.err.find("--json"), std::string::npos) << driver.err;
+  EXPECT_NE(driver.err.find("--summary"), std::string::npos) << driver.err;
+  EXPECT_FALSE(driver.ran);
 }
 
 TEST(Driver, ResumeAnywayIsAWayToResume) {

@@ -214,6 +214,12 @@ TEST(Joint, RefusesWhatIsNoJoint) {
   expect_names(with([](Joint& j) { j.axis[0].restitution = 1.5; }), who + "axis[0].restitution = 1.5");
   expect_names(with([](Joint& j) { j.axis[0].motor.kind = MotorKind::speed; }), who + "axis[0].motor.target");
   expect_names(with([](Joint& j) { j.axis[0].motor.limit = 0; }), who + "axis[0].motor.limit = 0");
+  expect_names(with([](Joint& j) { j.axis[0].motor.limit = 2; }),
+               who + "axis[0].motor.limit = 2 must be inf");
+  expect_names(with([](Joint& j) { j.axis[0].motor.target = [](double) { return 1.0; }; }),
+               who + "axis[0].motor.target is set");
+  expect_names(with([](Joint& j) { j.pitch = 1; }), who + "pitch = 1 must be 0");
+  expect_names(with([](Joint& j) { j.length = 1; }), who + "length = 1 must be 0");
   expect_names(with([](Joint& j) { j.kind = JointKind::screw; }), who + "pitch = 0");
   expect_names(with([](Joint& j) { j.kind = JointKind::distance; }), who + "length = 0");
 }
