@@ -12,9 +12,9 @@
 namespace aussois {
 namespace {
 
-constexpr double kBoxDilation = 1e-3;                           // of boxes and prisms in the kernel [m]
-constexpr double kFallen = 0.1;                                 // [m]
-constexpr double kBallRadius = 0.1, kBallMass = 10, kDrop = 5;  // of bouncing and 666 [m, kg]
+constexpr double kBoxDilation = 1e-3;                              // of boxes and prisms in the kernel [m]
+constexpr double kFallen = 0.1;                                    // [m]
+constexpr double kDroppedRadius = 0.1, kBallMass = 10, kDrop = 5;  // of bouncing and 666 [m, kg]
 
 PeerShape ball(double radius, double mass) {
   return {.kind = PeerShapeKind::ball,
@@ -162,7 +162,7 @@ PeerScene rolling_scene(const Vec2& direction) {
 
 PeerScene bouncing_scene(double restitution) {
   PeerScene scene = on_ground("bouncing", "49 balls fall 4.9 m and bounce", 10, 0);
-  scene.shapes.push_back(ball(kBallRadius, kBallMass));
+  scene.shapes.push_back(ball(kDroppedRadius, kBallMass));
   for (int i = -3; i <= 3; ++i)
     for (int j = -3; j <= 3; ++j) scene.bodies.push_back({.shape = 1, .g = translation(i, j, kDrop)});
   scene.restitution = restitution;
@@ -173,7 +173,7 @@ PeerScene bouncing_scene(double restitution) {
 
 PeerScene pile_666_scene(bool elastic) {
   PeerScene scene = on_ground("666", "6 x 6 x 6 balls fall on the ground and on each other", 10, 0);
-  scene.shapes.push_back(ball(kBallRadius, kBallMass));
+  scene.shapes.push_back(ball(kDroppedRadius, kBallMass));
   Random random(666);
   const double pitch = 0.21, height = elastic ? 1.101 : 0.101;
   for (int i = 0; i < 6; ++i)
@@ -353,7 +353,7 @@ PeerOff off_exact(const PeerScene& scene, const PeerSample& start, const PeerSam
       break;
     }
     case PeerMeasure::energy: {
-      const double exact = exact_bounce_energy(kDrop - kBallRadius, scene.restitution, now.t);
+      const double exact = exact_bounce_energy(kDrop - kDroppedRadius, scene.restitution, now.t);
       out.off = out.term = std::abs(ball_energy(scene, now) / ball_energy(scene, start) - exact);
       break;
     }

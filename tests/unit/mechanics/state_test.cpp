@@ -170,7 +170,7 @@ TEST(State, HasASlotForEachRowOfAnAxisAndOfAGapFunction) {
     }
   }
   EXPECT_EQ(next, row_count(model));
-  EXPECT_TRUE(!is_of_axis(model, -1) && !gap_of(model, -1));  // a contact
+  EXPECT_TRUE(!is_of_axis(model, {}) && !gap_of(model, {}));  // a contact
 }
 
 TEST(State, EnergyIsThatByHand) {
