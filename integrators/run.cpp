@@ -12,6 +12,7 @@
 #include "geometry/settings.hpp"
 #include "integrators/pose/joint_rows.hpp"
 #include "integrators/prove/certify_step.hpp"
+#include "mechanics/forces.hpp"
 #include "mechanics/mechanism.hpp"
 
 namespace aussois {
@@ -99,17 +100,41 @@ VecX consistent_velocity(const Model& model, const State& state) {
   return with_consistent_velocity(model, state).state.v;
 }
 
+void validate(const SettleOptions& o) {
+  const auto positive = [](double x, const char* field, const char* bound) {
+    require_field(x > 0 && std::isfinite(x), field, x, bound);
+  };
+  positive(o.first_h, "SettleOptions::first_h", "be positive and finite [s]");
+  positive(o.turn, "SettleOptions::turn", "be positive and finite [rad]");
+  positive(o.displacement, "SettleOptions::displacement", "be positive and finite [m, rad]");
+  require_field(o.growth > 1 && std::isfinite(o.growth), "SettleOptions::growth", o.growth,
+                "be finite and > 1");
+  require_field(o.max_steps >= 1, "SettleOptions::max_steps", o.max_steps, "be at least 1");
+}
+
+LargestSpeeds largest_speeds(const State& state) {
+  LargestSpeeds out{.all = state.v.size() > 0 ? state.v.lpNorm<Eigen::Infinity>() : 0};
+  for (const BodyId b : state.g.ids()) out.turning = std::max(out.turning, angular_part(state.v, b).norm());
+  return out;
+}
+
 namespace {
 
+// Whether the work of laws is that of passive ones alone, on bodies that nothing moves.
+bool laws_are_passive(const Model& model) {
+  return std::ranges::all_of(model.forces, &ForceLaw::passive) && model.coordinates.empty() &&
+         !has_axis_forces(model) && std::ranges::none_of(model.bodies, is_moved);
+}
+
 double stored(const Model& model, const State& state, const Energy& now) {
-  return now.kinetic + now.gravity + spring_energy(model, state);
+  return now.kinetic + now.gravity + (laws_are_passive(model) ? now.laws : spring_energy(model, state));
 }
 
 // What came from outside in a step: all work of laws, joints and contacts but that of those which can only
 // take, and of springs, whose energy is stored. Forces of coordinates hold what their masses make of it.
 double given(const Model& model, const StepReport& report) {
   const EnergyLedger& e = report.energy;
-  double out = e.law_work + e.joint_work + e.contact_work;
+  double out = (laws_are_passive(model) ? 0 : e.law_work) + e.joint_work + e.contact_work;
   if (!model.coordinates.empty()) out += e.gyroscopic_work;
   for (const StepJoint& joint : report.joints) {
     const JointWork& w = joint.work;

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include "integrators/step_options.hpp"
 #include "integrators/step_report.hpp"
@@ -56,11 +58,57 @@ template <class AnyScheme>
   return run_until(scheme, state, t_end, [](const StepReport&) {});
 }
 
+struct SettleOptions {
+  double first_h = 1e-3;        // first step [s]
+  double growth = 2;            // each step is so many times as long as the one before, up to the scheme's
+  double turn = 0.5;            // a step in which a body turns farther is taken again, half as long [rad]
+  double displacement = 1e-12;  // in a step of the scheme's length, at rest [m, rad]
+  int max_steps = 1000;
+};
+void validate(const SettleOptions& options);  // throws std::invalid_argument: field, value, bound
+/// The largest |v| [m/s, rad/s] of a state, and the largest |omega| of its bodies.
+struct LargestSpeeds {
+  double all = 0, turning = 0;
+};
+LargestSpeeds largest_speeds(const State& state);
+
+/// Goes to an equilibrium by steps that grow to the scheme's own length, which must be far longer than the
+/// slowest motion of the model. With moreau_jean, theta = 1 and one iteration, such a step is one of Newton's
+/// method for the equilibrium, with the tangent where it stands; shorter ones lead there from afar. Ends
+/// where a step of that length moves nothing farther than `displacement`. Returns the report of the last
+/// step: `not_solved` after max_steps, or the first that led nowhere. State::t goes on by the length of all
+/// steps, so loads must not depend on time. Throws std::invalid_argument for bad options.
+template <class AnyScheme>
+[[nodiscard]] StepReport settle(const AnyScheme& scheme, State& state, const SettleOptions& options = {}) {
+  validate(options);
+  StepReport report;
+  double h = options.first_h;
+  for (int k = 0; k < options.max_steps; ++k) {
+    State next = state;
+    next.h_next = 0;  // the length is this function's
+    report = scheme.step(next, h);
+    if (!report.moved()) return report;
+    const LargestSpeeds speed = largest_speeds(next);
+    if (speed.turning * report.h > options.turn) {
+      h = report.h / 2;
+      continue;
+    }
+    state = std::move(next);
+    state.h_next = 0;
+    const bool whole = report.attempts == 1 && report.h < h;
+    if (whole && report.ok() && speed.all * report.h <= options.displacement) return report;
+    h = (report.attempts == 1 ? options.growth : 1) * report.h;
+  }
+  report.status = StepStatus::not_solved;
+  report.reason = "not at rest after " + std::to_string(options.max_steps) + " steps";
+  return report;
+}
+
 /// A gain over a run is reported if it exceeds this fraction of the largest kinetic energy.
 inline constexpr double kGainOfRun = 1e-3;
 
 struct EnergyGain {
-  double stored = 0;   // at the last state: kinetic energy, weight, springs of joints [J]
+  double stored = 0;   // at the last state: kinetic energy, weight, springs of joints, passive laws [J]
   double above = 0;    // rise of `stored` above its lowest value so far, less what was supplied since [J]
   double largest = 0;  // largest `above` so far: what the run gained [J]
   double kinetic = 0;  // largest so far, at least what the weight gives from rest in a step [J]
@@ -70,7 +118,8 @@ struct EnergyGain {
 EnergyGain energy_gain(const Model& model, const State& start);
 
 /// Adds one more accepted step, which led to `state`. Energy that force laws, forces of coordinates, motors
-/// and moved bodies supply is no gain.
+/// and moved bodies supply is no gain. Where all laws are passive (ForceLaw::passive), neither axes of
+/// joints nor coordinates have forces, and no body is moved, what laws give beyond their potential is one.
 void add_step(const Model& model, const State& state, const StepReport& report, EnergyGain& gain);
 
 inline bool energy_rises(const EnergyGain& gain) {

@@ -14,10 +14,11 @@ namespace aussois {
 struct Model;
 struct State;
 
-/// How fast a vertex moves in the frame of the shape per unit of one entry of State::v.
+/// How a vertex moves in the frame of the shape per unit of one entry of State::v.
 struct VertexColumn {
   int velocity = 0;            // entry of State::v
   Vec3 column = Vec3::Zero();  // [m, or 1 for an origin]
+  Vec3 turn = Vec3::Zero();    // how what surrounds it turns: [rad, or 1 for a body's rotation] (DEF-3)
 };
 
 /// Where the vertices of a shape are, in its frame. They must be affine functions of the coordinates and of

@@ -25,6 +25,14 @@ void ForceVector::refuse(Eigen::Index first, Eigen::Index count) const {
                               std::to_string(size()) + ")");
 }
 
+std::string force_refusal(const Model& model, const State& state) {
+  for (const ForceLaw& law : model.forces) {
+    const std::string why = law.refusal ? law.refusal(model, state) : "";
+    if (!why.empty()) return "force law (" + law.name + "): " + why;
+  }
+  return "";
+}
+
 GeneralisedForce total_force(const Model& model, const State& state, double t) {
   const int size = velocity_count(model);
   GeneralisedForce out{.f = VecX::Zero(size), .K = {}, .C = {}};

@@ -79,10 +79,16 @@ struct ForceLaw {
   std::string name{};
   /// Adds the force at time t, at the poses and velocities of the state (its own t is the start of the step).
   std::function<void(const Model&, const State&, double t, GeneralisedForce&)> add_to{};
+  /// Why there is no force at a state, or an empty text if there is one. A step is shortened before it leads
+  /// through such a state. Without the function there always is a force.
+  std::function<std::string(const Model&, const State&)> refusal{};
   /// Potential energy [J] at the state; empty: none (dissipative or not conservative).
   std::function<double(const Model&, const State&, double t)> potential{};
+  bool passive = false;  // the potential does not depend on time, and besides it the law only takes energy
 };
 
+/// The first refusal of a law at a state, with the name of the law; empty: there is none.
+std::string force_refusal(const Model& model, const State& state);
 /// The sum over all laws of the model. Throws std::invalid_argument naming a law that writes outside the
 /// model's velocities.
 GeneralisedForce total_force(const Model& model, const State& state, double t);

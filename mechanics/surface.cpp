@@ -60,31 +60,33 @@ std::vector<Vec3> vertex_velocities(const Model& model, const State& state, Body
 
 template <int N>
 PointColumns<N> point_columns(const Model& model, const State& state, const Feature& on, const Vec3& x,
-                              const Mat3& frame) {
+                              const Vec3& base, const Mat3& frame) {
   const SE3& g = pose(state, on.body);
   const RigidBody& b = model.bodies[on.body];
   const Eigen::Matrix<double, N, 3> axes = frame.transpose().topRows<N>();
   PointColumns<N> out;
   out.twist << axes, -axes * skew(x - g.p) * g.R.toRotationMatrix();
   if (!deforms(b)) return out;
-  const Eigen::Matrix<double, N, 3> to_axes = axes * (g.R.toRotationMatrix() * b.g_bs.R.toRotationMatrix());
+  const Mat3 R = g.R.toRotationMatrix() * b.g_bs.R.toRotationMatrix();
+  const Eigen::Matrix<double, N, 3> to_axes = axes * R;
+  const Vec3 arm = R.transpose() * (x - base);
   const std::vector<int> corners = corners_of(model.shapes[b.shape]->complex, on);
   for (std::size_t k = 0; k < corners.size(); ++k)
     for (const VertexColumn& c : columns_of(model, state, on.body, corners[k]))
-      out.others.emplace_back(c.velocity, on.bary[k] * (to_axes * c.column));
+      out.others.emplace_back(c.velocity, on.bary[k] * (to_axes * (c.column + c.turn.cross(arm))));
   return out;
 }
 template PointColumns<1> point_columns<1>(const Model&, const State&, const Feature&, const Vec3&,
-                                          const Mat3&);
+                                          const Vec3&, const Mat3&);
 template PointColumns<3> point_columns<3>(const Model&, const State&, const Feature&, const Vec3&,
-                                          const Mat3&);
+                                          const Vec3&, const Mat3&);
 
 Vec3 point_velocity(const Model& model, const State& state, const Feature& on, const Vec3& x, const VecX& v) {
   const auto twist = body_part(v, on.body);
   const SE3& g = pose(state, on.body);
   Vec3 out = twist.head<3>() + (g.R * Vec3(twist.tail<3>())).cross(x - g.p);
   if (deforms(model.bodies[on.body]))
-    for (const auto& [entry, column] : point_columns<3>(model, state, on, x, Mat3::Identity()).others)
+    for (const auto& [entry, column] : point_columns<3>(model, state, on, x, x, Mat3::Identity()).others)
       out += v[entry] * column;
   return out;
 }
@@ -92,6 +94,19 @@ Vec3 point_velocity(const Model& model, const State& state, const Feature& on, c
 Eigen::Matrix<double, 1, 6> spin_columns(const State& state, BodyId body, const Vec3& axis) {
   Eigen::Matrix<double, 1, 6> out;
   out << 0, 0, 0, (pose(state, body).R.toRotationMatrix().transpose() * axis).transpose();
+  return out;
+}
+
+std::vector<std::pair<int, double>> carried_spin(const Model& model, const State& state, const Feature& on,
+                                                 const Vec3& axis) {
+  std::vector<std::pair<int, double>> out;
+  const RigidBody& b = model.bodies[on.body];
+  if (!deforms(b)) return out;
+  const Vec3 of_shape = (pose(state, on.body).R * b.g_bs.R).conjugate() * axis;
+  const std::vector<int> corners = corners_of(model.shapes[b.shape]->complex, on);
+  for (std::size_t k = 0; k < corners.size(); ++k)
+    for (const VertexColumn& c : columns_of(model, state, on.body, corners[k]))
+      if (!c.turn.isZero(0)) out.emplace_back(c.velocity, on.bary[k] * c.turn.dot(of_shape));
   return out;
 }
 

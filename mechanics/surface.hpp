@@ -29,18 +29,23 @@ struct PointColumns {
   Eigen::Matrix<double, N, 6> twist;                                  // of the body
   std::vector<std::pair<int, Eigen::Matrix<double, N, 1>>> others{};  // (entry of State::v, column)
 };
-/// The point at `x` [world] is carried by the simplex `on`; `axes` are the first N columns of `frame`
-/// [world]. Defined for N = 1 and 3.
+/// The point at `x` is carried by the simplex `on`, above its place `base`, both in the world; `axes` are the
+/// first N columns of `frame` [world]. Defined for N = 1 and 3.
 template <int N>
 PointColumns<N> point_columns(const Model& model, const State& state, const Feature& on, const Vec3& x,
-                              const Mat3& frame);
+                              const Vec3& base, const Mat3& frame);
 
-/// Velocity of that point at the velocities `v`, laid out as State::v [m/s].
+/// Velocity of a point on the simplex itself at the velocities `v`, laid out as State::v [m/s].
 Vec3 point_velocity(const Model& model, const State& state, const Feature& on, const Vec3& x, const VecX& v);
 
 /// Angular velocity of the surface about `axis` [world], per unit of the body's twist (MEC-7): that of the
 /// body, also where the body deforms.
 Eigen::Matrix<double, 1, 6> spin_columns(const State& state, BodyId body, const Vec3& axis);
+
+/// The same for what a simplex that deforms carries: entries of State::v and how they turn the surface at a
+/// point of `on` about `axis` (DEF-3). None where vertices are points.
+std::vector<std::pair<int, double>> carried_spin(const Model& model, const State& state, const Feature& on,
+                                                 const Vec3& axis);
 
 /// The place of the material at a contact's proximal point, in the frame of its body [m]: at the state for a
 /// rigid body, in the undeformed shape for one that deforms.

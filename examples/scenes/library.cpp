@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "examples/scenes/cables.hpp"
 #include "examples/scenes/mechanisms.hpp"
 #include "examples/scenes/peer_scenes.hpp"
 #include "examples/scenes/pressed_peg.hpp"
@@ -62,11 +63,20 @@ std::vector<LibraryScene> toys() {
   };
 }
 
+std::vector<LibraryScene> cables() {
+  return {
+      {"cable_on_peg", "a rubber cable falls across a peg, swings over it and slides off", 2, 5e-4,
+       cable_on_peg},
+      {"ball_on_rope", "a ball falls onto a rope that is held at both ends, and off it", 1, 1e-3,
+       ball_on_rope},
+  };
+}
+
 std::vector<LibraryScene> all() {
   std::vector<LibraryScene> out;
   for (const Case& c : cases()) out.push_back({c.name, c.what, c.t_end, c.h, c.scene});
   for (const std::string& name : peer_scene_names()) out.push_back(of_peers(name));
-  for (const std::vector<LibraryScene>& more : {mechanisms(), toys()})
+  for (const std::vector<LibraryScene>& more : {mechanisms(), toys(), cables()})
     out.insert(out.end(), more.begin(), more.end());
   std::ranges::sort(out, {}, &LibraryScene::name);
   return out;

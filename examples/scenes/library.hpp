@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every scene there is, by its name, ready to run: cases with exact motions, scenes of the peers, mechanisms,
-// tops and dimers.
+// tops, dimers and cables.
 #pragma once
 
 #include <string>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "examples/scenes/shared_series.hpp"
 
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <set>
@@ -20,33 +21,54 @@ double SeriesRow::at(const std::string& column) const {
 namespace {
 
 // Empty: there is none.
-std::filesystem::path series_folder() {
+std::filesystem::path series_folder(const char* name) {
   const char* data = std::getenv("AUSSOIS_DATA_DIR");
   if (!data || !*data) return {};
-  std::filesystem::path folder = std::filesystem::path(data) / "references";
+  std::filesystem::path folder = std::filesystem::path(data) / name;
   return std::filesystem::is_directory(folder) ? folder : std::filesystem::path();
 }
+
+std::vector<SeriesRow> series_of(const std::string& folder_name, const std::string& name,
+                                 const std::string& first) {
+  const std::filesystem::path folder = series_folder(folder_name.c_str());
+  if (folder.empty() || !std::filesystem::exists(folder / name))
+    throw MissingData("AUSSOIS_DATA_DIR names no folder with " + folder_name + "/" + name);
+  return read_series(folder / name, first);
+}
+
+constexpr const char* kFolders[] = {"references", "references-deformable"};
 
 }  // namespace
 
 std::vector<SeriesRow> shared_series(const std::string& name, const std::string& first) {
-  const std::filesystem::path folder = series_folder();
-  if (folder.empty() || !std::filesystem::exists(folder / name))
-    throw MissingData("AUSSOIS_DATA_DIR names no folder with references/" + name);
-  return read_series(folder / name, first);
+  return series_of(kFolders[0], name, first);
+}
+std::vector<SeriesRow> deformable_series(const std::string& name, const std::string& first) {
+  return series_of(kFolders[1], name, first);
+}
+
+const SeriesRow& row_where(const std::vector<SeriesRow>& rows, const std::string& column, double value) {
+  for (const SeriesRow& row : rows)
+    if (std::abs(row.at(column) - value) <= 1e-9) return row;
+  throw std::runtime_error(rows.front().path + ": no row with " + column + " = " + std::to_string(value));
 }
 
 std::uint64_t shared_series_digest() {
-  const std::filesystem::path folder = series_folder();
-  if (folder.empty()) return 0;
-  std::set<std::filesystem::path> files;
-  for (const std::filesystem::directory_entry& entry : std::filesystem::recursive_directory_iterator(folder))
-    if (entry.is_regular_file()) files.insert(entry.path());
   Digest digest;
-  for (const std::filesystem::path& file : files)
-    for (const std::string& text : {file.lexically_relative(folder).string(), read_file(file)})
-      digest.add(std::as_bytes(std::span(text)));
-  return digest.value;
+  bool any = false;
+  for (const char* name : kFolders) {
+    const std::filesystem::path folder = series_folder(name);
+    if (folder.empty()) continue;
+    any = true;
+    std::set<std::filesystem::path> files;
+    for (const std::filesystem::directory_entry& entry :
+         std::filesystem::recursive_directory_iterator(folder))
+      if (entry.is_regular_file()) files.insert(entry.path());
+    for (const std::filesystem::path& file : files)
+      for (const std::string& text : {file.lexically_relative(folder).string(), read_file(file)})
+        digest.add(std::as_bytes(std::span(text)));
+  }
+  return any ? digest.value : 0;
 }
 
 std::vector<SeriesRow> read_series(const std::filesystem::path& path, const std::string& first) {

@@ -28,7 +28,12 @@ struct SeriesRow {
 std::vector<SeriesRow> read_series(const std::filesystem::path& path, const std::string& first = "");
 /// The same for references/NAME; throws MissingData if there is no such file.
 std::vector<SeriesRow> shared_series(const std::string& name, const std::string& first = "");
-/// A digest of all files of the folder; 0 without one.
+/// The same for references-deformable/NAME.
+std::vector<SeriesRow> deformable_series(const std::string& name, const std::string& first = "");
+/// The row whose number in a column is `value`, to 1e-9; throws std::runtime_error naming the file if there
+/// is none.
+const SeriesRow& row_where(const std::vector<SeriesRow>& rows, const std::string& column, double value);
+/// A digest of all files of both folders; 0 without any.
 std::uint64_t shared_series_digest();
 
 }  // namespace aussois

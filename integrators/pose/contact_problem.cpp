@@ -19,19 +19,26 @@ struct Carried {
   double value = 0;
 };
 
+// The point of the undilated simplex below a proximal point; of rigid bodies nobody asks for it.
+Vec3 base_of(const Model& model, BodyId body, const Vec3& proximal, const Vec3& inwards) {
+  const RigidBody& b = model.bodies[body];
+  return deforms(b) ? Vec3(proximal + model.shapes[b.shape]->radius * inwards) : proximal;
+}
+
 // Of both bodies, whose points at p move against each other.
 template <int N>
 void set_point_rows(const Model& model, const State& state, const ContactPoint& c, const Vec3& p,
                     ContactRow& row, std::vector<Carried>& carried) {
   std::erase_if(carried, [](const Carried& entry) { return entry.row < N; });
-  const auto set = [&](const Feature& on, double sign, RowJacobian& J) {
-    const PointColumns<N> columns = point_columns<N>(model, state, on, p, row.frame);
+  const auto set = [&](const Feature& on, const Vec3& proximal, double sign, RowJacobian& J) {
+    const Vec3 base = base_of(model, on.body, proximal, sign * c.normal);
+    const PointColumns<N> columns = point_columns<N>(model, state, on, p, base, row.frame);
     J.topRows<N>() = sign * columns.twist;
     for (const auto& [velocity, column] : columns.others)
       for (int d = 0; d < N; ++d) carried.push_back({d, velocity, sign * column[d]});
   };
-  set(c.a, 1, row.J_a);
-  set(c.b, -1, row.J_b);
+  set(c.a, c.x_a, 1, row.J_a);
+  set(c.b, c.x_b, -1, row.J_b);
 }
 
 // J v of the rows that the law has.
@@ -136,6 +143,10 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
     if (row.law.kind == LawKind::contensou) {
       row.J_a.row(3) = spin_columns(state, row.body_a, c.normal);
       row.J_b.row(3) = -spin_columns(state, row.body_b, c.normal);
+      for (const auto& [velocity, spin] : carried_spin(model, state, c.a, c.normal))
+        carried.push_back({3, velocity, spin});
+      for (const auto& [velocity, spin] : carried_spin(model, state, c.b, c.normal))
+        carried.push_back({3, velocity, -spin});
     }
     const auto speed_before = [&](BodyId body, const RowJacobian& J) {
       if (is_dynamic(model.bodies[body])) return product(J, twist(state, body), row.law);

@@ -2,9 +2,11 @@
 #include "integrators/prove/judge.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "geometry/all_finite.hpp"
 #include "integrators/prove/certify_step.hpp"
+#include "mechanics/force_law.hpp"
 
 namespace aussois {
 namespace {
@@ -117,6 +119,24 @@ Objection proven(const StepSetting& setting, const Trial& trial, const StepPath&
   return {};
 }
 
+// Where a law has no force on the path. It is looked at wherever a body has turned by another half radian, so
+// two bodies by at most one, and no turn of theirs from 2.5 rad up to its image at 2 pi - 2.5 is skipped.
+std::string refusal_on(const StepSetting& setting, const State& state, const Trial& trial,
+                       const VecX& v_path) {
+  const auto refuses = [](const ForceLaw& law) { return bool(law.refusal); };
+  if (std::ranges::none_of(setting.model.forces, refuses)) return "";
+  double turn = 0;
+  for (const BodyId b : setting.model.bodies.ids())
+    turn = std::max(turn, trial.found.h * angular_part(v_path, b).norm());
+  const int count = int(std::clamp(std::ceil(2 * turn), 1.0, 1e6));
+  for (int k = 1; k <= count; ++k) {
+    std::string none =
+        force_refusal(setting.model, retract(setting.model, state, v_path, trial.found.h * k / count));
+    if (!none.empty()) return none;
+  }
+  return "";
+}
+
 Objection objection(const StepSetting& setting, const State& state, const Trial& trial, bool starts_apart,
                     Judgement& out) {
   const SolveStatus solved = solve_report(trial.impulses).status;
@@ -137,6 +157,8 @@ Objection objection(const StepSetting& setting, const State& state, const Trial&
     if (speaks(unproven)) return unproven;
   }
   if (!all_finite(out.next.g)) return {Outcome::not_finite, "a pose is not finite"};
+  if (std::string none = refusal_on(setting, state, trial, out.v_path); !none.empty())
+    return {Outcome::not_certified, std::move(none)};
   if (!setting.model.joints.empty()) out.joint_error = joint_error(setting.model, out.next);
   if (!within(out.joint_error, setting.options.joints))
     return {Outcome::not_certified, text_of(out.joint_error, setting.options.joints)};

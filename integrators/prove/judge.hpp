@@ -21,8 +21,8 @@ struct Judgement {
 
 /// Checks the path of a trial against the bounds within which its contacts were found (CA-5), against pairs
 /// whose contacts were left out (CA-16), contacts of coarser levels (LOD-6), the certificate (CA-6), the room
-/// that overlaps need (CA-17), and the tolerance of the joints, which it projects at the end of the path.
-/// `starts_apart`: is_proven_apart of the model and the state.
+/// that overlaps need (CA-17), and the tolerance of the joints, which it projects at the end of the path,
+/// where all laws must have a force. `starts_apart`: is_proven_apart of the model and the state.
 Judgement judge(const StepSetting& setting, const State& state, const Trial& trial, bool starts_apart);
 
 }  // namespace aussois

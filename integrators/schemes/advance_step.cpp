@@ -10,6 +10,7 @@
 #include "geometry/all_finite.hpp"
 #include "geometry/named.hpp"
 #include "integrators/prove/certify_step.hpp"
+#include "mechanics/force_law.hpp"
 
 namespace aussois {
 
@@ -92,8 +93,11 @@ StepStatus status_of(const Judgement& judgement) {
 // Why no step can begin here; ok: one can.
 std::pair<StepStatus, std::string> wrong_from_here(const StepSetting& setting, const State& state,
                                                    const VecX& estimate, bool proven_apart) {
-  if (!all_finite(estimate) || !all_finite(state.g))
-    return {StepStatus::not_finite, "a force, velocity or pose is not finite"};
+  if (!all_finite(estimate) || !all_finite(state.g)) {
+    std::string none = force_refusal(setting.model, state);
+    return {StepStatus::not_finite,
+            none.empty() ? "a force, velocity or pose is not finite" : std::move(none)};
+  }
   if (std::string off = joint_that_is_off(setting, state); !off.empty())
     return {StepStatus::refused, std::move(off)};
   if (setting.options.advancement.certify && !proven_apart) {  // else the certificate did (CA-19)

@@ -86,9 +86,28 @@ function makeBody(run, index, colour) {
   return group;
 }
 
-/** A body that deforms: flat faces and plain wires over vertices that every frame puts elsewhere. */
+/** Wires as tubes of a radius, with balls where they meet; `follow` puts them where the vertices are. */
+function makeTubes(position, wires, radius, material) {
+  const ends = [...new Set(wires)];
+  const tubes = new THREE.InstancedMesh(new THREE.CylinderGeometry(radius, radius, 1, 20, 1, true), material, wires.length / 2);
+  const balls = new THREE.InstancedMesh(new THREE.SphereGeometry(radius, 20, 12), material, ends.length);
+  const at = i => new THREE.Vector3().fromBufferAttribute(position, i), turn = new THREE.Quaternion(), one = new THREE.Vector3(1, 1, 1);
+  const follow = () => {
+    for (let i = 0; i < tubes.count; ++i) {
+      const a = at(wires[2 * i]), along = at(wires[2 * i + 1]).sub(a), length = along.length();
+      turn.setFromUnitVectors(up, along.clone().divideScalar(length || 1));
+      tubes.setMatrixAt(i, new THREE.Matrix4().compose(a.addScaledVector(along, 0.5), turn, new THREE.Vector3(1, length, 1)));
+    }
+    ends.forEach((v, i) => balls.setMatrixAt(i, new THREE.Matrix4().compose(at(v), turn.identity(), one)));
+    tubes.instanceMatrix.needsUpdate = balls.instanceMatrix.needsUpdate = true;
+  };
+  follow();
+  return { meshes: [tubes, balls].map(mesh => Object.assign(mesh, { name: 'skin', frustumCulled: false })), follow };
+}
+
+/** A body that deforms: flat faces, and wires that are tubes where the body has a dilation. */
 function makeDeforming(run, index, colour) {
-  const group = new THREE.Group(), mesh = run.body_mesh[index];
+  const group = new THREE.Group(), mesh = run.body_mesh[index], radius = run.body_dilation[index];
   const position = new THREE.BufferAttribute(run.array(`mesh${mesh}.vertices`).slice(), 3);
   const over = items => new THREE.BufferGeometry().setAttribute('position', position).setIndex(new THREE.BufferAttribute(new Uint32Array(items), 1));
   const faces = run.array(`mesh${mesh}.faces`), wires = run.array(`mesh${mesh}.wires`);
@@ -96,7 +115,13 @@ function makeDeforming(run, index, colour) {
     const skin = new THREE.MeshStandardMaterial({ color: colour, roughness: 0.55, metalness: 0.15, side: THREE.DoubleSide, flatShading: true });
     group.add(Object.assign(new THREE.Mesh(over(faces), skin), { name: 'skin', frustumCulled: false }));
   }
-  if (wires.length) group.add(Object.assign(new THREE.LineSegments(over(wires), new THREE.LineBasicMaterial({ color: colour })), { frustumCulled: false }));
+  if (wires.length && radius > 0) {
+    const tubes = makeTubes(position, wires, radius, new THREE.MeshStandardMaterial({ color: colour, roughness: 0.55, metalness: 0.15 }));
+    group.add(...tubes.meshes);
+    group.follow = tubes.follow;
+  } else if (wires.length) {
+    group.add(Object.assign(new THREE.LineSegments(over(wires), new THREE.LineBasicMaterial({ color: colour })), { frustumCulled: false }));
+  }
   group.positions = position;
   return group;
 }
@@ -235,6 +260,7 @@ export class Scene extends Stage {
     const first = 3 * (frame * this.movingVertices + this.firstVertex[index]);
     group.positions.array.set(this.vertices.subarray(first, first + group.positions.array.length));
     group.positions.needsUpdate = true;
+    group.follow?.();
   }
 
   /** Of a body, seen from itself: over all frames if it deforms. */

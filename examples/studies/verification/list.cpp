@@ -20,9 +20,13 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kBegin = "<!-- verify --page writes from here -->\n";
 constexpr const char* kEnd = "<!-- to here -->\n";
 
-const std::map<char, std::string> kGroups = {{'A', "Impacts without friction"}, {'B', "Friction and rolling"},
-                                             {'C', "Mechanisms and loops"},     {'D', "Rotations"},
-                                             {'G', "Stacks and scenes"},        {'H', "Balances"}};
+const std::map<char, std::string> kGroups = {{'A', "Impacts without friction"},
+                                             {'B', "Friction and rolling"},
+                                             {'C', "Mechanisms and loops"},
+                                             {'D', "Rotations"},
+                                             {'E', "Beams"},
+                                             {'G', "Stacks and scenes"},
+                                             {'H', "Balances"}};
 
 std::string digits(double figure) {
   char text[32];
