@@ -283,7 +283,7 @@ TEST(Cable, RefusesWhatIsNone) {
                          .section = beam_section(kRubber)};
     change(options);
     Model model;
-    const std::string text = message_of([&] { add_cable(model, options); });
+    std::string text = message_of([&] { add_cable(model, options); });
     EXPECT_TRUE(text.empty() || (model.bodies.empty() && model.forces.empty())) << "half built";
     return text;
   };
