@@ -19,7 +19,7 @@ struct Carried {
   double value = 0;
 };
 
-// The point of the undilated simplex below a proximal point; of rigid bodies nobody asks for it.
+// The point of the undilated simplex below a proximal point; of rigid bodies it is not needed.
 Vec3 base_of(const Model& model, BodyId body, const Vec3& proximal, const Vec3& inwards) {
   const RigidBody& b = model.bodies[body];
   return deforms(b) ? Vec3(proximal + model.shapes[b.shape]->radius * inwards) : proximal;
