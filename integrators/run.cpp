@@ -100,16 +100,17 @@ VecX consistent_velocity(const Model& model, const State& state) {
   return with_consistent_velocity(model, state).state.v;
 }
 
-void validate(const SettleOptions& o) {
-  const auto positive = [](double x, const char* field, const char* bound) {
-    require_field(x > 0 && std::isfinite(x), field, x, bound);
-  };
-  positive(o.first_h, "SettleOptions::first_h", "be positive and finite [s]");
-  positive(o.turn, "SettleOptions::turn", "be positive and finite [rad]");
-  positive(o.displacement, "SettleOptions::displacement", "be positive and finite [m, rad]");
-  require_field(o.growth > 1 && std::isfinite(o.growth), "SettleOptions::growth", o.growth,
-                "be finite and > 1");
-  require_field(o.max_steps >= 1, "SettleOptions::max_steps", o.max_steps, "be at least 1");
+void describe(SettingVisitor& visit, SettleOptions& o) {
+  visit.begin("SettleOptions");
+  visit.number({"first_h", "first step", "s", positive_range()}, o.first_h);
+  visit.number({.name = "growth",
+                .what = "growth factor of each step",
+                .range = {.lowest = 1, .open_below = true, .open_above = true}},
+               o.growth);
+  visit.number({"turn", "largest turn of a body in a step", "rad", positive_range()}, o.turn);
+  visit.number({"displacement", "displacement in a step at rest", "m, rad", positive_range()},
+               o.displacement);
+  visit.count({"max_steps", "maximum number of steps", "", range_from(1)}, o.max_steps);
 }
 
 LargestSpeeds largest_speeds(const State& state) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "geometry/settings.hpp"
 #include "integrators/step_options.hpp"
 #include "integrators/step_report.hpp"
 #include "mechanics/state.hpp"
@@ -58,6 +59,7 @@ template <class AnyScheme>
   return run_until(scheme, state, t_end, [](const StepReport&) {});
 }
 
+/// `describe` gives the ranges.
 struct SettleOptions {
   double first_h = 1e-3;        // first step [s]
   double growth = 2;            // each step is so many times as long as the one before, up to the scheme's
@@ -65,7 +67,7 @@ struct SettleOptions {
   double displacement = 1e-12;  // in a step of the scheme's length, at rest [m, rad]
   int max_steps = 1000;
 };
-void validate(const SettleOptions& options);  // throws std::invalid_argument: field, value, bound
+void describe(SettingVisitor& visit, SettleOptions& options);
 /// The largest |v| [m/s, rad/s] of a state, and the largest |omega| of its bodies.
 struct LargestSpeeds {
   double all = 0, turning = 0;
@@ -80,7 +82,7 @@ LargestSpeeds largest_speeds(const State& state);
 /// steps, so loads must not depend on time. Throws std::invalid_argument for bad options.
 template <class AnyScheme>
 [[nodiscard]] StepReport settle(const AnyScheme& scheme, State& state, const SettleOptions& options = {}) {
-  validate(options);
+  check_ranges(options);
   StepReport report;
   double h = options.first_h;
   for (int k = 0; k < options.max_steps; ++k) {

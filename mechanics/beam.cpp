@@ -97,20 +97,20 @@ void check_element(const BeamElement& element, const Beam& beam, const Table<Bod
 
 }  // namespace
 
+void describe(SettingVisitor& visit, RoundSection& o) {
+  visit.begin("RoundSection");
+  visit.number({"radius", "radius", "m", positive_range()}, o.radius);
+  visit.number({"young", "Young's modulus", "Pa", positive_range()}, o.young);
+  visit.number({"poisson", "Poisson's ratio", "-", open_range(-1, 0.5)}, o.poisson);
+  visit.number({"density", "density", "kg/m^3", positive_range()}, o.density);
+  visit.number({"bending_stiffness", "bending stiffness of a rope; 0: that of the circle", "N m^2",
+                not_negative_range()},
+               o.bending_stiffness);
+  visit.number({"damping_time", "damping over stiffness", "s", not_negative_range()}, o.damping_time);
+}
+
 BeamSection beam_section(const RoundSection& round) {
-  const auto positive = [](double x, const char* field, const char* bound) {
-    require_field(x > 0 && std::isfinite(x), field, x, bound);
-  };
-  positive(round.radius, "RoundSection::radius", "be positive and finite [m]");
-  positive(round.young, "RoundSection::young", "be positive and finite [Pa]");
-  positive(round.density, "RoundSection::density", "be positive and finite [kg/m^3]");
-  require_field(round.poisson > -1 && round.poisson < 0.5, "RoundSection::poisson", round.poisson,
-                "lie in (-1, 0.5)");
-  require_field(round.bending_stiffness >= 0 && std::isfinite(round.bending_stiffness),
-                "RoundSection::bending_stiffness", round.bending_stiffness,
-                "be finite and not negative [N m^2]");
-  require_field(round.damping_time >= 0 && std::isfinite(round.damping_time), "RoundSection::damping_time",
-                round.damping_time, "be finite and not negative [s]");
+  check_ranges(round);
   const double r = round.radius, nu = round.poisson, area = kPi * r * r, inertia = area * r * r / 4;
   const double shear = round.young / (2 * (1 + nu)), k = 6 * (1 + nu) / (7 + 6 * nu);
   const double bending = round.bending_stiffness > 0 ? round.bending_stiffness : round.young * inertia;

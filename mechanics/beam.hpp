@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "geometry/settings.hpp"
 #include "lmd/body_id.hpp"
 #include "mechanics/beam_element.hpp"
 #include "mechanics/force_law.hpp"
@@ -21,7 +22,7 @@ struct BeamSection {
   Vec3 inertia_per_length = Vec3::Zero();  // about x, y and z [kg m], > 0
 };
 
-/// A full circle of one material, with the shear coefficient of Cowper (1966).
+/// A full circle of one material, with the shear coefficient of Cowper (1966). `describe` gives the ranges.
 struct RoundSection {
   double radius = 0;             // [m]
   double young = 0;              // [Pa]
@@ -30,6 +31,7 @@ struct RoundSection {
   double bending_stiffness = 0;  // EI of a rope, which bends more easily [N m^2]; 0: that of the circle
   double damping_time = 0;       // damping over stiffness [s]
 };
+void describe(SettingVisitor& visit, RoundSection& round);
 /// Throws std::invalid_argument: field, value, bound.
 BeamSection beam_section(const RoundSection& round);
 

@@ -16,10 +16,9 @@ BeamSection section_of(const BeamNumbers& n) {
 }
 
 BeamScene beam_scene(const std::vector<SE3>& nodes, const BeamNumbers& numbers, bool clamped,
-                     const CableOptions& as) {
+                     CableOptions options) {
   BeamScene out;
   out.model.gravity = Vec3::Zero();
-  CableOptions options = as;
   options.name = "beam", options.nodes = nodes, options.section = section_of(numbers);
   out.cable = add_cable(out.model, options);
   if (clamped) out.model.bodies[out.first()].motion = FixedMotion{};

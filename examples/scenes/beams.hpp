@@ -25,7 +25,7 @@ struct BeamScene {
 };
 /// Nodes as they are laid, without gravity; `clamped` fixes the first.
 BeamScene beam_scene(const std::vector<SE3>& nodes, const BeamNumbers& numbers, bool clamped,
-                     const CableOptions& as = {});
+                     CableOptions options = {});
 /// `elements` of equal length along a leg, or several, with frames that do not turn about their line.
 std::vector<SE3> straight_nodes(const Vec3& from, const Vec3& to, int elements);
 

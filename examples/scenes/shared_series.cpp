@@ -36,15 +36,16 @@ std::vector<SeriesRow> series_of(const std::string& folder_name, const std::stri
   return read_series(folder / name, first);
 }
 
-constexpr const char* kFolders[] = {"references", "references-deformable"};
+constexpr const char* kRigid = "references";
+constexpr const char* kDeformable = "references-deformable";
 
 }  // namespace
 
 std::vector<SeriesRow> shared_series(const std::string& name, const std::string& first) {
-  return series_of(kFolders[0], name, first);
+  return series_of(kRigid, name, first);
 }
 std::vector<SeriesRow> deformable_series(const std::string& name, const std::string& first) {
-  return series_of(kFolders[1], name, first);
+  return series_of(kDeformable, name, first);
 }
 
 const SeriesRow& row_where(const std::vector<SeriesRow>& rows, const std::string& column, double value) {
@@ -56,7 +57,7 @@ const SeriesRow& row_where(const std::vector<SeriesRow>& rows, const std::string
 std::uint64_t shared_series_digest() {
   Digest digest;
   bool any = false;
-  for (const char* name : kFolders) {
+  for (const char* name : {kRigid, kDeformable}) {
     const std::filesystem::path folder = series_folder(name);
     if (folder.empty()) continue;
     any = true;

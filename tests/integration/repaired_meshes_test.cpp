@@ -15,6 +15,7 @@
 #include "tests/support/message_of.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/shared_meshes.hpp"
+#include "tests/support/winding_number.hpp"
 
 namespace aussois {
 namespace {
@@ -125,18 +126,6 @@ TEST_F(RepairedMeshes, KeepTheSmallestGapOfAFit) {
   }
 }
 
-// How often the surface goes round a point: the sum of the solid angles of its triangles (van Oosterom and
-// Strackee 1983) over 4 pi, which knows no rays.
-double turns_around(const SimplicialComplex& surface, const Vec3& p) {
-  double sum = 0;
-  for (const auto& [i, j, k] : surface.triangles) {
-    const Vec3 a = surface.vertices[i] - p, b = surface.vertices[j] - p, c = surface.vertices[k] - p;
-    const double u = a.norm(), v = b.norm(), w = c.norm();
-    sum += std::atan2(a.dot(b.cross(c)), u * v * w + a.dot(b) * w + b.dot(c) * u + c.dot(a) * v);
-  }
-  return sum / (2 * kPi);
-}
-
 // Anywhere in the box of a part, and right before and behind its faces: bores, slots and threads have steel
 // on one side and nothing on the other.
 TEST_F(RepairedMeshes, RefuseAPointInTheirSteelAndTakeOneInTheirBores) {
@@ -165,7 +154,7 @@ TEST_F(RepairedMeshes, RefuseAPointInTheirSteelAndTakeOneInTheirBores) {
       const Vec3 p =
           k % 3 ? Vec3((x + y + z) / 3 + off)
                 : Vec3(part.report.box.lo + share.cwiseProduct(part.report.box.hi - part.report.box.lo));
-      const double turns = turns_around(surface, p);
+      const double turns = winding_number(surface, p);
       ASSERT_NEAR(turns, std::round(turns), 1e-6);
       pose(state, grain).p = p;
       const std::string said = message_of([&] { validate_start(model, state); });

@@ -11,23 +11,13 @@
 #include "geometry/primitives.hpp"
 #include "tests/support/compound.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/winding_number.hpp"
 
 namespace aussois {
 namespace {
 
 bool is_inside(const SimplicialComplex& solid, const Vec3& p) {
   return is_inside(solid, connected_pieces(solid), p);
-}
-
-// How often a surface goes round a point, in parts of the full solid angle [vanOosterom1983].
-double winding_number(const SimplicialComplex& solid, const Vec3& p) {
-  double sum = 0;
-  for (const auto& [i, j, k] : solid.triangles) {
-    const Vec3 a = solid.vertices[i] - p, b = solid.vertices[j] - p, c = solid.vertices[k] - p;
-    const double x = a.norm(), y = b.norm(), z = c.norm();
-    sum += std::atan2(a.dot(b.cross(c)), x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y);
-  }
-  return sum / (2 * kPi);
 }
 
 // All coordinates are those of vertices: points stand below and above vertices, edges, diagonals and faces,
