@@ -47,6 +47,7 @@ void check_coordinates(const Model& model, const State& state) {
   for (const BlockId i : model.coordinates.ids()) {
     const Coordinates& block = model.coordinates[i];
     const std::string who = "coordinates " + to_string(i) + " (" + block.name + "): ";
+    if (!block.points.empty()) continue;
     const VecX q = coordinates(model, state, i);
     const MatX M = block.mass(q);
     check_size(who + "mass", M, block.size, block.size);
@@ -121,21 +122,37 @@ LargestSpeeds largest_speeds(const State& state) {
 
 namespace {
 
-// Whether the work of laws is that of passive ones alone, on bodies that nothing moves.
-bool laws_are_passive(const Model& model) {
-  return std::ranges::all_of(model.forces, &ForceLaw::passive) && model.coordinates.empty() &&
-         !has_axis_forces(model) && std::ranges::none_of(model.bodies, is_moved);
+// Whether a held axis of a point moves, which may give any work.
+bool leads_points(const Model& model, const State& state) {
+  for (const BlockId i : model.coordinates.ids()) {
+    const VecX v = speeds(model, state, i);
+    const std::vector<PointMass>& points = model.coordinates[i].points;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const Vec3 all = v.segment<3>(3 * Eigen::Index(k));
+      if (without_held(points[k], all) != all) return true;
+    }
+  }
+  return false;
+}
+
+// Whether the work of laws is that of passive ones alone, on bodies and points that nothing moves.
+bool laws_are_passive(const Model& model, const State& state) {
+  const auto are_points = [](const Coordinates& block) { return !block.points.empty(); };
+  return std::ranges::all_of(model.forces, &ForceLaw::passive) &&
+         std::ranges::all_of(model.coordinates, are_points) && !has_axis_forces(model) &&
+         std::ranges::none_of(model.bodies, is_moved) && !leads_points(model, state);
 }
 
 double stored(const Model& model, const State& state, const Energy& now) {
-  return now.kinetic + now.gravity + (laws_are_passive(model) ? now.laws : spring_energy(model, state));
+  return now.kinetic + now.gravity +
+         (laws_are_passive(model, state) ? now.laws : spring_energy(model, state));
 }
 
 // What came from outside in a step: all work of laws, joints and contacts but that of those which can only
 // take, and of springs, whose energy is stored. Forces of coordinates hold what their masses make of it.
-double given(const Model& model, const StepReport& report) {
+double given(const Model& model, const State& state, const StepReport& report) {
   const EnergyLedger& e = report.energy;
-  double out = (laws_are_passive(model) ? 0 : e.law_work) + e.joint_work + e.contact_work;
+  double out = (laws_are_passive(model, state) ? 0 : e.law_work) + e.joint_work + e.contact_work;
   if (!model.coordinates.empty()) out += e.gyroscopic_work;
   for (const StepJoint& joint : report.joints) {
     const JointWork& w = joint.work;
@@ -154,11 +171,13 @@ EnergyGain energy_gain(const Model& model, const State& start) {
 void add_step(const Model& model, const State& state, const StepReport& report, EnergyGain& gain) {
   const Energy now = energy(model, state);
   const double before = std::exchange(gain.stored, stored(model, state, now));
-  gain.above = std::max(0.0, gain.above + gain.stored - before - given(model, report));
+  gain.above = std::max(0.0, gain.above + gain.stored - before - given(model, state, report));
   gain.largest = std::max(gain.largest, gain.above);
-  const double mass =
+  double mass =
       std::accumulate(model.bodies.begin(), model.bodies.end(), 0.0,
                       [](double sum, const RigidBody& b) { return is_dynamic(b) ? sum + b.mass : sum; });
+  for (const Coordinates& block : model.coordinates)
+    for (const PointMass& point : block.points) mass += point.mass;
   gain.kinetic = std::max({gain.kinetic, now.kinetic, mass * (report.h * model.gravity).squaredNorm() / 2});
 }
 

@@ -131,7 +131,8 @@ std::vector<Gauge> model_gauges(const Model& model) {
   Eigen::Index at = 0;
   for (const Coordinates& block : model.coordinates)
     for (int i = 0; i < block.size; ++i, ++at)
-      add("q:" + block.name + ":" + std::to_string(i), [at](const Frame& f) { return f.state.q[at]; });
+      if (block.points.empty())
+        add("q:" + block.name + ":" + std::to_string(i), [at](const Frame& f) { return f.state.q[at]; });
   for (const JointId j : model.joints.ids())
     for (int axis = 0; axis < axis_count(model.joints[j].kind); ++axis)
       add("joint:" + model.joints[j].name + ":" + std::to_string(axis),

@@ -15,6 +15,7 @@
 #include "geometry/parallel.hpp"
 #include "geometry/settings.hpp"
 #include "lmd/dual_descent.hpp"
+#include "lmd/material_neighbours.hpp"
 #include "lmd/shared_settings.hpp"
 #include "lmd/simplex_distance.hpp"
 #include "lmd/simplex_motion.hpp"
@@ -133,6 +134,11 @@ int parted(const SimplexLanes& p, int k, const SimplexLanes& q, float wanted) {
   return bits(apart);
 }
 
+bool may_meet(const MaterialNeighbours* self, const BaseSimplex& a, const BaseSimplex& b) {
+  return !self ||
+         meet(*self, {a.vertex.data(), std::size_t(a.dim) + 1}, {b.vertex.data(), std::size_t(b.dim) + 1});
+}
+
 // The descent of the base trees: balls whose centres move (CA-8), then boxes enlarged by what their points
 // can move.
 class CertificateDescent {
@@ -140,7 +146,14 @@ class CertificateDescent {
   CertificateDescent(const SimplexPairCheck& check, const BaseFrames& frames, const NodeVelocity& a,
                      const NodeVelocity& b, const BaseTree& tree_a, const BaseTree& tree_b,
                      PartialCheck& part)
-      : check_(check), frames_(frames), a_(a), b_(b), tree_a_(tree_a), tree_b_(tree_b), part_(part) {
+      : check_(check),
+        frames_(frames),
+        a_(a),
+        b_(b),
+        tree_a_(tree_a),
+        tree_b_(tree_b),
+        part_(part),
+        self_(self_of(*check.a().shape, check.a().body, check.b().body)) {
     dt_ = float(check.dt());
     // what vertices travel seen from their bodies
     const double stretch = check.dt() * (largest_speed(check.a()) + largest_speed(check.b()));
@@ -185,7 +198,8 @@ class CertificateDescent {
       const BaseSimplex simplex = tree_b_.simplex(b.first() + j);
       const MovingSimplex q = check_.start_b(simplex);
       for (int i = 0; i < a.count() && !part_.failed; ++i)
-        if (left[i] >> j & 1 && !check_.far(p_[i], q))
+        if (left[i] >> j & 1 && !check_.far(p_[i], q) &&
+            may_meet(self_, tree_a_.simplex(a.first() + i), simplex))
           check_.check(tree_a_.simplex(a.first() + i), simplex, p_[i], q, part_);
     }
   }
@@ -196,6 +210,7 @@ class CertificateDescent {
   const NodeVelocity &a_, &b_;
   const BaseTree &tree_a_, &tree_b_;
   PartialCheck& part_;
+  const MaterialNeighbours* self_;
   float dt_ = 0, wanted_ = 0;
   MovingSimplex p_[kBucket];  // of A's open bucket
   SimplexLanes lanes_{};
@@ -214,7 +229,8 @@ class DistanceDescent {
         fine_rounding_(1e-14 * (scale + now_a.t.norm() + now_b.t.norm())),
         tree_a_(tree_a),
         tree_b_(tree_b),
-        part_(part) {}
+        part_(part),
+        self_(self_of(*a.shape, a.body, b.body)) {}
   int near(const ConeNode& four, const ConeSlot& one, bool) {
     const V4 d = load4(four.c) - spread(one.node->c, one.lane);
     const F4 limit = splat(float(part_.distance + rounding_));
@@ -230,6 +246,7 @@ class DistanceDescent {
       const MovingSimplex q = moving(b_, tree_b_.simplex(b.first() + j), now_b_, 0);
       for (int i = 0; i < a.count(); ++i) {
         if (are_apart(p_[i].points(), q.points(), part_.distance + fine_rounding_)) continue;
+        if (!may_meet(self_, tree_a_.simplex(a.first() + i), tree_b_.simplex(b.first() + j))) continue;
         ++part_.simplex_pairs;
         const ClosestPoints closest = closest_points(p_[i].points(), q.points());
         if (closest.distance < part_.distance) part_.distance = closest.distance, part_.place = closest.x_a;
@@ -243,6 +260,7 @@ class DistanceDescent {
   double rounding_, fine_rounding_;  // of the trees, in single precision, and of the simplices
   const BaseTree &tree_a_, &tree_b_;
   BaseDistance& part_;
+  const MaterialNeighbours* self_;
   MovingSimplex p_[kBucket];  // of A's open bucket
 };
 
@@ -425,13 +443,15 @@ Certificate certify(const MovingShape& a, const MovingShape& b, double dt,
   for (const MovingShape* m : {&a, &b})
     if (!is_finite(m->motion) || !std::isfinite(largest_speed(*m)))
       return {.certified = false, .min_distance = 0};
-  if (!options.axis.isZero(0)) {
+  const bool self =
+      self_of(*a.shape, a.body, b.body) != nullptr;  // no plane parts it, and minima may be neighbours
+  if (!options.axis.isZero(0) && !self) {
     const double apart = separation_along(a, b, options.axis.normalized(), dt);
     if (apart >= options.required)
       return {.certified = true, .min_distance = std::min(apart, options.wanted), .rounds = 1};
   }
   const DistanceGoal goal{options.required, options.wanted, options.max_halvings};
-  if (options.starts_apart && has_step_minima(a, b, dt, options.required)) {
+  if (options.starts_apart && !self && has_step_minima(a, b, dt, options.required)) {
     PartialCheck minima = check_minima(a, b, dt, goal, options.threads);
     minima.min_distance = std::min(minima.min_distance, options.wanted);
     if (!minima.failed) return certificate_of(minima);
@@ -454,7 +474,9 @@ BaseDistance find_base_distance(const MovingShape& a, const MovingShape& b, doub
     run(descent);
   };
   const TreePairs pairs = all_pairs(*a.shape, *b.shape);
-  for (const auto& [tree_a, tree_b] : pairs)  // a little more, so that the descent finds the pair again
+  const bool self = self_of(*a.shape, a.body, b.body) != nullptr;
+  for (const auto& [tree_a, tree_b] :
+       self ? TreePairs() : pairs)  // a little more, so that the descent finds the pair again
     cutoff = std::min(cutoff,
                       some_distance(a, b, now_a, now_b, frames.motion, tree_a, tree_b) + 1e-9 * frames.scale);
   BaseDistance out{cutoff};

@@ -13,6 +13,10 @@ using Mat3x2 = Eigen::Matrix<double, 3, 2>;
 using Mat2x12 = Eigen::Matrix<double, 2, 12>;
 
 Vec3 chain_direction(const LmdShape& shape, int chain) {
+  if (shape.deforming) {
+    const auto [a, b] = shape.complex.edges[chain];
+    return (shape.complex.vertices[b] - shape.complex.vertices[a]).normalized();
+  }
   return leaf_of(shape, {.index = chain, .dim = 1, .side = 1}).direction;
 }
 

@@ -2,6 +2,7 @@
 // Tells which features a shape has, and which of them contain which others.
 #pragma once
 
+#include <array>
 #include <cstdlib>
 
 #include "lmd/contact_point.hpp"
@@ -11,6 +12,12 @@ namespace aussois {
 
 /// How many features of a dimension a shape has: vertices, chains, regions. Their indices are below it.
 std::size_t feature_count(const LmdShape& shape, int dim);
+
+/// The vertices where a chain ends. Chains of a shape that deforms are its edges.
+inline std::array<int, 2> chain_ends(const LmdShape& shape, int chain) {
+  if (shape.deforming) return shape.complex.edges[chain];
+  return {shape.edges[chain].first, shape.edges[chain].last};
+}
 
 /// True if the two are the same, or if one lies in the border of the other: a vertex that ends a chain or is
 /// a corner of a region's triangle, or a chain that borders a region. The shape must have both.
@@ -22,10 +29,12 @@ void for_each_led_to(const LmdShape& shape, const KeyFeature& f, auto&& visit) {
   if (f.dim == 0)
     for (int t : shape.complex.vertex_triangles[f.region]) visit(KeyFeature{2, shape.triangle_region[t]});
   if (f.dim != 1) return;
-  const EdgeLeaf& chain = shape.edges[f.region];
-  visit(KeyFeature{0, chain.first}), visit(KeyFeature{0, chain.last});
-  for (int region : chain.conormals)
-    if (region != 0) visit(KeyFeature{2, std::abs(region) - 1});
+  for (int end : chain_ends(shape, f.region)) visit(KeyFeature{0, end});
+  if (shape.deforming)
+    for (int region : shape.complex.edge_triangles[f.region]) visit(KeyFeature{2, region});
+  else
+    for (int region : shape.edges[f.region].conormals)
+      if (region != 0) visit(KeyFeature{2, std::abs(region) - 1});
 }
 
 }  // namespace aussois

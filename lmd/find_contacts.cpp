@@ -111,7 +111,7 @@ Feature edge_of_chain(const LmdShape& shape, int chain, const Vec3& x, BodyId bo
       continue;
     }
     const double r = high > low ? std::clamp((s - low) / (high - low), 0.0, 1.0) : 0;
-    Feature f{.body = body, .dim = 1, .simplex = id, .region = chain};
+    Feature f{.body = body, .dim = 1, .simplex = id, .region = shape.deforming ? id : chain};
     f.bary = edge[0] == at ? std::array<double, 3>{1 - r, r, 0} : std::array<double, 3>{r, 1 - r, 0};
     return f;
   }

@@ -41,4 +41,12 @@ Leaf leaf_of(const LmdShape& shape, LeafId id) {
   return leaf;
 }
 
+std::vector<int> corners_of(const LmdShape& shape, LeafId id) {
+  const auto i = std::size_t(id.index);
+  if (id.dim == 0) return {shape.vertices[i].vertex};
+  if (id.dim == 1) return {shape.edges[i].first, shape.edges[i].last};
+  const auto& t = shape.complex.triangles[shape.faces[i]];
+  return {t.begin(), t.end()};
+}
+
 }  // namespace aussois

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <compare>
+#include <vector>
 
 #include "lmd/lmd_shape.hpp"
 #include "lmd/normal_cone.hpp"
@@ -31,6 +32,8 @@ struct Leaf {
 };
 
 Leaf leaf_of(const LmdShape& shape, LeafId id);
+/// The vertices of a leaf of a shape that deforms, where chains are edges.
+std::vector<int> corners_of(const LmdShape& shape, LeafId id);
 
 /// The cone of a leaf that is not a face. Valid as long as the leaf lives.
 inline ConeView cone_of(const Leaf& leaf) {

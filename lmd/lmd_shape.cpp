@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "geometry/parallel.hpp"
+#include "lmd/material_neighbours.hpp"
 #include "lmd/normal_cone.hpp"
 #include "lmd/shape_levels.hpp"
 #include "lmd/shared_settings.hpp"
@@ -107,6 +108,88 @@ bool is_pit(const Idealisation& ideal, const std::vector<ChainCone>& cones, cons
   return sharpest > 0;
 }
 
+// Shapes that deform have every vertex and every edge as a leaf, also where they are flat or hollow by up to
+// kHollow: their points bear what touches there (DEF-5). Such a star is made to fall off by kFall all around.
+constexpr double kHollow = 0.15;  // sine of the angle
+constexpr double kFall = 1e-4;
+
+// The unit directions of a star seen from its side n, those that do not fall off bent down; nothing if it is
+// hollow.
+std::optional<std::vector<Vec3>> falling(const std::vector<Vec3>& star, const Vec3& n) {
+  std::vector<Vec3> out;
+  for (const Vec3& d : star) {
+    const double rise = n.dot(d);
+    if (rise > kHollow) return std::nullopt;
+    out.push_back(rise > -kFall ? Vec3(in_plane(d, n).normalized() - kFall * n) : d);
+  }
+  return out;
+}
+bool falls(const std::vector<Vec3>& star, const Vec3& n) {
+  return std::ranges::all_of(star, [&](const Vec3& d) { return n.dot(d) <= -kFall; });
+}
+
+Vec3 mean_normal(const SimplicialComplex& k, std::span<const int> triangles) {
+  Vec3 sum = Vec3::Zero();
+  for (const int t : triangles) {
+    const auto& v = k.triangles[t];
+    sum += (at(k, v[1]) - at(k, v[0])).cross(at(k, v[2]) - at(k, v[0]));
+  }
+  return sum.norm() > 0 ? Vec3(sum.normalized()) : Vec3(Vec3::UnitZ());
+}
+
+// The cones of a vertex on those sides on which its own does not stand for it.
+std::vector<NormalCone> soft_cones(const SimplicialComplex& k, const Idealisation& ideal, int v,
+                                   bool has_own) {
+  std::vector<NormalCone> out;
+  if (k.vertex_triangles[v].empty() || (k.solid && has_own)) return out;
+  std::vector<Vec3> star = vertex_directions(k, ideal, v);
+  for (Vec3& d : star) d.normalize();
+  const Vec3 n = mean_normal(k, k.vertex_triangles[v]);
+  for (const double side : {1.0, -1.0}) {
+    if (side < 0 && k.solid) break;
+    if (has_own && falls(star, side * n)) continue;
+    if (const auto bent = falling(star, side * n))
+      if (NormalCone cone = make_normal_cone(*bent); cone.lineality == 0 && cone.rays.size() >= 3)
+        out.push_back(std::move(cone));
+  }
+  return out;
+}
+
+// The same of an edge between two triangles: its conormals, as normals of regions of their own.
+struct SoftEdge {
+  int chain = 0;
+  std::array<Vec3, 2> normals{};
+  Vec3 axis = Vec3::UnitZ();
+  double half_angle = 0;
+};
+std::vector<SoftEdge> soft_edges(const SimplicialComplex& k, const Idealisation& ideal,
+                                 const std::vector<ChainCone>& cones) {
+  std::vector<SoftEdge> out;
+  for (int c = 0; c < int(cones.size()); ++c) {
+    const Chain& chain = ideal.chains[std::size_t(c)];
+    const std::span<const int> sides = k.edge_triangles[edges_of(ideal, chain).front()];
+    const bool has_own = bool(cones[std::size_t(c)].simplex_class);
+    if (sides.size() != 2 || (k.solid && has_own)) continue;
+    std::vector<int> regions;
+    std::vector<Vec3> conormals;
+    conormals_of(k, ideal, chain, regions, conormals);
+    const Vec3 n = in_plane(mean_normal(k, sides), chain.direction).normalized();
+    for (const double side : {1.0, -1.0}) {
+      if (side < 0 && k.solid) break;
+      if (has_own && falls(conormals, side * n)) continue;
+      const auto bent = falling(conormals, side * n);
+      if (!bent || !n.allFinite()) continue;
+      SoftEdge edge{.chain = c};
+      for (std::size_t i = 0; i < 2; ++i) edge.normals[i] = chain.direction.cross((*bent)[i].normalized());
+      const NormalCone cone =
+          edge_cone(chain.direction, std::array{(*bent)[0].normalized(), (*bent)[1].normalized()});
+      edge.axis = cone.axis, edge.half_angle = cone.half_angle;
+      out.push_back(edge);
+    }
+  }
+  return out;
+}
+
 double height(const Vec3& a, const Vec3& b, const Vec3& c) {
   const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
   return longest > 0 ? (b - a).cross(c - a).norm() / longest : 0;
@@ -146,16 +229,19 @@ void add_vertices(LmdShape& shape, const Idealisation& ideal, const std::vector<
   std::vector<VertexLeaf> narrow, wide;
   std::vector<ConeTreeItem> narrow_items, wide_items;
   std::vector<Vec3> rays;
-  std::vector<std::optional<NormalCone>> of_vertex(k.vertices.size());  // of those that are leaves
+  std::vector<std::vector<NormalCone>> of_vertex(k.vertices.size());  // of those that are leaves
   in_chunks(int(k.vertices.size()), threads, [&](int v) {
     if (ideal.vertex_chains[v].empty() && !k.vertex_edges[v].empty()) return;  // inside a region or a chain
     NormalCone cone = make_normal_cone(vertex_directions(k, ideal, v));
-    if (cone.lineality != 0 || (k.solid && is_pit(ideal, cones, cone, v))) return;
-    of_vertex[v] = std::move(cone);
+    const bool is_leaf = cone.lineality == 0 && !(k.solid && is_pit(ideal, cones, cone, v));
+    if (shape.deforming) of_vertex[v] = soft_cones(k, ideal, v, is_leaf);
+    if (is_leaf) of_vertex[v].push_back(std::move(cone));
   });
-  for (int v = 0; v < int(k.vertices.size()); ++v) {
-    if (!of_vertex[v]) continue;
-    const NormalCone& cone = *of_vertex[v];
+  std::vector<std::pair<int, const NormalCone*>> all;
+  for (int v = 0; v < int(k.vertices.size()); ++v)
+    for (const NormalCone& cone : of_vertex[v]) all.emplace_back(v, &cone);
+  for (const auto& [v, of] : all) {
+    const NormalCone& cone = *of;
     const bool is_wide = cone.rays.size() < 3;
     const VertexLeaf leaf{.vertex = v,
                           .first_ray = int(rays.size()),
@@ -176,7 +262,7 @@ void add_vertices(LmdShape& shape, const Idealisation& ideal, const std::vector<
 }
 
 void add_edges(LmdShape& shape, const Idealisation& ideal, const std::vector<ChainCone>& cones,
-               const std::vector<double>& misfits, int threads) {
+               const std::vector<SoftEdge>& soft, const std::vector<double>& misfits, int threads) {
   std::vector<EdgeLeaf> narrow, wide;
   std::vector<ConeTreeItem> narrow_items, wide_items;
   std::vector<int> paths;
@@ -196,6 +282,15 @@ void add_edges(LmdShape& shape, const Idealisation& ideal, const std::vector<Cha
                                         cones[c].half_angle + 1.01 * misfit(chain.first, chain.last));
     (leaf.is_wide ? wide : narrow).push_back(leaf);
     (leaf.is_wide ? wide_items : narrow_items).push_back(item);
+  }
+  for (std::size_t i = 0; i < soft.size(); ++i) {  // their regions follow those of the triangles
+    const Chain& chain = ideal.chains[std::size_t(soft[i].chain)];
+    const int region = int(ideal.region_normal.size() + 2 * i) + 1;
+    narrow.push_back({.first = chain.first,
+                      .last = chain.last,
+                      .conormals = {region, region + 1},
+                      .path = edges_of(ideal, chain).front()});
+    narrow_items.push_back(tree_item(std::array{chain.first, chain.last}, soft[i].axis, soft[i].half_angle));
   }
   shape.edge_tree = make_tree(narrow_items, shape, narrow, threads);
   shape.wide_edge_tree = make_tree(wide_items, shape, wide, threads);
@@ -332,6 +427,7 @@ LmdShape prepare(DilatedShape dilated, const LmdShapeOptions& options) {
   const Box box = bounding_box(shape.complex);
   shape.centre = (box.lo + box.hi) / 2;
   shape.bounding_radius = radius_about(shape.complex, shape.centre);
+  shape.deforming = options.deforming;
   shape.tolerance = (options.deforming ? kRounding : options.planarity) * box.diagonal();
   if (shape.radius > 0)
     shape.tolerance = std::min(shape.tolerance, 1e-3 * shape.radius);  // far below what contacts can feel
@@ -344,15 +440,19 @@ LmdShape prepare(DilatedShape dilated, const LmdShapeOptions& options) {
     regions.push_back({ideal.region_normal[r], ideal.region_offset[r]});
   std::vector<std::int8_t> signs;
   for (double sign : ideal.triangle_sign) signs.push_back(std::int8_t(sign));
-  shape.regions = std::move(regions);
-  shape.triangle_region = ideal.triangle_region;
-  shape.triangle_sign = std::move(signs);
   std::vector<ChainCone> cones(ideal.chains.size());
   in_chunks(int(cones.size()), options.threads,
             [&](int c) { cones[c] = chain_cone(shape.complex, ideal, ideal.chains[c]); });
+  std::vector<SoftEdge> soft;
+  if (options.deforming) soft = soft_edges(shape.complex, ideal, cones);
+  for (const SoftEdge& edge : soft)
+    for (const Vec3& normal : edge.normals) regions.push_back({.normal = normal});
+  shape.regions = std::move(regions);
+  shape.triangle_region = ideal.triangle_region;
+  shape.triangle_sign = std::move(signs);
   add_vertices(shape, ideal, cones, options.threads);
   const std::vector<double> misfits = misfit_at_vertices(shape.complex, ideal);
-  add_edges(shape, ideal, cones, misfits, options.threads);
+  add_edges(shape, ideal, cones, soft, misfits, options.threads);
   add_faces(shape, ideal, 1e-9 * box.diagonal(), options.threads);
   add_unproven(shape, ideal, misfits, options.threads);
   if (options.levels > 0)
@@ -366,11 +466,15 @@ LmdShape refit(const LmdShape& shape, std::vector<Vec3> vertices) {
                 ("be " + std::to_string(shape.complex.vertices.size()) + ", as the shape has").c_str());
   DilatedShape moved{.complex = shape.complex, .radius = shape.radius};
   moved.complex.vertices = std::move(vertices);
-  return prepare(std::move(moved), {.deforming = true});
+  LmdShape out = prepare(std::move(moved), {.deforming = true});
+  out.self = shape.self;
+  return out;
 }
 
-bool keeps_features(const LmdShape& shape) {
-  return shape.regions.size() == shape.complex.triangles.size() && shape.paths.empty();
+LmdShape touching_itself(LmdShape shape, double reach) {
+  require(shape.deforming, "touching_itself: the shape must be prepared with LmdShapeOptions::deforming");
+  shape.self = material_neighbours(shape.complex, reach);
+  return shape;
 }
 
 SimplexClass class_of(const VertexLeaf& leaf) {

@@ -15,6 +15,7 @@
 namespace aussois {
 
 class SettingVisitor;
+struct MaterialNeighbours;
 struct ShapeLevels;
 
 /// `describe` gives the ranges.
@@ -77,6 +78,7 @@ struct LmdShape {
   double radius = 0;                        // dilation [m]
   Vec3 centre = Vec3::Zero();               // of a small ball around the vertices, frame of the shape [m]
   double bounding_radius = 0;               // of that ball, without dilation [m]
+  bool deforming = false;                   // LmdShapeOptions::deforming: features are simplices
   double tolerance = 0;                     // of regions and chains, tau_f [m]
   SharedArray<MovedVertex> straightened{};  // vertices of the complex that were moved onto chords of chains
 
@@ -100,7 +102,8 @@ struct LmdShape {
   // (LMD-14) is proven
   SharedArray<int> unproven{};
   ConeTree unproven_tree{};
-  std::shared_ptr<const ShapeLevels> levels{};  // that may stand for it where gaps are large; null: none
+  std::shared_ptr<const ShapeLevels> levels{};       // that may stand for it where gaps are large; null: none
+  std::shared_ptr<const MaterialNeighbours> self{};  // what does not touch itself; null: nothing does
 };
 
 /// How far a foot may lie beyond the ends of LmdShape::edges[edge], per distance from the foot [-] (LMD-15).
@@ -116,8 +119,9 @@ LmdShape prepare(DilatedShape shape, const LmdShapeOptions& options = {});
 /// std::invalid_argument unless `vertices` has one entry for each vertex.
 LmdShape refit(const LmdShape& shape, std::vector<Vec3> vertices);
 
-/// Whether each triangle is a region of its own and each edge a chain.
-bool keeps_features(const LmdShape& shape);
+/// Lets a shape that was prepared with LmdShapeOptions::deforming touch itself, but for simplices nearer than
+/// `reach` along the edges of the shape as it is now [m]. Throws std::invalid_argument unless reach > 0.
+LmdShape touching_itself(LmdShape shape, double reach);
 
 /// Bytes of what a search reads: vertices, triangles, leaves and trees.
 std::size_t search_bytes(const LmdShape& shape);

@@ -4,6 +4,7 @@
 
 #include <span>
 
+#include "lmd/body_id.hpp"
 #include "lmd/lmd_shape.hpp"
 #include "lmd/motion_bound.hpp"
 
@@ -15,6 +16,7 @@ struct MovingShape {
   RigidMotion motion{};
   // Constant velocities of the vertices of a deforming shape, in its frame [m/s]; empty: it does not deform
   std::span<const Vec3> velocity{};
+  BodyId body{};  // two of one body: its shape meets itself, if LmdShape::self lets it
 };
 
 }  // namespace aussois

@@ -152,6 +152,7 @@ class Search {
     for (int j = 0; j < b.count(); ++j) {
       if (!(lanes >> j & 1)) continue;
       id_b.index = trees_.first_b.index + b.first() + j;
+      if (!may_meet(pair_, id_a, id_b)) continue;
       if (window_) {
         part_.candidates.emplace_back(id_a, id_b);
         continue;
@@ -209,7 +210,8 @@ std::vector<LeafId> leaves_of(const LmdShape& s) {
 }  // namespace
 
 RelativePair relative_pair(const PosedShape& a, const PosedShape& b, const LmdOptions& options) {
-  const SE3 g = inverse(b.g_ws) * a.g_ws;
+  const MaterialNeighbours* self = self_of(*a.shape, a.body, b.body);
+  const SE3 g = self ? SE3{} : inverse(b.g_ws) * a.g_ws;
   const double size = std::max(a.shape->bounding_radius, b.shape->bounding_radius);
   return {a.shape,
           b.shape,
@@ -220,7 +222,12 @@ RelativePair relative_pair(const PosedShape& a, const PosedShape& b, const LmdOp
            .alpha_ee = options.alpha_ee,
            .tolerance = 2e-9 * size,  // 1e-9 of the larger box diagonal
            .sin_alpha = std::sin(options.alpha),
-           .sin_alpha_ee = std::sin(options.alpha_ee)}};
+           .sin_alpha_ee = std::sin(options.alpha_ee)},
+          self};
+}
+
+bool may_meet(const RelativePair& pair, LeafId a, LeafId b) {
+  return !pair.self || meet(*pair.self, corners_of(*pair.a, a), corners_of(*pair.b, b));
 }
 
 double angle_slack(const RelativePair& pair) {
@@ -238,7 +245,7 @@ SearchResult search_exhaustively(const RelativePair& pair) {
   for (LeafId id : leaves_of(*pair.a)) {
     const Leaf leaf = leaf_of(*pair.a, id);
     for (std::size_t j = 0; j < all_b.size(); ++j) {
-      if (!can_touch(id.dim, all_b[j].dim)) continue;
+      if (!can_touch(id.dim, all_b[j].dim) || !may_meet(pair, id, all_b[j])) continue;
       ++all.count.exact_tests;
       if (const auto minimum = test_minimum(leaf, leaves_b[j], pair.R, pair.t, pair.criteria))
         all.found.push_back({id, all_b[j], *minimum});

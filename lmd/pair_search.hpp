@@ -4,6 +4,7 @@
 #pragma once
 
 #include "lmd/lmd_options.hpp"
+#include "lmd/material_neighbours.hpp"
 #include "lmd/minimum_test.hpp"
 #include "lmd/posed_shape.hpp"
 
@@ -15,12 +16,16 @@ struct RelativePair {
   Mat3 R = Mat3::Identity();
   Vec3 t = Vec3::Zero();  // [m]
   MinimumCriteria criteria{};
+  const MaterialNeighbours* self = nullptr;  // of a shape that meets itself
 };
 RelativePair relative_pair(const PosedShape& a, const PosedShape& b, const LmdOptions& options);
 
 /// Kernels accept feet that are off by a length, nodes prune by angles: at a distance d the length is worth
 /// tau / d [rad].
 double angle_slack(const RelativePair& pair);
+
+/// Whether two leaves are looked at: all are, but for those of one shape that are neighbours in the material.
+bool may_meet(const RelativePair& pair, LeafId a, LeafId b);
 
 struct FoundMinimum {
   LeafId a{}, b{};

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mechanics/beam.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
+#include <utility>
 
 #include "geometry/check.hpp"
 #include "geometry/settings.hpp"
@@ -35,22 +38,61 @@ BeamForces forces_of(const Beam& beam, const BeamElement& element, const State& 
                      element.rest, tangent);
 }
 
-void add_blocks(const BeamElement& element, const Eigen::Matrix<double, 12, 12>& block,
-                std::vector<Triplet>& matrix) {
-  const int first[] = {first_velocity(element.body_a), first_velocity(element.body_b)};
-  for (int j = 0; j < 12; ++j)
-    for (int i = 0; i < 12; ++i)
-      if (block(i, j) != 0) matrix.emplace_back(first[i / 6] + i % 6, first[j / 6] + j % 6, block(i, j));
+// A beam and where the blocks of its elements are in the derivatives of its force.
+struct LaidBeam {
+  Beam beam{};
+  std::shared_ptr<const BlockPattern> pattern{};
+  struct Place {
+    std::array<int, 2> column{};             // of its nodes
+    std::array<std::array<int, 2>, 2> at{};  // of the blocks between node i and node j
+  };
+  std::vector<Place> places{};  // of each element
+  bool damped = false;
+};
+
+LaidBeam laid(Beam beam) {
+  LaidBeam out{.beam = std::move(beam)};
+  std::vector<int> entry;  // of the nodes
+  for (const BeamElement& e : out.beam.elements)
+    for (const BodyId node : {e.body_a, e.body_b}) entry.push_back(first_velocity(node));
+  std::ranges::sort(entry);
+  entry.erase(std::unique(entry.begin(), entry.end()), entry.end());
+  std::vector<std::vector<int>> elements;
+  for (const BeamElement& e : out.beam.elements) {
+    LaidBeam::Place& place = out.places.emplace_back();
+    for (const auto& [i, node] : {std::pair(0, e.body_a), std::pair(1, e.body_b)})
+      place.column[i] = int(std::ranges::lower_bound(entry, first_velocity(node)) - entry.begin());
+    elements.emplace_back(place.column.begin(), place.column.end());
+    out.damped = out.damped || !section_of(out.beam, e).damping.isZero(0);
+  }
+  out.pattern = block_pattern(6, std::move(entry), elements);
+  for (LaidBeam::Place& place : out.places)
+    for (int i = 0; i < 2; ++i)
+      for (int j = 0; j < 2; ++j) place.at[i][j] = block_at(*out.pattern, place.column[i], place.column[j]);
+  return out;
 }
 
-void add_forces(const Beam& beam, const State& state, GeneralisedForce& force) {
-  for (const BeamElement& element : beam.elements) {
+void add_blocks(const LaidBeam& laid, std::size_t element, const Eigen::Matrix<double, 12, 12>& block,
+                std::vector<double>& values) {
+  const LaidBeam::Place& place = laid.places[element];
+  for (int j = 0; j < 2; ++j)
+    for (int i = 0; i < 2; ++i)
+      add_to_block<6>(*laid.pattern, place.at[i][j], place.column[j], block.block<6, 6>(6 * i, 6 * j),
+                      values);
+}
+
+void add_forces(const LaidBeam& laid, const State& state, GeneralisedForce& force) {
+  ForceMatrix& matrix = force.matrices.emplace_back(ForceMatrix{.pattern = laid.pattern});
+  matrix.K.assign(laid.pattern->values(), 0);
+  if (laid.damped) matrix.C.assign(laid.pattern->values(), 0);
+  for (std::size_t i = 0; i < laid.beam.elements.size(); ++i) {
+    const BeamElement& element = laid.beam.elements[i];
     BeamTangent tangent;
-    const BeamForces of = forces_of(beam, element, state, &tangent);
+    const BeamForces of = forces_of(laid.beam, element, state, &tangent);
     body_part(force.f, element.body_a) += of.on_a;
     body_part(force.f, element.body_b) += of.on_b;
-    add_blocks(element, tangent.K, force.K);
-    add_blocks(element, tangent.C, force.C);
+    add_blocks(laid, i, tangent.K, matrix.K);
+    if (laid.damped) add_blocks(laid, i, tangent.C, matrix.C);
   }
 }
 
@@ -137,15 +179,15 @@ void validate(const Beam& beam, const Table<BodyId, RigidBody>& bodies) {
 
 void add(Model& model, Beam beam) {
   validate(beam, model.bodies);
-  const auto kept = std::make_shared<const Beam>(std::move(beam));
-  add(model,
-      ForceLaw{
-          .name = kept->name,
-          .add_to = [kept](const Model&, const State& state, double,
-                           GeneralisedForce& force) { add_forces(*kept, state, force); },
-          .refusal = [kept](const Model&, const State& state) { return beam_refusal(*kept, state); },
-          .potential = [kept](const Model&, const State& state, double) { return beam_energy(*kept, state); },
-          .passive = true});
+  const auto kept = std::make_shared<const LaidBeam>(laid(std::move(beam)));
+  add(model, ForceLaw{.name = kept->beam.name,
+                      .add_to = [kept](const Model&, const State& state, double,
+                                       GeneralisedForce& force) { add_forces(*kept, state, force); },
+                      .refusal = [kept](const Model&,
+                                        const State& state) { return beam_refusal(kept->beam, state); },
+                      .potential = [kept](const Model&, const State& state,
+                                          double) { return beam_energy(kept->beam, state); },
+                      .passive = true});
 }
 
 std::vector<BeamLoad> beam_loads(const Beam& beam, const State& state) {

@@ -20,9 +20,9 @@ RigidBody surface_of(Model& model, const Cable& cable, const CableOptions& optio
   std::vector<std::array<int, 2>> wires;
   for (int i = 0; i + 1 < int(places.size()); ++i) wires.push_back({i, i + 1});
   if (options.closed) wires.push_back({int(places.size()) - 1, 0});
-  RigidBody body = fixed_body(
-      options.name,
-      add(model, prepare(dilate(make_complex(places, {}, wires), options.radius), {.deforming = true})));
+  LmdShape shape = prepare(dilate(make_complex(places, {}, wires), options.radius), {.deforming = true});
+  if (options.touches_itself) shape = touching_itself(std::move(shape), kPi * options.radius);
+  RigidBody body = fixed_body(options.name, add(model, std::move(shape)));
   body.deformation.vertices = [nodes = cable.nodes](const Model&, const State& state) {
     std::vector<Vec3> out;
     for (const BodyId node : nodes) out.push_back(pose(state, node).p);
@@ -115,6 +115,7 @@ Cable add_cable(Model& model, const CableOptions& options) {
                 options.closed ? "be at least 3 of a closed cable" : "be at least 2");
   require_field(options.radius >= 0 && std::isfinite(options.radius), "CableOptions::radius", options.radius,
                 "be finite and not negative [m]");
+  require(options.radius > 0 || !options.touches_itself, "CableOptions::touches_itself needs a radius");
   Cable out{.laid = options.nodes};
   for (SE3& g : out.laid) g = checked_pose(g, "CableOptions::nodes");
   const BodyId first = model.bodies.next();

@@ -21,9 +21,10 @@ struct CableOptions {
   std::string name = "cable";
   std::vector<SE3> nodes{};  // as it is laid, x along it, at least 2; see frames_along
   BeamSection section{};
-  double radius = 0;      // of its surface [m]; 0: it has none and touches nothing
-  bool straight = false;  // without stress where it is straight; false: as it is laid
-  bool closed = false;    // a last element leads from the last node to the first
+  double radius = 0;            // of its surface [m]; 0: it has none and touches nothing
+  bool touches_itself = false;  // but for parts nearer than pi radii along it (DEF-4)
+  bool straight = false;        // without stress where it is straight; false: as it is laid
+  bool closed = false;          // a last element leads from the last node to the first
 };
 
 struct Cable {

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Generalised coordinates beside the bodies: the extension point for user-defined models (GEN-1) to (GEN-4).
+// Generalised coordinates beside the bodies: the extension point for user-defined models (GEN-1) to (GEN-5).
 // A block obeys M(q) dv = f(t, q, v) dt + H dr, dq = v dt; gap functions say where it, or a body, may not go.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "geometry/id.hpp"
 #include "mechanics/contact_law.hpp"
@@ -24,10 +26,20 @@ struct CoordinateForce {
   MatX C{};  // -df/dv
 };
 
+/// A point that moves on its own (GEN-5), as a node of a solid does. Its three coordinates are its
+/// displacement.
+struct PointMass {
+  Vec3 place = Vec3::Zero();  // in the world, where its displacement is zero [m]
+  double mass = 0;            // [kg], >= 0
+  // The axes of the world along which nothing changes its speed: it stays, or moves as State::v says
+  std::array<bool, 3> held{};
+};
+
 struct Coordinates {
   std::string name{};
   int size = 0;                               // n, >= 1
   std::function<MatX(const VecX& q)> mass{};  // n x n, symmetric and positive definite
+  std::vector<PointMass> points{};            // instead of a mass: n / 3 points, on which gravity acts
   std::function<CoordinateForce(double t, const VecX& q, const VecX& v)> force{};  // empty: none
   std::function<double(const VecX& q)> potential{};  // of the conservative part of the force [J]; empty: none
 };

@@ -35,15 +35,16 @@ std::string force_refusal(const Model& model, const State& state) {
 
 GeneralisedForce total_force(const Model& model, const State& state, double t) {
   const int size = velocity_count(model);
-  GeneralisedForce out{.f = VecX::Zero(size), .K = {}, .C = {}};
+  GeneralisedForce out{.f = VecX::Zero(size)};
   for (const ForceLaw& law : model.forces) {
-    const std::size_t K = out.K.size(), C = out.C.size();
+    const std::size_t K = out.K.size(), C = out.C.size(), matrices = out.matrices.size();
     try {
       law.add_to(model, state, t, out);
       require_field(out.f.size() == size, "size of GeneralisedForce::f", out.f.size(),
                     ("stay " + std::to_string(size)).c_str());
       check_entries(out.K, K, "GeneralisedForce::K", size);
       check_entries(out.C, C, "GeneralisedForce::C", size);
+      for (std::size_t k = matrices; k < out.matrices.size(); ++k) validate(out.matrices[k], size);
     } catch (const std::invalid_argument& error) {
       throw std::invalid_argument("force law (" + law.name + "): " + error.what());
     }

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "geometry/types.hpp"
+#include "mechanics/force_matrix.hpp"
 
 namespace aussois {
 
@@ -64,9 +64,10 @@ class ForceVector : public VecX {
 /// Without K and C, a force that depends on poses or velocities is integrated explicitly. The theta scheme is
 /// then of order one, whatever theta is, and stiff forces are unstable.
 struct GeneralisedForce {
-  ForceVector f{};           // laid out as State::v
-  std::vector<Triplet> K{};  // -df/dq along the twist coordinates [N/m, N, N m]
-  std::vector<Triplet> C{};  // -df/dv [N s/m, N s, N m s]
+  ForceVector f{};                      // laid out as State::v
+  std::vector<Triplet> K{};             // -df/dq along the twist coordinates [N/m, N, N m]
+  std::vector<Triplet> C{};             // -df/dv [N s/m, N s, N m s]
+  std::vector<ForceMatrix> matrices{};  // what many elements add to K and C
 };
 
 /// Appends the entries of `block` to a sparse matrix, its corner at (row, column).

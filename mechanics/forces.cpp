@@ -99,12 +99,19 @@ void add_diagonal_block(std::vector<Triplet>& out, int at, const MatX& block, do
       if (block(i, j) != 0) out.emplace_back(at + i, at + j, scale * block(i, j));
 }
 
+void add_diagonal_block(std::vector<Triplet>& out, int at, const SparseMatrix& block, double scale) {
+  for (int j = 0; j < block.outerSize(); ++j)
+    for (SparseMatrix::InnerIterator it(block, j); it; ++it)
+      if (it.value() != 0) out.emplace_back(at + it.row(), at + j, scale * it.value());
+}
+
 Forces forces_at(const Model& model, const State& state, const Layout& dofs) {
   GeneralisedForce force = total_force(model, state, state.t);
   Forces out;
   out.axes = add_axis_forces(model, state, state.g, state.t, force);
   out.gravity = out.gyroscopic = VecX::Zero(dofs.rows);
   out.laws = free_velocities(dofs, force.f);
+  clear_held(dofs, out.laws);
   std::vector<Triplet> mass, K = free_entries(force.K, dofs), C = free_entries(force.C, dofs);
   for (const BodyId b : model.bodies.ids()) {
     const int row = dofs.first[b];
@@ -122,6 +129,7 @@ Forces forces_at(const Model& model, const State& state, const Layout& dofs) {
     const int row = dofs.coordinates + first_coordinate(model, i);
     const VecX q = coordinates(model, state, i), v = speeds(model, state, i);
     add_diagonal_block(mass, row, block_mass(model, i, q), 1);
+    out.gravity.segment(row, block.size) = block_weight(model, i);
     if (!block.force) continue;
     const CoordinateForce own = block_force(model, i, state.t, q, v);
     out.laws.segment(row, block.size) += own.f;
@@ -131,6 +139,10 @@ Forces forces_at(const Model& model, const State& state, const Layout& dofs) {
   out.mass = square_matrix(dofs.rows, mass);
   out.K = square_matrix(dofs.rows, K);
   out.C = square_matrix(dofs.rows, C);
+  if (!force.matrices.empty()) {
+    out.K += free_matrix(force.matrices, 1, 0, dofs);
+    out.C += free_matrix(force.matrices, 0, 1, dofs);
+  }
   return out;
 }
 

@@ -40,6 +40,7 @@ SparseMatrix square_matrix(int n, const std::vector<Triplet>& entries);
 std::vector<Triplet> free_entries(const std::vector<Triplet>& entries, const Layout& dofs);
 /// Appends `scale` times a block whose corner is at (at, at), without its zeros.
 void add_diagonal_block(std::vector<Triplet>& matrix, int at, const MatX& block, double scale);
+void add_diagonal_block(std::vector<Triplet>& matrix, int at, const SparseMatrix& block, double scale);
 
 /// All forces at a state and at its own time, in the rows of the problem; includes joint axes and
 /// coordinates.

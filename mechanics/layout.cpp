@@ -13,10 +13,29 @@ Layout layout(const Model& model) {
   }
   out.coordinates = out.rows;
   out.rows += first_coordinate(model, model.coordinates.next());
+  for (const BlockId i : model.coordinates.ids()) {
+    const std::vector<PointMass>& points = model.coordinates[i].points;
+    for (std::size_t k = 0; k < points.size(); ++k)
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        if (!points[k].held[axis]) continue;
+        out.held.resize(std::size_t(out.rows - out.coordinates));
+        out.held[std::size_t(first_coordinate(model, i)) + 3 * k + axis] = 1;
+      }
+  }
   return out;
 }
 
 int row_of(const Layout& dofs, Eigen::Index velocity) {
+  const int row = any_row_of(dofs, velocity);
+  return !dofs.held.empty() && row >= dofs.coordinates && dofs.held[row - dofs.coordinates] ? -1 : row;
+}
+
+void clear_held(const Layout& dofs, VecX& forces) {
+  for (std::size_t i = 0; i < dofs.held.size(); ++i)
+    if (dofs.held[i]) forces[dofs.coordinates + Eigen::Index(i)] = 0;
+}
+
+int any_row_of(const Layout& dofs, Eigen::Index velocity) {
   const int after_bodies = first_velocity(dofs.first.next());
   if (velocity >= after_bodies) return dofs.coordinates + int(velocity - after_bodies);
   const int first = dofs.first[BodyId::at(velocity / 6)];

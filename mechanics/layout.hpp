@@ -3,6 +3,8 @@
 // has only the free ones.
 #pragma once
 
+#include <vector>
+
 #include "geometry/types.hpp"
 #include "lmd/body_id.hpp"
 
@@ -35,14 +37,20 @@ struct Layout {
   PerBody<int> first{};  // its first row, -1 if it is not dynamic
   int coordinates = 0;   // first row of the coordinates
   int rows = 0;
+  std::vector<char>
+      held{};  // of each coordinate: whether it is the axis of a point that is held; empty: none
 };
 /// The first row of a body, or -1 of the world and of one that is not dynamic.
 inline int first_row(const Layout& dofs, BodyId body) {
   return body ? dofs.first[body] : -1;
 }
 Layout layout(const Model& model);
-/// The row of an entry of State::v, -1 if its body is not dynamic.
+/// The row of an entry of State::v, -1 if its body is not dynamic or the axis of its point is held.
 int row_of(const Layout& dofs, Eigen::Index velocity);
+/// The same where held axes have the row that keeps their speed.
+int any_row_of(const Layout& dofs, Eigen::Index velocity);
+/// Takes the forces on held axes out of a vector of the rows of the problem.
+void clear_held(const Layout& dofs, VecX& forces);
 
 /// Velocities laid out as State::v: the free ones from `v` (rows of the problem), the others from
 /// `v_prescribed`.

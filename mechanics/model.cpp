@@ -56,7 +56,7 @@ void check_deformation(const RigidBody& body, BodyId index, const Model& model) 
   const std::string who = "body " + to_string(index) + " (" + body.name + "): deformation ";
   require(bool(body.deformation.columns), who + "needs columns beside vertices");
   require(bool(body.shape), who + "needs a shape");
-  require(keeps_features(*model.shapes[body.shape]),
+  require(model.shapes[body.shape]->deforming,
           who + "needs a shape prepared with LmdShapeOptions::deforming");
   require(!is_moved(body), who + "needs a dynamic or fixed body");
 }
@@ -140,7 +140,22 @@ void check_coupling(const Coupling& coupling, int index, const Table<JointId, Jo
 void check_block(const Coordinates& block, BlockId index) {
   const std::string who = "coordinates " + to_string(index) + " (" + block.name + "): ";
   require_field(block.size >= 1, (who + "size").c_str(), block.size, "be at least 1");
-  require(bool(block.mass), who + "mass must be callable");
+  if (block.points.empty()) {
+    require(bool(block.mass), who + "mass must be callable");
+    return;
+  }
+  require(
+      !block.mass && !block.force && !block.potential,
+      who + "mass, force and potential must be empty: its points have masses, and force laws act on them");
+  require_field(block.size == 3 * std::ssize(block.points), (who + "size").c_str(), block.size,
+                ("be " + std::to_string(3 * block.points.size()) + ", three for each of its points").c_str());
+  for (std::size_t i = 0; i < block.points.size(); ++i) {
+    const PointMass& point = block.points[i];
+    const std::string of = who + "point " + std::to_string(i) + ": ";
+    require_field(point.mass >= 0 && std::isfinite(point.mass), (of + "mass").c_str(), point.mass,
+                  "be finite and not negative [kg]");
+    require(point.place.allFinite(), of + "place must be finite [m]");
+  }
 }
 
 void check_gap(const GapFunction& gap, GapId index, const Table<BlockId, Coordinates>& blocks) {

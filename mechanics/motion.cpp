@@ -63,6 +63,15 @@ VecX prescribed_velocity(const Model& model, const State& state, double h) {
     else if (std::holds_alternative<DrivenMotion>(motion))
       body_part(v, b) = twist(state, b);
   }
+  for (const BlockId i : model.coordinates.ids()) {
+    const std::vector<PointMass>& points = model.coordinates[i].points;
+    const int first = points.empty() ? 0 : first_speed(model, i);
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const auto at = Eigen::Index(first) + 3 * Eigen::Index(k);
+      const Vec3 all = state.v.segment<3>(at);
+      v.segment<3>(at) = all - without_held(points[k], all);
+    }
+  }
   return v;
 }
 

@@ -27,9 +27,9 @@ VecX velocity_between(const State& state, const State& plain, const State& end, 
 /// unless the body is driven, `target` is a valid pose and the time is positive.
 void lead_body(const Model& model, State& state, BodyId body, const SE3& target, double time);
 
-/// Velocities of the bodies that are not dynamic, laid out as State::v; zero for everything free. A
-/// prescribed body moves from its pose at t to that at t + h at constant speeds; a driven one moves with its
-/// twist in the state.
+/// Velocities of the bodies that are not dynamic and of held axes of points, laid out as State::v; zero for
+/// everything free. A prescribed body moves from its pose at t to that at t + h at constant speeds; a driven
+/// one moves with its twist in the state, a held axis with its speed there.
 VecX prescribed_velocity(const Model& model, const State& state, double h);
 
 /// Poses after moving at the velocities `v`, laid out as State::v, for a time (MJ-8); prescribed bodies are

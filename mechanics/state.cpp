@@ -139,10 +139,39 @@ void check_size(const MatX& A, Eigen::Index rows, Eigen::Index columns, const st
 
 }  // namespace
 
-MatX block_mass(const Model& model, BlockId block, const VecX& q) {
+Vec3 without_held(const PointMass& point, Vec3 along) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (point.held[axis]) along[axis] = 0;
+  return along;
+}
+
+Vec3 point_place(const Coordinates& block, const VecX& q, std::size_t point) {
+  return block.points[point].place + q.segment<3>(3 * Eigen::Index(point));
+}
+
+VecX block_weight(const Model& model, BlockId block) {
   const Coordinates& c = model.coordinates[block];
-  MatX M = c.mass(q);
-  check_size(M, c.size, c.size, "coordinates " + to_string(block) + " (" + c.name + "): mass");
+  VecX out = VecX::Zero(c.size);
+  for (std::size_t i = 0; i < c.points.size(); ++i)
+    out.segment<3>(3 * Eigen::Index(i)) = c.points[i].mass * without_held(c.points[i], model.gravity);
+  return out;
+}
+
+SparseMatrix block_mass(const Model& model, BlockId block, const VecX& q) {
+  const Coordinates& c = model.coordinates[block];
+  if (c.points.empty()) {
+    const MatX M = c.mass(q);
+    check_size(M, c.size, c.size, "coordinates " + to_string(block) + " (" + c.name + "): mass");
+    return M.sparseView();
+  }
+  SparseMatrix M(c.size, c.size);
+  M.reserve(c.size);
+  for (int i = 0; i < c.size; ++i) {
+    const PointMass& point = c.points[std::size_t(i) / 3];
+    M.startVec(i);
+    M.insertBack(i, i) = point.held[i % 3] ? 1 : point.mass;  // any: what is held keeps its speed
+  }
+  M.finalize();
   return M;
 }
 
@@ -273,7 +302,13 @@ Energy energy(const Model& model, const State& state) {  // (MEC-4)
   for (const BlockId i : model.coordinates.ids()) {
     const Coordinates& block = model.coordinates[i];
     const VecX q = coordinates(model, state, i), v = speeds(model, state, i);
-    energy.kinetic += 0.5 * v.dot(block_mass(model, i, q) * v);
+    if (block.points.empty()) energy.kinetic += 0.5 * v.dot(block_mass(model, i, q) * v);
+    for (std::size_t k = 0; k < block.points.size(); ++k) {
+      const PointMass& point = block.points[k];
+      const Vec3 free = without_held(point, v.segment<3>(3 * Eigen::Index(k)));
+      energy.kinetic += 0.5 * point.mass * free.squaredNorm();
+      energy.gravity -= point.mass * without_held(point, model.gravity).dot(point_place(block, q, k));
+    }
     if (block.potential) energy.laws += block.potential(q);
   }
   return energy;
@@ -288,6 +323,16 @@ Momentum momentum(const Model& model, const State& state) {  // (MEC-6)
     const Vec3 p = body.mass * v.head<3>();
     sum.linear += p;
     sum.angular += state.g[i].p.cross(p) + state.g[i].R * Vec3(body.inertia * v.tail<3>());
+  }
+  for (const BlockId i : model.coordinates.ids()) {
+    const Coordinates& block = model.coordinates[i];
+    if (block.points.empty()) continue;
+    const VecX q = coordinates(model, state, i), v = speeds(model, state, i);
+    for (std::size_t k = 0; k < block.points.size(); ++k) {
+      const Vec3 p = block.points[k].mass * without_held(block.points[k], v.segment<3>(3 * Eigen::Index(k)));
+      sum.linear += p;
+      sum.angular += point_place(block, q, k).cross(p);
+    }
   }
   return sum;
 }

@@ -52,9 +52,15 @@ Vec6 twist(const State& state, BodyId body);
 /// Coordinates of a block and their speeds.
 VecX coordinates(const Model& model, const State& state, BlockId block);
 VecX speeds(const Model& model, const State& state, BlockId block);
+/// A vector without its parts along the axes on which the point is held.
+Vec3 without_held(const PointMass& point, Vec3 along);
+/// The place of a point of a block with the coordinates q [m].
+Vec3 point_place(const Coordinates& block, const VecX& q, std::size_t point);
+/// The weight of a block's points [N], zero along held axes; all zero of a block without points.
+VecX block_weight(const Model& model, BlockId block);
 /// Evaluate the blocks and gap functions of a model. They throw std::invalid_argument naming a result of the
 /// wrong size, with both sizes.
-MatX block_mass(const Model& model, BlockId block, const VecX& q);
+SparseMatrix block_mass(const Model& model, BlockId block, const VecX& q);
 CoordinateForce block_force(const Model& model, BlockId block, double t, const VecX& q, const VecX& v);
 GapRows gap_function(const Model& model, const State& state, GapId gap, double t);
 
@@ -81,15 +87,16 @@ AxisSlot axis_slot(int slot);
 /// None for an axis, and for none, a contact.
 GapId gap_of(const Model& model, std::optional<int> slot);
 
-/// Energy of the dynamic bodies and the coordinates; `laws` is the sum of the potentials of force laws, joint
-/// springs and coordinates at the state's own time (MEC-4).
+/// Energy of the dynamic bodies and the coordinates, held axes of points left out; `laws` is the sum of the
+/// potentials of force laws, joint springs and coordinates at the state's own time (MEC-4).
 struct Energy {
   double kinetic = 0, gravity = 0, laws = 0;  // [J]
   double total() const { return kinetic + gravity + laws; }
 };
 Energy energy(const Model& model, const State& state);
 
-/// Linear momentum of the dynamic bodies [N s] and their angular momentum about the world's origin [N m s].
+/// Linear momentum of the dynamic bodies and of points, held axes left out [N s], and their angular momentum
+/// about the world's origin [N m s].
 struct Momentum {
   Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
   Momentum& operator+=(const Momentum& other) {

@@ -42,12 +42,14 @@ bool invert(Mat6& A) {
 
 }  // namespace
 
-BodyLu::BodyLu(std::vector<int> body, const std::vector<std::pair<int, int>>& couplings)
-    : body_(std::move(body)) {
-  const std::size_t count = body_.empty() ? 0 : std::size_t(body_.back()) + 1;
-  size_.resize(count);
-  place_.reserve(body_.size());
-  for (const int b : body_) place_.push_back(size_[b]++);
+BodyLu::BodyLu(std::vector<int> body, const std::vector<std::pair<int, int>>& couplings) {
+  auto made = std::make_shared<Graph>();
+  Graph& g = *made;
+  g.body = std::move(body);
+  const std::size_t count = g.body.empty() ? 0 : std::size_t(g.body.back()) + 1;
+  g.size.resize(count);
+  g.place.reserve(g.body.size());
+  for (const int b : g.body) g.place.push_back(g.size[b]++);
 
   std::vector<std::pair<int, int>> graph;  // both ways, and every body with itself
   graph.reserve(2 * couplings.size() + count);
@@ -64,82 +66,87 @@ BodyLu::BodyLu(std::vector<int> body, const std::vector<std::pair<int, int>>& co
   }
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   const std::vector<int> order = fill_reducing_order(begin, other);
-  node_of_.resize(count);
-  for (std::size_t k = 0; k < count; ++k) node_of_[order[k]] = int(k);
+  g.node_of.resize(count);
+  for (std::size_t k = 0; k < count; ++k) g.node_of[order[k]] = int(k);
 
   // What is eliminated couples all that it was coupled with; the first of them hands that on.
   std::vector<std::vector<int>> later(count);
   for (const auto& [a, b] : graph)
-    if (const int node = node_of_[a], next = node_of_[b]; next > node) later[node].push_back(next);
-  below_.reserve(graph.size());
-  below_begin_.reserve(count + 1);
-  below_begin_.push_back(0);
-  block_count_ = int(count);
+    if (const int node = g.node_of[a], next = g.node_of[b]; next > node) later[node].push_back(next);
+  g.below.reserve(graph.size());
+  g.below_begin.reserve(count + 1);
+  g.below_begin.push_back(0);
+  g.block_count = int(count);
   for (std::vector<int>& nodes : later) {
     std::ranges::sort(nodes);
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
     for (const int node : nodes) {
-      below_.push_back({.node = node, .column = block_count_, .row = block_count_ + 1});
-      block_count_ += 2;
+      g.below.push_back({.node = node, .column = g.block_count, .row = g.block_count + 1});
+      g.block_count += 2;
     }
-    below_begin_.push_back(below_.size());
+    g.below_begin.push_back(g.below.size());
     if (nodes.size() > 1) {
       std::vector<int>& heir = later[nodes.front()];
       heir.insert(heir.end(), nodes.begin() + 1, nodes.end());
     }
     const double n = double(nodes.size());
-    cost_ += kProduct * (1 + n + n * n);
+    g.cost += kProduct * (1 + n + n * n);
+    nodes = {};
   }
+  graph_ = std::move(made);
 }
 
-std::span<const BodyLu::Below> BodyLu::below(std::size_t node) const {
-  return std::span(below_).subspan(below_begin_[node], below_begin_[node + 1] - below_begin_[node]);
+std::span<const BodyLu::Below> BodyLu::Graph::below_node(std::size_t node) const {
+  return std::span(below).subspan(below_begin[node], below_begin[node + 1] - below_begin[node]);
 }
 
-int BodyLu::block_between(int a, int b) const {
+int BodyLu::Graph::block_between(int a, int b) const {
   if (a == b) return a;
-  const auto found = std::ranges::lower_bound(below(std::min(a, b)), std::max(a, b), {}, &Below::node);
+  const auto found = std::ranges::lower_bound(below_node(std::min(a, b)), std::max(a, b), {}, &Below::node);
   return a > b ? found->column : found->row;
 }
 
 int BodyLu::block(int a, int b) const {
-  return block_between(node_of_[a], node_of_[b]);
+  return graph_->block_between(graph_->node_of[a], graph_->node_of[b]);
 }
 
 std::vector<Mat6> BodyLu::zero() const {
-  std::vector<Mat6> out(std::size_t(block_count_), Mat6::Zero());
-  for (std::size_t b = 0; b < size_.size(); ++b)
-    for (int i = size_[b]; i < kBodyRows; ++i) out[node_of_[b]](i, i) = 1;
+  const Graph& g = *graph_;
+  std::vector<Mat6> out(std::size_t(g.block_count), Mat6::Zero());
+  for (std::size_t b = 0; b < g.size.size(); ++b)
+    for (int i = g.size[b]; i < kBodyRows; ++i) out[g.node_of[b]](i, i) = 1;
   return out;
 }
 
 bool BodyLu::factorise(std::vector<Mat6> blocks) {
+  const Graph& g = *graph_;
   blocks_ = std::move(blocks);
-  inverse_.resize(size_.size());
+  inverse_.resize(g.size.size());
   for (std::size_t k = 0; k < inverse_.size(); ++k) {
     inverse_[k] = blocks_[k];
     if (!invert(inverse_[k])) return false;
-    for (const Below& j : below(k)) {
+    for (const Below& j : g.below_node(k)) {
       Mat6& row = blocks_[j.row];
       row = (inverse_[k] * row).eval();
-      for (const Below& i : below(k))
-        blocks_[block_between(i.node, j.node)].noalias() -= blocks_[i.column] * row;
+      for (const Below& i : g.below_node(k))
+        blocks_[g.block_between(i.node, j.node)].noalias() -= blocks_[i.column] * row;
     }
   }
   return true;
 }
 
 VecX BodyLu::solve(const VecX& b) const {
-  std::vector<Vec6> x(size_.size(), Vec6::Zero());
-  for (std::size_t i = 0; i < body_.size(); ++i) x[node_of_[body_[i]]][place_[i]] = b[Eigen::Index(i)];
+  const Graph& g = *graph_;
+  std::vector<Vec6> x(g.size.size(), Vec6::Zero());
+  for (std::size_t i = 0; i < g.body.size(); ++i) x[g.node_of[g.body[i]]][g.place[i]] = b[Eigen::Index(i)];
   for (std::size_t k = 0; k < x.size(); ++k) {
     x[k] = (inverse_[k] * x[k]).eval();
-    for (const Below& i : below(k)) x[i.node].noalias() -= blocks_[i.column] * x[k];
+    for (const Below& i : g.below_node(k)) x[i.node].noalias() -= blocks_[i.column] * x[k];
   }
   for (std::size_t k = x.size(); k-- > 0;)
-    for (const Below& j : below(k)) x[k].noalias() -= blocks_[j.row] * x[j.node];
+    for (const Below& j : g.below_node(k)) x[k].noalias() -= blocks_[j.row] * x[j.node];
   VecX out(b.size());
-  for (std::size_t i = 0; i < body_.size(); ++i) out[Eigen::Index(i)] = x[node_of_[body_[i]]][place_[i]];
+  for (std::size_t i = 0; i < g.body.size(); ++i) out[Eigen::Index(i)] = x[g.node_of[g.body[i]]][g.place[i]];
   return out;
 }
 

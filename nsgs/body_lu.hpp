@@ -4,6 +4,7 @@
 // linear in their length (PROX-9). Private to nsgs.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <utility>
 #include <vector>
@@ -19,13 +20,15 @@ class BodyLu {
   /// `body[i]` is the body of row i; bodies ascend without gaps and have at most kBodyRows rows each. Two
   /// bodies of a coupling share off-diagonal blocks.
   BodyLu(std::vector<int> body, const std::vector<std::pair<int, int>>& couplings);
+  /// Of the same couplings, to be factorised with other numbers.
+  BodyLu again() const { return BodyLu(graph_); }
 
-  double cost() const { return cost_; }  // approximate multiplications of a factorisation
+  double cost() const { return graph_->cost; }  // approximate multiplications of a factorisation
   /// Index of the block of rows of body a and columns of body b, which must be coupled or the same.
   int block(int a, int b) const;
-  const std::vector<int>& bodies() const { return body_; }  // the body of every row
-  int place(int row) const { return place_[row]; }          // place of the row within its body
-  int body(int row) const { return body_[row]; }
+  const std::vector<int>& bodies() const { return graph_->body; }  // the body of every row
+  int place(int row) const { return graph_->place[row]; }          // place of the row within its body
+  int body(int row) const { return graph_->body[row]; }
 
   /// Blocks to fill in before factorise(). They are zero, but ones on the diagonal pad a body with fewer
   /// rows.
@@ -38,14 +41,19 @@ class BodyLu {
   struct Below {
     int node = 0, column = 0, row = 0;  // a node eliminated later; blocks (node, this), (this, node)
   };
-  int block_between(int a, int b) const;  // of nodes
-  std::span<const Below> below(std::size_t node) const;
+  struct Graph {
+    std::vector<int> body{}, place{}, node_of{}, size{};
+    std::vector<Below> below{};  // node by node, in the order of elimination
+    std::vector<std::size_t> below_begin{};
+    int block_count = 0;
+    double cost = 0;
 
-  std::vector<int> body_{}, place_{}, node_of_{}, size_{};
-  std::vector<Below> below_{};  // node by node, in the order of elimination
-  std::vector<std::size_t> below_begin_{};
-  int block_count_ = 0;
-  double cost_ = 0;
+    std::span<const Below> below_node(std::size_t node) const;
+    int block_between(int a, int b) const;  // of nodes
+  };
+  explicit BodyLu(std::shared_ptr<const Graph> graph) : graph_(std::move(graph)) {}
+
+  std::shared_ptr<const Graph> graph_{};
   std::vector<Mat6> blocks_{};
   std::vector<Mat6> inverse_{};  // of the pivots
 };

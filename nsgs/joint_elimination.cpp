@@ -94,13 +94,12 @@ VecX held_masses(const SparseMatrix& G, const VecX& mass) {
 
 // Rows of the blocks of M that G touches, ascending.
 std::vector<int> touched_rows(const MassInverse& mass, const SparseMatrix& G) {
-  std::vector<char> touched(std::size_t(mass.factor ? 1 : mass.count()), mass.factor ? 1 : 0);
-  const auto block = [&](Eigen::Index row) { return mass.factor ? 0 : std::size_t(mass.block_of[row]); };
+  std::vector<char> touched(std::size_t(mass.count()));
   for (int k = 0; k < G.outerSize(); ++k)
-    for (SparseMatrix::InnerIterator it(G, k); it; ++it) touched[block(it.row())] = 1;
+    for (SparseMatrix::InnerIterator it(G, k); it; ++it) touched[mass.block_of[it.row()]] = 1;
   std::vector<int> out;
   for (int i = 0; i < int(G.rows()); ++i)
-    if (touched[block(i)]) out.push_back(i);
+    if (touched[mass.block_of[i]]) out.push_back(i);
   return out;
 }
 

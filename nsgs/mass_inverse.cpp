@@ -4,15 +4,13 @@
 #include <algorithm>
 #include <cstring>
 #include <numeric>
+#include <span>
 
 #include <Eigen/LU>
-#include <Eigen/SparseLU>
+
+#include "nsgs/mass_factor.hpp"
 
 namespace aussois {
-
-struct SparseFactor {
-  Eigen::SparseLU<SparseMatrix> lu{};
-};
 
 namespace {
 
@@ -95,7 +93,12 @@ bool invert_block(const SparseMatrix& M, const int* rows, int size, double* inve
   }
 }
 
-bool invert_block(const SparseMatrix& M, int b, MassInverse& out) {
+// `like` is a factor of the same pattern, or null.
+bool invert_block(const SparseMatrix& M, int b, MassInverse& out, const MassFactor* like = nullptr) {
+  if (out.size(b) > kLargestMassBlock) {
+    out.large[b] = mass_factor(M, std::span(out.rows).subspan(out.first[b], out.size(b)), like);
+    return bool(out.large[b]);
+  }
   return invert_block(M, out.rows.data() + out.first[b], out.size(b), out.inverse.data() + out.at[b]);
 }
 
@@ -106,10 +109,14 @@ bool same_bits(const SparseMatrix& A, const SparseMatrix& B) {
 }
 
 VecX MassInverse::operator*(const VecX& x) const {
-  if (factor) return factor->lu.solve(x);
   VecX y(x.size());
   for (int b = 0; b < count(); ++b) {
     const int *of = rows.data() + first[b], n = size(b);
+    if (const MassFactor* f = factor(b)) {
+      const std::span some(of, std::size_t(n));
+      y(some) = solve(*f, x(some));
+      continue;
+    }
     const double* inv = inverse.data() + at[b];
     for (int i = 0; i < n; ++i) {
       double sum = 0;
@@ -121,17 +128,6 @@ VecX MassInverse::operator*(const VecX& x) const {
 }
 
 SparseMatrix MassInverse::operator*(const SparseMatrix& X) const {
-  if (factor) {
-    std::vector<Triplet> entries;
-    for (int j = 0; j < X.outerSize(); ++j) {
-      const VecX y = factor->lu.solve(VecX(X.col(j)));
-      for (int i = 0; i < y.size(); ++i)
-        if (y[i] != 0) entries.emplace_back(i, j, y[i]);
-    }
-    SparseMatrix Y(X.rows(), X.cols());
-    Y.setFromTriplets(entries.begin(), entries.end());
-    return Y;
-  }
   if (std::size_t(count()) == block_of.size())  // all blocks of one row: balls, and cubes that do not turn
     return Eigen::Map<const VecX>(inverse.data(), X.rows()).asDiagonal() * X;
   SparseMatrix Y(X.rows(), X.cols());
@@ -157,6 +153,13 @@ SparseMatrix MassInverse::operator*(const SparseMatrix& X) const {
     }
     for (const int b : touched) {
       const int *of = rows.data() + first[b], n = size(b);
+      if (const MassFactor* f = factor(b)) {
+        const VecX y = solve(*f, x(std::span(of, std::size_t(n))));
+        for (int i = 0; i < n; ++i)
+          if (y[i] != 0) column.emplace_back(of[i], y[i]);
+        for (int i = 0; i < n; ++i) x[of[i]] = 0;
+        continue;
+      }
       const double* inv = inverse.data() + at[b];
       for (int i = 0; i < n; ++i) {
         double sum = 0;
@@ -173,8 +176,7 @@ SparseMatrix MassInverse::operator*(const SparseMatrix& X) const {
   return Y;
 }
 
-std::optional<MassInverse> inverse_part(const MassInverse& inverse, const std::vector<int>& some) {
-  if (inverse.factor) return std::nullopt;
+MassInverse inverse_part(const MassInverse& inverse, const std::vector<int>& some) {
   if (some.size() == inverse.block_of.size()) return inverse;
   MassInverse out;
   out.block_of.resize(some.size());
@@ -191,11 +193,17 @@ std::optional<MassInverse> inverse_part(const MassInverse& inverse, const std::v
       out.rows.push_back(place(rows[i]));
       out.block_of[out.rows.back()] = out.count();
     }
-    const double* entries = inverse.inverse.data() + inverse.at[b];
     out.at.push_back(out.inverse.size());
     out.first.push_back(int(out.rows.size()));
+    if (inverse.factor(b)) {
+      out.large.resize(out.at.size());
+      out.large.back() = inverse.large[b];
+      continue;
+    }
+    const double* entries = inverse.inverse.data() + inverse.at[b];
     out.inverse.insert(out.inverse.end(), entries, entries + n * n);
   }
+  if (!out.large.empty()) out.large.resize(out.at.size());
   return out;
 }
 
@@ -208,12 +216,10 @@ std::optional<MassInverse> invert_mass(const SparseMatrix& M) {
   for (int b = 0; b < blocks; ++b) {
     const int n = out.size(b);
     out.at.push_back(entries);
-    entries += std::size_t(n) * std::size_t(n);
-    if (n <= kLargestMassBlock) continue;
-    MassInverse whole{.factor = std::make_shared<SparseFactor>()};
-    whole.factor->lu.compute(M);
-    if (whole.factor->lu.info() != Eigen::Success) return std::nullopt;
-    return whole;
+    if (n > kLargestMassBlock)
+      out.large.resize(std::size_t(blocks));
+    else
+      entries += std::size_t(n) * std::size_t(n);
   }
   out.inverse.resize(entries);
   for (int b = 0; b < blocks; ++b)
@@ -223,7 +229,7 @@ std::optional<MassInverse> invert_mass(const SparseMatrix& M) {
 
 std::optional<MassInverse> invert_mass(const SparseMatrix& M, const SparseMatrix& last_M,
                                        const MassInverse& last) {
-  if (last.factor || !same_pattern(M, last_M)) return invert_mass(M);
+  if (!same_pattern(M, last_M)) return invert_mass(M);
   std::vector<int> changed;  // blocks; M's columns belong to one block each
   for (int j = 0; j < M.outerSize(); ++j) {
     const int begin = M.outerIndexPtr()[j], end = M.outerIndexPtr()[j + 1];
@@ -231,13 +237,13 @@ std::optional<MassInverse> invert_mass(const SparseMatrix& M, const SparseMatrix
     if (same_bits(now + begin, before + begin, end - begin)) continue;
     for (int k = begin; k < end; ++k)  // a coupling that comes or goes makes other blocks
       if (!std::isfinite(now[k]) || (now[k] == 0) != (before[k] == 0)) return invert_mass(M);
-    changed.push_back(last.block_of[j]);
+    if (changed.empty() || changed.back() != last.block_of[j]) changed.push_back(last.block_of[j]);
   }
   std::ranges::sort(changed);
   changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
   MassInverse out = last;
   for (const int b : changed)
-    if (!invert_block(M, b, out)) return std::nullopt;
+    if (!invert_block(M, b, out, last.factor(b))) return std::nullopt;
   return out;
 }
 

@@ -65,7 +65,7 @@ void open(Part<FrictionProblem>& part) {
   // One block is its own W: speeds of the bodies would only bring in their rounding.
   const bool few_contacts = problem.f.size() > 2 * problem.w.size() || problem.laws.size() == 1;
   const bool condensed =
-      part.inverse->mass.factor || part.inverse->joints || problem.R.size() > 0 || few_contacts;
+      !part.inverse->mass.large.empty() || part.inverse->joints || problem.R.size() > 0 || few_contacts;
   part.W = condensed ? make_delassus(condense_with_inverse(problem, *part.inverse))
                      : make_delassus(problem, part.inverse->mass);
   part.cancelled = cancelled(part);
@@ -163,9 +163,7 @@ void put_motion(const Part<FrictionProblem>& part, const VecX& r, FrictionSoluti
 }
 
 void set_known(const KnownMotion& known, const std::vector<int>& dofs, Part<FrictionProblem>& now) {
-  std::optional<MassInverse> inverse = inverse_part(known.inverse, dofs);
-  if (!inverse) return;
-  now.inverse = MotionInverse{.mass = std::move(*inverse)};
+  now.inverse = MotionInverse{.mass = inverse_part(known.inverse, dofs)};
   now.v_free = known.v_free(dofs);
 }
 

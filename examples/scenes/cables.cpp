@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "examples/scenes/cables.hpp"
 
+#include <cmath>
+
 #include "geometry/mass_properties.hpp"
 #include "geometry/primitives.hpp"
 #include "mechanics/cable.hpp"
@@ -46,6 +48,64 @@ CaseScene ball_on_rope() {
   s.state = rest_state(s.model);
   lay(rope, s.state);
   pose(s.state, s.body).p = {0.05, 0, 0.15};
+  return s;
+}
+
+CaseScene rope_coil() {
+  constexpr double kRadius = 4e-3, kLength = 1;
+  CaseScene s;
+  s.model.contact_law.mu = 0.4;
+  add(s.model, fixed_body("floor", add(s.model, prepare(dilate(make_plate(1, 1), 1e-3)))));
+  const Cable rope = add_cable(
+      s.model, {.name = "rope",
+                .nodes = frames_along(points_along(
+                    {{0, 0, 0.01 + kLength}, {0.002, 0.001, 0.01 + kLength / 2}, {0, 0, 0.01}}, 101)),
+                .section = beam_section({.radius = kRadius,
+                                         .young = 5e6,
+                                         .density = 1100,
+                                         .bending_stiffness = 4e-4,
+                                         .damping_time = 2e-2}),
+                .radius = kRadius,
+                .touches_itself = true});
+  s.state = rest_state(s.model);
+  lay(rope, s.state);
+  for (const BodyId node : rope.nodes) linear_part(s.state.v, node).z() = -0.3;
+  s.body = rope.nodes.front();
+  return s;
+}
+
+CaseScene knot() {
+  constexpr double kRadius = 4e-3, kSize = 0.035;
+  CaseScene s;
+  s.model.gravity = Vec3::Zero();
+  s.model.contact_law.mu = 0.2;
+  std::vector<Vec3> points;  // a trefoil cut open at the top of a lobe, with straight ends
+  for (int i = 0; i <= 240; ++i) {
+    const double t = kPi / 3 + 0.35 + (2 * kPi - 0.7) * i / 240;
+    points.emplace_back(kSize * (std::sin(t) + 2 * std::sin(2 * t)) / 2,
+                        kSize * (std::cos(t) - 2 * std::cos(2 * t)) / 2, -kSize / 2 * std::sin(3 * t));
+  }
+  const auto level = [](const Vec3& d) { return Vec3(d.x(), d.y(), 0).normalized(); };
+  const Vec3 first = level(points[0] - points[1]), last = level(points[240] - points[239]);
+  points.insert(points.begin(), points[0] + 0.12 * first);
+  points.push_back(points.back() + 0.12 * last);
+  const Cable rope = add_cable(s.model, {.name = "rope",
+                                         .nodes = frames_along(points_along(points, 121)),
+                                         .section = beam_section({.radius = kRadius,
+                                                                  .young = 5e6,
+                                                                  .density = 1100,
+                                                                  .bending_stiffness = 2e-4,
+                                                                  .damping_time = 5e-2}),
+                                         .radius = kRadius,
+                                         .touches_itself = true,
+                                         .straight = true});
+  for (const BodyId end : {rope.nodes.front(), rope.nodes.back()})
+    s.model.bodies[end].motion = DrivenMotion{};
+  s.state = rest_state(s.model);
+  lay(rope, s.state);
+  linear_part(s.state.v, rope.nodes.front()) = 0.05 * first;
+  linear_part(s.state.v, rope.nodes.back()) = 0.05 * last;
+  s.body = rope.nodes[rope.nodes.size() / 2];
   return s;
 }
 

@@ -11,5 +11,10 @@ namespace aussois {
 CaseScene cable_on_peg();
 /// A rope of 1.2 m, held at both ends, that a ball falls onto; `body` is the ball.
 CaseScene ball_on_rope();
+/// 1 m of rope of 4 mm radius is let down onto a floor and lays itself down in coils on itself; `body` is the
+/// last node.
+CaseScene rope_coil();
+/// An overhand knot in a rope whose ends are drawn apart at 5 cm/s; `body` is the last node.
+CaseScene knot();
 
 }  // namespace aussois

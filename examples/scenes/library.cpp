@@ -7,6 +7,7 @@
 #include "examples/scenes/mechanisms.hpp"
 #include "examples/scenes/peer_scenes.hpp"
 #include "examples/scenes/pressed_peg.hpp"
+#include "examples/scenes/solids.hpp"
 #include "examples/scenes/toys.hpp"
 #include "geometry/check.hpp"
 
@@ -69,6 +70,16 @@ std::vector<LibraryScene> cables() {
        cable_on_peg},
       {"ball_on_rope", "a ball falls onto a rope that is held at both ends, and off it", 1, 1e-3,
        ball_on_rope},
+      {"knot", "an overhand knot in a rope whose ends are drawn apart", 2, 1e-3, knot},
+      {"rope_coil", "a rope is let down onto a floor and coils onto itself", 2, 1e-3, rope_coil},
+  };
+}
+
+std::vector<LibraryScene> solids() {
+  return {
+      {"soft_cubes", "four soft cubes fall onto each other", 1.5, 1e-3, soft_cubes},
+      {"cloth_on_ball", "a square of cloth falls over a ball and folds onto itself", 1.5, 1e-3,
+       cloth_on_ball},
   };
 }
 
@@ -76,7 +87,7 @@ std::vector<LibraryScene> all() {
   std::vector<LibraryScene> out;
   for (const Case& c : cases()) out.push_back({c.name, c.what, c.t_end, c.h, c.scene});
   for (const std::string& name : peer_scene_names()) out.push_back(of_peers(name));
-  for (const std::vector<LibraryScene>& more : {mechanisms(), toys(), cables()})
+  for (const std::vector<LibraryScene>& more : {mechanisms(), toys(), cables(), solids()})
     out.insert(out.end(), more.begin(), more.end());
   std::ranges::sort(out, {}, &LibraryScene::name);
   return out;

@@ -173,10 +173,8 @@ SparseMatrix mass_of(const StepSetting& setting, const State& state) {
     add_block(M, row + 3, row + 3, model.bodies[b].inertia);
   }
   for (const BlockId i : model.coordinates.ids()) {
-    const MatX block = block_mass(model, i, coordinates(model, state, i));
-    const int row = dofs.coordinates + first_coordinate(model, i);
-    for (int k = 0; k < block.cols(); ++k)
-      for (int j = 0; j < block.rows(); ++j) M.emplace_back(row + j, row + k, block(j, k));
+    add_diagonal_block(M, dofs.coordinates + first_coordinate(model, i),
+                       block_mass(model, i, coordinates(model, state, i)), 1);
   }
   SparseMatrix out(dofs.rows, dofs.rows);
   out.setFromTriplets(M.begin(), M.end());
@@ -288,10 +286,14 @@ SmoothForces smooth_forces(const StepSetting& setting, const State& state) {
   SmoothForces out{.axes = add_axis_forces(model, state, state.g, state.t, force)};
   out.M = mass_of(setting, state);
   out.laws = free_velocities(dofs, force.f);
+  clear_held(dofs, out.laws);
   for (const BlockId i : model.coordinates.ids())
     out.laws.segment(dofs.coordinates + first_coordinate(model, i), model.coordinates[i].size) +=
         block_force(model, i, state.t, coordinates(model, state, i), speeds(model, state, i)).f;
   out.applied = out.laws;
+  for (const BlockId i : model.coordinates.ids())
+    out.applied.segment(dofs.coordinates + first_coordinate(model, i), model.coordinates[i].size) +=
+        block_weight(model, i);
   for (const BodyId b : model.bodies.ids())
     if (const int row = dofs.first[b]; row >= 0)
       out.applied.segment<3>(row) += model.bodies[b].mass * model.gravity;

@@ -80,6 +80,18 @@ std::vector<std::array<Vec3, 2>> material_places(const Model& model, const State
   return out;
 }
 
+// Every contact of a surface that deforms loads other points: none stands for others.
+void keep_soft_contacts(const Model& model, FoundContacts& found) {
+  if (std::ranges::none_of(model.bodies, deforms)) return;
+  std::vector<int>& kept = found.selection.kept;
+  for (int i = 0; i < std::ssize(found.contacts.points); ++i) {
+    const ContactPoint& c = found.contacts.points[std::size_t(i)];
+    if (deforms(model.bodies[c.a.body]) || deforms(model.bodies[c.b.body])) kept.push_back(i);
+  }
+  std::ranges::sort(kept);
+  kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
+}
+
 // Which of the contacts there are the last step's (PER-2), which ones the problem begins with (RED-1), and
 // what they start with (PER-7).
 void match_and_reduce(const StepSetting& setting, const State& state, const State& at, FoundContacts& found) {
@@ -93,6 +105,7 @@ void match_and_reduce(const StepSetting& setting, const State& state, const Stat
   found.warm = warm_start(state.memory, found.contacts, since, o.persistence);
   const ReductionInput input = reduction_input(setting, at, found);
   found.selection = reduce(input, o.reduction);
+  keep_soft_contacts(setting.model, found);
   found.start = o.persistence.redistribute
                     ? redistribute(found.contacts, found.selection, found.warm.impulse, input.mu)
                     : found.warm.impulse;

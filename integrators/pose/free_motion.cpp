@@ -44,12 +44,14 @@ std::vector<AxisImpulse> implicit(const Model& model, const State& state, double
 // Mass, forces and their derivatives of the coordinates, at q + theta h v for the forces and at the middle of
 // the step for the mass (GEN-2); M^ gets h theta C + h^2 theta^2 K through `law_D`.
 void add_coordinates(const Model& model, const State& state, const Layout& dofs, double h, double theta,
-                     std::vector<Triplet>& mass, std::vector<Triplet>& law_D, VecX& laws, VecX& v) {
+                     std::vector<Triplet>& mass, std::vector<Triplet>& law_D, VecX& laws, VecX& gravity,
+                     VecX& v) {
   for (const BlockId i : model.coordinates.ids()) {
     const Coordinates& block = model.coordinates[i];
     const int row = dofs.coordinates + first_coordinate(model, i);
     const VecX q_i = coordinates(model, state, i), v_i = speeds(model, state, i);
     add_diagonal_block(mass, row, block_mass(model, i, q_i + h / 2 * v_i), 1);
+    gravity.segment(row, block.size) = h * block_weight(model, i);
     v.segment(row, block.size) = v_i;
     if (!block.force) continue;
     const CoordinateForce force = block_force(model, i, state.t + theta * h, q_i + theta * h * v_i, v_i);
@@ -168,7 +170,7 @@ FreeMotion free_motion(const Model& model, const State& state, const Layout& dof
   if (!model.coordinates.empty()) {
     std::vector<Triplet> mass_of_them, law_D;
     out.laws.tail(dofs.rows - dofs.coordinates) += h * force.f.tail(dofs.rows - dofs.coordinates);
-    add_coordinates(model, state, dofs, h, theta, mass_of_them, law_D, out.laws, out.v);
+    add_coordinates(model, state, dofs, h, theta, mass_of_them, law_D, out.laws, out.gravity, out.v);
     out.mass += square_matrix(dofs.rows, mass_of_them);
     out.law_D = square_matrix(dofs.rows, law_D);
   }
@@ -179,6 +181,13 @@ FreeMotion free_motion(const Model& model, const State& state, const Layout& dof
     out.laws -= h * h * theta * (K * out.v);
     subtract_moved_anchors(force, dofs, prescribed_velocity(model, state, h), state.v, h, theta, out.laws);
   }
+  if (!force.matrices.empty()) {
+    const VecX moves = all_velocities(dofs, out.v, prescribed_velocity(model, state, h));
+    out.law_D += free_matrix(force.matrices, h * h * theta * theta, h * theta, dofs);
+    out.laws -= free_velocities(
+        dofs, force_change(force.matrices, h * h * theta * moves, h * theta * (moves - state.v)));
+  }
+  clear_held(dofs, out.laws);
   sum_up(out, scratch);
   return out;
 }

@@ -15,18 +15,14 @@ constexpr double kStill = 1e-12;      // of the velocities of both bodies: no lo
 
 SparseMatrix mass_at(const Model& model, const State& state, const Layout& dofs) {
   std::vector<Triplet> M;
-  const auto append = [&](int at, const MatX& block) {
-    for (int j = 0; j < block.cols(); ++j)
-      for (int i = 0; i < block.rows(); ++i)
-        if (block(i, j) != 0) M.emplace_back(at + i, at + j, block(i, j));
-  };
   for (const BodyId b : model.bodies.ids()) {
     if (dofs.first[b] < 0) continue;
-    append(dofs.first[b], model.bodies[b].mass * Mat3::Identity());
-    append(dofs.first[b] + 3, model.bodies[b].inertia);
+    add_diagonal_block(M, dofs.first[b], MatX(model.bodies[b].mass * Mat3::Identity()), 1);
+    add_diagonal_block(M, dofs.first[b] + 3, MatX(model.bodies[b].inertia), 1);
   }
   for (const BlockId i : model.coordinates.ids())
-    append(dofs.coordinates + first_coordinate(model, i), block_mass(model, i, coordinates(model, state, i)));
+    add_diagonal_block(M, dofs.coordinates + first_coordinate(model, i),
+                       block_mass(model, i, coordinates(model, state, i)), 1);
   SparseMatrix out(dofs.rows, dofs.rows);
   out.setFromTriplets(M.begin(), M.end());
   return out;

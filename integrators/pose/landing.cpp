@@ -53,8 +53,9 @@ VecX landing_path(const StepSetting& setting, const State& start, const FoundCon
     solve_rows(setting, start, found, step);
   }
   StageClock clock(Stage::solve, setting.options.profile);
-  const auto [d, report] =
-      opening_displacement(setting, step.free->mass, std::move(opening), step.joints.equations.G, found.h);
+  const bool massless = (step.free->mass.diagonal().array() == 0).any();  // points whose stiffness holds them
+  const auto [d, report] = opening_displacement(setting, massless ? step.free->M : step.free->mass,
+                                                std::move(opening), step.joints.equations.G, found.h);
   clock.add_to(step.times);
   add_part(report, step.beside);
   return v_path + d / found.h;

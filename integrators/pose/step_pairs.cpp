@@ -55,9 +55,17 @@ DilatedBox dilated_box(std::span<const Vec3> vertices, double radius) {
   return box;
 }
 
-// Largest angle that a normal turns by while the vertices move on, at most pi [rad].
+// Largest angle that a normal or a wire turns by while the vertices move on, at most pi [rad].
 double bend_of(const LmdShape& shape, const std::vector<Vec3>& velocity, double h) {
   double least = 1;
+  for (std::size_t e = 0; e < shape.complex.edges.size(); ++e) {
+    if (!shape.complex.edge_triangles[int(e)].empty()) continue;
+    const auto [a, b] = shape.complex.edges[e];
+    const Vec3 before = shape.complex.vertices[b] - shape.complex.vertices[a],
+               after = before + h * (velocity[b] - velocity[a]);
+    const double size = before.norm() * after.norm();
+    least = std::min(least, size > 0 ? before.dot(after) / size : -1);
+  }
   for (const auto& t : shape.complex.triangles) {
     const auto normal = [&](double s) {
       const auto at = [&](int v) { return Vec3(shape.complex.vertices[v] + s * velocity[v]); };
@@ -136,6 +144,11 @@ NearPairs near_pairs(const Model& model, const State& state, const PerBody<BodyB
       out.pairs.push_back(
           {.a = a, .b = b, .dilation = shape_of(model, a)->radius + shape_of(model, b)->radius});
   }
+  const std::size_t others = out.pairs.size();
+  for (const BodyId b : body_of)
+    if (const LmdShape& shape = *shape_of(model, b); shape.self && deforms(model.bodies[b]))
+      out.pairs.push_back({.a = b, .b = b, .dilation = 2 * shape.radius});
+  if (out.pairs.size() > others) std::ranges::sort(out.pairs, {}, bodies_of);
   return out;
 }
 

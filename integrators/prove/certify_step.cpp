@@ -19,7 +19,8 @@ constexpr int kFineHalvings = 16;      // a near miss by 1 um at 1600 m/s and 1 
 MovingShape moving_shape(const StepPath& path, BodyId body) {
   MovingShape out{.shape = shape_of(path.model, body),
                   .g_bs = path.model.bodies[body].g_bs,
-                  .motion = path.bodies[body].motion};
+                  .motion = path.bodies[body].motion,
+                  .body = body};
   if (const auto shape = path.deforming.find(body); shape != path.deforming.end())
     out.shape = shape->second.start.shape, out.velocity = shape->second.velocity;
   return out;
@@ -312,11 +313,13 @@ std::string text_of(const Model& model, const Overlap& overlap) {
 
 std::string nested_pair(const Model& model, const State& state, const std::vector<StepPair>& pairs,
                         const Table<ShapeId, Pieces>& pieces) {
-  for (const StepPair& pair : pairs)
+  for (const StepPair& pair : pairs) {
+    if (pair.a == pair.b) continue;
     if (const auto nesting =
             find_nesting(posed_shape(model, state, pair.a), pieces_of(model, pieces, pair.a),
                          posed_shape(model, state, pair.b), pieces_of(model, pieces, pair.b)))
       return to_string(*nesting, "body " + name_of(model, pair.a), "body " + name_of(model, pair.b));
+  }
   return {};
 }
 

@@ -45,13 +45,19 @@ bool is_told(const StepPair& pair, const StepReport& report) {
 
 // Where it is; keep the shape.
 MovingShape still(const PosedShape& posed) {
-  return {posed.shape, {}, {.g = posed.g_ws}};
+  return {.shape = posed.shape, .motion = {.g = posed.g_ws}, .body = posed.body};
 }
 
 PerBody<double> dilations(const Audited& step) {
   PerBody<double> out;
   for (const BodyBounds& body : step.bounds) out.push_back(body.box.radius);
   return out;
+}
+
+// Up to where the nearest simplices are minima. Of a shape that meets itself, those at the border of its
+// material neighbours may be nearest, a little farther than its dilations (DEF-4).
+double told_by_minima(const StepPair& pair, double dilations) {
+  return (pair.a == pair.b ? std::min(dilations, 1.2) : dilations) * pair.dilation;
 }
 
 // Pairs whose dilated shapes come nearer than the sum of their dilations.
@@ -100,7 +106,7 @@ Seen look_at(const Audited& step, const State& there, PathAudit& audit) {
 bool is_covered(const Audited& step, const State& there) {
   return std::ranges::all_of(untold_pairs(step, there), [&](const StepPair& pair) {
     const PosedShape a = posed_shape(step.model, there, pair.a), b = posed_shape(step.model, there, pair.b);
-    const double cutoff = 2 * pair.dilation,
+    const double cutoff = told_by_minima(pair, 2),
                  distance = base_distance(still(a), still(b), cutoff, step.threads);
     return distance >= cutoff || is_covered(a, b, distance, step.threads);
   });
@@ -114,7 +120,7 @@ bool found_the_nearest(const Audited& step, const State& start, double floor) {
   double lowest = kInf, highest = kInf;
   for (const StepPair& pair : pairs_within(step.model, start, step.bounds, dilations(step), step.threads)) {
     const PosedShape a = posed_shape(step.model, start, pair.a), b = posed_shape(step.model, start, pair.b);
-    const double tolerance = coverage_tolerance(a, b), cutoff = (1 + floor) * pair.dilation - tolerance,
+    const double tolerance = coverage_tolerance(a, b), cutoff = told_by_minima(pair, 1 + floor) - tolerance,
                  distance = base_distance(still(a), still(b), cutoff, step.threads);
     if (bases_all_but_touch(*a.shape, *b.shape, distance)) return true;
     if (distance >= cutoff) continue;
@@ -150,7 +156,9 @@ bool leads_to(const Audited& step, const State& path_end, const State& end, doub
 void audit_path(const Model& model, const State& start, const State& end, const StepReport& report,
                 int threads, PathAudit& audit) {
   const auto has_shape = [](const RigidBody& body) { return bool(body.shape); };
-  if (audit.samples == 0 || std::ranges::count_if(model.bodies, has_shape) < 2) return;
+  const bool meets_itself =
+      std::ranges::any_of(model.shapes, [](const auto& shape) { return bool(shape->self); });
+  if (audit.samples == 0 || (std::ranges::count_if(model.bodies, has_shape) < 2 && !meets_itself)) return;
   const Audited step{model, report, body_bounds(model), pieces_of_shapes(model), threads};
   Seen seen;
   const auto look = [&](const State& there) {

@@ -14,17 +14,18 @@ constexpr double kGain = 1e-5;
 // Kinetic energy of the coordinates beyond that by the mass of the step (GEN-4).
 double change_of_mass(const Model& model, const State& state, const State& next, const FreeMotion& free,
                       const Layout& dofs, const VecX& v) {
-  if (model.coordinates.empty()) return 0;
   double work = 0;
+  VecX change = VecX::Zero(dofs.rows);
   for (const BlockId i : model.coordinates.ids()) {
+    const Coordinates& block = model.coordinates[i];
+    if (!block.points.empty()) continue;  // their masses stay
     const VecX before = speeds(model, state, i), after = speeds(model, next, i);
     work += 0.5 * after.dot(block_mass(model, i, coordinates(model, next, i)) * after) -
             0.5 * before.dot(block_mass(model, i, coordinates(model, state, i)) * before);
+    const int row = dofs.coordinates + first_coordinate(model, i);
+    change.segment(row, block.size) = (v - free.v).segment(row, block.size);
   }
-  const Eigen::Index n = dofs.rows - dofs.coordinates;
-  VecX change = VecX::Zero(dofs.rows);
-  change.tail(n) = (v - free.v).tail(n);
-  return work - 0.5 * (v + free.v).dot(free.mass * change);
+  return change.isZero(0) ? 0 : work - 0.5 * (v + free.v).dot(free.mass * change);
 }
 
 // What changed the velocities in a step beside gravity, rows of the problem [N s, N m s]; with gravity their
@@ -135,6 +136,17 @@ Momentum momentum_given(const StepSetting& setting, const State& state, const Ve
     const Vec3 p = impulse.segment<3>(at);
     out.linear += p;
     out.angular += state.g[b].p.cross(p) + state.g[b].R * Vec3(impulse.segment<3>(at + 3));
+  }
+  for (const BlockId i : setting.model.coordinates.ids()) {
+    const Coordinates& block = setting.model.coordinates[i];
+    if (block.points.empty()) continue;
+    const VecX q = coordinates(setting.model, state, i);
+    const int row = setting.dofs.coordinates + first_coordinate(setting.model, i);
+    for (std::size_t k = 0; k < block.points.size(); ++k) {
+      const Vec3 p = impulse.segment<3>(row + 3 * int(k));
+      out.linear += p;
+      out.angular += point_place(block, q, k).cross(p);
+    }
   }
   return out;
 }

@@ -8,6 +8,7 @@
 #include "io/network_file.hpp"
 #include "io/number_table.hpp"
 #include "io/pose_file.hpp"
+#include "io/volume_file.hpp"
 #include "tests/fuzz/readers.hpp"
 
 namespace aussois {
@@ -19,6 +20,10 @@ void use_mesh(const fs::path& file) {
   MeshFile mesh = read_mesh(file, 1e-3);
   weld_mesh_file(mesh);
   if (!mesh.vertices.empty()) make_complex(mesh.vertices, mesh.triangles, mesh.wires);
+}
+
+void use_volume_mesh(const fs::path& file) {
+  boundary_triangles(read_volume_mesh(file, 1e-3, true).mesh);
 }
 
 void use_network(const fs::path& file) {
@@ -54,10 +59,11 @@ void write_input(const fs::path& file, Bytes input) {
 }
 
 std::vector<FuzzedReader> text_readers() {
-  return {{"obj", ".obj", write_input, use_mesh},        {"stl", ".stl", write_input, use_mesh},
-          {"ply", ".ply", write_input, use_mesh},        {"off", ".off", write_input, use_mesh},
-          {"network", ".txt", write_input, use_network}, {"poses", ".csv", write_input, use_poses},
-          {"numbers", ".csv", write_input, use_numbers}, {"table", ".csv", write_input, use_table}};
+  return {{"obj", ".obj", write_input, use_mesh},         {"stl", ".stl", write_input, use_mesh},
+          {"ply", ".ply", write_input, use_mesh},         {"off", ".off", write_input, use_mesh},
+          {"gmsh", ".msh", write_input, use_volume_mesh}, {"medit", ".mesh", write_input, use_volume_mesh},
+          {"network", ".txt", write_input, use_network},  {"poses", ".csv", write_input, use_poses},
+          {"numbers", ".csv", write_input, use_numbers},  {"table", ".csv", write_input, use_table}};
 }
 
 }  // namespace aussois

@@ -25,6 +25,7 @@ const std::map<char, std::string> kGroups = {{'A', "Impacts without friction"},
                                              {'C', "Mechanisms and loops"},
                                              {'D', "Rotations"},
                                              {'E', "Beams"},
+                                             {'F', "Solids"},
                                              {'G', "Stacks and scenes"},
                                              {'H', "Balances"}};
 

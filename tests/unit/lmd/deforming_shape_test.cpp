@@ -41,9 +41,9 @@ TEST(DeformingShape, KeepsTheNumbersOfItsFeatures) {
   Random random(5);
   for (int k = 0; k < 8; ++k) {
     const LmdShape shape = soft(some_complex(k), 0.01);
-    EXPECT_TRUE(keeps_features(shape));
+    EXPECT_TRUE(shape.deforming);
     const LmdShape there = refit(shape, moved(shape, random_field(shape, random, 0.05), 1));
-    EXPECT_TRUE(keeps_features(there));
+    EXPECT_TRUE(there.deforming);
     EXPECT_EQ(there.complex.triangles, shape.complex.triangles);
     for (int t = 0; t < int(there.triangle_region.size()); ++t) EXPECT_EQ(there.triangle_region[t], t);
     for (const EdgeLeaf& edge : there.edges) {
@@ -52,7 +52,7 @@ TEST(DeformingShape, KeepsTheNumbersOfItsFeatures) {
       EXPECT_EQ((std::array{edge.first, edge.last}), ends);
     }
   }
-  EXPECT_FALSE(keeps_features(prepare(dilate(make_box(1, 1, 1, 2), 0.01))));
+  EXPECT_FALSE(prepare(dilate(make_box(1, 1, 1, 2), 0.01)).deforming);
   const LmdShape shape = soft(make_box(1, 1, 1), 0.01);
   EXPECT_EQ(message_of([&] { (void)refit(shape, std::vector<Vec3>(3)); }),
             "refit: number of vertices = 3 must be 8, as the shape has");
@@ -74,10 +74,50 @@ TEST(DeformingShape, HasTheContactsOfAnExhaustiveSearch) {
     for (std::size_t i = 0; i < all.points.size(); ++i) {
       EXPECT_EQ(key_of(quick.points[i]), key_of(all.points[i]));
       EXPECT_EQ(quick.points[i].gap, all.points[i].gap);
+      for (const Feature* f : {&quick.points[i].a, &quick.points[i].b}) EXPECT_EQ(f->region, f->simplex);
     }
     found += int(all.points.size());
   }
   EXPECT_GT(found, 100);
+}
+
+// Two flat faces, one above the other: each vertex, and each crossing of edges, is a contact, and no more.
+// (DEF-5)
+TEST(DeformingShape, TouchesWithEveryPointOfAFlatFace) {
+  Random random(11);
+  for (const bool solid : {true, false}) {
+    const auto flat = [&](int cells, double z) {
+      const SimplicialComplex k = solid ? make_box(1, 1, 0.2, cells) : make_plate(1, 1, cells, cells);
+      std::vector<Vec3> places;
+      for (const Vec3& x : k.vertices) {
+        const bool inside = std::abs(x.x()) < 0.49 && std::abs(x.y()) < 0.49;
+        places.push_back(
+            x + Vec3(0, 0, z) +
+            (inside ? Vec3(0.1 / cells * random.uniform(-1, 1), 0.1 / cells * random.uniform(-1, 1), 0)
+                    : Vec3(Vec3::Zero())));
+      }
+      return soft(make_complex(places, k.triangles, {}, k.solid), 0.01);
+    };
+    const LmdShape lower = flat(4, 0), upper = flat(3, solid ? 0.23 : 0.03);
+    const ContactSet found = find_contacts({&upper, {}, 1}, {&lower, {}, 0}, {.threshold = 0.02});
+    int crossings = 0;
+    for (const ContactPoint& c : found.points) {
+      EXPECT_NEAR(c.gap, 0.01, 1e-12);
+      EXPECT_NEAR(c.normal.z(), 1, 1e-12);
+      crossings += c.a.dim == 1 && c.b.dim == 1;
+    }
+    const auto expect_everywhere = [&](const LmdShape& s, double z) {
+      for (const Vec3& x : s.complex.vertices) {
+        if (std::abs(x.z() - z) > 1e-9) continue;
+        const bool there = std::ranges::any_of(
+            found.points, [&](const ContactPoint& c) { return (mid_point(c) - x).head<2>().norm() < 1e-6; });
+        EXPECT_TRUE(there) << x.transpose();
+      }
+    };
+    expect_everywhere(lower, solid ? 0.1 : 0);
+    expect_everywhere(upper, solid ? 0.13 : 0.03);
+    EXPECT_GT(crossings, 30);
+  }
 }
 
 // Rigid motion and deformation at once; what is certified is held against dense samples of fresh shapes.

@@ -4,6 +4,7 @@
 #include <limits>
 #include <random>
 
+#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 namespace aussois {
@@ -90,6 +91,84 @@ TEST(MassInverse, OfTheLastMatrixIsOfNoUseToAnother) {
   bad = last_M;
   bad.coeffRef(0, 0) = 0;
   EXPECT_FALSE(invert_mass(bad, last_M, *last));
+}
+
+// A chain of `bodies` bodies of six rows, two free bodies of six beside it, in units far apart.
+SparseMatrix chain_mass(int bodies, double stiffness, std::mt19937& random) {
+  std::uniform_real_distribution<double> entry(-1, 1);
+  const int n = 6 * (bodies + 2);
+  MatX M = MatX::Identity(n, n);
+  for (int b = 0; b + 1 < bodies; ++b) {
+    MatX A(12, 12);
+    for (double& x : A.reshaped()) x = entry(random);
+    M.block(6 * b + 6, 6 * b + 6, 12, 12) += stiffness * A * A.transpose();  // after the first free body
+  }
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < i; ++j) M(i, j) = 0.1, M(n - 1 - i, n - 1 - j) = -0.1;
+  VecX unit = VecX::Ones(n);
+  for (int i = 0; i < n; ++i)
+    if (i % 6 >= 3) unit[i] = 1e-4;
+  return (unit.asDiagonal() * M * unit.asDiagonal()).sparseView();
+}
+
+TEST(MassInverse, OfLargeBlocksIsThatOfDenseAlgebra) {
+  std::mt19937 random(3);
+  for (const int bodies : {5, 40}) {
+    const SparseMatrix M = chain_mass(bodies, 10, random);
+    const std::optional<MassInverse> inverse = invert_mass(M);
+    ASSERT_TRUE(inverse);
+    EXPECT_EQ(inverse->count(), 3);
+    EXPECT_FALSE(inverse->factor(0));
+    EXPECT_TRUE(inverse->factor(1));
+    const MatX dense = MatX(M).inverse();
+    const VecX x = VecX::LinSpaced(M.rows(), -1, 2);
+    EXPECT_LT((*inverse * x - dense * x).norm(), 1e-11 * (dense * x).norm());
+    SparseMatrix X(M.rows(), 3);
+    X.insert(2, 0) = 1, X.insert(8, 0) = -2, X.insert(20, 1) = 3, X.insert(M.rows() - 1, 2) = 1;
+    X.makeCompressed();
+    EXPECT_LT((MatX(*inverse * X) - dense * X).norm(), 1e-11 * (dense * X).norm());
+    // Of the chain and the last body alone
+    std::vector<int> some;
+    for (int i = 6; i < M.rows(); ++i) some.push_back(i);
+    const MassInverse part = inverse_part(*inverse, some);
+    const VecX all = *inverse * x, of_some = part * VecX(x(some));
+    EXPECT_EQ(of_some, VecX(all(some)));
+  }
+}
+
+TEST(MassInverse, OfTheLastLargeBlockServesItsOrderAlone) {
+  std::mt19937 random(4);
+  SparseMatrix last_M = chain_mass(20, 10, random);
+  std::optional<MassInverse> last = invert_mass(last_M);
+  const VecX x = VecX::LinSpaced(last_M.rows(), -1, 2);
+  for (int k = 0; k < 5; ++k) {
+    SparseMatrix M = last_M;
+    for (Eigen::Index i = 0; i < M.nonZeros(); ++i) M.valuePtr()[i] *= 1 + 1e-3 * double((7 * i + k) % 11);
+    const std::optional<MassInverse> fresh = invert_mass(M), again = invert_mass(M, last_M, *last);
+    ASSERT_TRUE(fresh && again);
+    EXPECT_EQ(VecX(*fresh * x), VecX(*again * x)) << "bit for bit";
+    last_M = M;
+    last = again;
+  }
+}
+
+// Pivots within bodies vanish, or all but vanish: others take their place.
+TEST(MassInverse, OfLargeBlocksThatAreNotPositiveIsSoundToo) {
+  std::mt19937 random(5);
+  for (const double diagonal : {1e-9, 1e-3, 1.0}) {
+    const int n = 60;
+    MatX M = MatX::Zero(n, n);
+    std::uniform_real_distribution<double> entry(-1, 1);
+    for (int b = 0; b + 6 < n; b += 6)
+      for (int i = 0; i < 6; ++i)
+        for (int j = 0; j < 6; ++j) M(b + i, b + 6 + j) = entry(random), M(b + 6 + i, b + j) = entry(random);
+    M.diagonal().array() += diagonal;
+    const std::optional<MassInverse> inverse = invert_mass(M.sparseView());
+    ASSERT_TRUE(inverse) << diagonal;
+    const VecX x = VecX::LinSpaced(n, 1, 2), y = *inverse * x;
+    EXPECT_LT((M * y - x).norm(), 1e-10 * (M.cwiseAbs() * y.cwiseAbs()).norm()) << diagonal;
+  }
+  EXPECT_FALSE(invert_mass(MatX(MatX::Ones(30, 30)).sparseView()));
 }
 
 }  // namespace
