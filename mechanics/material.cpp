@@ -36,8 +36,8 @@ SolidStress st_venant_kirchhoff(const Moduli& m, const Mat3& F, bool with_A) {
   SolidStress out{.energy = m.shear * E.squaredNorm() + m.lame / 2 * E.trace() * E.trace(), .P = F * S};
   if (with_A)
     out.A = by_entries([&](const Mat3& dF) -> Mat3 {
-      const Mat3 dE = symmetric(F.transpose() * dF);
-      return dF * S + F * (2 * m.shear * dE + m.lame * dE.trace() * Mat3::Identity());
+      const Mat3 strained = symmetric(F.transpose() * dF);
+      return dF * S + F * (2 * m.shear * strained + m.lame * strained.trace() * Mat3::Identity());
     });
   return out;
 }

@@ -73,11 +73,11 @@ MembraneStress st_venant_kirchhoff(const Material& material, const Mat32& F) {
   const Mat32 P = F * S;
   out.P << P.col(0), P.col(1);
   for (int k = 0; k < 6; ++k) {
-    Mat32 dF = Mat32::Zero();
-    dF(k % 3, k / 3) = 1;
-    const Mat2 dE = (F.transpose() * dF + dF.transpose() * F) / 2;
-    const Mat32 dP = dF * S + F * stress(dE);
-    out.A.col(k) << dP.col(0), dP.col(1);
+    Mat32 unit = Mat32::Zero();
+    unit(k % 3, k / 3) = 1;
+    const Mat2 strained = (F.transpose() * unit + unit.transpose() * F) / 2;
+    const Mat32 stressed = unit * S + F * stress(strained);
+    out.A.col(k) << stressed.col(0), stressed.col(1);
   }
   return out;
 }
@@ -287,15 +287,15 @@ HingeAngle hinge_angle(const std::array<Vec3, 4>& x) {
   };
   const Vec3 zero = Vec3::Zero();
   const Mat3 one = Mat3::Identity();
-  const Vec9 dD = vector(b.cross(c), c.cross(a), a.cross(b)), dL = vector(a / L, zero, zero);
+  const Vec9 by_D = vector(b.cross(c), c.cross(a), a.cross(b)), by_L = vector(a / L, zero, zero);
   const Vec9 dab = vector(b, a, zero), dac = vector(c, zero, a), dbc = vector(zero, c, b),
              daa = vector(2 * a, zero, zero);
-  Mat9 ddD = Mat9::Zero(), ddL = Mat9::Zero(), ddab = Mat9::Zero(), ddac = Mat9::Zero(), ddbc = Mat9::Zero(),
-       ddaa = Mat9::Zero();
-  both(ddD, 0, 1, -skew(c));
-  both(ddD, 0, 2, skew(b));
-  both(ddD, 1, 2, -skew(a));
-  ddL.topLeftCorner<3, 3>() = (one - a * a.transpose() / aa) / L;
+  Mat9 twice_D = Mat9::Zero(), twice_L = Mat9::Zero(), ddab = Mat9::Zero(), ddac = Mat9::Zero(),
+       ddbc = Mat9::Zero(), ddaa = Mat9::Zero();
+  both(twice_D, 0, 1, -skew(c));
+  both(twice_D, 0, 2, skew(b));
+  both(twice_D, 1, 2, -skew(a));
+  twice_L.topLeftCorner<3, 3>() = (one - a * a.transpose() / aa) / L;
   both(ddab, 0, 1, one);
   both(ddac, 0, 2, one);
   both(ddbc, 1, 2, one);
@@ -304,8 +304,8 @@ HingeAngle hinge_angle(const std::array<Vec3, 4>& x) {
     return u * v.transpose() + v * u.transpose();
   };
   const double sine = -D * L, cosine = ab * ac - aa * bc;
-  const Vec9 ds = -(L * dD + D * dL), dc = ac * dab + ab * dac - bc * daa - aa * dbc;
-  const Mat9 dds = -(L * ddD + D * ddL + cross_terms(dD, dL));
+  const Vec9 ds = -(L * by_D + D * by_L), dc = ac * dab + ab * dac - bc * daa - aa * dbc;
+  const Mat9 dds = -(L * twice_D + D * twice_L + cross_terms(by_D, by_L));
   const Mat9 ddc =
       ac * ddab + ab * ddac + cross_terms(dab, dac) - bc * ddaa - aa * ddbc - cross_terms(daa, dbc);
   const double square = sine * sine + cosine * cosine;

@@ -326,8 +326,8 @@ std::vector<Mat3> solid_stresses(const Model& model, const State& state, const S
   return out;
 }
 
-void add_pressure(Model& model, const Solid& solid, std::vector<std::array<int, 3>> triangles,
-                  std::function<double(double t)> pressure) {
+void add_pressure(Model& model, const Solid& solid, const std::vector<std::array<int, 3>>& triangles,
+                  const std::function<double(double t)>& pressure) {
   require(bool(pressure), "add_pressure: pressure must be callable");
   for (const std::array<int, 3>& t : triangles)
     for (const int point : t)

@@ -63,7 +63,7 @@ std::vector<Mat3> solid_stresses(const Model& model, const State& state, const S
 
 /// A pressure that pushes on triangles of the surface from outside, and follows them [Pa] (FEM-8).
 /// `triangles` as of boundary_triangles().
-void add_pressure(Model& model, const Solid& solid, std::vector<std::array<int, 3>> triangles,
-                  std::function<double(double t)> pressure);
+void add_pressure(Model& model, const Solid& solid, const std::vector<std::array<int, 3>>& triangles,
+                  const std::function<double(double t)>& pressure);
 
 }  // namespace aussois
