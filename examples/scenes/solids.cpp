@@ -10,7 +10,7 @@
 
 namespace aussois {
 
-SolidScene solid_scene(const VolumeMesh& mesh, SolidOptions options) {
+SolidScene solid_scene(const VolumeMesh& mesh, const SolidOptions& options) {
   SolidScene out;
   out.model.gravity = Vec3::Zero();
   out.solid = add_solid(out.model, mesh, options);

@@ -18,7 +18,7 @@ struct SolidScene {
   Solid solid{};
 };
 /// Without gravity and without a surface, as it is laid.
-SolidScene solid_scene(const VolumeMesh& mesh, SolidOptions options);
+SolidScene solid_scene(const VolumeMesh& mesh, const SolidOptions& options);
 
 /// The points that `is_there` holds for [places where the mesh is laid].
 std::vector<int> points_where(const VolumeMesh& mesh, const std::function<bool(const Vec3&)>& is_there);
