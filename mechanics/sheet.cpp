@@ -18,7 +18,6 @@ namespace {
 using Mat32 = Eigen::Matrix<double, 3, 2>;
 using Mat36 = Eigen::Matrix<double, 3, 6>;
 using Vec9 = Eigen::Matrix<double, 9, 1>;
-using Mat9 = Eigen::Matrix<double, 9, 9>;
 
 constexpr double kSmallestArea = 0.05;  // of a triangle, over its rest
 constexpr double kLargestFold = 2.8;    // of a hinge [rad]

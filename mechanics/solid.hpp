@@ -43,13 +43,13 @@ struct SolidOptions {
 };
 
 struct Solid {
-  std::shared_ptr<const VolumeMesh> mesh{};  // where it is laid, without stress
-  BlockId points{};                          // three coordinates for each point of the mesh
-  BodyId surface{};                          // none without a radius
-  std::vector<int> surface_points{};         // the point under each vertex of its shape
-  int massless = 0;                          // points without a mass
-  std::shared_ptr<const SolidCells> cells{};
-  std::vector<Material> materials{};
+  std::shared_ptr<const VolumeMesh> mesh{};   // where it is laid, without stress
+  BlockId points{};                           // three coordinates for each point of the mesh
+  BodyId surface{};                           // none without a radius
+  std::vector<int> surface_points{};          // the point under each vertex of its shape
+  int massless = 0;                           // points without a mass
+  std::shared_ptr<const SolidCells> cells{};  // where its energy is summed
+  std::vector<Material> materials{};          // of each group of the mesh
 };
 
 /// Adds the points, the force between them and the surface. Throws std::invalid_argument: field, value,

@@ -56,8 +56,9 @@ PerBody<double> dilations(const Audited& step) {
 
 // Up to where the nearest simplices are minima. Of a shape that meets itself, those at the border of its
 // material neighbours may be nearest, a little farther than its dilations (DEF-4).
+constexpr double kOwnNeighbours = 1.2;  // of the sum of the dilations; a cable's border is at 1.4 or more
 double told_by_minima(const StepPair& pair, double dilations) {
-  return (pair.a == pair.b ? std::min(dilations, 1.2) : dilations) * pair.dilation;
+  return (pair.a == pair.b ? std::min(dilations, kOwnNeighbours) : dilations) * pair.dilation;
 }
 
 // Pairs whose dilated shapes come nearer than the sum of their dilations.

@@ -8,6 +8,7 @@
 #include "mechanics/cable.hpp"
 #include "mechanics/forces.hpp"
 #include "mechanics/motion.hpp"
+#include "tests/support/differences.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/random.hpp"
 
@@ -62,14 +63,10 @@ Element random_element(Random& random, double turn, bool damped) {
   return out;
 }
 
-// Of a function of the twist coordinates; fourth order, so that rounding and truncation are below 1e-10.
+// Of a function of the twist coordinates.
 template <class Function>
 auto derivative(const Function& f, const Vec12& along) {
-  constexpr double d = 1e-3;
-  using Out = std::decay_t<decltype(f(along))>;
-  return Out((8.0 * (f(Vec12(d * along)) - f(Vec12(-d * along))) -
-              (f(Vec12(2 * d * along)) - f(Vec12(-2 * d * along)))) /
-             (12 * d));
+  return slope([&](double d) { return f(Vec12(d * along)); });
 }
 
 TEST(BeamElement, ForceIsMinusTheGradientOfItsEnergy) {

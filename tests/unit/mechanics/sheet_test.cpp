@@ -10,6 +10,7 @@
 #include "geometry/primitives.hpp"
 #include "mechanics/forces.hpp"
 #include "mechanics/state.hpp"
+#include "tests/support/differences.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/random.hpp"
 
@@ -17,14 +18,6 @@ namespace aussois {
 namespace {
 
 using Mat32 = Eigen::Matrix<double, 3, 2>;
-
-// Of fourth order.
-template <class Function>
-auto sheet_slope(const Function& f) {
-  constexpr double d = 1e-3;
-  using Out = std::decay_t<decltype(f(0.0))>;
-  return Out((8.0 * (f(d) - f(-d)) - (f(2 * d) - f(-2 * d))) / (12 * d));
-}
 
 Mat32 random_stretch(Random& random) {
   Mat32 F;
@@ -44,9 +37,9 @@ TEST(Membrane, StressAndTangentAreDerivativesOfTheEnergy) {
         for (int k = 0; k < 6; ++k) {
           Mat32 unit = Mat32::Zero();
           unit(k % 3, k / 3) = 1;
-          EXPECT_NEAR(sheet_slope([&](double d) { return membrane_stress(m, F + d * unit).energy; }), at.P[k],
+          EXPECT_NEAR(slope([&](double d) { return membrane_stress(m, F + d * unit).energy; }), at.P[k],
                       1e-9);
-          const Vec6 dP = sheet_slope([&](double d) -> Vec6 { return membrane_stress(m, F + d * unit).P; });
+          const Vec6 dP = slope([&](double d) -> Vec6 { return membrane_stress(m, F + d * unit).P; });
           EXPECT_LT((dP - at.A.col(k)).norm(), 1e-8);
         }
       }
@@ -109,11 +102,10 @@ TEST(Hinge, AngleIsThatBetweenTheNormalsWithItsDerivatives) {
         y[std::size_t(i) / 3][i % 3] += 1e-2 * d;
         return hinge_angle(y);
       };
-      EXPECT_NEAR(
-          sheet_slope([&](double d) { return std::remainder(moved(d).angle - at.angle, 2 * kPi); }) / 1e-2,
-          at.gradient[i], 1e-8 * (1 + size * size));
+      EXPECT_NEAR(slope([&](double d) { return std::remainder(moved(d).angle - at.angle, 2 * kPi); }) / 1e-2,
+                  at.gradient[i], 1e-8 * (1 + size * size));
       const Eigen::Matrix<double, 12, 1> by =
-          sheet_slope([&](double d) -> Eigen::Matrix<double, 12, 1> { return moved(d).gradient; }) / 1e-2;
+          slope([&](double d) -> Eigen::Matrix<double, 12, 1> { return moved(d).gradient; }) / 1e-2;
       EXPECT_LT((by - at.hessian.col(i)).norm(), 1e-7 * (1 + size * size * size));
     }
   }
@@ -150,9 +142,9 @@ TEST(Sheet, ForcesAndDerivativesAreThoseOfItsEnergy) {
         state.q[i] += d;
         return state;
       };
-      EXPECT_NEAR(sheet_slope([&](double d) { return energy(s.model, moved(d)).laws; }), -at.laws[i], 1e-8);
+      EXPECT_NEAR(slope([&](double d) { return energy(s.model, moved(d)).laws; }), -at.laws[i], 1e-8);
       const VecX by =
-          sheet_slope([&](double d) -> VecX { return forces_at(s.model, moved(d), layout(s.model)).laws; });
+          slope([&](double d) -> VecX { return forces_at(s.model, moved(d), layout(s.model)).laws; });
       EXPECT_LT((by + K.col(i)).norm(), 1e-7);
     }
   }

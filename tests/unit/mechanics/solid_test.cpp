@@ -9,6 +9,7 @@
 #include "mechanics/forces.hpp"
 #include "mechanics/solid_mass.hpp"
 #include "mechanics/state.hpp"
+#include "tests/support/differences.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/random.hpp"
 
@@ -22,15 +23,6 @@ Mat3 random_gradient(Random& random) {
     for (double& x : F.reshaped()) x += random.uniform(-0.4, 0.4);
   } while (F.determinant() < 0.2);
   return F;
-}
-
-constexpr double kStep = 1e-3;
-
-// Of fourth order: truncation and rounding are below 1e-9.
-template <class Function>
-auto slope(const Function& f) {
-  using Out = std::decay_t<decltype(f(0.0))>;
-  return Out((8.0 * (f(kStep) - f(-kStep)) - (f(2 * kStep) - f(-2 * kStep))) / (12 * kStep));
 }
 
 template <class Stress>
