@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Bullet::dynamics, the rigid bodies of Bullet in double precision. CMake's own module and Bullet's configuration find the
+# Bullet::dynamics, the rigid bodies of Bullet in double precision, and Bullet::soft, which has soft ones too. CMake's own module and Bullet's configuration find the
 # single one (Debian: libbullet-dev has both).
 find_path(BulletDouble_INCLUDE_DIR btBulletDynamicsCommon.h PATH_SUFFIXES bullet)
 set(BulletDouble_LIBRARIES "")
@@ -17,4 +17,9 @@ if(BulletDouble_FOUND AND NOT TARGET Bullet::dynamics)
   target_compile_definitions(Bullet::dynamics INTERFACE BT_USE_DOUBLE_PRECISION)
   target_link_libraries(Bullet::dynamics INTERFACE ${BulletDouble_LIBRARIES})
 endif()
-mark_as_advanced(BulletDouble_INCLUDE_DIR)
+find_library(BulletDouble_BulletSoftBody_LIBRARY BulletSoftBody-float64)
+if(BulletDouble_FOUND AND BulletDouble_BulletSoftBody_LIBRARY AND NOT TARGET Bullet::soft)
+  add_library(Bullet::soft INTERFACE IMPORTED)
+  target_link_libraries(Bullet::soft INTERFACE ${BulletDouble_BulletSoftBody_LIBRARY} Bullet::dynamics)
+endif()
+mark_as_advanced(BulletDouble_INCLUDE_DIR BulletDouble_BulletSoftBody_LIBRARY)

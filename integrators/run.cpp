@@ -47,7 +47,7 @@ void check_coordinates(const Model& model, const State& state) {
   for (const BlockId i : model.coordinates.ids()) {
     const Coordinates& block = model.coordinates[i];
     const std::string who = "coordinates " + to_string(i) + " (" + block.name + "): ";
-    if (!block.points.empty()) continue;
+    if (!block.mass) continue;  // it has points or a tree
     const VecX q = coordinates(model, state, i);
     const MatX M = block.mass(q);
     check_size(who + "mass", M, block.size, block.size);
@@ -137,9 +137,9 @@ bool leads_points(const Model& model, const State& state) {
 
 // Whether the work of laws is that of passive ones alone, on bodies and points that nothing moves.
 bool laws_are_passive(const Model& model, const State& state) {
-  const auto are_points = [](const Coordinates& block) { return !block.points.empty(); };
+  const auto are_passive = [](const Coordinates& block) { return !block.mass; };  // points, trees
   return std::ranges::all_of(model.forces, &ForceLaw::passive) &&
-         std::ranges::all_of(model.coordinates, are_points) && !has_axis_forces(model) &&
+         std::ranges::all_of(model.coordinates, are_passive) && !has_axis_forces(model) &&
          std::ranges::none_of(model.bodies, is_moved) && !leads_points(model, state);
 }
 
@@ -175,7 +175,7 @@ void add_step(const Model& model, const State& state, const StepReport& report, 
   gain.largest = std::max(gain.largest, gain.above);
   double mass =
       std::accumulate(model.bodies.begin(), model.bodies.end(), 0.0,
-                      [](double sum, const RigidBody& b) { return is_dynamic(b) ? sum + b.mass : sum; });
+                      [](double sum, const RigidBody& b) { return has_inertia(b) ? sum + b.mass : sum; });
   for (const Coordinates& block : model.coordinates)
     for (const PointMass& point : block.points) mass += point.mass;
   gain.kinetic = std::max({gain.kinetic, now.kinetic, mass * (report.h * model.gravity).squaredNorm() / 2});

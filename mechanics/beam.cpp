@@ -123,8 +123,8 @@ void check_element(const BeamElement& element, const Beam& beam, const Table<Bod
   require_field(all.contains(element.body_b), (who + "body_b").c_str(), element.body_b, bodies.c_str());
   require_field(element.body_a != element.body_b, (who + "body_b").c_str(), element.body_b,
                 "differ from body_a");
-  require(is_dynamic(all[element.body_a]) || is_dynamic(all[element.body_b]),
-          who + "one of its nodes must be dynamic");
+  require(has_inertia(all[element.body_a]) || has_inertia(all[element.body_b]),
+          who + "one of its nodes must be dynamic or carried");
   require_field(element.section >= 0 && element.section < std::ssize(beam.sections),
                 (who + "section").c_str(), element.section,
                 ("lie in [0, " + std::to_string(beam.sections.size()) + ")").c_str());

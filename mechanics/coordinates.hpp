@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Generalised coordinates beside the bodies: the extension point for user-defined models (GEN-1) to (GEN-5).
+// Generalised coordinates beside the bodies: the extension point for user-defined models (GEN-1) to (GEN-5),
+// and what solids and trees are made of.
 // A block obeys M(q) dv = f(t, q, v) dt + H dr, dq = v dt; gap functions say where it, or a body, may not go.
 #pragma once
 
@@ -10,10 +11,10 @@
 
 #include "geometry/id.hpp"
 #include "mechanics/contact_law.hpp"
+#include "mechanics/joint.hpp"
 
 namespace aussois {
 
-using BlockId = Id<struct BlockTag>;
 using GapId = Id<struct GapTag>;
 
 struct Model;
@@ -35,11 +36,25 @@ struct PointMass {
   std::array<bool, 3> held{};
 };
 
+/// A body that hangs on another by one joint, whose axes are coordinates (TREE-1).
+struct TreeLink {
+  JointId joint{};
+  BodyId body{};
+  int parent = -1;  // the link that it hangs on, one before it; -1: the base
+  int first = 0;    // of the joint's coordinates in the block
+};
+/// What a block of coordinates carries; no links: nothing (`add_tree`).
+struct Tree {
+  BodyId base = kWorld;  // the world, a fixed body or a dynamic one
+  std::vector<TreeLink> links{};
+};
+
 struct Coordinates {
   std::string name{};
   int size = 0;                               // n, >= 1
   std::function<MatX(const VecX& q)> mass{};  // n x n, symmetric and positive definite
   std::vector<PointMass> points{};            // instead of a mass: n / 3 points, on which gravity acts
+  Tree tree{};                                // instead of a mass: bodies carried by their joints
   std::function<CoordinateForce(double t, const VecX& q, const VecX& v)> force{};  // empty: none
   std::function<double(const VecX& q)> potential{};  // of the conservative part of the force [J]; empty: none
 };

@@ -4,35 +4,30 @@
 #include <algorithm>
 
 #include "mechanics/mechanism.hpp"
+#include "mechanics/tree_terms.hpp"
 
 namespace aussois {
 namespace {
-
-void add_outer(std::vector<Triplet>& matrix, int row, int column, double factor, const Vec6& a,
-               const Vec6& b) {
-  if (factor == 0) return;
-  for (int i = 0; i < 6; ++i)
-    for (int j = 0; j < 6; ++j) matrix.emplace_back(row + i, column + j, factor * a[i] * b[j]);
-}
 
 // Spring, damper and effort motor of an axis; directions at the middle of the step (MJT-9).
 AxisImpulse add_axis_force(const Model& model, const State& state, const PerBody<SE3>& middle, JointId j,
                            int i, double t, GeneralisedForce& force) {
   const Joint& joint = model.joints[j];
   const JointAxis& axis = joint.axis[i];
-  const JointRow row = axis_row(joint, middle, i);
-  std::vector<std::pair<int, Vec6>> ends;  // (first velocity, J)
-  if (joint.body_a) ends.emplace_back(first_velocity(joint.body_a), row.J_a);
-  if (joint.body_b) ends.emplace_back(first_velocity(joint.body_b), row.J_b);
+  const JointRow row = axis_row(model, middle, j, i);
+  std::vector<std::pair<int, double>> along = row.others;  // (entry of State::v, J)
+  for (const auto& [body, J] : {std::pair(joint.body_a, &row.J_a), std::pair(joint.body_b, &row.J_b)})
+    for (int k = 0; k < 6 && body && !is_carried(model.bodies[body]); ++k)
+      along.emplace_back(first_velocity(body) + k, (*J)[k]);
   AxisImpulse out{.joint = j, .axis = i, .row = row};
   out.motor = axis.motor.kind == MotorKind::effort ? axis.motor.target(t) : 0;
   out.spring = -axis.stiffness * (joint_coordinate(model, state, j, i) - axis.rest) -
                axis.damping * axis_speed(joint, row, state.v);
-  for (const auto& [at, J] : ends) {
-    force.f.segment<6>(at) += (out.motor + out.spring) * J;
-    for (const auto& [with, L] : ends) {
-      add_outer(force.K, at, with, axis.stiffness, J, L);
-      add_outer(force.C, at, with, axis.damping, J, L);
+  for (const auto& [at, J] : along) {
+    force.f[at] += (out.motor + out.spring) * J;
+    for (const auto& [with, L] : along) {
+      if (axis.stiffness != 0) force.K.emplace_back(at, with, axis.stiffness * J * L);
+      if (axis.damping != 0) force.C.emplace_back(at, with, axis.damping * J * L);
     }
   }
   return out;
@@ -43,13 +38,6 @@ bool pushes(const JointAxis& axis) {
 }
 
 }  // namespace
-
-double axis_speed(const Joint& joint, const JointRow& row, const VecX& v) {
-  double out = 0;
-  if (joint.body_a) out += row.J_a.dot(body_part(v, joint.body_a));
-  if (joint.body_b) out += row.J_b.dot(body_part(v, joint.body_b));
-  return out;
-}
 
 bool has_axis_forces(const Model& model) {
   return std::ranges::any_of(model.joints, [](const Joint& joint) {
@@ -105,21 +93,41 @@ void add_diagonal_block(std::vector<Triplet>& out, int at, const SparseMatrix& b
       if (it.value() != 0) out.emplace_back(at + it.row(), at + j, scale * it.value());
 }
 
+SparseMatrix mass_matrix(const Model& model, const State& state, const Layout& dofs) {
+  std::vector<Triplet> mass;
+  for (const BodyId b : model.bodies.ids()) {
+    const int row = dofs.first[b];
+    if (row < 0) continue;
+    add_block(mass, row, row, model.bodies[b].mass * Mat3::Identity());
+    add_block(mass, row + 3, row + 3, model.bodies[b].inertia);
+  }
+  for (const BlockId i : model.coordinates.ids())
+    if (model.coordinates[i].tree.links.empty())
+      add_diagonal_block(mass, dofs.coordinates + first_coordinate(model, i),
+                         block_mass(model, i, coordinates(model, state, i)), 1);
+  SparseMatrix out = square_matrix(dofs.rows, mass);
+  for (const BlockId i : model.coordinates.ids()) {
+    if (model.coordinates[i].tree.links.empty()) continue;
+    const TreeTerms terms = tree_terms(model, i, state);
+    out += tree_matrix(terms, terms.mass, dofs);
+  }
+  return out;
+}
+
 Forces forces_at(const Model& model, const State& state, const Layout& dofs) {
   GeneralisedForce force = total_force(model, state, state.t);
   Forces out;
   out.axes = add_axis_forces(model, state, state.g, state.t, force);
+  carry_forces(model, state.g, force);
   out.gravity = out.gyroscopic = VecX::Zero(dofs.rows);
   out.laws = free_velocities(dofs, force.f);
   clear_held(dofs, out.laws);
-  std::vector<Triplet> mass, K = free_entries(force.K, dofs), C = free_entries(force.C, dofs);
+  std::vector<Triplet> K = free_entries(force.K, dofs), C = free_entries(force.C, dofs);
   for (const BodyId b : model.bodies.ids()) {
     const int row = dofs.first[b];
     if (row < 0) continue;
     const RigidBody& body = model.bodies[b];
     const Vec3 omega = angular_part(state.v, b), momentum = body.inertia * omega;
-    add_block(mass, row, row, body.mass * Mat3::Identity());
-    add_block(mass, row + 3, row + 3, body.inertia);
     add_block(C, row + 3, row + 3, gyroscopic_derivative(body.inertia, omega));
     out.gravity.segment<3>(row) = body.mass * model.gravity;
     out.gyroscopic.segment<3>(row + 3) = -omega.cross(momentum);
@@ -128,7 +136,6 @@ Forces forces_at(const Model& model, const State& state, const Layout& dofs) {
     const Coordinates& block = model.coordinates[i];
     const int row = dofs.coordinates + first_coordinate(model, i);
     const VecX q = coordinates(model, state, i), v = speeds(model, state, i);
-    add_diagonal_block(mass, row, block_mass(model, i, q), 1);
     out.gravity.segment(row, block.size) = block_weight(model, i);
     if (!block.force) continue;
     const CoordinateForce own = block_force(model, i, state.t, q, v);
@@ -136,9 +143,15 @@ Forces forces_at(const Model& model, const State& state, const Layout& dofs) {
     add_diagonal_block(C, row, own.C, 1);
     add_diagonal_block(K, row, own.K, 1);
   }
-  out.mass = square_matrix(dofs.rows, mass);
+  out.mass = mass_matrix(model, state, dofs);
   out.K = square_matrix(dofs.rows, K);
   out.C = square_matrix(dofs.rows, C);
+  for (const BlockId i : model.coordinates.ids()) {
+    if (model.coordinates[i].tree.links.empty()) continue;
+    const TreeTerms terms = tree_terms(model, i, state);
+    out.C += tree_matrix(terms, terms.C, dofs);
+    add_tree_forces(terms, 1, dofs, out.gravity, out.gyroscopic);
+  }
   if (!force.matrices.empty()) {
     out.K += free_matrix(force.matrices, 1, 0, dofs);
     out.C += free_matrix(force.matrices, 0, 1, dofs);

@@ -7,9 +7,6 @@
 
 namespace aussois {
 
-/// J . v of a row, with v laid out as State::v.
-double axis_speed(const Joint& joint, const JointRow& row, const VecX& v);
-
 /// What a spring, a damper and an effort motor exert along an axis of a joint: an impulse over a step
 /// [N s, N m s], or a force [N, N m].
 struct AxisImpulse {
@@ -41,6 +38,9 @@ std::vector<Triplet> free_entries(const std::vector<Triplet>& entries, const Lay
 /// Appends `scale` times a block whose corner is at (at, at), without its zeros.
 void add_diagonal_block(std::vector<Triplet>& matrix, int at, const MatX& block, double scale);
 void add_diagonal_block(std::vector<Triplet>& matrix, int at, const SparseMatrix& block, double scale);
+
+/// The masses of all bodies and coordinates at a state, in the rows of the problem.
+SparseMatrix mass_matrix(const Model& model, const State& state, const Layout& dofs);
 
 /// All forces at a state and at its own time, in the rows of the problem; includes joint axes and
 /// coordinates.

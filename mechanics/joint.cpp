@@ -252,6 +252,32 @@ JointRow axis_row(const Joint& joint, const JointPoses& at, int axis) {
   }
 }
 
+SE3 joint_pose(const Joint& joint, const double* q) {
+  // Without a check: where a step fails, coordinates may be anything.
+  const auto about_x = [](double a) {
+    return SE3{Quat(std::cos(a / 2), std::sin(a / 2), 0, 0), Vec3::Zero()};
+  };
+  const auto about_z = [](double a) {
+    return SE3{Quat(std::cos(a / 2), 0, 0, std::sin(a / 2)), Vec3::Zero()};
+  };
+  switch (joint.kind) {
+    case JointKind::revolute:
+      return about_z(q[0]);
+    case JointKind::prismatic:
+      return translation(0, 0, q[0]);
+    case JointKind::cylindrical:
+      return translation(0, 0, q[0]) * about_z(q[1]);
+    case JointKind::universal:
+      return about_z(q[0]) * about_x(q[1]);
+    case JointKind::planar:
+      return translation(q[0], q[1], 0) * about_z(q[2]);
+    case JointKind::screw:
+      return translation(0, 0, joint.pitch / (2 * kPi) * q[0]) * about_z(q[0]);
+    default:
+      return {};
+  }
+}
+
 SE3 frame_on_a(const Joint& joint, const PerBody<SE3>& g) {
   return pose_of(g, joint.body_a) * joint.frame_a;
 }

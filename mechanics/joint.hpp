@@ -17,6 +17,7 @@ namespace aussois {
 class SettingVisitor;
 
 using JointId = Id<struct JointTag>;
+using BlockId = Id<struct BlockTag>;  // of Model::coordinates
 
 inline constexpr BodyId kWorld{};  // the other end of a joint that holds on to nothing else
 
@@ -73,6 +74,10 @@ struct Joint {
   double pitch = 0;                 // of a screw, with its sign, not 0; of others 0 [m/turn]
   double length = 0;                // of a distance, > 0; of others 0 [m]
   std::array<JointAxis, 3> axis{};  // only the first axis_count(kind) are used
+  // If its axes are coordinates (`add_tree`): their block, and its place among the links. None: what it locks
+  // is an equation
+  BlockId tree{};
+  int link = -1;
 };
 
 /// Couples the coordinates of two joints: q_1 = ratio q_2 + offset. For gears (ratio = -teeth_2 / teeth_1
@@ -94,10 +99,16 @@ bool is_angle(JointKind kind, int axis);
 int locked_count(JointKind kind);
 int locked_translations(JointKind kind);  // they come first; the others are rotations
 
-/// A scalar function of two poses and its exact derivative: value' = J_a . twist_a + J_b . twist_b.
+/// The pose of the joint's frame on A, seen from that on B, at coordinates `q`, one for each axis (TREE-1).
+/// The inverse of `axis_row`, of the kinds that have an axis.
+SE3 joint_pose(const Joint& joint, const double* q);
+
+/// A scalar function of two poses and its exact derivative: value' = J_a . twist_a + J_b . twist_b + others.
 struct JointRow {
   double value = 0;  // [m, rad]
   Vec6 J_a = Vec6::Zero(), J_b = Vec6::Zero();
+  std::vector<std::pair<int, double>>
+      others{};  // (entry of State::v, factor): of coordinates that carry A or B
 };
 /// Where a row is evaluated: at the poses of the bodies or, with an `end`, at the mean of the matrices of
 /// both ends. Then J times the mean velocity of a Cayley step is the exact change of the row (MJT-14), and

@@ -42,6 +42,14 @@ int any_row_of(const Layout& dofs, Eigen::Index velocity) {
   return first < 0 ? -1 : first + int(velocity % 6);
 }
 
+int velocity_of(const Layout& dofs, int row) {
+  if (row >= dofs.coordinates) return first_velocity(dofs.first.next()) + row - dofs.coordinates;
+  for (const BodyId b : dofs.first.ids())
+    if (const int first = dofs.first[b]; first >= 0 && row < first + 6)
+      return first_velocity(b) + row - first;
+  return -1;
+}
+
 VecX all_velocities(const Layout& dofs, const VecX& v, const VecX& v_prescribed) {
   VecX all = v_prescribed;
   for (const BodyId b : dofs.first.ids())

@@ -49,6 +49,8 @@ Layout layout(const Model& model);
 int row_of(const Layout& dofs, Eigen::Index velocity);
 /// The same where held axes have the row that keeps their speed.
 int any_row_of(const Layout& dofs, Eigen::Index velocity);
+/// The entry of State::v that has a row of the problem; inverts any_row_of.
+int velocity_of(const Layout& dofs, int row);
 /// Takes the forces on held axes out of a vector of the rows of the problem.
 void clear_held(const Layout& dofs, VecX& forces);
 

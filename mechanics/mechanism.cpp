@@ -4,8 +4,37 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mechanics/tree.hpp"
+
 namespace aussois {
 namespace {
+
+// Moves what a row says of carried bodies to the coordinates that carry them. What is rounding of sums that
+// vanish is dropped: an equation of the solver that is nothing but rounding would count as one.
+JointRow carried(const Model& model, const PerBody<SE3>& g, const Joint& joint, JointRow row) {
+  constexpr double kRounding = 1e-12;
+  struct Entry {
+    int velocity;
+    double sum, terms;
+  };
+  std::vector<Entry> all;
+  for (const auto& [body, J] : {std::pair(joint.body_a, &row.J_a), std::pair(joint.body_b, &row.J_b)}) {
+    if (!body || !is_carried(model.bodies[body])) continue;
+    for (const TwistColumn& c : carried_columns(model, g, body))
+      all.push_back(
+          {c.velocity, J->dot(c.twist),
+           J->head<3>().norm() * c.twist.head<3>().norm() + J->tail<3>().norm() * c.twist.tail<3>().norm()});
+    J->setZero();
+  }
+  std::ranges::stable_sort(all, {}, &Entry::velocity);
+  for (auto entry = all.begin(); entry != all.end();) {
+    Entry sum = *entry++;
+    for (; entry != all.end() && entry->velocity == sum.velocity; ++entry)
+      sum.sum += entry->sum, sum.terms += entry->terms;
+    if (std::abs(sum.sum) > kRounding * sum.terms) row.others.emplace_back(sum.velocity, sum.sum);
+  }
+  return row;
+}
 
 double turned(const std::vector<int>& turns, JointId joint, int axis) {
   return turns.empty() ? 0 : 2 * kPi * turns[3 * joint.index() + axis];
@@ -13,7 +42,7 @@ double turned(const std::vector<int>& turns, JointId joint, int axis) {
 
 JointRow with_turns(const Model& model, const JointPoses& at, const std::vector<int>& turns, JointId joint,
                     int axis) {
-  JointRow row = axis_row(model.joints[joint], at, axis);
+  JointRow row = axis_row(model, at, joint, axis);
   row.value += turned(turns, joint, axis);
   return row;
 }
@@ -25,24 +54,43 @@ void add_error(JointError& sum, bool is_rotation, double value) {
 
 }  // namespace
 
+std::vector<JointRow> locked_rows(const Model& model, const JointPoses& at, JointId j) {
+  const Joint& joint = model.joints[j];
+  if (joint.tree) return {};
+  std::vector<JointRow> out = locked_rows(joint, at);
+  for (JointRow& row : out) row = carried(model, at.start, joint, std::move(row));
+  return out;
+}
+
+JointRow axis_row(const Model& model, const JointPoses& at, JointId j, int axis) {
+  const Joint& joint = model.joints[j];
+  JointRow row = axis_row(joint, at, axis);
+  if (!joint.tree) return carried(model, at.start, joint, std::move(row));
+  return {.value = row.value, .others = {{tree_speed(model, j, axis), 1}}};
+}
+
+double axis_speed(const Joint& joint, const JointRow& row, const VecX& v) {
+  double out = 0;
+  if (joint.body_a) out += row.J_a.dot(body_part(v, joint.body_a));
+  if (joint.body_b) out += row.J_b.dot(body_part(v, joint.body_b));
+  for (const auto& [entry, factor] : row.others) out += factor * v[entry];
+  return out;
+}
+
 double joint_coordinate(const Model& model, const State& state, JointId joint, int axis) {
+  if (model.joints[joint].tree) return state.q[tree_coordinate(model, joint, axis)];
   return with_turns(model, state.g, state.turns, joint, axis).value;
 }
 
 double joint_speed(const Model& model, const State& state, JointId joint, int axis) {
-  const Joint& j = model.joints[joint];
-  const JointRow row = axis_row(j, state.g, axis);
-  double speed = 0;
-  if (j.body_a) speed += row.J_a.dot(twist(state, j.body_a));
-  if (j.body_b) speed += row.J_b.dot(twist(state, j.body_b));
-  return speed;
+  return axis_speed(model.joints[joint], axis_row(model, state.g, joint, axis), state.v);
 }
 
 JointError joint_error(const Model& model, const State& state, JointId joint) {
   const Joint& j = model.joints[joint];
   JointError error;
   int k = 0;
-  for (const JointRow& row : locked_rows(j, state.g))
+  for (const JointRow& row : locked_rows(j, state.g))  // of a tree too: rounding
     add_error(error, k++ >= locked_translations(j.kind), row.value);
   return error;
 }
@@ -67,6 +115,7 @@ CouplingRow coupling_row(const Model& model, const Coupling& c, const JointPoses
   row.value = row.row_1.value - c.ratio * row.row_2.value - c.offset;
   row.row_2.J_a *= -c.ratio;
   row.row_2.J_b *= -c.ratio;
+  for (auto& [entry, factor] : row.row_2.others) factor *= -c.ratio;
   return row;
 }
 

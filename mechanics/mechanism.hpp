@@ -6,6 +6,14 @@
 
 namespace aussois {
 
+/// The rows of a joint of the model (MJT-3) to (MJT-5). Where a body is carried, the coordinates that carry
+/// it stand for its twist. A joint of a tree locks nothing, and its axes are coordinates (TREE-1).
+std::vector<JointRow> locked_rows(const Model& model, const JointPoses& at, JointId joint);
+JointRow axis_row(const Model& model, const JointPoses& at, JointId joint, int axis);
+
+/// J . v of a row, with v laid out as State::v.
+double axis_speed(const Joint& joint, const JointRow& row, const VecX& v);
+
 /// Coordinate of a free axis, full turns included [m, rad], and its speed [m/s, rad/s].
 double joint_coordinate(const Model& model, const State& state, JointId joint, int axis = 0);
 double joint_speed(const Model& model, const State& state, JointId joint, int axis = 0);

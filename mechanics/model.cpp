@@ -37,7 +37,7 @@ void check_body(const RigidBody& body, BodyId index, const Model& model) {
   require_field(body.shape == ShapeId() || model.shapes.contains(body.shape), (who + "shape").c_str(),
                 body.shape, ("lie in [-1, " + to_string(model.shapes.next()) + ")").c_str());
   checked_pose(body.g_bs, (who + "g_bs").c_str());
-  if (is_dynamic(body)) {
+  if (has_inertia(body)) {
     require_field(body.mass > 0 && std::isfinite(body.mass), (who + "mass").c_str(), body.mass,
                   "be positive and finite [kg]");
     check_inertia(body.inertia, who);
@@ -87,7 +87,7 @@ void check_joint(const Joint& joint, JointId index, const Table<BodyId, RigidBod
   require_field(joint.body_b == kWorld || bodies.contains(joint.body_b), (who + "body_b").c_str(),
                 joint.body_b, range.c_str());
   require_field(joint.body_a != joint.body_b, (who + "body_b").c_str(), joint.body_b, "differ from body_a");
-  const auto moves = [&](BodyId body) { return body && is_dynamic(bodies[body]); };
+  const auto moves = [&](BodyId body) { return body && has_inertia(bodies[body]); };
   require(moves(joint.body_a) || moves(joint.body_b), who + "one of its bodies must be dynamic");
   checked_pose(joint.frame_a, (who + "frame_a").c_str());
   checked_pose(joint.frame_b, (who + "frame_b").c_str());
@@ -137,9 +137,36 @@ void check_coupling(const Coupling& coupling, int index, const Table<JointId, Jo
   require_field(std::isfinite(coupling.offset), (who + "offset").c_str(), coupling.offset, "be finite");
 }
 
-void check_block(const Coordinates& block, BlockId index) {
+// What `add_tree` made must still fit.
+void check_tree(const Model& model, const Coordinates& block, BlockId index, const std::string& who) {
+  require(!block.mass && !block.force && !block.potential && block.points.empty(),
+          who + "mass, points, force and potential must be empty: the bodies of its tree have masses");
+  int size = 0;
+  for (int i = 0; i < int(block.tree.links.size()); ++i) {
+    const TreeLink& link = block.tree.links[std::size_t(i)];
+    const std::string of = who + "link " + std::to_string(i) + ": ";
+    require(model.joints.contains(link.joint) && model.joints[link.joint].tree == index &&
+                model.joints[link.joint].link == i,
+            of + "its joint must be one that add_tree gave it");
+    const auto* carried = model.bodies.contains(link.body)
+                              ? std::get_if<CarriedMotion>(&model.bodies[link.body].motion)
+                              : nullptr;
+    require(carried && carried->tree == index && carried->link == i, of + "its body must be carried by it");
+    require(link.parent >= -1 && link.parent < i && link.first == size, of + "must come after its parent");
+    size += axis_count(model.joints[link.joint].kind);
+  }
+  require_field(block.size == size, (who + "size").c_str(), block.size,
+                ("be " + std::to_string(size) + ", the number of the joints' axes").c_str());
+  const BodyId base = block.tree.base;
+  require(!base || (model.bodies.contains(base) && !is_moved(model.bodies[base]) &&
+                    !is_carried(model.bodies[base])),
+          who + "the base must be the world, a fixed body or a dynamic one");
+}
+
+void check_block(const Model& model, const Coordinates& block, BlockId index) {
   const std::string who = "coordinates " + to_string(index) + " (" + block.name + "): ";
   require_field(block.size >= 1, (who + "size").c_str(), block.size, "be at least 1");
+  if (!block.tree.links.empty()) return check_tree(model, block, index, who);
   if (block.points.empty()) {
     require(bool(block.mass), who + "mass must be callable");
     return;
@@ -201,7 +228,7 @@ void add(Model& model, Coupling coupling) {
 }
 
 BlockId add(Model& model, Coordinates block) {
-  check_block(block, model.coordinates.next());
+  check_block(model, block, model.coordinates.next());
   return model.coordinates.append(std::move(block));
 }
 
@@ -228,6 +255,10 @@ std::vector<ContactLaw> contact_laws(const Model& model) {
   for (const auto& named : model.pair_laws) add(named.second);
   for (const GapFunction& gap : model.gaps) add(gap.law);
   return out;
+}
+
+bool carries_bodies(const Model& model) {
+  return std::ranges::any_of(model.coordinates, [](const Coordinates& c) { return !c.tree.links.empty(); });
 }
 
 int first_coordinate(const Model& model, BlockId block) {
@@ -276,7 +307,7 @@ void validate(const Model& model) {
   }
   for (std::size_t i = 0; i < model.couplings.size(); ++i)
     check_coupling(model.couplings[i], int(i), model.joints);
-  for (const BlockId i : model.coordinates.ids()) check_block(model.coordinates[i], i);
+  for (const BlockId i : model.coordinates.ids()) check_block(model, model.coordinates[i], i);
   for (const GapId i : model.gaps.ids()) check_gap(model.gaps[i], i, model.coordinates);
   for (const ForceLaw& law : model.forces)
     require(bool(law.add_to), "force law (" + law.name + "): add_to must be callable");

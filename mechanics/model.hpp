@@ -45,6 +45,8 @@ const ContactLaw& contact_law(const Model& model, BodyId body_a, BodyId body_b);
 /// The distinct contact laws of a model: of pairs that are not listed, of those that are, of gap functions.
 std::vector<ContactLaw> contact_laws(const Model& model);
 
+/// Whether a body is carried by the coordinates of a tree.
+bool carries_bodies(const Model& model);
 /// Length of State::v: six per body, then the coordinates.
 int velocity_count(const Model& model);
 /// First entry of a block in State::q, and of its speeds in State::v. Of Table::next(): one past the last

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mechanics/motion.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "geometry/check.hpp"
 #include "lmd/motion_bound.hpp"
 #include "mechanics/layout.hpp"
 #include "mechanics/mechanism.hpp"
+#include "mechanics/tree.hpp"
 
 namespace aussois {
 
@@ -17,9 +19,10 @@ SE3 retract(const SE3& g, const Vec6& twist, double time) {
 State retract(const Model& model, State state, const VecX& v, double time) {
   PerBody<SE3> g = state.g;
   for (const BodyId b : g.ids()) g[b] = retract(g[b], body_part(v, b), time);
+  state.q += time * v.tail(state.q.size());
+  carry_poses(model, state.q, g);
   if (!model.joints.empty()) state.turns = counted_turns(model, state, g);
   state.g = std::move(g);
-  state.q += time * v.tail(state.q.size());
   return state;
 }
 
@@ -96,17 +99,27 @@ State state_after(const Model& model, const State& state, const VecX& v_path, co
              .r = state.r,
              .a = {},
              .memory = {}};
+  carry_poses(model, next.q, next.g);
+  carry_twists(model, next.g, next.v);
   if (!model.joints.empty()) next.turns = counted_turns(model, state, next.g);
   return next;
+}
+
+VecX with_carried(const Model& model, const State& state, VecX v, double time) {
+  if (!carries_bodies(model)) return v;
+  const PerBody<SE3> end = retract(model, state, v, time).g;
+  for (const BodyId b : model.bodies.ids())
+    if (is_carried(model.bodies[b])) body_part(v, b) = twist_between(pose(state, b), end[b], time);
+  return v;
 }
 
 const char* to_string(GroupUpdate update) {
   return name_of(update, kGroupUpdates);
 }
 VecX path_velocity(GroupUpdate update, const Model& model, const State& state, const VecX& v, double h) {
-  if (update == GroupUpdate::exponential) return v;  // (LIE-1)
   VecX out = v;
   for (const BodyId b : model.bodies.ids()) {
+    if (update == GroupUpdate::exponential) break;  // (LIE-1)
     const Vec3 omega = angular_part(v, b);
     const double half = h / 2 * omega.norm();
     if (!is_dynamic(model.bodies[b]) || half == 0) continue;
@@ -117,7 +130,7 @@ VecX path_velocity(GroupUpdate update, const Model& model, const State& state, c
       linear_part(out, b) = along + stumpff(1, half * half) * (linear_part(v, b) - along);  // (LIE-3)
     }
   }
-  return out;
+  return with_carried(model, state, std::move(out), h);
 }
 
 }  // namespace aussois

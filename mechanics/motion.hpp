@@ -12,8 +12,8 @@ namespace aussois {
 /// A pose after a constant twist for a time (MJ-8); it keeps its bits if there is none.
 SE3 retract(const SE3& g, const Vec6& twist, double time);
 /// The state after moving its poses, coordinates and turns at the constant velocities `v`, laid out as
-/// State::v, for a time (MJ-8). The pose of a body that does not move stays the same bit for bit. Time,
-/// velocities and memory are unchanged.
+/// State::v, for a time (MJ-8); carried bodies go where the coordinates lead (TREE-1). The pose of a body
+/// that does not move stays the same bit for bit. Time, velocities and memory are unchanged.
 State retract(const Model& model, State state, const VecX& v, double time);
 
 /// The constant twist that leads from one pose to the other in `time`.
@@ -36,8 +36,12 @@ VecX prescribed_velocity(const Model& model, const State& state, double h);
 /// on their path.
 PerBody<SE3> moved_poses(const Model& model, const State& state, const VecX& v, double time);
 /// The state at the end of a path of constant velocities `v_path`, laid out as State::v (MJ-8), with
-/// prescribed bodies on their path and with the velocities `v_end`. It remembers no contacts.
+/// prescribed bodies on their path and with the velocities `v_end`; carried bodies follow the coordinates. It
+/// remembers no contacts.
 State state_after(const Model& model, const State& state, const VecX& v_path, const VecX& v_end, double h);
+
+/// `v` with the constant twists that lead carried bodies in `time` where the coordinates do (TREE-1).
+VecX with_carried(const Model& model, const State& state, VecX v, double time);
 
 /// How a mean velocity moves a body over a step (LIE-1) to (LIE-3).
 enum class GroupUpdate {
@@ -49,8 +53,8 @@ inline constexpr Named<GroupUpdate> kGroupUpdates[] = {{GroupUpdate::exponential
                                                        {GroupUpdate::cayley, "cayley"},
                                                        {GroupUpdate::screw, "screw"}};
 const char* to_string(GroupUpdate update);
-/// The constant velocities (MJ-8) that reach the same poses as the update does with the mean velocities `v`.
-/// Both are laid out as State::v.
+/// The constant velocities (MJ-8) that reach the same poses as the update does with the mean velocities `v`,
+/// those of carried bodies included. Both are laid out as State::v.
 VecX path_velocity(GroupUpdate update, const Model& model, const State& state, const VecX& v, double h);
 
 }  // namespace aussois

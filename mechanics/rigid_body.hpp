@@ -9,6 +9,7 @@
 #include "geometry/id.hpp"
 #include "geometry/mass_properties.hpp"
 #include "mechanics/deformation.hpp"
+#include "mechanics/joint.hpp"
 #include "mechanics/trajectory.hpp"
 
 namespace aussois {
@@ -21,13 +22,17 @@ struct PrescribedMotion {  // pose and velocity known, reactions computed
   Trajectory path{};
 };
 struct DrivenMotion {};  // moves with its twist in State::v, which is set between steps (`lead_body`)
-using Motion = std::variant<DynamicMotion, FixedMotion, PrescribedMotion, DrivenMotion>;
+struct CarriedMotion {   // its pose follows from the coordinates of a tree (`add_tree`)
+  BlockId tree{};
+  int link = 0;
+};
+using Motion = std::variant<DynamicMotion, FixedMotion, PrescribedMotion, DrivenMotion, CarriedMotion>;
 
 struct RigidBody {
   std::string name{};
   ShapeId shape{};              // of Model::shapes; none: no shape
   SE3 g_bs{};                   // shape frame seen from the body frame
-  double mass = 0;              // [kg], > 0 if dynamic
+  double mass = 0;              // [kg], > 0 if dynamic or carried
   Mat3 inertia = Mat3::Zero();  // about the centre of mass, body frame [kg m^2]; see (MEC-3)
   Motion motion = DynamicMotion{};
   Deformation deformation{};  // of the shape, seen from the body; by default none
@@ -35,6 +40,15 @@ struct RigidBody {
 
 inline bool is_dynamic(const RigidBody& body) {
   return std::holds_alternative<DynamicMotion>(body.motion);
+}
+
+/// Whether coordinates of a tree stand for its pose.
+inline bool is_carried(const RigidBody& body) {
+  return std::holds_alternative<CarriedMotion>(body.motion);
+}
+/// Whether forces move the body: in rows of its own, or in those of coordinates.
+inline bool has_inertia(const RigidBody& body) {
+  return is_dynamic(body) || is_carried(body);
 }
 
 /// Whether the body moves and nothing can stop it.
@@ -48,7 +62,7 @@ inline bool deforms(const RigidBody& body) {
 }
 /// Whether contacts can move the body's surface.
 inline bool contacts_can_move(const RigidBody& body) {
-  return is_dynamic(body) || deforms(body);
+  return has_inertia(body) || deforms(body);
 }
 
 /// A dynamic body whose frame has the axes of the shape and sits at the centre of mass.

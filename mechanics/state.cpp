@@ -8,6 +8,7 @@
 #include "geometry/digest.hpp"
 #include "lmd/feature_incidence.hpp"
 #include "mechanics/mechanism.hpp"
+#include "mechanics/tree.hpp"
 
 namespace aussois {
 namespace {
@@ -21,6 +22,18 @@ bool has_feature(const Model& model, BodyId body, const KeyFeature& f) {
   if (!model.bodies.contains(body)) return false;
   const ShapeId shape = model.bodies[body].shape;
   return shape && std::size_t(f.region) < feature_count(*model.shapes[shape], f.dim);
+}
+
+// Carried bodies must be where the coordinates put them.
+void check_carried(const Model& model, const State& state) {
+  constexpr double kRounding = 1e-9;  // [rad], and of lengths [m] beside one metre
+  PerBody<SE3> g = state.g;
+  carry_poses(model, state.q, g);
+  for (const BodyId b : g.ids())
+    if (is_carried(model.bodies[b]) && ((g[b].p - state.g[b].p).norm() > kRounding * (1 + g[b].p.norm()) ||
+                                        g[b].R.angularDistance(state.g[b].R) > kRounding * 10))
+      require(false, "State, body " + to_string(b) + " (" + model.bodies[b].name +
+                         "): pose must be that of the coordinates that carry it: call carry()");
 }
 
 // Nothing is put together unless it is wrong: every step comes here.
@@ -56,6 +69,7 @@ State rest_state(const Model& model) {
   for (const BodyId i : model.bodies.ids())
     if (const PrescribedMotion* prescribed = std::get_if<PrescribedMotion>(&model.bodies[i].motion))
       state.g[i] = trajectory_point(prescribed->path, prescribed->path.t.front()).pose;
+  carry_poses(model, state.q, state.g);
   return state;
 }
 
@@ -94,6 +108,7 @@ void validate(const Model& model, const State& state) {
     checked_pose(state.g[i], (who + "pose").c_str());
     require(body_part(state.v, i).allFinite(), who + "twist must be finite");
   }
+  check_carried(model, state);
   for (std::size_t i = 0; i < state.memory.contacts.size(); ++i) {
     const RememberedContact& c = state.memory.contacts[i];
     require(c.normal.allFinite() && c.point_a.allFinite() && c.point_b.allFinite() && c.impulse.allFinite() &&
@@ -290,7 +305,7 @@ Energy energy(const Model& model, const State& state) {  // (MEC-4)
   Energy energy;
   for (const BodyId i : model.bodies.ids()) {
     const RigidBody& body = model.bodies[i];
-    if (!is_dynamic(body)) continue;
+    if (!has_inertia(body)) continue;
     const Vec6 v = twist(state, i);
     const Vec3 v_G = v.head<3>(), omega = v.tail<3>();
     energy.kinetic += 0.5 * body.mass * v_G.squaredNorm() + 0.5 * omega.dot(body.inertia * omega);
@@ -302,7 +317,7 @@ Energy energy(const Model& model, const State& state) {  // (MEC-4)
   for (const BlockId i : model.coordinates.ids()) {
     const Coordinates& block = model.coordinates[i];
     const VecX q = coordinates(model, state, i), v = speeds(model, state, i);
-    if (block.points.empty()) energy.kinetic += 0.5 * v.dot(block_mass(model, i, q) * v);
+    if (block.mass) energy.kinetic += 0.5 * v.dot(block_mass(model, i, q) * v);
     for (std::size_t k = 0; k < block.points.size(); ++k) {
       const PointMass& point = block.points[k];
       const Vec3 free = without_held(point, v.segment<3>(3 * Eigen::Index(k)));
@@ -318,7 +333,7 @@ Momentum momentum(const Model& model, const State& state) {  // (MEC-6)
   Momentum sum;
   for (const BodyId i : model.bodies.ids()) {
     const RigidBody& body = model.bodies[i];
-    if (!is_dynamic(body)) continue;
+    if (!has_inertia(body)) continue;
     const Vec6 v = twist(state, i);
     const Vec3 p = body.mass * v.head<3>();
     sum.linear += p;

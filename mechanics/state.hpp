@@ -36,7 +36,8 @@ std::uint64_t placement(const Model& model, const State& state);
 /// exemption.
 bool is_proven_apart(const Model& model, const State& state);
 
-/// Bodies at the world's origin and at rest, prescribed ones at the start of their path; q = 0.
+/// Bodies at the world's origin and at rest, prescribed ones at the start of their path; q = 0, with carried
+/// bodies where that puts them.
 State rest_state(const Model& model);
 /// Throws std::invalid_argument unless sizes fit the model, every number is finite, rotations are unit
 /// quaternions (1e-6) and the memory is sorted by key, of bodies and features that the model has.
@@ -87,16 +88,16 @@ AxisSlot axis_slot(int slot);
 /// None for an axis, and for none, a contact.
 GapId gap_of(const Model& model, std::optional<int> slot);
 
-/// Energy of the dynamic bodies and the coordinates, held axes of points left out; `laws` is the sum of the
-/// potentials of force laws, joint springs and coordinates at the state's own time (MEC-4).
+/// Energy of the dynamic and carried bodies and the coordinates, held axes of points left out; `laws` is the
+/// sum of the potentials of force laws, joint springs and coordinates at the state's own time (MEC-4).
 struct Energy {
   double kinetic = 0, gravity = 0, laws = 0;  // [J]
   double total() const { return kinetic + gravity + laws; }
 };
 Energy energy(const Model& model, const State& state);
 
-/// Linear momentum of the dynamic bodies and of points, held axes left out [N s], and their angular momentum
-/// about the world's origin [N m s].
+/// Linear momentum of the dynamic and carried bodies and of points, held axes left out [N s], and their
+/// angular momentum about the world's origin [N m s].
 struct Momentum {
   Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
   Momentum& operator+=(const Momentum& other) {

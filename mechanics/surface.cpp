@@ -3,6 +3,7 @@
 
 #include "geometry/check.hpp"
 #include "mechanics/layout.hpp"
+#include "mechanics/tree.hpp"
 
 namespace aussois {
 namespace {
@@ -66,6 +67,11 @@ PointColumns<N> point_columns(const Model& model, const State& state, const Feat
   const Eigen::Matrix<double, N, 3> axes = frame.transpose().topRows<N>();
   PointColumns<N> out;
   out.twist << axes, -axes * skew(x - g.p) * g.R.toRotationMatrix();
+  if (is_carried(b)) {
+    for (const TwistColumn& c : carried_columns(model, state.g, on.body))
+      out.others.emplace_back(c.velocity, out.twist * c.twist);
+    out.twist.setZero();
+  }
   if (!deforms(b)) return out;
   const Mat3 R = g.R.toRotationMatrix() * b.g_bs.R.toRotationMatrix();
   const Eigen::Matrix<double, N, 3> to_axes = axes * R;
@@ -82,18 +88,24 @@ template PointColumns<3> point_columns<3>(const Model&, const State&, const Feat
                                           const Vec3&, const Mat3&);
 
 Vec3 point_velocity(const Model& model, const State& state, const Feature& on, const Vec3& x, const VecX& v) {
-  const auto twist = body_part(v, on.body);
-  const SE3& g = pose(state, on.body);
-  Vec3 out = twist.head<3>() + (g.R * Vec3(twist.tail<3>())).cross(x - g.p);
-  if (deforms(model.bodies[on.body]))
+  const RigidBody& body = model.bodies[on.body];
+  Vec3 out = Vec3::Zero();
+  if (!is_carried(body)) {
+    const auto twist = body_part(v, on.body);
+    const SE3& g = pose(state, on.body);
+    out = twist.head<3>() + (g.R * Vec3(twist.tail<3>())).cross(x - g.p);
+  }
+  if (is_carried(body) || deforms(body))
     for (const auto& [entry, column] : point_columns<3>(model, state, on, x, x, Mat3::Identity()).others)
       out += v[entry] * column;
   return out;
 }
 
-Eigen::Matrix<double, 1, 6> spin_columns(const State& state, BodyId body, const Vec3& axis) {
-  Eigen::Matrix<double, 1, 6> out;
-  out << 0, 0, 0, (pose(state, body).R.toRotationMatrix().transpose() * axis).transpose();
+Eigen::Matrix<double, 1, 6> spin_columns(const Model& model, const State& state, BodyId body,
+                                         const Vec3& axis) {
+  Eigen::Matrix<double, 1, 6> out = Eigen::Matrix<double, 1, 6>::Zero();
+  if (!is_carried(model.bodies[body]))
+    out << 0, 0, 0, (pose(state, body).R.toRotationMatrix().transpose() * axis).transpose();
   return out;
 }
 
@@ -101,6 +113,8 @@ std::vector<std::pair<int, double>> carried_spin(const Model& model, const State
                                                  const Vec3& axis) {
   std::vector<std::pair<int, double>> out;
   const RigidBody& b = model.bodies[on.body];
+  for (const TwistColumn& c : carried_columns(model, state.g, on.body))
+    out.emplace_back(c.velocity, axis.dot(pose(state, on.body).R * Vec3(c.twist.tail<3>())));
   if (!deforms(b)) return out;
   const Vec3 of_shape = (pose(state, on.body).R * b.g_bs.R).conjugate() * axis;
   const std::vector<int> corners = corners_of(model.shapes[b.shape]->complex, on);

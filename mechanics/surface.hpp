@@ -26,7 +26,7 @@ std::vector<Vec3> vertex_velocities(const Model& model, const State& state, Body
 /// Velocity of a point of a body along N axes, per unit of each velocity that moves it.
 template <int N>
 struct PointColumns {
-  Eigen::Matrix<double, N, 6> twist;                                  // of the body
+  Eigen::Matrix<double, N, 6> twist;                                  // of the body; zero if it is carried
   std::vector<std::pair<int, Eigen::Matrix<double, N, 1>>> others{};  // (entry of State::v, column)
 };
 /// The point at `x` is carried by the simplex `on`, above its place `base`, both in the world; `axes` are the
@@ -39,11 +39,12 @@ PointColumns<N> point_columns(const Model& model, const State& state, const Feat
 Vec3 point_velocity(const Model& model, const State& state, const Feature& on, const Vec3& x, const VecX& v);
 
 /// Angular velocity of the surface about `axis` [world], per unit of the body's twist (MEC-7): that of the
-/// body, also where the body deforms.
-Eigen::Matrix<double, 1, 6> spin_columns(const State& state, BodyId body, const Vec3& axis);
+/// body, also where the body deforms; zero if it is carried.
+Eigen::Matrix<double, 1, 6> spin_columns(const Model& model, const State& state, BodyId body,
+                                         const Vec3& axis);
 
-/// The same for what a simplex that deforms carries: entries of State::v and how they turn the surface at a
-/// point of `on` about `axis` (DEF-3). None where vertices are points.
+/// The same for what carries a body or a simplex that deforms: entries of State::v and how they turn the
+/// surface at a point of `on` about `axis` (DEF-3), (TREE-2). None where vertices are points.
 std::vector<std::pair<int, double>> carried_spin(const Model& model, const State& state, const Feature& on,
                                                  const Vec3& axis);
 

@@ -116,8 +116,8 @@ ForceLaw coupling_towards(const Model& model, BodyId body, Target target,
   require_field(model.bodies.contains(body), "virtual_coupling: body", body,
                 ("lie in [0, " + to_string(model.bodies.next()) + ")").c_str());
   const RigidBody& pulled = model.bodies[body];
-  require(is_dynamic(pulled),
-          "virtual_coupling: body " + to_string(body) + " (" + pulled.name + ") must be dynamic");
+  require(has_inertia(pulled),
+          "virtual_coupling: body " + to_string(body) + " (" + pulled.name + ") must be dynamic or carried");
   validate(options);
 
   ForceLaw law;

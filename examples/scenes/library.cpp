@@ -9,6 +9,7 @@
 #include "examples/scenes/pressed_peg.hpp"
 #include "examples/scenes/solids.hpp"
 #include "examples/scenes/toys.hpp"
+#include "examples/scenes/trees.hpp"
 #include "geometry/check.hpp"
 
 namespace aussois {
@@ -31,6 +32,8 @@ std::vector<LibraryScene> mechanisms() {
       {"slider_crank_friction", "the slider-crank of bodies with friction 0.01 between slider and slot (C2)",
        0.02, 1e-5, [] { return slider_crank_of_bodies(0.01); }},
       {"woodpecker", "a bird pecks its way down a pole (C3)", 0.6, 1e-5, woodpecker},
+      {"arm_with_peg", "seven hinges with springs press a peg on a plate, in joint coordinates (J4)", 1, 1e-3,
+       [] { return in_joint_coordinates(arm_with_peg()); }},
       {"four_bars", "81 rods in 40 redundant loops turn over (C7)", 20, 1e-3, [] { return four_bars(40); }},
       {"bricard", "a ring of six hinges, one equation redundant (C8)", 10, 1e-3, bricard},
       {"squeezer", "Andrews' squeezing mechanism: seven bodies, three loops (C9)", 0.03, 1e-5, squeezer},

@@ -5,7 +5,9 @@
 
 #include "integrators/events/event_run.hpp"
 #include "integrators/tell/ledgers.hpp"
+#include "mechanics/forces.hpp"
 #include "mechanics/motion.hpp"
+#include "mechanics/tree.hpp"
 
 namespace aussois {
 namespace {
@@ -118,6 +120,8 @@ State EventRun::unpacked(double t, const VecX& y) const {
   }
   out.q = y.segment(layout_.q, state_.q.size());
   out.v = all_velocities(setting_.dofs, y.segment(layout_.v, setting_.dofs.rows), state_.v);
+  carry_poses(model_, out.q, out.g);
+  carry_twists(model_, out.g, out.v);
   if (!model_.joints.empty()) out.turns = counted_turns(model_, turned_, out.g);
   return out;
 }
@@ -143,6 +147,49 @@ std::vector<ClosedTouch> EventRun::closed_at(const std::vector<Touch>& touches,
   return out;
 }
 
+namespace {
+
+// Rates of momenta, part by part (EVD-11).
+class MomentumRates {
+ public:
+  MomentumRates(const StepSetting& setting, const State& state, const SparseMatrix& mass, int first,
+                VecX& out)
+      : setting_(setting), state_(state), first_(first), out_(out) {
+    if (carries_bodies(setting.model)) inverse_ = invert_mass(mass);
+  }
+  void add(EventMomentum part, const VecX& force) const {
+    add(part, inverse_ ? momentum_given(setting_, state_, force, inverse_)
+                       : momentum_given(setting_, state_, force));
+  }
+  // What speeds alone change, `gyroscopic` forces among it: the bases of trees take it (TREE-7).
+  void add_turning(const VecX& gyroscopic) const {
+    if (!inverse_) return;
+    add(of_joints, gyroscopic);
+    const VecX turned = rate_along(setting_.model, state_, [&](State moved) -> VecX {
+      carry_twists(setting_.model, moved.g, moved.v);
+      const Momentum now = momentum(setting_.model, moved);
+      Vec6 both;
+      both << now.linear, now.angular;
+      return both;
+    });
+    add(of_joints, Momentum{turned.head<3>(), turned.tail<3>()});
+  }
+
+ private:
+  void add(EventMomentum part, const Momentum& rate) const {
+    out_.segment<3>(first_ + kMomentum * part) += rate.linear;
+    out_.segment<3>(first_ + kMomentum * part + 3) += rate.angular;
+  }
+
+  const StepSetting& setting_;
+  const State& state_;
+  int first_;
+  VecX& out_;
+  std::optional<MassInverse> inverse_{};
+};
+
+}  // namespace
+
 bool EventRun::rate(double t, const VecX& y, VecX& out) const {
   const State s = unpacked(t, y);
   std::vector<int> match;
@@ -165,12 +212,9 @@ bool EventRun::rate(double t, const VecX& y, VecX& out) const {
   out.segment(layout_.q, s.q.size()) = v.tail(s.q.size());
   out.segment(layout_.v, v.size()) = now.a;
   out[layout_.work + by_laws] = forces.laws.dot(v);
-  const auto push = [&](EventMomentum part, const VecX& force) {  // (EVD-11)
-    const Momentum rate = momentum_given(setting_, s, force);
-    out.segment<3>(layout_.momentum + kMomentum * part) += rate.linear;
-    out.segment<3>(layout_.momentum + kMomentum * part + 3) += rate.angular;
-  };
-  push(of_forces, forces.applied);
+  const MomentumRates momenta(setting_, s, forces.M, layout_.momentum, out);
+  momenta.add(of_forces, forces.applied);
+  momenta.add_turning(forces.all - forces.applied);
   Table<JointId, StepJoint> joints(model_.joints.size());
   std::size_t k = 0;
   for (std::size_t i = 0; i < closed_.size(); ++i) {
@@ -178,7 +222,7 @@ bool EventRun::rate(double t, const VecX& y, VecX& out) const {
     const Touch& touch = closed[k].touch;
     const VecX force = touch.N * now.force[k];
     out[layout_.work + (of_a_joint(touch) ? by_joints : by_contacts)] += v.dot(force);
-    push(of_a_joint(touch) ? of_joints : of_contacts, force);
+    momenta.add(of_a_joint(touch) ? of_joints : of_contacts, force);
     if (of_a_joint(touch)) add_touch(touch, now.force[k][0], v, v, joints);
     out.segment(layout_.first_impulse[i], touch.law.rows) = now.force[k];
     out[layout_.touch_work + Eigen::Index(i)] = touch.u.dot(now.force[k]);
@@ -188,7 +232,7 @@ bool EventRun::rate(double t, const VecX& y, VecX& out) const {
     const JointConstraints held = joint_constraints(model_, s, setting_.dofs);
     const VecX force = held.G * now.reaction;
     out[layout_.work + by_joints] += v.dot(force);
-    push(of_joints, force);
+    momenta.add(of_joints, force);
     const WorkVelocities on = worked_on(s, v);
     add_forces(model_, held.columns, now.reaction, s.g, 1, joints);
     add_column_work(model_, held.columns, now.reaction, on, joints);
@@ -196,10 +240,11 @@ bool EventRun::rate(double t, const VecX& y, VecX& out) const {
     for (const JointId j : joints.ids())
       out.segment<kJointSums>(layout_.joints + kJointSums * j.index()) = sums_of(joints[j]);
   }
-  if (!model_.coordinates.empty())
-    out[layout_.work + by_mass] = rate_along(model_, s, [&](const State& moved) -> VecX {
-      return VecX::Constant(1, 0.5 * v.dot(mass_of(setting_, moved) * v));
-    })[0];
+  if (!model_.coordinates.empty())  // the forces of trees that do no work give and take it
+    out[layout_.work + by_mass] =
+        v.dot(forces.all - forces.applied) + rate_along(model_, s, [&](const State& moved) -> VecX {
+          return VecX::Constant(1, 0.5 * v.dot(mass_matrix(model_, moved, setting_.dofs) * v));
+        })[0];
   return true;
 }
 

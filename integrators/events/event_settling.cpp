@@ -4,6 +4,7 @@
 
 #include "integrators/events/event_run.hpp"
 #include "integrators/tell/ledgers.hpp"
+#include "mechanics/tree.hpp"
 
 namespace aussois {
 namespace {
@@ -80,6 +81,7 @@ bool EventRun::collisions(std::vector<Touch>& touches) {
   count_solve(hit.solve);
   if (!hit.solved) return refused("the impact was not solved");
   state_.v = all_velocities(setting_.dofs, hit.v, state_.v);
+  carry_twists(model_, state_.g, state_.v);
   add_jump(near, hit, before);
   for (std::size_t i = 0; i < near.size(); ++i) {
     const double closing = has_gap(near[i]) ? -near[i].u[0] : 0;
@@ -104,6 +106,7 @@ bool EventRun::jump_without_collision(const std::vector<Touch>& touches) {
   if (!hit.solved || jump < o_.stick_speed + 100 * push.cwiseAbs().maxCoeff())
     return refused("no finite forces keep the closed contacts closed, and no impulse opens them (Painleve)");
   state_.v = all_velocities(setting_.dofs, hit.v, state_.v);
+  carry_twists(model_, state_.g, state_.v);
   add_jump(near, hit, before);
   for (std::size_t i = 0; i < near.size(); ++i)
     if (hit.impulse[i].norm() > 0) add_event(EventKind::tangential_impact, near[i], state_.t);

@@ -8,7 +8,10 @@
 
 #include "lmd/contact_kinematics.hpp"
 #include "lmd/motion_bound.hpp"
+#include "mechanics/forces.hpp"
 #include "mechanics/mechanism.hpp"
+#include "mechanics/tree.hpp"
+#include "mechanics/tree_terms.hpp"
 #include "nsgs/joint_elimination.hpp"
 
 namespace aussois {
@@ -47,10 +50,11 @@ void add_axes(const StepSetting& setting, const State& state, std::vector<Touch>
     for (int i = 0; i < axis_count(joint.kind); ++i) {
       const JointAxis& axis = joint.axis[i];
       if (axis.lower == -kInf && axis.upper == kInf && axis.friction == 0) continue;
-      const JointRow row = axis_row(joint, state.g, i);
+      const JointRow row = axis_row(model, state.g, j, i);
       MatX J = MatX::Zero(1, state.v.size());
       put(J, 0, joint.body_a, row.J_a);
       put(J, 0, joint.body_b, row.J_b);
+      for (const auto& [entry, factor] : row.others) J(0, entry) += factor;
       const double q = joint_coordinate(model, state, j, i);
       const auto slot = [&](AxisRow of) { return slot_of({.joint = j, .axis = i, .row = of}); };
       if (axis.lower > -kInf)
@@ -118,6 +122,26 @@ VecX contact_bias(const StepSetting& setting, const State& state, const ContactP
   return bias;
 }
 
+// What the axes of trees, which turn, add to u' of a contact while no speed changes (TREE-2).
+void add_carried_rates(const Model& model, const State& state, Touch& touch) {
+  const Vec3 p = mid_point(touch.point);
+  const auto add = [&](BodyId body, double sign) {
+    if (!is_carried(model.bodies[body])) return;
+    const Vec6 rate = rate_along(model, state, [&](const State& s) {
+      VecX v = s.v;
+      carry_twists(model, s.g, v);
+      return VecX(body_part(v, body));
+    });
+    const SE3& g = pose(state, body);
+    const Vec3 turning = g.R * Vec3(rate.tail<3>()), moving = rate.head<3>() + turning.cross(p - g.p);
+    const Eigen::Index rows = std::min<Eigen::Index>(3, touch.bias.size());
+    touch.bias.head(rows) += sign * (touch.frame.transpose() * moving).head(rows);
+    if (touch.bias.size() > 3) touch.bias[3] += sign * touch.frame.col(0).dot(turning);
+  };
+  add(touch.point.a.body, 1);
+  add(touch.point.b.body, -1);
+}
+
 void add_contacts(const StepSetting& setting, const State& state, double threshold, std::vector<Touch>& out) {
   const ContactSet contacts = contacts_within(setting, state, threshold);
   const std::vector<ContactRow> rows = contact_rows(setting.model, state, setting.dofs, contacts,
@@ -129,11 +153,13 @@ void add_contacts(const StepSetting& setting, const State& state, double thresho
       put(J, d, row.body_a, row.J_a.row(d));
       put(J, d, row.body_b, row.J_b.row(d));
     }
+    for (const Triplet& e : row.others) J(e.row(), velocity_of(setting.dofs, e.col())) += e.value();
     Touch touch = touch_of(setting, state, J, VecX::Zero(row.law.rows), row.law, contacts.points[i].gap,
                            contact_law(setting.model, row.body_a, row.body_b).restitution, {});
     touch.point = contacts.points[i];
     touch.frame = row.frame;
     touch.bias = contact_bias(setting, state, touch.point, row.frame, row.law.rows, touch.kinematics_defined);
+    add_carried_rates(setting.model, state, touch);
     out.push_back(std::move(touch));
   }
 }
@@ -161,25 +187,6 @@ int unknowns(const ClosedTouch& c) {
 }
 
 }  // namespace
-
-SparseMatrix mass_of(const StepSetting& setting, const State& state) {
-  const Model& model = setting.model;
-  const Layout& dofs = setting.dofs;
-  std::vector<Triplet> M;
-  for (const BodyId b : model.bodies.ids()) {
-    const int row = dofs.first[b];
-    if (row < 0) continue;
-    add_block(M, row, row, model.bodies[b].mass * Mat3::Identity());
-    add_block(M, row + 3, row + 3, model.bodies[b].inertia);
-  }
-  for (const BlockId i : model.coordinates.ids()) {
-    add_diagonal_block(M, dofs.coordinates + first_coordinate(model, i),
-                       block_mass(model, i, coordinates(model, state, i)), 1);
-  }
-  SparseMatrix out(dofs.rows, dofs.rows);
-  out.setFromTriplets(M.begin(), M.end());
-  return out;
-}
 
 namespace {
 
@@ -284,7 +291,8 @@ SmoothForces smooth_forces(const StepSetting& setting, const State& state) {
   const Layout& dofs = setting.dofs;
   GeneralisedForce force = total_force(model, state, state.t);
   SmoothForces out{.axes = add_axis_forces(model, state, state.g, state.t, force)};
-  out.M = mass_of(setting, state);
+  carry_forces(model, state.g, force);
+  out.M = mass_matrix(setting.model, state, setting.dofs);
   out.laws = free_velocities(dofs, force.f);
   clear_held(dofs, out.laws);
   for (const BlockId i : model.coordinates.ids())
@@ -304,6 +312,12 @@ SmoothForces smooth_forces(const StepSetting& setting, const State& state) {
     const Vec3 omega = twist(state, b).tail<3>();
     out.all.segment<3>(row + 3) -= omega.cross(model.bodies[b].inertia * omega);
   }
+  VecX weight = VecX::Zero(dofs.rows), gyroscopic = weight;
+  for (const BlockId i : model.coordinates.ids())
+    if (!model.coordinates[i].tree.links.empty())
+      add_tree_forces(tree_terms(model, i, state), 1, dofs, weight, gyroscopic);
+  out.applied += weight;
+  out.all += weight + gyroscopic;
   return out;
 }
 
@@ -400,7 +414,7 @@ Accelerations accelerations(const StepSetting& setting, const State& state, cons
 
 Collision collide(const StepSetting& setting, const State& state, const std::vector<Touch>& touches,
                   const std::vector<double>& restitution, const VecX& push) {
-  const SparseMatrix M = mass_of(setting, state);
+  const SparseMatrix M = mass_matrix(setting.model, state, setting.dofs);
   const VecX before = free_velocities(setting.dofs, state.v);
   Collision out;
   FrictionProblem problem = jointed(M, SparseMatrix(M.rows(), 0), M * before, VecX());

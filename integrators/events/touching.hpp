@@ -40,7 +40,6 @@ struct SmoothForces {
   VecX applied{};                   // laws and gravity: all but the gyroscopic torque
   std::vector<AxisImpulse> axes{};  // part of `laws`, as forces
 };
-SparseMatrix mass_of(const StepSetting& setting, const State& state);
 SmoothForces smooth_forces(const StepSetting& setting, const State& state);
 
 /// How a touch takes part in the acceleration problem (EVD-4).

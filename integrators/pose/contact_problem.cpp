@@ -141,8 +141,8 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
       set_point_rows<3>(model, state, c, patches.empty() ? p : patches[i].centre, row, carried);
     if (row.law.rows < 3 || !patches.empty()) set_point_rows<1>(model, state, c, p, row, carried);
     if (row.law.kind == LawKind::contensou) {
-      row.J_a.row(3) = spin_columns(state, row.body_a, c.normal);
-      row.J_b.row(3) = -spin_columns(state, row.body_b, c.normal);
+      row.J_a.row(3) = spin_columns(model, state, row.body_a, c.normal);
+      row.J_b.row(3) = -spin_columns(model, state, row.body_b, c.normal);
       for (const auto& [velocity, spin] : carried_spin(model, state, c.a, c.normal))
         carried.push_back({3, velocity, spin});
       for (const auto& [velocity, spin] : carried_spin(model, state, c.b, c.normal))

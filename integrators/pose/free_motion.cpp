@@ -6,6 +6,8 @@
 #include <variant>
 
 #include "mechanics/mechanism.hpp"
+#include "mechanics/motion.hpp"
+#include "mechanics/tree_terms.hpp"
 #include "nsgs/mass_inverse.hpp"
 
 namespace aussois {
@@ -44,20 +46,42 @@ std::vector<AxisImpulse> implicit(const Model& model, const State& state, double
 // Mass, forces and their derivatives of the coordinates, at q + theta h v for the forces and at the middle of
 // the step for the mass (GEN-2); M^ gets h theta C + h^2 theta^2 K through `law_D`.
 void add_coordinates(const Model& model, const State& state, const Layout& dofs, double h, double theta,
-                     std::vector<Triplet>& mass, std::vector<Triplet>& law_D, VecX& laws, VecX& gravity,
-                     VecX& v) {
+                     std::vector<Triplet>& mass, std::vector<Triplet>& law_D, VecX& laws, VecX& gravity) {
   for (const BlockId i : model.coordinates.ids()) {
     const Coordinates& block = model.coordinates[i];
+    if (!block.tree.links.empty()) continue;
     const int row = dofs.coordinates + first_coordinate(model, i);
     const VecX q_i = coordinates(model, state, i), v_i = speeds(model, state, i);
     add_diagonal_block(mass, row, block_mass(model, i, q_i + h / 2 * v_i), 1);
     gravity.segment(row, block.size) = h * block_weight(model, i);
-    v.segment(row, block.size) = v_i;
     if (!block.force) continue;
     const CoordinateForce force = block_force(model, i, state.t + theta * h, q_i + theta * h * v_i, v_i);
     laws.segment(row, block.size) += h * force.f;
     add_diagonal_block(law_D, row, force.C, h * theta);
     add_diagonal_block(law_D, row, force.K, h * h * theta * theta);
+  }
+}
+
+// The same of trees, at the places where these velocities lead (TREE-3) to (TREE-5). Before that, moves the
+// forces on carried bodies to what carries them there.
+struct Ahead {
+  State middle{}, there{};  // h / 2 and theta h later
+};
+Ahead carried_ahead(const Model& model, const State& state, double h, double theta, GeneralisedForce& force) {
+  if (!carries_bodies(model)) return {};
+  Ahead out{retract(model, state, state.v, h / 2), retract(model, state, state.v, theta * h)};
+  carry_forces(model, out.there.g, force);
+  return out;
+}
+void add_trees(const Model& model, const Layout& dofs, double h, double theta, const Ahead& ahead,
+               FreeMotion& out) {
+  for (const BlockId i : model.coordinates.ids()) {
+    if (model.coordinates[i].tree.links.empty()) continue;
+    const TreeTerms in_the_middle = tree_terms(model, i, ahead.middle);
+    const TreeTerms terms = theta == 0.5 ? in_the_middle : tree_terms(model, i, ahead.there);
+    out.mass += tree_matrix(terms, in_the_middle.mass, dofs);
+    out.gyroscopic_D += tree_matrix(terms, h * theta * terms.C, dofs);
+    add_tree_forces(terms, h, dofs, out.gravity, out.gyroscopic);
   }
 }
 
@@ -145,6 +169,7 @@ FreeMotion free_motion(const Model& model, const State& state, const Layout& dof
     out.axes = implicit(
         model, state, h, theta,
         add_axis_forces(model, state, moved_poses(model, state, state.v, h / 2), state.t + theta * h, force));
+  const Ahead ahead = carried_ahead(model, state, h, theta, force);
   out.v = out.gravity = out.gyroscopic = out.laws = VecX::Zero(dofs.rows);
   DiagonalBlocks mass(dofs.rows, out.mass), gyroscopic(dofs.rows, out.gyroscopic_D);
   for (const BodyId b : model.bodies.ids()) {
@@ -170,9 +195,11 @@ FreeMotion free_motion(const Model& model, const State& state, const Layout& dof
   if (!model.coordinates.empty()) {
     std::vector<Triplet> mass_of_them, law_D;
     out.laws.tail(dofs.rows - dofs.coordinates) += h * force.f.tail(dofs.rows - dofs.coordinates);
-    add_coordinates(model, state, dofs, h, theta, mass_of_them, law_D, out.laws, out.gravity, out.v);
+    out.v.tail(dofs.rows - dofs.coordinates) = state.v.tail(state.q.size());
+    add_coordinates(model, state, dofs, h, theta, mass_of_them, law_D, out.laws, out.gravity);
     out.mass += square_matrix(dofs.rows, mass_of_them);
     out.law_D = square_matrix(dofs.rows, law_D);
+    add_trees(model, dofs, h, theta, ahead, out);
   }
   if (!force.K.empty() || !force.C.empty()) {
     const SparseMatrix K = square_matrix(dofs.rows, free_entries(force.K, dofs));

@@ -6,27 +6,13 @@
 #include <utility>
 
 #include "geometry/check.hpp"
+#include "mechanics/forces.hpp"
 
 namespace aussois {
 namespace {
 
 constexpr double kTolerance = 1e-13;  // of the shocks; impacts of balls by hand hold to 1e-12
 constexpr double kStill = 1e-12;      // of the velocities of both bodies: no longer approaching, but rounding
-
-SparseMatrix mass_at(const Model& model, const State& state, const Layout& dofs) {
-  std::vector<Triplet> M;
-  for (const BodyId b : model.bodies.ids()) {
-    if (dofs.first[b] < 0) continue;
-    add_diagonal_block(M, dofs.first[b], MatX(model.bodies[b].mass * Mat3::Identity()), 1);
-    add_diagonal_block(M, dofs.first[b] + 3, MatX(model.bodies[b].inertia), 1);
-  }
-  for (const BlockId i : model.coordinates.ids())
-    add_diagonal_block(M, dofs.coordinates + first_coordinate(model, i),
-                       block_mass(model, i, coordinates(model, state, i)), 1);
-  SparseMatrix out(dofs.rows, dofs.rows);
-  out.setFromTriplets(M.begin(), M.end());
-  return out;
-}
 
 /// What the shocks of one impact share.
 struct Setting {
@@ -213,7 +199,7 @@ std::optional<ImpactJump> impact_jump(const Model& model, const State& state, co
                       closes(row.gap, slip_velocity(row, dofs, v).x(), h, law));
   }
   if (!meets) return std::nullopt;
-  const SparseMatrix M = mass_at(model, state, dofs);
+  const SparseMatrix M = mass_matrix(model, state, dofs);
   Setting s{.dofs = dofs, .rows = rows, .M = M, .G = G, .law = options.law, .solver = solver};
   s.solver.tolerance = std::min(solver.tolerance, kTolerance);
   const Shocked start{

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "integrators/pose/impulse_step.hpp"
 
+#include "mechanics/tree.hpp"
 #include "nsgs/joint_elimination.hpp"
 
 namespace aussois {
@@ -86,6 +87,7 @@ std::optional<AfterImpact> after_impact(const StepSetting& setting, const State&
   std::ranges::sort(found.selection.kept);
   AfterImpact out{.state = state, .blocks = {}, .impact = std::move(*met)};
   out.state.v = all_velocities(setting.dofs, out.impact.v, state.v);
+  carry_twists(model, out.state.g, out.state.v);
   out.blocks = contact_blocks(setting, out.state, found.contacts, found.h, setting.normal);
   out.blocks.times = {};  // more than one solve may use them
   for (std::size_t i = 0; i < out.blocks.rows.size(); ++i)
@@ -177,6 +179,7 @@ VecX estimate_without_contacts(const StepSetting& setting, const State& state, c
     const JointEquations joints = joint_system(setting.model, state, setting.dofs, v_prescribed, h, theta,
                                                setting.normal, setting.options.joints)
                                       .equations;
+    if (joints.b.size() == 0) return all_velocities(setting.dofs, v, v_prescribed);
     const FrictionProblem problem{
         .M = free.M, .H = SparseMatrix(setting.dofs.rows, 0), .f = free.f, .G = joints.G, .b = joints.b};
     if (const std::optional<MotionInverse> inverse = invert_motion(problem.M, problem.G))

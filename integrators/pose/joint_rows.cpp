@@ -7,6 +7,8 @@
 #include <sstream>
 
 #include "geometry/check.hpp"
+#include "mechanics/forces.hpp"
+#include "mechanics/tree.hpp"
 #include "nsgs/joint_elimination.hpp"
 
 namespace aussois {
@@ -32,19 +34,22 @@ double target_speed(const Motor& motor, double t) {
 
 // A row of velocities of one or two joints: J . v, with v in the places of State::v.
 struct VelocityRow {
-  std::vector<std::pair<int, Vec6>> parts{};  // (first entry of State::v, J)
-  double value = 0;                           // what is to be zero, or the coordinate
-  double speed = 0;                           // what J . v is to be
+  std::vector<std::pair<int, Vec6>> parts{};     // (first entry of State::v, J)
+  std::vector<std::pair<int, double>> others{};  // (entry of State::v, J)
+  double value = 0;                              // what is to be zero, or the coordinate
+  double speed = 0;                              // what J . v is to be
 
   double times(const VecX& v) const {
     double sum = 0;
     for (const auto& [at, J] : parts) sum += J.dot(v.segment<6>(at));
+    for (const auto& [at, J] : others) sum += J * v[at];
     return sum;
   }
 };
 void append(VelocityRow& out, const Joint& joint, const JointRow& row) {
   if (joint.body_a) out.parts.emplace_back(first_velocity(joint.body_a), row.J_a);
   if (joint.body_b) out.parts.emplace_back(first_velocity(joint.body_b), row.J_b);
+  out.others.insert(out.others.end(), row.others.begin(), row.others.end());
 }
 VelocityRow velocity_row(const Joint& joint, const JointRow& row) {
   VelocityRow out{.value = row.value};
@@ -71,6 +76,8 @@ void append_column(std::vector<Triplet>& G, const Layout& dofs, const VelocityRo
   for (const auto& [at, J] : row.parts)
     if (const int first = row_of(dofs, at); first >= 0)
       for (int i = 0; i < 6; ++i) G.emplace_back(first + i, column, J[i]);
+  for (const auto& [at, J] : row.others)
+    if (const int entry = row_of(dofs, at); entry >= 0) G.emplace_back(entry, column, J);
 }
 
 // The velocities that are given before a step begins.
@@ -126,10 +133,13 @@ struct JointStep {
   }
 };
 
-ContactRow axis_law(const Joint& joint, const JointRow& row, double sign, Law law, double w, int slot) {
+ContactRow axis_law(const Layout& dofs, const Joint& joint, const JointRow& row, double sign, Law law,
+                    double w, int slot) {
   ContactRow out{.body_a = joint.body_a, .body_b = joint.body_b, .law = law, .slot = slot};
   out.J_a.row(0) = sign * row.J_a.transpose();
   out.J_b.row(0) = sign * row.J_b.transpose();
+  for (const auto& [at, J] : row.others)
+    if (const int entry = row_of(dofs, at); entry >= 0) out.others.emplace_back(0, entry, sign * J);
   out.w[0] = w;
   return out;
 }
@@ -141,7 +151,8 @@ ContactRow stop(const JointStep& step, const Joint& joint, const JointAxis& axis
   const double gap = sign * (now.value - limit);
   const NormalBias bias =
       normal_bias(gap, sign * row.times(step.v.before), axis.restitution, step.h, step.normal);
-  ContactRow out = axis_law(joint, now, sign, unilateral(), sign * row.times(step.v.moved) + bias.w, slot);
+  ContactRow out =
+      axis_law(step.dofs, joint, now, sign, unilateral(), sign * row.times(step.v.moved) + bias.w, slot);
   out.gap = gap;
   out.restitution = axis.restitution;
   out.moved[0] = sign * row.times(step.v.moved);
@@ -174,9 +185,9 @@ void add_axis(const JointStep& step, const JointPoses& middle, JointId j, int i,
   const JointAxis& axis = joint.axis[i];
   const bool driven = is_bilateral(axis.motor) || is_limited(axis.motor);
   if (axis.lower == -kInf && axis.upper == kInf && axis.friction == 0 && !driven) return;
-  JointRow now = axis_row(joint, step.state.g, i);
+  JointRow now = axis_row(step.model, step.state.g, j, i);
   now.value = joint_coordinate(step.model, step.state, j, i);
-  const JointRow mid = axis_row(joint, middle, i);
+  const JointRow mid = axis_row(step.model, middle, j, i);
   const VelocityRow row_now = velocity_row(joint, now), row_mid = velocity_row(joint, mid);
   const auto slot = [&](AxisRow of) { return slot_of({.joint = j, .axis = i, .row = of}); };
   if (axis.lower > -kInf)
@@ -184,8 +195,8 @@ void add_axis(const JointStep& step, const JointPoses& middle, JointId j, int i,
   if (axis.upper < kInf)
     rows.push_back(stop(step, joint, axis, now, -1, axis.upper, slot(AxisRow::upper_stop)));
   if (axis.friction > 0)
-    rows.push_back(axis_law(joint, mid, 1, dry_friction(axis.friction * step.h), row_mid.times(step.v.moved),
-                            slot(AxisRow::friction)));
+    rows.push_back(axis_law(step.dofs, joint, mid, 1, dry_friction(axis.friction * step.h),
+                            row_mid.times(step.v.moved), slot(AxisRow::friction)));
   if (!driven) return;
   const double at_end = step.mean ? joint_coordinate(step.model, step.mean->state, j, i) : 0;
   const double bias = step.motor_bias(axis.motor, row_now, row_mid, at_end);
@@ -193,8 +204,8 @@ void add_axis(const JointStep& step, const JointPoses& middle, JointId j, int i,
     equations.add(step.dofs, {ColumnKind::motor, j, i, mid}, row_mid, bias,
                   motor_error(step, axis.motor, j, i));
   else
-    rows.push_back(
-        axis_law(joint, mid, 1, dry_friction(axis.motor.limit * step.h), bias, slot(AxisRow::motor)));
+    rows.push_back(axis_law(step.dofs, joint, mid, 1, dry_friction(axis.motor.limit * step.h), bias,
+                            slot(AxisRow::motor)));
 }
 
 JointSystem system_of(const JointStep& step, PerBody<SE3> middle_poses) {
@@ -211,8 +222,9 @@ JointSystem system_of(const JointStep& step, PerBody<SE3> middle_poses) {
   };
   for (const JointId j : model.joints.ids()) {
     const Joint& joint = model.joints[j];
-    const std::vector<JointRow> start = locked_rows(joint, state.g), middle = locked_rows(joint, middle_at),
-                                end = locked_rows(joint, last.g);
+    const std::vector<JointRow> start = locked_rows(model, state.g, j),
+                                middle = locked_rows(model, middle_at, j),
+                                end = locked_rows(model, last.g, j);
     for (std::size_t k = 0; k < start.size(); ++k)
       add_locked(velocity_row(joint, start[k]), {ColumnKind::locked, j, 0, middle[k]}, end[k].value);
     for (int i = 0; i < axis_count(joint.kind); ++i) add_axis(step, middle_at, j, i, equations, out.rows);
@@ -259,12 +271,12 @@ Constraints constraints(const Model& model, const State& state, bool velocities)
   };
   for (const JointId j : model.joints.ids()) {
     const Joint& joint = model.joints[j];
-    for (const JointRow& row : locked_rows(joint, state.g)) add({ColumnKind::locked, j, 0, row});
+    for (const JointRow& row : locked_rows(model, state.g, j)) add({ColumnKind::locked, j, 0, row});
     for (int i = 0; i < axis_count(joint.kind); ++i) {
       const Motor& motor = joint.axis[i].motor;
       const bool of_position = motor.kind == MotorKind::position;
       if (!is_bilateral(motor) || !(velocities || of_position)) continue;
-      add({ColumnKind::motor, j, i, axis_row(joint, state.g, i)});
+      add({ColumnKind::motor, j, i, axis_row(model, state.g, j, i)});
       VelocityRow& row = out.rows.back();
       row.value = of_position ? joint_coordinate(model, state, j, i) - motor.target(state.t) : 0;
       row.speed = of_position ? target_speed(motor, state.t) : motor.target(state.t);
@@ -285,30 +297,38 @@ struct NearestMotion {
     return motion(problem, *inverse, VecX());
   }
 };
-NearestMotion nearest_motion(const Model& model, const Layout& dofs, const std::vector<VelocityRow>& rows) {
-  std::vector<Triplet> M, G;
+// The masses of what joints hold: of bodies and, if there are trees, of coordinates.
+SparseMatrix joined_mass(const Model& model, const State& state, const Layout& dofs) {
+  if (carries_bodies(model)) return mass_matrix(model, state, dofs);
+  std::vector<Triplet> M;
   for (const BodyId b : model.bodies.ids())
     if (const int at = dofs.first[b]; at >= 0) {
       add_block(M, at, at, model.bodies[b].mass * Mat3::Identity());
       add_block(M, at + 3, at + 3, model.bodies[b].inertia);
     }
+  return square_matrix(dofs.coordinates, M);
+}
+
+NearestMotion nearest_motion(const Model& model, const State& state, const Layout& dofs,
+                             const std::vector<VelocityRow>& rows) {
+  std::vector<Triplet> G;
   for (std::size_t k = 0; k < rows.size(); ++k) append_column(G, dofs, rows[k], int(k));
   NearestMotion out;
   FrictionProblem& problem = out.problem;
-  problem.M = SparseMatrix(dofs.coordinates, dofs.coordinates);
-  problem.M.setFromTriplets(M.begin(), M.end());
-  problem.G = SparseMatrix(dofs.coordinates, Eigen::Index(rows.size()));
+  problem.M = joined_mass(model, state, dofs);
+  const int count = int(problem.M.rows());
+  problem.G = SparseMatrix(count, Eigen::Index(rows.size()));
   problem.G.setFromTriplets(G.begin(), G.end());
-  problem.f = VecX::Zero(dofs.coordinates);
-  problem.H = SparseMatrix(dofs.coordinates, 0);
+  problem.f = VecX::Zero(count);
+  problem.H = SparseMatrix(count, 0);
   out.inverse = invert_motion(problem.M, problem.G);
   return out;
 }
 
-// `step`, rows of the dynamic bodies, in the places of State::v.
+// `step`, of rows of the problem from the first on, in the places of State::v.
 VecX spread(const State& state, const Layout& dofs, const VecX& step) {
   VecX rows = VecX::Zero(dofs.rows);
-  rows.head(dofs.coordinates) = step;
+  rows.head(step.size()) = step;
   return all_velocities(dofs, rows, VecX::Zero(state.v.size()));
 }
 
@@ -329,21 +349,21 @@ State closed(const Model& model, const State& state, double tolerance) {
     least = now;
     out = tried;
     if (now <= tolerance) break;
-    if (slow) nearest = nearest_motion(model, dofs, rows);  // else the directions before do as well
+    if (slow) nearest = nearest_motion(model, tried, dofs, rows);  // else the directions before do as well
     if (!nearest.inverse) break;
     tried = retract(model, tried, spread(state, dofs, nearest(error).v), 1);
   }
   return out;
 }
 
-// Whether joints lead from a body back to itself, the world and all that does not move freely being one: some
+// Whether joints lead from a body back to itself, the world and all that nothing pushes being one: some
 // of their equations may then be redundant.
-bool has_loops(const Model& model, const Layout& dofs) {
+bool has_loops(const Model& model) {
   const std::size_t world = model.bodies.size();
   std::vector<std::size_t> leader(world + 1);
   std::iota(leader.begin(), leader.end(), std::size_t(0));
   const auto leader_of = [&](BodyId body) {
-    std::size_t i = !body || dofs.first[body] < 0 ? world : std::size_t(body.index());
+    std::size_t i = !body || !has_inertia(model.bodies[body]) ? world : std::size_t(body.index());
     while (leader[i] != i) i = leader[i] = leader[leader[i]];
     return i;
   };
@@ -365,7 +385,9 @@ JointSystem joint_system(const Model& model, const State& state, const Layout& d
   State middle = state;
   middle.t += h / 2;
   middle.g = moved_poses(model, state, step.v.before, h / 2);
-  if (has_loops(model, dofs)) {  // (MJT-18)
+  middle.q += h / 2 * step.v.before.tail(state.q.size());
+  carry_poses(model, middle.q, middle.g);
+  if (has_loops(model)) {  // (MJT-18)
     middle.turns = counted_turns(model, state, middle.g);
     middle = closed(model, middle, kClosed);
   }
@@ -408,11 +430,12 @@ JointConstraints joint_constraints(const Model& model, const State& state, const
 
 ProjectedState with_consistent_velocity(const Model& model, const State& state) {
   Constraints now = constraints(model, state, true);
+  if (now.rows.empty()) return {.state = state};
   const Layout dofs = layout(model);
   VecX off(Eigen::Index(now.rows.size()));
   for (std::size_t k = 0; k < now.rows.size(); ++k)
     off[Eigen::Index(k)] = now.rows[k].times(state.v) - now.rows[k].speed;
-  NearestMotion nearest = nearest_motion(model, dofs, now.rows);
+  NearestMotion nearest = nearest_motion(model, state, dofs, now.rows);
   ProjectedState out{.state = state};
   if (!nearest.inverse) return out;
   JointedMotion step = nearest(off);

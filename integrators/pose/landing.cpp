@@ -9,13 +9,16 @@
 namespace aussois {
 namespace {
 
+constexpr double kLoad =
+    1e-6;  // of the impulse now: what was less in the step before bore nothing but rounding
+
 // How fast a closed contact may close again by the turning of its bodies alone: its arms and its normal are
 // others after a step (MJ-17) [m/s].
 double closing_by_turning(const StepSetting& setting, const State& start, const VecX& v_prescribed,
                           const ContactRow& row, double slip, double h) {
   double out = 0;
   for (const BodyId body : {row.body_a, row.body_b}) {
-    const bool free = is_dynamic(setting.model.bodies[body]);
+    const bool free = has_inertia(setting.model.bodies[body]);
     const double spin = angular_part(free ? start.v : v_prescribed, body).norm();
     out += h * spin * (spin * setting.bounds[body].radius + slip);
   }
@@ -29,7 +32,9 @@ VecX landing_path(const StepSetting& setting, const State& start, const FoundCon
   const VecX v_end = step.solved.solution.v;
   std::vector<ContactRow> opening;
   bool lands = false, closes_on = false;
-  for (ContactRow& row : step.rows) {
+  const std::vector<RowVector> r = row_impulses(step);
+  for (std::size_t i = 0; i < step.rows.size(); ++i) {
+    ContactRow& row = step.rows[i];
     if (row.law.kind == LawKind::dry_friction) continue;
     const double ahead = row.gap + found.h * slip_velocity(row, setting.dofs, v_path).x();
     bool landing = ahead < -kOverlapRounding;
@@ -38,7 +43,7 @@ VecX landing_path(const StepSetting& setting, const State& start, const FoundCon
       landing = -before.x() >
                 closing_by_turning(setting, start, step.v_prescribed, row, before.head<3>().norm(), found.h);
     } else if (landing) {  // of gap functions and stops: none that bore a load
-      landing = start.r.size() == 0 || !(start.r[*row.slot] > 0);
+      landing = start.r.size() == 0 || !(start.r[*row.slot] > kLoad * r[i].x());
     }
     opening.push_back(row);
     opening.back().w.x() = landing ? ahead : std::max(0.0, ahead);

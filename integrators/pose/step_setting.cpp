@@ -53,6 +53,13 @@ void refuse_deforming(const Model& model, const char* who) {
                                            model.bodies[b].name + ") deforms; only rigid bodies may");
 }
 
+void refuse_carrying(const Model& model, const char* who) {
+  for (const BodyId b : model.bodies.ids())
+    require(!is_carried(model.bodies[b]),
+            std::string(who) + ": body " + to_string(b) + " (" + model.bodies[b].name +
+                ") is carried by a tree; only bodies with poses of their own may");
+}
+
 void refuse_unread_by(NormalLaw law, const StepOptions& options) {
   refuse_unread(options, {law == NormalLaw::moreau ? "correction_speed" : "touching"},
                 std::string("normal law ") + to_string(law));
@@ -82,7 +89,7 @@ StepSetting step_setting(const Model& model, const StepOptions& options, NormalL
   for (const RigidBody& body : model.bodies) {
     if (!body.shape || model.shapes[body.shape]->radius > 0) continue;
     ++undilated;
-    dynamic_undilated = dynamic_undilated || is_dynamic(body);
+    dynamic_undilated = dynamic_undilated || has_inertia(body);
   }
   require(!options.advancement.certify || undilated < 2 || !dynamic_undilated,
           "two bodies that can touch have dilation 0: at least one of them needs a positive one [m]");

@@ -51,6 +51,8 @@ void refuse_restitution(const Model& model);
 /// For code that follows the contacts of a rigid body: throws std::invalid_argument naming the first
 /// body that deforms.
 void refuse_deforming(const Model& model, const char* who);
+/// For code that has rows on the twists of bodies: the same for the first body that is carried.
+void refuse_carrying(const Model& model, const char* who);
 
 /// Checks the input of every step, in release builds too. Throws std::invalid_argument if the model has grown
 /// or shrunk since the scheme was made or bodies have other shapes, if the state does not fit it, has an

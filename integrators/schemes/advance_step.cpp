@@ -11,6 +11,7 @@
 #include "geometry/named.hpp"
 #include "integrators/prove/certify_step.hpp"
 #include "mechanics/force_law.hpp"
+#include "mechanics/motion.hpp"
 
 namespace aussois {
 
@@ -135,7 +136,7 @@ StepReport advance_step(const StepSetting& setting, State& state, double h_limit
   search.min_h = std::min(o.min_h, search.h);  // what is left of a run may be shorter than any minimum
   StageTimes stages;
   StageClock assembly(Stage::assembly, cpu);
-  search.estimate.v = method.estimate(state, search.h);
+  search.estimate.v = with_carried(setting.model, state, method.estimate(state, search.h), search.h);
   assembly.add_to(stages);
 
   StepReport report{.t = state.t};

@@ -159,7 +159,10 @@ MoreauJean::MoreauJean(const Model& model, const StepOptions& step, const Moreau
   validate(own);
   refuse_unread_by(own.law, step);
   if (own.law == NormalLaw::gap_over_step && own.gamma == 1) refuse_restitution(model);
-  if (own.newton.gap_hessians) refuse_deforming(model, "NewtonOptions::gap_hessians");
+  if (own.newton.gap_hessians) {
+    refuse_deforming(model, "NewtonOptions::gap_hessians");
+    refuse_carrying(model, "NewtonOptions::gap_hessians");
+  }
 }
 
 namespace {

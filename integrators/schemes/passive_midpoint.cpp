@@ -153,6 +153,7 @@ PassiveMidpoint::PassiveMidpoint(const Model& model, const StepOptions& step,
   refuse_unread(step, unread(), "passive_midpoint");
   refuse_unread_by(own.law, step);
   if (own.law == NormalLaw::gap_over_step) refuse_restitution(model);
+  refuse_carrying(model, "passive_midpoint");
   require(!own.mean_joints || step.update == GroupUpdate::cayley,
           std::string("PassiveMidpointOptions::mean_joints needs StepOptions::update = cayley, not ") +
               to_string(step.update));

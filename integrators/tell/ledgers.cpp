@@ -2,8 +2,11 @@
 #include "integrators/tell/ledgers.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "geometry/check.hpp"
+#include "mechanics/forces.hpp"
+#include "mechanics/tree.hpp"
 
 namespace aussois {
 namespace {
@@ -14,6 +17,9 @@ constexpr double kGain = 1e-5;
 // Kinetic energy of the coordinates beyond that by the mass of the step (GEN-4).
 double change_of_mass(const Model& model, const State& state, const State& next, const FreeMotion& free,
                       const Layout& dofs, const VecX& v) {
+  if (carries_bodies(model))  // base and coordinates share their masses
+    return energy(model, next).kinetic - energy(model, state).kinetic -
+           0.5 * (v + free.v).dot(free.mass * (v - free.v));
   double work = 0;
   VecX change = VecX::Zero(dofs.rows);
   for (const BlockId i : model.coordinates.ids()) {
@@ -78,16 +84,26 @@ EnergyLedger energy_ledger(const FreeMotion& free, const Acting& by, const VecX&
 // `impact`: of an impact that `state` has behind it; `gained`: of the step with it. What the angular momentum
 // of the states did beside `gained` is the scheme's: it turns with the start (MJ-13).
 MomentumLedger momentum_ledger(const StepSetting& setting, const State& state, const State& next,
-                               const VecX& gained, const VecX& impact, const VecX& gravity,
-                               const Acting& by) {
-  const auto sum = [&](const VecX& impulse) { return momentum_given(setting, state, impulse); };
+                               const SparseMatrix& mass, const VecX& gained, const VecX& impact,
+                               const VecX& gravity, const Acting& by) {
+  const bool carries = carries_bodies(setting.model);
+  const std::optional<MassInverse> inverse = carries ? invert_mass(mass) : std::nullopt;
+  const auto sum = [&](const VecX& impulse) {
+    return carries ? momentum_given(setting, state, impulse, inverse)
+                   : momentum_given(setting, state, impulse);
+  };
   MomentumLedger out{.change = momentum(setting.model, next) - momentum(setting.model, state),
                      .forces = sum(gravity + by.laws),
                      .contacts = sum(by.contacts),
                      .joints = sum(by.joints),
                      .numerical = sum(by.numerical)};
   out.change += sum(impact);
-  out.numerical.angular += sum(by.gyroscopic).angular + out.change.angular - sum(gained).angular;
+  const Momentum turned = sum(by.gyroscopic), all = sum(gained);
+  out.numerical.angular += turned.angular + out.change.angular - all.angular;
+  if (carries) {  // what speeds alone change: the bases of trees take it (TREE-7)
+    out.joints.linear += turned.linear + out.change.linear - all.linear;
+    out.joints.angular += std::exchange(out.numerical.angular, Vec3::Zero());
+  }
   return out;
 }
 
@@ -127,9 +143,21 @@ void tell_work(const StepSetting& setting, const ImpulseStep& step, const VecX& 
 
 }  // namespace
 
+Momentum momentum_given(const StepSetting& setting, const State& state, const VecX& impulse,
+                        const std::optional<MassInverse>& inverse) {
+  if (impulse.isZero(0) || !inverse) return {};
+  State moved = state;
+  moved.v = all_velocities(setting.dofs, *inverse * impulse, VecX::Zero(state.v.size()));
+  carry_twists(setting.model, moved.g, moved.v);
+  return momentum(setting.model, moved);
+}
+
 Momentum momentum_given(const StepSetting& setting, const State& state, const VecX& impulse) {
   Momentum out;
   if (impulse.isZero(0)) return out;  // none at all, or of bodies that do not spin
+  if (carries_bodies(setting.model))
+    return momentum_given(setting, state, impulse,
+                          invert_mass(mass_matrix(setting.model, state, setting.dofs)));
   for (const BodyId b : state.g.ids()) {
     const int at = setting.dofs.first[b];
     if (at < 0) continue;
@@ -176,7 +204,8 @@ void tell_ledgers(const StepSetting& setting, const State& state, const State& n
     impact = step.impact->of_contacts + step.impact->of_joints;
     gained += impact;
   }
-  report.momentum = momentum_ledger(setting, state, next, gained, impact, step.free->gravity, by);  // (MJ-13)
+  report.momentum = momentum_ledger(setting, state, next, step.free->mass, gained, impact, step.free->gravity,
+                                    by);  // (MJ-13)
   tell_work(setting, step, balance.r, v_end, report);
 }
 
@@ -209,7 +238,10 @@ Table<JointId, StepJoint> step_joints(const StepSetting& setting, const ImpulseS
     if (!is_of_axis(model, row.slot)) continue;
     const double p = r[step.solved.first_row[k]];
     add_effort(axis_slot(*row.slot), p, time, out);
-    add_axis_work(axis_slot(*row.slot), p, normal_speed(row, mean.v), normal_speed(row, moved), out);
+    double of_others = 0;
+    for (const Triplet& e : row.others) of_others += e.value() * middle[e.col()];
+    add_axis_work(axis_slot(*row.slot), p, normal_speed(row, mean.v) + of_others, normal_speed(row, moved),
+                  out);
   }
   const VecX path = all_velocities(dofs, move.v_path, moved);
   add_spring_and_motor_work(model, step.free->axes, all_velocities(dofs, v_solved - v, 0 * moved),

@@ -6,6 +6,7 @@
 #include "integrators/pose/trial.hpp"
 #include "integrators/step_report.hpp"
 #include "integrators/tell/joint_work.hpp"
+#include "nsgs/mass_inverse.hpp"
 
 namespace aussois {
 
@@ -19,6 +20,10 @@ struct StepBalance {
 /// The momentum that impulses or forces in the rows of the problem give to all bodies together, about the
 /// world's origin (MJ-13).
 Momentum momentum_given(const StepSetting& setting, const State& state, const VecX& impulse);
+/// The same where trees carry bodies: what bases pass on to fixed bodies or the world does not count
+/// (TREE-7). `inverse` is that of the masses.
+Momentum momentum_given(const StepSetting& setting, const State& state, const VecX& impulse,
+                        const std::optional<MassInverse>& inverse);
 
 /// Adds to the work of a contact law in a report that has one entry for each of setting.laws.
 void add_law_work(const StepSetting& setting, const ContactLaw& law, double work, StepReport& report);

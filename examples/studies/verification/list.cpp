@@ -27,7 +27,8 @@ const std::map<char, std::string> kGroups = {{'A', "Impacts without friction"},
                                              {'E', "Beams"},
                                              {'F', "Solids"},
                                              {'G', "Stacks and scenes"},
-                                             {'H', "Balances"}};
+                                             {'H', "Balances"},
+                                             {'J', "Trees in joint coordinates"}};
 
 std::string digits(double figure) {
   char text[32];

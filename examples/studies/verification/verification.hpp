@@ -41,7 +41,7 @@ struct VerificationCase {
   bool certified = false;  // its steps have their certificate, as schemes are delivered
 };
 
-/// All of them, sorted as on the page: groups A to H, in each by number. No two have name and
+/// All of them, sorted as on the page: groups A to J, in each by number. No two have name and
 /// setting in common.
 const std::vector<VerificationCase>& verification_cases();
 std::vector<VerificationCase> impact_verification();        // group A
@@ -54,6 +54,7 @@ std::vector<VerificationCase> soft_contact_verification();  // contacts of group
 std::vector<VerificationCase> order_verification();         // orders and events of exact motions, A to D
 std::vector<VerificationCase> stack_verification();         // group G
 std::vector<VerificationCase> balance_verification();       // group H
+std::vector<VerificationCase> tree_verification();          // group J
 
 /// What became of a case.
 struct Measured {

@@ -259,7 +259,7 @@ TEST(Beam, RefusesElementsThatAreNone) {
   for (const auto& [change, message] : table)
     EXPECT_EQ(refusal(change).substr(0, (who + message).size()), who + message);
   for (RigidBody& body : model.bodies) body.motion = FixedMotion{};
-  EXPECT_EQ(refusal([](BeamElement&) {}), who + "one of its nodes must be dynamic");
+  EXPECT_EQ(refusal([](BeamElement&) {}), who + "one of its nodes must be dynamic or carried");
 }
 
 // Of all frames with x along the line, those that turn least.
