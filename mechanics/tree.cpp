@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "geometry/check.hpp"
+#include "mechanics/mechanism.hpp"
 
 namespace aussois {
 namespace {
@@ -84,10 +85,6 @@ const TreeLink& link_of(const Model& model, JointId joint) {
   const Joint& j = model.joints.at(joint);
   require(bool(j.tree), "joint " + to_string(joint) + " (" + j.name + ") is of no tree");
   return tree_of(model, j.tree).links[std::size_t(j.link)];
-}
-
-SE3 base_pose(const Tree& tree, const PerBody<SE3>& g) {
-  return tree.base ? g[tree.base] : SE3{};
 }
 
 // The screws of a joint's axes (TREE-2); in place, since every step makes them for every link.
@@ -241,12 +238,9 @@ State in_joint_coordinates(const Model& model, const State& state) {
       const Joint& joint = model.joints[link.joint];
       for (int i = 0; i < axis_count(joint.kind); ++i) {
         const JointRow row = axis_row(joint, state.g, i);
-        double speed = 0;
-        if (joint.body_a) speed += row.J_a.dot(body_part(state.v, joint.body_a));
-        if (joint.body_b) speed += row.J_b.dot(body_part(state.v, joint.body_b));
         const int turns = state.turns.empty() ? 0 : state.turns[std::size_t(3 * link.joint.index() + i)];
         out.q[at + link.first + i] = row.value + 2 * kPi * turns;
-        out.v[bodies + at + link.first + i] = speed;
+        out.v[bodies + at + link.first + i] = axis_speed(joint, row, state.v);
       }
     }
     if (block.tree.links.empty()) {
@@ -309,7 +303,7 @@ std::vector<TreeAxis> tree_axes(const Model& model, const Tree& tree, const PerB
 }
 
 Vec3 tree_origin(const Tree& tree, const PerBody<SE3>& g) {
-  return base_pose(tree, g).p;
+  return tree.base ? g[tree.base].p : Vec3(Vec3::Zero());
 }
 
 }  // namespace aussois

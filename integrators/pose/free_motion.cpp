@@ -62,17 +62,18 @@ void add_coordinates(const Model& model, const State& state, const Layout& dofs,
   }
 }
 
-// The same of trees, at the places where these velocities lead (TREE-3) to (TREE-5). Before that, moves the
-// forces on carried bodies to what carries them there.
+// Where the velocities of the state lead.
 struct Ahead {
   State middle{}, there{};  // h / 2 and theta h later
 };
+// With trees alone; moves the forces on carried bodies to what carries them there.
 Ahead carried_ahead(const Model& model, const State& state, double h, double theta, GeneralisedForce& force) {
   if (!carries_bodies(model)) return {};
   Ahead out{retract(model, state, state.v, h / 2), retract(model, state, state.v, theta * h)};
   carry_forces(model, out.there.g, force);
   return out;
 }
+// What add_coordinates does, of trees (TREE-3) to (TREE-5).
 void add_trees(const Model& model, const Layout& dofs, double h, double theta, const Ahead& ahead,
                FreeMotion& out) {
   for (const BlockId i : model.coordinates.ids()) {

@@ -9,8 +9,7 @@
 namespace aussois {
 namespace {
 
-constexpr double kLoad =
-    1e-6;  // of the impulse now: what was less in the step before bore nothing but rounding
+constexpr double kLoad = 1e-6;  // of the impulse now; what bore less in the step before bore rounding
 
 // How fast a closed contact may close again by the turning of its bodies alone: its arms and its normal are
 // others after a step (MJ-17) [m/s].
