@@ -53,6 +53,23 @@ bool falls(const std::vector<Vec3>& star, const Vec3& n) {
   return std::ranges::all_of(star, [&](const Vec3& d) { return n.dot(d) <= -kFall; });
 }
 
+// Of a vertex of wires, as if those that go on nearly straight did so exactly; nothing if none does.
+std::optional<NormalCone> straightened(std::vector<Vec3> star) {
+  bool any = false;
+  for (std::size_t i = 0; i < star.size(); ++i)
+    for (std::size_t j = i + 1; j < star.size(); ++j) {
+      if ((star[i] + star[j]).norm() > 2 * kHollow) continue;
+      star[i] = (star[i] - star[j]).normalized();
+      star[j] = -star[i];
+      any = true;
+    }
+  NormalCone cone = make_normal_cone(star);  // for its cap
+  if (!any || cone.lineality == 3) return std::nullopt;
+  cone.lineality = 0, cone.cyclic = false;
+  cone.rays = std::move(star);
+  return cone;
+}
+
 Vec3 mean_normal(const SimplicialComplex& k, std::span<const int> triangles) {
   Vec3 sum = Vec3::Zero();
   for (const int t : triangles) {
@@ -123,9 +140,13 @@ bool is_pit(const Idealisation& ideal, const std::vector<ChainCone>& cones, cons
 std::vector<NormalCone> soft_cones(const SimplicialComplex& k, const Idealisation& ideal, int v,
                                    bool has_own) {
   std::vector<NormalCone> out;
-  if (k.vertex_triangles[v].empty() || (k.solid && has_own)) return out;
+  if (k.solid && has_own) return out;
   std::vector<Vec3> star = vertex_directions(k, ideal, v);
   for (Vec3& d : star) d.normalize();
+  if (k.vertex_triangles[v].empty()) {
+    if (auto cone = straightened(std::move(star))) out.push_back(std::move(*cone));
+    return out;
+  }
   const Vec3 n = mean_normal(k, k.vertex_triangles[v]);
   for (const double side : {1.0, -1.0}) {
     if (side < 0 && k.solid) break;

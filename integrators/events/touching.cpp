@@ -148,6 +148,7 @@ void add_contacts(const StepSetting& setting, const State& state, double thresho
                                                     VecX::Zero(state.v.size()), 1, setting.normal);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const ContactRow& row = rows[i];
+    if (!row.can_open) continue;
     MatX J = MatX::Zero(row.law.rows, state.v.size());
     for (int d = 0; d < row.law.rows; ++d) {
       put(J, d, row.body_a, row.J_a.row(d));

@@ -88,6 +88,15 @@ void add_carried(const State& state, const Layout& dofs, const std::vector<Carri
   }
 }
 
+// Whether something free changes the gap by more than rounding makes of nothing.
+bool can_open(const Model& model, const ContactRow& row) {
+  constexpr double kNothing = 1e-12;  // [m/s] for a speed of one
+  const auto is_free = [&](BodyId body) { return body && is_dynamic(model.bodies[body]); };
+  return is_free(row.body_a) || is_free(row.body_b) || std::ranges::any_of(row.others, [&](const Triplet& e) {
+    return e.row() == 0 && std::abs(e.value()) > kNothing;
+  });
+}
+
 // Where a body's part of a row stands in the problem; -1: nowhere.
 struct BodyColumns {
   const RowJacobian* J = nullptr;
@@ -160,6 +169,7 @@ std::vector<ContactRow> contact_rows(const Model& model, const State& state, con
     if (reached.time > 0) row.gap -= reached.time * normal_speed(row, reached.v);
     add_carried(state, dofs, carried, v_prescribed, reached, row, u_before);
     row.moved = row.w;
+    row.can_open = can_open(model, row);
     set_bias(row, u_before, law.restitution, h, options);
   }
   return rows;
@@ -184,6 +194,7 @@ GapFunctionRows gap_rows(const Model& model, const State& state, const Layout& d
         if (now.J(d, k) != 0) carried.push_back({int(d), int(first + k), now.J(d, k)});
     add_carried(state, dofs, carried, v_prescribed, reached, row, u_before);
     row.moved = row.w;
+    row.can_open = can_open(model, row);
     set_bias(row, u_before, gap.law.restitution, h, options);
     out.rows.push_back(std::move(row));
     out.gap.push_back(now.gap);

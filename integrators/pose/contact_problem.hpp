@@ -30,6 +30,7 @@ struct ContactRow {
   double restitution = 0;               // for a row with a normal [-]
   Law law{};
   bool active = true;         // false: the normal law leaves the block out of this step
+  bool can_open = true;       // false: nothing free changes its gap, so it is in no problem
   std::optional<int> slot{};  // first entry in State::r; of a contact, which the contact memory keeps, none
 };
 

@@ -193,7 +193,7 @@ std::optional<ImpactJump> impact_jump(const Model& model, const State& state, co
   bool meets = false;
   for (int i = 0; i < int(rows.size()); ++i) {
     const ContactRow& row = rows[i];
-    if (is_of_axis(model, row.slot)) continue;
+    if (is_of_axis(model, row.slot) || !row.can_open) continue;
     near.push_back(i);
     meets = meets || ((row.restitution > 0 || options.order == ImpactOrder::sequential) &&
                       closes(row.gap, slip_velocity(row, dofs, v).x(), h, law));

@@ -31,6 +31,7 @@ ContactBlocks openings(const StepSetting& setting, const State& at, const Contac
 OpeningDisplacement opening_displacement(const StepSetting& setting, const SparseMatrix& mass,
                                          std::vector<ContactRow> rows, const SparseMatrix& G, double h) {
   double size = 0;  // [m]
+  std::erase_if(rows, [](const ContactRow& row) { return !row.can_open; });
   for (ContactRow& row : rows) {
     row.law = unilateral();
     size = std::hypot(size, row.w.x());

@@ -6,6 +6,10 @@
 namespace aussois {
 namespace {
 
+bool takes_part(const ContactRow& row) {
+  return row.active && row.can_open;
+}
+
 // Of each cluster the row that is left out and closes most beyond what is allowed; none: empty.
 std::vector<int> rows_to_add(const std::vector<ContactRow>& rows, const std::vector<char>& in,
                              const Selection& selection, const Layout& dofs, const VecX& v,
@@ -13,7 +17,7 @@ std::vector<int> rows_to_add(const std::vector<ContactRow>& rows, const std::vec
   std::vector<int> worst(std::size_t(selection.cluster_count), -1);
   std::vector<double> excess(worst.size(), 0);
   for (std::size_t i = 0; i < selection.cluster.size(); ++i) {
-    if (in[i] || !rows[i].active) continue;
+    if (in[i] || !takes_part(rows[i])) continue;
     const auto cluster = std::size_t(selection.cluster[i]);
     const double closing = -relative_velocity(rows[i], dofs, v).x() - allowed_speed[i];
     if (closing > excess[cluster]) excess[cluster] = closing, worst[cluster] = int(i);
@@ -43,8 +47,8 @@ ReducedSolution solve_reduced(const FreeMotion& free, const Layout& dofs, const 
   ReducedSolution out;
   SolveReport rounds;
   std::vector<char> in(rows.size(), 0);
-  for (int i : selection.kept) in[i] = rows[i].active;
-  for (std::size_t i = selection.cluster.size(); i < rows.size(); ++i) in[i] = rows[i].active;
+  for (int i : selection.kept) in[i] = takes_part(rows[i]);
+  for (std::size_t i = selection.cluster.size(); i < rows.size(); ++i) in[i] = takes_part(rows[i]);
   std::vector<RowVector> r = warm;
   for (;;) {
     clock.enter(Stage::assembly);

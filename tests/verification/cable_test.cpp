@@ -143,6 +143,35 @@ TEST(CableContacts, ACableHangsOverAPeg) {
   EXPECT_EQ(hung(1, 133, nullptr), once);
 }
 
+// Each node bears what an element weighs, from the first step on; the one that is fixed, nothing.
+TEST(CableContacts, ACableLiesStillOnAFloor) {
+  for (const double step : {1e-4, 1e-2, 1.0}) {
+    Model model;
+    const ShapeId plate = add(model, prepare(dilate(make_plate(2, 2), 1e-3)));
+    add(model, fixed_body("floor", plate));
+    const double height = kRadius + 1e-3;
+    const Cable cable = add_cable(
+        model, {.nodes = frames_along(points_along({{-0.4, 0.1, height}, {0.4, 0.1, height}}, 21)),
+                .section = rubber(),
+                .radius = kRadius});
+    model.bodies[cable.nodes.front()].motion = FixedMotion{};
+    State state = rest_state(model);
+    lay(cable, state);
+    const MoreauJean scheme(model, {.h = step, .solver = {.tolerance = 1e-12}}, {.theta = 1});
+    const double weight = rubber().mass_per_length * 0.04 * kGravity;
+    for (int k = 0; k < 20; ++k) {
+      const StepReport report = scheme.step(state);
+      ASSERT_TRUE(report.ok()) << report.reason;
+      EXPECT_EQ(report.contacts.size(), 20U);
+      EXPECT_LT(largest_speeds(state).all * report.h, 1e-9);
+      for (const StepContact& c : report.contacts) {
+        const bool last = std::abs(c.point.x_a.x()) > 0.39;
+        EXPECT_NEAR(c.impulse.norm() / report.h, (last ? 0.5 : 1) * weight, 1e-3 * weight) << k;
+      }
+    }
+  }
+}
+
 // One end is held, the other spins with a thousand times the energy that the rubber takes up.
 TEST(Cable, IsRefusedByNameWhereAnElementTurnsTooFar) {
   Model model;

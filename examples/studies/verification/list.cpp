@@ -28,7 +28,8 @@ const std::map<char, std::string> kGroups = {{'A', "Impacts without friction"},
                                              {'F', "Solids"},
                                              {'G', "Stacks and scenes"},
                                              {'H', "Balances"},
-                                             {'J', "Trees in joint coordinates"}};
+                                             {'J', "Trees in joint coordinates"},
+                                             {'K', "Cables in contact"}};
 
 std::string digits(double figure) {
   char text[32];

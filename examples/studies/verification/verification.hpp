@@ -41,7 +41,7 @@ struct VerificationCase {
   bool certified = false;  // its steps have their certificate, as schemes are delivered
 };
 
-/// All of them, sorted as on the page: groups A to J, in each by number. No two have name and
+/// All of them, sorted as on the page: groups A to K, in each by number. No two have name and
 /// setting in common.
 const std::vector<VerificationCase>& verification_cases();
 std::vector<VerificationCase> impact_verification();        // group A
@@ -55,6 +55,7 @@ std::vector<VerificationCase> order_verification();         // orders and events
 std::vector<VerificationCase> stack_verification();         // group G
 std::vector<VerificationCase> balance_verification();       // group H
 std::vector<VerificationCase> tree_verification();          // group J
+std::vector<VerificationCase> cable_contact_verification();  // group K
 
 /// What became of a case.
 struct Measured {

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "geometry/primitives.hpp"
 #include "integrators/prove/path_audit.hpp"
 #include "integrators/schemes/moreau_jean.hpp"
 #include "integrators/schemes/passive_midpoint.hpp"
@@ -111,6 +112,33 @@ TEST(JointCoordinates, TouchCertifiedAndBalancedOnAnyThreads) {
   EXPECT_EQ(audit.violations, 0);
   for (const auto& [threads, every] : {std::pair(2, 0), std::pair(8, 0), std::pair(1, 7)})
     EXPECT_EQ(hash(run(threads, every, nullptr)), hash(once)) << threads << ", " << every;
+}
+
+// An arm that turns about z lies on a floor: no force of the floor moves its angle.
+TEST(JointCoordinates, TouchWhatTheyCannotPushAgainst) {
+  for (const std::string scheme : {"moreau_jean", "moreau_jean_projected", "d1_minus_linear",
+                                   "generalised_alpha", "schatzman_paoli", "event_driven"}) {
+    constexpr double kDilation = 1e-3;
+    CaseScene scene;
+    Model& model = scene.model;
+    const MassProperties mass = mass_properties(make_box(0.4, 0.04, 0.04), 1000);
+    const ShapeId rod = add(model, prepare(dilate(make_box(0.4, 0.04, 0.04), kDilation)));
+    scene.body = add(model, solid_body("arm", rod, mass));
+    add(model, fixed_body("floor", add(model, prepare(dilate(make_plate(2, 2), kDilation)))));
+    scene.state = rest_state(model);
+    pose(scene.state, scene.body).p = {0.3, 0, 0.02 + 2 * kDilation};
+    const JointId hinge =
+        add(model, joint_at(JointKind::revolute, "hinge", scene.body, kWorld, scene.state.g, SE3{}));
+    const State maximal = scene.state;
+    add_tree(model, "tree", {hinge});
+    scene.state = in_joint_coordinates(model, maximal);
+    scene.state.v.tail<1>()[0] = 3;
+    SchemeOptions options = mechanism_options(1e-3);
+    options.step.advancement.certify = true;
+    const State end = run_scene(scene, scheme, options, 0.1);
+    EXPECT_NEAR(end.q[0], 0.3, 1e-9) << scheme;
+    EXPECT_NEAR(end.v.tail<1>()[0], 3, 1e-9) << scheme;
+  }
 }
 
 // Dampers that are far too stiff for a scheme that takes forces as they are: a status, and no exception.

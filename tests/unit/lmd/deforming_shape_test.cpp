@@ -120,6 +120,33 @@ TEST(DeformingShape, TouchesWithEveryPointOfAFlatFace) {
   }
 }
 
+// Wires that go on straight, or sag a little between others, touch a face with each of their vertices; where
+// two of them cross, too. (DEF-5)
+TEST(DeformingShape, TouchesWithEveryVertexOfAStraightWire) {
+  const LmdShape floor = prepare(dilate(make_plate(4, 4), 0.01));
+  const auto vertices_that_touch = [&](const LmdShape& wire) {
+    int count = 0;
+    for (const ContactPoint& c : find_contacts({&wire, translation(0, 0, 0.03), 1}, {&floor, {}, 0},
+                                               {.threshold = 0.05})
+                                     .points)
+      count += (c.a.body == BodyId(1) ? c.a : c.b).dim == 0;
+    return count;
+  };
+  for (const double sag : {0.0, 1e-9, 1e-7, 1e-4, 1e-2}) {  // of every other vertex [m]
+    std::vector<Vec3> line;
+    for (int i = 0; i < 9; ++i) line.emplace_back(0.2 * i - 0.8, 0.1, i % 2 ? sag : -sag);
+    EXPECT_EQ(vertices_that_touch(soft(make_polyline(line), 0.01)), 9) << sag;
+  }
+  const SimplicialComplex cross = make_complex(
+      {{-0.5, 0, 0}, {0, 0, 0}, {0.5, 0, 0}, {0, -0.5, 0}, {0, 0.5, 0}}, {}, {{0, 1}, {1, 2}, {1, 3}, {1, 4}});
+  EXPECT_EQ(vertices_that_touch(soft(cross, 0.01)), 5);
+  const SimplicialComplex branch =
+      make_complex({{-0.5, 0, 0}, {0, 0, 0}, {0.5, 0, 0}, {0, 0.5, 0}}, {}, {{0, 1}, {1, 2}, {1, 3}});
+  EXPECT_EQ(vertices_that_touch(soft(branch, 0.01)), 4);
+  const double up = 0.5 * std::sin(0.6);  // a corner far from straight touches with its tip alone
+  EXPECT_EQ(vertices_that_touch(soft(make_polyline({{-0.4, 0, 0}, {0, 0, up}, {0.4, 0, 0}}), 0.01)), 2);
+}
+
 // Rigid motion and deformation at once; what is certified is held against dense samples of fresh shapes.
 TEST(DeformingShape, IsCertifiedOnlyWhereDenseSamplesKeepApart) {
   Random random(21);
