@@ -17,12 +17,14 @@
 #include "examples/common/driven_run.hpp"
 #include "examples/common/progress.hpp"
 #include "examples/drivers/assembly/assembly_scene.hpp"
+#include "examples/drivers/assembly/flexible.hpp"
 #include "geometry/check.hpp"
 #include "geometry/number_text.hpp"
 #include "io/build_info.hpp"
 #include "io/csv_table.hpp"
 #include "io/record.hpp"
 #include "io/replay_html.hpp"
+#include "io/text.hpp"
 #include "lmd/coverage.hpp"
 #include "mechanics/surface.hpp"
 
@@ -31,7 +33,7 @@ using namespace aussois;
 namespace {
 
 struct Arguments {
-  std::filesystem::path data{}, fixed{}, moving{}, path{};
+  std::filesystem::path data{}, fixed{}, moving{}, path{}, flexible{};
   std::string pair{}, builtin{}, mode = "dynamic", gravity = "-5.66,-5.66,-5.66";
   double scale = 1e-3;
   double threshold = 0;  // kinematic
@@ -69,6 +71,12 @@ AssemblyInput read_input(const Arguments& a) {
   return read_assembly_pair(a.data, a.pair, a.scale, a.scene.cache);
 }
 
+double length_of(const Cable& cable) {
+  double sum = 0;
+  for (const BeamElement& element : cable.beam.elements) sum += element.length;
+  return sum;
+}
+
 void print_parts(const AssemblyInput& input, const AssemblyScene& scene, const Arguments& a) {
   for (const AssemblyPart* part : {&input.fixed, &input.moving})
     for (const std::string& note : part->notes) std::fprintf(stderr, "warning: %s\n", note.c_str());
@@ -84,6 +92,9 @@ void print_parts(const AssemblyInput& input, const AssemblyScene& scene, const A
       1e6 * scene.clearance, counted_noun(std::int64_t(scene.poses.size()), "pose").c_str(),
       1e6 * scene.dilation, scene.model.bodies[scene.moving].mass, scene.mass_source.c_str(), scene.frequency,
       1e3 * scene.h, scene.path.t.back());
+  for (const Cable& cable : scene.cables)
+    std::printf("%s: %.4g m long, %s\n", cable.beam.name.c_str(), length_of(cable),
+                counted_noun(std::int64_t(cable.beam.elements.size()), "element").c_str());
   std::fflush(stdout);
 }
 
@@ -218,6 +229,26 @@ double contact_force(const Frame& f, BodyId moving) {
   return sum.norm() / f.report.h;
 }
 
+// The largest of all cables: tension [N], curvature [1/m].
+double tension(const AssemblyScene& scene, const State& state) {
+  double out = 0;
+  for (const Cable& cable : scene.cables)
+    for (const BeamLoad& load : beam_loads(cable.beam, state)) out = std::max(out, load.stress[0]);
+  return out;
+}
+double largest_curvature(const AssemblyScene& scene, const State& state) {
+  double out = 0;
+  for (const Cable& cable : scene.cables) {
+    const std::vector<BeamLoad> loads = beam_loads(cable.beam, state);
+    for (std::size_t i = 0; i < loads.size(); ++i) {
+      const BeamElement& element = cable.beam.elements[i];
+      const Vec6 bent = element.rest / element.length + loads[i].strain;
+      out = std::max(out, bent.tail<2>().norm());
+    }
+  }
+  return out;
+}
+
 std::vector<Gauge> gauges_of(const AssemblyScene& scene) {
   std::vector<Gauge> out = gauges({"step", "t", "h", "contacts_found", "contacts", "iterations", "newton",
                                    "residual", "worst_island", "min_gap", "min_base_distance", "energy"});
@@ -233,6 +264,11 @@ std::vector<Gauge> gauges_of(const AssemblyScene& scene) {
                             "total:solver_failures", "total:max_contacts"}),
                     std::back_inserter(out));
   add("", "peak_contact_force", GaugeTotal::most, [&](F f) { return contact_force(f, scene.moving); });
+  if (!scene.cables.empty()) {
+    add("tension", "peak_tension", GaugeTotal::most, [&](F f) { return tension(scene, f.state); });
+    add("bend_radius", "min_bend_radius", GaugeTotal::least,
+        [&](F f) { return 1 / largest_curvature(scene, f.state); });
+  }
   add("", "energy_error", GaugeTotal::sum, [](F f) { return std::abs(f.report.energy.residual()); });
   add("", "energy_scale", GaugeTotal::sum, [](F f) {
     const EnergyLedger& e = f.report.energy;
@@ -270,7 +306,7 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
       .name = input.name,
       .h = scene.h,
       .t_end = scene.path.t.back() + a.scene.hold,
-      .scene = scene_text(*a.cli, input.fingerprint, {"--data", "--fixed", "--moving", "--path", "--cache"}),
+      .scene = scene_text(*a.cli, input.fingerprint, {"--data", "--fixed", "--moving", "--path", "--cache", "--flexible"}),
       .header = header_of(input, scene, a),
       .gauges = gauges_of(scene),
       .pull = [&](const State& state) { return pull_at(scene, state); }};
@@ -303,10 +339,20 @@ void refuse_unread_by_mode(const Cli& cli, bool dynamic) {
   if (dynamic) return refuse_given(cli, {"--threshold"}, "--mode kinematic");
   std::vector<std::string> unread = {
       "--mu", "--restitution", "--density",          "--mass",   "--gravity",
-      "--h",  "--every",       "--checkpoint-every", "--resume", "--resume-anyway"};
+      "--h",  "--every",       "--checkpoint-every", "--resume", "--resume-anyway", "--flexible"};
   for (const char* group : {"path", "scheme", "solver", "run", "problems"})
     for (const std::string& flag : cli.given(group)) unread.push_back(flag);
   refuse_given(cli, unread, "--mode dynamic");
+}
+
+void lay_cables(const std::filesystem::path& file, AssemblyScene& scene) {
+  const std::vector<FlexibleCable> cables = read_flexible(file);
+  try {
+    add_flexible(scene, cables);
+    validate_start(scene.model, start_of(scene));
+  } catch (const std::invalid_argument& wrong) {
+    throw std::runtime_error(file.string() + ": " + wrong.what());
+  }
 }
 
 ExitCode replay(Arguments& a) {
@@ -321,6 +367,10 @@ ExitCode replay(Arguments& a) {
   {
     Progress progress("clearance", double(input.poses.size()), Progress::style_of_stderr(a.run.common.quiet));
     scene = make_assembly_scene(input, a.scene, a.run.common.threads, [&](int i, int) { progress.at(i); });
+  }
+  if (!a.flexible.empty()) {
+    lay_cables(a.flexible, scene);
+    input.fingerprint += ' ' + std::to_string(fingerprint_of(read_file(a.flexible)));
   }
   note_straightened(input.fixed, shape_of(scene, scene.fixed));
   note_straightened(input.moving, shape_of(scene, scene.moving));
@@ -350,6 +400,9 @@ int main(int argc, char** argv) {
   cli.option("--cache", a.scene.cache,
              "folder that keeps repaired meshes and prepared shapes for later runs, created if missing; "
              "empty: none");
+  cli.input("--flexible", a.flexible,
+            "JSON file of cables from one part to the other, routed through clips; see "
+            "doc/howto/route_a_cable.md");
   cli.choice("--mode", a.mode,
              "dynamic: pull the part along by a spring; kinematic: find contacts at the recorded poses",
              {"dynamic", "kinematic"});
@@ -374,5 +427,7 @@ int main(int argc, char** argv) {
       "replay_assembly --fixed rail.obj --moving slider.obj --path out.csv --scale 1e-3 -o out --summary "
       "out/s.json",
       "files in millimetres");
+  cli.example("replay_assembly --fixed socket.obj --moving peg.obj --path peg_out.csv --flexible lead.json -o out",
+              "with a cable from the peg to the socket");
   return run_driver(cli, argc, argv, [&] { return replay(a); });
 }

@@ -93,8 +93,8 @@ bool can_open(const Model& model, const ContactRow& row) {
   constexpr double kNothing = 1e-12;  // [m/s] for a speed of one
   const auto is_free = [&](BodyId body) { return body && is_dynamic(model.bodies[body]); };
   return is_free(row.body_a) || is_free(row.body_b) || std::ranges::any_of(row.others, [&](const Triplet& e) {
-    return e.row() == 0 && std::abs(e.value()) > kNothing;
-  });
+           return e.row() == 0 && std::abs(e.value()) > kNothing;
+         });
 }
 
 // Where a body's part of a row stands in the problem; -1: nowhere.

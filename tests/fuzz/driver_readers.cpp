@@ -5,6 +5,7 @@
 
 #include "examples/common/kept_json.hpp"
 #include "examples/drivers/assembly/assembly_input.hpp"
+#include "examples/drivers/assembly/flexible.hpp"
 #include "examples/scenes/shared_series.hpp"
 #include "examples/studies/convergence/slid_level.hpp"
 #include "examples/studies/convergence/study_files.hpp"
@@ -62,6 +63,13 @@ void use_samples(const fs::path& file) {
 
 void use_series(const fs::path& file) {
   for (const SeriesRow& row : read_series(file)) row.at("h");
+}
+
+void use_cables(const fs::path& file) {
+  for (const FlexibleCable& cable : read_flexible(file)) try {
+      route(cable, {});
+    } catch (const std::invalid_argument&) {  // no length
+    }
 }
 
 // A result that an earlier call kept. `write` makes a good one and returns its file, `read` reads it.
@@ -254,6 +262,7 @@ std::vector<FuzzedReader> driver_readers() {
           {"toss", ".csv", write_input, use_toss},
           {"samples", ".csv", write_input, use_samples},
           {"series", ".csv", write_input, use_series},
+          {"cables", ".json", write_input, use_cables},
           {"kept", ".json", write_input, use_kept}};
 }
 

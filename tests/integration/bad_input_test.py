@@ -142,6 +142,24 @@ class BadInput(DriverTest):
                     self.assertRegex(run.stderr, r"drop_part: [^\n]*\n\Z")
                     self.assertFalse((self.folder / mesh.name).exists())
 
+    def test_cables_that_make_no_sense(self):
+        changes = (('"radius": 1e-3, ', "", "section.radius is missing"),
+                   ('"poisson": 0.45', '"poisson": 0.5', "section.poisson = 0.5 must lie in (-1, 0.5)"),
+                   ('"elements": 80', '"elements": 80.5', "elements = 80.5 must be a whole number"),
+                   ('"elements": 80', '"elements": 1', "elements = 1 must lie in [2, 10000]"),
+                   ('"part": "moving"', '"part": "peg"', "from.part = peg must be fixed or moving"),
+                   ('"along": [-1, 0, 0]', '"along": [0, 0, 0]', "to.along must not be zero"),
+                   ('"along": [-1, 0, 0]', '"along": [-1, 0]', "to.along must be three numbers"),
+                   ('"hole": 0.003', '"hole": 0.001', "via[2].hole = 0.001 must exceed the cable's radius, 0.001"),
+                   ('"name": "lead"', '"title": "lead"', "title is no field of it"),
+                   ('"elements": 80,', '"elements": 80', "line 5"))
+        for old, new, words in changes:
+            path = self.changed("peg_lead.json", old, new)
+            self.refused_replay(FILES, [f"{path}: ", words], *self.with_peg("--flexible", path))
+        path = self.changed("peg_lead.json", "[0.03, 0, 0.055]", "[0, 0, 0.01]")
+        self.refused_replay(FILES, ["peg", "lead"], *self.with_peg("--flexible", path))
+        self.refused_replay(USAGE, ["--flexible"], *self.with_peg("--flexible", PARTS / "peg_lead.json", "--mode", "kinematic"))
+
     # options
 
     def test_negative_dilation(self):

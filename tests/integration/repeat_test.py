@@ -7,7 +7,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from drivers import PEG, DriverTest
+from drivers import PARTS, PEG, DriverTest
 
 INTERRUPTED = 130
 
@@ -53,6 +53,9 @@ class Repeat(DriverTest):
 
     def test_peg_in_socket(self):
         self.repeats(*PEG)
+
+    def test_peg_with_its_lead(self):
+        self.repeats(*PEG, "--flexible", PARTS / "peg_lead.json")
 
     def test_every_third_step_recorded(self):
         self.repeats(*PEG, "--every", 3)

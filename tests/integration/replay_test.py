@@ -8,7 +8,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-from drivers import PEG, DriverTest
+from drivers import PARTS, PEG, DriverTest
 
 HOLD = 0.1  # the default of --hold [s]
 THREADS = ("own_bolt_nut", "own_bolt_nut_fine", "factory_m16_loose")  # many turns, a thousand contacts
@@ -94,6 +94,21 @@ class Replay(DriverTest):
         summary = self.summary("out")
         self.assertEqual(summary["mass_source"], "balls and capsules")
         self.assertAlmostEqual(summary["mass"], 7850 * 4 / 3 * math.pi * 1e-12, 18)
+
+    def test_a_lead_follows_the_peg(self):
+        """It slides through a clip, pulls at the peg and passes through nothing."""
+        lead = (*PEG, "--flexible", PARTS / "peg_lead.json")
+        self.ends_well(*lead)
+        summary, steps = self.summary("out"), self.columns("out")
+        self.assertAlmostEqual(summary["peak_tension"], max(map(float, steps["tension"])), 12)
+        self.assertAlmostEqual(summary["min_bend_radius"], min(map(float, steps["bend_radius"])), 12)
+        self.assertGreater(summary["peak_tension"], 0.01)  # its weight below the top, half of its 5 mN, and more
+        self.assertGreater(summary["min_bend_radius"], 2e-3)  # it bends more gently than on itself
+        self.assertLess(summary["min_bend_radius"], 20e-3)  # it turns by half a circle between parts 36 mm apart
+        bare = self.replay("bare", *PEG)
+        self.assertEqual(bare.returncode, 0)
+        self.assertNotIn("tension", self.columns("bare"))
+        self.assertNotEqual(self.summary("bare")["peak_force"], summary["peak_force"])
 
     def test_two_points_have_the_clearance_of_their_nearest_pose(self):
         """They have no size that could bound it."""

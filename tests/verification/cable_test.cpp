@@ -150,10 +150,10 @@ TEST(CableContacts, ACableLiesStillOnAFloor) {
     const ShapeId plate = add(model, prepare(dilate(make_plate(2, 2), 1e-3)));
     add(model, fixed_body("floor", plate));
     const double height = kRadius + 1e-3;
-    const Cable cable = add_cable(
-        model, {.nodes = frames_along(points_along({{-0.4, 0.1, height}, {0.4, 0.1, height}}, 21)),
-                .section = rubber(),
-                .radius = kRadius});
+    const Cable cable =
+        add_cable(model, {.nodes = frames_along(points_along({{-0.4, 0.1, height}, {0.4, 0.1, height}}, 21)),
+                          .section = rubber(),
+                          .radius = kRadius});
     model.bodies[cable.nodes.front()].motion = FixedMotion{};
     State state = rest_state(model);
     lay(cable, state);

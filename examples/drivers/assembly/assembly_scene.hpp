@@ -7,6 +7,7 @@
 
 #include "examples/drivers/assembly/assembly_input.hpp"
 #include "integrators/schemes/moreau_jean.hpp"
+#include "mechanics/cable.hpp"
 #include "mechanics/virtual_coupling.hpp"
 
 namespace aussois {
@@ -56,6 +57,8 @@ struct AssemblyScene {
   double dilation = 0;      // of each part [m]
   double h = 0;             // largest step [s]
   std::string mass_source{};
+  std::vector<Cable> cables{};                         // between the parts
+  std::vector<std::pair<BodyId, SE3>> held{};          // what a joint holds to the moving part, at the start
   // A line per shape on what the cache did, and what it could not use or write; empty without a cache
   std::vector<std::string> cache{}, cache_warnings{};
 };
@@ -66,7 +69,7 @@ struct AssemblyScene {
 AssemblyScene make_assembly_scene(const AssemblyInput& input, const AssemblyOptions& options, int threads,
                                   const std::function<void(int, int)>& progress = {});
 
-/// The moving body at the start of its path, at rest.
+/// The moving body at the start of its path, cables as they are laid, at rest.
 State start_of(const AssemblyScene& scene);
 
 }  // namespace aussois

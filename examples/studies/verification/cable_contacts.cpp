@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Group K: cables that touch floors, pegs, each other and themselves (doc/theory/beams.md,
 // doc/theory/deforming_shapes.md).
-#include "examples/scenes/beams.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
+#include <sstream>
 
+#include "examples/scenes/beams.hpp"
 #include "examples/scenes/cables.hpp"
 #include "examples/studies/verification/linking_number.hpp"
 #include "examples/studies/verification/running.hpp"
@@ -40,8 +39,8 @@ std::map<int, double> floor_forces(const StepReport& report, const Cable& beam, 
 // A heavy beam on a floor, EI = q = 1. Its end is lifted to a height by a vertical force.
 Figures lift_beam(const SeriesRow& row) {
   constexpr int kPerLength = 40, kElements = 100;
-  const double free_length = row.at("free_length"), l = free_length / kPerLength,
-               radius = 1e-4 * free_length, height = row.at("H");
+  const double free_length = row.at("free_length"), l = free_length / kPerLength, radius = 1e-4 * free_length,
+               height = row.at("H");
   Model model;
   model.gravity = {0, 0, -1};
   model.contact_law.mu = 0;
@@ -56,8 +55,8 @@ Figures lift_beam(const SeriesRow& row) {
   add(model, lift);
   State state = rest_state(model);
   lay(beam, state);
-  const MoreauJean scheme(
-      model, {.h = 10, .solver = {.tolerance = 1e-13}, .advancement = {.certify = false}}, {.theta = 1});
+  const MoreauJean scheme(model, {.h = 10, .solver = {.tolerance = 1e-13}, .advancement = {.certify = false}},
+                          {.theta = 1});
   StepReport report;
   const auto too_high = [&](double force) {
     *lift.factor = force;
@@ -127,7 +126,7 @@ struct PegChain {
     model.gravity = Vec3::Zero();
     model.contact_law.mu = mu;
     const ShapeId peg = add(model, prepare(dilate(make_cylinder(kRadius, 0.1, sides), kDilation)));
-    const ShapeId point = add(model, prepare(dilate(make_complex({Vec3::Zero()}, {}), kPoint)));
+    const ShapeId point = add(model, prepare(dilate(make_point(), kPoint)));
     add(model, fixed_body("peg", peg));
     const auto along = [](double a) { return Vec3(-std::sin(a), std::cos(a), 0); };
     link = 2 * distance * std::sin(angle / 2);
@@ -222,7 +221,8 @@ VerificationCase rope_on_peg() {
             Model model;
             model.gravity = Vec3::Zero();
             model.contact_law.mu = kMu;
-            add(model, fixed_body("peg", add(model, prepare(dilate(make_cylinder(kPeg, 0.1, 96), kDilation)))));
+            add(model,
+                fixed_body("peg", add(model, prepare(dilate(make_cylinder(kPeg, 0.1, 96), kDilation)))));
             std::vector<Vec3> line{{kDistance, -kTail, 0}};
             for (int i = 0; i <= 4000; ++i)
               line.push_back(kDistance * Vec3(std::cos(kPi * i / 4000), std::sin(kPi * i / 4000), 0));
@@ -264,58 +264,52 @@ VerificationCase rope_on_peg() {
 
 // Two loops that hang in each other, open towards +z and -z, each pulled at both ends.
 VerificationCase clasp() {
-  return {.name = "K4.clasp",
-          .what = "two thick loops hang in each other without friction, at first 80 degrees apart",
-          .rows = {{"force", "force between them, over that on their ends, off one", "-", 1e-8,
-                    "equilibrium"},
-                   {"planes", "cosine between their planes", "-", 1e-8, "symmetry: perpendicular"}},
-          .measure = [] {
-            constexpr double kRadius = 5e-3, kLoop = 0.02, kLeg = 0.1, kTension = 10;
-            const double angle = 80 * kPi / 180;
-            Model model;
-            model.gravity = Vec3::Zero();
-            model.contact_law.mu = 0;
-            BeamSection section = section_of({.EA = 1e4,
-                                              .GA = 5e3,
-                                              .GJ = 1e-3,
-                                              .EI = 1e-3,
-                                              .mass = 0.1,
-                                              .about_x = 2e-6,
-                                              .across = 1e-6});
-            section.damping = 1e-2 * section.stiffness;
-            std::array<Cable, 2> loops;
-            for (std::size_t k = 0; k < 2; ++k) {
-              const double up = k == 0 ? 1 : -1, middle = up * (kLoop - kRadius - 1e-3);
-              const Vec3 across = k == 0 ? Vec3(Vec3::UnitX()) : Vec3(std::cos(angle), std::sin(angle), 0);
-              std::vector<Vec3> line{Vec3(0, 0, middle + up * kLeg) - kLoop * across};
-              for (int i = 0; i <= 200; ++i) {
-                const double a = kPi * i / 200;
-                line.push_back(Vec3(0, 0, middle - up * kLoop * std::sin(a)) - kLoop * std::cos(a) * across);
-              }
-              line.push_back(Vec3(0, 0, middle + up * kLeg) + kLoop * across);
-              loops[k] = add_cable(model, {.nodes = frames_along(points_along(line, 61)),
-                                           .section = section,
-                                           .radius = kRadius});
-              for (const BodyId end : {loops[k].nodes.front(), loops[k].nodes.back()})
-                add(model, DeadLoad{.body = end, .force = up * kTension * Vec3::UnitZ()});
-            }
-            State state = rest_state(model);
-            for (const Cable& loop : loops) lay(loop, state);
-            const MoreauJean scheme(model, {.h = 2e-3, .solver = {.tolerance = 1e-12}}, {.theta = 1});
-            Vec3 force = Vec3::Zero();
-            run_accepted(scheme, state, 2, [&](const StepReport& report) {
-              force.setZero();
-              for (const StepContact& c : report.contacts) force += c.impulse / report.h;
-              return true;
-            });
-            const auto opening = [&](const Cable& loop) {
-              Vec3 d = place_of(state, loop.nodes.back()) - place_of(state, loop.nodes.front());
-              d.z() = 0;
-              return Vec3(d.normalized());
-            };
-            return Figures{{"force", std::abs(force.norm() / (2 * kTension) - 1)},
-                           {"planes", std::abs(opening(loops[0]).dot(opening(loops[1])))}};
-          }};
+  return {
+      .name = "K4.clasp",
+      .what = "two thick loops hang in each other without friction, at first 80 degrees apart",
+      .rows = {{"force", "force between them, over that on their ends, off one", "-", 1e-8, "equilibrium"},
+               {"planes", "cosine between their planes", "-", 1e-8, "symmetry: perpendicular"}},
+      .measure = [] {
+        constexpr double kRadius = 5e-3, kLoop = 0.02, kLeg = 0.1, kTension = 10;
+        const double angle = 80 * kPi / 180;
+        Model model;
+        model.gravity = Vec3::Zero();
+        model.contact_law.mu = 0;
+        BeamSection section = section_of(
+            {.EA = 1e4, .GA = 5e3, .GJ = 1e-3, .EI = 1e-3, .mass = 0.1, .about_x = 2e-6, .across = 1e-6});
+        section.damping = 1e-2 * section.stiffness;
+        std::array<Cable, 2> loops;
+        for (std::size_t k = 0; k < 2; ++k) {
+          const double up = k == 0 ? 1 : -1, middle = up * (kLoop - kRadius - 1e-3);
+          const Vec3 across = k == 0 ? Vec3(Vec3::UnitX()) : Vec3(std::cos(angle), std::sin(angle), 0);
+          std::vector<Vec3> line{Vec3(0, 0, middle + up * kLeg) - kLoop * across};
+          for (int i = 0; i <= 200; ++i) {
+            const double a = kPi * i / 200;
+            line.push_back(Vec3(0, 0, middle - up * kLoop * std::sin(a)) - kLoop * std::cos(a) * across);
+          }
+          line.push_back(Vec3(0, 0, middle + up * kLeg) + kLoop * across);
+          loops[k] = add_cable(
+              model, {.nodes = frames_along(points_along(line, 61)), .section = section, .radius = kRadius});
+          for (const BodyId end : {loops[k].nodes.front(), loops[k].nodes.back()})
+            add(model, DeadLoad{.body = end, .force = up * kTension * Vec3::UnitZ()});
+        }
+        State state = rest_state(model);
+        for (const Cable& loop : loops) lay(loop, state);
+        const MoreauJean scheme(model, {.h = 2e-3, .solver = {.tolerance = 1e-12}}, {.theta = 1});
+        Vec3 force = Vec3::Zero();
+        run_accepted(scheme, state, 2, [&](const StepReport& report) {
+          force.setZero();
+          for (const StepContact& c : report.contacts) force += c.impulse / report.h;
+          return true;
+        });
+        const auto opening = [&](const Cable& loop) {
+          Vec3 d = place_of(state, loop.nodes.back()) - place_of(state, loop.nodes.front());
+          d.z() = 0;
+          return Vec3(d.normalized());
+        };
+        return Figures{{"force", std::abs(force.norm() / (2 * kTension) - 1)},
+                       {"planes", std::abs(opening(loops[0]).dot(opening(loops[1])))}};
+      }};
 }
 
 // The scene `knot`, pulled for a while and held.
@@ -324,8 +318,8 @@ VerificationCase held_knot() {
           .what = "open trefoil of rope, mu = 0.2, pulled for 2.4 s, held for 4 s, then watched for 10 s",
           .rows = {{"creep", "largest way of a node in the ten seconds", "m", 1e-9,
                     "Coulomb's law: what sticks does not creep"},
-                   {"contacts", "contacts that bear, at least", "-", 3, "topology: a knot crosses itself thrice",
-                    Sense::at_least}},
+                   {"contacts", "contacts that bear, at least", "-", 3,
+                    "topology: a knot crosses itself thrice", Sense::at_least}},
           .measure =
               [] {
                 const CaseScene s = knot();
@@ -347,6 +341,23 @@ VerificationCase held_knot() {
                 return Figures{{"creep", creep}, {"contacts", bearing}};
               },
           .slow = true};
+}
+
+// How often a line on the surface of a cable winds about its middle. Both are closed far from it, side by
+// side.
+double link(const Cable& cable, const State& state) {
+  constexpr double kFar = 100, kAside = 1e-4;  // [m]
+  std::array<std::vector<Vec3>, 2> curves;
+  for (const BodyId node : cable.nodes) {
+    curves[0].push_back(place_of(state, node));
+    curves[1].push_back(curves[0].back() + kAside * (pose(state, node).R * Vec3::UnitY()));
+  }
+  for (std::vector<Vec3>& curve : curves) {
+    const Vec3 first = curve.front(), last = curve.back();
+    curve.insert(curve.end(), {last + Vec3(kFar, 0, 0), last + Vec3(kFar, 0, kFar),
+                               first + Vec3(-kFar, 0, kFar), first - Vec3(kFar, 0, 0)});
+  }
+  return linking_number(curves[0], curves[1]);
 }
 
 // A rope between a clamp and an end that is turned and may come nearer.
@@ -399,19 +410,7 @@ VerificationCase plectoneme() {
                   for (const StepContact& c : report.contacts) bearing += c.impulse.norm() > 0;
                   return true;
                 });
-                std::vector<Vec3> middle, side;
-                for (const BodyId node : rope.nodes) {
-                  middle.push_back(place_of(state, node));
-                  side.push_back(middle.back() + 1e-4 * (pose(state, node).R * Vec3::UnitY()));
-                }
-                for (std::vector<Vec3>* curve : {&middle, &side}) {  // closed far from it, side by side
-                  constexpr double kFar = 100;
-                  const Vec3 first = curve->front(), last = curve->back();
-                  curve->insert(curve->end(), {last + Vec3(kFar, 0, 0), last + Vec3(kFar, 0, kFar),
-                                               first + Vec3(-kFar, 0, kFar), first - Vec3(kFar, 0, 0)});
-                }
-                return Figures{{"link", std::round(1e6 * linking_number(middle, side)) / 1e6},
-                               {"contacts", bearing}};
+                return Figures{{"link", std::round(1e6 * link(rope, state)) / 1e6}, {"contacts", bearing}};
               },
           .slow = true,
           .certified = true};
@@ -424,12 +423,12 @@ VerificationCase ball_meets_rope(double mass_ratio) {
   return {.name = "K10.ball_meets_rope",
           .setting = setting.str(),
           .what = "ball flies into a rope that floats at 1 m/s, mu = 0.3, 0.1 s",
-          .rows = {{"momentum", "largest change of their momentum in a step, over that of the ball", "-", 1e-13,
-                    "action and reaction; rounding"},
+          .rows = {{"momentum", "largest change of their momentum in a step, over that of the ball", "-",
+                    1e-13, "action and reaction; rounding"},
                    {"gap", "smallest gap at the start of a step, over the sum of the dilations", "-", -1,
                     "certificate: what is dilated is never met", Sense::at_least},
-                   {"passed", "momentum of the rope, over its mass times the ball's first speed", "-", 0.05, "it was met",
-                    Sense::at_least}},
+                   {"passed", "momentum of the rope, over its mass times the ball's first speed", "-", 0.05,
+                    "it was met", Sense::at_least}},
           .measure =
               [=] {
                 constexpr double kRadius = 5e-3, kLength = 0.4, kDensity = 1000;
@@ -439,17 +438,14 @@ VerificationCase ball_meets_rope(double mass_ratio) {
                 const double rope_mass = kDensity * kPi * kRadius * kRadius * kLength;
                 const SimplicialComplex sphere = make_sphere(0.039, 2);
                 const double density = mass_ratio * rope_mass / mass_properties(sphere, 1).mass;
-                const BodyId ball =
-                    add(model, solid_body("ball", add(model, prepare(dilate(sphere, 1e-3))),
-                                          mass_properties(sphere, density)));
-                const Cable rope =
-                    add_cable(model, {.name = "rope",
-                                      .nodes = straight_nodes({-kLength / 2, 0, 0}, {kLength / 2, 0, 0}, 40),
-                                      .section = beam_section({.radius = kRadius,
-                                                               .young = 2e7,
-                                                               .density = kDensity,
-                                                               .damping_time = 1e-2}),
-                                      .radius = kRadius});
+                const BodyId ball = add(model, solid_body("ball", add(model, prepare(dilate(sphere, 1e-3))),
+                                                          mass_properties(sphere, density)));
+                const Cable rope = add_cable(
+                    model, {.name = "rope",
+                            .nodes = straight_nodes({-kLength / 2, 0, 0}, {kLength / 2, 0, 0}, 40),
+                            .section = beam_section(
+                                {.radius = kRadius, .young = 2e7, .density = kDensity, .damping_time = 1e-2}),
+                            .radius = kRadius});
                 State state = rest_state(model);
                 lay(rope, state);
                 pose(state, ball).p = {0.01, 0, 0.06};
@@ -466,9 +462,7 @@ VerificationCase ball_meets_rope(double mass_ratio) {
                   return true;
                 });
                 const double own = model.bodies[ball].mass * linear_part(state.v, ball).norm();
-                return Figures{{"momentum", jump},
-                               {"gap", gap},
-                               {"passed", (1 - own / thrown) * mass_ratio}};
+                return Figures{{"momentum", jump}, {"gap", gap}, {"passed", (1 - own / thrown) * mass_ratio}};
               },
           .certified = true};
 }

@@ -10,8 +10,8 @@
 namespace aussois {
 
 /// Gauss's integral, summed over pairs of segments by the solid angles under which they see each other
-/// (Klenin and Langowski, Biopolymers 54 (2000), method 1a). A whole number to rounding if the polygons do not
-/// meet.
+/// (Klenin and Langowski, Biopolymers 54 (2000), method 1a). A whole number to rounding if the polygons do
+/// not meet.
 double linking_number(const std::vector<Vec3>& a, const std::vector<Vec3>& b);
 
 }  // namespace aussois

@@ -44,17 +44,17 @@ struct VerificationCase {
 /// All of them, sorted as on the page: groups A to K, in each by number. No two have name and
 /// setting in common.
 const std::vector<VerificationCase>& verification_cases();
-std::vector<VerificationCase> impact_verification();        // group A
-std::vector<VerificationCase> friction_verification();      // group B
-std::vector<VerificationCase> mechanism_verification();     // group C
-std::vector<VerificationCase> rotation_verification();      // group D
-std::vector<VerificationCase> beam_verification();          // group E
-std::vector<VerificationCase> solid_verification();         // group F
-std::vector<VerificationCase> soft_contact_verification();  // contacts of group F
-std::vector<VerificationCase> order_verification();         // orders and events of exact motions, A to D
-std::vector<VerificationCase> stack_verification();         // group G
-std::vector<VerificationCase> balance_verification();       // group H
-std::vector<VerificationCase> tree_verification();          // group J
+std::vector<VerificationCase> impact_verification();         // group A
+std::vector<VerificationCase> friction_verification();       // group B
+std::vector<VerificationCase> mechanism_verification();      // group C
+std::vector<VerificationCase> rotation_verification();       // group D
+std::vector<VerificationCase> beam_verification();           // group E
+std::vector<VerificationCase> solid_verification();          // group F
+std::vector<VerificationCase> soft_contact_verification();   // contacts of group F
+std::vector<VerificationCase> order_verification();          // orders and events of exact motions, A to D
+std::vector<VerificationCase> stack_verification();          // group G
+std::vector<VerificationCase> balance_verification();        // group H
+std::vector<VerificationCase> tree_verification();           // group J
 std::vector<VerificationCase> cable_contact_verification();  // group K
 
 /// What became of a case.

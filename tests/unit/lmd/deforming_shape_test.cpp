@@ -126,9 +126,8 @@ TEST(DeformingShape, TouchesWithEveryVertexOfAStraightWire) {
   const LmdShape floor = prepare(dilate(make_plate(4, 4), 0.01));
   const auto vertices_that_touch = [&](const LmdShape& wire) {
     int count = 0;
-    for (const ContactPoint& c : find_contacts({&wire, translation(0, 0, 0.03), 1}, {&floor, {}, 0},
-                                               {.threshold = 0.05})
-                                     .points)
+    for (const ContactPoint& c :
+         find_contacts({&wire, translation(0, 0, 0.03), 1}, {&floor, {}, 0}, {.threshold = 0.05}).points)
       count += (c.a.body == BodyId(1) ? c.a : c.b).dim == 0;
     return count;
   };
@@ -137,8 +136,9 @@ TEST(DeformingShape, TouchesWithEveryVertexOfAStraightWire) {
     for (int i = 0; i < 9; ++i) line.emplace_back(0.2 * i - 0.8, 0.1, i % 2 ? sag : -sag);
     EXPECT_EQ(vertices_that_touch(soft(make_polyline(line), 0.01)), 9) << sag;
   }
-  const SimplicialComplex cross = make_complex(
-      {{-0.5, 0, 0}, {0, 0, 0}, {0.5, 0, 0}, {0, -0.5, 0}, {0, 0.5, 0}}, {}, {{0, 1}, {1, 2}, {1, 3}, {1, 4}});
+  const SimplicialComplex cross =
+      make_complex({{-0.5, 0, 0}, {0, 0, 0}, {0.5, 0, 0}, {0, -0.5, 0}, {0, 0.5, 0}}, {},
+                   {{0, 1}, {1, 2}, {1, 3}, {1, 4}});
   EXPECT_EQ(vertices_that_touch(soft(cross, 0.01)), 5);
   const SimplicialComplex branch =
       make_complex({{-0.5, 0, 0}, {0, 0, 0}, {0.5, 0, 0}, {0, 0.5, 0}}, {}, {{0, 1}, {1, 2}, {1, 3}});

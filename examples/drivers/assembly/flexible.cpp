@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "examples/drivers/assembly/flexible.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include <nlohmann/json.hpp>
+
+#include "geometry/mass_properties.hpp"
+#include "geometry/primitives.hpp"
+#include "io/text.hpp"
+
+namespace aussois {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr Range kElements{2, 10000};
+constexpr int kClipFacets = 24, kClipSides = 12;
+constexpr double kClipDensity = 1000;  // of clips on the moving part [kg/m^3]
+
+std::string item(std::string list, std::size_t i) {
+  return list.append("[").append(std::to_string(i)).append("]");
+}
+
+/// A JSON object whose fields are taken one by one; what is left is refused.
+class Fields {
+ public:
+  Fields(const Json& json, std::string where) : json_(json), where_(std::move(where)) {
+    if (!json.is_object()) fail("", "must be an object");
+  }
+  bool has(const std::string& name) const { return json_.contains(name); }
+  const Json& take(const std::string& name) {
+    if (!has(name)) fail(name, "is missing");
+    taken_.push_back(name);
+    return json_.at(name);
+  }
+  Fields object(const std::string& name) { return {take(name), inside(name)}; }
+  std::string inside(const std::string& name) const { return where_.empty() ? name : where_ + "." + name; }
+  double number(const std::string& name, const Range& range) {
+    const Json& value = take(name);
+    if (!value.is_number()) fail(name, "must be a number");
+    if (!contains(range, value.get<double>()))
+      fail(name, "= " + value.dump() + " must " + range_order(range));
+    return value.get<double>();
+  }
+  bool flag(const std::string& name, bool otherwise) {
+    if (!has(name)) return otherwise;
+    const Json& value = take(name);
+    if (!value.is_boolean()) fail(name, "must be true or false");
+    return value.get<bool>();
+  }
+  std::string text(const std::string& name) {
+    const Json& value = take(name);
+    if (!value.is_string()) fail(name, "must be a text");
+    return value.get<std::string>();
+  }
+  Vec3 vector(const std::string& name) { return vector_in(take(name), name); }
+  Vec3 vector_in(const Json& value, const std::string& name) const {
+    const bool three = value.is_array() && value.size() == 3 &&
+                       std::ranges::all_of(value, [](const Json& x) { return x.is_number(); });
+    if (!three) fail(name, "must be three numbers");
+    return {value[0].get<double>(), value[1].get<double>(), value[2].get<double>()};
+  }
+  void end() const {
+    for (const auto& [name, value] : json_.items())
+      if (std::ranges::find(taken_, name) == taken_.end()) fail(name, "is no field of it");
+  }
+  [[noreturn]] void fail(const std::string& name, const std::string& what) const {
+    const std::string who = name.empty() ? where_ : inside(name);
+    throw std::runtime_error((who.empty() ? "the cable" : who) + " " + what);
+  }
+
+ private:
+  const Json& json_;
+  std::string where_;
+  std::vector<std::string> taken_{};
+};
+
+/// Takes the options of a table from an object; those that it does not name keep their values.
+class SettingReader final : public SettingVisitor {
+ public:
+  explicit SettingReader(Fields& fields) : fields_(fields) {}
+  void number(const Setting& setting, double& value) override {
+    if (fields_.has(setting.name) || !contains(setting.range, value))
+      value = fields_.number(setting.name, setting.range);
+  }
+  void count(const Setting&, int&) override {}
+  void toggle(const Setting&, bool&) override {}
+  void seed(const Setting&, std::uint64_t&) override {}
+
+ private:
+  void choose(const Setting&, Choice&) override {}
+  Fields& fields_;
+};
+
+OnPart place_in(Fields& fields) {
+  OnPart out;
+  const std::string part = fields.text("part");
+  if (part != "fixed" && part != "moving") fields.fail("part", "= " + part + " must be fixed or moving");
+  out.moving = part == "moving";
+  out.at = fields.vector("at");
+  out.along = fields.vector("along");
+  if (out.along.isZero(0)) fields.fail("along", "must not be zero");
+  out.along.normalize();
+  return out;
+}
+
+OnPart end_in(Fields fields) {
+  const OnPart out = place_in(fields);
+  fields.end();
+  return out;
+}
+
+CableStop clip_in(Fields fields, double cable_radius) {
+  const CableStop out{.place = place_in(fields),
+                      .hole = fields.number("hole", positive_range()),
+                      .thickness = fields.number("thickness", positive_range())};
+  fields.end();
+  if (!(out.hole > cable_radius))
+    fields.fail("hole", "= " + number_text(out.hole) + " must exceed the cable's radius, " +
+                            number_text(cable_radius));
+  return out;
+}
+
+FlexibleCable cable_in(const Json& json, const std::string& where) {
+  Fields fields(json, where);
+  FlexibleCable out;
+  if (fields.has("name")) out.name = fields.text("name");
+  Fields section = fields.object("section");
+  SettingReader reader(section);
+  describe(reader, out.section);
+  section.end();
+  const double elements = fields.number("elements", kElements);
+  if (elements != std::floor(elements))
+    fields.fail("elements", "= " + number_text(elements) + " must be a whole number");
+  out.elements = int(elements);
+  out.from = end_in(fields.object("from"));
+  out.to = end_in(fields.object("to"));
+  if (fields.has("via")) {
+    const Json& list = fields.take("via");
+    if (!list.is_array()) fields.fail("via", "must be a list");
+    for (std::size_t i = 0; i < list.size(); ++i)
+      out.via.push_back(
+          list[i].is_array()
+              ? CableStop{.place = {.at = fields.vector_in(list[i], item("via", i)), .along = Vec3::Zero()}}
+              : clip_in({list[i], fields.inside(item("via", i))}, out.section.radius));
+  }
+  out.touches_itself = fields.flag("touches_itself", true);
+  out.straight = fields.flag("straight", false);
+  fields.end();
+  return out;
+}
+
+/// On the cubic that leads from a to b with these derivatives, s in [0, 1]. (Hermite)
+Vec3 cubic(const Vec3& a, const Vec3& da, const Vec3& b, const Vec3& db, double s) {
+  const double r = 1 - s;
+  return r * r * (1 + 2 * s) * a + s * r * r * da + s * s * (3 - 2 * s) * b - s * s * r * db;
+}
+
+/// A joint holds the body at this pose to the moving part.
+void hold(AssemblyScene& scene, BodyId body, const SE3& at, const std::string& name) {
+  PerBody<SE3> poses(scene.model.bodies.size());
+  poses[scene.moving] = scene.path.pose.front();
+  poses[body] = at;
+  add(scene.model, joint_at(JointKind::fixed, name, body, scene.moving, poses, at));
+  scene.held.emplace_back(body, at);
+}
+
+/// The pose of the moving part's mesh at the start.
+SE3 start_of_moving(const AssemblyScene& scene) {
+  return scene.path.pose.front() * scene.model.bodies[scene.moving].g_bs;
+}
+
+void add_clip(AssemblyScene& scene, const CableStop& clip, const std::string& name) {
+  const double dilation = clip.thickness / 4;
+  const SimplicialComplex ring =
+      make_torus(clip.hole + clip.thickness / 2, clip.thickness / 2 - dilation, kClipFacets, kClipSides);
+  const ShapeId shape = add(scene.model, prepare(dilate(ring, dilation)));
+  const SE3 there{Quat::FromTwoVectors(Vec3::UnitZ(), clip.place.along), clip.place.at};
+  if (clip.place.moving) {
+    const RigidBody body = solid_body(name, shape, mass_properties(ring, kClipDensity));
+    const SE3 at = start_of_moving(scene) * there * inverse(body.g_bs);
+    hold(scene, add(scene.model, body), at, name);
+  } else {
+    RigidBody body = fixed_body(name, shape);
+    body.g_bs = there;
+    add(scene.model, std::move(body));
+  }
+}
+
+}  // namespace
+
+std::vector<FlexibleCable> read_flexible(const std::filesystem::path& path) {
+  const std::string text = read_file(path);
+  try {
+    const Json json = Json::parse(text);
+    std::vector<FlexibleCable> out;
+    if (!json.is_array()) return {cable_in(json, "")};
+    for (std::size_t i = 0; i < json.size(); ++i) out.push_back(cable_in(json[i], item("", i)));
+    if (out.empty()) throw std::runtime_error("must have at least one cable");
+    return out;
+  } catch (const std::exception& error) {
+    throw std::runtime_error(path.string() + ": " + error.what());
+  }
+}
+
+std::vector<Vec3> route(const FlexibleCable& cable, const SE3& moving) {
+  struct Knot {
+    Vec3 at{}, along{};  // unit; zero: as its neighbours want
+  };
+  std::vector<Knot> knots;
+  const auto there = [&](const OnPart& place) {
+    const SE3 g = place.moving ? moving : SE3{};
+    return Knot{g * place.at, g.R * place.along};
+  };
+  knots.push_back(there(cable.from));
+  for (const CableStop& stop : cable.via) knots.push_back(there(stop.place));
+  knots.push_back(there(cable.to));
+  std::vector<Vec3> line{knots.front().at};
+  for (std::size_t i = 1; i < knots.size(); ++i) {
+    const double length = (knots[i].at - knots[i - 1].at).norm();
+    const auto slope = [&](std::size_t k) -> Vec3 {
+      if (!knots[k].along.isZero(0)) return length * knots[k].along;
+      return length * (knots[k + 1].at - knots[k - 1].at).normalized();
+    };
+    constexpr int kPieces = 64;
+    for (int s = 1; s <= kPieces; ++s)
+      line.push_back(cubic(knots[i - 1].at, slope(i - 1), knots[i].at, slope(i), double(s) / kPieces));
+  }
+  return points_along(line, cable.elements + 1);
+}
+
+void add_flexible(AssemblyScene& scene, const std::vector<FlexibleCable>& cables) {
+  Model& model = scene.model;
+  for (const FlexibleCable& cable : cables) {
+    int clips = 0;
+    for (const CableStop& stop : cable.via)
+      if (stop.is_clip()) add_clip(scene, stop, cable.name + " clip " + std::to_string(++clips));
+    const std::vector<SE3> frames = frames_along(route(cable, start_of_moving(scene)));
+    const Cable added = add_cable(model, {.name = cable.name,
+                                          .nodes = frames,
+                                          .section = beam_section(cable.section),
+                                          .radius = cable.section.radius,
+                                          .touches_itself = cable.touches_itself,
+                                          .straight = cable.straight});
+    for (const auto& [place, node] : {std::pair(&cable.from, 0), std::pair(&cable.to, cable.elements)}) {
+      const BodyId end = added.nodes[std::size_t(node)];
+      if (!place->moving)
+        model.bodies[end].motion = FixedMotion{};
+      else
+        hold(scene, end, added.laid[std::size_t(node)],
+             cable.name + (node == 0 ? " first end" : " last end"));
+    }
+    scene.cables.push_back(added);
+  }
+}
+
+}  // namespace aussois
