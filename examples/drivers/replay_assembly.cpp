@@ -301,15 +301,15 @@ bool tell_end(const AssemblyInput& input, const AssemblyScene& scene, const Driv
 
 ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, const Arguments& a) {
   const State start = start_of(scene);
-  RunPlan plan{
-      .driver = "replay_assembly",
-      .name = input.name,
-      .h = scene.h,
-      .t_end = scene.path.t.back() + a.scene.hold,
-      .scene = scene_text(*a.cli, input.fingerprint, {"--data", "--fixed", "--moving", "--path", "--cache", "--flexible"}),
-      .header = header_of(input, scene, a),
-      .gauges = gauges_of(scene),
-      .pull = [&](const State& state) { return pull_at(scene, state); }};
+  RunPlan plan{.driver = "replay_assembly",
+               .name = input.name,
+               .h = scene.h,
+               .t_end = scene.path.t.back() + a.scene.hold,
+               .scene = scene_text(*a.cli, input.fingerprint,
+                                   {"--data", "--fixed", "--moving", "--path", "--cache", "--flexible"}),
+               .header = header_of(input, scene, a),
+               .gauges = gauges_of(scene),
+               .pull = [&](const State& state) { return pull_at(scene, state); }};
   if (!a.run.common.quiet)
     std::printf("%s to take, more if some are shortened\n",
                 counted_noun(std::int64_t(std::ceil(plan.t_end / scene.h - 1e-9)), "step").c_str());
@@ -338,8 +338,8 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
 void refuse_unread_by_mode(const Cli& cli, bool dynamic) {
   if (dynamic) return refuse_given(cli, {"--threshold"}, "--mode kinematic");
   std::vector<std::string> unread = {
-      "--mu", "--restitution", "--density",          "--mass",   "--gravity",
-      "--h",  "--every",       "--checkpoint-every", "--resume", "--resume-anyway", "--flexible"};
+      "--mu",    "--restitution",      "--density", "--mass",          "--gravity", "--h",
+      "--every", "--checkpoint-every", "--resume",  "--resume-anyway", "--flexible"};
   for (const char* group : {"path", "scheme", "solver", "run", "problems"})
     for (const std::string& flag : cli.given(group)) unread.push_back(flag);
   refuse_given(cli, unread, "--mode dynamic");
@@ -427,7 +427,8 @@ int main(int argc, char** argv) {
       "replay_assembly --fixed rail.obj --moving slider.obj --path out.csv --scale 1e-3 -o out --summary "
       "out/s.json",
       "files in millimetres");
-  cli.example("replay_assembly --fixed socket.obj --moving peg.obj --path peg_out.csv --flexible lead.json -o out",
-              "with a cable from the peg to the socket");
+  cli.example(
+      "replay_assembly --fixed socket.obj --moving peg.obj --path peg_out.csv --flexible lead.json -o out",
+      "with a cable from the peg to the socket");
   return run_driver(cli, argc, argv, [&] { return replay(a); });
 }

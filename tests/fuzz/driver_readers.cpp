@@ -258,12 +258,9 @@ void use_kept(const fs::path& file) {
 }  // namespace
 
 std::vector<FuzzedReader> driver_readers() {
-  return {{"pairs", ".csv", make_pairs, use_pairs},
-          {"toss", ".csv", write_input, use_toss},
-          {"samples", ".csv", write_input, use_samples},
-          {"series", ".csv", write_input, use_series},
-          {"cables", ".json", write_input, use_cables},
-          {"kept", ".json", write_input, use_kept}};
+  return {{"pairs", ".csv", make_pairs, use_pairs},      {"toss", ".csv", write_input, use_toss},
+          {"samples", ".csv", write_input, use_samples}, {"series", ".csv", write_input, use_series},
+          {"cables", ".json", write_input, use_cables},  {"kept", ".json", write_input, use_kept}};
 }
 
 }  // namespace aussois

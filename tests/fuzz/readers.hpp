@@ -27,8 +27,8 @@ std::vector<FuzzedReader> text_readers();
 /// file (hdf5_edits.hpp). Bytes that HDF5 itself cannot take are no matter of ours.
 std::vector<FuzzedReader> hdf5_readers();
 
-/// What drivers read beside that: tables of pairs, tosses, samples and series, cables, and what an earlier call kept.
-/// An input is the file; for `kept` a digit that chooses the kind of result, then fields of it.
+/// What drivers read beside that: tables of pairs, tosses, samples and series, cables, and what an earlier
+/// call kept. An input is the file; for `kept` a digit that chooses the kind of result, then fields of it.
 std::vector<FuzzedReader> driver_readers();
 
 /// False: the reader that the environment variable AUSSOIS_FUZZ names refuses the input.
