@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 
 #include "examples/common/convergence.hpp"
@@ -368,6 +369,46 @@ VerificationCase greenhill() {
       }};
 }
 
+// The least stiffness of a rod of length 1, EI = 1, that is straight without stress, bent to a ring, twisted
+// and closed; but for that of turning inside out, which is zero.
+double ring_stiffness(int elements, double GJ, double twist) {
+  constexpr double kRadius = 1 / (2 * kPi), kAlong = 1e6;
+  std::vector<SE3> nodes;
+  for (int i = 0; i < elements; ++i)
+    nodes.push_back(rotation(Vec3::UnitZ(), 2 * kPi * i / elements) * translation(kRadius, 0, 0) *
+                    rotation(Vec3::UnitZ(), kPi / 2) * rotation(Vec3::UnitX(), twist * i / elements));
+  BeamScene s = beam_scene(
+      nodes, {.EA = kAlong, .GA = kAlong, .GJ = GJ, .EI = 1, .mass = 1, .about_x = 2e-4, .across = 1e-4},
+      true, {.straight = true});
+  BeamElement closing = s.cable.beam.elements[0];
+  closing.body_a = s.last(), closing.body_b = s.first();
+  closing.frame_b = rotation(Vec3::UnitX(), twist);
+  add(s.model, Beam{.name = "closing", .sections = s.cable.beam.sections, .elements = {closing}});
+  require_accepted(settle(static_scheme(s.model), s.state, {.displacement = 1e-8}));
+  const MatX K(forces_at(s.model, s.state, layout(s.model)).K);
+  const VecX all = Eigen::SelfAdjointEigenSolver<MatX>(MatX((K + K.transpose()) / 2), Eigen::EigenvaluesOnly)
+                       .eigenvalues();
+  return std::abs(all[0]) < 1e-6 ? all[1] : all[0];
+}
+
+VerificationCase michell() {
+  return {.name = "E8.michell",
+          .what = "ring of 32 elements, closed after a twist, with EI / GJ of 1/2, 1 and 3/2",
+          .rows = {{"twist", "worst twist at which the least stiffness vanishes, relative", "-", 1e-2,
+                    "2 pi sqrt(3) EI / GJ, closed form; shared series"}},
+          .measure = [] {
+            Worst off;
+            for (const SeriesRow& row : deformable_series("twist_buckling.csv", "michell_ring_EI_over_GJ")) {
+              const double GJ = 1 / row.at("T_L2_over_EI_or_ratio"),
+                           exact = row.at("M_L_over_EI_or_twist_rad");
+              const double at97 = ring_stiffness(32, GJ, 0.97 * exact),
+                           at99 = ring_stiffness(32, GJ, 0.99 * exact);
+              off.add(std::abs(-0.01 + 0.02 * at99 / (at97 - at99)));  // it falls on a straight line
+            }
+            return Figures{{"twist", off}};
+          }};
+}
+
 // A beam of 10 m on a hub that is turned up to 6 rad/s within 15 s. (Kane, Ryan and Banerjee 1987) In a step
 // of length h nodes go along chords, which adds (omega h)^2 / 8 to the strain: 0.14 % of it with 0.125 ms.
 VerificationCase spin_up() {
@@ -523,6 +564,7 @@ std::vector<VerificationCase> beam_verification() {
   out.push_back(elastica());
   out.push_back(reissner_column());
   out.push_back(greenhill());
+  out.push_back(michell());
   out.push_back(helix_at_rest());
   out.push_back(spin_up());
   out.push_back(frequencies());
