@@ -318,8 +318,8 @@ VerificationCase held_knot() {
           .what = "open trefoil of rope, mu = 0.2, pulled for 2.4 s, held for 4 s, then watched for 10 s",
           .rows = {{"creep", "largest way of a node in the ten seconds", "m", 1e-9,
                     "Coulomb's law: what sticks does not creep"},
-                   {"contacts", "contacts that bear, at least", "-", 3,
-                    "topology: a knot crosses itself thrice", Sense::at_least}},
+                   {"contacts", "contacts that bear", "-", 3, "topology: a knot crosses itself thrice",
+                    Sense::at_least}},
           .measure =
               [] {
                 const CaseScene s = knot();
@@ -365,10 +365,10 @@ VerificationCase plectoneme() {
   return {.name = "K8.plectoneme",
           .what =
               "rope of 1 m under a tension of 0.05 N, one end turned six and a half times: it winds about "
-              "itself; certified",
+              "itself",
           .rows = {{"link", "linking number of the rope with a line on its surface", "-", 6,
                     "topology: the whole turns, unless it went through itself", Sense::exactly},
-                   {"contacts", "contacts with itself that bear, at least", "-", 10,
+                   {"contacts", "contacts with itself that bear", "-", 10,
                     "it winds about itself more than twice", Sense::at_least}},
           .measure =
               [] {
@@ -422,7 +422,7 @@ VerificationCase ball_meets_rope(double mass_ratio) {
   setting << "ball of " << mass_ratio << " times the rope's mass";
   return {.name = "K10.ball_meets_rope",
           .setting = setting.str(),
-          .what = "ball flies into a rope that floats at 1 m/s, mu = 0.3, 0.1 s",
+          .what = "ball flies at 1 m/s into a rope that floats, mu = 0.3, 0.1 s",
           .rows = {{"momentum", "largest change of their momentum in a step, over that of the ball", "-",
                     1e-13, "action and reaction; rounding"},
                    {"gap", "smallest gap at the start of a step, over the sum of the dilations", "-", -1,
