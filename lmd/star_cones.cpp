@@ -53,18 +53,28 @@ bool falls(const std::vector<Vec3>& star, const Vec3& n) {
   return std::ranges::all_of(star, [&](const Vec3& d) { return n.dot(d) <= -kFall; });
 }
 
-// Of a vertex of wires, as if those that go on nearly straight did so exactly; nothing if none does.
+// Of a vertex of wires, as if those that go on nearly straight, in pairs, did so exactly; nothing if none
+// does. The straightest pair comes first.
 std::optional<NormalCone> straightened(std::vector<Vec3> star) {
-  bool any = false;
+  struct Bend {
+    double size;
+    std::size_t i, j;
+  };
+  std::vector<Bend> bends;
   for (std::size_t i = 0; i < star.size(); ++i)
-    for (std::size_t j = i + 1; j < star.size(); ++j) {
-      if ((star[i] + star[j]).norm() > 2 * kHollow) continue;
-      star[i] = (star[i] - star[j]).normalized();
-      star[j] = -star[i];
-      any = true;
-    }
+    for (std::size_t j = i + 1; j < star.size(); ++j)
+      if (const double bend = (star[i] + star[j]).norm(); bend <= 2 * kHollow) bends.push_back({bend, i, j});
+  if (bends.empty()) return std::nullopt;
+  std::ranges::stable_sort(bends, {}, &Bend::size);
+  std::vector<char> goes_on(star.size(), 0);
+  for (const Bend& bend : bends) {
+    if (goes_on[bend.i] || goes_on[bend.j]) continue;
+    goes_on[bend.i] = goes_on[bend.j] = 1;
+    star[bend.i] = (star[bend.i] - star[bend.j]).normalized();
+    star[bend.j] = -star[bend.i];
+  }
   NormalCone cone = make_normal_cone(star);  // for its cap
-  if (!any || cone.lineality == 3) return std::nullopt;
+  if (cone.lineality == 3) return std::nullopt;
   cone.lineality = 0, cone.cyclic = false;
   cone.rays = std::move(star);
   return cone;

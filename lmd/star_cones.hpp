@@ -30,7 +30,8 @@ std::vector<Vec3> vertex_directions(const SimplicialComplex& k, const Idealisati
 /// one that is nearly flat.
 bool is_pit(const Idealisation& ideal, const std::vector<ChainCone>& cones, const NormalCone& cone, int v);
 
-/// The cones of a vertex on those sides on which its own does not stand for it (DEF-5).
+/// The cones of a vertex on those sides on which its own does not stand for it; of wires that go on nearly
+/// straight, on all sides (DEF-5).
 std::vector<NormalCone> soft_cones(const SimplicialComplex& k, const Idealisation& ideal, int v,
                                    bool has_own);
 

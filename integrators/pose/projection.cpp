@@ -63,7 +63,8 @@ Projection without_overlap(const StepSetting& setting, const State& plain, const
     const ContactSet contacts = contacts_of(setting.model, tried, pairs, setting.options.lmd);
     const ContactBlocks blocks = openings(setting, tried, contacts);
     double overlap = 0;
-    for (const ContactRow& row : blocks.rows) overlap = std::max(overlap, -row.gap);
+    for (const ContactRow& row : blocks.rows)
+      if (row.can_open) overlap = std::max(overlap, -row.gap);
     if (!(overlap < out.overlap)) break;  // as far as rounding, or the geometry, lets it
     out.overlap = overlap;
     out.end = tried;
@@ -71,7 +72,7 @@ Projection without_overlap(const StepSetting& setting, const State& plain, const
     out.moved = total.size() > 0 ? total.lpNorm<Eigen::Infinity>() : 0;
     if (overlap <= kOverlapRounding) break;
     for (std::size_t i = 0; i < blocks.rows.size(); ++i) {
-      if (blocks.rows[i].gap >= -kOverlapRounding) continue;
+      if (!blocks.rows[i].can_open || blocks.rows[i].gap >= -kOverlapRounding) continue;
       if (i < contacts.points.size())
         out.contacts.push_back(key_of(contacts.points[i]));
       else

@@ -66,7 +66,7 @@ void use_series(const fs::path& file) {
 }
 
 void use_cables(const fs::path& file) {
-  for (const FlexibleCable& cable : read_flexible(file)) try {
+  for (const FlexibleCable& cable : flexible_in(read_file(file), file.string())) try {
       route(cable, {});
     } catch (const std::invalid_argument&) {  // no length
     }

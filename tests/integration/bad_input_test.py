@@ -147,11 +147,16 @@ class BadInput(DriverTest):
                    ('"poisson": 0.45', '"poisson": 0.5', "section.poisson = 0.5 must lie in (-1, 0.5)"),
                    ('"elements": 80', '"elements": 80.5', "elements = 80.5 must be a whole number"),
                    ('"elements": 80', '"elements": 1', "elements = 1 must lie in [2, 10000]"),
-                   ('"part": "moving"', '"part": "peg"', "from.part = peg must be fixed or moving"),
+                   ('"part": "moving"', '"part": "peg"', "from.part = 'peg' must be fixed or moving"),
                    ('"along": [-1, 0, 0]', '"along": [0, 0, 0]', "to.along must not be zero"),
                    ('"along": [-1, 0, 0]', '"along": [-1, 0]', "to.along must be three numbers"),
                    ('"hole": 0.003', '"hole": 0.001', "via[2].hole = 0.001 must exceed the cable's radius, 0.001"),
-                   ('"name": "lead"', '"title": "lead"', "title is no field of it"),
+                   ('"along": [-1, 0, 0]', '"along": [1e300, 0, 0]', "to.along = 1e+300 must lie in [-1000, 1000]"),
+                   ('"at": [0.0175', '"at": [17500', "to.at = 17500 must lie in [-1000, 1000]"),
+                   ('"name": "lead"', '"title": "lead"', "'title' is unknown"),
+                   ('"name": "lead"', '"name": "peg"', "two bodies are named 'peg'"),
+                   ('"name": "lead"', '"name": "a/b"', "name = 'a/b' must be"),
+                   ('"name": "lead"', '"elements": 8', "'elements' stands twice in one object"),
                    ('"elements": 80,', '"elements": 80', "line 5"))
         for old, new, words in changes:
             path = self.changed("peg_lead.json", old, new)

@@ -2,6 +2,7 @@
 """The main job: replays end at the end of their path, without a refused step, a failed solve or an overlap."""
 
 import csv
+import json
 import math
 import sys
 import unittest
@@ -96,7 +97,7 @@ class Replay(DriverTest):
         self.assertAlmostEqual(summary["mass"], 7850 * 4 / 3 * math.pi * 1e-12, 18)
 
     def test_a_lead_follows_the_peg(self):
-        """It slides through a clip, pulls at the peg and passes through nothing."""
+        """It hangs in its clip, pulls at the peg at rest, and no step overlaps more than it may."""
         lead = (*PEG, "--flexible", PARTS / "peg_lead.json")
         self.ends_well(*lead)
         summary, steps = self.summary("out"), self.columns("out")
@@ -108,7 +109,32 @@ class Replay(DriverTest):
         bare = self.replay("bare", *PEG)
         self.assertEqual(bare.returncode, 0)
         self.assertNotIn("tension", self.columns("bare"))
-        self.assertNotEqual(self.summary("bare")["peak_force"], summary["peak_force"])
+        pull, bare_pull = (float(self.columns(out)["force"][-1]) for out in ("out", "bare"))
+        self.assertGreater(abs(pull - bare_pull), 0.5e-3)  # a tenth of its weight
+        self.assertLess(abs(pull - bare_pull), summary["peak_tension"])
+        h5py = self.hdf5()
+        with h5py.File(self.folder / "out" / "run.h5") as run:
+            names = [name.decode() if isinstance(name, bytes) else name for name in run["body/name"][()]]
+            pairs = {frozenset(pair) for pair in run["contact/pair"][()].tolist()}
+        self.assertIn(frozenset((names.index("lead"), names.index("lead clip 1"))), pairs)
+
+    def test_a_lead_that_no_part_moves_adds_nothing_to_the_force_on_the_peg(self):
+        """Both ends on the socket, far from the peg; and clips may be on the moving part."""
+        far = {"section": {"radius": 1e-3, "young": 2e7, "density": 1400, "bending_stiffness": 1e-5, "damping_time": 0.02},
+               "elements": 30, "via": [[0, 0.035, 0.01]],
+               "from": {"part": "fixed", "at": [-0.01, 0.018, 0.01], "along": [0, 1, 0]},
+               "to": {"part": "fixed", "at": [0.012, 0.018, 0.01], "along": [0, -1, 0]}}
+        self.replay("bare", *PEG)
+        (self.folder / "far.json").write_text(json.dumps(far))
+        self.replay("far", *PEG, "--flexible", "far.json")
+        alone, with_lead = self.summary("bare"), self.summary("far")
+        self.assertAlmostEqual(with_lead["peak_contact_force"], alone["peak_contact_force"], 6)
+        self.assertAlmostEqual(with_lead["peak_force"], alone["peak_force"], 6)
+        lead = json.loads((PARTS / "peg_lead.json").read_text())
+        ring = {"part": "moving", "at": [0, 0, 0.035], "along": [0, 0, 1], "hole": 0.002, "thickness": 0.001}
+        (self.folder / "two.json").write_text(json.dumps([{**lead, "via": [ring, *lead["via"]]}, {**far, "name": "far"}]))
+        self.replay("two", *PEG, "--flexible", "two.json")
+        self.assertEqual(self.summary("two")["refused_steps"], 0)
 
     def test_two_points_have_the_clearance_of_their_nearest_pose(self):
         """They have no size that could bound it."""

@@ -196,7 +196,7 @@ AssemblyScene make_assembly_scene(const AssemblyInput& input, const AssemblyOpti
 State start_of(const AssemblyScene& scene) {
   State state = rest_state(scene.model);
   pose(state, scene.moving) = scene.path.pose.front();
-  for (const auto& [body, at] : scene.held) pose(state, body) = at;
+  for (const auto& [body, at] : scene.clips) pose(state, body) = at;
   for (const Cable& cable : scene.cables) lay(cable, state);
   return state;
 }

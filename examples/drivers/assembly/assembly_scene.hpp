@@ -57,8 +57,8 @@ struct AssemblyScene {
   double dilation = 0;      // of each part [m]
   double h = 0;             // largest step [s]
   std::string mass_source{};
-  std::vector<Cable> cables{};                 // between the parts
-  std::vector<std::pair<BodyId, SE3>> held{};  // what a joint holds to the moving part, at the start
+  std::vector<Cable> cables{};                  // between the parts
+  std::vector<std::pair<BodyId, SE3>> clips{};  // of cables, on the moving part: where they are at the start
   // A line per shape on what the cache did, and what it could not use or write; empty without a cache
   std::vector<std::string> cache{}, cache_warnings{};
 };

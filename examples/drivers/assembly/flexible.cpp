@@ -3,7 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
+#include <optional>
+#include <set>
 
 #include <nlohmann/json.hpp>
 
@@ -16,9 +17,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr Range kElements{2, 10000};
+constexpr Range kElements{2, 10000}, kPlace{-1000, 1000};  // [m]
 constexpr int kClipFacets = 24, kClipSides = 12;
 constexpr double kClipDensity = 1000;  // of clips on the moving part [kg/m^3]
+
+std::string clip_name(const FlexibleCable& cable, int number) {
+  return cable.name + " clip " + std::to_string(number);
+}
 
 std::string item(std::string list, std::size_t i) {
   return list.append("[").append(std::to_string(i)).append("]");
@@ -53,7 +58,7 @@ class Fields {
   }
   std::string text(const std::string& name) {
     const Json& value = take(name);
-    if (!value.is_string()) fail(name, "must be a text");
+    if (!value.is_string()) fail(name, "must be a string");
     return value.get<std::string>();
   }
   Vec3 vector(const std::string& name) { return vector_in(take(name), name); }
@@ -61,11 +66,13 @@ class Fields {
     const bool three = value.is_array() && value.size() == 3 &&
                        std::ranges::all_of(value, [](const Json& x) { return x.is_number(); });
     if (!three) fail(name, "must be three numbers");
+    for (const Json& x : value)
+      if (!contains(kPlace, x.get<double>())) fail(name, "= " + x.dump() + " must " + range_order(kPlace));
     return {value[0].get<double>(), value[1].get<double>(), value[2].get<double>()};
   }
   void end() const {
     for (const auto& [name, value] : json_.items())
-      if (std::ranges::find(taken_, name) == taken_.end()) fail(name, "is no field of it");
+      if (std::ranges::find(taken_, name) == taken_.end()) fail(aussois::quoted(name), "is unknown");
   }
   [[noreturn]] void fail(const std::string& name, const std::string& what) const {
     const std::string who = name.empty() ? where_ : inside(name);
@@ -98,12 +105,13 @@ class SettingReader final : public SettingVisitor {
 OnPart place_in(Fields& fields) {
   OnPart out;
   const std::string part = fields.text("part");
-  if (part != "fixed" && part != "moving") fields.fail("part", "= " + part + " must be fixed or moving");
+  if (part != "fixed" && part != "moving")
+    fields.fail("part", "= " + aussois::quoted(part) + " must be fixed or moving");
   out.moving = part == "moving";
   out.at = fields.vector("at");
   out.along = fields.vector("along");
-  if (out.along.isZero(0)) fields.fail("along", "must not be zero");
-  out.along.normalize();
+  out.along.stableNormalize();
+  if (!(std::abs(out.along.norm() - 1) < 1e-9)) fields.fail("along", "must not be zero");
   return out;
 }
 
@@ -124,10 +132,14 @@ CableStop clip_in(Fields fields, double cable_radius) {
   return out;
 }
 
-FlexibleCable cable_in(const Json& json, const std::string& where) {
+FlexibleCable cable_in(const Json& json, const std::string& where, std::string name) {
   Fields fields(json, where);
-  FlexibleCable out;
+  FlexibleCable out{.name = std::move(name)};
   if (fields.has("name")) out.name = fields.text("name");
+  const bool plain = std::ranges::all_of(out.name, [](unsigned char c) { return c >= 32 && c != '/'; });
+  if (!plain || out.name.empty() || out.name == ".")
+    fields.fail("name",
+                "= " + aussois::quoted(out.name) + " must be a word without / and control characters");
   Fields section = fields.object("section");
   SettingReader reader(section);
   describe(reader, out.section);
@@ -165,7 +177,6 @@ void hold(AssemblyScene& scene, BodyId body, const SE3& at, const std::string& n
   poses[scene.moving] = scene.path.pose.front();
   poses[body] = at;
   add(scene.model, joint_at(JointKind::fixed, name, body, scene.moving, poses, at));
-  scene.held.emplace_back(body, at);
 }
 
 /// The pose of the moving part's mesh at the start.
@@ -175,14 +186,18 @@ SE3 start_of_moving(const AssemblyScene& scene) {
 
 void add_clip(AssemblyScene& scene, const CableStop& clip, const std::string& name) {
   const double dilation = clip.thickness / 4;
-  const SimplicialComplex ring =
-      make_torus(clip.hole + clip.thickness / 2, clip.thickness / 2 - dilation, kClipFacets, kClipSides);
+  // Vertices on a circle: the edges between them come nearer to the axis
+  const double major = (clip.hole + dilation) / std::cos(kPi / kClipFacets) + dilation;
+  const SimplicialComplex ring = make_torus(major, clip.thickness / 2 - dilation, kClipFacets, kClipSides),
+                          body_of_ring = make_torus(major, clip.thickness / 2, kClipFacets, kClipSides);
   const ShapeId shape = add(scene.model, prepare(dilate(ring, dilation)));
   const SE3 there{Quat::FromTwoVectors(Vec3::UnitZ(), clip.place.along), clip.place.at};
   if (clip.place.moving) {
-    const RigidBody body = solid_body(name, shape, mass_properties(ring, kClipDensity));
+    const RigidBody body = solid_body(name, shape, mass_properties(body_of_ring, kClipDensity));
     const SE3 at = start_of_moving(scene) * there * inverse(body.g_bs);
-    hold(scene, add(scene.model, body), at, name);
+    const BodyId id = add(scene.model, body);
+    hold(scene, id, at, name);
+    scene.clips.emplace_back(id, at);
   } else {
     RigidBody body = fixed_body(name, shape);
     body.g_bs = there;
@@ -192,42 +207,70 @@ void add_clip(AssemblyScene& scene, const CableStop& clip, const std::string& na
 
 }  // namespace
 
-std::vector<FlexibleCable> read_flexible(const std::filesystem::path& path) {
-  const std::string text = read_file(path);
+std::vector<FlexibleCable> flexible_in(const std::string& text, const std::string& file,
+                                       const std::vector<std::string>& taken) {
+  std::vector<std::set<std::string>> open;  // the fields of each object around the place that is parsed
+  const auto each_field_once = [&](int, Json::parse_event_t event, Json& value) {
+    if (event == Json::parse_event_t::object_start) open.emplace_back();
+    if (event == Json::parse_event_t::object_end) open.pop_back();
+    if (event == Json::parse_event_t::key && !open.back().insert(value.get<std::string>()).second)
+      throw std::runtime_error(aussois::quoted(value.get<std::string>()) + " stands twice in one object");
+    return true;
+  };
   try {
-    const Json json = Json::parse(text);
+    const Json json = Json::parse(text, each_field_once);
     std::vector<FlexibleCable> out;
-    if (!json.is_array()) return {cable_in(json, "")};
-    for (std::size_t i = 0; i < json.size(); ++i) out.push_back(cable_in(json[i], item("", i)));
+    if (json.is_array()) {
+      for (std::size_t i = 0; i < json.size(); ++i)
+        out.push_back(cable_in(json[i], item("", i), "cable " + std::to_string(i + 1)));
+    } else {
+      out.push_back(cable_in(json, "", "cable"));
+    }
     if (out.empty()) throw std::runtime_error("must have at least one cable");
+    std::set<std::string> names(taken.begin(), taken.end());
+    for (const FlexibleCable& cable : out) {
+      const auto clips = std::ranges::count_if(cable.via, &CableStop::is_clip);
+      std::vector<std::string> own{cable.name};
+      for (int k = 1; k <= clips; ++k) own.push_back(clip_name(cable, k));
+      for (const std::string& name : own)
+        if (!names.insert(name).second)
+          throw std::runtime_error("two bodies are named " + aussois::quoted(name) +
+                                   ": give each cable a name of its own");
+    }
     return out;
   } catch (const std::exception& error) {
-    throw std::runtime_error(path.string() + ": " + error.what());
+    throw std::runtime_error(file + ": " + error.what());
   }
 }
 
 std::vector<Vec3> route(const FlexibleCable& cable, const SE3& moving) {
   struct Knot {
-    Vec3 at{}, along{};  // unit; zero: as its neighbours want
+    Vec3 at{};
+    std::optional<Vec3> along{};  // unit; none: as its neighbours want
   };
-  std::vector<Knot> knots;
   const auto there = [&](const OnPart& place) {
     const SE3 g = place.moving ? moving : SE3{};
     return Knot{g * place.at, g.R * place.along};
   };
-  knots.push_back(there(cable.from));
-  for (const CableStop& stop : cable.via) knots.push_back(there(stop.place));
+  std::vector<Knot> knots{there(cable.from)};
+  for (const CableStop& stop : cable.via) {
+    knots.push_back(there(stop.place));
+    if (!stop.is_clip()) knots.back().along.reset();
+  }
   knots.push_back(there(cable.to));
+  double straight = 0;
+  for (std::size_t i = 1; i < knots.size(); ++i) straight += (knots[i].at - knots[i - 1].at).norm();
+  require(straight > 0, "its points must not be at one place");
   std::vector<Vec3> line{knots.front().at};
   for (std::size_t i = 1; i < knots.size(); ++i) {
     const double length = (knots[i].at - knots[i - 1].at).norm();
+    const int pieces = 64 + int(16 * cable.elements * length / straight);
     const auto slope = [&](std::size_t k) -> Vec3 {
-      if (!knots[k].along.isZero(0)) return length * knots[k].along;
+      if (knots[k].along) return length * *knots[k].along;
       return length * (knots[k + 1].at - knots[k - 1].at).normalized();
     };
-    constexpr int kPieces = 64;
-    for (int s = 1; s <= kPieces; ++s)
-      line.push_back(cubic(knots[i - 1].at, slope(i - 1), knots[i].at, slope(i), double(s) / kPieces));
+    for (int s = 1; s <= pieces; ++s)
+      line.push_back(cubic(knots[i - 1].at, slope(i - 1), knots[i].at, slope(i), double(s) / pieces));
   }
   return points_along(line, cable.elements + 1);
 }
@@ -237,7 +280,7 @@ void add_flexible(AssemblyScene& scene, const std::vector<FlexibleCable>& cables
   for (const FlexibleCable& cable : cables) {
     int clips = 0;
     for (const CableStop& stop : cable.via)
-      if (stop.is_clip()) add_clip(scene, stop, cable.name + " clip " + std::to_string(++clips));
+      if (stop.is_clip()) add_clip(scene, stop, clip_name(cable, ++clips));
     const std::vector<SE3> frames = frames_along(route(cable, start_of_moving(scene)));
     const Cable added = add_cable(model, {.name = cable.name,
                                           .nodes = frames,

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cables from one part of an assembly to the other, routed through clips, as a JSON file describes them
+// Cables that the parts of an assembly hold, routed through clips, as a JSON file describes them
 // (doc/howto/route_a_cable.md).
 #pragma once
 
-#include <array>
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -28,7 +26,7 @@ struct CableStop {
 };
 
 struct FlexibleCable {
-  std::string name = "cable";
+  std::string name{};
   RoundSection section{};
   int elements = 0;              // in [2, 10000]
   OnPart from{}, to{};           // its first and last node are held there, with their direction
@@ -37,9 +35,10 @@ struct FlexibleCable {
   bool straight = false;  // without stress where it is straight; false: as it is laid
 };
 
-/// Reads one cable, or a list of them. Throws std::runtime_error naming the file and what is wrong: the
-/// line, or the field, its value and its bound.
-std::vector<FlexibleCable> read_flexible(const std::filesystem::path& path);
+/// One cable, or a list of them, as the text of a file. Names are unlike each other and `taken`. Throws
+/// std::runtime_error naming `file` and what is wrong: the line, or the field, its value and its bound.
+std::vector<FlexibleCable> flexible_in(const std::string& text, const std::string& file,
+                                       const std::vector<std::string>& taken = {});
 
 /// Where a cable runs at the start: a smooth curve through its ends and what lies between, in the frame of
 /// the fixed part, cut into equal elements. `moving` is the pose of the moving part's mesh.

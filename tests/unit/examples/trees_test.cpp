@@ -11,6 +11,7 @@
 #include "integrators/schemes/moreau_jean.hpp"
 #include "integrators/schemes/passive_midpoint.hpp"
 #include "mechanics/mechanism.hpp"
+#include "mechanics/tree.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/random_tree.hpp"
 #include "tests/support/stepping.hpp"
@@ -138,6 +139,48 @@ TEST(JointCoordinates, TouchWhatTheyCannotPushAgainst) {
     const State end = run_scene(scene, scheme, options, 0.1);
     EXPECT_NEAR(end.q[0], 0.3, 1e-9) << scheme;
     EXPECT_NEAR(end.v.tail<1>()[0], 3, 1e-9) << scheme;
+  }
+}
+
+// The last of three turntables rests on the first: their columns cancel each other.
+TEST(JointCoordinates, TouchALinkThatTheyCannotPushAgainst) {
+  for (const std::string scheme : {"moreau_jean", "moreau_jean_projected", "d1_minus_linear",
+                                   "generalised_alpha", "schatzman_paoli", "event_driven"}) {
+    constexpr double kDilation = 1e-3;
+    CaseScene scene;
+    Model& model = scene.model;
+    const auto box = [&](const char* name, double side, double height) {
+      const SimplicialComplex k = make_box(side, side, height);
+      return add(model,
+                 solid_body(name, add(model, prepare(dilate(k, kDilation))), mass_properties(k, 1000)));
+    };
+    const BodyId table = box("table", 0.6, 0.02);
+    const BodyId arm = add(model, RigidBody{.name = "arm", .mass = 0.1, .inertia = 1e-4 * Mat3::Identity()});
+    scene.body = box("cube", 0.05, 0.05);
+    scene.state = rest_state(model);
+    pose(scene.state, arm).p = {0.05, 0, 0.1};
+    pose(scene.state, scene.body).p = {0.1, 0.03, 0.035 + 2 * kDilation};
+    std::vector<JointId> joints;
+    const auto hinge = [&](const char* name, BodyId a, BodyId b, const Vec3& at) {
+      joints.push_back(add(model, joint_at(JointKind::revolute, name, a, b, scene.state.g,
+                                           translation(at.x(), at.y(), at.z()))));
+    };
+    hinge("first", table, kWorld, Vec3::Zero());
+    hinge("second", arm, table, Vec3(0.01, 0, 0.1));
+    hinge("third", scene.body, arm, Vec3(0.1, 0.02, 0.1));
+    const State maximal = scene.state;
+    add_tree(model, "tree", joints);
+    scene.state = in_joint_coordinates(model, maximal);
+    scene.state.v.tail<3>() << 0.5, 1, -2;
+    carry(model, scene.state);
+    SchemeOptions options = mechanism_options(1e-3);
+    options.step.advancement.certify = true;
+    const double before = energy(model, scene.state).total();
+    const State end = run_scene(scene, scheme, options, 0.05);
+    EXPECT_TRUE(end.v.allFinite()) << scheme;
+    EXPECT_NEAR(energy(model, end).total(), before, 0.05 * energy(model, scene.state).kinetic)
+        << scheme << ": no impulse without limit; steps of 1 ms";
+    EXPECT_NEAR(pose(end, scene.body).p.z(), 0.035 + 2 * kDilation, 1e-12) << scheme;
   }
 }
 
