@@ -116,15 +116,15 @@ OnPart place_in(Fields& fields) {
 }
 
 OnPart end_in(Fields fields) {
-  const OnPart out = place_in(fields);
+  OnPart out = place_in(fields);
   fields.end();
   return out;
 }
 
 CableStop clip_in(Fields fields, double cable_radius) {
-  const CableStop out{.place = place_in(fields),
-                      .hole = fields.number("hole", positive_range()),
-                      .thickness = fields.number("thickness", positive_range())};
+  CableStop out{.place = place_in(fields),
+                .hole = fields.number("hole", positive_range()),
+                .thickness = fields.number("thickness", positive_range())};
   fields.end();
   if (!(out.hole > cable_radius))
     fields.fail("hole", "= " + number_text(out.hole) + " must exceed the cable's radius, " +
