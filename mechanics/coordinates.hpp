@@ -59,6 +59,11 @@ struct Coordinates {
   std::function<double(const VecX& q)> potential{};  // of the conservative part of the force [J]; empty: none
 };
 
+/// Whether the block carries bodies.
+inline bool is_tree(const Coordinates& block) {
+  return !block.tree.links.empty();
+}
+
 /// The value of a gap function at a state, and its velocities u = J v + rate, the normal one first.
 struct GapRows {
   double gap = 0;  // [m], negative in penetration

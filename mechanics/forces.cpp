@@ -93,25 +93,41 @@ void add_diagonal_block(std::vector<Triplet>& out, int at, const SparseMatrix& b
       if (it.value() != 0) out.emplace_back(at + it.row(), at + j, scale * it.value());
 }
 
-SparseMatrix mass_matrix(const Model& model, const State& state, const Layout& dofs) {
-  std::vector<Triplet> mass;
+void add_body_masses(const Model& model, const Layout& dofs, std::vector<Triplet>& matrix) {
   for (const BodyId b : model.bodies.ids()) {
     const int row = dofs.first[b];
     if (row < 0) continue;
-    add_block(mass, row, row, model.bodies[b].mass * Mat3::Identity());
-    add_block(mass, row + 3, row + 3, model.bodies[b].inertia);
+    add_block(matrix, row, row, model.bodies[b].mass * Mat3::Identity());
+    add_block(matrix, row + 3, row + 3, model.bodies[b].inertia);
   }
+}
+
+namespace {
+
+std::vector<TreeTerms> all_tree_terms(const Model& model, const State& state) {
+  std::vector<TreeTerms> out;
   for (const BlockId i : model.coordinates.ids())
-    if (model.coordinates[i].tree.links.empty())
+    if (is_tree(model.coordinates[i])) out.push_back(tree_terms(model, i, state));
+  return out;
+}
+
+SparseMatrix mass_matrix(const Model& model, const State& state, const std::vector<TreeTerms>& trees,
+                         const Layout& dofs) {
+  std::vector<Triplet> mass;
+  add_body_masses(model, dofs, mass);
+  for (const BlockId i : model.coordinates.ids())
+    if (!is_tree(model.coordinates[i]))
       add_diagonal_block(mass, dofs.coordinates + first_coordinate(model, i),
                          block_mass(model, i, coordinates(model, state, i)), 1);
   SparseMatrix out = square_matrix(dofs.rows, mass);
-  for (const BlockId i : model.coordinates.ids()) {
-    if (model.coordinates[i].tree.links.empty()) continue;
-    const TreeTerms terms = tree_terms(model, i, state);
-    out += tree_matrix(terms, terms.mass, dofs);
-  }
+  for (const TreeTerms& terms : trees) out += tree_matrix(terms, terms.mass, dofs);
   return out;
+}
+
+}  // namespace
+
+SparseMatrix mass_matrix(const Model& model, const State& state, const Layout& dofs) {
+  return mass_matrix(model, state, all_tree_terms(model, state), dofs);
 }
 
 Forces forces_at(const Model& model, const State& state, const Layout& dofs) {
@@ -143,12 +159,11 @@ Forces forces_at(const Model& model, const State& state, const Layout& dofs) {
     add_diagonal_block(C, row, own.C, 1);
     add_diagonal_block(K, row, own.K, 1);
   }
-  out.mass = mass_matrix(model, state, dofs);
+  const std::vector<TreeTerms> trees = all_tree_terms(model, state);
+  out.mass = mass_matrix(model, state, trees, dofs);
   out.K = square_matrix(dofs.rows, K);
   out.C = square_matrix(dofs.rows, C);
-  for (const BlockId i : model.coordinates.ids()) {
-    if (model.coordinates[i].tree.links.empty()) continue;
-    const TreeTerms terms = tree_terms(model, i, state);
+  for (const TreeTerms& terms : trees) {
     out.C += tree_matrix(terms, terms.C, dofs);
     add_tree_forces(terms, 1, dofs, out.gravity, out.gyroscopic);
   }

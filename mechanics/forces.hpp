@@ -39,6 +39,8 @@ std::vector<Triplet> free_entries(const std::vector<Triplet>& entries, const Lay
 void add_diagonal_block(std::vector<Triplet>& matrix, int at, const MatX& block, double scale);
 void add_diagonal_block(std::vector<Triplet>& matrix, int at, const SparseMatrix& block, double scale);
 
+/// Appends the masses of all dynamic bodies.
+void add_body_masses(const Model& model, const Layout& dofs, std::vector<Triplet>& matrix);
 /// The masses of all bodies and coordinates at a state, in the rows of the problem.
 SparseMatrix mass_matrix(const Model& model, const State& state, const Layout& dofs);
 

@@ -166,7 +166,7 @@ void check_tree(const Model& model, const Coordinates& block, BlockId index, con
 void check_block(const Model& model, const Coordinates& block, BlockId index) {
   const std::string who = "coordinates " + to_string(index) + " (" + block.name + "): ";
   require_field(block.size >= 1, (who + "size").c_str(), block.size, "be at least 1");
-  if (!block.tree.links.empty()) return check_tree(model, block, index, who);
+  if (is_tree(block)) return check_tree(model, block, index, who);
   if (block.points.empty()) {
     require(bool(block.mass), who + "mass must be callable");
     return;
@@ -258,7 +258,7 @@ std::vector<ContactLaw> contact_laws(const Model& model) {
 }
 
 bool carries_bodies(const Model& model) {
-  return std::ranges::any_of(model.coordinates, [](const Coordinates& c) { return !c.tree.links.empty(); });
+  return std::ranges::any_of(model.coordinates, is_tree);
 }
 
 int first_coordinate(const Model& model, BlockId block) {

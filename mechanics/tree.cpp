@@ -197,7 +197,7 @@ void carry_twists(const Model& model, const PerBody<SE3>& g, VecX& v) {
     const Tree& tree = block.tree;
     const Vec3 origin = tree_origin(tree, g);
     Vec6 of_base = Vec6::Zero();
-    if (!tree.links.empty() && tree.base && is_dynamic(model.bodies[tree.base]))
+    if (is_tree(block) && tree.base && is_dynamic(model.bodies[tree.base]))
       of_base << linear_part(v, tree.base), g[tree.base].R * Vec3(angular_part(v, tree.base));
     std::vector<Vec6> twist;  // at the origin
     for (const TreeLink& link : tree.links) {
@@ -243,7 +243,7 @@ State in_joint_coordinates(const Model& model, const State& state) {
         out.v[bodies + at + link.first + i] = axis_speed(joint, row, state.v);
       }
     }
-    if (block.tree.links.empty()) {
+    if (!is_tree(block)) {
       require(from + block.size <= state.q.size(), "in_joint_coordinates: the state lacks coordinates");
       out.q.segment(at, block.size) = state.q.segment(from, block.size);
       out.v.segment(bodies + at, block.size) = state.v.segment(bodies + from, block.size);

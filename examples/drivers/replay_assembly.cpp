@@ -17,7 +17,7 @@
 #include "examples/common/driven_run.hpp"
 #include "examples/common/progress.hpp"
 #include "examples/drivers/assembly/assembly_scene.hpp"
-#include "examples/drivers/assembly/flexible.hpp"
+#include "examples/drivers/assembly/lay_cables.hpp"
 #include "geometry/check.hpp"
 #include "geometry/number_text.hpp"
 #include "io/build_info.hpp"
@@ -233,12 +233,12 @@ double contact_force(const Frame& f, BodyId moving) {
 }
 
 // The largest of all cables.
-struct Strain {
+struct CableLoad {
   double tension = 0;    // [N]
   double curvature = 0;  // [1/m]
 };
-Strain largest_strain(const AssemblyScene& scene, const State& state) {
-  Strain out;
+CableLoad largest_load(const AssemblyScene& scene, const State& state) {
+  CableLoad out;
   for (const Cable& cable : scene.cables) {
     const std::vector<BeamLoad> loads = beam_loads(cable.beam, state);
     for (std::size_t i = 0; i < loads.size(); ++i) {
@@ -268,9 +268,9 @@ std::vector<Gauge> gauges_of(const AssemblyScene& scene) {
   add("", "peak_contact_force", GaugeTotal::most, [&](F f) { return contact_force(f, scene.moving); });
   if (!scene.cables.empty()) {
     add("tension", "peak_tension", GaugeTotal::most,
-        [&](F f) { return largest_strain(scene, f.state).tension; });
+        [&](F f) { return largest_load(scene, f.state).tension; });
     add("bend_radius", "min_bend_radius", GaugeTotal::least,
-        [&](F f) { return 1 / largest_strain(scene, f.state).curvature; });
+        [&](F f) { return 1 / largest_load(scene, f.state).curvature; });
   }
   add("", "energy_error", GaugeTotal::sum, [](F f) { return std::abs(f.report.energy.residual()); });
   add("", "energy_scale", GaugeTotal::sum, [](F f) {
@@ -354,10 +354,9 @@ void refuse_unread_by_mode(const Cli& cli, bool dynamic) {
   refuse_given(cli, unread, "--mode dynamic");
 }
 
-void lay_cables(const std::filesystem::path& file, const std::vector<FlexibleCable>& cables,
-                AssemblyScene& scene) {
+void lay(const std::filesystem::path& file, const std::vector<RoutedCable>& cables, AssemblyScene& scene) {
   try {
-    add_flexible(scene, cables);
+    lay_cables(cables, scene);
     validate_start(scene.model, start_of(scene));
   } catch (const std::invalid_argument& wrong) {
     throw std::runtime_error(file.string() + ": " + wrong.what());
@@ -372,10 +371,10 @@ ExitCode replay(Arguments& a) {
   a.scene.gravity = parse_vector(a.gravity, "--gravity");
   a.scene.levels = scheme_options(a.run.scheme).step.levels;
   AssemblyInput input = read_input(a);
-  std::vector<FlexibleCable> cables;
+  std::vector<RoutedCable> cables;
   if (!a.flexible.empty()) {
     const std::string text = read_file(a.flexible);
-    cables = flexible_in(text, a.flexible.string(), {input.fixed.name, input.moving.name});
+    cables = cables_in(text, a.flexible.string(), {input.fixed.name, input.moving.name});
     input.fingerprint += ' ' + std::to_string(fingerprint_of(text));
   }
   AssemblyScene scene;
@@ -383,7 +382,7 @@ ExitCode replay(Arguments& a) {
     Progress progress("clearance", double(input.poses.size()), Progress::style_of_stderr(a.run.common.quiet));
     scene = make_assembly_scene(input, a.scene, a.run.common.threads, [&](int i, int) { progress.at(i); });
   }
-  if (!cables.empty()) lay_cables(a.flexible, cables, scene);
+  if (!cables.empty()) lay(a.flexible, cables, scene);
   note_straightened(input.fixed, shape_of(scene, scene.fixed));
   note_straightened(input.moving, shape_of(scene, scene.moving));
   print_parts(input, scene, a);

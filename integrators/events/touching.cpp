@@ -315,7 +315,7 @@ SmoothForces smooth_forces(const StepSetting& setting, const State& state) {
   }
   VecX weight = VecX::Zero(dofs.rows), gyroscopic = weight;
   for (const BlockId i : model.coordinates.ids())
-    if (!model.coordinates[i].tree.links.empty())
+    if (is_tree(model.coordinates[i]))
       add_tree_forces(tree_terms(model, i, state), 1, dofs, weight, gyroscopic);
   out.applied += weight;
   out.all += weight + gyroscopic;

@@ -49,7 +49,7 @@ void add_coordinates(const Model& model, const State& state, const Layout& dofs,
                      std::vector<Triplet>& mass, std::vector<Triplet>& law_D, VecX& laws, VecX& gravity) {
   for (const BlockId i : model.coordinates.ids()) {
     const Coordinates& block = model.coordinates[i];
-    if (!block.tree.links.empty()) continue;
+    if (is_tree(block)) continue;
     const int row = dofs.coordinates + first_coordinate(model, i);
     const VecX q_i = coordinates(model, state, i), v_i = speeds(model, state, i);
     add_diagonal_block(mass, row, block_mass(model, i, q_i + h / 2 * v_i), 1);
@@ -77,7 +77,7 @@ Ahead carried_ahead(const Model& model, const State& state, double h, double the
 void add_trees(const Model& model, const Layout& dofs, double h, double theta, const Ahead& ahead,
                FreeMotion& out) {
   for (const BlockId i : model.coordinates.ids()) {
-    if (model.coordinates[i].tree.links.empty()) continue;
+    if (!is_tree(model.coordinates[i])) continue;
     const TreeTerms in_the_middle = tree_terms(model, i, ahead.middle);
     const TreeTerms terms = theta == 0.5 ? in_the_middle : tree_terms(model, i, ahead.there);
     out.mass += tree_matrix(terms, in_the_middle.mass, dofs);

@@ -301,11 +301,7 @@ struct NearestMotion {
 SparseMatrix joined_mass(const Model& model, const State& state, const Layout& dofs) {
   if (carries_bodies(model)) return mass_matrix(model, state, dofs);
   std::vector<Triplet> M;
-  for (const BodyId b : model.bodies.ids())
-    if (const int at = dofs.first[b]; at >= 0) {
-      add_block(M, at, at, model.bodies[b].mass * Mat3::Identity());
-      add_block(M, at + 3, at + 3, model.bodies[b].inertia);
-    }
+  add_body_masses(model, dofs, M);
   return square_matrix(dofs.coordinates, M);
 }
 

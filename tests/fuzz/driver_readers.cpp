@@ -5,7 +5,7 @@
 
 #include "examples/common/kept_json.hpp"
 #include "examples/drivers/assembly/assembly_input.hpp"
-#include "examples/drivers/assembly/flexible.hpp"
+#include "examples/drivers/assembly/lay_cables.hpp"
 #include "examples/scenes/shared_series.hpp"
 #include "examples/studies/convergence/slid_level.hpp"
 #include "examples/studies/convergence/study_files.hpp"
@@ -66,7 +66,7 @@ void use_series(const fs::path& file) {
 }
 
 void use_cables(const fs::path& file) {
-  for (const FlexibleCable& cable : flexible_in(read_file(file), file.string())) try {
+  for (const RoutedCable& cable : cables_in(read_file(file), file.string())) try {
       route(cable, {});
     } catch (const std::invalid_argument&) {  // no length
     }

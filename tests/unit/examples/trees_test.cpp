@@ -27,6 +27,16 @@ double difference(const State& a, const State& b) {
   return out;
 }
 
+// All that take trees.
+constexpr const char* kSchemes[] = {"moreau_jean",       "moreau_jean_projected", "d1_minus_linear",
+                                    "generalised_alpha", "schatzman_paoli",       "event_driven"};
+
+SchemeOptions certified_options() {
+  SchemeOptions out = mechanism_options(1e-3);
+  out.step.advancement.certify = true;
+  return out;
+}
+
 CaseScene random_scene(bool floats, bool in_tree) {
   Random random(5);
   RandomTree tree = random_tree(random, 6, floats);
@@ -117,8 +127,7 @@ TEST(JointCoordinates, TouchCertifiedAndBalancedOnAnyThreads) {
 
 // An arm that turns about z lies on a floor: no force of the floor moves its angle.
 TEST(JointCoordinates, TouchWhatTheyCannotPushAgainst) {
-  for (const std::string scheme : {"moreau_jean", "moreau_jean_projected", "d1_minus_linear",
-                                   "generalised_alpha", "schatzman_paoli", "event_driven"}) {
+  for (const std::string scheme : kSchemes) {
     constexpr double kDilation = 1e-3;
     CaseScene scene;
     Model& model = scene.model;
@@ -134,9 +143,7 @@ TEST(JointCoordinates, TouchWhatTheyCannotPushAgainst) {
     add_tree(model, "tree", {hinge});
     scene.state = in_joint_coordinates(model, maximal);
     scene.state.v.tail<1>()[0] = 3;
-    SchemeOptions options = mechanism_options(1e-3);
-    options.step.advancement.certify = true;
-    const State end = run_scene(scene, scheme, options, 0.1);
+    const State end = run_scene(scene, scheme, certified_options(), 0.1);
     EXPECT_NEAR(end.q[0], 0.3, 1e-9) << scheme;
     EXPECT_NEAR(end.v.tail<1>()[0], 3, 1e-9) << scheme;
   }
@@ -144,8 +151,7 @@ TEST(JointCoordinates, TouchWhatTheyCannotPushAgainst) {
 
 // The last of three turntables rests on the first: their columns cancel each other.
 TEST(JointCoordinates, TouchALinkThatTheyCannotPushAgainst) {
-  for (const std::string scheme : {"moreau_jean", "moreau_jean_projected", "d1_minus_linear",
-                                   "generalised_alpha", "schatzman_paoli", "event_driven"}) {
+  for (const std::string scheme : kSchemes) {
     constexpr double kDilation = 1e-3;
     CaseScene scene;
     Model& model = scene.model;
@@ -173,10 +179,8 @@ TEST(JointCoordinates, TouchALinkThatTheyCannotPushAgainst) {
     scene.state = in_joint_coordinates(model, maximal);
     scene.state.v.tail<3>() << 0.5, 1, -2;
     carry(model, scene.state);
-    SchemeOptions options = mechanism_options(1e-3);
-    options.step.advancement.certify = true;
     const double before = energy(model, scene.state).total();
-    const State end = run_scene(scene, scheme, options, 0.05);
+    const State end = run_scene(scene, scheme, certified_options(), 0.05);
     EXPECT_TRUE(end.v.allFinite()) << scheme;
     EXPECT_NEAR(energy(model, end).total(), before, 0.05 * energy(model, scene.state).kinetic)
         << scheme << ": no impulse without limit; steps of 1 ms";
