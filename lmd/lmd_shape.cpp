@@ -65,7 +65,8 @@ void add_vertices(LmdShape& shape, const Idealisation& ideal, const std::vector<
   in_chunks(int(k.vertices.size()), threads, [&](int v) {
     if (ideal.vertex_chains[v].empty() && !k.vertex_edges[v].empty()) return;  // inside a region or a chain
     NormalCone cone = make_normal_cone(vertex_directions(k, ideal, v));
-    const bool is_leaf = cone.lineality == 0 && !(k.solid && is_pit(ideal, cones, cone, v));
+    const bool is_leaf = cone.lineality == 0 && !(k.solid && is_pit(ideal, cones, cone, v)) &&
+                         !(shape.deforming && is_blunt(cone));
     if (shape.deforming) of_vertex[v] = soft_cones(k, ideal, v, is_leaf);
     if (is_leaf) of_vertex[v].push_back(std::move(cone));
   });

@@ -153,6 +153,7 @@ NormalCone make_normal_cone(const std::vector<Vec3>& directions) {
     const MinNorm nearest = min_norm_point(rest);
     if (nearest.point.norm() > kLineality) {
       inside = nearest.point.normalized();
+      if (cone.lineality == 0) cone.depth = nearest.point.norm();
       break;
     }
     for (int i : nearest.support) {  // these span a part of Lin

@@ -26,6 +26,9 @@ struct NormalCone {
   bool cyclic = true;
   Vec3 axis = Vec3::UnitZ();  // of a cap around N, unit
   double half_angle = 0;      // of that cap [rad]; pi: any direction
+  // How far the hull of the unit directions is from the origin, where C is pointed; 0: it is not. The sine of
+  // the angle by which all of them fall off from the best plane
+  double depth = 0;
   operator ConeView() const { return {{lin.data(), std::size_t(lineality)}, rays, cyclic}; }
 };
 

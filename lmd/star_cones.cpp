@@ -53,18 +53,19 @@ bool falls(const std::vector<Vec3>& star, const Vec3& n) {
   return std::ranges::all_of(star, [&](const Vec3& d) { return n.dot(d) <= -kFall; });
 }
 
-// Of a vertex of wires, as if those that go on nearly straight, in pairs, did so exactly; nothing if none
-// does. The straightest pair comes first.
-std::optional<NormalCone> straightened(std::vector<Vec3> star) {
+// Makes those of a star that go on nearly straight, in pairs for which `may`(sum of their directions) holds,
+// do so exactly, the straightest pair first. False if none does.
+bool straighten(std::vector<Vec3>& star, const auto& may) {
   struct Bend {
     double size;
     std::size_t i, j;
   };
   std::vector<Bend> bends;
   for (std::size_t i = 0; i < star.size(); ++i)
-    for (std::size_t j = i + 1; j < star.size(); ++j)
-      if (const double bend = (star[i] + star[j]).norm(); bend <= 2 * kHollow) bends.push_back({bend, i, j});
-  if (bends.empty()) return std::nullopt;
+    for (std::size_t j = i + 1; j < star.size(); ++j) {
+      const Vec3 sum = star[i] + star[j];
+      if (const double bend = sum.norm(); bend <= 2 * kHollow && may(sum)) bends.push_back({bend, i, j});
+    }
   std::ranges::stable_sort(bends, {}, &Bend::size);
   std::vector<char> goes_on(star.size(), 0);
   for (const Bend& bend : bends) {
@@ -73,6 +74,12 @@ std::optional<NormalCone> straightened(std::vector<Vec3> star) {
     star[bend.i] = (star[bend.i] - star[bend.j]).normalized();
     star[bend.j] = -star[bend.i];
   }
+  return !bends.empty();
+}
+
+// Of a vertex of wires; nothing if none goes on nearly straight.
+std::optional<NormalCone> cone_of_wires(std::vector<Vec3> star) {
+  if (!straighten(star, [](const Vec3&) { return true; })) return std::nullopt;
   NormalCone cone = make_normal_cone(star);  // for its cap
   if (cone.lineality == 3) return std::nullopt;
   cone.lineality = 0, cone.cyclic = false;
@@ -147,6 +154,10 @@ bool is_pit(const Idealisation& ideal, const std::vector<ChainCone>& cones, cons
   return sharpest > 0;
 }
 
+bool is_blunt(const NormalCone& cone) {
+  return cone.rays.size() >= 2 && cone.depth < kFall;
+}
+
 std::vector<NormalCone> soft_cones(const SimplicialComplex& k, const Idealisation& ideal, int v,
                                    bool has_own) {
   std::vector<NormalCone> out;
@@ -154,14 +165,16 @@ std::vector<NormalCone> soft_cones(const SimplicialComplex& k, const Idealisatio
   std::vector<Vec3> star = vertex_directions(k, ideal, v);
   for (Vec3& d : star) d.normalize();
   if (k.vertex_triangles[v].empty()) {
-    if (auto cone = straightened(std::move(star))) out.push_back(std::move(*cone));
+    if (auto cone = cone_of_wires(std::move(star))) out.push_back(std::move(*cone));
     return out;
   }
   const Vec3 n = mean_normal(k, k.vertex_triangles[v]);
   for (const double side : {1.0, -1.0}) {
     if (side < 0 && k.solid) break;
     if (has_own && falls(star, side * n)) continue;
-    if (const auto bent = falling(star, side * n))
+    std::vector<Vec3> smooth = star;
+    straighten(smooth, [&](const Vec3& sum) { return side * n.dot(sum) > -kFall; });
+    if (const auto bent = falling(smooth, side * n))
       if (NormalCone cone = make_normal_cone(*bent); cone.lineality == 0 && cone.rays.size() >= 3)
         out.push_back(std::move(cone));
   }

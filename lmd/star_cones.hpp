@@ -30,6 +30,10 @@ std::vector<Vec3> vertex_directions(const SimplicialComplex& k, const Idealisati
 /// one that is nearly flat.
 bool is_pit(const Idealisation& ideal, const std::vector<ChainCone>& cones, const NormalCone& cone, int v);
 
+/// Of a vertex of a shape that deforms: a corner so blunt that rounding may have made it. Its own cone says
+/// nothing; soft_cones stand for it (DEF-5).
+bool is_blunt(const NormalCone& cone);
+
 /// The cones of a vertex on those sides on which its own does not stand for it; of wires that go on nearly
 /// straight, on all sides (DEF-5).
 std::vector<NormalCone> soft_cones(const SimplicialComplex& k, const Idealisation& ideal, int v,

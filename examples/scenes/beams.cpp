@@ -31,6 +31,37 @@ std::vector<SE3> straight_nodes(const Vec3& from, const Vec3& to, int elements) 
   return frames_along(points_along({from, to}, elements + 1));
 }
 
+BeamScene legs_scene(const std::vector<Vec3>& corners, int per_leg, const BeamSection& section) {
+  BeamScene out;
+  out.model.gravity = Vec3::Zero();
+  const int elements = per_leg * int(corners.size() - 1);
+  for (const Vec3& p : points_along(corners, elements + 1)) {
+    out.cable.nodes.push_back(add(out.model, RigidBody{.mass = 1, .inertia = Mat3::Identity()}));
+    out.cable.laid.push_back({Quat::Identity(), p});
+  }
+  Beam& beam = out.cable.beam;
+  beam = {.name = "legs", .sections = {section}};
+  for (int i = 0; i < elements; ++i) {
+    const std::size_t leg = std::size_t(i / per_leg);
+    const Vec3 along = corners[leg + 1] - corners[leg];
+    const SE3 frame{Quat::FromTwoVectors(Vec3::UnitX(), along)};
+    const double length = along.norm() / per_leg;
+    beam.elements.push_back({.body_a = out.cable.nodes[std::size_t(i)],
+                             .body_b = out.cable.nodes[std::size_t(i) + 1],
+                             .frame_a = frame,
+                             .frame_b = frame,
+                             .length = length,
+                             .rest = straight_rest(length)});
+  }
+  const PerBody<NodeMass> masses = node_masses(beam, out.model.bodies.size());
+  for (const BodyId b : out.model.bodies.ids())
+    out.model.bodies[b].mass = masses[b].mass, out.model.bodies[b].inertia = masses[b].inertia;
+  add(out.model, beam);
+  out.state = rest_state(out.model);
+  lay(out.cable, out.state);
+  return out;
+}
+
 void add(Model& model, const DeadLoad& load) {
   const auto factor_at = [load](double t) { return *load.factor * (load.course ? load.course(t) : 1); };
   add(model, ForceLaw{.name = "dead load",

@@ -28,6 +28,9 @@ BeamScene beam_scene(const std::vector<SE3>& nodes, const BeamNumbers& numbers, 
                      CableOptions options = {});
 /// `elements` of equal length along a leg, or several, with frames that do not turn about their line.
 std::vector<SE3> straight_nodes(const Vec3& from, const Vec3& to, int elements);
+/// Straight legs of equal length from corner to corner, `per_leg` elements each, joined rigidly, without
+/// gravity. The nodes have the axes of the world; the legs are attached to them turned.
+BeamScene legs_scene(const std::vector<Vec3>& corners, int per_leg, const BeamSection& section);
 
 /// A force and a moment that keep their directions in the world, times a factor of time that may also be set
 /// between steps.

@@ -49,13 +49,16 @@ std::vector<VerificationCase> friction_verification();       // group B
 std::vector<VerificationCase> mechanism_verification();      // group C
 std::vector<VerificationCase> rotation_verification();       // group D
 std::vector<VerificationCase> beam_verification();           // group E
+std::vector<VerificationCase> beam_frame_verification();     // frames and loops of group E
 std::vector<VerificationCase> solid_verification();          // group F
 std::vector<VerificationCase> soft_contact_verification();   // contacts of group F
+std::vector<VerificationCase> soft_part_verification();      // parts and stacks of group F
 std::vector<VerificationCase> order_verification();          // orders and events of exact motions, A to D
 std::vector<VerificationCase> stack_verification();          // group G
 std::vector<VerificationCase> balance_verification();        // group H
 std::vector<VerificationCase> tree_verification();           // group J
 std::vector<VerificationCase> cable_contact_verification();  // group K
+std::vector<VerificationCase> knot_verification();           // loose knots of group K
 
 /// What became of a case.
 struct Measured {

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+// Soft parts pressed, snapped and stacked: rows F12 to F14 of group F (doc/theory/solids.md).
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "examples/scenes/solids.hpp"
+#include "examples/studies/verification/running.hpp"
+#include "geometry/primitives.hpp"
+#include "geometry/volume_primitives.hpp"
+#include "integrators/schemes/moreau_jean.hpp"
+
+namespace aussois {
+namespace {
+
+// The sum of the forces of contacts on body A of them, where A is `on`, less those where B is.
+Vec3 contact_force(const StepReport& report, BodyId on) {
+  Vec3 sum = Vec3::Zero();
+  for (const StepContact& c : report.contacts) {
+    if (c.point.a.body == on) sum += c.impulse / report.h;
+    if (c.point.b.body == on) sum -= c.impulse / report.h;
+  }
+  return sum;
+}
+
+// A quarter of an O-ring between two plates without friction, squeezed by a quarter of its thickness.
+VerificationCase o_ring() {
+  return {.name = "F12.o_ring",
+          .what =
+              "a rubber ring 5 mm thick on a diameter of 50 mm, 8 hexahedra across, squeezed between plates "
+              "by up to a "
+              "quarter, without friction",
+          .rows = {{"force", "worst force at 10, 15, 20 and 25 %, relative", "-", 0.1,
+                    "pi D d E (1.25 C^1.5 + 50 C^6), a fit to measurements (Lindley 1967)"},
+                   {"both", "force of one plate off that of the other, relative", "-", 1e-6, "equilibrium"},
+                   {"mirrored", "largest place off its mirror image, over the thickness", "-", 1e-6,
+                    "symmetry of ring and plates"}},
+          .measure =
+              [] {
+                constexpr double kThick = 5e-3, kDiameter = 50e-3, kYoung = 5e6, kRadius = 5e-5, kStep = 1e-2,
+                                 kSpeed = 5e-4;
+                Model model;
+                model.gravity = Vec3::Zero();
+                model.contact_law.mu = 0;
+                VolumeMesh mesh = make_cylinder_mesh(kThick / 2 - kRadius, 1, 8, 6, CellKind::hexes);
+                for (Vec3& x : mesh.points) {
+                  const double angle = kPi / 2 * (x.z() + 0.5), out = kDiameter / 2 + x.x();
+                  x = {out * std::cos(angle), out * std::sin(angle), -x.y()};
+                }
+                SolidOptions options{.materials = {{.young = kYoung, .poisson = 0.49, .density = 1100}},
+                                     .radius = kRadius};
+                hold(mesh, options, {true, false, false}, [](const Vec3& x) { return x.x() < 1e-9; });
+                hold(mesh, options, {false, true, false}, [](const Vec3& x) { return x.y() < 1e-9; });
+                const Solid ring = add_solid(model, mesh, options);
+                const ShapeId plate = add(model, prepare(dilate(make_plate(0.2, 0.2), 0)));
+                std::array<BodyId, 2> plates{};
+                for (const int side : {0, 1})
+                  plates[std::size_t(side)] = add(model, RigidBody{.name = side == 0 ? "lower" : "upper",
+                                                                   .shape = plate,
+                                                                   .motion = DrivenMotion{}});
+                State state = rest_state(model);
+                const auto press_at = [&](double speed) {
+                  for (const std::size_t side : {0u, 1u})
+                    linear_part(state.v, plates[side]).z() = (side == 0 ? 1 : -1) * speed;
+                };
+                for (const std::size_t side : {0u, 1u})
+                  pose(state, plates[side]).p.z() = (side == 0 ? -1 : 1) * kThick / 2;
+                const MoreauJean scheme(model, {.h = kStep}, {.theta = 1, .law = NormalLaw::gap_over_step});
+                Worst off, both;
+                for (const double part : {0.1, 0.15, 0.2, 0.25}) {
+                  const double way = (part - 1) * kThick / 2 - pose(state, plates[0]).p.z();
+                  press_at(kSpeed);
+                  run_accepted(scheme, state, state.t + way / kSpeed);
+                  press_at(0);
+                  StepReport report;
+                  for (int k = 0; k < 10; ++k) report = step(scheme, state);
+                  const double upper = contact_force(report, plates[1]).z(),
+                               lower = contact_force(report, plates[0]).z(),
+                               exact = kPi * kDiameter * kThick * kYoung *
+                                       (1.25 * std::pow(part, 1.5) + 50 * std::pow(part, 6));
+                  off.add(std::abs(4 * upper / exact - 1));
+                  both.add(std::abs(lower / upper + 1));
+                }
+                Worst mirrored;
+                const std::vector<Vec3> x = solid_places(model, state, ring);
+                for (std::size_t i = 0; i < x.size(); ++i) {
+                  const Vec3 image = mesh.points[i].cwiseProduct(Vec3(1, 1, -1));
+                  for (std::size_t k = 0; k < x.size(); ++k)
+                    if ((mesh.points[k] - image).norm() < 1e-9)
+                      mirrored.add((x[k] - x[i].cwiseProduct(Vec3(1, 1, -1))).norm() / kThick);
+                }
+                return Figures{{"force", off}, {"both", both}, {"mirrored", mirrored}};
+              },
+          .slow = true};
+}
+
+// A cantilever with a tooth at its end, and a catch with a ramp that is moved past it.
+VerificationCase snap_fit() {
+  return {
+      .name = "F13.snap_fit",
+      .what =
+          "a cantilever of 50 mm x 2.5 mm with a tooth at its end, 4 smoothed cells through it, in the "
+          "plane, passed by "
+          "a catch with a ramp of 30 degrees that lifts it by 0.8 mm, mu = 0.2",
+      .rows =
+          {{"ratio", "force of insertion over the lifting force on the ramp, relative", "-", 1e-8,
+            "Coulomb: (mu + tan a) / (1 - mu tan a)"},
+           {"insertion", "largest force of insertion, relative", "-", 5e-2,
+            "that ratio times 3 E I y / L^3 with the moment of the force on the tooth; small deflections"},
+           {"flat", "force over the flat of the catch over the lifting force, off mu, relative", "-", 1e-8,
+            "Coulomb"},
+           {"behind", "force behind the catch", "N", 0, "it no longer touches"}},
+      .measure =
+          [] {
+            constexpr double kLength = 50e-3, kThick = 2.5e-3, kWide = 0.625e-3, kTooth = 2e-3,
+                             kHalf = 2.5e-3, kYoung = 2e9, kRadius = 1e-5, kMu = 0.2, kLift = 0.8e-3,
+                             kHeight = 1e-3, kFlat = 1e-3, kStep = 5e-5,
+                             kPeak = kLength - kHalf;  // where the tooth is deepest
+            const double slope = std::tan(kPi / 6), ramp = kHeight / slope;
+            Model model;
+            model.gravity = Vec3::Zero();
+            model.contact_law.mu = kMu;
+            VolumeMesh mesh = make_box_mesh({kLength, kThick, kWide}, {80, 4, 1});
+            for (Vec3& x : mesh.points) {
+              x.x() += kLength / 2;
+              const double deep = std::max(0.0, 1 - std::abs(x.x() - kPeak) / kHalf) * kTooth;
+              x.y() -= deep * (0.5 - x.y() / kThick);
+            }
+            SolidOptions options{.materials = {{.young = kYoung, .poisson = 0, .density = 1200}},
+                                 .radius = kRadius};
+            hold(mesh, options, {true, true, false}, [](const Vec3& x) { return x.x() < 1e-9; });
+            hold(mesh, options, {false, false, true}, [](const Vec3&) { return true; });
+            add_solid(model, mesh, options);
+            std::vector<Vec3> corners;  // of the catch: its ramp rises along x
+            for (const double z : {-kWide, kWide})
+              for (const auto& [x, y] :
+                   {std::pair(0.0, 0.0), {ramp, kHeight}, {ramp + kFlat, kHeight}, {ramp + kFlat, 0.0}})
+                corners.emplace_back(x, y, z);
+            const std::vector<std::array<int, 3>> faces{{0, 2, 1}, {0, 3, 2}, {4, 5, 6}, {4, 6, 7},
+                                                        {0, 1, 5}, {0, 5, 4}, {1, 2, 6}, {1, 6, 5},
+                                                        {2, 3, 7}, {2, 7, 6}, {3, 0, 4}, {3, 4, 7}};
+            const BodyId caught = add(
+                model, RigidBody{.name = "catch",
+                                 .shape = add(model, prepare(dilate(make_complex(corners, faces), kRadius))),
+                                 .motion = DrivenMotion{}});
+            State state = rest_state(model);
+            const double ridge = -kThick / 2 - kTooth - 2 * kRadius;  // where the catch touches it from below
+            pose(state, caught).p = {kPeak + 0.1e-3 - (kHeight - kLift) / slope, ridge - kHeight + kLift, 0};
+            linear_part(state.v, caught).x() = -kStep;
+            const MoreauJean scheme(model, {.h = 1, .solver = {.tolerance = 1e-10}},
+                                    {.theta = 1,
+                                     .law = NormalLaw::gap_over_step,
+                                     .newton = {.max_iterations = 12, .tolerance = 1e-9}});
+            const double exact = (kMu + slope) / (1 - kMu * slope);
+            Worst ratio, flat, insertion;
+            double behind = kInf;
+            run_accepted(
+                scheme, state, std::round((ramp + kFlat + 3e-3) / kStep), [&](const StepReport& report) {
+                  const Vec3 f = contact_force(report, caught);
+                  const double at = kPeak - pose(state, caught).p.x();  // of the tooth, along the catch
+                  insertion.add(f.x() > 0 ? f.x() : 0);
+                  if (at > 0.4 * ramp && at < 0.8 * ramp) ratio.add(std::abs(-f.x() / f.y() / exact - 1));
+                  if (at > ramp + 0.3 * kFlat && at < ramp + 0.7 * kFlat)
+                    flat.add(std::abs(-f.x() / f.y() / kMu - 1));
+                  behind = f.norm();
+                  return true;
+                });
+            const double EI = kYoung * kWide * std::pow(kThick, 3) / 12, arm = kThick / 2 + kTooth,
+                         lift = 3 * EI * kLift / std::pow(kPeak, 3) / (1 - 1.5 * arm / kPeak * exact);
+            return Figures{{"ratio", ratio},
+                           {"insertion", std::abs(insertion / (exact * lift) - 1)},
+                           {"flat", flat},
+                           {"behind", behind}};
+          },
+      .slow = true};
+}
+
+// Soft cubes on top of each other.
+VerificationCase cube_stack() {
+  return {
+      .name = "F14.stack",
+      .what =
+          "twelve soft cubes of 10 cm of one cell each fall onto each other by 1 mm, mu = 0.3, and come to "
+          "rest",
+      .rows = {{"force", "force of the floor off their weight, relative", "-", 1e-8, "equilibrium"},
+               {"sinks",
+                "way down of the highest cube's middle, over what its weight and that of those below "
+                "compress, off one",
+                "-", 0.1, "Hooke: rho g H^2 / (2 E); bulging and friction are small"}},
+      .measure =
+          [] {
+            constexpr double kSize = 0.1, kYoung = 2e6, kDensity = 1000, kRadius = 1e-3, kGap = 1e-3;
+            constexpr int kCubes = 12;
+            Model model;
+            model.contact_law.mu = 0.3;
+            const VolumeMesh mesh = make_box_mesh(Vec3::Constant(kSize), {1, 1, 1});
+            std::vector<Solid> cubes;
+            for (int k = 0; k < kCubes; ++k)
+              cubes.push_back(add_solid(
+                  model, mesh,
+                  {.materials = {{.young = kYoung, .poisson = 0.3, .density = kDensity, .viscosity = 2e4}},
+                   .place =
+                       translation(0, 0, kRadius + kSize / 2 + k * (kSize + 2 * kRadius) + (k + 1) * kGap),
+                   .radius = kRadius}));
+            const BodyId floor =
+                add(model, RigidBody{.name = "floor",
+                                     .shape = add(model, prepare(dilate(make_plate(2, 2), 0))),
+                                     .motion = FixedMotion{}});
+            State state = rest_state(model);
+            const MoreauJeanOptions own{.theta = 1, .law = NormalLaw::gap_over_step};
+            run_accepted(MoreauJean(model, {.h = 5e-3}, own), state, 1.6);
+            const MoreauJean fine(model, {.h = 5e-3, .solver = {.tolerance = 1e-12}}, own);
+            StepReport report;
+            run_accepted(fine, state, 1.65, [&](const StepReport& r) {
+              report = r;
+              return true;
+            });
+            const double weight = kCubes * kDensity * std::pow(kSize, 3) * kGravity;
+            const std::vector<Vec3> top = solid_places(model, state, cubes.back());
+            double height = 0;
+            for (const Vec3& x : top) height += x.z() / double(top.size());
+            const double laid = kRadius + kSize / 2 + (kCubes - 1) * (kSize + 2 * kRadius),
+                         H = kCubes * kSize, below = H - kSize / 2,
+                         exact = kDensity * kGravity / kYoung * (H * below - below * below / 2);
+            return Figures{{"force", std::abs(contact_force(report, floor).z() / weight + 1)},
+                           {"sinks", std::abs((laid - height) / exact - 1)}};
+          },
+      .slow = true};
+}
+
+}  // namespace
+
+std::vector<VerificationCase> soft_part_verification() {
+  return {o_ring(), snap_fit(), cube_stack()};
+}
+
+}  // namespace aussois
