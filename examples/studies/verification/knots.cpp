@@ -117,15 +117,14 @@ double drawn(LooseKnot knot, double mu, int direction) {
   knot.state.t = 0;
   linear_part(knot.state.v, end) = direction * kWay / kSteps * Vec3::UnitX();
   const MoreauJean scheme(knot.model, {.h = 1}, {.theta = 1});
-  double sum = 0, count = 0;
+  double sum = 0, time = 0;
   run_accepted(scheme, knot.state, kSteps, [&](const StepReport& report) {
-    if (knot.state.t > kOnset)
-      sum +=
-          report.h * beam_loads(knot.rod.beam, knot.state).back().stress[0] * std::pow(knot.loop_radius(), 2),
-          count += report.h;
+    if (knot.state.t <= kOnset) return true;
+    const double tension = beam_loads(knot.rod.beam, knot.state).back().stress[0];
+    sum += report.h * tension * std::pow(knot.loop_radius(), 2), time += report.h;
     return true;
   });
-  return sum / count;
+  return sum / time;
 }
 
 VerificationCase rough_knot() {

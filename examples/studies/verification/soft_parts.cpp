@@ -23,85 +23,157 @@ Vec3 contact_force(const StepReport& report, BodyId on) {
   return sum;
 }
 
-// A quarter of an O-ring between two plates without friction, squeezed by a quarter of its thickness.
+// A quarter of an O-ring between two plates without friction.
+struct RingBetweenPlates {
+  static constexpr double kThick = 5e-3, kDiameter = 50e-3;  // [m]
+  Model model{};
+  State state{};
+  Solid ring{};
+  std::array<BodyId, 2> plates{};  // lower and upper
+  explicit RingBetweenPlates(double young) {
+    constexpr double kRadius = 5e-5;
+    model.gravity = Vec3::Zero();
+    model.contact_law.mu = 0;
+    VolumeMesh mesh = make_cylinder_mesh(kThick / 2 - kRadius, 1, 8, 6, CellKind::hexes);
+    for (Vec3& x : mesh.points) {
+      const double angle = kPi / 2 * (x.z() + 0.5), out = kDiameter / 2 + x.x();
+      x = {out * std::cos(angle), out * std::sin(angle), -x.y()};
+    }
+    SolidOptions options{.materials = {{.young = young, .poisson = 0.49, .density = 1100}},
+                         .radius = kRadius};
+    hold(mesh, options, {true, false, false}, [](const Vec3& x) { return x.x() < 1e-9; });
+    hold(mesh, options, {false, true, false}, [](const Vec3& x) { return x.y() < 1e-9; });
+    ring = add_solid(model, mesh, options);
+    const ShapeId plate = add(model, prepare(dilate(make_plate(0.2, 0.2), 0)));
+    for (BodyId& b : plates)
+      b = add(model, RigidBody{.name = "plate", .shape = plate, .motion = DrivenMotion{}});
+    state = rest_state(model);
+    for (const std::size_t side : {0u, 1u})
+      pose(state, plates[side]).p.z() = (side == 0 ? -1 : 1) * kThick / 2;
+  }
+  void press_at(double speed) {
+    for (const std::size_t side : {0u, 1u})
+      linear_part(state.v, plates[side]).z() = (side == 0 ? 1 : -1) * speed;
+  }
+  // The largest distance of a point from the mirror image of the one across.
+  double unlike_its_image() const {
+    Worst out;
+    const Vec3 across(1, 1, -1);
+    const std::vector<Vec3>&laid = ring.mesh->points, x = solid_places(model, state, ring);
+    for (std::size_t i = 0; i < x.size(); ++i)
+      for (std::size_t k = 0; k < x.size(); ++k)
+        if ((laid[k] - laid[i].cwiseProduct(across)).norm() < 1e-9)
+          out.add((x[k] - x[i].cwiseProduct(across)).norm());
+    return out;
+  }
+};
+
 VerificationCase o_ring() {
-  return {.name = "F12.o_ring",
-          .what =
-              "a rubber ring 5 mm thick on a diameter of 50 mm, 8 hexahedra across, squeezed between plates "
-              "by up to a "
-              "quarter, without friction",
-          .rows = {{"force", "worst force at 10, 15, 20 and 25 %, relative", "-", 0.1,
-                    "pi D d E (1.25 C^1.5 + 50 C^6), a fit to measurements (Lindley 1967)"},
-                   {"both", "force of one plate off that of the other, relative", "-", 1e-6, "equilibrium"},
-                   {"mirrored", "largest place off its mirror image, over the thickness", "-", 1e-6,
-                    "symmetry of ring and plates"}},
-          .measure =
-              [] {
-                constexpr double kThick = 5e-3, kDiameter = 50e-3, kYoung = 5e6, kRadius = 5e-5, kStep = 1e-2,
-                                 kSpeed = 5e-4;
-                Model model;
-                model.gravity = Vec3::Zero();
-                model.contact_law.mu = 0;
-                VolumeMesh mesh = make_cylinder_mesh(kThick / 2 - kRadius, 1, 8, 6, CellKind::hexes);
-                for (Vec3& x : mesh.points) {
-                  const double angle = kPi / 2 * (x.z() + 0.5), out = kDiameter / 2 + x.x();
-                  x = {out * std::cos(angle), out * std::sin(angle), -x.y()};
-                }
-                SolidOptions options{.materials = {{.young = kYoung, .poisson = 0.49, .density = 1100}},
-                                     .radius = kRadius};
-                hold(mesh, options, {true, false, false}, [](const Vec3& x) { return x.x() < 1e-9; });
-                hold(mesh, options, {false, true, false}, [](const Vec3& x) { return x.y() < 1e-9; });
-                const Solid ring = add_solid(model, mesh, options);
-                const ShapeId plate = add(model, prepare(dilate(make_plate(0.2, 0.2), 0)));
-                std::array<BodyId, 2> plates{};
-                for (const int side : {0, 1})
-                  plates[std::size_t(side)] = add(model, RigidBody{.name = side == 0 ? "lower" : "upper",
-                                                                   .shape = plate,
-                                                                   .motion = DrivenMotion{}});
-                State state = rest_state(model);
-                const auto press_at = [&](double speed) {
-                  for (const std::size_t side : {0u, 1u})
-                    linear_part(state.v, plates[side]).z() = (side == 0 ? 1 : -1) * speed;
-                };
-                for (const std::size_t side : {0u, 1u})
-                  pose(state, plates[side]).p.z() = (side == 0 ? -1 : 1) * kThick / 2;
-                const MoreauJean scheme(model, {.h = kStep}, {.theta = 1, .law = NormalLaw::gap_over_step});
-                Worst off, both;
-                for (const double part : {0.1, 0.15, 0.2, 0.25}) {
-                  const double way = (part - 1) * kThick / 2 - pose(state, plates[0]).p.z();
-                  press_at(kSpeed);
-                  run_accepted(scheme, state, state.t + way / kSpeed);
-                  press_at(0);
-                  StepReport report;
-                  for (int k = 0; k < 10; ++k) report = step(scheme, state);
-                  const double upper = contact_force(report, plates[1]).z(),
-                               lower = contact_force(report, plates[0]).z(),
-                               exact = kPi * kDiameter * kThick * kYoung *
-                                       (1.25 * std::pow(part, 1.5) + 50 * std::pow(part, 6));
-                  off.add(std::abs(4 * upper / exact - 1));
-                  both.add(std::abs(lower / upper + 1));
-                }
-                Worst mirrored;
-                const std::vector<Vec3> x = solid_places(model, state, ring);
-                for (std::size_t i = 0; i < x.size(); ++i) {
-                  const Vec3 image = mesh.points[i].cwiseProduct(Vec3(1, 1, -1));
-                  for (std::size_t k = 0; k < x.size(); ++k)
-                    if ((mesh.points[k] - image).norm() < 1e-9)
-                      mirrored.add((x[k] - x[i].cwiseProduct(Vec3(1, 1, -1))).norm() / kThick);
-                }
-                return Figures{{"force", off}, {"both", both}, {"mirrored", mirrored}};
-              },
-          .slow = true};
+  return {
+      .name = "F12.o_ring",
+      .what =
+          "a rubber ring 5 mm thick on a diameter of 50 mm, 8 hexahedra across, squeezed between plates by "
+          "up to a quarter, without friction",
+      .rows = {{"force", "worst force at 10, 15, 20 and 25 %, relative", "-", 0.1,
+                "pi D d E (1.25 C^1.5 + 50 C^6), a fit to measurements (Lindley 1967)"},
+               {"both", "force of one plate off that of the other, relative", "-", 1e-6, "equilibrium"},
+               {"mirrored", "largest place off its mirror image, over the thickness", "-", 1e-6,
+                "symmetry of ring and plates"}},
+      .measure =
+          [] {
+            constexpr double kYoung = 5e6, kSpeed = 5e-4;
+            RingBetweenPlates s(kYoung);
+            const MoreauJean scheme(s.model, {.h = 1e-2}, {.theta = 1, .law = NormalLaw::gap_over_step});
+            Worst off, both;
+            for (const double part : {0.1, 0.15, 0.2, 0.25}) {
+              const double way = (part - 1) * s.kThick / 2 - pose(s.state, s.plates[0]).p.z();
+              s.press_at(kSpeed);
+              run_accepted(scheme, s.state, s.state.t + way / kSpeed);
+              s.press_at(0);
+              StepReport report;
+              for (int k = 0; k < 10; ++k) report = step(scheme, s.state);
+              const double upper = contact_force(report, s.plates[1]).z(),
+                           lower = contact_force(report, s.plates[0]).z(),
+                           exact = kPi * s.kDiameter * s.kThick * kYoung *
+                                   (1.25 * std::pow(part, 1.5) + 50 * std::pow(part, 6));
+              off.add(std::abs(4 * upper / exact - 1));
+              both.add(std::abs(lower / upper + 1));
+            }
+            return Figures{{"force", off}, {"both", both}, {"mirrored", s.unlike_its_image() / s.kThick}};
+          },
+      .slow = true};
 }
 
-// A cantilever with a tooth at its end, and a catch with a ramp that is moved past it.
+// A cantilever along x with a tooth near its end, below it, and a catch that moves past it. In the plane.
+struct SnapFit {
+  static constexpr double kLength = 50e-3, kHeight = 2.5e-3, kWide = 0.625e-3;     // of the cantilever [m]
+  static constexpr double kTooth = 2e-3, kHalf = 2.5e-3, kPeak = kLength - kHalf;  // where it is deepest
+  static constexpr double kRise = 1e-3, kLift = 0.8e-3, kFlat = 1e-3;              // of the catch [m]
+  static constexpr double kYoung = 2e9, kMu = 0.2, kRadius = 1e-5;
+  static double slope() { return std::tan(kPi / 6); }
+  static double ramp() { return kRise / slope(); }
+  Model model{};
+  State state{};
+  BodyId caught{};
+
+  explicit SnapFit(double speed) {
+    model.gravity = Vec3::Zero();
+    model.contact_law.mu = kMu;
+    VolumeMesh mesh = make_box_mesh({kLength, kHeight, kWide}, {80, 4, 1});
+    for (Vec3& x : mesh.points) {
+      x.x() += kLength / 2;
+      const double deep = std::max(0.0, 1 - std::abs(x.x() - kPeak) / kHalf) * kTooth;
+      x.y() -= deep * (0.5 - x.y() / kHeight);
+    }
+    SolidOptions options{.materials = {{.young = kYoung, .poisson = 0, .density = 1200}}, .radius = kRadius};
+    hold(mesh, options, {true, true, false}, [](const Vec3& x) { return x.x() < 1e-9; });
+    hold(mesh, options, {false, false, true}, [](const Vec3&) { return true; });
+    add_solid(model, mesh, options);
+    caught = add(model, RigidBody{.name = "catch",
+                                  .shape = add(model, prepare(dilate(catch_complex(), kRadius))),
+                                  .motion = DrivenMotion{}});
+    state = rest_state(model);
+    const double ridge = -kHeight / 2 - kTooth - 2 * kRadius;  // where the catch touches it from below
+    pose(state, caught).p = {kPeak + 0.1e-3 - (kRise - kLift) / slope(), ridge - kRise + kLift, 0};
+    linear_part(state.v, caught).x() = -speed;
+  }
+  // Its ramp rises along x, then it is flat, then it ends.
+  static SimplicialComplex catch_complex() {
+    std::vector<Vec3> corners;
+    for (const double z : {-kWide, kWide})
+      for (const auto& [x, y] :
+           {std::pair(0.0, 0.0), {ramp(), kRise}, {ramp() + kFlat, kRise}, {ramp() + kFlat, 0.0}})
+        corners.emplace_back(x, y, z);
+    return make_complex(corners, {{0, 2, 1},
+                                  {0, 3, 2},
+                                  {4, 5, 6},
+                                  {4, 6, 7},
+                                  {0, 1, 5},
+                                  {0, 5, 4},
+                                  {1, 2, 6},
+                                  {1, 6, 5},
+                                  {2, 3, 7},
+                                  {2, 7, 6},
+                                  {3, 0, 4},
+                                  {3, 4, 7}});
+  }
+  // How far along the catch the tooth is.
+  double passed() const { return kPeak - pose(state, caught).p.x(); }
+  // Force along x over that along y on the ramp.
+  static double ratio() { return (kMu + slope()) / (1 - kMu * slope()); }
+  // Force that lifts the tooth so far; that of the insertion bends it back.
+  static double lifting_force() {
+    const double EI = kYoung * kWide * std::pow(kHeight, 3) / 12, arm = kHeight / 2 + kTooth;
+    return 3 * EI * kLift / std::pow(kPeak, 3) / (1 - 1.5 * arm / kPeak * ratio());
+  }
+};
+
 VerificationCase snap_fit() {
   return {
       .name = "F13.snap_fit",
       .what =
-          "a cantilever of 50 mm x 2.5 mm with a tooth at its end, 4 smoothed cells through it, in the "
-          "plane, passed by "
-          "a catch with a ramp of 30 degrees that lifts it by 0.8 mm, mu = 0.2",
+          "a cantilever of 50 mm x 2.5 mm with a tooth at its end, 4 smoothed cells through it, passed by a "
+          "catch with a ramp of 30 degrees that lifts it by 0.8 mm, mu = 0.2",
       .rows =
           {{"ratio", "force of insertion over the lifting force on the ramp, relative", "-", 1e-8,
             "Coulomb: (mu + tan a) / (1 - mu tan a)"},
@@ -112,63 +184,28 @@ VerificationCase snap_fit() {
            {"behind", "force behind the catch", "N", 0, "it no longer touches"}},
       .measure =
           [] {
-            constexpr double kLength = 50e-3, kThick = 2.5e-3, kWide = 0.625e-3, kTooth = 2e-3,
-                             kHalf = 2.5e-3, kYoung = 2e9, kRadius = 1e-5, kMu = 0.2, kLift = 0.8e-3,
-                             kHeight = 1e-3, kFlat = 1e-3, kStep = 5e-5,
-                             kPeak = kLength - kHalf;  // where the tooth is deepest
-            const double slope = std::tan(kPi / 6), ramp = kHeight / slope;
-            Model model;
-            model.gravity = Vec3::Zero();
-            model.contact_law.mu = kMu;
-            VolumeMesh mesh = make_box_mesh({kLength, kThick, kWide}, {80, 4, 1});
-            for (Vec3& x : mesh.points) {
-              x.x() += kLength / 2;
-              const double deep = std::max(0.0, 1 - std::abs(x.x() - kPeak) / kHalf) * kTooth;
-              x.y() -= deep * (0.5 - x.y() / kThick);
-            }
-            SolidOptions options{.materials = {{.young = kYoung, .poisson = 0, .density = 1200}},
-                                 .radius = kRadius};
-            hold(mesh, options, {true, true, false}, [](const Vec3& x) { return x.x() < 1e-9; });
-            hold(mesh, options, {false, false, true}, [](const Vec3&) { return true; });
-            add_solid(model, mesh, options);
-            std::vector<Vec3> corners;  // of the catch: its ramp rises along x
-            for (const double z : {-kWide, kWide})
-              for (const auto& [x, y] :
-                   {std::pair(0.0, 0.0), {ramp, kHeight}, {ramp + kFlat, kHeight}, {ramp + kFlat, 0.0}})
-                corners.emplace_back(x, y, z);
-            const std::vector<std::array<int, 3>> faces{{0, 2, 1}, {0, 3, 2}, {4, 5, 6}, {4, 6, 7},
-                                                        {0, 1, 5}, {0, 5, 4}, {1, 2, 6}, {1, 6, 5},
-                                                        {2, 3, 7}, {2, 7, 6}, {3, 0, 4}, {3, 4, 7}};
-            const BodyId caught = add(
-                model, RigidBody{.name = "catch",
-                                 .shape = add(model, prepare(dilate(make_complex(corners, faces), kRadius))),
-                                 .motion = DrivenMotion{}});
-            State state = rest_state(model);
-            const double ridge = -kThick / 2 - kTooth - 2 * kRadius;  // where the catch touches it from below
-            pose(state, caught).p = {kPeak + 0.1e-3 - (kHeight - kLift) / slope, ridge - kHeight + kLift, 0};
-            linear_part(state.v, caught).x() = -kStep;
-            const MoreauJean scheme(model, {.h = 1, .solver = {.tolerance = 1e-10}},
+            constexpr double kStep = 5e-5;
+            SnapFit s(kStep);
+            const double ramp = s.ramp();
+            const MoreauJean scheme(s.model, {.h = 1, .solver = {.tolerance = 1e-10}},
                                     {.theta = 1,
                                      .law = NormalLaw::gap_over_step,
                                      .newton = {.max_iterations = 12, .tolerance = 1e-9}});
-            const double exact = (kMu + slope) / (1 - kMu * slope);
             Worst ratio, flat, insertion;
             double behind = kInf;
-            run_accepted(
-                scheme, state, std::round((ramp + kFlat + 3e-3) / kStep), [&](const StepReport& report) {
-                  const Vec3 f = contact_force(report, caught);
-                  const double at = kPeak - pose(state, caught).p.x();  // of the tooth, along the catch
-                  insertion.add(f.x() > 0 ? f.x() : 0);
-                  if (at > 0.4 * ramp && at < 0.8 * ramp) ratio.add(std::abs(-f.x() / f.y() / exact - 1));
-                  if (at > ramp + 0.3 * kFlat && at < ramp + 0.7 * kFlat)
-                    flat.add(std::abs(-f.x() / f.y() / kMu - 1));
-                  behind = f.norm();
-                  return true;
-                });
-            const double EI = kYoung * kWide * std::pow(kThick, 3) / 12, arm = kThick / 2 + kTooth,
-                         lift = 3 * EI * kLift / std::pow(kPeak, 3) / (1 - 1.5 * arm / kPeak * exact);
+            run_accepted(scheme, s.state, std::round((ramp + s.kFlat + 3e-3) / kStep),
+                         [&](const StepReport& report) {
+                           const Vec3 f = contact_force(report, s.caught);
+                           const double at = s.passed(), along = -f.x() / f.y();
+                           insertion.add(std::max(0.0, f.x()));
+                           if (at > 0.4 * ramp && at < 0.8 * ramp) ratio.add(std::abs(along / s.ratio() - 1));
+                           if (at > ramp + 0.3 * s.kFlat && at < ramp + 0.7 * s.kFlat)
+                             flat.add(std::abs(along / s.kMu - 1));
+                           behind = f.norm();
+                           return true;
+                         });
             return Figures{{"ratio", ratio},
-                           {"insertion", std::abs(insertion / (exact * lift) - 1)},
+                           {"insertion", std::abs(insertion / (s.ratio() * s.lifting_force()) - 1)},
                            {"flat", flat},
                            {"behind", behind}};
           },
@@ -180,7 +217,7 @@ VerificationCase cube_stack() {
   return {
       .name = "F14.stack",
       .what =
-          "twelve soft cubes of 10 cm of one cell each fall onto each other by 1 mm, mu = 0.3, and come to "
+          "twelve soft cubes of 10 cm, one cell each, fall onto each other by 1 mm, mu = 0.3, and come to "
           "rest",
       .rows = {{"force", "force of the floor off their weight, relative", "-", 1e-8, "equilibrium"},
                {"sinks",
@@ -189,7 +226,7 @@ VerificationCase cube_stack() {
                 "-", 0.1, "Hooke: rho g H^2 / (2 E); bulging and friction are small"}},
       .measure =
           [] {
-            constexpr double kSize = 0.1, kYoung = 2e6, kDensity = 1000, kRadius = 1e-3, kGap = 1e-3;
+            constexpr double kSize = 0.1, kYoung = 2e7, kDensity = 1000, kRadius = 1e-3, kGap = 1e-3;
             constexpr int kCubes = 12;
             Model model;
             model.contact_law.mu = 0.3;
@@ -198,7 +235,7 @@ VerificationCase cube_stack() {
             for (int k = 0; k < kCubes; ++k)
               cubes.push_back(add_solid(
                   model, mesh,
-                  {.materials = {{.young = kYoung, .poisson = 0.3, .density = kDensity, .viscosity = 2e4}},
+                  {.materials = {{.young = kYoung, .poisson = 0.3, .density = kDensity, .viscosity = 2e5}},
                    .place =
                        translation(0, 0, kRadius + kSize / 2 + k * (kSize + 2 * kRadius) + (k + 1) * kGap),
                    .radius = kRadius}));
@@ -208,10 +245,10 @@ VerificationCase cube_stack() {
                                      .motion = FixedMotion{}});
             State state = rest_state(model);
             const MoreauJeanOptions own{.theta = 1, .law = NormalLaw::gap_over_step};
-            run_accepted(MoreauJean(model, {.h = 5e-3}, own), state, 1.6);
-            const MoreauJean fine(model, {.h = 5e-3, .solver = {.tolerance = 1e-12}}, own);
+            run_accepted(MoreauJean(model, {.h = 5e-3}, own), state, 0.3);
+            const MoreauJean slow(model, {.h = 5e-2, .solver = {.tolerance = 1e-10}}, own);
             StepReport report;
-            run_accepted(fine, state, 1.65, [&](const StepReport& r) {
+            run_accepted(slow, state, 6, [&](const StepReport& r) {
               report = r;
               return true;
             });

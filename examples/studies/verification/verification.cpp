@@ -44,8 +44,8 @@ const std::vector<VerificationCase>& verification_cases() {
     for (const auto& group :
          {impact_verification, friction_verification, mechanism_verification, rotation_verification,
           beam_verification, beam_frame_verification, solid_verification, soft_contact_verification,
-          order_verification, stack_verification, balance_verification, tree_verification,
-          cable_contact_verification, knot_verification})
+          soft_part_verification, order_verification, stack_verification, balance_verification,
+          tree_verification, cable_contact_verification, knot_verification})
       for (VerificationCase& c : group()) out.push_back(std::move(c));
     std::ranges::stable_sort(out, {}, item);
     return out;
