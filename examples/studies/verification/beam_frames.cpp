@@ -170,9 +170,9 @@ VerificationCase flexible_coupler() {
         add(s.model, hinge(s.first(), crank, b));
         add(s.model, hinge(s.last(), rocker, c));
         add(s.model, hinge(rocker, kWorld, pivot));
-        const State laid = s.state;
+        const PerBody<SE3> laid = s.state.g;
         s.state = rest_state(s.model);
-        s.state.g = laid.g;
+        s.state.g = laid;
         Worst joints, off, bend;
         const MoreauJean scheme(s.model, {.h = 1e-3, .solver = {.tolerance = 1e-12}}, {.theta = 0.5});
         run_accepted(scheme, s.state, 2, [&](const StepReport&) {
@@ -238,9 +238,8 @@ Figures fly_pinned(double h) {
 VerificationCase pinned_beam() {
   return {.name = "E14.pinned",
           .what =
-              "free box that turns at 3.7 rad/s, two nodes of a beam of 20 elements pinned to it, 0.5 s, h = "
-              "1 ms "
-              "and 0.5 ms",
+              "free box that turns at 3.7 rad/s, two nodes of a beam of 20 elements pinned to it, 0.5 s, "
+              "h = 1 ms and 0.5 ms",
           .rows = {{"joints", "largest error of a joint", "m", 1e-12, "no drift; rounding"},
                    {"linear", "largest change of the momentum in a step, over the mass times 1 m/s", "-",
                     1e-13, "action and reaction; rounding"},

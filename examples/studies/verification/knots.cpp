@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Loose knots in thin rods: rows K5 and K6.slope of group K (doc/theory/beams.md).
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "examples/scenes/beams.hpp"
@@ -112,7 +111,6 @@ double drawn(LooseKnot knot, double mu, int direction) {
   knot.model.contact_law.mu = mu;
   const BodyId end = knot.rod.nodes.back();
   knot.model.bodies[end].motion = DrivenMotion{};
-  *knot.pull.factor = 0;
   knot.state.v.setZero();
   knot.state.t = 0;
   linear_part(knot.state.v, end) = direction * kWay / kSteps * Vec3::UnitX();

@@ -82,7 +82,7 @@ TEST(DeformingShape, HasTheContactsOfAnExhaustiveSearch) {
 }
 
 // Two faces, one above the other, flat but for what a solver leaves: each vertex, and each crossing of edges,
-// is a contact, and no more. (DEF-5)
+// is a contact. (DEF-5)
 TEST(DeformingShape, TouchesWithEveryPointOfAFlatFace) {
   for (const bool solid : {true, false}) {
     std::size_t when_flat = 0;
