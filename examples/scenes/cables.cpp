@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "examples/scenes/beams.hpp"
 #include "geometry/mass_properties.hpp"
 #include "geometry/primitives.hpp"
 #include "mechanics/cable.hpp"
@@ -107,6 +108,79 @@ CaseScene knot() {
   linear_part(s.state.v, rope.nodes.back()) = 0.05 * last;
   s.body = rope.nodes[rope.nodes.size() / 2];
   return s;
+}
+
+RopeOnPeg::RopeOnPeg() {
+  constexpr double kTail = 0.05, kDilation = 1e-3, kDistance = kPeg + kDilation + kRope;
+  model.gravity = Vec3::Zero();
+  model.contact_law.mu = kMu;
+  add(model, fixed_body("peg", add(model, prepare(dilate(make_cylinder(kPeg, 0.1, 96), kDilation)))));
+  std::vector<Vec3> line{{kDistance, -kTail, 0}};
+  for (int i = 0; i <= 4000; ++i)
+    line.push_back(kDistance * Vec3(std::cos(kPi * i / 4000), std::sin(kPi * i / 4000), 0));
+  line.emplace_back(-kDistance, -kTail, 0);
+  const std::vector<Vec3> x = points_along(line, 121);
+  std::vector<Vec3> loose;  // so that it is laid under a tension of 1 N
+  for (const Vec3& p : x) loose.push_back((1 - 1 / kStiffness) * p);
+  BeamSection section = section_of({.EA = kStiffness,
+                                    .GA = kStiffness,
+                                    .GJ = 1e-5,
+                                    .EI = 1e-5,
+                                    .mass = 1e-3,
+                                    .about_x = 1e-8,
+                                    .across = 1e-8});
+  section.damping = 1e-2 * section.stiffness;
+  rope =
+      add_cable(model, {.name = "rope", .nodes = frames_along(loose), .section = section, .radius = kRope});
+  model.bodies[rope.nodes.back()].motion = DrivenMotion{};
+  add(model, DeadLoad{.body = rope.nodes.front(), .force = -Vec3::UnitY()});
+  state = rest_state(model);
+  lay(rope, state);
+  for (std::size_t i = 0; i < x.size(); ++i) pose(state, rope.nodes[i]).p = x[i];
+  linear_part(state.v, rope.nodes.back()) = -kSpeed * Vec3::UnitY();
+}
+
+CaseScene capstan() {
+  RopeOnPeg s;
+  return {.model = std::move(s.model), .state = std::move(s.state), .body = s.rope.nodes.back()};
+}
+
+CableInClips::CableInClips() {
+  constexpr int kElements = 60, kSides = 16;
+  model.gravity = Vec3::Zero();
+  model.contact_law.mu = 0.3;
+  clips = {{0.06, 0.012, 0}, {0.14, -0.012, 0}, {0.22, 0.012, 0}};
+  std::vector<Vec3> circle;
+  std::vector<std::array<int, 2>> wires;
+  for (int i = 0; i < kSides; ++i) {
+    const double a = 2 * kPi * i / kSides;
+    circle.emplace_back(0, kRing * std::cos(a), kRing * std::sin(a));
+    wires.push_back({i, (i + 1) % kSides});
+  }
+  const ShapeId ring = add(model, prepare(dilate(make_complex(circle, {}, wires), kWire)));
+  for (const Vec3& at : clips) {
+    RigidBody clip = fixed_body("clip", ring);
+    clip.g_bs = translation(at.x(), at.y(), at.z());
+    add(model, clip);
+  }
+  std::vector<Vec3> line{{-0.3, 0, 0}, {0, 0, 0}};
+  line.insert(line.end(), clips.begin(), clips.end());
+  line.insert(line.end(), {{0.28, 0, 0}, {0.3, 0, 0}});
+  cable = add_cable(
+      model, {.nodes = frames_along(points_along(line, kElements + 1)),
+              .section = beam_section(
+                  {.radius = kRadius, .young = 5e6, .poisson = 0.45, .density = 1200, .damping_time = 1e-2}),
+              .radius = kRadius,
+              .straight = true});
+  model.bodies[cable.nodes.back()].motion = DrivenMotion{};
+  state = rest_state(model);
+  lay(cable, state);
+  linear_part(state.v, cable.nodes.back()).x() = 0.2;
+}
+
+CaseScene cable_in_clips() {
+  CableInClips s;
+  return {.model = std::move(s.model), .state = std::move(s.state), .body = s.cable.nodes.front()};
 }
 
 }  // namespace aussois

@@ -3,11 +3,12 @@
 
 #include <algorithm>
 
+#include "examples/scenes/belts.hpp"
 #include "examples/scenes/cables.hpp"
 #include "examples/scenes/mechanisms.hpp"
 #include "examples/scenes/peer_scenes.hpp"
 #include "examples/scenes/pressed_peg.hpp"
-#include "examples/scenes/solids.hpp"
+#include "examples/scenes/soft_parts.hpp"
 #include "examples/scenes/toys.hpp"
 #include "examples/scenes/trees.hpp"
 #include "geometry/check.hpp"
@@ -73,6 +74,10 @@ std::vector<LibraryScene> cables() {
        cable_on_peg},
       {"ball_on_rope", "a ball falls onto a rope that is held at both ends, and off it", 1, 1e-3,
        ball_on_rope},
+      {"belt_drive", "a belt turns a pulley that is one per cent slower (K3)", 2, 5e-3, belt_drive},
+      {"cable_in_clips", "a cable is pulled through three rings that are not in line (K10)", 2.5, 1e-3,
+       cable_in_clips},
+      {"capstan", "a thin rope is drawn over half a peg against 1 N until it slips (K2)", 0.5, 1e-3, capstan},
       {"knot", "an overhand knot in a rope whose ends are drawn apart", 2, 1e-3, knot},
       {"rope_coil", "a rope is let down onto a floor and coils onto itself", 2, 1e-3, rope_coil},
   };
@@ -83,6 +88,10 @@ std::vector<LibraryScene> solids() {
       {"soft_cubes", "four soft cubes fall onto each other", 1.5, 1e-3, soft_cubes},
       {"cloth_on_ball", "a square of cloth falls over a ball and folds onto itself", 1.5, 1e-3,
        cloth_on_ball},
+      {"cook_panel", "Cook's membrane of rubber swings under a load (F2)", 0.5, 1e-3, cook_panel},
+      {"o_ring", "a quarter of an O-ring is squeezed by a quarter (F12)", 0.5, 1e-3, o_ring},
+      {"rubber_ball", "a rubber ball falls onto a plate and bounces (F3, F9)", 0.3, 1e-3, rubber_ball},
+      {"snap_fit", "a catch lifts the tooth of a cantilever and passes it (F13)", 0.1, 2e-4, snap_fit},
   };
 }
 

@@ -29,7 +29,8 @@ const std::map<char, std::string> kGroups = {{'A', "Impacts without friction"},
                                              {'G', "Stacks and scenes"},
                                              {'H', "Balances"},
                                              {'J', "Trees in joint coordinates"},
-                                             {'K', "Cables in contact"}};
+                                             {'K', "Cables in contact"},
+                                             {'S', "All that deforms"}};
 
 std::string digits(double figure) {
   char text[32];

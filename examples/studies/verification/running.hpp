@@ -78,6 +78,16 @@ inline SchemeOptions moreau_options(double h) {
   return exact_options(h, NormalLaw::moreau, 1e-12);
 }
 
+/// The sum of the forces of contacts on a body in a step [N].
+inline Vec3 contact_force(const StepReport& report, BodyId on) {
+  Vec3 sum = Vec3::Zero();
+  for (const StepContact& c : report.contacts) {
+    if (c.point.a.body == on) sum += c.impulse / report.h;
+    if (c.point.b.body == on) sum -= c.impulse / report.h;
+  }
+  return sum;
+}
+
 /// The largest of the figures that it was given, none of which is negative. A NaN stays.
 class Worst {
  public:

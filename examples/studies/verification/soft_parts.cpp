@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Soft parts pressed, snapped and stacked: rows F12 to F14 of group F (doc/theory/solids.md).
+#include "examples/scenes/soft_parts.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "examples/scenes/solids.hpp"
 #include "examples/studies/verification/running.hpp"
 #include "geometry/primitives.hpp"
 #include "geometry/volume_primitives.hpp"
@@ -13,62 +14,30 @@
 namespace aussois {
 namespace {
 
-// The sum of the forces of contacts on body A of them, where A is `on`, less those where B is.
-Vec3 contact_force(const StepReport& report, BodyId on) {
-  Vec3 sum = Vec3::Zero();
-  for (const StepContact& c : report.contacts) {
-    if (c.point.a.body == on) sum += c.impulse / report.h;
-    if (c.point.b.body == on) sum -= c.impulse / report.h;
-  }
-  return sum;
+// The largest distance of a point from the mirror image of the one across.
+double unlike_its_image(const RingBetweenPlates& s) {
+  Worst out;
+  const Vec3 across(1, 1, -1);
+  const std::vector<Vec3>&laid = s.ring.mesh->points, x = solid_places(s.model, s.state, s.ring);
+  for (std::size_t i = 0; i < x.size(); ++i)
+    for (std::size_t k = 0; k < x.size(); ++k)
+      if ((laid[k] - laid[i].cwiseProduct(across)).norm() < 1e-9)
+        out.add((x[k] - x[i].cwiseProduct(across)).norm());
+  return out;
 }
 
-// A quarter of an O-ring between two plates without friction.
-struct RingBetweenPlates {
-  static constexpr double kThick = 5e-3, kDiameter = 50e-3;  // [m]
-  Model model{};
-  State state{};
-  Solid ring{};
-  std::array<BodyId, 2> plates{};  // lower and upper
-  explicit RingBetweenPlates(double young) {
-    constexpr double kRadius = 5e-5;
-    model.gravity = Vec3::Zero();
-    model.contact_law.mu = 0;
-    VolumeMesh mesh = make_cylinder_mesh(kThick / 2 - kRadius, 1, 8, 6, CellKind::hexes);
-    for (Vec3& x : mesh.points) {
-      const double angle = kPi / 2 * (x.z() + 0.5), out = kDiameter / 2 + x.x();
-      x = {out * std::cos(angle), out * std::sin(angle), -x.y()};
-    }
-    SolidOptions options{.materials = {{.young = young, .poisson = 0.49, .density = 1100}},
-                         .radius = kRadius};
-    hold(mesh, options, {true, false, false}, [](const Vec3& x) { return x.x() < 1e-9; });
-    hold(mesh, options, {false, true, false}, [](const Vec3& x) { return x.y() < 1e-9; });
-    ring = add_solid(model, mesh, options);
-    const ShapeId plate = add(model, prepare(dilate(make_plate(0.2, 0.2), 0)));
-    for (BodyId& b : plates)
-      b = add(model, RigidBody{.name = "plate", .shape = plate, .motion = DrivenMotion{}});
-    state = rest_state(model);
-    for (const std::size_t side : {0u, 1u})
-      pose(state, plates[side]).p.z() = (side == 0 ? -1 : 1) * kThick / 2;
-  }
-  void press_at(double speed) {
-    for (const std::size_t side : {0u, 1u})
-      linear_part(state.v, plates[side]).z() = (side == 0 ? 1 : -1) * speed;
-  }
-  // The largest distance of a point from the mirror image of the one across.
-  double unlike_its_image() const {
-    Worst out;
-    const Vec3 across(1, 1, -1);
-    const std::vector<Vec3>&laid = ring.mesh->points, x = solid_places(model, state, ring);
-    for (std::size_t i = 0; i < x.size(); ++i)
-      for (std::size_t k = 0; k < x.size(); ++k)
-        if ((laid[k] - laid[i].cwiseProduct(across)).norm() < 1e-9)
-          out.add((x[k] - x[i].cwiseProduct(across)).norm());
-    return out;
-  }
-};
+// Force of a snap-fit along x over that along y on the ramp.
+double force_ratio() {
+  return (SnapFit::kMu + SnapFit::slope()) / (1 - SnapFit::kMu * SnapFit::slope());
+}
+// Force that lifts the tooth so far; that of the insertion bends it back.
+double lifting_force() {
+  using S = SnapFit;
+  const double EI = S::kYoung * S::kWide * std::pow(S::kHeight, 3) / 12, arm = S::kHeight / 2 + S::kTooth;
+  return 3 * EI * S::kLift / std::pow(S::kPeak, 3) / (1 - 1.5 * arm / S::kPeak * force_ratio());
+}
 
-VerificationCase o_ring() {
+VerificationCase squeezed_ring() {
   return {
       .name = "F12.o_ring",
       .what =
@@ -99,76 +68,12 @@ VerificationCase o_ring() {
               off.add(std::abs(4 * upper / exact - 1));
               both.add(std::abs(lower / upper + 1));
             }
-            return Figures{{"force", off}, {"both", both}, {"mirrored", s.unlike_its_image() / s.kThick}};
+            return Figures{{"force", off}, {"both", both}, {"mirrored", unlike_its_image(s) / s.kThick}};
           },
       .slow = true};
 }
 
-// A cantilever along x with a tooth near its end, below it, and a catch that moves past it. In the plane.
-struct SnapFit {
-  static constexpr double kLength = 50e-3, kHeight = 2.5e-3, kWide = 0.625e-3;     // of the cantilever [m]
-  static constexpr double kTooth = 2e-3, kHalf = 2.5e-3, kPeak = kLength - kHalf;  // where it is deepest
-  static constexpr double kRise = 1e-3, kLift = 0.8e-3, kFlat = 1e-3;              // of the catch [m]
-  static constexpr double kYoung = 2e9, kMu = 0.2, kRadius = 1e-5;
-  static double slope() { return std::tan(kPi / 6); }
-  static double ramp() { return kRise / slope(); }
-  Model model{};
-  State state{};
-  BodyId caught{};
-
-  explicit SnapFit(double speed) {
-    model.gravity = Vec3::Zero();
-    model.contact_law.mu = kMu;
-    VolumeMesh mesh = make_box_mesh({kLength, kHeight, kWide}, {80, 4, 1});
-    for (Vec3& x : mesh.points) {
-      x.x() += kLength / 2;
-      const double deep = std::max(0.0, 1 - std::abs(x.x() - kPeak) / kHalf) * kTooth;
-      x.y() -= deep * (0.5 - x.y() / kHeight);
-    }
-    SolidOptions options{.materials = {{.young = kYoung, .poisson = 0, .density = 1200}}, .radius = kRadius};
-    hold(mesh, options, {true, true, false}, [](const Vec3& x) { return x.x() < 1e-9; });
-    hold(mesh, options, {false, false, true}, [](const Vec3&) { return true; });
-    add_solid(model, mesh, options);
-    caught = add(model, RigidBody{.name = "catch",
-                                  .shape = add(model, prepare(dilate(catch_complex(), kRadius))),
-                                  .motion = DrivenMotion{}});
-    state = rest_state(model);
-    const double ridge = -kHeight / 2 - kTooth - 2 * kRadius;  // where the catch touches it from below
-    pose(state, caught).p = {kPeak + 0.1e-3 - (kRise - kLift) / slope(), ridge - kRise + kLift, 0};
-    linear_part(state.v, caught).x() = -speed;
-  }
-  // Its ramp rises along x, then it is flat, then it ends.
-  static SimplicialComplex catch_complex() {
-    std::vector<Vec3> corners;
-    for (const double z : {-kWide, kWide})
-      for (const auto& [x, y] :
-           {std::pair(0.0, 0.0), {ramp(), kRise}, {ramp() + kFlat, kRise}, {ramp() + kFlat, 0.0}})
-        corners.emplace_back(x, y, z);
-    return make_complex(corners, {{0, 2, 1},
-                                  {0, 3, 2},
-                                  {4, 5, 6},
-                                  {4, 6, 7},
-                                  {0, 1, 5},
-                                  {0, 5, 4},
-                                  {1, 2, 6},
-                                  {1, 6, 5},
-                                  {2, 3, 7},
-                                  {2, 7, 6},
-                                  {3, 0, 4},
-                                  {3, 4, 7}});
-  }
-  // How far along the catch the tooth is.
-  double passed() const { return kPeak - pose(state, caught).p.x(); }
-  // Force along x over that along y on the ramp.
-  static double ratio() { return (kMu + slope()) / (1 - kMu * slope()); }
-  // Force that lifts the tooth so far; that of the insertion bends it back.
-  static double lifting_force() {
-    const double EI = kYoung * kWide * std::pow(kHeight, 3) / 12, arm = kHeight / 2 + kTooth;
-    return 3 * EI * kLift / std::pow(kPeak, 3) / (1 - 1.5 * arm / kPeak * ratio());
-  }
-};
-
-VerificationCase snap_fit() {
+VerificationCase snapped() {
   return {
       .name = "F13.snap_fit",
       .what =
@@ -198,14 +103,15 @@ VerificationCase snap_fit() {
                            const Vec3 f = contact_force(report, s.caught);
                            const double at = s.passed(), along = -f.x() / f.y();
                            insertion.add(std::max(0.0, f.x()));
-                           if (at > 0.4 * ramp && at < 0.8 * ramp) ratio.add(std::abs(along / s.ratio() - 1));
+                           if (at > 0.4 * ramp && at < 0.8 * ramp)
+                             ratio.add(std::abs(along / force_ratio() - 1));
                            if (at > ramp + 0.3 * s.kFlat && at < ramp + 0.7 * s.kFlat)
                              flat.add(std::abs(along / s.kMu - 1));
                            behind = f.norm();
                            return true;
                          });
             return Figures{{"ratio", ratio},
-                           {"insertion", std::abs(insertion / (s.ratio() * s.lifting_force()) - 1)},
+                           {"insertion", std::abs(insertion / (force_ratio() * lifting_force()) - 1)},
                            {"flat", flat},
                            {"behind", behind}};
           },
@@ -268,7 +174,7 @@ VerificationCase cube_stack() {
 }  // namespace
 
 std::vector<VerificationCase> soft_part_verification() {
-  return {o_ring(), snap_fit(), cube_stack()};
+  return {squeezed_ring(), snapped(), cube_stack()};
 }
 
 }  // namespace aussois

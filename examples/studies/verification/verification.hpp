@@ -41,7 +41,7 @@ struct VerificationCase {
   bool certified = false;  // its steps have their certificate, as schemes are delivered
 };
 
-/// All of them, sorted as on the page: groups A to K, in each by number. No two have name and
+/// All of them, sorted as on the page: groups A to S, in each by number. No two have name and
 /// setting in common.
 const std::vector<VerificationCase>& verification_cases();
 std::vector<VerificationCase> impact_verification();         // group A
@@ -53,12 +53,17 @@ std::vector<VerificationCase> beam_frame_verification();     // frames and loops
 std::vector<VerificationCase> solid_verification();          // group F
 std::vector<VerificationCase> soft_contact_verification();   // contacts of group F
 std::vector<VerificationCase> soft_part_verification();      // parts and stacks of group F
+std::vector<VerificationCase> hertz_verification();          // smooth contacts of group F
 std::vector<VerificationCase> order_verification();          // orders and events of exact motions, A to D
 std::vector<VerificationCase> stack_verification();          // group G
 std::vector<VerificationCase> balance_verification();        // group H
 std::vector<VerificationCase> tree_verification();           // group J
 std::vector<VerificationCase> cable_contact_verification();  // group K
 std::vector<VerificationCase> knot_verification();           // loose knots of group K
+std::vector<VerificationCase> belt_verification();           // belts of group K
+std::vector<VerificationCase> soft_fold_verification();      // group S: self-contact
+std::vector<VerificationCase> soft_repeat_verification();    // group S: the same bits
+std::vector<VerificationCase> soft_throw_verification();     // group S: nothing tunnels
 
 /// What became of a case.
 struct Measured {
