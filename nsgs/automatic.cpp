@@ -18,7 +18,9 @@ constexpr double kLeastAhead = 100;       // by which they are taken to have to 
 constexpr double kNewtonIterations = 30;  // about, of a second phase
 constexpr double kLeastCost = 2;          // of a Newton iteration in sweeps, about; counted only above
 constexpr double kLongestWait = 300;      // sweeps before Newton may take over, at most
-constexpr int kAttempts = 8;              // after these sweeps go on alone
+constexpr int kAttempts = 8;              // after these sweeps go on alone,
+constexpr int kInVain = 2;                // or after so many in a row that gain nothing,
+constexpr double kGain = 0.99;            // which is less than this of the residual
 constexpr double kSettlingCost = 100;     // sweeps, of the steps of a settling phase, about
 constexpr double kWarm = 1e-3;            // residual of a start whose contacts are settled but for a few
 constexpr double kCheap = 50;             // sweeps, of a Newton iteration
@@ -75,7 +77,7 @@ Iterate automatic(Delassus& W, const Iterate& start, const SolverOptions& option
   SweepCounts counts;
   FixedPoint sweeps(W, begin, Method::nsgs, kMemory, [&](VecX& r) { return W.sweep(r, sweep, counts); });
   double window_residual = sweeps.best().residual, newton = kInf;  // what a second phase costs, in sweeps
-  int window = kFirstWindow, window_start = 0, phase_start = 0, weighed_at = 0, attempts = 0;
+  int window = kFirstWindow, window_start = 0, phase_start = 0, weighed_at = 0, attempts = 0, in_vain = 0;
   bool settled_once = false;
   report.status = SolveStatus::max_iterations;
   while (sweeps.best().residual > options.tolerance && report.iterations < options.max_iterations) {
@@ -90,7 +92,7 @@ Iterate automatic(Delassus& W, const Iterate& start, const SolverOptions& option
     const double left = sweeps_left(window_residual, now.residual, window);
     window_start = report.iterations;
     window_residual = now.residual;
-    if (left <= kLeastCost * kNewtonIterations || attempts == kAttempts) continue;
+    if (left <= kLeastCost * kNewtonIterations || attempts == kAttempts || in_vain == kInVain) continue;
     const int swept = report.iterations - phase_start;
     if (swept >= 2 * weighed_at) {  // it takes a sweep or two itself
       weighed_at = swept;
@@ -103,8 +105,10 @@ Iterate automatic(Delassus& W, const Iterate& start, const SolverOptions& option
       continue;
     }
     if (left <= newton || swept < std::min(newton / 10, kLongestWait)) continue;  // (AUTO-2)
+    const double best = sweeps.best().residual;
     sweeps.offer(second_phase(W, attempts == 0 ? now : sweeps.best(), attempts, options, report));
     ++attempts;
+    in_vain = sweeps.best().residual < kGain * best ? 0 : in_vain + 1;
     sweeps.resume();  // where Newton fails, the sweeps go on from where they were, with more room
     window *= 2;
     phase_start = report.iterations;

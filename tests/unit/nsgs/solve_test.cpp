@@ -499,6 +499,17 @@ TEST(Solve, EndsAPainleveBlockAsStagnated) {
   EXPECT_LE(s.report.residual, scaled_residual(problem, VecX::Zero(3)));
 }
 
+// Walls all around a peg come nearer than it is thick.
+TEST(Solve, GivesNewtonUpWhereThereIsNoSolution) {
+  Random random(14);
+  FrictionProblem problem = random_peg_in_hole(random, 20, 100, 0.3);
+  for (Eigen::Index k = 0; k < problem.w.size(); k += 3) problem.w[k] = -1;
+  const FrictionSolution s = solve(problem, {});
+  EXPECT_EQ(s.report.status, SolveStatus::stagnated);
+  EXPECT_GT(s.report.newton_iterations, 100) << "Newton was not asked";
+  EXPECT_LT(s.report.newton_iterations, 1000);
+}
+
 TEST(Solve, ReportsNumbersThatAreNotFinite) {
   Random random(14);
   const FrictionProblem good = random_peg_in_hole(random, 1, 6, 0.2);
