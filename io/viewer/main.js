@@ -42,7 +42,7 @@ function describe(run, scene) {
     line.append(text);
   };
   run.body_name.forEach((name, i) => {
-    const size = scene.local[i].isEmpty() ? [] : scene.local[i].getSize(scene.camera.position.clone()).toArray().filter(x => x > 0);
+    const size = scene.laid[i].isEmpty() ? [] : scene.laid[i].getSize(scene.camera.position.clone()).toArray().filter(x => x > 0);
     const skin = scene.bodies[i].children.find(part => part.name === 'skin');
     const box = size.length ? `  ${size.map(x => si(x, 'm')).join(' \u00d7 ')}` : '';
     if (run.body_name.length <= 8) entry(skin?.material.color.getHex() ?? 0x888888, `${name}${run.body_fixed[i] ? ' (fixed)' : ''}${box}`);

@@ -245,7 +245,7 @@ export class Scene extends Stage {
     this.normals = new Arrows(most, colours.normal);
     this.forces = new Arrows(most, colours.force);
     this.paths = new THREE.Group();
-    run.body_fixed.forEach((fixed, i) => fixed || this.paths.add(this.makePath(i)));
+    this.bodies.forEach((group, i) => run.body_fixed[i] || !group.children.length || this.paths.add(this.makePath(i)));
     this.scene.add(this.dots, this.ghosts, this.normals, this.forces, this.paths);
     this.forceUnit = 0.3 * this.size / this.largeForce();
     this.options = { dots: true, normals: false, forces: true, scale: 1, dotSize: 1, opacity: 0.4, section: null };
@@ -263,10 +263,10 @@ export class Scene extends Stage {
     group.follow?.();
   }
 
-  /** Of a body, seen from itself: over all frames if it deforms. */
-  localBox(group, index) {
+  /** Of a body, seen from itself: over so many frames if it deforms. */
+  localBox(group, index, frames = this.run.frames) {
     const box = new THREE.Box3().setFromObject(group), x = new THREE.Vector3();
-    for (let k = 0; group.positions && k < this.run.frames; ++k)
+    for (let k = 0; group.positions && k < frames; ++k)
       for (let i = 0, at = 3 * (k * this.movingVertices + this.firstVertex[index]); i < group.positions.array.length; i += 3)
         box.expandByPoint(x.fromArray(this.vertices, at + i));
     return box;
@@ -282,6 +282,7 @@ export class Scene extends Stage {
   /** Boxes of the moving bodies over the whole run and of everything. */
   measure() {
     this.movingBox = new THREE.Box3();
+    this.laid = this.bodies.map((group, i) => this.localBox(group, i, 1));  // before any frame is shown
     const local = this.bodies.map((group, i) => this.localBox(group, i)), here = new THREE.Box3();
     for (let k = 0; k < this.run.frames; k += Math.max(1, Math.floor(this.run.frames / 60)))
       this.bodies.forEach((group, i) => {
@@ -296,7 +297,6 @@ export class Scene extends Stage {
     if (this.wholeBox.isEmpty()) this.wholeBox.set(new THREE.Vector3(-1, -1, -1), new THREE.Vector3(1, 1, 1));
     if (this.movingBox.isEmpty()) this.movingBox.copy(this.wholeBox);
     this.size = Math.max(...sizes) || this.wholeBox.getSize(new THREE.Vector3()).length();  // of the largest moving part [m]
-    this.local = local;
   }
 
   /** A force that most contacts stay below [N]: the 98th percentile. */
