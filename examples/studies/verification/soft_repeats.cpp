@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // All that deforms moves with the same bits: row S3 of group S.
-#include <array>
+#include <algorithm>
 
 #include "examples/scenes/library.hpp"
 #include "examples/studies/verification/running.hpp"

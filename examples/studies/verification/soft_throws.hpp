@@ -9,10 +9,8 @@ namespace aussois {
 struct ThrowTally {
   int throws = 0;
   int touched = 0;              // throws in which anything touched
-  std::int64_t steps = 0;       // accepted
   std::int64_t violations = 0;  // steps that the path audit refutes
   int refused = 0;              // throws that ended in a step that was not accepted
-  double slack = 0;             // least amount by which a sample lies above what is certified [m]
 };
 
 /// The throws first, first + 1, ...: each is a function of its number alone.
