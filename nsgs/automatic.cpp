@@ -19,7 +19,7 @@ constexpr double kNewtonIterations = 30;  // about, of a second phase
 constexpr double kLeastCost = 2;          // of a Newton iteration in sweeps, about; counted only above
 constexpr double kLongestWait = 300;      // sweeps before Newton may take over, at most
 constexpr int kAttempts = 8;              // after these sweeps go on alone,
-constexpr int kInVain = 2;                // or after so many in a row that gain nothing,
+constexpr int kInVain = 2;                // or after so many in a row that gain nothing above kAim,
 constexpr double kGain = 0.99;            // which is less than this of the residual
 constexpr double kSettlingCost = 100;     // sweeps, of the steps of a settling phase, about
 constexpr double kWarm = 1e-3;            // residual of a start whose contacts are settled but for a few
@@ -108,7 +108,7 @@ Iterate automatic(Delassus& W, const Iterate& start, const SolverOptions& option
     const double best = sweeps.best().residual;
     sweeps.offer(second_phase(W, attempts == 0 ? now : sweeps.best(), attempts, options, report));
     ++attempts;
-    in_vain = sweeps.best().residual < kGain * best ? 0 : in_vain + 1;
+    in_vain = sweeps.best().residual < std::max(kGain * best, kAim) ? 0 : in_vain + 1;
     sweeps.resume();  // where Newton fails, the sweeps go on from where they were, with more room
     window *= 2;
     phase_start = report.iterations;
