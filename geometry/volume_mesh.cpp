@@ -137,6 +137,12 @@ double volume(const VolumeMesh& mesh, const Tet& t) {
   return (mesh.points[t[1]] - o).cross(mesh.points[t[2]] - o).dot(mesh.points[t[3]] - o) / 6;
 }
 
+double volume(const VolumeMesh& mesh, const Hex& hex) {
+  double sum = 0;
+  for (const HexPoint& point : hex_points(mesh, hex)) sum += point.volume;
+  return sum;
+}
+
 std::array<HexPoint, 8> hex_points(const VolumeMesh& mesh, const Hex& hex) {
   std::array<HexPoint, 8> out;
   const double g = 1 / std::sqrt(3.0);

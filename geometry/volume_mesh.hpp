@@ -31,6 +31,7 @@ struct HexPoint {
   std::array<Vec3, 8> gradient{};  // [1/m]
 };
 std::array<HexPoint, 8> hex_points(const VolumeMesh& mesh, const Hex& hex);
+double volume(const VolumeMesh& mesh, const Hex& hex);  // the sum of its points' [m^3]
 
 /// The faces that belong to one cell only, counter-clockwise seen from outside; a face of a hexahedron is two
 /// triangles. In the order of the cells.

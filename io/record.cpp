@@ -66,6 +66,8 @@ RunHeader run_header(const Model& model) {
       row.mesh = mesh_of_shape[body.shape];
       row.dilation = shape.radius;
       if (deforms(body)) row.moving_vertices = int(shape.complex.vertices.size());
+      if (const VertexField& field = body.deformation.field; field.values)
+        row.field = field.what, row.field_unit = field.unit;
     }
     header.bodies.push_back(std::move(row));
   }
@@ -87,8 +89,10 @@ RunStep run_step(std::int64_t step, const Model& model, const State& state, cons
   row.q = state.q;
   row.q_speed = state.v.tail(state.v.size() - of_bodies);
   for (const BodyId b : model.bodies.ids())
-    if (deforms(model.bodies[b]))
+    if (deforms(model.bodies[b])) {
       std::ranges::move(deformed_vertices(model, state, b), std::back_inserter(row.vertices));
+      std::ranges::move(vertex_field(model, state, b), std::back_inserter(row.field));
+    }
   for (const JointId i : model.joints.ids()) row.joints.push_back(run_joint(model, state, i));
   const Energy now = energy(model, state);
   row.kinetic = now.kinetic;

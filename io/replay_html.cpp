@@ -69,11 +69,15 @@ void add_meshes(PageArrays& arrays, const RunHeader& header) {
   }
 }
 
+double number_or_nan(double x) {
+  return std::isfinite(x) ? x : std::numeric_limits<double>::quiet_NaN();
+}
+
 /// What the page draws: poses of the centred meshes, vertices of bodies that deform around the centres of
 /// their meshes, contacts and joints; places relative to `origin`.
 struct Frames {
   std::vector<std::int64_t> step{};
-  std::vector<float> pose{}, vertices{}, point{}, normal{}, force{}, gap{};
+  std::vector<float> pose{}, vertices{}, field{}, point{}, normal{}, force{}, gap{};
   std::vector<std::int32_t> offset{0};
   // Of every joint: three numbers along its axes, or the size of a vector
   std::vector<float> coordinate{}, joint_force{}, joint_torque{}, effort{};
@@ -97,6 +101,7 @@ void add_frame(const RunHeader& header, const RunStep& step, const std::vector<V
                const Vec3& origin, Frames& out) {
   out.step.push_back(step.step);
   add_bodies(header, step, centres, origin, out);
+  for (const double value : step.field) out.field.push_back(float(number_or_nan(value)));
   for (const RunContact& contact : step.contacts) {
     const ShownContact c = shown(header, step, contact);
     append(out.point, c.point - origin);
@@ -116,6 +121,7 @@ void add_frame(const RunHeader& header, const RunStep& step, const std::vector<V
 void add_arrays(const Frames& frames, PageArrays& arrays) {
   arrays.add("pose", frames.pose);
   arrays.add("vertices", frames.vertices);
+  arrays.add("field", frames.field);
   arrays.add("contact.offset", frames.offset);
   arrays.add("contact.point", frames.point);
   arrays.add("contact.normal", frames.normal);
@@ -148,10 +154,6 @@ double smaller(double a, double b) {
 double larger(double a, double b) {
   return std::fmax(a, b);
 }
-double number_or_nan(double x) {
-  return std::isfinite(x) ? x : std::numeric_limits<double>::quiet_NaN();
-}
-
 const std::vector<Quantity>& quantities() {
   using H = RunHeader;
   using S = RunStep;
@@ -197,7 +199,7 @@ bool begins_bucket(std::size_t row, std::size_t point, std::size_t steps, std::s
 
 Summary page_header(const RunHeader& header, std::size_t recorded,
                     const std::vector<std::int64_t>& shown_steps) {
-  std::vector<std::string> mesh_names, body_names;
+  std::vector<std::string> mesh_names, body_names, fields, field_units;
   for (const auto& named : header.meshes) mesh_names.push_back(named.first);
   std::vector<std::int64_t> mesh, fixed, moving;
   std::vector<double> dilation;
@@ -208,6 +210,8 @@ Summary page_header(const RunHeader& header, std::size_t recorded,
     fixed.push_back(body.fixed && body.moving_vertices == 0 ? 1 : 0);
     moving.push_back(body.moving_vertices);
     dilation.push_back(body.dilation);
+    fields.push_back(body.field);
+    field_units.push_back(body.field_unit);
   }
   Summary page;
   page.set("title", header.title);
@@ -221,6 +225,8 @@ Summary page_header(const RunHeader& header, std::size_t recorded,
   page.set("body_fixed", fixed);
   page.set("body_moving_vertices", moving);
   page.set("body_dilation", dilation);
+  page.set("body_field", fields);
+  page.set("body_field_unit", field_units);
   std::vector<std::string> joint_names, joint_kinds;
   for (const RunJointName& joint : header.joints)
     joint_names.push_back(joint.name), joint_kinds.push_back(joint.kind);

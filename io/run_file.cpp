@@ -106,6 +106,9 @@ constexpr const char* kCoordinateSpeeds = "/state/q_speed";
 constexpr const char* kOffset = "/contact/offset";
 constexpr const char* kMovingVertices = "/body/moving_vertices";  // files of version 3 may lack it
 constexpr const char* kVertices = "/state/vertices";              // if there are any
+constexpr const char* kFieldNames = "/body/field";                // files of version 3 may lack it
+constexpr const char* kFieldUnits = "/body/field_unit";           // and this
+constexpr const char* kField = "/state/field";                    // if there are any
 constexpr const char* kGaugeNames = "/gauge/name";                // files of version 3 may lack it
 constexpr const char* kGauges = "/gauge/value";                   // if there are any
 
@@ -129,7 +132,7 @@ std::size_t coordinate_count(const RunHeader& header) {
 }
 
 void write_bodies(hid_t file, const RunHeader& header) {
-  std::vector<std::string> names, meshes;
+  std::vector<std::string> names, meshes, fields, field_units;
   std::vector<PoseRow> mesh_pose;
   std::vector<int> fixed, moving;
   std::vector<double> dilation, mass;
@@ -143,6 +146,8 @@ void write_bodies(hid_t file, const RunHeader& header) {
     mass.push_back(body.mass);
     inertia.push_back(body.inertia);
     moving.push_back(body.moving_vertices);
+    fields.push_back(body.field);
+    field_units.push_back(body.field_unit);
   }
   write_texts(file, "/body/name", names);
   write_texts(file, "/body/mesh", meshes);
@@ -152,6 +157,8 @@ void write_bodies(hid_t file, const RunHeader& header) {
   write_rows(file, "/body/mass", mass, "kg");
   write_rows(file, "/body/inertia", inertia, "kg m^2");
   write_rows(file, kMovingVertices, moving);
+  write_texts(file, kFieldNames, fields);
+  write_texts(file, kFieldUnits, field_units);
 }
 
 void write_header(hid_t file, const RunHeader& header) {
@@ -205,6 +212,14 @@ std::vector<T> read_exactly(hid_t file, const std::string& name, std::size_t row
   return values;
 }
 
+// Texts of every body; empty ones where the file has none.
+std::vector<std::string> read_body_texts(hid_t file, const char* name, std::size_t bodies) {
+  if (!has_link(file, name)) return std::vector<std::string>(bodies);
+  std::vector<std::string> out = read_texts(file, name);
+  if (out.size() != bodies) fail_hdf5(file, name, "does not have one row per body");
+  return out;
+}
+
 RunHeader read_header(hid_t file) {
   check_format(file, kRunFormat, kRunVersion);
   RunHeader header;
@@ -228,9 +243,11 @@ RunHeader read_header(hid_t file) {
   const auto inertia = read_exactly<Mat3>(file, "/body/inertia", names.size());
   const auto moving = has_link(file, kMovingVertices) ? read_exactly<int>(file, kMovingVertices, names.size())
                                                       : std::vector<int>(names.size(), 0);
+  const auto fields = read_body_texts(file, kFieldNames, names.size()),
+             field_units = read_body_texts(file, kFieldUnits, names.size());
   for (std::size_t i = 0; i < names.size(); ++i)
     header.bodies.push_back({names[i], meshes[i], from_row(mesh_pose[i]), fixed[i] != 0, dilation[i], mass[i],
-                             inertia[i], moving[i]});
+                             inertia[i], moving[i], fields[i], field_units[i]});
 
   const std::vector<std::string> joints = read_texts(file, "/joint/name"),
                                  kinds = read_texts(file, "/joint/kind"),
@@ -252,6 +269,13 @@ RunHeader read_header(hid_t file) {
 std::size_t moving_vertices(const RunHeader& header) {
   std::size_t count = 0;
   for (const RunBody& body : header.bodies) count += std::size_t(body.moving_vertices);
+  return count;
+}
+
+std::size_t field_values(const RunHeader& header) {
+  std::size_t count = 0;
+  for (const RunBody& body : header.bodies)
+    if (!body.field.empty()) count += std::size_t(body.moving_vertices);
   return count;
 }
 
@@ -279,6 +303,8 @@ void validate(const RunHeader& header) {
     require(body.moving_vertices == 0 || std::size_t(body.moving_vertices) == count,
             "RunHeader: body " + body.name + ": moving_vertices = " + std::to_string(body.moving_vertices) +
                 " must be 0 or the number of its mesh's, " + std::to_string(count));
+    require(body.field.empty() || body.moving_vertices > 0,
+            "RunHeader: body " + body.name + ": field '" + body.field + "' needs moving vertices");
   }
   for (const RunJointName& joint : header.joints)
     for (const int body : joint.pair)
@@ -303,6 +329,8 @@ void validate(const RunHeader& header, const RunStep& step) {
                   values->size(), "be the sum of the sizes of the blocks");
   require_field(step.vertices.size() == moving_vertices(header), "RunStep::vertices: size",
                 step.vertices.size(), "be the number of vertices of the bodies that deform");
+  require_field(step.field.size() == field_values(header), "RunStep::field: size", step.field.size(),
+                "be the number of vertices of the bodies with a field");
   require_field(std::size_t(step.gauges.size()) == header.gauges.size(), "RunStep::gauges: size",
                 step.gauges.size(), "be the number of gauges");
   for (const RunContact& contact : step.contacts)
@@ -345,6 +373,8 @@ std::vector<ColumnPlan> step_columns(const RunHeader& header, bool with_joint_wo
   plans.push_back({kCoordinateSpeeds, H5T_NATIVE_DOUBLE, {coordinates}, kRows, ""});
   if (const std::size_t moving = moving_vertices(header); moving > 0)
     plans.push_back({kVertices, H5T_NATIVE_DOUBLE, {moving, 3}, kRows, "m"});
+  if (const std::size_t values = field_values(header); values > 0)
+    plans.push_back({kField, H5T_NATIVE_DOUBLE, {values}, kRows, ""});
   if (!header.gauges.empty())
     plans.push_back({kGauges, H5T_NATIVE_DOUBLE, {header.gauges.size()}, kRows, ""});
   const auto of_joints = [&](const auto& field) {
@@ -404,13 +434,14 @@ struct RunWriter::Impl {
   void write_pending() {
     const Hdf5Silence silence;
     std::vector<PoseRow> pose;
-    std::vector<double> velocity, q, q_speed, gauges;
+    std::vector<double> velocity, q, q_speed, gauges, of_vertices;
     std::vector<RunJoint> joint;
     std::vector<RunContact> contact;
     std::vector<std::uint64_t> offset;
     std::vector<Vec3> vertices;
     for (const RunStep& step : pending) {
       vertices.insert(vertices.end(), step.vertices.begin(), step.vertices.end());
+      of_vertices.insert(of_vertices.end(), step.field.begin(), step.field.end());
       for (const SE3& g : step.pose) pose.push_back(to_row(g));
       velocity.insert(velocity.end(), step.velocity.begin(), step.velocity.end());
       q.insert(q.end(), step.q.begin(), step.q.end());
@@ -432,6 +463,7 @@ struct RunWriter::Impl {
     columns.at(kCoordinateSpeeds).append(q_speed.data(), pending.size());
     if (!gauges.empty()) columns.at(kGauges).append(gauges.data(), pending.size());
     if (!vertices.empty()) columns.at(kVertices).append(vertices.data(), pending.size());
+    if (!of_vertices.empty()) columns.at(kField).append(of_vertices.data(), pending.size());
     columns.at(kOffset).append(offset.data(), offset.size());
     rows += pending.size();
     contacts += contact.size();
@@ -590,13 +622,14 @@ void RunReader::Impl::open(const std::vector<ColumnPlan>& plans, std::size_t row
 
 void RunReader::Impl::read_states() {
   const std::size_t bodies = header.bodies.size(), coordinates = coordinate_count(header),
-                    moving = moving_vertices(header);
+                    moving = moving_vertices(header), field_width = field_values(header);
   const std::vector<double> pose = read_wide(kPose, 7 * bodies),
                             velocity = read_wide(kVelocity, std::size_t(first_velocity(BodyId::at(bodies)))),
                             q = read_wide(kCoordinates, coordinates),
                             q_speed = read_wide(kCoordinateSpeeds, coordinates),
                             gauges = read_wide(kGauges, header.gauges.size()),
-                            vertices = read_wide(kVertices, 3 * moving);
+                            vertices = read_wide(kVertices, 3 * moving),
+                            field = read_wide(kField, field_width);
   for (std::size_t k = 0; k < block.size(); ++k) {
     RunStep& step = block[k];
     for (std::size_t i = 0; i < bodies; ++i) {
@@ -606,6 +639,8 @@ void RunReader::Impl::read_states() {
     }
     for (std::size_t i = 0; i < moving; ++i)
       step.vertices.emplace_back(vertices.data() + 3 * (k * moving + i));
+    const auto values = field.begin() + std::ptrdiff_t(k * field_width);
+    step.field.assign(values, values + std::ptrdiff_t(field_width));
     step.velocity = row_of(velocity, k, std::size_t(first_velocity(BodyId::at(bodies))));
     step.q = row_of(q, k, coordinates);
     step.q_speed = row_of(q_speed, k, coordinates);

@@ -32,6 +32,9 @@ struct RunBody {
   Mat3 inertia = Mat3::Zero();  // about the centre of mass, body frame [kg m^2]
   int moving_vertices = 0;      // number of vertices of its mesh if it deforms: every step has them
                                 // (RunStep::vertices)
+  std::string field{};          // what every step has a number of at each of these vertices (RunStep::field);
+                                // empty: none
+  std::string field_unit{};
 };
 
 struct RunJointName {
@@ -93,6 +96,7 @@ struct RunStep {
   VecX q_speed{};                // [the same per second]
   std::vector<Vec3> vertices{};  // of the bodies that deform, one after the other, each in the frame of its
                                  // mesh [m]
+  std::vector<double> field{};   // at the vertices of bodies with a field, one body after the other
   std::vector<RunJoint> joints{};
   std::vector<RunContact> contacts{};
 
@@ -190,8 +194,9 @@ class RunReader {
 /// not a run, of another version, or inconsistent.
 RunData read_run(const std::filesystem::path& path);
 
-/// Length of RunStep::vertices.
+/// Lengths of RunStep::vertices and RunStep::field.
 std::size_t moving_vertices(const RunHeader& header);
+std::size_t field_values(const RunHeader& header);
 
 /// Throws std::invalid_argument naming what does not fit together.
 void validate(const RunHeader& header);

@@ -76,14 +76,15 @@ class InGroup {
   std::string group_;
 };
 
-/// Every field but the levels by name, `deforming` and `self`, which shapes of files do not have: one that is
-/// added to LmdShape does not compile until it stands here (raise kShapeVersion of io/shape_cache.cpp then).
+/// Every field but the levels by name, `deforming`, `order` and `self`, which shapes of files do not have:
+/// one that is added to LmdShape does not compile until it stands here (raise kShapeVersion of
+/// io/shape_cache.cpp then).
 template <class Archive, class Shape>
 void visit_own_tables(Archive& archive, Shape& shape) {
   auto& [complex, radius, centre, bounding_radius, deforming, tolerance, straightened, regions,
          triangle_region, triangle_sign, rays, paths, vertices, edges, misfits, faces, rest, vertex_tree,
          wide_vertex_tree, edge_tree, wide_edge_tree, face_tree, rest_tree, narrow_vertices, narrow_edges,
-         flat_triangles, unproven, unproven_tree, levels, self] = shape;
+         flat_triangles, unproven, unproven_tree, levels, order, self] = shape;
   visit_complex(archive, complex);
   archive.one("/radius", radius);
   archive.one("/centre", centre);

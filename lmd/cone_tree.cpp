@@ -19,6 +19,8 @@ constexpr double kConeWeight = 0.1;  // lambda (LMD-13)
 constexpr std::size_t kManyRanges =
     256;  // enough for all threads: each builds one after the other to its end
 
+constexpr int kInOrder = 0;  // instead of a number of threads: the order stands
+
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 
@@ -79,9 +81,14 @@ class ConeTreeBuilder {
       half_angle_.emplace_back(std::cos(item.half_angle), std::sin(item.half_angle));
     }
     size_ = (hi - lo).norm();
-    key_.resize(items.size());
     nodes_.resize(std::max(node_count(int(items.size())), std::size_t(1)));  // a lone bucket has a root
-    build({0, 0, int(items.size())}, threads);
+    const Range all{0, 0, int(items.size())};
+    if (threads == kInOrder) {
+      enclose(all);
+      return;
+    }
+    key_.resize(items.size());
+    build(all, threads);
   }
   ConeTree take() { return {std::move(nodes_)}; }
 
@@ -91,29 +98,48 @@ class ConeTreeBuilder {
     return std::span(item.vertex).first(std::size_t(item.vertex_count));
   }
 
-  // Principal axes of the corners, or those of the frame where they give the smaller box.
-  void box(Bounds& out, int begin, int end) const {
-    const Vec3 first = vertices_[item(begin).vertex[0]];
-    Vec3 sum = Vec3::Zero();
-    Mat3 S = Mat3::Zero();
+  // The corners of a range: their number, sum and second moments about `from`.
+  struct Moments {
     int n = 0;
+    Vec3 sum = Vec3::Zero();
+    Mat3 second = Mat3::Zero();
+    void add(const Vec3& d) { ++n, sum += d, second += d * d.transpose(); }
+    void add(const Moments& other) { n += other.n, sum += other.sum, second += other.second; }
+    Mat3 scatter() const { return second - sum * sum.transpose() / n; }
+  };
+  Moments moments(int begin, int end, const Vec3& from) const {
+    Moments out;
     for (int i = begin; i < end; ++i)
-      for (int v : corners(item(i))) {
-        const Vec3 d = vertices_[v] - first;
-        sum += d;
-        S += d * d.transpose();
-        ++n;
-      }
-    const Vec3 mean = first + sum / n;
-    S -= sum * sum.transpose() / n;
+      for (int v : corners(item(i))) out.add(vertices_[v] - from);
+    return out;
+  }
+
+  // Principal axes, or those of the frame where they give the smaller box. `sides(axes)` are the lower and
+  // upper ends of the box along axes, about `origin`.
+  void axes(Bounds& out, const Mat3& scatter, const Vec3& origin, const auto& sides) const {
     Eigen::SelfAdjointEigenSolver<Mat3> solver;
-    solver.computeDirect(S);
+    solver.computeDirect(scatter);
     double smallest = kInf;
     for (const Mat3& axes : {Mat3(Mat3::Identity()), solver.eigenvectors()}) {
       Eigen::Matrix3f rounded = axes.cast<float>();
       rounded.col(2) = rounded.col(0).cross(rounded.col(1));
       if (!(rounded.transpose() * rounded - Eigen::Matrix3f::Identity()).isZero(1e-5F)) continue;
       const Mat3 u = rounded.cast<double>();
+      const auto [lo, hi] = sides(u);
+      const Vec3 side = hi - lo;
+      const double area = side.x() * side.y() + side.y() * side.z() + side.z() * side.x();
+      if (area >= smallest) continue;
+      smallest = area;
+      out.u = rounded;
+      out.c = (u * (lo + hi) / 2 + origin - centre_).template cast<float>();
+    }
+  }
+
+  void box(Bounds& out, int begin, int end) const {
+    const Vec3 first = vertices_[item(begin).vertex[0]];
+    const Moments of = moments(begin, end, first);
+    const Vec3 mean = first + of.sum / of.n;
+    axes(out, of.scatter(), mean, [&](const Mat3& u) {
       Vec3 lo = Vec3::Constant(kInf), hi = Vec3::Constant(-kInf);
       for (int i = begin; i < end; ++i)
         for (int v : corners(item(i))) {
@@ -121,13 +147,8 @@ class ConeTreeBuilder {
           lo = lo.cwiseMin(x);
           hi = hi.cwiseMax(x);
         }
-      const Vec3 side = hi - lo;
-      const double area = side.x() * side.y() + side.y() * side.z() + side.z() * side.x();
-      if (area >= smallest) continue;
-      smallest = area;
-      out.u = rounded;
-      out.c = (u * (lo + hi) / 2 + mean - centre_).cast<float>();
-    }
+      return std::pair(lo, hi);
+    });
     out.h.setZero();
     out.r = 0;
     const Vec3 c = out.c.cast<double>() + centre_;  // as rounded
@@ -165,10 +186,75 @@ class ConeTreeBuilder {
     out.cos = float(cos), out.sin = float(sin);
   }
 
+  // What lies below a child, for the node above it.
+  struct Summary {
+    Bounds bounds{};
+    Moments corners;               // about the centre of the shape
+    Vec3 axes_sum = Vec3::Zero();  // of the cones
+    int count = 0;                 // simplices
+  };
+  Summary summary_of_bucket(int begin, int end) const {
+    Summary out{.corners = moments(begin, end, centre_), .count = end - begin};
+    box(out.bounds, begin, end);
+    cap(out.bounds, begin, end);
+    for (int i = begin; i < end; ++i) out.axes_sum += item(i).axis;
+    return out;
+  }
+  // The box around boxes, the ball around balls, the cap around caps.
+  Summary joined(std::span<const Summary> parts) const {
+    Summary out;
+    for (const Summary& part : parts)
+      out.corners.add(part.corners), out.axes_sum += part.axes_sum, out.count += part.count;
+    const auto sides = [&](const Mat3& u) {
+      Vec3 lo = Vec3::Constant(kInf), hi = Vec3::Constant(-kInf);
+      for (const Summary& part : parts) {
+        const Vec3 c = u.transpose() * part.bounds.c.cast<double>(),
+                   h = (u.transpose() * part.bounds.u.cast<double>()).cwiseAbs() *
+                       part.bounds.h.cast<double>();
+        lo = lo.cwiseMin(c - h);
+        hi = hi.cwiseMax(c + h);
+      }
+      return std::pair(lo, hi);
+    };
+    axes(out.bounds, out.corners.scatter(), centre_, sides);
+    const Vec3 c = out.bounds.c.cast<double>();  // as rounded
+    const Mat3 u = out.bounds.u.cast<double>();
+    const auto [lo, hi] = sides(u);
+    const Vec3 middle = u.transpose() * c, h = (hi - middle).cwiseMax(middle - lo);
+    double r = 0;
+    for (const Summary& part : parts)
+      r = std::max(r, (part.bounds.c.cast<double>() - c).norm() + double(part.bounds.r));
+    for (int k = 0; k < 3; ++k) out.bounds.h[k] = up(h[k] * (1 + 1e-6));
+    out.bounds.r = up(std::min(r, h.norm()) * (1 + 1e-6));
+    join_caps(out, parts);
+    return out;
+  }
+  static void join_caps(Summary& out, std::span<const Summary> parts) {
+    out.bounds.axis.setUnit(2);
+    out.bounds.cos = -1, out.bounds.sin = 0;
+    if (out.axes_sum.norm() < 1e-3 * out.count) return;
+    const Vec3 axis = out.axes_sum.normalized();
+    double cos = 1, sin = 0;
+    for (const Summary& part : parts) {
+      const Vec3 of_part = part.bounds.axis.cast<double>();
+      const double ch = part.bounds.cos, sh = part.bounds.sin, c = std::min(1.0, axis.dot(of_part)),
+                   s = axis.cross(of_part).norm(), total_cos = c * ch - s * sh, total_sin = s * ch + c * sh;
+      if (ch <= -1 || total_sin < 0) return;                                    // past pi
+      if (total_sin * cos > total_cos * sin) cos = total_cos, sin = total_sin;  // the larger angle
+    }
+    constexpr double kSingle = 1e-6;  // of the children's single precision [rad]
+    if (sin + kSingle * cos < 0) return;
+    out.bounds.axis = axis.cast<float>();
+    out.bounds.cos = float(cos - kSingle * sin), out.bounds.sin = float(sin + kSingle * cos);
+  }
+
   void set_child(std::size_t node, int lane, int begin, int end) {
     Bounds b;
     box(b, begin, end);
     cap(b, begin, end);
+    set_child(node, lane, b, begin, end);
+  }
+  void set_child(std::size_t node, int lane, const Bounds& b, int begin, int end) {
     ConeNode& n = nodes_[node];
     for (int i = 0; i < 3; ++i) {
       n.c[i][lane] = b.c[i];
@@ -232,44 +318,80 @@ class ConeTreeBuilder {
     for (const Range& child : below.span()) fill(child);
   }
 
+  void set_missing(std::size_t node, int lane) {
+    ConeNode& n = nodes_[node];
+    for (auto& x : n.c) x[lane] = 0;
+    n.r[lane] = -1;
+    n.cos[lane] = -1;
+    n.sin[lane] = 0;
+    for (auto& x : n.axis) x[lane] = 0;
+    for (auto& axis : n.u)
+      for (auto& x : axis) x[lane] = 0;
+    for (auto& x : n.h) x[lane] = 0;
+    n.child[lane] = n.count[lane] = 0;
+  }
+  void lead_to(std::size_t node, int lane, std::size_t below) {
+    nodes_[node].child[lane] = std::uint32_t(below);
+    nodes_[node].count[lane] = 0;
+  }
+
+  // Where the children of a range begin and end.
+  struct Children {
+    int count = 0;
+    std::array<int, 5> bounds{};
+  };
+  static Children children_of(const Range& range) {
+    const int full = full_child(range.end - range.begin);
+    Children out{.count = (range.end - range.begin + full - 1) / full};
+    for (int k = 0; k <= out.count; ++k) out.bounds[k] = std::min(range.begin + k * full, range.end);
+    return out;
+  }
+
   // Sets the node and returns those below it.
   Ranges open(const Range& range) {
     const auto [node, begin, end] = range;
-    const int full = full_child(end - begin);
-    const int count = (end - begin + full - 1) / full;
-    int bounds[5];
-    for (int k = 0; k <= count; ++k) bounds[k] = std::min(begin + k * full, end);
+    const auto [count, bounds] = children_of(range);
     const int half = (count + 1) / 2;  // binary splits
     if (count > 1) split(begin, bounds[half], end);
     if (half > 1) split(begin, bounds[1], bounds[half]);
     if (count - half > 1) split(bounds[half], bounds[half + 1], end);
     for (int lane = 0; lane < 4; ++lane) {
-      if (lane < count) {
+      if (lane < count)
         set_child(node, lane, bounds[lane], bounds[lane + 1]);
-      } else {
-        ConeNode& n = nodes_[node];
-        for (auto& x : n.c) x[lane] = 0;
-        n.r[lane] = -1;
-        n.cos[lane] = -1;
-        n.sin[lane] = 0;
-        for (auto& x : n.axis) x[lane] = 0;
-        for (auto& axis : n.u)
-          for (auto& x : axis) x[lane] = 0;
-        for (auto& x : n.h) x[lane] = 0;
-        n.child[lane] = n.count[lane] = 0;
-      }
+      else
+        set_missing(node, lane);
     }
     Ranges below;
     std::size_t next = node + 1;
     for (int lane = 0; lane < count; ++lane) {
       const int size = bounds[lane + 1] - bounds[lane];
       if (size <= kBucket) continue;
-      nodes_[node].child[lane] = std::uint32_t(next);
-      nodes_[node].count[lane] = 0;
+      lead_to(node, lane, next);
       below.of[below.count++] = {next, bounds[lane], bounds[lane + 1]};
       next += node_count(size);
     }
     return below;
+  }
+
+  // Sets the node and all below it, from the buckets up; the order stands.
+  Summary enclose(const Range& range) {
+    const auto [count, bounds] = children_of(range);
+    std::array<Summary, 4> parts;
+    std::size_t next = range.node + 1;
+    for (int lane = 0; lane < 4; ++lane) {
+      if (lane >= count) {
+        set_missing(range.node, lane);
+        continue;
+      }
+      const int begin = bounds[lane], end = bounds[lane + 1];
+      const bool is_bucket = end - begin <= kBucket;
+      parts[lane] = is_bucket ? summary_of_bucket(begin, end) : enclose({next, begin, end});
+      set_child(range.node, lane, parts[lane].bounds, begin, end);
+      if (is_bucket) continue;
+      lead_to(range.node, lane, next);
+      next += node_count(end - begin);
+    }
+    return joined(std::span(parts).first(std::size_t(count)));
   }
 
   const std::vector<ConeTreeItem>& items_;
@@ -288,6 +410,12 @@ class ConeTreeBuilder {
 ConeTree build_cone_tree(const std::vector<ConeTreeItem>& items, std::span<const Vec3> vertices,
                          const Vec3& centre, std::vector<int>& order, int threads) {
   return ConeTreeBuilder(items, vertices, centre, order, threads).take();
+}
+
+ConeTree enclosing_cone_tree(const std::vector<ConeTreeItem>& items, std::span<const Vec3> vertices,
+                             const Vec3& centre) {
+  std::vector<int> order;
+  return ConeTreeBuilder(items, vertices, centre, order, kInOrder).take();
 }
 
 }  // namespace aussois

@@ -48,5 +48,9 @@ struct ConeTree {
 /// buckets. The tree is the same for any number of threads.
 ConeTree build_cone_tree(const std::vector<ConeTreeItem>& items, std::span<const Vec3> vertices,
                          const Vec3& centre, std::vector<int>& order, int threads = 1);
+/// A tree over items in an order that stands, in time linear in their number: what is around the simplices of
+/// an inner node is what encloses its children.
+ConeTree enclosing_cone_tree(const std::vector<ConeTreeItem>& items, std::span<const Vec3> vertices,
+                             const Vec3& centre);
 
 }  // namespace aussois

@@ -42,10 +42,16 @@ void in_chunks(int n, int threads, const auto& f) {
   });
 }
 
-// Puts `leaves` in the order of a tree over `items`.
+// Calls f(i) for the simplices of a kind in the order of the shape's hierarchies, if it has one.
+void in_order(const LmdShape& shape, std::vector<int> LeafOrder::*kind, std::size_t count, const auto& f) {
+  for (std::size_t i = 0; i < count; ++i) f(shape.order ? ((*shape.order).*kind)[i] : int(i));
+}
+
+// Puts `leaves` in the order of a tree over `items`; those of a shape that deforms are in it.
 template <class Leaf>
 ConeTree make_tree(const std::vector<ConeTreeItem>& items, const LmdShape& shape, std::vector<Leaf>& leaves,
                    int threads) {
+  if (shape.order) return enclosing_cone_tree(items, shape.complex.vertices, shape.centre);
   std::vector<int> order;
   ConeTree tree = build_cone_tree(items, shape.complex.vertices, shape.centre, order, threads);
   std::vector<Leaf> sorted;
@@ -71,8 +77,9 @@ void add_vertices(LmdShape& shape, const Idealisation& ideal, const std::vector<
     if (is_leaf) of_vertex[v].push_back(std::move(cone));
   });
   std::vector<std::pair<int, const NormalCone*>> all;
-  for (int v = 0; v < int(k.vertices.size()); ++v)
+  in_order(shape, &LeafOrder::vertices, k.vertices.size(), [&](int v) {
     for (const NormalCone& cone : of_vertex[v]) all.emplace_back(v, &cone);
+  });
   for (const auto& [v, of] : all) {
     const NormalCone& cone = *of;
     const bool is_wide = cone.rays.size() < 3;
@@ -100,8 +107,7 @@ void add_edges(LmdShape& shape, const Idealisation& ideal, const std::vector<Cha
   std::vector<ConeTreeItem> narrow_items, wide_items;
   std::vector<int> paths;
   const auto misfit = [&](int first, int last) { return std::max(misfits[first], misfits[last]); };
-  for (std::size_t c = 0; c < ideal.chains.size(); ++c) {
-    if (!cones[c].simplex_class) continue;
+  const auto add_own = [&](int c) {
     const Chain& chain = ideal.chains[c];
     const std::span<const int> path = edges_of(ideal, chain);
     const EdgeLeaf leaf{.first = chain.first,
@@ -115,8 +121,8 @@ void add_edges(LmdShape& shape, const Idealisation& ideal, const std::vector<Cha
                                         cones[c].half_angle + 1.01 * misfit(chain.first, chain.last));
     (leaf.is_wide ? wide : narrow).push_back(leaf);
     (leaf.is_wide ? wide_items : narrow_items).push_back(item);
-  }
-  for (std::size_t i = 0; i < soft.size(); ++i) {  // their regions follow those of the triangles
+  };
+  const auto add_soft = [&](std::size_t i) {  // their regions follow those of the triangles
     const Chain& chain = ideal.chains[std::size_t(soft[i].chain)];
     const int region = int(ideal.region_normal.size() + 2 * i) + 1;
     narrow.push_back({.first = chain.first,
@@ -124,7 +130,13 @@ void add_edges(LmdShape& shape, const Idealisation& ideal, const std::vector<Cha
                       .conormals = {region, region + 1},
                       .path = edges_of(ideal, chain).front()});
     narrow_items.push_back(tree_item(std::array{chain.first, chain.last}, soft[i].axis, soft[i].half_angle));
-  }
+  };
+  in_order(shape, &LeafOrder::edges, ideal.chains.size(), [&](int c) {
+    if (cones[c].simplex_class) add_own(c);
+    for (auto i = std::size_t(std::ranges::lower_bound(soft, c, {}, &SoftEdge::chain) - soft.begin());
+         i < soft.size() && soft[i].chain == c; ++i)
+      add_soft(i);
+  });
   shape.edge_tree = make_tree(narrow_items, shape, narrow, threads);
   shape.wide_edge_tree = make_tree(wide_items, shape, wide, threads);
   shape.narrow_edges = int(narrow.size());
@@ -142,31 +154,31 @@ void add_faces(LmdShape& shape, const Idealisation& ideal, double flat, int thre
   std::vector<ConeTreeItem> items, rest_items;
   std::vector<int> faces;
   std::vector<BaseSimplex> rest;
-  for (int t = 0; t < int(k.triangles.size()); ++t) {
+  in_order(shape, &LeafOrder::triangles, k.triangles.size(), [&](int t) {
     const auto& v = k.triangles[t];
     ConeTreeItem item = tree_item(v);
     if (height(at(k, v[0]), at(k, v[1]), at(k, v[2])) <= flat) {
       ++shape.flat_triangles;
       rest.push_back({2, v});
       rest_items.push_back(item);
-      continue;
+      return;
     }
     item.axis = ideal.triangle_sign[t] * ideal.region_normal[ideal.triangle_region[t]];
     item.half_angle = 0;
     faces.push_back(t);
     items.push_back(item);
-  }
-  for (int e = 0; e < int(k.edges.size()); ++e)
-    if (k.edge_triangles[e].empty()) {
-      const auto& [a, b] = k.edges[e];
-      rest.push_back({1, {a, b, -1}});
-      rest_items.push_back(tree_item(k.edges[e]));
-    }
-  for (int v = 0; v < int(k.vertices.size()); ++v)
-    if (k.vertex_edges[v].empty()) {
-      rest.push_back({0, {v, -1, -1}});
-      rest_items.push_back(tree_item(std::array{v}));
-    }
+  });
+  in_order(shape, &LeafOrder::edges, k.edges.size(), [&](int e) {
+    if (!k.edge_triangles[e].empty()) return;
+    const auto& [a, b] = k.edges[e];
+    rest.push_back({1, {a, b, -1}});
+    rest_items.push_back(tree_item(k.edges[e]));
+  });
+  in_order(shape, &LeafOrder::vertices, k.vertices.size(), [&](int v) {
+    if (!k.vertex_edges[v].empty()) return;
+    rest.push_back({0, {v, -1, -1}});
+    rest_items.push_back(tree_item(std::array{v}));
+  });
   shape.face_tree = make_tree(items, shape, faces, threads);
   shape.rest_tree = make_tree(rest_items, shape, rest, threads);
   shape.faces = std::move(faces);
@@ -227,33 +239,26 @@ void add_unproven(LmdShape& shape, const Idealisation& ideal, const std::vector<
   shape.unproven = std::move(unproven);
 }
 
-template <class T>
-std::size_t bytes(const SharedArray<T>& v) {
-  return v.size() * sizeof(T);
+// By the places of the simplices in a hierarchy over all of them.
+std::shared_ptr<const LeafOrder> leaf_order(const SimplicialComplex& k, int threads) {
+  const Box box = bounding_box(k);
+  const auto order_of = [&](const auto& simplices, std::vector<int>& order) {
+    std::vector<ConeTreeItem> items;
+    for (const auto& simplex : simplices) items.push_back(tree_item(simplex));
+    build_cone_tree(items, k.vertices, (box.lo + box.hi) / 2, order, threads);
+  };
+  LeafOrder out;
+  std::vector<std::array<int, 1>> vertices;
+  for (int v = 0; v < int(k.vertices.size()); ++v) vertices.push_back({v});
+  order_of(vertices, out.vertices);
+  order_of(k.edges, out.edges);
+  order_of(k.triangles, out.triangles);
+  return std::make_shared<const LeafOrder>(std::move(out));
 }
 
-}  // namespace
-
-void describe(SettingVisitor& visit, LmdShapeOptions& o) {
-  visit.begin("LmdShapeOptions");
-  visit.number(planarity_setting(), o.planarity);
-  visit.toggle({"deforming", "keep every triangle and edge for a shape that deforms"}, o.deforming);
-  visit.count({"levels",
-               "maximum number of coarser surfaces that stand for the part where gaps are large",
-               "",
-               {0, kMostLevels}},
-              o.levels);
-  visit.count(threads_setting(), o.threads);
-}
-
-LmdShape prepare(DilatedShape dilated, const LmdShapeOptions& options) {
-  check_ranges(options);
-  require_field(std::isfinite(dilated.radius) && dilated.radius >= 0, "DilatedShape::radius", dilated.radius,
-                "be finite and not negative [m]");
-  require(!dilated.complex.vertices.empty(), "DilatedShape::complex has no vertex");
-  require_field(!options.deforming || options.levels == 0, "LmdShapeOptions::levels", options.levels,
-                "be 0 for a shape that deforms");
-
+// `order` is that of a shape that deforms.
+LmdShape prepared(DilatedShape dilated, const LmdShapeOptions& options,
+                  std::shared_ptr<const LeafOrder> order) {
   LmdShape shape;
   shape.complex = std::move(dilated.complex);
   shape.radius = dilated.radius;
@@ -261,6 +266,7 @@ LmdShape prepare(DilatedShape dilated, const LmdShapeOptions& options) {
   shape.centre = (box.lo + box.hi) / 2;
   shape.bounding_radius = radius_about(shape.complex, shape.centre);
   shape.deforming = options.deforming;
+  shape.order = std::move(order);
   shape.tolerance = (options.deforming ? kRounding : options.planarity) * box.diagonal();
   if (shape.radius > 0)
     shape.tolerance = std::min(shape.tolerance, 1e-3 * shape.radius);  // far below what contacts can feel
@@ -293,13 +299,44 @@ LmdShape prepare(DilatedShape dilated, const LmdShapeOptions& options) {
   return shape;
 }
 
+template <class T>
+std::size_t bytes(const SharedArray<T>& v) {
+  return v.size() * sizeof(T);
+}
+
+}  // namespace
+
+void describe(SettingVisitor& visit, LmdShapeOptions& o) {
+  visit.begin("LmdShapeOptions");
+  visit.number(planarity_setting(), o.planarity);
+  visit.toggle({"deforming", "keep every triangle and edge for a shape that deforms"}, o.deforming);
+  visit.count({"levels",
+               "maximum number of coarser surfaces that stand for the part where gaps are large",
+               "",
+               {0, kMostLevels}},
+              o.levels);
+  visit.count(threads_setting(), o.threads);
+}
+
+LmdShape prepare(DilatedShape dilated, const LmdShapeOptions& options) {
+  check_ranges(options);
+  require_field(std::isfinite(dilated.radius) && dilated.radius >= 0, "DilatedShape::radius", dilated.radius,
+                "be finite and not negative [m]");
+  require(!dilated.complex.vertices.empty(), "DilatedShape::complex has no vertex");
+  require_field(!options.deforming || options.levels == 0, "LmdShapeOptions::levels", options.levels,
+                "be 0 for a shape that deforms");
+  auto order = options.deforming ? leaf_order(dilated.complex, options.threads) : nullptr;
+  return prepared(std::move(dilated), options, std::move(order));
+}
+
 LmdShape refit(const LmdShape& shape, std::vector<Vec3> vertices) {
+  require(shape.deforming, "refit: the shape must be prepared with LmdShapeOptions::deforming");
   require_field(vertices.size() == shape.complex.vertices.size(), "refit: number of vertices",
                 vertices.size(),
                 ("be " + std::to_string(shape.complex.vertices.size()) + ", as the shape has").c_str());
   DilatedShape moved{.complex = shape.complex, .radius = shape.radius};
   moved.complex.vertices = std::move(vertices);
-  LmdShape out = prepare(std::move(moved), {.deforming = true});
+  LmdShape out = prepared(std::move(moved), {.deforming = true}, shape.order);
   out.self = shape.self;
   return out;
 }

@@ -73,6 +73,11 @@ struct BaseSimplex {
   std::array<int, 3> vertex{};
 };
 
+/// The order of the simplices of a shape that deforms in its hierarchies, from the shape as it was prepared.
+struct LeafOrder {
+  std::vector<int> vertices{}, edges{}, triangles{};
+};
+
 struct LmdShape {
   SimplicialComplex complex{};
   double radius = 0;                        // dilation [m]
@@ -103,6 +108,7 @@ struct LmdShape {
   SharedArray<int> unproven{};
   ConeTree unproven_tree{};
   std::shared_ptr<const ShapeLevels> levels{};       // that may stand for it where gaps are large; null: none
+  std::shared_ptr<const LeafOrder> order{};          // null: the shape does not deform
   std::shared_ptr<const MaterialNeighbours> self{};  // what does not touch itself; null: nothing does
 };
 
@@ -115,8 +121,9 @@ inline float misfit_of(const LmdShape& shape, int edge) {
 LmdShape prepare(DilatedShape shape, const LmdShapeOptions& options = {});
 
 /// Moves the vertices of a shape that was prepared with LmdShapeOptions::deforming: features keep their
-/// indices, so contacts keep their keys. The result is the same as preparing the moved complex. Throws
-/// std::invalid_argument unless `vertices` has one entry for each vertex.
+/// indices, so contacts keep their keys, and the hierarchies their order: the time is linear in the number of
+/// simplices. Contacts are those of the moved complex prepared afresh, whose hierarchies may be another.
+/// Throws std::invalid_argument unless `vertices` has one entry for each vertex.
 LmdShape refit(const LmdShape& shape, std::vector<Vec3> vertices);
 
 /// Lets a shape that was prepared with LmdShapeOptions::deforming touch itself, but for simplices nearer than

@@ -2,6 +2,7 @@
 // A shape on the path of a step.
 #pragma once
 
+#include <memory>
 #include <span>
 
 #include "lmd/body_id.hpp"
@@ -16,6 +17,7 @@ struct MovingShape {
   RigidMotion motion{};
   // Constant velocities of the vertices of a deforming shape, in its frame [m/s]; empty: it does not deform
   std::span<const Vec3> velocity{};
+  std::shared_ptr<const LmdShape> own{};  // keeps `shape` alive
   BodyId body{};  // two of one body: its shape meets itself, if LmdShape::self lets it
 };
 

@@ -13,6 +13,22 @@
 namespace aussois {
 namespace {
 
+// Of the outermost fibre at each node, from pull and bending [-].
+std::vector<double> largest_strains(const Beam& beam, const std::vector<BodyId>& nodes, double radius,
+                                    const State& state) {
+  PerBody<double> at(nodes.back().index() + 1, 0);
+  const std::vector<BeamLoad> loads = beam_loads(beam, state);
+  for (std::size_t i = 0; i < loads.size(); ++i) {
+    const Vec6& strain = loads[i].strain;
+    const double largest = std::abs(strain[0]) + radius * strain.tail<2>().norm();
+    for (const BodyId node : {beam.elements[i].body_a, beam.elements[i].body_b})
+      at[node] = std::max(at[node], largest);
+  }
+  std::vector<double> out;
+  for (const BodyId node : nodes) out.push_back(at[node]);
+  return out;
+}
+
 // A body that stays where it is, with a vertex of its shape at the origin of each node.
 RigidBody surface_of(Model& model, const Cable& cable, const CableOptions& options) {
   std::vector<Vec3> places;
@@ -37,6 +53,12 @@ RigidBody surface_of(Model& model, const Cable& cable, const CableOptions& optio
       out.push_back({.velocity = first_velocity(node) + 3 + d, .turn = R.col(d)});
     }
   };
+  body.deformation.field = {.what = "largest strain",
+                            .unit = "-",
+                            .values = [beam = std::make_shared<const Beam>(cable.beam), nodes = cable.nodes,
+                                       radius = options.radius](const Model&, const State& state) {
+                              return largest_strains(*beam, nodes, radius, state);
+                            }};
   return body;
 }
 
@@ -130,6 +152,23 @@ Cable add_cable(Model& model, const CableOptions& options) {
   add(model, out.beam);
   if (options.radius > 0) out.surface = add(model, surface_of(model, out, options));
   return out;
+}
+
+std::string too_coarse(const Cable& cable) {
+  const std::size_t count = cable.laid.size(), elements = cable.beam.elements.size();
+  double largest = 0;
+  std::size_t there = 0;
+  for (std::size_t i = elements == count ? 0 : 1; i < elements; ++i) {  // closed: at every node
+    const Vec3 &here = cable.laid[i].p, before = here - cable.laid[(i + count - 1) % count].p,
+               after = cable.laid[(i + 1) % count].p - here;
+    const double turn = std::atan2(before.cross(after).norm(), before.dot(after));
+    if (turn > largest) largest = turn, there = i;
+  }
+  if (!(largest > kStraightestBend)) return {};
+  return cable.beam.name + " turns by " + number_text(std::round(100 * largest) / 100) + " rad at node " +
+         std::to_string(there) + ": above " + number_text(kStraightestBend) +
+         " it does not touch on all sides there; " +
+         std::to_string(int(std::ceil(double(elements) * largest / kStraightestBend))) + " elements would do";
 }
 
 void lay(const Cable& cable, State& state) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "geometry/types.hpp"
@@ -21,6 +22,13 @@ struct VertexColumn {
   Vec3 turn = Vec3::Zero();    // how what surrounds it turns: [rad, or 1 for a body's rotation] (DEF-3)
 };
 
+/// A number at every vertex of a shape that says how it is loaded, for recordings and pictures; no step reads
+/// it.
+struct VertexField {
+  std::string what{}, unit{};  // "von Mises stress", "Pa"
+  std::function<std::vector<double>(const Model&, const State&)> values{};
+};
+
 /// Where the vertices of a shape are, in its frame. They must be affine functions of the coordinates and of
 /// the origins of other bodies, so that they move straight on the path of a step (DEF-2). If both functions
 /// are empty, the shape is rigid.
@@ -29,6 +37,7 @@ struct Deformation {
   std::function<std::vector<Vec3>(const Model&, const State&)> vertices{};
   /// Appends the columns that move one vertex.
   std::function<void(const Model&, const State&, int vertex, std::vector<VertexColumn>&)> columns{};
+  VertexField field{};  // by default none
 };
 
 }  // namespace aussois

@@ -106,6 +106,11 @@ ViscousStress viscous_stress(double viscosity, const Mat3& F, const Mat3& rate) 
               [&](const Mat3& dF) -> Mat3 { return viscosity * F * symmetric(F.transpose() * dF); })};
 }
 
+double von_mises(const Mat3& stress) {
+  const Mat3 shape = stress - stress.trace() / 3 * Mat3::Identity();
+  return std::sqrt(1.5) * shape.norm();
+}
+
 Mat3 cofactor(const Mat3& F) {
   Mat3 out;
   out << F.col(1).cross(F.col(2)), F.col(2).cross(F.col(0)), F.col(0).cross(F.col(1));

@@ -57,6 +57,9 @@ struct ViscousStress {
 };
 ViscousStress viscous_stress(double viscosity, const Mat3& F, const Mat3& rate);
 
+/// Of a Cauchy stress [Pa].
+double von_mises(const Mat3& stress);
+
 /// dJ/dF = J F^-T, and its derivative.
 Mat3 cofactor(const Mat3& F);
 Mat9 cofactor_derivative(const Mat3& F);

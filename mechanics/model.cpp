@@ -52,8 +52,11 @@ void check_body(const RigidBody& body, BodyId index, const Model& model) {
 }
 
 void check_deformation(const RigidBody& body, BodyId index, const Model& model) {
-  if (!deforms(body)) return;
   const std::string who = "body " + to_string(index) + " (" + body.name + "): deformation ";
+  const VertexField& field = body.deformation.field;
+  require(!field.values || (deforms(body) && !field.what.empty()),
+          who + "field needs vertices and the name of what it is");
+  if (!deforms(body)) return;
   require(bool(body.deformation.columns), who + "needs columns beside vertices");
   require(bool(body.shape), who + "needs a shape");
   require(model.shapes[body.shape]->deforming,

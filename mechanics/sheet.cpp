@@ -219,6 +219,24 @@ double energy_of(const LaidSheet& laid, const Model& model, const State& state) 
   return sum;
 }
 
+// Von Mises' stress in the middle of the sheet, through its thickness at rest, the mean over the triangles
+// around each vertex [Pa].
+std::vector<double> vertex_stresses(const LaidSheet& laid, const Model& model, const State& state) {
+  const std::vector<Vec3> x = sheet_places(model, state, laid.sheet);
+  std::vector<Mat3> sum(x.size(), Mat3::Zero());
+  std::vector<double> size(x.size(), 0);
+  for (const Triangle& t : laid.triangles) {
+    const Mat32 F = gradient_of(t, x);
+    const Vec6 P = membrane_stress(laid.material, F).P;
+    const Mat3 stress = (P.head<3>() * F.col(0).transpose() + P.tail<3>() * F.col(1).transpose()) /
+                        F.col(0).cross(F.col(1)).norm();
+    for (const int point : t.point) sum[point] += t.volume * stress, size[point] += t.volume;
+  }
+  std::vector<double> out;
+  for (std::size_t i = 0; i < x.size(); ++i) out.push_back(von_mises(sum[i] / size[i]));
+  return out;
+}
+
 std::string refusal_of(const LaidSheet& laid, const Model& model, const State& state) {
   const std::vector<Vec3> x = sheet_places(model, state, laid.sheet);
   for (std::size_t i = 0; i < laid.triangles.size(); ++i) {
@@ -352,7 +370,12 @@ Sheet add_sheet(Model& model, const SimplicialComplex& mesh, const SheetOptions&
                                          .point_of = std::move(all),
                                          .complex = k,
                                          .radius = options.radius,
-                                         .touches_itself = options.touches_itself});
+                                         .touches_itself = options.touches_itself,
+                                         .field = {.what = "von Mises stress",
+                                                   .unit = "Pa",
+                                                   .values = [kept](const Model& m, const State& state) {
+                                                     return vertex_stresses(*kept, m, state);
+                                                   }}});
   }
   return out;
 }

@@ -33,6 +33,7 @@ BodyId add(Model& model, SoftSurface surface) {
     const int first = first_speed(m, block) + 3 * (*under)[std::size_t(vertex)];
     for (int d = 0; d < 3; ++d) out.push_back({.velocity = first + d, .column = Vec3::Unit(d)});
   };
+  body.deformation.field = std::move(surface.field);
   return add(model, std::move(body));
 }
 

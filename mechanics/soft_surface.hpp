@@ -8,6 +8,7 @@
 #include "geometry/simplicial_complex.hpp"
 #include "lmd/body_id.hpp"
 #include "mechanics/coordinates.hpp"
+#include "mechanics/deformation.hpp"
 
 namespace aussois {
 
@@ -20,6 +21,7 @@ struct SoftSurface {
   SimplicialComplex complex{};  // where the points are laid
   double radius = 0;            // [m], > 0
   bool touches_itself = false;  // but for parts nearer than four radii or two edges along it (DEF-4)
+  VertexField field{};
 };
 BodyId add(Model& model, SoftSurface surface);
 

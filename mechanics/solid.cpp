@@ -258,7 +258,12 @@ SoftSurface surface_of(const Solid& solid, const SolidOptions& options) {
           .point_of = solid.surface_points,
           .complex = make_complex(std::move(places), std::move(triangles), {}, true),
           .radius = options.radius,
-          .touches_itself = options.touches_itself};
+          .touches_itself = options.touches_itself,
+          .field = {.what = "von Mises stress",
+                    .unit = "Pa",
+                    .values = [solid](const Model& model, const State& state) {
+                      return surface_stresses(model, state, solid);
+                    }}};
 }
 
 }  // namespace
@@ -323,6 +328,23 @@ std::vector<Mat3> solid_stresses(const Model& model, const State& state, const S
     for (const SolidCells::Part& part : cells.parts(k)) out[part.cell] += part.volume * p * Mat3::Identity();
   }
   for (std::size_t c = 0; c < out.size(); ++c) out[c] /= size[c];
+  return out;
+}
+
+std::vector<double> surface_stresses(const Model& model, const State& state, const Solid& solid) {
+  const VolumeMesh& mesh = *solid.mesh;
+  const std::vector<Mat3> stresses = solid_stresses(model, state, solid);
+  std::vector<Mat3> sum(mesh.points.size(), Mat3::Zero());
+  std::vector<double> size(mesh.points.size(), 0);
+  const auto add = [&](const auto& cell, const Mat3& stress, double volume) {
+    for (const int point : cell) sum[point] += volume * stress, size[point] += volume;
+  };
+  for (std::size_t c = 0; c < mesh.tets.size(); ++c)
+    add(mesh.tets[c], stresses[c], volume(mesh, mesh.tets[c]));
+  for (std::size_t c = 0; c < mesh.hexes.size(); ++c)
+    add(mesh.hexes[c], stresses[mesh.tets.size() + c], volume(mesh, mesh.hexes[c]));
+  std::vector<double> out;
+  for (const int point : solid.surface_points) out.push_back(von_mises(sum[point] / size[point]));
   return out;
 }
 

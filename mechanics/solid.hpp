@@ -60,6 +60,8 @@ Solid add_solid(Model& model, const VolumeMesh& mesh, const SolidOptions& option
 std::vector<Vec3> solid_places(const Model& model, const State& state, const Solid& solid);
 /// Cauchy stress of each cell, the mean over its rest volume [Pa].
 std::vector<Mat3> solid_stresses(const Model& model, const State& state, const Solid& solid);
+/// Von Mises' stress at each vertex of the surface: that of the mean over the cells around it [Pa].
+std::vector<double> surface_stresses(const Model& model, const State& state, const Solid& solid);
 
 /// A pressure that pushes on triangles of the surface from outside, and follows them [Pa] (FEM-8).
 /// `triangles` as of boundary_triangles().

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mechanics/surface.hpp"
 
+#include <cstring>
+
 #include "geometry/check.hpp"
 #include "mechanics/layout.hpp"
 #include "mechanics/tree.hpp"
@@ -30,23 +32,55 @@ std::vector<VertexColumn> columns_of(const Model& model, const State& state, Bod
   return out;
 }
 
+void check_count(const Model& model, BodyId body, std::size_t count, const char* what) {
+  const std::size_t vertices = model.shapes[model.bodies[body].shape]->complex.vertices.size();
+  if (count != vertices)
+    require_field(false, (name_of(model, body) + what).c_str(), count,
+                  ("be " + std::to_string(vertices) + ", as of its shape").c_str());
+}
+
 }  // namespace
 
 std::vector<Vec3> deformed_vertices(const Model& model, const State& state, BodyId body) {
-  const RigidBody& b = model.bodies[body];
-  const std::size_t count = model.shapes[b.shape]->complex.vertices.size();
-  std::vector<Vec3> vertices = b.deformation.vertices(model, state);
-  if (vertices.size() != count)
-    require_field(false, (name_of(model, body) + "deformation.vertices: size").c_str(), vertices.size(),
-                  ("be " + std::to_string(count) + ", as of its shape").c_str());
+  std::vector<Vec3> vertices = model.bodies[body].deformation.vertices(model, state);
+  check_count(model, body, vertices.size(), "deformation.vertices: size");
   return vertices;
 }
 
-PosedShape posed_shape(const Model& model, const State& state, BodyId body) {
+std::vector<double> vertex_field(const Model& model, const State& state, BodyId body) {
+  const VertexField& field = model.bodies[body].deformation.field;
+  if (!field.values) return {};
+  std::vector<double> values = field.values(model, state);
+  check_count(model, body, values.size(), "deformation.field.values: size");
+  return values;
+}
+
+std::shared_ptr<const LmdShape> DeformedShapes::at(BodyId body, const LmdShape& laid,
+                                                   const std::vector<Vec3>& vertices) {
+  std::shared_ptr<const LmdShape> last;
+  {
+    const std::lock_guard lock(mutex_);
+    if (std::size_t(body.index()) >= last_.size()) last_.resize(std::size_t(body.index()) + 1);
+    last = last_[body];
+  }
+  const auto there = [&](const LmdShape& shape) {  // to the last bit
+    const SharedArray<Vec3>& x = shape.complex.vertices;
+    return x.size() == vertices.size() &&
+           std::memcmp(x.data(), vertices.data(), vertices.size() * sizeof(Vec3)) == 0;
+  };
+  if (last && last->radius == laid.radius && last->self == laid.self && there(*last)) return last;
+  auto made = std::make_shared<const LmdShape>(refit(laid, vertices));
+  const std::lock_guard lock(mutex_);
+  last_[body] = made;
+  return made;
+}
+
+PosedShape posed_shape(const Model& model, const State& state, BodyId body, DeformedShapes* known) {
   const RigidBody& b = model.bodies[body];
   PosedShape out{.shape = model.shapes[b.shape].get(), .g_ws = pose(state, body) * b.g_bs, .body = body};
   if (!deforms(b)) return out;
-  out.own = std::make_shared<const LmdShape>(refit(*out.shape, deformed_vertices(model, state, body)));
+  DeformedShapes unknown;
+  out.own = (known ? *known : unknown).at(body, *out.shape, deformed_vertices(model, state, body));
   out.shape = out.own.get();
   return out;
 }

@@ -2,6 +2,8 @@
 // Where the surface of a body is at a state, and how its points move with the velocities (DEF-1) to (DEF-3).
 #pragma once
 
+#include <memory>
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -11,13 +13,28 @@
 
 namespace aussois {
 
+/// The shapes of bodies that deform as they were last asked for. It saves time and changes no result.
+class DeformedShapes {
+ public:
+  /// `laid` with its vertices there (`refit`): made again only if the last one of this body is another.
+  std::shared_ptr<const LmdShape> at(BodyId body, const LmdShape& laid, const std::vector<Vec3>& vertices);
+
+ private:
+  std::mutex mutex_{};  // of the table; two threads may both make a shape
+  PerBody<std::shared_ptr<const LmdShape>> last_{};
+};
+
 /// The shape of a body at its pose; if the body deforms, as deformed at the state. The body must have a
 /// shape.
-PosedShape posed_shape(const Model& model, const State& state, BodyId body);
+PosedShape posed_shape(const Model& model, const State& state, BodyId body, DeformedShapes* known = nullptr);
 
 /// The vertices of a body that deforms, in the frame of its shape [m]. Throws std::invalid_argument naming
 /// the body if its deformation does not give one vertex for each vertex of the shape.
 std::vector<Vec3> deformed_vertices(const Model& model, const State& state, BodyId body);
+
+/// The numbers of its VertexField, if it has one; none otherwise. Throws std::invalid_argument naming the
+/// body unless there is one for each vertex of the shape.
+std::vector<double> vertex_field(const Model& model, const State& state, BodyId body);
 
 /// The velocities of these vertices, in the frame of the shape, at the velocities `v`, laid out as State::v
 /// [m/s].

@@ -6,8 +6,11 @@
 // Run      convergence --case forced_46
 //          convergence --case free_top --theta 1 --levels 5 --phases 1
 //          convergence --case forced_46 --certify 10
+//          convergence --meshes
 // Expect   the orders of theory, each with its reason: one across impacts, two at the midpoint for smooth
 //          motion; exit code 0 if all are met
+//
+// convergence --meshes measures the orders of beams and solids over their meshes (doc/theory/orders.md).
 //
 // convergence --all computes the whole table. It can be interrupted at any time: the next call with the same
 // -o continues. To share the work between machines, run --shard 1/4 to 4/4 with one folder, then once without
@@ -24,7 +27,9 @@
 #include "examples/common/progress.hpp"
 #include "examples/common/scheme_flags.hpp"
 #include "examples/common/task_farm.hpp"
+#include "examples/scenes/shared_series.hpp"
 #include "examples/studies/convergence/study_files.hpp"
+#include "examples/studies/verification/mesh_study.hpp"
 #include "geometry/check.hpp"
 #include "geometry/parallel.hpp"
 #include "io/atomic_file.hpp"
@@ -40,7 +45,7 @@ struct Arguments {
   SaidSettings said{};  // of the study
   StudyOptions study{};
   WatchFlags watch{};  // but for the places of a study's certificates
-  bool all = false, list = false, farm = false;
+  bool all = false, list = false, farm = false, meshes = false;
   ManyTasks tasks{};
 };
 
@@ -90,6 +95,15 @@ std::vector<Cell> shard_of(const std::vector<Cell>& cells, const std::string& sh
   return out;
 }
 
+/// Studies of meshes of a name; of an empty one, all. Throws std::invalid_argument if there is none.
+std::vector<const MeshStudy*> meshes_named(const std::string& name) {
+  std::vector<const MeshStudy*> out;
+  for (const MeshStudy& s : mesh_studies())
+    if (name.empty() || s.name == name) out.push_back(&s);
+  require(!out.empty(), "--meshes has no case '" + name + "'; --list shows all");
+  return out;
+}
+
 ExitCode list() {
   std::printf("cases\n");
   for (const Case& c : cases())
@@ -101,6 +115,10 @@ ExitCode list() {
     std::printf("  %-36s order %g, %g for smooth motion%s\n", label(v.name, v.options).c_str(),
                 traits.nonsmooth, traits.smooth, traits.restitution ? "" : "; no restitution");
   }
+  std::printf("cases of --meshes\n");
+  for (const MeshStudy* s : meshes_named(""))
+    std::printf("  %-24s %s; order %g\n", s->name.c_str(),
+                (s->error_of + (s->setting.empty() ? "" : ", " + s->setting)).c_str(), s->order);
   return ExitCode::ok;
 }
 
@@ -205,9 +223,58 @@ ExitCode conclude(const Arguments& a, const Results& results, std::size_t cells)
              : ExitCode::not_accepted;
 }
 
+ExitCode run_meshes(const Arguments& a) {
+  require(!a.all && !a.farm && a.shard == "1/1", "--meshes cannot be combined with --all, --farm or --shard");
+  const std::vector<const MeshStudy*> studies = meshes_named(a.case_name);
+  make_folders(a.tasks);
+  const std::uint64_t program = program_digest();
+  std::vector<MeshResult> results(studies.size());
+  std::vector<std::string> failures(studies.size()), skipped(studies.size());
+  std::mutex mutex;  // of progress and counts
+  int done = 0, known = 0;
+  Progress progress("meshes", double(studies.size()), Progress::style_of_stderr(a.tasks.quiet));
+  parallel_for(int(studies.size()), a.tasks.threads, [&](int i) {
+    if (interrupted()) return;
+    const MeshStudy& study = *studies[i];
+    const std::string stem = stem_of(study);
+    const std::filesystem::path file = a.tasks.out / (stem + ".json");
+    std::optional<Convergence> result = read_mesh_study(file, study, program);
+    const bool was_there = result.has_value();
+    try {
+      if (!result) write_mesh_study(file, study, *(result = measured(study)), program);
+      write_convergence(a.tasks.out, stem, *result, study.error_of);
+      results[i] = {&study, *result};
+    } catch (const NumericalFailure& failure) {
+      failures[i] = study.name + ": " + failure.what();
+    } catch (const MissingData& missing) {
+      skipped[i] = study.name + " is skipped: " + missing.what();
+    }
+    const std::lock_guard lock(mutex);
+    known += was_there;
+    progress.at(++done, study.name);
+  });
+  if (interrupted()) return ExitCode::interrupted;
+  std::erase_if(results, [](const MeshResult& result) { return !result.study; });
+  const std::string table = mesh_table(results);
+  write_whole_file(a.tasks.out / "meshes.md", table);
+  if (!a.tasks.json.empty()) write_whole_file(a.tasks.json, to_json(results, program));
+  std::printf("%s", table.c_str());
+  for (const auto* texts : {&failures, &skipped})
+    for (const std::string& text : *texts)
+      if (!text.empty()) std::fprintf(stderr, "convergence: %s\n", text.c_str());
+  tell_known(known, studies.size(), a.tasks.out);
+  const auto met = std::ranges::count_if(
+      results, [](const MeshResult& result) { return reaches_its_order(*result.study, result.errors); });
+  std::printf("convergence: %td of %zu met the orders of theory\n", met, results.size());
+  if (results.empty() || std::ranges::any_of(failures, [](const auto& text) { return !text.empty(); }))
+    return ExitCode::numerical;
+  return std::size_t(met) == results.size() ? ExitCode::ok : ExitCode::not_accepted;
+}
+
 ExitCode run(Arguments a) {
   if (a.list) return list();
-  require(a.all || !a.case_name.empty(), "give --case NAME, --all or --list");
+  if (a.meshes) return run_meshes(a);
+  require(a.all || !a.case_name.empty(), "give --case NAME, --all, --meshes or --list");
   require(a.all || a.shard == "1/1", "--shard " + a.shard + " needs --all");
   require(!a.farm || has_task_farm(), "--farm needs a build configured with -DAUSSOIS_WITH_MPI=ON");
   if (!a.case_name.empty()) case_named(a.case_name);
@@ -247,6 +314,9 @@ int main(int argc, char** argv) {
   cli.option("--case", a.case_name, "case to run; --list shows all");
   cli.flag("--list", a.list, "list cases and schemes, then exit");
   cli.flag("--all", a.all, "run all cases, or that of --case, with all schemes and settings");
+  cli.flag(
+      "--meshes", a.meshes,
+      "run the studies of beams and solids over their meshes, or that of --case; without the shared data, those that need none");
   cli.option("--shard", a.shard, "k/n: run only the k-th of n parts of --all");
   cli.flag("--farm", a.farm,
            "share the work under mpirun: rank 0 distributes it to the other ranks; needs MPI");
@@ -263,12 +333,16 @@ int main(int argc, char** argv) {
   add_options(cli, a.tasks, "studies", "all numbers");
   cli.example("convergence --case ball_e05 --theta 1 --normal-law combined",
               "open out/ball_e05_moreau_jean_theta_1_combined.png");
+  cli.example("convergence --meshes -o meshes", "orders of elements; see meshes/meshes.md");
   cli.example("convergence --all -o table", "every scheme on every case; see table/convergence.md");
   return run_driver(cli, argc, argv, [&] {
     for (const char* group : {"scheme", "solver"})
       for (const std::string& flag : cli.given(group))
         require(!a.all,
                 flag + " cannot be combined with --all, which runs every scheme with its own settings");
+    for (const char* group : {"stepping", "scheme", "solver", "run", "problems"})
+      for (const std::string& flag : cli.given(group))
+        require(!a.meshes, flag + " cannot be combined with --meshes, whose studies take their own steps");
     refuse_unread_flags(cli, a.scheme);
     check(cli, a.watch.dump, a.scheme.scheme);
     take(a.said, a.study);

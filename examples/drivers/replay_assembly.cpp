@@ -77,10 +77,19 @@ double length_of(const Cable& cable) {
   return sum;
 }
 
+std::vector<std::string> coarse_cables(const AssemblyScene& scene) {
+  std::vector<std::string> out;
+  for (const Cable& cable : scene.cables)
+    if (std::string warning = too_coarse(cable); !warning.empty()) out.push_back(std::move(warning));
+  return out;
+}
+
 void print_parts(const AssemblyInput& input, const AssemblyScene& scene, const Arguments& a) {
   for (const AssemblyPart* part : {&input.fixed, &input.moving})
     for (const std::string& note : part->notes) std::fprintf(stderr, "warning: %s\n", note.c_str());
   for (const std::string& warning : scene.cache_warnings)
+    std::fprintf(stderr, "warning: %s\n", warning.c_str());
+  for (const std::string& warning : coarse_cables(scene))
     std::fprintf(stderr, "warning: %s\n", warning.c_str());
   if (a.run.common.quiet) return;
   for (const AssemblyPart* part : {&input.fixed, &input.moving})
@@ -117,6 +126,7 @@ Summary summary_of(const AssemblyInput& input, const AssemblyScene& scene, const
   std::vector<std::string> notes;  // repairs of the meshes, why a part is no solid, ...
   for (const AssemblyPart* part : {&input.fixed, &input.moving})
     notes.insert(notes.end(), part->notes.begin(), part->notes.end());
+  for (std::string& warning : coarse_cables(scene)) notes.push_back(std::move(warning));
   out.set("notes", notes);
   if (!scene.cache.empty()) out.set("cache", scene.cache);
   out.set("dilation", scene.dilation);

@@ -56,19 +56,19 @@ DilatedBox dilated_box(std::span<const Vec3> vertices, double radius) {
 }
 
 // Largest angle that a normal or a wire turns by while the vertices move on, at most pi [rad].
-double bend_of(const LmdShape& shape, const std::vector<Vec3>& velocity, double h) {
+double bend_of(const SimplicialComplex& complex, const DeformingShape& moving, double h) {
+  const std::vector<Vec3>&start = moving.vertices, &velocity = moving.velocity;
   double least = 1;
-  for (std::size_t e = 0; e < shape.complex.edges.size(); ++e) {
-    if (!shape.complex.edge_triangles[int(e)].empty()) continue;
-    const auto [a, b] = shape.complex.edges[e];
-    const Vec3 before = shape.complex.vertices[b] - shape.complex.vertices[a],
-               after = before + h * (velocity[b] - velocity[a]);
+  for (std::size_t e = 0; e < complex.edges.size(); ++e) {
+    if (!complex.edge_triangles[int(e)].empty()) continue;
+    const auto [a, b] = complex.edges[e];
+    const Vec3 before = start[b] - start[a], after = before + h * (velocity[b] - velocity[a]);
     const double size = before.norm() * after.norm();
     least = std::min(least, size > 0 ? before.dot(after) / size : -1);
   }
-  for (const auto& t : shape.complex.triangles) {
+  for (const auto& t : complex.triangles) {
     const auto normal = [&](double s) {
-      const auto at = [&](int v) { return Vec3(shape.complex.vertices[v] + s * velocity[v]); };
+      const auto at = [&](int v) { return Vec3(start[v] + s * velocity[v]); };
       return (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0]));
     };
     const Vec3 before = normal(0), after = normal(h);
@@ -83,9 +83,9 @@ BodyBounds bounds_of_deformed(const Model& model, BodyId body, std::span<const V
 }
 
 DeformingShape deforming_shape(const StepMotion& step, BodyId body) {
-  DeformingShape out{.start = posed_shape(step.model, step.state, body),
+  DeformingShape out{.vertices = deformed_vertices(step.model, step.state, body),
                      .velocity = vertex_velocities(step.model, step.state, body, step.v)};
-  out.bounds = bounds_of_deformed(step.model, body, out.start.shape->complex.vertices);
+  out.bounds = bounds_of_deformed(step.model, body, out.vertices);
   return out;
 }
 
@@ -175,9 +175,15 @@ StepPath step_path(const StepMotion& step, const PerBody<BodyBounds>& bounds, do
     path.bodies.push_back(moving_body(motion, shape.bounds.radius + stretch, step.h));
     path.bodies.back().displacement += stretch;
     path.bodies.back().stretch = stretch;
-    path.bodies.back().bend = bend_of(*shape.start.shape, shape.velocity, step.h);
+    path.bodies.back().bend = bend_of(shape_of(step.model, b)->complex, shape, step.h);
   }
   return path;
+}
+
+std::shared_ptr<const LmdShape> shape_at_start(const StepPath& path, BodyId body) {
+  const std::shared_ptr<const LmdShape>& laid = path.model.shapes[path.model.bodies[body].shape];
+  const auto found = path.deforming.find(body);
+  return found == path.deforming.end() ? laid : path.deformed->at(body, *laid, found->second.vertices);
 }
 
 std::string strayed(const StepPath& path, const State& end) {
@@ -186,8 +192,7 @@ std::string strayed(const StepPath& path, const State& end) {
     const std::vector<Vec3> there = deformed_vertices(path.model, end, body);
     double off = 0;
     for (std::size_t i = 0; i < shape.velocity.size(); ++i) {
-      const Vec3& start = shape.start.shape->complex.vertices[i];
-      off = std::max(off, (there[i] - start - path.h * shape.velocity[i]).norm());
+      off = std::max(off, (there[i] - shape.vertices[i] - path.h * shape.velocity[i]).norm());
     }
     if (off > kRounding * (shape.bounds.radius + path.bodies[body].stretch))
       return "body " + to_string(body) + ": a vertex is " + number_text(off) +
@@ -228,9 +233,10 @@ ContactSet joined(const std::vector<LevelContacts>& parts, ContactSet LevelConta
 
 // `scratch` is of every pair, or empty.
 LevelContacts contacts_of(const Model& model, const State& state, const std::vector<StepPair>& pairs,
-                          const LmdOptions& options, const LevelUse& use, std::span<PairScratch> scratch) {
+                          const LmdOptions& options, const LevelUse& use, std::span<PairScratch> scratch,
+                          DeformedShapes* deformed = nullptr) {
   const PerBody<PosedShape> posed = posed_once<PosedShape>(
-      model.bodies.size(), pairs, [&](BodyId body) { return posed_shape(model, state, body); });
+      model.bodies.size(), pairs, [&](BodyId body) { return posed_shape(model, state, body, deformed); });
   std::vector<LevelContacts> found(count_of_parts(pairs));
   for_each_part(pairs, options.threads, [&](int part, std::span<const StepPair> some, int threads) {
     for (const StepPair& pair : some) {
@@ -281,10 +287,11 @@ ContactSet contacts_of(const Model& model, const State& state, const std::vector
 LevelContacts contacts_of(const Model& model, const State& state, const std::vector<StepPair>& pairs,
                           const LmdOptions& options, const LevelUse& use, ContactScratch& scratch) {
   const std::unique_lock lock(scratch.in_use, std::try_to_lock);
-  if (!lock) return contacts_of(model, state, pairs, options, use, std::span<PairScratch>());
+  DeformedShapes* deformed = scratch.deformed.get();
+  if (!lock) return contacts_of(model, state, pairs, options, use, std::span<PairScratch>(), deformed);
   const auto is_of = [](const StepPair& pair, const BodyPair& bodies) { return bodies_of(pair) == bodies; };
   if (!std::ranges::equal(pairs, scratch.bodies, is_of)) keep_those_of(pairs, scratch);
-  return contacts_of(model, state, pairs, options, use, std::span(scratch.pairs));
+  return contacts_of(model, state, pairs, options, use, std::span(scratch.pairs), deformed);
 }
 
 std::size_t bytes_of(ContactScratch& scratch) {

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <span>
 #include <string>
@@ -48,10 +49,10 @@ struct StepMotion {
   double h = 0;
 };
 
-/// The shape of a body that deforms, and its vertices' velocities in the frame of the shape [m/s].
+/// The shape of a body that deforms on a path.
 struct DeformingShape {
-  PosedShape start{};
-  std::vector<Vec3> velocity{};
+  std::vector<Vec3> vertices{};  // at its start, in the frame of the shape [m]
+  std::vector<Vec3> velocity{};  // the same [m/s]
   BodyBounds bounds{};
 };
 
@@ -64,8 +65,11 @@ struct StepPath {
   int levels = 0;             // StepOptions::levels
   PerBody<MovingBody> bodies{};
   std::map<BodyId, DeformingShape> deforming{};  // by body
+  std::shared_ptr<DeformedShapes> deformed = std::make_shared<DeformedShapes>();
 };
 StepPath step_path(const StepMotion& step, const PerBody<BodyBounds>& bounds, double enlargement = 1);
+/// The shape of a body at the start of the path, kept alive.
+std::shared_ptr<const LmdShape> shape_at_start(const StepPath& path, BodyId body);
 /// Empty if the vertices of deforming bodies are where the path led them at its end, otherwise which ones are
 /// not (DEF-2).
 std::string strayed(const StepPath& path, const State& end);
@@ -77,6 +81,7 @@ struct ContactScratch {
   std::vector<BodyPair> bodies{};  // sorted
   std::vector<PairScratch> pairs{};
   BroadPhaseScratch near{};
+  std::shared_ptr<DeformedShapes> deformed = std::make_shared<DeformedShapes>();  // has a lock of its own
 };
 
 /// The memory of its lists [bytes]; 0 while another thread uses it.

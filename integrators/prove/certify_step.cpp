@@ -17,12 +17,13 @@ constexpr double kMostPieces = 100;    // a path that turns by more is proven in
 constexpr int kFineHalvings = 16;      // a near miss by 1 um at 1600 m/s and 1 ms needs 14
 
 MovingShape moving_shape(const StepPath& path, BodyId body) {
-  MovingShape out{.shape = shape_of(path.model, body),
-                  .g_bs = path.model.bodies[body].g_bs,
+  MovingShape out{.g_bs = path.model.bodies[body].g_bs,
                   .motion = path.bodies[body].motion,
+                  .own = shape_at_start(path, body),
                   .body = body};
+  out.shape = out.own.get();
   if (const auto shape = path.deforming.find(body); shape != path.deforming.end())
-    out.shape = shape->second.start.shape, out.velocity = shape->second.velocity;
+    out.velocity = shape->second.velocity;
   return out;
 }
 
@@ -255,7 +256,7 @@ std::vector<BodyPair> driven_overlaps(const StepPath& path, const PerBody<BodyBo
                                       int threads) {
   const auto posed = [&](BodyId body) {
     const MovingShape shape = moving_shape(path, body);
-    return PosedShape{shape.shape, shape.motion.g * shape.g_bs, body};
+    return PosedShape{shape.shape, shape.motion.g * shape.g_bs, body, shape.own};
   };
   std::vector<BodyPair> out;
   for (const StepPair& pair : driven_pairs(path, bounds, threads)) {

@@ -148,6 +148,7 @@ Objection objection(const StepSetting& setting, const State& state, const Trial&
   StepPath path = step_path({setting.model, state, out.v_path, trial.found.h}, setting.bounds);
   path.levels = setting.options.levels;
   path.starts_apart = starts_apart;
+  path.deformed = setting.scratch->deformed;
   if (Objection broken = kept_bounds(setting, trial.found, path); speaks(broken)) return broken;
   if (Objection meet = open_guards(setting, state, trial.found, out.v_path); speaks(meet)) return meet;
   if (setting.options.advancement.certify) {

@@ -5,7 +5,7 @@ import { readRun } from './data.js';
 import { power, si } from './format.js';
 import { startPart } from './part.js';
 import { Plots } from './plots.js';
-import { Scene, colours } from './scene.js';
+import { Scene, colours, heatColours } from './scene.js';
 
 const $ = id => document.getElementById(id);
 
@@ -53,6 +53,11 @@ function describe(run, scene) {
     if (pushes(run)) entry(colours.force, 'contact force on the moving part', 'bar');
     entry(colours.normal, 'contact normal', 'bar');
   }
+  for (const [what, { unit, largest }] of scene.fields) {
+    const line = $('loads').appendChild(document.createElement('div')), bar = document.createElement('i');
+    bar.style.background = `linear-gradient(to right, ${heatColours.join(', ')})`;
+    line.append('0 ', bar, ` ${unit === '-' ? largest.toPrecision(3) : si(largest, unit)}, ${what}`);
+  }
   $('title').textContent = run.title || 'Aussois replay';
   $('subtitle').textContent = run.command_line;
   $('subtitle').title = `${run.command_line}\n${run.build}`;
@@ -72,10 +77,11 @@ function start(run) {
   const joints = makeJoints(run), pulls = isSome(value('coupling'));
   const plots = new Plots($('plots'), run, t => { clock = t; show(frameAt(t)); });
   const contactsOf = () => ({ dots: $('dots').checked, normals: $('normals').checked, forces: $('forces').checked,
-    scale: 10 ** $('scale').value, dotSize: 10 ** ($('size').value / 2) });
+    scale: 10 ** $('scale').value, dotSize: 10 ** ($('size').value / 2), load: $('load').checked });
 
   function show(k) {
     frame = Math.max(0, Math.min(last, k));
+    $('loads').hidden = !$('load').checked;
     scene.show(frame, contactsOf());
     plots.draw(frame, time[frame]);
     joints(frame);
@@ -105,7 +111,7 @@ function start(run) {
   $('time').max = last;
   $('time').oninput = e => { clock = time[+e.target.value]; show(+e.target.value); };
   $('play').onclick = () => play(!playing);
-  for (const id of ['dots', 'normals', 'forces', 'scale', 'size']) $(id).oninput = () => show(frame);
+  for (const id of ['dots', 'normals', 'forces', 'load', 'scale', 'size']) $(id).oninput = () => show(frame);
   for (const id of ['opacity', 'edges', 'path', 'axis', 'cut', 'depth']) $(id).oninput = dress;
   $('follow').onchange = e => { scene.follow = e.target.checked; };
   for (const button of document.querySelectorAll('[data-view]')) button.onclick = () => scene.look(button.dataset.view);
@@ -114,7 +120,7 @@ function start(run) {
   const keys = { ' ': () => play(!playing), ArrowRight: () => show(frame + 1), ArrowLeft: () => show(frame - 1),
     PageDown: () => show(frame + 25), PageUp: () => show(frame - 25), Home: () => show(0), End: () => show(last),
     1: press('[data-view=iso]'), 2: press('[data-view=x]'), 3: press('[data-view=y]'), 4: press('[data-view=z]'),
-    m: press('[data-fit=moving]'), a: press('[data-fit=all]'), n: press('#normals'), f: press('#forces'), c: press('#dots') };
+    m: press('[data-fit=moving]'), a: press('[data-fit=all]'), n: press('#normals'), f: press('#forces'), c: press('#dots'), l: press('#load') };
   addEventListener('keydown', e => {
     const action = keys[e.key];
     if (!action || e.ctrlKey || e.metaKey || e.altKey || e.target.tagName === 'SELECT') return;
@@ -129,6 +135,7 @@ function start(run) {
   $('gauge').onchange = e => { plots.choose(+e.target.value); plots.resize(); plots.draw(frame, time[frame]); };
   document.querySelector('footer').hidden = last === 0 && !$('note').textContent;  // nothing to play
   if (!pushes(run)) for (const id of ['forces', 'scale']) $(id).parentElement.hidden = true;
+  $('load').parentElement.hidden = !scene.fields.size;
   describe(run, scene);
   dress();
   joints(0);

@@ -12,6 +12,15 @@ const sharpEdge = 28;         // [deg] faces that meet at a larger angle get an 
 const smoothLimit = 400000;   // triangles; larger meshes are shaded flat and without edge lines
 const up = new THREE.Vector3(0, 1, 0);
 
+const heatStops = [0x440154, 0x3b528b, 0x21918c, 0x5ec962, 0xfde725].map(hex => new THREE.Color(hex));
+export const heatColours = heatStops.map(colour => `#${colour.getHexString()}`);
+/** The colour of a share of the largest value, dark to bright; grey for what is no number. */
+function heat(share, colour) {
+  if (!Number.isFinite(share)) return colour.set(0x808080);
+  const at = Math.min(Math.max(share, 0), 1) * (heatStops.length - 1), i = Math.min(Math.floor(at), heatStops.length - 2);
+  return colour.lerpColors(heatStops[i], heatStops[i + 1], at - i);
+}
+
 /** Instanced arrows of equal width; lengths change, heads do not. */
 class Arrows extends THREE.Group {
   constructor(count, colour) {
@@ -101,27 +110,50 @@ function makeTubes(position, wires, radius, material) {
     ends.forEach((v, i) => balls.setMatrixAt(i, new THREE.Matrix4().compose(at(v), turn.identity(), one)));
     tubes.instanceMatrix.needsUpdate = balls.instanceMatrix.needsUpdate = true;
   };
+  const paint = shareOf => {
+    const colour = new THREE.Color();
+    for (let i = 0; i < tubes.count; ++i) tubes.setColorAt(i, heat((shareOf(wires[2 * i]) + shareOf(wires[2 * i + 1])) / 2, colour));
+    ends.forEach((v, i) => balls.setColorAt(i, heat(shareOf(v), colour)));
+    tubes.instanceColor.needsUpdate = balls.instanceColor.needsUpdate = true;
+  };
+  const plain = () => { tubes.instanceColor = balls.instanceColor = null; };
   follow();
-  return { meshes: [tubes, balls].map(mesh => Object.assign(mesh, { name: 'skin', frustumCulled: false })), follow };
+  return { meshes: [tubes, balls].map(mesh => Object.assign(mesh, { name: 'skin', frustumCulled: false })), follow, paint, plain };
 }
 
-/** A body that deforms: flat faces, and wires that are tubes where the body has a dilation. */
+/** A body that deforms: flat faces, and wires that are tubes where the body has a dilation. `paint(shareOf)` colours it by a
+    number of each vertex, `paint()` as a whole. */
 function makeDeforming(run, index, colour) {
   const group = new THREE.Group(), mesh = run.body_mesh[index], radius = run.body_dilation[index];
   const position = new THREE.BufferAttribute(run.array(`mesh${mesh}.vertices`).slice(), 3);
-  const over = items => new THREE.BufferGeometry().setAttribute('position', position).setIndex(new THREE.BufferAttribute(new Uint32Array(items), 1));
+  const shades = new THREE.BufferAttribute(new Float32Array(3 * position.count), 3);
+  const over = items => new THREE.BufferGeometry().setAttribute('position', position).setAttribute('color', shades)
+    .setIndex(new THREE.BufferAttribute(new Uint32Array(items), 1));
   const faces = run.array(`mesh${mesh}.faces`), wires = run.array(`mesh${mesh}.wires`);
+  let tubes = null;
   if (faces.length) {
     const skin = new THREE.MeshStandardMaterial({ color: colour, roughness: 0.55, metalness: 0.15, side: THREE.DoubleSide, flatShading: true });
     group.add(Object.assign(new THREE.Mesh(over(faces), skin), { name: 'skin', frustumCulled: false }));
   }
   if (wires.length && radius > 0) {
-    const tubes = makeTubes(position, wires, radius, new THREE.MeshStandardMaterial({ color: colour, roughness: 0.55, metalness: 0.15 }));
+    tubes = makeTubes(position, wires, radius, new THREE.MeshStandardMaterial({ color: colour, roughness: 0.55, metalness: 0.15 }));
     group.add(...tubes.meshes);
     group.follow = tubes.follow;
   } else if (wires.length) {
     group.add(Object.assign(new THREE.LineSegments(over(wires), new THREE.LineBasicMaterial({ color: colour })), { frustumCulled: false }));
   }
+  group.paint = shareOf => {
+    for (const part of group.children) {
+      part.material.color.set(shareOf ? 0xffffff : colour);
+      if (!part.isInstancedMesh) part.material.vertexColors = Boolean(shareOf);
+      part.material.needsUpdate = true;
+    }
+    if (!shareOf) { tubes?.plain(); return; }
+    const shade = new THREE.Color();
+    for (let i = 0; i < position.count; ++i) heat(shareOf(i), shade).toArray(shades.array, 3 * i);
+    shades.needsUpdate = true;
+    tubes?.paint(shareOf);
+  };
   group.positions = position;
   return group;
 }
@@ -226,6 +258,7 @@ export class Scene extends Stage {
     let moving = 0;
     this.firstVertex = run.body_moving_vertices.map(count => (moving += count) - count);
     this.movingVertices = moving;
+    this.measureFields();
     this.offset = run.array('contact.offset');
     this.measure();
 
@@ -261,6 +294,36 @@ export class Scene extends Stage {
     group.positions.array.set(this.vertices.subarray(first, first + group.positions.array.length));
     group.positions.needsUpdate = true;
     group.follow?.();
+  }
+
+  /** Where the values of each body's field begin in a frame, and the largest of all values of one name. */
+  measureFields() {
+    const { run } = this, name = run.body_field ?? [];
+    let width = 0;
+    this.firstValue = name.map((what, i) => (what ? (width += run.body_moving_vertices[i]) - run.body_moving_vertices[i] : -1));
+    this.fieldWidth = width;
+    this.fields = new Map();
+    const values = run.array('field');
+    name.forEach((what, i) => {
+      if (!what) return;
+      const field = this.fields.get(what) ?? { unit: run.body_field_unit[i], largest: 0 };
+      for (let k = 0; k < run.frames; ++k)
+        for (let v = 0, at = k * width + this.firstValue[i]; v < run.body_moving_vertices[i]; ++v)
+          if (values[at + v] > field.largest) field.largest = values[at + v];
+      this.fields.set(what, field);
+    });
+  }
+
+  /** Colours the bodies that have a field by it, or as a whole. */
+  paint(frame, byField) {
+    const values = this.run.array('field');
+    this.bodies.forEach((group, i) => {
+      if (!(this.firstValue[i] >= 0)) return;
+      const first = frame * this.fieldWidth + this.firstValue[i], { largest } = this.fields.get(this.run.body_field[i]);
+      if (byField) group.paint(v => (largest > 0 ? values[first + v] / largest : 0));
+      else if (group.painted) group.paint();
+      group.painted = byField;
+    });
   }
 
   /** Of a body, seen from itself: over so many frames if it deforms. */
@@ -334,10 +397,11 @@ export class Scene extends Stage {
     });
   }
 
-  show(frame, { dots, normals, forces, scale, dotSize }) {
+  show(frame, { dots, normals, forces, scale, dotSize, load }) {
     const before = this.followed();
     this.frame = frame;
     this.bodies.forEach((group, i) => this.place(group, i, frame));
+    this.paint(frame, load);
     if (this.follow) {
       const moved = this.followed().sub(before);
       this.camera.position.add(moved);

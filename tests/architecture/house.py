@@ -355,7 +355,7 @@ def viewer_is_built(root):
 
 def orders_are_counted(root):
     """What doc/theory/convergence.md says of the cells of orders.md is what stands there."""
-    table = (root / "doc/theory/orders.md").read_text(encoding="utf-8")
+    table = (root / "doc/theory/orders.md").read_text(encoding="utf-8").split("\n## Beams and solids")[0]
     rows = [line.strip("|").split("|")[1:] for line in table.splitlines() if line.startswith("| `")]
     cells = [cell.strip() for row in rows for cell in row if cell.strip() not in ("", "-")]
     less = sum("(" in cell for cell in cells)

@@ -140,6 +140,26 @@ class Convergence(DriverTest):
         self.assertEqual((met + less, unjudged, missed), (of, 0, 0))
         self.assertEqual((met, less), (545, 23))  # what doc/theory/convergence.md says
 
+    def test_finer_meshes_of_an_element_reach_its_order(self):
+        meshes = ("--meshes", "--case", "E12.frequencies", "-o", "m", "--quiet")
+        run = self.converge(*meshes, "--json", "m.json")
+        self.assertIn("convergence: 1 of 1 met the orders of theory", run.stdout)
+        study, = json.loads((self.folder / "m.json").read_text())
+        self.assertEqual(study["sizes"], [8, 16, 32, 64])
+        for coarse, fine in zip(study["errors"], study["errors"][1:]):
+            self.assertAlmostEqual(coarse / fine, 4, delta=0.3)
+        self.assertIn("| `E12.frequencies` |", (self.folder / "m/meshes.md").read_text())
+        before = self.studies("m")
+        self.assertIn("1 of 1 were already in m", self.converge(*meshes).stdout)
+        self.assertEqual(self.studies("m"), before)
+
+    def test_the_page_of_orders_has_what_the_meshes_give(self):
+        if not os.environ.get("AUSSOIS_DATA_DIR"):
+            self.skipTest("no AUSSOIS_DATA_DIR, and with it no exact solutions")
+        self.converge("--meshes", "-o", "m", "--quiet")
+        page = (Path(__file__).resolve().parents[2] / "doc/theory/orders.md").read_text()
+        self.assertIn((self.folder / "m/meshes.md").read_text(), page)
+
     def test_less_than_order_one_is_told_and_not_counted_as_met(self):
         run = self.converge("--case", "ball_e0", "--theta", 1, "--normal-law", "moreau", "--h0", 1e-3, "--levels", 3)
         self.assertIn("convergence: 0 of 1 met", run.stdout)
@@ -155,6 +175,9 @@ class Convergence(DriverTest):
                 (["perpetuum", "ball_e0"], ["--case", "perpetuum"]),
                 (["no restitution"], ["--case", "ball_e05", "--normal-law", "gap_over_step"]),
                 (["--shard 2/2", "--all"], ["--case", "free_top", "--shard", "2/2"]),
+                (["--meshes", "free_top"], ["--meshes", "--case", "free_top"]),
+                (["--theta", "--meshes"], ["--meshes", "--theta", "1"]),
+                (["--all", "--meshes"], ["--meshes", "--all"]),
                 (["--min-h = 0.01", "shortest step"], ["--case", "free_top", "--min-h", "0.01"]),
                 (["--min-h", "-1"], ["--case", "free_top", "--min-h", "-1"]),
                 (["3/2"], ["--all", "--shard", "3/2"]),

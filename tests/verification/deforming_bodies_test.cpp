@@ -178,6 +178,11 @@ TEST(Deforming, HasTheSameBitsForAnyThreadsAndAfterARestart) {
 
 TEST(Deforming, IsRecordedAndDrawn) {
   Fall f = fall({}, 1e-3);
+  const std::size_t vertices = f.model.shapes[f.model.bodies[f.ball].shape]->complex.vertices.size();
+  f.model.bodies[f.ball].deformation.field = {
+      .what = "swelling", .unit = "m", .values = [vertices](const Model&, const State& state) {
+        return std::vector<double>(vertices, swelling(state));
+      }};
   const auto folder = fresh_folder();
   const MoreauJean scheme(f.model, {.h = 2e-3}, {.theta = 1});
   RunWriter writer(folder / "run.h5", run_header(f.model));
@@ -192,9 +197,14 @@ TEST(Deforming, IsRecordedAndDrawn) {
   const std::vector<Vec3>& rest = run.header.meshes.at("ball").vertices;
   EXPECT_EQ(run.header.bodies[f.ball.index()].moving_vertices, int(rest.size()));
   EXPECT_EQ(run.header.bodies[f.plate.index()].moving_vertices, 0);
-  for (std::size_t k = 0; k < run.steps.size(); ++k)
+  EXPECT_EQ(run.header.bodies[f.ball.index()].field, "swelling");
+  EXPECT_EQ(run.header.bodies[f.ball.index()].field_unit, "m");
+  EXPECT_EQ(run.header.bodies[f.plate.index()].field, "");
+  for (std::size_t k = 0; k < run.steps.size(); ++k) {
+    EXPECT_EQ(run.steps[k].field, std::vector<double>(rest.size(), q[k]));
     for (std::size_t i = 0; i < rest.size(); ++i)
       EXPECT_LT((run.steps[k].vertices[i] - (1 + q[k]) * rest[i]).norm(), 1e-15);
+  }
   EXPECT_LT(*std::ranges::min_element(q), -1e-3);
   write_replay_html(folder / "replay.html", run);
 }

@@ -3,12 +3,13 @@
 #include "examples/scenes/beams.hpp"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 
-#include "examples/common/convergence.hpp"
+#include "examples/studies/verification/mesh_study.hpp"
 #include "examples/studies/verification/running.hpp"
 #include "integrators/run.hpp"
 #include "integrators/schemes/moreau_jean.hpp"
@@ -82,6 +83,21 @@ Vec3 bend45_tip(int elements, const std::vector<double>& course) {
   return pose(s.state, s.last()).p;
 }
 
+MeshStudy bends() {
+  return {.name = "E2.bend_of_45_degrees",
+          .error_of = "tip under 600 N",
+          .unit = "m",
+          .counted = "elements",
+          .sizes = {8, 16, 32, 64},
+          .error = [](int elements) {
+            const std::vector<SeriesRow> rows = shared_series("beam_bend45.csv", "G=E/2; J=1/6; GA=5e6");
+            const SeriesRow& row = row_where(rows, "F", 600);
+            return (bend45_tip(elements, {200, 400, 600}) -
+                    Vec3(row.at("tip_x"), row.at("tip_y"), row.at("tip_z")))
+                .norm();
+          }};
+}
+
 VerificationCase bend_of_45_degrees() {
   return {.name = "E2.bend_of_45_degrees",
           .what = "an eighth of a circle of 100 m, 600 N at its tip out of its plane",
@@ -93,19 +109,12 @@ VerificationCase bend_of_45_degrees() {
                    {"path", "tip after a detour by -500 and 900 N", "m", 1e-10,
                     "theory: forces depend on the places alone"}},
           .measure = [] {
-            const std::vector<SeriesRow> rows = shared_series("beam_bend45.csv", "G=E/2; J=1/6; GA=5e6");
-            const SeriesRow& row = row_where(rows, "F", 600);
-            const Vec3 exact(row.at("tip_x"), row.at("tip_y"), row.at("tip_z"));
-            std::vector<double> l, off;
-            for (const int n : {8, 16, 32, 64}) {
-              l.push_back(1.0 / n);
-              off.push_back((bend45_tip(n, {200, 400, 600}) - exact).norm());
-            }
+            const Convergence off = measured(bends());
             const Vec3 straight = bend45_tip(16, {200, 400, 600}),
                        round = bend45_tip(16, {-250, -500, 300, 900, 600});
-            return Figures{{"tip16", off[1]},
-                           {"tip64", off[3]},
-                           {"order", fitted_order(l, off)},
+            return Figures{{"tip16", off.error[1]},
+                           {"tip64", off.error[3]},
+                           {"order", off.order},
                            {"path", (round - straight).norm()}};
           }};
 }
@@ -328,6 +337,20 @@ Vec3 elastica_tip(int elements, double load) {
   return pose(s.state, s.last()).p;
 }
 
+MeshStudy elasticas() {
+  return {
+      .name = "E6.elastica",
+      .error_of = "tip under the load P L^2 / EI = 5, over the length",
+      .unit = "-",
+      .counted = "elements",
+      .sizes = {4, 8, 16, 32},
+      .error = [](int elements) {
+        const std::vector<SeriesRow> rows = deformable_series("elastica_cantilever.csv");
+        const SeriesRow& row = row_where(rows, "P_L2_over_EI", 5);
+        return (elastica_tip(elements, 5) - Vec3(row.at("tip_x_over_L"), row.at("tip_y_over_L"), 0)).norm();
+      }};
+}
+
 VerificationCase elastica() {
   return {.name = "E6.elastica",
           .what = "cantilever under a cross load at its tip, P L^2 / EI from 0.25 to 10, 32 elements",
@@ -336,17 +359,13 @@ VerificationCase elastica() {
                     Sense::at_least}},
           .measure = [] {
             Worst off;
-            std::vector<double> l, error;
             for (const SeriesRow& row : deformable_series("elastica_cantilever.csv")) {
               const double load = row.at("P_L2_over_EI");
               if (load > 10) continue;
               const Vec3 exact(row.at("tip_x_over_L"), row.at("tip_y_over_L"), 0);
               off.add((elastica_tip(32, load) - exact).norm());
-              if (load != 5) continue;
-              for (const int n : {4, 8, 16, 32})
-                l.push_back(1.0 / n), error.push_back((elastica_tip(n, load) - exact).norm());
             }
-            return Figures{{"tip", off}, {"order", fitted_order(l, error)}};
+            return Figures{{"tip", off}, {"order", measured(elasticas()).order}};
           }};
 }
 
@@ -555,6 +574,25 @@ VerificationCase helix_at_rest() {
       }};
 }
 
+// The first two of a cantilever that hardly shears or stretches, of length, mass and EI one [rad/s].
+std::array<double, 2> cantilever_frequencies(int elements) {
+  const BeamScene s = beam_scene(
+      straight_nodes(Vec3::Zero(), Vec3::UnitX(), elements),
+      {.EA = 1e7, .GA = 1e7, .GJ = 1e4, .EI = 1, .mass = 1, .about_x = 2e-7, .across = 1e-7}, true);
+  const VecX omega = small_modes(s.model, s.state).omega2.cwiseSqrt();  // each in both planes
+  return {omega[0], omega[2]};
+}
+
+MeshStudy cantilevers() {
+  return {
+      .name = "E12.frequencies",
+      .error_of = "first frequency of a cantilever",
+      .unit = "-",
+      .counted = "elements",
+      .sizes = {8, 16, 32, 64},
+      .error = [](int elements) { return std::abs(cantilever_frequencies(elements)[0] / 3.516015269 - 1); }};
+}
+
 VerificationCase frequencies() {
   return {.name = "E12.frequencies",
           .what = "small vibrations of a cantilever that hardly shears or stretches, 8 to 64 elements",
@@ -565,20 +603,45 @@ VerificationCase frequencies() {
                    {"order", "fitted order of the first, 8 to 64 elements", "-", 1.9, "theory: 2",
                     Sense::at_least}},
           .measure = [] {
-            Figures out;
-            std::vector<double> l, error;
-            for (const int n : {8, 16, 32, 64}) {
-              const BeamScene s = beam_scene(
-                  straight_nodes(Vec3::Zero(), Vec3::UnitX(), n),
-                  {.EA = 1e7, .GA = 1e7, .GJ = 1e4, .EI = 1, .mass = 1, .about_x = 2e-7, .across = 1e-7},
-                  true);
-              const VecX omega = small_modes(s.model, s.state).omega2.cwiseSqrt();  // each in both planes
-              l.push_back(1.0 / n), error.push_back(std::abs(omega[0] / 3.516015269 - 1));
-              out["first"] = error.back(), out["second"] = std::abs(omega[2] / 22.03449156 - 1);
-            }
-            out["order"] = fitted_order(l, error);
-            return out;
+            const Convergence first = measured(cantilevers());
+            return Figures{{"first", first.error.back()},
+                           {"second", std::abs(cantilever_frequencies(64)[1] / 22.03449156 - 1)},
+                           {"order", first.order}};
           }};
+}
+
+// The modes with two and three waves in the plane of a closed ring that hardly shears or stretches, of
+// radius, mass per length and EI one, relative to the exact ones: n (n^2 - 1) / sqrt(n^2 + 1) for n waves.
+std::array<double, 2> ring_modes(int elements) {
+  std::vector<SE3> nodes;
+  for (int i = 0; i < elements; ++i)  // x along the circle
+    nodes.push_back(rotation(Vec3::UnitZ(), 2 * kPi * i / elements) * translation(1, 0, 0) *
+                    rotation(Vec3::UnitZ(), kPi / 2));
+  const BeamScene s = beam_scene(
+      nodes, {.EA = 1e6, .GA = 1e6, .GJ = 1e6, .EI = 1, .mass = 1, .about_x = 2e-6, .across = 1e-6}, false,
+      {.closed = true});
+  const Modes modes = small_modes(s.model, s.state);
+  // In the plane: no motion along z. Six motions of the whole ring come first
+  std::vector<double> in_plane;
+  for (Eigen::Index k = 0; k < modes.omega2.size(); ++k) {
+    double out_of = 0, all = 0;
+    for (Eigen::Index i = 0; i < modes.shape.rows(); i += 6) {
+      out_of += modes.shape(i + 2, k) * modes.shape(i + 2, k);
+      all += modes.shape.col(k).segment<3>(i).squaredNorm();
+    }
+    if (out_of < 1e-6 * all && modes.omega2[k] > 1e-3) in_plane.push_back(std::sqrt(modes.omega2[k]));
+  }
+  const auto exact = [](double n) { return n * (n * n - 1) / std::sqrt(n * n + 1); };
+  return {in_plane.at(0) / exact(2), in_plane.at(2) / exact(3)};
+}
+
+MeshStudy rings() {
+  return {.name = "E14.ring",
+          .error_of = "mode of a closed ring with two waves in its plane",
+          .unit = "-",
+          .counted = "elements",
+          .sizes = {8, 16, 32, 64},
+          .error = [](int elements) { return std::abs(ring_modes(elements)[0] - 1); }};
 }
 
 VerificationCase closed_ring() {
@@ -588,32 +651,16 @@ VerificationCase closed_ring() {
                     "n (n^2 - 1) / sqrt(n^2 + 1), closed form"},
                    {"third", "its mode with three waves, relative", "-", 1e-2, "the same"}},
           .measure = [] {
-            std::vector<SE3> nodes;
-            for (int i = 0; i < 64; ++i)  // x along the circle
-              nodes.push_back(rotation(Vec3::UnitZ(), kPi * i / 32) * translation(1, 0, 0) *
-                              rotation(Vec3::UnitZ(), kPi / 2));
-            const BeamScene s = beam_scene(
-                nodes, {.EA = 1e6, .GA = 1e6, .GJ = 1e6, .EI = 1, .mass = 1, .about_x = 2e-6, .across = 1e-6},
-                false, {.closed = true});
-            const Modes modes = small_modes(s.model, s.state);
-            // In the plane: no motion along z. Six motions of the whole ring come first
-            std::vector<double> in_plane;
-            for (Eigen::Index k = 0; k < modes.omega2.size(); ++k) {
-              double out_of = 0, all = 0;
-              for (Eigen::Index i = 0; i < modes.shape.rows(); i += 6) {
-                out_of += modes.shape(i + 2, k) * modes.shape(i + 2, k);
-                all += modes.shape.col(k).segment<3>(i).squaredNorm();
-              }
-              if (out_of < 1e-6 * all && modes.omega2[k] > 1e-3)
-                in_plane.push_back(std::sqrt(modes.omega2[k]));
-            }
-            const auto exact = [](double n) { return n * (n * n - 1) / std::sqrt(n * n + 1); };
-            return Figures{{"second", std::abs(in_plane.at(0) / exact(2) - 1)},
-                           {"third", std::abs(in_plane.at(2) / exact(3) - 1)}};
+            const auto [second, third] = ring_modes(64);
+            return Figures{{"second", std::abs(second - 1)}, {"third", std::abs(third - 1)}};
           }};
 }
 
 }  // namespace
+
+std::vector<MeshStudy> beam_mesh_studies() {
+  return {bends(), elasticas(), cantilevers(), rings()};
+}
 
 std::vector<VerificationCase> beam_verification() {
   std::vector<VerificationCase> out;

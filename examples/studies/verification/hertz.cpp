@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Smooth contacts of solids: rows F3 and F11 of group F (doc/theory/solids.md).
+// Smooth contacts of solids: rows F3 and F11.ironing of group F (doc/theory/solids.md).
 #include <algorithm>
 #include <cmath>
 

@@ -41,13 +41,14 @@ const char* symbol(Sense sense) {
 const std::vector<VerificationCase>& verification_cases() {
   static const std::vector<VerificationCase> all = [] {
     std::vector<VerificationCase> out;
-    for (const auto& group : {impact_verification,      friction_verification,     mechanism_verification,
-                              rotation_verification,    beam_verification,         beam_frame_verification,
-                              solid_verification,       soft_contact_verification, soft_part_verification,
-                              hertz_verification,       order_verification,        stack_verification,
-                              balance_verification,     tree_verification,         cable_contact_verification,
-                              knot_verification,        belt_verification,         soft_fold_verification,
-                              soft_repeat_verification, soft_throw_verification})
+    for (const auto& group : {impact_verification,        friction_verification,     mechanism_verification,
+                              rotation_verification,      beam_verification,         beam_frame_verification,
+                              solid_verification,         soft_contact_verification, soft_part_verification,
+                              hertz_verification,         soft_impact_verification,  order_verification,
+                              stack_verification,         balance_verification,      tree_verification,
+                              cable_contact_verification, knot_verification,         belt_verification,
+                              soft_fold_verification,     soft_repeat_verification,  soft_oracle_verification,
+                              soft_throw_verification})
       for (VerificationCase& c : group()) out.push_back(std::move(c));
     std::ranges::stable_sort(out, {}, item);
     return out;

@@ -54,6 +54,7 @@ std::vector<VerificationCase> solid_verification();          // group F
 std::vector<VerificationCase> soft_contact_verification();   // contacts of group F
 std::vector<VerificationCase> soft_part_verification();      // parts and stacks of group F
 std::vector<VerificationCase> hertz_verification();          // smooth contacts of group F
+std::vector<VerificationCase> soft_impact_verification();    // impacts of group F
 std::vector<VerificationCase> order_verification();          // orders and events of exact motions, A to D
 std::vector<VerificationCase> stack_verification();          // group G
 std::vector<VerificationCase> balance_verification();        // group H
@@ -63,6 +64,7 @@ std::vector<VerificationCase> knot_verification();           // loose knots of g
 std::vector<VerificationCase> belt_verification();           // belts of group K
 std::vector<VerificationCase> soft_fold_verification();      // group S: self-contact
 std::vector<VerificationCase> soft_repeat_verification();    // group S: the same bits
+std::vector<VerificationCase> soft_oracle_verification();    // group S: slow ways to the same
 std::vector<VerificationCase> soft_throw_verification();     // group S: nothing tunnels
 
 /// What became of a case.

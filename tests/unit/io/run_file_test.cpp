@@ -234,9 +234,9 @@ TEST_P(ResumedRunFile, HasTheSameDataAsOneThatWasNeverInterrupted) {
   for (int k = checkpoint; k < 200; ++k) writer.append(run.steps[k]);
   writer.close();
   const auto whole = datasets_of(folder / "whole.h5"), parts = datasets_of(folder / "parts.h5");
-  // The layout of doc/run_file.md: 2 x 3 mesh, 8 body, 3 joint, 2 coordinates, 1 gauge; 58 of steps, 8 of
+  // The layout of doc/run_file.md: 2 x 3 mesh, 10 body, 3 joint, 2 coordinates, 1 gauge; 58 of steps, 8 of
   // contacts.
-  EXPECT_EQ(whole.size(), 87u);
+  EXPECT_EQ(whole.size(), 89u);
   EXPECT_TRUE(whole == parts);
 }
 INSTANTIATE_TEST_SUITE_P(Steps, ResumedRunFile, ::testing::Values(0, 1, 63, 64, 65, 100, 128, 199));
@@ -319,6 +319,18 @@ TEST(RunFile, MayLackTheWorkOfJoints) {
     for (RunJoint& j : step.joints)
       j.work_locked = j.work_couplings = j.work_stops = j.work_friction = j.work_motors = j.work_springs =
           j.work_supports = 0;
+  }
+  expect_same(read_run(path), run);
+}
+
+TEST(RunFile, MayLackFieldsOfBodies) {
+  const auto path = fresh_folder() / "run.h5";
+  const RunData run = peg_run(10);
+  write_run(path, run);
+  {
+    const Hdf5Id file = open_hdf5(path, Hdf5Access::write);
+    for (const char* name : {"/body/field", "/body/field_unit"})
+      ASSERT_GE(H5Ldelete(file, name, H5P_DEFAULT), 0) << name;
   }
   expect_same(read_run(path), run);
 }

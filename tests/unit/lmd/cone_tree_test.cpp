@@ -156,15 +156,18 @@ void check_shape(const LmdShape& shape) {
       return content_of(shape, {.index = first + int(i), .dim = std::int8_t(dim)}, random);
     };
   };
-  const auto check = [&](const ConeTree& tree, const ContentOf& content, std::size_t count) {
+  const auto check = [&](const char* name, const ConeTree& tree, const ContentOf& content,
+                         std::size_t count) {
+    SCOPED_TRACE(name);
     const TreeCheck checked(tree, shape.centre, content, count);
   };
   const int narrow_v = shape.narrow_vertices, narrow_e = shape.narrow_edges;
-  check(shape.vertex_tree, leaves(0, 0), std::size_t(narrow_v));
-  check(shape.wide_vertex_tree, leaves(0, narrow_v), shape.vertices.size() - std::size_t(narrow_v));
-  check(shape.edge_tree, leaves(1, 0), std::size_t(narrow_e));
-  check(shape.wide_edge_tree, leaves(1, narrow_e), shape.edges.size() - std::size_t(narrow_e));
-  check(shape.face_tree, leaves(2, 0), shape.faces.size());
+  check("corners", shape.vertex_tree, leaves(0, 0), std::size_t(narrow_v));
+  check("wide vertices", shape.wide_vertex_tree, leaves(0, narrow_v),
+        shape.vertices.size() - std::size_t(narrow_v));
+  check("creases", shape.edge_tree, leaves(1, 0), std::size_t(narrow_e));
+  check("wide edges", shape.wide_edge_tree, leaves(1, narrow_e), shape.edges.size() - std::size_t(narrow_e));
+  check("faces", shape.face_tree, leaves(2, 0), shape.faces.size());
   const ContentOf rest = [&shape](std::size_t i) {
     Content content;
     const BaseSimplex& simplex = shape.rest[i];
@@ -172,7 +175,7 @@ void check_shape(const LmdShape& shape) {
       content.points.push_back(shape.complex.vertices[simplex.vertex[k]]);
     return content;
   };
-  check(shape.rest_tree, rest, shape.rest.size());
+  check("rest", shape.rest_tree, rest, shape.rest.size());
   for (std::size_t i = 0; i < shape.vertices.size(); ++i)
     EXPECT_EQ(class_of(shape.vertices[i]), int(i) < narrow_v ? SimplexClass::v_corner : SimplexClass::v_wide);
   for (std::size_t i = 0; i < shape.edges.size(); ++i)
@@ -228,6 +231,9 @@ TEST_P(ConeTrees, HoldRandomItemsInTheirOrder) {
   const TreeCheck checked(tree, middle, content_of_item, items.size());
   std::ranges::sort(order);
   for (std::size_t i = 0; i < items.size(); ++i) EXPECT_EQ(order[i], int(i));
+  const ConeTree enclosing = enclosing_cone_tree(items, vertices, middle);
+  const TreeCheck checked_too(enclosing, middle, content_of_item, items.size());
+  EXPECT_EQ(enclosing.nodes.size(), tree.nodes.size());
   std::size_t most = items.empty() ? 0 : 1;  // nodes if all were full
   for (std::size_t full = 4 * kBucket; full < items.size(); full *= 4)
     most += (items.size() + full - 1) / full;
@@ -235,6 +241,23 @@ TEST_P(ConeTrees, HoldRandomItemsInTheirOrder) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, ConeTrees, ::testing::Range(0U, 100U));
+
+TEST(ConeTree, HoldsEveryLeafOfShapesThatDeform) {
+  Random random(7);
+  for (const SimplicialComplex& complex :
+       {make_sphere(0.5, 3), make_plate(1, 1, 12, 12), make_box(1, 0.8, 0.6, 5),
+        make_polyline({{-0.6, 0, 0}, {-0.2, 0.1, 0}, {0.3, 0, 0.1}, {0.6, 0.2, 0}, {0.7, 0.2, 0}})}) {
+    const LmdShape shape = prepare(dilate(complex, 0.01), {.deforming = true});
+    SCOPED_TRACE(std::to_string(complex.vertices.size()) + " vertices");
+    check_shape(shape);
+    for (const double size : {1e-3, 0.05, 1.0}) {  // the last one crumples it
+      SCOPED_TRACE("moved by " + std::to_string(size));
+      std::vector<Vec3> there = shape.complex.vertices.to_vector();
+      for (Vec3& x : there) x += size * random.vector() + Vec3(0, 0, 100);
+      check_shape(refit(shape, there));
+    }
+  }
+}
 
 TEST(ConeTree, HoldsEveryLeafOfABolt) {
   check_shape(prepare(dilate(make_bolt(), 1e-5)));

@@ -58,6 +58,37 @@ TEST(DeformingShape, KeepsTheNumbersOfItsFeatures) {
             "refit: number of vertices = 3 must be 8, as the shape has");
 }
 
+// Leaves, keys, gaps and normals, to the last bit.
+TEST(DeformingShape, HasTheContactsOfAFreshOne) {
+  Random random(6);
+  const auto fresh = [](const LmdShape& shape) {
+    DilatedShape dilated{.complex = shape.complex, .radius = shape.radius};
+    return prepare(std::move(dilated), {.deforming = true});
+  };
+  int contacts = 0;
+  for (int k = 0; k < 240; ++k) {
+    const LmdShape a0 = soft(some_complex(k), 0.02), b0 = soft(some_complex(k / 4), 0.02);
+    const LmdShape a = refit(a0, moved(a0, random_field(a0, random, 0.3), 1)),
+                   b = refit(b0, moved(b0, random_field(b0, random, 0.04), 1)), new_a = fresh(a),
+                   new_b = fresh(b);
+    const SE3 g = random.pose(0.7);
+    const LmdOptions options{.threshold = 0.3};
+    const ContactSet here = find_contacts({&a, SE3{}, BodyId(0)}, {&b, g, BodyId(1)}, options),
+                     there = find_contacts({&new_a, SE3{}, BodyId(0)}, {&new_b, g, BodyId(1)}, options);
+    ASSERT_EQ(here.points.size(), there.points.size());
+    for (std::size_t i = 0; i < here.points.size(); ++i) {
+      const ContactPoint &c = here.points[i], &d = there.points[i];
+      EXPECT_EQ(c.a.dim, d.a.dim);
+      EXPECT_EQ(c.a.simplex, d.a.simplex);
+      EXPECT_EQ(c.b.simplex, d.b.simplex);
+      EXPECT_EQ(c.gap, d.gap);
+      EXPECT_EQ(c.normal, d.normal);
+    }
+    contacts += int(here.points.size());
+  }
+  EXPECT_GT(contacts, 200);
+}
+
 // The oracle looks at every pair of leaves; coverage knows the distance of the bases alone.
 TEST(DeformingShape, HasTheContactsOfAnExhaustiveSearch) {
   Random random(9);

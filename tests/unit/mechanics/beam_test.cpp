@@ -8,6 +8,7 @@
 #include "mechanics/cable.hpp"
 #include "mechanics/forces.hpp"
 #include "mechanics/motion.hpp"
+#include "mechanics/surface.hpp"
 #include "tests/support/differences.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/random.hpp"
@@ -206,6 +207,43 @@ TEST(Cable, HasTheMassOfItsLengthAndNoStressAsItIsLaid) {
     EXPECT_LT(total_force(model, state, 0).f.norm(), 1e-14 * cable.beam.sections[0].stiffness[0]);
     EXPECT_EQ(model.bodies[cable.surface].name, "cable");
   }
+}
+
+// A straight cable laid along an arc of radius R is strained by radius / R in its outermost fibre.
+TEST(Cable, ShowsItsLargestStrain) {
+  constexpr int kElements = 20;
+  constexpr double kArc = 0.2;
+  std::vector<Vec3> points;
+  for (int i = 0; i <= kElements; ++i)
+    points.push_back(kArc * Vec3(std::cos(kPi * i / kElements), std::sin(kPi * i / kElements), 0));
+  Model model;
+  const Cable cable = add_cable(model, {.nodes = frames_along(points),
+                                        .section = beam_section(kRubber),
+                                        .radius = kRubber.radius,
+                                        .straight = true});
+  State state = rest_state(model);
+  lay(cable, state);
+  const std::vector<double> shown = vertex_field(model, state, cable.surface);
+  ASSERT_EQ(shown.size(), std::size_t(kElements + 1));
+  for (int i = 2; i + 2 <= kElements; ++i)  // the frames at the ends are along their chords
+    EXPECT_NEAR(shown[std::size_t(i)], kRubber.radius / kArc, 1e-12) << i;
+}
+
+// As many elements as it says do; one of ten less do not.
+TEST(Cable, SaysHowManyElementsWouldDo) {
+  const auto arc = [](int elements) {
+    std::vector<Vec3> points;
+    for (int i = 0; i <= elements; ++i)
+      points.emplace_back(std::cos(kPi * i / elements), std::sin(kPi * i / elements), 0);
+    Model model;
+    return too_coarse(
+        add_cable(model, {.name = "lead", .nodes = frames_along(points), .section = beam_section(kRubber)}));
+  };
+  EXPECT_EQ(arc(5),
+            "lead turns by 0.63 rad at node 1: above 0.3 it does not touch on all sides there; 11 "
+            "elements would do");
+  EXPECT_FALSE(arc(10).empty());
+  EXPECT_EQ(arc(11), "");
 }
 
 TEST(Cable, PointsAlongALineAreAtEqualDistances) {

@@ -10,6 +10,7 @@
 #include "geometry/primitives.hpp"
 #include "mechanics/forces.hpp"
 #include "mechanics/state.hpp"
+#include "mechanics/surface.hpp"
 #include "tests/support/differences.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/random.hpp"
@@ -195,6 +196,28 @@ TEST(Sheet, BendsAsAPlateAlongItsEdges) {
   const double one = rolled_energy(kPi / 4), other = rolled_energy(-kPi / 4);
   EXPECT_NEAR(std::min(one, other), 1, 0.05);
   EXPECT_NEAR(std::max(one, other), 3, 0.15);
+}
+
+// Pulled along x alone, so that it is in plane stress along y too.
+TEST(Sheet, ShowsItsStress) {
+  const double pull = 0.1;
+  for (const SolidLaw law : {SolidLaw::neo_hookean, SolidLaw::st_venant_kirchhoff}) {
+    const Material m{.law = law, .young = 2, .poisson = 0.3, .density = 1};
+    Model model;
+    const Sheet sheet =
+        add_sheet(model, make_plate(1, 1, 3, 3), {.material = m, .thickness = 0.1, .radius = 0.01});
+    State state = rest_state(model);
+    for (std::size_t i = 0; i < sheet.mesh->vertices.size(); ++i)
+      state.q[3 * Eigen::Index(i)] = pull * sheet.mesh->vertices[int(i)].x();
+    Mat32 F = Mat32::Zero();
+    F(0, 0) = 1 + pull, F(1, 1) = 1;
+    const MembraneStress exact = membrane_stress(m, F);
+    const double along = exact.P[0], across = exact.P[4] / (1 + pull);  // forces on lengths as deformed
+    const double von_mises = std::sqrt(along * along - along * across + across * across);
+    const std::vector<double> shown = vertex_field(model, state, sheet.surface);
+    EXPECT_EQ(shown.size(), sheet.mesh->vertices.size());
+    for (const double stress : shown) EXPECT_NEAR(stress, von_mises, 1e-13);
+  }
 }
 
 TEST(Sheet, HasItsMass) {

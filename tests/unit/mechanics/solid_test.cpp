@@ -9,6 +9,7 @@
 #include "mechanics/forces.hpp"
 #include "mechanics/solid_mass.hpp"
 #include "mechanics/state.hpp"
+#include "mechanics/surface.hpp"
 #include "tests/support/differences.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/random.hpp"
@@ -75,6 +76,15 @@ TEST(Material, HasTheModuliOfSmallStrain) {
     EXPECT_NEAR(A(0, 4), of.lame, 1e-12);                 // dP_xx / dF_yy
     EXPECT_NEAR(A(1, 1), of.shear, 1e-12);                // dP_yx / dF_yx
   }
+}
+
+TEST(Material, VonMisesFeelsNoPressure) {
+  const double pressure = -7;
+  Mat3 pull = Mat3::Zero(), shear = Mat3::Zero();
+  pull(1, 1) = 3;
+  shear(0, 2) = shear(2, 0) = 2;
+  EXPECT_NEAR(von_mises(pull + pressure * Mat3::Identity()), 3, 1e-14);
+  EXPECT_NEAR(von_mises(shear), 2 * std::sqrt(3.0), 1e-14);
 }
 
 TEST(Material, ViscousStressResistsStrainAlone) {
@@ -217,9 +227,11 @@ TEST(Solid, StressOfAnEvenStrainIsThatOfItsMaterial) {
   for (const Cut& kind : kCuts) {
     const Material m{.young = 2, .poisson = 0.3, .density = 1};
     Model model;
-    const Solid solid =
-        add_solid(model, make_box_mesh({1, 1, 1}, {2, 2, 2}, kind.cells),
-                  {.materials = {m}, .smooth_strain = kind.smooth_strain, .mean_volume = kind.mean_volume});
+    const Solid solid = add_solid(model, make_box_mesh({1, 1, 1}, {2, 2, 2}, kind.cells),
+                                  {.materials = {m},
+                                   .smooth_strain = kind.smooth_strain,
+                                   .mean_volume = kind.mean_volume,
+                                   .radius = 0.01});
     State state = rest_state(model);
     const Mat3 F = random_gradient(random);
     for (std::size_t i = 0; i < solid.mesh->points.size(); ++i)
@@ -230,6 +242,9 @@ TEST(Solid, StressOfAnEvenStrainIsThatOfItsMaterial) {
             ? Mat3(shape_stress(m, F).P * F.transpose() / J + volume_stress(m, J).p * Mat3::Identity())
             : Mat3(whole_stress(m, F).P * F.transpose() / J);
     for (const Mat3& stress : solid_stresses(model, state, solid)) EXPECT_LT((stress - exact).norm(), 1e-12);
+    const std::vector<double> at_surface = vertex_field(model, state, solid.surface);
+    EXPECT_EQ(at_surface.size(), 26U);
+    for (const double stress : at_surface) EXPECT_NEAR(stress, von_mises(exact), 1e-12);
   }
 }
 
