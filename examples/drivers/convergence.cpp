@@ -314,9 +314,9 @@ int main(int argc, char** argv) {
   cli.option("--case", a.case_name, "case to run; --list shows all");
   cli.flag("--list", a.list, "list cases and schemes, then exit");
   cli.flag("--all", a.all, "run all cases, or that of --case, with all schemes and settings");
-  cli.flag(
-      "--meshes", a.meshes,
-      "run the studies of beams and solids over their meshes, or that of --case; without the shared data, those that need none");
+  cli.flag("--meshes", a.meshes,
+           "run the studies of beams and solids over their meshes, or that of --case; without the shared "
+           "data, those that need none");
   cli.option("--shard", a.shard, "k/n: run only the k-th of n parts of --all");
   cli.flag("--farm", a.farm,
            "share the work under mpirun: rank 0 distributes it to the other ranks; needs MPI");
