@@ -68,7 +68,7 @@ std::shared_ptr<const LmdShape> DeformedShapes::at(BodyId body, const LmdShape& 
     return x.size() == vertices.size() &&
            std::memcmp(x.data(), vertices.data(), vertices.size() * sizeof(Vec3)) == 0;
   };
-  if (last && last->radius == laid.radius && last->self == laid.self && there(*last)) return last;
+  if (last && last->order == laid.order && last->self == laid.self && there(*last)) return last;
   auto made = std::make_shared<const LmdShape>(refit(laid, vertices));
   const std::lock_guard lock(mutex_);
   last_[body] = made;

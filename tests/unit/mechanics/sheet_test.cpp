@@ -220,6 +220,40 @@ TEST(Sheet, ShowsItsStress) {
   }
 }
 
+TEST(DeformedShapes, AreMadeAgainOnlyWhereAVertexMoved) {
+  Model model;
+  const Material m{.young = 2, .poisson = 0.3, .density = 1};
+  const Sheet sheet =
+      add_sheet(model, make_plate(1, 1, 2, 2), {.material = m, .thickness = 0.1, .radius = 0.01});
+  State state = rest_state(model);
+  DeformedShapes known;
+  const auto there = [&] { return posed_shape(model, state, sheet.surface, &known).own; };
+  const auto first = there();
+  EXPECT_EQ(there(), first);
+  state.q[0] = 1e-17;  // the vertex lies at -1/2
+  EXPECT_EQ(there(), first);
+  state.q[0] = 1e-3;
+  const auto second = there();
+  EXPECT_NE(second, first);
+  EXPECT_EQ(second->complex.vertices[0].x() - first->complex.vertices[0].x(), -0.499 + 0.5);
+  EXPECT_EQ(there(), second);
+}
+
+TEST(Sheet, AFieldNeedsANameAndANumberForEachVertex) {
+  Model model;
+  const Material m{.young = 2, .poisson = 0.3, .density = 1};
+  const Sheet sheet =
+      add_sheet(model, make_plate(1, 1, 2, 2), {.material = m, .thickness = 0.1, .radius = 0.01});
+  const State state = rest_state(model);
+  VertexField& field = model.bodies[sheet.surface].deformation.field;
+  field.values = [](const Model&, const State&) { return std::vector<double>(3); };
+  EXPECT_EQ(message_of([&] { (void)vertex_field(model, state, sheet.surface); }),
+            "body 0 (sheet): deformation.field.values: size = 3 must be 9, as of its shape");
+  field.what.clear();
+  EXPECT_EQ(message_of([&] { validate(model); }),
+            "body 0 (sheet): deformation field needs vertices and the name of what it is");
+}
+
 TEST(Sheet, HasItsMass) {
   Model model;
   const Sheet sheet =
