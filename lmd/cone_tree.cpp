@@ -19,8 +19,6 @@ constexpr double kConeWeight = 0.1;  // lambda (LMD-13)
 constexpr std::size_t kManyRanges =
     256;  // enough for all threads: each builds one after the other to its end
 
-constexpr int kInOrder = 0;  // instead of a number of threads: the order stands
-
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 
@@ -64,7 +62,7 @@ std::size_t node_count(int count) {
 class ConeTreeBuilder {
  public:
   ConeTreeBuilder(const std::vector<ConeTreeItem>& items, std::span<const Vec3> vertices, const Vec3& centre,
-                  std::vector<int>& order, int threads)
+                  std::vector<int>& order)
       : items_(items), vertices_(vertices), centre_(centre), order_(order) {
     order_.resize(items.size());
     std::iota(order_.begin(), order_.end(), 0);
@@ -82,17 +80,21 @@ class ConeTreeBuilder {
     }
     size_ = (hi - lo).norm();
     nodes_.resize(std::max(node_count(int(items.size())), std::size_t(1)));  // a lone bucket has a root
-    const Range all{0, 0, int(items.size())};
-    if (threads == kInOrder) {
-      enclose(all);
-      return;
-    }
-    key_.resize(items.size());
-    build(all, threads);
   }
-  ConeTree take() { return {std::move(nodes_)}; }
+  /// Orders the items by splits.
+  ConeTree split_up(int threads) {
+    key_.resize(items_.size());
+    if (!items_.empty()) build(all(), threads);
+    return {std::move(nodes_)};
+  }
+  /// Leaves them in their order.
+  ConeTree enclosed() {
+    if (!items_.empty()) enclose(all());
+    return {std::move(nodes_)};
+  }
 
  private:
+  Range all() const { return {0, 0, int(items_.size())}; }
   const ConeTreeItem& item(int i) const { return items_[order_[i]]; }
   static std::span<const int> corners(const ConeTreeItem& item) {
     return std::span(item.vertex).first(std::size_t(item.vertex_count));
@@ -301,8 +303,8 @@ class ConeTreeBuilder {
   }
 
   // Level by level while there are few nodes, then each of the many to its end.
-  void build(const Range& all, int threads) {
-    std::vector<Range> level{all};
+  void build(const Range& whole, int threads) {
+    std::vector<Range> level{whole};
     while (!level.empty() && level.size() < kManyRanges) {
       std::vector<Ranges> below(level.size());
       parallel_for(int(level.size()), threads, [&](int i) { below[i] = open(level[i]); });
@@ -409,13 +411,13 @@ class ConeTreeBuilder {
 
 ConeTree build_cone_tree(const std::vector<ConeTreeItem>& items, std::span<const Vec3> vertices,
                          const Vec3& centre, std::vector<int>& order, int threads) {
-  return ConeTreeBuilder(items, vertices, centre, order, threads).take();
+  return ConeTreeBuilder(items, vertices, centre, order).split_up(threads);
 }
 
 ConeTree enclosing_cone_tree(const std::vector<ConeTreeItem>& items, std::span<const Vec3> vertices,
                              const Vec3& centre) {
   std::vector<int> order;
-  return ConeTreeBuilder(items, vertices, centre, order, kInOrder).take();
+  return ConeTreeBuilder(items, vertices, centre, order).enclosed();
 }
 
 }  // namespace aussois

@@ -123,7 +123,7 @@ LmdShape prepare(DilatedShape shape, const LmdShapeOptions& options = {});
 /// Moves the vertices of a shape that was prepared with LmdShapeOptions::deforming: features keep their
 /// indices, so contacts keep their keys, and the hierarchies their order: the time is linear in the number of
 /// simplices. Contacts are those of the moved complex prepared afresh, whose hierarchies may be another.
-/// Throws std::invalid_argument unless `vertices` has one entry for each vertex.
+/// Throws std::invalid_argument unless the shape deforms and `vertices` has one entry for each vertex.
 LmdShape refit(const LmdShape& shape, std::vector<Vec3> vertices);
 
 /// Lets a shape that was prepared with LmdShapeOptions::deforming touch itself, but for simplices nearer than

@@ -17,7 +17,7 @@ struct MovingShape {
   RigidMotion motion{};
   // Constant velocities of the vertices of a deforming shape, in its frame [m/s]; empty: it does not deform
   std::span<const Vec3> velocity{};
-  std::shared_ptr<const LmdShape> own{};  // keeps `shape` alive
+  std::shared_ptr<const LmdShape> own{};  // owns `shape` if it was made for this path alone
   BodyId body{};  // two of one body: its shape meets itself, if LmdShape::self lets it
 };
 

@@ -164,11 +164,12 @@ std::string too_coarse(const Cable& cable) {
     const double turn = std::atan2(before.cross(after).norm(), before.dot(after));
     if (turn > largest) largest = turn, there = i;
   }
-  if (!(largest > kStraightestBend)) return {};
+  if (!(largest > kLargestStraightTurn)) return {};
   return cable.beam.name + " turns by " + number_text(std::round(100 * largest) / 100) + " rad at node " +
-         std::to_string(there) + ": above " + number_text(kStraightestBend) +
+         std::to_string(there) + ": above " + number_text(kLargestStraightTurn) +
          " it does not touch on all sides there; " +
-         std::to_string(int(std::ceil(double(elements) * largest / kStraightestBend))) + " elements would do";
+         std::to_string(int(std::ceil(double(elements) * largest / kLargestStraightTurn))) +
+         " elements would do";
 }
 
 void lay(const Cable& cable, State& state) {

@@ -17,7 +17,8 @@ std::vector<Vec3> points_along(const std::vector<Vec3>& polyline, int count);
 /// the first is as near to `up` as it can be. Throws if two neighbours are at one place.
 std::vector<SE3> frames_along(const std::vector<Vec3>& points, const Vec3& up = Vec3::UnitZ());
 
-inline constexpr double kStraightestBend = 0.3;  // [rad]
+/// A node at which a cable turns no more touches on all sides (DEF-5) [rad].
+inline constexpr double kLargestStraightTurn = 0.3;
 
 struct CableOptions {
   std::string name = "cable";
@@ -39,8 +40,9 @@ struct Cable {
 /// Adds the nodes as dynamic bodies, the beam and the surface. Throws std::invalid_argument: field, value,
 /// bound.
 Cable add_cable(Model& model, const CableOptions& options);
-/// Says where a cable is laid too coarsely: its line turns by more than kStraightestBend at a node, so that
-/// the node does not touch on all sides (DEF-5); how far, and how many elements would do. Empty: nowhere.
+/// Says where a cable is laid too coarsely: its line turns by more than kLargestStraightTurn at a node, so
+/// that the node does not touch on all sides (DEF-5); how far, and how many elements would do. Empty:
+/// nowhere.
 std::string too_coarse(const Cable& cable);
 /// Lays the nodes of a state as they were laid in the model.
 void lay(const Cable& cable, State& state);

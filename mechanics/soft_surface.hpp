@@ -21,7 +21,7 @@ struct SoftSurface {
   SimplicialComplex complex{};  // where the points are laid
   double radius = 0;            // [m], > 0
   bool touches_itself = false;  // but for parts nearer than four radii or two edges along it (DEF-4)
-  VertexField field{};
+  VertexField field{};          // at its vertices
 };
 BodyId add(Model& model, SoftSurface surface);
 

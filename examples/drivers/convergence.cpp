@@ -241,7 +241,10 @@ ExitCode run_meshes(const Arguments& a) {
     std::optional<Convergence> result = read_mesh_study(file, study, program);
     const bool was_there = result.has_value();
     try {
-      if (!result) write_mesh_study(file, study, *(result = measured(study)), program);
+      if (!result) {
+        result = measured(study);
+        write_mesh_study(file, study, *result, program);
+      }
       write_convergence(a.tasks.out, stem, *result, study.error_of);
       results[i] = {&study, *result};
     } catch (const NumericalFailure& failure) {

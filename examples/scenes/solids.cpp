@@ -54,6 +54,12 @@ void add(Model& model, const Solid& solid, const FaceLoad& load) {
                       }});
 }
 
+void throw_solid(const Model& model, State& state, const Solid& solid, const Vec3& v) {
+  const int first = first_speed(model, solid.points);
+  for (std::size_t i = 0; i < solid.mesh->points.size(); ++i)
+    state.v.segment<3>(first + 3 * Eigen::Index(i)) = v;
+}
+
 std::vector<Vec3> point_forces(const SolidScene& scene) {
   const GeneralisedForce force = total_force(scene.model, scene.state, scene.state.t);
   std::vector<Vec3> out;

@@ -35,6 +35,8 @@ struct FaceLoad {
 };
 void add(Model& model, const Solid& solid, const FaceLoad& load);
 
+/// Gives all points of a solid one velocity [m/s].
+void throw_solid(const Model& model, State& state, const Solid& solid, const Vec3& v);
 /// What the solid gives to each point [N], held ones included.
 std::vector<Vec3> point_forces(const SolidScene& scene);
 /// Places the points where a map of the laid places leads them.

@@ -180,20 +180,13 @@ StepPath step_path(const StepMotion& step, const PerBody<BodyBounds>& bounds, do
   return path;
 }
 
-std::shared_ptr<const LmdShape> shape_at_start(const StepPath& path, BodyId body) {
-  const std::shared_ptr<const LmdShape>& laid = path.model.shapes[path.model.bodies[body].shape];
-  const auto found = path.deforming.find(body);
-  return found == path.deforming.end() ? laid : path.deformed->at(body, *laid, found->second.vertices);
-}
-
 std::string strayed(const StepPath& path, const State& end) {
   constexpr double kRounding = 1e-9;  // of the size of the shape and of what it travels
   for (const auto& [body, shape] : path.deforming) {
     const std::vector<Vec3> there = deformed_vertices(path.model, end, body);
     double off = 0;
-    for (std::size_t i = 0; i < shape.velocity.size(); ++i) {
+    for (std::size_t i = 0; i < shape.velocity.size(); ++i)
       off = std::max(off, (there[i] - shape.vertices[i] - path.h * shape.velocity[i]).norm());
-    }
     if (off > kRounding * (shape.bounds.radius + path.bodies[body].stretch))
       return "body " + to_string(body) + ": a vertex is " + number_text(off) +
              " m away from where the columns of its deformation led";

@@ -64,12 +64,10 @@ struct StepPath {
   bool starts_apart = false;  // CertificateOptions::starts_apart, of all pairs
   int levels = 0;             // StepOptions::levels
   PerBody<MovingBody> bodies{};
-  std::map<BodyId, DeformingShape> deforming{};  // by body
-  std::shared_ptr<DeformedShapes> deformed = std::make_shared<DeformedShapes>();
+  std::map<BodyId, DeformingShape> deforming{};                                   // by body
+  std::shared_ptr<DeformedShapes> deformed = std::make_shared<DeformedShapes>();  // at its start
 };
 StepPath step_path(const StepMotion& step, const PerBody<BodyBounds>& bounds, double enlargement = 1);
-/// The shape of a body at the start of the path, kept alive.
-std::shared_ptr<const LmdShape> shape_at_start(const StepPath& path, BodyId body);
 /// Empty if the vertices of deforming bodies are where the path led them at its end, otherwise which ones are
 /// not (DEF-2).
 std::string strayed(const StepPath& path, const State& end);

@@ -17,13 +17,15 @@ constexpr double kMostPieces = 100;    // a path that turns by more is proven in
 constexpr int kFineHalvings = 16;      // a near miss by 1 um at 1600 m/s and 1 ms needs 14
 
 MovingShape moving_shape(const StepPath& path, BodyId body) {
-  MovingShape out{.g_bs = path.model.bodies[body].g_bs,
+  MovingShape out{.shape = shape_of(path.model, body),
+                  .g_bs = path.model.bodies[body].g_bs,
                   .motion = path.bodies[body].motion,
-                  .own = shape_at_start(path, body),
                   .body = body};
-  out.shape = out.own.get();
-  if (const auto shape = path.deforming.find(body); shape != path.deforming.end())
-    out.velocity = shape->second.velocity;
+  if (const auto moving = path.deforming.find(body); moving != path.deforming.end()) {
+    out.own = path.deformed->at(body, *out.shape, moving->second.vertices);
+    out.shape = out.own.get();
+    out.velocity = moving->second.velocity;
+  }
   return out;
 }
 

@@ -135,8 +135,7 @@ Figures throw_bar(int cells, SolidMass mass) {
                                .radius = kRadius});
   add_floor(model, 1, 0);
   State state = rest_state(model);
-  const int first = first_speed(model, bar.points);
-  for (std::size_t i = 0; i < mesh.points.size(); ++i) state.v[first + 3 * Eigen::Index(i) + 2] = -kSpeed;
+  throw_solid(model, state, bar, -kSpeed * Vec3::UnitZ());
   const double h = kGap / kSpeed / std::round(kGap / kSpeed * wave * cells / kLength),
                before = energy(model, state).total();
   const MoreauJean scheme(model, {.h = h, .solver = {.tolerance = 1e-12}},

@@ -75,9 +75,7 @@ VerificationCase ball_on_plane() {
                 const BodyId plane =
                     add(model, fixed_body("plane", add(model, prepare(dilate(make_plate(4, 4), 0)))));
                 State state = rest_state(model);
-                const int first = first_speed(model, ball.points);
-                for (std::size_t i = 0; i < mesh.points.size(); ++i)
-                  state.v[first + 3 * Eigen::Index(i) + 2] = -kSpeed;
+                throw_solid(model, state, ball, -kSpeed * Vec3::UnitZ());
                 const double deepest = std::pow(15 * kMass * kSpeed * kSpeed / (16 * kStiffness), 0.4);
                 const double time = 2.943 * deepest / kSpeed,
                              force = 4.0 / 3 * kStiffness * std::pow(deepest, 1.5);
@@ -148,9 +146,7 @@ VerificationCase ring_impact() {
                 options.place = translation(kAside, 0, 2 * (kOuter + kSurface));
                 const Solid thrown = add_solid(model, mesh, options);
                 State state = rest_state(model);
-                const int first = first_speed(model, thrown.points);
-                for (std::size_t i = 0; i < mesh.points.size(); ++i)
-                  state.v[first + 3 * Eigen::Index(i) + 2] = -kSpeed;
+                throw_solid(model, state, thrown, -kSpeed * Vec3::UnitZ());
                 const double energy_before = energy(model, state).total();
                 const Vec3 momentum_before = momentum(model, state).linear;
                 const MoreauJean scheme(model, {.h = 0.05, .solver = {.tolerance = 1e-10}},

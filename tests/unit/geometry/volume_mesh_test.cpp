@@ -16,8 +16,7 @@ namespace {
 double whole_volume(const VolumeMesh& mesh) {
   double sum = 0;
   for (const Tet& t : mesh.tets) sum += volume(mesh, t);
-  for (const Hex& h : mesh.hexes)
-    for (const HexPoint& p : hex_points(mesh, h)) sum += p.volume;
+  for (const Hex& h : mesh.hexes) sum += volume(mesh, h);
   return sum;
 }
 // Of the surface, which must be closed and face outwards.
