@@ -167,9 +167,8 @@ std::string too_coarse(const Cable& cable) {
   if (!(largest > kLargestStraightTurn)) return {};
   return cable.beam.name + " turns by " + number_text(std::round(100 * largest) / 100) + " rad at node " +
          std::to_string(there) + ": above " + number_text(kLargestStraightTurn) +
-         " it does not touch on all sides there; " +
-         std::to_string(int(std::ceil(double(elements) * largest / kLargestStraightTurn))) +
-         " elements would do";
+         " it does not touch on all sides there; use at least " +
+         std::to_string(int(std::ceil(double(elements) * largest / kLargestStraightTurn))) + " elements";
 }
 
 void lay(const Cable& cable, State& state) {

@@ -40,9 +40,8 @@ struct Cable {
 /// Adds the nodes as dynamic bodies, the beam and the surface. Throws std::invalid_argument: field, value,
 /// bound.
 Cable add_cable(Model& model, const CableOptions& options);
-/// Says where a cable is laid too coarsely: its line turns by more than kLargestStraightTurn at a node, so
-/// that the node does not touch on all sides (DEF-5); how far, and how many elements would do. Empty:
-/// nowhere.
+/// Says where a cable is laid too coarsely: its line turns by more than kLargestStraightTurn at a node. How
+/// far, and how many elements it needs at least; where it bends evenly, they are enough. Empty: nowhere.
 std::string too_coarse(const Cable& cable);
 /// Lays the nodes of a state as they were laid in the model.
 void lay(const Cable& cable, State& state);

@@ -136,6 +136,18 @@ class Replay(DriverTest):
         self.replay("two", *PEG, "--flexible", "two.json")
         self.assertEqual(self.summary("two")["refused_steps"], 0)
 
+    def test_a_cable_of_too_few_elements_is_warned_of(self):
+        lead = json.loads((PARTS / "peg_lead.json").read_text())
+        warnings = {}
+        for elements in (14, 80):
+            (self.folder / "lead.json").write_text(json.dumps({**lead, "elements": elements}))
+            run = self.replay("out", *PEG, "--flexible", "lead.json")
+            warnings[elements] = [note for note in self.summary("out")["notes"] if "lead turns by" in note]
+            self.assertEqual([line for line in run.stderr.splitlines() if "lead turns by" in line],
+                             [f"warning: {note}" for note in warnings[elements]])
+        self.assertRegex(warnings[14][0], r"\Alead turns by 0\.56 rad at node 3: .*; use at least 27 elements\Z")
+        self.assertEqual(warnings[80], [])
+
     def test_two_points_have_the_clearance_of_their_nearest_pose(self):
         """They have no size that could bound it."""
         for name, x in (("fixed", 0), ("moving", 4)):

@@ -229,8 +229,8 @@ TEST(Cable, ShowsItsLargestStrain) {
     EXPECT_NEAR(shown[std::size_t(i)], kRubber.radius / kArc, 1e-12) << i;
 }
 
-// As many elements as it says do; one of ten less do not.
-TEST(Cable, SaysHowManyElementsWouldDo) {
+// Of an arc as many elements as it says do, and one less do not.
+TEST(Cable, SaysHowManyElementsItNeeds) {
   const auto arc = [](int elements) {
     std::vector<Vec3> points;
     for (int i = 0; i <= elements; ++i)
@@ -240,8 +240,8 @@ TEST(Cable, SaysHowManyElementsWouldDo) {
         add_cable(model, {.name = "lead", .nodes = frames_along(points), .section = beam_section(kRubber)}));
   };
   EXPECT_EQ(arc(5),
-            "lead turns by 0.63 rad at node 1: above 0.3 it does not touch on all sides there; 11 "
-            "elements would do");
+            "lead turns by 0.63 rad at node 1: above 0.3 it does not touch on all sides there; use at "
+            "least 11 elements");
   EXPECT_FALSE(arc(10).empty());
   EXPECT_EQ(arc(11), "");
 }
