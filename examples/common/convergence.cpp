@@ -65,20 +65,22 @@ std::string to_string(const Convergence& s, const std::string& quantity) {
 }
 
 void write_convergence(const std::filesystem::path& dir, const std::string& name, const Convergence& s,
-                       const std::string& quantity) {
+                       const ConvergencePicture& picture) {
   CsvTable csv(dir / (name + ".csv"), {"h", "error", "order"});
   for (std::size_t i = 0; i < s.h.size(); ++i)
     csv.add({s.h[i], s.error[i], i == 0 ? kNoOrder : pairwise_order(s.h, s.error, i)});
   csv.close();
   std::ostringstream gp;
+  const double slope = s.error.back() / std::pow(s.h.back(), picture.order);
   gp << "# draws " << name << ".png: gnuplot " << name << ".gp\n"
      << "set terminal pngcairo size 800,600; set output '" << name << ".png'\n"
      << "set datafile separator ','; set logscale xy; set format '%g'; set key left top; set grid\n"
-     << "set xlabel 'step h [s]'; set ylabel '" << quantity << "'\n"
+     << "set xlabel \"" << picture.step << "\"; set ylabel \"" << picture.error << "\"\n"
      << "plot '" << name
      << ".csv' every ::1 using 1:2 with linespoints pt 7 title sprintf('observed order %.3f', " << s.order
      << "), \\\n"
-     << "     " << s.error.back() / s.h.back() << "*x with lines dt 2 title 'order 1'\n";
+     << "     " << slope << "*x**" << picture.order << " with lines dt 2 title 'order " << picture.order
+     << "'\n";
   write_whole_file(dir / (name + ".gp"), gp.str());
 }
 

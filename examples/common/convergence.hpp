@@ -29,9 +29,14 @@ Convergence convergence_study(const std::vector<double>& steps, const std::vecto
 
 std::string to_string(const Convergence& study, const std::string& quantity);
 
+/// What a picture of convergence says at its axes, and the order of the line beside the errors.
+struct ConvergencePicture {
+  std::string step = "step h [s]", error{};
+  double order = 1;
+};
 /// DIR/NAME.csv (h, error, pairwise order) and DIR/NAME.gp, which draws DIR/NAME.png: gnuplot NAME.gp. DIR
 /// exists.
 void write_convergence(const std::filesystem::path& dir, const std::string& name, const Convergence& study,
-                       const std::string& quantity);
+                       const ConvergencePicture& picture);
 
 }  // namespace aussois

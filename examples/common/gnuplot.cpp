@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "examples/common/gnuplot.hpp"
 
+#include <cstdio>
 #include <unistd.h>
 
 #include <sys/wait.h>
@@ -16,6 +17,10 @@ bool run_gnuplot(const std::filesystem::path& folder, const std::string& script)
   }
   int status = 0;
   return waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+void tell_no_picture() {
+  std::fprintf(stderr, "no picture: gnuplot is missing or failed\n");
 }
 
 }  // namespace aussois

@@ -23,6 +23,7 @@
 #include <map>
 #include <mutex>
 
+#include "examples/common/gnuplot.hpp"
 #include "examples/common/many_tasks.hpp"
 #include "examples/common/progress.hpp"
 #include "examples/common/scheme_flags.hpp"
@@ -204,7 +205,7 @@ ExitCode conclude(const Arguments& a, const Results& results, std::size_t cells)
     write_whole_file(a.tasks.out / "convergence.md", table);
     std::printf("%s", table.c_str());
   }
-  if (!pictures) std::fprintf(stderr, "no picture: gnuplot is missing or failed\n");
+  if (!pictures) tell_no_picture();
   for (const std::string& text : results.failures) std::fprintf(stderr, "convergence: %s\n", text.c_str());
   tell_known(results.known, cells, a.tasks.out);
   std::printf(
@@ -230,14 +231,14 @@ ExitCode run_meshes(const Arguments& a) {
   const std::uint64_t program = program_digest();
   std::vector<MeshResult> results(studies.size());
   std::vector<std::string> failures(studies.size()), skipped(studies.size());
+  std::vector<char> drawn(studies.size(), true);
   std::mutex mutex;  // of progress and counts
   int done = 0, known = 0;
   Progress progress("meshes", double(studies.size()), Progress::style_of_stderr(a.tasks.quiet));
   parallel_for(int(studies.size()), a.tasks.threads, [&](int i) {
     if (interrupted()) return;
     const MeshStudy& study = *studies[i];
-    const std::string stem = stem_of(study);
-    const std::filesystem::path file = a.tasks.out / (stem + ".json");
+    const std::filesystem::path file = a.tasks.out / (stem_of(study) + ".json");
     std::optional<Convergence> result = read_mesh_study(file, study, program);
     const bool was_there = result.has_value();
     try {
@@ -245,7 +246,7 @@ ExitCode run_meshes(const Arguments& a) {
         result = measured(study);
         write_mesh_study(file, study, *result, program);
       }
-      write_convergence(a.tasks.out, stem, *result, study.error_of);
+      drawn[i] = write_picture(a.tasks.out, study, *result);
       results[i] = {&study, *result};
     } catch (const NumericalFailure& failure) {
       failures[i] = study.name + ": " + failure.what();
@@ -265,6 +266,7 @@ ExitCode run_meshes(const Arguments& a) {
   for (const auto* texts : {&failures, &skipped})
     for (const std::string& text : *texts)
       if (!text.empty()) std::fprintf(stderr, "convergence: %s\n", text.c_str());
+  if (std::ranges::count(drawn, true) < std::ssize(drawn)) tell_no_picture();
   tell_known(known, studies.size(), a.tasks.out);
   const auto met = std::ranges::count_if(
       results, [](const MeshResult& result) { return reaches_its_order(*result.study, result.errors); });

@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "examples/common/driver.hpp"
+#include "examples/common/gnuplot.hpp"
 #include "examples/common/progress.hpp"
 #include "examples/common/setting_flags.hpp"
 #include "examples/studies/peg_plate/study_files.hpp"
@@ -177,7 +178,7 @@ ExitCode run(const Arguments& a) {
     if (asked("evaluate") && !interrupted()) drawn = evaluate(job, a.quiet) && drawn;
     if (interrupted()) return ExitCode::interrupted;
   }
-  if (!drawn) std::fprintf(stderr, "no picture: gnuplot is missing or failed\n");
+  if (!drawn) tell_no_picture();
   return asked("evaluate") ? evaluate_jobs(a, jobs) : ExitCode::ok;
 }
 

@@ -140,7 +140,7 @@ ExitCode slide(const Arguments& a) {
   const Convergence study = convergence_study(steps, errors);
   levels.tell_known(a.levels);
   if (!a.common.quiet) std::printf("%s", to_string(study, "travel error [m]").c_str());
-  write_convergence(a.common.out, "sliding_block", study, "error of the distance slid [m]");
+  write_convergence(a.common.out, "sliding_block", study, {.error = "error of the distance slid [m]"});
   if (!a.common.summary.empty()) {
     Summary summary;
     summary.set("order", study.order);

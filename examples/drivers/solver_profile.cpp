@@ -13,6 +13,7 @@
 #include <optional>
 
 #include "examples/common/driver.hpp"
+#include "examples/common/gnuplot.hpp"
 #include "examples/common/progress.hpp"
 #include "examples/common/setting_flags.hpp"
 #include "examples/studies/friction/limited_run.hpp"
@@ -192,7 +193,7 @@ ExitCode profile(const Arguments& a) {
     first_solved += std::size_t(
         std::count_if(cost.front().begin(), cost.front().end(), [](double t) { return std::isfinite(t); }));
   }
-  if (!pictures) std::fprintf(stderr, "no picture: gnuplot is missing or failed\n");
+  if (!pictures) tell_no_picture();
   std::printf("solver_profile: %s solved %zu of %zu; profiles in %s\n", solvers.front().c_str(), first_solved,
               problems.size() * tolerances.size(), a.out.c_str());
   if (problems.size() < files.size()) return ExitCode::missing;

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "examples/common/gnuplot.hpp"
 #include "examples/common/kept_json.hpp"
 #include "examples/common/many_tasks.hpp"
 #include "examples/scenes/shared_series.hpp"
@@ -31,6 +32,10 @@ Json fields_of(const MeshStudy& s, const Convergence& result) {
 
 std::string full_name(const MeshStudy& s) {
   return s.setting.empty() ? s.name : s.name + " (" + s.setting + ")";
+}
+
+std::string what_is_off(const MeshStudy& s) {
+  return s.error_of + (s.unit == "-" ? ", relative" : " [" + s.unit + "]");
 }
 
 std::string number(const char* format, double value) {
@@ -88,6 +93,14 @@ std::optional<Convergence> read_mesh_study(const std::filesystem::path& path, co
   });
 }
 
+bool write_picture(const std::filesystem::path& dir, const MeshStudy& study, const Convergence& result) {
+  const std::string stem = stem_of(study);
+  write_convergence(
+      dir, stem, result,
+      {.step = "1 / number of " + study.counted, .error = what_is_off(study), .order = study.order});
+  return run_gnuplot(dir, stem + ".gp");
+}
+
 std::string to_json(const std::vector<MeshResult>& results, std::uint64_t program) {
   Json out = Json::array();
   for (const auto& [study, errors] : results)
@@ -103,12 +116,10 @@ std::string mesh_table(const std::vector<MeshResult>& results) {
       sizes.append(i > 0 ? ", " : "").append(std::to_string(study->sizes[i]));
       errors.append(i > 0 ? ", " : "").append(number("%.2e", result.error[i]));
     }
-    const std::string order = number("%.2f", result.order),
-                      unit = study->unit == "-" ? ", relative" : " [" + study->unit + "]";
-    out += "| `" + full_name(*study) + "` | " + study->error_of + unit + " | " + sizes + " " +
-           study->counted + " | " + errors + " | " +
-           (reaches_its_order(*study, result) ? order : "**" + order + "**") + " | " +
-           number("%g", study->order) + " |\n";
+    const std::string order = number("%.2f", result.order);
+    out += "| `" + full_name(*study) + "` | " + what_is_off(*study) + " | " + sizes + " " + study->counted +
+           " | " + errors + " | " + (reaches_its_order(*study, result) ? order : "**" + order + "**") +
+           " | " + number("%g", study->order) + " |\n";
   }
   return out;
 }

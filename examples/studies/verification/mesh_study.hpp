@@ -44,6 +44,9 @@ void write_mesh_study(const std::filesystem::path& path, const MeshStudy& study,
                       std::uint64_t program);
 std::optional<Convergence> read_mesh_study(const std::filesystem::path& path, const MeshStudy& study,
                                            std::uint64_t program);
+/// DIR/STEM.csv (1 / size, error, pairwise order), .gp and, where gnuplot is installed, .png: errors over
+/// 1 / size, with the slope of theory. False: no picture.
+bool write_picture(const std::filesystem::path& dir, const MeshStudy& study, const Convergence& result);
 
 struct MeshResult {
   const MeshStudy* study = nullptr;

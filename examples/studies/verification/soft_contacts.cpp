@@ -29,7 +29,7 @@ Vec3 turned(const Vec3& x, int up) {
   return out;
 }
 
-constexpr double kBlockRadius = 1e-3;
+constexpr double kBlockRadius = 1e-2;
 
 // A block of cells x cells x 2 above z = `above`, its points on the side that touches moved about; held on
 // two sides, and at the bottom if it lies below.
