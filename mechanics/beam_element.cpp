@@ -62,7 +62,7 @@ Mat6 by_bracket(const Vec6& n) {  // N(n): ad(dh)^T n = N(n) dh
   return out;
 }
 
-using Mat12 = Eigen::Matrix<double, 12, 12>;
+using Mat12 = BeamTangent::Matrix;
 using Rates = Eigen::Matrix<double, 6, 12>;
 
 // From the rates of a body (v in the world) to the twist of its attachment.
@@ -95,6 +95,17 @@ RelativeCurvature relative_curvature(const Vec6& h, const Vec6& n) {
   return {N / 2 - even, N / 2 + even};
 }
 
+Mat6 relative_rate_change(const Vec6& h, const Vec6& a, const Vec6& b) {
+  const auto [c2, c4, dc2, dc4] = coefficients(h.tail<3>().squaredNorm());
+  const Mat6 ad = bracket(h);
+  const Vec6 w = b - a, w1 = ad * w, w2 = ad * w1, w3 = ad * w2, w4 = ad * w3;
+  const Mat6 D2 = -bracket(w1) - ad * bracket(w);
+  const Mat6 D4 = -bracket(w3) + ad * (ad * D2 - bracket(w2));
+  Mat6 out = c2 * D2 + c4 * D4 - bracket(a + b) / 2;
+  out.rightCols<3>() += 2 * (dc2 * w2 + dc4 * w4) * h.tail<3>().transpose();
+  return out;
+}
+
 namespace {
 
 // B of (BEA-4), and the twists of the ends by the rates of the bodies.
@@ -123,6 +134,14 @@ Mat12 curvature(const BeamEnds& ends, const StrainRates& rates, const Vec6& n) {
   return out;
 }
 
+// The derivative of B v at constant v: v^T G(e_i) of (BEA-5) in row i.
+Rates rate_change(const BeamEnds& ends, const StrainRates& rates) {
+  Rates out = relative_rate_change(rates.motion.h, rates.end_a * ends.v_a, rates.end_b * ends.v_b) * rates.B;
+  out.middleCols<3>(3) += rates.B.leftCols<3>() * (skew(ends.v_a.head<3>()) * ends.g_a.R.toRotationMatrix());
+  out.rightCols<3>() += rates.B.middleCols<3>(6) * (skew(ends.v_b.head<3>()) * ends.g_b.R.toRotationMatrix());
+  return out;
+}
+
 }  // namespace
 
 BeamForces beam_forces(const BeamEnds& ends, const Vec6& stiffness, const Vec6& damping, double length,
@@ -141,12 +160,14 @@ BeamForces beam_forces(const BeamEnds& ends, const Vec6& stiffness, const Vec6& 
   out.on_a = -B.leftCols<6>().transpose() * out.stress;
   out.on_b = -B.rightCols<6>().transpose() * out.stress;
   if (!tangent) return out;
-  tangent->K = B.transpose() * (stiffness / length).asDiagonal() * B + curvature(ends, rates, out.stress);
-  tangent->C = B.transpose() * (damping / length).asDiagonal() * B;
-  if (damping.isZero(0)) return out;
-  for (int i = 0; i < 6; ++i)  // how the rate of each strain changes with the place
-    tangent->K +=
-        damping[i] / length * B.row(i).transpose() * (v.transpose() * curvature(ends, rates, Vec6::Unit(i)));
+  Rates by_place = (stiffness / length).asDiagonal() * B;  // of the stress
+  if (!damping.isZero(0)) {
+    by_place += (damping / length).asDiagonal() * rate_change(ends, rates);
+    const Rates by_rate = (damping / length).asDiagonal() * B;
+    tangent->C = B.transpose().lazyProduct(by_rate);
+  }
+  tangent->K = curvature(ends, rates, out.stress);
+  tangent->K += B.transpose().lazyProduct(by_place);
   return out;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A geometrically exact beam between two frames: constant strain on a helicoid of SE(3), after Sonneville,
-// Cardona and Bruls (2014). Equations (BEA-1) to (BEA-6).
+// Cardona and Bruls (2014). Equations (BEA-1) to (BEA-7).
 #pragma once
 
 #include "geometry/se3.hpp"
@@ -21,6 +21,8 @@ struct RelativeCurvature {
   Mat6 by_a = Mat6::Zero(), by_b = Mat6::Zero();
 };
 RelativeCurvature relative_curvature(const Vec6& h, const Vec6& n);
+/// The derivative of by_a a + by_b b by h, at constant twists of the ends (BEA-7).
+Mat6 relative_rate_change(const Vec6& h, const Vec6& a, const Vec6& b);
 
 /// What the element knows of its two nodes: poses, velocities (v in the world, omega in the body), and where
 /// its ends are attached.
@@ -40,7 +42,8 @@ struct BeamForces {
 };
 /// Their derivatives -df/dq and -df/dv by the rates of both nodes, a first (BEA-5).
 struct BeamTangent {
-  Eigen::Matrix<double, 12, 12> K{}, C{};
+  using Matrix = Eigen::Matrix<double, 12, 12>;
+  Matrix K = Matrix::Zero(), C = Matrix::Zero();
 };
 
 /// `stiffness` and `damping` are diagonals, `rest` is h without stress (BEA-1), `length` in metres. Not

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The force of an element against differences of its energy, its tangent against differences of the force
-// (BEA-1) to (BEA-6), and what no rigid motion may change.
+// (BEA-1) to (BEA-7), and what no rigid motion may change.
 #include "mechanics/beam.hpp"
 
 #include <gtest/gtest.h>
