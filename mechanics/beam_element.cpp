@@ -85,6 +85,12 @@ RelativeMotion relative_motion(const SE3& g_a, const SE3& g_b) {
   return out;
 }
 
+namespace {
+
+// The derivatives of by_a^T n and by_b^T n by h, at constant n (BEA-6).
+struct RelativeCurvature {
+  Mat6 by_a = Mat6::Zero(), by_b = Mat6::Zero();
+};
 RelativeCurvature relative_curvature(const Vec6& h, const Vec6& n) {
   const auto [c2, c4, dc2, dc4] = coefficients(h.tail<3>().squaredNorm());
   const Mat6 at = bracket(h).transpose();
@@ -95,6 +101,7 @@ RelativeCurvature relative_curvature(const Vec6& h, const Vec6& n) {
   return {N / 2 - even, N / 2 + even};
 }
 
+// The derivative of by_a a + by_b b by h, at constant twists of the ends (BEA-7).
 Mat6 relative_rate_change(const Vec6& h, const Vec6& a, const Vec6& b) {
   const auto [c2, c4, dc2, dc4] = coefficients(h.tail<3>().squaredNorm());
   const Mat6 ad = bracket(h);
@@ -105,8 +112,6 @@ Mat6 relative_rate_change(const Vec6& h, const Vec6& a, const Vec6& b) {
   out.rightCols<3>() += 2 * (dc2 * w2 + dc4 * w4) * h.tail<3>().transpose();
   return out;
 }
-
-namespace {
 
 // B of (BEA-4), and the twists of the ends by the rates of the bodies.
 struct StrainRates {

@@ -16,13 +16,6 @@ struct RelativeMotion {
   Mat6 by_a = Mat6::Zero(), by_b = Mat6::Zero();  // (BEA-2), (BEA-4)
 };
 RelativeMotion relative_motion(const SE3& g_a, const SE3& g_b);
-/// The derivatives of by_a^T n and by_b^T n by h, at constant n (BEA-6).
-struct RelativeCurvature {
-  Mat6 by_a = Mat6::Zero(), by_b = Mat6::Zero();
-};
-RelativeCurvature relative_curvature(const Vec6& h, const Vec6& n);
-/// The derivative of by_a a + by_b b by h, at constant twists of the ends (BEA-7).
-Mat6 relative_rate_change(const Vec6& h, const Vec6& a, const Vec6& b);
 
 /// What the element knows of its two nodes: poses, velocities (v in the world, omega in the body), and where
 /// its ends are attached.

@@ -71,7 +71,7 @@ void write_convergence(const std::filesystem::path& dir, const std::string& name
     csv.add({s.h[i], s.error[i], i == 0 ? kNoOrder : pairwise_order(s.h, s.error, i)});
   csv.close();
   std::ostringstream gp;
-  const double slope = s.error.back() / std::pow(s.h.back(), picture.order);
+  const double factor = s.error.back() / std::pow(s.h.back(), picture.order);
   gp << "# draws " << name << ".png: gnuplot " << name << ".gp\n"
      << "set terminal pngcairo size 800,600; set output '" << name << ".png'\n"
      << "set datafile separator ','; set logscale xy; set format '%g'; set key left top; set grid\n"
@@ -79,7 +79,7 @@ void write_convergence(const std::filesystem::path& dir, const std::string& name
      << "plot '" << name
      << ".csv' every ::1 using 1:2 with linespoints pt 7 title sprintf('observed order %.3f', " << s.order
      << "), \\\n"
-     << "     " << slope << "*x**" << picture.order << " with lines dt 2 title 'order " << picture.order
+     << "     " << factor << "*x**" << picture.order << " with lines dt 2 title 'order " << picture.order
      << "'\n";
   write_whole_file(dir / (name + ".gp"), gp.str());
 }

@@ -231,7 +231,6 @@ ExitCode run_meshes(const Arguments& a) {
   const std::uint64_t program = program_digest();
   std::vector<MeshResult> results(studies.size());
   std::vector<std::string> failures(studies.size()), skipped(studies.size());
-  std::vector<char> drawn(studies.size(), true);
   std::mutex mutex;  // of progress and counts
   int done = 0, known = 0;
   Progress progress("meshes", double(studies.size()), Progress::style_of_stderr(a.tasks.quiet));
@@ -246,7 +245,6 @@ ExitCode run_meshes(const Arguments& a) {
         result = measured(study);
         write_mesh_study(file, study, *result, program);
       }
-      drawn[i] = write_picture(a.tasks.out, study, *result);
       results[i] = {&study, *result};
     } catch (const NumericalFailure& failure) {
       failures[i] = study.name + ": " + failure.what();
@@ -259,6 +257,9 @@ ExitCode run_meshes(const Arguments& a) {
   });
   if (interrupted()) return ExitCode::interrupted;
   std::erase_if(results, [](const MeshResult& result) { return !result.study; });
+  bool pictures = true;
+  for (const auto& [study, errors] : results)
+    pictures = write_picture(a.tasks.out, *study, errors) && pictures;
   const std::string table = mesh_table(results);
   write_whole_file(a.tasks.out / "meshes.md", table);
   if (!a.tasks.json.empty()) write_whole_file(a.tasks.json, to_json(results, program));
@@ -266,7 +267,7 @@ ExitCode run_meshes(const Arguments& a) {
   for (const auto* texts : {&failures, &skipped})
     for (const std::string& text : *texts)
       if (!text.empty()) std::fprintf(stderr, "convergence: %s\n", text.c_str());
-  if (std::ranges::count(drawn, true) < std::ssize(drawn)) tell_no_picture();
+  if (!pictures) tell_no_picture();
   tell_known(known, studies.size(), a.tasks.out);
   const auto met = std::ranges::count_if(
       results, [](const MeshResult& result) { return reaches_its_order(*result.study, result.errors); });

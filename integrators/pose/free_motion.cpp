@@ -141,14 +141,9 @@ std::shared_ptr<const MassInverse> inverse_of(const SparseMatrix& M, MassScratch
 }  // namespace
 
 void sum_up(FreeMotion& out, MassScratch* scratch) {
-  const bool spins = out.gyroscopic_D.nonZeros() > 0, has_laws = out.law_D.nonZeros() > 0;
-  if (spins && has_laws) {                            // in one pass: cables have large ones
-    out.M = out.mass + out.gyroscopic_D + out.law_D;  // (MJ-4)
-  } else {
-    out.M = out.mass;
-    if (spins) out.M += out.gyroscopic_D;
-    if (has_laws) out.M += out.law_D;
-  }
+  out.M = out.mass;  // (MJ-4)
+  if (out.gyroscopic_D.nonZeros() > 0) out.M += out.gyroscopic_D;
+  if (out.law_D.nonZeros() > 0) out.M += out.law_D;
   if (out.turning_D.nonZeros() > 0) out.M += out.turning_D;
   out.M.makeCompressed();
   out.inverse = out.v.size() > 0 ? inverse_of(out.M, scratch) : nullptr;
