@@ -79,9 +79,14 @@ Modes small_modes(const Model& model, const State& state) {
   State still = state;
   still.v.setZero();
   const Forces forces = forces_at(model, still, layout(model));
-  const MatX K = MatX(forces.K), M = MatX(forces.mass);
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatX> modes(MatX((K + K.transpose()) / 2), M);
-  return {modes.eigenvalues(), modes.eigenvectors()};
+  const MatX K = MatX(forces.K), M = MatX(forces.mass), symmetric = (K + K.transpose()) / 2;
+  // M x = mu (K + shift M) x: rounding is a part of the largest eigenvalue, and those of beams that hardly
+  // shear are 1e14 times those asked for
+  double shift = 1;
+  while (Eigen::LLT<MatX>(symmetric + shift * M).info() != Eigen::Success) shift *= 10;
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatX> inverse(M, symmetric + shift * M);
+  return {.omega2 = (inverse.eigenvalues().cwiseInverse().array() - shift).reverse(),
+          .shape = inverse.eigenvectors().rowwise().reverse()};
 }
 
 }  // namespace aussois
