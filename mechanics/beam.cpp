@@ -187,7 +187,8 @@ void add(Model& model, Beam beam) {
                                         const State& state) { return beam_refusal(kept->beam, state); },
                       .potential = [kept](const Model&, const State& state,
                                           double) { return beam_energy(kept->beam, state); },
-                      .passive = true});
+                      .passive = true,
+                      .internal = true});
 }
 
 std::vector<BeamLoad> beam_loads(const Beam& beam, const State& state) {

@@ -361,7 +361,8 @@ Sheet add_sheet(Model& model, const SimplicialComplex& mesh, const SheetOptions&
                .refusal = [kept](const Model& m, const State& state) { return refusal_of(*kept, m, state); },
                .potential = [kept](const Model& m, const State& state,
                                    double) { return energy_of(*kept, m, state); },
-               .passive = true});
+               .passive = true,
+               .internal = true});
   if (options.radius > 0) {
     std::vector<int> all(k.vertices.size());
     for (std::size_t i = 0; i < all.size(); ++i) all[i] = int(i);

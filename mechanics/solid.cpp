@@ -295,7 +295,8 @@ Solid add_solid(Model& model, const VolumeMesh& mesh, const SolidOptions& option
                                         const State& state) { return refusal_of(m, state, kept->solid); },
                       .potential = [kept](const Model& m, const State& state,
                                           double) { return energy_of(m, state, kept->solid); },
-                      .passive = true});
+                      .passive = true,
+                      .internal = true});
   if (options.radius > 0) out.surface = add(model, surface_of(out, options));
   return out;
 }

@@ -71,14 +71,27 @@ std::vector<Column> base_columns(const Mat3& R, const Vec3& omega, const Vec3& v
   return out;
 }
 
-// What the column `of` and another column that carries it give to mass and C.
-void add_pair(const Column& of, const Column& by, const Composite& carried, TreeTerms& out) {
-  const int i = of.place, j = by.place;
-  const Vec6 IS = carried.I * of.S;
-  out.mass(i, j) = out.mass(j, i) = by.S.dot(IS);
-  out.C(j, i) = by.S.dot(2 * (carried.B * of.S) + carried.I * of.rates);
-  out.C(i, j) = of.S.dot(2 * (carried.B * by.S)) + IS.dot(by.rates);
-}
+// What a column and each of those that carry it give to mass and C (TREE-3), (TREE-5).
+class Pairs {
+ public:
+  Pairs(const Column& of, const Composite& carried, TreeTerms& out)
+      : i_(of.place),
+        momentum_(carried.I * of.S),
+        force_(2 * (carried.B * of.S) + carried.I * of.rates),
+        turned_(2 * (carried.B.transpose() * of.S)),
+        out_(out) {}
+  void add(const Column& by) {
+    const int j = by.place;
+    out_.mass(i_, j) = out_.mass(j, i_) = by.S.dot(momentum_);
+    out_.C(j, i_) = by.S.dot(force_);
+    out_.C(i_, j) = by.S.dot(turned_) + by.rates.dot(momentum_);
+  }
+
+ private:
+  int i_;
+  Vec6 momentum_, force_, turned_;
+  TreeTerms& out_;
+};
 
 }  // namespace
 
@@ -88,11 +101,8 @@ TreeTerms tree_terms(const Model& model, BlockId block, const State& state) {
   const bool floats = tree.base && is_dynamic(model.bodies[tree.base]);
   const int speed = first_speed(model, block), first = floats ? 6 : 0, count = first + coordinates.size;
   const Vec3 origin = tree_origin(tree, state.g);
-  TreeTerms out{.velocity = {},
-                .mass = MatX::Zero(count, count),
-                .gravity = VecX::Zero(count),
-                .gyroscopic = VecX::Zero(count),
-                .C = MatX::Zero(count, count)};
+  const MatX zero = MatX::Zero(count, count);
+  TreeTerms out{.mass = zero, .gravity = VecX::Zero(count), .gyroscopic = VecX::Zero(count), .C = zero};
   for (int i = 0; i < first; ++i) out.velocity.push_back(first_velocity(tree.base) + i);
   for (int i = 0; i < coordinates.size; ++i) out.velocity.push_back(speed + i);
 
@@ -129,14 +139,17 @@ TreeTerms tree_terms(const Model& model, BlockId block, const State& state) {
     const Column& of = columns[k];
     out.gravity[of.place] = of.S.dot(carried[k].weight);
     out.gyroscopic[of.place] = -of.S.dot(carried[k].force);
-    for (int j = int(k); j >= 0; j = axes[std::size_t(j)].parent)
-      add_pair(of, columns[std::size_t(j)], carried[k], out);
-    for (const Column& by : base) add_pair(of, by, carried[k], out);
+    Pairs pairs(of, carried[k], out);
+    for (int j = int(k); j >= 0; j = axes[std::size_t(j)].parent) pairs.add(columns[std::size_t(j)]);
+    for (const Column& by : base) pairs.add(by);
   }
+  out.turning.linear = all.force.head<3>();
+  out.turning.angular = all.force.tail<3>() + origin.cross(out.turning.linear);
   for (const Column& of : base) {
     out.gravity[of.place] = of.S.dot(all.weight);
     out.gyroscopic[of.place] = -of.S.dot(all.force);
-    for (const Column& by : base) add_pair(of, by, all, out);
+    Pairs pairs(of, all, out);
+    for (const Column& by : base) pairs.add(by);
   }
   return out;
 }

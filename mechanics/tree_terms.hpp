@@ -14,6 +14,7 @@ struct TreeTerms {
   MatX mass{};                  // [kg, kg m, kg m^2]
   VecX gravity{}, gyroscopic{};  // [N, N m]; gyroscopic: Coriolis forces too
   MatX C{};                      // -d gyroscopic / dv
+  Momentum turning{};            // rate of the links' momentum while no speed changes [N, N m]
 };
 /// At the poses of `state` and its velocities; carried bodies are where its coordinates put them.
 TreeTerms tree_terms(const Model& model, BlockId block, const State& state);

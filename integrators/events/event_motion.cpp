@@ -162,17 +162,10 @@ class MomentumRates {
                        : momentum_given(setting_, state_, force));
   }
   // What speeds alone change, `gyroscopic` forces among it: the bases of trees take it (TREE-7).
-  void add_turning(const VecX& gyroscopic) const {
+  void add_turning(const VecX& gyroscopic, const Momentum& turning) const {
     if (!inverse_) return;
     add(of_joints, gyroscopic);
-    const VecX turned = rate_along(setting_.model, state_, [&](State moved) -> VecX {
-      carry_twists(setting_.model, moved.g, moved.v);
-      const Momentum now = momentum(setting_.model, moved);
-      Vec6 both;
-      both << now.linear, now.angular;
-      return both;
-    });
-    add(of_joints, Momentum{turned.head<3>(), turned.tail<3>()});
+    add(of_joints, turning);
   }
 
  private:
@@ -187,6 +180,22 @@ class MomentumRates {
   VecX& out_;
   std::optional<MassInverse> inverse_{};
 };
+
+// What masses that depend on their coordinates give while no speed changes; of trees, gyroscopic forces take
+// it.
+double power_of_masses(const Model& model, const State& state) {
+  const auto depends = [](const Coordinates& block) { return !is_tree(block) && block.points.empty(); };
+  if (std::ranges::none_of(model.coordinates, depends)) return 0;
+  return rate_along(model, state, [&](const State& moved) -> VecX {
+    double energy = 0;
+    for (const BlockId i : model.coordinates.ids()) {
+      if (!depends(model.coordinates[i])) continue;
+      const VecX v = speeds(model, moved, i);
+      energy += 0.5 * v.dot(block_mass(model, i, coordinates(model, moved, i)) * v);
+    }
+    return VecX::Constant(1, energy);
+  })[0];
+}
 
 }  // namespace
 
@@ -214,7 +223,7 @@ bool EventRun::rate(double t, const VecX& y, VecX& out) const {
   out[layout_.work + by_laws] = forces.laws.dot(v);
   const MomentumRates momenta(setting_, s, forces.M, layout_.momentum, out);
   momenta.add(of_forces, forces.applied);
-  momenta.add_turning(forces.all - forces.applied);
+  momenta.add_turning(forces.all - forces.applied, forces.turning);
   Table<JointId, StepJoint> joints(model_.joints.size());
   std::size_t k = 0;
   for (std::size_t i = 0; i < closed_.size(); ++i) {
@@ -240,11 +249,7 @@ bool EventRun::rate(double t, const VecX& y, VecX& out) const {
     for (const JointId j : joints.ids())
       out.segment<kJointSums>(layout_.joints + kJointSums * j.index()) = sums_of(joints[j]);
   }
-  if (!model_.coordinates.empty())  // the forces of trees that do no work give and take it
-    out[layout_.work + by_mass] =
-        v.dot(forces.all - forces.applied) + rate_along(model_, s, [&](const State& moved) -> VecX {
-          return VecX::Constant(1, 0.5 * v.dot(mass_matrix(model_, moved, setting_.dofs) * v));
-        })[0];
+  out[layout_.work + by_mass] = power_of_masses(model_, s);
   return true;
 }
 

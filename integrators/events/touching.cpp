@@ -310,13 +310,17 @@ SmoothForces smooth_forces(const StepSetting& setting, const State& state) {
   for (const BodyId b : model.bodies.ids()) {
     const int row = dofs.first[b];
     if (row < 0) continue;
-    const Vec3 omega = twist(state, b).tail<3>();
-    out.all.segment<3>(row + 3) -= omega.cross(model.bodies[b].inertia * omega);
+    const Vec3 omega = twist(state, b).tail<3>(), turning = omega.cross(model.bodies[b].inertia * omega);
+    out.all.segment<3>(row + 3) -= turning;
+    out.turning.angular += state.g[b].R * turning;
   }
   VecX weight = VecX::Zero(dofs.rows), gyroscopic = weight;
-  for (const BlockId i : model.coordinates.ids())
-    if (is_tree(model.coordinates[i]))
-      add_tree_forces(tree_terms(model, i, state), 1, dofs, weight, gyroscopic);
+  for (const BlockId i : model.coordinates.ids()) {
+    if (!is_tree(model.coordinates[i])) continue;
+    const TreeTerms terms = tree_terms(model, i, state);
+    add_tree_forces(terms, 1, dofs, weight, gyroscopic);
+    out.turning += terms.turning;
+  }
   out.applied += weight;
   out.all += weight + gyroscopic;
   return out;
@@ -331,6 +335,7 @@ FrictionProblem without_touches(const StepSetting& setting, const State& state, 
   if (setting.model.joints.empty()) return out;
   const JointConstraints now = constraints(state);
   out.G = now.G;
+  if (now.off.size() == 0) return out;
   out.b = rate_along(setting.model, state, [&](const State& s) { return constraints(s).off; }) +
           2 * kStabilisation * now.off + kStabilisation * kStabilisation * now.value;  // (EVD-5)
   return out;

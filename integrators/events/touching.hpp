@@ -39,6 +39,7 @@ struct SmoothForces {
   VecX laws{};                      // the part of `all` from force laws, axes and coordinates
   VecX applied{};                   // laws and gravity: all but the gyroscopic torque
   std::vector<AxisImpulse> axes{};  // part of `laws`, as forces
+  Momentum turning{};               // rate of momentum while no speed changes, with trees [N, N m]
 };
 SmoothForces smooth_forces(const StepSetting& setting, const State& state);
 

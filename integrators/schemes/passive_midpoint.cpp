@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "geometry/settings.hpp"
+#include "integrators/pose/conserving_forces.hpp"
 #include "integrators/pose/landing.hpp"
 #include "integrators/schemes/advance_step.hpp"
 #include "integrators/schemes/shared_settings.hpp"
@@ -13,10 +14,10 @@ namespace aussois {
 namespace {
 
 constexpr double kMidpoint = 0.5;
-constexpr int kRounds = 20;              // of linearisation and passivity together; 2 or 3 are usual
-constexpr double kJointsSolved = 1e-15;  // change of velocities by mean joints, relative
-constexpr double kJointsGivenUp = 1e-8;  // [m/s, rad/s]; more than that is no solution
-constexpr double kExact = 1e-16;  // of the gyroscopic torque: its error is quadratic in that of the guess
+constexpr int kRounds = 20;          // of linearisation and passivity together; 2 or 3 are usual
+constexpr double kIterated = 1e-15;  // change of velocities by mean joints and conserving forces, relative
+constexpr double kGivenUp = 1e-8;    // [m/s, rad/s]; more than that is no solution
+constexpr double kExact = 1e-16;     // of the gyroscopic torque: its error is quadratic in that of the guess
 
 // `free` at theta = 1/2 with its gyroscopic torque taken there. `v_guess`: rows of the problem.
 FreeMotion with_gyroscopic(const Model& model, const Layout& dofs, double h, GyroscopicTerm term,
@@ -126,6 +127,12 @@ void describe(SettingVisitor& visit, PassiveMidpointOptions& o) {
                 .label = "%",
                 .in_every_label = true},
                o.gyroscopic, kGyroscopicTerms);
+  visit.choice({.name = "forces",
+                .what = "forces of laws, joint axes and coordinates: linearised about the start, or at the "
+                        "middle so that elastic bodies keep their energy",
+                .flag = "--forces",
+                .label = "% forces"},
+               o.forces, kMiddleForces);
   visit.choice(normal_law_setting(), o.law, kNormalLaws);
   visit.toggle({.name = "passive",
                 .what = "allow contacts to add energy",
@@ -175,12 +182,24 @@ struct MidpointSolve {
   ImpulseStep step = pose_step(setting, start, found, with_torque(), kMidpoint);
   std::vector<char> stated = std::vector<char>(step.rows.size(), 0);
   bool joints_stand = !mean_joints;
+  bool forces_stand = own.forces == MiddleForce::linear;
   bool settled = false;
   bool landed = false;
 
   SharedMotion with_torque() const {
     return std::make_shared<const FreeMotion>(
         with_gyroscopic(setting.model, setting.dofs, found.h, own.gyroscopic, guess, plain));
+  }
+  // The same with the forces of the path that the guess gives.
+  SharedMotion with_forces() const {
+    FreeMotion out = plain;
+    MiddleForces forces = conserving_forces(setting, start, plain.mass, plain.v, (plain.v + guess) / 2,
+                                            step.v_prescribed, found.h);
+    out.laws = std::move(forces.laws);
+    out.law_D.swap(forces.law_D);
+    out.axes = std::move(forces.axes);
+    return std::make_shared<const FreeMotion>(
+        with_gyroscopic(setting.model, setting.dofs, found.h, own.gyroscopic, guess, std::move(out)));
   }
 
   // Settles on velocities and a path from them.
@@ -217,21 +236,26 @@ struct MidpointSolve {
       solve_rows(setting, start, found, step);
       const VecX& v = step.solved.solution.v;
       if (!v.allFinite()) break;
-      if (mean_joints) {
+      if (mean_joints || own.forces == MiddleForce::conserving) {
         const double before = std::exchange(change, (v - last).lpNorm<Eigen::Infinity>());
-        joints_stand = change <= kJointsSolved * v.lpNorm<Eigen::Infinity>() ||
-                       (change <= kJointsGivenUp && change >= before / 2);  // as far as rounding lets it
+        const auto stands = [&](double noise) {  // as far as rounding, or the solver, lets it
+          return change <= kIterated * v.lpNorm<Eigen::Infinity>() ||
+                 (change <= noise && change >= before / 2);
+        };
+        if (mean_joints) joints_stand = stands(kGivenUp);
+        if (own.forces == MiddleForce::conserving)
+          forces_stand = stands(kSolverNoise * setting.options.solver.tolerance);
         last = v;
       }
       const bool off = own.gyroscopic == GyroscopicTerm::midpoint &&
                        gyroscopic_error(setting.dofs, plain.v, guess, v, found.h) > kExact;
       const bool gives =
           own.passive && make_passive(setting.dofs, setting.options.solver.tolerance, step, stated) > 0;
-      settled = !off && !gives && joints_stand;
+      settled = !off && !gives && joints_stand && forces_stand;
       if (settled) break;
-      if (off) {
+      if (off || !forces_stand) {
         guess = v;
-        step.free = with_torque();
+        step.free = own.forces == MiddleForce::conserving ? with_forces() : with_torque();
       }
       if (!joints_stand) set_joints(mean_joint_system(setting, start, found.h, step));
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The passive midpoint scheme (doc/theory/passive_midpoint.md): at any step length it gives back no more
-// energy than its ports put in. Source: Kim, Lee, Lee, Lee 2017; (PMI-1) to (PMI-6).
+// energy than its ports put in. Source: Kim, Lee, Lee, Lee 2017; (PMI-1) to (PMI-12).
 #pragma once
 
 #include <memory>
@@ -22,9 +22,19 @@ enum class GyroscopicTerm {
 inline constexpr Named<GyroscopicTerm> kGyroscopicTerms[] = {{GyroscopicTerm::midpoint, "midpoint"},
                                                              {GyroscopicTerm::start, "start"}};
 
+/// How a step takes the forces of laws, joint axes and coordinates.
+enum class MiddleForce {
+  linear,     // linearised about its start (MJ-4)
+  conserving  // at the middle of its path, and a passive law does as much work as its potential loses (PMI-9)
+};
+inline constexpr Named<MiddleForce> kMiddleForces[] = {{MiddleForce::linear, "linear"},
+                                                       {MiddleForce::conserving, "conserving"}};
+
 struct PassiveMidpointOptions {
   /// `midpoint` and StepOptions::update = cayley keep energy and angular momentum of a free body exactly.
   GyroscopicTerm gyroscopic = GyroscopicTerm::midpoint;
+  /// `conserving` keeps the energy of elastic bodies, at a few solves for each step.
+  MiddleForce forces = MiddleForce::linear;
   NormalLaw law = NormalLaw::combined;
   bool passive = true;  // contacts that would give energy get their law at the midpoint (PMI-6)
   /// States joints on the mean of both ends (MJT-14): to rounding, they neither drift, nor do work, nor turn
