@@ -12,10 +12,10 @@ import re
 import sys
 from pathlib import Path
 
-ROOMS = ["geometry", "lmd", "reduction", "mechanics", "integrators", "io"]
+ROOMS = ["geometry", "lmd", "reduction", "mechanics", "integrators", "ports", "io"]
 MAY_INCLUDE = {room: set(ROOMS[: i + 1]) for i, room in enumerate(ROOMS)}
 MAY_INCLUDE["nsgs"] = {"nsgs"}
-for room in ("integrators", "io"):
+for room in ("integrators", "ports", "io"):
     MAY_INCLUDE[room].add("nsgs")
 # The solver knows numbers and errors, but nothing that has a shape (doc/decisions/0003).
 ALSO = {"nsgs": {"geometry/types.hpp", "geometry/check.hpp", "geometry/named.hpp", "geometry/settings.hpp"}}

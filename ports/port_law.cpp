@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ports/port_law.hpp"
+
+#include <cmath>
+
+#include "geometry/settings.hpp"
+#include "geometry/so3.hpp"
+#include "mechanics/model.hpp"
+#include "mechanics/state.hpp"
+
+namespace aussois {
+namespace {
+
+// What is missing to the handle, and how fast that changes.
+struct Missing {
+  Mat3 R = Mat3::Identity();                         // of the body
+  Vec3 spin = Vec3::Zero();                          // of the body, in its frame [rad/s]
+  Vec3 d = Vec3::Zero(), d_rate = Vec3::Zero();      // of the grip, world [m], [m/s]
+  Vec3 phi = Vec3::Zero(), phi_rate = Vec3::Zero();  // in the body [rad], [rad/s]
+  Vec3 turning = Vec3::Zero();                       // of the handle, in the body [rad/s]
+  Quat handle = Quat::Identity();
+};
+Missing missing(const Posed& body, const Posed& handle, const Vec3& grip) {
+  const Quat rest = (body.g.R.conjugate() * handle.g.R).normalized();
+  Missing out{.R = body.g.R.toRotationMatrix(), .spin = body.v.tail<3>(), .handle = handle.g.R};
+  out.d = handle.g.p - body.g * grip;
+  out.d_rate = handle.v.head<3>() - body.v.head<3>() - out.R * out.spin.cross(grip);
+  out.phi = log_so3(rest);
+  out.turning = rest * Vec3(handle.v.tail<3>());
+  out.phi_rate = out.turning - out.spin;
+  return out;
+}
+Posed posed(const State& state, BodyId body) {
+  return {pose(state, body), twist(state, body)};
+}
+
+struct Limited {
+  Vec3 pull = Vec3::Zero();
+  bool is = false;
+};
+Limited limited(const Vec3& pull, double limit) {
+  const double size = pull.norm();
+  return size > limit ? Limited{pull * (limit / size), true} : Limited{pull, false};
+}
+
+struct Pull {
+  Limited force{}, torque{};  // world; in the body
+};
+Pull pull_of(const Missing& m, const PortOptions& o) {
+  return {
+      limited(o.gains.stiffness * m.d + o.gains.damping * m.d_rate, o.force_limit),
+      limited(o.gains.rotation_stiffness * m.phi + o.gains.rotation_damping * m.phi_rate, o.torque_limit)};
+}
+
+// Of a spring whose force stops growing at `limit` (VC-6).
+double spring_energy(double x, double k, double limit) {
+  return k * x <= limit ? 0.5 * k * x * x : limit * (x - 0.5 * limit / k);
+}
+
+// (PORT-8)
+void add_derivatives(const Missing& m, const Pull& pull, const PortOptions& o, BodyId body,
+                     GeneralisedForce& sum) {
+  const int at = first_velocity(body), turn = at + 3;
+  const auto add = [&](const Mat3& by_p, const Mat3& by_R, std::vector<Triplet>& matrix) {
+    const Mat3 arm = skew(o.grip) * m.R.transpose();
+    add_block(matrix, at, at, by_p);
+    add_block(matrix, at, turn, by_R);
+    add_block(matrix, turn, at, arm * by_p);
+    add_block(matrix, turn, turn, arm * by_R);
+  };
+  if (!pull.force.is) {
+    const Mat3 carried = -m.R * skew(o.grip), spun = -m.R * skew(m.spin.cross(o.grip));
+    add(o.gains.stiffness * Mat3::Identity(), o.gains.stiffness * carried + o.gains.damping * spun, sum.K);
+    add(o.gains.damping * Mat3::Identity(), o.gains.damping * carried, sum.C);
+    add_block(sum.K, turn, turn, -skew(o.grip) * skew(m.R.transpose() * pull.force.pull));
+  }
+  if (!pull.torque.is) {
+    add_block(
+        sum.K, turn, turn,
+        o.gains.rotation_stiffness * dexp_left_inverse(m.phi) - o.gains.rotation_damping * skew(m.turning));
+    add_block(sum.C, turn, turn, o.gains.rotation_damping * Mat3::Identity());
+  }
+}
+
+void check_port(const Model& model, BodyId body, BodyId handle, const PortOptions& options) {
+  for (const auto& [id, who] : {std::pair(body, "port_law: body"), std::pair(handle, "port_law: handle")})
+    require_field(model.bodies.contains(id), who, id,
+                  ("lie in [0, " + to_string(model.bodies.next()) + ")").c_str());
+  const auto named = [&](BodyId id) { return to_string(id) + " (" + model.bodies[id].name + ")"; };
+  require(has_inertia(model.bodies[body]), "port_law: body " + named(body) + " must be dynamic or carried");
+  require(!has_inertia(model.bodies[handle]),
+          "port_law: handle " + named(handle) + " must be neither dynamic nor carried");
+  validate(options);
+}
+
+}  // namespace
+
+void describe(SettingVisitor& visit, PortGains& o) {
+  visit.begin("PortGains");
+  visit.number({"stiffness", "stiffness of a port", "N/m", not_negative_range()}, o.stiffness);
+  visit.number({"damping", "damping of a port", "N s/m", not_negative_range()}, o.damping);
+  visit.number({"rotation_stiffness",
+                "stiffness of a port in rotation; 0 with no rotation_damping: the body "
+                "hangs by its grip",
+                "N m/rad", not_negative_range()},
+               o.rotation_stiffness);
+  visit.number({"rotation_damping", "damping of a port in rotation", "N m s/rad", not_negative_range()},
+               o.rotation_damping);
+}
+
+void describe(SettingVisitor& visit, PortOptions& o) {
+  visit.begin("PortOptions");
+  visit.group("gains", o.gains);
+  visit.number({"force_limit", "largest force of a port", "N", range_above(0)}, o.force_limit);
+  visit.number({"torque_limit", "largest torque of a port", "N m", range_above(0)}, o.torque_limit);
+}
+
+void validate(const PortOptions& options) {
+  check_ranges(options);
+  require(options.grip.allFinite(), "PortOptions::grip must be finite");
+}
+
+PortGains critical_gains(const RigidBody& body, double stiffness, double rotation_stiffness) {
+  return {.stiffness = stiffness,
+          .damping = 2 * std::sqrt(stiffness * body.mass),
+          .rotation_stiffness = rotation_stiffness,
+          .rotation_damping = 2 * std::sqrt(rotation_stiffness * body.inertia.trace() / 3)};
+}
+
+PortPull port_pull(const Posed& body, const Posed& handle, const PortOptions& options) {
+  const Missing m = missing(body, handle, options.grip);
+  const Pull pull = pull_of(m, options);
+  return {pull.force.pull, m.R * pull.torque.pull, pull.force.is || pull.torque.is};
+}
+
+ForceLaw port_law(const Model& model, BodyId body, BodyId handle, const PortOptions& options) {
+  check_port(model, body, handle, options);
+  return {.name = "port of " + model.bodies[body].name,
+          .add_to =
+              [=](const Model&, const State& state, double, GeneralisedForce& sum) {
+                const Missing m = missing(posed(state, body), posed(state, handle), options.grip);
+                const Pull pull = pull_of(m, options);
+                const Vec3 &f = pull.force.pull, &torque = pull.torque.pull;
+                linear_part(sum.f, body) += f;
+                angular_part(sum.f, body) += torque + options.grip.cross(m.R.transpose() * f);
+                linear_part(sum.f, handle) -= f;
+                angular_part(sum.f, handle) -= m.handle.conjugate() * Vec3(m.R * torque);
+                add_derivatives(m, pull, options, body, sum);
+              },
+          .potential =
+              [=](const Model&, const State& state, double) {
+                const Missing m = missing(posed(state, body), posed(state, handle), options.grip);
+                return spring_energy(m.d.norm(), options.gains.stiffness, options.force_limit) +
+                       spring_energy(m.phi.norm(), options.gains.rotation_stiffness, options.torque_limit);
+              },
+          .passive = true};
+}
+
+}  // namespace aussois

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// The reserve: what a hand can be given at most over any window of time, whatever simulates (PORT-3),
+// (PORT-4).
+#pragma once
+
+#include "ports/device.hpp"
+
+#include <cstdint>
+
+namespace aussois {
+
+class SettingVisitor;
+
+/// `describe` gives the ranges.
+struct ReserveOptions {
+  double lend = 1e-2;            // what may leave beyond what is stored [J]
+  double acceleration = 150;     // largest of the handle [m/s^2]
+  double rotation = 3e3;         // largest of its rotation [rad/s^2]
+  double count = 1e-5;           // of the encoders [m]
+  double rotation_count = 1e-4;  // [rad]
+  double period = 1e-3;          // between two samples [s]
+};
+void validate(const ReserveOptions& options);  // throws std::invalid_argument: field, value, bound
+void describe(SettingVisitor& visit, ReserveOptions& options);
+
+struct Reserve {
+  double level = 0;           // [J]
+  std::int64_t scaled = 0;    // samples whose force was made smaller
+  std::int64_t negative = 0;  // and those whose force was taken away, since the level was below zero
+};
+
+/// How the handle moved between two samples, in the world.
+struct DeviceMotion {
+  Vec3 shift = Vec3::Zero(), turn = Vec3::Zero();  // [m, rad]
+};
+DeviceMotion motion_between(const SE3& from, const SE3& to);
+
+/// What left with a force that was held over a motion, rotation's remainder charged [J]. `before` is the
+/// motion of the sample before.
+double work_left(const DeviceForce& held, const DeviceMotion& motion, const DeviceMotion& before);
+
+/// After a sample with which `left` went out, and what sources `put_in` since the last [J], at least 0.
+Reserve after_sample(Reserve reserve, double left, double put_in = 0);
+/// After a step of the bodies: no more than is `stored` in them, and what is lent (PORT-3).
+Reserve after_tick(Reserve reserve, double stored, const ReserveOptions& options);
+
+struct Valve {
+  DeviceForce force{};
+  Reserve reserve{};
+};
+/// The part of a wished force that the reserve pays for until the next sample; `last` is the motion of the
+/// last one (PORT-4).
+Valve let_through(const DeviceForce& wish, const DeviceMotion& last, Reserve reserve,
+                  const ReserveOptions& options);
+
+}  // namespace aussois

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+// The law of a port against differences of its potential (PORT-6) to (PORT-8).
+#include "ports/port_law.hpp"
+
+#include <cmath>
+
+#include "mechanics/model.hpp"
+#include "mechanics/motion.hpp"
+#include "mechanics/state.hpp"
+#include "tests/support/message_of.hpp"
+#include "tests/support/random.hpp"
+
+namespace aussois {
+namespace {
+
+struct Held {
+  Model model{};
+  State state{};
+  BodyId body{}, handle{};
+};
+
+Held held(const PortOptions& options, Random& random) {
+  Held out;
+  out.body = add(out.model, RigidBody{.name = "part", .mass = 1, .inertia = Mat3::Identity()});
+  RigidBody handle = fixed_body("handle", {});
+  handle.motion = DrivenMotion{};
+  out.handle = add(out.model, std::move(handle));
+  add(out.model, port_law(out.model, out.body, out.handle, options));
+  out.state = rest_state(out.model);
+  for (const BodyId b : {out.body, out.handle}) {
+    pose(out.state, b) = random.pose(0.3);
+    twist(out.state, b) << random.vector(3), random.vector(3);
+  }
+  return out;
+}
+
+PortOptions gripped() {
+  return {.gains = {.stiffness = 300, .damping = 7, .rotation_stiffness = 4, .rotation_damping = 0.3},
+          .grip = {0.1, -0.2, 0.05}};
+}
+
+GeneralisedForce force_of(const Held& now, const State& state) {
+  GeneralisedForce out{.f = VecX::Zero(state.v.size())};
+  now.model.forces[0].add_to(now.model, state, state.t, out);
+  return out;
+}
+State nudged(const Held& now, int entry, double by) {
+  return retract(now.model, now.state, VecX::Unit(now.state.v.size(), entry), by);
+}
+
+// Of springs alone: on the body and, for the hand, on the handle.
+TEST(PortLaw, PushesBodyAndHandleDownThePotential) {
+  Random random(3);
+  for (const double limit : {kInf, 20.0}) {
+    PortOptions options = gripped();
+    options.gains.damping = options.gains.rotation_damping = 0;
+    options.force_limit = limit, options.torque_limit = limit / 10;
+    for (int k = 0; k < 20; ++k) {
+      const Held now = held(options, random);
+      const GeneralisedForce force = force_of(now, now.state);
+      const auto U = [&](const State& state) { return now.model.forces[0].potential(now.model, state, 0); };
+      for (int i = 0; i < now.state.v.size(); ++i) {
+        const double slope = (U(nudged(now, i, 1e-5)) - U(nudged(now, i, -1e-5))) / 2e-5;
+        EXPECT_NEAR(force.f[i], -slope, 1e-6 * (1 + force.f.norm())) << "entry " << i << ", limit " << limit;
+      }
+    }
+  }
+}
+
+TEST(PortLaw, KnowsHowItsForcesChange) {
+  Random random(4);
+  for (int k = 0; k < 20; ++k) {
+    const Held now = held(gripped(), random);
+    const GeneralisedForce force = force_of(now, now.state);
+    MatX K = MatX::Zero(12, 12), C = K;
+    for (const Triplet& e : force.K) K(e.row(), e.col()) += e.value();
+    for (const Triplet& e : force.C) C(e.row(), e.col()) += e.value();
+    for (int i = 0; i < 6; ++i) {  // of the body, on the body
+      const double d = 1e-6;
+      const VecX by_q = (force_of(now, nudged(now, i, d)).f - force_of(now, nudged(now, i, -d)).f) / (2 * d);
+      State more = now.state, less = now.state;
+      more.v[i] += d, less.v[i] -= d;
+      const VecX by_v = (force_of(now, more).f - force_of(now, less).f) / (2 * d);
+      EXPECT_LT((K.col(i).head<6>() + by_q.head<6>()).norm(), 1e-5 * (1 + by_q.norm())) << i;
+      EXPECT_LT((C.col(i).head<6>() + by_v.head<6>()).norm(), 1e-7 * (1 + by_v.norm())) << i;
+    }
+  }
+}
+
+// What moves as a whole feels no damper.
+TEST(PortLaw, IsAtRestWhereBodyAndHandleMoveTogether) {
+  Random random(5);
+  Held now = held(gripped(), random);
+  const SE3 g = pose(now.state, now.body);
+  pose(now.state, now.handle) = {g.R, g * gripped().grip};
+  const Vec3 v = random.vector(1), omega = random.vector(2);
+  twist(now.state, now.body) << v, omega;
+  twist(now.state, now.handle) << v + g.R * omega.cross(gripped().grip), omega;
+  EXPECT_LT(force_of(now, now.state).f.norm(), 1e-12);
+}
+
+TEST(PortLaw, HoldsNoAttitudeByAGripAlone) {
+  Random random(6);
+  PortOptions options = gripped();
+  options.gains.rotation_stiffness = options.gains.rotation_damping = 0;
+  const Held now = held(options, random);
+  const auto at = [&](BodyId b) { return Posed{pose(now.state, b), twist(now.state, b)}; };
+  const PortPull pull = port_pull(at(now.body), at(now.handle), options);
+  EXPECT_EQ(pull.torque, Vec3(Vec3::Zero()));
+  EXPECT_GT(pull.force.norm(), 0);
+}
+
+TEST(PortLaw, RefusesWhatItCannotHold) {
+  Model model;
+  const BodyId body = add(model, RigidBody{.name = "part", .mass = 1, .inertia = Mat3::Identity()});
+  const BodyId wall = add(model, fixed_body("wall", {}));
+  expect_names(message_of([&] { port_law(model, body, body, {}); }), "neither dynamic nor carried");
+  expect_names(message_of([&] { port_law(model, wall, wall, {}); }), "must be dynamic");
+  expect_names(message_of([&] { port_law(model, 7, wall, {}); }), "body = 7 must lie in [0, 2)");
+  expect_names(message_of([&] { port_law(model, body, wall, {.gains = {.stiffness = -1}}); }),
+               "stiffness = -1");
+  expect_names(message_of([&] {
+                 port_law(model, body, wall, {.grip = {0, 0, kInf}});
+               }),
+               "grip must be finite");
+}
+
+}  // namespace
+}  // namespace aussois
