@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "integrators/pose/conserving_forces.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/QR>
@@ -14,13 +15,23 @@ namespace {
 constexpr double kMiddle = 0.5;
 constexpr double kRounding = 4e-16;  // of the potential, below which its change is not known
 
-// Which entries of State::v a law acts on: by its matrices, whatever their values.
-std::vector<char> acts_on(const GeneralisedForce& force) {
+// Which entries of State::v a law acts on; if it is internal, all of a body or point.
+std::vector<char> acts_on(const Model& model, const ForceLaw& law, const GeneralisedForce& force) {
   std::vector<char> out(std::size_t(force.f.size()), 0);
+  for (Eigen::Index k = 0; k < force.f.size(); ++k) out[std::size_t(k)] = force.f[k] != 0;
   for (const Triplet& e : force.K) out[std::size_t(e.row())] = 1;
   for (const ForceMatrix& m : force.matrices)
     for (const int entry : m.pattern->entry)
       for (int k = 0; k < m.pattern->size; ++k) out[std::size_t(m.first + entry + k)] = 1;
+  const auto fill = [&](int first, int count) {
+    const auto begin = out.begin() + first;
+    if (std::any_of(begin, begin + count, [](char one) { return one != 0; })) std::fill_n(begin, count, 1);
+  };
+  if (!law.internal) return out;
+  for (const BodyId b : model.bodies.ids()) fill(first_velocity(b), 6);
+  for (const BlockId i : model.coordinates.ids())
+    for (std::size_t k = 0; k < model.coordinates[i].points.size(); ++k)
+      fill(first_speed(model, i) + 3 * int(k), 3);
   return out;
 }
 
@@ -74,7 +85,7 @@ VecX missing_impulse(const StepSetting& setting, const ForceLaw& law, const Stat
                missing = before - after - h * force.f.dot(path.middle.v);
   VecX none = VecX::Zero(dofs.rows);
   if (!(std::abs(missing) > kRounding * (std::abs(before) + std::abs(after)))) return none;
-  const std::vector<char> moved = acts_on(force);
+  const std::vector<char> moved = acts_on(model, law, force);
   VecX moves = path.middle.v;
   for (Eigen::Index k = 0; k < moves.size(); ++k)
     if (!moved[std::size_t(k)]) moves[k] = 0;

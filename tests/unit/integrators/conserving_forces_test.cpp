@@ -141,6 +141,39 @@ TEST(ConservingForce, OfADampedSolidOnlyTakesEnergy) {
   EXPECT_LT((momentum(now.model, now.state).linear - momenta).norm(), 1e-12 * first);
 }
 
+// A law of one's own without derivatives, between bodies of unlike masses that go round each other.
+TEST(ConservingForce, OfASpringBetweenTwoBodiesKeepsTheirMomentaToo) {
+  Model model;
+  model.gravity = Vec3::Zero();
+  for (const double mass : {1.0, 3.0})
+    add(model, RigidBody{.name = "body", .mass = mass, .inertia = 0.1 * mass * Mat3::Identity()});
+  const auto apart = [](const State& state) { return Vec3(state.g[1].p - state.g[0].p); };
+  add(model, ForceLaw{.name = "spring",
+                      .add_to =
+                          [apart](const Model&, const State& state, double, GeneralisedForce& force) {
+                            const Vec3 pull = 10 * apart(state).squaredNorm() * apart(state);
+                            linear_part(force.f, 0) += pull;
+                            linear_part(force.f, 1) -= pull;
+                          },
+                      .potential = [apart](const Model&, const State& state,
+                                           double) { return 2.5 * std::pow(apart(state).norm(), 4); },
+                      .passive = true,
+                      .internal = true});
+  State state = rest_state(model);
+  pose(state, 1).p.x() = 1;
+  twist(state, 0) << 1, -3, 0, 1, 0, 2;
+  twist(state, 1) << 0, 2, 1, 0, 3, 0;
+  const double E = energy(model, state).total();
+  const Momentum P = momentum(model, state);
+  const PassiveMidpoint scheme(model, {.h = 0.01, .update = GroupUpdate::cayley},
+                               {.forces = MiddleForce::conserving});
+  for (int k = 0; k < 500; ++k) ASSERT_TRUE(scheme.step(state).ok());
+  const Momentum off = momentum(model, state) - P;
+  EXPECT_NEAR(energy(model, state).total() / E, 1, 1e-11);
+  EXPECT_LT(off.linear.norm(), 1e-12);
+  EXPECT_LT(off.angular.norm(), 1e-11);
+}
+
 // A stiffening spring to a place in the world, which may give momentum.
 TEST(ConservingForce, OfASpringKeepsItsEnergyInFifteenStepsAPeriod) {
   Model model;
