@@ -85,8 +85,10 @@ struct ForceLaw {
   std::function<std::string(const Model&, const State&)> refusal{};
   /// Potential energy [J] at the state; empty: none (dissipative or not conservative).
   std::function<double(const Model&, const State&, double t)> potential{};
-  bool passive = false;   // the potential does not depend on time, and besides it the law only takes energy
-  bool internal = false;  // its forces have no resultant: what it pushes is also what pushes back
+  // The potential depends on the state alone, and besides it the law only takes energy, from all that it acts
+  // on, moved bodies included
+  bool passive = false;
+  bool internal = false;  // its forces act between parts of one body: they have no resultant and no moment
 };
 
 /// The first refusal of a law at a state, with the name of the law; empty: there is none.

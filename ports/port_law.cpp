@@ -6,6 +6,7 @@
 #include "geometry/settings.hpp"
 #include "geometry/so3.hpp"
 #include "mechanics/model.hpp"
+#include "mechanics/motion.hpp"
 #include "mechanics/state.hpp"
 
 namespace aussois {
@@ -32,6 +33,16 @@ Missing missing(const Posed& body, const Posed& handle, const Vec3& grip) {
 }
 Posed posed(const State& state, BodyId body) {
   return {pose(state, body), twist(state, body)};
+}
+// Where a handle will be at time t.
+Posed handle_at(const Model& model, const State& state, BodyId handle, double t) {
+  const RigidBody& body = model.bodies[handle];
+  if (const auto* moved = std::get_if<PrescribedMotion>(&body.motion)) {
+    const TrajectoryPoint point = trajectory_point(moved->path, t);
+    return {point.pose, point.twist};
+  }
+  if (!is_moved(body)) return {pose(state, handle)};
+  return {retract(pose(state, handle), twist(state, handle), t - state.t), twist(state, handle)};
 }
 
 struct Limited {
@@ -130,15 +141,15 @@ PortGains critical_gains(const RigidBody& body, double stiffness, double rotatio
 PortPull port_pull(const Posed& body, const Posed& handle, const PortOptions& options) {
   const Missing m = missing(body, handle, options.grip);
   const Pull pull = pull_of(m, options);
-  return {pull.force.pull, m.R * pull.torque.pull, pull.force.is || pull.torque.is};
+  return {pull.force.pull, m.R * pull.torque.pull};
 }
 
 ForceLaw port_law(const Model& model, BodyId body, BodyId handle, const PortOptions& options) {
   check_port(model, body, handle, options);
   return {.name = "port of " + model.bodies[body].name,
           .add_to =
-              [=](const Model&, const State& state, double, GeneralisedForce& sum) {
-                const Missing m = missing(posed(state, body), posed(state, handle), options.grip);
+              [=](const Model& now, const State& state, double t, GeneralisedForce& sum) {
+                const Missing m = missing(posed(state, body), handle_at(now, state, handle, t), options.grip);
                 const Pull pull = pull_of(m, options);
                 const Vec3 &f = pull.force.pull, &torque = pull.torque.pull;
                 linear_part(sum.f, body) += f;
@@ -148,8 +159,8 @@ ForceLaw port_law(const Model& model, BodyId body, BodyId handle, const PortOpti
                 add_derivatives(m, pull, options, body, sum);
               },
           .potential =
-              [=](const Model&, const State& state, double) {
-                const Missing m = missing(posed(state, body), posed(state, handle), options.grip);
+              [=](const Model& now, const State& state, double t) {
+                const Missing m = missing(posed(state, body), handle_at(now, state, handle, t), options.grip);
                 return spring_energy(m.d.norm(), options.gains.stiffness, options.force_limit) +
                        spring_energy(m.phi.norm(), options.gains.rotation_stiffness, options.torque_limit);
               },

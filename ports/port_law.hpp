@@ -40,13 +40,13 @@ struct Posed {
 struct PortPull {
   Vec3 force = Vec3::Zero();   // [N]
   Vec3 torque = Vec3::Zero();  // [N m]
-  bool limited = false;
 };
 PortPull port_pull(const Posed& body, const Posed& handle, const PortOptions& options);
 
 /// The law of a port. `handle` is a body that is not dynamic, whose frame says where the grip should be and
-/// how the body should be turned. The handle gets the opposite force, so that law and handle together do the
-/// work that the potential loses. Throws std::invalid_argument: field, value, bound.
+/// how the body should be turned; the law follows it through a step. The handle gets the opposite force, so
+/// that law and handle together do the work that the potential loses. Throws std::invalid_argument: field,
+/// value, bound.
 ForceLaw port_law(const Model& model, BodyId body, BodyId handle, const PortOptions& options);
 
 }  // namespace aussois

@@ -2,6 +2,7 @@
 #include "ports/reserve.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "geometry/settings.hpp"
 #include "geometry/so3.hpp"
@@ -30,13 +31,33 @@ DeviceMotion motion_between(const SE3& from, const SE3& to) {
   return {to.p - from.p, from.R * log_so3((from.R.conjugate() * to.R).normalized())};
 }
 
-double work_left(const DeviceForce& held, const DeviceMotion& motion, const DeviceMotion& before) {
-  const double remainder = motion.turn.norm() * (motion.turn - before.turn).norm() * held.torque.norm() / 12;
-  return held.force.dot(motion.shift) + held.torque.dot(motion.turn) + remainder;
+namespace {
+
+// What the logarithm of a turn by `turn` may lack of the turns in it, with a torque of 1 N m [rad].
+double hidden_turn(double turn, const ReserveOptions& o) {
+  const double more = o.rotation * o.period * o.period;
+  return (turn + more) * more / 12;
+}
+
+// Of numbers that encoders round: how much their second difference may be off, along a force.
+double rounded(const Vec3& force, double count) {
+  return 2 * count * force.lpNorm<1>();
+}
+
+bool finite(const DeviceForce& f) {
+  return f.force.allFinite() && f.torque.allFinite();
+}
+
+}  // namespace
+
+double work_left(const DeviceForce& held, const DeviceMotion& motion, const ReserveOptions& options) {
+  return held.force.dot(motion.shift) + held.torque.dot(motion.turn) +
+         held.torque.norm() * hidden_turn(motion.turn.norm(), options);
 }
 
 Reserve after_sample(Reserve reserve, double left, double put_in) {
   reserve.level += put_in - left;
+  reserve.negative += !(reserve.level >= 0);
   return reserve;
 }
 
@@ -47,13 +68,20 @@ Reserve after_tick(Reserve reserve, double stored, const ReserveOptions& options
 
 Valve let_through(const DeviceForce& wish, const DeviceMotion& last, Reserve reserve,
                   const ReserveOptions& options) {
-  const double square = options.period * options.period;
-  const double leave = wish.force.dot(last.shift) + wish.torque.dot(last.turn) +
-                       wish.force.norm() * (options.acceleration * square + 2 * options.count) +
-                       wish.torque.norm() * (options.rotation * square + 2 * options.rotation_count);
+  if (!finite(wish) || !std::isfinite(reserve.level)) {
+    ++reserve.refused;
+    return {{}, reserve};
+  }
+  const double more = options.acceleration * options.period * options.period,
+               turn = last.turn.norm() + options.rotation * options.period * options.period;
+  const double leave = wish.force.dot(last.shift) + wish.torque.dot(last.turn) + wish.force.norm() * more +
+                       rounded(wish.force, options.count) +
+                       wish.torque.norm() * (options.rotation * options.period * options.period +
+                                             3 * hidden_turn(turn, options)) +
+                       rounded(wish.torque, options.rotation_count);
   if (leave <= std::max(0.0, reserve.level)) return {wish, reserve};
   if (!(reserve.level > 0)) {
-    ++reserve.negative;
+    ++reserve.stopped;
     return {{}, reserve};
   }
   ++reserve.scaled;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reserve: what a hand can be given at most over any window of time, whatever simulates (PORT-3),
-// (PORT-4).
+// The reserve: what a hand can be given at most from any step of the bodies on, whatever forces are wished
+// for (PORT-3), (PORT-4).
 #pragma once
 
-#include "ports/device.hpp"
-
 #include <cstdint>
+
+#include "ports/device.hpp"
 
 namespace aussois {
 
@@ -26,7 +26,9 @@ void describe(SettingVisitor& visit, ReserveOptions& options);
 struct Reserve {
   double level = 0;           // [J]
   std::int64_t scaled = 0;    // samples whose force was made smaller
-  std::int64_t negative = 0;  // and those whose force was taken away, since the level was below zero
+  std::int64_t stopped = 0;   // and those whose force was taken away, since nothing was left
+  std::int64_t negative = 0;  // samples that left the level below zero: the handle was faster than its bounds
+  std::int64_t refused = 0;   // forces that were no numbers
 };
 
 /// How the handle moved between two samples, in the world.
@@ -35,9 +37,8 @@ struct DeviceMotion {
 };
 DeviceMotion motion_between(const SE3& from, const SE3& to);
 
-/// What left with a force that was held over a motion, rotation's remainder charged [J]. `before` is the
-/// motion of the sample before.
-double work_left(const DeviceForce& held, const DeviceMotion& motion, const DeviceMotion& before);
+/// What left with a force that was held over a motion, with what a turn that changes its axis may hide [J].
+double work_left(const DeviceForce& held, const DeviceMotion& motion, const ReserveOptions& options);
 
 /// After a sample with which `left` went out, and what sources `put_in` since the last [J], at least 0.
 Reserve after_sample(Reserve reserve, double left, double put_in = 0);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/check.hpp"
 #include "geometry/settings.hpp"
 #include "geometry/so3.hpp"
 
@@ -14,7 +15,7 @@ constexpr int kSubsteps = 20;                   // of a period
 constexpr double kSlowest = 3, kFastest = 150;  // of a shaking hand [Hz]
 constexpr double kShake = 100;                  // its largest acceleration [m/s^2]
 constexpr double kSwing = 5e-3;                 // and its largest way [m]
-constexpr double kSweep = 40;                   // how long a sweep up and down takes [s]
+constexpr double kSweep = 8;                    // how long a sweep up and down takes [s]
 
 // What holds the handle; no mass: it goes where the hand wants.
 struct Arm {
@@ -91,6 +92,10 @@ SimulatedHand::SimulatedHand(HandKind kind, const SimulatedDeviceOptions& device
       from_(reaching.home),
       to_(reaching.home) {
   validate(device);
+  require_field(std::abs(reaching.into.norm() - 1) < 1e-9, "Reaching::into: length", reaching.into.norm(),
+                "be 1");
+  require_field(reaching.quick > 0 && reaching.quick <= reaching.slow, "Reaching::quick", reaching.quick,
+                "be positive and not above slow [s]");
   last_.pose = reaching.home;
 }
 

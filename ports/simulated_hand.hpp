@@ -3,11 +3,10 @@
 // (doc/theory/ports.md).
 #pragma once
 
-#include "ports/reserve.hpp"
-
 #include <random>
 
 #include "geometry/named.hpp"
+#include "ports/reserve.hpp"
 
 namespace aussois {
 
@@ -15,7 +14,7 @@ class SettingVisitor;
 
 enum class HandKind {
   loose,   // hardly holds the handle: the worst for stability
-  soft,    // as arms were measured
+  soft,    // near what arms were measured to be
   firm,    // holds tight
   rigid,   // goes where it wants, whatever it is given
   shaking  // the same, and sweeps through frequencies in search of a resonance
@@ -30,7 +29,7 @@ inline constexpr Named<HandKind> kHandKinds[] = {{HandKind::loose, "loose"},
 struct SimulatedDeviceOptions {
   double mass = 0.2;                               // of the handle [kg]
   double damping = 0.1;                            // [N s/m]
-  double inertia = 2e-4, rotation_damping = 1e-4;  // about any axis [kg m^2], [N m s/rad]
+  double inertia = 1e-3, rotation_damping = 1e-4;  // about any axis [kg m^2], [N m s/rad]
   double count = 1e-5, rotation_count = 1e-4;      // of the encoders [m], [rad]
   double force_limit = 40, torque_limit = 3;       // [N], [N m]
   double period = 1e-3;                            // between two samples [s]

@@ -181,8 +181,8 @@ class MomentumRates {
   std::optional<MassInverse> inverse_{};
 };
 
-// What masses that depend on their coordinates give while no speed changes; of trees, gyroscopic forces take
-// it.
+// What masses that depend on their coordinates give while no speed changes. In trees, gyroscopic forces
+// cancel it.
 double power_of_masses(const Model& model, const State& state) {
   const auto depends = [](const Coordinates& block) { return !is_tree(block) && block.points.empty(); };
   if (std::ranges::none_of(model.coordinates, depends)) return 0;

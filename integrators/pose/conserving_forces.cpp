@@ -13,7 +13,14 @@ namespace aussois {
 namespace {
 
 constexpr double kMiddle = 0.5;
-constexpr double kRounding = 4e-16;  // of the potential, below which its change is not known
+constexpr double kRounding = 4e-16;  // of a potential: no change below it is known
+constexpr double kNoMotion = 1e-12;  // of the kinetic energy, for what is left without a rigid motion
+
+bool acts_on_what_is_moved(const Model& model, const GeneralisedForce& force) {
+  for (const BodyId b : model.bodies.ids())
+    if (is_moved(model.bodies[b]) && !body_part(force.f, b).isZero(0)) return true;
+  return false;
+}
 
 // Which entries of State::v a law acts on; if it is internal, all of a body or point.
 std::vector<char> acts_on(const Model& model, const ForceLaw& law, const GeneralisedForce& force) {
@@ -67,6 +74,13 @@ VecX without_rigid_motion(const MatX& motions, const SparseMatrix& mass, const V
   return v - motions * inertia.completeOrthogonalDecomposition().solve(momenta.transpose() * v);
 }
 
+// Is nothing that a law acts on fixed or held?
+bool is_free(const Layout& dofs, const std::vector<char>& moved) {
+  for (std::size_t k = 0; k < moved.size(); ++k)
+    if (moved[k] && row_of(dofs, Eigen::Index(k)) < 0) return false;
+  return true;
+}
+
 struct Path {
   State middle{}, end{};
 };
@@ -84,18 +98,20 @@ VecX missing_impulse(const StepSetting& setting, const ForceLaw& law, const Stat
                after = law.potential(model, path.end, path.end.t),
                missing = before - after - h * force.f.dot(path.middle.v);
   VecX none = VecX::Zero(dofs.rows);
-  if (!(std::abs(missing) > kRounding * (std::abs(before) + std::abs(after)))) return none;
+  if (acts_on_what_is_moved(model, force) ||
+      !(std::abs(missing) > kRounding * (std::abs(before) + std::abs(after))))
+    return none;
   const std::vector<char> moved = acts_on(model, law, force);
   VecX moves = path.middle.v;
   for (Eigen::Index k = 0; k < moves.size(); ++k)
     if (!moved[std::size_t(k)]) moves[k] = 0;
   const VecX v = free_velocities(dofs, moves);
-  VecX along =
-      mass *
-      (law.internal ? without_rigid_motion(rigid_motions(model, path.middle, dofs, moved), mass, v) : v);
+  VecX along = mass * (law.internal && is_free(dofs, moved)
+                           ? without_rigid_motion(rigid_motions(model, path.middle, dofs, moved), mass, v)
+                           : v);
   clear_held(dofs, along);
   const double power = v.dot(along);
-  return power > 0 ? VecX(missing / power * along) : none;
+  return power > kNoMotion * v.dot(mass * v) ? VecX(missing / power * along) : none;
 }
 
 // Of torques taken half-way of Cayley's turns, so that they change the momentum in space by as much (PMI-12).
@@ -146,16 +162,21 @@ MiddleForces middle_forces(const StepSetting& setting, const State& middle, cons
 }  // namespace
 
 MiddleForces conserving_forces(const StepSetting& setting, const State& start, const SparseMatrix& mass,
-                               const VecX& v, const VecX& mean, const VecX& v_prescribed, double h) {
+                               const MiddleMotion& motion, double h) {
   const Model& model = setting.model;
-  const VecX moves = all_velocities(setting.dofs, mean, v_prescribed),
+  const VecX moves = all_velocities(setting.dofs, motion.mean, motion.v_prescribed),
              along = path_velocity(setting.options.update, model, start, moves, h);
   const Path path{state_after(model, start, along, moves, h / 2), state_after(model, start, along, moves, h)};
-  const VecX change = 2 * (mean - v);
+  const VecX change = 2 * (motion.mean - motion.v);
   MiddleForces out = middle_forces(setting, path.middle, change, h);
-  for (const ForceLaw& law : model.forces)
-    if (law.passive && law.potential) out.laws += missing_impulse(setting, law, start, path, mass, h);
-  if (setting.options.update == GroupUpdate::cayley) stretch_torques(setting.dofs, mean, h, out.laws);
+  out.missing = motion.missing;
+  if (out.missing.size() == 0) {
+    out.missing = VecX::Zero(setting.dofs.rows);
+    for (const ForceLaw& law : model.forces)
+      if (law.passive && law.potential) out.missing += missing_impulse(setting, law, start, path, mass, h);
+  }
+  out.laws += out.missing;
+  if (setting.options.update == GroupUpdate::cayley) stretch_torques(setting.dofs, motion.mean, h, out.laws);
   out.laws += out.law_D * change;
   clear_held(setting.dofs, out.laws);
   return out;

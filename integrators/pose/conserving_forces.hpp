@@ -15,10 +15,15 @@ struct MiddleForces {
   VecX laws{};
   SparseMatrix law_D{};
   std::vector<AxisImpulse> axes{};
+  VecX missing{};  // part of `laws`: what (PMI-10) adds
 };
-/// About the path that the `mean` velocities give in a step that starts at `start` with the velocities `v`;
-/// `mean` and `v` in the rows of the problem, `v_prescribed` laid out as State::v.
+/// Where a step is thought to lead.
+struct MiddleMotion {
+  VecX v{}, mean{};     // velocities at its start and their mean with those at its end, rows of the problem
+  VecX v_prescribed{};  // laid out as State::v
+  VecX missing{};       // of an earlier guess, to be kept; empty: it is computed
+};
 MiddleForces conserving_forces(const StepSetting& setting, const State& start, const SparseMatrix& mass,
-                               const VecX& v, const VecX& mean, const VecX& v_prescribed, double h);
+                               const MiddleMotion& motion, double h);
 
 }  // namespace aussois

@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kMidpoint = 0.5;
 constexpr int kRounds = 20;          // of linearisation and passivity together; 2 or 3 are usual
+constexpr int kJumps = 8;            // rounds in which conserving forces learn what they miss
 constexpr double kIterated = 1e-15;  // change of velocities by mean joints and conserving forces, relative
 constexpr double kGivenUp = 1e-8;    // [m/s, rad/s]; more than that is no solution
 constexpr double kExact = 1e-16;     // of the gyroscopic torque: its error is quadratic in that of the guess
@@ -183,6 +184,7 @@ struct MidpointSolve {
   std::vector<char> stated = std::vector<char>(step.rows.size(), 0);
   bool joints_stand = !mean_joints;
   bool forces_stand = own.forces == MiddleForce::linear;
+  VecX missing{};  // MiddleForces::missing
   bool settled = false;
   bool landed = false;
 
@@ -190,16 +192,25 @@ struct MidpointSolve {
     return std::make_shared<const FreeMotion>(
         with_gyroscopic(setting.model, setting.dofs, found.h, own.gyroscopic, guess, plain));
   }
-  // The same with the forces of the path that the guess gives.
-  SharedMotion with_forces() const {
+  // The same with the forces of the path that the guess gives. From some round on, what they miss stays,
+  // since near rest rounding makes it jump.
+  SharedMotion with_forces(int round) {
     FreeMotion out = plain;
-    MiddleForces forces = conserving_forces(setting, start, plain.mass, plain.v, (plain.v + guess) / 2,
-                                            step.v_prescribed, found.h);
+    if (round < kJumps) missing.resize(0);
+    MiddleForces forces =
+        conserving_forces(setting, start, plain.mass,
+                          {plain.v, (plain.v + guess) / 2, step.v_prescribed, std::move(missing)}, found.h);
+    missing = std::move(forces.missing);
     out.laws = std::move(forces.laws);
     out.law_D.swap(forces.law_D);
     out.axes = std::move(forces.axes);
     return std::make_shared<const FreeMotion>(
         with_gyroscopic(setting.model, setting.dofs, found.h, own.gyroscopic, guess, std::move(out)));
+  }
+
+  // Changes of velocities from solve to solve that are no matter of the forces [m/s, rad/s].
+  double noise_of_solves() const {
+    return step.rows.empty() ? kGivenUp : kSolverNoise * setting.options.solver.tolerance;
   }
 
   // Settles on velocities and a path from them.
@@ -238,13 +249,11 @@ struct MidpointSolve {
       if (!v.allFinite()) break;
       if (mean_joints || own.forces == MiddleForce::conserving) {
         const double before = std::exchange(change, (v - last).lpNorm<Eigen::Infinity>());
-        const auto stands = [&](double noise) {  // as far as rounding, or the solver, lets it
-          return change <= kIterated * v.lpNorm<Eigen::Infinity>() ||
-                 (change <= noise && change >= before / 2);
-        };
-        if (mean_joints) joints_stand = stands(kGivenUp);
-        if (own.forces == MiddleForce::conserving)
-          forces_stand = stands(kSolverNoise * setting.options.solver.tolerance);
+        const bool solved = change <= kIterated * v.lpNorm<Eigen::Infinity>();
+        if (mean_joints)  // as far as rounding lets it
+          joints_stand = solved || (change <= kGivenUp && change >= before / 2);
+        if (own.forces == MiddleForce::conserving)  // or as far as the solver does
+          forces_stand = solved || (change <= noise_of_solves() && change >= before);
         last = v;
       }
       const bool off = own.gyroscopic == GyroscopicTerm::midpoint &&
@@ -255,7 +264,7 @@ struct MidpointSolve {
       if (settled) break;
       if (off || !forces_stand) {
         guess = v;
-        step.free = own.forces == MiddleForce::conserving ? with_forces() : with_torque();
+        step.free = own.forces == MiddleForce::conserving ? with_forces(k) : with_torque();
       }
       if (!joints_stand) set_joints(mean_joint_system(setting, start, found.h, step));
     }

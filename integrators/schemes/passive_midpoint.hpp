@@ -33,7 +33,8 @@ inline constexpr Named<MiddleForce> kMiddleForces[] = {{MiddleForce::linear, "li
 struct PassiveMidpointOptions {
   /// `midpoint` and StepOptions::update = cayley keep energy and angular momentum of a free body exactly.
   GyroscopicTerm gyroscopic = GyroscopicTerm::midpoint;
-  /// `conserving` keeps the energy of elastic bodies, at a few solves for each step.
+  /// `conserving` keeps the energy of elastic bodies; it solves a step several times. Bodies that turn, such
+  /// as nodes of cables, also need GyroscopicTerm::midpoint and StepOptions::update = cayley for it.
   MiddleForce forces = MiddleForce::linear;
   NormalLaw law = NormalLaw::combined;
   bool passive = true;  // contacts that would give energy get their law at the midpoint (PMI-6)

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "examples/studies/haptic/haptic_trial.hpp"
 
-#include "ports/local_model.hpp"
-
 #include <cmath>
 #include <deque>
 
@@ -11,6 +9,7 @@
 #include "mechanics/model.hpp"
 #include "mechanics/motion.hpp"
 #include "mechanics/state.hpp"
+#include "ports/local_model.hpp"
 
 namespace aussois {
 namespace {
@@ -171,8 +170,11 @@ Vec6 mean_twist(const SE3& from, const SE3& to, double time) {
 }  // namespace
 
 HapticResult haptic_trial(const HapticTrial& trial, const std::function<bool(std::int64_t)>& go_on) {
+  validate(trial.reserve);
   HapticResult out;
   Bodies bodies(trial, out);
+  const bool held = trial.way == HapticWay::held || trial.way == HapticWay::held_reserve,
+             through = trial.way == HapticWay::reserve || trial.way == HapticWay::held_reserve;
   const SE3 home = bodies.reaching().home;
   SimulatedHand hand(trial.hand, trial.device, bodies.reaching(), trial.seed);
   Reserve reserve{.level = trial.reserve.lend};
@@ -183,17 +185,17 @@ HapticResult haptic_trial(const HapticTrial& trial, const std::function<bool(std
   Excess measured, truth;
   double wishes = 0, forces = 0, left = 0;
   std::int64_t changed = 0;
-  while (hand.pushes() <= trial.pushes && !out.lost && (!go_on || go_on(hand.pushes()))) {
+  while (hand.pushes() <= trial.pushes && !out.flew_off && !out.refused && (!go_on || go_on(hand.pushes()))) {
     const SE3 sample = hand.live(force).pose;
-    const DeviceMotion before = std::exchange(motion, motion_between(seen, sample));
+    motion = motion_between(seen, sample);
     const SE3 last = std::exchange(seen, sample);
-    const double work = work_left(hand.held(), motion, before);
+    const double work = work_left(hand.held(), motion, trial.reserve);
     reserve = after_sample(reserve, work);
     measured.now(left += work);
     truth.now(hand.given());
     const bool steps = ++out.samples % trial.every == 0;
     if (steps) {
-      out.lost = !bodies.step(sample);
+      out.refused = !bodies.step(sample);
       at_step = sample;
       const double stored = bodies.stored();
       reserve = after_tick(reserve, stored, trial.reserve);
@@ -201,18 +203,20 @@ HapticResult haptic_trial(const HapticTrial& trial, const std::function<bool(std
     }
     const double period = trial.device.period, since = double(out.samples % trial.every) * period;
     const Vec6 twist = steps ? mean_twist(last, sample, period) : mean_twist(at_step, sample, since);
-    late.push_back(trial.way == HapticWay::held ? bodies.held() : bodies.told({sample, twist, since}));
+    late.push_back(held ? bodies.held() : bodies.told({sample, twist, since}));
     const DeviceForce wish = late.front();
     late.pop_front();
     const Valve valve = let_through(wish, motion, reserve, trial.reserve);
-    if (trial.way == HapticWay::reserve) reserve = valve.reserve;
-    force = trial.way == HapticWay::reserve ? valve.force : wish;
-    changed += (force.force - wish.force).norm() > 0.01 * wish.force.norm() + 1e-3;
+    if (through) reserve = valve.reserve;
+    force = through ? valve.force : wish;
+    changed += (force.force - wish.force).norm() > 0.01 * wish.force.norm() + 1e-3 ||
+               (force.torque - wish.torque).norm() > 0.01 * wish.torque.norm() + 1e-4;
     wishes += wish.force.squaredNorm(), forces += force.force.squaredNorm();
     out.peak = std::max(out.peak, hand.held().force.norm());
-    out.lost = out.lost || !((hand.handle().p - home.p).norm() < kFlownOff);
+    out.flew_off = !((hand.handle().p - home.p).norm() < kFlownOff);
   }
   out.excess = measured.worst, out.true_excess = truth.worst, out.given = hand.given();
+  out.beyond = reserve.negative;
   out.changed = double(changed) / double(std::max<std::int64_t>(1, out.samples));
   out.force_left = wishes > 0 ? std::sqrt(forces / wishes) : 1;
   return out;

@@ -3,9 +3,9 @@
 // was stored? (doc/theory/ports.md)
 #pragma once
 
-#include "ports/simulated_hand.hpp"
-
 #include <functional>
+
+#include "ports/simulated_hand.hpp"
 
 namespace aussois {
 
@@ -19,12 +19,15 @@ inline constexpr Named<HapticScene> kHapticScenes[] = {
 
 /// Where the force on the hand comes from.
 enum class HapticWay {
-  held,    // the pull at the end of the last step of the bodies
-  local,   // the local model (PORT-5)
-  reserve  // the same, through the valve (PORT-4)
+  held,          // the pull at the end of the last step of the bodies
+  held_reserve,  // the same, through the valve (PORT-4)
+  local,         // the local model (PORT-5)
+  reserve        // the same, through the valve
 };
-inline constexpr Named<HapticWay> kHapticWays[] = {
-    {HapticWay::held, "held"}, {HapticWay::local, "local"}, {HapticWay::reserve, "reserve"}};
+inline constexpr Named<HapticWay> kHapticWays[] = {{HapticWay::held, "held"},
+                                                   {HapticWay::held_reserve, "held_reserve"},
+                                                   {HapticWay::local, "local"},
+                                                   {HapticWay::reserve, "reserve"}};
 
 struct HapticTrial {
   HapticScene scene = HapticScene::wall;
@@ -48,8 +51,10 @@ struct HapticResult {
   double force_left = 1;  // of the force, root of mean squares [-]
   double peak = 0;        // force on the hand [N]
   std::int64_t samples = 0, steps = 0, unsolved = 0;
+  std::int64_t beyond = 0;  // samples in which the handle was faster than the bounds of the reserve
   std::int64_t events = 0;  // times at which the part met or left what was in its way
-  bool lost = false;        // the handle flew off
+  bool flew_off = false;    // the handle
+  bool refused = false;     // a step of the bodies
 };
 /// `go_on(pushes)` returning false ends it early.
 HapticResult haptic_trial(const HapticTrial& trial, const std::function<bool(std::int64_t)>& go_on = {});

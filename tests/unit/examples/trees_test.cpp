@@ -62,6 +62,23 @@ TEST(JointCoordinates, MoveAsMaximalOnes) {
   }
 }
 
+// To the tolerance of the differential equation, on bases that are fixed and that float.
+TEST(JointCoordinates, BalanceTheLedgersOfTheReference) {
+  for (const bool floats : {false, true}) {
+    SchemeOptions options = mechanism_options(0.05);
+    options.event_driven.ode = {.relative = 1e-11, .absolute = 1e-11};
+    int steps = 0;
+    run_scene(random_scene(floats, true), "event_driven", options, 0.2,
+              [&](const State&, const StepReport& report) {
+                ++steps;
+                EXPECT_LT(std::abs(report.energy.residual()), 1e-8) << floats;
+                EXPECT_LT(report.momentum.residual().linear.norm(), 1e-8) << floats;
+                EXPECT_LT(report.momentum.residual().angular.norm(), 1e-8) << floats;
+              });
+    EXPECT_GT(steps, 3);
+  }
+}
+
 TEST(JointCoordinates, CloseLoopsByEquations) {
   const TreeScene bar = four_bar();
   const SchemeOptions options = mechanism_options(0.05);

@@ -110,6 +110,24 @@ TEST_P(Trees, HaveTheMassesAndForcesOfTheirLinks) {
   EXPECT_LT((terms.gyroscopic - gyroscopic).norm(), kDifferences * gyroscopic.norm());
 }
 
+TEST_P(Trees, KnowHowTheirMomentumTurnsWhileNoSpeedChanges) {
+  const auto all = [&](const State& s) {
+    const Momentum now = momentum(model, s);
+    Vec6 out;
+    out << now.linear, now.angular;
+    return out;
+  };
+  Vec6 rate = slope([&](double t) { return all(later(t)); });
+  for (const BodyId b : model.bodies.ids()) {  // a base turns by itself
+    if (!is_dynamic(model.bodies[b])) continue;
+    const Vec3 omega = twist(state, b).tail<3>();
+    rate.tail<3>() -= state.g[b].R * omega.cross(model.bodies[b].inertia * omega);
+  }
+  const Momentum turning = tree_terms(model, 0, state).turning;
+  EXPECT_LT((turning.linear - rate.head<3>()).norm(), kDifferences * (1 + rate.norm()));
+  EXPECT_LT((turning.angular - rate.tail<3>()).norm(), kDifferences * (1 + rate.norm()));
+}
+
 TEST_P(Trees, KnowHowTheirForcesChangeWithTheSpeeds) {
   const TreeTerms terms = tree_terms(model, 0, state);
   for (Eigen::Index k = 0; k < std::ssize(terms.velocity); ++k) {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "integrators/schemes/passive_midpoint.hpp"
 #include "mechanics/model.hpp"
 #include "mechanics/motion.hpp"
 #include "mechanics/state.hpp"
@@ -97,6 +98,50 @@ TEST(PortLaw, IsAtRestWhereBodyAndHandleMoveTogether) {
   twist(now.state, now.body) << v, omega;
   twist(now.state, now.handle) << v + g.R * omega.cross(gripped().grip), omega;
   EXPECT_LT(force_of(now, now.state).f.norm(), 1e-12);
+}
+
+// Over a step as over a path: the handle goes on while the law is evaluated.
+TEST(PortLaw, LetsAPartThatIsLedAtAConstantSpeedLagByNothing) {
+  Random random(8);
+  PortOptions options = gripped();
+  options.gains = {.stiffness = 2e3, .damping = 40, .rotation_stiffness = 2, .rotation_damping = 0.1};
+  options.grip = Vec3::Zero();
+  Held now = held(options, random);
+  now.model.gravity.setZero();
+  pose(now.state, now.body) = pose(now.state, now.handle);
+  twist(now.state, now.body) << 0.3, -0.1, 0.2, 0, 0, 0.5;
+  twist(now.state, now.handle) = twist(now.state, now.body);
+  const PassiveMidpoint scheme(now.model, {.h = 0.01, .update = GroupUpdate::cayley});
+  for (int k = 0; k < 50; ++k) {
+    ASSERT_TRUE(scheme.step(now.state).ok());
+    EXPECT_LT((pose(now.state, now.body).p - pose(now.state, now.handle).p).norm(), 1e-12);
+  }
+}
+
+// (PORT-1) for a translation: what the hand gives is stored, or taken by the damper.
+TEST(PortLaw, StoresWhatTheHandGives) {
+  Random random(9);
+  PortOptions options{.gains = {.stiffness = 2e3, .damping = 40, .rotation_stiffness = 2}};
+  Held now = held(options, random);
+  now.model.gravity.setZero();
+  pose(now.state, now.body) = pose(now.state, now.handle) = {};
+  twist(now.state, now.body).setZero();
+  twist(now.state, now.handle).setZero();
+  const double h = 0.01;
+  const PassiveMidpoint scheme(now.model, {.h = h, .update = GroupUpdate::cayley});
+  const auto stored = [&] {
+    const Energy e = energy(now.model, now.state);
+    return e.kinetic + e.laws;
+  };
+  for (int k = 0; k < 100; ++k) {
+    twist(now.state, now.handle).head<3>() = random.vector(1);
+    const Vec3 v_h = twist(now.state, now.handle).head<3>(), v = twist(now.state, now.body).head<3>();
+    const double before = stored();
+    ASSERT_TRUE(scheme.step(now.state).ok());
+    const Vec3 after = twist(now.state, now.body).head<3>(), pull = (after - v) / h;  // of 1 kg
+    const double taken = h * options.gains.damping * (v_h - (v + after) / 2).squaredNorm();
+    EXPECT_NEAR(h * pull.dot(v_h), stored() - before + taken, 1e-12) << k;
+  }
 }
 
 TEST(PortLaw, HoldsNoAttitudeByAGripAlone) {
