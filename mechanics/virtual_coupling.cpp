@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "geometry/settings.hpp"
+#include "mechanics/handle.hpp"
 #include "mechanics/model.hpp"
-#include "mechanics/motion.hpp"
 #include "mechanics/state.hpp"
 
 namespace aussois {
@@ -31,51 +31,23 @@ CouplingError coupling_error(const State& state, BodyId body, const TrajectoryPo
   return error;
 }
 
-// Where a body that is moved will be at time t.
-TrajectoryPoint handle_at(const Model& model, const State& state, BodyId handle, double t) {
-  const Vec6 v = twist(state, handle);
-  const RigidBody& body = model.bodies[handle];
-  if (const auto* moved = std::get_if<PrescribedMotion>(&body.motion))
-    return trajectory_point(moved->path, t);
-  if (!is_moved(body)) return {.pose = pose(state, handle)};
-  return {retract(pose(state, handle), v, t - state.t), v};
-}
-
 using Target = std::function<TrajectoryPoint(const Model&, const State&, double t)>;
 
-struct Damping {
-  double c = 0;    // [N s/m]
-  double c_R = 0;  // [N m s]
-};
-Damping damping(const RigidBody& body, const VirtualCouplingOptions& options) {  // (VC-3)
-  return {
-      .c = 2 * options.damping_ratio * std::sqrt(options.stiffness * body.mass),
-      .c_R = 2 * options.damping_ratio * std::sqrt(options.rotation_stiffness * body.inertia.trace() / 3)};
-}
-
-// A pull before and after its limit (VC-4).
-struct Limited {
-  Vec3 pull = Vec3::Zero();
-  bool saturated = false;
-};
-Limited limited(const Vec3& pull, double limit) {
-  const double size = pull.norm();
-  return size > limit ? Limited{pull * (limit / size), true} : Limited{pull, false};
+CriticalDampers damping(const RigidBody& body, const VirtualCouplingOptions& options) {  // (VC-3)
+  CriticalDampers out = critical_dampers(body, options.stiffness, options.rotation_stiffness);
+  out.translation *= options.damping_ratio, out.rotation *= options.damping_ratio;
+  return out;
 }
 
 struct Pull {
-  Limited force{}, torque{};
+  LimitedPull force{}, torque{};
 };
-Pull pull_of(const CouplingError& error, const Damping& gain,
+Pull pull_of(const CouplingError& error, const CriticalDampers& gain,
              const VirtualCouplingOptions& options) {  // (VC-2)
-  return {.force = limited(options.stiffness * error.d + gain.c * error.d_dot, options.force_limit),
-          .torque = limited(options.rotation_stiffness * error.phi + gain.c_R * error.phi_dot,
-                            options.torque_limit)};
-}
-
-// Energy of a spring whose force stops growing at `limit` (VC-6).
-double spring_energy(double x, double k, double limit) {
-  return k * x <= limit ? 0.5 * k * x * x : limit * (x - 0.5 * limit / k);
+  return {.force =
+              limited_pull(options.stiffness * error.d + gain.translation * error.d_dot, options.force_limit),
+          .torque = limited_pull(options.rotation_stiffness * error.phi + gain.rotation * error.phi_dot,
+                                 options.torque_limit)};
 }
 
 }  // namespace
@@ -104,7 +76,7 @@ namespace {
 
 CouplingWrench wrench_towards(const Model& model, const State& state, BodyId body,
                               const TrajectoryPoint& target, const VirtualCouplingOptions& options) {
-  const Damping gain = damping(model.bodies.at(body), options);
+  const CriticalDampers gain = damping(model.bodies.at(body), options);
   const Pull pull = pull_of(coupling_error(state, body, target), gain, options);
   return {.force = pull.force.pull,
           .torque = pull.torque.pull,
@@ -124,25 +96,25 @@ ForceLaw coupling_towards(const Model& model, BodyId body, Target target,
   law.name = "virtual coupling of " + pulled.name;
   law.potential = [body, target, options](const Model& m, const State& state, double t) {
     const CouplingError error = coupling_error(state, body, target(m, state, t));
-    return spring_energy(error.d.norm(), options.stiffness, options.force_limit) +
-           spring_energy(error.phi.norm(), options.rotation_stiffness, options.torque_limit);
+    return limited_spring_energy(error.d.norm(), options.stiffness, options.force_limit) +
+           limited_spring_energy(error.phi.norm(), options.rotation_stiffness, options.torque_limit);
   };
   law.add_to = [body, target = std::move(target), options](const Model& m, const State& state, double t,
                                                            GeneralisedForce& sum) {
     const CouplingError error = coupling_error(state, body, target(m, state, t));
-    const Damping gain = damping(m.bodies[body], options);
+    const CriticalDampers gain = damping(m.bodies[body], options);
     const Pull pull = pull_of(error, gain, options);
     const int force = first_velocity(body), torque = force + 3;  // first rows
     linear_part(sum.f, body) += pull.force.pull;
     angular_part(sum.f, body) += pull.torque.pull;
     if (!pull.force.saturated) {  // (VC-5)
       add_block(sum.K, force, force, options.stiffness * Mat3::Identity());
-      add_block(sum.C, force, force, gain.c * Mat3::Identity());
+      add_block(sum.C, force, force, gain.translation * Mat3::Identity());
     }
     if (!pull.torque.saturated) {
       add_block(sum.K, torque, torque,
-                options.rotation_stiffness * dexp_left_inverse(error.phi) - gain.c_R * skew(error.a));
-      add_block(sum.C, torque, torque, gain.c_R * Mat3::Identity());
+                options.rotation_stiffness * dexp_left_inverse(error.phi) - gain.rotation * skew(error.a));
+      add_block(sum.C, torque, torque, gain.rotation * Mat3::Identity());
     }
   };
   return law;

@@ -5,9 +5,9 @@
 
 namespace aussois {
 
-DeviceForce local_force(const Posed& last, const PortOptions& options, const HandleMotion& motion) {
-  const PortPull pull =
-      port_pull({retract(last.g, last.v, motion.since), last.v}, {motion.now, motion.twist}, options);
+DeviceForce local_force(const TrajectoryPoint& last, const PortOptions& options,
+                        const TrajectoryPoint& handle, double since) {
+  const PortPull pull = port_pull({retract(last.pose, last.twist, since), last.twist}, handle, options);
   return {-pull.force, -pull.torque};
 }
 

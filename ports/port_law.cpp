@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ports/port_law.hpp"
 
-#include <cmath>
-
 #include "geometry/settings.hpp"
 #include "geometry/so3.hpp"
+#include "mechanics/handle.hpp"
 #include "mechanics/model.hpp"
-#include "mechanics/motion.hpp"
 #include "mechanics/state.hpp"
 
 namespace aussois {
@@ -21,51 +19,27 @@ struct Missing {
   Vec3 turning = Vec3::Zero();                       // of the handle, in the body [rad/s]
   Quat handle = Quat::Identity();
 };
-Missing missing(const Posed& body, const Posed& handle, const Vec3& grip) {
-  const Quat rest = (body.g.R.conjugate() * handle.g.R).normalized();
-  Missing out{.R = body.g.R.toRotationMatrix(), .spin = body.v.tail<3>(), .handle = handle.g.R};
-  out.d = handle.g.p - body.g * grip;
-  out.d_rate = handle.v.head<3>() - body.v.head<3>() - out.R * out.spin.cross(grip);
+Missing missing(const TrajectoryPoint& body, const TrajectoryPoint& handle, const Vec3& grip) {
+  const Quat rest = (body.pose.R.conjugate() * handle.pose.R).normalized();
+  Missing out{.R = body.pose.R.toRotationMatrix(), .spin = body.twist.tail<3>(), .handle = handle.pose.R};
+  out.d = handle.pose.p - body.pose * grip;
+  out.d_rate = handle.twist.head<3>() - body.twist.head<3>() - out.R * out.spin.cross(grip);
   out.phi = log_so3(rest);
-  out.turning = rest * Vec3(handle.v.tail<3>());
+  out.turning = rest * Vec3(handle.twist.tail<3>());
   out.phi_rate = out.turning - out.spin;
   return out;
 }
-Posed posed(const State& state, BodyId body) {
+TrajectoryPoint point_of(const State& state, BodyId body) {
   return {pose(state, body), twist(state, body)};
-}
-// Where a handle will be at time t.
-Posed handle_at(const Model& model, const State& state, BodyId handle, double t) {
-  const RigidBody& body = model.bodies[handle];
-  if (const auto* moved = std::get_if<PrescribedMotion>(&body.motion)) {
-    const TrajectoryPoint point = trajectory_point(moved->path, t);
-    return {point.pose, point.twist};
-  }
-  if (!is_moved(body)) return {pose(state, handle)};
-  return {retract(pose(state, handle), twist(state, handle), t - state.t), twist(state, handle)};
-}
-
-struct Limited {
-  Vec3 pull = Vec3::Zero();
-  bool is = false;
-};
-Limited limited(const Vec3& pull, double limit) {
-  const double size = pull.norm();
-  return size > limit ? Limited{pull * (limit / size), true} : Limited{pull, false};
 }
 
 struct Pull {
-  Limited force{}, torque{};  // world; in the body
+  LimitedPull force{}, torque{};  // world; in the body
 };
 Pull pull_of(const Missing& m, const PortOptions& o) {
-  return {
-      limited(o.gains.stiffness * m.d + o.gains.damping * m.d_rate, o.force_limit),
-      limited(o.gains.rotation_stiffness * m.phi + o.gains.rotation_damping * m.phi_rate, o.torque_limit)};
-}
-
-// Of a spring whose force stops growing at `limit` (VC-6).
-double spring_energy(double x, double k, double limit) {
-  return k * x <= limit ? 0.5 * k * x * x : limit * (x - 0.5 * limit / k);
+  return {limited_pull(o.gains.stiffness * m.d + o.gains.damping * m.d_rate, o.force_limit),
+          limited_pull(o.gains.rotation_stiffness * m.phi + o.gains.rotation_damping * m.phi_rate,
+                       o.torque_limit)};
 }
 
 // (PORT-8)
@@ -79,13 +53,13 @@ void add_derivatives(const Missing& m, const Pull& pull, const PortOptions& o, B
     add_block(matrix, turn, at, arm * by_p);
     add_block(matrix, turn, turn, arm * by_R);
   };
-  if (!pull.force.is) {
+  if (!pull.force.saturated) {
     const Mat3 carried = -m.R * skew(o.grip), spun = -m.R * skew(m.spin.cross(o.grip));
     add(o.gains.stiffness * Mat3::Identity(), o.gains.stiffness * carried + o.gains.damping * spun, sum.K);
     add(o.gains.damping * Mat3::Identity(), o.gains.damping * carried, sum.C);
     add_block(sum.K, turn, turn, -skew(o.grip) * skew(m.R.transpose() * pull.force.pull));
   }
-  if (!pull.torque.is) {
+  if (!pull.torque.saturated) {
     add_block(
         sum.K, turn, turn,
         o.gains.rotation_stiffness * dexp_left_inverse(m.phi) - o.gains.rotation_damping * skew(m.turning));
@@ -132,13 +106,14 @@ void validate(const PortOptions& options) {
 }
 
 PortGains critical_gains(const RigidBody& body, double stiffness, double rotation_stiffness) {
+  const CriticalDampers dampers = critical_dampers(body, stiffness, rotation_stiffness);
   return {.stiffness = stiffness,
-          .damping = 2 * std::sqrt(stiffness * body.mass),
+          .damping = dampers.translation,
           .rotation_stiffness = rotation_stiffness,
-          .rotation_damping = 2 * std::sqrt(rotation_stiffness * body.inertia.trace() / 3)};
+          .rotation_damping = dampers.rotation};
 }
 
-PortPull port_pull(const Posed& body, const Posed& handle, const PortOptions& options) {
+PortPull port_pull(const TrajectoryPoint& body, const TrajectoryPoint& handle, const PortOptions& options) {
   const Missing m = missing(body, handle, options.grip);
   const Pull pull = pull_of(m, options);
   return {pull.force.pull, m.R * pull.torque.pull};
@@ -146,25 +121,27 @@ PortPull port_pull(const Posed& body, const Posed& handle, const PortOptions& op
 
 ForceLaw port_law(const Model& model, BodyId body, BodyId handle, const PortOptions& options) {
   check_port(model, body, handle, options);
-  return {.name = "port of " + model.bodies[body].name,
-          .add_to =
-              [=](const Model& now, const State& state, double t, GeneralisedForce& sum) {
-                const Missing m = missing(posed(state, body), handle_at(now, state, handle, t), options.grip);
-                const Pull pull = pull_of(m, options);
-                const Vec3 &f = pull.force.pull, &torque = pull.torque.pull;
-                linear_part(sum.f, body) += f;
-                angular_part(sum.f, body) += torque + options.grip.cross(m.R.transpose() * f);
-                linear_part(sum.f, handle) -= f;
-                angular_part(sum.f, handle) -= m.handle.conjugate() * Vec3(m.R * torque);
-                add_derivatives(m, pull, options, body, sum);
-              },
-          .potential =
-              [=](const Model& now, const State& state, double t) {
-                const Missing m = missing(posed(state, body), handle_at(now, state, handle, t), options.grip);
-                return spring_energy(m.d.norm(), options.gains.stiffness, options.force_limit) +
-                       spring_energy(m.phi.norm(), options.gains.rotation_stiffness, options.torque_limit);
-              },
-          .passive = true};
+  return {
+      .name = "port of " + model.bodies[body].name,
+      .add_to =
+          [=](const Model& now, const State& state, double t, GeneralisedForce& sum) {
+            const Missing m = missing(point_of(state, body), handle_at(now, state, handle, t), options.grip);
+            const Pull pull = pull_of(m, options);
+            const Vec3 &f = pull.force.pull, &torque = pull.torque.pull;
+            linear_part(sum.f, body) += f;
+            angular_part(sum.f, body) += torque + options.grip.cross(m.R.transpose() * f);
+            linear_part(sum.f, handle) -= f;
+            angular_part(sum.f, handle) -= m.handle.conjugate() * Vec3(m.R * torque);
+            add_derivatives(m, pull, options, body, sum);
+          },
+      .potential =
+          [=](const Model& now, const State& state, double t) {
+            const Missing m = missing(point_of(state, body), handle_at(now, state, handle, t), options.grip);
+            return limited_spring_energy(m.d.norm(), options.gains.stiffness, options.force_limit) +
+                   limited_spring_energy(m.phi.norm(), options.gains.rotation_stiffness,
+                                         options.torque_limit);
+          },
+      .passive = true};
 }
 
 }  // namespace aussois

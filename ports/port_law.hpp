@@ -5,6 +5,7 @@
 #include "lmd/body_id.hpp"
 #include "mechanics/force_law.hpp"
 #include "mechanics/rigid_body.hpp"
+#include "mechanics/trajectory.hpp"
 
 namespace aussois {
 
@@ -30,18 +31,12 @@ void describe(SettingVisitor& visit, PortOptions& options);
 /// Gains whose dampers are critical for a body of this mass and mean moment of inertia (VC-3).
 PortGains critical_gains(const RigidBody& body, double stiffness, double rotation_stiffness);
 
-/// Where a body is, and how it moves: its twist as in State::v.
-struct Posed {
-  SE3 g{};
-  Vec6 v = Vec6::Zero();
-};
-
 /// What a port exerts on the body, at its grip and in the world. The hand feels the opposite.
 struct PortPull {
   Vec3 force = Vec3::Zero();   // [N]
   Vec3 torque = Vec3::Zero();  // [N m]
 };
-PortPull port_pull(const Posed& body, const Posed& handle, const PortOptions& options);
+PortPull port_pull(const TrajectoryPoint& body, const TrajectoryPoint& handle, const PortOptions& options);
 
 /// The law of a port. `handle` is a body that is not dynamic, whose frame says where the grip should be and
 /// how the body should be turned; the law follows it through a step. The handle gets the opposite force, so

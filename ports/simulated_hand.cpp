@@ -7,6 +7,7 @@
 #include "geometry/check.hpp"
 #include "geometry/settings.hpp"
 #include "geometry/so3.hpp"
+#include "mechanics/handle.hpp"
 
 namespace aussois {
 namespace {
@@ -40,11 +41,6 @@ Arm arm_of(HandKind kind) {
 // From 0 to 1 with the least jerk.
 double minimum_jerk(double s) {
   return s * s * s * (10 - 15 * s + 6 * s * s);
-}
-
-Vec3 within(const Vec3& pull, double limit) {
-  const double size = pull.norm();
-  return size > limit ? Vec3(pull * (limit / size)) : pull;
 }
 
 SE3 between(const SE3& from, const SE3& to, double s) {
@@ -155,7 +151,8 @@ void SimulatedHand::move(double dt) {
 }
 
 DeviceSample SimulatedHand::live(const DeviceForce& sent) {
-  held_ = {within(sent.force, device_.force_limit), within(sent.torque, device_.torque_limit)};
+  held_ = {limited_pull(sent.force, device_.force_limit).pull,
+           limited_pull(sent.torque, device_.torque_limit).pull};
   const double lasts = device_.period * (1 + device_.jitter * uniform(-1, 1)), dt = lasts / kSubsteps;
   for (int i = 0; i < kSubsteps; ++i) {
     time_ += dt;

@@ -20,10 +20,6 @@ constexpr double kClearance = 1e-4;              // of the peg in its hole, on e
 constexpr double kAway = 5e-3;                   // from the hand's home to the first touch [m]
 constexpr double kFlownOff = 0.5;                // of the handle from its home [m]
 
-SE3 at(double x, double y, double z) {
-  return translation(x, y, z);
-}
-
 struct Scene {
   Model model{};
   State state{};
@@ -43,11 +39,12 @@ void add_slot(Scene& scene) {
   const double half = kSide / 2 + kClearance, thick = 0.01, deep = kLength;
   const SimplicialComplex wall = make_box(thick, 2 * kSide, deep - 2 * kDilation);
   for (const double side : {-1.0, 1.0}) {
-    add_fixed(scene, "wall", wall, at(side * (half + kDilation + thick / 2), 0, -deep / 2));
-    add_fixed(scene, "wall", wall,
-              at(0, side * (half + kDilation + thick / 2), -deep / 2) * rotation(Vec3::UnitZ(), kPi / 2));
+    add_fixed(scene, "wall", wall, translation(side * (half + kDilation + thick / 2), 0, -deep / 2));
+    add_fixed(
+        scene, "wall", wall,
+        translation(0, side * (half + kDilation + thick / 2), -deep / 2) * rotation(Vec3::UnitZ(), kPi / 2));
   }
-  add_fixed(scene, "floor", make_plate(0.1, 0.1), at(0, 0, -deep - kDilation));
+  add_fixed(scene, "floor", make_plate(0.1, 0.1), translation(0, 0, -deep - kDilation));
 }
 
 void add_wedge(Scene& scene) {
@@ -73,7 +70,7 @@ Scene scene_of(const HapticTrial& trial) {
   out.part = add(out.model, std::move(part));
   out.state.g.push_back({});
   if (wall) {
-    add_fixed(out, "wall", make_plate(0.5, 0.5), at(0, 0, -kDilation));
+    add_fixed(out, "wall", make_plate(0.5, 0.5), translation(0, 0, -kDilation));
   } else if (trial.scene == HapticScene::slot) {
     add_slot(out);
     touches = -length / 2;  // inside, from the start
@@ -84,7 +81,7 @@ Scene scene_of(const HapticTrial& trial) {
   RigidBody handle = fixed_body("handle", {});
   handle.motion = DrivenMotion{};
   out.handle = add(out.model, std::move(handle));
-  const SE3 home = at(0, 0, touches + kAway);
+  const SE3 home = translation(0, 0, touches + kAway);
   out.port = {.gains = critical_gains(out.model.bodies[out.part], trial.stiffness, 1e-3 * trial.stiffness),
               .force_limit = trial.device.force_limit,
               .torque_limit = trial.device.torque_limit};
@@ -134,17 +131,19 @@ class Bodies {
     return now.kinetic + now.laws;
   }
   /// On the hand, as (PORT-5) sees it.
-  DeviceForce told(const HandleMotion& motion) const {
-    return local_force(posed(scene_.part), scene_.port, motion);
+  DeviceForce told(const TrajectoryPoint& handle, double since) const {
+    return local_force(point_of(scene_.part), scene_.port, handle, since);
   }
   /// On the hand, as the last step left it.
   DeviceForce held() const {
-    const PortPull pull = port_pull(posed(scene_.part), posed(scene_.handle), scene_.port);
+    const PortPull pull = port_pull(point_of(scene_.part), point_of(scene_.handle), scene_.port);
     return {-pull.force, -pull.torque};
   }
 
  private:
-  Posed posed(BodyId body) const { return {pose(scene_.state, body), twist(scene_.state, body)}; }
+  TrajectoryPoint point_of(BodyId body) const {
+    return {pose(scene_.state, body), twist(scene_.state, body)};
+  }
 
   Scene scene_;
   double h_;
@@ -162,10 +161,6 @@ struct Excess {
     if (lowest < kInf) worst = std::max(worst, left - lowest);
   }
 };
-
-Vec6 mean_twist(const SE3& from, const SE3& to, double time) {
-  return time > 0 ? twist_between(from, to, time) : Vec6(Vec6::Zero());
-}
 
 }  // namespace
 
@@ -202,8 +197,8 @@ HapticResult haptic_trial(const HapticTrial& trial, const std::function<bool(std
       measured.add_stored(stored), truth.add_stored(stored);
     }
     const double period = trial.device.period, since = double(out.samples % trial.every) * period;
-    const Vec6 twist = steps ? mean_twist(last, sample, period) : mean_twist(at_step, sample, since);
-    late.push_back(held ? bodies.held() : bodies.told({sample, twist, since}));
+    const Vec6 twist = steps ? twist_between(last, sample, period) : twist_between(at_step, sample, since);
+    late.push_back(held ? bodies.held() : bodies.told({sample, twist}, since));
     const DeviceForce wish = late.front();
     late.pop_front();
     const Valve valve = let_through(wish, motion, reserve, trial.reserve);

@@ -149,7 +149,7 @@ TEST(PortLaw, HoldsNoAttitudeByAGripAlone) {
   PortOptions options = gripped();
   options.gains.rotation_stiffness = options.gains.rotation_damping = 0;
   const Held now = held(options, random);
-  const auto at = [&](BodyId b) { return Posed{pose(now.state, b), twist(now.state, b)}; };
+  const auto at = [&](BodyId b) { return TrajectoryPoint{pose(now.state, b), twist(now.state, b)}; };
   const PortPull pull = port_pull(at(now.body), at(now.handle), options);
   EXPECT_EQ(pull.torque, Vec3(Vec3::Zero()));
   EXPECT_GT(pull.force.norm(), 0);
