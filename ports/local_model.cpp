@@ -5,9 +5,10 @@
 
 namespace aussois {
 
-DeviceForce local_force(const Posed& last, const PortOptions& options, const HandleMotion& motion) {
+DeviceForce local_force(const Posed& last, const PortHold& hold, const PortLimits& limits,
+                        const HandleMotion& motion) {
   const PortPull pull =
-      port_pull({retract(last.g, last.v, motion.since), last.v}, {motion.now, motion.twist}, options);
+      port_pull({retract(last.g, last.v, motion.since), last.v}, {motion.now, motion.twist}, hold, limits);
   return {-pull.force, -pull.torque};
 }
 

@@ -15,6 +15,7 @@ struct HandleMotion {
 };
 
 /// The opposite of the pull of a port, if the body went on as it went at its `last` step.
-DeviceForce local_force(const Posed& last, const PortOptions& options, const HandleMotion& motion);
+DeviceForce local_force(const Posed& last, const PortHold& hold, const PortLimits& limits,
+                        const HandleMotion& motion);
 
 }  // namespace aussois

@@ -12,6 +12,8 @@
 namespace aussois {
 namespace {
 
+constexpr int kPortSize = 9;  // numbers of a hold in State::u
+
 // What is missing to the handle, and how fast that changes.
 struct Missing {
   Mat3 R = Mat3::Identity();                         // of the body
@@ -57,10 +59,9 @@ Limited limited(const Vec3& pull, double limit) {
 struct Pull {
   Limited force{}, torque{};  // world; in the body
 };
-Pull pull_of(const Missing& m, const PortOptions& o) {
-  return {
-      limited(o.gains.stiffness * m.d + o.gains.damping * m.d_rate, o.force_limit),
-      limited(o.gains.rotation_stiffness * m.phi + o.gains.rotation_damping * m.phi_rate, o.torque_limit)};
+Pull pull_of(const Missing& m, const PortGains& gains, const PortLimits& limits) {
+  return {limited(gains.stiffness * m.d + gains.damping * m.d_rate, limits.force),
+          limited(gains.rotation_stiffness * m.phi + gains.rotation_damping * m.phi_rate, limits.torque)};
 }
 
 // Of a spring whose force stops growing at `limit` (VC-6).
@@ -69,7 +70,7 @@ double spring_energy(double x, double k, double limit) {
 }
 
 // (PORT-8)
-void add_derivatives(const Missing& m, const Pull& pull, const PortOptions& o, BodyId body,
+void add_derivatives(const Missing& m, const Pull& pull, const PortHold& o, BodyId body,
                      GeneralisedForce& sum) {
   const int at = first_velocity(body), turn = at + 3;
   const auto add = [&](const Mat3& by_p, const Mat3& by_R, std::vector<Triplet>& matrix) {
@@ -93,7 +94,16 @@ void add_derivatives(const Missing& m, const Pull& pull, const PortOptions& o, B
   }
 }
 
-void check_port(const Model& model, BodyId body, BodyId handle, const PortOptions& options) {
+void add_brake(const PortHold& hold, const State& state, BodyId body, GeneralisedForce& sum) {
+  if (hold.brake == 0 && hold.rotation_brake == 0) return;
+  const int at = first_velocity(body);
+  linear_part(sum.f, body) -= hold.brake * linear_part(state.v, body);
+  angular_part(sum.f, body) -= hold.rotation_brake * angular_part(state.v, body);
+  add_block(sum.C, at, at, hold.brake * Mat3::Identity());
+  add_block(sum.C, at + 3, at + 3, hold.rotation_brake * Mat3::Identity());
+}
+
+void check_port(const Model& model, BodyId body, BodyId handle, const PortLimits& limits, int place) {
   for (const auto& [id, who] : {std::pair(body, "port_law: body"), std::pair(handle, "port_law: handle")})
     require_field(model.bodies.contains(id), who, id,
                   ("lie in [0, " + to_string(model.bodies.next()) + ")").c_str());
@@ -101,10 +111,29 @@ void check_port(const Model& model, BodyId body, BodyId handle, const PortOption
   require(has_inertia(model.bodies[body]), "port_law: body " + named(body) + " must be dynamic or carried");
   require(!has_inertia(model.bodies[handle]),
           "port_law: handle " + named(handle) + " must be neither dynamic nor carried");
-  validate(options);
+  require_field(place >= 0, "port_law: place", place, "not be negative");
+  validate(limits);
 }
 
 }  // namespace
+
+PortHold port_hold(const State& state, int place) {
+  const Eigen::Index at = kPortSize * place;
+  if (state.u.size() < at + kPortSize) return {.gains = {0, 0, 0, 0}};
+  const auto u = state.u.segment<kPortSize>(at);
+  return {.gains = {u[0], u[1], u[2], u[3]}, .grip = u.segment<3>(4), .brake = u[7], .rotation_brake = u[8]};
+}
+
+void set_port_hold(State& state, int place, const PortHold& hold) {
+  const Eigen::Index at = kPortSize * place, size = state.u.size();
+  if (size < at + kPortSize) {
+    state.u.conservativeResize(at + kPortSize);
+    state.u.tail(at + kPortSize - size).setZero();
+  }
+  const PortGains& g = hold.gains;
+  state.u.segment<kPortSize>(at) << g.stiffness, g.damping, g.rotation_stiffness, g.rotation_damping,
+      hold.grip, hold.brake, hold.rotation_brake;
+}
 
 void describe(SettingVisitor& visit, PortGains& o) {
   visit.begin("PortGains");
@@ -119,16 +148,17 @@ void describe(SettingVisitor& visit, PortGains& o) {
                o.rotation_damping);
 }
 
-void describe(SettingVisitor& visit, PortOptions& o) {
-  visit.begin("PortOptions");
-  visit.group("gains", o.gains);
-  visit.number({"force_limit", "largest force of a port", "N", range_above(0)}, o.force_limit);
-  visit.number({"torque_limit", "largest torque of a port", "N m", range_above(0)}, o.torque_limit);
+void describe(SettingVisitor& visit, PortLimits& o) {
+  visit.begin("PortLimits");
+  visit.number({"force", "largest force of a port", "N", range_above(0)}, o.force);
+  visit.number({"torque", "largest torque of a port", "N m", range_above(0)}, o.torque);
 }
 
-void validate(const PortOptions& options) {
-  check_ranges(options);
-  require(options.grip.allFinite(), "PortOptions::grip must be finite");
+void validate(const PortGains& gains) {
+  check_ranges(gains);
+}
+void validate(const PortLimits& limits) {
+  check_ranges(limits);
 }
 
 PortGains critical_gains(const RigidBody& body, double stiffness, double rotation_stiffness) {
@@ -138,31 +168,38 @@ PortGains critical_gains(const RigidBody& body, double stiffness, double rotatio
           .rotation_damping = 2 * std::sqrt(rotation_stiffness * body.inertia.trace() / 3)};
 }
 
-PortPull port_pull(const Posed& body, const Posed& handle, const PortOptions& options) {
-  const Missing m = missing(body, handle, options.grip);
-  const Pull pull = pull_of(m, options);
+PortPull port_pull(const Posed& body, const Posed& handle, const PortHold& hold, const PortLimits& limits) {
+  const Missing m = missing(body, handle, hold.grip);
+  const Pull pull = pull_of(m, hold.gains, limits);
   return {pull.force.pull, m.R * pull.torque.pull};
 }
 
-ForceLaw port_law(const Model& model, BodyId body, BodyId handle, const PortOptions& options) {
-  check_port(model, body, handle, options);
+double port_energy(const Posed& body, const Posed& handle, const PortHold& hold, const PortLimits& limits) {
+  const Missing m = missing(body, handle, hold.grip);
+  return spring_energy(m.d.norm(), hold.gains.stiffness, limits.force) +
+         spring_energy(m.phi.norm(), hold.gains.rotation_stiffness, limits.torque);
+}
+
+ForceLaw port_law(const Model& model, BodyId body, BodyId handle, const PortLimits& limits, int place) {
+  check_port(model, body, handle, limits, place);
   return {.name = "port of " + model.bodies[body].name,
           .add_to =
               [=](const Model& now, const State& state, double t, GeneralisedForce& sum) {
-                const Missing m = missing(posed(state, body), handle_at(now, state, handle, t), options.grip);
-                const Pull pull = pull_of(m, options);
+                const PortHold hold = port_hold(state, place);
+                const Missing m = missing(posed(state, body), handle_at(now, state, handle, t), hold.grip);
+                const Pull pull = pull_of(m, hold.gains, limits);
                 const Vec3 &f = pull.force.pull, &torque = pull.torque.pull;
                 linear_part(sum.f, body) += f;
-                angular_part(sum.f, body) += torque + options.grip.cross(m.R.transpose() * f);
+                angular_part(sum.f, body) += torque + hold.grip.cross(m.R.transpose() * f);
                 linear_part(sum.f, handle) -= f;
                 angular_part(sum.f, handle) -= m.handle.conjugate() * Vec3(m.R * torque);
-                add_derivatives(m, pull, options, body, sum);
+                add_derivatives(m, pull, hold, body, sum);
+                add_brake(hold, state, body, sum);
               },
           .potential =
               [=](const Model& now, const State& state, double t) {
-                const Missing m = missing(posed(state, body), handle_at(now, state, handle, t), options.grip);
-                return spring_energy(m.d.norm(), options.gains.stiffness, options.force_limit) +
-                       spring_energy(m.phi.norm(), options.gains.rotation_stiffness, options.torque_limit);
+                return port_energy(posed(state, body), handle_at(now, state, handle, t),
+                                   port_hold(state, place), limits);
               },
           .passive = true};
 }

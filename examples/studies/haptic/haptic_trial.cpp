@@ -28,7 +28,7 @@ struct Scene {
   Model model{};
   State state{};
   BodyId part{}, handle{};
-  PortOptions port{};
+  PortLimits limits{};
   Reaching reaching{};
 };
 
@@ -85,14 +85,15 @@ Scene scene_of(const HapticTrial& trial) {
   handle.motion = DrivenMotion{};
   out.handle = add(out.model, std::move(handle));
   const SE3 home = at(0, 0, touches + kAway);
-  out.port = {.gains = critical_gains(out.model.bodies[out.part], trial.stiffness, 1e-3 * trial.stiffness),
-              .force_limit = trial.device.force_limit,
-              .torque_limit = trial.device.torque_limit};
-  add(out.model, port_law(out.model, out.part, out.handle, out.port));
+  out.limits = {.force = trial.device.force_limit, .torque = trial.device.torque_limit};
+  add(out.model, port_law(out.model, out.part, out.handle, out.limits));
   const PerBody<SE3> places = out.state.g;
   out.state = rest_state(out.model);
   for (const BodyId b : places.ids()) out.state.g[b] = places[b];
   pose(out.state, out.part) = pose(out.state, out.handle) = home;
+  set_port_hold(
+      out.state, 0,
+      {.gains = critical_gains(out.model.bodies[out.part], trial.stiffness, 1e-3 * trial.stiffness)});
   out.reaching = {.home = home,
                   .shallow = kAway + 1e-3,
                   .deep = kAway + 15e-3,
@@ -135,11 +136,12 @@ class Bodies {
   }
   /// On the hand, as (PORT-5) sees it.
   DeviceForce told(const HandleMotion& motion) const {
-    return local_force(posed(scene_.part), scene_.port, motion);
+    return local_force(posed(scene_.part), port_hold(scene_.state, 0), scene_.limits, motion);
   }
   /// On the hand, as the last step left it.
   DeviceForce held() const {
-    const PortPull pull = port_pull(posed(scene_.part), posed(scene_.handle), scene_.port);
+    const PortPull pull =
+        port_pull(posed(scene_.part), posed(scene_.handle), port_hold(scene_.state, 0), scene_.limits);
     return {-pull.force, -pull.torque};
   }
 

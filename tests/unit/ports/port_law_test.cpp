@@ -20,24 +20,27 @@ struct Held {
   BodyId body{}, handle{};
 };
 
-Held held(const PortOptions& options, Random& random) {
+Held held(const PortHold& hold, Random& random, const PortLimits& limits = {}) {
   Held out;
   out.body = add(out.model, RigidBody{.name = "part", .mass = 1, .inertia = Mat3::Identity()});
   RigidBody handle = fixed_body("handle", {});
   handle.motion = DrivenMotion{};
   out.handle = add(out.model, std::move(handle));
-  add(out.model, port_law(out.model, out.body, out.handle, options));
+  add(out.model, port_law(out.model, out.body, out.handle, limits));
   out.state = rest_state(out.model);
   for (const BodyId b : {out.body, out.handle}) {
     pose(out.state, b) = random.pose(0.3);
     twist(out.state, b) << random.vector(3), random.vector(3);
   }
+  set_port_hold(out.state, 0, hold);
   return out;
 }
 
-PortOptions gripped() {
+PortHold gripped() {
   return {.gains = {.stiffness = 300, .damping = 7, .rotation_stiffness = 4, .rotation_damping = 0.3},
-          .grip = {0.1, -0.2, 0.05}};
+          .grip = {0.1, -0.2, 0.05},
+          .brake = 2,
+          .rotation_brake = 0.4};
 }
 
 GeneralisedForce force_of(const Held& now, const State& state) {
@@ -53,11 +56,10 @@ State nudged(const Held& now, int entry, double by) {
 TEST(PortLaw, PushesBodyAndHandleDownThePotential) {
   Random random(3);
   for (const double limit : {kInf, 20.0}) {
-    PortOptions options = gripped();
-    options.gains.damping = options.gains.rotation_damping = 0;
-    options.force_limit = limit, options.torque_limit = limit / 10;
+    PortHold hold = gripped();
+    hold.gains.damping = hold.gains.rotation_damping = hold.brake = hold.rotation_brake = 0;
     for (int k = 0; k < 20; ++k) {
-      const Held now = held(options, random);
+      const Held now = held(hold, random, {.force = limit, .torque = limit / 10});
       const GeneralisedForce force = force_of(now, now.state);
       const auto U = [&](const State& state) { return now.model.forces[0].potential(now.model, state, 0); };
       for (int i = 0; i < now.state.v.size(); ++i) {
@@ -91,7 +93,9 @@ TEST(PortLaw, KnowsHowItsForcesChange) {
 // What moves as a whole feels no damper.
 TEST(PortLaw, IsAtRestWhereBodyAndHandleMoveTogether) {
   Random random(5);
-  Held now = held(gripped(), random);
+  PortHold hold = gripped();
+  hold.brake = hold.rotation_brake = 0;
+  Held now = held(hold, random);
   const SE3 g = pose(now.state, now.body);
   pose(now.state, now.handle) = {g.R, g * gripped().grip};
   const Vec3 v = random.vector(1), omega = random.vector(2);
@@ -146,11 +150,11 @@ TEST(PortLaw, StoresWhatTheHandGives) {
 
 TEST(PortLaw, HoldsNoAttitudeByAGripAlone) {
   Random random(6);
-  PortOptions options = gripped();
-  options.gains.rotation_stiffness = options.gains.rotation_damping = 0;
-  const Held now = held(options, random);
+  PortHold hold = gripped();
+  hold.gains.rotation_stiffness = hold.gains.rotation_damping = 0;
+  const Held now = held(hold, random);
   const auto at = [&](BodyId b) { return Posed{pose(now.state, b), twist(now.state, b)}; };
-  const PortPull pull = port_pull(at(now.body), at(now.handle), options);
+  const PortPull pull = port_pull(at(now.body), at(now.handle), hold, {});
   EXPECT_EQ(pull.torque, Vec3(Vec3::Zero()));
   EXPECT_GT(pull.force.norm(), 0);
 }
@@ -162,12 +166,22 @@ TEST(PortLaw, RefusesWhatItCannotHold) {
   expect_names(message_of([&] { port_law(model, body, body, {}); }), "neither dynamic nor carried");
   expect_names(message_of([&] { port_law(model, wall, wall, {}); }), "must be dynamic");
   expect_names(message_of([&] { port_law(model, 7, wall, {}); }), "body = 7 must lie in [0, 2)");
-  expect_names(message_of([&] { port_law(model, body, wall, {.gains = {.stiffness = -1}}); }),
-               "stiffness = -1");
-  expect_names(message_of([&] {
-                 port_law(model, body, wall, {.grip = {0, 0, kInf}});
-               }),
-               "grip must be finite");
+  expect_names(message_of([&] { port_law(model, body, wall, {.force = 0}); }), "force = 0");
+  expect_names(message_of([&] { port_law(model, body, wall, {}, -1); }), "place = -1");
+  expect_names(message_of([] { validate(PortGains{.stiffness = -1}); }), "stiffness = -1");
+}
+
+TEST(PortHold, StandsInTheState) {
+  State state;
+  EXPECT_EQ(port_hold(state, 0).gains.stiffness, 0);
+  set_port_hold(state, 1, gripped());
+  EXPECT_EQ(port_hold(state, 0).gains.stiffness, 0);
+  const PortHold now = port_hold(state, 1);
+  EXPECT_EQ(now.gains.stiffness, 300);
+  EXPECT_EQ(now.gains.rotation_damping, 0.3);
+  EXPECT_EQ(now.grip, gripped().grip);
+  EXPECT_EQ(now.brake, 2);
+  EXPECT_EQ(now.rotation_brake, 0.4);
 }
 
 }  // namespace
