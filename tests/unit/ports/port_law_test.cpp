@@ -107,10 +107,8 @@ TEST(PortLaw, IsAtRestWhereBodyAndHandleMoveTogether) {
 // Over a step as over a path: the handle goes on while the law is evaluated.
 TEST(PortLaw, LetsAPartThatIsLedAtAConstantSpeedLagByNothing) {
   Random random(8);
-  PortOptions options = gripped();
-  options.gains = {.stiffness = 2e3, .damping = 40, .rotation_stiffness = 2, .rotation_damping = 0.1};
-  options.grip = Vec3::Zero();
-  Held now = held(options, random);
+  Held now = held({.gains = {.stiffness = 2e3, .damping = 40, .rotation_stiffness = 2, .rotation_damping = 0.1}},
+                  random);
   now.model.gravity.setZero();
   pose(now.state, now.body) = pose(now.state, now.handle);
   twist(now.state, now.body) << 0.3, -0.1, 0.2, 0, 0, 0.5;
@@ -125,8 +123,8 @@ TEST(PortLaw, LetsAPartThatIsLedAtAConstantSpeedLagByNothing) {
 // (PORT-1) for a translation: what the hand gives is stored, or taken by the damper.
 TEST(PortLaw, StoresWhatTheHandGives) {
   Random random(9);
-  PortOptions options{.gains = {.stiffness = 2e3, .damping = 40, .rotation_stiffness = 2}};
-  Held now = held(options, random);
+  const PortHold hold{.gains = {.stiffness = 2e3, .damping = 40, .rotation_stiffness = 2}};
+  Held now = held(hold, random);
   now.model.gravity.setZero();
   pose(now.state, now.body) = pose(now.state, now.handle) = {};
   twist(now.state, now.body).setZero();
@@ -143,7 +141,7 @@ TEST(PortLaw, StoresWhatTheHandGives) {
     const double before = stored();
     ASSERT_TRUE(scheme.step(now.state).ok());
     const Vec3 after = twist(now.state, now.body).head<3>(), pull = (after - v) / h;  // of 1 kg
-    const double taken = h * options.gains.damping * (v_h - (v + after) / 2).squaredNorm();
+    const double taken = h * hold.gains.damping * (v_h - (v + after) / 2).squaredNorm();
     EXPECT_NEAR(h * pull.dot(v_h), stored() - before + taken, 1e-12) << k;
   }
 }
