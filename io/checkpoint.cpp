@@ -12,7 +12,7 @@ namespace aussois {
 namespace {
 
 constexpr const char* kCheckpointFormat = "aussois-checkpoint";
-constexpr const char* kCheckpointVersion = "8";
+constexpr const char* kCheckpointVersion = "9";
 
 /// Rows of a column of the contact memory.
 template <class T, class Get>

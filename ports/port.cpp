@@ -81,6 +81,10 @@ Port add_port(Model& model, BodyId body, const PortOptions& options, int place) 
   validate(options);
   require_field(model.bodies.contains(body), "add_port: body", body,
                 ("lie in [0, " + to_string(model.bodies.next()) + ")").c_str());
+  require(has_inertia(model.bodies[body]), "add_port: body " + to_string(body) + " (" +
+                                               model.bodies[body].name + ") must be dynamic or carried");
+  require_field(options.gains.stiffness > 0, "PortGains::stiffness", options.gains.stiffness,
+                "be positive: it tells whether a hand holds");
   Port out{.body = body, .place = place, .options = options};
   const PortGains critical =
       critical_gains(model.bodies[body], options.gains.stiffness, options.gains.rotation_stiffness);
@@ -88,6 +92,8 @@ Port add_port(Model& model, BodyId body, const PortOptions& options, int place) 
   if (gains.damping == 0) gains.damping = critical.damping;
   if (gains.rotation_damping == 0) gains.rotation_damping = critical.rotation_damping;
   out.dilations = least_dilations(model, body);
+  require_field(out.dilations > 0, "add_port: dilations of the body and the thinnest other", out.dilations,
+                "be positive, since a stride is counted in them [m]");
   out.reach = reach_of(model, body);
   RigidBody handle = fixed_body("handle of " + model.bodies[body].name, {});
   handle.motion = DrivenMotion{};
@@ -102,25 +108,24 @@ double follow(const Model& model, State& state, const Port& port, const PortTarg
     let_go(model, state, port, tick);
     return 0;
   }
+  const bool was_held = is_held(state, port);
   PortHold hold = port_hold(state, port.place);
-  SE3& handle = pose(state, port.handle);
-  if (!is_held(state, port)) {
-    require(target.grip.allFinite(), "PortTarget::grip must be finite");
-    set_port_hold(state, port.place, hold = {.gains = {0, 0, 0, 0}, .grip = target.grip});
-    handle = {pose(state, port.body).R, pose(state, port.body) * target.grip};
-  }
+  const SE3& g = pose(state, port.body);
+  const SE3 from = was_held ? pose(state, port.handle) : SE3{g.R, g * target.grip};
+  const Vec6 asked = target.mode == PortTarget::Mode::pose
+                         ? twist_between(from, checked_pose(target.pose, "PortTarget::pose"), tick)
+                         : target.twist;
+  require(target.grip.allFinite(), "PortTarget::grip must be finite");
+  require(asked.allFinite(), "PortTarget::twist must be finite");
+  pose(state, port.handle) = from;
+  twist(state, port.handle) = fitting(port, asked, tick) * asked;
+  if (!was_held) set_port_hold(state, port.place, hold = {.gains = {0, 0, 0, 0}, .grip = target.grip});
   PortGains full = port.options.gains;
   if (!target.firm) full.rotation_stiffness = full.rotation_damping = 0;
   const double before = elastic(state, port);
   hold.gains = grown(hold.gains, full, tick / port.options.ramp);
   set_port_hold(state, port.place, hold);
-  const double put_in = std::max(0.0, elastic(state, port) - before);
-  const Vec6 asked = target.mode == PortTarget::Mode::pose
-                         ? twist_between(handle, checked_pose(target.pose, "PortTarget::pose"), tick)
-                         : target.twist;
-  require(asked.allFinite(), "PortTarget::twist must be finite");
-  twist(state, port.handle) = fitting(port, asked, tick) * asked;
-  return put_in;
+  return std::max(0.0, elastic(state, port) - before);
 }
 
 bool is_held(const State& state, const Port& port) {

@@ -58,9 +58,9 @@ PortPull port_pull(const Posed& body, const Posed& handle, const PortHold& hold,
 double port_energy(const Posed& body, const Posed& handle, const PortHold& hold, const PortLimits& limits);
 
 /// The law of a port, with the hold at its place in the state. `handle` is a body that is not dynamic, whose
-/// frame says where the grip should be and how the body should be turned; the law follows it through a step. The handle gets the opposite force,
-/// so that law and handle together do the work that the potential loses. Throws std::invalid_argument: field,
-/// value, bound.
+/// frame says where the grip should be and how the body should be turned; the law follows it through a step.
+/// The handle gets the opposite force, so that law and handle together do the work that the potential loses.
+/// Throws std::invalid_argument: field, value, bound.
 ForceLaw port_law(const Model& model, BodyId body, BodyId handle, const PortLimits& limits, int place = 0);
 
 }  // namespace aussois

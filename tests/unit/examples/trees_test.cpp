@@ -77,6 +77,8 @@ TEST(JointCoordinates, BalanceTheLedgersOfTheReference) {
               });
     EXPECT_GT(steps, 3);
   }
+}
+
 // A second of a chain of a metre; its fastest motion has 100 periods in it.
 TEST(JointCoordinates, MoveAHundredRodsAsMaximalOnesInALongRun) {
   SchemeOptions options = mechanism_options(1);

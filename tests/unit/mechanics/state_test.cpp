@@ -89,6 +89,8 @@ TEST(State, HashSeesEveryNumber) {
   changes.push_back([](State& s) { s.r = VecX::Ones(1); });
   changes.push_back([](State& s) { s.a = VecX::Zero(1); });
   changes.push_back([](State& s) { s.a = VecX::Ones(1); });
+  changes.push_back([](State& s) { s.u = VecX::Zero(1); });
+  changes.push_back([](State& s) { s.u = VecX::Ones(1); });
   changes.push_back([](State& s) { s.turns = {0}; });
   changes.push_back([](State& s) { s.turns = {-1}; });
   changes.push_back([](State& s) { s.memory.contacts.pop_back(); });

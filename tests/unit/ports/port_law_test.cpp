@@ -107,8 +107,8 @@ TEST(PortLaw, IsAtRestWhereBodyAndHandleMoveTogether) {
 // Over a step as over a path: the handle goes on while the law is evaluated.
 TEST(PortLaw, LetsAPartThatIsLedAtAConstantSpeedLagByNothing) {
   Random random(8);
-  Held now = held({.gains = {.stiffness = 2e3, .damping = 40, .rotation_stiffness = 2, .rotation_damping = 0.1}},
-                  random);
+  Held now = held(
+      {.gains = {.stiffness = 2e3, .damping = 40, .rotation_stiffness = 2, .rotation_damping = 0.1}}, random);
   now.model.gravity.setZero();
   pose(now.state, now.body) = pose(now.state, now.handle);
   twist(now.state, now.body) << 0.3, -0.1, 0.2, 0, 0, 0.5;
