@@ -12,7 +12,7 @@ namespace aussois {
 namespace {
 
 constexpr const char* kCheckpointFormat = "aussois-checkpoint";
-constexpr const char* kCheckpointVersion = "8";
+constexpr const char* kCheckpointVersion = "9";
 
 /// Rows of a column of the contact memory.
 template <class T, class Get>
@@ -78,6 +78,7 @@ void write_state(hid_t file, const State& state) {
   write_rows(file, "/state/turns", state.turns);
   write_rows(file, "/state/impulse", std::vector<double>(state.r.begin(), state.r.end()));
   write_rows(file, "/state/acceleration", std::vector<double>(state.a.begin(), state.a.end()));
+  write_rows(file, "/state/input", std::vector<double>(state.u.begin(), state.u.end()));
   const ContactMemory& memory = state.memory;
   const auto write = [&]<class T>(const char* name, T RememberedContact::*field) {
     write_rows(file, name, gathered<T>(memory, [&](const auto& contact) { return contact.*field; }));
@@ -113,6 +114,7 @@ State read_state(hid_t file) {
   state.turns = read_rows<int>(file, "/state/turns");
   state.r = read_vector(file, "/state/impulse");
   state.a = read_vector(file, "/state/acceleration");
+  state.u = read_vector(file, "/state/input");
   const auto bodies = read_rows<std::array<int, 2>>(file, "/memory/bodies");
   const auto feature = read_rows<std::uint64_t>(file, "/memory/feature");
   const auto held = read_rows<int>(file, "/memory/held");

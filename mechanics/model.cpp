@@ -240,6 +240,11 @@ GapId add(Model& model, GapFunction gap) {
   return model.gaps.append(std::move(gap));
 }
 
+int add_inputs(Model& model, int count) {
+  require_field(count > 0, "add_inputs: count", count, "be positive");
+  return std::exchange(model.inputs, model.inputs + count);
+}
+
 void add(Model& model, ForceLaw law) {
   require(bool(law.add_to), "force law (" + law.name + "): add_to must be callable");
   model.forces.push_back(std::move(law));

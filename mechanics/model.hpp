@@ -30,6 +30,7 @@ struct Model {
   Table<BlockId, Coordinates> coordinates{};  // beside the bodies
   Table<GapId, GapFunction> gaps{};
   std::vector<ForceLaw> forces{};
+  int inputs = 0;  // length of State::u
 };
 
 ShapeId add(Model& model, LmdShape shape);
@@ -41,6 +42,8 @@ void add(Model& model, Coupling coupling);     // throws like validate
 BlockId add(Model& model, Coordinates block);  // throws like validate
 GapId add(Model& model, GapFunction gap);      // throws like validate
 void add(Model& model, ForceLaw law);
+/// Lengthens State::u by what laws read there and the caller sets between steps; returns the first new entry.
+int add_inputs(Model& model, int count);
 const ContactLaw& contact_law(const Model& model, BodyId body_a, BodyId body_b);
 /// The distinct contact laws of a model: of pairs that are not listed, of those that are, of gap functions.
 std::vector<ContactLaw> contact_laws(const Model& model);

@@ -98,6 +98,7 @@ State state_after(const Model& model, const State& state, const VecX& v_path, co
              .turns = state.turns,
              .r = state.r,
              .a = {},
+             .u = state.u,
              .memory = {}};
   carry_poses(model, next.q, next.g);
   carry_twists(model, next.g, next.v);

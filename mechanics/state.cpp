@@ -66,6 +66,7 @@ State rest_state(const Model& model) {
   state.g.resize(model.bodies.size());
   state.v = VecX::Zero(velocity_count(model));
   state.q = VecX::Zero(first_coordinate(model, model.coordinates.next()));
+  state.u = VecX::Zero(model.inputs);
   for (const BodyId i : model.bodies.ids())
     if (const PrescribedMotion* prescribed = std::get_if<PrescribedMotion>(&model.bodies[i].motion))
       state.g[i] = trajectory_point(prescribed->path, prescribed->path.t.front()).pose;
@@ -100,6 +101,8 @@ void validate(const Model& model, const State& state) {
   if (state.a.size() > 0)
     check_size(state.a.size(), 2 * speeds, "size of State::a", "twice that of State::v, or 0");
   require(state.a.allFinite(), "State::a must be finite");
+  check_size(state.u.size(), std::size_t(model.inputs), "size of State::u", "the number of inputs");
+  require(state.u.allFinite(), "State::u must be finite");
   require(state.q.allFinite(), "State::q must be finite");
   require(state.v.tail(state.q.size()).allFinite(), "State::v: the speeds of q must be finite");
   require(state.r.allFinite(), "State::r must be finite");
@@ -284,6 +287,8 @@ std::uint64_t hash(const State& state) {
   for (const double component : state.r) digest.add(component);
   digest.add(std::uint64_t(state.a.size()));
   for (const double component : state.a) digest.add(component);
+  if (state.u.size() > 0) digest.add(std::uint64_t(state.u.size()));
+  for (const double component : state.u) digest.add(component);
   digest.add(std::uint64_t(state.memory.contacts.size()));
   for (const RememberedContact& c : state.memory.contacts) {
     digest.add(std::uint64_t(std::uint32_t(c.key.body_a.index())));

@@ -27,6 +27,7 @@ struct State {
                              // zero (MJT-7)
   VecX r{};  // impulses of the last step on joint axes and gap functions [N s, N m s]; empty: none (MJT-12)
   VecX a{};  // accelerations that a scheme keeps from step to step, twice as many as v; empty: none
+  VecX u{};  // inputs: what is set from outside between steps, and read by laws (Model::inputs)
   ContactMemory memory{};
 };
 

@@ -230,6 +230,7 @@ State in_joint_coordinates(const Model& model, const State& state) {
   out.t = state.t;
   out.g = state.g;
   out.turns = state.turns;
+  out.u = state.u;
   const int bodies = first_velocity(model.bodies.next());
   out.v.head(bodies) = state.v.head(bodies);
   int at = 0, from = 0;

@@ -5,9 +5,10 @@
 
 namespace aussois {
 
-DeviceForce local_force(const TrajectoryPoint& last, const PortOptions& options,
-                        const TrajectoryPoint& handle, double since) {
-  const PortPull pull = port_pull({retract(last.pose, last.twist, since), last.twist}, handle, options);
+DeviceForce local_force(const TrajectoryPoint& last, const PortHold& hold, const PortLimits& limits,
+                        const HandleMotion& motion) {
+  const PortPull pull = port_pull({retract(last.pose, last.twist, motion.since), last.twist},
+                                  {motion.now, motion.twist}, hold, limits);
   return {-pull.force, -pull.torque};
 }
 

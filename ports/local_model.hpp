@@ -7,9 +7,15 @@
 
 namespace aussois {
 
-/// The opposite of the pull of a port, `since` a step [s] that left the body at `last`, if the body went on
-/// as it went there. `handle` is where it is now, with its mean twist since the step.
-DeviceForce local_force(const TrajectoryPoint& last, const PortOptions& options,
-                        const TrajectoryPoint& handle, double since);
+/// A handle, some time after the last step of the bodies.
+struct HandleMotion {
+  SE3 now{};
+  Vec6 twist = Vec6::Zero();  // its mean since the step, laid out as a body's
+  double since = 0;           // the time since the step [s]
+};
+
+/// The opposite of the pull of a port, if the body went on as it went at its `last` step.
+DeviceForce local_force(const TrajectoryPoint& last, const PortHold& hold, const PortLimits& limits,
+                        const HandleMotion& motion);
 
 }  // namespace aussois

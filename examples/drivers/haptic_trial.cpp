@@ -2,7 +2,7 @@
 // How much energy does a hand get beyond what was stored in the simulation? Simulated hands on a
 // simulated device push a part against a plate, into a slot and between two slopes, at several rates.
 //
-// Theory   doc/theory/ports.md (PORT-1) to (PORT-8)
+// Theory   doc/theory/ports.md (PORT-1) to (PORT-11)
 // Run      haptic_trial --pushes 3
 //          haptic_trial --scene wall --hand loose shaking --way held --rate 10:0 --pushes 3
 // Expect   out/haptic_trial.csv. With a reserve, no excess beyond what is lent, 10 mJ, by the encoders, nor

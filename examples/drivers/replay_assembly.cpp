@@ -16,7 +16,7 @@
 
 #include "examples/common/driven_run.hpp"
 #include "examples/common/progress.hpp"
-#include "examples/drivers/assembly/assembly_scene.hpp"
+#include "examples/drivers/assembly/assembly_flags.hpp"
 #include "examples/drivers/assembly/lay_cables.hpp"
 #include "geometry/check.hpp"
 #include "geometry/number_text.hpp"
@@ -33,12 +33,11 @@ using namespace aussois;
 namespace {
 
 struct Arguments {
-  std::filesystem::path data{}, fixed{}, moving{}, path{}, flexible{};
-  std::string pair{}, builtin{}, mode = "dynamic", gravity = "-5.66,-5.66,-5.66";
-  double scale = 1e-3;
+  AssemblyFlags parts{.gravity = "-5.66,-5.66,-5.66"};
+  std::filesystem::path flexible{};
+  std::string mode = "dynamic";
   double threshold = 0;  // kinematic
-  AssemblyOptions scene{};
-  SaidSettings said{};  // of the scene
+  SaidSettings said{};   // of the scene
   RunFlags run{};
   const Cli* cli = nullptr;
   std::string command_line{};
@@ -47,28 +46,6 @@ struct Arguments {
 // Of the whole process: clearance, queries, distances, steps, samples of paths, files.
 double cpu_seconds() {
   return double(std::clock()) / CLOCKS_PER_SEC;
-}
-
-Vec3 parse_vector(const std::string& text, const char* flag) {
-  Vec3 v;
-  char rest = 0;
-  require(std::sscanf(text.c_str(), "%lf,%lf,%lf%c", &v[0], &v[1], &v[2], &rest) == 3 && v.allFinite(),
-          std::string(flag) + " = " + text + " must be three numbers x,y,z");
-  return v;
-}
-
-AssemblyInput read_input(const Arguments& a) {
-  const bool files = !a.fixed.empty() || !a.moving.empty() || !a.path.empty();
-  require(int(files) + int(!a.pair.empty()) + int(!a.builtin.empty()) == 1,
-          "give one of: --data with --pair; --fixed, --moving and --path; --builtin");
-  if (!a.builtin.empty()) return builtin_assembly(a.builtin);
-  if (files) {
-    require(!a.fixed.empty() && !a.moving.empty() && !a.path.empty(),
-            "--fixed, --moving and --path must be given together");
-    return read_assembly_files(a.fixed, a.moving, a.path, a.scale, a.scene.cache);
-  }
-  require(!a.data.empty(), "--pair needs --data, the folder with meshes/ and assembly/");
-  return read_assembly_pair(a.data, a.pair, a.scale, a.scene.cache);
 }
 
 double length_of(const Cable& cable) {
@@ -85,10 +62,7 @@ std::vector<std::string> coarse_cables(const AssemblyScene& scene) {
 }
 
 void print_parts(const AssemblyInput& input, const AssemblyScene& scene, const Arguments& a) {
-  for (const AssemblyPart* part : {&input.fixed, &input.moving})
-    for (const std::string& note : part->notes) std::fprintf(stderr, "warning: %s\n", note.c_str());
-  for (const std::string& warning : scene.cache_warnings)
-    std::fprintf(stderr, "warning: %s\n", warning.c_str());
+  print_warnings(input, scene);
   for (const std::string& warning : coarse_cables(scene))
     std::fprintf(stderr, "warning: %s\n", warning.c_str());
   if (a.run.common.quiet) return;
@@ -323,7 +297,7 @@ ExitCode replay_dynamic(const AssemblyInput& input, const AssemblyScene& scene, 
   RunPlan plan{.driver = "replay_assembly",
                .name = input.name,
                .h = scene.h,
-               .t_end = scene.path.t.back() + a.scene.hold,
+               .t_end = scene.path.t.back() + a.parts.scene.hold,
                .scene = scene_text(*a.cli, input.fingerprint,
                                    {"--data", "--fixed", "--moving", "--path", "--cache", "--flexible"}),
                .header = header_of(input, scene, a),
@@ -377,10 +351,10 @@ ExitCode replay(Arguments& a) {
   const bool dynamic = a.mode == "dynamic";
   refuse_unread_by_mode(*a.cli, dynamic);
   check(*a.cli, a.run);
-  take(a.said, a.scene);
-  a.scene.gravity = parse_vector(a.gravity, "--gravity");
-  a.scene.levels = scheme_options(a.run.scheme).step.levels;
-  AssemblyInput input = read_input(a);
+  take(a.said, a.parts.scene);
+  a.parts.scene.gravity = vector_of(a.parts.gravity, "--gravity");
+  a.parts.scene.levels = scheme_options(a.run.scheme).step.levels;
+  AssemblyInput input = read_input(a.parts);
   std::vector<RoutedCable> cables;
   if (!a.flexible.empty()) {
     const std::string text = read_file(a.flexible);
@@ -390,7 +364,8 @@ ExitCode replay(Arguments& a) {
   AssemblyScene scene;
   {
     Progress progress("clearance", double(input.poses.size()), Progress::style_of_stderr(a.run.common.quiet));
-    scene = make_assembly_scene(input, a.scene, a.run.common.threads, [&](int i, int) { progress.at(i); });
+    scene =
+        make_assembly_scene(input, a.parts.scene, a.run.common.threads, [&](int i, int) { progress.at(i); });
   }
   if (!cables.empty()) lay(a.flexible, cables, scene);
   note_straightened(input.fixed, shape_of(scene, scene.fixed));
@@ -410,29 +385,17 @@ int main(int argc, char** argv) {
   a.run.scheme.left_out.clear();
   Cli cli("replay_assembly", "Replays a recorded assembly path of two parts, with all their contacts.");
   cli.group("scene");
-  cli.input("--data", a.data, "folder with meshes/ and assembly/");
-  cli.option("--pair", a.pair, "pair in assembly/pairs.csv");
-  cli.input("--fixed", a.fixed, "mesh of the fixed part (OBJ, STL, PLY, OFF)");
-  cli.input("--moving", a.moving, "mesh of the moving part");
-  cli.input("--path", a.path,
-            "CSV file of poses of the moving part in the frame of the fixed one: x,y,z,qw,qx,qy,qz");
-  cli.option("--builtin", a.builtin, "built-in pair: bolt_nut");
-  cli.option("--scale", a.scale, "length of one unit of the files", "m", kMeshScale);
-  cli.option("--cache", a.scene.cache,
-             "folder that keeps repaired meshes and prepared shapes for later runs, created if missing; "
-             "empty: none");
+  add_parts(cli, a.parts);
   cli.input("--flexible", a.flexible,
             "JSON file of cables held by the parts and routed through clips; see "
             "doc/howto/route_a_cable.md");
   cli.choice("--mode", a.mode,
              "dynamic: pull the part along by a spring; kinematic: find contacts at the recorded poses",
              {"dynamic", "kinematic"});
-  const std::vector<OfferedSetting> scene = offered(a.scene, a.said);
+  const std::vector<OfferedSetting> scene = offered(a.parts.scene, a.said);
   add_flags(cli, scene, a.said, {"--dilation", "--mu", "--restitution", "--density", "--mass"});
   cli.stands_for("--restitution", "ContactLaw::restitution");
-  cli.option(
-      "--gravity", a.gravity,
-      "gravity x,y,z in the fixed part's frame, m/s^2; oblique by default, so that the part leans on it");
+  add_gravity(cli, a.parts, "oblique by default, so that the part leans on it");
   cli.group("path");
   add_flags(cli, scene, a.said,
             {"--speed", "--misalignment", "--frequency", "--damping-ratio", "--force-limit", "--torque-limit",

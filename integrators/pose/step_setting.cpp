@@ -135,6 +135,7 @@ void check_fits(const StepSetting& setting, const State& state, double h_limit) 
   check_count(state.g.size(), now.bodies, "size of State::g", kModel);
   check_count(state.v.size(), speeds, "size of State::v", kModel);
   check_count(state.q.size(), coordinates, "size of State::q", kModel);
+  check_count(state.u.size(), setting.model.inputs, "size of State::u", kModel);
   if (!state.turns.empty()) check_count(state.turns.size(), 3 * now.joints, "size of State::turns", kModel);
   if (state.r.size() > 0) check_count(state.r.size(), row_count(setting.model), "size of State::r", kModel);
   if (state.a.size() > 0) check_count(state.a.size(), 2 * speeds, "size of State::a", kModel);

@@ -22,7 +22,7 @@ function heat(share, colour) {
 }
 
 /** Instanced arrows of equal width; lengths change, heads do not. */
-class Arrows extends THREE.Group {
+export class Arrows extends THREE.Group {
   constructor(count, colour) {
     super();
     const material = new THREE.MeshBasicMaterial({ color: colour, depthTest: false, transparent: true, opacity: 0.9 });
@@ -52,7 +52,7 @@ class Arrows extends THREE.Group {
 }
 
 /** One mesh of the run as lines, surfaces and dilated points and wires. */
-function makeBody(run, index, colour) {
+export function makeBody(run, index, colour) {
   const group = new THREE.Group();
   const mesh = run.body_mesh[index];
   if (mesh < 0) return group;

@@ -12,10 +12,10 @@ import re
 import sys
 from pathlib import Path
 
-ROOMS = ["geometry", "lmd", "reduction", "mechanics", "integrators", "ports", "io"]
+ROOMS = ["geometry", "lmd", "reduction", "mechanics", "integrators", "ports", "io", "station"]
 MAY_INCLUDE = {room: set(ROOMS[: i + 1]) for i, room in enumerate(ROOMS)}
 MAY_INCLUDE["nsgs"] = {"nsgs"}
-for room in ("integrators", "ports", "io"):
+for room in ("integrators", "ports", "io", "station"):
     MAY_INCLUDE[room].add("nsgs")
 # The solver knows numbers and errors, but nothing that has a shape (doc/decisions/0003).
 ALSO = {"nsgs": {"geometry/types.hpp", "geometry/check.hpp", "geometry/named.hpp", "geometry/settings.hpp"}}
@@ -353,6 +353,24 @@ def viewer_is_built(root):
     return ["io/viewer/dist/template.html:1: not built from these sources: npm run build in io/viewer"]
 
 
+def live_page_is_built(root):
+    """The page of a station was built from the sources beside it, and not edited: dist/built.txt has both digests (station/page/build.mjs)."""
+    page, viewer = root / "station/page", root / "io/viewer"
+    sources, own = hashlib.sha256(), hashlib.sha256()
+    named = [(path.name, path) for path in sorted(page.iterdir()) if re.search(r"\.(js|mjs|css|html)$", path.name)]
+    named += [(f"../../io/viewer/{name}", viewer / name) for name in ("format.js", "scene.js", "package-lock.json")]
+    for name, path in named:
+        sources.update(name.encode() + b"\0" + path.read_bytes() + b"\0")
+    for name in ("live.html", "live.css", "live.js", "live_worker.js"):
+        path = page / "dist" / name
+        own.update(name.encode() + b"\0" + (path.read_bytes() if path.is_file() else b"") + b"\0")
+    built = page / "dist/built.txt"
+    told = built.read_text().split() if built.is_file() else []
+    if told[1:2] != [sources.hexdigest()]:
+        return ["station/page/dist/built.txt:1: not built from these sources: node build.mjs in station/page"]
+    return [] if told[3:4] == [own.hexdigest()] else ["station/page/dist/built.txt:2: edited by hand: change the sources and build"]
+
+
 def orders_are_counted(root):
     """What doc/theory/convergence.md says of the cells of orders.md is what stands there."""
     table = (root / "doc/theory/orders.md").read_text(encoding="utf-8").split("\n## Beams and solids")[0]
@@ -369,7 +387,7 @@ def orders_are_counted(root):
 
 RULES = {rule.__name__: rule for rule in (includes, halls, short_functions, few_public_headers, own_header_first, public_headers,
                                           listed, one_definition, velocity_places, strong_ids, equations, numbers, licence, links, pages, references,
-                                          tests, short_sentences, persons, tutorials, viewer_is_built,
+                                          tests, short_sentences, persons, tutorials, viewer_is_built, live_page_is_built,
                                           orders_are_counted)}
 
 

@@ -16,7 +16,7 @@ namespace aussois {
 namespace {
 
 void note_cache(AssemblyScene& scene, const std::string& what, const CacheUse& use) {
-  if (!use.warning.empty()) scene.cache_warnings.push_back(use.warning);
+  if (!use.warning.empty()) scene.warnings.push_back(use.warning);
   if (!use.file.empty()) scene.cache.push_back(what + ": " + to_string(use));
 }
 
@@ -60,8 +60,9 @@ class PoseCheck {
   int threads_;
 };
 
-double smallest_clearance(const AssemblyInput& input, const LmdShape& fixed, const LmdShape& moving,
-                          int threads, const std::function<void(int, int)>& progress) {
+double smallest_clearance(const AssemblyInput& input, bool at_start, const LmdShape& fixed,
+                          const LmdShape& moving, int threads,
+                          const std::function<void(int, int)>& progress) {
   const PoseCheck wrong_with(input, fixed, moving, threads);
   double clearance = kInf;  // two points have no size; else what is farther apart than that is no fit
   for (const AssemblyPart* part : {&input.fixed, &input.moving})
@@ -69,7 +70,7 @@ double smallest_clearance(const AssemblyInput& input, const LmdShape& fixed, con
       clearance = size;  // at last the moving one's
   std::string first;
   int more = 0;
-  for (std::size_t i = 0; i < input.poses.size(); ++i) {
+  for (std::size_t i = 0; i < (at_start ? 1 : input.poses.size()); ++i) {
     if (progress) progress(int(i) + 1, int(input.poses.size()));
     const std::string wrong = wrong_with(input.poses[i], clearance);
     if (wrong.empty()) continue;
@@ -153,7 +154,8 @@ AssemblyScene make_assembly_scene(const AssemblyInput& input, const AssemblyOpti
   };
   {
     const auto fixed = shape(input.fixed, 0, 0), moving = shape(input.moving, 0, 0);
-    scene.clearance = smallest_clearance(input, *fixed, *moving, threads, progress);
+    scene.clearance =
+        smallest_clearance(input, options.clearance_at_start, *fixed, *moving, threads, progress);
   }
   scene.dilation = options.dilation > 0 ? options.dilation : 0.3 * scene.clearance;
   std::ostringstream text;

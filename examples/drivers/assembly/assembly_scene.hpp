@@ -37,8 +37,9 @@ struct AssemblyOptions {
   Vec3 gravity = {-5.66, -5.66, -5.66};
   // The coupling pulls towards the path displaced along (1, 1, 1), in clearances [-]
   double misalignment = 1;
-  int levels = 0;                 // of the shapes, LmdShapeOptions::levels
-  std::filesystem::path cache{};  // folder of prepared shapes, see prepare_cached; empty: none
+  bool clearance_at_start = false;  // of the first pose alone; the others may have the parts in contact
+  int levels = 0;                   // of the shapes, LmdShapeOptions::levels
+  std::filesystem::path cache{};    // folder of prepared shapes, see prepare_cached; empty: none
 };
 void describe(SettingVisitor& visit, AssemblyOptions& options);  // its numbers
 
@@ -59,8 +60,8 @@ struct AssemblyScene {
   std::string mass_source{};
   std::vector<Cable> cables{};                  // between the parts
   std::vector<std::pair<BodyId, SE3>> clips{};  // of cables, on the moving part: where they are at the start
-  // A line per shape on what the cache did, and what it could not use or write; empty without a cache
-  std::vector<std::string> cache{}, cache_warnings{};
+  std::vector<std::string> cache{};             // a line per shape on what the cache did; empty without one
+  std::vector<std::string> warnings{};          // what a user should know
 };
 
 /// `progress(i, n)` is called while the clearance is measured. Throws std::runtime_error if recorded poses

@@ -5,76 +5,17 @@
 #include <cmath>
 #include <set>
 
-#include <nlohmann/json.hpp>
-
+#include "examples/common/json_fields.hpp"
 #include "io/text.hpp"
 
 namespace aussois {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-constexpr Range kElements{2, 10000}, kPlace{-1000, 1000};  // [m]
+constexpr Range kElements{2, 10000};
 
 std::string item(std::string list, std::size_t i) {
   return list.append("[").append(std::to_string(i)).append("]");
 }
-
-/// A JSON object whose fields are taken one by one; what is left is refused.
-class Fields {
- public:
-  Fields(const Json& json, std::string where) : json_(json), where_(std::move(where)) {
-    if (!json.is_object()) fail("", "must be an object");
-  }
-  bool has(const std::string& name) const { return json_.contains(name); }
-  const Json& take(const std::string& name) {
-    if (!has(name)) fail(name, "is missing");
-    taken_.push_back(name);
-    return json_.at(name);
-  }
-  Fields object(const std::string& name) { return {take(name), inside(name)}; }
-  std::string inside(const std::string& name) const { return where_.empty() ? name : where_ + "." + name; }
-  double number(const std::string& name, const Range& range) {
-    const Json& value = take(name);
-    if (!value.is_number()) fail(name, "must be a number");
-    if (!contains(range, value.get<double>()))
-      fail(name, "= " + value.dump() + " must " + range_order(range));
-    return value.get<double>();
-  }
-  bool flag(const std::string& name, bool otherwise) {
-    if (!has(name)) return otherwise;
-    const Json& value = take(name);
-    if (!value.is_boolean()) fail(name, "must be true or false");
-    return value.get<bool>();
-  }
-  std::string text(const std::string& name) {
-    const Json& value = take(name);
-    if (!value.is_string()) fail(name, "must be a string");
-    return value.get<std::string>();
-  }
-  Vec3 vector(const std::string& name) { return vector_in(take(name), name); }
-  Vec3 vector_in(const Json& value, const std::string& name) const {
-    const bool three = value.is_array() && value.size() == 3 &&
-                       std::ranges::all_of(value, [](const Json& x) { return x.is_number(); });
-    if (!three) fail(name, "must be three numbers");
-    for (const Json& x : value)
-      if (!contains(kPlace, x.get<double>())) fail(name, "= " + x.dump() + " must " + range_order(kPlace));
-    return {value[0].get<double>(), value[1].get<double>(), value[2].get<double>()};
-  }
-  void end() const {
-    for (const auto& [name, value] : json_.items())
-      if (std::ranges::find(taken_, name) == taken_.end()) fail(aussois::quoted(name), "is unknown");
-  }
-  [[noreturn]] void fail(const std::string& name, const std::string& what) const {
-    const std::string who = name.empty() ? where_ : inside(name);
-    throw std::runtime_error((who.empty() ? "the cable" : who) + " " + what);
-  }
-
- private:
-  const Json& json_;
-  std::string where_;
-  std::vector<std::string> taken_{};
-};
 
 /// Takes the options of a table from an object; those that it does not name keep their values.
 class SettingReader final : public SettingVisitor {
@@ -163,16 +104,8 @@ std::string clip_name(const RoutedCable& cable, int number) {
 
 std::vector<RoutedCable> cables_in(const std::string& text, const std::string& file,
                                    const std::vector<std::string>& taken) {
-  std::vector<std::set<std::string>> open;  // the fields of each object around the place that is parsed
-  const auto each_field_once = [&](int, Json::parse_event_t event, Json& value) {
-    if (event == Json::parse_event_t::object_start) open.emplace_back();
-    if (event == Json::parse_event_t::object_end) open.pop_back();
-    if (event == Json::parse_event_t::key && !open.back().insert(value.get<std::string>()).second)
-      throw std::runtime_error(aussois::quoted(value.get<std::string>()) + " stands twice in one object");
-    return true;
-  };
   try {
-    const Json json = Json::parse(text, each_field_once);
+    const Json json = parse_json(text);
     std::vector<RoutedCable> out;
     if (json.is_array()) {
       for (std::size_t i = 0; i < json.size(); ++i)

@@ -24,7 +24,8 @@ struct Scene {
   Model model{};
   State state{};
   BodyId part{}, handle{};
-  PortOptions port{};
+  int hold = 0;  // of the port, in the state
+  PortLimits limits{};
   Reaching reaching{};
 };
 
@@ -82,14 +83,15 @@ Scene scene_of(const HapticTrial& trial) {
   handle.motion = DrivenMotion{};
   out.handle = add(out.model, std::move(handle));
   const SE3 home = translation(0, 0, touches + kAway);
-  out.port = {.gains = critical_gains(out.model.bodies[out.part], trial.stiffness, 1e-3 * trial.stiffness),
-              .force_limit = trial.device.force_limit,
-              .torque_limit = trial.device.torque_limit};
-  add(out.model, port_law(out.model, out.part, out.handle, out.port));
+  out.limits = {.force = trial.device.force_limit, .torque = trial.device.torque_limit};
+  out.hold = add_port_law(out.model, out.part, out.handle, out.limits);
   const PerBody<SE3> places = out.state.g;
   out.state = rest_state(out.model);
   for (const BodyId b : places.ids()) out.state.g[b] = places[b];
   pose(out.state, out.part) = pose(out.state, out.handle) = home;
+  set_port_hold(
+      out.state, out.hold,
+      {.gains = critical_gains(out.model.bodies[out.part], trial.stiffness, 1e-3 * trial.stiffness)});
   out.reaching = {.home = home,
                   .shallow = kAway + 1e-3,
                   .deep = kAway + 15e-3,
@@ -131,12 +133,13 @@ class Bodies {
     return now.kinetic + now.laws;
   }
   /// On the hand, as (PORT-5) sees it.
-  DeviceForce told(const TrajectoryPoint& handle, double since) const {
-    return local_force(point_of(scene_.part), scene_.port, handle, since);
+  DeviceForce told(const HandleMotion& motion) const {
+    return local_force(point_of(scene_.part), port_hold(scene_.state, scene_.hold), scene_.limits, motion);
   }
   /// On the hand, as the last step left it.
   DeviceForce held() const {
-    const PortPull pull = port_pull(point_of(scene_.part), point_of(scene_.handle), scene_.port);
+    const PortPull pull = port_pull(point_of(scene_.part), point_of(scene_.handle),
+                                    port_hold(scene_.state, scene_.hold), scene_.limits);
     return {-pull.force, -pull.torque};
   }
 
@@ -198,7 +201,7 @@ HapticResult haptic_trial(const HapticTrial& trial, const std::function<bool(std
     }
     const double period = trial.device.period, since = double(out.samples % trial.every) * period;
     const Vec6 twist = steps ? twist_between(last, sample, period) : twist_between(at_step, sample, since);
-    late.push_back(held ? bodies.held() : bodies.told({sample, twist}, since));
+    late.push_back(held ? bodies.held() : bodies.told({sample, twist, since}));
     const DeviceForce wish = late.front();
     late.pop_front();
     const Valve valve = let_through(wish, motion, reserve, trial.reserve);

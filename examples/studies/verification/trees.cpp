@@ -84,6 +84,8 @@ std::vector<VerificationCase> tree_verification() {
                   [] { return rods_in_a_row(2, 0.3); }),
       same_motion("J2.four_bar", "crank, coupler and rocker fall for a second; one hinge closes the loop", 1,
                   false, four_bar),
+      same_motion("J3.chain", "a chain of 20 rods, 1 m long, swings for a second", 1, true,
+                  [] { return rods_in_a_row(20, 0.3); }),
       same_motion("J4.pressed_peg",
                   "an arm of seven hinges with springs presses a peg on a plate and slides it, mu = 0.3, for "
                   "a second",

@@ -33,6 +33,7 @@ Checkpoint nasty_checkpoint() {
   state.turns = {-3, 0, 1 << 20};
   state.r = Vec2(0.1, -5e-324);
   state.a = Vec3(-0.0, 0.1 + 0.2, -1e300);
+  state.u = Vec3(1 / 3.0, -0.0, 1e-300);
   for (int i = 0; i < 3; ++i)
     state.memory.contacts.push_back({.key = {BodyId::at(i), 1, 0xfedcba9876543210u + unsigned(i)},
                                      .normal = Vec3(0.6, -0.0, 0.8),
@@ -77,6 +78,8 @@ TEST(Checkpoint, GivesTheStateBackBitForBit) {
   EXPECT_TRUE(same_bits(a.q.data(), b.q.data(), 3) && same_bits(a.r.data(), b.r.data(), 2));
   ASSERT_EQ(a.a.size(), 3);
   EXPECT_TRUE(same_bits(a.a.data(), b.a.data(), 3));
+  ASSERT_EQ(b.u.size(), 3);
+  EXPECT_TRUE(same_bits(a.u.data(), b.u.data(), 3));
   EXPECT_EQ(a.turns, b.turns);
   ASSERT_EQ(a.memory.contacts.size(), b.memory.contacts.size());
   for (std::size_t i = 0; i < b.memory.contacts.size(); ++i) {

@@ -89,6 +89,8 @@ TEST(State, HashSeesEveryNumber) {
   changes.push_back([](State& s) { s.r = VecX::Ones(1); });
   changes.push_back([](State& s) { s.a = VecX::Zero(1); });
   changes.push_back([](State& s) { s.a = VecX::Ones(1); });
+  changes.push_back([](State& s) { s.u = VecX::Zero(1); });
+  changes.push_back([](State& s) { s.u = VecX::Ones(1); });
   changes.push_back([](State& s) { s.turns = {0}; });
   changes.push_back([](State& s) { s.turns = {-1}; });
   changes.push_back([](State& s) { s.memory.contacts.pop_back(); });
@@ -146,6 +148,19 @@ TEST(State, IsRefusedUnlessItFitsTheModel) {
 }
 
 // Two joints of three axes with four rows each, then two gap functions of three rows.
+TEST(State, HasTheInputsThatLawsAskFor) {
+  Model model;
+  add(model, RigidBody{.mass = 1, .inertia = Mat3::Identity()});
+  EXPECT_EQ(add_inputs(model, 3), 0);
+  EXPECT_EQ(add_inputs(model, 2), 3);
+  State state = rest_state(model);
+  EXPECT_EQ(state.u, VecX::Zero(5));
+  EXPECT_NO_THROW(validate(model, state));
+  state.u.resize(0);
+  expect_names(refusal(model, state), "size of State::u = 0 must be the number of inputs, 5");
+  expect_names(message_of([&] { (void)add_inputs(model, 0); }), "count = 0 must be positive");
+}
+
 TEST(State, HasASlotForEachRowOfAnAxisAndOfAGapFunction) {
   Model model;
   model.joints.resize(2);

@@ -20,24 +20,27 @@ struct Held {
   BodyId body{}, handle{};
 };
 
-Held held(const PortOptions& options, Random& random) {
+Held held(const PortHold& hold, Random& random, const PortLimits& limits = {}) {
   Held out;
   out.body = add(out.model, RigidBody{.name = "part", .mass = 1, .inertia = Mat3::Identity()});
   RigidBody handle = fixed_body("handle", {});
   handle.motion = DrivenMotion{};
   out.handle = add(out.model, std::move(handle));
-  add(out.model, port_law(out.model, out.body, out.handle, options));
+  (void)add_port_law(out.model, out.body, out.handle, limits);
   out.state = rest_state(out.model);
   for (const BodyId b : {out.body, out.handle}) {
     pose(out.state, b) = random.pose(0.3);
     twist(out.state, b) << random.vector(3), random.vector(3);
   }
+  set_port_hold(out.state, 0, hold);
   return out;
 }
 
-PortOptions gripped() {
+PortHold gripped() {
   return {.gains = {.stiffness = 300, .damping = 7, .rotation_stiffness = 4, .rotation_damping = 0.3},
-          .grip = {0.1, -0.2, 0.05}};
+          .grip = {0.1, -0.2, 0.05},
+          .brake = 2,
+          .rotation_brake = 0.4};
 }
 
 GeneralisedForce force_of(const Held& now, const State& state) {
@@ -53,11 +56,10 @@ State nudged(const Held& now, int entry, double by) {
 TEST(PortLaw, PushesBodyAndHandleDownThePotential) {
   Random random(3);
   for (const double limit : {kInf, 20.0}) {
-    PortOptions options = gripped();
-    options.gains.damping = options.gains.rotation_damping = 0;
-    options.force_limit = limit, options.torque_limit = limit / 10;
+    PortHold hold = gripped();
+    hold.gains.damping = hold.gains.rotation_damping = hold.brake = hold.rotation_brake = 0;
     for (int k = 0; k < 20; ++k) {
-      const Held now = held(options, random);
+      const Held now = held(hold, random, {.force = limit, .torque = limit / 10});
       const GeneralisedForce force = force_of(now, now.state);
       const auto U = [&](const State& state) { return now.model.forces[0].potential(now.model, state, 0); };
       for (int i = 0; i < now.state.v.size(); ++i) {
@@ -91,7 +93,9 @@ TEST(PortLaw, KnowsHowItsForcesChange) {
 // What moves as a whole feels no damper.
 TEST(PortLaw, IsAtRestWhereBodyAndHandleMoveTogether) {
   Random random(5);
-  Held now = held(gripped(), random);
+  PortHold hold = gripped();
+  hold.brake = hold.rotation_brake = 0;
+  Held now = held(hold, random);
   const SE3 g = pose(now.state, now.body);
   pose(now.state, now.handle) = {g.R, g * gripped().grip};
   const Vec3 v = random.vector(1), omega = random.vector(2);
@@ -103,10 +107,8 @@ TEST(PortLaw, IsAtRestWhereBodyAndHandleMoveTogether) {
 // Over a step as over a path: the handle goes on while the law is evaluated.
 TEST(PortLaw, LetsAPartThatIsLedAtAConstantSpeedLagByNothing) {
   Random random(8);
-  PortOptions options = gripped();
-  options.gains = {.stiffness = 2e3, .damping = 40, .rotation_stiffness = 2, .rotation_damping = 0.1};
-  options.grip = Vec3::Zero();
-  Held now = held(options, random);
+  Held now = held(
+      {.gains = {.stiffness = 2e3, .damping = 40, .rotation_stiffness = 2, .rotation_damping = 0.1}}, random);
   now.model.gravity.setZero();
   pose(now.state, now.body) = pose(now.state, now.handle);
   twist(now.state, now.body) << 0.3, -0.1, 0.2, 0, 0, 0.5;
@@ -121,8 +123,8 @@ TEST(PortLaw, LetsAPartThatIsLedAtAConstantSpeedLagByNothing) {
 // (PORT-1) for a translation: what the hand gives is stored, or taken by the damper.
 TEST(PortLaw, StoresWhatTheHandGives) {
   Random random(9);
-  PortOptions options{.gains = {.stiffness = 2e3, .damping = 40, .rotation_stiffness = 2}};
-  Held now = held(options, random);
+  const PortHold hold{.gains = {.stiffness = 2e3, .damping = 40, .rotation_stiffness = 2}};
+  Held now = held(hold, random);
   now.model.gravity.setZero();
   pose(now.state, now.body) = pose(now.state, now.handle) = {};
   twist(now.state, now.body).setZero();
@@ -139,18 +141,18 @@ TEST(PortLaw, StoresWhatTheHandGives) {
     const double before = stored();
     ASSERT_TRUE(scheme.step(now.state).ok());
     const Vec3 after = twist(now.state, now.body).head<3>(), pull = (after - v) / h;  // of 1 kg
-    const double taken = h * options.gains.damping * (v_h - (v + after) / 2).squaredNorm();
+    const double taken = h * hold.gains.damping * (v_h - (v + after) / 2).squaredNorm();
     EXPECT_NEAR(h * pull.dot(v_h), stored() - before + taken, 1e-12) << k;
   }
 }
 
 TEST(PortLaw, HoldsNoAttitudeByAGripAlone) {
   Random random(6);
-  PortOptions options = gripped();
-  options.gains.rotation_stiffness = options.gains.rotation_damping = 0;
-  const Held now = held(options, random);
+  PortHold hold = gripped();
+  hold.gains.rotation_stiffness = hold.gains.rotation_damping = 0;
+  const Held now = held(hold, random);
   const auto at = [&](BodyId b) { return TrajectoryPoint{pose(now.state, b), twist(now.state, b)}; };
-  const PortPull pull = port_pull(at(now.body), at(now.handle), options);
+  const PortPull pull = port_pull(at(now.body), at(now.handle), hold, {});
   EXPECT_EQ(pull.torque, Vec3(Vec3::Zero()));
   EXPECT_GT(pull.force.norm(), 0);
 }
@@ -159,15 +161,28 @@ TEST(PortLaw, RefusesWhatItCannotHold) {
   Model model;
   const BodyId body = add(model, RigidBody{.name = "part", .mass = 1, .inertia = Mat3::Identity()});
   const BodyId wall = add(model, fixed_body("wall", {}));
-  expect_names(message_of([&] { port_law(model, body, body, {}); }), "neither dynamic nor carried");
-  expect_names(message_of([&] { port_law(model, wall, wall, {}); }), "must be dynamic");
-  expect_names(message_of([&] { port_law(model, 7, wall, {}); }), "body = 7 must lie in [0, 2)");
-  expect_names(message_of([&] { port_law(model, body, wall, {.gains = {.stiffness = -1}}); }),
-               "stiffness = -1");
-  expect_names(message_of([&] {
-                 port_law(model, body, wall, {.grip = {0, 0, kInf}});
-               }),
-               "grip must be finite");
+  expect_names(message_of([&] { (void)add_port_law(model, body, body, {}); }), "neither dynamic nor carried");
+  expect_names(message_of([&] { (void)add_port_law(model, wall, wall, {}); }), "must be dynamic");
+  expect_names(message_of([&] { (void)add_port_law(model, 7, wall, {}); }), "body = 7 must lie in [0, 2)");
+  expect_names(message_of([&] { (void)add_port_law(model, body, wall, {.force = 0}); }), "force = 0");
+  expect_names(message_of([] { validate(PortGains{.stiffness = -1}); }), "stiffness = -1");
+}
+
+// Each port has a hold of its own.
+TEST(PortHold, StandsInTheState) {
+  Random random(8);
+  Held scene = held(gripped(), random);
+  const int second = add_port_law(scene.model, scene.body, scene.handle, {});
+  State state = rest_state(scene.model);
+  EXPECT_EQ(port_hold(state, second).gains.stiffness, 0);
+  set_port_hold(state, second, gripped());
+  EXPECT_EQ(port_hold(state, 0).gains.stiffness, 0);
+  const PortHold now = port_hold(state, second);
+  EXPECT_EQ(now.gains.stiffness, 300);
+  EXPECT_EQ(now.gains.rotation_damping, 0.3);
+  EXPECT_EQ(now.grip, gripped().grip);
+  EXPECT_EQ(now.brake, 2);
+  EXPECT_EQ(now.rotation_brake, 0.4);
 }
 
 }  // namespace

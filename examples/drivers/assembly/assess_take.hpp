@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// Repeats a take of a session and says what came of it: whether the part arrived, by how much it cleared the
+// other, what the hand and the contacts exerted.
+#pragma once
+
+#include "station/session.hpp"
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+
+#include "io/run_file.hpp"
+#include "io/summary.hpp"
+
+namespace aussois {
+
+/// Where the part should be at the end.
+struct TakeGoal {
+  SE3 pose{};
+  double tolerance = 0;  // of its farthest point [m]
+};
+
+enum class TakeVerdict {
+  ended,    // nothing was asked
+  arrived,  // at the goal
+  stopped,  // short of it
+  blocked,  // short of it, the pull at its limit and the part at rest
+  refused,  // a step was refused
+  unsolved  // a one-step problem was not solved
+};
+inline constexpr Named<TakeVerdict> kTakeVerdicts[] = {
+    {TakeVerdict::ended, "ended"},     {TakeVerdict::arrived, "arrived"},
+    {TakeVerdict::stopped, "stopped"}, {TakeVerdict::blocked, "blocked"},
+    {TakeVerdict::refused, "refused"}, {TakeVerdict::unsolved, "unsolved"}};
+
+struct TakeAssessment {
+  TakeRepeat repeat{};
+  TakeVerdict verdict = TakeVerdict::ended;
+  std::int64_t refused = 0, unsolved = 0;    // ticks
+  double lag = 0;                            // of the farthest point behind the goal, at the end [m]
+  double blocked = 0;                        // for how long, in one piece [s]
+  double clearance = kInf, clearance_t = 0;  // least lower bound of the distance of the meshes [m], when [s]
+  double touched = kInf;                     // first time [s]
+  double hand_force = 0, hand_torque = 0;    // largest [N], [N m]
+  double contact_force = 0, contact = 0;     // largest of all contacts of the part together, and of one [N]
+  double work = 0, friction = 0;             // done by the hand, and taken by contacts [J]
+  double length = 0, rotation = 0;           // of the way of the part's centre [m], [rad]
+};
+
+struct AssessOptions {
+  std::filesystem::path folder{};  // gets run.h5, ticks.csv, path.csv, replay.html
+  int every = 1;                   // each n-th tick is a row
+  double radius = 0;               // of the part, from its centre [m]
+  std::optional<TakeGoal> goal{};
+  std::function<bool(std::int64_t)> go_on{};  // asked after each tick
+};
+
+/// Throws what repeat_take throws, std::runtime_error for files.
+TakeAssessment assess_take(const SessionLog& log, int take, SessionStage& stage, RunHeader header,
+                           const AssessOptions& options);
+
+void set_assessment(const TakeAssessment& assessment, Summary& summary);
+/// One line: "arrived: least clearance 12.3 um at 0.4 s, ...".
+std::string to_string(const TakeAssessment& assessment);
+
+}  // namespace aussois
