@@ -2,7 +2,10 @@
 #include "io/pose_file.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <stdexcept>
 
 #include "geometry/check.hpp"
@@ -22,6 +25,17 @@ class PoseReader {
   PoseFile read(double scale) {
     if (!in_.next_row(fields_)) in_.fail("file must have a header line that names the columns");
     read_header();
+    return read_rows(scale);
+  }
+  /// Without a header; `order` are the columns of x, y, z, qw, qx, qy, qz.
+  PoseFile read_plain(double scale, const std::array<std::size_t, 7>& order) {
+    columns_.assign(order.begin(), order.end());
+    field_count_ = order.size();
+    return read_rows(scale);
+  }
+
+ private:
+  PoseFile read_rows(double scale) {
     while (in_.next_row(fields_)) {
       check_field_count();
       add_time();
@@ -32,7 +46,6 @@ class PoseReader {
     return std::move(poses_);
   }
 
- private:
   static constexpr const char* kNames[] = {"x", "y", "z", "qw", "qx", "qy", "qz"};
 
   void read_header() {
@@ -52,7 +65,7 @@ class PoseReader {
   void check_field_count() const {
     if (fields_.size() != field_count_)
       in_.fail("fields = " + std::to_string(fields_.size()) + " must be " + std::to_string(field_count_) +
-               ", as in the header");
+               (time_column_ == kNone && field_count_ == 7 ? ", of a pose" : ", as in the header"));
   }
 
   void add_time() {
@@ -91,11 +104,64 @@ class PoseReader {
   PoseFile poses_{};
 };
 
+// Words between blanks, as OMPL prints a path of SE(3): x y z qx qy qz qw.
+std::string csv_of_words(std::string_view text) {
+  std::string out;
+  bool gap = false;
+  for (const char c : text) {
+    const bool blank = c == ' ' || c == '\t' || c == '\r';
+    if (blank) {
+      gap = !out.empty() && out.back() != '\n';
+      continue;
+    }
+    if (gap && c != '\n') out += ',';
+    gap = false;
+    out += c;
+  }
+  return out;
+}
+
+// A row of NumPy's format 1 or 2 is a line: x y z qw qx qy qz in doubles.
+std::string csv_of_npy(const std::filesystem::path& path, std::string_view bytes) {
+  const auto refuse = [&](const std::string& what) {
+    throw std::runtime_error(path.string() + ":1: " + what);
+  };
+  if (bytes.size() < 12 || bytes.substr(0, 6) != "\x93NUMPY") refuse("is no NPY file");
+  const bool first = bytes[6] == 1;
+  std::size_t length = 0;
+  for (std::size_t k = 0; k < (first ? 2u : 4u); ++k)
+    length |= std::size_t(std::uint8_t(bytes[8 + k])) << (8 * k);
+  const std::size_t begin = (first ? 10u : 12u) + length;
+  if (begin > bytes.size()) refuse("its header is cut off");
+  const std::string_view header = bytes.substr(first ? 10 : 12, length), data = bytes.substr(begin);
+  if (header.find("'<f8'") == header.npos || header.find("'fortran_order': False") == header.npos)
+    refuse("must hold doubles, row by row: descr '<f8', fortran_order False");
+  constexpr std::size_t kRow = 7 * sizeof(double);
+  const std::string shape = "(" + std::to_string(data.size() / kRow) + ", 7)";
+  if (data.size() % kRow != 0 || header.find(shape) == header.npos) refuse("must have the shape (poses, 7)");
+  std::string out;
+  for (std::size_t at = 0; at < data.size(); at += sizeof(double)) {
+    double value = 0;
+    std::memcpy(&value, data.data() + at, sizeof value);
+    append_number(out, value);
+    out += (at / sizeof(double)) % 7 == 6 ? '\n' : ',';
+  }
+  return out;
+}
+
 }  // namespace
 
 PoseFile read_poses(const std::filesystem::path& path, double scale) {
   require_field(std::isfinite(scale) && scale > 0, "scale", scale, "be finite and > 0");
   const std::string text = read_file(path);
+  if (path.extension() == ".npy") {
+    const std::string rows = csv_of_npy(path, text);
+    return PoseReader(path, rows).read_plain(scale, {0, 1, 2, 3, 4, 5, 6});
+  }
+  if (path.extension() == ".path") {
+    const std::string rows = csv_of_words(text);
+    return PoseReader(path, rows).read_plain(scale, {0, 1, 2, 6, 3, 4, 5});
+  }
   return PoseReader(path, text).read(scale);
 }
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads and writes recorded poses as CSV. A header names the columns x, y, z, qw, qx, qy, qz, and t if the
-// poses have times, in any order. Other columns (index, remarks) are skipped, and so are lines that are empty
-// or begin with #. A row is the pose g_ab of a moving frame b seen from a: x_a = R(q) x_b + p, quaternion
-// scalar part qw.
+// Reads recorded poses: CSV, what planners write (OMPL's .path: x y z qx qy qz qw between blanks, no header),
+// and NumPy's .npy (doubles of shape (poses, 7): x y z qw qx qy qz); writes them as CSV. A header names the
+// columns x, y, z, qw, qx, qy, qz, and t if the poses have times, in any order. Other columns (index,
+// remarks) are skipped, and so are lines that are empty or begin with #. A row is the pose g_ab of a moving
+// frame b seen from a: x_a = R(q) x_b + p, quaternion scalar part qw.
 #pragma once
 
 #include <filesystem>

@@ -73,6 +73,7 @@ class SessionStage {
   const Port& port() const { return scene_->port; }
   const State& state() const { return state_; }
   const SessionParameters& parameters() const { return parameters_; }
+  const SessionOptions& options() const { return options_; }
 
  private:
   SessionMaker make_;

@@ -35,6 +35,14 @@ void tell_known(int known, std::size_t all, const std::filesystem::path& folder,
                 (results.empty() ? "" : results + " ").c_str(), folder.c_str());
 }
 
+std::pair<int, int> shard_of(const std::string& text) {
+  int k = 0, n = 0, end = 0;
+  const bool whole =
+      std::sscanf(text.c_str(), "%d/%d%n", &k, &n, &end) == 2 && std::size_t(end) == text.size();
+  require(whole && n >= 1 && k >= 1 && k <= n, "--shard " + text + " must be k/n with 1 <= k <= n");
+  return {k, n};
+}
+
 std::string file_stem(std::string words) {
   constexpr std::string_view kKept = "_.-";
   std::ranges::replace_if(

@@ -22,6 +22,9 @@ void make_folders(const ManyTasks& options);
 void tell_known(int known, std::size_t all, const std::filesystem::path& folder,
                 const std::string& results = {});
 
+/// --shard "K/N": each N-th task from the K-th on. Throws std::invalid_argument unless 1 <= K <= N.
+std::pair<int, int> shard_of(const std::string& text);
+
 /// "A4.unequal_balls", "ball_e05_moreau_jean_theta_0.5": the name of a file, of letters, digits, '_', '.' and
 /// '-'; what is none of them in `words` becomes '_'.
 std::string file_stem(std::string words);

@@ -7,6 +7,7 @@
 // Expect   no refused tick; assess_path --session out/session.h5 finds the same hashes
 #include "station/live_session.hpp"
 #include "station/server.hpp"
+#include "station/take_reader.hpp"
 
 #include <atomic>
 #include <cmath>
@@ -15,10 +16,11 @@
 
 #include "examples/common/many_tasks.hpp"
 #include "examples/common/progress.hpp"
-#include "examples/drivers/assembly/assess_take.hpp"
+#include "examples/drivers/assembly/assess_report.hpp"
 #include "examples/drivers/station/hand_script.hpp"
 #include "examples/drivers/station/station_setup.hpp"
 #include "geometry/check.hpp"
+#include "io/build_info.hpp"
 #include "io/record.hpp"
 #include "io/text.hpp"
 
@@ -98,9 +100,19 @@ std::vector<HandCommand> commands_of(const Station& station, const StationArgume
 TakeAssessment assess(const Station& station, const SessionLog& log, int take, const StationArguments& a,
                       const std::string& line, const std::function<bool(std::int64_t)>& go_on) {
   SessionStage stage(station.make, station.parameters, station.options);
-  return assess_take(
-      log, take, stage, header_of(stage, station, line),
-      {.folder = a.common.out, .every = a.common.every, .radius = station.scene.radius, .go_on = go_on});
+  TakeAssessment done = assess_take(log, take, stage, header_of(stage, station, line),
+                                    {.folder = a.common.out,
+                                     .every = a.common.every,
+                                     .radius = station.scene.radius,
+                                     .clearance = station.scene.clearance,
+                                     .go_on = go_on});
+  write_report(a.common.out, done, {},
+               {.title = station.input.name + ", take " + std::to_string(take),
+                .command_line = line,
+                .build = build_info(),
+                .marks = TakeReader(log, take).marks(),
+                .tick = station.parameters.tick});
+  return done;
 }
 
 ExitCode tell_end(const Station& station, const SessionLog& log, int take, const TakeAssessment& done,

@@ -87,10 +87,8 @@ std::vector<Cell> cells_of(const Arguments& a) {
 }
 
 /// Every n-th cell from the k-th on, for "k/n".
-std::vector<Cell> shard_of(const std::vector<Cell>& cells, const std::string& shard) {
-  int k = 0, n = 0, end = 0;
-  const bool whole = std::sscanf(shard.c_str(), "%d/%d%n", &k, &n, &end) == 2 && end == int(shard.size());
-  require(whole && n >= 1 && k >= 1 && k <= n, "--shard " + shard + " must be k/n with 1 <= k <= n");
+std::vector<Cell> part_of(const std::vector<Cell>& cells, const std::string& shard) {
+  const auto [k, n] = shard_of(shard);
   std::vector<Cell> out;
   for (std::size_t i = std::size_t(k) - 1; i < cells.size(); i += std::size_t(n)) out.push_back(cells[i]);
   return out;
@@ -285,7 +283,7 @@ ExitCode run(Arguments a) {
   require(!a.farm || has_task_farm(), "--farm needs a build configured with -DAUSSOIS_WITH_MPI=ON");
   if (!a.case_name.empty()) case_named(a.case_name);
   validate(a.study);
-  const std::vector<Cell> cells = shard_of(cells_of(a), a.shard);
+  const std::vector<Cell> cells = part_of(cells_of(a), a.shard);
   if (!a.all) {  // refused before a folder is made
     const SchemeVariant& variant = cells.front().variant;
     const Case* scene = cells.front().scene;

@@ -46,8 +46,8 @@ RESULTS = {
                       *(f"results/level_{i + 1}.json" for i in range(4 if "--levels" in COMMAND else 7))},
     "verify": set() if "--list" in COMMAND else {"verified.json", "verify/A4.unequal_balls.json"},
     "haptic_trial": {"haptic_trial.csv"},
-    "assembly_station": {"session.h5", "run.h5", "ticks.csv", "path.csv", "replay.html"},
-    "assess_path": {"run.h5", "ticks.csv", "path.csv", "replay.html", "assessment.json"},
+    "assembly_station": {"session.h5", "run.h5", "ticks.csv", "path.csv", "replay.html", "report.html"},
+    "assess_path": {"run.h5", "ticks.csv", "path.csv", "replay.html", "report.html", "assessment.json"},
     "prepare_part": {"part.html", "eroded.obj"},
     "run_scene": {"run.h5", "steps.csv", *([] if "bricard" in COMMAND else ["replay.html"])},  # it has no shapes
     "reduction_gallery": {f"reduction_{part}.svg" for part in ("cylinder", "torus", "gear", "peg")},

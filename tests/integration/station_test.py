@@ -4,6 +4,7 @@
 import json
 import os
 import signal
+import struct
 import subprocess
 import sys
 import time
@@ -153,6 +154,72 @@ class Way(DriverTest):
         self.assertEqual(summary["verdict"], "blocked")
         self.assertGreater(summary["clearance"], 0)  # never through it
         self.assertGreater(summary["lag"], 5e-3)
+
+
+class Many(DriverTest):
+    """Sweeps and folders of paths."""
+
+    def sweep(self, *arguments, out="out", code=0):
+        run = self.drive("assess_path", *PEG[:4], *arguments, "--quiet", "-o", out)
+        self.assertEqual(run.returncode, code, run.stderr + run.stdout)
+        return run
+
+    def rows(self, out="out"):
+        lines = (self.folder / out / "assessments.csv").read_text().splitlines()
+        return [dict(zip(lines[0].split(","), line.split(","))) for line in lines[1:]]
+
+    def test_sweep_has_all_combinations_and_is_done_once(self):
+        arguments = (*PEG[4:], "--sweep", "mu=0,0.3", "--sweep", "misalignment=0,1", "--gravity", "0,0,-9.81")
+        self.sweep(*arguments)
+        rows = self.rows()
+        self.assertEqual([(row["mu"], row["misalignment"]) for row in rows], [("0", "0"), ("0", "1"), ("0.3", "0"), ("0.3", "1")])
+        self.assertEqual({row["verdict"] for row in rows}, {"arrived"})
+        self.assertGreater(float(rows[3]["contact_losses"]), float(rows[1]["contact_losses"]))  # friction costs
+        table = (self.folder / "out/assessments.csv").read_bytes()
+        again = self.sweep(*arguments)
+        self.assertIn("4 of 4 assessments were already", again.stdout)
+        self.assertEqual((self.folder / "out/assessments.csv").read_bytes(), table)
+        for shard in ("1/2", "2/2"):
+            self.sweep(*arguments, "--shard", shard, out="shards")
+        self.sweep(*arguments, out="shards")
+        self.assertEqual((self.folder / "shards/assessments.csv").read_bytes(), table)
+        self.sweep(*arguments, "--threads", 1, out="alone")
+        self.assertEqual((self.folder / "alone/assessments.csv").read_bytes(), table)
+
+    def test_takes_the_paths_of_planners(self):
+        folder = self.folder / "planned"
+        folder.mkdir()
+        lines = [line for line in PEG[5].read_text().splitlines() if not line.startswith("#")]
+        names = lines[0].split(",")
+        poses = [[float(dict(zip(names, line.split(",")))[n]) for n in ("x", "y", "z", "qw", "qx", "qy", "qz")] for line in lines[1:]]
+        (folder / "a.csv").write_text("\n".join(lines) + "\n")
+        (folder / "b.path").write_text("".join(" ".join(map(repr, p[:3] + p[4:] + p[3:4])) + "\n" for p in poses) + "\n")
+        header = f"{{'descr': '<f8', 'fortran_order': False, 'shape': ({len(poses)}, 7), }}".ljust(117) + "\n"
+        (folder / "c.npy").write_bytes(b"\x93NUMPY\1\0" + struct.pack("<H", len(header)) + header.encode() +
+                                       struct.pack(f"<{7 * len(poses)}d", *(x for p in poses for x in p)))
+        (folder / "d.csv").write_text(lines[0] + "\n" + "".join(f"{k},{k},0,0.5,1,0,0,0\n" for k in range(12)))  # through the wall
+        (folder / "e.csv").write_text("nothing\n")
+        self.sweep(*PEG[4:], "--paths", folder, "--force-limit", 2, code=1)
+        rows = {row["path"]: row for row in self.rows()}
+        self.assertEqual([rows[name]["verdict"] for name in ("a.csv", "b.path", "c.npy")], 3 * ["arrived"])
+        for name in ("b.path", "c.npy"):  # the same poses
+            self.assertEqual(rows[name]["length"], rows["a.csv"]["length"])
+        self.assertEqual(rows["d.csv"]["verdict"], "blocked")
+        self.assertGreater(float(rows["d.csv"]["clearance"]), 0)
+        self.assertIn("e.csv:1", rows["e.csv"]["problem"])
+
+    def test_names_what_is_wrong(self):
+        for arguments, message in ((("--sweep", "mu"), "must begin with NAME="), (("--sweep", "mu=a"), "must be NAME=VALUE"),
+                                   (("--sweep", "friction=1"), "'friction' must be one of"), (("--sweep", "mu=-1"), "mu = -1"),
+                                   (("--sweep", "mu=0", "--shard", "3/2"), "--shard 3/2"), (("--shard", "1/2"), "--shard needs --sweep")):
+            with self.subTest(message):
+                self.assertIn(message, self.sweep(*PEG[4:], *arguments, code=2).stderr)
+
+    def test_report_says_what_was_asked(self):
+        self.sweep(*PEG[4:], "--misalignment", 1, "--gravity", "0,0,-9.81", "--clearance-min", 2e-5, "--force-max", 50, code=1)
+        page = (self.folder / "out/report.html").read_text()
+        for text in ("arrived", "clearance below 20 um", "a force above 50 N", "largest force of the hand", "replay.html"):
+            self.assertIn(text, page)
 
 
 if __name__ == "__main__":

@@ -4,7 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 
+#include <nlohmann/json.hpp>
+
+#include "examples/common/kept_json.hpp"
+#include "examples/drivers/assembly/jam_probe.hpp"
 #include "io/csv_table.hpp"
 #include "io/pose_file.hpp"
 #include "io/record.hpp"
@@ -39,14 +44,15 @@ ContactLoad load_of(const StepReport& step, BodyId body) {
 class Assessor {
  public:
   Assessor(const SessionStage& stage, RunHeader header, const AssessOptions& options)
-      : options_(options),
-        run_(options.folder / "run.h5", header),
-        table_(options.folder / "ticks.csv",
-               {"tick", "t", "steps", "contacts", "touching", "min_gap", "clearance", "hand_force",
-                "hand_torque", "contact_force", "largest_contact_force", "hand_work", "contact_work", "held",
-                "whole"}),
-        last_(stage.state()) {
-    run_.append(run_step(0, stage.model(), last_));
+      : options_(options), last_(stage.state()) {
+    if (options.folder.empty()) return;
+    run_.emplace(options.folder / "run.h5", header);
+    table_.emplace(
+        options.folder / "ticks.csv",
+        std::vector<std::string>{"tick", "t", "steps", "contacts", "touching", "min_gap", "clearance",
+                                 "hand_force", "hand_torque", "contact_force", "largest_contact_force",
+                                 "hand_work", "contact_work", "held", "whole"});
+    run_->append(run_step(0, stage.model(), last_));
     add_pose(stage);
   }
 
@@ -59,7 +65,7 @@ class Assessor {
     look_at_hand(stage, pull);
     out.length += (pose(state, port.body).p - pose(last_, port.body).p).norm();
     out.rotation += angle_between(pose(state, port.body).R, pose(last_, port.body).R);
-    if (tick_ % options_.every == 0) add_row(stage, report, pull);
+    if (run_ && tick_ % options_.every == 0) add_row(stage, report, pull);
     last_ = state;
     last_pull_ = pull;
   }
@@ -73,10 +79,11 @@ class Assessor {
                   : out.unsolved > 0                    ? TakeVerdict::unsolved
                   : !options_.goal                      ? TakeVerdict::ended
                   : out.lag <= options_.goal->tolerance ? TakeVerdict::arrived
-                  : out.blocked >= 0.2                  ? TakeVerdict::blocked
+                  : out.blocked >= 0.2                  ? look_for_a_way(stage)
                                                         : TakeVerdict::stopped;
-    run_.close();
-    table_.close();
+    if (!run_) return;
+    run_->close();
+    table_->close();
     if (poses_.pose.size() >= 2) write_poses(options_.folder / "path.csv", poses_, 1);
     RunReader recorded(options_.folder / "run.h5");
     write_replay_html(options_.folder / "replay.html", recorded);
@@ -90,6 +97,17 @@ class Assessor {
     const Port& p = stage.port();
     return port_pull({pose(s, p.body), twist(s, p.body)}, {pose(s, p.handle), twist(s, p.handle)},
                      port_hold(s, p.place), p.options.limits);
+  }
+
+  // Which way a blocked part comes free, at the limits of the hand.
+  TakeVerdict look_for_a_way(const SessionStage& stage) {
+    const PortLimits& limits = stage.port().options.limits;
+    const JamProbe probe = probe_jam(stage, {.force = std::min(limits.force, 1e3),
+                                             .torque = std::min(limits.torque, 1e2),
+                                             .enough = 0.1 * options_.clearance,
+                                             .radius = options_.radius});
+    out.free_way = probe.way, out.free_push = probe.name;
+    return probe.wedged ? TakeVerdict::wedged : TakeVerdict::blocked;
   }
 
   void look_at_steps(const TickReport& report, BodyId body) {
@@ -138,16 +156,16 @@ class Assessor {
 
   void add_row(const SessionStage& stage, const TickReport& report, const PortPull& pull) {
     const State& state = stage.state();
-    table_.add({double(tick_), state.t, double(report.steps.size()),
-                report.steps.empty() ? 0.0 : double(report.steps.back().contacts_found), double(load_.count),
-                gap_, clearance_, pull.force.norm(), pull.torque.norm(), load_.sum, load_.largest, out.work,
-                -out.friction, double(is_held(state, stage.port())), double(report.whole())});
+    table_->add({double(tick_), state.t, double(report.steps.size()),
+                 report.steps.empty() ? 0.0 : double(report.steps.back().contacts_found), double(load_.count),
+                 gap_, clearance_, pull.force.norm(), pull.torque.norm(), load_.sum, load_.largest, out.work,
+                 -out.friction, double(is_held(state, stage.port())), double(report.whole())});
     const CouplingWrench wrench{.force = pull.force,
                                 .torque = pose(state, stage.port().body).R.conjugate() * pull.torque};
     if (report.whole())
-      run_.append(run_step(tick_, stage.model(), state, report.steps.back(), wrench));
+      run_->append(run_step(tick_, stage.model(), state, report.steps.back(), wrench));
     else
-      run_.append(run_step(tick_, stage.model(), state, wrench));
+      run_->append(run_step(tick_, stage.model(), state, wrench));
     add_pose(stage);
   }
 
@@ -160,8 +178,8 @@ class Assessor {
   }
 
   const AssessOptions& options_;
-  RunWriter run_;
-  CsvTable table_;
+  std::optional<RunWriter> run_{};
+  std::optional<CsvTable> table_{};
   PoseFile poses_{};
   State last_;
   PortPull last_pull_{};
@@ -185,26 +203,74 @@ TakeAssessment assess_take(const SessionLog& log, int take, SessionStage& stage,
   return assessor.out;
 }
 
+const std::vector<AssessmentNumber>& assessment_numbers() {
+  using A = TakeAssessment;
+  const auto real = [](const char* name, const char* what, const char* unit, double A::*member) {
+    return AssessmentNumber{name,
+                            what,
+                            unit,
+                            false,
+                            [member](const A& a) { return a.*member; },
+                            [member](A& a, double x) { a.*member = x; }};
+  };
+  const auto count = [](const char* name, const char* what, auto member) {
+    return AssessmentNumber{name,
+                            what,
+                            "",
+                            true,
+                            [member](const A& a) { return double(std::invoke(member, a)); },
+                            [member](A& a, double x) { std::invoke(member, a) = std::int64_t(x); }};
+  };
+  static const std::vector<AssessmentNumber> all{
+      count(
+          "ticks", "ticks", [](auto& a) -> auto& { return a.repeat.ticks; }),
+      count(
+          "hashes", "hashes compared", [](auto& a) -> auto& { return a.repeat.hashes; }),
+      count(
+          "differs", "first moment with another hash, -1: none",
+          [](auto& a) -> auto& { return a.repeat.differs; }),
+      count("refused_ticks", "ticks whose rest was refused", &A::refused),
+      count("unsolved_ticks", "ticks with a problem that was not solved", &A::unsolved),
+      real("lag", "farthest point of the part behind its goal, at the end", "m", &A::lag),
+      real("blocked_time", "longest time at rest with the pull at its limit", "s", &A::blocked),
+      real("clearance", "least distance of the meshes, lower bound", "m", &A::clearance),
+      real("clearance_time", "time of that", "s", &A::clearance_t),
+      real("first_touch", "first contact force", "s", &A::touched),
+      real("hand_force", "largest force of the hand", "N", &A::hand_force),
+      real("hand_torque", "largest torque of the hand", "N m", &A::hand_torque),
+      real("contact_force", "largest sum of contact forces on the part", "N", &A::contact_force),
+      real("largest_contact_force", "largest force of one contact", "N", &A::contact),
+      real("hand_work", "work of the hand", "J", &A::work),
+      real("contact_losses", "taken by contacts", "J", &A::friction),
+      real("length", "way of the part's centre", "m", &A::length),
+      real("rotation", "its rotation, summed", "rad", &A::rotation),
+      real("free_way", "way of a blocked part by the best push", "m", &A::free_way)};
+  return all;
+}
+
 void set_assessment(const TakeAssessment& a, Summary& summary) {
   summary.set("verdict", name_of(a.verdict, kTakeVerdicts));
-  summary.set("ticks", a.repeat.ticks);
-  summary.set("hashes", a.repeat.hashes);
-  summary.set("differs", a.repeat.differs);
-  summary.set("refused_ticks", a.refused);
-  summary.set("unsolved_ticks", a.unsolved);
-  summary.set("lag", a.lag);
-  summary.set("blocked_time", a.blocked);
-  summary.set("clearance", a.clearance);
-  summary.set("clearance_time", a.clearance_t);
-  summary.set("first_touch", a.touched);
-  summary.set("hand_force", a.hand_force);
-  summary.set("hand_torque", a.hand_torque);
-  summary.set("contact_force", a.contact_force);
-  summary.set("largest_contact_force", a.contact);
-  summary.set("hand_work", a.work);
-  summary.set("contact_losses", a.friction);
-  summary.set("length", a.length);
-  summary.set("rotation", a.rotation);
+  summary.set("free_push", a.free_push);
+  for (const AssessmentNumber& number : assessment_numbers()) {
+    if (number.whole)
+      summary.set(number.name, std::int64_t(number.get(a)));
+    else
+      summary.set(number.name, number.get(a));
+  }
+}
+
+nlohmann::ordered_json json_of(const TakeAssessment& a) {
+  nlohmann::ordered_json out{{"verdict", name_of(a.verdict, kTakeVerdicts)}, {"free_push", a.free_push}};
+  for (const AssessmentNumber& number : assessment_numbers()) out[number.name] = number_json(number.get(a));
+  return out;
+}
+
+TakeAssessment assessment_in(const nlohmann::ordered_json& json) {
+  TakeAssessment out;
+  out.verdict = value_named(json.at("verdict").get<std::string>(), "verdict", kTakeVerdicts);
+  for (const AssessmentNumber& number : assessment_numbers())
+    number.set(out, number_in(json.at(number.name)));
+  return out;
 }
 
 std::string to_string(const TakeAssessment& a) {
@@ -215,7 +281,13 @@ std::string to_string(const TakeAssessment& a) {
                 name_of(a.verdict, kTakeVerdicts), static_cast<long long>(a.repeat.ticks), 1e6 * a.clearance,
                 a.clearance_t, a.hand_force, a.hand_torque, a.contact_force, a.work, 1e3 * a.length,
                 180 / kPi * a.rotation);
-  return text;
+  std::string out = text;
+  if (a.free_way > 0) {
+    std::snprintf(text, sizeof text, "; pushed %s it moves by %.3g um", a.free_push.c_str(),
+                  1e6 * a.free_way);
+    out += text;
+  }
+  return out;
 }
 
 }  // namespace aussois

@@ -30,6 +30,7 @@ const std::map<char, std::string> kGroups = {{'A', "Impacts without friction"},
                                              {'H', "Balances"},
                                              {'J', "Trees in joint coordinates"},
                                              {'K', "Cables in contact"},
+                                             {'P', "Pegs in holes"},
                                              {'S', "All that deforms"}};
 
 std::string digits(double figure) {

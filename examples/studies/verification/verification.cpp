@@ -48,7 +48,7 @@ const std::vector<VerificationCase>& verification_cases() {
                               stack_verification,         balance_verification,      tree_verification,
                               cable_contact_verification, knot_verification,         belt_verification,
                               soft_fold_verification,     soft_repeat_verification,  soft_oracle_verification,
-                              soft_throw_verification})
+                              soft_throw_verification,    insertion_verification})
       for (VerificationCase& c : group()) out.push_back(std::move(c));
     std::ranges::stable_sort(out, {}, item);
     return out;

@@ -66,6 +66,7 @@ std::vector<VerificationCase> soft_fold_verification();      // group S: self-co
 std::vector<VerificationCase> soft_repeat_verification();    // group S: the same bits
 std::vector<VerificationCase> soft_oracle_verification();    // group S: slow ways to the same
 std::vector<VerificationCase> soft_throw_verification();     // group S: nothing tunnels
+std::vector<VerificationCase> insertion_verification();      // group P: pegs in holes
 
 /// What became of a case.
 struct Measured {

@@ -125,6 +125,50 @@ INSTANTIATE_TEST_SUITE_P(
       return name.substr(0, name.find('.'));
     });
 
+std::string npy(const std::string& header, const std::vector<double>& values) {
+  std::string text = header;
+  text.resize(117, ' ');
+  text += '\n';
+  std::string out = std::string("\x93NUMPY\1\0", 8) + char(118) + '\0' + text;
+  return out.append(reinterpret_cast<const char*>(values.data()), 8 * values.size());
+}
+const std::vector<double> kTwo{1, 2, 3, 1, 0, 0, 0, 4, 5, 6, 0, 1, 0, 0};
+const std::string kHeader = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 7), }";
+
+TEST(ReadPoses, ReadsWhatPlannersAndNumPyWrite) {
+  const std::filesystem::path folder = fresh_folder();
+  const PoseFile plain =
+      read_poses(write_bytes(folder / "a.path", "1 2 3 0 0 0 1\n\n 4  5\t6 1 0 0 0 \n"), 0.5);
+  const PoseFile numpy = read_poses(write_bytes(folder / "a.npy", npy(kHeader, kTwo)), 0.5);
+  for (const PoseFile& read : {plain, numpy}) {
+    ASSERT_EQ(read.pose.size(), 2u);
+    EXPECT_TRUE(read.t.empty());
+    EXPECT_EQ(read.pose[1].p, Vec3(2, 2.5, 3));
+    EXPECT_EQ(read.pose[0].R.w(), 1);
+    EXPECT_EQ(std::abs(read.pose[1].R.x()), 1);
+  }
+}
+
+TEST(ReadPoses, RefusesBrokenFilesOfPlanners) {
+  const std::filesystem::path folder = fresh_folder();
+  const auto told = [&](const char* name, const std::string& bytes) {
+    const std::filesystem::path path = write_bytes(folder / name, bytes);
+    return message_of<std::runtime_error>([&] { (void)read_poses(path, 1); });
+  };
+  expect_names(told("short.path", "1 2 3 0 0 0 1\n1 2 3 0 0 0\n"), ":2: fields = 6 must be 7");
+  expect_names(told("word.path", "1 2 3 0 0 0 1\n1 2 up 0 0 0 1\n"), ":2: z = 'up'");
+  expect_names(told("none.npy", "x"), ":1: is no NPY file");
+  const std::string good = npy(kHeader, kTwo);
+  expect_names(told("cut.npy", good.substr(0, 60)), "header is cut off");
+  expect_names(told("half.npy", good.substr(0, good.size() - 8)), "must have the shape (poses, 7)");
+  expect_names(told("single.npy", npy("{'descr': '<f4', 'fortran_order': False, 'shape': (2, 7), }", kTwo)),
+               "'<f8'");
+  expect_names(told("fortran.npy", npy("{'descr': '<f8', 'fortran_order': True, 'shape': (2, 7), }", kTwo)),
+               "row by row");
+  expect_names(told("nan.npy", npy(kHeader, {1, 2, kInf, 1, 0, 0, 0, 4, 5, 6, 0, 1, 0, 0})),
+               ":1: z = inf must be finite");
+}
+
 TEST(ReadPoses, ReadsEveryPathOfTheSharedData) {
   const char* data = std::getenv("AUSSOIS_DATA_DIR");
   if (!data || !*data) GTEST_SKIP() << "set AUSSOIS_DATA_DIR to the folder with the shared data";
