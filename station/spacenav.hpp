@@ -34,7 +34,7 @@ class Spacenav {
   /// Where the daemon listens: SPNAV_SOCKET, or what /etc/spnavrc says, or /var/run/spnav.sock.
   static std::filesystem::path usual_socket();
 
-  /// Throws std::runtime_error if nobody listens there.
+  /// Throws std::runtime_error if no daemon listens there.
   explicit Spacenav(const std::filesystem::path& socket = usual_socket());
   ~Spacenav();
   Spacenav(const Spacenav&) = delete;
