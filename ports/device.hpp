@@ -3,6 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
 
 #include "geometry/se3.hpp"
 
@@ -18,6 +21,16 @@ struct DeviceSample {
 struct DeviceForce {
   Vec3 force = Vec3::Zero();   // [N]
   Vec3 torque = Vec3::Zero();  // [N m]
+};
+
+/// A haptic device is four functions: a simulated one is built in, makers' libraries go behind the same. They
+/// are called from one thread.
+struct HapticDevice {
+  std::string name{};
+  std::function<void()> open{};                         // throws std::runtime_error if it cannot
+  std::function<std::optional<DeviceSample>()> read{};  // the newest reading; none: the device is gone
+  std::function<void(const DeviceForce&)> write{};
+  std::function<void()> close{};
 };
 
 }  // namespace aussois

@@ -36,6 +36,11 @@ struct DeviceMotion {
   Vec3 shift = Vec3::Zero(), turn = Vec3::Zero();  // [m, rad]
 };
 DeviceMotion motion_between(const SE3& from, const SE3& to);
+/// A device that moves farther between two samples has jumped: its hand lets go.
+inline constexpr double kDeviceJump = 5e-3, kDeviceTurn = 0.0873;  // [m], 5 degrees [rad]
+inline bool has_jumped(const DeviceMotion& motion) {
+  return !(motion.shift.norm() <= kDeviceJump && motion.turn.norm() <= kDeviceTurn);
+}
 
 /// What left with a force that was held over a motion, with what a turn that changes its axis may hide [J].
 double work_left(const DeviceForce& held, const DeviceMotion& motion, const ReserveOptions& options);

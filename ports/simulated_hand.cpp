@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "geometry/check.hpp"
 #include "geometry/settings.hpp"
@@ -167,6 +168,17 @@ DeviceSample SimulatedHand::live(const DeviceForce& sent) {
   last_.time = time_;
   last_.serial = ++serial_;
   return last_;
+}
+
+HapticDevice simulated_device(HandKind kind, const SimulatedDeviceOptions& device, const Reaching& reaching,
+                              std::uint64_t seed) {
+  const auto hand = std::make_shared<SimulatedHand>(kind, device, reaching, seed);
+  const auto force = std::make_shared<DeviceForce>();
+  return {.name = std::string("simulated ") + name_of(kind, kHandKinds) + " hand",
+          .open = [] {},
+          .read = [=]() -> std::optional<DeviceSample> { return hand->live(*force); },
+          .write = [=](const DeviceForce& sent) { *force = sent; },
+          .close = [] {}};
 }
 
 }  // namespace aussois

@@ -88,4 +88,8 @@ class SimulatedHand {
   DeviceSample last_{};
 };
 
+/// The hand and its device behind the four functions; each reading lives for a period.
+HapticDevice simulated_device(HandKind kind, const SimulatedDeviceOptions& device, const Reaching& reaching,
+                              std::uint64_t seed);
+
 }  // namespace aussois

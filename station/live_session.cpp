@@ -93,15 +93,32 @@ void LiveSession::begin() {
   wake_.notify_all();
 }
 
-void LiveSession::hand(const LiveCommand& command) {
+void LiveSession::hand(const LiveCommand& command, From from) {
   if (command.mode == LiveCommand::Mode::none) must_let_go_ = false;
   if (must_let_go_) return;
-  hand_.set({command, Clock::now()});
+  (from == From::page ? hand_ : space_mouse_).set({command, Clock::now()});
   wake_.notify_all();
 }
 
 void LiveSession::let_go() {
   hand_.set({});
+  space_mouse_.set({});
+}
+
+LiveSession::Hand LiveSession::hand_now() const {
+  const Hand mouse = space_mouse_.get();
+  const bool moves =
+      mouse.command.mode != LiveCommand::Mode::none && Seconds(Clock::now() - mouse.at).count() < kHandLost;
+  return moves ? mouse : hand_.get();
+}
+
+void LiveSession::device(const std::optional<SE3>& handle) {
+  device_.set({handle, Clock::now()});
+  if (handle) wake_.notify_all();
+}
+
+bool LiveSession::is_led() const {
+  return device_.get().handle || hand_now().command.mode != LiveCommand::Mode::none;
 }
 
 void LiveSession::ask(std::uint64_t page, const std::string& text) {
@@ -156,8 +173,7 @@ void LiveSession::run() {
   try {
     while (!stop_) {
       take_requests();
-      const bool led = hand_.get().command.mode != LiveCommand::Mode::none;
-      if (!begun_ || (paused_ && !led)) {
+      if (!begun_ || (paused_ && !is_led())) {
         if (!std::exchange(idle_, true)) publish();
         std::unique_lock lock(wake_mutex_);
         wake_.wait_for(lock, Seconds(kFramePeriod));
@@ -206,7 +222,7 @@ void LiveSession::do_request(const Request& request) {
   } else if (request.kind == "seek") {
     session_.seek(request.take, request.moment);
     must_let_go_ = true;
-    hand_.set({});
+    let_go();
     paused_ = true;
     holding_ = false, free_until_ = 0;
     last_ = {};
@@ -221,6 +237,7 @@ void LiveSession::do_request(const Request& request) {
 void LiveSession::tick() {
   last_ = session_.tick(target());
   measure_pace();
+  show_port();
   if (session_.moment() % Session::kBlock == 0) writer_.write(session_.log());
   tell_marks();
 }
@@ -233,7 +250,13 @@ PortTarget LiveSession::stay() const {
 }
 
 PortTarget LiveSession::target() {
-  const Hand hand = hand_.get();
+  const DeviceHand device = device_.get();
+  if (device.handle && Seconds(Clock::now() - device.at).count() < kHandLost) {
+    holding_ = true;
+    stay_.grip.setZero();
+    return {.mode = PortTarget::Mode::pose, .pose = *device.handle};
+  }
+  const Hand hand = hand_now();
   const double silent = Seconds(Clock::now() - hand.at).count();
   const LiveCommand& c = hand.command;
   if (c.mode == LiveCommand::Mode::none || silent > kHandLost) {
@@ -264,6 +287,22 @@ PortTarget LiveSession::target() {
   stay_.grip = out.grip;
   holding_ = true;
   return out;
+}
+
+void LiveSession::show_port() {
+  const State& state = session_.state();
+  const Port& port = session_.port();
+  const Energy now = energy(session_.model(), state);
+  put_in_ += last_.put_in;
+  for (const StepReport& step : last_.steps) put_in_ += std::max(0.0, step.energy.gravity_work);
+  view_.set({.moment = session_.moment(),
+             .body = {pose(state, port.body), twist(state, port.body)},
+             .hold = port_hold(state, port.place),
+             .limits = port.options.limits,
+             .stored = now.kinetic + now.laws,
+             .put_in = put_in_,
+             .slow = slow_,
+             .at = Clock::now()});
 }
 
 void LiveSession::measure_pace() {

@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -37,6 +38,18 @@ struct LiveAnswer {
   std::string text{};
 };
 
+/// What a device must know of the bodies between their ticks.
+struct PortView {
+  std::int64_t moment = -1;
+  TrajectoryPoint body{};
+  PortHold hold{};
+  PortLimits limits{};
+  double stored = 0;  // kinetic energy, and that of springs and laws [J]
+  double put_in = 0;  // by gravity, motors and gains that grew, since the session began [J]
+  double slow = 1;    // simulated seconds per second
+  std::chrono::steady_clock::time_point at{};
+};
+
 /// Since the last command a hand stands still after so long, and has let go after so long [s].
 inline constexpr double kHandStands = 0.15, kHandLost = 0.5;
 
@@ -48,9 +61,14 @@ class LiveSession {
   ~LiveSession();
 
   void begin();
-  /// The newest wins.
-  void hand(const LiveCommand& command);
+  /// The newest of each source wins; a space mouse that moves leads before a page.
+  enum class From { page, space_mouse };
+  void hand(const LiveCommand& command, From from = From::page);
   void let_go();
+  /// Where the handle of a haptic device is, in the world; it leads the part before any other hand. None: it
+  /// has let go.
+  void device(const std::optional<SE3>& handle);
+  PortView port_view() const { return view_.get(); }
   /// What a page asks for: set, mark, seek, pause, save. Throws std::invalid_argument, naming field, value
   /// and bound, for what is not understood; the answer comes by `answers`.
   void ask(std::uint64_t page, const std::string& text);
@@ -88,6 +106,8 @@ class LiveSession {
   void tell_parameters();
   void save(std::uint64_t page);
   void measure_pace();
+  void show_port();
+  bool is_led() const;
 
   Session session_;
   LiveOptions options_;
@@ -96,7 +116,16 @@ class LiveSession {
   std::vector<LiveMesh> meshes_{};
   std::vector<int> mesh_of_{};  // of each body; -1: none
 
-  Latest<Hand> hand_{};
+  struct DeviceHand {
+    std::optional<SE3> handle{};
+    Clock::time_point at{};
+  };
+  Hand hand_now() const;
+
+  Latest<Hand> hand_{}, space_mouse_{};
+  Latest<DeviceHand> device_{};
+  Latest<PortView> view_{};
+  double put_in_ = 0;
   Latest<LiveFrame> frame_{};
   Latest<std::string> parameters_{};
   Mail<Request> requests_{1024};

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "station/spacenav.hpp"
 
+#include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -47,6 +49,20 @@ std::vector<SpacenavEvent> SpacenavFraming::add(std::string_view bytes) {
     }
     out.push_back(event);
   }
+  return out;
+}
+
+LiveCommand command_of(const SpacenavEvent& motion, const Vec3& grip, double speed, double spin) {
+  constexpr double kFull = 350, kDead = 0.05;
+  const auto bent = [](int value) {
+    const double x = double(value) / kFull, size = (std::abs(x) - kDead) / (1 - kDead);
+    return size > 0 ? std::copysign(std::min(1.0, size * size * size), x) : 0.0;
+  };
+  LiveCommand out{.mode = LiveCommand::Mode::twist, .grip = grip};
+  const auto& a = motion.axes;  // of the daemon: y up, z away
+  out.twist << speed * Vec3(bent(a[0]), bent(a[2]), bent(a[1])),
+      spin * Vec3(bent(a[3]), bent(a[5]), bent(a[4]));
+  if (out.twist.isZero(0)) out.mode = LiveCommand::Mode::none;
   return out;
 }
 

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "io/live_message.hpp"
+
 namespace aussois {
 
 struct SpacenavEvent {
@@ -28,6 +30,9 @@ class SpacenavFraming {
   std::array<char, 32> record_{};
   std::size_t filled_ = 0;
 };
+
+/// A motion as a twist of a grip [m/s, rad/s]: x to the right, z up, the cap's full way at these speeds.
+LiveCommand command_of(const SpacenavEvent& motion, const Vec3& grip, double speed = 0.05, double spin = 1);
 
 class Spacenav {
  public:

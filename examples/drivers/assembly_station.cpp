@@ -5,14 +5,18 @@
 // Theory   doc/theory/sessions.md (SES-1) to (SES-3), doc/theory/ports.md
 // Run      assembly_station --builtin bolt_nut --demo-script --no-browser
 // Expect   no refused tick; assess_path --session out/session.h5 finds the same hashes
+#include "station/device_loop.hpp"
 #include "station/live_session.hpp"
 #include "station/server.hpp"
+#include "station/spacenav.hpp"
 #include "station/take_reader.hpp"
 
 #include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <optional>
+#include <thread>
 
 #include "examples/common/many_tasks.hpp"
 #include "examples/common/progress.hpp"
@@ -23,6 +27,7 @@
 #include "io/build_info.hpp"
 #include "io/record.hpp"
 #include "io/text.hpp"
+#include "ports/simulated_hand.hpp"
 
 using namespace aussois;
 
@@ -147,6 +152,64 @@ void open_in_browser(const std::string& address) {
     std::fprintf(stderr, "cannot open a browser: open the address by hand\n");
 }
 
+// Pushes across the path, into what is there and back.
+Reaching reaching_of(const Station& station) {
+  const Trajectory& path = station.scene.path;
+  const Vec3 along = path.pose.back().p - path.pose.front().p;
+  const double clearance = station.scene.clearance;
+  return {.home = path.pose.front(),
+          .into = along.isZero(1e-12) ? Vec3::UnitX() : Vec3(along.unitOrthogonal()),
+          .shallow = 2 * clearance,
+          .deep = 10 * clearance,
+          .back = 0.5 * clearance};
+}
+
+HapticDevice device_named(const std::string& name, const Station& station) {
+  const std::string simulated = "simulated:";
+  require(name.starts_with(simulated), "--device " + name +
+                                           " must be simulated:HAND; devices of makers go behind "
+                                           "the four functions of ports/device.hpp");
+  return simulated_device(value_named(name.substr(simulated.size()), "--device", kHandKinds), {},
+                          reaching_of(station), 1);
+}
+
+// A space mouse on its thread.
+class SpaceMouse {
+ public:
+  SpaceMouse(LiveSession& live, const Vec3& grip)
+      : mouse_(), thread_([this, &live, grip] {
+          try {
+            while (!stop_)
+              for (const SpacenavEvent& event : mouse_.read(0.1)) {
+                if (event.kind == SpacenavEvent::Kind::motion)
+                  live.hand(command_of(event, grip), LiveSession::From::space_mouse);
+                if (event.kind == SpacenavEvent::Kind::press) live.let_go();
+              }
+          } catch (const std::runtime_error& gone) {
+            std::fprintf(stderr, "%s\n", gone.what());
+          }
+        }) {}
+  ~SpaceMouse() {
+    stop_ = true;
+    thread_.join();
+  }
+
+ private:
+  Spacenav mouse_;
+  std::atomic<bool> stop_ = false;
+  std::thread thread_;
+};
+
+void tell_device(const DeviceRecord& record) {
+  std::printf(
+      "device: %lld samples, %lld late, %lld jumps, forces up to %.3g N; the reserve scaled %lld and "
+      "stopped %lld%s\n",
+      static_cast<long long>(record.samples), static_cast<long long>(record.late),
+      static_cast<long long>(record.jumps), record.largest_force,
+      static_cast<long long>(record.reserve.scaled), static_cast<long long>(record.reserve.stopped),
+      record.lost.empty() ? "" : ("; " + record.lost).c_str());
+}
+
 // Until a page says stop or Ctrl-C. The take of the last tick is then repeated and written.
 ExitCode serve_pages(const Station& station, const StationArguments& a, int argc, const char* const* argv) {
   const std::filesystem::path file = a.common.out / "session.h5";
@@ -167,8 +230,18 @@ ExitCode serve_pages(const Station& station, const StationArguments& a, int argc
     std::printf("%s\n", server.address().c_str());
     std::fflush(stdout);
     if (a.open) open_in_browser(server.address());
-    server.run([] { return !interrupted(); });
+    std::optional<DeviceLoop> device;
+    std::optional<SpaceMouse> mouse;
+    if (!a.device.empty()) device.emplace(live, device_named(a.device, station));
+    if (a.spacenav) mouse.emplace(live, inverse(station.scene.model.bodies[station.scene.moving].g_bs).p);
+    if (device || mouse) live.begin();
+    const auto begin = std::chrono::steady_clock::now();
+    server.run([&] {
+      const std::chrono::duration<double> since = std::chrono::steady_clock::now() - begin;
+      return !interrupted() && (a.seconds == 0 || since.count() < a.seconds);
+    });
     ends = true;
+    if (device) tell_device(device->record());
     if (live.failed()) throw std::runtime_error(file.string() + ": cannot be written");
   }
   const SessionData session = read_session(file);
@@ -177,12 +250,14 @@ ExitCode serve_pages(const Station& station, const StationArguments& a, int argc
   return tell_end(station, session.log, take, done, a);
 }
 
-ExitCode serve(const StationArguments& a, int argc, const char* const* argv) {
+ExitCode serve(const StationArguments& a, const Cli& cli, int argc, const char* const* argv) {
   const bool script = !a.script.empty() || a.demo_script;
   require(a.script.empty() || !a.demo_script, "--script and --demo-script exclude each other");
   require(script == a.no_browser, "--no-browser and a script (--script, --demo-script) need each other");
   require(a.bind == "127.0.0.1" || a.no_tls_is_known, "--bind " + a.bind + " needs --i-know-there-is-no-tls");
-  const Station station = set_up(a.station, a.common.threads, a.common.quiet);
+  StationArguments chosen = a;
+  use_passive_scheme(cli, chosen);
+  const Station station = set_up(chosen.station, a.common.threads, a.common.quiet);
   make_folders(a.common);
   print_warnings(station.input, station.scene);
   if (!a.common.quiet) std::printf("%s\n", to_string(station).c_str());
@@ -206,5 +281,5 @@ int main(int argc, char** argv) {
       "assembly_station --fixed rail.obj --moving slider.obj --path out.csv --script hand.json --no-browser "
       "-o out",
       "files in millimetres; the part starts at the first pose of the path");
-  return run_driver(cli, argc, argv, [&] { return serve(a, argc, argv); });
+  return run_driver(cli, argc, argv, [&] { return serve(a, cli, argc, argv); });
 }

@@ -129,6 +129,13 @@ void add_options(Cli& cli, StationArguments& a) {
   cli.flag("--no-browser", a.no_browser, "play the script, save and end");
   cli.flag("--open", a.open, "open the page in the browser of this desktop");
   cli.flag("--fall", a.fall, "a part that is let go is free; otherwise it stays where it is");
+  cli.option(
+      "--device", a.device,
+      "haptic device that leads the part: simulated:soft, or another hand (loose, firm, rigid, shaking); the "
+      "scheme is then passive_midpoint, unless told");
+  cli.flag("--spacenav", a.spacenav, "a space mouse leads the part, by the daemon spacenavd");
+  cli.option("--seconds", a.seconds,
+             "end after this time of the clock; 0: when a page says so, or with Ctrl-C", "s", {0, 1e6});
   cli.option("--port", a.port, "where the page is served; 0: one that is free", "", {0, 65535});
   cli.option("--bind", a.bind, "address of this machine at which the page is served");
   cli.flag("--i-know-there-is-no-tls", a.no_tls_is_known,
@@ -149,6 +156,10 @@ std::string to_string(const Station& station) {
       1e3 * station.parameters.tick, port.gains.stiffness, port.gains.rotation_stiffness, port.limits.force,
       port.limits.torque);
   return text;
+}
+
+void use_passive_scheme(const Cli& cli, StationArguments& a) {
+  if (!a.device.empty() && !cli.is_given("--scheme")) a.station.scheme.scheme = "passive_midpoint";
 }
 
 Station set_up(const StationFlags& flags, int threads, bool quiet) {
@@ -208,6 +219,7 @@ Station set_up_again(const std::map<std::string, std::string>& notes, const std:
   for (std::filesystem::path* path : {&again.station.parts.data, &again.station.parts.fixed,
                                       &again.station.parts.moving, &again.station.parts.path})
     if (!path->empty()) *path = folder / *path;
+  use_passive_scheme(cli, again);
   Station out = set_up(again.station, threads, quiet);
   if (out.input.fingerprint != note(notes, "input", file))
     throw std::runtime_error(file.string() + ": the parts have changed since the session");

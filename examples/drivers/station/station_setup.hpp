@@ -29,14 +29,19 @@ struct StationArguments {
   StationFlags station{};
   std::filesystem::path script{};
   bool demo_script = false, no_browser = false;
-  bool open = false;  // the page in the user's browser
-  bool fall = false;  // a part that is let go
+  bool open = false;     // the page in the user's browser
+  bool fall = false;     // a part that is let go
+  std::string device{};  // "simulated:soft"; empty: none
+  bool spacenav = false;
+  double seconds = 0;  // of the clock until it ends; 0: until it is told
   std::string bind = "127.0.0.1";
   bool no_tls_is_known = false;
   int port = 0;
   CommonOptions common{};
 };
 void add_options(Cli& cli, StationArguments& arguments);
+/// With a haptic device, unless the user chose a scheme: (PORT-1) is that of passive_midpoint.
+void use_passive_scheme(const Cli& cli, StationArguments& arguments);
 
 struct Station {
   AssemblyInput input{};

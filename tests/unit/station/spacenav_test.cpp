@@ -2,6 +2,7 @@
 // The daemon's protocol, spoken by a double.
 #include "station/spacenav.hpp"
 
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <string>
@@ -42,6 +43,20 @@ TEST(SpacenavFraming, LeavesOutWhatItDoesNotKnow) {
   const std::vector<SpacenavEvent> events = framing.add(record({7, 1, 2, 3, 4, 5, 6, 7}) + kRelease);
   ASSERT_EQ(events.size(), 1u);
   EXPECT_EQ(events[0].kind, SpacenavEvent::Kind::release);
+}
+
+TEST(Spacenav, MotionIsATwistWithADeadZone) {
+  SpacenavEvent event{.axes = {350, 0, -350, 10, 0, 175}};
+  const LiveCommand command = command_of(event, {1, 2, 3}, 0.1, 2);
+  EXPECT_EQ(command.mode, LiveCommand::Mode::twist);
+  EXPECT_EQ(command.grip, Vec3(1, 2, 3));
+  EXPECT_NEAR(command.twist[0], 0.1, 1e-12);
+  EXPECT_NEAR(command.twist[1], -0.1, 1e-12);
+  EXPECT_EQ(command.twist[2], 0);
+  EXPECT_EQ(command.twist[3], 0);  // within the dead zone
+  EXPECT_NEAR(command.twist[4], 2 * std::pow(0.45 / 0.95, 3), 1e-12);
+  event.axes = {10, -10, 5, 0, 0, 0};
+  EXPECT_EQ(command_of(event, Vec3::Zero()).mode, LiveCommand::Mode::none);
 }
 
 // A daemon for one client: answers with its version, or not at all, says its text and hangs up.
