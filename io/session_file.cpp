@@ -7,6 +7,7 @@
 #include "geometry/check.hpp"
 #include "io/atomic_file.hpp"
 #include "io/hdf5_file.hpp"
+#include "io/session_writer.hpp"
 
 namespace aussois {
 namespace {
@@ -25,32 +26,25 @@ TwistRow twist_row(const Vec6& v) {
 }
 
 // A field of the rows of a table, as a column of numbers.
-template <class Row, class T, class Get>
-void append(hid_t file, const char* name, const std::vector<Row>& rows, std::size_t from, Get get) {
+template <class T, class Row, class Get>
+void write(hid_t file, const char* name, const std::vector<Row>& rows, Get get, const char* unit = "") {
   std::vector<T> values;
-  for (std::size_t i = from; i < rows.size(); ++i) values.push_back(get(rows[i]));
-  Hdf5Column::open(file, name, Hdf5Row<T>::type(), Hdf5Row<T>::shape()).append(values.data(), values.size());
-}
-template <class T>
-void create(hid_t file, const char* name, const char* unit = "") {
-  Hdf5Column(file, name, Hdf5Row<T>::type(), Hdf5Row<T>::shape(), kHdf5ChunkRows, unit);
+  for (const Row& row : rows) values.push_back(get(row));
+  write_rows(file, name, values, unit);
 }
 
 // Texts: their bytes one after the other, and where each ends.
-void create_texts(hid_t file, const std::string& name) {
-  create<std::int8_t>(file, (name + "_bytes").c_str());
-  create<std::uint64_t>(file, (name + "_end").c_str());
-}
 template <class Row>
-void append_texts(hid_t file, const std::string& name, const std::vector<Row>& rows, std::size_t from,
-                  std::string Row::*text) {
-  Hdf5Column bytes = Hdf5Column::open(file, name + "_bytes", Hdf5Row<std::int8_t>::type(), {});
-  std::uint64_t end = bytes.rows();
-  std::string all;
+void write_texts_of(hid_t file, const std::string& name, const std::vector<Row>& rows,
+                    std::string Row::*text) {
+  std::vector<std::int8_t> bytes;
   std::vector<std::uint64_t> ends;
-  for (std::size_t i = from; i < rows.size(); ++i) all += rows[i].*text, ends.push_back(end + all.size());
-  bytes.append(all.data(), all.size());
-  Hdf5Column::open(file, name + "_end", Hdf5Row<std::uint64_t>::type(), {}).append(ends.data(), ends.size());
+  for (const Row& row : rows) {
+    bytes.insert(bytes.end(), (row.*text).begin(), (row.*text).end());
+    ends.push_back(bytes.size());
+  }
+  write_rows(file, name + "_bytes", bytes);
+  write_rows(file, name + "_end", ends);
 }
 std::vector<std::string> read_texts_of(hid_t file, const std::string& name) {
   const auto bytes = read_rows<std::int8_t>(file, name + "_bytes");
@@ -65,75 +59,41 @@ std::vector<std::string> read_texts_of(hid_t file, const std::string& name) {
   return out;
 }
 
-void create_tables(hid_t file) {
+void write_inputs(hid_t file, const std::vector<SessionInput>& rows) {
+  using R = const SessionInput&;
+  write<int>(file, "/input/take", rows, [](R r) { return r.take; });
+  write<std::int64_t>(file, "/input/tick", rows, [](R r) { return r.tick; });
+  write<int>(file, "/input/mode", rows, [](R r) { return int(r.target.mode); });
+  write<PoseRow>(
+      file, "/input/pose", rows, [](R r) { return pose_row(r.target.pose); }, "m, -");
+  write<TwistRow>(
+      file, "/input/twist", rows, [](R r) { return twist_row(r.target.twist); }, "m/s, rad/s");
+  write<Vec3>(
+      file, "/input/grip", rows, [](R r) { return r.target.grip; }, "m");
+  write<int>(file, "/input/firm", rows, [](R r) { return int(r.target.firm); });
+}
+
+void write_tables(hid_t file, const SessionLog& log) {
   for (const char* group : {"/take", "/input", "/change", "/mark", "/hash"}) make_group(file, group);
-  create<int>(file, "/take/parent");
-  create<std::int64_t>(file, "/take/begins");
-  create<std::int64_t>(file, "/take/ends");
-  create<int>(file, "/input/take");
-  create<std::int64_t>(file, "/input/tick");
-  create<int>(file, "/input/mode");
-  create<PoseRow>(file, "/input/pose", "m, -");
-  create<TwistRow>(file, "/input/twist", "m/s, rad/s");
-  create<Vec3>(file, "/input/grip", "m");
-  create<int>(file, "/input/firm");
-  create<int>(file, "/change/take");
-  create<std::int64_t>(file, "/change/tick");
-  create_texts(file, "/change/name");
-  create<double>(file, "/change/value");
-  create<int>(file, "/mark/take");
-  create<std::int64_t>(file, "/mark/moment");
-  create_texts(file, "/mark/kind");
-  create_texts(file, "/mark/text");
-  create<int>(file, "/hash/take");
-  create<std::int64_t>(file, "/hash/moment");
-  create<std::uint64_t>(file, "/hash/hash");
-}
-
-// Ends of takes grow: the table is small, and written anew.
-void write_takes(hid_t file, const std::vector<SessionTake>& takes) {
-  for (const char* name : {"/take/begins", "/take/ends"})
-    Hdf5Column::open(file, name, Hdf5Row<std::int64_t>::type(), {}).truncate(0);
-  Hdf5Column::open(file, "/take/parent", Hdf5Row<int>::type(), {}).truncate(0);
-  using R = const SessionTake&;
-  append<SessionTake, int>(file, "/take/parent", takes, 0, [](R r) { return r.parent; });
-  append<SessionTake, std::int64_t>(file, "/take/begins", takes, 0, [](R r) { return r.begins; });
-  append<SessionTake, std::int64_t>(file, "/take/ends", takes, 0, [](R r) { return r.ends; });
-}
-
-void append_inputs(hid_t file, const std::vector<SessionInput>& rows, std::size_t from) {
-  using Row = SessionInput;
-  append<Row, int>(file, "/input/take", rows, from, [](const Row& r) { return r.take; });
-  append<Row, std::int64_t>(file, "/input/tick", rows, from, [](const Row& r) { return r.tick; });
-  append<Row, int>(file, "/input/mode", rows, from, [](const Row& r) { return int(r.target.mode); });
-  append<Row, PoseRow>(file, "/input/pose", rows, from, [](const Row& r) { return pose_row(r.target.pose); });
-  append<Row, TwistRow>(file, "/input/twist", rows, from,
-                        [](const Row& r) { return twist_row(r.target.twist); });
-  append<Row, Vec3>(file, "/input/grip", rows, from, [](const Row& r) { return r.target.grip; });
-  append<Row, int>(file, "/input/firm", rows, from, [](const Row& r) { return int(r.target.firm); });
-}
-
-void append_changes(hid_t file, const std::vector<SessionChange>& rows, std::size_t from) {
-  using Row = SessionChange;
-  append<Row, int>(file, "/change/take", rows, from, [](const Row& r) { return r.take; });
-  append<Row, std::int64_t>(file, "/change/tick", rows, from, [](const Row& r) { return r.tick; });
-  append_texts(file, "/change/name", rows, from, &Row::name);
-  append<Row, double>(file, "/change/value", rows, from, [](const Row& r) { return r.value; });
-}
-
-void append_marks(hid_t file, const std::vector<SessionMark>& rows, std::size_t from) {
-  using Row = SessionMark;
-  append<Row, int>(file, "/mark/take", rows, from, [](const Row& r) { return r.take; });
-  append<Row, std::int64_t>(file, "/mark/moment", rows, from, [](const Row& r) { return r.moment; });
-  append_texts(file, "/mark/kind", rows, from, &Row::kind);
-  append_texts(file, "/mark/text", rows, from, &Row::text);
-}
-
-void append_hashes(hid_t file, const std::vector<SessionHash>& rows, std::size_t from) {
-  using Row = SessionHash;
-  append<Row, int>(file, "/hash/take", rows, from, [](const Row& r) { return r.take; });
-  append<Row, std::int64_t>(file, "/hash/moment", rows, from, [](const Row& r) { return r.moment; });
-  append<Row, std::uint64_t>(file, "/hash/hash", rows, from, [](const Row& r) { return r.hash; });
+  using T = const SessionTake&;
+  write<int>(file, "/take/parent", log.takes, [](T r) { return r.parent; });
+  write<std::int64_t>(file, "/take/begins", log.takes, [](T r) { return r.begins; });
+  write<std::int64_t>(file, "/take/ends", log.takes, [](T r) { return r.ends; });
+  write_inputs(file, log.inputs);
+  using C = const SessionChange&;
+  write<int>(file, "/change/take", log.changes, [](C r) { return r.take; });
+  write<std::int64_t>(file, "/change/tick", log.changes, [](C r) { return r.tick; });
+  write_texts_of(file, "/change/name", log.changes, &SessionChange::name);
+  write<double>(file, "/change/value", log.changes, [](C r) { return r.value; });
+  using M = const SessionMark&;
+  write<int>(file, "/mark/take", log.marks, [](M r) { return r.take; });
+  write<std::int64_t>(file, "/mark/moment", log.marks, [](M r) { return r.moment; });
+  write_texts_of(file, "/mark/kind", log.marks, &SessionMark::kind);
+  write_texts_of(file, "/mark/text", log.marks, &SessionMark::text);
+  using H = const SessionHash&;
+  write<int>(file, "/hash/take", log.hashes, [](H r) { return r.take; });
+  write<std::int64_t>(file, "/hash/moment", log.hashes, [](H r) { return r.moment; });
+  write<std::uint64_t>(file, "/hash/hash", log.hashes, [](H r) { return r.hash; });
 }
 
 template <class T>
@@ -263,51 +223,21 @@ void validate(const SessionLog& log) {
     check_place(log, log.hashes[i], log.hashes[i].moment, row_name("hash", i));
 }
 
-struct SessionWriter::Impl {
-  std::filesystem::path path{};
-  Hdf5Id file{};
-  std::size_t inputs = 0, changes = 0, marks = 0, hashes = 0;
-};
-
-SessionWriter::SessionWriter(std::filesystem::path path, const std::map<std::string, std::string>& notes)
-    : impl_(std::make_unique<Impl>()) {
+void write_session(const std::filesystem::path& path, const SessionData& session) {
   const Hdf5Silence silence;
-  impl_->path = std::move(path);
-  const std::filesystem::path growing = growing_name(impl_->path);
-  WriterLock left(growing);
-  left.remove_file();
-  impl_->file = create_hdf5(growing);
-  const hid_t file = impl_->file;
-  write_text(file, "/", "format", kFormat);
-  write_text(file, "/", "version", kVersion);
-  make_group(file, "/notes");
-  for (const auto& [name, text] : notes) write_text(file, "/notes", name, text);
-  create_tables(file);
-  flush_hdf5(file);
-}
-
-SessionWriter::SessionWriter(SessionWriter&&) noexcept = default;
-SessionWriter::~SessionWriter() = default;
-
-void SessionWriter::write(const SessionLog& log) {
-  require(impl_->file >= 0, "SessionWriter::write: the session is closed");
-  const Hdf5Silence silence;
-  const hid_t file = impl_->file;
-  write_takes(file, log.takes);
-  append_inputs(file, log.inputs, std::exchange(impl_->inputs, log.inputs.size()));
-  append_changes(file, log.changes, std::exchange(impl_->changes, log.changes.size()));
-  append_marks(file, log.marks, std::exchange(impl_->marks, log.marks.size()));
-  append_hashes(file, log.hashes, std::exchange(impl_->hashes, log.hashes.size()));
-  flush_hdf5(file);
-}
-
-void SessionWriter::close() {
-  if (impl_->file < 0) return;
-  impl_->file = Hdf5Id();
-  publish_file(growing_name(impl_->path), impl_->path);
+  write_atomically(path, [&](const std::filesystem::path& temporary) {
+    std::filesystem::remove(temporary);
+    const Hdf5Id file = create_hdf5(temporary);
+    write_text(file, "/", "format", kFormat);
+    write_text(file, "/", "version", kVersion);
+    make_group(file, "/notes");
+    for (const auto& [name, text] : session.notes) write_text(file, "/notes", name, text);
+    write_tables(file, session.log);
+  });
 }
 
 SessionData read_session(const std::filesystem::path& path) {
+  if (is_journal(path)) return read_journal(path);
   const Hdf5Silence silence;
   const Hdf5Id file = open_hdf5(path, Hdf5Access::read);
   check_format(file, kFormat, kVersion);

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -65,26 +64,12 @@ struct SessionData {
 /// Throws std::invalid_argument naming the row, the field, its value and its bound.
 void validate(const SessionLog& log);
 
-/// Writes PATH.tmp, which is readable up to the last write() if the process is killed; close() renames it. No
-/// other session may write PATH.tmp meanwhile.
-class SessionWriter {
- public:
-  /// Throws std::runtime_error if the file cannot be created or another session is writing it.
-  SessionWriter(std::filesystem::path path, const std::map<std::string, std::string>& notes);
-  SessionWriter(SessionWriter&&) noexcept;
-  ~SessionWriter();  // without close(): what was written stays in PATH.tmp
+/// Writes it whole, as write_atomically does.
+void write_session(const std::filesystem::path& path, const SessionData& session);
 
-  /// Adds what the log has beyond the last write, and flushes.
-  void write(const SessionLog& log);
-  void close();
-
- private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
-};
-
-/// Throws std::runtime_error "FILE: /dataset: what" for a file that is missing, damaged, no session, of
-/// another version, or inconsistent.
+/// Also reads the journal of a session that was not closed (SessionWriter). Throws std::runtime_error "FILE:
+/// /dataset: what", or "FILE:line: what", for a file that is missing, damaged, no session, of another
+/// version, or inconsistent.
 SessionData read_session(const std::filesystem::path& path);
 
 }  // namespace aussois

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "io/live_message.hpp"
+#include "io/session_writer.hpp"
 
 namespace aussois {
 

@@ -49,9 +49,10 @@ const PortTarget& TakeReader::input(std::int64_t tick) const {
 
 std::vector<SessionChange> TakeReader::changes(std::int64_t tick) const {
   std::vector<SessionChange> out;
-  for (const SessionChange* row :
-       std::ranges::equal_range(changes_, tick, {}, [](const SessionChange* c) { return c->tick; }))
-    out.push_back(*row);
+  const auto tick_of = [](const SessionChange* row) { return row->tick; };
+  for (auto at = std::ranges::lower_bound(changes_, tick, {}, tick_of);
+       at != changes_.end() && (*at)->tick == tick; ++at)
+    out.push_back(**at);
   return out;
 }
 

@@ -26,6 +26,7 @@
 #include "geometry/check.hpp"
 #include "io/build_info.hpp"
 #include "io/record.hpp"
+#include "io/session_writer.hpp"
 #include "io/text.hpp"
 #include "ports/simulated_hand.hpp"
 

@@ -7,11 +7,14 @@
 // Expect   exit code 0: the part arrives; with --session every hash is the same
 #include "station/take_reader.hpp"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "examples/common/many_tasks.hpp"
 #include "examples/common/progress.hpp"
 #include "examples/drivers/assembly/assess_report.hpp"
+#include "examples/drivers/assembly/clearance_map.hpp"
+#include "examples/drivers/assembly/swept_volume.hpp"
 #include "examples/drivers/station/path_sweep.hpp"
 #include "geometry/check.hpp"
 #include "io/atomic_file.hpp"
@@ -28,6 +31,8 @@ struct Arguments {
   int take = -1;      // -1: the last
   double hold = 0.1;  // at the end of a path [s]
   AssessBounds bounds{};
+  bool map = false;
+  int swept = 0;  // cells along the longest side; 0: not asked for
   SweepFlags sweep{};
   CommonOptions common{};
 };
@@ -87,7 +92,7 @@ std::string said_of(const Cli& cli) {
 
 // A row for each path and each combination of values.
 ExitCode assess_many(const Arguments& a, const Cli& cli) {
-  refuse_given(cli, {"--every"}, "one path");
+  refuse_given(cli, {"--every", "--map", "--swept"}, "one path");
   const std::vector<SweepAxis> axes = sweep_axes(a.sweep.sweeps);
   const std::optional<std::vector<SweepRow>> rows = assess_all({.station = a.station,
                                                                 .sweep = a.sweep,
@@ -117,6 +122,27 @@ ExitCode assess_many(const Arguments& a, const Cli& cli) {
   std::printf("%lld of %s meet what is asked\n", static_cast<long long>(good),
               counted_noun(std::int64_t(rows->size()), "assessment").c_str());
   return good == std::int64_t(rows->size()) ? ExitCode::ok : ExitCode::not_accepted;
+}
+
+// What the part came near to, and what it swept. Distances are told apart up to ten clearances.
+void write_maps(const Station& station, const TakeAssessment& done, const Arguments& a, Summary& summary) {
+  const SimplicialComplex& part = station.input.moving.complex;
+  if (a.map) {
+    const LmdShape moving = prepare({.complex = part, .radius = 0}),
+                   fixed = prepare({.complex = station.input.fixed.complex, .radius = 0});
+    const double cutoff = 10 * station.scene.clearance;
+    ClearanceMapper mapper(moving, fixed, cutoff, a.common.threads);
+    for (const SE3& g : done.way) mapper.add(g);
+    write_clearance_ply(a.common.out / "clearance.ply", moving.complex, mapper.map(), cutoff);
+    summary.set("map_least", *std::ranges::min_element(mapper.map().distance));
+    summary.set("map_between", mapper.map().between);
+  }
+  if (a.swept > 0) {
+    const SweptVolume swept = swept_volume(part, done.way, a.swept, a.common.threads);
+    write_swept_obj(a.common.out / "swept.obj", swept);
+    summary.set("swept_volume", swept.volume);
+    summary.set("swept_error", swept.error);
+  }
 }
 
 ExitCode assess(const Arguments& a, const Cli& cli, const std::string& line) {
@@ -155,6 +181,7 @@ ExitCode assess(const Arguments& a, const Cli& cli, const std::string& line) {
   summary.set("pair", station.input.name);
   summary.set("take", std::int64_t(task.take));
   set_assessment(done, summary);
+  write_maps(station, done, a, summary);
   write_summary(a.common.out / "assessment.json", summary);
   write_report(a.common.out, done, a.bounds,
                {.title = station.input.name + (task.goal ? "" : ", take " + std::to_string(task.take)),
@@ -192,6 +219,9 @@ int main(int argc, char** argv) {
              "distance above which the report counts the time apart", "m", range_above(0));
   cli.option("--force-max", a.bounds.force_max, "largest force of hand and contacts that is allowed", "N",
              range_above(0));
+  cli.flag("--map", a.map, "write clearance.ply, the least distance of each vertex of the part over its way");
+  cli.option("--swept", a.swept, "write swept.obj, what the part sweeps, on a grid of so many cells; 0: none",
+             "", {0, 512});
   add_options(cli, a.sweep);
   cli.option("--every", a.common.every, "record each n-th tick", "", range_from(1));
   cli.common(a.common);

@@ -48,6 +48,7 @@ RESULTS = {
     "haptic_trial": {"haptic_trial.csv"},
     "assembly_station": {"session.h5", "run.h5", "ticks.csv", "path.csv", "replay.html", "report.html"},
     "assess_path": {"run.h5", "ticks.csv", "path.csv", "replay.html", "report.html", "assessment.json"},
+    "compare_paths": {"compared.csv"},
     "prepare_part": {"part.html", "eroded.obj"},
     "run_scene": {"run.h5", "steps.csv", *([] if "bricard" in COMMAND else ["replay.html"])},  # it has no shapes
     "reduction_gallery": {f"reduction_{part}.svg" for part in ("cylinder", "torus", "gear", "peg")},

@@ -44,6 +44,28 @@ class Station(DriverTest):
         self.assertGreater(summary["contact_force"], 0)  # it leans on the hole
         self.assertGreaterEqual(summary["hashes"], summary["ticks"] // 64)
 
+    def test_compares_a_session_with_its_repetition_and_with_another_take(self):
+        self.station("--script", PARTS / "peg_by_hand.json", "--no-browser")
+        self.assess("out/session.h5")
+        self.assess("out/session.h5", "--take", 0, out="first")
+        none = ("--force-tolerance", 0, "--clearance-tolerance", 0)
+        same = self.drive("compare_paths", "out", "again", *none)
+        self.assertEqual(same.returncode, 0, same.stderr)
+        self.assertIn("the same bits in every tick", same.stdout)
+        other = self.drive("compare_paths", "out", "first", *none, "--summary", "out/compared.json")
+        self.assertEqual(other.returncode, 1, other.stderr)
+        self.assertGreater(json.loads((self.folder / "out/compared.json").read_text())["contact_force_difference"], 0)
+        self.assertIn("ticks.csv", self.drive("compare_paths", "out", "nowhere").stderr)
+
+    def test_maps_what_it_nears_and_sweeps(self):
+        run = self.drive("assess_path", *PEG, "--map", "--swept", 24, "--every", 10, "--quiet", "-o", "out", "--summary", "out/summary.json")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        summary = self.summary("out")
+        self.assertGreater(summary["swept_volume"], 0)
+        self.assertGreaterEqual(summary["map_least"], summary["clearance"] - 1e-9)  # its vertices are points of the mesh
+        self.assertIn("quality", (self.folder / "out/clearance.ply").read_text()[:400])
+        self.assertTrue((self.folder / "out/swept.obj").read_text().startswith("v "))
+
     def test_demonstration_goes_back_and_hits(self):
         run = self.station("--demo-script", "--no-browser")
         self.assertIn("take 0", run.stdout)

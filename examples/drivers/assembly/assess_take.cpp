@@ -81,6 +81,7 @@ class Assessor {
                   : out.lag <= options_.goal->tolerance ? TakeVerdict::arrived
                   : out.blocked >= 0.2                  ? look_for_a_way(stage)
                                                         : TakeVerdict::stopped;
+    out.way = poses_.pose;
     if (!run_) return;
     run_->close();
     table_->close();

@@ -38,6 +38,7 @@ inline constexpr Named<TakeVerdict> kTakeVerdicts[] = {
 
 struct TakeAssessment {
   TakeRepeat repeat{};
+  std::vector<SE3> way{};  // poses of the part's mesh, at the start and at each row
   TakeVerdict verdict = TakeVerdict::ended;
   std::int64_t refused = 0, unsolved = 0;    // ticks
   double lag = 0;                            // of the farthest point behind the goal, at the end [m]

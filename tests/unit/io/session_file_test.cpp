@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "io/session_file.hpp"
-
 #include <fstream>
 
+#include "io/session_writer.hpp"
 #include "tests/support/files.hpp"
 #include "tests/support/message_of.hpp"
 
@@ -77,6 +76,33 @@ TEST(SessionFile, GrowsAndIsReadableAtAnyMoment) {
   expect_same(read_session(path.string() + ".tmp").log, all);
 }
 
+// Wherever a dying program cuts the journal, what was whole before is there, and fits together.
+TEST(SessionFile, IsReadableWhereverItsJournalIsCut) {
+  const std::filesystem::path folder = fresh_folder(), path = folder / "session.h5";
+  const SessionLog all = some_log();
+  {
+    SessionWriter writer(path, {{"scene", "bolt"}});
+    SessionLog part{.takes = {{-1, 0, 20}}, .inputs = {all.inputs[0]}};
+    writer.write(part);
+    writer.write(all);
+  }
+  const std::string bytes = content_of(path.string() + ".tmp");
+  const std::size_t head = bytes.find('\n') + 1;
+  std::size_t most = 0;
+  for (std::size_t cut = head; cut <= bytes.size(); ++cut) {
+    const SessionData read = read_session(write_bytes(folder / "cut.tmp", bytes.substr(0, cut)));
+    EXPECT_EQ(read.notes.at("scene"), "bolt");
+    EXPECT_GE(read.log.takes[0].ends, std::int64_t(most));
+    most = std::size_t(read.log.takes[0].ends);
+  }
+  EXPECT_EQ(most, 70u);
+  std::string spoilt = bytes;
+  spoilt.insert(head, "{\"fly\": [1]}\n");
+  expect_names(
+      message_of<std::runtime_error>([&] { (void)read_session(write_bytes(folder / "cut.tmp", spoilt)); }),
+      "cut.tmp:2: 'fly' is unknown");
+}
+
 TEST(SessionFile, RefusesWhatIsNoSession) {
   const std::filesystem::path path = fresh_folder() / "session.h5";
   expect_names(message_of<std::runtime_error>([&] { (void)read_session(path); }), "session.h5");
@@ -84,9 +110,7 @@ TEST(SessionFile, RefusesWhatIsNoSession) {
   expect_names(message_of<std::runtime_error>([&] { (void)read_session(path); }), "session.h5");
   SessionLog spoilt = some_log();
   spoilt.marks[0].moment = 99;
-  SessionWriter writer(path, {});
-  writer.write(spoilt);
-  writer.close();
+  write_session(path, {.log = spoilt});
   expect_names(message_of<std::runtime_error>([&] { (void)read_session(path); }), "mark 0: moment = 99");
 }
 
