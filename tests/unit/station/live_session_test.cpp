@@ -76,7 +76,7 @@ TEST(LiveSession, StandsUntilItBeginsThenFollowsTheNewestCommand) {
   live.end();
 }
 
-// Whoever says nothing for half a second has let go; the part stays where it is.
+// A hand that says nothing for half a second has let go; the part stays where it is.
 TEST(LiveSession, LetsGoWhenTheHandIsGone) {
   Live live;
   live.session->begin();
