@@ -6,6 +6,7 @@
 #include <cstring>
 #include <fstream>
 #include <stdexcept>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -36,11 +37,19 @@ Json input_json(const SessionInput& row) {
   for (const double x : t.grip) out.push_back(x);
   return out;
 }
+// A whole number: JSON has others too.
+template <class Int>
+Int whole(const Json& json) {
+  if (!json.is_number_integer() || !std::in_range<Int>(json.get<std::int64_t>()))
+    throw std::runtime_error(json.dump() + " must be a whole number");
+  return Int(json.get<std::int64_t>());
+}
+
 SessionInput input_in(const Json& json) {
-  SessionInput out{.take = json.at(0).get<int>(), .tick = json.at(1).get<std::int64_t>()};
+  SessionInput out{.take = whole<int>(json.at(0)), .tick = whole<std::int64_t>(json.at(1))};
   PortTarget& t = out.target;
-  t.mode = PortTarget::Mode(json.at(2).get<int>());
-  t.firm = json.at(3).get<int>() != 0;
+  t.mode = PortTarget::Mode(whole<int>(json.at(2)));
+  t.firm = whole<int>(json.at(3)) != 0;
   const auto at = [&](std::size_t k) { return json.at(4 + k).get<double>(); };
   for (std::size_t k = 0; k < 3; ++k) t.pose.p[Eigen::Index(k)] = at(k), t.grip[Eigen::Index(k)] = at(13 + k);
   t.pose.R = Quat(at(6), at(3), at(4), at(5));
@@ -57,20 +66,20 @@ void take_line(const Json& line, SessionLog& log) {
   const std::string word = line.items().begin().key();
   const Json& v = line.items().begin().value();
   if (word == "take") {
-    const auto k = v.at(0).get<std::size_t>();
+    const auto k = whole<std::size_t>(v.at(0));
     if (k > log.takes.size()) throw std::runtime_error("take " + std::to_string(k) + " is out of order");
     if (k == log.takes.size()) log.takes.emplace_back();
-    log.takes[k] = {v.at(1).get<int>(), v.at(2).get<std::int64_t>(), v.at(3).get<std::int64_t>()};
+    log.takes[k] = {whole<int>(v.at(1)), whole<std::int64_t>(v.at(2)), whole<std::int64_t>(v.at(3))};
   } else if (word == "input") {
     log.inputs.push_back(input_in(v));
   } else if (word == "change") {
-    log.changes.push_back(
-        {v.at(0).get<int>(), v.at(1).get<std::int64_t>(), v.at(2).get<std::string>(), v.at(3).get<double>()});
+    log.changes.push_back({whole<int>(v.at(0)), whole<std::int64_t>(v.at(1)), v.at(2).get<std::string>(),
+                           v.at(3).get<double>()});
   } else if (word == "mark") {
-    log.marks.push_back({v.at(0).get<int>(), v.at(1).get<std::int64_t>(), v.at(2).get<std::string>(),
+    log.marks.push_back({whole<int>(v.at(0)), whole<std::int64_t>(v.at(1)), v.at(2).get<std::string>(),
                          v.at(3).get<std::string>()});
   } else if (word == "hash") {
-    log.hashes.push_back({v.at(0).get<int>(), v.at(1).get<std::int64_t>(),
+    log.hashes.push_back({whole<int>(v.at(0)), whole<std::int64_t>(v.at(1)),
                           std::stoull(v.at(2).get<std::string>(), nullptr, 16)});
   } else {
     throw std::runtime_error("'" + word + "' is unknown");
@@ -87,6 +96,20 @@ void drop_beyond(SessionLog& log) {
   std::erase_if(log.changes, [&](const SessionChange& r) { return r.tick >= ends(r.take); });
   std::erase_if(log.marks, [&](const SessionMark& r) { return r.moment > ends(r.take); });
   std::erase_if(log.hashes, [&](const SessionHash& r) { return r.moment > ends(r.take); });
+}
+
+// What a killed session left becomes "session_left_1.h5", "session_left_2.h5", ...
+void keep_left(const std::filesystem::path& growing, const std::filesystem::path& path) {
+  if (!std::filesystem::exists(growing) || !is_journal(growing)) return;
+  std::filesystem::path kept;
+  for (int k = 1; kept.empty() || std::filesystem::exists(kept); ++k)
+    kept = path.parent_path() /
+           (path.stem().string() + "_left_" + std::to_string(k) + path.extension().string());
+  try {
+    write_session(kept, read_journal(growing));
+  } catch (const std::runtime_error&) {  // damaged: as it is
+    std::filesystem::copy_file(growing, kept);
+  }
 }
 
 }  // namespace
@@ -113,6 +136,7 @@ SessionWriter::SessionWriter(std::filesystem::path path, const std::map<std::str
   const std::filesystem::path growing = growing_name(impl_->path);
   {
     WriterLock left(growing);
+    keep_left(growing, impl_->path);
     left.remove_file();
     impl_->file = std::fopen(growing.c_str(), "wbx");
     if (!impl_->file)

@@ -11,7 +11,8 @@ namespace aussois {
 /// Appends to PATH.tmp, which no other session may write meanwhile; close() makes PATH of it.
 class SessionWriter {
  public:
-  /// Throws std::runtime_error if the file cannot be created or another session is writing it.
+  /// A journal that a killed session left becomes "session_left_1.h5" beside it. Throws std::runtime_error if
+  /// the file cannot be created or another session is writing it.
   SessionWriter(std::filesystem::path path, const std::map<std::string, std::string>& notes);
   SessionWriter(SessionWriter&&) noexcept;
   ~SessionWriter();  // without close(): what was written stays in PATH.tmp

@@ -5,6 +5,7 @@
 
 #include "geometry/check.hpp"
 #include "geometry/settings.hpp"
+#include "geometry/so3.hpp"
 #include "mechanics/model.hpp"
 #include "mechanics/motion.hpp"
 #include "mechanics/state.hpp"
@@ -47,6 +48,24 @@ double elastic(const State& state, const Port& port) {
   return port_energy({pose(state, port.body), twist(state, port.body)},
                      {pose(state, port.handle), twist(state, port.handle)}, port_hold(state, port.place),
                      port.options.limits);
+}
+
+// A hand that says a speed does not lead the handle on where the spring is at its limit: it would have to
+// come back all the way.
+void stay_at_limit(const State& state, const Port& port, const PortHold& hold, Vec6& twist) {
+  const SE3 &g = pose(state, port.body), &handle = pose(state, port.handle);
+  const Vec3 d = handle.p - g * hold.grip;
+  const auto drop = [](const Vec3& stretch, double k, double limit, Vec3 speed) {
+    if (!(k * stretch.norm() >= limit)) return speed;
+    const Vec3 along = stretch.normalized();
+    speed -= std::max(0.0, speed.dot(along)) * along;
+    return speed;
+  };
+  twist.head<3>() = drop(d, hold.gains.stiffness, port.options.limits.force, twist.head<3>());
+  const Quat turn = (g.R.conjugate() * handle.R).normalized();  // from the body to the handle
+  const Vec3 phi = log_so3(turn), spin = turn * Vec3(twist.tail<3>());
+  twist.tail<3>() =
+      turn.conjugate() * drop(phi, hold.gains.rotation_stiffness, port.options.limits.torque, spin);
 }
 
 void let_go(const Model& model, State& state, const Port& port, double tick) {
@@ -109,11 +128,12 @@ double follow(const Model& model, State& state, const Port& port, const PortTarg
   PortHold hold = port_hold(state, port.place);
   const SE3& g = pose(state, port.body);
   const SE3 from = was_held ? pose(state, port.handle) : SE3{g.R, g * target.grip};
-  const Vec6 asked = target.mode == PortTarget::Mode::pose
-                         ? twist_between(from, checked_pose(target.pose, "PortTarget::pose"), tick)
-                         : target.twist;
+  Vec6 asked = target.mode == PortTarget::Mode::pose
+                   ? twist_between(from, checked_pose(target.pose, "PortTarget::pose"), tick)
+                   : target.twist;
   require(target.grip.allFinite(), "PortTarget::grip must be finite");
   require(asked.allFinite(), "PortTarget::twist must be finite");
+  if (was_held && target.mode == PortTarget::Mode::twist) stay_at_limit(state, port, hold, asked);
   pose(state, port.handle) = from;
   twist(state, port.handle) = fitting(model, port, asked, tick) * asked;
   if (!was_held) set_port_hold(state, port.place, hold = {.gains = {0, 0, 0, 0}, .grip = target.grip});

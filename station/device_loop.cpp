@@ -2,6 +2,7 @@
 #include "station/device_loop.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "mechanics/motion.hpp"
@@ -14,6 +15,7 @@ using Clock = std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 
 constexpr double kFrozen = 0.05;               // the same reading for so long: the device is gone [s]
+constexpr double kStands = 0.1;                // a session without a tick for so long gives no force [s]
 constexpr double kSlow = 0.5, kTooSlow = 0.1;  // below which forces shrink, and vanish
 
 // Forces of a scene in slow motion.
@@ -43,7 +45,8 @@ class Telling {
     const double since = std::clamp(Seconds(Clock::now() - view.at).count(), 0.0, 10 * options_.period);
     const Vec6 twist = since >= options_.period ? twist_between(at_tick_, handle, since)
                                                 : twist_between(before, handle, options_.period);
-    const bool held = view.moment >= 0 && view.hold.gains.stiffness > 0 && holds();
+    const bool stands = Seconds(Clock::now() - view.at).count() > kStands;
+    const bool held = view.moment >= 0 && view.hold.gains.stiffness > 0 && holds() && !stands;
     const DeviceForce wish =
         held ? slowed(local_force(view.body, view.hold, view.limits, {handle, twist, since}), view.slow)
              : DeviceForce{};
@@ -72,41 +75,63 @@ class Telling {
 DeviceLoop::DeviceLoop(LiveSession& session, HapticDevice device, const ReserveOptions& options)
     : session_(session), device_(std::move(device)), options_(options) {
   validate(options_);
-  device_.open();
   thread_ = std::thread([this] { run(); });
 }
 
 DeviceLoop::~DeviceLoop() {
   stop_ = true;
   thread_.join();
-  device_.write({});
-  device_.close();
 }
+
+namespace {
+
+// Why a reading cannot lead; empty if it can.
+std::string wrong_with(const std::optional<DeviceSample>& sample) {
+  if (!sample) return "it does not answer";
+  const double norm = sample->pose.R.norm();
+  if (!sample->pose.p.allFinite() || !(std::abs(norm - 1) < 1e-3)) return "its readings are no poses";
+  return "";
+}
+
+}  // namespace
 
 void DeviceLoop::run() {
   Telling telling(options_);
+  try {
+    device_.open();
+    follow(telling.record, [&](const SE3& handle) {
+      device_.write(telling.next(handle, session_.port_view()));
+      session_.device(telling.holds() ? std::optional(handle) : std::nullopt);
+    });
+  } catch (const std::exception& failed) {
+    telling.record.lost = failed.what();
+  }
+  session_.device({});
+  record_.set(telling.record);
+  try {
+    device_.write({});
+    device_.close();
+  } catch (const std::exception&) {  // it is lost already
+  }
+}
+
+void DeviceLoop::follow(DeviceRecord& record, const std::function<void(const SE3&)>& next) {
   const auto period = std::chrono::duration_cast<Clock::duration>(Seconds(options_.period));
   Clock::time_point due = Clock::now(), fresh = due;
   std::uint64_t serial = 0;
   while (!stop_) {
     const std::optional<DeviceSample> sample = device_.read();
     const Clock::time_point now = Clock::now();
-    if (!sample) telling.record.lost = "it does not answer";
-    if (sample && (sample->serial != serial || telling.record.samples == 0))
-      serial = sample->serial, fresh = now;
-    if (Seconds(now - fresh).count() > kFrozen) telling.record.lost = "its readings have stopped";
-    if (sample && !(sample->pose.p.allFinite() && sample->pose.R.coeffs().allFinite()))
-      telling.record.lost = "its readings are no numbers";
-    if (!telling.record.lost.empty()) break;
-    device_.write(telling.next(sample->pose, session_.port_view()));
-    session_.device(telling.holds() ? std::optional(sample->pose) : std::nullopt);
-    telling.record.late += now - due > period;
-    record_.set(telling.record);
+    record.lost = wrong_with(sample);
+    if (sample && (sample->serial != serial || record.samples == 0)) serial = sample->serial, fresh = now;
+    if (Seconds(now - fresh).count() > kFrozen) record.lost = "its readings have stopped";
+    if (!record.lost.empty()) return;
+    next({sample->pose.R.normalized(), sample->pose.p});
+    record.late += now - due > period;
+    record_.set(record);
     due = std::max(due + period, now);
     std::this_thread::sleep_until(due);
   }
-  session_.device({});
-  record_.set(telling.record);
 }
 
 }  // namespace aussois

@@ -6,6 +6,7 @@
 #include "station/live_session.hpp"
 
 #include <atomic>
+#include <functional>
 #include <string>
 #include <thread>
 
@@ -23,8 +24,8 @@ struct DeviceRecord {
 
 class DeviceLoop {
  public:
-  /// Opens the device; a sample each `options.period`. The session must outlive the loop. Throws what `open`
-  /// throws.
+  /// A sample each `options.period`, all calls from the loop's own thread; what they throw stands in
+  /// DeviceRecord::lost. The session must outlive the loop. Throws std::invalid_argument for bad options.
   DeviceLoop(LiveSession& session, HapticDevice device, const ReserveOptions& options = {});
   /// Lets go, sends no force and closes the device.
   ~DeviceLoop();
@@ -33,6 +34,7 @@ class DeviceLoop {
 
  private:
   void run();
+  void follow(DeviceRecord& record, const std::function<void(const SE3&)>& next);
 
   LiveSession& session_;
   HapticDevice device_;

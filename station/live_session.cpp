@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -54,13 +55,21 @@ T field(const Json& json, const char* name) {
   require(at != json.end(), std::string(name) + " is missing");
   const bool fits = std::is_same_v<T, std::string> ? at->is_string()
                     : std::is_same_v<T, double>    ? at->is_number()
-                    : std::is_same_v<T, bool>      ? at->is_boolean()
-                                                   : at->is_number_integer();
+                    : std::is_same_v<T, bool>
+                        ? at->is_boolean()
+                        : at->is_number_integer() && (!at->is_number_unsigned() ||
+                                                      std::in_range<std::int64_t>(at->get<std::uint64_t>()));
   require(fits, std::string(name) + " = " + dump(*at) + " must be a " +
                     (std::is_same_v<T, std::string> ? "text"
                      : std::is_same_v<T, bool>      ? "truth value"
                                                     : "number"));
   return at->get<T>();
+}
+
+int take(const Json& json, const char* name) {
+  const auto value = field<std::int64_t>(json, name);
+  require_field(std::in_range<int>(value), name, value, "be that of a take");
+  return int(value);
 }
 
 }  // namespace
@@ -75,6 +84,20 @@ LiveSession::LiveSession(Session session, LiveOptions options)
   }
   for (const RunBody& body : header.bodies) mesh_of_.push_back(body.mesh.empty() ? -1 : place.at(body.mesh));
   origin_ = pose(session_.state(), session_.port().body).p;
+  Json bodies = Json::array();
+  const Model& model = session_.model();
+  for (const BodyId b : model.bodies.ids()) {
+    const int mesh = mesh_of_[std::size_t(b.index())];
+    bodies.push_back(
+        {{"name", model.bodies[b].name},
+         {"mesh", mesh < 0 ? Json(nullptr) : Json(std::to_string(meshes_[std::size_t(mesh)].hash))},
+         {"fixed", !has_inertia(model.bodies[b])}});
+  }
+  facts_ = dump({{"title", options_.title},
+                 {"bodies", bodies},
+                 {"moving", session_.port().body.index()},
+                 {"origin", {origin_.x(), origin_.y(), origin_.z()}},
+                 {"hold", options_.hold}});
   stay_ = stay();
   tell_parameters();
   publish();
@@ -82,9 +105,13 @@ LiveSession::LiveSession(Session session, LiveOptions options)
 }
 
 LiveSession::~LiveSession() {
+  end();
+}
+
+void LiveSession::end() {
   stop_ = true;
   wake_.notify_all();
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
   if (saving_.joinable()) saving_.join();
 }
 
@@ -103,6 +130,7 @@ void LiveSession::hand(const LiveCommand& command, From from) {
 void LiveSession::let_go() {
   hand_.set({});
   space_mouse_.set({});
+  device_.set({});
 }
 
 LiveSession::Hand LiveSession::hand_now() const {
@@ -113,12 +141,17 @@ LiveSession::Hand LiveSession::hand_now() const {
 }
 
 void LiveSession::device(const std::optional<SE3>& handle) {
-  device_.set({handle, Clock::now()});
+  if (!handle) must_let_go_ = false;
+  device_.set({must_let_go_ ? std::nullopt : handle, Clock::now()});
   if (handle) wake_.notify_all();
 }
 
 bool LiveSession::is_led() const {
-  return device_.get().handle || hand_now().command.mode != LiveCommand::Mode::none;
+  const DeviceHand device = device_.get();
+  const Hand hand = hand_now();
+  const auto fresh = [](Clock::time_point at) { return Seconds(Clock::now() - at).count() < kHandLost; };
+  return (device.handle && fresh(device.at)) ||
+         (hand.command.mode != LiveCommand::Mode::none && fresh(hand.at));
 }
 
 void LiveSession::ask(std::uint64_t page, const std::string& text) {
@@ -136,8 +169,13 @@ void LiveSession::ask(std::uint64_t page, const std::string& text) {
   } else if (out.kind == "mark") {
     out.name = field<std::string>(json, also("text"));
     require_field(out.name.size() <= kLongestText, "bytes of text", out.name.size(), "be at most 1000");
+    out.take = -1;  // now
+    if (json.contains("take")) {
+      out.take = take(json, also("take"));
+      out.moment = field<std::int64_t>(json, also("moment"));
+    }
   } else if (out.kind == "seek") {
-    out.take = int(field<std::int64_t>(json, also("take")));
+    out.take = take(json, also("take"));
     out.moment = field<std::int64_t>(json, also("moment"));
   } else if (out.kind == "pause") {
     out.value = field<bool>(json, also("on"));
@@ -151,21 +189,9 @@ void LiveSession::ask(std::uint64_t page, const std::string& text) {
 }
 
 std::string LiveSession::facts() const {
-  const Model& model = session_.model();  // names and meshes of bodies never change
-  Json bodies = Json::array();
-  for (const BodyId b : model.bodies.ids()) {
-    const int mesh = mesh_of_[std::size_t(b.index())];
-    bodies.push_back(
-        {{"name", model.bodies[b].name},
-         {"mesh", mesh < 0 ? Json(nullptr) : Json(std::to_string(meshes_[std::size_t(mesh)].hash))},
-         {"fixed", !has_inertia(model.bodies[b])}});
-  }
-  return dump({{"title", options_.title},
-               {"bodies", bodies},
-               {"moving", session_.port().body.index()},
-               {"origin", {origin_.x(), origin_.y(), origin_.z()}},
-               {"hold", options_.hold},
-               {"parameters", Json::parse(parameters_.get())}});
+  Json out = Json::parse(facts_);
+  out["parameters"] = Json::parse(parameters_.get());
+  return dump(out);
 }
 
 void LiveSession::run() {
@@ -174,7 +200,10 @@ void LiveSession::run() {
     while (!stop_) {
       take_requests();
       if (!begun_ || (paused_ && !is_led())) {
-        if (!std::exchange(idle_, true)) publish();
+        if (!std::exchange(idle_, true)) {
+          publish();
+          writer_.write(session_.log());
+        }
         std::unique_lock lock(wake_mutex_);
         wake_.wait_for(lock, Seconds(kFramePeriod));
         due = Clock::now();
@@ -193,17 +222,23 @@ void LiveSession::run() {
     writer_.write(session_.log());
     writer_.close();
   } catch (const std::exception& error) {  // the disk is full, say: what was flushed stays
+    failure_.set(error.what());
     failed_ = true;
     (void)answers_.put({0, dump({{"kind", "closing"}, {"why", error.what()}})});
   }
 }
 
 void LiveSession::take_requests() {
-  for (const Request& request : requests_.take_all()) {
+  const std::vector<Request> all = requests_.take_all();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Request& request = all[i];
     idle_ = false;
+    const auto later = [](const Request& other) { return other.kind == "seek"; };
+    if (request.kind == "seek" && std::any_of(all.begin() + std::ptrdiff_t(i) + 1, all.end(), later))
+      continue;
     try {
       do_request(request);
-    } catch (const std::invalid_argument& refused) {
+    } catch (const std::exception& refused) {
       (void)answers_.put(
           {request.page, dump({{"kind", "refused"}, {"what", request.kind}, {"why", refused.what()}})});
     }
@@ -215,17 +250,20 @@ void LiveSession::do_request(const Request& request) {
     session_.change(request.name, request.value);
     tell_parameters();
   } else if (request.kind == "mark") {
-    session_.mark(request.name);
+    session_.mark(request.name, request.take, request.moment);
     tell_marks();
   } else if (request.kind == "pause") {
     paused_ = request.value != 0;
+    if (paused_) {
+      must_let_go_ = true;
+      let_go();
+    }
   } else if (request.kind == "seek") {
-    session_.seek(request.take, request.moment);
+    last_ = session_.seek(request.take, request.moment);
     must_let_go_ = true;
     let_go();
     paused_ = true;
     holding_ = false, free_until_ = 0;
-    last_ = {};
     stay_ = stay();
     tell_parameters();
     publish();
@@ -249,7 +287,19 @@ PortTarget LiveSession::stay() const {
   return {.mode = PortTarget::Mode::pose, .pose = {g.R, g * grip}, .grip = grip, .firm = true};
 }
 
+// A hold has one grip: another hand, or another point of the part, takes hold anew.
 PortTarget LiveSession::target() {
+  PortTarget out = wanted();
+  const State& state = session_.state();
+  const Port& port = session_.port();
+  if (out.mode == PortTarget::Mode::none || !is_held(state, port) ||
+      port_hold(state, port.place).grip == out.grip)
+    return out;
+  stay_.grip = out.grip;
+  return {};
+}
+
+PortTarget LiveSession::wanted() {
   const DeviceHand device = device_.get();
   if (device.handle && Seconds(Clock::now() - device.at).count() < kHandLost) {
     holding_ = true;
@@ -279,10 +329,6 @@ PortTarget LiveSession::target() {
                                                                                       : session_.port().body)
                         .R;
     if (silent <= kHandStands) out.twist << c.twist.head<3>(), R.conjugate() * Vec3(c.twist.tail<3>());
-  }
-  if (!holding_ && is_held(session_.state(), session_.port()) && out.grip != stay_.grip) {
-    stay_.grip = out.grip;  // another grip: one tick without a hold between
-    return {};
   }
   stay_.grip = out.grip;
   holding_ = true;
@@ -381,13 +427,16 @@ void LiveSession::save(std::uint64_t page) {
     (void)answers_.put({page, dump({{"kind", "saved"}, {"text", "session"}})});
     return;
   }
+  require(!is_saving_, "a save is going on");
   if (saving_.joinable()) saving_.join();
+  is_saving_ = true;
   saving_ = std::thread([this, page, log = session_.log(), take = session_.take()] {
     try {
       (void)answers_.put({page, dump({{"kind", "saved"}, {"text", options_.save(log, take)}})});
     } catch (const std::exception& error) {
       (void)answers_.put({page, dump({{"kind", "refused"}, {"what", "save"}, {"why", error.what()}})});
     }
+    is_saving_ = false;
   });
 }
 

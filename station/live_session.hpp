@@ -80,7 +80,10 @@ class LiveSession {
   std::string facts() const;
   const std::vector<LiveMesh>& meshes() const { return meshes_; }
   const Vec3& origin() const { return origin_; }
+  /// Ends the thread and the file; no other call but this, `failed` and `failure` follows.
+  void end();
   bool failed() const { return failed_; }
+  std::string failure() const { return failure_.get(); }  // why
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -101,6 +104,7 @@ class LiveSession {
   void do_request(const Request& request);
   void tick();
   PortTarget target();
+  PortTarget wanted();
   PortTarget stay() const;
   void publish();
   void tell_marks();
@@ -128,7 +132,8 @@ class LiveSession {
   Latest<PortView> view_{};
   double put_in_ = 0;
   Latest<LiveFrame> frame_{};
-  Latest<std::string> parameters_{};
+  std::string facts_{};  // that never change
+  Latest<std::string> parameters_{}, failure_{};
   Mail<Request> requests_{1024};
   Mail<LiveAnswer> answers_{4096};
   std::atomic<bool> stop_ = false, begun_ = false, failed_ = false;
@@ -146,6 +151,7 @@ class LiveSession {
   std::vector<std::pair<Clock::time_point, double>> pace_{};
   double slow_ = 1;
   Clock::time_point published_{};
+  std::atomic<bool> is_saving_ = false;
   std::thread saving_{};
   std::thread thread_{};
 };

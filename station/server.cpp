@@ -30,7 +30,7 @@ using Json = nlohmann::ordered_json;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr std::size_t kPages = 8;
+constexpr std::size_t kPages = 8, kSockets = 32;
 constexpr std::size_t kLongest = std::size_t{16} << 10;                       // message of a page [bytes]
 constexpr std::size_t kWaiting = 1024, kWaitingBytes = std::size_t{8} << 20;  // messages to a page
 constexpr std::uint64_t kUndrawn = 2;                                         // frames on their way
@@ -67,6 +67,7 @@ struct Pages {
   std::uint64_t next = 1, controller = 0, asking = 0;
   Clock::time_point asked{}, shut_until{};
   int wrong = 0;
+  std::size_t sockets = 0;  // of pages, greeted or not
   bool stop = false;
 
   void send_all(const std::string& text);
@@ -77,8 +78,13 @@ struct Pages {
 // One page of a browser.
 class Page : public std::enable_shared_from_this<Page> {
  public:
-  Page(tcp::socket socket, Pages& all) : ws_(std::move(socket)), all_(all) {}
-  ~Page() { leave(); }
+  Page(tcp::socket socket, Pages& all) : ws_(std::move(socket)), greeting_(ws_.get_executor()), all_(all) {
+    ++all_.sockets;
+  }
+  ~Page() {
+    leave();
+    --all_.sockets;
+  }
 
   void accept(const http::request<http::string_body>& request) {
     ws_.set_option(websocket::stream_base::timeout{seconds(5), seconds(20), true});
@@ -89,6 +95,11 @@ class Page : public std::enable_shared_from_this<Page> {
     ws_.next_layer().expires_never();
     beast::error_code ignored;
     ws_.next_layer().socket().set_option(tcp::no_delay(true), ignored);
+    greeting_.expires_after(seconds(5));
+    greeting_.async_wait([weak = weak_from_this()](beast::error_code error) {
+      if (const auto self = weak.lock(); self && !error && self->id_ == 0)
+        self->refuse("no hello within five seconds");
+    });
     ws_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
       if (!error) self->read();
     });
@@ -133,7 +144,7 @@ class Page : public std::enable_shared_from_this<Page> {
       if (error || self->gone_) return self->leave();
       try {
         self->take(beast::buffers_to_string(self->buffer_.data()), self->ws_.got_text());
-      } catch (const std::invalid_argument& wrong) {
+      } catch (const std::exception& wrong) {
         return self->refuse(wrong.what());
       }
       if (!self->gone_) self->read();
@@ -173,18 +184,22 @@ class Page : public std::enable_shared_from_this<Page> {
   void hello(const std::string& bytes, bool text) {
     require(text, "the first message must be a hello");
     const Json json = Json::parse(bytes, nullptr, false);
-    require(json.is_object() && json.value("kind", "") == "hello" && json.contains("token") &&
-                json["token"].is_string(),
+    const auto word = [&](const char* name) {
+      const auto at = json.is_object() ? json.find(name) : json.end();
+      return at != json.end() && at->is_string() ? at->get<std::string>() : std::string();
+    };
+    require(word("kind") == "hello" && !word("token").empty(),
             "the first message must be a hello with a token");
-    require(Clock::now() >= all_.shut_until, "three wrong tokens: wait ten seconds");
-    if (!same_secret(json["token"].get<std::string>(), all_.token)) {
+    if (!same_secret(word("token"), all_.token)) {
+      require(Clock::now() >= all_.shut_until, "three wrong tokens: wait ten seconds");
       if (++all_.wrong >= kWrongTokens) all_.wrong = 0, all_.shut_until = Clock::now() + kDoorShut;
       throw std::invalid_argument("wrong token");
     }
+    require(all_.pages.size() < kPages, "eight pages are enough");
     all_.wrong = 0;
     id_ = all_.next++;
     all_.pages[id_] = this;
-    if (all_.controller == 0 && json.value("role", "") != "viewer") all_.controller = id_;
+    if (all_.controller == 0 && word("role") != "viewer") all_.controller = id_;
     Json welcome = Json::parse(all_.session.facts());
     welcome["kind"] = "welcome", welcome["protocol"] = kLiveProtocol, welcome["session"] = all_.id;
     welcome["page"] = id_;
@@ -246,6 +261,7 @@ class Page : public std::enable_shared_from_this<Page> {
   }
 
   websocket::stream<beast::tcp_stream> ws_;
+  asio::steady_timer greeting_;
   Pages& all_;
   beast::flat_buffer buffer_{};
   std::deque<Message> out_{};
@@ -311,7 +327,7 @@ class Door : public std::enable_shared_from_this<Door> {
     if (request.target() != "/live") return say(http::status::not_found, "no such door\n");
     if (request[http::field::sec_websocket_protocol] != kLiveProtocol)
       return say(http::status::bad_request, std::string("the protocol must be ") + kLiveProtocol + "\n");
-    if (all_.pages.size() >= kPages)
+    if (all_.pages.size() >= kPages || all_.sockets >= kSockets)
       return say(http::status::service_unavailable, "eight pages are enough\n");
     std::make_shared<Page>(stream_.release_socket(), all_)->accept(request);
   }
@@ -363,8 +379,14 @@ struct Server::Impl {
   void accept() {
     acceptor.async_accept([this](beast::error_code error, tcp::socket socket) {
       if (error == asio::error::operation_aborted) return;
-      if (!error) std::make_shared<Door>(std::move(socket), all)->read();
-      accept();
+      if (!error) {
+        std::make_shared<Door>(std::move(socket), all)->read();
+        return accept();
+      }
+      pause.expires_after(milliseconds(100));  // no descriptors are left, say
+      pause.async_wait([this](beast::error_code stopped) {
+        if (!stopped) accept();
+      });
     });
   }
 
@@ -392,7 +414,7 @@ struct Server::Impl {
   Pages all;  // before what holds pages
   asio::io_context io{1};
   tcp::acceptor acceptor{io};
-  asio::steady_timer timer{io};
+  asio::steady_timer timer{io}, pause{io};
 };
 
 Server::Server(LiveSession& session, const ServerOptions& options) {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "geometry/check.hpp"
+#include "geometry/digest.hpp"
 
 namespace aussois {
 namespace {
@@ -21,9 +22,17 @@ std::size_t bytes_of(const State& state) {
          sizeof(int) * state.turns.size() + state.memory.contacts.size() * sizeof(RememberedContact);
 }
 
+// To the last bit: the state takes them as they are.
 bool same(const PortTarget& a, const PortTarget& b) {
-  return a.mode == b.mode && a.pose.p == b.pose.p && a.pose.R.coeffs() == b.pose.R.coeffs() &&
-         a.twist == b.twist && a.grip == b.grip && a.firm == b.firm;
+  const auto bits = [](const PortTarget& t) {
+    Digest out;
+    out.add(std::uint64_t(t.mode)), out.add(std::uint64_t(t.firm));
+    out.add(t.pose.p), out.add(t.grip);
+    for (const double x : t.pose.R.coeffs()) out.add(x);
+    for (const double x : t.twist) out.add(x);
+    return out.value;
+  };
+  return bits(a) == bits(b);
 }
 
 void check_target(const PortTarget& target) {
@@ -69,8 +78,8 @@ TickReport Session::tick(const PortTarget& target) {
     log_.changes.push_back({take_, moment_, change.name, change.value});
   if (next_) stage_.use(*next_);
   next_.reset(), changes_.clear();
-  const bool first = moment_ == log_.takes[std::size_t(take_)].begins;
-  if (first || !same(log_.inputs.back().target, target)) log_.inputs.push_back({take_, moment_, target});
+  if (!said_ || !same(*said_, target)) log_.inputs.push_back({take_, moment_, target});
+  said_ = target;
   TickReport report = stage_.advance(target);
   log_.takes[std::size_t(take_)].ends = ++moment_;
   mark_by_itself(report);
@@ -85,8 +94,18 @@ void Session::change(const std::string& name, double value) {
   changes_.push_back({take_, moment_, name, value});
 }
 
-void Session::mark(const std::string& text) {
-  add_mark("note", text);
+void Session::mark(const std::string& text, int take, std::int64_t moment) {
+  if (take < 0) return add_mark("note", text);
+  check_moment(take, moment);
+  log_.marks.push_back({owner(log_, take, moment), moment, "note", text});
+}
+
+void Session::check_moment(int take, std::int64_t moment) const {
+  require_field(take >= 0 && std::size_t(take) < log_.takes.size(), "take", take,
+                ("lie in [0, " + std::to_string(log_.takes.size()) + ")").c_str());
+  const std::int64_t last = log_.takes[std::size_t(take)].ends;
+  require_field(moment >= 0 && moment <= last, "moment", moment,
+                ("lie in [0, " + std::to_string(last) + "]").c_str());
 }
 
 void Session::add_mark(const char* kind, const std::string& text) {
@@ -129,34 +148,37 @@ void Session::keep() {
   if (moment_ % kOldBlock == 0 || bytes_ > options_.memory) thin_out();
 }
 
-// States of the last minute stay; older ones each kOldBlock ticks, or fewer if they take too much memory.
+// States of the last minute stay, older ones each kOldBlock ticks. If that is too much memory, fewer of the
+// old ones stay, and then fewer of all.
 void Session::thin_out() {
   const std::int64_t minute = std::int64_t(kMinute / stage_.parameters().tick);
-  for (std::int64_t spacing = kOldBlock; spacing > 0; spacing *= 2) {
+  const auto drop = [&](std::int64_t old_spacing, std::int64_t near_spacing) {
     for (auto it = kept_.begin(); it != kept_.end();) {
       const auto [take, moment] = it->first;
-      const bool near = take == take_ && moment > moment_ - minute && spacing == kOldBlock;
-      if (near || moment % spacing == 0) {
+      const bool near = moment > moment_ - minute && take == owner(log_, take_, moment);
+      if (moment % (near ? near_spacing : old_spacing) == 0) {
         ++it;
         continue;
       }
       bytes_ -= bytes_of(it->second.state);
       it = kept_.erase(it);
     }
-    if (bytes_ <= options_.memory || spacing > moment_) return;
-  }
+    return bytes_ <= options_.memory;
+  };
+  std::int64_t old_spacing = kOldBlock;
+  while (!drop(old_spacing, kBlock) && old_spacing <= moment_) old_spacing *= 2;
+  for (std::int64_t near = 2 * kBlock; bytes_ > options_.memory && near <= 2 * moment_; near *= 2)
+    drop(old_spacing, near);
 }
 
-void Session::seek(int take, std::int64_t moment) {
-  require_field(take >= 0 && std::size_t(take) < log_.takes.size(), "seek: take", take,
-                ("lie in [0, " + std::to_string(log_.takes.size()) + ")").c_str());
-  const std::int64_t last = log_.takes[std::size_t(take)].ends;
-  require_field(moment >= 0 && moment <= last, "seek: moment", moment,
-                ("lie in [0, " + std::to_string(last) + "]").c_str());
+TickReport Session::seek(int take, std::int64_t moment) {
+  check_moment(take, moment);
   if (moment_ == log_.takes[std::size_t(take_)].ends) add_hash();
   const int of = owner(log_, take, moment);
   int from = of;
-  std::int64_t at = moment;
+  std::int64_t at =
+      std::max<std::int64_t>(0, moment - 1);  // so that the last tick is taken, and its report known
+  if (at < log_.takes[std::size_t(from)].begins) from = owner(log_, from, at);
   auto kept = kept_.upper_bound({from, at});
   while (kept == kept_.begin() || std::prev(kept)->first.first != from) {
     at = log_.takes[std::size_t(from)].begins;
@@ -165,14 +187,16 @@ void Session::seek(int take, std::int64_t moment) {
   }
   --kept;
   const TakeReader reader(log_, of);
+  TickReport last;
   stage_.restore(kept->second.state, kept->second.parameters);
   for (std::int64_t tick = kept->first.second; tick < moment; ++tick) {
     make_changes(stage_, reader.changes(tick));
-    (void)stage_.advance(reader.input(tick));
+    last = stage_.advance(reader.input(tick));
   }
   take_ = of, moment_ = moment;
-  next_.reset(), changes_.clear();
+  next_.reset(), changes_.clear(), said_.reset();
   touched_ = limited_ = refused_ = moment;
+  return last;
 }
 
 TakeRepeat repeat_take(const SessionLog& log, int take, SessionStage& stage,

@@ -26,10 +26,12 @@ class Session {
   /// Changes a parameter before the next tick (SES-3). Throws std::invalid_argument, and changes nothing, for
   /// a parameter that is unknown, a value out of range, or one with which the present state does not fit.
   void change(const std::string& name, double value);
-  void mark(const std::string& text);
+  /// A note, now or at a moment of a take that was. Throws as `seek` does.
+  void mark(const std::string& text, int take = -1, std::int64_t moment = 0);
   /// Goes to a moment of a take or of its past, by the nearest state that was kept and the ticks since. What
   /// was changed for the next tick is forgotten. Throws std::invalid_argument for a moment that never was.
-  void seek(int take, std::int64_t moment);
+  /// Returns what came of the tick that led there.
+  TickReport seek(int take, std::int64_t moment);
 
   const Model& model() const { return stage_.model(); }
   const State& state() const { return stage_.state(); }
@@ -52,6 +54,7 @@ class Session {
   using At = std::pair<int, std::int64_t>;  // take and moment
 
   void begin_take();
+  void check_moment(int take, std::int64_t moment) const;
   void keep();
   void thin_out();
   void mark_by_itself(const TickReport& report);
@@ -62,6 +65,7 @@ class Session {
   SessionLog log_{};
   int take_ = 0;
   std::int64_t moment_ = 0;
+  std::optional<PortTarget> said_{};  // in the last tick; none: it was of another take
   std::optional<SessionStage::Change> next_{};
   std::vector<SessionChange> changes_{};  // that make it
   std::map<At, Kept> kept_{};

@@ -37,6 +37,8 @@ TakeReader::TakeReader(const SessionLog& log, int take) {
     for (const SessionMark& row : log.marks)
       if (mine(row.take, row.moment, last)) marks_.push_back(row);
   }
+  std::ranges::stable_sort(hashes_, {}, &SessionHash::moment);  // that of a past moment may be written late
+  std::ranges::stable_sort(marks_, {}, &SessionMark::moment);
 }
 
 const PortTarget& TakeReader::input(std::int64_t tick) const {

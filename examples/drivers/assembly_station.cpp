@@ -243,7 +243,10 @@ ExitCode serve_pages(const Station& station, const StationArguments& a, int argc
     });
     ends = true;
     if (device) tell_device(device->record());
-    if (live.failed()) throw std::runtime_error(file.string() + ": cannot be written");
+    device.reset();
+    mouse.reset();
+    live.end();
+    if (live.failed()) throw std::runtime_error("the session ended: " + live.failure());
   }
   const SessionData session = read_session(file);
   const int take = int(session.log.takes.size()) - 1;

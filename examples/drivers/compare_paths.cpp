@@ -128,10 +128,10 @@ ExitCode compare(const Arguments& a) {
     }
     summary.set("length_difference", second.length - first.length);
     summary.set("work_difference", second.work - first.work);
-    summary.set("same_bits", same);
+    summary.set("same_rows", same);
     write_summary(a.common.summary, summary);
   }
-  std::printf("%s\n", same ? "the same bits in every tick" : "two ways");
+  std::printf("%s\n", same ? "the same numbers in every row" : "two ways");
   const bool near = off[0].largest <= a.clearance && std::max(off[1].largest, off[2].largest) <= a.force;
   return near ? ExitCode::ok : ExitCode::not_accepted;
 }

@@ -34,7 +34,9 @@ export class Hand {
     this.mode = modes.none;
     this.grip = this.twist = null;
     this.dragging = false;
+    this.keys.clear();
     this.stage.orbit.enabled = true;
+    this.onLetGo?.();
   }
 
   press(event) {
@@ -101,6 +103,9 @@ export class Hand {
   readGamepads() {
     const pad = [...navigator.getGamepads()].find(Boolean);
     if (!pad) return;
+    const moves = [...pad.axes, ...pad.buttons.slice(4, 8).map(b => b.value)].some(x => response(x) !== 0);
+    if (!moves && !this.padMoved) return;  // at rest it leaves the hand to others
+    this.padMoved = moves;
     const [x = 0, y = 0, rx = 0, ry = 0] = pad.axes, button = i => pad.buttons[i]?.value ?? 0;
     this.push([x, -y, button(6) - button(7), -ry, rx, button(4) - button(5)]);
     if (pad.buttons[1]?.pressed) this.letGo();

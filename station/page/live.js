@@ -26,19 +26,20 @@ function begin(message) {
   $('banner').hidden = true;
   $('title').textContent = document.title = message.title;
   live.parameters = message.parameters;
+  showParameters();
   if (session === message.session) return;
   [session, welcome] = [message.session, message];
   stage = null;  // until the meshes are there
   live.ready = false;
   live.events = [];
   $('marks').replaceChildren();
-  showParameters();
 }
 
 function build() {
   if (stage || !welcome || welcome.bodies.some(body => body.mesh && !meshes.has(body.mesh))) return;
   stage = new LiveStage($('gl'), welcome, meshes);
   hand = new Hand(stage, $('gl'), () => controls() && live.frame !== null);
+  hand.onLetGo = sendCommand;
   Object.assign(live, { ready: true, stage, hand });
   stage.resize();
   new ResizeObserver(() => stage.resize()).observe($('stage'));
@@ -73,7 +74,7 @@ const takers = {
   parameters: ({ parameters }) => { live.parameters = parameters; showParameters(); },
   event: event => {
     live.events.push(event);
-    const go = element('button', { textContent: `${event.what}: ${event.text}`, onclick: () => { hand.letGo(); sendCommand(); send({ kind: 'seek', take: event.take, moment: event.moment }); } });
+    const go = element('button', { textContent: `${event.what}: ${event.text}`, onclick: () => { hand.letGo(); send({ kind: 'seek', take: event.take, moment: event.moment }); } });
     $('marks').append(element('li', {}, `take ${event.take}, ${event.moment}: `, go));
     $('marks').scrollTop = $('marks').scrollHeight;
   },
@@ -109,7 +110,7 @@ function showParameters() {
   if (document.activeElement?.closest('#parameters') && live.parameters.length === $('parameters').children.length) return;
   $('parameters').replaceChildren(...live.parameters.map(({ name, value, what, unit, bound }) => {
     const id = `p-${name}`, input = element('input', { id, type: 'number', step: 'any', value: value ?? '', placeholder: value === null ? 'none' : '', disabled: !controls(), title: `${what}; ${bound}` });
-    input.onchange = () => { input.blur(); send({ kind: 'set', name, value: Number(input.value) }); };
+    input.onchange = () => { input.blur(); if (input.value === '') showParameters(); else send({ kind: 'set', name, value: Number(input.value) }); };
     return element('div', { className: 'row' }, element('label', { htmlFor: id, textContent: name, title: what }), input, element('span', { textContent: unit === '-' ? '' : unit }));
   }));
 }
@@ -162,12 +163,16 @@ const dress = () => stage?.dress({ opacity: +$('opacity').value, axis: $('axis')
 
 // ---- what is asked for
 
-const seek = moment => live.frame && (hand.letGo(), sendCommand(), send({ kind: 'seek', take: live.frame.take, moment: Math.max(0, Math.round(moment)) }));
+const seek = moment => live.frame && (hand.letGo(), send({ kind: 'seek', take: live.frame.take, moment: Math.max(0, Math.round(moment)) }));
 const tickOf = () => live.parameters.find(p => p.name === 'tick')?.value ?? 1e-3;
 const actions = {
-  pause: () => live.frame && send({ kind: 'pause', on: !live.frame.paused }),
+  pause: () => { if (!live.frame) return; hand.letGo(); send({ kind: 'pause', on: !live.frame.paused }); },
   back: () => live.frame && seek(live.frame.moment - 1 / tickOf()),
-  mark: () => { const text = prompt('Note', '') ; if (text !== null) send({ kind: 'mark', text }); },
+  mark: () => {
+    if (!live.frame) return;
+    const { take, moment } = live.frame, text = prompt('Note', '');  // the session goes on meanwhile
+    if (text !== null) send({ kind: 'mark', text, take, moment });
+  },
   save: () => { say('saving'); send({ kind: 'save' }); },
   letgo: () => hand?.letGo(),
   control: () => send({ kind: controls() ? 'release' : 'take_control' }),
@@ -183,7 +188,7 @@ addEventListener('keydown', event => {
   if (event.key === 'Escape') hand?.letGo();
   if (event.ctrlKey && event.key === 'z') { event.preventDefault(); actions.back(); }
   if (event.ctrlKey || event.altKey || event.metaKey) return;
-  if (event.key === ' ' && event.target.tagName !== 'BUTTON') { event.preventDefault(); actions.pause(); }
+  if (event.key === ' ' && !['BUTTON', 'INPUT'].includes(event.target.tagName)) { event.preventDefault(); actions.pause(); }
   if (event.key === 'm') { event.preventDefault(); actions.mark(); }
   if ('1234'.includes(event.key)) stage?.look({ 1: 'iso', 2: 'x', 3: 'y', 4: 'z' }[event.key]);
 });

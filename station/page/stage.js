@@ -91,12 +91,12 @@ export class LiveStage extends Stage {
     line.geometry.setDrawRange(0, values.length / 3);
   }
   addToTrace(frame) {
-    const [x, y, z] = frame.poses[this.moving], at = this.trace.geometry.attributes.position, i = this.traced;
+    const [x, y, z] = frame.poses[this.moving], at = this.trace.geometry.attributes.position;
     if (frame.take !== this.tracedTake || frame.moment < this.tracedMoment) this.traced = 0;
     [this.tracedTake, this.tracedMoment] = [frame.take, frame.moment];
     const last = this.traced - 1;
     if (last >= 0 && Math.hypot(at.getX(last) - x, at.getY(last) - y, at.getZ(last) - z) < 1e-3 * this.size) return;
-    if (i >= longestTrace) { at.array.copyWithin(0, 3 * longestTrace / 2); this.traced = longestTrace / 2; }
+    if (this.traced >= longestTrace) { at.array.copyWithin(0, 3 * longestTrace / 2); this.traced = longestTrace / 2; }
     at.setXYZ(this.traced++, x, y, z);
     at.needsUpdate = true;
     this.trace.geometry.setDrawRange(0, this.traced);

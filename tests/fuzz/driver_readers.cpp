@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <stdexcept>
@@ -6,6 +7,7 @@
 #include "examples/common/kept_json.hpp"
 #include "examples/drivers/assembly/assembly_input.hpp"
 #include "examples/drivers/assembly/lay_cables.hpp"
+#include "examples/drivers/station/hand_script.hpp"
 #include "examples/scenes/shared_series.hpp"
 #include "examples/studies/convergence/slid_level.hpp"
 #include "examples/studies/convergence/study_files.hpp"
@@ -255,12 +257,19 @@ void use_kept(const fs::path& file) {
   if (!kind.read(folder)) throw std::runtime_error("the work is done again");
 }
 
+// What a hand does.
+void use_script(const fs::path& file) {
+  const std::vector<HandCommand> commands = hand_commands_in(read_file(file), file.string());
+  if (!(duration(commands) >= 0)) std::abort();
+}
+
 }  // namespace
 
 std::vector<FuzzedReader> driver_readers() {
   return {{"pairs", ".csv", make_pairs, use_pairs},      {"toss", ".csv", write_input, use_toss},
           {"samples", ".csv", write_input, use_samples}, {"series", ".csv", write_input, use_series},
-          {"cables", ".json", write_input, use_cables},  {"kept", ".json", write_input, use_kept}};
+          {"cables", ".json", write_input, use_cables},  {"kept", ".json", write_input, use_kept},
+          {"script", ".json", write_input, use_script}};
 }
 
 }  // namespace aussois

@@ -169,9 +169,16 @@ class LiveServer(DriverTest):
     def test_closes_where_it_is_not_understood(self):
         self.assertEqual(self.closes({"kind": "hello", "token": "0" * 32}, hello=False), (1008, "wrong token"))
         self.assertEqual(self.closes({"kind": "set"}, hello=False)[0], 1008)
+        self.assertEqual(self.closes({"kind": 1}, hello=False)[0], 1008)
+        self.assertEqual(self.closes({"kind": "hello", "token": [self.token]}, hello=False)[0], 1008)
+        self.page()  # it lives
         self.assertEqual(self.closes(command(), hello=False)[0], 1008)
         self.page()  # a right one: the count of wrong ones begins anew
         self.assertIn("bytes = 119", self.closes(command()[:-1])[1])
+        deep = self.page()
+        deep.send("[" * 10000)  # no object
+        while not deep.closed:
+            deep.take()
         self.assertIn("version = 2", self.closes(command()[:2] + b"\2\0" + command()[4:])[1])
         self.assertIn("target", self.closes(command(1, (float("nan"), 0, 0, 0, 0, 0, 1)))[1])
         self.assertIn("JSON object", self.closes("[1, 2]")[1])
@@ -183,7 +190,16 @@ class LiveServer(DriverTest):
     def test_shuts_the_door_after_three_wrong_tokens(self):
         for _ in range(3):
             self.closes({"kind": "hello", "token": "f" * 32}, hello=False)
-        self.assertIn("wait ten seconds", self.closes({"kind": "hello", "token": self.token}, hello=False)[1])
+        self.assertIn("wait ten seconds", self.closes({"kind": "hello", "token": "f" * 32}, hello=False)[1])
+        self.page()  # nobody can lock the engineer out
+
+    def test_sends_away_who_says_nothing(self):
+        silent = [Page(self.port) for _ in range(40)]
+        self.assertEqual({page.status for page in silent[:32]}, {101})
+        self.assertEqual({page.status for page in silent[32:]}, {503})
+        while not silent[0].closed:
+            silent[0].take()
+        self.assertIn("no hello", silent[0].closed[1])
 
     def test_has_one_hand(self):
         page, viewer = self.page(), self.page("viewer")

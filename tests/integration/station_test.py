@@ -51,7 +51,7 @@ class Station(DriverTest):
         none = ("--force-tolerance", 0, "--clearance-tolerance", 0)
         same = self.drive("compare_paths", "out", "again", *none)
         self.assertEqual(same.returncode, 0, same.stderr)
-        self.assertIn("the same bits in every tick", same.stdout)
+        self.assertIn("the same numbers in every row", same.stdout)
         other = self.drive("compare_paths", "out", "first", *none, "--summary", "out/compared.json")
         self.assertEqual(other.returncode, 1, other.stderr)
         self.assertGreater(json.loads((self.folder / "out/compared.json").read_text())["contact_force_difference"], 0)

@@ -113,8 +113,9 @@ class Assessor {
 
   void look_at_steps(const TickReport& report, BodyId body) {
     bool unsolved = false;
-    load_ = {};
-    clearance_ = kInf, gap_ = kInf;
+    if (fresh_row_)
+      load_ = {}, clearance_ = kInf, gap_ = kInf, hand_ = 0;  // a row has what came since the last one
+    fresh_row_ = false;
     for (const StepReport& step : report.steps) {
       const ContactLoad load = load_of(step, body);
       load_ = {std::max(load_.sum, load.sum), std::max(load_.largest, load.largest), load_.work + load.work,
@@ -144,6 +145,7 @@ class Assessor {
             ((pull.force + last_pull_.force).dot(lead.head<3>()) +
              (pull.torque + last_pull_.torque).dot(turning));
     out.work += work_;
+    hand_ = std::max(hand_, pull.force.norm());
     out.hand_force = std::max(out.hand_force, pull.force.norm());
     out.hand_torque = std::max(out.hand_torque, pull.torque.norm());
     const bool at_limit = pull.force.norm() >= (1 - 1e-9) * port.options.limits.force ||
@@ -159,7 +161,7 @@ class Assessor {
     const State& state = stage.state();
     table_->add({double(tick_), state.t, double(report.steps.size()),
                  report.steps.empty() ? 0.0 : double(report.steps.back().contacts_found), double(load_.count),
-                 gap_, clearance_, pull.force.norm(), pull.torque.norm(), load_.sum, load_.largest, out.work,
+                 gap_, clearance_, hand_, pull.torque.norm(), load_.sum, load_.largest, out.work,
                  -out.friction, double(is_held(state, stage.port())), double(report.whole())});
     const CouplingWrench wrench{.force = pull.force,
                                 .torque = pose(state, stage.port().body).R.conjugate() * pull.torque};
@@ -168,6 +170,7 @@ class Assessor {
     else
       run_->append(run_step(tick_, stage.model(), state, wrench));
     add_pose(stage);
+    fresh_row_ = true;
   }
 
   // Of the mesh, as replay_assembly reads it.
@@ -185,6 +188,8 @@ class Assessor {
   State last_;
   PortPull last_pull_{};
   ContactLoad load_{};
+  bool fresh_row_ = true;
+  double hand_ = 0;
   double clearance_ = kInf, gap_ = kInf, work_ = 0, blocked_ = 0;
   std::int64_t tick_ = 0;
 };
@@ -269,6 +274,7 @@ nlohmann::ordered_json json_of(const TakeAssessment& a) {
 TakeAssessment assessment_in(const nlohmann::ordered_json& json) {
   TakeAssessment out;
   out.verdict = value_named(json.at("verdict").get<std::string>(), "verdict", kTakeVerdicts);
+  out.free_push = json.at("free_push").get<std::string>();
   for (const AssessmentNumber& number : assessment_numbers())
     number.set(out, number_in(json.at(number.name)));
   return out;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "examples/drivers/assembly/jam_probe.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "integrators/run.hpp"
@@ -8,6 +9,8 @@
 
 namespace aussois {
 namespace {
+
+constexpr double kFree = 20;  // times what counts as free: farther is not looked
 
 struct Push {
   Vec6 along = Vec6::Zero();
@@ -17,12 +20,14 @@ struct Push {
 std::vector<Push> pushes() {
   std::vector<Push> out;
   for (int axis = 0; axis < 3; ++axis)
-    for (const double sign : {1.0, -1.0}) {
-      std::string name{sign > 0 ? '+' : '-', char('x' + axis)}, screw = sign > 0 ? "right" : "left";
-      out.push_back({sign * Vec6::Unit(axis), name});
-      out.push_back({sign * Vec6::Unit(3 + axis), "turn " + name});
-      (screw += "-handed screw ") += char('x' + axis);
-      out.push_back({Vec6::Unit(axis) + sign * Vec6::Unit(3 + axis), screw});
+    for (const double way : {1.0, -1.0}) {
+      const std::string name{way > 0 ? '+' : '-', char('x' + axis)};
+      out.push_back({way * Vec6::Unit(axis), name});
+      out.push_back({way * Vec6::Unit(3 + axis), "turn " + name});
+      for (const double sense : {1.0, -1.0}) {
+        std::string screw = sense > 0 ? "right-handed screw " : "left-handed screw ";
+        out.push_back({way * (Vec6::Unit(axis) + sense * Vec6::Unit(3 + axis)), screw += name});
+      }
     }
   return out;
 }
@@ -43,17 +48,20 @@ JamProbe probe_jam(const SessionStage& stage, const JamOptions& options) {
   JamProbe out;
   for (const Push& push : pushes()) {
     Model model = stage.model();
-    add(model,
-        push_law(port.body, options.force * push.along.head<3>(), options.torque * push.along.tail<3>()));
+    add(model, push_law(port.body, options.force * push.along.head<3>(),
+                        std::min(options.torque, options.force * options.radius) * push.along.tail<3>()));
     State state = stage.state();
     set_port_hold(state, port.place, {.gains = {0, 0, 0, 0}});
     state.v.setZero();
     SchemeOptions chosen = stage.options().options;
     chosen.step.h = stage.parameters().tick;
     const Scheme scheme = make_scheme(stage.options().scheme, model, chosen);
-    (void)run(scheme, state, state.t + options.time, [](const StepReport&) { return true; });
-    const SE3& end = pose(state, port.body);
-    const double way = (end.p - start.p).norm() + options.radius * angle_between(end.R, start.R);
+    double way = 0;
+    (void)run(scheme, state, state.t + options.time, [&](const StepReport&) {
+      const SE3& now = pose(state, port.body);
+      way = (now.p - start.p).norm() + options.radius * angle_between(now.R, start.R);
+      return way < kFree * options.enough;  // a part that is free needs no more
+    });
     if (way > out.way) out.way = way, out.push = push.along, out.name = push.name;
   }
   out.wedged = out.way <= options.enough;

@@ -100,6 +100,7 @@ class PathRows {
     if (!station_) return true;
     Json key{{"program", program_digest()},
              {"said", plan_.said},
+             {"misalignment", plan_.station.parts.scene.misalignment},
              {"input", station_->input.fingerprint},
              {"hold_s", plan_.hold}};
     std::string name = file_stem(row.path.stem().string());

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
+#include <mutex>
 #include <sstream>
 
 #include "examples/common/progress.hpp"
@@ -24,17 +26,31 @@ struct Parts {
   LmdShapeOptions options{};
   std::filesystem::path cache{};
 
+  struct Dilated {
+    std::shared_ptr<const LmdShape> fixed{}, moving{};
+  };
+  mutable std::mutex mutex{};
+  mutable std::map<double, Dilated> known{};  // by dilation: they take long
+
+  Dilated dilated(double radius) const {
+    const std::lock_guard lock(mutex);
+    const auto prepared = [&](const AssemblyPart& part) {
+      return prepare_cached({.complex = part.complex, .radius = radius}, options, cache).shape;
+    };
+    Dilated& out = known[radius];
+    if (!out.fixed) out = {prepared(fixed), prepared(moving)};
+    return out;
+  }
+
   Model model(const SessionParameters& p) const {
     Model out = scene.model;
     out.forces.clear();  // the hand pulls, and not the path
     out.gravity = p.gravity;
     out.contact_law = {.mu = p.mu, .restitution = p.restitution};
     if (p.dilation != scene.dilation) {
-      const auto dilated = [&](const AssemblyPart& part) {
-        return prepare_cached({.complex = part.complex, .radius = p.dilation}, options, cache).shape;
-      };
-      out.shapes[out.bodies[scene.fixed].shape] = dilated(fixed);
-      out.shapes[out.bodies[scene.moving].shape] = dilated(moving);
+      const Dilated shapes = dilated(p.dilation);
+      out.shapes[out.bodies[scene.fixed].shape] = shapes.fixed;
+      out.shapes[out.bodies[scene.moving].shape] = shapes.moving;
     }
     return out;
   }
@@ -83,6 +99,24 @@ std::vector<std::string> lines_of(const std::string& text) {
   for (std::string line; std::getline(lines, line);) out.push_back(line);
   return out;
 }
+
+// The process works in another folder meanwhile.
+class WorkingFolder {
+ public:
+  explicit WorkingFolder(const std::filesystem::path& folder) {
+    std::error_code missing;
+    std::filesystem::current_path(folder, missing);
+  }
+  ~WorkingFolder() {
+    std::error_code ignored;
+    std::filesystem::current_path(before_, ignored);
+  }
+  WorkingFolder(const WorkingFolder&) = delete;
+  WorkingFolder& operator=(const WorkingFolder&) = delete;
+
+ private:
+  std::filesystem::path before_ = std::filesystem::current_path();
+};
 
 const std::string& note(const std::map<std::string, std::string>& notes, const char* name,
                         const std::filesystem::path& file) {
@@ -182,12 +216,12 @@ Station set_up(const StationFlags& flags, int threads, bool quiet) {
     out.scene.warnings.push_back(std::string(not_free.what()) + "; the clearance is that of the start");
   }
   out.parameters = parameters_of(a, out.scene);
-  out.make = maker_of(
-      std::make_shared<const Parts>(Parts{.fixed = out.input.fixed,
-                                          .moving = out.input.moving,
-                                          .scene = out.scene,
-                                          .options = {.levels = a.parts.scene.levels, .threads = threads},
-                                          .cache = a.parts.scene.cache}));
+  const auto parts = std::make_shared<Parts>();
+  parts->fixed = out.input.fixed, parts->moving = out.input.moving;
+  parts->scene = out.scene;
+  parts->options = {.levels = a.parts.scene.levels, .threads = threads};
+  parts->cache = a.parts.scene.cache;
+  out.make = maker_of(parts);
   return out;
 }
 
@@ -206,19 +240,18 @@ std::map<std::string, std::string> station_notes(const Station& station, int arg
 Station set_up_again(const std::map<std::string, std::string>& notes, const std::filesystem::path& file,
                      int threads, bool quiet) {
   std::vector<std::string> arguments = lines_of(note(notes, "arguments", file));
+  if (const auto script = std::ranges::find(arguments, "--script"); arguments.end() - script > 1)
+    arguments.erase(script, script + 2);  // it was played
   arguments.insert(arguments.begin(), "assembly_station");
   std::vector<const char*> argv;
   for (const std::string& argument : arguments) argv.push_back(argument.c_str());
-  const std::filesystem::path folder = note(notes, "folder", file);
   StationArguments again;
   Cli cli("assembly_station", "");
   add_options(cli, again);
+  const WorkingFolder there(note(notes, "folder", file));  // paths are as they were said
   ExitCode code = ExitCode::ok;
   if (!cli.parse(int(argv.size()), argv.data(), code))
-    throw std::runtime_error(file.string() + ": its command line is not that of an assembly_station");
-  for (std::filesystem::path* path : {&again.station.parts.data, &again.station.parts.fixed,
-                                      &again.station.parts.moving, &again.station.parts.path})
-    if (!path->empty()) *path = folder / *path;
+    throw std::runtime_error(file.string() + ": its command line cannot be followed again");
   use_passive_scheme(cli, again);
   Station out = set_up(again.station, threads, quiet);
   if (out.input.fingerprint != note(notes, "input", file))

@@ -79,16 +79,6 @@ TEST(JointCoordinates, BalanceTheLedgersOfTheReference) {
   }
 }
 
-// A second of a chain of a metre; its fastest motion has 100 periods in it.
-TEST(JointCoordinates, MoveAHundredRodsAsMaximalOnesInALongRun) {
-  SchemeOptions options = mechanism_options(1);
-  options.event_driven.ode = {.relative = 1e-12, .absolute = 1e-12};
-  const TreeScene chain = rods_in_a_row(100, 0.3);
-  const State a = run_scene(in_joint_coordinates(chain), "event_driven", options, 1),
-              b = run_scene(chain.bodies, "event_driven", options, 1);
-  EXPECT_LT(difference(a, b), 1e-9);
-}
-
 TEST(JointCoordinates, CloseLoopsByEquations) {
   const TreeScene bar = four_bar();
   const SchemeOptions options = mechanism_options(0.05);

@@ -103,6 +103,15 @@ TEST(SessionFile, IsReadableWhereverItsJournalIsCut) {
       "cut.tmp:2: 'fly' is unknown");
 }
 
+// What a killed session left is no prey of the next.
+TEST(SessionFile, KeepsWhatAKilledSessionLeft) {
+  const std::filesystem::path folder = fresh_folder(), path = folder / "session.h5";
+  for (int k = 0; k < 2; ++k) SessionWriter(path, {}).write(some_log());
+  SessionWriter third(path, {});
+  expect_same(read_session(folder / "session_left_1.h5").log, some_log());
+  expect_same(read_session(folder / "session_left_2.h5").log, some_log());
+}
+
 TEST(SessionFile, RefusesWhatIsNoSession) {
   const std::filesystem::path path = fresh_folder() / "session.h5";
   expect_names(message_of<std::runtime_error>([&] { (void)read_session(path); }), "session.h5");

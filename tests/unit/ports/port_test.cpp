@@ -132,6 +132,24 @@ TEST(Port, CountsItsStrideInTheThinnestDilations) {
   EXPECT_NEAR(kTick * twist(now.state, now.port.handle).head<3>().norm(), 4 * 1.1 * kDilation, 1e-12);
 }
 
+// Pushed on by a speed against a stop, the handle waits where the pull is at its limit, and comes back at
+// once.
+TEST(Port, DoesNotWindUpAgainstAStop) {
+  Desk now =
+      desk({.gains = {.stiffness = 2e3, .rotation_stiffness = 2}, .limits = {.force = 10, .torque = 1}});
+  pose(now.state, now.port.body).p.z() = 0.0121;
+  PortTarget down{.mode = PortTarget::Mode::twist};
+  down.twist[2] = -0.05;
+  run_ticks(now, down, 1000);
+  const auto stretch = [&] {
+    return (pose(now.state, now.port.handle).p - pose(now.state, now.port.body).p).norm();
+  };
+  EXPECT_LT(stretch(), 10 / 2e3 + 0.05 * 0.2);  // of the limit, and while the gains grow
+  down.twist[2] = 0.05;
+  run_ticks(now, down, 200);
+  EXPECT_GT(pose(now.state, now.port.body).p.z(), 0.0125);
+}
+
 // What was in the springs is gone, the part is braked, and then it is free.
 TEST(Port, LetsGoWithBrakesThatFade) {
   Desk now = desk();

@@ -161,6 +161,38 @@ TEST(Session, RefusesWhatNeverWas) {
   EXPECT_EQ(session.log().inputs.size(), 10u);
 }
 
+// An older take that goes on with what another take said last; a hash of a moment that is past.
+TEST(Session, LogsATakeThatGoesOnAndHashesOfThePast) {
+  Session session(desk, parameters());
+  play(session, 100);
+  session.seek(0, 40);
+  for (int k = 0; k < 30; ++k) (void)session.tick({});
+  session.seek(0, 100);
+  for (int k = 0; k < 100; ++k) (void)session.tick({});
+  session.seek(0, 70);
+  session.add_hash();
+  session.seek(0, 200);
+  session.add_hash();
+  for (const int take : {0, 1}) {
+    const TakeRepeat again = repeat(session, take);
+    EXPECT_EQ(again.differs, -1);
+    EXPECT_EQ(again.ticks, take == 0 ? 200 : 70);
+    EXPECT_GE(again.hashes, take == 0 ? 5 : 2);  // none is left out
+  }
+}
+
+TEST(Session, TellsWhatCameOfTheTickToWhichItGoes) {
+  Session session(desk, parameters());
+  play(session, 150);
+  const TickReport then = session.tick(stroke(150));
+  play(session, 20);
+  const TickReport back = session.seek(0, 151);
+  ASSERT_EQ(back.steps.size(), then.steps.size());
+  EXPECT_EQ(back.steps.back().contacts.size(), then.steps.back().contacts.size());
+  EXPECT_FALSE(back.steps.back().contacts.empty());
+  EXPECT_TRUE(session.seek(0, 0).steps.empty());
+}
+
 // A log that was spoilt, or another program: the first moment that differs is named.
 TEST(Session, NamesTheFirstMomentThatDiffers) {
   Session session(desk, parameters());
