@@ -83,7 +83,7 @@ SweptVolume swept_volume(const SimplicialComplex& solid, const std::vector<SE3>&
 }
 
 void write_swept_obj(const std::filesystem::path& path, const SweptVolume& s) {
-  const auto [nx, ny, nz] = s.cells;
+  const int nx = s.cells[0], ny = s.cells[1], nz = s.cells[2];
   const auto at = [&](int x, int y, int z) {
     return x >= 0 && y >= 0 && z >= 0 && x < nx && y < ny && z < nz &&
            s.swept[(std::size_t(z) * std::size_t(ny) + std::size_t(y)) * std::size_t(nx) + std::size_t(x)];
