@@ -103,8 +103,8 @@ class Page:
 class LiveServer(DriverTest):
     def setUp(self):
         super().setUp()
-        self.process = subprocess.Popen([Path(os.environ["AUSSOIS_DRIVERS"], "assembly_station"), *map(str, PEG), "--quiet", "-o", "out"],
-                                        cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.process = subprocess.Popen([Path(os.environ["AUSSOIS_DRIVERS"], "assembly_station"), *map(str, PEG), "--quiet", "--threads", "1", "-o", "out"],
+                                        cwd=self.folder, stdout=subprocess.PIPE, stderr=open(self.folder / "stderr", "w"), text=True)
         self.addCleanup(self.end)
         address = self.process.stdout.readline().strip()
         self.assertRegex(address, r"^http://127\.0\.0\.1:\d+/#[0-9a-f]{32}$")
@@ -113,6 +113,7 @@ class LiveServer(DriverTest):
     def end(self):
         self.process.kill()
         self.process.communicate()
+        self.assertNotRegex((self.folder / "stderr").read_text(), "Sanitizer|runtime error:")
 
     def page(self, role="controller", **hello):
         page = Page(self.port)
@@ -257,7 +258,7 @@ class LiveServer(DriverTest):
         self.assertIn("session.h5", page.text("saved")["text"])
         self.process.send_signal(signal.SIGINT)
         self.assertEqual(self.process.wait(120), 0)
-        again = self.drive("assess_path", "--session", "out/session.h5", "--quiet", "-o", "again")
+        again = self.drive("assess_path", "--session", "out/session.h5", "--quiet", "--threads", 1, "-o", "again")
         self.assertEqual(again.returncode, 0, again.stderr)
         self.assertIn("hashes the same", again.stdout)
 
