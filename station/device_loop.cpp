@@ -19,7 +19,7 @@ constexpr double kStands = 0.1;                // a session without a tick for s
 constexpr double kSlow = 0.5, kTooSlow = 0.1;  // below which forces shrink, and vanish
 
 // Forces of a scene in slow motion.
-DeviceForce slowed(DeviceForce force, double slow) {
+DeviceForce slowed(const DeviceForce& force, double slow) {
   const double part = slow >= kSlow ? 1 : slow < kTooSlow ? 0 : slow / kSlow;
   return {part * force.force, part * force.torque};
 }

@@ -82,7 +82,10 @@ class Page : public std::enable_shared_from_this<Page> {
     ++all_.sockets;
   }
   ~Page() {
-    leave();
+    try {
+      leave();
+    } catch (const std::exception&) {  // no memory to tell the others
+    }
     --all_.sockets;
   }
 

@@ -178,7 +178,7 @@ HapticDevice device_named(const std::string& name, const Station& station) {
 class SpaceMouse {
  public:
   SpaceMouse(LiveSession& live, const Vec3& grip)
-      : mouse_(), thread_([this, &live, grip] {
+      : thread_([this, &live, grip] {
           try {
             while (!stop_)
               for (const SpacenavEvent& event : mouse_.read(0.1)) {

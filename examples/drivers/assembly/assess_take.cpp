@@ -43,7 +43,7 @@ ContactLoad load_of(const StepReport& step, BodyId body) {
 
 class Assessor {
  public:
-  Assessor(const SessionStage& stage, RunHeader header, const AssessOptions& options)
+  Assessor(const SessionStage& stage, const RunHeader& header, const AssessOptions& options)
       : options_(options), last_(stage.state()) {
     if (options.folder.empty()) return;
     run_.emplace(options.folder / "run.h5", header);
@@ -196,9 +196,9 @@ class Assessor {
 
 }  // namespace
 
-TakeAssessment assess_take(const SessionLog& log, int take, SessionStage& stage, RunHeader header,
+TakeAssessment assess_take(const SessionLog& log, int take, SessionStage& stage, const RunHeader& header,
                            const AssessOptions& options) {
-  Assessor assessor(stage, std::move(header), options);
+  Assessor assessor(stage, header, options);
   const TakeRepeat repeat =
       repeat_take(log, take, stage, [&](const SessionStage& now, const TickReport& report) {
         assessor.add(now, report);

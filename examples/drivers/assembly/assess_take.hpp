@@ -63,7 +63,7 @@ struct AssessOptions {
 };
 
 /// Throws what repeat_take throws, std::runtime_error for files.
-TakeAssessment assess_take(const SessionLog& log, int take, SessionStage& stage, RunHeader header,
+TakeAssessment assess_take(const SessionLog& log, int take, SessionStage& stage, const RunHeader& header,
                            const AssessOptions& options);
 
 /// A number of an assessment, as summaries, tables and files of results name it.

@@ -27,8 +27,8 @@ std::vector<double> half_ways(const SimplicialComplex& solid, const std::vector<
 
 Vec3 centre_of(const SweptVolume& grid, std::size_t i) {
   const auto nx = std::size_t(grid.cells[0]), ny = std::size_t(grid.cells[1]);
-  return grid.corner +
-         grid.cell * (Vec3(double(i % nx), double(i / nx % ny), double(i / (nx * ny))) + Vec3::Constant(0.5));
+  const std::size_t x = i % nx, y = i / nx % ny, z = i / (nx * ny);
+  return grid.corner + grid.cell * (Vec3(double(x), double(y), double(z)) + Vec3::Constant(0.5));
 }
 
 SweptVolume grid_of(const SimplicialComplex& solid, const std::vector<SE3>& poses, int n, double margin) {

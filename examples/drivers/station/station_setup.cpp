@@ -56,7 +56,7 @@ struct Parts {
   }
 };
 
-SessionMaker maker_of(std::shared_ptr<const Parts> parts) {
+SessionMaker maker_of(const std::shared_ptr<const Parts>& parts) {
   return [parts](const SessionParameters& p) {
     SessionScene out{.model = parts->model(p)};
     out.port = add_port(out.model, parts->scene.moving, p.port);
