@@ -145,6 +145,18 @@ double follow(const Model& model, State& state, const Port& port, const PortTarg
   return std::max(0.0, elastic(state, port) - before);
 }
 
+PortPull port_pull(const State& state, const Port& port) {
+  return port_pull({pose(state, port.body), twist(state, port.body)},
+                   {pose(state, port.handle), twist(state, port.handle)}, port_hold(state, port.place),
+                   port.options.limits);
+}
+
+bool is_at_limit(const PortPull& pull, const PortLimits& limits) {
+  constexpr double kRounding = 1e-9;
+  return pull.force.norm() >= (1 - kRounding) * limits.force ||
+         pull.torque.norm() >= (1 - kRounding) * limits.torque;
+}
+
 bool is_held(const State& state, const Port& port) {
   return port_hold(state, port.place).gains.stiffness > 0;
 }

@@ -39,6 +39,10 @@ Port add_port(Model& model, BodyId body, const PortOptions& options);
 /// hand that lets go leaves the body with brakes that fade. Returns the energy that growing gains put in [J].
 double follow(const Model& model, State& state, const Port& port, const PortTarget& target, double tick);
 
+/// What the port exerts at a state, and whether that is as much as it can.
+PortPull port_pull(const State& state, const Port& port);
+bool is_at_limit(const PortPull& pull, const PortLimits& limits);
+
 /// Whether a hand holds the body.
 bool is_held(const State& state, const Port& port);
 

@@ -3,14 +3,13 @@
 // that the local model and the reserve allow (PORT-3) to (PORT-5).
 #pragma once
 
-#include "station/live_session.hpp"
-
 #include <atomic>
 #include <functional>
 #include <string>
 #include <thread>
 
 #include "ports/reserve.hpp"
+#include "station/live_session.hpp"
 
 namespace aussois {
 

@@ -366,12 +366,9 @@ void LiveSession::publish() {
   LiveFrame out{
       .t = state.t, .moment = session_.moment(), .take = std::uint32_t(session_.take()), .slow = slow_};
   out.ends = session_.log().takes[std::size_t(session_.take())].ends;
-  const PortPull pull = port_pull({pose(state, port.body), twist(state, port.body)},
-                                  {pose(state, port.handle), twist(state, port.handle)},
-                                  port_hold(state, port.place), port.options.limits);
+  const PortPull pull = port_pull(state, port);
   out.pull = pull.force, out.torque = pull.torque;
-  const bool at_limit = pull.force.norm() >= (1 - 1e-9) * port.options.limits.force ||
-                        pull.torque.norm() >= (1 - 1e-9) * port.options.limits.torque;
+  const bool at_limit = is_at_limit(pull, port.options.limits);
   bool unsolved = false;
   for (const StepReport& step : last_.steps) {
     out.distance = std::min(out.distance, step.min_base_distance);

@@ -4,9 +4,6 @@
 // on the clock.
 #pragma once
 
-#include "station/mailbox.hpp"
-#include "station/session.hpp"
-
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -20,6 +17,8 @@
 
 #include "io/live_message.hpp"
 #include "io/session_writer.hpp"
+#include "station/mailbox.hpp"
+#include "station/session.hpp"
 
 namespace aussois {
 

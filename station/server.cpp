@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "station/server.hpp"
 
-#include "station/live_page.hpp"
-#include "station/live_session.hpp"
-
 #include <chrono>
 #include <cstdio>
 #include <deque>
@@ -16,6 +13,8 @@
 #include <nlohmann/json.hpp>
 
 #include "geometry/check.hpp"
+#include "station/live_page.hpp"
+#include "station/live_session.hpp"
 
 namespace aussois {
 namespace {

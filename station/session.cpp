@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "station/session.hpp"
 
-#include "station/take_reader.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include "geometry/check.hpp"
 #include "geometry/digest.hpp"
+#include "station/take_reader.hpp"
 
 namespace aussois {
 namespace {
@@ -118,11 +117,8 @@ void Session::mark_by_itself(const TickReport& report) {
     for (const StepContact& contact : step.contacts) touches = touches || !contact.impulse.isZero(0);
   const Port& p = stage_.port();
   const State& s = stage_.state();
-  const PortPull pull =
-      port_pull({pose(s, p.body), twist(s, p.body)}, {pose(s, p.handle), twist(s, p.handle)},
-                port_hold(s, p.place), p.options.limits);
-  const bool limit = pull.force.norm() >= (1 - 1e-9) * p.options.limits.force ||
-                     pull.torque.norm() >= (1 - 1e-9) * p.options.limits.torque;
+  const PortPull pull = port_pull(s, p);
+  const bool limit = is_at_limit(pull, p.options.limits);
   const auto begins = [&](std::int64_t& last, bool is) {
     const bool fresh = is && double(moment_ - last) * stage_.parameters().tick > kQuiet;
     if (is) last = moment_;

@@ -3,12 +3,11 @@
 // the same bits (doc/theory/sessions.md). No clock, no socket: a test drives it as a server does.
 #pragma once
 
-#include "station/session_stage.hpp"
-
 #include <map>
 #include <optional>
 
 #include "io/session_file.hpp"
+#include "station/session_stage.hpp"
 
 namespace aussois {
 

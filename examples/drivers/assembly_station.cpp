@@ -5,12 +5,6 @@
 // Theory   doc/theory/sessions.md (SES-1) to (SES-3), doc/theory/ports.md
 // Run      assembly_station --builtin bolt_nut --demo-script --no-browser
 // Expect   no refused tick; assess_path --session out/session.h5 finds the same hashes
-#include "station/device_loop.hpp"
-#include "station/live_session.hpp"
-#include "station/server.hpp"
-#include "station/spacenav.hpp"
-#include "station/take_reader.hpp"
-
 #include <atomic>
 #include <cmath>
 #include <cstdio>
@@ -29,6 +23,11 @@
 #include "io/session_writer.hpp"
 #include "io/text.hpp"
 #include "ports/simulated_hand.hpp"
+#include "station/device_loop.hpp"
+#include "station/live_session.hpp"
+#include "station/server.hpp"
+#include "station/spacenav.hpp"
+#include "station/take_reader.hpp"
 
 using namespace aussois;
 

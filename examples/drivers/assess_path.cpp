@@ -5,8 +5,6 @@
 // Theory   doc/theory/sessions.md (SES-1) to (SES-3), doc/theory/ports.md
 // Run      assess_path --fixed data/socket.obj --moving data/peg.obj --path data/peg_out.csv --misalignment 1
 // Expect   exit code 0: the part arrives; with --session every hash is the same
-#include "station/take_reader.hpp"
-
 #include <algorithm>
 #include <cstdio>
 
@@ -20,6 +18,7 @@
 #include "io/atomic_file.hpp"
 #include "io/build_info.hpp"
 #include "io/record.hpp"
+#include "station/take_reader.hpp"
 
 using namespace aussois;
 

@@ -208,6 +208,20 @@ class Many(DriverTest):
         self.sweep(*arguments, "--threads", 1, out="alone")
         self.assertEqual((self.folder / "alone/assessments.csv").read_bytes(), table)
 
+    def test_says_the_same_however_many_rows_it_records(self):
+        """And as a row of a sweep, which records none."""
+        arguments = (*PEG[4:], "--gravity", "0,0,-9.81", "--misalignment", 1)
+        numbers = []
+        for every in (1, 20):
+            self.sweep(*arguments, "--every", every, "--summary", "out/summary.json")
+            numbers.append(self.summary("out"))
+        self.sweep(*arguments, "--sweep", "mu=0.2", out="many")
+        (row,) = self.rows("many")
+        self.assertGreater(numbers[0]["contact_losses"], 0)
+        for name in ("clearance", "hand_force", "contact_force", "hand_work", "contact_losses", "length"):
+            self.assertEqual(numbers[0][name], numbers[1][name], name)
+            self.assertEqual(numbers[0][name], float(row[name]), name)
+
     def test_takes_the_paths_of_planners(self):
         folder = self.folder / "planned"
         folder.mkdir()

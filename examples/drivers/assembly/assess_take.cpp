@@ -59,7 +59,7 @@ class Assessor {
   void add(const SessionStage& stage, const TickReport& report) {
     const State& state = stage.state();
     const Port& port = stage.port();
-    const PortPull pull = pull_of(stage);
+    const PortPull pull = port_pull(state, port);
     ++tick_;
     look_at_steps(report, port.body);
     look_at_hand(stage, pull);
@@ -93,13 +93,6 @@ class Assessor {
   TakeAssessment out{};
 
  private:
-  static PortPull pull_of(const SessionStage& stage) {
-    const State& s = stage.state();
-    const Port& p = stage.port();
-    return port_pull({pose(s, p.body), twist(s, p.body)}, {pose(s, p.handle), twist(s, p.handle)},
-                     port_hold(s, p.place), p.options.limits);
-  }
-
   // Which way a blocked part comes free, at the limits of the hand.
   TakeVerdict look_for_a_way(const SessionStage& stage) {
     const PortLimits& limits = stage.port().options.limits;
@@ -113,6 +106,7 @@ class Assessor {
 
   void look_at_steps(const TickReport& report, BodyId body) {
     bool unsolved = false;
+    double work = 0;
     if (fresh_row_)
       load_ = {}, clearance_ = kInf, gap_ = kInf, hand_ = 0;  // a row has what came since the last one
     fresh_row_ = false;
@@ -120,6 +114,7 @@ class Assessor {
       const ContactLoad load = load_of(step, body);
       load_ = {std::max(load_.sum, load.sum), std::max(load_.largest, load.largest), load_.work + load.work,
                load.count};
+      work += load.work;
       unsolved = unsolved || (step.moved() && !step.ok());
       clearance_ = std::min(clearance_, step.min_base_distance);
       gap_ = std::min(gap_, step.min_gap);
@@ -131,7 +126,7 @@ class Assessor {
     out.unsolved += unsolved;
     out.contact_force = std::max(out.contact_force, load_.sum);
     out.contact = std::max(out.contact, load_.largest);
-    out.friction -= load_.work;
+    out.friction -= work;
   }
 
   // The handle has a constant velocity in a tick; the pull is taken as the mean of its ends.
@@ -141,15 +136,13 @@ class Assessor {
     const double tick = state.t - last_.t;
     const Vec6 lead = twist(state, port.handle);
     const Vec3 turning = pose(state, port.handle).R * Vec3(lead.tail<3>());
-    work_ = tick / 2 *
-            ((pull.force + last_pull_.force).dot(lead.head<3>()) +
-             (pull.torque + last_pull_.torque).dot(turning));
-    out.work += work_;
+    out.work += tick / 2 *
+                ((pull.force + last_pull_.force).dot(lead.head<3>()) +
+                 (pull.torque + last_pull_.torque).dot(turning));
     hand_ = std::max(hand_, pull.force.norm());
     out.hand_force = std::max(out.hand_force, pull.force.norm());
     out.hand_torque = std::max(out.hand_torque, pull.torque.norm());
-    const bool at_limit = pull.force.norm() >= (1 - 1e-9) * port.options.limits.force ||
-                          pull.torque.norm() >= (1 - 1e-9) * port.options.limits.torque;
+    const bool at_limit = is_at_limit(pull, port.options.limits);
     const double stride = port.options.stride * 2 * stage.parameters().dilation,
                  way = (pose(state, port.body).p - pose(last_, port.body).p).norm() +
                        options_.radius * angle_between(pose(state, port.body).R, pose(last_, port.body).R);
@@ -190,7 +183,7 @@ class Assessor {
   ContactLoad load_{};
   bool fresh_row_ = true;
   double hand_ = 0;
-  double clearance_ = kInf, gap_ = kInf, work_ = 0, blocked_ = 0;
+  double clearance_ = kInf, gap_ = kInf, blocked_ = 0;
   std::int64_t tick_ = 0;
 };
 

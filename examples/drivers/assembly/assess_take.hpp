@@ -3,8 +3,6 @@
 // other, what the hand and the contacts exerted.
 #pragma once
 
-#include "station/session.hpp"
-
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -13,6 +11,7 @@
 
 #include "io/run_file.hpp"
 #include "io/summary.hpp"
+#include "station/session.hpp"
 
 namespace aussois {
 

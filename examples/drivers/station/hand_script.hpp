@@ -2,11 +2,11 @@
 // A hand that plays what it is told: for sessions without a page (doc/howto/assemble_by_hand.md).
 #pragma once
 
-#include "station/session.hpp"
-
 #include <functional>
 #include <string>
 #include <vector>
+
+#include "station/session.hpp"
 
 namespace aussois {
 

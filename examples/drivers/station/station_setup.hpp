@@ -2,12 +2,11 @@
 // The scene of a session from the flags of a command line, and again from what a session keeps of them.
 #pragma once
 
-#include "station/session.hpp"
-
 #include <optional>
 
 #include "examples/common/scheme_flags.hpp"
 #include "examples/drivers/assembly/assembly_flags.hpp"
+#include "station/session.hpp"
 
 namespace aussois {
 

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "station/session_stage.hpp"
-
 #include "geometry/primitives.hpp"
 #include "mechanics/model.hpp"
+#include "station/session_stage.hpp"
 
 namespace aussois {
 

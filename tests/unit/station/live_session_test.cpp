@@ -2,12 +2,11 @@
 // A session on its own thread, and a haptic device on another.
 #include "station/live_session.hpp"
 
-#include "station/device_loop.hpp"
-#include "station/take_reader.hpp"
-
 #include <functional>
 
 #include "ports/simulated_hand.hpp"
+#include "station/device_loop.hpp"
+#include "station/take_reader.hpp"
 #include "tests/support/files.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/unit/station/desk.hpp"

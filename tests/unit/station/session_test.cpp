@@ -4,7 +4,6 @@
 #include "station/session.hpp"
 
 #include "station/take_reader.hpp"
-
 #include "tests/support/message_of.hpp"
 #include "tests/support/random.hpp"
 #include "tests/unit/station/desk.hpp"
